@@ -26,13 +26,13 @@ import numpy as np
 from scipy.linalg import eig
 
 from rotor_ida import Rotor, branches_through, compare, continue_cycle, limit_cycle, sweep
-from rotor_ida.cycles.multipliers import defects_of, is_stable
-from rotor_ida.simulation.neighbours import shoot
+from rotor_ida.cycles.multipliers import is_stable, symplectic_defect, trivial_defect
+from rotor_ida.cycles.orbit import followed
+from rotor_ida.simulation.flow import DiscFlow
 
 ZETA, CLEARANCES = 0.07, [0.5, 1.0, 2.0]
 SPEEDS = np.linspace(0.05, 3.0, 60)
 NAMES = ("x", "y", "vx", "vy")
-GO_ON = np.zeros(1, np.uint8)
 ROUNDING = 2.0**-52
 # DESIGN's two cycles: period, largest radius, and the multipliers beside 1 and q.
 KNOWN = {
@@ -81,9 +81,9 @@ def structure() -> None:
             point = branch.isel(point=number)
             rotor = Rotor(omega=float(point.omega), zeta=ZETA, delta0=float(point.delta0))
             state = np.array([float(point[name]) for name in NAMES])
-            shot = shoot(rotor, state, float(point.period), GO_ON)
-            if is_stable(shot):
-                rows.append(defects(shot))
+            orbit = followed(DiscFlow(rotor), state, float(point.period))
+            if is_stable(orbit):
+                rows.append(defects(orbit))
                 worst = max(worst, float(point.period))
     table = np.array(rows)
     names = ("trivial", "determinant", "its rounding", "partner", "its rounding", "form")
@@ -98,10 +98,10 @@ def structure() -> None:
           f"median {np.median(digits):.1f}")  # fmt: skip
 
 
-def defects(shot) -> tuple[float, ...]:
+def defects(orbit) -> tuple[float, ...]:
     """Return by how much a matrix breaks its structure, and what rounding may do to it."""
-    matrix, q = shot.monodromy, shot.contraction
-    trivial, form = defects_of(shot)
+    matrix, q = orbit.monodromy, orbit.pair_product
+    trivial, form = trivial_defect(orbit), symplectic_defect(orbit)
     size = np.linalg.norm(matrix) * np.linalg.norm(np.linalg.inv(matrix))
     values, left, right = eig(matrix, left=True)
     place = int(np.argmin(np.abs(values - q)))

@@ -110,21 +110,29 @@ def cycles():
 
     import rotor_ida as r  # noqa: PLC0415
 
-    try:
-        shoot = import_module("rotor_ida.simulation.neighbours").shoot
-    except ImportError:  # where it stood in an earlier checkout
-        shoot = import_module("rotor_ida.stability.orbit").shoot
+    shoot = shooting()
     cycle = r.limit_cycle(bouncing(), start=REST)
     state = np.array([float(cycle[name].values[0]) for name in ("x", "y", "vx", "vy")])
-    period, stop = float(cycle.period), np.zeros(1, np.uint8)
+    period = float(cycle.period)
     return {
         "limit_cycle": partial(r.limit_cycle, bouncing(), start=REST),
-        "shooting": partial(shoot, bouncing(), state, period, stop),
+        "shooting": partial(shoot, state, period),
         "continue_cycle": partial(r.continue_cycle, bouncing(), start=REST, limits=(1.9, 2.1)),
         "continue_cycle, the isola": partial(
             r.continue_cycle, bouncing(), start=cycle, limits=(0.05, 5.0)
         ),
     }
+
+
+def shooting():
+    """Return the function of a state and a period that follows an orbit with its derivatives."""
+    import numpy as np  # noqa: PLC0415
+
+    try:
+        return import_module("rotor_ida.simulation.flow").DiscFlow(bouncing()).run
+    except ImportError:  # an earlier checkout
+        shoot = import_module("rotor_ida.simulation.neighbours").shoot
+        return partial(shoot, bouncing(), stop=np.zeros(1, np.uint8))
 
 
 def basins():

@@ -31,8 +31,8 @@ import rotor_ida
 from rotor_ida import Rotor
 from rotor_ida.core.library import build_info
 from rotor_ida.core.runs import RunRequest, stretch
+from rotor_ida.simulation.flow import ATOL
 from rotor_ida.simulation.lyapunov import METHODS_OF_TANGENTS
-from rotor_ida.simulation.neighbours import ATOL
 
 WANTED = (1e-7, 1e-9, 1e-11)
 TOLERANCES = [10.0 ** (-power / 4.0) for power in range(16, 61)]

@@ -13,8 +13,8 @@ from .closed_forms import rest as rest
 from .closed_forms.ball_bearing import ball_bearing_stiffness as ball_bearing_stiffness
 from .cycles.bifurcation_curve import bifurcation_curve as bifurcation_curve
 from .cycles.branches import branches_through as branches_through
-from .cycles.dispatch import continue_cycle as continue_cycle
-from .cycles.dispatch import limit_cycle as limit_cycle
+from .cycles.continue_cycle import continue_cycle as continue_cycle
+from .cycles.limit_cycle import limit_cycle as limit_cycle
 from .errors import ArchiveError as ArchiveError
 from .errors import InputError as InputError
 from .errors import InstallationError as InstallationError

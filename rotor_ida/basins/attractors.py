@@ -16,8 +16,9 @@ from rotor_ida.basins.following import FollowedStarts, Starts
 from rotor_ida.basins.kernel import CHAOTIC, LOWEST, Labels
 from rotor_ida.basins.known import ContactFree, followed_alone, may_roll
 from rotor_ida.checks import State
-from rotor_ida.cycles.shooting import Cycle, sampled_orbit
+from rotor_ida.cycles.orbit import Orbit
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady import response
 from rotor_ida.steady.follow import SettledResponse, follow_to_steady_state
@@ -230,13 +231,14 @@ def family_of(attractors: list[Attractor]) -> tuple[int, ...]:
     )
 
 
-def attractor_of_cycle(cycle: Cycle, has_section: bool, stop: Stop) -> Attractor:
+def attractor_of_cycle(cycle: Orbit, has_section: bool, stop: Stop) -> Attractor:
     """Return a limit cycle as an attractor; `has_section` sets its trapping evidence."""
-    states = sampled_orbit(cycle.rotor, cycle.state, cycle.period / SAMPLES, SAMPLES + 1, stop)[:-1]
+    times = cycle.duration / SAMPLES * np.arange(SAMPLES + 1.0)
+    states = DiscFlow(cycle.rotor, stop).states(cycle.start, times)[:-1]
     whirl = complex(states[:, 0].mean(), states[:, 1].mean())
     return Attractor(
         cycle.response, abs(whirl), phase_lag_of(whirl), cycle.radius_min, cycle.radius_max,
-        cycle.period, ESTIMATED if has_section else NOTHING,
+        cycle.duration, ESTIMATED if has_section else NOTHING,
     )  # fmt: skip
 
 

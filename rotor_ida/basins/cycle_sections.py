@@ -27,9 +27,9 @@ from rotor_ida.arrays import Stop, Values
 from rotor_ida.basins.kernel import SECTION, Rows, measure_returns
 from rotor_ida.basins.trapping_regions import MOST_SKEW
 from rotor_ida.cycles.multipliers import multipliers_of
-from rotor_ida.cycles.shooting import Cycle
+from rotor_ida.cycles.orbit import Orbit
 from rotor_ida.errors import SimulationError
-from rotor_ida.simulation.neighbours import MAXIMUM, shoot
+from rotor_ida.simulation.flow import MAXIMUM, DiscFlow
 
 # Tolerance of a step of the kernel: close to a graze the set is small.
 TOLERANCE = 1e-10
@@ -61,7 +61,7 @@ class CycleSection:
 
     Parameters
     ----------
-    cycle : Cycle
+    cycle : Orbit
         The cycle.
     centre, normal : ndarray, shape (4,)
         Its state on the section, and the direction of the field there [1].
@@ -69,7 +69,7 @@ class CycleSection:
         L: the set is ``|L (s - centre)| <= 1``. All infinite if no such set was found.
     """
 
-    cycle: Cycle
+    cycle: Orbit
     centre: Values
     normal: Values
     form: Values
@@ -88,35 +88,35 @@ class CycleSection:
         return np.array((self.centre, self.normal, self.form, widest**2), dtype=SECTION)
 
 
-def cycle_section(cycle: Cycle, stop: Stop) -> CycleSection:
+def cycle_section(cycle: Orbit, stop: Stop) -> CycleSection:
     """Return a section of a stable limit cycle with a trapping set, if there is one.
 
     None is sought under a load, where the motion also depends on time, nor where the disc rolls,
     which the kernel cannot follow. With friction the disc slides forwards throughout from every
     state of the set.
     """
-    if cycle.rotor.load > 0.0 or cycle.shot.rolls:
-        return CycleSection(cycle, cycle.state, np.zeros(4), np.full((3, 4), np.inf))
+    if cycle.rotor.load > 0.0 or cycle.rolls:
+        return CycleSection(cycle, cycle.start, np.zeros(4), np.full((3, 4), np.inf))
     try:
         return _widest_section(cycle, stop)
     except (SimulationError, np.linalg.LinAlgError):
-        return CycleSection(cycle, cycle.state, np.zeros(4), np.full((3, 4), np.inf))
+        return CycleSection(cycle, cycle.start, np.zeros(4), np.full((3, 4), np.inf))
 
 
-def _widest_section(cycle: Cycle, stop: Stop) -> CycleSection:
+def _widest_section(cycle: Orbit, stop: Stop) -> CycleSection:
     """Return the section with the largest set among those that the modes suggest."""
-    shot = cycle.shot
-    maxima = shot.extrema[shot.extrema["kind"] == MAXIMUM]
+    extrema, flow = cycle.piece.extrema, DiscFlow(cycle.rotor, stop)
+    maxima = extrema[extrema["kind"] == MAXIMUM]
     time = float(maxima["time"][np.argmax(maxima["radius"])])
-    centre = shoot(cycle.rotor, cycle.state, time, stop).end if time > 0.0 else cycle.state
-    round_ = shoot(cycle.rotor, centre, cycle.period, stop)
+    centre = flow.run(cycle.start, time).end if time > 0.0 else cycle.start
+    round_ = flow.run(centre, cycle.duration)
     normal = round_.start_rate / np.linalg.norm(round_.start_rate)
     section = CycleSection(cycle, centre, normal, np.full((3, 4), np.inf))
-    slowest = complex(multipliers_of(cycle.shot)[1])
+    slowest = complex(multipliers_of(cycle)[1])
     rounds = 2 if slowest.real < 0.0 and slowest.imag == 0.0 else 1
     allowed = 1.0 - FALLS * (1.0 - abs(slowest) ** (2 * rounds))
     best, volume = section, 0.0
-    for form in _forms(round_.monodromy, normal):
+    for form in _forms(round_.tangents, normal):
         width = _width(section, form, rounds, allowed, stop)
         if width > 0.0 and width**3 / _density(form) > volume:
             volume = width**3 / _density(form)
@@ -152,8 +152,8 @@ def _width(section: CycleSection, form: Values, rounds: int, allowed: float, sto
     They are followed for `rounds` returns, after which V may be at most `allowed`.
     """
     cycle = section.cycle
-    before = (rounds - 1) * cycle.period
-    times = before + FIRST_RETURN * cycle.period, before + LAST_RETURN * cycle.period
+    before = (rounds - 1) * cycle.duration
+    times = before + FIRST_RETURN * cycle.duration, before + LAST_RETURN * cycle.duration
     directions = np.linalg.pinv(form) @ _sphere(STATES)
 
     def all_nearer(width: float) -> bool:

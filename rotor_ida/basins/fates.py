@@ -37,8 +37,10 @@ from rotor_ida.basins.kernel import (
 from rotor_ida.basins.known import Known, followed_alone, may_roll, with_cycle
 from rotor_ida.cycles.limit_cycle import returns
 from rotor_ida.cycles.multipliers import doubling_test, is_stable
-from rotor_ida.cycles.shooting import Cycle, close_orbit, once_round
+from rotor_ida.cycles.orbit import Orbit
+from rotor_ida.cycles.shooting import close_orbit, once_round
 from rotor_ida.errors import SimulationError
+from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady import response
 from rotor_ida.steady.decision import CLEAR_ERRORS, CLEAR_STRETCH
@@ -146,7 +148,7 @@ class Batch:
         left: Numbers = numbers[labels == UNDECIDED]
         return left
 
-    def label_of(self, cycle: Cycle) -> int:
+    def label_of(self, cycle: Orbit) -> int:
         """Return the label of a limit cycle, adding it to the known ones."""
         label = self.known.label_of_cycle(cycle)
         if label is None:
@@ -266,7 +268,7 @@ def beside_cycle(batch: Batch, number: int) -> bool:
     rotor, state = batch.known.rotor, batch.states[:, number].copy()
     duration = min(RETURN_REVOLUTIONS * 2.0 * math.pi / rotor.omega, RETURN_TIME)
     try:
-        times, misses = returns(rotor, state, duration, 2.0 * BESIDE, batch.stop)
+        times, misses = returns(DiscFlow(rotor, batch.stop), state, duration, 2.0 * BESIDE)
     except SimulationError:
         return False
     near = BESIDE * float(np.linalg.norm(state))
@@ -275,7 +277,7 @@ def beside_cycle(batch: Batch, number: int) -> bool:
         if (
             cycle is not None
             and cycle.radius_max - rotor.delta0 > SLIGHT * rotor.delta0
-            and float(np.linalg.norm(cycle.state - state)) <= near
+            and float(np.linalg.norm(cycle.start - state)) <= near
         ):
             batch.label_of(cycle)
             return True
@@ -292,30 +294,30 @@ def _closest(times: Values, misses: Values, apart: float) -> list[float]:
     return sorted(chosen)
 
 
-def _stable_cycle(batch: Batch, state: Values, period: float) -> Cycle | None:
+def _stable_cycle(batch: Batch, state: Values, period: float) -> Orbit | None:
     """Return the stable limit cycle near a state and a period, followed once round."""
     rotor, stop = batch.known.rotor, batch.stop
     try:
-        cycle = once_round(close_orbit(rotor, state, period, stop), stop)
+        cycle = once_round(close_orbit(DiscFlow(rotor, stop), state, period))
     except SimulationError:
         return None
-    if is_stable(cycle.shot):
+    if is_stable(cycle):
         return cycle
-    return _doubled(cycle, stop) if doubling_test(cycle.shot) < 0.0 else None
+    return _doubled(cycle, stop) if doubling_test(cycle) < 0.0 else None
 
 
-def _doubled(cycle: Cycle, stop: Stop) -> Cycle | None:
+def _doubled(cycle: Orbit, stop: Stop) -> Orbit | None:
     """Return the stable cycle of twice the period near one whose period has just doubled."""
-    multipliers, vectors = np.linalg.eig(cycle.shot.monodromy)
+    multipliers, vectors = np.linalg.eig(cycle.monodromy)
     aside = np.real(vectors[:, np.argmin(multipliers.real)])
-    aside *= np.linalg.norm(cycle.state) / np.linalg.norm(aside)
+    aside *= np.linalg.norm(cycle.start) / np.linalg.norm(aside)
     for part in ASIDE:
         try:
-            found = close_orbit(cycle.rotor, cycle.state + part * aside, 2.0 * cycle.period, stop)
-            found = once_round(found, stop)
+            twice = cycle.start + part * aside, 2.0 * cycle.duration
+            found = once_round(close_orbit(DiscFlow(cycle.rotor, stop), *twice))
         except SimulationError:
             continue
-        if is_stable(found.shot) and abs(found.period / cycle.period - 2.0) < TWICE:
+        if is_stable(found) and abs(found.duration / cycle.duration - 2.0) < TWICE:
             return found
     return None
 

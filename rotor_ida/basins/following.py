@@ -29,11 +29,13 @@ from rotor_ida.basins.known import (
     may_roll,
     same_cycle,
 )
-from rotor_ida.cycles.shooting import Cycle, close_orbit
+from rotor_ida.cycles.orbit import Orbit
+from rotor_ida.cycles.shooting import close_orbit
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import FailedJob, Progress, Stop, interruptible, run_all
 from rotor_ida.results.studies.arrays import scratch
 from rotor_ida.results.studies.results import Form, Results
+from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.steady.follow import SettledResponse
 
 Starts = Callable[[int, int], Values]
@@ -68,7 +70,7 @@ class FollowedStarts:
     labels: Labels  # number of the attractor, by `first_cycle` from `known` and `cycles`, or a fate
     times: Times  # when each was decided, or given up [1]; NaN where not computed
     # those that starts end on, in the order in which batches found them
-    cycles: list[Cycle] = field(default_factory=list)
+    cycles: list[Orbit] = field(default_factory=list)
     has_section: list[bool] = field(default_factory=list)  # whether each has a trapping section
     # amplitude, phase lag and extreme radii of motions without a period, by label, shape (k, 4) [1]
     aperiodic: dict[int, Values] = field(default_factory=dict)
@@ -215,7 +217,7 @@ def _follow(job: _Job, stop: Stop) -> BatchResult:
         0 if followed_alone(batch.known.rotor) else job.rechecked, stop,
     )  # fmt: skip
     batch.times[batch.labels == NOT_COMPUTED] = np.nan
-    cycles = [[*each.cycle.state, each.cycle.period, each.exists] for each in batch.known.cycles]
+    cycles = [[*each.cycle.start, each.cycle.duration, each.exists] for each in batch.known.cycles]
     return BatchResult(
         job.first, batch.labels, batch.times, np.array(cycles).reshape(-1, CYCLE),
         np.array([batch.left, batch.watched]), np.array(job.tolerance), rechecked,
@@ -263,7 +265,7 @@ def _renumbered(
     for number, row in enumerate(batch.cycles):
         key = tuple(row.tolist())
         if key not in numbers:
-            cycle = close_orbit(followed.known.rotor, row[:4], float(row[4]), stop)
+            cycle = close_orbit(DiscFlow(followed.known.rotor, stop), row[:4], float(row[4]))
             same = [place for place, each in enumerate(followed.cycles) if same_cycle(each, cycle)]
             numbers[key] = same[0] if same else len(followed.cycles)
             if not same:

@@ -29,7 +29,7 @@ from rotor_ida.basins.trapping_regions import TrappingRegion, trapping_regions
 from rotor_ida.closed_forms import touch_fading
 from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.closed_forms.rest import radius_at_rest
-from rotor_ida.cycles.shooting import Cycle
+from rotor_ida.cycles.orbit import Orbit
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.simulation.options import Options
@@ -88,7 +88,7 @@ class Known:
         """Time in which damping settles most starts [1]: the remaining ones are then examined."""
         return durations(self.rotor)[0]
 
-    def label_of_cycle(self, cycle: Cycle) -> int | None:
+    def label_of_cycle(self, cycle: Orbit) -> int | None:
         """Return the label of a limit cycle, or None if it is not known."""
         for number, section in enumerate(self.cycles):
             if same_cycle(section.cycle, cycle):
@@ -116,14 +116,14 @@ class Known:
         return labels, times
 
 
-def same_cycle(one: Cycle, other: Cycle) -> bool:
+def same_cycle(one: Orbit, other: Orbit) -> bool:
     """Return whether two limit cycles of a rotor are the same, regardless of phase."""
-    return same_numbers(one.period, one.radius_max, other)
+    return same_numbers(one.duration, one.radius_max, other)
 
 
-def same_numbers(period: float, radius_max: float, cycle: Cycle) -> bool:
+def same_numbers(period: float, radius_max: float, cycle: Orbit) -> bool:
     """Return whether a limit cycle has this period and largest radius."""
-    apart = abs(period / cycle.period - 1.0), abs(radius_max / cycle.radius_max - 1.0)
+    apart = abs(period / cycle.duration - 1.0), abs(radius_max / cycle.radius_max - 1.0)
     return max(apart) <= SAME
 
 
@@ -151,7 +151,7 @@ def _rest_on_the_ring(rotor: Rotor) -> TrappingRegion:
     return TrappingRegion(radius, 0.5 * np.pi, centre, np.full((4, 4), np.inf))
 
 
-def with_cycle(known: Known, cycle: Cycle, stop: Stop) -> Known:
+def with_cycle(known: Known, cycle: Orbit, stop: Stop) -> Known:
     """Return the known attractors with one more limit cycle."""
     section = cycle_section(cycle, stop)
     return Known(known.rotor, known.whirls, known.free, [*known.cycles, section])

@@ -188,7 +188,7 @@ class RunResult:
 
 
 _NO_TIMES, _NO_STATES, _NO_SPINS = np.empty(0), np.empty((0, 4)), np.empty(0, SPIN)
-_NO_CONTACTS, _NO_EXTREMA = np.empty(0, CONTACT), np.empty(0, EXTREMUM)
+_NO_CONTACTS, NO_EXTREMA = np.empty(0, CONTACT), np.empty(0, EXTREMUM)
 _NO_KINDS = np.empty(0, np.int8)
 
 
@@ -202,7 +202,7 @@ class _Tables:
         self.event_ways = _NO_KINDS
         varied = request.bundle is not None and len(request.bundle) > DIFFERENCES
         self.slides = request.rotor.friction > 0.0 or (varied and bool(request.rotor.disc_radius))
-        self.contacts, self.extrema = _NO_CONTACTS, _NO_EXTREMA
+        self.contacts, self.extrema = _NO_CONTACTS, NO_EXTREMA
         self.sample_spins = self.event_spins = _NO_SPINS
         self.turns = request.pieces is not None
         if request.pieces is not None:
@@ -321,7 +321,7 @@ def stretch(request: RunRequest, spans: int) -> tuple[Values, RunResult]:
     x, y, vx, vy = run.state
     result = RunResult(
         status, run.time, (x, y, vx, vy), run.began, run.where, _NO_STATES, _NO_TIMES, _NO_KINDS,
-        _NO_STATES, None, _NO_CONTACTS, _NO_EXTREMA, run.evaluations, run.steps,
+        _NO_STATES, None, _NO_CONTACTS, NO_EXTREMA, run.evaluations, run.steps,
         np.zeros((), SPIN), _NO_SPINS, _NO_SPINS,
     )  # fmt: skip
     return stretches[: done.value], result

@@ -32,7 +32,7 @@ from rotor_ida.cycles.problems import (
 )
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Progress, Stop, shows_progress
+from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.results.in_si import takes_si
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.studies.results import Results
@@ -115,16 +115,15 @@ def bifurcation_curve(
     count = check_count("points", points, minimum=2, maximum=MOST_NUMBERS)
     progress = check_progress(progress)
     guess = checked_guess(rotor, start)
-    if kind == TORUS and not may_have_tori(guess.rotor):
+    if kind == TORUS and not may_have_tori(guess.flow):
         raise InputError(
             "contact_damping, friction or load must be above 0 for a torus to be born, got a rotor "
             "with none"
         )
     bounds = _checked_limits((first, second), limits, guess.rotor)
-    go_on = np.zeros(1, np.uint8)
     if guess.special != kind:
-        guess = _nearest(guess, kind, first, bounds[0], go_on)
-    curve = bifurcations_through(guess, kind, (first, second), bounds, count, go_on)
+        guess = _nearest(guess, kind, first, bounds[0])
+    curve = bifurcations_through(guess, kind, (first, second), bounds, count)
     sides = follow_sides(curve, WAYS["both"], Results(), progress)
     attributes = provenance({"method": "taylor", "flight": "exact"}) | {
         "kind": kind,
@@ -133,9 +132,7 @@ def bifurcation_curve(
         "points": count,
         **start_attributes(guess),
     }
-    dataset = branch_dataset(
-        sides, (first, second), guess.rotor, "Bifurcation of limit cycles", kind="curve"
-    )
+    dataset = branch_dataset(sides, (first, second), "Bifurcation of limit cycles", kind="curve")
     return dataset.assign_attrs(attributes)
 
 
@@ -166,11 +163,9 @@ def _checked_limits(
     return first, second
 
 
-def _nearest(
-    guess: Guess, kind: str, parameter: str, limits: tuple[float, float], stop: Stop
-) -> Guess:
+def _nearest(guess: Guess, kind: str, parameter: str, limits: tuple[float, float]) -> Guess:
     """Return the bifurcation of a kind that is nearest along the branch through a cycle."""
-    branch = branch_through(with_period(guess), parameter, limits, MOST_POINTS_OF_BRANCH, stop)
+    branch = branch_through(with_period(guess), parameter, limits, MOST_POINTS_OF_BRANCH)
     sides = [Side([branch.first]), Side([branch.first.reversed()])][: 2 if branch.both else 1]
     while not all(side.end for side in sides):
         for side in sides:
@@ -178,6 +173,6 @@ def _nearest(
                 advance(branch, side)
             for _, special in side.specials:
                 if special.name == kind:
-                    shot = special.point.stretch
-                    return Guess(shot.rotor, shot.start, shot.duration, kind)
+                    orbit = special.point.stretch
+                    return Guess(orbit.flow, orbit.start, orbit.duration, kind)
     raise InputError(f"limits must contain a {kind} of the branch through the start, got none")

@@ -1,6 +1,7 @@
 """Where a branch of cycles is born: the Hopf point of a synchronous whirl.
 
-The whirl that begins to oscillate there is known in closed form, and so is the point.
+The whirl that begins to oscillate there is known in closed form, and so is the point. One disc is
+taken as a system of one node.
 """
 
 from __future__ import annotations
@@ -8,19 +9,21 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import replace
-from typing import Protocol
 
 import numpy as np
 from scipy.optimize import brentq
 
 from rotor_ida.arrays import Values
-from rotor_ida.closed_forms.rotor_columns import RotorColumns
-from rotor_ida.closed_forms.stability import eigenvalues_of
-from rotor_ida.closed_forms.synchronous import synchronous_response
 from rotor_ida.cycles.continuation import Point, Problem
-from rotor_ida.cycles.special_points import O
-from rotor_ida.model.rotor import Rotor
-from rotor_ida.simulation.neighbours import Shot
+from rotor_ida.cycles.orbit import Orbit, disc_of
+from rotor_ida.simulation.flow import Flow
+from rotor_ida.simulation.system_flow import SystemFlow
+from rotor_ida.systems.assembly import Assembly, assemble
+from rotor_ida.systems.axisymmetric import forward_motions
+from rotor_ida.systems.receptances import solved_motions
+from rotor_ida.systems.whirls.at_speeds import sliding
+from rotor_ida.systems.whirls.branches import RubProblem, Touching
+from rotor_ida.systems.whirls.turning_axes import normal_forces
 
 # Factor on the range, estimated from two nearby points, in which the bifurcation is sought.
 FARTHER = 4.0
@@ -32,26 +35,16 @@ SWING = 3e-7
 FINEST = 1e-15
 
 
-class WhirlNear(Protocol):
-    """The whirl nearest to a cycle with a small oscillation, over a parameter."""
-
-    def growth(self, place: float) -> float:
-        """Return the growth rate of the whirl's oscillation at the frequency of the cycle."""
-
-    def at(self, place: float) -> tuple[Values, complex]:
-        """Return state and eigenvalue of the whirl for a value of the parameter."""
-
-
 def birth_between(
-    last: Point[O], point: Point[O], whirl_near: Callable[[O], WhirlNear], problem: Problem[O]
-) -> Point[O] | None:
+    last: Point[Orbit], point: Point[Orbit], name: str, problem: Problem[Orbit]
+) -> Point[Orbit] | None:
     """Return the cycle at which a branch is born between two of its points, if there is one.
 
     Its parameter is that of the Hopf point, to rounding. The cycle oscillates too little about the
     whirl to change period or parameter.
     """
     nearer = min(last, point, key=_swing)
-    whirl = whirl_near(nearer.stretch)
+    whirl = RubNear.of(nearer.stretch, name)
     place = _crossing(whirl.growth, last, point)
     if place is None:
         return None
@@ -64,7 +57,7 @@ def birth_between(
     return replace(nearer, unknowns=unknowns, stretch=problem.shoot(unknowns))
 
 
-def oscillation(problem: Problem[O], whirl: Values, period: float, place: float) -> Values:
+def oscillation(problem: Problem[Orbit], whirl: Values, period: float, place: float) -> Values:
     """Return the direction, of length 1, in which a whirl oscillates at its Hopf point."""
     quarter = problem.shoot(np.array([*whirl, 0.25 * period, place])).monodromy
     multipliers, vectors = np.linalg.eig(quarter)
@@ -72,13 +65,15 @@ def oscillation(problem: Problem[O], whirl: Values, period: float, place: float)
     return np.asarray(aside / np.linalg.norm(aside))
 
 
-def _swing(point: Point[O]) -> float:
+def _swing(point: Point[Orbit]) -> float:
     """Return the largest change of a radius along a cycle."""
     low, high = point.stretch.sizes.reshape(2, -1)
     return float((high - low).max())
 
 
-def _crossing(growth: Callable[[float], float], last: Point[O], point: Point[O]) -> float | None:
+def _crossing(
+    growth: Callable[[float], float], last: Point[Orbit], point: Point[Orbit]
+) -> float | None:
     """Return where a pair of eigenvalues crosses the imaginary axis near two points of a branch.
 
     The parameter changes with the square of the oscillation.
@@ -94,36 +89,71 @@ def _crossing(growth: Callable[[float], float], last: Point[O], point: Point[O])
         return None
 
 
-class DiscWhirl:
-    """The whirl of one disc nearest to a cycle: see `WhirlNear`."""
+class RubNear:
+    """The rub nearest to given radii, over a parameter of a rotor that has no direction of its own.
 
-    def __init__(self, shot: Shot, name: str) -> None:
-        self._rotor, self._name = shot.rotor, name
-        self._amplitude = float(shot.sizes.mean())
-        self._frequency = 2.0 * math.pi / shot.duration
+    Parameters
+    ----------
+    flow : Flow
+        The motion for one value of the parameter.
+    name : str
+        The parameter.
+    touching : tuple of int
+        The contacts that stay closed.
+    radii : ndarray, shape (contact,)
+        Distances of the contacts.
+    frequency : float
+        Frequency of its oscillation.
+    """
 
-    def rotor_at(self, place: float) -> Rotor:
-        """Return the rotor for a value of the parameter."""
-        return replace(self._rotor, **{self._name: place})
+    def __init__(
+        self, flow: Flow, name: str, touching: Touching, radii: Values, frequency: float
+    ) -> None:
+        self._flow, self._name, self._touching = flow, name, touching
+        self._radii, self._frequency = radii, frequency
+
+    @classmethod
+    def of(cls, orbit: Orbit, name: str) -> RubNear:
+        """Return the rub near a cycle with a small oscillation, of the contacts that it keeps."""
+        low, high = orbit.sizes.reshape(2, -1)
+        touching = tuple(np.flatnonzero(low > orbit.flow.clearances).tolist())
+        return cls(orbit.flow, name, touching, 0.5 * (low + high), 2.0 * math.pi / orbit.duration)
 
     def growth(self, place: float) -> float:
-        """Return the growth rate of the whirl's oscillation at the frequency of the cycle."""
+        """Return the growth rate of the rub's oscillation for a value of the parameter."""
         return self.at(place)[1].real
 
     def at(self, place: float) -> tuple[Values, complex]:
-        """Return state and eigenvalue of the whirl for a value of the parameter."""
-        rotor = self.rotor_at(place)
-        whirls = synchronous_response(rotor, load=0.0)
-        touching = whirls["in_contact"].values.ravel() == 1
-        amplitudes = whirls["amplitude"].values.ravel()[touching]
-        if not amplitudes.size:
-            raise ValueError("there is no whirl in contact")
-        nearest = int(np.argmin(np.abs(amplitudes - self._amplitude)))
-        amplitude = float(amplitudes[nearest])
-        lag = float(whirls["phase_lag"].values.ravel()[touching][nearest])
-        rates = eigenvalues_of(np.array(amplitude), RotorColumns.of(rotor.given))
+        """Return state, on turning axes, and eigenvalue of the rub for a value of the parameter."""
+        if not self._touching:
+            raise ValueError("no contact stays closed")
+        flow = self._flow.but(**{self._name: place})
+        assembly, speeds = assembly_of(flow), np.array([flow.speed])
+        rubs = RubProblem(assembly, forward_motions(assembly))
+        (roots,) = rubs.roots(self._touching, speeds)
+        if not len(roots):
+            raise ValueError("there is no rub of these contacts")
+        found = [rubs.whirls(self._touching, root[np.newaxis], speeds) for root in roots]
+        apart = [np.abs(np.abs(each.displacement[0]) - self._radii).max() for each in found]
+        nearest = int(np.argmin(apart))
+        rates = rubs.eigenvalues(self._touching, roots[nearest][np.newaxis], speeds)[0]
         rate = complex(rates[np.argmin(np.abs(rates - 1j * self._frequency))])
-        position = amplitude * complex(math.cos(lag), -math.sin(lag))
-        velocity = 1j * rotor.omega * position
-        state = np.array([position.real, position.imag, velocity.real, velocity.imag])
-        return state, rate
+        whirl = found[nearest]
+        along = whirl.displacement[0] / np.abs(whirl.displacement[0])
+        pressing = normal_forces(assembly.contacts, whirl.depth)
+        force = (pressing * sliding(assembly.contacts, speeds))[0] * along
+        rows = assembly.rows[:, 0] + 1j * assembly.rows[:, 1]
+        unbalance = assembly.unbalance[0] - 1j * assembly.unbalance[1]
+        pushed = flow.speed**2 * unbalance - rows.conj().T @ force
+        motion = solved_motions(assembly, speeds, pushed[:, np.newaxis])[0, :, 0]
+        moved = np.concatenate([motion.real, (1j * flow.speed * motion).real])
+        if isinstance(flow, SystemFlow):
+            moved = flow.given_state(np.append(moved, flow.problem.race_speeds))
+        return moved, rate
+
+
+def assembly_of(flow: Flow) -> Assembly:
+    """Return the rotor of a flow as a system."""
+    if isinstance(flow, SystemFlow):
+        return flow.problem.assembly
+    return assemble(disc_of(flow).system())

@@ -13,20 +13,20 @@ the point.
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Generic, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 
 from rotor_ida.arrays import Values
 from rotor_ida.cycles.continuation import EARLIER, FIRST_STEP, Curve, Point, Step
-from rotor_ida.cycles.guess import DOUBLING
+from rotor_ida.cycles.guess import DOUBLING, HOPF
 from rotor_ida.cycles.multipliers import doubling_test, on_unit_circle
+from rotor_ida.cycles.orbit import Orbit
 from rotor_ida.cycles.problems import FOLD, TORUS, Continuation, halved
 from rotor_ida.cycles.shooting import LEFT_THE_RING
-from rotor_ida.cycles.special_points import DISCONTINUOUS, O, Special
+from rotor_ida.cycles.special_points import DISCONTINUOUS, Special
 from rotor_ida.errors import SimulationError
 
-HOPF = "hopf"
 # Why a branch ends.
 LIMITS, CLOSED, CONTACT_FREE, HALVED, BORN, STUCK, UNSTABLE, ENOUGH = (
     "limits", "closed", "contact_free", "halved", "hopf", "step_too_small", "too_unstable",
@@ -55,15 +55,15 @@ LARGEST_M = 1e7
 ROUNDING_OF_PERIOD = 1e-14
 
 
-class SpecialBehind(NamedTuple, Generic[O]):
+class SpecialBehind(NamedTuple):
     """A special point, and the number of the point of its side that precedes it."""
 
     place: int
-    special: Special[O]
+    special: Special[Orbit]
 
 
 @dataclass(slots=True)
-class Side(Generic[O]):
+class Side:
     """The part of a curve followed one way from the first point.
 
     Parameters
@@ -80,14 +80,14 @@ class Side(Generic[O]):
         Why no further step was possible; else empty.
     """
 
-    points: list[Point[O]]
-    specials: list[SpecialBehind[O]] = field(default_factory=list)
+    points: list[Point[Orbit]]
+    specials: list[SpecialBehind] = field(default_factory=list)
     length: float = FIRST_STEP
     end: str = ""
     reason: str = ""
 
 
-def advance(branch: Continuation[O], side: Side[O]) -> None:
+def advance(branch: Continuation, side: Side) -> None:
     """Take one step along a branch."""
     last = side.points[-1]
     try:
@@ -133,7 +133,7 @@ def advance(branch: Continuation[O], side: Side[O]) -> None:
         side.end = ENOUGH
 
 
-def _step_from(branch: Continuation[O], side: Side[O]) -> tuple[Step[O], Point[O] | None]:
+def _step_from(branch: Continuation, side: Side) -> tuple[Step[Orbit], Point[Orbit] | None]:
     """Return the next step of a side, and the cycle on it that doubles its period, if any.
 
     A step to such a cycle is short.
@@ -148,7 +148,7 @@ def _step_from(branch: Continuation[O], side: Side[O]) -> tuple[Step[O], Point[O
         length = SHORTENED * step.taken
 
 
-def _end_where_stuck(branch: Continuation[O], side: Side[O], reason: str) -> None:
+def _end_where_stuck(branch: Continuation, side: Side, reason: str) -> None:
     """End a side that allows no further step; at the doubling close by, if there is one."""
     last = side.points[-1]
     if len(branch.limits) == 1 and last.stretch.halves_agree(NEAR_A_DOUBLING):
@@ -162,33 +162,33 @@ def _end_where_stuck(branch: Continuation[O], side: Side[O], reason: str) -> Non
     side.reason = reason + branch.hint(last.stretch)
 
 
-def _is_close_by(branch: Continuation[O], last: Point[O], cycle: Point[O]) -> bool:
+def _is_close_by(branch: Continuation, last: Point[Orbit], cycle: Point[Orbit]) -> bool:
     """Return whether a cycle of half the period is as near to a point as its halves agree."""
     apart = (cycle.unknowns - halved(last.unknowns, branch.place)) / branch.line.scale
     return bool((np.abs(apart[branch.place - 1 :]) <= NEAR_A_DOUBLING).all())
 
 
-def _is_too_unstable(shot: O) -> bool:
+def _is_too_unstable(orbit: Orbit) -> bool:
     """Return whether rounding hides multipliers that depend on more than the trace of M."""
-    return shot.pair_product is None and bool(np.abs(shot.monodromy).max() > LARGEST_M)
+    return orbit.pair_product is None and bool(np.abs(orbit.monodromy).max() > LARGEST_M)
 
 
-def _birth(branch: Continuation[O], last: Point[O], point: Point[O]) -> Point[O] | None:
+def _birth(branch: Continuation, last: Point[Orbit], point: Point[Orbit]) -> Point[Orbit] | None:
     """Return the cycle at which a branch over one parameter is born on a step, if there is one."""
     if branch.birth is None or not turns_round(last, point):
         return None
     return branch.birth(last, point)
 
 
-def _how_unstable(shot: O) -> str:
+def _how_unstable(orbit: Orbit) -> str:
     return (
-        f"neighbouring orbits separate by a factor of {np.abs(shot.monodromy).max():.2g} in a "
-        f"period of {shot.duration:.6g}, so rounding hides the multipliers, "
+        f"neighbouring orbits separate by a factor of {np.abs(orbit.monodromy).max():.2g} in a "
+        f"period of {orbit.duration:.6g}, so rounding hides the multipliers, "
         "as where a period grows without bound"
     )
 
 
-def _halved(branch: Continuation[O], last: Point[O], step: Step[O]) -> Point[O] | None:
+def _halved(branch: Continuation, last: Point[Orbit], step: Step[Orbit]) -> Point[Orbit] | None:
     """Return the cycle that doubles its period on a step along a branch, if there is one.
 
     There the branch of doubled cycles ends, as a cycle followed twice. A step either reaches such a
@@ -208,7 +208,7 @@ def _halved(branch: Continuation[O], last: Point[O], step: Step[O]) -> Point[O] 
     return _cycle_of_half(branch, near)
 
 
-def _cycle_of_half(branch: Continuation[O], near: Point[O]) -> Point[O] | None:
+def _cycle_of_half(branch: Continuation, near: Point[Orbit]) -> Point[Orbit] | None:
     """Return the cycle of half the period, near a point, that doubles its period, if there is one.
 
     If it is not autonomous it takes a whole number of revolutions.
@@ -222,7 +222,7 @@ def _cycle_of_half(branch: Continuation[O], near: Point[O]) -> Point[O] | None:
         return None
 
 
-def _passed(branch: Continuation[O], point: Point[O]) -> tuple[int, float] | None:
+def _passed(branch: Continuation, point: Point[Orbit]) -> tuple[int, float] | None:
     """Return the index and the value of a limit that a point has passed, or None."""
     for place, (low, high) in branch.limits.items():
         here = float(point.unknowns[place])
@@ -231,7 +231,7 @@ def _passed(branch: Continuation[O], point: Point[O]) -> tuple[int, float] | Non
     return None
 
 
-def _comes_back(branch: Continuation[O], last: Point[O], point: Point[O]) -> bool:
+def _comes_back(branch: Continuation, last: Point[Orbit], point: Point[Orbit]) -> bool:
     """Return whether a step passes the first point of its branch in the same direction.
 
     A branch may return at any phase: the cycles are compared by quantities independent of it.
@@ -257,19 +257,19 @@ def _comes_back(branch: Continuation[O], last: Point[O], point: Point[O]) -> boo
     return bool(same and again.tangent[place] * branch.first.tangent[place] > 0.0)
 
 
-def _same(special: Special[O], known: Special[O]) -> bool:
+def _same(special: Special[Orbit], known: Special[Orbit]) -> bool:
     """Return whether two special points are the same, at any phase."""
     one, other = _signature(special.point), _signature(known.point)
     near = np.linalg.norm(one - other) <= SAME_CYCLE * np.linalg.norm(other)
     return special.name == known.name and bool(near)
 
 
-def _signature(point: Point[O]) -> Values:
+def _signature(point: Point[Orbit]) -> Values:
     """Return numbers of a cycle that do not depend on its phase."""
     stretch = point.stretch
     return np.concatenate([point.unknowns[stretch.start.size :], stretch.sizes])
 
 
-def turns_round(last: Point[O], point: Point[O]) -> bool:
+def turns_round(last: Point[Orbit], point: Point[Orbit]) -> bool:
     """Return whether a step has passed a whirl, where the oscillation of the radius vanishes."""
     return float(last.stretch.start_rate @ point.stretch.start_rate) < 0.0

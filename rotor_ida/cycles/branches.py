@@ -21,6 +21,7 @@ from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.results.in_si import keeps_si
 from rotor_ida.schema import EXACT, check_as_computed, spread
+from rotor_ida.simulation.flow import DiscFlow
 
 NEEDED = ("lies_on", "exact_period", "exact_radius_max", *(f"end_{name}" for name in COMPONENTS))
 # Two cycles of one rotor are the same if period and largest radius differ by less than this.
@@ -89,7 +90,7 @@ def branches_through(
         period, radius = here["exact_period"], here["exact_radius_max"]
         if not any(holds_cycle(branch, rotor, period, radius) for branch in branches):
             state = np.array([here[f"end_{name}"] for name in COMPONENTS])
-            guess = Guess(rotor, state, period)
+            guess = Guess(DiscFlow(rotor), state, period)
             bounds = check_limits("omega", limits, rotor)
             branches.append(branch_from(guess, "omega", bounds, "both", count))
         if progress is not None:
@@ -111,10 +112,10 @@ def holds_cycle(branch: xr.Dataset, rotor: Rotor, period: float, radius: float) 
             continue
         state = np.array([near[name] for name in COMPONENTS])
         try:
-            cycle = close_orbit(rotor, state, near["period"], np.zeros(1, np.uint8))
+            cycle = close_orbit(DiscFlow(rotor), state, near["period"])
         except SimulationError:
             continue
-        apart = max(abs(cycle.period / period - 1.0), abs(cycle.radius_max / radius - 1.0))
+        apart = max(abs(cycle.duration / period - 1.0), abs(cycle.radius_max / radius - 1.0))
         if apart <= SAME_CYCLE:
             return True
     return False

@@ -1,9 +1,9 @@
-"""Continue a limit cycle over speed, damping or clearance: the branch as a labelled dataset."""
+"""Continue a limit cycle over a parameter: the branch as a labelled dataset."""
 
 from __future__ import annotations
 
 import os
-from typing import Literal, get_args
+from typing import Any, Literal, Unpack, get_args
 
 import numpy as np
 import numpy.typing as npt
@@ -18,6 +18,7 @@ from rotor_ida.checks import (
     check_instance,
     check_progress,
     check_vector,
+    shown,
 )
 from rotor_ida.cycles.branch import (
     CLOSED,
@@ -27,19 +28,28 @@ from rotor_ida.cycles.branch import (
 )
 from rotor_ida.cycles.continuation import Point
 from rotor_ida.cycles.dataset import branch_dataset, start_attributes
-from rotor_ida.cycles.guess import Guess, as_start
-from rotor_ida.cycles.limit_cycle import checked_guess, with_period
+from rotor_ida.cycles.guess import (
+    CLOSING_RTOL,
+    Guess,
+    as_start,
+    as_start_of_system,
+    guess_of_system,
+)
+from rotor_ida.cycles.limit_cycle import begun, checked_guess, one_disc, with_period
+from rotor_ida.cycles.orbit import Orbit
 from rotor_ida.cycles.problems import NEVER_ZERO, Continuation, branch_through
-from rotor_ida.cycles.special_points import O, Special
+from rotor_ida.cycles.special_points import Special
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import OF_ROTOR
-from rotor_ida.model.rotor import Rotor
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.results.in_si import takes_si
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import Form, Results, open_results
 from rotor_ida.schema import SPECIAL, by_number
+from rotor_ida.systems.starts import Start
 
 Parameter = Literal[
     "omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "load", "friction",
@@ -64,41 +74,45 @@ FORM: Form[Arrays] = Form(
 )
 
 
-@takes_si
 @shows_progress
 def continue_cycle(
-    rotor: Rotor,
+    rotor: Rotor | DimensionalRotor | RotorSystem,
     *,
-    start: npt.ArrayLike | xr.Dataset = AT_REST,
+    start: npt.ArrayLike | Start | xr.Dataset = AT_REST,
     parameter: Parameter = "omega",
     limits: tuple[float, float],
     direction: Direction = "both",
     points: int = 2000,
     study: str | os.PathLike[str] | None = None,
     progress: Progress | bool | None = None,
+    speed: float | None = None,
+    modes: int | None = None,
+    **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
     """Follow a limit cycle over a parameter, around folds and through grazes.
 
     Parameters
     ----------
-    rotor : Rotor or DimensionalRotor
+    rotor : Rotor, DimensionalRotor or RotorSystem
         The rotor. For a `DimensionalRotor` numbers with a unit are in SI units, as for
         `rotor_ida.simulate`; a dataset has its own.
-    start : array_like, shape (4,), or Dataset
-        A start ``(x, y, vx, vy)`` that leads to the cycle [1], by default at rest on the axis; or
-        the result of `limit_cycle`; or one point of a branch, ``branch.isel(point=...)``; or one of
-        its special points, ``branch.isel(special=...)``. From a period doubling the branch of
-        doubled cycles is followed.
+    start : array_like, shape (4,), (q, velocity), "settled", "rest" or Dataset
+        A start that leads to the cycle, as in `limit_cycle`; or the result of `limit_cycle`; or one
+        point of a branch, ``branch.isel(point=...)``; or one of its special points,
+        ``branch.isel(special=...)``. From a period doubling the branch of doubled cycles is
+        followed. Of a `RotorSystem` also one point of a `sweep`, or a Hopf point of
+        `special_speeds`, where the cycles born from that rub are followed.
     parameter : {"omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "load", \
             "friction", "disc_radius"}
         The parameter to vary; the others are constant. A load cannot reach 0, where cycles have
         other periods. Of a `DimensionalRotor` also by the names ``speed``, ``damping`` and
-        ``clearance``.
+        ``clearance``. Of a `RotorSystem` the speed alone.
     limits : tuple of float
-        Its smallest and largest value, [1] or in its SI unit.
+        Its smallest and largest value, [1] or in its SI unit; speeds of the same sign.
     direction : {"both", "forward", "backward"}
         Direction from the start. Forward is towards larger values of the parameter, or from a point
-        of a branch onwards along that branch. From a period doubling there is only one direction.
+        of a branch onwards along that branch, or from a Hopf point towards larger cycles. From a
+        period doubling there is only one direction.
     points : int
         The largest number of points each way.
     study : path-like, optional
@@ -108,6 +122,12 @@ def continue_cycle(
     progress : callable or bool, optional
         Called with the number of points found and the largest possible number; True shows a bar on
         standard error.
+    speed : float, optional
+        Speed of a `RotorSystem` at the start; by default that of the start.
+    modes : int, optional
+        Of a `RotorSystem`, as in `simulate`.
+    contacts, unbalance, supports, gravity, static_force : optional
+        In place of those of a `RotorSystem`, as in `simulate`.
 
     Returns
     -------
@@ -120,7 +140,9 @@ def continue_cycle(
         ``special_period`` and the state there; ``special_point`` is the point before it. The
         attribute ``closed`` is 1 if the branch returns to its beginning. ``first_end`` and
         ``last_end`` are the kinds of its ends, ``first_reason`` and ``last_reason`` explain why no
-        step was possible, or what hides the multipliers.
+        step was possible, or what hides the multipliers. Of a `RotorSystem` the numbers on
+        ``point`` are those of `limit_cycle`, and on ``special`` there are ``special_speed``,
+        ``special_radius_max`` and ``special_state``.
 
     Raises
     ------
@@ -140,8 +162,9 @@ def continue_cycle(
     around which it is followed. At ``discontinuous`` multipliers jump over the unit circle, at such
     a corner or at a graze of a linear or damped contact.
 
-    With contact damping, friction or a load the multipliers do not form such pairs. Then the test
-    functions are the products of ``1 - mu`` and of ``1 + mu`` over the nontrivial multipliers. A
+    With contact damping, friction or a load, and of a `RotorSystem`, the multipliers do not form
+    such pairs. Then the test functions are the products of ``1 - mu`` and of ``1 + mu`` over the
+    nontrivial multipliers, each factor over its size where that is not small. A
     complex pair may cross the unit circle, where the product of ``1 - mu_i mu_j`` is 0: a torus is
     born, on which the motion never repeats. Under a load the period is that of k revolutions,
     ``k 2 pi/omega``, along the whole branch. Special points are located to rounding.
@@ -165,14 +188,60 @@ def continue_cycle(
     >>> branch.special_value.values.round(6), branch.attrs["first_end"]
     (array([2.530419, 2.681874]), 'limits')
     """
+    if isinstance(rotor, RotorSystem):
+        system = changed_system(continue_cycle, rotor, changed)
+        check_choice("parameter", parameter, ("omega", "speed"))
+        count, progress = _checked_way(direction, points, progress)
+        guess = guess_of_system(system, begun(start), speed, modes=modes)
+        bounds = _speeds("limits", limits, guess.flow.speed)
+        given: dict[str, object] = {"rotor": system, "modes": modes}
+        return branch_from(
+            with_period(guess), "speed", bounds, direction, count, study, progress, given
+        )
+    disc = one_disc(continue_cycle, rotor, {"speed": speed, "modes": modes, **changed})
+    return _of_disc(
+        disc, start=start, parameter=parameter, limits=limits, direction=direction,
+        points=points, study=study, progress=progress,
+    )  # fmt: skip
+
+
+@takes_si
+def _of_disc(
+    rotor: Rotor, *, start: Any, parameter: Parameter = "omega", limits: tuple[float, float],
+    direction: Direction, points: int, study: str | os.PathLike[str] | None,
+    progress: Progress | bool | None,
+) -> xr.Dataset:  # fmt: skip
     check_instance("rotor", rotor, Rotor)
     check_choice("parameter", parameter, CONTINUED)
-    check_choice("direction", direction, tuple(WAYS))
-    count = check_count("points", points, minimum=2, maximum=MOST_NUMBERS)
-    progress = check_progress(progress)
+    count, progress = _checked_way(direction, points, progress)
     guess = checked_guess(rotor, start)
     bounds = check_limits(parameter, limits, guess.rotor)
     return branch_from(with_period(guess), parameter, bounds, direction, count, study, progress)
+
+
+def _checked_way(
+    direction: str, points: int, progress: Progress | bool | None
+) -> tuple[int, Progress | None]:
+    """Return the number of points and the progress if they and the direction are valid."""
+    check_choice("direction", direction, tuple(WAYS))
+    count = check_count("points", points, minimum=2, maximum=MOST_NUMBERS)
+    return count, check_progress(progress)
+
+
+def _speeds(name: str, limits: object, speed: float) -> tuple[float, float]:
+    """Return limits of the speed of a rotor system if they are valid and contain its own."""
+    values = check_vector(name, limits)
+    if values.size != 2 or not values[0] < values[1] or not values[0] * values[1] > 0.0:
+        raise InputError(
+            f"{name} must be two increasing speeds of the same sign, got {shown(limits)}"
+        )
+    low, high = values.tolist()
+    if not low <= speed <= high:
+        raise InputError(
+            "{name} must contain the speed of the start, {speed}, got {value}",
+            name=name, speed=speed, value=(low, high),
+        )  # fmt: skip
+    return low, high
 
 
 def check_limits(parameter: str, limits: object, rotor: Rotor) -> tuple[float, float]:
@@ -222,32 +291,36 @@ def branch_from(
     points: int,
     study: str | os.PathLike[str] | None = None,
     progress: Progress | None = None,
+    given: dict[str, object] | None = None,
 ) -> xr.Dataset:
-    """Return the branch through a guess of a cycle with its period, as `continue_cycle` does."""
-    branch = branch_through(guess, parameter, limits, points, np.zeros(1, np.uint8))
-    told = {"parameter": parameter, "limits": limits, "direction": direction, "points": points}
-    start = as_start(guess, (parameter,))
-    question = Question("continue_cycle", {"rotor": guess.rotor, "start": start, **told})
+    """Return the branch through a guess of a cycle with its period, as `continue_cycle` does.
+
+    `given` is the rotor system, and its number of modes, where it is one.
+    """
+    branch = branch_through(guess, parameter, limits, points)
+    told: dict[str, Any] = {"limits": limits, "direction": direction, "points": points}
+    attributes = start_attributes(guess)
+    attributes |= {"start_special": guess.special, "start_slope": guess.slope}
+    if given is None:
+        told["parameter"] = parameter
+        kind, title = "branch", "Branch of limit cycles"
+        start, attributes["flight"] = as_start(guess, (parameter,)), "exact"
+        given = {"rotor": guess.rotor}
+    else:
+        kind, title = "system_branch", "Branch of limit cycles of a rotor system"
+        start, attributes["rtol"] = as_start_of_system(attributes), CLOSING_RTOL
+    question = Question("continue_cycle", {**given, "start": start, **told})
     ways = WAYS[direction] if branch.both else WAYS["forward"]
     with open_results(study, question.design(), len(ways) * (points - 1), FORM) as kept:
         sides = follow_sides(branch, ways, kept, progress)
-    first = branch.first.stretch
-    attributes = provenance({"method": "taylor", "flight": "exact"}) | {
-        **told,
-        "limits": np.array(limits),
-        "start_special": guess.special,
-        "start_slope": guess.slope,
-        **start_attributes(guess),
-    }
-    dataset = branch_dataset(
-        sides, (parameter,), first.rotor, "Branch of limit cycles", kind="branch"
-    )
-    return dataset.assign_attrs(attributes)
+    dataset = branch_dataset(sides, (parameter,), title, kind=kind)
+    more = {**told, "limits": np.array(limits), **attributes}
+    return dataset.assign_attrs(provenance({"method": "taylor"}) | more)
 
 
 def follow_sides(
-    branch: Continuation[O], ways: tuple[int, ...], kept: Results[Arrays], progress: Progress | None
-) -> tuple[Side[O], Side[O]]:
+    branch: Continuation, ways: tuple[int, ...], kept: Results[Arrays], progress: Progress | None
+) -> tuple[Side, Side]:
     """Follow a curve of cycles forward, 0, and backward, 1; an unused side keeps one point."""
     sides = (Side([branch.first]), Side([branch.first.reversed()]))
     pieces, total = dict(kept.results()), len(ways) * (branch.most - 1)
@@ -272,14 +345,14 @@ def follow_sides(
     return sides
 
 
-def _counted(branch: Continuation[O], side: Side[O], added: int, left: int) -> int:
+def _counted(branch: Continuation, side: Side, added: int, left: int) -> int:
     """Return the number of points that a piece counts as: the last one includes unused points."""
     if side.end == CLOSED:
         return left
     return added + branch.most - len(side.points) if side.end else added
 
 
-def _piece(side: Side[O], begun: int, known: int) -> Arrays:
+def _piece(side: Side, begun: int, known: int) -> Arrays:
     """Return the points from `begun` on, and the special points from `known` on, as arrays."""
     points, specials = side.points[begun:], side.specials[known:]
     size = side.points[0].unknowns.size
@@ -300,7 +373,7 @@ def _stacked(rows: list[Values], size: int) -> Values:
     return np.array(rows).reshape(-1, size)
 
 
-def _restore(branch: Continuation[O], side: Side[O], piece: Arrays) -> None:
+def _restore(branch: Continuation, side: Side, piece: Arrays) -> None:
     """Append the points of a stored piece to a side: the inverse of `_piece`."""
     kinds = by_number(SPECIAL)
     for unknowns, tangent in zip(piece["unknowns"], piece["tangents"], strict=True):
@@ -316,8 +389,8 @@ def _restore(branch: Continuation[O], side: Side[O], piece: Arrays) -> None:
 
 
 def _point(
-    branch: Continuation[O], unknowns: Values, tangent: Values, before: Point[O]
-) -> Point[O]:
+    branch: Continuation, unknowns: Values, tangent: Values, before: Point[Orbit]
+) -> Point[Orbit]:
     shot = branch.line.problem.shoot(unknowns)
     direction = branch.line.direction_at(shot, before.direction)
     return Point(unknowns, shot, tangent, direction)

@@ -4,32 +4,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Stop, Values
+from rotor_ida.arrays import Column, Values
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.cycles.branch import CLOSED, Side, SpecialBehind
-from rotor_ida.cycles.guess import Guess
+from rotor_ida.cycles.guess import CLOSING_RTOL, Guess
 from rotor_ida.cycles.multipliers import (
-    defects_of,
     is_stable,
     multipliers_near,
     multipliers_of,
+    symplectic_defect,
+    trivial_defect,
 )
-from rotor_ida.cycles.problems import PLACE
-from rotor_ida.cycles.shooting import (
-    Cycle,
-    checked_cycle,
-    close_orbit,
-    period_of,
-    revolutions_of,
-    sampled_orbit,
-)
+from rotor_ida.cycles.orbit import Orbit, disc_of
+from rotor_ida.cycles.shooting import close_orbit, periods_of
 from rotor_ida.model.contact import contact_force
-from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.whirl import steps_of_turning, whirl_over_spin
 from rotor_ida.results.provenance import provenance
 from rotor_ida.schema import (
@@ -39,53 +33,103 @@ from rotor_ida.schema import (
     SPECIAL,
     STABILITY,
     WHIRL_DIRECTION,
-    Column,
-    labelled,
     labelled_dataset,
 )
-from rotor_ida.simulation.neighbours import RTOL, Shot
+from rotor_ida.simulation.flow import RTOL, Flow
+from rotor_ida.simulation.system_flow import SystemFlow
+from rotor_ida.steady.system_motion import features_of
+from rotor_ida.systems.archived import described_problem
+from rotor_ida.systems.units import with_system_units
 
-# The error of a cycle is estimated from further solutions with a looser tolerance,
-LOOSER_RTOL = 30.0 * RTOL
+# The error of a cycle is estimated from further solutions with a tolerance looser by
+LOOSER = 30.0
 # begun at these fractions of the period, where rounding differs too:
 ELSEWHERE = (0.23, 0.52, 0.81)
 # this multiple of their largest difference.
 ERROR_SAFETY = 5.0
-# Under a load these begin where the period allows, with tolerances looser by
+# If these begin where the period allows, with tolerances looser still by
 LOOSER_STILL = (1.0, 3.0, 10.0)
-# Samples of one period, for the spectrum and plots: a power of two.
+# Samples of one period of one disc, for the spectrum and plots: a power of two.
 SAMPLES = 1024
 # Below this fraction of the spin speed a motion is stationary, up to rounding.
 STANDS_STILL = 1e-9
 # Smallest spectral line that is reported, relative to the strongest.
 WEAKEST_LINE = 1e-6
+AXES = {True: "turning", False: "fixed"}
+# Dimensions of the numbers of a cycle: of any, of one disc, and of a rotor system.
+OF_ANY = {
+    "period": (), "response": (), "stability": (), "residual": (), "trivial_defect": (),
+    "multiplier_real": ("multiplier",), "multiplier_imag": ("multiplier",),
+}  # fmt: skip
+OF_DISC = dict.fromkeys(
+    ("radius_min", "radius_max", "contact_count", "largest_force", "impulse_per_period", "trace",
+     "symplectic_defect"), (),
+)  # fmt: skip
+OF_SYSTEM = {
+    "radius_min": ("contact",), "radius_max": ("contact",), "contact_count": ("contact",),
+    "largest_force": ("contact",), "touched": ("contact",), "node_radius_min": ("node",),
+    "node_radius_max": ("node",), "final_state": ("component",),
+}  # fmt: skip
+OF_ERRORS = {"period_error": (), "multiplier_error": ("multiplier",)}
+OF_WHIRL = ("whirl_over_spin", "side_line_over_spin")
 
 
-def cycle_columns(cycles: Sequence[Cycle], dim: str, prefix: str = "") -> dict[str, xr.Variable]:
-    """Return the numbers of cycles, one after the other on a dimension; names get the prefix."""
-    multipliers = np.array([multipliers_of(cycle.shot) for cycle in cycles]).reshape(len(cycles), 4)
-    defects = np.array([defects_of(cycle.shot) for cycle in cycles]).reshape(len(cycles), 2)
-    stable = [STABILITY["stable" if is_stable(cycle.shot) else "unstable"] for cycle in cycles]
-    columns: dict[str, Column] = {
-        "period": (dim, _of(cycles, "period")),
-        "radius_min": (dim, _of(cycles, "radius_min")),
-        "radius_max": (dim, _of(cycles, "radius_max")),
-        "response": (dim, np.array([RESPONSE[cycle.response] for cycle in cycles], dtype=np.int8)),
-        "stability": (dim, np.array(stable, dtype=np.int8)),
-        "contact_count": (dim, np.array([cycle.contacts for cycle in cycles], dtype=np.int64)),
-        "largest_force": (dim, _of(cycles, "largest_force")),
-        "impulse_per_period": (dim, _of(cycles, "impulse")),
-        "multiplier_real": ((dim, "multiplier"), multipliers.real),
-        "multiplier_imag": ((dim, "multiplier"), multipliers.imag),
-        "trace": (dim, np.array([float(cycle.shot.monodromy.trace()) for cycle in cycles])),
-        "residual": (dim, _of(cycles, "residual")),
-        "trivial_defect": (dim, defects[:, 0]),
-        "symplectic_defect": (dim, defects[:, 1]),
-    }
-    states = np.array([cycle.state for cycle in cycles]).reshape(len(cycles), 4)
+def dims_of(flow: Flow) -> dict[str, tuple[str, ...]]:
+    """Return the numbers of a cycle, with their dimensions."""
+    return OF_ANY | (OF_SYSTEM if isinstance(flow, SystemFlow) else OF_DISC)
+
+
+def numbers_of(cycle: Orbit) -> dict[str, Any]:
+    """Return the numbers of a cycle, by the names of `dims_of`."""
+    multipliers = multipliers_of(cycle)
     return {
-        f"{prefix}{name}": of_cycle(name, *column) for name, column in columns.items()
-    } | state_columns(states, dim, prefix)
+        "period": cycle.duration,
+        "response": RESPONSE[cycle.response],
+        "stability": STABILITY["stable" if is_stable(cycle) else "unstable"],
+        "residual": cycle.residual,
+        "trivial_defect": trivial_defect(cycle),
+        "multiplier_real": multipliers.real,
+        "multiplier_imag": multipliers.imag,
+    } | (_of_system(cycle, cycle.flow) if isinstance(cycle.flow, SystemFlow) else _of_disc(cycle))
+
+
+def _of_disc(cycle: Orbit) -> dict[str, Any]:
+    return {
+        "radius_min": cycle.radius_min,
+        "radius_max": cycle.radius_max,
+        "contact_count": cycle.contacts,
+        "largest_force": cycle.largest_force,
+        "impulse_per_period": cycle.impulse,
+        "trace": float(cycle.monodromy.trace()),
+        "symplectic_defect": symplectic_defect(cycle),
+    }
+
+
+def _of_system(cycle: Orbit, flow: SystemFlow) -> dict[str, Any]:
+    times = flow.sample_times(cycle.duration)
+    features = features_of(flow, cycle.start, times, flow.sampled(cycle.start, times))
+    return {
+        "radius_min": features.contact_low,
+        "radius_max": features.contact_high,
+        "contact_count": cycle.contact_counts,
+        "largest_force": features.largest_force,
+        "touched": features.touches,
+        "node_radius_min": features.node_low,
+        "node_radius_max": features.node_high,
+        "final_state": flow.in_q(cycle.start),
+    }
+
+
+def cycle_columns(cycles: Sequence[Orbit], *dim: str) -> dict[str, xr.Variable]:
+    """Return the numbers of cycles, one after the other on a dimension; or of one alone."""
+    rows = [numbers_of(cycle) for cycle in cycles]
+    columns = {
+        name: of_cycle(name, (*dim, *dims), [row[name] for row in rows] if dim else rows[0][name])
+        for name, dims in dims_of(cycles[0].flow).items()
+    }
+    if dim and not isinstance(cycles[0].flow, SystemFlow):
+        columns |= state_columns(np.array([cycle.start for cycle in cycles]), *dim)
+    return columns
 
 
 def state_columns(states: Values, dim: str, prefix: str = "") -> dict[str, xr.Variable]:
@@ -101,18 +145,28 @@ def state_columns(states: Values, dim: str, prefix: str = "") -> dict[str, xr.Va
 def of_cycle(name: str, dims: Hashable | Sequence[Hashable], values: npt.ArrayLike) -> xr.Variable:
     """Return a variable of limit cycles, with its separate label if the name has other uses."""
     quantity = QUANTITIES[f"cycle_{name}" if f"cycle_{name}" in QUANTITIES else name]
-    return xr.Variable(dims, np.asarray(values), quantity.attributes())
-
-
-def _of(cycles: Sequence[Cycle], name: str) -> Values:
-    return np.array([getattr(cycle, name) for cycle in cycles], dtype=np.float64)
+    whole = {"response": np.int8, "stability": np.int8, "touched": np.int8}
+    return xr.Variable(dims, np.asarray(values, whole.get(name)), quantity.attributes())
 
 
 # ---- One cycle ----
 
 
-def cycle_dataset(rotor: Rotor, guess: Guess, cycle: Cycle | None, response: str) -> xr.Dataset:
+def cycle_dataset(guess: Guess, cycle: Orbit | None, response: str) -> xr.Dataset:
     """Return a limit cycle, or the response found instead, as a labelled dataset."""
+    flow = guess.flow
+    variables = _none(flow, response) if cycle is None else cycle_columns([cycle])
+    if cycle is not None:
+        period_error, errors = _errors_of(cycle)
+        variables["period_error"] = of_cycle("period_error", (), period_error)
+        variables["multiplier_error"] = of_cycle("multiplier_error", "multiplier", errors)
+    if isinstance(flow, SystemFlow):
+        return _dataset_of_system(flow, cycle, variables)
+    if cycle is None:
+        variables |= state_columns(np.empty((0, 4)), "t") | {"t": of_cycle("t", "t", np.empty(0))}
+    else:
+        variables |= _one_period(cycle)
+    rotor = disc_of(flow)
     coordinates: dict[str, Column] = {name: ((), value) for name, value in rotor.given.items()}
     coordinates["multiplier"] = ("multiplier", np.arange(4))
     attributes = provenance({"method": "taylor", "flight": "exact", "rtol": RTOL}) | {
@@ -121,69 +175,59 @@ def cycle_dataset(rotor: Rotor, guess: Guess, cycle: Cycle | None, response: str
     }
     if guess.period is not None:
         attributes["start_period"] = guess.period
-    variables = _none(response) if cycle is None else _columns(cycle)
     title = "Limit cycle on the rotating axes"
     return labelled_dataset(title, variables, coordinates, attributes, kind="cycle")
 
 
-def _columns(cycle: Cycle) -> dict[str, xr.Variable]:
-    """Return the numbers, one period and the spectrum of a cycle as variables."""
-    columns = {
-        name: variable.isel(cycle=0) for name, variable in cycle_columns([cycle], "cycle").items()
-    }
-    stop = np.zeros(1, np.uint8)
-    states = sampled_orbit(cycle.rotor, cycle.state, cycle.period / SAMPLES, SAMPLES + 1, stop)
-    looser = _solved_again(cycle, states, stop)
-    multipliers = multipliers_of(cycle.shot)
-    apart = np.abs(
-        [multipliers_near(multipliers, other.shot) - multipliers for other in looser]
-    ).max(axis=0)
-    errors = ERROR_SAFETY * (apart + np.spacing(np.abs(multipliers)))
-    if cycle.rotor.load == 0.0:
-        errors[multipliers == 1.0] = 0.0
-    period_apart = max(abs(other.period - cycle.period) for other in looser)
-    period_error = ERROR_SAFETY * (period_apart + np.spacing(cycle.period))
-    columns["period_error"] = of_cycle("period_error", (), period_error)
-    columns["multiplier_error"] = of_cycle("multiplier_error", "multiplier", errors)
+def _one_period(cycle: Orbit) -> dict[str, xr.Variable]:
+    """Return one period of one disc, and its spectrum."""
+    times = np.linspace(0.0, cycle.duration, SAMPLES + 1)
+    states = cycle.flow.states(cycle.start, times)
+    columns = {"t": of_cycle("t", "t", times)} | state_columns(states, "t") | _lines(cycle, states)
     if cycle.rotor.delta0 == 0.0:  # the integral of a smooth periodic function
         radii = np.hypot(states[:-1, 0], states[:-1, 1])
         force = contact_force(radii, 0.0, cycle.rotor.contact_exponent)
-        impulse = float(force.mean()) * cycle.period
+        impulse = float(force.mean()) * cycle.duration
         columns["impulse_per_period"] = of_cycle("impulse_per_period", (), impulse)
-    times = np.linspace(0.0, cycle.period, SAMPLES + 1)
-    return (
-        columns
-        | {"t": of_cycle("t", "t", times)}
-        | state_columns(states, "t")
-        | _lines(cycle, states)
+    return columns
+
+
+def _errors_of(cycle: Orbit) -> tuple[float, Values]:
+    """Return the estimated errors of the period and of the multipliers."""
+    looser, multipliers = _solved_again(cycle), multipliers_of(cycle)
+    apart = np.abs([multipliers_near(multipliers, other) - multipliers for other in looser]).max(
+        axis=0
     )
+    errors = ERROR_SAFETY * (apart + np.spacing(np.abs(multipliers)))
+    if cycle.is_autonomous:
+        errors[multipliers == 1.0] = 0.0
+    period_apart = max(abs(other.duration - cycle.duration) for other in looser)
+    return ERROR_SAFETY * float(period_apart + np.spacing(cycle.duration)), errors
 
 
-def _solved_again(cycle: Cycle, states: Values, stop: Stop) -> list[Cycle]:
+def _solved_again(cycle: Orbit) -> list[Orbit]:
     """Return further solutions with looser tolerances, begun elsewhere on the cycle.
 
-    Rounding differs there too. Under a load they can begin only after whole revolutions.
+    Rounding differs there too. They may be able to begin after whole revolutions only.
     """
-    rotor, period = cycle.rotor, cycle.period
-    if rotor.load == 0.0:
-        return [
-            close_orbit(rotor, states[round(part * SAMPLES)], period, stop, LOOSER_RTOL)
-            for part in ELSEWHERE
-        ]
-    revolutions = revolutions_of(rotor, period)
-    begun = sampled_orbit(rotor, cycle.state, period_of(rotor, 1), revolutions + 1, stop)
-    return [
-        close_orbit(rotor, begun[round(part * revolutions)], period, stop, factor * LOOSER_RTOL)
-        for part, factor in zip(ELSEWHERE, LOOSER_STILL, strict=True)
-    ]
+    flow, found = cycle.flow, []
+    times = periods_of(flow, cycle.duration)
+    rtol = LOOSER * (CLOSING_RTOL if isinstance(flow, SystemFlow) else RTOL)
+    for part, factor in zip(ELSEWHERE, LOOSER_STILL, strict=True):
+        is_free = flow.period is None
+        begins = part * cycle.duration if is_free else round(part * times) * flow.revolution
+        begun = flow.run(cycle.start, begins).end if begins else cycle.start
+        looser = flow.but(rtol=rtol * (1.0 if is_free else factor))
+        found.append(close_orbit(looser, begun, cycle.duration))
+    return found
 
 
-def _lines(cycle: Cycle, states: Values) -> dict[str, xr.Variable]:
+def _lines(cycle: Orbit, states: Values) -> dict[str, xr.Variable]:
     """Return the spectrum of one period: on fixed axes lines at omega + k 2 pi/T."""
     whirl, (orders, sizes) = whirl_of_cycle(cycle, states), lines_of(states)
     chosen = np.flatnonzero(sizes >= WEAKEST_LINE * sizes.max())
     chosen = chosen[np.argsort(orders[chosen])]
-    frequency = cycle.rotor.omega + 2.0 * math.pi / cycle.period * orders[chosen]
+    frequency = cycle.rotor.omega + 2.0 * math.pi / cycle.duration * orders[chosen]
     kinds = np.where(orders[chosen] == 0.0, LINE_KIND["spin"], np.sign(frequency)).astype(np.int8)
     if (static := static_order(cycle)) is not None:
         frequency[orders[chosen] == static] = 0.0
@@ -209,12 +253,12 @@ def lines_of(states: Values) -> tuple[Values, Values]:
     return orders, np.abs(heights)
 
 
-def whirl_of_cycle(cycle: Cycle, states: Values) -> dict[str, float]:
+def whirl_of_cycle(cycle: Orbit, states: Values) -> dict[str, float]:
     """Return sense and speed of the whirl on a cycle, and its strongest line other than 1X.
 
     `states` are one period as for `lines_of`. A stationary line is no whirl.
     """
-    omega, period = cycle.rotor.omega, cycle.period
+    omega, period = cycle.rotor.omega, cycle.duration
     orders, sizes = lines_of(states)
     frequency = omega + 2.0 * math.pi / period * orders
     moves = np.abs(frequency) > STANDS_STILL * omega
@@ -239,33 +283,85 @@ def whirl_of_cycle(cycle: Cycle, states: Values) -> dict[str, float]:
     }
 
 
-def static_order(cycle: Cycle) -> float | None:
+def static_order(cycle: Orbit) -> float | None:
     """Return the order of the line at frequency 0 under a load; None without a load."""
-    return -float(revolutions_of(cycle.rotor, cycle.period)) if cycle.rotor.load > 0.0 else None
+    return -float(periods_of(cycle.flow, cycle.duration)) if cycle.flow.period is not None else None
 
 
-def _none(response: str) -> dict[str, xr.Variable]:
+def _none(flow: Flow, response: str) -> dict[str, xr.Variable]:
     """Return the variables of a result without a limit cycle."""
-    numbers = (
-        *("period", "period_error", "radius_min", "radius_max", "largest_force"),
-        *("impulse_per_period", "trace", "residual", "trivial_defect", "symplectic_defect"),
-        *("whirl_over_spin", "side_line_over_spin"),
-    )
-    columns = {name: of_cycle(name, (), math.nan) for name in numbers}
-    columns |= {
-        name: of_cycle(name, "multiplier", np.full(4, math.nan))
-        for name in ("multiplier_real", "multiplier_imag", "multiplier_error")
+    sizes = {"multiplier": 4, "component": 4, "contact": 1, "node": 1}
+    if isinstance(flow, SystemFlow):
+        count, nodes = flow.scales.size, flow.problem.assembly.system.nodes
+        sizes = {"multiplier": count, "component": count, "contact": flow.clearances.size,
+                 "node": len(nodes)}  # fmt: skip
+    told: dict[str, int] = {
+        "response": RESPONSE[response], "stability": STABILITY["absent"], "contact_count": 0,
+        "touched": 0,
+    }  # fmt: skip
+    columns = {
+        name: of_cycle(name, dims, np.full([sizes[dim] for dim in dims], told.get(name, math.nan)))
+        for name, dims in (dims_of(flow) | OF_ERRORS).items()
     }
-    columns["response"] = of_cycle("response", (), np.int8(RESPONSE[response]))
-    columns["stability"] = of_cycle("stability", (), np.int8(STABILITY["absent"]))
-    columns["contact_count"] = of_cycle("contact_count", (), 0)
-    columns["whirl_sense"] = of_cycle("whirl_sense", (), np.int8(WHIRL_DIRECTION["none"]))
+    if isinstance(flow, SystemFlow):
+        return columns
     none = np.empty(0)
+    columns |= {name: of_cycle(name, (), math.nan) for name in OF_WHIRL}
+    columns["whirl_sense"] = of_cycle("whirl_sense", (), np.int8(WHIRL_DIRECTION["none"]))
     columns |= {name: of_cycle(name, "line", none) for name in ("frequency", "whirl_amplitude")}
     columns["line"] = of_cycle("line", "line", np.empty(0, dtype=np.int64))
     columns["line_kind"] = of_cycle("line_kind", "line", np.empty(0, dtype=np.int8))
-    columns["t"] = of_cycle("t", "t", none)
-    return columns | state_columns(np.empty((0, 4)), "t")
+    return columns
+
+
+def _dataset_of_system(
+    flow: SystemFlow, cycle: Orbit | None, variables: dict[str, Any]
+) -> xr.Dataset:
+    """Return a cycle of a rotor system, with one period of its nodes."""
+    assembly, turning = flow.problem.assembly, flow.period is None
+    times, orbits = np.zeros(0), np.zeros((4, 0, len(assembly.system.nodes)))
+    if cycle is not None:
+        times = flow.sample_times(cycle.duration)
+        rows = flow.problem.found.rows_in_y(assembly.node_rows())
+        moved = flow.motion_of(flow.states(cycle.start, times))  # (t, 2, n), where it closes
+        place, velocity = (moved @ (rows[:, 0] + 1j * rows[:, 1]).T).transpose(1, 0, 2)
+        orbits = np.stack([place.real, place.imag, velocity.real, velocity.imag])
+    for name, values in zip(COMPONENTS, orbits, strict=True):
+        label = QUANTITIES[f"rotating_{name}" if turning else name]
+        variables[name] = xr.Variable(("t", "node"), values, label.attributes())
+    coordinates = {"speed": ((), flow.speed), "t": of_cycle("t", "t", times)}
+    attributes = provenance({"method": "taylor", "rtol": CLOSING_RTOL}) | {"axes": AXES[turning]}
+    return _labelled_of_system(
+        "Limit cycle of a rotor system", flow, variables, coordinates, attributes, "system_cycle"
+    )
+
+
+def _labelled_of_system(
+    title: str, flow: SystemFlow, variables: dict[str, Any], coordinates: dict[str, Any],
+    attributes: dict[str, Any], kind: str,
+) -> xr.Dataset:  # fmt: skip
+    """Return a dataset with what its system is, and with the words and units of its cycles."""
+    assembly = flow.problem.assembly
+    held: dict[str, Any] = dict(described_problem(assembly))
+    coordinates |= {
+        "node": ("node", np.array(list(assembly.system.nodes), str)),
+        "multiplier": ("multiplier", np.arange(flow.scales.size)),
+        **{name: held.pop(name) for name in ("axial_position",) if name in held},
+    }
+    dataset = labelled_dataset(title, {**variables, **held}, coordinates, attributes, kind=kind)
+    where = "distance of the contact from the centre of its stator"
+    words = {
+        "radius_min": f"smallest {where}", "radius_max": f"largest {where}",
+        "special_radius_max": f"largest {where} at the special point",
+        "node_radius_min": "smallest distance of the node from the axis",
+        "node_radius_max": "largest distance of the node from the axis",
+        "touched": "whether the contact is touched",
+        "final_state": "displacement and velocity of all coordinates, and speeds of races, at the "
+        "start of the period, with the unbalance at angle 0",
+    }  # fmt: skip
+    for name in words.keys() & dataset.variables.keys():
+        dataset[name].attrs["long_name"] = words[name]
+    return with_system_units(dataset, assembly.system)
 
 
 # ---- Branches, and curves of bifurcations ----
@@ -273,70 +369,77 @@ def _none(response: str) -> dict[str, xr.Variable]:
 
 def start_attributes(guess: Guess) -> dict[str, object]:
     """Return, as attributes, the start from which a curve of cycles was followed."""
-    return {
-        "start": guess.state,
-        "start_period": guess.period or math.nan,
-        **{f"start_{name}": value for name, value in guess.rotor.given.items()},
-    }
+    if isinstance(guess.flow, SystemFlow):
+        told, state = {"start_speed": guess.flow.speed}, guess.flow.in_q(guess.state)
+    else:
+        told = {f"start_{name}": value for name, value in guess.rotor.given.items()}
+        state = guess.state
+    return {"start": state, "start_period": guess.period or math.nan, **told}
 
 
 def branch_dataset(
-    sides: tuple[Side[Shot], Side[Shot]],
-    parameters: tuple[str, ...],
-    rotor: Rotor,
-    title: str,
-    *,
-    kind: str,
+    sides: tuple[Side, Side], parameters: tuple[str, ...], title: str, *, kind: str
 ) -> xr.Dataset:
     """Return both sides, forward and backward, of a curve of cycles, from end to end.
 
-    `parameters` vary, in the order of the unknowns; the others are those of `rotor`.
+    `parameters` vary, in the order of the unknowns.
     """
     forward, backward = sides
     before = len(backward.points) - 1
     points = [point.reversed() for point in backward.points[:0:-1]] + forward.points
     specials = [SpecialBehind(before - place - 1, each) for place, each in backward.specials[::-1]]
     specials += [SpecialBehind(before + place, each) for place, each in forward.specials]
-    variables = cycle_columns([checked_cycle(point.stretch) for point in points], "point")
-    slopes = np.array([point.tangent[PLACE] for point in points])
-    variables["slope"] = of_cycle("slope", "point", slopes)
-    variables |= _special_columns(specials, parameters)
-    coordinates = {
-        name: labelled(name, (), value)
-        for name, value in rotor.given.items()
-        if name not in parameters
+    place, flow = -len(parameters), points[0].stretch.flow
+    variables: dict[str, Any] = cycle_columns([point.stretch for point in points], "point")
+    variables["slope"] = of_cycle("slope", "point", [point.tangent[place] for point in points])
+    variables |= _special_columns(specials, parameters, flow)
+    coordinates: dict[str, Any] = {
+        name: ("point", np.array([point.unknowns[place + number] for point in points]))
+        for number, name in enumerate(parameters)
     }
-    for place, name in enumerate(parameters, start=PLACE):
-        values = np.array([point.unknowns[place] for point in points])
-        coordinates[name] = labelled(name, "point", values)
-    coordinates["multiplier"] = labelled("multiplier", "multiplier", np.arange(4))
     closed = forward.end == CLOSED
-    ends = {
+    ends: dict[str, Any] = {
         "closed": int(closed),
         "first_end": CLOSED if closed else backward.end or "start",
         "last_end": forward.end or "start",
         "first_reason": backward.reason,
         "last_reason": forward.reason,
     }
+    if isinstance(flow, SystemFlow):
+        ends["axes"] = AXES[flow.period is None]
+        return _labelled_of_system(title, flow, variables, coordinates, ends, kind)
+    given = {name: ((), value) for name, value in disc_of(flow).given.items()}
+    coordinates = {
+        **{name: each for name, each in given.items() if name not in parameters},
+        **coordinates, "multiplier": ("multiplier", np.arange(4)),
+    }  # fmt: skip
     return labelled_dataset(title, variables, coordinates, ends, kind=kind)
 
 
 def _special_columns(
-    specials: Sequence[SpecialBehind[Shot]], parameters: tuple[str, ...]
-) -> dict[str, xr.Variable]:
+    specials: Sequence[SpecialBehind], parameters: tuple[str, ...], flow: Flow
+) -> dict[str, Column | xr.Variable]:
     """Return the special points, in order along the curve."""
-    cycles = [checked_cycle(each.point.stretch) for _, each in specials]
-    unknowns = np.array([each.point.unknowns for _, each in specials])
-    unknowns = unknowns.reshape(-1, PLACE + len(parameters))
-    columns: dict[str, npt.ArrayLike] = {
-        "special_kind": np.array([SPECIAL[each.name] for _, each in specials], dtype=np.int8),
-        "special_value": unknowns[:, PLACE],
-        "special_period": unknowns[:, PLACE - 1],
-        "special_radius_min": np.array([cycle.radius_min for cycle in cycles], dtype=np.float64),
-        "special_radius_max": np.array([cycle.radius_max for cycle in cycles], dtype=np.float64),
-        "special_point": np.array([place for place, _ in specials], dtype=np.int64),
+    orbits, count = [each.point.stretch for _, each in specials], flow.clearances.size
+    sizes = np.array([orbit.sizes for orbit in orbits]).reshape(-1, 2, count)
+    columns: dict[str, Any] = {
+        "special_kind": ("special", np.array([SPECIAL[e.name] for _, e in specials], np.int8)),
+        "special_period": ("special", np.array([orbit.duration for orbit in orbits])),
+        "special_point": ("special", np.array([number for number, _ in specials], np.int64)),
     }
-    if len(parameters) > 1:
-        columns["special_second_value"] = unknowns[:, PLACE + 1]
-    variables = {name: labelled(name, "special", column) for name, column in columns.items()}
-    return variables | state_columns(unknowns[:, :4], "special", "special_")
+    values = [
+        ("special", np.array([each.point.unknowns[place] for _, each in specials]))
+        for place in range(-len(parameters), 0)
+    ]
+    if isinstance(flow, SystemFlow):
+        states = np.array([flow.in_q(orbit.start) for orbit in orbits])
+        return columns | {
+            "special_speed": values[0],
+            "special_radius_max": (("special", "contact"), sizes[:, 1]),
+            "special_state": (("special", "component"), states.reshape(-1, flow.scales.size)),
+        }
+    columns |= dict(zip(("special_value", "special_second_value"), values, strict=False))
+    columns |= {"special_radius_min": ("special", sizes[:, 0, 0]),
+                "special_radius_max": ("special", sizes[:, 1, 0])}  # fmt: skip
+    states = np.array([orbit.start for orbit in orbits]).reshape(-1, 4)
+    return columns | state_columns(states, "special", "special_")

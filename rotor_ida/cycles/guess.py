@@ -1,29 +1,43 @@
-"""Guesses of a limit cycle: a state, a known cycle, or a point of a branch."""
+"""Guesses of a limit cycle: a state, a known cycle, or a point of a branch or a sweep."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import COMPONENTS, check_between
+from rotor_ida.checks import COMPONENTS, LARGEST_NUMBER, check_between, check_real, shown
+from rotor_ida.core.runs import NO_STOP
+from rotor_ida.cycles.birth import RubNear
+from rotor_ida.cycles.orbit import disc_of
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.schema import SPECIAL, by_number, check_as_computed
+from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.schema import RESULT_KIND, SPECIAL, by_number, check_as_computed
+from rotor_ida.simulation.flow import DiscFlow, Flow
 from rotor_ida.simulation.starts import state_of
+from rotor_ida.simulation.system_flow import SettlingProblem, SystemFlow
+from rotor_ida.steady.system_sweep import check_slowest, first_state
+from rotor_ida.systems.assembly import assemble
+from rotor_ida.systems.ends import RUNS
+from rotor_ida.systems.modes import in_modes
 
 # What a special point says of the parameters that vary.
 VALUES = ("special_value", "special_second_value")
-DOUBLING = "period_doubling"
+DOUBLING, HOPF = "period_doubling", "hopf"
 NO_CYCLE = "start must be a limit cycle, got a result without one"
-# No cycle has a shorter period,
-SHORTEST_PERIOD = 1e-6
-# and orbits over a longer time take too long to close.
-LONGEST_PERIOD = 1e4
+# No cycle of one disc has a shorter period, and orbits over a longer time take too long to close;
+# those of a system in revolutions.
+SHORTEST_PERIOD, LONGEST_PERIOD = 1e-6, 1e4
+SHORTEST, LONGEST = 1e-3, 1e3
+# Tolerance of the runs that close a cycle of a system.
+CLOSING_RTOL = 1e-14
 
 
 @dataclass(frozen=True, slots=True)
@@ -32,23 +46,31 @@ class Guess:
 
     Parameters
     ----------
-    rotor : Rotor
-        Its rotor.
-    state : ndarray, shape (4,)
-        ``(x, y, vx, vy)`` on the rotating axes [1].
+    flow : Flow
+        How its rotor moves.
+    state : ndarray, shape (n,)
+        A state of the flow.
     period : float or None
-        Its approximate period [1]; None if not known.
+        Its approximate period; None if not known.
     special : str
         Kind of special point of a branch; empty if it is none.
     slope : float
         Rate of the continued parameter along its branch; 1 if it is not a point of one.
     """
 
-    rotor: Rotor
+    flow: Flow
     state: Values
     period: float | None = None
     special: str = ""
     slope: float = 1.0
+
+    @property
+    def rotor(self) -> Rotor:
+        """The rotor of one disc."""
+        return disc_of(self.flow)
+
+
+# ---- Of one disc ----
 
 
 def guess_of(rotor: Rotor, start: object, period: object = None) -> Guess:
@@ -59,9 +81,9 @@ def guess_of(rotor: Rotor, start: object, period: object = None) -> Guess:
     """
     if not isinstance(start, xr.Dataset) or _ends_a_run(start):
         state = np.array(state_of("start", start, loaded=rotor.load > 0.0))
-        if period is None:
-            return Guess(rotor, state)
-        return Guess(rotor, state, check_between("period", period, SHORTEST_PERIOD, LONGEST_PERIOD))
+        if period is not None:
+            period = check_between("period", period, SHORTEST_PERIOD, LONGEST_PERIOD)
+        return Guess(DiscFlow(rotor), state, period)
     if period is not None:
         raise InputError("period must be left out with a start that has one")
     check_as_computed("start", start)
@@ -79,8 +101,8 @@ def guess_of(rotor: Rotor, start: object, period: object = None) -> Guess:
     if any(not start[name].size for name in COMPONENTS):
         raise InputError(NO_CYCLE)
     state = np.array([float(start[name].values.flat[0]) for name in COMPONENTS])
-    slope = float(start["slope"]) if "slope" in start else 1.0
-    return _checked(Guess(_rotor_of(rotor, start), state, float(start["period"]), slope=slope))
+    flow = DiscFlow(_rotor_of(rotor, start))
+    return _checked(Guess(flow, state, float(start["period"]), slope=_slope_of(start)))
 
 
 def _ends_a_run(start: xr.Dataset) -> bool:
@@ -105,11 +127,11 @@ def as_start(guess: Guess, parameters: Sequence[str]) -> xr.Dataset:
 
 def _of_special(rotor: Rotor, start: xr.Dataset) -> Guess:
     state = np.array([float(start[f"special_{name}"]) for name in COMPONENTS])
-    kind = by_number(SPECIAL)[int(start["special_kind"])]
     place = start.assign_coords(
         {name: start[value] for name, value in zip(_continued(start), VALUES, strict=False)}
     )
-    return _checked(Guess(_rotor_of(rotor, place), state, float(start["special_period"]), kind))
+    flow = DiscFlow(_rotor_of(rotor, place))
+    return _checked(Guess(flow, state, float(start["special_period"]), _kind_of(start)))
 
 
 def _continued(start: xr.Dataset) -> list[str]:
@@ -135,3 +157,113 @@ def _checked(guess: Guess) -> Guess:
     if guess.period is None or not guess.period > 0.0 or not np.isfinite(guess.state).all():
         raise InputError(NO_CYCLE)
     return guess
+
+
+def _slope_of(start: xr.Dataset) -> float:
+    return float(start["slope"]) if "slope" in start else 1.0
+
+
+def _kind_of(start: xr.Dataset) -> str:
+    return by_number(SPECIAL)[int(start["special_kind"])]
+
+
+# ---- Of a rotor system ----
+
+
+def guess_of_system(
+    system: RotorSystem, start: object, speed: object, period: object = None,
+    modes: int | None = None,
+) -> Guess:  # fmt: skip
+    """Return the guess given by a start: a state, a cycle, or a point of something else.
+
+    A speed that is given replaces that of the start. A dataset is already in the modes.
+    """
+    taken, start = in_modes(system, modes, start)
+    problem = SettlingProblem.of(assemble(taken), CLOSING_RTOL)
+    if not problem.assembly.contacts:
+        raise InputError("contacts must be given for a limit cycle of a system, got none")
+    if not problem.has_damping:
+        raise InputError("damping must be above 0 for a limit cycle: nothing settles")
+    if isinstance(start, xr.Dataset) and start.attrs.get(RESULT_KIND) not in RUNS:
+        if period is not None:
+            raise InputError("period must be left out with a start that has one")
+        return _of_dataset(problem, start, speed)
+    if speed is None:
+        raise InputError("speed must be given for a limit cycle of a system, got None")
+    flow = flow_at(problem, speed)
+    begun = first_state(problem, start, flow.speed) / flow.scales  # type: ignore[arg-type]
+    if period is not None:
+        shortest, longest = SHORTEST * flow.revolution, LONGEST * flow.revolution
+        period = check_between("period", period, shortest, longest)
+    return Guess(flow, begun, period)
+
+
+def flow_at(problem: SettlingProblem, speed: object) -> SystemFlow:
+    """Return the motion of a system at a speed that is not 0."""
+    value = check_real("speed", speed)
+    if value == 0.0 or abs(value) > LARGEST_NUMBER:
+        raise InputError(
+            f"speed must not be 0, and at most {LARGEST_NUMBER:g}, for a limit cycle, got {value!r}"
+        )
+    check_slowest(problem, np.array([value]))
+    return SystemFlow.at(problem, value, NO_STOP)
+
+
+def _of_dataset(problem: SettlingProblem, start: xr.Dataset, speed: object) -> Guess:
+    """Return the guess of a cycle, or of one point of a branch, a sweep or special speeds."""
+    if _is_number(start, "special_speed") and speed is not None:
+        raise InputError(f"speed must be left out with a special point, got {shown(speed)}")
+    if _is_number(start, "hopf_frequency"):
+        return _of_hopf_point(problem, start)
+    prefix = "special_" if _is_number(start, "special_period") else ""
+    state = "special_state" if prefix else "final_state"
+    names = [f"{prefix}speed", f"{prefix}period"]
+    if not all(_is_number(start, name) for name in names) or state not in start:
+        raise InputError(
+            "start must be a state, a limit cycle, or one point of a branch, of a sweep or of "
+            "special speeds of a rotor system, got a dataset of "
+            f"{shown(list(map(str, start.data_vars)))}"
+        )
+    here, period = (float(start[name]) for name in names)
+    if not period > 0.0 or start[state].ndim != 1:
+        raise InputError(NO_CYCLE)
+    flow = flow_at(problem, here if speed is None else speed)
+    given = flow.given_state(np.asarray(start[state].values, float))
+    if prefix:
+        return Guess(flow, given, period, _kind_of(start))
+    return Guess(flow, given, period, slope=_slope_of(start))
+
+
+def as_start_of_system(begun: Mapping[str, Any]) -> xr.Dataset:
+    """Return where a branch began, from its attributes, as a dataset that `guess_of_system` reads.
+
+    They are ``start`` (q, velocity and speeds of races), ``start_speed``, ``start_period``,
+    ``start_special`` and ``start_slope``.
+    """
+    special = str(begun["start_special"])
+    prefix, state = ("special_", "special_state") if special else ("", "final_state")
+    held: dict[str, Any] = {
+        f"{prefix}{name}": float(begun[f"start_{name}"]) for name in ("speed", "period")
+    }
+    held[state] = ("coordinate", np.atleast_1d(begun["start"]))
+    slope = {"slope": float(begun["start_slope"])}
+    return xr.Dataset(held | ({"special_kind": SPECIAL[special]} if special else slope))
+
+
+def _of_hopf_point(problem: SettlingProblem, start: xr.Dataset) -> Guess:
+    """Return the rub at a Hopf point of `special_speeds`, with the period of its oscillation."""
+    frequency = float(start["hopf_frequency"])
+    touching = tuple(np.flatnonzero(start["in_contact"].values == 1).tolist())
+    if not frequency > 0.0 or not touching or problem.forward is None:
+        raise InputError("start must be a Hopf point of a rub, got a special speed of another kind")
+    flow = flow_at(problem, float(start["special_speed"]))
+    try:
+        rub = RubNear(flow, "speed", touching, start["amplitude"].values, frequency)
+        state, rate = rub.at(flow.speed)
+    except ValueError as error:
+        raise InputError(f"start must be a Hopf point of this system: {error}") from error
+    return Guess(flow, state, 2.0 * math.pi / abs(rate.imag), HOPF)
+
+
+def _is_number(start: xr.Dataset, name: str) -> bool:
+    return name in start.variables and start[name].ndim == 0

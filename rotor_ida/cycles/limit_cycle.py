@@ -3,31 +3,38 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Callable, Mapping
+from typing import Any, Unpack
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Values
-from rotor_ida.checks import AT_REST, check_instance
+from rotor_ida.arrays import Stop, Values
+from rotor_ida.checks import AT_REST, State, check_instance, shown
 from rotor_ida.cycles.dataset import cycle_dataset
-from rotor_ida.cycles.guess import Guess, guess_of
+from rotor_ida.cycles.guess import HOPF, Guess, guess_of, guess_of_system
 from rotor_ida.cycles.multipliers import is_stable
-from rotor_ida.cycles.shooting import (
-    Cycle,
-    close_orbit,
-    once_round,
-    period_of,
-    revolutions_of,
-    sampled_orbit,
-)
+from rotor_ida.cycles.orbit import Orbit
+from rotor_ida.cycles.shooting import close_orbit, once_round, periods_of
 from rotor_ida.errors import InputError, SimulationError
-from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Stop, interruptible
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.model.rotor_system import (
+    RotorSystem,
+    SystemParameters,
+    changed_system,
+    refuse_first,
+)
+from rotor_ida.parallel import interruptible
 from rotor_ida.results.in_si import takes_si
+from rotor_ida.simulation.flow import DiscFlow, Flow
 from rotor_ida.simulation.options import Options, check_can_be_followed
+from rotor_ida.simulation.system_flow import SystemFlow
 from rotor_ida.steady.follow import FAILED, follow_to_steady_state
-from rotor_ida.steady.response import UNRESOLVED
+from rotor_ida.steady.response import BOUNCING, FULL_CONTACT, ROLLING, UNRESOLVED
+from rotor_ida.steady.system_motion import settle
+from rotor_ida.systems.joined import KINDS
+from rotor_ida.systems.starts import Start
 
 NOT_FOUND = "not_found"
 # The rotor is followed to its cycle with the default tolerance of a sweep; Newton's method then
@@ -53,26 +60,39 @@ REVOLUTIONS = 128
 COME_BACK = 1e-6
 
 
-@takes_si
 def limit_cycle(
-    rotor: Rotor, *, start: npt.ArrayLike | xr.Dataset = AT_REST, period: float | None = None
+    rotor: Rotor | DimensionalRotor | RotorSystem,
+    *,
+    start: npt.ArrayLike | Start | xr.Dataset = AT_REST,
+    period: float | None = None,
+    speed: float | None = None,
+    modes: int | None = None,
+    **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
     """Compute the limit cycle to which a start leads, or which lies near a guess.
 
     Parameters
     ----------
-    rotor : Rotor or DimensionalRotor
+    rotor : Rotor, DimensionalRotor or RotorSystem
         The rotor. It must turn and be damped. For a `DimensionalRotor` numbers with a unit are in
         SI units, as for `rotor_ida.simulate`; a dataset has its own.
-    start : array_like, shape (4,), or Dataset
-        ``(x, y, vx, vy)`` at time 0 [1], by default at rest on the axis. A start that returns to
-        itself to a relative 1e-3 is taken as a guess of a cycle, stable or not. From any other
-        start the rotor is followed to its attractor. Another limit cycle, or one point of a branch,
-        serves as a guess; the end of a run, or of one point of a sweep, as a start.
+    start : array_like, shape (4,), (q, velocity), "settled", "rest" or Dataset
+        ``(x, y, vx, vy)`` at time 0 [1], by default at rest on the axis; of a `RotorSystem` as in
+        `simulate`. A start of one disc that returns to itself to a relative 1e-3 is taken as a
+        guess of a cycle, stable or not. From any other start the rotor is followed to its
+        attractor. Another limit cycle, or one point of a branch, serves as a guess, and of a
+        `RotorSystem` one point of a `sweep` that has a period; the end of a run, or of one point of
+        a sweep, as a start.
     period : float, optional
         Approximate period of the cycle, or a multiple of it, from 1e-6 to 1e4 [1]: Newton's method
         then begins at the start itself. Under a load it must be a whole number of revolutions to
-        within a tenth.
+        within a tenth. That of a `RotorSystem` that is not axisymmetric is rounded to one.
+    speed : float, optional
+        Spin speed of a `RotorSystem`, not 0; by default that of the start.
+    modes : int, optional
+        Of a `RotorSystem`, as in `simulate`.
+    contacts, unbalance, supports, gravity, static_force : optional
+        In place of those of a `RotorSystem`, as in `simulate`.
 
     Returns
     -------
@@ -88,6 +108,12 @@ def limit_cycle(
         ``whirl_amplitude`` and ``line_kind``. ``side_line_over_spin`` is the frequency of the
         strongest line other than 1X, over the spin speed. ``whirl_over_spin`` and ``whirl_sense``
         are those of the motion, as of `rotor_ida.whirl_ratio`.
+
+        Of a `RotorSystem` ``contact_count``, ``radius_min``, ``radius_max``, ``largest_force`` and
+        ``touched`` are on ``contact``, ``node_radius_min`` and ``node_radius_max`` on ``node``, and
+        ``x y vx vy`` on ``(t, node)``; there is no spectrum. On ``component``: ``final_state``, the
+        state at its start and end, with the unbalance at angle 0. The attribute ``axes`` tells on
+        which axes it closes.
 
     Raises
     ------
@@ -109,12 +135,16 @@ def limit_cycle(
 
     With contact damping or friction there are no such pairs, and the multipliers are eigenvalues of
     the matrix. Where the disc begins to roll or to slide the other way, friction jumps, and the
-    matrix is multiplied by a saltation matrix; if a cycle rolls, one multiplier is 0.
+    matrix is multiplied by a saltation matrix; if a cycle rolls, one multiplier is 0. Nor has a
+    `RotorSystem` pairs; where it has stators without mass the matrix comes from differences of
+    runs.
 
     Under a load, which rotates on the rotating axes, a motion can repeat itself only after whole
     revolutions: ``T = k 2 pi/omega``. The state is that at time 0, when the load points down on
     these axes, a fixed point of the k-th stroboscopic map. No multiplier is trivial, and the
-    stability depends on all four. The number k is found from the simulated motion, up to 128.
+    stability depends on all four. The number k is found from the simulated motion, up to 128. In
+    the same way a `RotorSystem` that is not axisymmetric has cycles of whole revolutions, on fixed
+    axes.
 
     References
     ----------
@@ -130,15 +160,48 @@ def limit_cycle(
     (4.56391667538, 1)
     >>> cycle.multiplier_real.values.round(8)
     array([ 1.        , -0.51147221, -0.51147221,  0.52784725])
+
+    The same disc as a system:
+
+    >>> same = limit_cycle(Rotor(omega=2.0, zeta=0.07, delta0=2.0).system(), speed=2.0)
+    >>> same.period.round(9).item(), same.contact_count.values
+    (4.563916675, array([1]))
     """
+    if not isinstance(rotor, RotorSystem):
+        disc = one_disc(limit_cycle, rotor, {"speed": speed, "modes": modes, **changed})
+        return _of_disc(disc, start=start, period=period)
+    system = changed_system(limit_cycle, rotor, changed)
+    return _near_guess(guess_of_system(system, begun(start), speed, period, modes))
+
+
+@takes_si
+def _of_disc(rotor: Rotor, *, start: object, period: float | None) -> xr.Dataset:
     check_turns_and_settles(check_instance("rotor", rotor, Rotor))
     guess = guess_of(rotor, start, period)
     check_revolutions(guess)
-    if isinstance(start, xr.Dataset) and guess.rotor != rotor:
-        guess = Guess(rotor, guess.state, guess.period)
-    check_can_be_followed(rotor, _state_of(guess.state), settling=True)
-    cycle, response = interruptible(lambda stop: found_cycle(guess, stop))
-    return cycle_dataset(rotor, guess, cycle, response)
+    check_can_be_followed(rotor, _numbers(guess.state), settling=True)
+    if guess.rotor != rotor:
+        guess = Guess(DiscFlow(rotor), guess.state, guess.period)
+    return _near_guess(guess)
+
+
+def one_disc(
+    verb: Callable[..., Any], rotor: object, of_system: Mapping[str, object]
+) -> Rotor | DimensionalRotor:
+    """Return a first argument that is one disc; refuse another, and keywords of rotor systems."""
+    if not isinstance(rotor, Rotor | DimensionalRotor):
+        refuse_first(verb, KINDS, rotor)
+    for name, value in of_system.items():
+        if name not in ("speed", "modes", *SystemParameters.__annotations__):
+            raise TypeError(f"{verb.__name__}() got an unexpected keyword argument {name!r}")
+        if value is not None:
+            raise InputError(f"{name} must be left out with one disc, got {shown(value)}")
+    return rotor
+
+
+def begun(start: Any) -> Any:
+    """Return the start of a rotor system: by default None."""
+    return None if start is AT_REST else start
 
 
 def check_turns_and_settles(rotor: Rotor) -> None:
@@ -153,15 +216,14 @@ def check_turns_and_settles(rotor: Rotor) -> None:
 
 def check_revolutions(guess: Guess) -> None:
     """Raise InputError if a period under a load is not a whole number of revolutions."""
-    if guess.period is None or guess.rotor.load == 0.0:
+    flow, period = guess.flow, guess.period
+    if period is None or flow.period is None:
         return
-    revolution = period_of(guess.rotor, 1)
-    apart = abs(guess.period - period_of(guess.rotor, revolutions_of(guess.rotor, guess.period)))
-    if apart > WITHIN_A_REVOLUTION * revolution:
+    if abs(period / flow.period - periods_of(flow, period)) > WITHIN_A_REVOLUTION:
         raise InputError(
             "{name} must be a whole number of revolutions under a load, each of {revolution:.9g}, "
             "got {value}",
-            name="period", revolution=revolution, value=guess.period,
+            name="period", revolution=flow.period, value=period,
         )  # fmt: skip
 
 
@@ -177,14 +239,15 @@ def with_period(guess: Guess) -> Guess:
     """Return a guess with its period; without one, the cycle to which it leads."""
     if guess.period is not None:
         return guess
-    cycle = cycle_from(guess.rotor, guess.state)
-    return Guess(guess.rotor, cycle.state, cycle.period)
+    cycle = cycle_from(guess)
+    return Guess(guess.flow, cycle.start, cycle.duration)
 
 
-def cycle_from(rotor: Rotor, state: Values) -> Cycle:
-    """Return the limit cycle to which a start leads; InputError if there is none."""
-    check_can_be_followed(rotor, _state_of(state), settling=True)
-    cycle, response = interruptible(lambda stop: found_cycle(Guess(rotor, state), stop))
+def cycle_from(guess: Guess) -> Orbit:
+    """Return the limit cycle to which a guess leads; InputError if there is none."""
+    if isinstance(guess.flow, DiscFlow):
+        check_can_be_followed(guess.rotor, _numbers(guess.state), settling=True)
+    cycle, response = interruptible(lambda stop: found_cycle(guess, stop))
     if cycle is None:
         raise InputError(
             f"start must lead to a limit cycle, got one from which the response is {response}"
@@ -192,88 +255,102 @@ def cycle_from(rotor: Rotor, state: Values) -> Cycle:
     return cycle
 
 
-def found_cycle(guess: Guess, stop: Stop) -> tuple[Cycle | None, str]:
+def _near_guess(guess: Guess) -> xr.Dataset:
+    """Return the cycle to which a guess leads, or the response found instead, as a dataset."""
+    if guess.special == HOPF:
+        raise InputError(
+            f"start must be a limit cycle, got a point of kind {HOPF}: continue_cycle follows what "
+            "begins there"
+        )
+    return interruptible(lambda stop: cycle_dataset(guess, *found_cycle(guess, stop)))
+
+
+def found_cycle(guess: Guess, stop: Stop) -> tuple[Orbit | None, str]:
     """Return the limit cycle to which a guess leads, or None, and the kind of response.
 
     SimulationError if Newton's method does not converge from a cycle that was simulated or given.
     """
-    rotor, state = guess.rotor, guess.state
-    if guess.period is not None:
-        cycle = once_round(close_orbit(rotor, state, guess.period, stop), stop)
-        return cycle, cycle.response
-    if rotor.load > 0.0:
-        time = _time_of_return_under_load(rotor, state, NEAR_ITSELF, stop)
-    else:
-        time = _time_of_return(rotor, state, stop)
-    near = _near(rotor, state, time, stop)
-    if near is not None:
-        return near, near.response
-    options = Options(method="taylor", rtol=STEADY_STATE_RTOL)
-    settled = follow_to_steady_state(rotor, _state_of(state), options, stop=stop)
-    if settled.response == FAILED:
-        raise SimulationError(settled.message)
-    if settled.response == UNRESOLVED and rotor.load > 0.0:
-        near = _of_many_revolutions(rotor, np.array(settled.end), stop)
-        return near, NOT_FOUND if near is None else near.response
-    if math.isnan(settled.features.period):
-        unknown = settled.response == UNRESOLVED
-        return None, NOT_FOUND if unknown else settled.response
-    cycle = close_orbit(rotor, np.array(settled.end), settled.features.period, stop)
+    flow, state, period = guess.flow.but(stop=stop), guess.state, guess.period
+    if period is None:
+        # that of a system would have to be followed for too long
+        is_disc = isinstance(flow, DiscFlow)
+        near = _near(flow, state, _time_of_return(flow, state)) if is_disc else None
+        if near is not None:
+            return near, near.response
+        kind, state, period = _settled(flow, state)
+        if kind == UNRESOLVED and is_disc and flow.period is not None:
+            near = _of_many_revolutions(flow, state)
+            return near, NOT_FOUND if near is None else near.response
+        if period is None:
+            return None, NOT_FOUND if kind == UNRESOLVED else kind
+    cycle = once_round(close_orbit(flow, state, period))
     return cycle, cycle.response
 
 
-def _near(rotor: Rotor, state: Values, time: float | None, stop: Stop) -> Cycle | None:
+def _settled(flow: Flow, state: Values) -> tuple[str, Values, float | None]:
+    """Return the response to which a state leads, the state there, and the period of a cycle."""
+    if isinstance(flow, SystemFlow):
+        settled = settle(flow.but(rtol=STEADY_STATE_RTOL), state)
+        decision = settled.decision
+        is_cycle = decision.kind in (BOUNCING, FULL_CONTACT, ROLLING)
+        return decision.kind, settled.state, decision.period if is_cycle else None
+    assert isinstance(flow, DiscFlow)
+    options = Options(method="taylor", rtol=STEADY_STATE_RTOL)
+    found = follow_to_steady_state(flow.rotor, _numbers(state), options, stop=flow.stop)
+    if found.response == FAILED:
+        raise SimulationError(found.message)
+    period = found.features.period
+    return found.response, np.array(found.end), None if math.isnan(period) else period
+
+
+def _near(flow: Flow, state: Values, time: float | None) -> Orbit | None:
     """Return the cycle near a start that returns closely to itself; None if it does not."""
     if time is None:
         return None
     try:
-        cycle = close_orbit(rotor, state, time, stop)
+        cycle = close_orbit(flow, state, time)
     except SimulationError:
         return None
-    moved = np.linalg.norm(cycle.state - state)
-    return cycle if moved <= FARTHER * NEAR_ITSELF * np.linalg.norm(state) else None
+    moved = np.linalg.norm(cycle.start - state)
+    return once_round(cycle) if moved <= FARTHER * NEAR_ITSELF * np.linalg.norm(state) else None
 
 
-def _time_of_return_under_load(
-    rotor: Rotor, state: Values, part: float, stop: Stop
-) -> float | None:
+def _time_under_load(flow: Flow, state: Values, part: float) -> float | None:
     """Return the time after which an orbit first returns, to a fraction of its size.
 
     It is sampled once a revolution, when the load points down on the rotating axes.
     """
-    revolution = period_of(rotor, 1)
-    ahead = sampled_orbit(rotor, state, revolution, REVOLUTIONS + 1, stop)
-    misses = np.linalg.norm(ahead[1:] - state, axis=1)
+    times = flow.revolution * np.arange(REVOLUTIONS + 1.0)
+    misses = np.linalg.norm(flow.states(state, times)[1:] - state, axis=1)
     back = np.flatnonzero(misses <= part * float(np.linalg.norm(state)))
-    return period_of(rotor, int(back[0]) + 1) if back.size else None
+    return float(times[back[0] + 1]) if back.size else None
 
 
-def _of_many_revolutions(rotor: Rotor, state: Values, stop: Stop) -> Cycle | None:
+def _of_many_revolutions(flow: Flow, state: Values) -> Orbit | None:
     """Return the stable cycle that a motion under a load has reached, if longer than windows."""
-    time = _time_of_return_under_load(rotor, state, COME_BACK, stop)
-    cycle = _near(rotor, state, time, stop)
-    return cycle if cycle is not None and is_stable(cycle.shot) else None
+    cycle = _near(flow, state, _time_under_load(flow, state, COME_BACK))
+    return cycle if cycle is not None and is_stable(cycle) else None
 
 
-def _time_of_return(rotor: Rotor, state: Values, stop: Stop) -> float | None:
+def _time_of_return(flow: Flow, state: Values) -> float | None:
     """Return the time at which an orbit first returns to its start; None if it does not in time."""
-    times, misses = returns(rotor, state, RETURN_TIME, FARTHER * NEAR_ITSELF, stop)
+    if flow.period is not None:
+        return _time_under_load(flow, state, NEAR_ITSELF)
+    times, misses = returns(flow, state, RETURN_TIME, FARTHER * NEAR_ITSELF)
     back = np.flatnonzero(misses <= NEAR_ITSELF * float(np.linalg.norm(state)))
     return float(times[back[0]]) if back.size else None
 
 
-def returns(
-    rotor: Rotor, state: Values, duration: float, away: float, stop: Stop
-) -> tuple[Values, Values]:
+def returns(flow: Flow, state: Values, duration: float, away: float) -> tuple[Values, Values]:
     """Return the times at which an orbit passes its start, and the distances across the motion.
 
     A passage counts once the orbit has been `away`, relative to the size of the state. One passage
     may give several times close to each other.
     """
-    a_revolution = math.ceil(SAMPLES_A_REVOLUTION * rotor.omega / (2.0 * math.pi))
+    a_revolution = math.ceil(SAMPLES_A_REVOLUTION / flow.revolution)
     samples_a_time = max(SAMPLES_A_TIME, a_revolution)
     span, size = 1.0 / samples_a_time, float(np.linalg.norm(state))
-    states = sampled_orbit(rotor, state, span, math.ceil(duration * samples_a_time) + 1, stop)
+    states = flow.states(state, span * np.arange(math.ceil(duration * samples_a_time) + 1.0))
     apart = states - state
     rates = np.gradient(states, span, axis=0)
     ahead = np.einsum("ni,ni->n", apart, rates) / np.einsum("ni,ni->n", rates, rates).clip(1e-300)
@@ -284,6 +361,6 @@ def returns(
     return span * passed - ahead[passed], across[passed]
 
 
-def _state_of(state: Values) -> tuple[float, float, float, float]:
+def _numbers(state: Values) -> State:
     x, y, vx, vy = state.tolist()
     return x, y, vx, vy

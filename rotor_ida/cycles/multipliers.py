@@ -42,9 +42,10 @@ from itertools import combinations
 import numpy as np
 
 from rotor_ida.arrays import ComplexValues
-from rotor_ida.cycles.special_points import Orbit
-from rotor_ida.simulation.neighbours import Shot
+from rotor_ida.cycles.orbit import Orbit
 
+# Factors of a test function smaller than this show in it; many larger ones leave its size alone.
+NEAR_ZERO = 0.03
 # A pair that has been located on the unit circle is within this distance of it.
 ON_CIRCLE = 1e-6
 # The symplectic form ``dx ^ dvx + dy ^ dvy``: the velocity of the rotor, resolved on the rotating
@@ -52,76 +53,80 @@ ON_CIRCLE = 1e-6
 FORM = np.kron([[0.0, 1.0], [-1.0, 0.0]], np.eye(2))
 
 
-def fold_test(shot: Orbit) -> float:
+def fold_test(orbit: Orbit) -> float:
     """Return ``2 (1 + q) - tr M``: 0 at a fold, and below 0 where a real multiplier is above 1.
 
     If the trace is not sufficient, the product of ``1 - mu`` over the nontrivial multipliers.
     """
-    if shot.pair_product is None:
-        return float(np.prod(1.0 - nontrivial(shot)).real)
-    return 2.0 * (1.0 + shot.pair_product) - float(shot.monodromy.trace())
+    if orbit.pair_product is None:
+        return _product(1.0 - nontrivial(orbit))
+    return 2.0 * (1.0 + orbit.pair_product) - float(orbit.monodromy.trace())
 
 
-def doubling_test(shot: Orbit) -> float:
+def doubling_test(orbit: Orbit) -> float:
     """Return ``tr M``: 0 at a period doubling, and below 0 where a real multiplier is below -1.
 
     If the trace is not sufficient, the product of ``1 + mu`` over the nontrivial multipliers.
     """
-    if shot.pair_product is None:
-        return float(np.prod(1.0 + nontrivial(shot)).real)
-    return float(shot.monodromy.trace())
+    if orbit.pair_product is None:
+        return _product(1.0 + nontrivial(orbit))
+    return float(orbit.monodromy.trace())
 
 
-def torus_test(shot: Orbit) -> float:
+def torus_test(orbit: Orbit) -> float:
     """Return the product of ``1 - mu_i mu_j`` over the pairs of nontrivial multipliers.
 
     It is 0 where a complex pair is on the unit circle, and where two real ones have the product 1.
     """
-    return float(np.prod(torus_factors(shot)).real)
+    pairs = combinations(nontrivial(orbit), 2)
+    return _product(np.array([1.0 - one * other for one, other in pairs], dtype=np.complex128))
 
 
-def torus_factors(shot: Orbit) -> ComplexValues:
-    """Return ``1 - mu_i mu_j`` for the pairs of nontrivial multipliers."""
-    pairs = combinations(nontrivial(shot), 2)
-    return np.array([1.0 - one * other for one, other in pairs], dtype=np.complex128)
+def _product(factors: ComplexValues) -> float:
+    """Return the product of factors, each over its size where that is not small.
+
+    A system of slight damping has many multipliers near the unit circle, and the product of the
+    factors themselves would be small everywhere.
+    """
+    return float(np.prod(factors / np.sqrt(np.abs(factors) ** 2 + NEAR_ZERO**2)).real)
 
 
-def on_unit_circle(shot: Orbit) -> bool:
+def on_unit_circle(orbit: Orbit) -> bool:
     """Return whether a complex pair of multipliers lies on the unit circle, to `ON_CIRCLE`."""
-    multipliers = nontrivial(shot)
+    multipliers = nontrivial(orbit)
     return bool(
         ((np.abs(np.abs(multipliers) - 1.0) <= ON_CIRCLE) & (multipliers.imag != 0.0)).any()
     )
 
 
-def is_stable(shot: Orbit) -> bool:
+def is_stable(orbit: Orbit) -> bool:
     """Return whether all multipliers but the trivial one lie inside the unit circle."""
-    if shot.pair_product is None:
-        return bool((np.abs(nontrivial(shot)) < 1.0).all())
-    return fold_test(shot) > 0.0 and doubling_test(shot) > 0.0
+    if orbit.pair_product is None:
+        return bool((np.abs(nontrivial(orbit)) < 1.0).all())
+    return fold_test(orbit) > 0.0 and doubling_test(orbit) > 0.0
 
 
-def nontrivial(shot: Orbit) -> ComplexValues:
+def nontrivial(orbit: Orbit) -> ComplexValues:
     """Return the nontrivial multipliers: those of M across the field at the start.
 
     Under a load all are nontrivial.
     """
-    if not shot.is_autonomous:
-        return np.asarray(np.linalg.eigvals(shot.monodromy), dtype=np.complex128)
-    along = shot.start_rate / np.linalg.norm(shot.start_rate)
+    if not orbit.is_autonomous:
+        return np.asarray(np.linalg.eigvals(orbit.monodromy), dtype=np.complex128)
+    along = orbit.start_rate / np.linalg.norm(orbit.start_rate)
     across = np.linalg.svd(along[None])[2][1:]
-    return np.asarray(np.linalg.eigvals(across @ shot.monodromy @ across.T), dtype=np.complex128)
+    return np.asarray(np.linalg.eigvals(across @ orbit.monodromy @ across.T), dtype=np.complex128)
 
 
-def multipliers_of(shot: Orbit) -> ComplexValues:
+def multipliers_of(orbit: Orbit) -> ComplexValues:
     """Return the multipliers of a closed orbit, by decreasing modulus."""
-    if (q := shot.pair_product) is None:
-        trivial = [1.0] if shot.is_autonomous else []
-        multipliers = np.append(trivial, nontrivial(shot))
-        if shot.rolls:  # up to rounding
+    if (q := orbit.pair_product) is None:
+        trivial = [1.0] if orbit.is_autonomous else []
+        multipliers = np.append(trivial, nontrivial(orbit))
+        if orbit.rolls:  # up to rounding
             multipliers[np.argmin(np.abs(multipliers))] = 0.0
         return np.asarray(multipliers[np.argsort(-np.abs(multipliers), kind="stable")])
-    half = 0.5 * (float(shot.monodromy.trace()) - 1.0 - q)
+    half = 0.5 * (float(orbit.monodromy.trace()) - 1.0 - q)
     rest = half * half - q
     if rest < 0.0:
         root = math.sqrt(-rest)
@@ -134,40 +139,39 @@ def multipliers_of(shot: Orbit) -> ComplexValues:
     return multipliers[np.argsort(-np.abs(multipliers), kind="stable")]
 
 
-def multipliers_near(multipliers: ComplexValues, shot: Orbit) -> ComplexValues:
+def multipliers_near(multipliers: ComplexValues, orbit: Orbit) -> ComplexValues:
     """Return the multipliers of a closed orbit in the order of the nearest given ones.
 
     Rounding alone decides the order by modulus of several on one circle.
     """
     from scipy.optimize import linear_sum_assignment  # noqa: PLC0415 - takes long to import
 
-    others = multipliers_of(shot)
-    if shot.pair_product is not None:
+    others = multipliers_of(orbit)
+    if orbit.pair_product is not None:
         return others
     nearest = linear_sum_assignment(np.abs(others - multipliers[:, np.newaxis]))[1]
     return np.asarray(others[nearest])
 
 
-def defects_of(shot: Shot) -> tuple[float, float]:
-    """Return the deviation of the integrated matrix from the structure assumed for multipliers.
+def trivial_defect(orbit: Orbit) -> float:
+    """Return ``|M f - f|/|f|``, with f the rate of change at the start; NaN where no mu is 1."""
+    rate = orbit.start_rate
+    missed = np.linalg.norm(orbit.monodromy @ rate - orbit.end_rate) / np.linalg.norm(rate)
+    return float(missed) if orbit.is_autonomous else math.nan
 
-    Returns
-    -------
-    trivial : float
-        ``|M f - f|/|f|``, with f the rate of change at the start: 0 if 1 is a multiplier [1]. NaN
-        under a load, where it is not.
-    symplectic : float
-        The largest element of ``M^T S M - q S``, relative to that of ``M^T S M`` with all signs
-        positive [1]; about 1e-15 by rounding alone. NaN with contact damping or friction, where
-        there is no such structure.
+
+def symplectic_defect(orbit: Orbit) -> float:
+    """Return the deviation of the matrix of one disc from the structure assumed for multipliers.
+
+    The largest element of ``M^T S M - q S``, relative to that of ``M^T S M`` with all signs
+    positive [1]; about 1e-15 by rounding alone. NaN with contact damping or friction, where there
+    is no such structure.
     """
-    rate, matrix = shot.start_rate, shot.monodromy
-    trivial = np.linalg.norm(matrix @ rate - shot.end_rate) / np.linalg.norm(rate)
-    if shot.rotor.load > 0.0:
-        trivial = np.float64(math.nan)
-    if not shot.rotor.damps_uniformly:
-        return float(trivial), math.nan
-    defect = np.abs(matrix.T @ FORM @ matrix - shot.contraction * FORM).max()
+    rotor, matrix = orbit.rotor, orbit.monodromy
+    if not rotor.damps_uniformly:
+        return math.nan
+    contraction = math.exp(-2.0 * rotor.zeta * orbit.duration)
+    defect = np.abs(matrix.T @ FORM @ matrix - contraction * FORM).max()
     size = (np.abs(matrix).T @ np.abs(FORM) @ np.abs(matrix)).max()
     # both are zero where a period damps all velocities to nothing
-    return float(trivial), float(defect / size) if size else 0.0
+    return float(defect / size) if size else 0.0

@@ -18,41 +18,38 @@ import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Generic
 
 import numpy as np
 
-from rotor_ida.arrays import Stop, Values
-from rotor_ida.core.runs import COLUMNS
-from rotor_ida.cycles.birth import DiscWhirl, birth_between
+from rotor_ida.arrays import Values
+from rotor_ida.cycles.birth import birth_between, oscillation
 from rotor_ida.cycles.continuation import Curve, Point, Problem, shooting_equations
-from rotor_ida.cycles.guess import DOUBLING, Guess
+from rotor_ida.cycles.guess import DOUBLING, HOPF, Guess
 from rotor_ida.cycles.multipliers import doubling_test, fold_test, on_unit_circle, torus_test
-from rotor_ida.cycles.shooting import (
-    Cycle,
-    checked_cycle,
-    contacts_of,
-    failure,
-    period_of,
-    revolutions_of,
-)
-from rotor_ida.cycles.special_points import Count, O
+from rotor_ida.cycles.orbit import Orbit, followed
+from rotor_ida.cycles.shooting import checked_cycle, closes, failure, periods_of
+from rotor_ida.cycles.special_points import Count
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.parameters import PARAMETERS
-from rotor_ida.model.rotor import Rotor
-from rotor_ida.simulation.neighbours import Shot, shoot
-from rotor_ida.simulation.orbit import REVERSE, ROLL
+from rotor_ida.simulation.flow import DiscFlow, Flow
 
 FOLD, GRAZE, TORUS, SLIDING, CUSP = "fold", "graze", "torus", "sliding", "cusp"
-TESTS: dict[str, Callable[[Shot], float]] = {
+TESTS: dict[str, Callable[[Orbit], float]] = {
     FOLD: fold_test,
     DOUBLING: doubling_test,
     TORUS: torus_test,
 }
-# Index of the (first) parameter among the unknowns, after the state and the period.
-PLACE = 5
+# Counts on an orbit; no function of the orbit is 0 where the second changes.
+COUNTS: dict[str, Count[Orbit]] = {
+    GRAZE: Count(lambda orbit: orbit.contacts, lambda orbit: orbit.nearest_gap),
+    SLIDING: Count(lambda orbit: orbit.sliding_changes, lambda _: math.inf),
+}
+# Names of the speed, on which the duration of a revolution depends.
+SPEEDS = ("omega", "speed")
 # A rotor at zero speed or without damping has no cycles; one without a load has different ones.
 NEVER_ZERO = ("omega", "zeta", "load")
+# Size of the oscillation, relative to that of the whirl, with which a branch leaves a Hopf point.
+FIRST_SWING = 2e-2
 # If a curve of bifurcations ends this near a graze, relative to the clearance, that is the reason.
 NEAR_A_GRAZE = 1e-4
 # At a period doubling, doubled cycles are sought at these distances, relative to the size of the
@@ -70,19 +67,17 @@ KEPT_WITHIN = 1e-8
 
 
 @dataclass(frozen=True, slots=True)
-class Continuation(Generic[O]):
+class Continuation:
     """A branch of cycles, or a curve of bifurcations, to be followed.
 
     Parameters
     ----------
     line : Curve
         The curve that takes the steps.
-    name : str
-        The (first) parameter.
     first : Point
         Its first point, directed forward.
     limits : dict of int to tuple of float
-        The smallest and largest value [1] of each parameter, by its index among the unknowns.
+        The smallest and largest value of each parameter, by its index among the unknowns.
     most : int
         The largest number of points.
     both : bool
@@ -95,15 +90,14 @@ class Continuation(Generic[O]):
         What an orbit adds to the reason why no further step was possible.
     """
 
-    line: Curve[O]
-    name: str
-    first: Point[O]
+    line: Curve[Orbit]
+    first: Point[Orbit]
     limits: dict[int, tuple[float, float]]
     most: int
     both: bool = True
-    half: Problem[O] | None = None
-    birth: Callable[[Point[O], Point[O]], Point[O] | None] | None = None
-    hint: Callable[[O], str] = lambda _: ""
+    half: Problem[Orbit] | None = None
+    birth: Callable[[Point[Orbit], Point[Orbit]], Point[Orbit] | None] | None = None
+    hint: Callable[[Orbit], str] = lambda _: ""
 
     @property
     def place(self) -> int:
@@ -119,30 +113,39 @@ def halved(unknowns: Values, place: int) -> Values:
 
 
 def branch_through(
-    guess: Guess, parameter: str, limits: tuple[float, float], most: int, stop: Stop
-) -> Continuation[Shot]:
-    """Return the branch through a cycle, or the doubled one that leaves it at a doubling.
+    guess: Guess, parameter: str, limits: tuple[float, float], most: int
+) -> Continuation:
+    """Return the branch through a cycle, the doubled one at a doubling, or that of a Hopf point.
 
     The guess has a period. SimulationError if there is no branch.
     """
-    rotor, period = guess.rotor, guess.period or math.nan
-    value = getattr(rotor, parameter)
+    flow, period, n = guess.flow, guess.period or math.nan, guess.state.size
     doubles = guess.special == DOUBLING
-    scale = _scale(guess, period * (2.0 if doubles else 1.0), [value], [limits])
-    times = revolutions_of(rotor, scale[4])
-    line = Curve(cycles_over(rotor, parameter, stop, times), scale)
-    half = None if times % 2 else cycles_over(rotor, parameter, stop, times // 2)
-    near = partial(DiscWhirl, name=parameter)
-    birth = partial(birth_between, whirl_near=near, problem=line.problem)
+    scale = _scale(guess, period * (2.0 if doubles else 1.0), [parameter], [limits])
+    times = periods_of(flow, scale[n])
+    line = Curve(cycles_over(flow, parameter, times), scale)
+    half = None if times % 2 else cycles_over(flow, parameter, times // 2)
+    unknowns = np.array([*guess.state, period, flow.value_of(parameter)])
     if doubles:
-        first = doubled(line, np.append(guess.state, (period, value)))
+        first = doubled(line, unknowns)
+    elif guess.special == HOPF:
+        first = _born(line, unknowns)
     else:
-        first = line.first(np.append(guess.state, (period, value)))
+        first = line.first(unknowns)
         first = first.reversed() if guess.slope < 0.0 else first
+    birth = partial(birth_between, name=parameter, problem=line.problem)
     return Continuation(
-        line, parameter, first, {PLACE: limits}, most, both=not doubles, half=half,
-        birth=birth if rotor.load == 0.0 else None,
+        line, first, {n + 1: limits}, most, both=not doubles, half=half,
+        birth=birth if flow.period is None else None,
     )  # fmt: skip
+
+
+def _born(line: Curve[Orbit], unknowns: Values) -> Point[Orbit]:
+    """Return a small cycle near the Hopf point of a whirl, directed away from it."""
+    state, (period, place) = unknowns[:-2], unknowns[-2:].tolist()
+    away = np.zeros(unknowns.size)
+    away[: state.size] = oscillation(line.problem, state, period, place)
+    return line.near(unknowns + FIRST_SWING * away * line.scale, away)
 
 
 def bifurcations_through(
@@ -151,21 +154,20 @@ def bifurcations_through(
     names: tuple[str, str],
     limits: tuple[tuple[float, float], tuple[float, float]],
     most: int,
-    stop: Stop,
-) -> Continuation[Shot]:
+) -> Continuation:
     """Return the curve through a bifurcation."""
-    values = [getattr(guess.rotor, name) for name in names]
-    period = guess.period or math.nan
-    scale = _scale(guess, period, values, limits)
-    line = Curve(_problem(guess.rotor, kind, names, scale, stop), scale)
+    values = [guess.flow.value_of(name) for name in names]
+    period, place = guess.period or math.nan, guess.state.size + 1
+    scale = _scale(guess, period, names, limits)
+    line = Curve(_problem(guess.flow, kind, names, scale), scale)
     first = line.first(np.append(guess.state, (period, *values)))
-    both = {PLACE: limits[0], PLACE + 1: limits[1]}
-    return Continuation(line, names[0], first, both, most, hint=_corner_at_graze)
+    both = {place: limits[0], place + 1: limits[1]}
+    return Continuation(line, first, both, most, hint=_corner_at_graze)
 
 
-def _corner_at_graze(shot: Shot) -> str:
+def _corner_at_graze(orbit: Orbit) -> str:
     """Return that a curve of bifurcations has a corner where a linear contact is just touched."""
-    gap, rotor = nearest_gap(shot), shot.rotor
+    gap, rotor = orbit.nearest_gap, orbit.rotor
     if rotor.contact_exponent != 1.0 or abs(gap) > NEAR_A_GRAZE * rotor.delta0:
         return ""
     return (
@@ -175,106 +177,92 @@ def _corner_at_graze(shot: Shot) -> str:
 
 
 def _scale(
-    guess: Guess,
-    period: float,
-    values: Sequence[float],
-    limits: Sequence[tuple[float, float]],
+    guess: Guess, period: float, names: Sequence[str], limits: Sequence[tuple[float, float]]
 ) -> Values:
     """Return the sizes of state, period and parameters, relative to which lengths are measured."""
-    sizes = [value or high - low for value, (low, high) in zip(values, limits, strict=True)]
-    return np.array([*[np.linalg.norm(guess.state)] * 4, period, *sizes])
+    sizes = [
+        abs(guess.flow.value_of(name)) or high - low
+        for name, (low, high) in zip(names, limits, strict=True)
+    ]
+    return np.array([*[np.linalg.norm(guess.state)] * guess.state.size, period, *sizes])
 
 
 # ---- Cycles over a parameter ----
 
 
-def nearest_gap(shot: Shot) -> float:
-    """Return the extremum of the radius nearest to the stator, less the clearance: 0 at a graze."""
-    gaps: list[float] = (shot.extrema["radius"] - shot.rotor.delta0).tolist()
-    return min(gaps, key=abs)
+def cycles_over(flow: Flow, parameter: str, revolutions: int) -> Problem[Orbit]:
+    """Return the cycles of a flow over one of its parameters.
 
-
-def changes_of(shot: Shot) -> int:
-    """Return the number of times the disc begins to roll, or slides the other way, on an orbit."""
-    return int(np.isin(shot.event_kinds, (ROLL, REVERSE)).sum())
-
-
-# Counts on an orbit; no function of the orbit is 0 where the second changes.
-COUNTS = {
-    GRAZE: Count(contacts_of, nearest_gap),
-    SLIDING: Count(changes_of, lambda _shot: math.inf),
-}
-
-
-def cycles_over(rotor: Rotor, parameter: str, stop: Stop, revolutions: int) -> Problem[Shot]:
-    """Return the cycles of a rotor over one of its parameters.
-
-    Under a load they are those of the given number of revolutions.
+    If it closes after whole revolutions only they are those of the given number.
     """
-    tests: dict[str, Callable[[Point[Shot], Point[Shot]], float]] = {
+    tests: dict[str, Callable[[Point[Orbit], Point[Orbit]], float]] = {
         FOLD: lambda point, _last: fold_test(point.stretch),
         DOUBLING: lambda point, _last: doubling_test(point.stretch),
     }
-    if may_have_tori(rotor, parameter):
+    if may_have_tori(flow, parameter):
         tests[TORUS] = lambda point, _last: torus_test(point.stretch)
     return Problem(
-        lambda unknowns: shot_of(rotor, unknowns, (parameter,), stop),
-        lambda _unknowns, shot, direction: closing_equations(
-            shot, direction, (parameter,), revolutions
+        lambda unknowns: orbit_of(flow, unknowns, (parameter,)),
+        lambda _unknowns, orbit, direction: closing_equations(
+            orbit, direction, (parameter,), revolutions
         ),
         checked_cycle,
         tests,
         COUNTS,
-        autonomous=rotor.load == 0.0,
+        autonomous=flow.period is None,
+        closes=closes,
     )
 
 
-def may_have_tori(rotor: Rotor, *varied: str) -> bool:
-    """Return whether a torus may be born from cycles of a rotor with some parameters varied."""
+def may_have_tori(flow: Flow, *varied: str) -> bool:
+    """Return whether a torus may be born from cycles with some parameters varied."""
+    if not isinstance(flow, DiscFlow):
+        return True
     where = ("contact_damping", "friction", "load")
-    return any(name in varied or getattr(rotor, name) > 0.0 for name in where)
+    return any(name in varied or getattr(flow.rotor, name) > 0.0 for name in where)
 
 
 def closing_equations(
-    shot: Shot, direction: Values, parameters: Sequence[str], revolutions: int
+    orbit: Orbit, direction: Values, parameters: Sequence[str], revolutions: int
 ) -> tuple[Values, Values]:
     """Return the residuals of the equations of a cycle, and their derivatives by all unknowns.
 
-    They are those of `shooting_equations`; under a load the last is ``T = k 2 pi/omega`` instead.
+    They are those of `shooting_equations`; or the last is ``T = k 2 pi/omega`` instead.
     """
-    columns = [COLUMNS.index(name) for name in parameters]
-    miss, matrix = shooting_equations(shot, direction, *shot.by_parameter[:, columns].T)
-    if shot.rotor.load > 0.0:
-        period = period_of(shot.rotor, revolutions)
-        miss[4], matrix[4] = period - shot.duration, 0.0
-        matrix[4, 4] = 1.0
-        for place, name in enumerate(parameters, start=PLACE):
-            if name == "omega":
-                matrix[4, place] = period / shot.rotor.omega
+    miss, matrix = shooting_equations(orbit, direction, *orbit.piece.by.T)
+    if not orbit.is_autonomous:
+        period, n = revolutions * orbit.flow.revolution, orbit.start.size
+        miss[n], matrix[n] = period - orbit.duration, 0.0
+        matrix[n, n] = 1.0
+        for place, name in enumerate(parameters, start=n + 1):
+            if name in SPEEDS:
+                matrix[n, place] = period / orbit.flow.speed
     return miss, matrix
 
 
-def shot_of(rotor: Rotor, unknowns: Values, parameters: Sequence[str], stop: Stop) -> Shot:
+def orbit_of(flow: Flow, unknowns: Values, parameters: Sequence[str]) -> Orbit:
     """Return the orbit for a state, a period and some parameters.
 
-    Below 0, where there is no rotor, the orbit is extrapolated by its derivative at 0, so that a
-    step may pass a limit there. SimulationError if a parameter is impossible or the orbit fails.
+    Below 0, where there is no rotor, the orbit of one disc is extrapolated by its derivative at 0,
+    so that a step may pass a limit there. SimulationError if a parameter is impossible or the orbit
+    fails.
     """
+    n = unknowns.size - len(parameters) - 1
     values, below = dict[str, float](), dict[str, float]()
-    for name, value in zip(parameters, unknowns[5:].tolist(), strict=True):
-        if value < 0.0 and name not in PARAMETERS:
+    for name, value in zip(parameters, unknowns[n + 1 :].tolist(), strict=True):
+        if value < 0.0 and name not in (*PARAMETERS, "speed"):
             below[name] = value
-        elif value < 0.0 or (value == 0.0 and name in NEVER_ZERO):
+        elif (value < 0.0 and name in PARAMETERS) or (value == 0.0 and name in NEVER_ZERO):
             raise SimulationError(f"{name} falls to {value:.3g}")
-        values[name] = max(value, 0.0)
-    here, whole = replace(rotor, **values), any(name not in PARAMETERS for name in parameters)
-    shot = shoot(here, unknowns[:4], float(unknowns[4]), stop, whole=whole)
+        values[name] = 0.0 if name in below else value
+    orbit = followed(flow.but(**values), unknowns[:n], float(unknowns[n]), parameters)
     for name, value in below.items():
-        shot = replace(shot, end=shot.end + value * shot.by_parameter[:, COLUMNS.index(name)])
-    return shot
+        beside = orbit.end + value * orbit.piece.by[:, parameters.index(name)]
+        orbit = replace(orbit, piece=replace(orbit.piece, end=beside))
+    return orbit
 
 
-def doubled(line: Curve[O], once: Values) -> Point[O]:
+def doubled(line: Curve[Orbit], once: Values) -> Point[Orbit]:
     """Return a point of the doubled branch near a period doubling, directed away from it.
 
     Its cycles branch off along the eigenvector of the multiplier -1. `once` has state, period and
@@ -299,7 +287,7 @@ def doubled(line: Curve[O], once: Values) -> Point[O]:
     raise SimulationError(f"no doubled cycle was found near the one of period {once[n]:.9g}")
 
 
-def _half_misses(line: Curve[O], point: Point[O]) -> float:
+def _half_misses(line: Curve[Orbit], point: Point[Orbit]) -> float:
     """Return the distance after half a period from the start, relative to the size of the state."""
     start = point.stretch.start
     half = line.problem.shoot(halved(point.unknowns, start.size + 1))
@@ -309,21 +297,19 @@ def _half_misses(line: Curve[O], point: Point[O]) -> float:
 # ---- Bifurcations over two ----
 
 
-def _problem(
-    rotor: Rotor, kind: str, names: tuple[str, str], scale: Values, stop: Stop
-) -> Problem[Shot]:
-    """Return the bifurcations of a kind over two parameters of a rotor."""
-    test, revolutions = TESTS[kind], revolutions_of(rotor, scale[PLACE - 1])
+def _problem(flow: Flow, kind: str, names: tuple[str, str], scale: Values) -> Problem[Orbit]:
+    """Return the bifurcations of a kind over two parameters of a flow."""
+    test, revolutions = TESTS[kind], periods_of(flow, scale[-3])
 
-    def follow(unknowns: Values) -> Shot:
-        return shot_of(rotor, unknowns, names, stop)
+    def follow(unknowns: Values) -> Orbit:
+        return orbit_of(flow, unknowns, names)
 
     gradient = _Gradient(lambda unknowns: test(follow(unknowns)), scale)
 
-    def equations(unknowns: Values, shot: Shot, direction: Values) -> tuple[Values, Values]:
-        miss, matrix = closing_equations(shot, direction, names, revolutions)
-        slopes = gradient.near(unknowns, test(shot))
-        return np.append(miss, -test(shot)), np.vstack([matrix, slopes])
+    def equations(unknowns: Values, orbit: Orbit, direction: Values) -> tuple[Values, Values]:
+        miss, matrix = closing_equations(orbit, direction, names, revolutions)
+        here = test(orbit)
+        return np.append(miss, -here), np.vstack([matrix, gradient.near(unknowns, here)])
 
     return Problem(
         follow,
@@ -331,15 +317,15 @@ def _problem(
         _checked_torus if kind == TORUS else checked_cycle,
         {CUSP: _turning},
         COUNTS,
-        autonomous=rotor.load == 0.0,
+        autonomous=flow.period is None,
     )
 
 
-def _checked_torus(shot: Shot) -> Cycle:
-    """Return an orbit as a limit cycle with a complex pair of multipliers on the unit circle."""
-    cycle = checked_cycle(shot)
-    if not on_unit_circle(shot):
-        raise failure(shot, "the pair of multipliers on the unit circle has become real")
+def _checked_torus(orbit: Orbit) -> Orbit:
+    """Return an orbit that is a cycle with a complex pair of multipliers on the unit circle."""
+    cycle = checked_cycle(orbit)
+    if not on_unit_circle(orbit):
+        raise failure(orbit, "the pair of multipliers on the unit circle has become real")
     return cycle
 
 
@@ -365,6 +351,6 @@ class _Gradient:
         return self._gradient.copy()
 
 
-def _turning(point: Point[Shot], last: Point[Shot]) -> float:
+def _turning(point: Point[Orbit], last: Point[Orbit]) -> float:
     """Return the motion of the parameters along that at the previous point; 0 at a cusp."""
-    return float(point.tangent[PLACE:] @ last.tangent[PLACE:])
+    return float(point.tangent[-2:] @ last.tangent[-2:])

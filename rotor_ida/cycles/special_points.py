@@ -85,35 +85,7 @@ class Stretch(Protocol):
         """Rate of change of the state at the end, shape (n,)."""
 
 
-class Orbit(Stretch, Protocol):
-    """A stretch of which a branch of cycles can be followed."""
-
-    @property
-    def duration(self) -> float:
-        """Its duration."""
-
-    @property
-    def is_autonomous(self) -> bool:
-        """Whether a cycle may begin anywhere, so that one multiplier is 1."""
-
-    @property
-    def pair_product(self) -> float | None:
-        """Product of each of two pairs of multipliers, one of them with 1; None without pairs."""
-
-    @property
-    def rolls(self) -> bool:
-        """Whether a contact ever rolls."""
-
-    @property
-    def sizes(self) -> Values:
-        """Smallest and largest radii, which are the same at any phase."""
-
-    def halves_agree(self, part: float) -> bool:
-        """Return whether both halves of a cycle are the same, to a part of its size."""
-
-
 S = TypeVar("S", bound=Stretch)
-O = TypeVar("O", bound=Orbit)
 
 
 @dataclass(frozen=True, slots=True)

@@ -15,7 +15,7 @@ from rotor_ida.core.runs import RunRequest, follow_run
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.simulation.neighbours import ATOL
+from rotor_ida.simulation.flow import ATOL
 
 # Kinds of an extremum.
 MINIMUM, CONSTANT, MAXIMUM = -1, 0, 1

@@ -31,7 +31,7 @@ from rotor_ida.results.in_si import takes_si
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.run import parameter_coordinates
 from rotor_ida.schema import Column, labelled_dataset
-from rotor_ida.simulation.neighbours import ATOL
+from rotor_ida.simulation.flow import ATOL
 from rotor_ida.simulation.options import check_can_be_followed, check_rtol
 from rotor_ida.simulation.starts import state_of
 

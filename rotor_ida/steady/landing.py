@@ -22,8 +22,8 @@ import numpy as np
 
 from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.core.systems import SystemResult
+from rotor_ida.simulation.system_flow import SystemFlow
 from rotor_ida.steady.decision import growing_direction
-from rotor_ida.steady.system_flow import SystemFlow
 
 # The largest step of Newton's method, in parts of the size of the motion, its most steps, and what
 # a step leaves at most of how far a state misses itself.
@@ -177,7 +177,7 @@ def land(flow: SystemFlow, state: Values, candidate: Candidate) -> Landing | Non
         return None
     cycle, period, derivative = found
     multipliers, shapes = np.linalg.eig(derivative)
-    run = flow.run(cycle, np.linspace(0.0, period, SAMPLES_A_REVOLUTION + 1))
+    run = flow.sampled(cycle, np.linspace(0.0, period, SAMPLES_A_REVOLUTION + 1))
     in_flight = _is_in_flight(run)
     trivial = np.zeros(multipliers.size, bool)
     if candidate.is_free:

@@ -6,7 +6,7 @@ import numpy as np
 
 from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.core.systems import SystemResult
-from rotor_ida.steady.system_flow import SystemFlow
+from rotor_ida.simulation.system_flow import SystemFlow
 
 
 def extreme_radii(
@@ -41,7 +41,7 @@ def extreme_radii(
         [_extreme_times(times, sign * squares, sign * rates) for sign in (1.0, -1.0)]
     )
     again = np.unique(np.append(at, times[-1]))
-    refined = _squares(flow.run(start, again), rows, centres)[0]
+    refined = _squares(flow.sampled(start, again), rows, centres)[0]
     both = np.sqrt(np.concatenate([squares, refined]))
     return both.min(axis=0), both.max(axis=0)
 

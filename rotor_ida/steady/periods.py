@@ -27,7 +27,7 @@ from rotor_ida.core.interface import DONE, message_of
 from rotor_ida.core.runs import Rows, RunRequest, follow_run
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.simulation.neighbours import ATOL
+from rotor_ida.simulation.flow import ATOL
 from rotor_ida.steady.response import STEADY
 
 # Smallest number of periods in the window: a single recurrence may be chance.

@@ -15,7 +15,7 @@ from rotor_ida.errors import SimulationError
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema import RESPONSE
 from rotor_ida.simulation.extrema import CONSTANT
-from rotor_ida.simulation.neighbours import ATOL
+from rotor_ida.simulation.flow import ATOL
 from rotor_ida.simulation.spin import through
 
 # On a run-up the radius of a whirl drifts; oscillations below this fraction of it are ignored.

@@ -30,7 +30,7 @@ from rotor_ida.simulation.lyapunov import (
     POINTS_SHOWN,
     means_of_rates,
 )
-from rotor_ida.steady.system_flow import SettlingProblem, SystemFlow
+from rotor_ida.simulation.system_flow import SettlingProblem, SystemFlow
 from rotor_ida.steady.system_sweep import check_slowest, first_state
 from rotor_ida.systems.assembly import assemble
 from rotor_ida.systems.modes import in_modes

@@ -10,7 +10,9 @@ import numpy as np
 from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.core.systems import SystemResult
 from rotor_ida.schema import MODE, OF_FRICTION_EVENT_KIND
+from rotor_ida.simulation.lyapunov import means_of_rates
 from rotor_ida.simulation.orbit import ENTRY
+from rotor_ida.simulation.system_flow import SystemFlow
 from rotor_ida.steady.decision import DISTURBANCE, RECURS, Decision, Exponents, decide
 from rotor_ida.steady.landing import (
     MOST_REVOLUTIONS,
@@ -22,7 +24,6 @@ from rotor_ida.steady.landing import (
 from rotor_ida.steady.orbit_extrema import extreme_radii
 from rotor_ida.steady.periods import FEWEST_PERIODS, Recurrence
 from rotor_ida.steady.response import STEADY, rolls_in_each
-from rotor_ida.steady.system_flow import SystemFlow
 
 # The first wait, in decay times of the slowest free motion, and in revolutions at most.
 DECAY_TIMES, LONGEST_FIRST_WAIT = 24.0, 200.0
@@ -46,6 +47,11 @@ LATE, PATIENCE, VERY_LATE = 450.0, 20.0, 1500.0
 EXPONENT_REVOLUTIONS = 2000
 # or over a multiple of it where neither chaos nor a torus is clear.
 LONGER = 4
+# Where contacts are linear, what neighbours do jumps at grazes, and the means of their stretching
+# over a torus converge slowly.
+NO_STRETCH = 0.1
+# Revolutions in which small changes align before their growth is averaged; batches of the mean.
+ALIGNING, BATCHES = 100, 20
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -214,7 +220,7 @@ class _SystemMotion:
         return 1.0 - abs(multiplier)
 
     def stands_still(self) -> bool:
-        if self.flow.problem.forward is None or self.cycle is None or self.cycle.is_free:
+        if self.flow.period is not None or self.cycle is None or self.cycle.is_free:
             return False
         states = self.flow.samples_of(self.run, self.times)
         moved = float(np.abs(states - states[0]).max())
@@ -240,11 +246,21 @@ class _SystemMotion:
         return revolutions >= LATE and patient
 
     def exponents(self) -> Exponents:
-        found = self.flow.exponents(self.state, EXPONENT_REVOLUTIONS)
+        found = self._exponents(EXPONENT_REVOLUTIONS)
         stretch = abs(float(found.values[0])) * found.duration
         if found.no_stretch < stretch < 1.0:  # on a torus a mean over longer is far better
-            return self.flow.exponents(self.state, LONGER * EXPONENT_REVOLUTIONS)
+            return self._exponents(LONGER * EXPONENT_REVOLUTIONS)
         return found
+
+    def _exponents(self, revolutions: int) -> Exponents:
+        """Return the largest exponents; in an axisymmetric system one is 0, on a torus one more."""
+        count = 2 if self.flow.period is None else 1
+        rates = self.flow.growth(self.state, count, ALIGNING + revolutions)
+        values, errors = means_of_rates(rates[ALIGNING:], BATCHES)
+        return Exponents(
+            values, errors, revolutions * self.flow.revolution, count, has_tori=True,
+            no_stretch=NO_STRETCH,
+        )  # fmt: skip
 
     def followed(self) -> str:
         told = f"followed for {self.time / self.flow.revolution:,.0f} revolutions"
@@ -275,7 +291,7 @@ class _SystemMotion:
         return min(max(decays, LONGEST * revolution), LONGEST_OF_ALL * revolution)
 
     def _extend(self, times: Values) -> SystemResult:
-        run = self.flow.run(self.state, times)
+        run = self.flow.sampled(self.state, times)
         self.state = self.flow.end_of(run)
         self.time += run.time
         return run

@@ -30,12 +30,12 @@ from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import RESPONSE, STATUS, labelled_dataset
+from rotor_ida.simulation.system_flow import SettlingProblem, SystemFlow
 from rotor_ida.steady.follow import FAILED
 from rotor_ida.steady.grid import EXPECTED, Places, Rows, Task, form_of, reason_of, run_study
 from rotor_ida.steady.ramps import RampOrder
 from rotor_ida.steady.response import CONTACT_FREE, SYNCHRONOUS
 from rotor_ida.steady.sweep import DIRECTIONS, Direction
-from rotor_ida.steady.system_flow import SettlingProblem, SystemFlow
 from rotor_ida.steady.system_motion import SettledSystem, settle
 from rotor_ida.systems.archived import problem_variables
 from rotor_ida.systems.assembly import assemble

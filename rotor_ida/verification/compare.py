@@ -16,7 +16,8 @@ from rotor_ida.arrays import Stop, Values
 from rotor_ida.checks import COMPONENTS, check_instance
 from rotor_ida.closed_forms import rest, synchronous_response
 from rotor_ida.cycles.multipliers import is_stable
-from rotor_ida.cycles.shooting import Cycle, close_orbit
+from rotor_ida.cycles.orbit import Orbit
+from rotor_ida.cycles.shooting import close_orbit
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.model.rotor import Rotor
@@ -32,6 +33,7 @@ from rotor_ida.schema import (
     origin_of,
     spread,
 )
+from rotor_ida.simulation.flow import DiscFlow
 
 NEEDED = ("response", "amplitude", "phase_lag")
 # A settled whirl lies on a branch when it is this near, as a part of its amplitude: far above
@@ -322,23 +324,23 @@ def _cycles_beside(dataset: xr.Dataset) -> dict[str, npt.NDArray[np.generic]]:
         cycle = _cycle_near(rotor, end, float(given["period"][place]))
         if cycle is None:
             continue
-        stability[place] = STABILITY["stable" if is_stable(cycle.shot) else "unstable"]
-        exact = np.array([getattr(cycle, name) for name in OF_CYCLES])
+        stability[place] = STABILITY["stable" if is_stable(cycle) else "unstable"]
+        exact = np.array([cycle.duration, cycle.radius_min, cycle.radius_max])
         simulated = np.array([given[name][place] for name in OF_CYCLES])
         # a rotor that passes near the centre has a tiny smallest radius
-        sizes = np.array([cycle.period, cycle.radius_max, cycle.radius_max])
+        sizes = np.array([cycle.duration, cycle.radius_max, cycle.radius_max])
         distance[place] = (np.abs(simulated - exact) / sizes).max()
         for name, value in zip(OF_CYCLES, exact.tolist(), strict=True):
             found[f"exact_{name}"][place] = value
     return table
 
 
-def _cycle_near(rotor: Rotor, state: Values, period: float) -> Cycle | None:
+def _cycle_near(rotor: Rotor, state: Values, period: float) -> Orbit | None:
     """Return the limit cycle near a state, or None if Newton's method finds none."""
 
-    def work(stop: Stop) -> Cycle | None:
+    def work(stop: Stop) -> Orbit | None:
         try:
-            return close_orbit(rotor, state, period, stop)
+            return close_orbit(DiscFlow(rotor, stop), state, period)
         except SimulationError:
             return None
 

@@ -17,14 +17,14 @@ import xarray as xr
 
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.cycles.branch_course import course_of, parameters_of, stable_ranges
-from rotor_ida.cycles.guess import Guess, as_start
-from rotor_ida.cycles.system_guess import as_start_of_system
+from rotor_ida.cycles.guess import Guess, as_start, as_start_of_system
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.results.kinds import kind_of
 from rotor_ida.results.question import Question, arguments_in
 from rotor_ida.schema import RESPONSE
 from rotor_ida.schema.quantities import TOLERANCE, TOLERANCE_OF_KIND
+from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.steady.sweep import DIRECTIONS
 from rotor_ida.systems.archived import NEEDED, PROBLEM, problem_of
 from rotor_ida.verification.variables import OF_ONE_STRETCH, PERIODIC
@@ -175,7 +175,7 @@ def _followed(dataset: xr.Dataset, parameters: tuple[str, ...], special: str) ->
     """Return the rotor and the start of a branch or curve."""
     given, rotor = dataset.attrs, rotor_in(dataset, "start_")
     guess = Guess(
-        rotor, np.array(given["start"]), float(given["start_period"]), special,
+        DiscFlow(rotor), np.array(given["start"]), float(given["start_period"]), special,
         float(given.get("start_slope", 1.0)),
     )  # fmt: skip
     return {"rotor": rotor, "start": as_start(guess, parameters), "points": int(given["points"])}

@@ -7,8 +7,9 @@ from rotor_ida import Rotor, simulate
 from rotor_ida.basins import cycle_sections
 from rotor_ida.basins.cycle_sections import cycle_section
 from rotor_ida.basins.kernel import measure_returns
+from rotor_ida.cycles.guess import guess_of
 from rotor_ida.cycles.limit_cycle import cycle_from
-from rotor_ida.simulation.neighbours import shoot
+from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady.follow import follow_to_steady_state
 from tests.basins.lanes import GO_ON, RUBBING, WHIP
@@ -23,7 +24,7 @@ CASES = [
 @pytest.fixture(scope="module", params=CASES, ids=["bouncing", "full contact", "six contacts"])
 def section(request):
     rotor, start = request.param
-    return cycle_section(cycle_from(rotor, np.array(start)), GO_ON)
+    return cycle_section(cycle_from(guess_of(rotor, np.array(start))), GO_ON)
 
 
 def states_on(section, size, count, seed=0):
@@ -43,7 +44,7 @@ def test_a_section_that_cannot_be_found_holds_nothing(monkeypatch):
     def fails(*_):
         raise np.linalg.LinAlgError
 
-    cycle = cycle_from(CASES[0][0], np.zeros(4))
+    cycle = cycle_from(guess_of(CASES[0][0], np.zeros(4)))
     monkeypatch.setattr(cycle_sections, "_forms", fails)
     none = cycle_section(cycle, GO_ON)
     assert not none.exists
@@ -54,14 +55,14 @@ def test_states_lie_on_the_section_and_the_cycle_passes_it(section):
     assert section.exists
     offsets = states_on(section, 1.0, 20) - section.centre
     np.testing.assert_allclose(offsets @ section.normal, 0.0, atol=1e-12)
-    back = shoot(section.cycle.rotor, section.centre, section.cycle.period, GO_ON)
+    back = DiscFlow(section.cycle.rotor).run(section.centre, section.cycle.duration)
     assert value_of(section, back.end) < 1e-16
     np.testing.assert_allclose(back.start_rate / np.linalg.norm(back.start_rate), section.normal)
 
 
 def test_other_states_come_back_nearer(section):
     """Not those on which the set was chosen."""
-    period = section.cycle.period
+    period = section.cycle.duration
     for size in (1.0, 0.5, 0.1):
         states = np.ascontiguousarray(states_on(section, size, 300, seed=7).T)
         values = np.empty(300)
@@ -74,7 +75,7 @@ def test_other_states_come_back_nearer(section):
 
 def test_the_kernel_reads_the_section_as_the_taylor_series_do(section):
     """The value at the return, by steps of the kernel and by the flow to rounding."""
-    rotor, period = section.cycle.rotor, section.cycle.period
+    rotor, period = section.cycle.rotor, section.cycle.duration
     states = states_on(section, 0.5, 8, seed=3)
     values = np.empty(8)
     measure_returns(
@@ -84,7 +85,7 @@ def test_the_kernel_reads_the_section_as_the_taylor_series_do(section):
     for state, value in zip(states, values, strict=True):
         time = period
         for _ in range(8):
-            shot = shoot(rotor, state, time, GO_ON)
+            shot = DiscFlow(rotor).run(state, time)
             ahead = float((shot.end - section.centre) @ section.normal)
             time -= ahead / float(shot.end_rate @ section.normal)
         assert value == pytest.approx(value_of(section, shot.end), abs=2e-3)
@@ -93,22 +94,22 @@ def test_the_kernel_reads_the_section_as_the_taylor_series_do(section):
 def test_cvode_ends_on_the_cycle_from_its_rim(section):
     for state in states_on(section, 1.0, 4, seed=5).tolist():
         settled = follow_to_steady_state(section.cycle.rotor, tuple(state), Options(rtol=1e-10))
-        assert settled.features.period == pytest.approx(section.cycle.period, rel=1e-8)
+        assert settled.features.period == pytest.approx(section.cycle.duration, rel=1e-8)
         assert settled.features.radius_max == pytest.approx(section.cycle.radius_max, rel=1e-8)
 
 
 def test_close_to_a_graze_a_small_set_is_found():
     """The least radius is 2.004: a state farther off than that touches once more."""
     rotor = Rotor(omega=1.7126050420168066, zeta=0.07, delta0=2.0)
-    section = cycle_section(cycle_from(rotor, np.zeros(4)), GO_ON)
-    assert section.cycle.period == pytest.approx(10.655137, abs=1e-5)
+    section = cycle_section(cycle_from(guess_of(rotor, np.zeros(4))), GO_ON)
+    assert section.cycle.duration == pytest.approx(10.655137, abs=1e-5)
     assert section.exists
 
 
 def test_a_cycle_that_slides_forwards_holds_what_comes_back_and_never_rolls():
     """By CVODE from all over the set: no `roll`, no `reverse`, and the radius of the cycle."""
     rotor = RUBBING["that bounces"]
-    cycle = cycle_from(rotor, np.array([3.0, 1.0, 0.0, 0.0]))
+    cycle = cycle_from(guess_of(rotor, np.array([3.0, 1.0, 0.0, 0.0])))
     section = cycle_section(cycle, GO_ON)
     assert section.exists
     random = np.random.default_rng(2).normal(size=(3, 6))
@@ -123,15 +124,15 @@ def test_a_cycle_that_slides_forwards_holds_what_comes_back_and_never_rolls():
 def test_what_rolls_on_its_way_is_not_said_to_come_back():
     """States that come to roll are told by CVODE; without friction they would come back."""
     rotor = RUBBING["that bounces"]
-    cycle = cycle_from(rotor, np.array([3.0, 1.0, 0.0, 0.0]))
+    cycle = cycle_from(guess_of(rotor, np.array([3.0, 1.0, 0.0, 0.0])))
     row = cycle_section(cycle, GO_ON).row
     speeds = np.append(np.linspace(-30.0, -21.0, 12), np.linspace(-3.0, 3.0, 12))
     states = np.stack([np.full(24, 3.0), np.zeros(24), np.zeros(24), speeds])
     values = np.empty(24)
-    measure_returns(states, rotor, row, (0.0, 30.0 * cycle.period), 1e-10, values, GO_ON)
+    measure_returns(states, rotor, row, (0.0, 30.0 * cycle.duration), 1e-10, values, GO_ON)
     first = []
     for state in states.T:
-        run = simulate(rotor, start=state, duration=0.5 * cycle.period, samples=2)
+        run = simulate(rotor, start=state, duration=0.5 * cycle.duration, samples=2)
         first.append(bool((np.abs(run.event_kind) > 1).any()))
     assert first == 12 * [True] + 12 * [False]
     assert np.isinf(values[np.array(first)]).all()
@@ -139,4 +140,6 @@ def test_what_rolls_on_its_way_is_not_said_to_come_back():
 
 
 def test_dry_whip_has_no_section():
-    assert not cycle_section(cycle_from(WHIP, np.array([5.0, 0.0, 0.0, -6.3])), GO_ON).exists
+    assert not cycle_section(
+        cycle_from(guess_of(WHIP, np.array([5.0, 0.0, 0.0, -6.3]))), GO_ON
+    ).exists

@@ -14,7 +14,7 @@ from rotor_ida.basins.fates import Batch, decide
 from rotor_ida.basins.kernel import CHAOTIC, NOT_COMPUTED, UNDECIDED
 from rotor_ida.basins.known import known_from_closed_forms
 from rotor_ida.schema import RESPONSE, TRAPPING
-from rotor_ida.simulation.neighbours import shoot
+from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady.follow import follow_to_steady_state
 
@@ -45,7 +45,7 @@ def test_a_cycle_is_found_once_and_holds_the_others(monkeypatch):
     decide(batch)
     assert len(batch.known.cycles) == 1
     exact = limit_cycle(BOUNCER, start=(0, 0, 0, 0))
-    assert batch.known.cycles[0].cycle.period == pytest.approx(float(exact.period), rel=1e-12)
+    assert batch.known.cycles[0].cycle.duration == pytest.approx(float(exact.period), rel=1e-12)
     assert (batch.labels == batch.known.first_cycle).sum() > 50
     assert (batch.labels >= 0).all()
     assert len(followed) < 5
@@ -63,16 +63,16 @@ def test_close_to_a_period_doubling_orbits_creep_and_are_held_as_soon_as_others(
     decide(batch)
     assert (batch.labels >= 0).all()
     (section,) = batch.known.cycles
-    assert section.cycle.period == pytest.approx(5.05367623, rel=1e-8)
+    assert section.cycle.duration == pytest.approx(5.05367623, rel=1e-8)
     creeping = batch.labels == batch.known.first_cycle
     assert creeping.sum() > 5
     assert batch.times[creeping].max() < 500.0
     widths = 1.0 / np.linalg.svd(section.form, compute_uv=False)
     assert widths.min() > 0.03
     beside = section.centre + 0.5 * np.linalg.pinv(section.form)[:, 0]
-    soon = shoot(rotor, beside, 50.0, batch.stop).extrema["radius"].max()
-    there = shoot(rotor, beside, 3000.0, batch.stop).end
-    late = shoot(rotor, there, 50.0, batch.stop).extrema["radius"].max()
+    soon = DiscFlow(rotor, batch.stop).run(beside, 50.0).extrema["radius"].max()
+    there = DiscFlow(rotor, batch.stop).run(beside, 3000.0).end
+    late = DiscFlow(rotor, batch.stop).run(there, 50.0).extrema["radius"].max()
     radius_max = section.cycle.radius_max
     assert 0.0 < late - radius_max < 0.3 * (soon - radius_max)
 
@@ -150,7 +150,7 @@ def names_of(batch):
     """What each label means, whatever its number: cycles by their periods."""
     first, cycles = batch.known.first_cycle, batch.known.cycles
     return [
-        round(cycles[number - first].cycle.period, 6) if number >= first else number
+        round(cycles[number - first].cycle.duration, 6) if number >= first else number
         for number in batch.labels.tolist()
     ]
 

@@ -17,11 +17,11 @@ import rotor_ida
 from rotor_ida import Rotor, simulate
 from rotor_ida.basins import kernel, known
 from rotor_ida.basins.kernel import LANES, NOT_FORWARDS, SECTION, UNDECIDED
-from rotor_ida.cycles.shooting import sampled_orbit
 from rotor_ida.model.equations import push_over_radius, rotating_field
+from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
-from tests.basins.lanes import GO_ON, MACHINES, RUBBING, field, followed, slip_of
+from tests.basins.lanes import MACHINES, RUBBING, field, followed, slip_of
 
 CORE = Path(rotor_ida.__file__).parent / "core"
 SOURCE = (CORE / "lanes.c").read_text()
@@ -152,7 +152,7 @@ def test_steps_over_the_ring_are_as_exact_as_others():
     for tolerance in (1e-10, 1e-12):
         ends, _, times = followed(rotor, states, 4.0, tolerance)
         for found, start, time in zip(ends.T, states.T, times.tolist(), strict=True):
-            exact = sampled_orbit(rotor, start, time / 8, 9, GO_ON)[-1]
+            exact = DiscFlow(rotor).states(start, np.array([time]))[-1]
             assert error_of(found, exact, time, rotor) < 100.0 * tolerance
 
 

@@ -9,7 +9,7 @@ import pytest
 
 from rotor_ida import Rotor
 from rotor_ida.core.runs import COLUMNS, RunRequest, follow_run
-from rotor_ida.simulation.neighbours import shoot
+from rotor_ida.simulation.flow import DiscFlow
 
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 
@@ -27,22 +27,22 @@ BASES = {
 def test_columns_of_parameters_are_differences_of_orbits(base, name):
     """Across flights, contacts, releases and presses; where the parameter is 0, to one side."""
     rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0, **BASES[base])
-    start, stop = np.array([2.6, 0.75, 0.66, -1.65]), np.zeros(1, np.uint8)
+    start = np.array([2.6, 0.75, 0.66, -1.65])
 
     def end(value):
-        return shoot(replace(rotor, **{name: value}), start, 6.0, stop, whole=True).end
+        return DiscFlow(replace(rotor, **{name: value})).run(start, 6.0, by=COLUMNS).end
 
-    shot, here, step = shoot(rotor, start, 6.0, stop, whole=True), getattr(rotor, name), 1e-6
+    shot, here, step = DiscFlow(rotor).run(start, 6.0, by=COLUMNS), getattr(rotor, name), 1e-6
     if here > 0.0:
         slope = (end(here + step) - end(here - step)) / (2.0 * step)
     else:
         slope = (4.0 * end(step) - end(2.0 * step) - 3.0 * end(0.0)) / (2.0 * step)
-    found = shot.by_parameter[:, COLUMNS.index(name)]
+    found = shot.by[:, COLUMNS.index(name)]
     assert np.abs(found - slope).max() < 3e-8 * max(np.abs(slope).max(), 1.0)
     if not rotor.beyond:
-        paper = shoot(rotor, start, 6.0, stop)
-        assert paper.by_parameter == pytest.approx(shot.by_parameter[:, :3], abs=1e-12)
-        assert paper.monodromy == pytest.approx(shot.monodromy, abs=1e-12)
+        paper = DiscFlow(rotor).run(start, 6.0, by=COLUMNS[:3])
+        assert paper.by == pytest.approx(shot.by[:, :3], abs=1e-12)
+        assert paper.tangents == pytest.approx(shot.tangents, abs=1e-12)
 
 
 @pytest.mark.parametrize(

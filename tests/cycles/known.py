@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from rotor_ida import Rotor
+from rotor_ida.cycles.orbit import Orbit
 from rotor_ida.schema import SPECIAL
 from tests.witness import Flown, machine_flown
 
@@ -125,4 +126,5 @@ def once_round(rotor, state, period) -> Flown:
 
 def signature(cycle) -> np.ndarray:
     """Return numbers of a cycle that do not hang on where it begins."""
-    return np.array([cycle.period, cycle.radius_min, cycle.radius_max], dtype=float)
+    period = cycle.duration if isinstance(cycle, Orbit) else cycle.period
+    return np.array([period, cycle.radius_min, cycle.radius_max], dtype=float)

@@ -1,6 +1,5 @@
 """Torus points: where a pair of multipliers crosses the unit circle."""
 
-import math
 from dataclasses import replace
 from itertools import combinations
 
@@ -9,14 +8,13 @@ import pytest
 
 from rotor_ida import Rotor, bifurcation_curve, continue_cycle, limit_cycle
 from rotor_ida.cycles.branch_course import stable_ranges
-from rotor_ida.cycles.multipliers import doubling_test, fold_test, torus_test
-from rotor_ida.cycles.shooting import sampled_orbit
+from rotor_ida.cycles.multipliers import NEAR_ZERO, doubling_test, fold_test, torus_test
+from rotor_ida.cycles.orbit import followed
 from rotor_ida.errors import InputError
 from rotor_ida.schema import RESPONSE, SPECIAL
-from rotor_ida.simulation.neighbours import shoot
+from rotor_ida.simulation.flow import DiscFlow
 from tests.cycles.known import multipliers, once_round, specials, state_of
 
-GO_ON = np.zeros(1, np.uint8)
 # A loaded shaft against a linear ring, in contact all the time: a torus is born over its damping.
 LOADED = Rotor(
     omega=1.6, zeta=0.05, delta0=0.75, load=1.6, shaft_stiffness=1.0, contact_exponent=1.0
@@ -57,7 +55,8 @@ def test_before_it_motions_decay_and_behind_it_they_settle_on_a_torus(branch, to
         rings = []
         for kick in (1e-2, 1.5):
             start = centre + np.array([kick, 0.0, 0.0, 0.0])
-            seen = sampled_orbit(rotor, start, 2.0 * math.pi / rotor.omega, 2500, GO_ON)
+            flow = DiscFlow(rotor)
+            seen = flow.states(start, flow.revolution * np.arange(2500.0))
             rings.append(seen[-1000:] - centre)
         if settles:
             assert max(np.abs(ring).max() for ring in rings) < 1e-8
@@ -76,24 +75,30 @@ def test_a_branch_is_stable_up_to_its_torus_point(branch, torus):
     assert stable_ranges(branch) == [(LIMITS[0], pytest.approx(float(torus.special_value)))]
 
 
+def sizes(factors):
+    """Return the product of the sizes of factors, where these are not small."""
+    return np.prod(np.hypot(np.abs(factors), NEAR_ZERO))
+
+
 def test_the_three_tests_are_products_over_the_multipliers():
     """With symmetric functions of three, and of four under a load (DESIGN section 9)."""
     for load in (0.0, 0.4):
         rotor = Rotor(omega=1.6, zeta=0.07, delta0=1.0, load=load, contact_damping=0.4)
         cycle = limit_cycle(rotor, start=(0, -1, 0, 0))
-        shot = shoot(rotor, state_of(cycle), cycle.period.item(), GO_ON)
+        shot = followed(DiscFlow(rotor), state_of(cycle), cycle.period.item())
         found = multipliers(cycle)
         if not load:
             found = np.delete(found, int(np.abs(found - 1.0).argmin()))
         e = [1.0, *(np.poly(found)[1:].real * (-1.0) ** np.arange(1, found.size + 1))]
         signs = (-1.0) ** np.arange(len(e))
-        assert fold_test(shot) == pytest.approx(signs @ e, rel=1e-9)
-        assert doubling_test(shot) == pytest.approx(sum(e), rel=1e-9)
+        pairs = np.array([a * b for a, b in combinations(found, 2)])
+        assert fold_test(shot) == pytest.approx(signs @ e / sizes(1.0 - found), rel=1e-9)
+        assert doubling_test(shot) == pytest.approx(sum(e) / sizes(1.0 + found), rel=1e-9)
         if load:
             expected = (1 - e[2] + e[4]) * (1 - e[4]) ** 2 + (e[3] - e[1]) * (e[1] * e[4] - e[3])
         else:
             expected = 1.0 - e[2] + e[3] * (e[1] - e[3])
-        assert torus_test(shot) == pytest.approx(expected, rel=1e-8)
+        assert torus_test(shot) == pytest.approx(expected / sizes(1.0 - pairs), rel=1e-8)
 
 
 def test_torus_points_are_followed_over_damping_and_speed(torus):

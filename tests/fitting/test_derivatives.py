@@ -12,7 +12,7 @@ from rotor_ida.core.runs import COLUMNS
 from rotor_ida.fitting.arguments import UNITS
 from rotor_ida.fitting.identifiability import ANGLE
 from rotor_ida.fitting.motion import MotionRequest, Turning
-from rotor_ida.simulation.neighbours import shoot
+from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.orbit import ENTRY
 
 # Runs up at one rate, then at another, through contacts that end and that do not.
@@ -81,7 +81,7 @@ def test_derivatives_are_those_of_the_core_at_one_speed():
     rotor = Rotor(omega=1.7, zeta=0.07, delta0=2.5, shaft_stiffness=0.25, contact_damping=0.1,
                   load=0.2)  # fmt: skip
     start, end = np.array([0.2, -0.1, 0.3, 2.9]), 20.0
-    shot = shoot(rotor, start, end, np.zeros(1, np.uint8))
+    shot = DiscFlow(rotor).run(start, end, by=COLUMNS)
     machine = DimensionalRotor(
         mass=1.0, contact_stiffness=1.0, damping=0.14, eccentricity=1.0, clearance=2.5, speed=1.7,
         shaft_stiffness=0.25, contact_damping=0.1, load=0.2,
@@ -91,9 +91,9 @@ def test_derivatives_are_those_of_the_core_at_one_speed():
     motion = MotionRequest(machine, turning, start).motion(np.array([0.0, end]), names)
     slopes = motion.derivatives.slopes
     turned = np.exp(1.7j * end)
-    exact = {name: shot.by_parameter[:, n] for n, name in enumerate(COLUMNS)}
+    exact = {name: shot.by[:, n] for n, name in enumerate(COLUMNS)}
     exact |= {"damping": 0.5 * exact["zeta"], "clearance": exact["delta0"]}
-    by_start = (shot.monodromy[0] + 1j * shot.monodromy[1]) * turned
+    by_start = (shot.tangents[0] + 1j * shot.tangents[1]) * turned
     size = np.abs(by_start).max()
     np.testing.assert_allclose(slopes[-1, :4], by_start, rtol=0, atol=2e-7 * size)
     for column, name in enumerate(names, 4):

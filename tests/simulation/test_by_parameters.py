@@ -8,7 +8,7 @@ import pytest
 from rotor_ida import Rotor
 from rotor_ida.core.interface import DONE
 from rotor_ida.core.runs import COLUMNS, RunRequest, follow_run
-from rotor_ida.simulation.neighbours import shoot
+from rotor_ida.simulation.flow import DiscFlow
 
 START = (1.2, 0.3, -0.2, 0.9)
 CONTACT = Rotor(omega=1.2, zeta=0.07, delta0=0.5)
@@ -58,17 +58,18 @@ def test_a_load_that_turns_faster_adds_to_what_the_speed_does(delta0):
     """Central differences over two revolutions, with entries and exits."""
     rotor = Rotor(omega=1.6, zeta=0.07, delta0=delta0, load=0.3)
     start, duration, h = np.array([2.1, 0.3, 0.5, -0.4]), 4.0 * np.pi / 1.6, 1e-6
-    go_on = np.zeros(1, np.uint8)
-    shot = shoot(rotor, start, duration, go_on)
+    shot = DiscFlow(rotor).run(start, duration, by=COLUMNS)
     for name in ("omega", "zeta", "delta0", "load"):
         value = getattr(rotor, name)
         if value == 0.0:
             continue
         ends = [
-            shoot(replace(rotor, **{name: value + sign * h}), start, duration, go_on).end
+            DiscFlow(replace(rotor, **{name: value + sign * h}))
+            .run(start, duration, by=COLUMNS)
+            .end
             for sign in (1, -1)
         ]
-        column = shot.by_parameter[:, COLUMNS.index(name)]
+        column = shot.by[:, COLUMNS.index(name)]
         np.testing.assert_allclose(column, (ends[0] - ends[1]) / (2.0 * h), rtol=0, atol=1e-7)
-    ends = [shoot(rotor, start, duration + sign * h, go_on).end for sign in (1, -1)]
+    ends = [DiscFlow(rotor).run(start, duration + sign * h).end for sign in (1, -1)]
     np.testing.assert_allclose(shot.end_rate, (ends[0] - ends[1]) / (2.0 * h), rtol=0, atol=1e-7)

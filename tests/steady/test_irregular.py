@@ -15,7 +15,7 @@ from rotor_ida import (
 from rotor_ida.closed_forms import touch_fading
 from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.schema import RESPONSE
-from rotor_ida.simulation.neighbours import shoot
+from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady import follow
 from rotor_ida.steady.follow import follow_to_steady_state
@@ -151,7 +151,7 @@ def test_exponents_of_a_cycle_under_a_load_are_those_of_its_multipliers():
     rotor, count = LOADED["three times"]
     state = followed(rotor).end
     period = count * 2.0 * math.pi / rotor.omega
-    multipliers = np.linalg.eigvals(shoot(rotor, np.array(state), period, GO_ON).monodromy)
+    multipliers = np.linalg.eigvals(DiscFlow(rotor).run(np.array(state), period).tangents)
     expected = np.sort(np.log(np.abs(multipliers)))[::-1] / period
     found = lyapunov_exponent(rotor, start=state, transient=300.0, duration=6000.0)
     np.testing.assert_allclose(found.lyapunov_exponent, expected, atol=2e-4)

@@ -24,7 +24,7 @@ from rotor_ida.basins.fates import APERIODIC
 from rotor_ida.basins.following import FollowedStarts, follow_here
 from rotor_ida.basins.kernel import NOT_COMPUTED, UNDECIDED
 from rotor_ida.basins.known import known_from_closed_forms, same_cycle, with_cycle
-from rotor_ida.cycles.shooting import Cycle
+from rotor_ida.cycles.orbit import Orbit
 from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS, PARAMETERS
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.results.studies.results import Form
@@ -109,7 +109,7 @@ def _state_on(job: CellJob, followed: FollowedStarts, number: int, attractor: At
     """Return a state on an attractor, if its numbers do not determine one."""
     own, cycle = np.flatnonzero(followed.labels == number), _cycle_of(followed, attractor)
     if cycle is not None:
-        return cycle.state
+        return cycle.start
     if needs_run(attractor) and own.size:
         return settled_state(job.rotor, job.states[:, own[0]])
     return np.full(4, np.nan)
@@ -138,10 +138,11 @@ def _search_among(
     return Search(known, subjects, job.shocks, job.tolerance, stop)
 
 
-def _cycle_of(followed: FollowedStarts, attractor: Attractor) -> Cycle | None:
+def _cycle_of(followed: FollowedStarts, attractor: Attractor) -> Orbit | None:
     """Return the limit cycle that an attractor is."""
     known = attractor.period, attractor.radius_max  # under a load several may have one period
-    return next((each for each in followed.cycles if (each.period, each.radius_max) == known), None)
+    cycles = followed.cycles
+    return next((each for each in cycles if (each.duration, each.radius_max) == known), None)
 
 
 def _as_arrays(cell: Cell) -> Arrays:

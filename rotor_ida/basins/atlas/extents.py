@@ -39,13 +39,13 @@ from rotor_ida.closed_forms.rotor_columns import RotorColumns
 from rotor_ida.closed_forms.stability import eigenvalues_of
 from rotor_ida.cycles.branch import BORN, CONTACT_FREE, HALVED, LIMITS, Side, advance
 from rotor_ida.cycles.guess import DOUBLING, Guess
-from rotor_ida.cycles.problems import FOLD, PLACE, SLIDING, TORUS, branch_through
+from rotor_ida.cycles.problems import FOLD, SLIDING, TORUS, branch_through
 from rotor_ida.cycles.special_points import DISCONTINUOUS
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema import STABILITY, WITH_EXTENTS
-from rotor_ida.simulation.neighbours import Shot
+from rotor_ida.simulation.flow import DiscFlow
 
 # Special points at which a branch may turn back at a corner.
 CORNERS = (SLIDING, DISCONTINUOUS)
@@ -230,15 +230,14 @@ def extent_of_cycle(
     value = getattr(rotor, parameter)
     farthest = FARTHEST_OF_CYCLE * max(1.0, value)
     try:
-        course = branch_through(
-            Guess(rotor, state, period), parameter, (0.0, farthest), MOST_POINTS, stop
-        )
+        guess = Guess(DiscFlow(rotor, stop), state, period)
+        course = branch_through(guess, parameter, (0.0, farthest), MOST_POINTS)
     except SimulationError:
         return UNKNOWN, UNKNOWN
     ends = []
     for way in (-1, 1):
         first = course.first
-        ahead = first if way * first.tangent[PLACE] > 0.0 else first.reversed()
+        ahead = first if way * first.tangent[-1] > 0.0 else first.reversed()
         side = Side([ahead])
         while not side.end and not _met(side):
             advance(course, side)
@@ -246,7 +245,7 @@ def extent_of_cycle(
     return ends[0], ends[1]
 
 
-def _met(side: Side[Shot]) -> list[End]:
+def _met(side: Side) -> list[End]:
     """Return where stability was lost on the points followed so far, in order."""
     ends = (FOLD, DOUBLING, TORUS, DISCONTINUOUS)
     names = [
@@ -254,23 +253,23 @@ def _met(side: Side[Shot]) -> list[End]:
         for place, special in side.specials
     ]
     return [
-        End(float(special.point.unknowns[PLACE]), name)
+        End(float(special.point.unknowns[-1]), name)
         for name, (_, special) in zip(names, side.specials, strict=True)
         if name in ends
     ]
 
 
-def _turns_after(side: Side[Shot], place: int) -> bool:
+def _turns_after(side: Side, place: int) -> bool:
     """Return whether the parameter turns back between a point of a branch and the next."""
     here, there = side.points[place : place + 2]
-    return bool(here.tangent[PLACE] * there.tangent[PLACE] < 0.0)
+    return bool(here.tangent[-1] * there.tangent[-1] < 0.0)
 
 
-def _end_of_side(side: Side[Shot], way: int, begin: float) -> End:
+def _end_of_side(side: Side, way: int, begin: float) -> End:
     """Return where a branch of limit cycles ends in one direction."""
     if met := _met(side):
         return met[0]
-    last = float(side.points[-1].unknowns[PLACE])
+    last = float(side.points[-1].unknowns[-1])
     if way < 0 and (side.end == LIMITS or last < AT_ZERO * (begin or 1.0)):
         return End(0.0, "none")
     if side.end == HALVED:

@@ -24,11 +24,13 @@ from rotor_ida.basins.known import may_roll, same_numbers
 from rotor_ida.cycles.branch import LIMITS, Side, advance
 from rotor_ida.cycles.guess import Guess
 from rotor_ida.cycles.multipliers import is_stable
-from rotor_ida.cycles.problems import PLACE, branch_through
-from rotor_ida.cycles.shooting import Cycle, close_orbit
+from rotor_ida.cycles.orbit import Orbit
+from rotor_ida.cycles.problems import branch_through
+from rotor_ida.cycles.shooting import close_orbit
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.steady import response
 
 # Largest number of points of a branch of limit cycles from one rotor to the next.
@@ -100,7 +102,7 @@ def _successor(member: Member, rotor: Rotor, there: Cell, stop: Stop) -> Member 
         if same_numbers(each.attractor.period, each.attractor.radius_max, cycle):
             return each
     has_section = cycle_section(cycle, stop).exists
-    added = Member(attractor_of_cycle(cycle, has_section, stop), 0, NEVER, cycle.state)
+    added = Member(attractor_of_cycle(cycle, has_section, stop), 0, NEVER, cycle.start)
     there.members.append(added)
     return added
 
@@ -111,7 +113,7 @@ def _of_kind(there: Cell, kind: str) -> Member | None:
     return next((each for each in alike if math.isnan(each.attractor.period)), None)
 
 
-def followed_cycle(member: Member, here: Rotor, there: Rotor, stop: Stop) -> Cycle | None:
+def followed_cycle(member: Member, here: Rotor, there: Rotor, stop: Stop) -> Orbit | None:
     """Return the stable limit cycle that one becomes as a parameter changes; None if it ends."""
     name = _changed(here, there)
     begin, end = getattr(here, name), getattr(there, name)
@@ -119,17 +121,17 @@ def followed_cycle(member: Member, here: Rotor, there: Rotor, stop: Stop) -> Cyc
     limits = (min(begin, end), max(begin, end))
     try:
         if name == "disc_radius" and here.friction == 0.0:  # no cycle depends on it
-            return close_orbit(there, member.state, period, stop)
-        guess = Guess(here, member.state, period)
-        course = branch_through(guess, name, limits, MOST_POINTS, stop)
-        rising = course.first.tangent[PLACE] > 0.0
+            return close_orbit(DiscFlow(there, stop), member.state, period)
+        guess = Guess(DiscFlow(here, stop), member.state, period)
+        course = branch_through(guess, name, limits, MOST_POINTS)
+        rising = course.first.tangent[-1] > 0.0
         side = Side([course.first if rising == (end > begin) else course.first.reversed()])
         while not side.end:
             advance(course, side)
         last = side.points[-1]
-        if side.end != LIMITS or last.unknowns[PLACE] != end or not is_stable(last.stretch):
+        if side.end != LIMITS or last.unknowns[-1] != end or not is_stable(last.stretch):
             return None
-        return close_orbit(there, last.unknowns[:4], float(last.unknowns[4]), stop)
+        return close_orbit(DiscFlow(there, stop), last.unknowns[:4], float(last.unknowns[4]))
     except SimulationError:
         return None
 

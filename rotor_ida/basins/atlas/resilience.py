@@ -37,10 +37,11 @@ from rotor_ida.basins.attractors import CONTACT_FREE_FAMILY, Attractor, leads_to
 from rotor_ida.basins.cycle_sections import CycleSection
 from rotor_ida.basins.kernel import CHAOTIC, UNDECIDED
 from rotor_ida.basins.known import ContactFree, Known, may_roll
-from rotor_ida.cycles.shooting import Cycle, sampled_orbit
+from rotor_ida.cycles.orbit import Orbit
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema import END
+from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady import response
 
@@ -69,7 +70,7 @@ class Subject:
 
     attractor: Attractor
     label: int  # as in `rotor_ida.basins.kernel`
-    cycle: Cycle | None  # where it is one
+    cycle: Orbit | None  # where it is one
     start: Values  # one that ends on it, shape (4,) [1]; NaN where there is none
 
     @property
@@ -230,13 +231,14 @@ def _states_of(search: Search, subject: Subject) -> Values:
         return known.whirls[subject.label].centre[:, None]
     if subject.cycle is not None:
         cycle = subject.cycle
-        return sampled_orbit(known.rotor, cycle.state, cycle.period / SAMPLES, SAMPLES, stop).T
+        times = np.linspace(0.0, cycle.duration, SAMPLES, endpoint=False)
+        return DiscFlow(known.rotor, stop).states(cycle.start, times).T
     if may_roll(known.rotor):
         start = subject.start
         return states_of_rub(known.rotor, start, SAMPLES) if np.isfinite(start).all() else _NONE
     # chaos, while it lasts: a motion that leaves by itself needs no shock
-    orbit = sampled_orbit(known.rotor, subject.start, 1.0, CHAOS_BEGINS + SAMPLES, stop)
-    states = orbit[-SAMPLES:].T
+    times = np.linspace(0.0, CHAOS_BEGINS + SAMPLES - 1.0, CHAOS_BEGINS + SAMPLES)
+    states = DiscFlow(known.rotor, stop).states(subject.start, times)[-SAMPLES:].T
     left = np.flatnonzero(ends_of(known, states, search.tolerance, stop) != UNDECIDED)
     lasting = int(left[0]) if left.size else SAMPLES
     return states[:, : lasting if lasting >= FEWEST else 0]
@@ -274,4 +276,4 @@ def _extent(rotor: Rotor, subject: Subject, name: str, stop: Stop) -> tuple[End,
         return extent_of_whirl(rotor, attractor.amplitude, name)
     if subject.cycle is None:
         return UNKNOWN, UNKNOWN
-    return extent_of_cycle(rotor, subject.cycle.state, subject.cycle.period, name, stop)
+    return extent_of_cycle(rotor, subject.cycle.start, subject.cycle.duration, name, stop)

@@ -14,7 +14,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.basins.attractors import Attractor
 from rotor_ida.basins.fates import ALONE
 from rotor_ida.checks import State
-from rotor_ida.cycles.shooting import Cycle
+from rotor_ida.cycles.orbit import Orbit
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.whirl import forward_and_backward, steps_of_turning, whirl_over_spin
@@ -96,13 +96,13 @@ def numbers_of_rub(rotor: Rotor, start: Values) -> dict[str, float]:
     return numbers
 
 
-def numbers_of_cycle(cycle: Cycle) -> dict[str, float]:
+def numbers_of_cycle(cycle: Orbit) -> dict[str, float]:
     """Return the losses by friction on a limit cycle, from one period of it."""
     run = simulate(
-        cycle.rotor, start=cycle.state, duration=cycle.period, samples=SAMPLES_OF_CYCLE,
+        cycle.rotor, start=cycle.start, duration=cycle.duration, samples=SAMPLES_OF_CYCLE,
         method="taylor",
     )  # fmt: skip
-    told, turns = contact_summary(run), cycle.period * cycle.rotor.omega / (2.0 * math.pi)
+    told, turns = contact_summary(run), cycle.duration * cycle.rotor.omega / (2.0 * math.pi)
     return {
         "heat_per_revolution": float(told["total_heat"]) / turns,
         "slip_distance_per_revolution": float(told["total_slip_distance"]) / turns,

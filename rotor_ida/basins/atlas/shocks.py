@@ -311,7 +311,7 @@ def bound_of_cycle(
         values = np.empty(states.shape[1])
         measure_returns(
             np.ascontiguousarray(states), section.cycle.rotor, section.row,
-            (0.0, LAST_RETURN * section.cycle.period), TOLERANCE, values, stop,
+            (0.0, LAST_RETURN * section.cycle.duration), TOLERANCE, values, stop,
         )  # fmt: skip
         return (values <= 1.0).astype(np.int16)
 

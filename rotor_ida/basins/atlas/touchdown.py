@@ -32,7 +32,8 @@ from rotor_ida.checks import (
     check_seed,
 )
 from rotor_ida.cycles.dataset import whirl_of_cycle
-from rotor_ida.cycles.shooting import close_orbit, sampled_orbit
+from rotor_ida.cycles.orbit import Orbit
+from rotor_ida.cycles.shooting import close_orbit
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import contact_force
 from rotor_ida.model.rotor import Rotor
@@ -40,7 +41,7 @@ from rotor_ida.parallel import interruptible
 from rotor_ida.results.in_si import takes_si
 from rotor_ida.results.run import parameter_coordinates
 from rotor_ida.schema import WHIRL_DIRECTION, Column, labelled_dataset
-from rotor_ida.simulation.neighbours import Shot
+from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.starts import box_of, drawn_from
 from rotor_ida.steady import response
 
@@ -296,19 +297,18 @@ def _numbers(rotor: Rotor, member: Member) -> dict[str, float]:
 
 def _of_cycle(rotor: Rotor, member: Member) -> dict[str, float]:
     """Return the numbers of a limit cycle, from one period of it."""
-    stop, period = np.zeros(1, np.uint8), member.attractor.period
-    cycle = close_orbit(rotor, member.state, period, stop)
-    states = sampled_orbit(rotor, cycle.state, cycle.period / SAMPLES, SAMPLES + 1, stop)
+    cycle = close_orbit(DiscFlow(rotor), member.state, member.attractor.period)
+    states = cycle.flow.states(cycle.start, cycle.duration / SAMPLES * np.arange(SAMPLES + 1.0))
     whirl, states = whirl_of_cycle(cycle, states), states[:-1]
     revolution = 2.0 * math.pi / rotor.omega
     impulse = cycle.impulse
     if math.isnan(impulse):  # without clearance: the integral of a smooth periodic function
         radii = np.hypot(states[:, 0], states[:, 1])
         force = contact_force(radii, rotor.delta0, rotor.contact_exponent)
-        impulse = float(force.mean()) * cycle.period
+        impulse = float(force.mean()) * cycle.duration
     # velocities resolved on the rotating axes are those of the fixed axes, rotated
     power = 2.0 * rotor.zeta * float((states[:, 2] ** 2 + states[:, 3] ** 2).mean())
-    loss = float(np.nansum(cycle.shot.contacts["lost"])) * revolution / cycle.period
+    loss = float(np.nansum(cycle.piece.contacts["lost"])) * revolution / cycle.duration
     numbers = {"contact_loss_per_revolution": loss} if rotor.contact_damping > 0.0 else {}
     heat = 0.0
     if rotor.friction > 0.0:
@@ -316,16 +316,16 @@ def _of_cycle(rotor: Rotor, member: Member) -> dict[str, float]:
         heat = numbers["heat_per_revolution"]
     return numbers | {
         "largest_force": cycle.largest_force,
-        "mean_force": impulse / cycle.period,
-        "contacts_per_revolution": cycle.contacts * revolution / cycle.period,
-        "contact_fraction": _time_in_contact(cycle.shot) / cycle.period if cycle.contacts else 1.0,
+        "mean_force": impulse / cycle.duration,
+        "contacts_per_revolution": cycle.contacts * revolution / cycle.duration,
+        "contact_fraction": _time_in_contact(cycle) / cycle.duration if cycle.contacts else 1.0,
         "dissipation_per_revolution": power * revolution + loss + heat,
         **whirl,
     }
 
 
-def _time_in_contact(shot: Shot) -> float:
+def _time_in_contact(cycle: Orbit) -> float:
     """Return the time in contact of a closed orbit; one contact may extend over its end."""
-    entry = np.nan_to_num(shot.contacts["entry"], nan=0.0)
-    leaving = np.nan_to_num(shot.contacts["exit"], nan=shot.duration)
+    entry = np.nan_to_num(cycle.piece.contacts["entry"], nan=0.0)
+    leaving = np.nan_to_num(cycle.piece.contacts["exit"], nan=cycle.duration)
     return float((leaving - entry).sum())

@@ -1,4 +1,4 @@
-"""A stretch of an orbit, its derivatives, contacts and extrema, against DOP853 and CVODE."""
+"""A piece of an orbit, its derivatives, contacts and extrema, against DOP853 and CVODE."""
 
 from dataclasses import replace
 
@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 
 from rotor_ida import Rotor, SimulationError, simulate
-from rotor_ida.simulation.neighbours import MAXIMUM, shoot
+from rotor_ida.model.parameters import PARAMETERS
+from rotor_ida.simulation.flow import MAXIMUM, DiscFlow
 from tests.witness import flown
 
 GO_ON = np.zeros(1, np.uint8)
@@ -30,11 +31,14 @@ CONTACTS = ("bouncing", "from within a contact to within a contact", "in contact
 def test_end_and_monodromy_are_those_of_dop853_restarted_at_the_crossings(name):
     """Both integrate the variational equation through entries and exits unchanged."""
     rotor, start, duration = CASES[name]
-    expected, shot = flown(rotor, start, duration), shoot(rotor, start, duration, GO_ON)
+    expected, shot = (
+        flown(rotor, start, duration),
+        DiscFlow(rotor).run(start, duration, by=PARAMETERS),
+    )
     size = np.abs(expected.monodromy).max()
     # DOP853's own error at 1e-12 a step, grown as differences grow
     np.testing.assert_allclose(shot.end, expected.end, rtol=0.0, atol=1e-10 * max(size, 1.0))
-    np.testing.assert_allclose(shot.monodromy, expected.monodromy, rtol=0.0, atol=1e-9 * size)
+    np.testing.assert_allclose(shot.tangents, expected.monodromy, rtol=0.0, atol=1e-9 * size)
     if rotor.delta0 > 0.0:
         crossings = np.column_stack([shot.contacts["entry"], shot.contacts["exit"]]).ravel()
         crossings = crossings[np.isfinite(crossings)]
@@ -47,48 +51,52 @@ def test_end_and_monodromy_are_those_of_dop853_restarted_at_the_crossings(name):
 def test_differences_of_ends_are_the_derivatives(name):
     """No jump is missing at entry or exit: small changes of start and parameters, both ways."""
     rotor, start, duration = CASES[name]
-    shot, step = shoot(rotor, start, duration, GO_ON), 1e-6
-    size = max(np.abs(shot.monodromy).max(), np.abs(shot.by_parameter).max())
+    shot, step = DiscFlow(rotor).run(start, duration, by=PARAMETERS), 1e-6
+    size = max(np.abs(shot.tangents).max(), np.abs(shot.by).max())
     # step**2 times a third derivative, and step**1.5 where force bends; rounding over the step
     allowed = {"rtol": 0.0, "atol": 1e-6 * size}
 
     for place in range(4):
         aside = step * np.eye(4)[place]
-        high, low = (shoot(rotor, start + sign * aside, duration, GO_ON) for sign in (1, -1))
+        high, low = (
+            DiscFlow(rotor).run(start + sign * aside, duration, by=PARAMETERS) for sign in (1, -1)
+        )
         column = (high.end - low.end) / (2.0 * step)
-        np.testing.assert_allclose(shot.monodromy[:, place], column, **allowed)
+        np.testing.assert_allclose(shot.tangents[:, place], column, **allowed)
 
     for place, parameter in enumerate(("omega", "zeta", "delta0")):
         value = getattr(rotor, parameter)
         if value == 0.0:
             continue  # nothing to the left of it
         high, low = (
-            shoot(replace(rotor, **{parameter: value + sign * step}), start, duration, GO_ON)
+            DiscFlow(replace(rotor, **{parameter: value + sign * step})).run(
+                start, duration, by=PARAMETERS
+            )
             for sign in (1, -1)
         )
         column = (high.end - low.end) / (2.0 * step)
-        np.testing.assert_allclose(shot.by_parameter[:, place], column, **allowed)
+        np.testing.assert_allclose(shot.by[:, place], column, **allowed)
 
 
 def test_derivatives_are_followed_where_the_parameter_is_zero():
     """Omega and zeta 0 are no special case: one-sided differences of the end, which is smooth."""
     rotor, start, duration = CASES["free vibration"]
-    shot, step = shoot(rotor, start, duration, GO_ON), 1e-7
+    shot, step = DiscFlow(rotor).run(start, duration, by=PARAMETERS), 1e-7
     for place, parameter in enumerate(("omega", "zeta")):
-        there = shoot(replace(rotor, **{parameter: step}), start, duration, GO_ON)
+        there = DiscFlow(replace(rotor, **{parameter: step})).run(start, duration, by=PARAMETERS)
         column = (there.end - shot.end) / step
-        np.testing.assert_allclose(shot.by_parameter[:, place], column, rtol=0.0, atol=1e-4)
+        np.testing.assert_allclose(shot.by[:, place], column, rtol=0.0, atol=1e-4)
 
 
 def test_without_clearance_nothing_is_said_of_the_clearance():
     rotor, start, duration = CASES["without clearance"]
-    assert (shoot(rotor, start, duration, GO_ON).by_parameter[:, 2] == 0.0).all()
+    assert (DiscFlow(rotor).run(start, duration, by=PARAMETERS).by[:, 2] == 0.0).all()
 
 
 @pytest.mark.parametrize("name", CONTACTS)
 def test_contacts_are_those_of_cvode(name):
     rotor, start, duration = CASES[name]
-    contacts = shoot(rotor, start, duration, GO_ON).contacts
+    contacts = DiscFlow(rotor).run(start, duration, by=PARAMETERS).contacts
     run = simulate(rotor, start=tuple(start), duration=duration, rtol=1e-12, atol=1e-14)
     assert len(contacts) == run.sizes["contact"] >= 3
     allowed = {"rtol": 0.0, "atol": 1e-8}
@@ -109,14 +117,14 @@ def test_extrema_are_all_turns_of_the_radius_that_cvode_shows(name):
     run = simulate(rotor, start=tuple(start), duration=duration, samples=times.size)
     rising = (run["x"] * run["vx"] + run["y"] * run["vy"]).values
     turns = np.flatnonzero(rising[:-1] * rising[1:] < 0.0)
-    shot = shoot(rotor, start, duration, GO_ON)
+    shot = DiscFlow(rotor).run(start, duration, by=PARAMETERS)
     extrema = shot.extrema
     assert len(extrema) == turns.size >= 3
     assert (extrema["time"] >= times[turns] - 1e-8).all()
     assert (extrema["time"] <= times[turns + 1] + 1e-8).all()
     assert (extrema["kind"] == np.where(rising[turns] > 0.0, 1.0, -1.0)).all()
     for time, radius, _, turned in extrema.tolist():
-        x, y, vx, vy = end = shoot(rotor, start, time, GO_ON).end
+        x, y, vx, vy = end = DiscFlow(rotor).run(start, time, by=PARAMETERS).end
         np.testing.assert_allclose(turned, end, rtol=0.0, atol=1e-10 * (1.0 + np.abs(end).max()))
         assert np.hypot(x, y) == pytest.approx(radius, abs=1e-11)
         assert x * vx + y * vy == pytest.approx(0.0, abs=1e-8)
@@ -126,18 +134,18 @@ def test_extrema_are_all_turns_of_the_radius_that_cvode_shows(name):
 def test_two_stretches_make_one(where):
     """The flow is a group: ends, products of matrices, and parts of contacts fit together."""
     rotor, start, duration = CASES["bouncing"]
-    whole = shoot(rotor, start, duration, GO_ON)
+    whole = DiscFlow(rotor).run(start, duration, by=PARAMETERS)
     entry, leaving, peak = (whole.contacts[name][1] for name in ("entry", "exit", "peak_time"))
     places = {"flight": leaving + 0.3, "contact": 0.4 * entry + 0.6 * leaving, "entry": entry}
     cut = float({**places, "exit": leaving, "peak": peak}[where])
-    one = shoot(rotor, start, cut, GO_ON)
-    two = shoot(rotor, one.end, duration - cut, GO_ON)
-    size = np.abs(whole.monodromy).max()
+    one = DiscFlow(rotor).run(start, cut, by=PARAMETERS)
+    two = DiscFlow(rotor).run(one.end, duration - cut, by=PARAMETERS)
+    size = np.abs(whole.tangents).max()
     allowed = {"rtol": 0.0, "atol": 1e-11 * size}
     np.testing.assert_allclose(two.end, whole.end, **allowed)
-    np.testing.assert_allclose(two.monodromy @ one.monodromy, whole.monodromy, **allowed)
-    columns = two.monodromy @ one.by_parameter + two.by_parameter
-    np.testing.assert_allclose(columns, whole.by_parameter, **allowed)
+    np.testing.assert_allclose(two.tangents @ one.tangents, whole.tangents, **allowed)
+    columns = two.tangents @ one.by + two.by
+    np.testing.assert_allclose(columns, whole.by, **allowed)
     exits = [*one.contacts["exit"], *(cut + two.contacts["exit"])]
     exits = [each for each in exits if np.isfinite(each) and abs(each - cut) > 1e-6]
     expected = [each for each in whole.contacts["exit"] if abs(each - cut) > 1e-6]
@@ -148,7 +156,7 @@ def test_two_stretches_make_one(where):
 
 def test_contacts_that_are_cut_have_no_entry_or_no_exit():
     rotor, start, duration = CASES["from within a contact to within a contact"]
-    contacts = shoot(rotor, start, duration, GO_ON).contacts
+    contacts = DiscFlow(rotor).run(start, duration, by=PARAMETERS).contacts
     assert np.isnan(contacts["entry"][0])
     assert np.isnan(contacts["exit"][-1])
     assert np.isfinite(contacts["exit"][0])
@@ -158,22 +166,22 @@ def test_contacts_that_are_cut_have_no_entry_or_no_exit():
 @pytest.mark.parametrize(("outwards", "at_once"), [(1.0, True), (-1.0, False)])
 def test_a_start_on_the_ring_is_in_contact_where_it_moves_outwards(outwards, at_once):
     start = np.array([2.0, 0.0, 0.3 * outwards, 0.1])
-    shot = shoot(BOUNCING, start, 4.0, GO_ON)
+    shot = DiscFlow(BOUNCING).run(start, 4.0, by=PARAMETERS)
     assert np.isnan(shot.contacts["entry"][0]) == at_once
     beside = start + 1e-9 * outwards * np.eye(4)[0]
-    other = shoot(BOUNCING, beside, 4.0, GO_ON)
+    other = DiscFlow(BOUNCING).run(beside, 4.0, by=PARAMETERS)
     # off the ring by nothing that counts
     np.testing.assert_allclose(shot.end, other.end, rtol=0.0, atol=1e-6)
-    np.testing.assert_allclose(shot.monodromy, other.monodromy, rtol=0.0, atol=1e-3)
+    np.testing.assert_allclose(shot.tangents, other.tangents, rtol=0.0, atol=1e-3)
 
 
 def test_error_falls_in_proportion_to_the_tolerance():
     rotor, start, duration = CASES["bouncing"]
-    exact = shoot(rotor, start, duration, GO_ON)
+    exact = DiscFlow(rotor).run(start, duration, by=PARAMETERS)
     tolerances = np.array([1e-6, 1e-8, 1e-10])
-    for part in ("end", "monodromy", "by_parameter"):
+    for part in ("end", "tangents", "by"):
         errors = [
-            np.abs(getattr(shoot(rotor, start, duration, GO_ON, rtol), part)
+            np.abs(getattr(DiscFlow(rotor, rtol=rtol).run(start, duration, by=PARAMETERS), part)
                    - getattr(exact, part)).max()
             for rtol in tolerances
         ]  # fmt: skip
@@ -184,8 +192,8 @@ def test_error_falls_in_proportion_to_the_tolerance():
 def test_tables_hold_as_many_contacts_as_there_are():
     """On the known cycle of DESIGN 9 one contact and four extrema a period, a hundred times."""
     period = 4.563916675380
-    settled = shoot(BOUNCING, np.zeros(4), 300.0, GO_ON).end
-    shot = shoot(BOUNCING, settled, 100.0 * period, GO_ON)
+    settled = DiscFlow(BOUNCING).run(np.zeros(4), 300.0, by=PARAMETERS).end
+    shot = DiscFlow(BOUNCING).run(settled, 100.0 * period, by=PARAMETERS)
     contacts = shot.contacts[np.isfinite(shot.contacts["exit"])]
     assert len(contacts) == 100
     np.testing.assert_allclose(np.diff(contacts["exit"]), period, rtol=0.0, atol=1e-7)
@@ -196,14 +204,14 @@ def test_tables_hold_as_many_contacts_as_there_are():
 
 def test_what_cannot_be_followed_is_refused_with_its_start():
     with pytest.raises(SimulationError, match="could not be followed") as refused:
-        shoot(BOUNCING, START, 20.0, np.ones(1, np.uint8))
+        DiscFlow(BOUNCING, np.ones(1, np.uint8)).run(START, 20.0, by=PARAMETERS)
     assert refused.value.state == tuple(START)
 
 
 def test_rates_are_those_of_a_short_stretch():
     """The field at both ends, by differences of the motion itself."""
-    shot = shoot(BOUNCING, DEEP, 3.0, GO_ON)
-    late = shoot(BOUNCING, DEEP, 3.0 + 1e-6, GO_ON)
-    early = shoot(BOUNCING, DEEP, 1e-6, GO_ON)
+    shot = DiscFlow(BOUNCING).run(DEEP, 3.0, by=PARAMETERS)
+    late = DiscFlow(BOUNCING).run(DEEP, 3.0 + 1e-6, by=PARAMETERS)
+    early = DiscFlow(BOUNCING).run(DEEP, 1e-6, by=PARAMETERS)
     np.testing.assert_allclose(shot.end_rate, (late.end - shot.end) / 1e-6, rtol=0.0, atol=1e-5)
     np.testing.assert_allclose(shot.start_rate, (early.end - DEEP) / 1e-6, rtol=0.0, atol=1e-5)

@@ -10,16 +10,20 @@ not depend on the angle, and a run begins anywhere.
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rotor_ida.arrays import ComplexValues, Flags, Stop, Values
+from rotor_ida.checks import shown
+from rotor_ida.core.runs import NO_EXTREMA
 from rotor_ida.core.systems import SystemRequest, SystemResult
-from rotor_ida.errors import InputError
-from rotor_ida.simulation.lyapunov import means_of_rates
+from rotor_ida.errors import InputError, SimulationError
+from rotor_ida.schema import MODE
+from rotor_ida.simulation.flow import Piece
+from rotor_ida.simulation.orbit import ROLL
 from rotor_ida.simulation.spin import steady
-from rotor_ida.steady.decision import Exponents
 from rotor_ida.systems.assembly import Assembly, Canonical, canonical
 from rotor_ida.systems.axisymmetric import check_axisymmetric_parts, forward_motions
 from rotor_ida.systems.following import follow_system_again, request_of
@@ -29,13 +33,12 @@ from rotor_ida.systems.following import follow_system_again, request_of
 APART = 1e-6
 # A decay slower than this part of its eigenvalue is rounding.
 UNDAMPED = 1e-9
-# Where contacts are linear, what neighbours do jumps at grazes, and the means of their stretching
-# over a torus converge slowly.
-NO_STRETCH = 0.1
 # A change that shrinks below this in a revolution is lost in rounding.
 LOST = 1e-12
-# Revolutions in which small changes align before their growth is averaged; batches of the mean.
-ALIGNING, BATCHES = 100, 20
+# Central differences of a parameter are this long, in parts of it; those of time in revolutions.
+OF_PARAMETER, OF_TIME = 1e-6, 1e-5
+# Samples of an orbit in a revolution, and at least; steps that refine extreme distances.
+SAMPLES_A_REVOLUTION, FEWEST_SAMPLES, REFINEMENTS = 64, 192, 2
 
 
 @dataclass(frozen=True, slots=True)
@@ -154,13 +157,126 @@ class SystemFlow:
         """Return the state of displacements and velocities, shape (2, n), and speeds of races."""
         return np.concatenate([motion.ravel(), races]) / self.scales
 
+    def given_state(self, values: Values) -> Values:
+        """Return the state of q, velocity and speeds of races, as a result has them."""
+        size = self.problem.assembly.size
+        if values.shape != self.scales.shape or not np.isfinite(values).all():
+            raise InputError(
+                f"start must have {self.scales.size} finite numbers in its state, as the system "
+                f"has, got {shown(values.shape)}"
+            )
+        moved = [self.problem.found.to_y(each) for each in values[: 2 * size].reshape(2, size)]
+        return self.state_of(np.array(moved), values[2 * size :])
+
+    def in_q(self, state: Values) -> Values:
+        """Return q, velocity and speeds of races of a state: the inverse of `given_state`."""
+        moved = self.problem.found.to_q(self.motion_of(state))
+        return np.concatenate([moved.ravel(), (state * self.scales)[moved.size :]])
+
     def motion_of(self, states: Values) -> Values:
         """Return displacements and velocities of states, shape (..., 2, n)."""
         size = self.problem.assembly.size
-        own = (states * self.scales)[..., : 2 * size]
+        own = states[..., : 2 * size] * self.scales[: 2 * size]
         return np.asarray(own.reshape(*states.shape[:-1], 2, size))
 
+    @property
+    def period(self) -> float | None:
+        """None for an axisymmetric system, else a revolution."""
+        return None if self.problem.forward is not None else self.revolution
+
+    @property
+    def clearances(self) -> Values:
+        """Clearances of the contacts, shape (contact,)."""
+        return np.array([each.clearance for each in self.problem.assembly.contacts])
+
+    @property
+    def length(self) -> float:
+        """The displacement by which errors are measured."""
+        return float(self.scales[0])
+
     def run(
+        self, state: Values, until: float, *, tangents: Values | None = None,
+        by: Sequence[str] = (),
+    ) -> Piece:  # fmt: skip
+        """Return the motion from a state: see `rotor_ida.simulation.flow.Flow`."""
+        changes = np.eye(state.size) if tangents is None else tangents
+        run, moved = self._changed(state, changes, until)
+        end = self.end_of(run)
+        columns = [self._by(name, state, until) for name in by]
+        rolls = run.touches["way"] == MODE["rolling"]
+        rolls[run.event_contacts[run.event_kinds == ROLL]] = True
+        return Piece(
+            state, end, until, moved.T, np.array(columns).reshape(len(by), state.size).T,
+            self.rate(state), self.rate(end), run.event_kinds, run.event_contacts, rolls,
+            run.episodes, NO_EXTREMA,
+        )  # fmt: skip
+
+    def _by(self, name: str, state: Values, until: float) -> Values:
+        """Return the derivative of the state after a time by a parameter."""
+        value = self.value_of(name)
+        step = OF_PARAMETER * abs(value)
+        ends = [self.but(speed=value + each).after(state, until) for each in (-step, step)]
+        return (ends[1] - ends[0]) / (2.0 * step)
+
+    def value_of(self, name: str) -> float:
+        """Return a parameter: the speed alone, so far."""
+        if name != "speed":
+            raise ValueError(f"a system has no parameter {name}")
+        return self.speed
+
+    def but(
+        self, *, rtol: float | None = None, stop: Stop | None = None, **parameters: float
+    ) -> SystemFlow:
+        """Return a flow at another speed, with another tolerance or stop, in the same scales."""
+        speed = parameters.get("speed", self.speed)
+        if not speed * self.speed > 0.0:
+            raise SimulationError(f"speed falls to {speed:.3g}")
+        problem = self.problem if rtol is None else replace(self.problem, rtol=rtol)
+        own = SystemFlow.at(problem, speed, self.stop if stop is None else stop)
+        return replace(own, scales=self.scales)
+
+    def states(self, state: Values, times: Values) -> Values:
+        """Return the states at times; those of races are not sampled."""
+        return self.samples_of(self.sampled(state, times), times)
+
+    def places(self, states: Values) -> ComplexValues:
+        """Return displacement and velocity of the contacts, shape (2, time, contact)."""
+        rows, contacts = self.problem.found.rows, self.problem.assembly.contacts
+        moved = self.motion_of(states) @ (rows[:, 0] + 1j * rows[:, 1]).T  # (time, 2, contact)
+        return np.stack([moved[:, 0] - [complex(*each.centre) for each in contacts], moved[:, 1]])
+
+    def sample_times(self, duration: float) -> Values:
+        """Return times of samples, both ends included, on which extrema can be seen."""
+        count = math.ceil(SAMPLES_A_REVOLUTION * duration / self.revolution)
+        return np.linspace(0.0, duration, max(count, FEWEST_SAMPLES) + 1)
+
+    def radii(self, piece: Piece) -> list[Values]:
+        """Return the extreme distances of each contact, at least two, by refined samples."""
+        times = self.sample_times(piece.duration)
+        squares, rates = self._squares(piece.start, times)
+        found = []
+        for number, (square, rate) in enumerate(zip(squares.T, rates.T, strict=True)):
+            turns = np.flatnonzero((rate[:-1] > 0.0) != (rate[1:] > 0.0))
+            bends = np.diff(rate)[turns] / np.diff(times)[turns]
+            at, slopes, values = times[turns], rate[turns], np.array([square.min(), square.max()])
+            for _ in range(REFINEMENTS if turns.size else 0):
+                # within its interval, also where a minimum and a maximum merge
+                at = np.clip(at - slopes / bends, times[turns], times[turns + 1])
+                again = self._squares(piece.start, np.append(at, times[-1]))
+                values, slopes = (each[:-1, number] for each in again)
+            found.append(np.sqrt(values))
+        return found
+
+    def _squares(self, state: Values, times: Values) -> tuple[Values, Values]:
+        """Return squares of the distances, and their rates, shape (sample, contact)."""
+        place, velocity = self.places(self.states(state, times))
+        return np.abs(place) ** 2, 2.0 * (place.conj() * velocity).real
+
+    def pair_product(self, _duration: float) -> float | None:
+        """Return None: multipliers of a system do not form pairs."""
+        return None
+
+    def sampled(
         self,
         state: Values,
         times: Values,
@@ -186,7 +302,7 @@ class SystemFlow:
 
     def after(self, state: Values, duration: float) -> Values:
         """Return the state after a time, with the axes turned back."""
-        return self.end_of(self.run(state, np.array([duration]), only_events=True))
+        return self.end_of(self.sampled(state, np.array([duration]), only_events=True))
 
     def samples_of(self, run: SystemResult, times: Values) -> Values:
         """Return displacements and velocities at samples as states on turning axes.
@@ -209,27 +325,38 @@ class SystemFlow:
         return turned
 
     def rate(self, state: Values) -> Values:
-        """Return the rate of a state on turning axes, by a difference that is short enough."""
-        short = APART * self.revolution
-        return (self.after(state, short) - state) / short
+        """Return the rate of a state on turning axes, by differences of second order in time."""
+        time = OF_TIME * self.revolution
+        near, far = (self.after(state, each) - state for each in (0.5 * time, time))
+        return (4.0 * near - far) / time
 
     def changes(self, state: Values, changes: Values, duration: float) -> tuple[Values, Values]:
-        """Return the state after a time, and what small changes of it become, a row each.
+        """Return the state after a time, and what small changes of it become, a row each."""
+        run, moved = self._changed(state, changes, duration)
+        return self.end_of(run), moved
+
+    def _changed(
+        self, state: Values, changes: Values, duration: float
+    ) -> tuple[SystemResult, Values]:
+        """Return a run, and what small changes of its start have become, a row each.
 
         The core follows the changes, by the linearised motion and its jumps at events; those of a
         system that has stators without mass are differences of runs.
         """
-        if self.request.massless:
-            image = self.after(state, duration)
-            ends = [self.after(state + APART * change, duration) for change in changes]
-            return image, (np.array(ends) - image) / APART
         size, races = 2 * self.problem.assembly.size, self.problem.with_race
         columns = np.zeros((len(changes), size + races.size))
         columns[:, np.concatenate([np.ones(size, bool), races])] = changes * self.scales
         columns[:, size:] = columns[:, size + self.request.laws["race"]]
-        run = self.run(state, np.array([duration]), only_events=True, columns=columns)
+        run = self.sampled(
+            state, np.array([duration]), only_events=True,
+            columns=None if self.request.massless else columns,
+        )  # fmt: skip
+        if self.request.massless:
+            image = self.end_of(run)
+            ends = [self.after(state + APART * change, duration) for change in changes]
+            return run, (np.array(ends) - image) / APART
         moved = run.columns[:, np.concatenate([np.ones(size, bool), races])] / self.scales
-        return self.end_of(run), self.turned_back(moved, run.time)
+        return run, self.turned_back(moved, run.time)
 
     def monodromy(self, state: Values, period: float) -> Values:
         """Return the derivative of the state after a period by that before."""
@@ -254,20 +381,3 @@ class SystemFlow:
             row[:] = np.abs(grown.diagonal())
         with np.errstate(divide="ignore"):
             return np.log(np.where(factors > LOST, factors, 0.0)) / self.revolution
-
-    def exponents(self, state: Values, revolutions: int) -> Exponents:
-        """Return the largest Lyapunov exponents, and their errors.
-
-        Notes
-        -----
-        In an axisymmetric system one exponent is 0, that of a
-        shift in time, and on a torus one more.
-        """
-        count = 2 if self.problem.forward is not None else 1
-        revolutions = BATCHES * -(-revolutions // BATCHES)
-        rates = self.growth(state, count, ALIGNING + revolutions)
-        values, errors = means_of_rates(rates[ALIGNING:], BATCHES)
-        return Exponents(
-            values, errors, revolutions * self.revolution, count, has_tori=True,
-            no_stretch=NO_STRETCH,
-        )  # fmt: skip

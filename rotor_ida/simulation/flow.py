@@ -1,0 +1,294 @@
+"""How a rotor at a constant speed moves: a map from state to state, on axes that turn with it.
+
+A state is read on axes that turn with the unbalance, which is at angle 0 when a run begins. There a
+rotor without a direction of its own (a load, unequal bearings) moves by the same law at any time.
+Any other rotor does so after whole revolutions only, and closes after these: the ``period`` of a
+flow. One protocol serves both kernels, that of one disc here and that of rotor systems in
+`rotor_ida.simulation.system_flow`.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any, Protocol, Self
+
+import numpy as np
+import numpy.typing as npt
+
+from rotor_ida.arrays import ComplexValues, Flags, Stop, Values
+from rotor_ida.core.interface import DONE, STUCK, message_of
+from rotor_ida.core.runs import (
+    COLUMNS,
+    DIFFERENCES,
+    NO_STOP,
+    Rows,
+    RunRequest,
+    RunResult,
+    follow_run,
+)
+from rotor_ida.errors import SimulationError
+from rotor_ida.model.equations import push_over_radius, rotating_field
+from rotor_ida.model.parameters import PARAMETERS
+from rotor_ida.model.rotor import Rotor
+from rotor_ida.simulation.orbit import ROLLS, SLIDES_BACKWARDS, SLIDES_FORWARDS
+
+MAXIMUM = 1.0  # the kind of an extremum
+RTOL = 1e-15
+# Absolute tolerance of one step, as a fraction of the relative one.
+ATOL = 1e-2
+# A slip smaller than this fraction of the speeds that it is the difference of is solver error.
+HIDDEN_SLIP = 1e-12
+
+
+@dataclass(frozen=True, slots=True)
+class Piece:
+    """A motion from a state to another, with the derivatives of its end.
+
+    Parameters
+    ----------
+    start, end : ndarray, shape (n,)
+        States.
+    duration : float
+        Time between them.
+    tangents : ndarray, shape (n, k)
+        What changes of the start have become; by default those of each number of the state, so that
+        this is the derivative of the end by the start.
+    by : ndarray, shape (n, parameter)
+        Derivatives of the end by some parameters.
+    start_rate, end_rate : ndarray, shape (n,)
+        Rates of change of the state.
+    event_kinds, event_contacts : ndarray, shape (event,)
+        The events.
+    rolls : ndarray of bool, shape (contact,)
+        Which contacts ever roll.
+    contacts, extrema : structured ndarray
+        The contacts, an entry before the start or an exit after the end NaN; and of one disc the
+        minima and maxima of the radius. Rows as in `rotor_ida.core`.
+    """
+
+    start: Values
+    end: Values
+    duration: float
+    tangents: Values
+    by: Values
+    start_rate: Values
+    end_rate: Values
+    event_kinds: npt.NDArray[np.integer[Any]]
+    event_contacts: npt.NDArray[np.integer[Any]]
+    rolls: Flags
+    contacts: Rows
+    extrema: Rows
+
+
+class Flow(Protocol):
+    """How the state of a rotor moves at a constant speed."""
+
+    @property
+    def speed(self) -> float:
+        """Spin speed."""
+
+    @property
+    def revolution(self) -> float:
+        """Duration of a revolution."""
+
+    @property
+    def period(self) -> float | None:
+        """Time whose multiples alone a motion may close after; None for any time."""
+
+    @property
+    def clearances(self) -> Values:
+        """Clearances of the contacts, shape (contact,)."""
+
+    @property
+    def length(self) -> float:
+        """Distance by which displacements in a state are measured."""
+
+    def run(
+        self, state: Values, until: float, *, tangents: Values | None = None,
+        by: Sequence[str] = (),
+    ) -> Piece:  # fmt: skip
+        """Return the motion from a state, with what changes of it become, a row each.
+
+        `by` names parameters by which the end is differentiated. SimulationError if it fails.
+        """
+
+    def states(self, state: Values, times: Values) -> Values:
+        """Return the states at increasing times from 0 on, shape (time, n)."""
+
+    def places(self, states: Values) -> ComplexValues:
+        """Return displacement and velocity of the contacts, shape (2, time, contact)."""
+
+    def radii(self, piece: Piece) -> list[Values]:
+        """Return the extreme distances of each contact from its centre, in order of time."""
+
+    def pair_product(self, duration: float) -> float | None:
+        """Return the product of pairs of multipliers over a time; None if they form no pairs."""
+
+    def value_of(self, name: str) -> float:
+        """Return a parameter."""
+
+    def but(self, **changed: Any) -> Self:
+        """Return a flow with other parameters, ``rtol`` or ``stop``, and states in equal scales."""
+
+
+@dataclass(frozen=True, slots=True, eq=False)
+class DiscFlow:
+    """The motion of one disc: states are ``(x, y, vx, vy)`` on the rotating axes [1].
+
+    Parameters
+    ----------
+    rotor : Rotor
+        The rotor.
+    stop : ndarray, shape (1,)
+        Ends a run as soon as it is not 0.
+    rtol : float
+        Tolerance of one step, relative to the size of the state [1].
+
+    Notes
+    -----
+    The core integrates the state and four differences from it together, by one Taylor series in
+    contact and in closed form in flight; derivatives by the parameters follow. The field is
+    continuous where contact begins and ends, so nothing is added there. Where friction jumps, as
+    the disc begins to roll or reverses its sliding, differences jump with it.
+    """
+
+    rotor: Rotor
+    stop: Stop = field(default_factory=lambda: NO_STOP)
+    rtol: float = RTOL
+
+    @property
+    def speed(self) -> float:
+        """Spin speed [1]."""
+        return self.rotor.omega
+
+    @property
+    def revolution(self) -> float:
+        """Duration of a revolution [1]."""
+        return 2.0 * math.pi / self.rotor.omega
+
+    @property
+    def period(self) -> float | None:
+        """A revolution under a load, which rotates on these axes; else None."""
+        return self.revolution if self.rotor.load > 0.0 else None
+
+    @property
+    def clearances(self) -> Values:
+        """The clearance, shape (1,) [1]."""
+        return np.array([self.rotor.delta0])
+
+    @property
+    def length(self) -> float:
+        """The eccentricity [1]."""
+        return 1.0
+
+    def run(
+        self, state: Values, until: float, *, tangents: Values | None = None,
+        by: Sequence[str] = (),
+    ) -> Piece:  # fmt: skip
+        """Return the motion from a state: see `Flow`; at most four changes of it are followed."""
+        rotor = self.rotor
+        start = put_on_rolling(rotor, state) if rotor.friction > 0.0 else state
+        whole = any(name not in PARAMETERS for name in by)
+        columns = len(COLUMNS) if whole or rotor.beyond else len(PARAMETERS)
+        bundle = np.eye(DIFFERENCES + columns, 4)
+        if tangents is not None:
+            bundle[:DIFFERENCES] = 0.0
+            bundle[: len(tangents)] = tangents
+        result = self._followed(start, until, events=True, extrema=True, bundle=bundle, whole=whole)
+        end, ways = np.array(result.state), result.ways
+        if not math.isfinite(sum(bundle.ravel().tolist()) + sum(result.state)):
+            raise _failed(STUCK, start)
+        first, last = (0, 0) if ways is None else (int(ways[0]), int(ways[-1]))
+        count = DIFFERENCES if tangents is None else len(tangents)
+        return Piece(
+            start, end, until, bundle[:count].T,
+            bundle[[DIFFERENCES + COLUMNS.index(name) for name in by]].T,
+            self.rate(start, 0.0, first), self.rate(end, until, last),
+            result.event_kinds, np.zeros(result.event_kinds.size, np.int8),
+            np.array([ways is not None and bool((ways == ROLLS).any())]),
+            result.contacts, result.extrema,
+        )  # fmt: skip
+
+    def rate(self, state: Values, time: float = 0.0, way: int = 0) -> Values:
+        """Return the rate of a state; `way` is the mode of its contact, as the core has it [1]."""
+        return rotating_field(state, self.rotor, time) + _friction_at(state, self.rotor, time, way)
+
+    def states(self, state: Values, times: Values) -> Values:
+        """Return the states at increasing times from 0 on, shape (time, 4) [1]."""
+        return self._followed(state, float(times[-1]), sample_times=times).samples
+
+    def places(self, states: Values) -> ComplexValues:
+        """Return displacement and velocity of the disc, shape (2, time, 1) [1]."""
+        return np.stack([states[:, :1] + 1j * states[:, 1:2], states[:, 2:3] + 1j * states[:, 3:]])
+
+    def radii(self, piece: Piece) -> list[Values]:
+        """Return the extreme radii, as the core has found them [1]."""
+        return [piece.extrema["radius"]]
+
+    def pair_product(self, duration: float) -> float | None:
+        """Return ``exp(-2 zeta T)`` where damping is uniform and there is no load; else None."""
+        has_pairs = self.rotor.damps_uniformly and self.rotor.load == 0.0
+        return math.exp(-2.0 * self.rotor.zeta * duration) if has_pairs else None
+
+    def value_of(self, name: str) -> float:
+        """Return a parameter of the rotor [1]."""
+        return float(getattr(self.rotor, name))
+
+    def but(
+        self, *, rtol: float | None = None, stop: Stop | None = None, **parameters: float
+    ) -> DiscFlow:
+        """Return a flow with other parameters of the rotor, tolerance or stop."""
+        return DiscFlow(
+            replace(self.rotor, **parameters) if parameters else self.rotor,
+            self.stop if stop is None else stop, self.rtol if rtol is None else rtol,
+        )  # fmt: skip
+
+    def _followed(self, state: Values, duration: float, **asked: Any) -> RunResult:
+        """Return a run of the core that has reached its end."""
+        result = follow_run(
+            RunRequest(
+                rotor=self.rotor, start=state, duration=duration, rtol=self.rtol,
+                atol=ATOL * self.rtol, stop=self.stop, **asked,
+            )
+        )  # fmt: skip
+        if result.status != DONE:
+            raise _failed(result.status, state)
+        return result
+
+
+def _failed(status: int, state: Values) -> SimulationError:
+    x, y, vx, vy = state.tolist()
+    reason = f"an orbit could not be followed: {message_of(status)}"
+    return SimulationError(reason, time=0.0, state=(x, y, vx, vy))
+
+
+def put_on_rolling(rotor: Rotor, state: Values) -> Values:
+    """Return a state with a slip of exactly 0 if it was only rounding: there the disc may roll."""
+    x, y, vx, vy = state.tolist()
+    radius, speed = math.hypot(x, y), math.hypot(vx, vy)
+    rim = (rotor.disc_radius or 0.0) * rotor.omega
+    if not radius > rotor.delta0:
+        return state
+    slip = (x * vy - y * vx) / radius + rim
+    if abs(slip) > HIDDEN_SLIP * (speed + rim):
+        return state
+    return np.array([x, y, vx + slip * y / radius, vy - slip * x / radius])
+
+
+def _friction_at(state: Values, rotor: Rotor, time: float, way: int) -> Values:
+    """Return the contribution of the tangential force to the rates on the rotating axes."""
+    if way not in {SLIDES_FORWARDS, SLIDES_BACKWARDS, ROLLS}:
+        return np.zeros(4)
+    x, y, vx, vy = state.tolist()
+    radius = math.hypot(x, y)
+    if way == ROLLS:
+        turned = rotor.omega * time
+        down = -rotor.load * (x * math.cos(turned) - y * math.sin(turned)) / radius
+        force = -(rotor.omega**2) * y / radius + down
+        rise = (x * vx + y * vy) / radius
+        force += (rotor.disc_radius or 0.0) * rotor.omega * (2.0 * rotor.zeta + rise / radius)
+    else:
+        force = way * rotor.friction * radius * push_over_radius((x, y, vx, vy), rotor)
+    return np.array([0.0, 0.0, force * y / radius, -force * x / radius])
