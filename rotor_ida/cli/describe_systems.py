@@ -24,7 +24,9 @@ from rotor_ida.cli.variables import (
     with_unit,
     with_units,
 )
+from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
 from rotor_ida.schema import EVENT_KIND, OF_BEARING, QUANTITIES, words_of
+from rotor_ida.systems.archived import clearance_of_contacts
 from rotor_ida.systems.growth_words import stability_words
 from rotor_ida.units import SPEED_UNITS
 
@@ -40,11 +42,11 @@ EPISODES = Rows(
 )  # fmt: skip
 RESPONSES = Rows(
     title="Responses", key="responses", lead="response", digits=6, telling=True, on_request=True,
-    names=("response", "speed", "start", "direction", "excursion", "largest_force", "period",
-           "lyapunov_exponent", "lyapunov_error", "revolutions", "cycle_distance", "status",
-           "message"),
+    names=("response", "speed", *PARAMETERS_OF_SYSTEM, "start", "direction", "excursion",
+           "largest_force", "period", "lyapunov_exponent", "lyapunov_error", "revolutions",
+           "cycle_distance", "status", "message"),
 )  # fmt: skip
-OF_KINDS = ("speed", "excursion", "largest_force")
+OF_KINDS = ("speed", *PARAMETERS_OF_SYSTEM, "excursion", "largest_force")
 DROPS = Rows(
     title="Drops", key="drops", lead="drop",
     names=("drop_phase", "first_touch_time", "horizon", "standstill_time", "message"),
@@ -88,8 +90,9 @@ def show_system_run(dataset: xr.Dataset, most: int | None) -> Description:
 
 def show_system_sweep(dataset: xr.Dataset, most: int | None) -> Description:
     """Return the responses of a sweep, with their number by kind, and the worst of all contacts."""
+    gaps = clearance_of_contacts(dataset)
     worst = {
-        "excursion": dataset["radius_max"] / dataset["clearance"],
+        "excursion": dataset["radius_max"] / gaps,
         "largest_force": dataset["largest_force"],
     }
     told = dataset.drop_dims([dim for dim in dataset.dims if dim not in dataset["response"].dims])
@@ -98,7 +101,7 @@ def show_system_sweep(dataset: xr.Dataset, most: int | None) -> Description:
         told["excursion"].attrs = QUANTITIES["excursion"].attributes()
         told["largest_force"].attrs = dataset["largest_force"].attrs
     record, parts = tabled(told, most, RESPONSES)
-    contacts = rows_of(dataset, ("clearance", "contact_node"))
+    contacts = rows_of(dataset, (str(gaps.name), "contact_node"))
     return record | {"contacts": contacts}, [count_of_kinds(told, OF_KINDS), *parts]
 
 

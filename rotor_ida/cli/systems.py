@@ -13,10 +13,11 @@ import rotor_ida
 from rotor_ida.checks import AT_REST, State, shown
 from rotor_ida.cli import options
 from rotor_ida.cli.output import Output, answer, answer_whole, working
-from rotor_ida.cli.parsing import refuse_units
+from rotor_ida.cli.parsing import Quantity, refuse_units
 from rotor_ida.cli.report import FIRST_ROWS, Report
 from rotor_ida.cli.rotor_options import RotorOptions, RotorsOptions
 from rotor_ida.errors import InputError
+from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
 
 if TYPE_CHECKING:
     from rotor_ida.model.rotor_system import RotorSystem
@@ -70,27 +71,43 @@ def run_up_file(
 def sweep_file(
     file: Path,
     rotors: RotorsOptions,
+    axes: Mapping[str, list[float] | None],
     starts: list[State],
     solver: options.SolverOptions,
     output: Output,
     given: Mapping[str, Any],
 ) -> Report:
-    """Simulate the settled responses of the system of a file over a range of speeds."""
+    """Simulate the settled responses of the system of a file over speeds and its parameters."""
     start = None if starts == [AT_REST] else starts
-    how = _checked(rotors.values, rotors.machine, start, solver, output)
+    values: dict[str, Any] = {**rotors.values, **axes}
+    varied = {name: values.pop(name) for name in PARAMETERS_OF_SYSTEM
+              if values.get(name) is not None}  # fmt: skip
+    how = _checked(values, rotors.machine, start, solver, output)
+    _refuse_units_of_factors(varied)
     if how.pop("method", "taylor") != "taylor":
         raise InputError(
             f"method must be taylor for a sweep of a rotor system, got {solver.method}"
         )
     if SPEED not in rotors.values:
         raise InputError("speed must be given with --speed for a sweep of a rotor system")
-    system, course = case_of(file, rotors.values)
+    system, course = case_of(file, {**rotors.values, **axes})
     with working("sweep", given["study"]) as progress:
         dataset = rotor_ida.sweep(
             system, starts=[course.start], modes=course.modes, speed=rotors.values[SPEED],
+            **{name: each[0] if len(each) == 1 else each for name, each in varied.items()},
             **given, **how, progress=progress,
         )  # fmt: skip
         return answer_whole(dataset, output, given["study"])
+
+
+def _refuse_units_of_factors(varied: Mapping[str, list[float]]) -> None:
+    """Refuse a damping or stiffness with a unit, which is that of one disc."""
+    for name, values in varied.items():
+        unit = next((each.word for each in values if isinstance(each, Quantity)), "")
+        if unit and PARAMETERS_OF_SYSTEM[name].unit == "1":
+            raise InputError(
+                f"{name} must be a factor without a unit for a rotor system, got {shown(unit)}"
+            )
 
 
 @contextmanager

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, NoReturn, TypedDict, Unpack, cast
@@ -307,11 +307,15 @@ class RotorSystem:
 
 
 def changed_system(
-    verb: Callable[..., Any], given: object, changed: SystemParameters
+    verb: Callable[..., Any],
+    given: object,
+    changed: SystemParameters,
+    *,
+    others: Collection[str] = (),
 ) -> RotorSystem:
     """Return the system that a function is given first, with the fields that keywords change.
 
-    One disc is taken as a system.
+    One disc is taken as a system. `others` are keywords that the function takes as well.
 
     Examples
     --------
@@ -328,7 +332,7 @@ def changed_system(
         if name not in SystemParameters.__annotations__:
             known = [each for each, of in inspect.signature(verb).parameters.items()
                      if of.kind is of.KEYWORD_ONLY]  # fmt: skip
-            hint = did_you_mean(name, [*known, *SystemParameters.__annotations__])
+            hint = did_you_mean(name, [*known, *SystemParameters.__annotations__, *others])
             raise TypeError(
                 f"{name_of(verb)}() got an unexpected keyword argument {shown(name)}{hint}"
             )

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Callable, Iterator, Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import Any, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -32,6 +32,16 @@ from rotor_ida.model.parameters import (
     check_exponent,
 )
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.model.rotor_system import RotorSystem, changed_system
+from rotor_ida.model.system_parameters import (
+    PARAMETERS_OF_SYSTEM,
+    SPEED,
+    UNBALANCE,
+    SystemAxes,
+    parameter_of,
+    with_parameters,
+)
+from rotor_ida.model.system_parts import Unbalance
 
 Axis = npt.NDArray[Any]
 # Smallest nonzero and largest value of a parameter [1].
@@ -47,12 +57,16 @@ class Varied:
     ----------
     given : mapping of str to ndarray, shape () or (n,)
         The numbers of the rotor and the axes, parameters first, in the order of `ALL_PARAMETERS`
-        [1]: numbers are scalar coordinates of a result, axes are its dimensions. ``omega``,
-        ``zeta`` and ``delta0`` are always axes, and an optional number equal to its default is
-        left out. Behind them are the axes of what is no parameter, such as ``start``.
+        [1]: numbers are scalar coordinates of a result, axes are its dimensions. An optional
+        number equal to its default is left out. Behind them are the axes of what is no parameter,
+        such as ``start``.
+    system : RotorSystem, optional
+        The system whose parameters, and whose speed, these are; without it they are those of one
+        disc.
     """
 
     given: Mapping[str, Axis]
+    system: RotorSystem | None = None
 
     @property
     def axes(self) -> dict[str, Axis]:
@@ -77,7 +91,8 @@ class Varied:
     @property
     def parameters(self) -> dict[str, Axis]:
         """The given parameters."""
-        return {name: each for name, each in self.given.items() if name in ALL_PARAMETERS}
+        known = ALL_PARAMETERS if self.system is None else (SPEED, *PARAMETERS_OF_SYSTEM)
+        return {name: each for name, each in self.given.items() if name in known}
 
     @property
     def optional(self) -> tuple[str, ...]:
@@ -107,11 +122,12 @@ class Varied:
 
     def over(self, **axes: Axis) -> Varied:
         """Return the same with these axes, in place of those of the same names or behind all."""
-        return Varied({**self.given, **axes})
+        return replace(self, given={**self.given, **axes})
 
     def without(self, *names: str) -> Varied:
         """Return the same without some parameters."""
-        return Varied({name: each for name, each in self.given.items() if name not in names})
+        given = {name: each for name, each in self.given.items() if name not in names}
+        return replace(self, given=given)
 
     def values(self, name: str) -> Values:
         """Return the values of a parameter, or its default if not given."""
@@ -127,6 +143,18 @@ class Varied:
         """Return the rotor at a place, an index along each dimension."""
         at = self.at(place)
         return Rotor(**{name: float(at[name]) for name in self.parameters})
+
+    @property
+    def base(self) -> RotorSystem:
+        """The rotor system whose parameters vary."""
+        assert self.system is not None
+        return self.system
+
+    def system_at(self, place: Sequence[int]) -> RotorSystem:
+        """Return the rotor system at a place."""
+        at = self.at(place)
+        values = {name: float(at[name]) for name in self.parameters if name != SPEED}
+        return with_parameters(self.base, values)
 
     def rotors(self) -> Iterator[Rotor]:
         """Yield the rotor at each place, the last dimension varying fastest."""
@@ -160,6 +188,7 @@ def varied_of(
     left_out: Mapping[str, str] = {},
     ranges: Mapping[str, Range] = {},
     others: Range = ANY,
+    always: Collection[str] = PARAMETERS,
 ) -> Varied:
     """Return what a function is asked to vary, from its rotor and its keywords.
 
@@ -176,6 +205,8 @@ def varied_of(
         Parameters that the function does not take, each with the reason.
     ranges : mapping of str to tuple of two floats
         Smallest nonzero and largest value of some parameters; `others` is that of all others.
+    always : collection of str
+        Parameters of which a number is an axis of one value.
 
     Raises
     ------
@@ -205,7 +236,7 @@ def varied_of(
             continue
         smallest, largest = ranges.get(name, others)
         axis = check_distinct(name, check_axis(name, value, smallest=smallest, largest=largest))
-        if name not in DEFAULTS or not is_scalar(name, value):
+        if name in always or not is_scalar(name, value):
             found[name] = axis
         elif axis[0] != default:
             found[name] = axis[0]
@@ -216,6 +247,60 @@ def varied_of(
         needing = ("friction", "contact_damping")
         check_clearance_needed({name: float(varied.values(name).max()) for name in needing})
     return varied
+
+
+def varied_system_of(
+    verb: Callable[..., Any], given: object, changed: SystemAxes, speed: Axis
+) -> Varied:
+    """Return what a function is asked to vary of a rotor system, from its keywords.
+
+    Parameters
+    ----------
+    verb : callable
+        The function, which messages name.
+    given : RotorSystem, Rotor or DimensionalRotor
+        Its first argument.
+    changed : SystemAxes
+        Fields of the system, in place of its own; and a number or a vector for each of its
+        parameters that is given.
+    speed : ndarray, shape () or (n,)
+        The checked speeds.
+
+    Raises
+    ------
+    InputError
+        If a value is not a finite number that is zero or positive, is given twice on an axis, or
+        fits no part of the system.
+
+    Examples
+    --------
+    >>> def sweep(system, *, speed, **changed): ...
+    >>> rotor = Rotor(omega=1.2, zeta=0.07, delta0=0.5, friction=0.1, disc_radius=5.0)
+    >>> asked = varied_system_of(sweep, rotor, {"friction": [0.0, 0.2]}, np.array([1.2]))
+    >>> asked.dims, asked.system_at((0, 1)).contacts[0].friction
+    (('speed', 'friction'), 0.2)
+    """
+    fields: dict[str, Any] = dict(changed)
+    numbers = {
+        name: fields.pop(name)
+        for name in PARAMETERS_OF_SYSTEM
+        if name in fields and not (name == UNBALANCE and _is_list(fields[name]))
+    }
+    system = changed_system(verb, given, cast("Any", fields), others=PARAMETERS_OF_SYSTEM)
+    found: dict[str, Axis] = {SPEED: speed}
+    for name, value in numbers.items():
+        parameter_of(system, name)
+        axis = check_distinct(name, check_axis(name, value))
+        for each in axis.tolist():
+            with_parameters(system, {name: each})  # raises if the system may not have it
+        found[name] = axis[0] if is_scalar(name, value) else axis
+    return Varied(found, system)
+
+
+def _is_list(value: object) -> bool:
+    """Return whether an unbalance is given by its parts, or none."""
+    parts = list(value) if isinstance(value, list | tuple) else [value]
+    return not parts or any(isinstance(each, Unbalance) for each in parts)
 
 
 def _asked(

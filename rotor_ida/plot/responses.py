@@ -14,6 +14,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import OF_ROTOR, OPTIONAL, PARAMETERS
+from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
 from rotor_ida.plot.appearance import (
     BLUE,
     CONTACT_FREE,
@@ -455,11 +456,13 @@ def _draw_by_direction(
 
 def _words_of(name: str, words: str) -> str:
     """Return words about the speed as words about a parameter."""
-    return words if name in {"omega", "speed"} else words.replace("speed", OF_ROTOR[name].label)
+    known = OF_ROTOR.get(name) or PARAMETERS_OF_SYSTEM.get(name)
+    return words if known is None or name == "omega" else words.replace("speed", known.label)
 
 
 def _start_words(simulated: xr.Dataset) -> str:
-    of_system = "start_state" in simulated
-    starts = ["start_state"] if of_system else [f"start_{name}" for name in COMPONENTS]
+    # older sweeps of systems have another name
+    of_system = [name for name in ("initial_state", "start_state") if name in simulated]
+    starts = of_system or [f"start_{name}" for name in COMPONENTS]
     at_rest = all(name in simulated and not simulated[name].values.any() for name in starts)
     return FROM_REST if at_rest else FROM_START

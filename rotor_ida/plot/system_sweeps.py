@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from itertools import product
+
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
@@ -9,13 +12,14 @@ from matplotlib.figure import Figure
 
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
+from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED, with_parameters
 from rotor_ida.plot.appearance import (
     drawing,
     legend_below,
     raise_limit,
 )
-from rotor_ida.plot.datasets import check_dataset
-from rotor_ida.plot.labels import label_axis
+from rotor_ida.plot.datasets import check_dataset, one_value
+from rotor_ida.plot.labels import SEPARATOR, label_axis, unit_of
 from rotor_ida.plot.responses import draw_beneath, draw_simulated
 from rotor_ida.plot.system_whirls import (
     WHIRLS,
@@ -25,15 +29,18 @@ from rotor_ida.plot.system_whirls import (
     panels_of_contacts,
     speeds_in,
 )
-from rotor_ida.systems.archived import problem_of
+from rotor_ida.results.concat import concat
+from rotor_ida.systems.archived import clearance_of_contacts, problem_of
 from rotor_ida.systems.whirls.synchronous import synchronous_response_system
 
 SWEEP = (
     "speed", "response", "direction", "amplitude", "phase_lag", "radius_min", "radius_max",
     "touched", "clearance", "contact_node",
 )  # fmt: skip
-# Speeds at which they are computed, at least.
-FEWEST_SPEEDS = 500
+# What is drawn of exact whirls over another parameter than the speed.
+WHIRLS_ALONG = ("amplitude", "stability")
+# Speeds at which they are computed, at least; values of another parameter.
+FEWEST_SPEEDS, VALUES = 500, 80
 
 
 def plot_system_sweep(
@@ -50,12 +57,14 @@ def plot_system_sweep(
     sweep : Dataset
         Result of `rotor_ida.sweep` for a rotor system with contacts. Synchronous and contact-free
         responses are marks at their amplitude, by direction of the sweep. All others are bars over
-        the range of the distance from the centre of the stator.
+        the range of the distance from the centre of the stator. The parameter on the axis is the
+        one along which the sweep leads, or the speed, or where that has one value the only one
+        that varies; the sweep has one value of each other.
     contact : int
         Number of the contact. Its clearance is a dashed line.
     whirls : Dataset, optional
         Result of `rotor_ida.synchronous_response` for the same system: the exact whirls are drawn
-        beneath.
+        beneath. Over another parameter than the speed, several such results joined along it.
     ax : Axes, optional
         Axes to draw on and return; default: those of a new figure.
 
@@ -73,23 +82,58 @@ def plot_system_sweep(
     'contact 0 at disc'
     """
     sweep = check_dataset("sweep", sweep, SWEEP)
-    part = at_contact(sweep, contact)
+    over, part = axis_of(sweep), at_contact(sweep, contact)
+    held = {name: one_value("sweep", sweep, name) for name in _parameters_in(sweep) if name != over}
+    widest = float(clearance_of_contacts(part).max())
     with drawing(ax) as ax:
-        speeds = label_speed(ax, sweep)
+        if over == SPEED:
+            places = label_speed(ax, sweep)
+        else:
+            label_axis(ax.xaxis, over, sweep[over], words=PARAMETERS_OF_SYSTEM[over].label)
+            places = sweep[over].values
         label_axis(ax.yaxis, "amplitude", sweep["amplitude"])
-        draw_clearance(ax, part)
-        highest = float(np.nanmax(part["radius_max"].values, initial=part["clearance"].item()))
+        draw_clearance(ax, part, over=over)
+        if held.keys() != {SPEED} or over != SPEED:
+            ax.set_title("\n".join(filter(None, (ax.get_title(), _text_of(sweep, held)))))
+        highest = float(np.nanmax(part["radius_max"].values, initial=widest))
         if whirls is not None:
-            exact = check_dataset("whirls", whirls, (*WHIRLS, "contact_node"))
+            needed = WHIRLS if over == SPEED else (over, *WHIRLS_ALONG)
+            exact = check_dataset("whirls", whirls, needed)
             beneath = at_contact(exact, contact)
-            draw_beneath(ax, beneath["speed"].copy(data=speeds_in(beneath["speed"])), beneath)
+            across = beneath[over]
+            values = speeds_in(across) if over == SPEED else across.values
+            draw_beneath(ax, across.copy(data=values), beneath)
             highest = max(highest, float(np.nanmax(beneath["amplitude"], initial=0.0)))
-        draw_simulated(
-            ax, part.assign_coords(speed=("speed", speeds)), "amplitude", over="speed", reach="|u|"
-        )
+        at_places = part.assign_coords({over: (over, places)})
+        draw_simulated(ax, at_places, "amplitude", over=over, reach="|u|")
         raise_limit(ax, highest)
         legend_below(ax, columns=3)
     return ax
+
+
+def axis_of(sweep: xr.Dataset) -> str:
+    """Return the parameter over which a sweep is drawn."""
+    names = [name for name in _parameters_in(sweep) if sweep[name].size > 1]
+    first = SPEED if SPEED in names or not names else names[0]
+    return str(sweep.attrs.get("along", first))
+
+
+def _parameters_in(sweep: xr.Dataset) -> list[str]:
+    """Return the speed and the parameters that are axes or numbers of a sweep."""
+    return [name for name in (SPEED, *PARAMETERS_OF_SYSTEM)
+            if name in sweep.variables and sweep[name].dims in {(), (name,)}]  # fmt: skip
+
+
+def _text_of(sweep: xr.Dataset, values: dict[str, float]) -> str:
+    """Return values of parameters as a title."""
+    told = []
+    for name, value in values.items():
+        words = PARAMETERS_OF_SYSTEM[name].label if name in PARAMETERS_OF_SYSTEM else name
+        shown, unit = value, unit_of(sweep[name])
+        if name == SPEED and unit:
+            shown, unit = speeds_in(sweep[name]).item(), "rpm"
+        told.append(f"{words} {shown:.4g} {unit}".rstrip())
+    return SEPARATOR.join(told)
 
 
 def system_sweep_figure(sweep: xr.Dataset) -> Figure:
@@ -115,18 +159,40 @@ def system_sweep_figure(sweep: xr.Dataset) -> Figure:
     1
     """
     check_dataset("sweep", sweep, SWEEP)
-    whirls = _exact_beneath(sweep)
-    return panels_of_contacts(
-        sweep.sizes["contact"],
-        lambda number, ax: plot_system_sweep(sweep, contact=number, whirls=whirls, ax=ax),
-    )
+    over = axis_of(sweep)
+    parts = list(_parts(sweep, over))
+    beneath = [_exact_beneath(part, over) for part in parts]
+    contacts = sweep.sizes["contact"]
+
+    def draw(number: int, ax: Axes | None) -> Axes:
+        place, contact = divmod(number, contacts)
+        return plot_system_sweep(parts[place], contact=contact, whirls=beneath[place], ax=ax)
+
+    return panels_of_contacts(contacts * len(parts), draw)
 
 
-def _exact_beneath(sweep: xr.Dataset) -> xr.Dataset | None:
+def _parts(sweep: xr.Dataset, over: str) -> Iterator[xr.Dataset]:
+    """Yield the parts of a sweep with one value of each parameter but one."""
+    names = [name for name in _parameters_in(sweep) if name != over and sweep[name].ndim]
+    for places in product(*(range(sweep.sizes[name]) for name in names)):
+        yield sweep.isel({name: [at] for name, at in zip(names, places, strict=True)})
+
+
+def _exact_beneath(part: xr.Dataset, over: str) -> xr.Dataset | None:
     """Return the exact whirls of the system of a sweep; None where there are none."""
+    names = [name for name in _parameters_in(part) if name not in {SPEED, over}]
     try:
-        system, _ = problem_of(sweep)
-        return synchronous_response_system(system, speed=_dense(sweep["speed"].values))
+        system, _ = problem_of(part)
+        system = with_parameters(system, {name: part[name].item() for name in names})
+        if over == SPEED:
+            return synchronous_response_system(system, speed=_dense(part[SPEED].values))
+        found, values = [], part[over].values
+        for value in np.linspace(values.min(), values.max(), VALUES).tolist():
+            own = with_parameters(system, {over: value})
+            whirls = synchronous_response_system(own, speed=part[SPEED].item())
+            found.append(whirls[[*WHIRLS_ALONG]].isel(speed=0, drop=True).reset_coords(drop=True))
+            found[-1] = found[-1].assign_coords({over: ((), value, part[over].attrs)})
+        return concat(found, over)
     except InputError:  # not axisymmetric, under a constant force, or a part of a sweep
         return None
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 import xarray as xr
@@ -39,6 +39,7 @@ from rotor_ida.plot.systems import name_nodes
 from rotor_ida.results.si_units import in_rpm
 from rotor_ida.schema import SPECIAL, WHIRL_DIRECTION, flags_of
 from rotor_ida.signals.nodes import Ring
+from rotor_ida.systems.archived import clearance_of_contacts
 from rotor_ida.texts import in_figure
 
 WHIRLS = ("speed", "amplitude", "node_amplitude", "stability", "in_contact", "clearance")
@@ -123,10 +124,19 @@ def at_contact(dataset: xr.Dataset, contact: int) -> xr.Dataset:
     return dataset.isel(contact=contact).assign(contact=contact)
 
 
-def draw_clearance(ax: Axes, part: xr.Dataset) -> None:
-    """Draw the clearance of a contact, and name it in the title."""
-    ax.axhline(part["clearance"].item(), color=GREY, lw=0.9, ls="--", zorder=1.5,
-               label="clearance")  # fmt: skip
+def draw_clearance(ax: Axes, part: xr.Dataset, *, over: str = "speed") -> None:
+    """Draw the clearance of a contact over a parameter, and name the contact in the title."""
+    look: dict[str, Any] = {
+        "color": GREY,
+        "lw": 0.9,
+        "ls": "--",
+        "zorder": 1.5,
+        "label": "clearance",
+    }
+    if over == "clearance":
+        ax.plot(part[over].values, clearance_of_contacts(part).values, **look)
+    else:
+        ax.axhline(clearance_of_contacts(part).item(), **look)
     number, node = part["contact"].item(), part["contact_node"].item()
     ax.set_title(f"contact {number} at {Ring(node, '', []).title}")
 

@@ -21,6 +21,7 @@ import xarray as xr
 
 from rotor_ida.checks import COMPONENTS, listed
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
+from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
 from rotor_ida.schema import RESULT_KIND, check_variables
 
 OTHER = "other"
@@ -66,7 +67,7 @@ class Kind:
             if optional and name not in dataset.variables:
                 continue
             found = {*dataset[name].dims} if name in dataset.variables else {None}
-            axes = {*self.dims, *ALL_PARAMETERS, *COMPONENTS, "direction"}
+            axes = {*self.dims, *ALL_PARAMETERS, *PARAMETERS_OF_SYSTEM, *COMPONENTS, "direction"}
             if found != {*along.split()} if bracket else not found <= axes:
                 return f"{name} along {listed(along.split())}" if along else str(name)
         return ""
@@ -141,7 +142,10 @@ KINDS = {
         ),
         Kind(
             name="system_sweep", meaning="sweep of a rotor system",
-            variables="response touched node_amplitude radius_max largest_force " + _CONTACTS,
+            variables=(
+                "response touched node_amplitude radius_max largest_force clearance "
+                "contact_clearance? contact_node(contact)"
+            ),
             dims=("speed", "start", "direction", "contact", "node"),
             shown="rotor_ida.cli.describe_systems:show_system_sweep",
             drawn="rotor_ida.plot:system_sweep_figure",

@@ -9,6 +9,7 @@ from functools import partial
 import numpy as np
 
 from rotor_ida.model.parameters import OF_ROTOR
+from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
 from rotor_ida.schema.flags import (
     DIRECTION,
     END,
@@ -134,6 +135,12 @@ QUANTITIES: dict[str, Quantity] = {
     "axial_position": length("position of a node along the axis"),
     "contact_node": text("node of a contact"),
     "clearance": length("radial clearance of a contact"),
+    "contact_clearance": length("radial clearance of a contact"),
+    **{
+        name: Quantity(each.meaning)
+        for name, each in PARAMETERS_OF_SYSTEM.items()
+        if name in {"damping", "stiffness", "unbalance"}
+    },
     "contact_stator": text("stator of a contact, empty for the ground"),
     **{
         f"{of}_{axis}": length(f"{word} {noun}")
@@ -220,6 +227,9 @@ QUANTITIES: dict[str, Quantity] = {
     "node_rows": Quantity("displacement of a node by a unit of a coordinate"),
     "constant_force": Quantity("constant force on each coordinate of rotor and stators"),
     "gravity": Quantity("acceleration of gravity whose weight is a part of the constant force"),
+    "initial_state": Quantity(
+        "displacement and velocity of all coordinates, and speeds of races, at the start"
+    ),
     "start_state": Quantity("displacement and velocity of all coordinates at time 0"),
     "stator_number": Quantity("number of the moving stator of a contact, -1 if it has none"),
     "law_stiffness": Quantity("contact stiffness: force over indentation to the exponent"),

@@ -41,7 +41,8 @@ from rotor_ida.simulation.options import Method, Options, options_of_study
 from rotor_ida.simulation.run_up import MOST_RADIANS
 from rotor_ida.simulation.starts import Starts, box_of, drawn_from
 from rotor_ida.steady.ramp_extrema import NO_KINDS, NO_VALUES, SpeedBand, ramp_extrema
-from rotor_ida.steady.sweep import DIRECTIONS, Direction, sweep_varied
+from rotor_ida.steady.ramps import DIRECTIONS, Direction
+from rotor_ida.steady.sweep import sweep_varied
 
 Result = TypeVar("Result")
 

@@ -57,12 +57,20 @@ def check_size(varied: Varied, study: object) -> None:
     varied.check_size(MOST_NUMBERS if study is None else MOST_POINTS_OF_STUDY)
 
 
-def labelled_points(varied: Varied, columns: Mapping[str, Array]) -> dict[str, xr.Variable]:
-    """Return columns with a number for each point as variables."""
+def labelled_points(
+    varied: Varied, columns: Mapping[str, Array], behind: Mapping[str, tuple[str, ...]] = {}
+) -> dict[str, xr.Variable]:
+    """Return columns with a number for each point as variables.
+
+    Those with several numbers for each point have the dimensions named in `behind`.
+    """
     return {
-        name: labelled(name, varied.dims, column.reshape(varied.shape))
+        name: labelled(
+            name, (*varied.dims, *behind.get(name, ())),
+            column.reshape(*varied.shape, *column.shape[1:]),
+        )
         for name, column in columns.items()
-    }
+    }  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)

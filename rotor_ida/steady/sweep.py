@@ -9,18 +9,12 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, fields, replace
-from typing import Literal, Unpack
+from typing import Unpack
 
 import numpy as np
 import xarray as xr
 
-from rotor_ida.checks import (
-    AT_REST,
-    State,
-    check_direction,
-    check_flag,
-    check_progress,
-)
+from rotor_ida.checks import AT_REST, State, check_flag, check_progress
 from rotor_ida.model.parameters import OF_ROTOR, Parameters
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.varied import Varied, varied_of
@@ -43,29 +37,18 @@ from rotor_ida.simulation.options import (
 from rotor_ida.simulation.starts import Starts, states_of
 from rotor_ida.steady.follow import FAILED, SettledResponse, failed, follow_to_steady_state
 from rotor_ida.steady.grid import (
-    EXPECTED,
     NO_COLUMNS,
-    Places,
     Rows,
     Task,
     check_size,
     form_of,
     labelled_points,
-    reason_of,
     run_study,
     start_coordinates,
 )
-from rotor_ida.steady.ramps import RampOrder
+from rotor_ida.steady.ramps import Direction, RampJob, Ramps, in_order, lost, settle_along
 from rotor_ida.steady.response import Features
 
-Direction = Literal["up", "down", "both"]
-
-DIRECTIONS: dict[str | None, tuple[int, ...]] = {
-    None: (0,),
-    "up": (1,),
-    "down": (-1,),
-    "both": (1, -1),
-}
 FEATURES = tuple(each.name for each in fields(Features))
 # The columns of a sweep with a number for each point, and those with one for each event.
 POINT = np.dtype(
@@ -261,9 +244,7 @@ def sweep_varied(
 ) -> xr.Dataset:
     """Follow rotors until they have settled, as `sweep` does."""
     states = states_of("starts", starts, loaded=bool(varied.values("load").any()))
-    way = check_direction(direction, along, varied.axes)
-    directions = np.array(DIRECTIONS[direction], dtype=np.int8)
-    varied = varied.over(start=np.arange(len(states)), direction=directions)
+    varied, way = in_order(varied, len(states), direction, along, "omega")
     check_size(varied, study)
     _check_can_be_followed(varied, states)
     told = {"along": way} if way else {}
@@ -271,10 +252,14 @@ def sweep_varied(
     question = Question("sweep", {
         **varied.design, "starts": states, "direction": direction, **told, **how, "events": events,
     })  # fmt: skip
-    plan = Ramps(varied, states, options, varied.dims.index(way or "omega"))
+    axis = varied.dims.index(way or "omega")
+    plan: Ramps[Rotor, State, SettledResponse] = Ramps(
+        varied, states, DiscSettling(options), varied.rotor, axis
+    )
     event = EVENT if events else NO_COLUMNS
     form = form_of("points of a sweep", "points", POINT, event)
-    task = Task(settle_along, lost, rows_of if events else points_of, form, POINT, event)
+    rows = rows_of if events else points_of
+    task: Task[DiscJob, list[SettledResponse]] = Task(settle_along, lost, rows, form, POINT, event)
     columns = run_study(plan, task, question, study=study, workers=workers, progress=progress)
     variables = labelled_points(varied, columns.points)
     if events:
@@ -301,94 +286,26 @@ def _check_can_be_followed(varied: Varied, starts: Sequence[State]) -> None:
         check_can_be_followed(rotors[0], start, settling=True)
 
 
+DiscJob = RampJob[Rotor, State, SettledResponse]
+
+
 @dataclass(frozen=True, slots=True)
-class RampJob:
-    """A ramp with all that a worker needs to follow it."""
+class DiscSettling:
+    """How one disc is followed: see `rotor_ida.steady.ramps.Settling`."""
 
-    rotors: list[Rotor]
-    start: State
     options: Options
 
+    def settle(self, rotor: Rotor, start: State, stop: Stop) -> SettledResponse:
+        """Return the response on which a rotor settles."""
+        return follow_to_steady_state(rotor, start, self.options, stop=stop)
 
-@dataclass(frozen=True)
-class Ramps:
-    """All ramps of a sweep, by number.
+    def failed(self, rotor: Rotor, start: State, reason: str) -> SettledResponse:
+        """Return the response of a rotor that could not be followed."""
+        return failed(rotor, start, self.options, reason)
 
-    Parameters
-    ----------
-    varied : Varied
-        The points. Behind the parameters are the axes ``start`` and ``direction``: 1 up, -1 down; 0
-        where each point is a ramp of its own.
-    starts : sequence of tuple of float
-        The starts ``(x, y, vx, vy)`` [1].
-    options : Options
-        How to simulate.
-    axis : int
-        The dimension along which a ramp leads.
-    """
-
-    varied: Varied
-    starts: Sequence[State]
-    options: Options
-    axis: int
-
-    @property
-    def order(self) -> RampOrder:
-        """How the points form ramps."""
-        return RampOrder(self.varied.shape, self.varied.axes["direction"], self.axis)
-
-    @property
-    def length(self) -> int:
-        """Number of points of each ramp."""
-        return self.order.length
-
-    @property
-    def points(self) -> int:
-        """Number of points of all ramps."""
-        return self.order.points
-
-    def __len__(self) -> int:
-        return len(self.order)
-
-    def places(self, number: int) -> Places:
-        """Return the positions of a ramp's points among all, in the order of the dimensions."""
-        return self.order.places(number)
-
-    def job(self, number: int) -> RampJob:
-        """Return what a worker needs to follow a ramp."""
-        places = np.transpose(np.unravel_index(self.places(number), self.varied.shape))
-        rotors = [self.varied.rotor(place) for place in places.tolist()]
-        return RampJob(rotors, self.starts[places[0, -2]], self.options)
-
-    def slowest_first(self) -> Places:
-        """Return the numbers of the ramps, the longest ones first.
-
-        Ramps with a large clearance take longest, as the rotor bounces there.
-        """
-        firsts = self.order.firsts(np.arange(len(self)))
-        clearances = self.varied.axes["delta0"][firsts[self.varied.dims.index("delta0")]]
-        return np.argsort(-clearances, kind="stable")
-
-
-def settle_along(ramp: RampJob, stop: Stop) -> list[SettledResponse]:
-    """Follow one ramp: each point begins where the last one that did not fail has ended."""
-    state, settled = ramp.start, []
-    for rotor in ramp.rotors:
-        if stop[0]:
-            break
-        try:
-            point = follow_to_steady_state(rotor, state, ramp.options, stop=stop)
-        except EXPECTED as error:  # it must not end the other points
-            point = failed(rotor, state, ramp.options, reason_of(error))
-        if point.response != FAILED:
-            state = point.end
-        settled.append(point)
-    return settled
-
-
-def lost(ramp: RampJob, reason: str) -> list[SettledResponse]:
-    """Return the points of a ramp whose workers died."""
-    return [failed(rotor, ramp.start, ramp.options, reason) for rotor in ramp.rotors]
+    def end(self, settled: SettledResponse) -> State | None:
+        """Return the state at the end."""
+        return None if settled.response == FAILED else settled.end
 
 
 def points_of(points: Sequence[SettledResponse]) -> Rows:

@@ -1,30 +1,29 @@
-"""The settled response of a rotor system over a range of speeds."""
+"""The settled response of a rotor system over a range of speeds, and of other parameters."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
-from typing import Any, Unpack
+from dataclasses import dataclass, replace
+from functools import lru_cache, partial
+from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Column, Stop, Values
-from rotor_ida.checks import (
-    MOST_NUMBERS,
-    MOST_POINTS_OF_STUDY,
-    check_between,
-    check_direction,
-    check_distinct,
-    check_points,
-    check_progress,
-    shown,
-)
+from rotor_ida.checks import check_between, check_distinct, check_progress, shown
 from rotor_ida.core.runs import NO_STOP
-from rotor_ida.errors import InputError, warn
-from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
+from rotor_ida.errors import InputError, SimulationError, warn
+from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.model.system_parameters import (
+    PARAMETERS_OF_SYSTEM,
+    SPEED,
+    SystemAxes,
+    with_parameters,
+)
+from rotor_ida.model.varied import Varied, varied_system_of
 from rotor_ida.parallel import Progress, choose, shows_progress
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
@@ -32,12 +31,11 @@ from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import RESPONSE, STATUS, labelled_dataset
 from rotor_ida.simulation.system_flow import SettlingProblem, SystemFlow
 from rotor_ida.steady.follow import FAILED
-from rotor_ida.steady.grid import EXPECTED, Places, Rows, Task, form_of, reason_of, run_study
-from rotor_ida.steady.ramps import RampOrder
+from rotor_ida.steady.grid import Rows, Task, check_size, form_of, labelled_points, run_study
+from rotor_ida.steady.ramps import Direction, RampJob, Ramps, in_order, lost, settle_along
 from rotor_ida.steady.response import CONTACT_FREE, SYNCHRONOUS
-from rotor_ida.steady.sweep import DIRECTIONS, Direction
 from rotor_ida.steady.system_motion import SettledSystem, settle
-from rotor_ida.systems.archived import problem_variables
+from rotor_ida.systems.archived import DESIGN, OF_CONTACTS
 from rotor_ida.systems.assembly import assemble
 from rotor_ida.systems.ends import state_at_end
 from rotor_ida.systems.modes import in_modes
@@ -54,6 +52,8 @@ MOST_RATIO = 1e6
 WORK_A_MINUTE, LONG = 1.5e8, 1e8
 # Modes that make it shorter: natural frequencies up to this multiple of the speed, and at least 16.
 KEPT, FEWEST_MODES = 10.0, 16
+# Problems that are held while ramps are laid out.
+MOST_HELD = 64
 OF_POINT = ("period", "cycle_distance", "lyapunov_exponent", "lyapunov_error", "revolutions")
 OF_CONTACT = ("amplitude", "phase_lag", "radius_min", "radius_max", "largest_force")
 OF_NODE = ("node_amplitude", "node_phase_lag", "node_radius_min", "node_radius_max")
@@ -66,13 +66,14 @@ def sweep_system(
     speed: npt.ArrayLike,
     starts: Sequence[Start | xr.Dataset] | xr.Dataset = (None,),
     direction: Direction | None = None,
+    along: str | None = None,
     modes: int | None = None,
     rtol: float = 1e-10,
     workers: int | None = None,
     executor: str = "auto",
     study: Folder | None = None,
     progress: Progress | bool | None = None,
-    **changed: Unpack[SystemParameters],
+    **changed: Unpack[SystemAxes],
 ) -> xr.Dataset:
     """Compute the settled response of a rotor system at every speed.
 
@@ -86,12 +87,22 @@ def sweep_system(
         In place of those of the system, as in `simulate`.
     speed : float or sequence of float, shape (n,)
         Spin speeds, not 0.
+    clearance, friction, unbalance : float or array_like, shape (n,), optional
+        The largest clearance and friction coefficient of the contacts, and the largest moment of
+        the unbalance, in the units of the system. The other contacts or unbalances keep their
+        ratios to it; where all are 0, each gets it. All values are combined. An array becomes a
+        dimension of the result, with each value once, and a number a scalar coordinate.
+    damping, stiffness : float or array_like, shape (n,), optional
+        Factors of the damping and stiffness matrices, with supports; 1 leaves them as they are.
     starts : sequence of (q, velocity), "settled", "rest", None or Dataset; or Dataset
         Starts at time 0, as in `simulate`; default: one, at rest at 0.
     direction : {"up", "down", "both"}, optional
         Quasi-static run-up or run-down: only the first speed (the last, going down) begins from
         the starts, and each other from the end of the one before, so that jumps and their
         hysteresis appear. By default each speed begins from the starts.
+    along : str, optional
+        Name of the parameter that rises or falls with a direction, in increasing order. Default:
+        ``"speed"`` if it varies, else the only parameter that does.
     rtol : float
         Relative tolerance, from 1e-14 to 1e-4.
     workers, executor, study, progress
@@ -100,15 +111,17 @@ def sweep_system(
     Returns
     -------
     Dataset
-        On ``(speed, start, direction)``: ``response`` (its kind, as a flag: the words and numbers
-        of `sweep` of one disc), ``period`` of a motion that is not synchronous,
+        On ``(speed, start, direction)``, with any other axes before ``start``: ``response`` (its
+        kind, as a flag: the words and numbers of `sweep` of one disc), ``period`` of a motion that
+        is not synchronous,
         ``cycle_distance`` (the estimated distance from the settled motion at the end, relative to
         its size), ``lyapunov_exponent`` and ``lyapunov_error`` where needed, ``revolutions`` for
         which it was followed, ``status`` and ``message``. On ``contact`` too: ``amplitude`` and
         ``phase_lag`` of the displacement at the spin speed, ``radius_min``, ``radius_max``,
         ``largest_force`` and ``touched``. On ``node``: ``node_amplitude``, ``node_phase_lag``,
         ``node_radius_min``, ``node_radius_max``. On ``component``: ``final_state``, with the
-        unbalance at angle 0.
+        unbalance at angle 0. The attribute ``design`` is the system and its starts as JSON; with
+        ``clearance``, that of each contact is ``contact_clearance``.
 
     Raises
     ------
@@ -161,49 +174,81 @@ def sweep_system(
     >>> responses[["response", "amplitude"]].to_dataframe().amplitude.round(6).tolist()
     [0.332595, 1.622132]
     """
-    system = changed_system(sweep_system, system, changed)
-    speeds = _checked_speeds(speed, direction)
+    asked = varied_system_of(sweep_system, system, changed, turning_speeds(speed))
     tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
     progress = check_progress(progress)
     chosen = choose(executor, workers, compiled=True)
-    begun = _checked_starts(starts)
-    taken = [in_modes(system, modes, start) for start in begun]
-    assembly = assemble(taken[0][0])
-    first = [state_at_end(assembly, start) for _, start in taken]
-    asked = [end if isinstance(given, xr.Dataset) else given
-             for given, end in zip(begun, first, strict=True)]  # fmt: skip
-    if modes is not None and any(isinstance(each, xr.Dataset) for each in begun):
+    given = _checked_starts(starts)
+    varied, way = in_order(asked, len(given), direction, along, SPEED)
+    taken = [in_modes(asked.base, modes, each) for each in given]
+    varied = replace(varied, system=taken[0][0])
+    first = [state_at_end(assemble(of), start) for of, start in taken]
+    if modes is not None and any(isinstance(each, xr.Dataset) for each in given):
         raise InputError(f"starts must be (q, velocity) with modes, got a result and {modes!r}")
-    problem = SettlingProblem.of(assembly, tolerance)
-    check_slowest(problem, speeds)
-    directions = np.array(DIRECTIONS[direction], dtype=np.int8)
-    sizes = (speeds.size, len(first), directions.size)
-    check_points(*(range(size) for size in sizes),
-                 most=MOST_NUMBERS if study is None else MOST_POINTS_OF_STUDY)  # fmt: skip
-    warn_if_long(problem, speeds, math.prod(sizes[1:]))
-    ramps = SystemRamps(problem, speeds, first, RampOrder(sizes, directions))
-    states = np.array([_start_state(problem, each, speeds) for each in first])
-    held = problem_variables(assembly, states)
-    held["node"] = ("node", np.array(list(assembly.system.nodes), str))
+    stiffest = check_each_speed(varied, tolerance)
+    check_size(varied, study)
+    warn_if_long(stiffest, varied.axes[SPEED], varied.points // varied.axes[SPEED].size)
+    told = {"along": way} if way not in {"", SPEED} else {}
+    begun = [end if isinstance(each, xr.Dataset) else each
+             for each, end in zip(given, first, strict=True)]  # fmt: skip
     question = Question("sweep", {
-        "rotor": system, "starts": asked, "modes": modes, "speed": speeds, "direction": direction,
-        "rtol": tolerance,
+        "rotor": asked.base, "starts": begun, "modes": modes, **varied.design,
+        "direction": direction, **told, "rtol": tolerance,
     })  # fmt: skip
-    task = Task(settle_along, lost, rows_of, ramps.form, ramps.point)
+    point = _columns(stiffest)
+    at = partial(turning_at, varied, rtol=tolerance)
+    settling, axis = SystemSettling(point), varied.dims.index(way or SPEED)
+    ramps: Ramps[Turning, Start | Values, SettledPoint] = Ramps(varied, first, settling, at, axis)
+    form = form_of("points of a sweep", "points", point)
+    task: Task[SystemJob, list[SettledPoint]] = Task(settle_along, lost, rows_of, form, point)
     columns = run_study(
         ramps, task, question, study=study, workers=chosen, progress=progress
     ).points
-    return _dataset(ramps, columns, held)
+    attributes = provenance({"method": "taylor", "rtol": tolerance}) | told
+    return _dataset(varied, columns, stiffest, first, attributes)
 
 
-def _checked_speeds(speed: object, direction: Direction | None) -> Values:
-    """Return spin speeds that a sweep can follow."""
+class Turning(NamedTuple):
+    """A rotor system at a speed."""
+
+    problem: SettlingProblem
+    speed: float
+
+
+def turning_speeds(speed: object) -> Values:
+    """Return spin speeds at which a system can be followed, each once."""
     speeds = checked_speeds(speed)
     if not speeds.all():
         raise InputError("speed must not be 0 in a sweep of a rotor system, got 0.0")
-    check_distinct("speed", speeds)
-    check_direction(direction, None, {"speed": speeds}, "speed")
-    return speeds
+    return check_distinct(SPEED, speeds)
+
+
+def turning_at(varied: Varied, place: Sequence[int], *, rtol: float) -> Turning:
+    """Return the system at a place, and its speed there."""
+    values = varied.at(place)
+    others = tuple((name, float(values[name])) for name in varied.parameters if name != SPEED)
+    return Turning(_problem(varied.base, others, rtol), float(values[SPEED]))
+
+
+@lru_cache(maxsize=MOST_HELD)
+def _problem(
+    system: RotorSystem, values: tuple[tuple[str, float], ...], rtol: float
+) -> SettlingProblem:
+    return SettlingProblem.of(assemble(with_parameters(system, dict(values))), rtol)
+
+
+def check_each_speed(varied: Varied, rtol: float) -> SettlingProblem:
+    """Check the speeds at both ends of each parameter; return the problem with the largest ones."""
+    ends = {name: (float(np.max(axis)), float(np.min(axis)))
+            for name, axis in varied.parameters.items() if name != SPEED}  # fmt: skip
+    largest = {name: most for name, (most, _) in ends.items()}
+    problems = [
+        _problem(varied.base, tuple((largest | one).items()), rtol)
+        for one in ({}, *({name: least} for name, (_, least) in ends.items()))
+    ]
+    for each in problems:
+        check_slowest(each, np.atleast_1d(varied.given[SPEED]))
+    return problems[0]
 
 
 def check_slowest(problem: SettlingProblem, speeds: Values) -> None:
@@ -248,133 +293,87 @@ def _checked_starts(starts: object) -> list[Start | xr.Dataset]:
     return list(starts)
 
 
-def _start_state(problem: SettlingProblem, start: Start, speeds: Values) -> Values:
-    """Return displacement and velocity of a start; NaN where they depend on the speed."""
-    state = start_of(problem.assembly, start, float(speeds[0])).ravel()
+def _initial_state(problem: SettlingProblem, start: Start, speed: float) -> Values:
+    """Return q, velocity and speeds of races at a start; NaN where they depend on the speed."""
+    state = np.append(start_of(problem.assembly, start, speed), problem.race_speeds)
     return np.full_like(state, math.nan) if isinstance(start, str) and start == SETTLED else state
 
 
+def _columns(problem: SettlingProblem) -> np.dtype[np.void]:
+    """Return the columns of a point."""
+    assembly = problem.assembly
+    contacts, nodes = len(assembly.contacts), len(assembly.system.nodes)
+    races = int(problem.with_race.sum())
+    return np.dtype(
+        [
+            ("response", np.int8),
+            *((name, np.float64) for name in OF_POINT),
+            ("status", np.int8),
+            *((name, np.float64, (contacts,)) for name in OF_CONTACT),
+            ("touched", np.int8, (contacts,)),
+            *((name, np.float64, (nodes,)) for name in OF_NODE),
+            ("final_state", np.float64, (2 * assembly.size + races,)),
+        ]
+    )
+
+
+class SettledPoint(NamedTuple):
+    """A point of a sweep as a row, and the state at its end; None if it failed."""
+
+    row: npt.NDArray[np.void]
+    message: str
+    end: Values | None
+
+
+SystemJob = RampJob[Turning, Start | Values, SettledPoint]
+
+
 @dataclass(frozen=True, slots=True)
-class SystemRampJob:
-    """A ramp with all that a worker needs to follow it."""
+class SystemSettling:
+    """How a rotor system is followed: see `rotor_ida.steady.ramps.Settling`."""
 
-    problem: SettlingProblem
-    speeds: list[float]
-    start: Start
-    point: np.dtype[np.void]
+    columns: np.dtype[np.void]
 
+    def settle(self, point: Turning, start: Start | Values, stop: Stop) -> SettledPoint:
+        """Return what a system settles on, from a start or from where another point ends."""
+        flow = SystemFlow.at(*point, stop)
+        if not isinstance(start, np.ndarray):
+            try:
+                start = state_of_start(point.problem, start, point.speed)
+            except InputError as error:  # a resonance has no settled whirl
+                raise SimulationError(str(error)) from error
+        settled = settle(flow, start / flow.scales)
+        row, last = np.zeros(1, self.columns), settled.state * flow.scales
+        _fill(row[0], settled, flow, last)
+        return SettledPoint(row, settled.decision.message, last)
 
-@dataclass(frozen=True)
-class SystemRamps:
-    """All ramps of a sweep of a rotor system, by number.
+    def failed(self, _point: Turning, _start: Start | Values, reason: str) -> SettledPoint:
+        """Return the row of a point that failed."""
+        row = np.zeros(1, self.columns)
+        _fail(row[0])
+        return SettledPoint(row, reason, None)
 
-    Parameters
-    ----------
-    problem : SettlingProblem
-        The system.
-    speeds : ndarray
-        The speeds.
-    starts : sequence
-        The starts.
-    order : RampOrder
-        How the points form ramps.
-    """
-
-    problem: SettlingProblem
-    speeds: Values
-    starts: Sequence[Start]
-    order: RampOrder
-
-    @property
-    def length(self) -> int:
-        """Number of points of each ramp."""
-        return self.order.length
-
-    @property
-    def points(self) -> int:
-        """Number of points of all ramps."""
-        return self.order.points
-
-    @property
-    def point(self) -> np.dtype[np.void]:
-        """The columns of a point."""
-        assembly = self.problem.assembly
-        contacts, nodes = len(assembly.contacts), len(assembly.system.nodes)
-        races = int(self.problem.with_race.sum())
-        return np.dtype(
-            [
-                ("response", np.int8),
-                *((name, np.float64) for name in OF_POINT),
-                ("status", np.int8),
-                *((name, np.float64, (contacts,)) for name in OF_CONTACT),
-                ("touched", np.int8, (contacts,)),
-                *((name, np.float64, (nodes,)) for name in OF_NODE),
-                ("final_state", np.float64, (2 * assembly.size + races,)),
-            ]
-        )
-
-    @property
-    def form(self) -> Any:
-        """How rows are stored."""
-        return form_of("points of a sweep", "points", self.point)
-
-    def places(self, number: int) -> Places:
-        """Return the positions of a ramp's points among all, in the order of the dimensions."""
-        return self.order.places(number)
-
-    def job(self, number: int) -> SystemRampJob:
-        """Return what a worker needs to follow a ramp."""
-        speeds, (start, *_), _ = np.unravel_index(self.places(number), self.order.shape)
-        return SystemRampJob(
-            self.problem, self.speeds[speeds].tolist(), self.starts[start], self.point
-        )
-
-    def slowest_first(self) -> Places:
-        """Return the numbers of the ramps, in any order."""
-        return np.arange(len(self.order))
-
-
-def settle_along(ramp: SystemRampJob, stop: Stop) -> Rows:
-    """Follow one ramp: each point begins where the last one that did not fail has ended."""
-    points, messages = np.zeros(len(ramp.speeds), ramp.point), []
-    problem, last = ramp.problem, None
-    for row, speed in zip(points, ramp.speeds, strict=True):
-        if stop[0]:
-            break
-        flow = SystemFlow.at(problem, speed, stop)
-        try:
-            begun = first_state(problem, ramp.start, speed) if last is None else last
-            settled = settle(flow, begun / flow.scales)
-        except (*EXPECTED, InputError) as error:  # it must not end the other points
-            _fail(row)
-            messages.append(reason_of(error))
-            continue
-        last = settled.state * flow.scales
-        _fill(row, settled, flow, last)
-        messages.append(settled.decision.message)
-    return Rows(points[: len(messages)], messages)
+    def end(self, settled: SettledPoint) -> Start | Values | None:
+        """Return the state at the end."""
+        return settled.end
 
 
 def first_state(problem: SettlingProblem, start: Start | xr.Dataset, speed: float) -> Values:
-    """Return the state at a start: displacements, velocities and speeds of races."""
-    begun = start_of(
-        problem.assembly, state_at_end(problem.assembly, start), speed
-    )  # a resonance has no settled whirl
+    """Return the state at a start, which may be the end of a result."""
+    return state_of_start(problem, state_at_end(problem.assembly, start), speed)
+
+
+def state_of_start(problem: SettlingProblem, start: Start, speed: float) -> Values:
+    """Return displacements, velocities and speeds of races at a start."""
+    begun = start_of(problem.assembly, start, speed)
     moved = np.array([problem.found.to_y(each) for each in begun])
     return np.concatenate([moved.ravel(), problem.race_speeds])
 
 
-def lost(ramp: SystemRampJob, reason: str) -> Rows:
-    """Return the points of a ramp whose workers died."""
-    points = np.zeros(len(ramp.speeds), ramp.point)
-    for row in points:
-        _fail(row)
-    return Rows(points, [reason] * len(points))
-
-
-def rows_of(rows: Rows) -> Rows:
-    """Return the rows of a ramp, which they are already."""
-    return rows
+def rows_of(points: Sequence[SettledPoint]) -> Rows:
+    """Return points as rows."""
+    rows = np.concatenate([point.row for point in points])
+    return Rows(rows, [point.message for point in points])
 
 
 def _fail(row: np.void) -> None:
@@ -409,34 +408,63 @@ def _fill(row: np.void, settled: SettledSystem, flow: SystemFlow, last: Values) 
 
 
 def _dataset(
-    ramps: SystemRamps,
+    varied: Varied,
     columns: Mapping[str, npt.NDArray[Any]],
-    held: Mapping[str, Column],
+    problem: SettlingProblem,
+    starts: Sequence[Start],
+    attributes: dict[str, Any],
 ) -> xr.Dataset:
     """Return the points of a sweep as a labelled dataset."""
-    order, system = ramps.order, ramps.problem.assembly.system
-    dims = ("speed", "start", "direction")
+    system = varied.base
     behind = dict.fromkeys((*OF_CONTACT, "touched"), ("contact",))
     behind |= dict.fromkeys(OF_NODE, ("node",)) | {"final_state": ("component",)}
-    variables: dict[str, Column] = {
-        name: ((*dims, *behind.get(name, ())), column.reshape(*order.shape, *column.shape[1:]))
-        for name, column in columns.items()
-    }
-    coordinates: dict[str, Column] = {
-        "speed": ("speed", ramps.speeds),
-        "start": ("start", np.arange(len(ramps.starts))),
-        "direction": ("direction", order.directions),
-        "node": held["node"],
+    speed = float(varied.axes[SPEED][0])
+    states = np.array([_initial_state(problem, each, speed) for each in starts])
+    coordinates: dict[str, Column] = varied.coordinates | {
+        "node": ("node", np.array(list(system.nodes), str)),
+        "contact_node": ("contact", np.array([each.node for each in system.contacts], str)),
+        **clearances_of(varied),
+        "initial_state": (("start", "component"), states),
     }
     if system.positions is not None:
         coordinates["axial_position"] = ("node", np.array(list(system.positions.values())))
-    variables |= {name: column for name, column in held.items() if name != "node"}
     dataset = labelled_dataset(
-        "Rotor system: responses over a range of speeds", variables, coordinates,
-        provenance({"method": "taylor", "rtol": ramps.problem.rtol}), kind="system_sweep",
+        "Rotor system: responses over a range of speeds",
+        labelled_points(varied, columns, behind), coordinates,
+        attributes | {DESIGN: Question("sweep", {"rotor": system, "starts": starts}).text()},
+        kind="system_sweep",
     )  # fmt: skip
     for name, word in (("radius_min", "smallest"), ("radius_max", "largest")):
         dataset[name].attrs["long_name"] = (
             f"{word} distance of the contact from the centre of its stator over the final window"
         )
-    return with_system_units(dataset, system)
+    return with_meanings(with_system_units(dataset, system), varied, attributes)
+
+
+def clearances_of(varied: Varied) -> dict[str, Column]:
+    """Return the clearance of each contact; where it varies, beside that axis."""
+    axis = varied.given.get("clearance")
+    if axis is None:
+        return {"clearance": ("contact", np.array([c.clearance for c in varied.base.contacts]))}
+    each = [with_parameters(varied.base, {"clearance": value}).contacts
+            for value in np.atleast_1d(axis).tolist()]  # fmt: skip
+    values = np.array([[contact.clearance for contact in contacts] for contacts in each])
+    if axis.ndim:
+        return {OF_CONTACTS: (("clearance", "contact"), values)}
+    return {OF_CONTACTS: ("contact", values[0])}
+
+
+def with_meanings(
+    dataset: xr.Dataset, varied: Varied, attributes: Mapping[str, Any] = {}
+) -> xr.Dataset:
+    """Return a result of a system whose parameters, and the direction over them, say what they are.
+
+    One disc has parameters of the same names.
+    """
+    for name in varied.parameters:
+        if name in PARAMETERS_OF_SYSTEM:
+            dataset[name].attrs["long_name"] = PARAMETERS_OF_SYSTEM[name].meaning
+    if way := attributes.get("along"):
+        words = f"direction in which the {PARAMETERS_OF_SYSTEM[way].label} is swept"
+        dataset["direction"].attrs["long_name"] = words
+    return dataset

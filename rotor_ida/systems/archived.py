@@ -2,6 +2,7 @@
 
 The matrices are those that were integrated: of a reduced system, the reduced ones. Gravity is
 within the constant force. So a result can be computed again, to the bit, from its dataset alone.
+A sweep has its system as text, in an attribute.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from rotor_ida.arrays import Column, Values
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Race, Stator, Unbalance
+from rotor_ida.results.question import arguments_in
 from rotor_ida.systems.assembly import Assembly
 from rotor_ida.systems.units import NOTE
 
@@ -32,6 +34,10 @@ NEEDED = (
 )
 
 START = "start_state"
+# The attribute of a sweep with its system and starts: variables would be columns of its table.
+DESIGN = "design"
+# The clearances of contacts where `clearance` is an axis.
+OF_CONTACTS = "contact_clearance"
 # Results over the speed have no start.
 PROBLEM = tuple(name for name in NEEDED if name != START)
 # Variables whose units say whether a system is in SI units.
@@ -46,9 +52,8 @@ def problem_variables(assembly: Assembly, start: Values | None = None) -> dict[s
     ----------
     assembly : Assembly
         The system with its stators, contacts and forces.
-    start : ndarray, shape (2, n) or (start, 2 n), optional
-        Displacement and velocity at time 0, of a run; of each start of a sweep, NaN for the settled
-        whirl.
+    start : ndarray, shape (2, n), optional
+        Displacement and velocity at time 0, of a run.
     """
     system, unbalance = assembly.system, assembly.system.unbalance
     square = ("freedom", "freedom_too")
@@ -63,8 +68,7 @@ def problem_variables(assembly: Assembly, start: Values | None = None) -> dict[s
     if assembly.gravity.any():
         found["gravity"] = ("axis", assembly.gravity)
     if start is not None:
-        is_one = start.shape == (2, assembly.size)
-        found[START] = ("coordinate", start.ravel()) if is_one else (("start", "coordinate"), start)
+        found[START] = ("coordinate", start.ravel())
     found |= _contacts(assembly)
     for name, dims in OF_STATOR.items():
         values = np.array([getattr(each, name) for each in assembly.stators], float)
@@ -131,6 +135,11 @@ def problem_of(run: xr.Dataset) -> tuple[RotorSystem, list[Any]]:
     >>> simulate_system(again, start=start, speed=0.9, duration=20.0, samples=3).equals(run)
     True
     """
+    if DESIGN in run.attrs:
+        given = arguments_in(str(run.attrs[DESIGN]))
+        if not isinstance(given.get("rotor"), RotorSystem):
+            raise InputError(f"{DESIGN} must have a rotor system, got {', '.join(given)}")
+        return given["rotor"], given.get("starts", [])
     missing = [name for name in (*PROBLEM, *NAMES) if name not in run.variables]
     missing += [dim for dim in ("contact", "node") if dim not in run.sizes]
     if missing:
@@ -201,6 +210,11 @@ def _contact(row: xr.Dataset, stators: Sequence[Stator]) -> Contact:
 def _rows(run: xr.Dataset, names: Sequence[str]) -> list[tuple[Any, ...]]:
     """Return variables along one dimension row by row."""
     return list(zip(*(run[name].values.tolist() for name in names), strict=True))
+
+
+def clearance_of_contacts(result: xr.Dataset) -> xr.DataArray:
+    """Return the clearance of each contact, along `clearance` too where that is an axis."""
+    return result[OF_CONTACTS if OF_CONTACTS in result.variables else "clearance"]
 
 
 def described_problem(assembly: Assembly) -> dict[str, Column]:

@@ -9,6 +9,7 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.model.contact import bounds_exceeded, length_in_words
+from rotor_ida.systems.archived import clearance_of_contacts
 
 # Variables of results by which a contact is pressed in.
 OF_RUBS = ("rub_force", "passage_rub_force", "whip_force")
@@ -35,14 +36,16 @@ def beyond_model(result: xr.Dataset) -> str:
     """
     if not {"contact_node", "clearance"} <= result.variables.keys():
         return ""
-    depths = _depths(result)
+    gaps = clearance_of_contacts(result)
+    depths = _depths(result, gaps)
     if depths is None:
         return ""
     radii = result["law_radius"].values if "law_radius" in result else np.full(depths.size, np.nan)
-    in_si = result["clearance"].attrs.get("units") == "m"
+    in_si = gaps.attrs.get("units") == "m"
+    largest = gaps.max([dim for dim in gaps.dims if dim != "contact"]).values
     told = []
     for number, depth in enumerate(depths):
-        clearance = float(result["clearance"].values[number]) if in_si else None
+        clearance = float(largest[number]) if in_si else None
         radius = float(radii[number])
         bounds = bounds_exceeded(depth, None if math.isnan(radius) else radius, clearance)
         if bounds:
@@ -59,9 +62,8 @@ def beyond_model(result: xr.Dataset) -> str:
     )
 
 
-def _depths(result: xr.Dataset) -> Values | None:
+def _depths(result: xr.Dataset, clearance: xr.DataArray) -> Values | None:
     """Return the largest indentation of each contact in a result; None where it has none."""
-    clearance = result["clearance"]
     if not clearance.size:
         return None
     if "excursion" in result:
@@ -75,5 +77,5 @@ def _depths(result: xr.Dataset) -> Values | None:
         found = (forces / result["law_stiffness"]) ** (1.0 / result["law_exponent"])
     else:
         return None
-    depths = found.transpose("contact", ...).values.reshape(clearance.size, -1)
+    depths = found.transpose("contact", ...).values.reshape(result.sizes["contact"], -1)
     return np.asarray(np.fmax.reduce(depths, axis=1, initial=-np.inf))

@@ -20,12 +20,13 @@ from rotor_ida.cycles.branch_course import course_of, parameters_of, stable_rang
 from rotor_ida.cycles.guess import Guess, as_start, as_start_of_system
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
 from rotor_ida.results.kinds import kind_of
 from rotor_ida.results.question import Question, arguments_in
 from rotor_ida.schema import RESPONSE
 from rotor_ida.schema.quantities import TOLERANCE, TOLERANCE_OF_KIND
 from rotor_ida.simulation.flow import DiscFlow
-from rotor_ida.steady.sweep import DIRECTIONS
+from rotor_ida.steady.ramps import DIRECTIONS
 from rotor_ida.systems.archived import NEEDED, PROBLEM, problem_of
 from rotor_ida.verification.variables import OF_ONE_STRETCH, PERIODIC
 
@@ -232,7 +233,9 @@ def _drops(dataset: xr.Dataset) -> Question:
 def _system_sweep(dataset: xr.Dataset) -> Question:
     given = _system_in(dataset, "rtol") | {"speed": dataset["speed"].values}
     given["starts"] = problem_of(dataset)[1]
-    return Question("sweep", given | _direction_in(dataset))
+    axes = {name: dataset[name].values[()] for name in PARAMETERS_OF_SYSTEM
+            if name in dataset.variables and dataset[name].dims in {(), (name,)}}  # fmt: skip
+    return Question("sweep", given | axes | _direction_in(dataset))
 
 
 def _system_whirls(dataset: xr.Dataset) -> Question:
@@ -413,7 +416,7 @@ VERIFIED = {
         _undecided, told=_decided,
     ),
     "system_sweep": Verification(
-        _system_sweep, ("response", "direction", "touched", "period", *NUMBERS, *NEEDED),
+        _system_sweep, ("response", "direction", "touched", "period", *NUMBERS),
         ("rtol",), lambda _, __: {"final_state": TRANSIENT},
     ),
     "system_whirls": Verification(

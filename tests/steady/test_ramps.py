@@ -6,7 +6,8 @@ import pytest
 from rotor_ida import sweep
 from rotor_ida.model.varied import varied_of
 from rotor_ida.simulation.options import Options
-from rotor_ida.steady.sweep import Ramps
+from rotor_ida.steady.ramps import Ramps
+from rotor_ida.steady.sweep import DiscSettling
 
 VARIED = varied_of(
     sweep,
@@ -18,7 +19,8 @@ STARTS = [(0.0, 0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)]
 
 def ramps_of(*directions, along="omega"):
     varied = VARIED.over(start=np.arange(2), direction=np.array(directions, np.int8))
-    return Ramps(varied, STARTS, Options(), varied.dims.index(along))
+    settling, axis = DiscSettling(Options()), varied.dims.index(along)
+    return Ramps(varied, STARTS, settling, varied.rotor, axis)
 
 
 @pytest.mark.parametrize("along", ["omega", "zeta", "delta0"])
@@ -31,13 +33,13 @@ def test_a_job_is_what_stands_at_its_places_and_each_point_is_in_one(directions,
         omega, zeta, delta0, start, direction = at = np.unravel_index(
             places[-1], ramps.varied.shape
         )
-        assert [rotor.omega for rotor in job.rotors] == axes["omega"][omega].tolist()
-        assert [rotor.zeta for rotor in job.rotors] == axes["zeta"][zeta].tolist()
-        assert [rotor.delta0 for rotor in job.rotors] == axes["delta0"][delta0].tolist()
-        assert {rotor.load for rotor in job.rotors} == {0.1}
+        assert [rotor.omega for rotor in job.points] == axes["omega"][omega].tolist()
+        assert [rotor.zeta for rotor in job.points] == axes["zeta"][zeta].tolist()
+        assert [rotor.delta0 for rotor in job.points] == axes["delta0"][delta0].tolist()
+        assert {rotor.load for rotor in job.points} == {0.1}
         assert {job.start} == {STARTS[each] for each in start.tolist()}
         way = directions[direction[0]]
-        assert len(job.rotors) == (axes[along].size if way else 1)
+        assert len(job.points) == (axes[along].size if way else 1)
         assert (way * np.diff(at[ramps.axis]) == 1).all()
         others = np.delete(np.array(at), ramps.axis, axis=0)
         assert (others == others[:, :1]).all()
@@ -50,5 +52,5 @@ def test_ramps_with_much_clearance_come_first(along):
     ramps = ramps_of(1, along=along)
     numbers = ramps.slowest_first().tolist()
     assert sorted(numbers) == list(range(len(ramps)))
-    clearances = [ramps.job(number).rotors[0].delta0 for number in numbers]
+    clearances = [ramps.job(number).points[0].delta0 for number in numbers]
     assert clearances == sorted(clearances, reverse=True)

@@ -16,6 +16,7 @@ from rotor_ida.cli import options, parsing
 from rotor_ida.cli.machines import begun
 from rotor_ida.cli.option_types import (
     IN_OUTPUT,
+    IN_ROTOR,
     count_option,
     flag_option,
     numbers_option,
@@ -79,13 +80,29 @@ Direction = Annotated[
     Parameter(help="Quasi-static sweep: start each speed where the one before ended."),
 ]
 Events = Annotated[bool, flag_option("Keep the contact events of all runs, in one table.")]
-Along = Annotated[
-    options.OfRotor | None,
-    Parameter(
-        help="Parameter that rises or falls with --direction; for a machine speed, damping or "
-        "clearance replace omega, zeta or delta0. Default: the speed, or else the only one with "
-        "several values."
+_ALONG = Parameter(
+    help="Parameter that rises or falls with --direction; for a machine speed, damping or "
+    "clearance replace omega, zeta or delta0. Default: the speed, or else the only one with "
+    "several values."
+)
+Along = Annotated[options.OfRotor | None, _ALONG]
+AlongEither = Annotated[options.OfRotor | Literal["stiffness", "unbalance"] | None, _ALONG]
+StiffnessFactors = Annotated[
+    list[float] | None,
+    numbers_option(
+        "Factors of the stiffness of a rotor system with its supports, as --damping is of its "
+        "damping: numbers, or START:STOP:COUNT."
     ),
+    IN_ROTOR,
+]
+Unbalances = Annotated[
+    list[float] | None,
+    numbers_option(
+        "Largest unbalance of a rotor system (SI: kg m), to which all others keep their ratios, as "
+        "--clearance and --friction are of its contacts: numbers, or START:STOP:COUNT.",
+        "kg m",
+    ),
+    IN_ROTOR,
 ]
 Quick = Annotated[bool, flag_option("Compute coarser results, faster.")]
 Studies = Annotated[
@@ -206,7 +223,9 @@ def sweep(
     start: options.Starts = [AT_REST],  # noqa: B006 - never changed
     direction: Direction = None,
     events: Events = False,
-    along: Along = None,
+    along: AlongEither = None,
+    stiffness: StiffnessFactors = None,
+    unbalance: Unbalances = None,
     jobs: options.JobOptions = options.JobOptions(),
     solver: options.SweepSolverOptions = options.SweepSolverOptions(),
     study: options.Study = None,
@@ -232,14 +251,21 @@ def sweep(
     A rotor of any size with several contacts, from a system file:
 
         rotor-ida sweep rotor.toml --speed 1000rpm:5000rpm:9 --out map.nc
+
+    Up and down in the unbalance of that rotor, at two dampings, which are factors:
+
+        rotor-ida sweep rotor.toml --speed 4000rpm --unbalance 1e-3:4e-3:4 \
+            --damping 1 0.5 --direction both --along unbalance --figure unbalance
     """
+    axes = {"stiffness": stiffness, "unbalance": unbalance}
     if system is not None:
         if events:
             raise InputError("events must be of one disc: sweeps of a rotor system keep none")
-        if along is not None:
-            raise InputError(f"along must be left out with a rotor system, got {along}")
-        given = {"direction": direction, "study": study, **jobs.on_every_core()}
-        return sweep_file(system, rotors, start, solver, output, given)
+        given = {"direction": direction, "along": along, "study": study, **jobs.on_every_core()}
+        return sweep_file(system, rotors, axes, start, solver, output, given)
+    for name, each in axes.items():
+        if each is not None:
+            raise InputError(f"{name} must be of a rotor system, got no system file")
     check_points(*rotors.axes(), start, in_study=study is not None)
     several = [name for name, each in rotors.values.items() if len(each) > 1]
     over = along or (several[0] if direction and len(several) == 1 else "omega")
