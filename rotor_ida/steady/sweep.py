@@ -265,7 +265,7 @@ def sweep_varied(
     directions = np.array(DIRECTIONS[direction], dtype=np.int8)
     varied = varied.over(start=np.arange(len(states)), direction=directions)
     check_size(varied, study)
-    _check_can_be_followed(varied, states)
+    check_varied_can_be_followed(varied, states)
     told = {"along": way} if way else {}
     how = {name: getattr(options, name) for name in ("rtol", "atol", "method", "flight")}
     question = Question("sweep", {
@@ -286,13 +286,18 @@ def sweep_varied(
     title = "Rotor in a clearance: responses over a range of speeds"
     attributes = provenance(options.attributes()) | told
     swept = labelled_dataset(title, variables, coordinates, attributes, kind="sweep")
-    if way not in {"", "omega"}:
-        words = f"direction in which the {OF_ROTOR[way].label} is swept"
+    return with_direction_named(swept, way)
+
+
+def with_direction_named(swept: xr.Dataset, along: str) -> xr.Dataset:
+    """Return a result whose direction says which parameter is swept, if it is not the speed."""
+    if along not in {"", "omega"}:
+        words = f"direction in which the {OF_ROTOR[along].label} is swept"
         swept["direction"].attrs["long_name"] = words
     return swept
 
 
-def _check_can_be_followed(varied: Varied, starts: Sequence[State]) -> None:
+def check_varied_can_be_followed(varied: Varied, starts: Sequence[State]) -> None:
     """Check each speed, each clearance and each start once, and the largest damping."""
     rotors = varied.extremes()
     for rotor in rotors:
