@@ -7,7 +7,7 @@ the motion settles at each, or on a run-up or run-down at a rate.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from typing import Any, NamedTuple, Unpack
@@ -19,6 +19,7 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import (
     COMPONENTS,
+    State,
     check_between,
     check_count,
     check_direction,
@@ -46,6 +47,7 @@ from rotor_ida.simulation.starts import Starts, box_of, drawn_from, states_of
 from rotor_ida.steady.follow import FAILED
 from rotor_ida.steady.grid import (
     EXPECTED,
+    Columns,
     Rows,
     Task,
     check_size,
@@ -220,20 +222,24 @@ def bifurcation_diagram(
     form = form_of("points of a bifurcation diagram", "points", POINT, extremum)
     task = Task(work, partial(_lost, kind=extremum), _rows_of, form, POINT, extremum)
     columns = run_study(plan, task, question, study=study, workers=chosen, progress=progress)
-    variables = labelled_points(asked, columns.points)
-    counts = variables.pop("event_count")
-    variables |= counted("extremum_count", labelled("extremum_count", asked.dims, counts.values),
-                         "extremum")  # fmt: skip
-    variables |= {name: labelled(name, "extremum", each) for name, each in columns.events.items()}
     attributes = provenance(options.attributes()) | told | {"extrema_time": window}
     if drawn:
         attributes |= {"seed": seed} | {f"range_{name}": drawn[name] for name in COMPONENTS}
-    diagram = labelled_dataset(
-        "Extrema of the radius over a range of speeds", variables,
-        asked.coordinates | start_coordinates(states), attributes, kind="bifurcation_diagram",
-    )  # fmt: skip
-    diagram = with_direction_named(diagram, way)
+    diagram = with_direction_named(_diagram_of(asked, states, columns, attributes), way)
     return diagram if direction else diagram.isel(direction=0, drop=True)
+
+
+def _diagram_of(
+    varied: Varied, starts: Sequence[State], columns: Columns, attributes: Mapping[str, Any]
+) -> xr.Dataset:
+    """Return the results of all points, and the table of their extrema, as a dataset."""
+    variables = labelled_points(varied, columns.points)
+    counts = labelled("extremum_count", varied.dims, variables.pop("event_count").values)
+    variables |= counted("extremum_count", counts, "extremum")
+    variables |= {name: labelled(name, "extremum", each) for name, each in columns.events.items()}
+    title = "Extrema of the radius over a range of speeds"
+    coordinates = varied.coordinates | start_coordinates(starts)
+    return labelled_dataset(title, variables, coordinates, attributes, kind="bifurcation_diagram")
 
 
 def _check_settles(varied: Varied, window: float) -> None:
