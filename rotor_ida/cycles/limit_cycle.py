@@ -8,8 +8,8 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Values
-from rotor_ida.checks import AT_REST, check_instance
+from rotor_ida.arrays import Values, Watch
+from rotor_ida.checks import AT_REST, check_instance, check_progress
 from rotor_ida.cycles.dataset import cycle_dataset
 from rotor_ida.cycles.guess import Guess, guess_of
 from rotor_ida.cycles.multipliers import is_stable
@@ -23,10 +23,10 @@ from rotor_ida.cycles.shooting import (
 )
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Stop, interruptible
+from rotor_ida.parallel import Progress, Stop, interruptible, percentage, shows_progress
 from rotor_ida.results.in_si import takes_si
 from rotor_ida.simulation.options import Options, check_can_be_followed
-from rotor_ida.steady.follow import FAILED, follow_to_steady_state
+from rotor_ida.steady.follow import FAILED, follow_to_steady_state, longest_time
 from rotor_ida.steady.response import UNRESOLVED
 
 NOT_FOUND = "not_found"
@@ -54,8 +54,13 @@ COME_BACK = 1e-6
 
 
 @takes_si
+@shows_progress
 def limit_cycle(
-    rotor: Rotor, *, start: npt.ArrayLike | xr.Dataset = AT_REST, period: float | None = None
+    rotor: Rotor,
+    *,
+    start: npt.ArrayLike | xr.Dataset = AT_REST,
+    period: float | None = None,
+    progress: Progress | bool | None = None,
 ) -> xr.Dataset:
     """Compute the limit cycle to which a start leads, or which lies near a guess.
 
@@ -73,6 +78,9 @@ def limit_cycle(
         Approximate period of the cycle, or a multiple of it, from 1e-6 to 1e4 [1]: Newton's method
         then begins at the start itself. Under a load it must be a whole number of revolutions to
         within a tenth.
+    progress : callable or bool, optional
+        Called from time to time with the percentage of the longest time for which the rotor is
+        followed, and 100; True shows a bar on standard error.
 
     Returns
     -------
@@ -132,12 +140,17 @@ def limit_cycle(
     array([ 1.        , -0.51147221, -0.51147221,  0.52784725])
     """
     check_turns_and_settles(check_instance("rotor", rotor, Rotor))
+    progress = check_progress(progress)
     guess = guess_of(rotor, start, period)
     check_revolutions(guess)
     if isinstance(start, xr.Dataset) and guess.rotor != rotor:
         guess = Guess(rotor, guess.state, guess.period)
     check_can_be_followed(rotor, _state_of(guess.state), settling=True)
-    cycle, response = interruptible(lambda stop: found_cycle(guess, stop))
+    watch: Watch = []
+    told = percentage(progress, watch, longest_time(rotor))
+    cycle, response = interruptible(lambda stop: found_cycle(guess, stop, watch), told=told)
+    if progress is not None:
+        progress(100, 100)
     return cycle_dataset(rotor, guess, cycle, response)
 
 
@@ -192,7 +205,7 @@ def cycle_from(rotor: Rotor, state: Values) -> Cycle:
     return cycle
 
 
-def found_cycle(guess: Guess, stop: Stop) -> tuple[Cycle | None, str]:
+def found_cycle(guess: Guess, stop: Stop, watch: Watch | None = None) -> tuple[Cycle | None, str]:
     """Return the limit cycle to which a guess leads, or None, and the kind of response.
 
     SimulationError if Newton's method does not converge from a cycle that was simulated or given.
@@ -209,7 +222,7 @@ def found_cycle(guess: Guess, stop: Stop) -> tuple[Cycle | None, str]:
     if near is not None:
         return near, near.response
     options = Options(method="taylor", rtol=STEADY_STATE_RTOL)
-    settled = follow_to_steady_state(rotor, _state_of(state), options, stop=stop)
+    settled = follow_to_steady_state(rotor, _state_of(state), options, stop=stop, watch=watch)
     if settled.response == FAILED:
         raise SimulationError(settled.message)
     if settled.response == UNRESOLVED and rotor.load > 0.0:

@@ -9,7 +9,8 @@ from typing import Unpack
 import numpy as np
 import xarray as xr
 
-from rotor_ida.arrays import Stop, Values
+from rotor_ida.arrays import Stop, Values, Watch
+from rotor_ida.checks import check_progress
 from rotor_ida.cycles.dataset import ERROR_SAFETY
 from rotor_ida.cycles.multipliers import multipliers_near, multipliers_of
 from rotor_ida.cycles.system_dataset import system_cycle_dataset
@@ -22,9 +23,9 @@ from rotor_ida.cycles.system_guess import (
 from rotor_ida.cycles.system_orbit import SystemOrbit, with_tolerance
 from rotor_ida.cycles.system_problem import SystemGuess, closed_orbit
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
-from rotor_ida.parallel import interruptible
+from rotor_ida.parallel import Progress, interruptible, percentage, shows_progress
 from rotor_ida.steady.response import BOUNCING, FULL_CONTACT, ROLLING, UNRESOLVED
-from rotor_ida.steady.system_motion import settle
+from rotor_ida.steady.system_motion import longest_time, settle
 from rotor_ida.systems.starts import Start
 
 NOT_FOUND = "not_found"
@@ -34,6 +35,7 @@ SETTLING_RTOL = 1e-10
 LOOSER, ELSEWHERE = 30.0, 0.37
 
 
+@shows_progress
 def limit_cycle_system(
     system: RotorSystem,
     *,
@@ -41,6 +43,7 @@ def limit_cycle_system(
     start: Start | xr.Dataset = None,
     period: float | None = None,
     modes: int | None = None,
+    progress: Progress | bool | None = None,
     **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
     """Compute the limit cycle of a rotor system to which a start leads, or near a guess.
@@ -62,6 +65,8 @@ def limit_cycle_system(
     period : float, optional
         Approximate period: Newton's method then begins at the start itself. If the system is not
         axisymmetric, it is rounded to whole revolutions.
+    progress : callable or bool, optional
+        As of one disc.
 
     Returns
     -------
@@ -105,7 +110,14 @@ def limit_cycle_system(
     problem, begun = CycleProblem.of(system, modes, start)
     guess = guess_of_system(problem, begun, speed, period)
     check_is_cycle(guess)
-    return interruptible(lambda stop: _dataset_from(problem, guess, stop))
+    progress = check_progress(progress)
+    watch: Watch = []
+    watched = replace(guess, flow=replace(guess.flow, watch=watch))
+    told = percentage(progress, watch, longest_time(guess.flow))
+    found = interruptible(lambda stop: _dataset_from(problem, watched, stop), told=told)
+    if progress is not None:
+        progress(100, 100)
+    return found
 
 
 def _dataset_from(problem: CycleProblem, guess: SystemGuess, stop: Stop) -> xr.Dataset:

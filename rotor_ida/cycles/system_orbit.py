@@ -224,7 +224,9 @@ def at_speed(flow: SystemFlow, speed: float) -> SystemFlow:
 def with_tolerance(flow: SystemFlow, rtol: float) -> SystemFlow:
     """Return a motion with another tolerance, and states in the same scales."""
     problem = replace(flow.problem, rtol=rtol)
-    return replace(SystemFlow.at(problem, flow.speed, flow.stop), scales=flow.scales)
+    return replace(
+        SystemFlow.at(problem, flow.speed, flow.stop), scales=flow.scales, watch=flow.watch
+    )
 
 
 def _rate(flow: SystemFlow, state: Values) -> Values:

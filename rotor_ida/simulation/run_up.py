@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -27,10 +26,10 @@ from rotor_ida.checks import (
 )
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Progress, Stop, interruptible, shows_progress
+from rotor_ida.parallel import Progress, Stop, interruptible, percentage, shows_progress
 from rotor_ida.results.in_si import takes_si
 from rotor_ida.simulation.dataset import run_dataset
-from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors, tell_half
+from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors
 from rotor_ida.simulation.options import (
     LARGEST,
     Backend,
@@ -219,8 +218,7 @@ def run_up(
         orbit = sampled(samples, fastest, stop)
         return orbit, estimate_event_errors(orbit, first, slack=slack, stop=stop, watch=watch)
 
-    told = None if progress is None else partial(tell_half, progress, watch, end)
-    orbit, errors = interruptible(run_twice, told=told)
+    orbit, errors = interruptible(run_twice, told=percentage(progress, watch, 2.0 * end))
     if progress is not None:
         progress(100, 100)
     return run_dataset(orbit, first, errors, change.changes)

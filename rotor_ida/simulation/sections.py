@@ -9,7 +9,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import Values, Watch
 from rotor_ida.checks import (
     AT_REST,
     State,
@@ -18,11 +18,12 @@ from rotor_ida.checks import (
     check_duration,
     check_instance,
     check_nonnegative,
+    check_progress,
 )
 from rotor_ida.errors import InputError
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Stop, interruptible
+from rotor_ida.parallel import Progress, Stop, interruptible, percentage, shows_progress
 from rotor_ida.results.in_si import takes_si
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.run import parameter_coordinates
@@ -43,6 +44,7 @@ NAMES = ("rotating_x", "rotating_y", "rotating_vx", "rotating_vy")
 
 
 @takes_si
+@shows_progress
 def poincare_section(
     rotor: Rotor,
     *,
@@ -54,6 +56,7 @@ def poincare_section(
     rtol: float = 1e-10,
     atol: float = 1e-12,
     method: Method = "adams",
+    progress: Progress | bool | None = None,
 ) -> xr.Dataset:
     """Return the states at which a motion crosses a section, in the rotating frame.
 
@@ -80,6 +83,8 @@ def poincare_section(
         Relative and absolute tolerance [1].
     method : {"adams", "bdf", "ida", "taylor"}
         Solver of the contacts, as for `rotor_ida.simulate`. Peaks are found by Taylor series.
+    progress : callable or bool, optional
+        As for `rotor_ida.simulate`.
 
     Returns
     -------
@@ -120,6 +125,7 @@ def poincare_section(
     array([-1.40959, -1.40959, -1.40959, -1.40959])
     """
     check_instance("rotor", rotor, Rotor)
+    progress = check_progress(progress)
     first = state_of("start", start, loaded=rotor.load > 0.0)
     check_can_be_followed(rotor, first)
     if rotor.omega == 0.0:
@@ -146,15 +152,21 @@ def poincare_section(
     if at == "peak":
         check_knots("the time of revolutions", rotor, count * period)
 
+    watch: Watch = []
+
     def follow(stop: Stop) -> tuple[Values, Values]:
         state = first
         if left_out:
-            end = run(rotor, first, left_out * period, np.empty(0), options, stop=stop).end
+            lead = left_out * period
+            end = run(rotor, first, lead, np.empty(0), options, stop=stop, watch=watch).end
             x, y, vx, vy = rotated(end, -rotor.omega * left_out * period).tolist()
             state = (x, y, vx, vy)
-        return _crossings(rotor, state, count, at, float(phase), options, stop)
+        return _crossings(rotor, state, count, at, float(phase), options, stop, watch)
 
-    times, states = interruptible(follow)
+    told = percentage(progress, watch, (left_out + count) * period)
+    times, states = interruptible(follow, told=told)
+    if progress is not None:
+        progress(100, 100)
     columns: dict[str, Column] = {"crossing_time": ("crossing", left_out * period + times)}
     columns |= {
         name: ("crossing", np.ascontiguousarray(column))
@@ -172,22 +184,29 @@ def poincare_section(
 
 
 def _crossings(
-    rotor: Rotor, start: State, count: int, at: str, phase: float, options: Options, stop: Stop
+    rotor: Rotor,
+    start: State,
+    count: int,
+    at: str,
+    phase: float,
+    options: Options,
+    stop: Stop,
+    watch: Watch,
 ) -> tuple[Values, Values]:
     """Return the times of the crossings after `start`, and the states in the rotating frame."""
     period = 2.0 * math.pi / rotor.omega
     duration = count * period
     if at == "peak":
-        extrema = radius_extrema(rotor, start, duration, options.step_rtol, stop)
+        extrema = radius_extrema(rotor, start, duration, options.step_rtol, stop, watch)
         chosen = extrema.kinds == MAXIMUM
         return extrema.times[chosen], extrema.states[chosen]
     if at == "revolution":
         passed = count if phase else count + 1
         times = np.minimum(period * np.arange(passed) + phase / rotor.omega, duration)
-        orbit = run(rotor, start, duration, times, options, stop=stop)
+        orbit = run(rotor, start, duration, times, options, stop=stop, watch=watch)
         # turning by whole revolutions would only add rounding
         return times, rotated(orbit.states, np.float64(-phase)) if phase else orbit.states
-    orbit = run(rotor, start, duration, np.empty(0), options, stop=stop)
+    orbit = run(rotor, start, duration, np.empty(0), options, stop=stop, watch=watch)
     chosen = orbit.event_kinds == EVENTS[at]
     times = orbit.event_times[chosen]
     return times, rotated(orbit.event_states[chosen], -rotor.omega * times)

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Watch
 from rotor_ida.checks import AT_REST, check_duration, check_instance, check_progress
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Progress, Stop, interruptible, shows_progress
+from rotor_ida.parallel import Progress, Stop, interruptible, percentage, shows_progress
 from rotor_ida.results.in_si import takes_si
 from rotor_ida.simulation.dataset import run_dataset
-from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors, tell_half
+from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors
 from rotor_ida.simulation.options import Backend, Flight, Method, Options, check_can_be_followed
 from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.run import run
@@ -146,8 +144,7 @@ def simulate(
     if options.method == "taylor" and rate * end + times.size <= SOON_PASSED:
         orbit, errors = run_twice()
     else:
-        told = None if progress is None else partial(tell_half, progress, watch, end)
-        orbit, errors = interruptible(run_twice, told=told)
+        orbit, errors = interruptible(run_twice, told=percentage(progress, watch, 2.0 * end))
     if progress is not None:
         progress(100, 100)
     return run_dataset(orbit, first, errors)

@@ -14,7 +14,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rotor_ida.arrays import ComplexValues, Flags, Stop, Values
+from rotor_ida.arrays import ComplexValues, Flags, Stop, Values, Watch
 from rotor_ida.core.systems import SystemRequest, SystemResult
 from rotor_ida.errors import InputError
 from rotor_ida.simulation.lyapunov import means_of_rates
@@ -120,6 +120,8 @@ class SystemFlow:
         Scales of a state.
     stop : ndarray, shape (1,)
         Ends a run as soon as it is not 0.
+    watch : list of callable, optional
+        Receives functions that return the times reached by runs.
     """
 
     problem: SettlingProblem
@@ -127,6 +129,7 @@ class SystemFlow:
     request: SystemRequest
     scales: Values
     stop: Stop
+    watch: Watch | None = None
 
     @classmethod
     def at(cls, problem: SettlingProblem, speed: float, stop: Stop) -> SystemFlow:
@@ -177,7 +180,7 @@ class SystemFlow:
             duration=end, pieces=steady(self.speed, end).pieces(), only_events=only_events,
             columns=columns,
         )  # fmt: skip
-        return follow_system_again(request, self.stop)
+        return follow_system_again(request, self.stop, self.watch)
 
     def end_of(self, run: SystemResult) -> Values:
         """Return the state at the end of a run, with the axes turned back."""
