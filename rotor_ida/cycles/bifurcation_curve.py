@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.checks import (
@@ -37,6 +36,7 @@ from rotor_ida.results.in_si import takes_si
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import Folder, open_results
+from rotor_ida.simulation.starts import Start
 
 Kind = Literal["fold", "period_doubling", "torus"]
 
@@ -49,7 +49,7 @@ MOST_POINTS_OF_BRANCH = 2000
 def bifurcation_curve(
     rotor: Rotor,
     *,
-    start: npt.ArrayLike | xr.Dataset = AT_REST,
+    start: Start = AT_REST,
     kind: Kind,
     parameters: tuple[str, str] = ("omega", "delta0"),
     limits: Mapping[str, tuple[float, float]] | Sequence[tuple[float, float]],
@@ -64,10 +64,11 @@ def bifurcation_curve(
     rotor : Rotor or DimensionalRotor
         The rotor. For a `DimensionalRotor` numbers with a unit are in SI units, as for
         `continue_cycle`.
-    start : array_like, shape (4,), or Dataset
+    start : array_like, shape (4,), "settled", "rest" or Dataset
         A special point of this kind of a branch, ``branch.isel(special=...)``. Or a limit cycle, a
-        point of a branch, or a start ``(x, y, vx, vy)`` that leads to a cycle [1], by default at
-        rest on the axis; then the branch over the first parameter is followed to the nearest one.
+        point of a branch, or a start ``(x, y, vx, vy)`` or word, as for `simulate`, that leads to a
+        cycle [1], by default at rest on the axis; then the branch over the first parameter is
+        followed to the nearest one.
     kind : {"fold", "period_doubling", "torus"}
         The bifurcation to follow. A torus is born only with contact damping, friction or a load.
     parameters : tuple of str

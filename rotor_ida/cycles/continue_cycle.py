@@ -6,7 +6,6 @@ import os
 from typing import Literal, get_args
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Arrays, Values
@@ -40,6 +39,7 @@ from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import Form, Results, open_results
 from rotor_ida.schema import SPECIAL, by_number
+from rotor_ida.simulation.starts import Start
 
 Parameter = Literal[
     "omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "load", "friction",
@@ -69,7 +69,7 @@ FORM: Form[Arrays] = Form(
 def continue_cycle(
     rotor: Rotor,
     *,
-    start: npt.ArrayLike | xr.Dataset = AT_REST,
+    start: Start = AT_REST,
     parameter: Parameter = "omega",
     limits: tuple[float, float],
     direction: Direction = "both",
@@ -84,11 +84,11 @@ def continue_cycle(
     rotor : Rotor or DimensionalRotor
         The rotor. For a `DimensionalRotor` numbers with a unit are in SI units, as for
         `rotor_ida.simulate`; a dataset has its own.
-    start : array_like, shape (4,), or Dataset
-        A start ``(x, y, vx, vy)`` that leads to the cycle [1], by default at rest on the axis; or
-        the result of `limit_cycle`; or one point of a branch, ``branch.isel(point=...)``; or one of
-        its special points, ``branch.isel(special=...)``. From a period doubling the branch of
-        doubled cycles is followed.
+    start : array_like, shape (4,), "settled", "rest" or Dataset
+        A start ``(x, y, vx, vy)`` that leads to the cycle [1], by default at rest on the axis, or a
+        word as for `rotor_ida.simulate`; or the result of `limit_cycle`; or one point of a branch,
+        ``branch.isel(point=...)``; or one of its special points, ``branch.isel(special=...)``. From
+        a period doubling the branch of doubled cycles is followed.
     parameter : {"omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "load", \
             "friction", "disc_radius"}
         The parameter to vary; the others are constant. A load cannot reach 0, where cycles have

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values, Watch
@@ -26,6 +25,7 @@ from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Progress, Stop, interruptible, percentage, shows_progress
 from rotor_ida.results.in_si import takes_si
 from rotor_ida.simulation.options import Options, check_can_be_followed
+from rotor_ida.simulation.starts import Start
 from rotor_ida.steady.follow import FAILED, follow_to_steady_state, longest_time
 from rotor_ida.steady.response import UNRESOLVED
 
@@ -58,7 +58,7 @@ COME_BACK = 1e-6
 def limit_cycle(
     rotor: Rotor,
     *,
-    start: npt.ArrayLike | xr.Dataset = AT_REST,
+    start: Start = AT_REST,
     period: float | None = None,
     progress: Progress | bool | None = None,
 ) -> xr.Dataset:
@@ -69,11 +69,12 @@ def limit_cycle(
     rotor : Rotor or DimensionalRotor
         The rotor. It must turn and be damped. For a `DimensionalRotor` numbers with a unit are in
         SI units, as for `rotor_ida.simulate`; a dataset has its own.
-    start : array_like, shape (4,), or Dataset
-        ``(x, y, vx, vy)`` at time 0 [1], by default at rest on the axis. A start that returns to
-        itself to a relative 1e-3 is taken as a guess of a cycle, stable or not. From any other
-        start the rotor is followed to its attractor. Another limit cycle, or one point of a branch,
-        serves as a guess; the end of a run, or of one point of a sweep, as a start.
+    start : array_like, shape (4,), "settled", "rest" or Dataset
+        ``(x, y, vx, vy)`` at time 0 [1], by default at rest on the axis; or a word as for
+        `rotor_ida.simulate`. A start that returns to itself to a relative 1e-3 is taken as a guess
+        of a cycle, stable or not. From any other start the rotor is followed to its attractor.
+        Another limit cycle, or one point of a branch, serves as a guess; the end of a run, or of
+        one point of a sweep, as a start.
     period : float, optional
         Approximate period of the cycle, or a multiple of it, from 1e-6 to 1e4 [1]: Newton's method
         then begins at the start itself. Under a load it must be a whole number of revolutions to

@@ -6,7 +6,6 @@ import math
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values, Watch
@@ -32,7 +31,7 @@ from rotor_ida.simulation.extrema import MAXIMUM, check_knots, radius_extrema
 from rotor_ida.simulation.options import Method, Options, check_can_be_followed
 from rotor_ida.simulation.orbit import ENTRY, EXIT, REVERSE, ROLL, SLIP
 from rotor_ida.simulation.run import run
-from rotor_ida.simulation.starts import state_of
+from rotor_ida.simulation.starts import Start, state_of
 
 At = Literal["revolution", "entry", "exit", "peak", "roll", "slip", "reverse"]
 
@@ -48,7 +47,7 @@ NAMES = ("rotating_x", "rotating_y", "rotating_vx", "rotating_vy")
 def poincare_section(
     rotor: Rotor,
     *,
-    start: npt.ArrayLike | xr.Dataset = AT_REST,
+    start: Start = AT_REST,
     revolutions: int,
     skip: int = 0,
     at: At = "revolution",
@@ -65,9 +64,9 @@ def poincare_section(
     rotor : Rotor or DimensionalRotor
         The rotor, with a speed above 0. For a `DimensionalRotor` numbers with a unit are in SI
         units, as for `simulate`.
-    start : array_like, shape (4,), or Dataset
-        ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis. Or a result that ends in a
-        state, as for `rotor_ida.simulate`.
+    start : array_like, shape (4,), "settled", "rest" or Dataset
+        ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis. Or a word, or a result that
+        ends in a state, as for `rotor_ida.simulate`.
     revolutions : int
         Number of revolutions in the section, at most 10 million.
     skip : int
@@ -126,7 +125,7 @@ def poincare_section(
     """
     check_instance("rotor", rotor, Rotor)
     progress = check_progress(progress)
-    first = state_of("start", start, loaded=rotor.load > 0.0)
+    first = state_of("start", start, rotor)
     check_can_be_followed(rotor, first)
     if rotor.omega == 0.0:
         raise InputError(

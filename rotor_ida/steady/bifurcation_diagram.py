@@ -19,7 +19,6 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import (
     COMPONENTS,
-    State,
     check_between,
     check_count,
     check_direction,
@@ -43,7 +42,7 @@ from rotor_ida.schema import RESPONSE, STATUS, labelled, labelled_dataset
 from rotor_ida.simulation.extrema import check_knots, radius_extrema
 from rotor_ida.simulation.options import Method, options_of_study
 from rotor_ida.simulation.run_up import MOST_RADIANS
-from rotor_ida.simulation.starts import Starts, box_of, drawn_from, states_of
+from rotor_ida.simulation.starts import GivenStart, Starts, box_of, drawn_from, states_of
 from rotor_ida.steady.follow import FAILED
 from rotor_ida.steady.grid import (
     EXPECTED,
@@ -56,6 +55,7 @@ from rotor_ida.steady.grid import (
     reason_of,
     run_study,
     start_coordinates,
+    start_words,
 )
 from rotor_ida.steady.ramp_extrema import ramp_extrema
 from rotor_ida.steady.sweep import (
@@ -113,9 +113,9 @@ def bifurcation_diagram(
     x, y, vx, vy : float or array_like, shape (2,)
         Components of random starts [1]: numbers, or ranges ``(low, high)`` from which they are
         drawn independently and uniformly, as for `rotor_ida.basin_fractions`.
-    starts : int, array_like of shape (n, 4), Dataset, or sequence of these
+    starts : int, array_like of shape (n, 4), "settled", "rest", Dataset, or sequence of these
         Number of random starts, or the starts ``(x, y, vx, vy)`` themselves [1], the same at each
-        speed; or results that end in one.
+        speed; words for those at each speed; or results that end in one.
     seed : int
         Seed of the random starts.
     extrema_time : float
@@ -198,7 +198,7 @@ def bifurcation_diagram(
     slope = None if rate is None else _checked_rate(rate, way, asked.axes["omega"])
     drawn: dict[str, Any] = {}
     chosen_starts: Any = starts
-    if not isinstance(starts, xr.Dataset | list | tuple) and is_scalar("starts", starts):
+    if not isinstance(starts, xr.Dataset | list | tuple | str) and is_scalar("starts", starts):
         count = check_count("starts", starts)
         box = box_of({"x": x, "y": y, "vx": vx, "vy": vy}, count)
         chosen_starts = drawn_from(box, seed, 0, count).T
@@ -222,7 +222,8 @@ def bifurcation_diagram(
     form = form_of("points of a bifurcation diagram", "points", POINT, extremum)
     task = Task(work, partial(_lost, kind=extremum), _rows_of, form, POINT, extremum)
     columns = run_study(plan, task, question, study=study, workers=chosen, progress=progress)
-    attributes = provenance(options.attributes()) | told | {"extrema_time": window}
+    attributes = provenance(options.attributes()) | told | start_words(states)
+    attributes["extrema_time"] = window
     if drawn:
         attributes |= {"seed": seed} | {f"range_{name}": drawn[name] for name in COMPONENTS}
     diagram = with_direction_named(_diagram_of(asked, states, columns, attributes), way)
@@ -230,7 +231,7 @@ def bifurcation_diagram(
 
 
 def _diagram_of(
-    varied: Varied, starts: Sequence[State], columns: Columns, attributes: Mapping[str, Any]
+    varied: Varied, starts: Sequence[GivenStart], columns: Columns, attributes: Mapping[str, Any]
 ) -> xr.Dataset:
     """Return the results of all points, and the table of their extrema, as a dataset."""
     variables = labelled_points(varied, columns.points)

@@ -21,6 +21,7 @@ from rotor_ida.checks import (
     check_flag,
     check_progress,
 )
+from rotor_ida.model.disc_starts import begun
 from rotor_ida.model.parameters import OF_ROTOR, Parameters
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.varied import Varied, varied_of
@@ -40,7 +41,7 @@ from rotor_ida.simulation.options import (
     check_can_be_followed,
     options_of_study,
 )
-from rotor_ida.simulation.starts import Starts, states_of
+from rotor_ida.simulation.starts import GivenStart, Starts, states_of
 from rotor_ida.steady.follow import FAILED, SettledResponse, failed, follow_to_steady_state
 from rotor_ida.steady.grid import (
     EXPECTED,
@@ -52,8 +53,10 @@ from rotor_ida.steady.grid import (
     form_of,
     labelled_points,
     reason_of,
+    representative,
     run_study,
     start_coordinates,
+    start_words,
 )
 from rotor_ida.steady.ramps import RampOrder
 from rotor_ida.steady.response import Features
@@ -113,8 +116,9 @@ def sweep(
     ----------
     rotor : Rotor or DimensionalRotor, optional
         The rotor. Without it, ``omega``, ``zeta`` and ``delta0`` must be given.
-    starts : array_like, shape (n, 4), Dataset, or sequence of these
-        Starts ``(x, y, vx, vy)`` [1], or results that end in one, as for `simulate`.
+    starts : array_like, shape (n, 4), "settled", "rest", Dataset, or sequence of these
+        Starts ``(x, y, vx, vy)`` [1], words for those at each speed, or results that end in one, as
+        for `simulate`.
     direction : {"up", "down", "both"}, optional
         Quasi-static run-up or run-down: only the first speed (the last, going down) begins from
         the starts, and each other from the end of the one before, so that jumps and their
@@ -284,7 +288,7 @@ def sweep_varied(
         variables |= event_columns(table["event_time"], table["event_kind"], *varied.extremes())
     coordinates = varied.coordinates | start_coordinates(states)
     title = "Rotor in a clearance: responses over a range of speeds"
-    attributes = provenance(options.attributes()) | told
+    attributes = provenance(options.attributes()) | told | start_words(states)
     swept = labelled_dataset(title, variables, coordinates, attributes, kind="sweep")
     return with_direction_named(swept, way)
 
@@ -297,12 +301,13 @@ def with_direction_named(swept: xr.Dataset, along: str) -> xr.Dataset:
     return swept
 
 
-def check_varied_can_be_followed(varied: Varied, starts: Sequence[State]) -> None:
+def check_varied_can_be_followed(varied: Varied, starts: Sequence[GivenStart]) -> None:
     """Check each speed, each clearance and each start once, and the largest damping."""
     rotors = varied.extremes()
+    first, *others = representative(starts)
     for rotor in rotors:
-        check_can_be_followed(rotor, starts[0], settling=True)
-    for start in starts[1:]:
+        check_can_be_followed(rotor, first, settling=True)
+    for start in others:
         check_can_be_followed(rotors[0], start, settling=True)
 
 
@@ -324,8 +329,8 @@ class Ramps:
     varied : Varied
         The points. Behind the parameters are the axes ``start`` and ``direction``: 1 up, -1 down; 0
         where each point is a ramp of its own.
-    starts : sequence of tuple of float
-        The starts ``(x, y, vx, vy)`` [1].
+    starts : sequence of tuple of float or str
+        The starts ``(x, y, vx, vy)`` [1], or their words.
     options : Options
         How to simulate.
     axis : int
@@ -333,7 +338,7 @@ class Ramps:
     """
 
     varied: Varied
-    starts: Sequence[State]
+    starts: Sequence[GivenStart]
     options: Options
     axis: int
 
@@ -363,7 +368,7 @@ class Ramps:
         """Return what a worker needs to follow a ramp."""
         places = np.transpose(np.unravel_index(self.places(number), self.varied.shape))
         rotors = [self.varied.rotor(place) for place in places.tolist()]
-        return RampJob(rotors, self.starts[places[0, -2]], self.options)
+        return RampJob(rotors, begun(self.starts[places[0, -2]], rotors[0]), self.options)
 
     def slowest_first(self) -> Places:
         """Return the numbers of the ramps, the longest ones first.
