@@ -28,9 +28,9 @@ from rotor_ida.basins.kernel import (
 from rotor_ida.basins.trapping_regions import TrappingRegion, trapping_regions
 from rotor_ida.closed_forms import touch_fading
 from rotor_ida.closed_forms.contact_free import complex_amplitude
-from rotor_ida.closed_forms.rest import radius_at_rest
 from rotor_ida.cycles.orbit import Orbit
 from rotor_ida.errors import SimulationError
+from rotor_ida.model.disc_starts import radius_at_rest
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run

@@ -27,7 +27,7 @@ def begun(start: State | None, rotor: Rotor | DimensionalRotor) -> State:
     """Return a start; without one it is where the load holds the rotor."""
     if start is not None:
         return start
-    from rotor_ida.closed_forms.rest import hanging  # noqa: PLC0415 - not for --help
+    from rotor_ida.model.disc_starts import hanging  # noqa: PLC0415 - not for --help
 
     if isinstance(rotor, Rotor):
         return hanging(rotor)

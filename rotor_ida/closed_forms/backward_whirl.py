@@ -28,10 +28,9 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.checks import LARGEST_NUMBER, check_instance, check_nonnegative
-from rotor_ida.closed_forms.contact_laws import force_at_depth
 from rotor_ida.closed_forms.rest import slowest_rate
 from rotor_ida.errors import InputError
-from rotor_ida.model.contact import HERTZ_EXPONENT
+from rotor_ida.model.contact import HERTZ_EXPONENT, force_at_depth
 from rotor_ida.model.rotor import Rotor, check_no_load
 from rotor_ida.results.in_si import takes_si
 from rotor_ida.schema import STABILITY, WHIRL_KIND, labelled, labelled_dataset
@@ -106,14 +105,14 @@ def backward_whirl(rotor: Rotor) -> xr.Dataset:
     rows = {"slipping": (math.nan,) * 5, "rolling": (math.nan,) * 5}
     stability = {"slipping": "absent", "rolling": "absent"}
     if rotor.omega >= birth and surface > 0.0:
-        force, slope = force_at_depth(depth, rotor)
+        force, slope = force_at_depth(depth, rotor.contact_exponent)
         if depth > 0.0:
             growth = _saddle_rate(rotor, radius, speed, force, slope)
             rows["slipping"] = radius, speed, growth, force, mu * force
             stability["slipping"] = "unstable"
         settled = _rolling_depth(rotor)
         radius = rotor.delta0 + settled
-        force, slope = force_at_depth(settled, rotor)
+        force, slope = force_at_depth(settled, rotor.contact_exponent)
         stiffness = kappa + slope + (surface / radius) ** 2
         growth = slowest_rate(zeta + 0.5 * c * force, stiffness)
         rows["rolling"] = radius, -surface / radius, growth, force, 2.0 * zeta * surface

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Mapping
 from dataclasses import asdict, dataclass
 from types import MappingProxyType
@@ -19,7 +18,6 @@ from rotor_ida.model.contact import (
     secant_stiffness,
 )
 from rotor_ida.model.parameters import DEFAULTS, check_clearance_needed, check_exponent
-from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.varied import Range
 
 
@@ -53,20 +51,6 @@ def stiffnesses(
     start = np.broadcast_to(np.where(np.asarray(delta0) > 0.0, 0.0, 1.0), depth.shape).copy()
     secant = np.divide(depth, radius, out=start, where=radius > 0.0)
     return slope, np.where(hertz, secant_stiffness(radius, delta0), secant)
-
-
-def force_at_depth(depth: float, rotor: Rotor) -> tuple[float, float]:
-    """Return the force and its slope at one indentation [1] of a rotor in contact.
-
-    Examples
-    --------
-    >>> force_at_depth(4.0, Rotor(omega=1.0, zeta=0.0, delta0=1.0))
-    (8.0, 3.0)
-    """
-    if rotor.contact_exponent == HERTZ_EXPONENT:
-        root = math.sqrt(depth)
-        return depth * root, HERTZ_EXPONENT * root
-    return depth, 1.0
 
 
 @dataclass(frozen=True, slots=True)

@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import math
-from fractions import Fraction
 
 import xarray as xr
 
-from rotor_ida.checks import LARGEST_NUMBER, State, check_instance, check_nonnegative
-from rotor_ida.closed_forms.contact_laws import force_at_depth
-from rotor_ida.model.contact import HERTZ_EXPONENT
+from rotor_ida.checks import LARGEST_NUMBER, check_instance, check_nonnegative
+from rotor_ida.model.contact import force_at_depth
+from rotor_ida.model.disc_starts import depth_at_rest, radius_at_rest
 from rotor_ida.model.rotor import Rotor, check_no_friction
 from rotor_ida.results.in_si import takes_si
 from rotor_ida.schema import STABILITY, labelled, labelled_dataset
@@ -63,8 +62,8 @@ def rest(rotor: Rotor) -> xr.Dataset:
     check_no_friction(rotor, "rest")
     for name in ("zeta", "delta0", "shaft_stiffness", "contact_damping", "load"):
         check_nonnegative(name, getattr(rotor, name), LARGEST_NUMBER)
-    kappa, depth = rotor.shaft_stiffness, _depth(rotor)
-    force, slope = force_at_depth(depth, rotor)
+    kappa, depth = rotor.shaft_stiffness, depth_at_rest(rotor)
+    force, slope = force_at_depth(depth, rotor.contact_exponent)
     if depth == 0.0 and rotor.delta0 > 0.0:  # a linear contact has not begun
         slope = 0.0
     radius = radius_at_rest(rotor)
@@ -91,66 +90,6 @@ def rest(rotor: Rotor) -> xr.Dataset:
         {},
         kind="rest",
     )
-
-
-def radius_at_rest(rotor: Rotor) -> float:
-    """Return the distance from the bearing axis at which a rotor rests under its load [1]."""
-    depth = _depth(rotor)
-    if depth > 0.0:
-        return rotor.delta0 + depth
-    return rotor.load / rotor.shaft_stiffness if rotor.load > 0.0 else 0.0
-
-
-def hanging(rotor: Rotor) -> State:
-    """Return the state at rest in which a rotor hangs under its load, or lies on the stator [1].
-
-    Examples
-    --------
-    >>> hanging(Rotor(omega=0.5, zeta=0.1, delta0=1.0, load=0.5, shaft_stiffness=2.0))
-    (0.0, -0.25, 0.0, 0.0)
-
-    Notes
-    -----
-    A spinning rotor with friction climbs the stator: with ``z = -i r exp(-i beta)`` and the normal
-    force N, ``(kappa r + N + i mu N) exp(-i beta) = gamma``. Without spin it does not slide and
-    lies at the bottom. The unbalance does not act yet.
-    """
-    kappa, depth = rotor.shaft_stiffness, _depth(rotor)
-    sliding = rotor.friction if rotor.omega > 0.0 else 0.0
-    if depth == 0.0 or sliding == 0.0:
-        return (0.0, 0.0 - radius_at_rest(rotor), 0.0, 0.0)
-
-    def forces(depth: float) -> complex:
-        normal = force_at_depth(depth, rotor)[0]
-        return complex(kappa * (rotor.delta0 + depth) + normal, sliding * normal)
-
-    from scipy.optimize import brentq  # noqa: PLC0415 - takes long to import
-
-    if abs(forces(depth)) > rotor.load:  # the depth without friction is an upper bound
-        depth = brentq(lambda h: abs(forces(h)) - rotor.load, 0.0, depth, xtol=1e-15 * depth)
-    place = complex(0.0, -rotor.delta0 - depth) * forces(depth).conjugate() / abs(forces(depth))
-    return (place.real, place.imag, 0.0, 0.0)
-
-
-def _depth(rotor: Rotor) -> float:
-    """Return the indentation h at rest: ``kappa h + h**n = gamma - kappa delta0``."""
-    kappa = rotor.shaft_stiffness
-    # exactly, as the two may nearly cancel
-    load = float(Fraction(rotor.load) - Fraction(kappa) * Fraction(rotor.delta0))
-    if load <= 0.0:
-        return 0.0
-    if rotor.contact_exponent != HERTZ_EXPONENT:
-        return load / (1.0 + kappa)
-    # u**3 + kappa u**2 is convex: Newton's method comes down to the root from above
-    u = math.cbrt(load)
-    if kappa * u * u > load:
-        u = math.sqrt(load / kappa)
-    for _ in range(60):
-        lower = u - (u * u * (u + kappa) - load) / (u * (3.0 * u + 2.0 * kappa))
-        if lower >= u:
-            break
-        u = lower
-    return u * u
 
 
 def slowest_rate(damping: float, stiffness: float) -> float:

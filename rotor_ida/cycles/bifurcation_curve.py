@@ -6,7 +6,6 @@ from collections.abc import Mapping, Sequence
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.checks import (
@@ -19,9 +18,9 @@ from rotor_ida.checks import (
     shown,
 )
 from rotor_ida.cycles.branch import Side, advance
-from rotor_ida.cycles.continue_cycle import CONTINUED, WAYS, check_limits, follow_sides
+from rotor_ida.cycles.continue_cycle import CONTINUED, FORM, WAYS, check_limits, follow_sides
 from rotor_ida.cycles.dataset import branch_dataset, start_attributes
-from rotor_ida.cycles.guess import Guess
+from rotor_ida.cycles.guess import Guess, as_start
 from rotor_ida.cycles.limit_cycle import checked_guess, with_period
 from rotor_ida.cycles.problems import (
     TESTS,
@@ -35,7 +34,9 @@ from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.results.in_si import takes_si
 from rotor_ida.results.provenance import provenance
-from rotor_ida.results.studies.results import Results
+from rotor_ida.results.question import Question
+from rotor_ida.results.studies.results import Folder, open_results
+from rotor_ida.simulation.starts import Start
 
 Kind = Literal["fold", "period_doubling", "torus"]
 
@@ -48,11 +49,12 @@ MOST_POINTS_OF_BRANCH = 2000
 def bifurcation_curve(
     rotor: Rotor,
     *,
-    start: npt.ArrayLike | xr.Dataset = AT_REST,
+    start: Start = AT_REST,
     kind: Kind,
     parameters: tuple[str, str] = ("omega", "delta0"),
     limits: Mapping[str, tuple[float, float]] | Sequence[tuple[float, float]],
     points: int = 2000,
+    study: Folder | None = None,
     progress: Progress | bool | None = None,
 ) -> xr.Dataset:
     """Follow a fold, a period doubling or a torus point of limit cycles over two parameters.
@@ -62,10 +64,11 @@ def bifurcation_curve(
     rotor : Rotor or DimensionalRotor
         The rotor. For a `DimensionalRotor` numbers with a unit are in SI units, as for
         `continue_cycle`.
-    start : array_like, shape (4,), or Dataset
+    start : array_like, shape (4,), "settled", "rest" or Dataset
         A special point of this kind of a branch, ``branch.isel(special=...)``. Or a limit cycle, a
-        point of a branch, or a start ``(x, y, vx, vy)`` that leads to a cycle [1], by default at
-        rest on the axis; then the branch over the first parameter is followed to the nearest one.
+        point of a branch, or a start ``(x, y, vx, vy)`` or word, as for `simulate`, that leads to a
+        cycle [1], by default at rest on the axis; then the branch over the first parameter is
+        followed to the nearest one.
     kind : {"fold", "period_doubling", "torus"}
         The bifurcation to follow. A torus is born only with contact damping, friction or a load.
     parameters : tuple of str
@@ -74,6 +77,8 @@ def bifurcation_curve(
         The smallest and the largest value of each [1].
     points : int
         The largest number of points each way.
+    study : path-like, optional
+        Folder in which points are stored as they are found, as for `continue_cycle`.
     progress : callable or bool, optional
         Called with the number of points found and the largest possible number; True shows a bar on
         standard error.
@@ -124,12 +129,18 @@ def bifurcation_curve(
     if guess.special != kind:
         guess = _nearest(guess, kind, first, bounds[0])
     curve = bifurcations_through(guess, kind, (first, second), bounds, count)
-    sides = follow_sides(curve, WAYS["both"], Results(), progress)
+    told = {"kind": kind, "points": count}
+    question = Question("bifurcation_curve", {
+        "rotor": guess.rotor, "start": as_start(guess, (first, second)), **told,
+        "parameters": (first, second), "limits": bounds,
+    })  # fmt: skip
+    ways = WAYS["both"]
+    with open_results(study, question.design(), len(ways) * (count - 1), FORM) as kept:
+        sides = follow_sides(curve, ways, kept, progress)
     attributes = provenance({"method": "taylor", "flight": "exact"}) | {
-        "kind": kind,
+        **told,
         "parameters": f"{first} {second}",
         "limits": np.array(bounds).ravel(),
-        "points": count,
         **start_attributes(guess),
     }
     dataset = branch_dataset(sides, (first, second), "Bifurcation of limit cycles", kind="curve")

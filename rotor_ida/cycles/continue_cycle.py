@@ -6,7 +6,6 @@ import os
 from typing import Any, Literal, Unpack, get_args
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Arrays, Values
@@ -49,7 +48,8 @@ from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import Form, Results, open_results
 from rotor_ida.schema import SPECIAL, by_number
-from rotor_ida.systems.starts import Start
+from rotor_ida.simulation.starts import Start
+from rotor_ida.systems.starts import Start as SystemStart
 
 Parameter = Literal[
     "omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "load", "friction",
@@ -78,7 +78,7 @@ FORM: Form[Arrays] = Form(
 def continue_cycle(
     rotor: Rotor | DimensionalRotor | RotorSystem,
     *,
-    start: npt.ArrayLike | Start | xr.Dataset = AT_REST,
+    start: Start | SystemStart = AT_REST,
     parameter: Parameter = "omega",
     limits: tuple[float, float],
     direction: Direction = "both",

@@ -80,7 +80,7 @@ def guess_of(rotor: Rotor, start: object, period: object = None) -> Guess:
     only the given period. InputError if it is none of these, or of another rotor.
     """
     if not isinstance(start, xr.Dataset) or _ends_a_run(start):
-        state = np.array(state_of("start", start, loaded=rotor.load > 0.0))
+        state = np.array(state_of("start", start, rotor))
         if period is not None:
             period = check_between("period", period, SHORTEST_PERIOD, LONGEST_PERIOD)
         return Guess(DiscFlow(rotor), state, period)

@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
+from dataclasses import replace
 from typing import Any, Unpack
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Stop, Values
-from rotor_ida.checks import AT_REST, State, check_instance, shown
+from rotor_ida.arrays import Stop, Values, Watch
+from rotor_ida.checks import AT_REST, State, check_instance, check_progress, shown
 from rotor_ida.cycles.dataset import cycle_dataset
 from rotor_ida.cycles.guess import HOPF, Guess, guess_of, guess_of_system
 from rotor_ida.cycles.multipliers import is_stable
@@ -25,16 +25,18 @@ from rotor_ida.model.rotor_system import (
     changed_system,
     refuse_first,
 )
-from rotor_ida.parallel import interruptible
+from rotor_ida.parallel import Progress, interruptible, percentage, shows_progress
 from rotor_ida.results.in_si import takes_si
 from rotor_ida.simulation.flow import DiscFlow, Flow
 from rotor_ida.simulation.options import Options, check_can_be_followed
+from rotor_ida.simulation.starts import Start
 from rotor_ida.simulation.system_flow import SystemFlow
 from rotor_ida.steady.follow import FAILED, follow_to_steady_state
+from rotor_ida.steady.follow import longest_time as longest_of_disc
 from rotor_ida.steady.response import BOUNCING, FULL_CONTACT, ROLLING, UNRESOLVED
-from rotor_ida.steady.system_motion import settle
+from rotor_ida.steady.system_motion import longest_time, settle
 from rotor_ida.systems.joined import KINDS
-from rotor_ida.systems.starts import Start
+from rotor_ida.systems.starts import Start as SystemStart
 
 NOT_FOUND = "not_found"
 # The rotor is followed to its cycle with the default tolerance of a sweep; Newton's method then
@@ -60,13 +62,15 @@ REVOLUTIONS = 128
 COME_BACK = 1e-6
 
 
+@shows_progress
 def limit_cycle(
     rotor: Rotor | DimensionalRotor | RotorSystem,
     *,
-    start: npt.ArrayLike | Start | xr.Dataset = AT_REST,
+    start: Start | SystemStart = AT_REST,
     period: float | None = None,
     speed: float | None = None,
     modes: int | None = None,
+    progress: Progress | bool | None = None,
     **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
     """Compute the limit cycle to which a start leads, or which lies near a guess.
@@ -91,6 +95,9 @@ def limit_cycle(
         Spin speed of a `RotorSystem`, not 0; by default that of the start.
     modes : int, optional
         Of a `RotorSystem`, as in `simulate`.
+    progress : callable or bool, optional
+        Called from time to time with the percentage of the longest time for which the rotor is
+        followed, and 100; True shows a bar on standard error.
     contacts, unbalance, supports, gravity, static_force : optional
         In place of those of a `RotorSystem`, as in `simulate`.
 
@@ -169,20 +176,22 @@ def limit_cycle(
     """
     if not isinstance(rotor, RotorSystem):
         disc = one_disc(limit_cycle, rotor, {"speed": speed, "modes": modes, **changed})
-        return _of_disc(disc, start=start, period=period)
+        return _of_disc(disc, start=start, period=period, progress=progress)
     system = changed_system(limit_cycle, rotor, changed)
-    return _near_guess(guess_of_system(system, begun(start), speed, period, modes))
+    return _near_guess(guess_of_system(system, begun(start), speed, period, modes), progress)
 
 
 @takes_si
-def _of_disc(rotor: Rotor, *, start: object, period: float | None) -> xr.Dataset:
+def _of_disc(
+    rotor: Rotor, *, start: object, period: float | None, progress: Progress | bool | None
+) -> xr.Dataset:
     check_turns_and_settles(check_instance("rotor", rotor, Rotor))
     guess = guess_of(rotor, start, period)
     check_revolutions(guess)
     check_can_be_followed(rotor, _numbers(guess.state), settling=True)
     if guess.rotor != rotor:
         guess = Guess(DiscFlow(rotor), guess.state, guess.period)
-    return _near_guess(guess)
+    return _near_guess(guess, progress)
 
 
 def one_disc(
@@ -255,17 +264,32 @@ def cycle_from(guess: Guess) -> Orbit:
     return cycle
 
 
-def _near_guess(guess: Guess) -> xr.Dataset:
+def _near_guess(guess: Guess, progress: Progress | bool | None) -> xr.Dataset:
     """Return the cycle to which a guess leads, or the response found instead, as a dataset."""
     if guess.special == HOPF:
         raise InputError(
             f"start must be a limit cycle, got a point of kind {HOPF}: continue_cycle follows what "
             "begins there"
         )
-    return interruptible(lambda stop: cycle_dataset(guess, *found_cycle(guess, stop)))
+    reports, watch = check_progress(progress), list[Callable[[], float]]()
+    told = percentage(reports, watch, _longest_time(guess.flow))
+    found = interruptible(
+        lambda stop: cycle_dataset(guess, *found_cycle(guess, stop, watch)), told=told
+    )
+    if reports is not None:
+        reports(100, 100)
+    return found
 
 
-def found_cycle(guess: Guess, stop: Stop) -> tuple[Orbit | None, str]:
+def _longest_time(flow: Flow) -> float:
+    """Return the longest time for which a rotor is followed to its cycle."""
+    if isinstance(flow, SystemFlow):
+        return longest_time(flow)
+    assert isinstance(flow, DiscFlow)
+    return longest_of_disc(flow.rotor)
+
+
+def found_cycle(guess: Guess, stop: Stop, watch: Watch | None = None) -> tuple[Orbit | None, str]:
     """Return the limit cycle to which a guess leads, or None, and the kind of response.
 
     SimulationError if Newton's method does not converge from a cycle that was simulated or given.
@@ -277,7 +301,7 @@ def found_cycle(guess: Guess, stop: Stop) -> tuple[Orbit | None, str]:
         near = _near(flow, state, _time_of_return(flow, state)) if is_disc else None
         if near is not None:
             return near, near.response
-        kind, state, period = _settled(flow, state)
+        kind, state, period = _settled(flow, state, watch)
         if kind == UNRESOLVED and is_disc and flow.period is not None:
             near = _of_many_revolutions(flow, state)
             return near, NOT_FOUND if near is None else near.response
@@ -287,16 +311,18 @@ def found_cycle(guess: Guess, stop: Stop) -> tuple[Orbit | None, str]:
     return cycle, cycle.response
 
 
-def _settled(flow: Flow, state: Values) -> tuple[str, Values, float | None]:
+def _settled(flow: Flow, state: Values, watch: Watch | None) -> tuple[str, Values, float | None]:
     """Return the response to which a state leads, the state there, and the period of a cycle."""
     if isinstance(flow, SystemFlow):
-        settled = settle(flow.but(rtol=STEADY_STATE_RTOL), state)
+        settled = settle(replace(flow.but(rtol=STEADY_STATE_RTOL), watch=watch), state)
         decision = settled.decision
         is_cycle = decision.kind in (BOUNCING, FULL_CONTACT, ROLLING)
         return decision.kind, settled.state, decision.period if is_cycle else None
     assert isinstance(flow, DiscFlow)
     options = Options(method="taylor", rtol=STEADY_STATE_RTOL)
-    found = follow_to_steady_state(flow.rotor, _numbers(state), options, stop=flow.stop)
+    found = follow_to_steady_state(
+        flow.rotor, _numbers(state), options, stop=flow.stop, watch=watch
+    )
     if found.response == FAILED:
         raise SimulationError(found.message)
     period = found.features.period

@@ -337,7 +337,7 @@ def machine_of(given: object) -> Rotor | DimensionalRotor:
 def _checked(given: Mapping[str, Any]) -> Question:
     machine = machine_of(given["machine"])
     rotor = machine if isinstance(machine, Rotor) else machine.rotor()
-    from rotor_ida.closed_forms.rest import hanging  # noqa: PLC0415 - heavy, and not for --help
+    from rotor_ida.model.disc_starts import hanging  # noqa: PLC0415 - heavy, and not for --help
 
     start = hanging(rotor) if given["start"] is None else check_state("start", given["start"])
     check_can_be_followed(rotor, start)

@@ -18,6 +18,7 @@ References
 
 from __future__ import annotations
 
+import math
 from typing import Any
 
 import numpy as np
@@ -79,6 +80,20 @@ def contact_force(
     array([0., 1.])
     """
     return indentation(radius, delta0) ** exponent
+
+
+def force_at_depth(depth: float, exponent: float) -> tuple[float, float]:
+    """Return the force of a contact and its slope at one indentation [1].
+
+    Examples
+    --------
+    >>> force_at_depth(4.0, 1.5)
+    (8.0, 3.0)
+    """
+    if exponent == HERTZ_EXPONENT:
+        root = math.sqrt(depth)
+        return depth * root, HERTZ_EXPONENT * root
+    return depth, 1.0
 
 
 def contact_stiffness(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:

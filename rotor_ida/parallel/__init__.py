@@ -6,7 +6,7 @@ their number. If a job fails or the user interrupts, the rest are cancelled at o
 
 from rotor_ida.arrays import Stop
 from rotor_ida.parallel.executors import Workers, choose, count_workers, run_all
-from rotor_ida.parallel.interruptible import interruptible
+from rotor_ida.parallel.interruptible import interruptible, percentage
 from rotor_ida.parallel.jobs import FailedJob, Progress, shows_progress
 
 __all__ = [
@@ -17,6 +17,7 @@ __all__ = [
     "choose",
     "count_workers",
     "interruptible",
+    "percentage",
     "run_all",
     "shows_progress",
 ]

@@ -8,11 +8,24 @@ from concurrent.futures import Future, wait
 
 import numpy as np
 
-from rotor_ida.arrays import Stop
-from rotor_ida.parallel.jobs import Result
+from rotor_ida.arrays import Stop, Watch
+from rotor_ida.parallel.jobs import Progress, Result
 
 # Interval between progress reports [s].
 TOLD_EVERY = 0.2
+
+
+def percentage(progress: Progress | None, watch: Watch, whole: float) -> Callable[[], None] | None:
+    """Return what reports the percentage of a time that runs have reached, if that is asked for.
+
+    Examples
+    --------
+    >>> percentage(lambda done, total: print(done, "of", total), [lambda: 2.0, lambda: 1.0], 4.0)()
+    75 of 100
+    """
+    if progress is None:
+        return None
+    return lambda: progress(min(int(100.0 * sum(done() for done in watch) / whole), 100), 100)
 
 
 def interruptible(

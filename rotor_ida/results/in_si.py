@@ -215,7 +215,8 @@ def _plain(machine: DimensionalRotor, name: str, value: Any) -> Any:
     """Return an argument without dimensions; a word, a count or a wrong value as it is."""
     if name in {"start", "starts"} and isinstance(value, xr.Dataset):
         return rescaled(value, machine)
-    if isinstance(value, (list, tuple)) and any(isinstance(each, xr.Dataset) for each in value):
+    apart = name == "starts" and isinstance(value, (list, tuple))
+    if apart and any(isinstance(each, xr.Dataset | str) for each in value):
         return [_plain(machine, "start", each) for each in value]
     units = (unit_of_parameter(name),) if name in OF_MACHINE else UNITS_OF_ARGUMENTS.get(name)
     is_count = name in {"samples", "starts"} and _is_number(value)

@@ -21,7 +21,6 @@ the reference cases.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -77,11 +76,6 @@ class EventErrors:
 
     event_time_errors: Values
     horizon: float
-
-
-def tell_half(progress: Callable[[int, int], None], watch: Watch, end: float) -> None:
-    """Tell the percentage completed of a run that is followed by a second one for its errors."""
-    progress(int(50.0 * sum(done() for done in watch) / end), 100)
 
 
 def estimate_event_errors(

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import Stop, Values
+from rotor_ida.arrays import Stop, Values, Watch
 from rotor_ida.checks import MOST_NUMBERS, State
 from rotor_ida.core.interface import DONE, message_of
 from rotor_ida.core.runs import RunRequest, follow_run
@@ -47,7 +47,9 @@ class Extrema:
     states: Values
 
 
-def radius_extrema(rotor: Rotor, start: State, duration: float, rtol: float, stop: Stop) -> Extrema:
+def radius_extrema(
+    rotor: Rotor, start: State, duration: float, rtol: float, stop: Stop, watch: Watch | None = None
+) -> Extrema:
     """Return the extrema of the radius from `start`, given on the rotating axes.
 
     If the radius is constant, return one row with its mean. Raise `SimulationError` if the
@@ -57,7 +59,7 @@ def radius_extrema(rotor: Rotor, start: State, duration: float, rtol: float, sto
     result = follow_run(
         RunRequest(
             rotor=rotor, start=start, duration=duration, rtol=rtol, atol=ATOL * rtol,
-            sample_times=times, extrema=True, stop=stop,
+            sample_times=times, extrema=True, stop=stop, watch=watch,
         )
     )  # fmt: skip
     if result.status != DONE:

@@ -6,7 +6,6 @@ import math
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
@@ -33,7 +32,7 @@ from rotor_ida.results.run import parameter_coordinates
 from rotor_ida.schema import Column, labelled_dataset
 from rotor_ida.simulation.flow import ATOL
 from rotor_ida.simulation.options import check_can_be_followed, check_rtol
-from rotor_ida.simulation.starts import state_of
+from rotor_ida.simulation.starts import Start, state_of
 
 MethodOfTangents = Literal["taylor", "adams", "bdf"]
 METHODS_OF_TANGENTS: tuple[MethodOfTangents, ...] = ("taylor", "adams", "bdf")
@@ -58,7 +57,7 @@ LONGEST = SPAN * MOST_NUMBERS
 def lyapunov_exponent(
     rotor: Rotor,
     *,
-    start: npt.ArrayLike | xr.Dataset = AT_REST,
+    start: Start = AT_REST,
     transient: float = 500.0,
     duration: float = 5000.0,
     batches: int = BATCHES,
@@ -71,9 +70,9 @@ def lyapunov_exponent(
     ----------
     rotor : Rotor or DimensionalRotor
         The rotor. For a `DimensionalRotor` numbers with a unit are in SI units, as for `simulate`.
-    start : array_like, shape (4,), or Dataset
-        ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis. Or a result that ends in a
-        state, as for `rotor_ida.simulate`.
+    start : array_like, shape (4,), "settled", "rest" or Dataset
+        ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis. Or a word, or a result that
+        ends in a state, as for `rotor_ida.simulate`.
     transient : float
         Time to settle before averaging [1], at most 5 million; the tangent vectors align in it
         too.
@@ -150,7 +149,7 @@ def lyapunov_exponent(
     array([-0.07, -0.07, -0.07, -0.07])
     """
     check_instance("rotor", rotor, Rotor)
-    first = state_of("start", start, loaded=rotor.load > 0.0)
+    first = state_of("start", start, rotor)
     check_can_be_followed(rotor, first)
     lead = check_positive("transient", transient, LONGEST)
     length = check_positive("duration", duration, LONGEST)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 
 import numpy as np
 import numpy.typing as npt
@@ -27,10 +26,10 @@ from rotor_ida.checks import (
 )
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Progress, Stop, interruptible, shows_progress
+from rotor_ida.parallel import Progress, Stop, interruptible, percentage, shows_progress
 from rotor_ida.results.in_si import takes_si
 from rotor_ida.simulation.dataset import run_dataset
-from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors, tell_half
+from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors
 from rotor_ida.simulation.options import (
     LARGEST,
     Backend,
@@ -43,7 +42,7 @@ from rotor_ida.simulation.run import run
 from rotor_ida.simulation.sampling import FEWEST, sample_times
 from rotor_ida.simulation.simulate import END_SLACK, MOST_SLACK
 from rotor_ida.simulation.spin import SpeedProfile, driven, through
-from rotor_ida.simulation.starts import state_of
+from rotor_ida.simulation.starts import Start, state_of
 
 # The disc is often 10^5 eccentricities wide, and its inertia grows with the square of that.
 SMALLEST_DRIVE, LARGEST_DRIVE = 1e-12, 1e15
@@ -79,7 +78,7 @@ class _SpeedChange:
 def run_up(
     rotor: Rotor,
     *,
-    start: npt.ArrayLike | xr.Dataset = AT_REST,
+    start: Start = AT_REST,
     to: float | None = None,
     rate: float | None = None,
     ramp_time: float | None = None,
@@ -106,9 +105,10 @@ def run_up(
         The rotor. Its ``omega`` or ``speed`` is that at time 0, when the unbalance points along x.
         For a `DimensionalRotor` numbers with a unit are in SI units, as for `simulate`: speeds in
         rad/s, the torque in N m and N m s, the inertia in kg m^2.
-    start : array_like, shape (4,), or Dataset
+    start : array_like, shape (4,), "settled", "rest" or Dataset
         ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis, from which a load drops it.
-        `rotor_ida.rest` gives the place where a load holds the rotor. A result that ends in a state
+        ``"rest"`` is where a load holds the rotor, ``"settled"`` the steady whirl without contact,
+        around the place where the shaft holds the load. A result that ends in a state
         is continued, with the unbalance along x again: a run, a limit cycle, or one point of a
         sweep or of many run-ups.
     to : float
@@ -191,7 +191,6 @@ def run_up(
     """
     check_instance("rotor", rotor, Rotor)
     progress = check_progress(progress)
-    first = state_of("start", start, loaded=rotor.load > 0.0)
     options = Options(rtol=rtol, atol=atol, method=method, backend=backend)
     if ramp_time is not None:
         rate = _rate_of(rotor, to, rate, ramp_time)
@@ -199,6 +198,7 @@ def run_up(
     change = _speed_change_of(
         rotor, {name: each for name, each in given.items() if each is not None}, duration, options
     )
+    first = state_of("start", start, change.rotor)
     check_can_be_followed(change.rotor, first)
     end = change.profile.ends[-1]
     slack = min(END_SLACK * options.rtol, MOST_SLACK) * end
@@ -219,8 +219,7 @@ def run_up(
         orbit = sampled(samples, fastest, stop)
         return orbit, estimate_event_errors(orbit, first, slack=slack, stop=stop, watch=watch)
 
-    told = None if progress is None else partial(tell_half, progress, watch, end)
-    orbit, errors = interruptible(run_twice, told=told)
+    orbit, errors = interruptible(run_twice, told=percentage(progress, watch, 2.0 * end))
     if progress is not None:
         progress(100, 100)
     return run_dataset(orbit, first, errors, change.changes)

@@ -6,10 +6,9 @@ import math
 from typing import Literal
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import Values, Watch
 from rotor_ida.checks import (
     AT_REST,
     State,
@@ -18,11 +17,12 @@ from rotor_ida.checks import (
     check_duration,
     check_instance,
     check_nonnegative,
+    check_progress,
 )
 from rotor_ida.errors import InputError
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Stop, interruptible
+from rotor_ida.parallel import Progress, Stop, interruptible, percentage, shows_progress
 from rotor_ida.results.in_si import takes_si
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.run import parameter_coordinates
@@ -31,7 +31,7 @@ from rotor_ida.simulation.extrema import MAXIMUM, check_knots, radius_extrema
 from rotor_ida.simulation.options import Method, Options, check_can_be_followed
 from rotor_ida.simulation.orbit import ENTRY, EXIT, REVERSE, ROLL, SLIP
 from rotor_ida.simulation.run import run
-from rotor_ida.simulation.starts import state_of
+from rotor_ida.simulation.starts import Start, state_of
 
 At = Literal["revolution", "entry", "exit", "peak", "roll", "slip", "reverse"]
 
@@ -43,10 +43,11 @@ NAMES = ("rotating_x", "rotating_y", "rotating_vx", "rotating_vy")
 
 
 @takes_si
+@shows_progress
 def poincare_section(
     rotor: Rotor,
     *,
-    start: npt.ArrayLike | xr.Dataset = AT_REST,
+    start: Start = AT_REST,
     revolutions: int,
     skip: int = 0,
     at: At = "revolution",
@@ -54,6 +55,7 @@ def poincare_section(
     rtol: float = 1e-10,
     atol: float = 1e-12,
     method: Method = "adams",
+    progress: Progress | bool | None = None,
 ) -> xr.Dataset:
     """Return the states at which a motion crosses a section, in the rotating frame.
 
@@ -62,9 +64,9 @@ def poincare_section(
     rotor : Rotor or DimensionalRotor
         The rotor, with a speed above 0. For a `DimensionalRotor` numbers with a unit are in SI
         units, as for `simulate`.
-    start : array_like, shape (4,), or Dataset
-        ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis. Or a result that ends in a
-        state, as for `rotor_ida.simulate`.
+    start : array_like, shape (4,), "settled", "rest" or Dataset
+        ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis. Or a word, or a result that
+        ends in a state, as for `rotor_ida.simulate`.
     revolutions : int
         Number of revolutions in the section, at most 10 million.
     skip : int
@@ -80,6 +82,8 @@ def poincare_section(
         Relative and absolute tolerance [1].
     method : {"adams", "bdf", "ida", "taylor"}
         Solver of the contacts, as for `rotor_ida.simulate`. Peaks are found by Taylor series.
+    progress : callable or bool, optional
+        As for `rotor_ida.simulate`.
 
     Returns
     -------
@@ -120,7 +124,8 @@ def poincare_section(
     array([-1.40959, -1.40959, -1.40959, -1.40959])
     """
     check_instance("rotor", rotor, Rotor)
-    first = state_of("start", start, loaded=rotor.load > 0.0)
+    progress = check_progress(progress)
+    first = state_of("start", start, rotor)
     check_can_be_followed(rotor, first)
     if rotor.omega == 0.0:
         raise InputError(
@@ -146,15 +151,21 @@ def poincare_section(
     if at == "peak":
         check_knots("the time of revolutions", rotor, count * period)
 
+    watch: Watch = []
+
     def follow(stop: Stop) -> tuple[Values, Values]:
         state = first
         if left_out:
-            end = run(rotor, first, left_out * period, np.empty(0), options, stop=stop).end
+            lead = left_out * period
+            end = run(rotor, first, lead, np.empty(0), options, stop=stop, watch=watch).end
             x, y, vx, vy = rotated(end, -rotor.omega * left_out * period).tolist()
             state = (x, y, vx, vy)
-        return _crossings(rotor, state, count, at, float(phase), options, stop)
+        return _crossings(rotor, state, count, at, float(phase), options, stop, watch)
 
-    times, states = interruptible(follow)
+    told = percentage(progress, watch, (left_out + count) * period)
+    times, states = interruptible(follow, told=told)
+    if progress is not None:
+        progress(100, 100)
     columns: dict[str, Column] = {"crossing_time": ("crossing", left_out * period + times)}
     columns |= {
         name: ("crossing", np.ascontiguousarray(column))
@@ -172,22 +183,29 @@ def poincare_section(
 
 
 def _crossings(
-    rotor: Rotor, start: State, count: int, at: str, phase: float, options: Options, stop: Stop
+    rotor: Rotor,
+    start: State,
+    count: int,
+    at: str,
+    phase: float,
+    options: Options,
+    stop: Stop,
+    watch: Watch,
 ) -> tuple[Values, Values]:
     """Return the times of the crossings after `start`, and the states in the rotating frame."""
     period = 2.0 * math.pi / rotor.omega
     duration = count * period
     if at == "peak":
-        extrema = radius_extrema(rotor, start, duration, options.step_rtol, stop)
+        extrema = radius_extrema(rotor, start, duration, options.step_rtol, stop, watch)
         chosen = extrema.kinds == MAXIMUM
         return extrema.times[chosen], extrema.states[chosen]
     if at == "revolution":
         passed = count if phase else count + 1
         times = np.minimum(period * np.arange(passed) + phase / rotor.omega, duration)
-        orbit = run(rotor, start, duration, times, options, stop=stop)
+        orbit = run(rotor, start, duration, times, options, stop=stop, watch=watch)
         # turning by whole revolutions would only add rounding
         return times, rotated(orbit.states, np.float64(-phase)) if phase else orbit.states
-    orbit = run(rotor, start, duration, np.empty(0), options, stop=stop)
+    orbit = run(rotor, start, duration, np.empty(0), options, stop=stop, watch=watch)
     chosen = orbit.event_kinds == EVENTS[at]
     times = orbit.event_times[chosen]
     return times, rotated(orbit.event_states[chosen], -rotor.omega * times)

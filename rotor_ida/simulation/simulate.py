@@ -2,23 +2,21 @@
 
 from __future__ import annotations
 
-from functools import partial
-
 import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Watch
 from rotor_ida.checks import AT_REST, check_duration, check_instance, check_progress
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Progress, Stop, interruptible, shows_progress
+from rotor_ida.parallel import Progress, Stop, interruptible, percentage, shows_progress
 from rotor_ida.results.in_si import takes_si
 from rotor_ida.simulation.dataset import run_dataset
-from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors, tell_half
+from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors
 from rotor_ida.simulation.options import Backend, Flight, Method, Options, check_can_be_followed
 from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.run import run
 from rotor_ida.simulation.sampling import sample_times
-from rotor_ida.simulation.starts import state_of
+from rotor_ida.simulation.starts import Start, state_of
 
 # An event this many tolerances after the end of a run counts as part of the run.
 END_SLACK = 100.0
@@ -32,7 +30,7 @@ SOON_PASSED = 1e4
 def simulate(
     rotor: Rotor,
     *,
-    start: npt.ArrayLike | xr.Dataset = AT_REST,
+    start: Start = AT_REST,
     duration: float,
     samples: int | npt.ArrayLike | None = None,
     rtol: float = 1e-10,
@@ -50,9 +48,10 @@ def simulate(
         The rotor. For a `DimensionalRotor` all numbers with a unit, given or returned, are in SI
         units, also in attributes and messages. Tolerances, and coordinates named ``omega``,
         ``zeta`` and so on, stay dimensionless.
-    start : array_like, shape (4,), or Dataset
+    start : array_like, shape (4,), "settled", "rest" or Dataset
         ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis, from which a load drops it.
-        `rotor_ida.rest` gives the place where a load holds the rotor. A result that ends in a state
+        ``"rest"`` is where a load holds the rotor, ``"settled"`` the steady whirl without contact,
+        around the place where the shaft holds the load. A result that ends in a state
         is continued, with the unbalance along x again: a run, a limit cycle, or one point of a
         sweep or of many run-ups.
     duration : float
@@ -128,7 +127,7 @@ def simulate(
     """
     check_instance("rotor", rotor, Rotor)
     progress = check_progress(progress)
-    first = state_of("start", start, loaded=rotor.load > 0.0)
+    first = state_of("start", start, rotor)
     check_can_be_followed(rotor, first)
     end = check_duration("duration", duration, rotor.omega)
     times = sample_times(samples, end, rotor, rotor.omega)
@@ -146,8 +145,7 @@ def simulate(
     if options.method == "taylor" and rate * end + times.size <= SOON_PASSED:
         orbit, errors = run_twice()
     else:
-        told = None if progress is None else partial(tell_half, progress, watch, end)
-        orbit, errors = interruptible(run_twice, told=told)
+        orbit, errors = interruptible(run_twice, told=percentage(progress, watch, 2.0 * end))
     if progress is not None:
         progress(100, 100)
     return run_dataset(orbit, first, errors)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -13,6 +14,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import (
     COMPONENTS,
     State,
+    check_choice,
     check_state,
     check_states,
     check_vector,
@@ -20,26 +22,36 @@ from rotor_ida.checks import (
     listed,
 )
 from rotor_ida.errors import InputError
+from rotor_ida.model.disc_starts import begun
+from rotor_ida.model.rotor import Rotor
+from rotor_ida.model.system_parts import STARTS
 from rotor_ida.results.kinds import KINDS, kind_of
 from rotor_ida.results.si_units import dimensionless
 from rotor_ida.simulation.options import LARGEST
 
 # Several starts: rows of states, results that end in one, or one such result.
 Starts = npt.ArrayLike | xr.Dataset | Sequence[npt.ArrayLike | xr.Dataset]
+# One start, as functions take it: a state, a word, or a result that ends in a state.
+Start = npt.ArrayLike | Literal["settled", "rest"] | xr.Dataset
+# A start of any rotor: a state, or the word for one that depends on the rotor.
+GivenStart = State | str
 # Under a load the unbalance must be where it is at time 0, to this part of a radian.
 IN_STEP = 1e-6
 
 
-def state_of(name: str, start: object, *, loaded: bool = False) -> State:
-    """Return a start, ``(x, y, vx, vy)`` with the unbalance along x, or raise `InputError`.
+def state_of(name: str, start: object, rotor: Rotor) -> State:
+    """Return a start of a rotor, ``(x, y, vx, vy)`` with the unbalance along x.
+
+    Raise `InputError` if there is none.
 
     Parameters
     ----------
     name : str
         The argument, for messages.
-    start : array_like, shape (4,), or Dataset
-        The state; or a result that ends in one: a run or run-up, one point of a sweep or of many
-        run-ups, a limit cycle, or one point of a branch.
+    start : array_like, shape (4,), "settled", "rest" or Dataset
+        The state; a word, as `rotor_ida.model.disc_starts` states it; or a result that ends in
+        one: a run or run-up, one point of a sweep or of many run-ups, a limit cycle, or one point
+        of a branch.
 
     Notes
     -----
@@ -51,10 +63,17 @@ def state_of(name: str, start: object, *, loaded: bool = False) -> State:
     >>> from rotor_ida import Rotor, simulate
     >>> rotor = Rotor(omega=2.0, zeta=0.1, delta0=3.0)
     >>> run = simulate(rotor, start=(0, 0, 0, 0), duration=math.pi / 2.0)
-    >>> x, y, vx, vy = state_of("start", run)
+    >>> x, y, vx, vy = state_of("start", run, rotor)
     >>> abs(x + run.x[-1].item()) < 1e-12, abs(vy + run.vy[-1].item()) < 1e-12
     (True, True)
     """
+    return begun(given_start(name, start, loaded=rotor.load > 0.0), rotor)
+
+
+def given_start(name: str, start: object, *, loaded: bool) -> GivenStart:
+    """Return a start as `state_of` takes it, as a state or a word, or raise `InputError`."""
+    if isinstance(start, str):
+        return str(check_choice(name, start, STARTS))
     if not isinstance(start, xr.Dataset):
         return check_state(name, start)
     found = dimensionless(start)
@@ -97,13 +116,15 @@ def _angle_in(name: str, found: xr.Dataset, prefix: str, last: int, *, loaded: b
     return angle
 
 
-def states_of(name: str, starts: object, *, loaded: bool = False) -> list[State]:
-    """Return starts, each as for `state_of`; a result alone is one start."""
-    if isinstance(starts, xr.Dataset):
-        return [state_of(name, starts, loaded=loaded)]
-    if isinstance(starts, list | tuple) and any(isinstance(each, xr.Dataset) for each in starts):
-        return [state_of("start", each, loaded=loaded) for each in starts]
-    return check_states(name, starts)
+def states_of(name: str, starts: object, *, loaded: bool = False) -> list[GivenStart]:
+    """Return starts, each as for `given_start`; a result or a word alone is one start."""
+    if isinstance(starts, xr.Dataset | str):
+        return [given_start(name, starts, loaded=loaded)]
+    if isinstance(starts, list | tuple) and any(
+        isinstance(each, xr.Dataset | str) for each in starts
+    ):
+        return [given_start("start", each, loaded=loaded) for each in starts]
+    return [*check_states(name, starts)]
 
 
 def drawn_from(box: Values, seed: int, first: int, last: int) -> Values:

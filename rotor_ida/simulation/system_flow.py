@@ -15,7 +15,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from rotor_ida.arrays import ComplexValues, Flags, Stop, Values
+from rotor_ida.arrays import ComplexValues, Flags, Stop, Values, Watch
 from rotor_ida.checks import shown
 from rotor_ida.core.runs import NO_EXTREMA
 from rotor_ida.core.systems import SystemRequest, SystemResult
@@ -123,6 +123,8 @@ class SystemFlow:
         Scales of a state.
     stop : ndarray, shape (1,)
         Ends a run as soon as it is not 0.
+    watch : list of callable, optional
+        Receives functions that return the times reached by runs.
     """
 
     problem: SettlingProblem
@@ -130,6 +132,7 @@ class SystemFlow:
     request: SystemRequest
     scales: Values
     stop: Stop
+    watch: Watch | None = None
 
     @classmethod
     def at(cls, problem: SettlingProblem, speed: float, stop: Stop) -> SystemFlow:
@@ -233,7 +236,7 @@ class SystemFlow:
             raise SimulationError(f"speed falls to {speed:.3g}")
         problem = self.problem if rtol is None else replace(self.problem, rtol=rtol)
         own = SystemFlow.at(problem, speed, self.stop if stop is None else stop)
-        return replace(own, scales=self.scales)
+        return replace(own, scales=self.scales, watch=self.watch)
 
     def states(self, state: Values, times: Values) -> Values:
         """Return the states at times; those of races are not sampled."""
@@ -293,7 +296,7 @@ class SystemFlow:
             duration=end, pieces=steady(self.speed, end).pieces(), only_events=only_events,
             columns=columns,
         )  # fmt: skip
-        return follow_system_again(request, self.stop)
+        return follow_system_again(request, self.stop, self.watch)
 
     def end_of(self, run: SystemResult) -> Values:
         """Return the state at the end of a run, with the axes turned back."""

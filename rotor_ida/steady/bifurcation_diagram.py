@@ -6,10 +6,11 @@ the motion settles at each, or on a run-up or run-down at a rate.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Hashable, Iterator, Mapping, Sequence
-from contextlib import closing
+import math
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from functools import partial
-from typing import Any, TypeVar, Unpack
+from typing import Any, NamedTuple, Unpack
 
 import numpy as np
 import numpy.typing as npt
@@ -18,38 +19,62 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import (
     COMPONENTS,
-    State,
     check_between,
     check_count,
-    check_direction,
     check_increasing,
     check_positive,
     check_progress,
     check_seed,
     is_scalar,
 )
-from rotor_ida.errors import InputError, SimulationError
-from rotor_ida.model.parameters import ALL_PARAMETERS, Parameters
+from rotor_ida.errors import InputError
+from rotor_ida.model.parameters import Parameters
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.varied import Varied, varied_of
-from rotor_ida.parallel import FailedJob, Progress, Stop, Workers, choose, run_all, shows_progress
+from rotor_ida.parallel import Progress, Stop, choose, shows_progress
 from rotor_ida.results.in_si import varies_in_si
+from rotor_ida.results.provenance import provenance
+from rotor_ida.results.question import Question
 from rotor_ida.results.rows import counted
-from rotor_ida.schema import STATUS, labelled, spread
-from rotor_ida.simulation.extrema import Extrema, check_knots, radius_extrema
-from rotor_ida.simulation.options import Method, Options, options_of_study
+from rotor_ida.results.studies.results import Folder
+from rotor_ida.schema import RESPONSE, STATUS, labelled, labelled_dataset
+from rotor_ida.simulation.extrema import check_knots, radius_extrema
+from rotor_ida.simulation.options import Method, options_of_study
 from rotor_ida.simulation.run_up import MOST_RADIANS
-from rotor_ida.simulation.starts import Starts, box_of, drawn_from
-from rotor_ida.steady.ramp_extrema import NO_KINDS, NO_VALUES, SpeedBand, ramp_extrema
-from rotor_ida.steady.ramps import DIRECTIONS, Direction
-from rotor_ida.steady.sweep import sweep_varied
+from rotor_ida.simulation.starts import GivenStart, Starts, box_of, drawn_from, states_of
+from rotor_ida.steady.follow import FAILED, SettledResponse
+from rotor_ida.steady.grid import (
+    EXPECTED,
+    Columns,
+    Rows,
+    Task,
+    check_size,
+    form_of,
+    labelled_points,
+    reason_of,
+    run_study,
+    start_coordinates,
+    start_words,
+)
+from rotor_ida.steady.ramp_extrema import ramp_extrema
+from rotor_ida.steady.ramps import Direction, Ramps, in_order, settle_along
+from rotor_ida.steady.sweep import (
+    DiscJob,
+    DiscSettling,
+    check_varied_can_be_followed,
+    with_direction_named,
+)
 
-Result = TypeVar("Result")
-
-# Variables of a sweep that the diagram includes.
-OF_THE_SWEEP = ("response", "radius_min", "radius_max", "status", "message")
 SLOWEST, FASTEST = 1e-12, 1e6
-NO_EXTREMA = Extrema(NO_VALUES, NO_VALUES, NO_KINDS, np.empty((0, 4)))
+# The columns with a number for each point, and those with one for each of its extrema.
+POINT = np.dtype(
+    [
+        ("response", np.int8), ("radius_min", np.float64), ("radius_max", np.float64),
+        ("status", np.int8), ("event_count", np.int64),
+    ]
+)  # fmt: skip
+EXTREMUM = np.dtype([("extremum_radius", np.float64), ("extremum_kind", np.int8)])
+EXTREMUM_AT_A_RATE = np.dtype([*EXTREMUM.descr, ("extremum_speed", np.float64)])
 
 
 @varies_in_si
@@ -72,6 +97,7 @@ def bifurcation_diagram(
     method: Method | None = None,
     workers: int | None = None,
     executor: str = "auto",
+    study: Folder | None = None,
     progress: Progress | bool | None = None,
     **varied: Unpack[Parameters],
 ) -> xr.Dataset:
@@ -84,9 +110,9 @@ def bifurcation_diagram(
     x, y, vx, vy : float or array_like, shape (2,)
         Components of random starts [1]: numbers, or ranges ``(low, high)`` from which they are
         drawn independently and uniformly, as for `rotor_ida.basin_fractions`.
-    starts : int, array_like of shape (n, 4), Dataset, or sequence of these
+    starts : int, array_like of shape (n, 4), "settled", "rest", Dataset, or sequence of these
         Number of random starts, or the starts ``(x, y, vx, vy)`` themselves [1], the same at each
-        speed; or results that end in one.
+        speed; words for those at each speed; or results that end in one.
     seed : int
         Seed of the random starts.
     extrema_time : float
@@ -109,6 +135,8 @@ def bifurcation_diagram(
         are found by Taylor series.
     workers, executor
         As for `rotor_ida.sweep`: by default all cores, for the motions and for their extrema.
+    study : path-like, optional
+        Folder in which points are stored as they are done, as for `rotor_ida.sweep`.
     progress : callable or bool, optional
         Called with the number of points done and their total; True shows a bar on standard error.
     **varied : float or array_like, shape (n,)
@@ -162,36 +190,55 @@ def bifurcation_diagram(
     """
     window, seed = check_positive("extrema_time", extrema_time), check_seed(seed)
     asked = varied_of(bifurcation_diagram, rotor, varied)
-    speeds = asked.axes["omega"]
     _check_settles(asked, window)
-    way = check_direction(direction, along, asked.axes)
-    slope = None if rate is None else _checked_rate(rate, way, speeds)
-    attributes = {
-        "title": "Extrema of the radius over a range of speeds",
-        "result_kind": "bifurcation_diagram",
-        "extrema_time": window,
-    }
-    if not isinstance(starts, xr.Dataset | list | tuple) and is_scalar("starts", starts):
+    drawn: dict[str, Any] = {}
+    chosen_starts: Any = starts
+    if not isinstance(starts, xr.Dataset | list | tuple | str) and is_scalar("starts", starts):
         count = check_count("starts", starts)
         box = box_of({"x": x, "y": y, "vx": vx, "vy": vy}, count)
-        starts = drawn_from(box, seed, 0, count).T
-        attributes |= {"seed": seed}
-        attributes |= {f"range_{name}": ends for name, ends in zip(COMPONENTS, box, strict=True)}
+        chosen_starts = drawn_from(box, seed, 0, count).T
+        drawn = dict(zip(COMPONENTS, box, strict=True)) | {"starts": count, "seed": seed}
+    states = states_of("starts", chosen_starts, loaded=bool(asked.values("load").any()))
     options = options_of_study(rtol=rtol, atol=atol, method=method)
     progress = check_progress(progress)
     chosen = choose(executor, workers, compiled=options.backend != "python")
+    asked, way = in_order(asked, len(states), direction, along, "omega")
+    slope = None if rate is None else _checked_rate(rate, way, asked.axes["omega"])
+    check_size(asked, study)
+    check_varied_can_be_followed(asked, states)
+    told = {name: each for name, each in (("along", way), ("rate", slope)) if each}
+    question = Question("bifurcation_diagram", {
+        **asked.design, "starts": states, **drawn, "extrema_time": window, "direction": direction,
+        **told, **{name: getattr(options, name) for name in ("rtol", "atol", "method")},
+    })  # fmt: skip
+    plan: Ramps[Rotor, GivenStart, SettledResponse] = Ramps(
+        asked, states, DiscSettling(options), asked.rotor, asked.dims.index(way or "omega")
+    )
+    how: dict[str, Any] = {"window": window} if slope is None else {"rate": slope}
+    work: Any = partial(_settled if slope is None else _passed, rtol=options.step_rtol, **how)
+    extremum = EXTREMUM if slope is None else EXTREMUM_AT_A_RATE
+    form = form_of("points of a bifurcation diagram", "points", POINT, extremum)
+    task = Task(work, partial(_lost, kind=extremum), _rows_of, form, POINT, extremum)
+    columns = run_study(plan, task, question, study=study, workers=chosen, progress=progress)
+    attributes = provenance(options.attributes()) | told | start_words(states)
+    attributes["extrema_time"] = window
+    if drawn:
+        attributes |= {"seed": seed} | {f"range_{name}": drawn[name] for name in COMPONENTS}
+    diagram = with_direction_named(_diagram_of(asked, states, columns, attributes), way)
+    return diagram if direction else diagram.isel(direction=0, drop=True)
 
-    def settled(speeds: Values, direction: Direction | None) -> xr.Dataset:
-        """Return a sweep over some speeds, without the direction if none is given."""
-        some, over = asked.over(omega=speeds), along if direction else None
-        swept = sweep_varied(some, starts, direction, over, options, chosen, progress=progress)
-        return swept.isel(direction=0, drop=True) if direction is None else swept
 
-    if slope is None:
-        diagram = _with_extrema(settled(speeds, direction), window, options, chosen)
-        return diagram.assign_attrs(attributes)
-    diagram = _at_a_rate(settled, speeds, slope, DIRECTIONS[direction], options, chosen)
-    return diagram.assign_attrs(attributes | {"rate": slope})
+def _diagram_of(
+    varied: Varied, starts: Sequence[GivenStart], columns: Columns, attributes: Mapping[str, Any]
+) -> xr.Dataset:
+    """Return the results of all points, and the table of their extrema, as a dataset."""
+    variables = labelled_points(varied, columns.points)
+    counts = labelled("extremum_count", varied.dims, variables.pop("event_count").values)
+    variables |= counted("extremum_count", counts, "extremum")
+    variables |= {name: labelled(name, "extremum", each) for name, each in columns.events.items()}
+    title = "Extrema of the radius over a range of speeds"
+    coordinates = varied.coordinates | start_coordinates(starts)
+    return labelled_dataset(title, variables, coordinates, attributes, kind="bifurcation_diagram")
 
 
 def _check_settles(varied: Varied, window: float) -> None:
@@ -202,24 +249,6 @@ def _check_settles(varied: Varied, window: float) -> None:
         )
     for speed in varied.axes["omega"].tolist():
         check_knots("extrema_time", Rotor(omega=speed, zeta=0.0, delta0=0.0), window)
-
-
-def _at_a_rate(
-    settled: Callable[[Values, Direction | None], xr.Dataset],
-    speeds: Values,
-    rate: float,
-    ways: Sequence[int],
-    options: Options,
-    workers: Workers,
-) -> xr.Dataset:
-    """Return the diagram of run-ups and run-downs from the motions settled at their first speed."""
-    runs = []
-    for way in ways:
-        passed = speeds[::way]
-        work = partial(ramp_extrema, speeds=passed, rate=rate, rtol=options.step_rtol)
-        after, bands = _followed_on(settled(passed[:1], None), work, workers)
-        runs.append((after, [each and each[::way] for each in bands]))
-    return _joined(runs, speeds, ways)
 
 
 def _checked_rate(rate: object, along: str, speeds: Values) -> float:
@@ -240,124 +269,83 @@ def _checked_rate(rate: object, along: str, speeds: Values) -> float:
     return slope
 
 
-def _followed_on(
-    settled: xr.Dataset, work: Callable[..., Result], workers: Workers
-) -> tuple[xr.Dataset, list[Result | None]]:
-    """Return the sweep, and the result of `work` from the end of each point; None where it failed.
+class _Point(NamedTuple):
+    """The settled motion at one point of a diagram, and the extrema of its radius."""
 
-    A point of the sweep whose motion cannot be continued is marked as failed.
-    """
-    status = settled["status"].values.flatten()  # a copy
-    message = settled["message"].values.ravel().tolist()
-    results: list[Result | None] = [None] * status.size
-    due = np.flatnonzero(status == STATUS["done"])
-    attempt, jobs = partial(_attempt, work=work), _jobs(settled, due)
-    executor, count = workers
-    with closing(run_all(attempt, jobs, workers=count, executor=executor)) as ended:
-        for turn, result in ended:
-            number = int(due[turn])
-            if isinstance(result, FailedJob):
-                status[number], message[number] = STATUS["failed"], result.reason
-            else:
-                results[number] = result
-    dims, shape = settled["status"].dims, settled["status"].shape
-    after = settled.assign(
-        status=labelled("status", dims, status.reshape(shape)),
-        message=labelled("message", dims, np.array(message).reshape(shape)),
-    )
-    return after, results
+    response: int
+    smallest: float
+    largest: float
+    extrema: npt.NDArray[np.void]
+    message: str = ""
+    status: int = STATUS["done"]
 
 
-def _jobs(settled: xr.Dataset, numbers: npt.NDArray[np.intp]) -> Iterator[tuple[Rotor, State]]:
-    """Yield rotor and final state, on the rotating axes, of the points with these numbers."""
-    status = settled["status"]
-    given = spread(settled, ALL_PARAMETERS, status)
-    ends = np.stack([settled[f"end_{name}"].values.ravel() for name in COMPONENTS], axis=-1)
-    for number in numbers.tolist():
-        rotor = Rotor(**{name: float(values.flat[number]) for name, values in given.items()})
-        x, y, vx, vy = ends[number].tolist()
-        yield rotor, (x, y, vx, vy)
+def _settled(ramp: DiscJob, stop: Stop, *, window: float, rtol: float) -> list[_Point]:
+    """Follow one ramp, and find the extrema in a window after the end of each of its points."""
+    points = []
+    for rotor, settled in zip(ramp.points, settle_along(ramp, stop), strict=False):
+        found, message = np.empty(0, EXTREMUM), settled.message
+        failed = settled.response == FAILED
+        if not failed:
+            try:
+                extrema = radius_extrema(rotor, settled.end, window, rtol=rtol, stop=stop)
+                found = _table(EXTREMUM, extrema.radii, extrema.kinds)
+            except EXPECTED as error:
+                failed, message = True, reason_of(error)
+        features = settled.features
+        points.append(_Point(
+            RESPONSE[settled.response], features.radius_min, features.radius_max, found, message,
+            STATUS["failed" if failed else "done"],
+        ))  # fmt: skip
+    return points
 
 
-def _attempt(
-    job: tuple[Rotor, State], stop: Stop, *, work: Callable[..., Result]
-) -> Result | FailedJob:
-    """Return the result for one motion, or the reason why it cannot be continued."""
-    rotor, start = job
-    if stop[0]:
-        return FailedJob("given up")
+def _passed(ramp: DiscJob, stop: Stop, *, rate: float, rtol: float) -> list[_Point]:
+    """Settle at the first speed of a ramp, and pass the others at a rate."""
+    first = settle_along(replace(ramp, points=ramp.points[:1]), stop)
+    if not first:  # stopped
+        return []
+    (settled,) = first
+    if settled.response == FAILED:
+        return _lost(ramp, settled.message, kind=EXTREMUM_AT_A_RATE)
+    speeds = np.array([rotor.omega for rotor in ramp.points])
     try:
-        return work(rotor, start, stop=stop)
-    except SimulationError as error:
-        return FailedJob(str(error))
+        bands = ramp_extrema(
+            ramp.points[0], settled.end, speeds=speeds, rate=rate, rtol=rtol,
+            stop=stop,
+        )  # fmt: skip
+    except EXPECTED as error:
+        return _lost(ramp, reason_of(error), kind=EXTREMUM_AT_A_RATE)
+    return [
+        _Point(
+            band.response, band.smallest, band.largest,
+            _table(EXTREMUM_AT_A_RATE, band.radii, band.kinds, band.speeds), settled.message,
+        )
+        for band in bands
+    ]  # fmt: skip
 
 
-def _with_extrema(
-    settled: xr.Dataset, window: float, options: Options, workers: Workers
-) -> xr.Dataset:
-    """Return the variables of a sweep with the extrema after the end of each point's run."""
-    work = partial(radius_extrema, duration=window, rtol=options.step_rtol)
-    after, results = _followed_on(settled, work, workers)
-    extrema = [each or NO_EXTREMA for each in results]
-    columns: dict[str, Sequence[npt.NDArray[Any]]] = {
-        "extremum_radius": [each.radii for each in extrema],
-        "extremum_kind": [each.kinds for each in extrema],
-    }
-    kept = after[list(OF_THE_SWEEP)].copy(deep=True)
-    return kept.assign(_extremum_table(columns, kept["status"].dims, kept["status"].shape))
+def _lost(ramp: DiscJob, reason: str, *, kind: np.dtype[np.void]) -> list[_Point]:
+    """Return the points of a ramp that could not be followed, or whose workers died."""
+    failed = _Point(
+        RESPONSE[FAILED], math.nan, math.nan, np.empty(0, kind), reason, STATUS["failed"]
+    )
+    return [failed] * len(ramp.points)
 
 
-def _extremum_table(
-    columns: Mapping[str, Sequence[npt.NDArray[Any]]],
-    dims: Sequence[Hashable],
-    shape: tuple[int, ...],
-) -> dict[str, xr.Variable]:
-    """Return the extrema of all points, in their order, and how many each has, as variables."""
-    sizes = np.array([part.size for part in columns["extremum_radius"]])
-    counts = labelled("extremum_count", dims, sizes.reshape(shape))
-    return counted("extremum_count", counts, "extremum") | {
-        name: labelled(name, "extremum", np.concatenate(parts)) for name, parts in columns.items()
-    }
+def _table(kind: np.dtype[np.void], *columns: npt.NDArray[Any]) -> npt.NDArray[np.void]:
+    """Return columns as a table."""
+    found = np.empty(columns[0].size, kind)
+    for name, column in zip(kind.names or (), columns, strict=True):
+        found[name] = column
+    return found
 
 
-def _joined(
-    runs: Sequence[tuple[xr.Dataset, list[list[SpeedBand] | None]]],
-    speeds: Values,
-    directions: Sequence[int],
-) -> xr.Dataset:
-    """Return the diagram of runs in each direction, speeds first and directions last.
-
-    Each direction has the sweep of its first speed, and for each of its points the bands by speed.
-    """
-    first = runs[0][0]
-    shape = (speeds.size, *first["status"].shape[1:], len(directions))
-    dims = (*first["status"].dims, "direction")
-    bands = [
-        each[place] if each else SpeedBand()
-        for place in range(speeds.size)
-        for of_point in zip(*(each for _, each in runs), strict=True)
-        for each in of_point
+def _rows_of(points: Sequence[_Point]) -> Rows:
+    """Return points as rows, and the extrema of all."""
+    rows = [
+        (each.response, each.smallest, each.largest, each.status, each.extrema.size)
+        for each in points
     ]
-    points = {
-        "response": np.array([band.response for band in bands], np.int8),
-        "radius_min": np.array([band.smallest for band in bands]),
-        "radius_max": np.array([band.largest for band in bands]),
-    }
-    columns: dict[str, Sequence[npt.NDArray[Any]]] = {
-        "extremum_speed": [band.speeds for band in bands],
-        "extremum_radius": [band.radii for band in bands],
-        "extremum_kind": [band.kinds for band in bands],
-    }
-    per_run = {
-        name: np.broadcast_to(np.stack([swept[name].values for swept, _ in runs], axis=-1), shape)
-        for name in ("status", "message")
-    }
-    diagram = first.drop_vars([*first.data_vars, "omega"]).assign_coords(
-        omega=labelled("omega", "omega", speeds),
-        direction=labelled("direction", "direction", np.array(directions, np.int8)),
-    )
-    return diagram.assign(
-        {name: labelled(name, dims, each.reshape(shape)) for name, each in points.items()}
-        | {name: labelled(name, dims, each.copy()) for name, each in per_run.items()}
-        | _extremum_table(columns, dims, shape)
-    )
+    extrema = np.concatenate([each.extrema for each in points])
+    return Rows(np.array(rows, POINT), [each.message for each in points], extrema)

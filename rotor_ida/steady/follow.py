@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import Stop, Values
+from rotor_ida.arrays import Stop, Values, Watch
 from rotor_ida.checks import State
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.equations import rotated
@@ -139,6 +139,7 @@ class _Trajectory:
     options: Options
     state: State
     stop: Stop
+    watch: Watch | None = None
     time: float = 0.0
     window_start: float = math.nan
     window: Window = field(init=False)  # the last one
@@ -279,7 +280,7 @@ class _Trajectory:
         scale = TIGHTER if self.options.rtol >= TIGHTENED_FROM else 1.0
         orbit = run(
             self.rotor, self.state, duration, times, self.options,
-            scale=scale, extrema=extrema, stop=self.stop,
+            scale=scale, extrema=extrema, stop=self.stop, watch=self.watch,
         )  # fmt: skip
         omega = self.rotor.omega
         self.event_times.append(self.time + orbit.event_times)
@@ -322,6 +323,7 @@ def follow_to_steady_state(
     *,
     longest: float | None = None,
     stop: Stop | None = None,
+    watch: Watch | None = None,
 ) -> SettledResponse:
     """Follow a rotor until the kind of its response is decided, or up to a time limit.
 
@@ -340,11 +342,14 @@ def follow_to_steady_state(
         Time after which no new window begins [1]; default: `longest_time`.
     stop : ndarray, shape (1,), optional
         Ends the run, as failed, as soon as it is not 0.
+    watch : list of callable, optional
+        Receives functions that return the times reached by its runs [1].
     """
     is_exact = options.flight == "exact" and options.backend != "python"
     if is_exact and abs(grazing_distance(rotor)) <= NEARLY_GRAZES:
         options = replace(options, method="taylor")
-    trajectory = _Trajectory(rotor, options, start, np.zeros(1, np.uint8) if stop is None else stop)
+    stop = np.zeros(1, np.uint8) if stop is None else stop
+    trajectory = _Trajectory(rotor, options, start, stop, watch)
     limit = longest_time(rotor) if longest is None else longest
     try:
         decision = decide(trajectory, durations(rotor)[0], limit)

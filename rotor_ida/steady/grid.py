@@ -6,6 +6,7 @@ becomes rows of tables: one for each point, and one for each event on the way to
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
@@ -17,7 +18,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Column
-from rotor_ida.checks import COMPONENTS, MOST_NUMBERS, MOST_POINTS_OF_STUDY, State
+from rotor_ida.checks import AT_REST, COMPONENTS, MOST_NUMBERS, MOST_POINTS_OF_STUDY, State
 from rotor_ida.errors import RotorError, SimulationError
 from rotor_ida.model.varied import Varied
 from rotor_ida.parallel import FailedJob, Progress, Workers, run_all
@@ -26,6 +27,7 @@ from rotor_ida.results.question import Question
 from rotor_ida.results.studies.arrays import scratch
 from rotor_ida.results.studies.results import Folder, Form, Results, open_results
 from rotor_ida.schema import STATUS, labelled
+from rotor_ida.simulation.starts import GivenStart
 
 Array = npt.NDArray[np.generic]
 Table = npt.NDArray[np.void]
@@ -46,10 +48,30 @@ def reason_of(error: Exception) -> str:
     return f"{type(error).__name__}: {error}".rstrip(": ")
 
 
-def start_coordinates(starts: Sequence[State]) -> dict[str, Column]:
-    """Return the starts ``(x, y, vx, vy)`` as coordinates of a result."""
-    states = zip(COMPONENTS, np.array(starts).T, strict=True)
-    return {f"start_{name}": ("start", column.copy()) for name, column in states}
+def start_coordinates(starts: Sequence[GivenStart]) -> dict[str, Column]:
+    """Return the starts ``(x, y, vx, vy)`` as coordinates of a result; NaN where it is a word."""
+    states = [(math.nan,) * len(COMPONENTS) if isinstance(each, str) else each for each in starts]
+    columns = zip(COMPONENTS, np.array(states).T, strict=True)
+    return {f"start_{name}": ("start", column.copy()) for name, column in columns}
+
+
+def start_words(starts: Sequence[GivenStart]) -> dict[str, str]:
+    """Return the attribute with the word of each start, if there is any; "state" where it is one.
+
+    Examples
+    --------
+    >>> start_words(["settled", (1.0, 0.0, 0.0, 0.0)]), start_words([(1.0, 0.0, 0.0, 0.0)])
+    ({'start_words': 'settled state'}, {})
+    """
+    if not any(isinstance(each, str) for each in starts):
+        return {}
+    words = [each if isinstance(each, str) else "state" for each in starts]
+    return {"start_words": " ".join(words)}
+
+
+def representative(starts: Sequence[GivenStart]) -> list[State]:
+    """Return starts to be checked once for all rotors: rest on the axis for those of words."""
+    return [AT_REST if isinstance(each, str) else each for each in starts]
 
 
 def check_size(varied: Varied, study: object) -> None:

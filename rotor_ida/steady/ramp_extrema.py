@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
 import numpy.typing as npt
@@ -20,7 +20,6 @@ from rotor_ida.simulation.spin import through
 
 # On a run-up the radius of a whirl drifts; oscillations below this fraction of it are ignored.
 TREMBLES_WITHIN = 1e-6
-NO_VALUES, NO_KINDS = np.empty(0), np.empty(0, np.int8)
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,10 +41,10 @@ class SpeedBand:
         A flag of `schema.RESPONSE`: whether the rotor touches, and whether its radius oscillates.
     """
 
-    speed: float = np.nan
-    speeds: Values = field(default_factory=lambda: NO_VALUES)
-    radii: Values = field(default_factory=lambda: NO_VALUES)
-    kinds: npt.NDArray[np.int8] = field(default_factory=lambda: NO_KINDS)
+    speed: float
+    speeds: Values
+    radii: Values
+    kinds: npt.NDArray[np.int8]
     smallest: float = np.nan
     largest: float = np.nan
     response: int = RESPONSE["failed"]

@@ -15,12 +15,12 @@ import xarray as xr
 from rotor_ida.arrays import Column
 from rotor_ida.checks import (
     AT_REST,
-    State,
     check_distinct,
     check_progress,
     check_real,
     check_vector,
 )
+from rotor_ida.model.disc_starts import begun
 from rotor_ida.model.parameters import Parameters
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.varied import Varied, varied_of
@@ -39,7 +39,7 @@ from rotor_ida.simulation.options import (
     options_of_study,
 )
 from rotor_ida.simulation.run_up import ramp_of
-from rotor_ida.simulation.starts import Starts, states_of
+from rotor_ida.simulation.starts import GivenStart, Starts, states_of
 from rotor_ida.steady.follow import FAILED
 from rotor_ida.steady.grid import (
     Array,
@@ -49,8 +49,10 @@ from rotor_ida.steady.grid import (
     check_size,
     form_of,
     labelled_points,
+    representative,
     run_study,
     start_coordinates,
+    start_words,
 )
 from rotor_ida.steady.run_up_outcome import Outcome, RampSummary, RunUp, follow_run_up, lost
 from rotor_ida.steady.sweep import FEATURES
@@ -111,8 +113,9 @@ def run_ups(
     phase : array_like, shape (n,) or scalar
         Angles of the unbalance at time 0, from the x axis [rad]. Without a load this is equivalent
         to rotating the start the other way.
-    starts : array_like, shape (n, 4), Dataset, or sequence of these
-        Starts ``(x, y, vx, vy)`` at time 0, on fixed axes [1], or results that end in one.
+    starts : array_like, shape (n, 4), "settled", "rest", Dataset, or sequence of these
+        Starts ``(x, y, vx, vy)`` at time 0, on fixed axes [1], words for those at the first speed,
+        or results that end in one.
     rtol, atol, backend
         As for `run_up`.
     method : {"adams", "bdf", "ida", "taylor"}, optional
@@ -208,8 +211,8 @@ class RunUps:
     ----------
     varied : Varied
         The run-ups; the axes behind the parameters are ``rate``, ``phase`` and ``start``.
-    starts : sequence of tuple of float
-        The starts ``(x, y, vx, vy)`` [1].
+    starts : sequence of tuple of float or str
+        The starts ``(x, y, vx, vy)`` [1], or their words.
     to : float
         The speed at the end of the ramps [1].
     options : Options
@@ -217,7 +220,7 @@ class RunUps:
     """
 
     varied: Varied
-    starts: Sequence[State]
+    starts: Sequence[GivenStart]
     to: float
     options: Options
 
@@ -235,13 +238,13 @@ class RunUps:
     def job(self, number: int) -> RunUp:
         """Return what a worker needs to follow a run-up."""
         place = [int(each) for each in np.unravel_index(number, self.varied.shape)]
-        at = self.varied.at(place)
+        at, rotor = self.varied.at(place), self.varied.rotor(place)
         return RunUp(
-            rotor=self.varied.rotor(place),
+            rotor=rotor,
             to=self.to,
             rate=float(at["rate"]),
             phase=float(at["phase"]),
-            start=self.starts[at["start"]],
+            start=begun(self.starts[at["start"]], rotor, float(at["phase"])),
             options=self.options,
         )
 
@@ -254,7 +257,8 @@ class RunUps:
 
 def _check_can_be_followed(plan: RunUps) -> None:
     """Check each ramp, each value of a parameter and each start once."""
-    axes, starts, rotors = plan.varied.axes, plan.starts, plan.varied.extremes()
+    axes, rotors = plan.varied.axes, plan.varied.extremes()
+    starts = representative(plan.starts)
     for rotor, rate in product(rotors[: axes["omega"].size], axes["rate"].tolist()):
         ramp_of(rotor, plan.to, rate, plan.options.backend)
     for rotor in rotors:
@@ -291,7 +295,7 @@ def _dataset(plan: RunUps, columns: dict[str, Array]) -> xr.Dataset:
     rate = labelled("rate", "rate", varied.axes["rate"])
     rate.attrs["long_name"] = "change of the spin speed in a unit of time"
     title = "Rotor in a clearance: run-ups over a range of speeds"
-    how = provenance(plan.options.attributes())
+    how = provenance(plan.options.attributes()) | start_words(plan.starts)
     starts = start_coordinates(plan.starts)
     coordinates: dict[str, Column | xr.Variable] = {
         **varied.coordinates,

@@ -14,7 +14,8 @@ from typing import Unpack
 import numpy as np
 import xarray as xr
 
-from rotor_ida.checks import AT_REST, State, check_flag, check_progress
+from rotor_ida.checks import AT_REST, check_flag, check_progress
+from rotor_ida.model.disc_starts import begun
 from rotor_ida.model.parameters import OF_ROTOR, Parameters
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.varied import Varied, varied_of
@@ -34,7 +35,7 @@ from rotor_ida.simulation.options import (
     check_can_be_followed,
     options_of_study,
 )
-from rotor_ida.simulation.starts import Starts, states_of
+from rotor_ida.simulation.starts import GivenStart, Starts, states_of
 from rotor_ida.steady.follow import FAILED, SettledResponse, failed, follow_to_steady_state
 from rotor_ida.steady.grid import (
     NO_COLUMNS,
@@ -43,8 +44,10 @@ from rotor_ida.steady.grid import (
     check_size,
     form_of,
     labelled_points,
+    representative,
     run_study,
     start_coordinates,
+    start_words,
 )
 from rotor_ida.steady.ramps import Direction, RampJob, Ramps, in_order, lost, settle_along
 from rotor_ida.steady.response import Features
@@ -96,8 +99,9 @@ def sweep(
     ----------
     rotor : Rotor or DimensionalRotor, optional
         The rotor. Without it, ``omega``, ``zeta`` and ``delta0`` must be given.
-    starts : array_like, shape (n, 4), Dataset, or sequence of these
-        Starts ``(x, y, vx, vy)`` [1], or results that end in one, as for `simulate`.
+    starts : array_like, shape (n, 4), "settled", "rest", Dataset, or sequence of these
+        Starts ``(x, y, vx, vy)`` [1], words for those at each speed, or results that end in one, as
+        for `simulate`.
     direction : {"up", "down", "both"}, optional
         Quasi-static run-up or run-down: only the first speed (the last, going down) begins from
         the starts, and each other from the end of the one before, so that jumps and their
@@ -246,14 +250,14 @@ def sweep_varied(
     states = states_of("starts", starts, loaded=bool(varied.values("load").any()))
     varied, way = in_order(varied, len(states), direction, along, "omega")
     check_size(varied, study)
-    _check_can_be_followed(varied, states)
+    check_varied_can_be_followed(varied, states)
     told = {"along": way} if way else {}
     how = {name: getattr(options, name) for name in ("rtol", "atol", "method", "flight")}
     question = Question("sweep", {
         **varied.design, "starts": states, "direction": direction, **told, **how, "events": events,
     })  # fmt: skip
     axis = varied.dims.index(way or "omega")
-    plan: Ramps[Rotor, State, SettledResponse] = Ramps(
+    plan: Ramps[Rotor, GivenStart, SettledResponse] = Ramps(
         varied, states, DiscSettling(options), varied.rotor, axis
     )
     event = EVENT if events else NO_COLUMNS
@@ -269,24 +273,30 @@ def sweep_varied(
         variables |= event_columns(table["event_time"], table["event_kind"], *varied.extremes())
     coordinates = varied.coordinates | start_coordinates(states)
     title = "Rotor in a clearance: responses over a range of speeds"
-    attributes = provenance(options.attributes()) | told
+    attributes = provenance(options.attributes()) | told | start_words(states)
     swept = labelled_dataset(title, variables, coordinates, attributes, kind="sweep")
-    if way not in {"", "omega"}:
-        words = f"direction in which the {OF_ROTOR[way].label} is swept"
+    return with_direction_named(swept, way)
+
+
+def with_direction_named(swept: xr.Dataset, along: str) -> xr.Dataset:
+    """Return a result whose direction says which parameter is swept, if it is not the speed."""
+    if along not in {"", "omega"}:
+        words = f"direction in which the {OF_ROTOR[along].label} is swept"
         swept["direction"].attrs["long_name"] = words
     return swept
 
 
-def _check_can_be_followed(varied: Varied, starts: Sequence[State]) -> None:
+def check_varied_can_be_followed(varied: Varied, starts: Sequence[GivenStart]) -> None:
     """Check each speed, each clearance and each start once, and the largest damping."""
     rotors = varied.extremes()
+    first, *others = representative(starts)
     for rotor in rotors:
-        check_can_be_followed(rotor, starts[0], settling=True)
-    for start in starts[1:]:
+        check_can_be_followed(rotor, first, settling=True)
+    for start in others:
         check_can_be_followed(rotors[0], start, settling=True)
 
 
-DiscJob = RampJob[Rotor, State, SettledResponse]
+DiscJob = RampJob[Rotor, GivenStart, SettledResponse]
 
 
 @dataclass(frozen=True, slots=True)
@@ -295,15 +305,15 @@ class DiscSettling:
 
     options: Options
 
-    def settle(self, rotor: Rotor, start: State, stop: Stop) -> SettledResponse:
+    def settle(self, rotor: Rotor, start: GivenStart, stop: Stop) -> SettledResponse:
         """Return the response on which a rotor settles."""
-        return follow_to_steady_state(rotor, start, self.options, stop=stop)
+        return follow_to_steady_state(rotor, begun(start, rotor), self.options, stop=stop)
 
-    def failed(self, rotor: Rotor, start: State, reason: str) -> SettledResponse:
+    def failed(self, rotor: Rotor, start: GivenStart, reason: str) -> SettledResponse:
         """Return the response of a rotor that could not be followed."""
-        return failed(rotor, start, self.options, reason)
+        return failed(rotor, begun(start, rotor), self.options, reason)
 
-    def end(self, settled: SettledResponse) -> State | None:
+    def end(self, settled: SettledResponse) -> GivenStart | None:
         """Return the state at the end."""
         return None if settled.response == FAILED else settled.end
 

@@ -111,9 +111,16 @@ def settle(flow: SystemFlow, state: Values) -> SettledSystem:
         If the integration fails or is stopped.
     """
     motion = _SystemMotion(flow, state, flow.problem.slowest_decay(flow.speed))
-    decision = decide(motion, motion.first_wait, motion.longest)
+    decision = decide(motion, motion.first_wait, longest_time(flow))
     revolutions = motion.time / flow.revolution
     return SettledSystem(decision, motion.features(), revolutions, motion.state)
+
+
+def longest_time(flow: SystemFlow) -> float:
+    """Return the time after which no new window begins."""
+    decay, revolution = flow.problem.slowest_decay(flow.speed), flow.revolution
+    decays = LONGEST_DECAY_TIMES / decay if decay > 0.0 else 0.0
+    return min(max(decays, LONGEST * revolution), LONGEST_OF_ALL * revolution)
 
 
 @dataclass(slots=True)
@@ -282,13 +289,6 @@ class _SystemMotion:
         """The time before the first window."""
         longest = LONGEST_FIRST_WAIT * self.flow.revolution
         return min(DECAY_TIMES / self.decay, longest) if self.decay > 0.0 else longest
-
-    @property
-    def longest(self) -> float:
-        """The time after which no new window begins."""
-        revolution = self.flow.revolution
-        decays = LONGEST_DECAY_TIMES / self.decay if self.decay > 0.0 else 0.0
-        return min(max(decays, LONGEST * revolution), LONGEST_OF_ALL * revolution)
 
     def _extend(self, times: Values) -> SystemResult:
         run = self.flow.sampled(self.state, times)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from functools import partial
 from types import ModuleType
 from typing import Literal, Unpack
 
@@ -29,7 +28,7 @@ from rotor_ida.checks import (
 from rotor_ida.core.systems import SystemRequest, SystemResult
 from rotor_ida.errors import InputError, InstallationError, warn
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
-from rotor_ida.parallel import Progress, interruptible, shows_progress
+from rotor_ida.parallel import Progress, interruptible, percentage, shows_progress
 from rotor_ida.simulation.spin import SpeedProfile, steady
 from rotor_ida.systems.archived import problem_variables
 from rotor_ida.systems.assembly import Assembly, Canonical, assemble, canonical
@@ -405,10 +404,7 @@ def _followed(
 
     whole = (2 + len(second)) * first.request.duration
 
-    def tell(progress: Progress) -> None:
-        progress(int(100.0 * sum(done() for done in watch) / whole), 100)
-
-    found = interruptible(follow, told=None if progress is None else partial(tell, progress))
+    found = interruptible(follow, told=percentage(progress, watch, whole))
     if progress is not None:
         progress(100, 100)
     return found

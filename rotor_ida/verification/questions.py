@@ -89,7 +89,12 @@ def _told_in(dataset: xr.Dataset, *names: str) -> dict[str, Any]:
 
 def _starts_in(dataset: xr.Dataset) -> dict[str, Any]:
     columns = [dataset[name].values.tolist() for name in STARTS]
-    return {"starts": list(zip(*columns, strict=True))}
+    starts: list[Any] = list(zip(*columns, strict=True))
+    if "start_words" in dataset.attrs:
+        words = str(dataset.attrs["start_words"]).split()
+        pairs = zip(words, starts, strict=True)
+        starts = [state if word == "state" else word for word, state in pairs]
+    return {"starts": starts}
 
 
 def _direction_in(dataset: xr.Dataset) -> dict[str, Any]:

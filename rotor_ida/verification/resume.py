@@ -27,11 +27,10 @@ def resume(
     Parameters
     ----------
     folder : path-like
-        The folder that was given as `study` to `sweep`, `run_ups`, `basin`, `basin_fractions`,
-        `continue_attractors`, `continue_cycle` or `drop_ensemble`.
+        The folder that was given as `study` to a function.
     workers, executor, progress
-        As for the function that began it; they do not affect the result. A branch is followed
-        point by point, without workers.
+        As for the function that began it; they do not affect the result. A branch or curve is
+        followed point by point, without workers.
 
     Returns
     -------

@@ -137,12 +137,15 @@ def test_what_cannot_be_drawn_is_refused_before_anything_is_computed(program: Pr
     program("fractions", "--omega", "1.7", *box, "--study", "drawn")
     many = ["--zeta", "0.5:0.9:13", "--delta0", "0.5"]
     program("sweep", "--omega", "1.7", *many, "--study", "many")
+    two = ["--omega", "1.2:1.7:2", "--zeta", "0.5:0.9:2", "--delta0", "0.5", "--starts", "1"]
+    program("bifurcation-diagram", *two, "--study", "two")
     for folder, message in (
         ("drawn", "figure must be of a sweep or basin, got a study of basin fractions"),
         (
             "many",
             "figure can show at most 12 combinations of zeta, delta0 and other parameters, got 13",
         ),
+        ("two", "figure needs one parameter that varies, got omega and zeta"),
     ):
         Path(folder, "result.nc").unlink()
         answer = program("resume", folder, "--figure", "figure.png")

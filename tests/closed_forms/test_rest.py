@@ -12,8 +12,8 @@ from scipy.integrate import solve_ivp
 
 from rotor_ida import Rotor, rest, simulate
 from rotor_ida.closed_forms import synchronous_response
-from rotor_ida.closed_forms.rest import hanging
 from rotor_ida.errors import InputError
+from rotor_ida.model.disc_starts import hanging
 from rotor_ida.schema import STABILITY
 
 

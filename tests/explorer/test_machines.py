@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 from rotor_ida import backward_whirl, machine_from_data_sheet, run_up, summary
-from rotor_ida.closed_forms.rest import hanging
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.messages import DataSheet, largest_speed, read_question, speeds_shown
 from rotor_ida.explorer.motion import PER_WHIRL, whirls_per_revolution
@@ -18,6 +17,7 @@ from rotor_ida.explorer.server import Inbox
 from rotor_ida.explorer.words import verdict_of, words_of_run_up
 from rotor_ida.explorer.workers import Asked
 from rotor_ida.model.data_sheet import GRAVITY, KEYS
+from rotor_ida.model.disc_starts import hanging
 from rotor_ida.model.rotor import DimensionalRotor
 from tests.explorer.asking import answer_to, question
 

@@ -27,8 +27,8 @@ from rotor_ida import (
 )
 from rotor_ida.cli import main
 from rotor_ida.closed_forms import response_curve
-from rotor_ida.closed_forms.rest import hanging
 from rotor_ida.model.contact import contact_force
+from rotor_ida.model.disc_starts import hanging
 from tests.explorer.asking import CHATTER, RUB, WHIP
 from tests.explorer.browser import (
     PATIENCE,

@@ -8,7 +8,7 @@ import pytest
 import xarray as xr
 
 import rotor_ida
-from rotor_ida import InputError, Rotor, continue_cycle, sweep
+from rotor_ida import InputError, Rotor, bifurcation_diagram, continue_cycle, sweep
 from rotor_ida.results.question import Question, arguments_from, arguments_in
 from rotor_ida.results.studies import design_of
 from rotor_ida.verification.resume import resume
@@ -30,6 +30,10 @@ STUDIES = {
     "branch of doubled cycles": lambda **more: continue_cycle(
         Rotor(omega=2.0, zeta=0.07, delta0=2.0), start=kinds.a_branch().isel(special=0),
         limits=(1.75, 1.85), points=20, **more,
+    ),
+    "diagram at a rate": lambda **more: bifurcation_diagram(
+        omega=[1.0, 1.2], zeta=0.5, delta0=0.5, starts=2, x=(-1.0, 1.0), y=0.0, vx=0.0, vy=0.0,
+        seed=3, direction="both", rate=0.1, **more,
     ),
 }  # fmt: skip
 

@@ -1,10 +1,14 @@
 """A result that ends in a state is a start wherever one is taken."""
 
+import math
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 from rotor_ida import (
     Contact,
+    DimensionalRotor,
     InputError,
     Race,
     Rotor,
@@ -12,12 +16,17 @@ from rotor_ida import (
     limit_cycle,
     lyapunov_exponent,
     poincare_section,
+    resume,
     run_up,
     run_ups,
     simulate,
     sweep,
     synchronous_response,
 )
+from rotor_ida.simulation.starts import state_of
+from rotor_ida.systems.assembly import assemble
+from rotor_ida.systems.starts import start_of
+from rotor_ida.verification.verify import question_of
 
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 OTHERS = {"zeta": 0.07, "delta0": 2.0}
@@ -140,3 +149,97 @@ def test_a_result_of_another_kind_or_size_is_refused(cycle):
                     race=Race(inertia=1.0, radius=1.0))]  # fmt: skip
     with pytest.raises(InputError, match=r"start must end in 5 finite numbers, as this system has"):
         simulate(SYSTEM, contacts=spun, speed=2.0, start=run, duration=1.0)
+
+
+HELD = Rotor(omega=2.0, zeta=0.07, delta0=2.0, shaft_stiffness=0.5, load=0.3)
+RUBS = {"friction": 0.2, "disc_radius": 5.0}
+OF_WORDS = [
+    (Rotor(omega=2.0, zeta=0.07, delta0=2.0), "settled"),
+    (Rotor(omega=1e-200, zeta=0.07, delta0=2.0), "settled"),
+    (HELD, "settled"),
+    (HELD, "rest"),
+    (replace(HELD, shaft_stiffness=0.0, **RUBS), "rest"),  # climbs the stator
+    (replace(HELD, shaft_stiffness=0.1, load=1.0, contact_exponent=1.0, **RUBS), "rest"),
+]
+
+
+@pytest.mark.parametrize(("rotor", "word"), OF_WORDS)
+def test_words_are_the_starts_of_the_same_rotor_as_a_system(rotor, word):
+    """Which solves linear equations, and finds rest as the minimum of a potential."""
+    of_system = start_of(assemble(rotor.system()), word, rotor.omega).ravel()
+    np.testing.assert_allclose(state_of("start", word, rotor), of_system, rtol=1e-9, atol=1e-12)
+
+
+def test_settled_the_rotor_stays_on_its_whirl_in_si_too():
+    """Until 20 revolutions later, at the amplitude of the closed form."""
+    machine = DimensionalRotor(
+        mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6, clearance=2e-6,
+        speed=1000.0,
+    )  # fmt: skip
+    run = simulate(machine, start="settled", duration=20.0 * math.tau / 1000.0)
+    whirl = synchronous_response(machine).amplitude.isel(branch=0).item()
+    np.testing.assert_allclose(np.hypot(run.x, run.y), whirl, rtol=1e-12)
+    assert run.sizes["event"] == 0
+    state = tuple(run[name].values[0] for name in ("x", "y", "vx", "vy"))
+    assert run.attrs["start"] == pytest.approx(state, rel=1e-14)
+    np.testing.assert_array_equal(run_up(machine, start="settled", to=1100.0, rate=1e4).x[0],
+                                  run.x[0])  # fmt: skip
+
+
+def test_every_verb_of_a_start_takes_the_words():
+    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+    state = state_of("start", "settled", rotor)
+    asked = {
+        poincare_section: {"revolutions": 3},
+        lyapunov_exponent: {"transient": 10.0, "duration": 100.0, "batches": 4},
+        limit_cycle: {},
+    }
+    for verb, given in asked.items():
+        by_word, by_state = (verb(rotor, start=each, **given) for each in ("settled", state))
+        assert by_word.drop_attrs(deep=False).equals(by_state.drop_attrs(deep=False)), verb
+    machine = DimensionalRotor(
+        mass=1.0, contact_stiffness=1.0, damping=0.14, eccentricity=1.0, clearance=2.0, speed=2.0
+    )
+    assert poincare_section(machine, start="settled", revolutions=3).sizes["crossing"] == 4
+
+
+@pytest.mark.parametrize("verb", [sweep, bifurcation_diagram])
+def test_over_the_speed_a_word_is_the_start_at_each(verb, tmp_path):
+    """Each point is that from its own settled whirl; the study and the archive know the word."""
+    given = {"zeta": 0.1, "delta0": 1.2}
+    found = verb(omega=[0.8, 2.0], **given, starts=["settled", (3.0, 0.0, 0.0, 0.0)],
+                 study=tmp_path / "study")  # fmt: skip
+    assert np.isnan(found.start_x.values).tolist() == [True, False]
+    for number, omega in enumerate((0.8, 2.0)):
+        state = state_of("start", "settled", Rotor(omega=omega, **given))
+        alone = verb(omega=omega, **given, starts=[state])
+        assert alone.radius_max.item() == found.radius_max[number, 0, 0, 0]
+    assert resume(tmp_path / "study").identical(found)
+    again = question_of(found).ask()
+    assert again.drop_attrs(deep=False).identical(found.drop_attrs(deep=False))
+
+
+def test_run_ups_begin_on_the_whirl_at_their_phase():
+    """So that the phase makes no difference without a load."""
+    given = {"omega": 0.5, "to": 0.6, "rate": 0.01, "zeta": 0.1, "delta0": 2.0}
+    found = run_ups(**given, phase=[0.0, 2.0], starts="settled")
+    np.testing.assert_allclose(np.ptp(found.largest_radius.values), 0.0, atol=1e-12)
+
+
+@pytest.mark.parametrize(
+    ("rotor", "start", "message"),
+    [
+        (HELD, "setled", "start must be one of 'settled', 'rest', got 'setled'; did you mean"),
+        (
+            replace(HELD, shaft_stiffness=0.0), "settled",
+            "start cannot be settled without shaft_stiffness",
+        ),
+        (
+            Rotor(omega=1.0, zeta=0.0, delta0=2.0, shaft_stiffness=1.0), "settled",
+            "start cannot be settled, as the stiffness is singular at this speed",
+        ),
+    ],
+)  # fmt: skip
+def test_words_that_are_no_start_are_refused(rotor, start, message):
+    with pytest.raises(InputError, match=message):
+        simulate(rotor, start=start, duration=1.0)

@@ -305,6 +305,7 @@ def bifurcation_diagram(
     atol: options.Atol = 1e-12,
     method: options.MethodOfStudy = None,
     jobs: options.JobOptions = options.JobOptions(),
+    study: options.Study = None,
     output: Output = Output(),
 ) -> Report:
     r"""Compute a bifurcation diagram: extrema of the radius after the rotor has settled.
@@ -321,7 +322,7 @@ def bifurcation_diagram(
     """
     if start is not None and starts != STARTS:
         raise InputError(f"starts must be left out with --start, got {starts}")
-    check_points(*rotors.axes(), start or [AT_REST] * starts)
+    check_points(*rotors.axes(), start or [AT_REST] * starts, in_study=study is not None)
     output.check()
     if output.figure is not None:
         check_one_varies([name for name, each in rotors.values.items() if len(each) > 1])
@@ -330,7 +331,7 @@ def bifurcation_diagram(
     given |= {name: each for name, each in box.items() if each is not None}
     if extrema_time is not None:
         given["extrema_time"] = extrema_time
-    with working("diagram") as progress:
+    with working("diagram", study) as progress:
         dataset = rotor_ida.bifurcation_diagram(
             rotor,
             **given,
@@ -343,9 +344,10 @@ def bifurcation_diagram(
             atol=atol,
             method=method,
             **jobs.on_every_core(),
+            study=study,
             progress=progress,
         )
-        return answer_whole(dataset, output, None)
+        return answer_whole(dataset, output, study)
 
 
 def run_ups(

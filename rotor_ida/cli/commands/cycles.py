@@ -253,6 +253,7 @@ def bifurcation_curve(
     limits: TwoLimits,
     parameters: TwoParameters = ("omega", "delta0"),
     points: PointCount = 2000,
+    study: options.Study = None,
     output: Output = Output(),
 ) -> Report:
     r"""Continue a fold, period doubling or torus bifurcation of cycles over two parameters.
@@ -264,7 +265,7 @@ def bifurcation_curve(
     """
     origin.check()
     output.check()
-    with working("points") as progress:
+    with working("points", study) as progress:
         rotor, start = origin.guess(curve_kind=kind)
         check_limits(rotor, parameters, limits)
         found = rotor_ida.bifurcation_curve(
@@ -274,9 +275,10 @@ def bifurcation_curve(
             parameters=parameters,
             limits=(limits[:2], limits[2:]),
             points=points,
+            study=study,
             progress=progress,
         )
-        return answer(found, output)
+        return answer_whole(found, output, study)
 
 
 # ---- Of a rotor system ----

@@ -185,8 +185,8 @@ def _export(
     place: Path, machine: Rotor | DimensionalRotor, start: State | None, revolutions: int,
     speeds: list[float] | None, force: bool,
 ) -> int:  # fmt: skip
-    from rotor_ida.closed_forms.rest import hanging  # noqa: PLC0415
     from rotor_ida.explorer.files import check_speeds, record  # noqa: PLC0415
+    from rotor_ida.model.disc_starts import hanging  # noqa: PLC0415
 
     _check_page(place, force)
     chosen = check_speeds(machine, speeds)

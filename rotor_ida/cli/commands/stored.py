@@ -12,7 +12,7 @@ from typing import Annotated, cast
 from cyclopts import Parameter
 
 import rotor_ida
-from rotor_ida.checks import shown
+from rotor_ida.checks import check_one_varies, shown
 from rotor_ida.cli import options
 from rotor_ida.cli.option_types import IN_SOLVER, path_option
 from rotor_ida.cli.output import Output, answer, answer_whole, check_varies, read, working
@@ -167,9 +167,14 @@ def _panels(folder: Path) -> int:
     design = design_of(folder)
     if design.get("verb") == "basin_fractions":
         raise InputError("figure must be of a sweep or basin, got a study of basin fractions")
+    axes = {name: each for name in ALL_PARAMETERS if isinstance(each := design.get(name), list)}
+    if design.get("verb") == "bifurcation_diagram":
+        check_one_varies([name for name, each in axes.items() if len(each) > 1])
+        return 1
     over_speed = design.get("verb") not in {"run_ups", "continue_attractors"}
-    axes = (design.get(name) for name in ALL_PARAMETERS[over_speed:])
-    points = math.prod(len(axis) for axis in axes if isinstance(axis, list))
+    points = math.prod(
+        len(each) for name, each in axes.items() if not over_speed or name != "omega"
+    )
     if design.get("verb") == "continue_attractors":
         check_varies(points)
         return 1

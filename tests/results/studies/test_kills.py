@@ -9,7 +9,7 @@ import pytest
 import xarray as xr
 
 import rotor_ida
-from rotor_ida import status
+from rotor_ida import Rotor, bifurcation_curve, resume, status
 from rotor_ida.results.studies.database import FILE
 
 SWEEP = {
@@ -20,13 +20,17 @@ RUN_UPS = {
     "omega": 0.3, "to": 1.6, "rate": [0.1 + 0.01 * number for number in range(8)], "zeta": 0.1,
     "delta0": [1.0, 2.0], "shaft_stiffness": 1.0, "rtol": 1e-8, "method": "taylor",
 }  # fmt: skip
-STUDIES = {"sweep": (SWEEP, 24), "run_ups": (RUN_UPS, 16)}
+DIAGRAM = {
+    "omega": SWEEP["omega"], "zeta": 0.07, "delta0": 0.5, "x": (-3.0, 3.0), "vx": 0.0, "vy": 0.0,
+    "starts": 2, "seed": 5, "extrema_time": 20.0,
+}  # fmt: skip
+STUDIES = {"sweep": (SWEEP, 24), "run_ups": (RUN_UPS, 16), "bifurcation_diagram": (DIAGRAM, 24)}
 
 
 @pytest.mark.skipif(os.name != "posix", reason="kills with a signal")
 @pytest.mark.parametrize(
     ("kind", "executor"),
-    [("sweep", "processes"), ("run_ups", "threads")],
+    [("sweep", "processes"), ("run_ups", "threads"), ("bifurcation_diagram", "threads")],
 )
 def test_killed_and_resumed_it_ends_with_the_same_bits(tmp_path, kind, executor):
     given, points = STUDIES[kind]
@@ -54,3 +58,32 @@ def test_killed_and_resumed_it_ends_with_the_same_bits(tmp_path, kind, executor)
     assert told[-1] == (points, points)
     xr.testing.assert_identical(again, function(**given))
     assert os.listdir(tmp_path / "study") == [FILE]
+
+
+@pytest.mark.skipif(os.name != "posix", reason="kills with a signal")
+def test_killed_on_a_curve_of_folds_it_resumes_with_the_same_bits(tmp_path):
+    """In pieces of two points; the call by name, or ``resume``, goes on behind the last one."""
+    script, study = tmp_path / "script.py", tmp_path / "study"
+    given = {"start": (3, 1, 0, 0), "kind": "fold",
+             "limits": {"omega": (2.4, 3.2), "delta0": (0.4, 0.6)}}  # fmt: skip
+    script.write_text(
+        "import os, signal\n"
+        "from rotor_ida import Rotor, bifurcation_curve\n"
+        "from rotor_ida.cycles import continue_cycle\n"
+        "continue_cycle.PIECE = 2\n"
+        "def kill(done, total):\n"
+        "    if done >= 4:\n"
+        "        os.kill(os.getpid(), signal.SIGKILL)\n"
+        f"bifurcation_curve(Rotor(omega=3.0, zeta=0.07, delta0=0.5), **{given!r},\n"
+        f"                  study={str(study)!r}, progress=kill)\n"
+    )
+    ended = subprocess.run([sys.executable, str(script)], check=False)
+    assert ended.returncode == -signal.SIGKILL
+    assert status(study)["done"] == 4
+    told = []
+    again = resume(study, progress=lambda done, total: told.append((done, total)))
+    assert told[0][0] > 4
+    assert told[-1] == (3998, 3998)
+    rotor = Rotor(omega=3.0, zeta=0.07, delta0=0.5)
+    xr.testing.assert_identical(again, bifurcation_curve(rotor, **given))
+    xr.testing.assert_identical(again, bifurcation_curve(rotor, **given, study=study))
