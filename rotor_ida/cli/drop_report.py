@@ -24,10 +24,11 @@ from rotor_ida.cli.drop_tables import (
 )
 from rotor_ida.cli.report import shown
 from rotor_ida.results.files import file_to_write
+from rotor_ida.results.question import Question
 from rotor_ida.results.toml_files import read_toml
 from rotor_ida.systems.depths import beyond_model
 from rotor_ida.systems.drop_figures import touched_clearances
-from rotor_ida.texts import in_shell, printable
+from rotor_ida.texts import printable
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -76,7 +77,7 @@ def write_report(
     system: Path,
     run: xr.Dataset,
     drops: xr.Dataset | None,
-    options: Sequence[str] = (),
+    options: Mapping[str, object],
     *,
     overwrite: bool,
 ) -> list[Path]:
@@ -90,7 +91,7 @@ def write_report(
         "title": TITLE, "head": _head(run, system), "summary": sentence_of(run, drops),
         "answers": [allowed] if allowed else [], "tables": tables,
         "assumptions": ASSUMPTIONS, "scope": SCOPE,
-        "commands": _commands(folder, system, options, many=drops is not None),
+        "commands": _commands(folder, system, options),
         "versions": [*_versions(run), *_rotor_file(system)],
         "system": str(system), "source": _source(system),
         "figures": [(title, _png(figure)) for title, figure in _figures(run, drops)],
@@ -110,13 +111,11 @@ def _head(run: xr.Dataset, system: Path) -> str:
     return f"{system}, computed with rotor_ida {version}, report of {date}"
 
 
-def _commands(folder: Path, system: Path, options: Sequence[str], *, many: bool) -> list[str]:
+def _commands(folder: Path, system: Path, options: Mapping[str, object]) -> list[str]:
     """Return the commands that compute the drops again, and check them."""
-    files = report_files(folder, many=many)
-    lines: tuple[list[str | Path], ...] = (
-        ["drop", system, "--out", folder, *options], ["verify", files[0]],
-    )  # fmt: skip
-    return [" ".join(["rotor-ida", *map(in_shell, words)]) for words in lines]
+    file, *_ = report_files(folder, many=False)
+    asked = Question("drop", {"rotor": system, "out": folder, **options})
+    return [asked.command(), Question("verify", {"rotor": file}).command()]
 
 
 def _versions(run: xr.Dataset) -> list[tuple[str, str]]:

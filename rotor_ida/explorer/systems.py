@@ -31,6 +31,7 @@ from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Support
 from rotor_ida.results.archive import load
 from rotor_ida.results.kinds import kind_of
+from rotor_ida.results.question import Question
 from rotor_ida.results.system_file import Course, read_system_file
 from rotor_ida.schema import SPECIAL, STABILITY
 from rotor_ida.signals.nodes import at_node
@@ -43,7 +44,7 @@ from rotor_ida.systems.modes import in_modes
 from rotor_ida.systems.simulate import run_up_system, simulate_system
 from rotor_ida.systems.whirls.special_speeds import special_speeds
 from rotor_ida.systems.whirls.synchronous import synchronous_response_system
-from rotor_ida.texts import brief, in_python, in_shell
+from rotor_ida.texts import brief, in_python
 from rotor_ida.units import written
 
 # Samples that are sent of a run, and speeds of the exact response and of the Campbell diagram.
@@ -430,14 +431,12 @@ def lines_of(question: SystemQuestion) -> str:
     if changed:
         lines = ["from dataclasses import replace", "", *lines,
                  f"system = replace(system, {', '.join(changed)})"]  # fmt: skip
-    if case.drops:
-        lines.append(f'run = drop(system, **course.drop | {{"speed": {case.speed!r}}})')
-    else:
-        lines.append(
-            f"run = simulate(system, speed={case.speed!r}, "
-            f"duration={_duration(case, question.revolutions)!r}, **course.motion)"
-        )
-    return "\n".join(lines) + "\n"
+    told: dict[str, object] = {"rotor": path}
+    others = f'**course.drop | {{"speed": {case.speed!r}}}' if case.drops else "**course.motion"
+    if not case.drops:
+        told |= {"speed": case.speed, "duration": _duration(case, question.revolutions)}
+    call = Question(verb, told).python("system", others)
+    return "\n".join([*lines, f"run = {call}"]) + "\n"
 
 
 def command_of(question: SystemQuestion) -> str:
@@ -448,7 +447,7 @@ def command_of(question: SystemQuestion) -> str:
     case, path = case_of(question), question.path
     assert path is not None
     if case.run is not None:
-        return f"rotor-ida show {in_shell(Path(path.name))}"
+        return Question("show", {"rotor": Path(path.name)}).command()
 
     def told(value: float, unit: str) -> str:
         return written(value, unit) if case.system.units == "SI" and unit else repr(value)
@@ -462,13 +461,11 @@ def command_of(question: SystemQuestion) -> str:
         first.append(f"set {name} = {quoted} in contact {question.contact}")
     first += [f"multiply each moment of the unbalance by {factor!r}"] if factor != 1.0 else []
     said = f"# first, in {brief(path.name)}: {'; '.join(first)}\n" if first else ""
-    speed, name = told(case.speed, "rpm"), in_shell(Path(path.name))
+    asked: dict[str, object] = {"rotor": Path(path.name), "speed": told(case.speed, "rpm")}
     if case.drops:
-        return f"{said}rotor-ida drop {name} --speed {speed} --out report"
-    return (
-        f"{said}rotor-ida simulate {name} --speed {speed} "
-        f"--duration {told(_duration(case, question.revolutions), 's')} --out run.nc --figure run"
-    )
+        return said + Question("drop", {**asked, "out": "report"}).command()
+    asked["duration"] = told(_duration(case, question.revolutions), "s")
+    return said + Question("simulate", {**asked, "out": "run.nc", "figure": "run"}).command()
 
 
 def _unit(name: str, contact: Contact) -> str:

@@ -27,6 +27,7 @@ from rotor_ida.checks import (
 )
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.model.scales import errors_in_units
 from rotor_ida.model.system_parts import (
     Contact,
     Support,
@@ -160,7 +161,8 @@ class RotorSystem:
         check_note("note", self.note)
         for name in ("gravity", "gravity_in_static_force"):
             if (given := getattr(self, name)) is not None:
-                object.__setattr__(self, name, _pair(name, given))
+                with errors_in_units(self.units):
+                    object.__setattr__(self, name, _pair(name, given))
         object.__setattr__(self, "nodes", _nodes(self.nodes, size))
         self._check_parts()
         if self.static_force is not None:
@@ -172,7 +174,8 @@ class RotorSystem:
             values.setflags(write=False)
             object.__setattr__(self, name, values)
         if self.positions is not None:
-            object.__setattr__(self, "positions", _positions(self.positions, self.nodes))
+            with errors_in_units(self.units):
+                object.__setattr__(self, "positions", _positions(self.positions, self.nodes))
 
     def _check_parts(self) -> None:
         """Keep contacts, unbalance and supports as tuples; their nodes must be those here."""
@@ -185,7 +188,8 @@ class RotorSystem:
             for each in parts:
                 self.rows(each.node)  # raises if it is unknown
             object.__setattr__(self, name, parts)
-        check_contacts(self.contacts)
+        with errors_in_units(self.units):
+            check_contacts(self.contacts)
         for each in self.contacts:
             if (
                 isinstance(each.stator, str)

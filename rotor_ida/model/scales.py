@@ -2,11 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from rotor_ida.arrays import Values
+from rotor_ida.errors import Amount, InputError, SimulationError
 from rotor_ida.model.parameters import OF_MACHINE
 
 if TYPE_CHECKING:
@@ -34,6 +37,15 @@ _UNITS_IN_MESSAGES: dict[str, tuple[str, ...]] = UNITS_OF_ARGUMENTS | {
        if each.unit != "1" and "m-1.5" not in each.unit},
     **{plain: (OF_MACHINE[name].unit,) for plain, name in IS_OF_MACHINE.items()},
     **dict.fromkeys(("time", "end_time"), ("s",)), "a speed of speeds": ("rad s-1",),
+}  # fmt: skip
+# Those of rotor systems alone, by a word or by the first words with which messages name them.
+_UNITS_OF_SYSTEMS = {
+    **dict.fromkeys(("radius", "centre", "position", "reach", "vibration_limit"), "m"),
+    **dict.fromkeys(("limits", "fastest"), "rad s-1"),
+    **dict.fromkeys(("stiffness of a stator", "stiffness of the support"), "N m-1"),
+    **dict.fromkeys(("stiffness of the stator", "contact_stiffness"), "N m-1"),
+    "damping of the contact": "s m-1", "mass": "kg", "moment": "kg m", "drag": "N m s",
+    "gravity": "m s-2", "the rate of speeds": "rad s-2", "times of speeds": "s",
 }  # fmt: skip
 
 
@@ -84,3 +96,45 @@ def unit_of(name: str, place: int = 0) -> str | None:
         if units := _UNITS_IN_MESSAGES.get(word):
             return units[place % len(units)]
     return None
+
+
+def unit_in_system(name: str, place: int = 0) -> str | None:
+    """Return the SI unit of a number that a message about a rotor system names; None if none.
+
+    Examples
+    --------
+    >>> unit_in_system("clearance of the contact at 'disc'"), unit_in_system("moment")
+    ('m', 'kg m')
+    >>> unit_in_system("damping of the contact at 'disc'"), unit_in_system("damping of a stator")
+    ('s m-1', 'N s m-1')
+    """
+    words = name.split()
+    beginnings = [" ".join(words[:count]) for count in range(len(words), 0, -1)]
+    found = next(filter(None, map(_UNITS_OF_SYSTEMS.get, (*beginnings, *words))), None)
+    is_state = {"start", "starts", "state"} & {*words}  # in the coordinates of the system
+    return found or (None if is_state else unit_of(name, place))
+
+
+@contextmanager
+def errors_in_units(units: str) -> Iterator[None]:
+    """Give the numbers in errors about a rotor system the units of the system, "SI" or "1".
+
+    Examples
+    --------
+    >>> with errors_in_units("SI"):
+    ...     raise InputError("{name} must be positive, got {value}", name="duration", value=-0.5)
+    Traceback (most recent call last):
+    ...
+    rotor_ida.errors.InputError: duration must be positive, got -0.5 s
+    """
+
+    def amount(field: str, name: str, place: int, value: float) -> float:
+        unit = unit_in_system(field, place) or unit_in_system(name, place)
+        return Amount(value, unit) if unit and not isinstance(value, Amount) else value
+
+    try:
+        yield
+    except (InputError, SimulationError) as error:
+        if units != "SI" or not error.fields:
+            raise
+        raise error.with_numbers(amount) from error

@@ -90,8 +90,9 @@ class Stator:
         pair = np.broadcast_to(self.damping, 2)
         if self.mass == 0.0 and not pair[0] == pair[1] > 0.0:
             raise InputError(
-                "damping of a stator without mass must be positive, and the same along x and y, "
-                f"got {self.damping!r}"
+                "{name} must be positive, and the same along x and y, got {value}",
+                name="damping of a stator without mass",
+                value=self.damping,
             )
         check_flag("weight", self.weight)
         if self.race is not None:
@@ -275,8 +276,12 @@ def check_contacts(contacts: Sequence[Contact]) -> None:
                  each.stator if isinstance(each.stator, str) else id(each.stator))  # fmt: skip
         if place in seen:
             raise InputError(
-                f"contacts must not overlap, got contacts {seen[place]} and {number} at node "
-                f"{each.node!r} with the same stator, centre and clearance {each.clearance!r}"
+                "contacts must not overlap, got contacts {first} and {number} at node {node!r} "
+                "with the same stator, centre and {clearance=}",
+                first=seen[place],
+                number=number,
+                node=each.node,
+                clearance=each.clearance,
             )
         seen[place] = number
     for (first, one), (second, other) in combinations(enumerate(contacts), 2):
@@ -286,17 +291,21 @@ def check_contacts(contacts: Sequence[Contact]) -> None:
         has_room = apart < one.clearance + other.clearance
         if one.node == other.node and len(stators) == 1 and not has_room:
             raise InputError(
-                f"contacts {first} and {second} at node {one.node!r} must leave it room, got "
-                f"centres {apart:.6g} apart with clearances {one.clearance!r} and "
-                f"{other.clearance!r}"
-            )
+                "contacts {first} and {second} at node {node!r} must leave it room, got centres "
+                "{reach:.6g} apart with clearances {clearance} and {radius}",
+                first=first, second=second, node=one.node, reach=apart,
+                clearance=one.clearance, radius=other.clearance,
+            )  # fmt: skip
 
 
 def _along_both(name: str, value: float | Sequence[float]) -> tuple[float, float]:
     """Return a number along x and y, given once or for each."""
     numbers = check_array(name, value, largest=LARGEST)
     if numbers.shape not in {(), (2,)} or (numbers < 0.0).any():
-        raise InputError(f"{name} must be one or two numbers of at least 0, got {shown(value)}")
+        raise InputError(
+            "{name} must be one or two numbers of at least 0, got {value}", name=name,
+            value=numbers.item() if numbers.shape == () else shown(value),
+        )  # fmt: skip
     pair = numbers if numbers.shape else (numbers, numbers)
     return float(pair[0]), float(pair[1])
 

@@ -22,12 +22,14 @@ from rotor_ida.model.scales import (
     BECOMES,
     IS_OF_MACHINE,
     UNITS_OF_ARGUMENTS,
+    errors_in_units,
     scale_of,
     unit_of,
     unit_of_parameter,
     without_units,
 )
 from rotor_ida.results.machine_file import load_machine, save_machine
+from rotor_ida.results.question import with_question
 from rotor_ida.results.si_units import (
     dimensional,
     dimensionless,
@@ -69,14 +71,15 @@ def takes_si(
         if not isinstance(rotor, DimensionalRotor) or (given and "rotor" in options):
             if isinstance(start := options.get("start"), xr.Dataset):
                 options["start"] = dimensionless(start)
-            return verb(*given, **options)
+            return with_question(verb(*given, **options), verb, given, options)
         options.pop("rotor", None)
         plain = without_dimensions(rotor, defaults | options)
         if not takes_all and (unknown := [name for name in options if name not in parameters]):
             raise TypeError(f"{verb.__name__}() got an unexpected keyword argument {unknown[0]!r}")
         try:
             with kept_machine(options.get("study"), rotor):
-                found = verb(rotor.rotor(), *given[1:], **plain)
+                given = (rotor.rotor(), *given[1:])
+                found = with_question(verb(*given, **plain), verb, given, plain)
         except (InputError, SimulationError) as error:
             raise in_si(error, rotor) from error
         return dimensional(found, rotor)
@@ -87,6 +90,19 @@ def takes_si(
 def varies_in_si(verb: Verb) -> Verb:
     """Return the function that `takes_si` does, whose rotor may be left out and varied."""
     return cast("Verb", takes_si(verb))
+
+
+def takes_system(verb: Callable[Asked, xr.Dataset]) -> Callable[Asked, xr.Dataset]:
+    """Return a function of a rotor system that keeps its question, with units in its errors."""
+
+    @wraps(verb)
+    def either(*given: Asked.args, **options: Asked.kwargs) -> xr.Dataset:
+        system = given[0] if given else options.get("system")
+        is_machine = isinstance(system, DimensionalRotor)
+        with errors_in_units("SI" if is_machine else getattr(system, "units", "")):
+            return with_question(verb(*given, **options), verb, given, options)
+
+    return either
 
 
 def keeps_si(

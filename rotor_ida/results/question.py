@@ -1,28 +1,30 @@
 """What was asked: a verb of the package with its arguments, as JSON and back.
 
-A study has it as its key, and a drop keeps it. To verify a result, or to resume a study, is to ask
-the same question again.
+A study has it as its key, and a result as an attribute, without dimensions for one disc. To verify
+a result, or to resume a study, is to ask the same question again.
 """
 
 from __future__ import annotations
 
 import inspect
 import json
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
+from functools import cache
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from rotor_ida.checks import shown
+from rotor_ida.checks import COMPONENTS, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
-from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.model.rotor_system import RotorSystem, name_of
 from rotor_ida.model.system_parts import Contact, Race, Stator, Support, Unbalance
 from rotor_ida.results.kinds import loaded
 from rotor_ida.results.provenance import computing
-from rotor_ida.results.studies.database import program_of
+from rotor_ida.results.studies.database import design_of, program_of
 from rotor_ida.texts import in_shell
 
 VALUES = {
@@ -38,6 +40,12 @@ VERBS = frozenset({
 })  # fmt: skip
 # The entry of plain values that says of what type they are, and one of these types.
 TYPE, DATASET = "type", "Dataset"
+# Attribute of a result, and the entry of it with the name of the function.
+QUESTION, VERB = "question", "verb"
+# Arguments that do not change the answer, so that no file chooses them.
+JOBS = ("workers", "executor", "study", "progress")
+# A longer text is not kept: the parts of such a question are variables of the result.
+LONGEST = 1_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -70,21 +78,46 @@ class Question:
 
     def design(self) -> dict[str, Any]:
         """Return the key of a study: the question, and what else determines the bits."""
-        return {"verb": self.verb, **self.plain(), **computing()}
+        return {VERB: self.verb, **self.plain(), **computing()}
 
     @classmethod
     def of_design(cls, design: Mapping[str, Any]) -> Question:
         """Return the question in the key of a study."""
         program = program_of(design)
         plain = {name: each for name, each in design.items() if name not in program}
-        return cls(plain.pop("verb"), arguments_from(plain))
+        return cls(plain.pop(VERB), arguments_from(plain))
+
+    @classmethod
+    def of_result(cls, dataset: xr.Dataset) -> Question | None:
+        """Return the question that a result keeps; None if it has none, as those of old versions.
+
+        Examples
+        --------
+        >>> from rotor_ida import folds
+        >>> Question.of_result(folds(zeta=0.07, delta0=0.5))
+        Question(verb='folds', arguments={'zeta': 0.07, 'delta0': 0.5})
+        """
+        text = dataset.attrs.get(QUESTION)
+        return cls.of_text(text) if isinstance(text, str) else None
+
+    @classmethod
+    def of_text(cls, text: str) -> Question:
+        """Return the question in the text that a dataset keeps."""
+        try:
+            arguments = arguments_from(json.loads(text))
+            verb = arguments.pop(VERB)
+        except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
+            raise InputError(f"a question must be arguments in JSON, got {shown(text)}") from error
+        return cls(str(verb), {each: arguments[each] for each in arguments if each not in JOBS})
 
     def text(self) -> str:
-        """Return the arguments as the text that a dataset keeps."""
-        return json.dumps(self.plain(), separators=(",", ":"))
+        """Return the question as the text that a dataset keeps."""
+        return json.dumps({VERB: self.verb, **self.plain()}, separators=(",", ":"))
 
-    def python(self, rotor: str = "") -> str:
-        """Return the call in Python, an argument a line; `rotor` is a name for that argument.
+    def python(self, rotor: str = "", others: str = "") -> str:
+        """Return the call in Python, an argument a line.
+
+        `rotor` is a name for that argument, and `others` the words of arguments by a mapping.
 
         Examples
         --------
@@ -99,23 +132,31 @@ class Question:
             rotor or written(each) if name == "rotor" else f"{name}={written(each)}"
             for name, each in self.arguments.items()
         ]
+        words += [others] if others else []
         return "\n".join([f"{self.verb}(", *(f"    {word}," for word in words), ")"])
 
     def command(self) -> str:
-        """Return the command that asks it, of one disc: each argument is an option.
+        """Return the command that asks it, of one disc or a file: each argument is an option.
 
         Examples
         --------
         >>> asked = Question("folds", {"zeta": 0.07, "delta0": (0.0, 0.5)})
         >>> asked.command()
         'rotor-ida folds --zeta 0.07 --delta0 0.0 0.5'
+        >>> Question("drop", {"rotor": Path("my rotor.toml"), "speed": "3000 rpm"}).command()
+        "rotor-ida drop 'my rotor.toml' --speed '3000 rpm'"
         """
         given = dict(self.arguments)
-        given = (given.pop("rotor").given if "rotor" in given else {}) | given
-        words = ["rotor-ida", self.verb.replace("_", "-")]
+        rotor = given.pop("rotor", None)
+        words: list[str | Path] = ["rotor-ida", self.verb.replace("_", "-")]
+        if isinstance(rotor, Path):
+            words.append(rotor)
+        elif rotor is not None:
+            given = rotor.given | given
         for name, each in given.items():
-            values = [each] if isinstance(each, str) else np.ravel(each).tolist()
-            words += [f"--{name.replace('_', '-')}", *map(str, values)]
+            is_word = isinstance(each, str | Path)
+            words.append(f"--{name.replace('_', '-')}")
+            words += [each] if is_word else map(str, np.ravel(each).tolist())
         return " ".join(map(in_shell, words))
 
     def ask(self, **jobs: Any) -> xr.Dataset:
@@ -130,6 +171,63 @@ class Question:
         jobs = {name: each for name, each in jobs.items() if name in taken and each is not None}
         answer: xr.Dataset = function(*rotor, **arguments, **jobs)
         return answer
+
+
+def with_question(
+    answer: xr.Dataset, verb: Callable[..., Any], given: Sequence[Any], options: Mapping[str, Any]
+) -> xr.Dataset:
+    """Give an answer the question to a function, called with these arguments, as an attribute.
+
+    That of a study is the one in its folder. Where an argument is left out, or a result, the answer
+    has what came of it; if it does not, or for very many numbers, it keeps no question.
+    """
+    answer.attrs.pop(QUESTION, None)  # of a part of the computation
+    if study := options.get("study"):
+        question = Question.of_design(design_of(study))
+        if question.verb == name_of(verb):
+            answer.attrs[QUESTION] = question.text()
+        return answer
+    bound = _signature(verb).bind(*given, **options)
+    bound.apply_defaults()
+    first, *_ = bound.arguments
+    arguments: dict[str, Any] = {}
+    for name, each in bound.arguments.items():
+        if _signature(verb).parameters[name].kind is inspect.Parameter.VAR_KEYWORD:
+            arguments |= each
+        elif name not in JOBS:
+            arguments["rotor" if name in {first, "rotor", "system"} else name] = each
+    kept = {name: each for name, each in arguments.items() if each is not None}
+    for name, each in arguments.items():
+        parts = each if isinstance(each, list | tuple) else [each]
+        if each is None or any(isinstance(part, xr.Dataset) for part in parts):
+            kept[name] = _resolved(name, answer)
+            if kept[name] is None and each is not None:
+                return answer
+    kept = {name: each for name, each in kept.items() if each is not None}
+    if sum(map(_size, kept.values())) < LONGEST:
+        text = Question(name_of(verb), kept).text()
+        answer.attrs |= {QUESTION: text} if len(text) <= LONGEST else {}
+    return answer
+
+
+def _resolved(name: str, answer: xr.Dataset) -> Any:
+    """Return the value of an argument by an answer; None if it does not have it."""
+    columns = [f"start_{each}" for each in COMPONENTS]
+    if name == "starts" and all(each in answer.variables for each in columns):
+        return np.column_stack([answer.variables[each].values for each in columns])
+    return answer.attrs.get(name)
+
+
+def _size(value: Any) -> int:
+    """Return about how many numbers an argument has."""
+    if isinstance(value, RotorSystem):
+        return 5 * value.size**2
+    return int(getattr(value, "size", len(value) if isinstance(value, list | tuple) else 1))
+
+
+@cache
+def _signature(verb: Callable[..., Any]) -> inspect.Signature:
+    return inspect.signature(verb)
 
 
 def arguments_from(plain: Mapping[str, Any]) -> dict[str, Any]:
@@ -151,14 +249,6 @@ def arguments_from(plain: Mapping[str, Any]) -> dict[str, Any]:
     True
     """
     return dict(_given(plain, {}))
-
-
-def arguments_in(text: str) -> dict[str, Any]:
-    """Return the arguments in the text of a dataset."""
-    try:
-        return arguments_from(json.loads(text))
-    except (ValueError, TypeError, KeyError, AttributeError, RecursionError) as error:
-        raise InputError(f"a question must be arguments in JSON, got {shown(text)}") from error
 
 
 def written(value: Any) -> str:
@@ -188,8 +278,8 @@ def _plain(value: Any, stators: list[Stator]) -> Any:
     if isinstance(value, np.ndarray | np.generic | xr.DataArray):
         numbers = np.asarray(value)
         return (numbers.astype(float) if numbers.dtype == object else numbers).tolist()
-    # fractions and decimals are numbers too
-    return value if value is None or isinstance(value, str | float | int) else float(value)
+    is_plain = value is None or isinstance(value, str | float | int)
+    return value if is_plain else float(value)  # fractions and decimals are numbers too
 
 
 def _plain_fields(value: Any, stators: list[Stator]) -> dict[str, Any]:

@@ -49,6 +49,7 @@ from rotor_ida.checks import check_array, check_choice, check_count, did_you_mea
 from rotor_ida.errors import InputError
 from rotor_ida.model.data_sheet import KEYS, OF_LINEAR, exponent_of, units_of
 from rotor_ida.model.rotor_system import UNITS, RotorSystem, check_dimensions
+from rotor_ida.model.scales import errors_in_units
 from rotor_ida.model.system_files import read_system
 from rotor_ida.model.system_parts import (
     STARTS,
@@ -216,7 +217,8 @@ def read_system_file(path: str | os.PathLike[str]) -> tuple[RotorSystem, Course]
     """Return the system of a file, and its course."""
     table = read_toml("system", path)
     try:
-        return _system_file(table, Path(path).parent)
+        with errors_in_units(str(table.get("units", UNITS[0]))):
+            return _system_file(table, Path(path).parent)
     except InputError as error:
         raise error.within(f"{path}: ") from error
 

@@ -629,7 +629,6 @@ QUANTITIES: dict[str, Quantity] = {
     "exact_radius_max": length("largest distance from the bearing axis on the exact limit cycle"),
     "digits": Quantity("decimal digits to which simulated and exact response agree"),
 }
-QUANTITIES["design"] = text("what it was computed from, as JSON")
 # What may vary between drops, in words.
 OF_DROP = {
     "phase": "angle of the rotor", "friction": "friction coefficient",

@@ -34,10 +34,11 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.model.varied import Varied
 from rotor_ida.parallel import Progress, choose, shows_progress
+from rotor_ida.results.in_si import takes_system
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import Folder
-from rotor_ida.schema import STATUS, WHIRL_DIRECTION, labelled, labelled_dataset
+from rotor_ida.schema import STATUS, WHIRL_DIRECTION, labelled_dataset
 from rotor_ida.steady.drop_grid import cells_of, grid_statistics_of
 from rotor_ida.steady.drop_statistics import QUANTILES, statistics_of
 from rotor_ida.steady.grid import EXPECTED, Places, Rows, Task, form_of, reason_of, run_study
@@ -63,6 +64,7 @@ OF_DROP = ("first_touch_time", "standstill_time", "horizon")
 
 
 @shows_progress
+@takes_system
 def drop_ensemble(
     system: RotorSystem,
     *,
@@ -208,7 +210,6 @@ def drop_ensemble(
     gaps = np.array([each.clearance for each in system.contacts])
     dataset = _dataset(example, varied, gaps, columns.points, told,
                        None if drops is not None else axes)  # fmt: skip
-    dataset["design"] = labelled("design", (), question.text())
     return with_system_units(dataset, system)
 
 

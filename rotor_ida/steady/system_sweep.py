@@ -258,9 +258,10 @@ def check_slowest(problem: SettlingProblem, speeds: Values) -> None:
         fastest = SystemFlow.at(problem, slowest, NO_STOP).request.fastest
     if not fastest <= MOST_RATIO * slowest:
         raise InputError(
-            f"speed must be at least {fastest / MOST_RATIO:.4g}, as the system moves at up to "
-            f"{fastest:.4g} rad per unit of time, got {slowest!r}; fewer modes lower that"
-        )
+            "{name} must be at least {least:.4g}, as the system moves at up to {fastest:.4g}, got "
+            "{value}; fewer modes lower that",
+            name="speed", least=fastest / MOST_RATIO, fastest=fastest, value=slowest,
+        )  # fmt: skip
 
 
 def warn_if_long(problem: SettlingProblem, speeds: Values, times: int) -> None:

@@ -86,16 +86,18 @@ def check_axisymmetric_parts(assembly: Assembly) -> None:
         where = f"of contact {number} at {shown(each.node)}"
         if each.centre != (0.0, 0.0):
             raise InputError(
-                f"centre {where} must be (0, 0) for a whirl, got {each.centre!r}: {INSTEAD}"
+                f"{{name}} must be (0, 0) for a whirl, got {{value}}: {INSTEAD}",
+                name=f"centre {where}",
+                value=each.centre,
             )
         if isinstance(each.stator, Stator):
             for name in ("stiffness", "damping"):
                 pair = getattr(each.stator, name)
                 if pair[0] != pair[1]:
                     raise InputError(
-                        f"{name} of the stator {where} must be equal along x and y for a whirl, "
-                        f"got {pair!r}: {INSTEAD}"
-                    )
+                        "{name} must be equal along x and y for a whirl, got {value}: " + INSTEAD,
+                        name=f"{name} of the stator {where}", value=pair,
+                    )  # fmt: skip
     if assembly.force.any():
         size = float(np.abs(assembly.force).max())
         raise InputError(

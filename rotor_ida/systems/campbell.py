@@ -12,6 +12,7 @@ from rotor_ida.arrays import Column, Values
 from rotor_ida.checks import check_axis, check_count, check_distinct
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
+from rotor_ida.results.in_si import takes_system
 from rotor_ida.schema import labelled_dataset
 from rotor_ida.systems.archived import described_problem
 from rotor_ida.systems.assembly import assemble
@@ -25,6 +26,7 @@ from rotor_ida.systems.receptances import checked_speeds
 from rotor_ida.systems.units import with_system_units
 
 
+@takes_system
 def campbell(
     system: RotorSystem,
     *,
@@ -161,6 +163,7 @@ def _springs(given: object, system: RotorSystem) -> Values:
     springs = check_axis("contact_stiffness", given)
     if springs.any() and not system.contacts:
         raise InputError(
-            f"contact_stiffness must be 0 without contacts, got {float(springs.max())!r}"
-        )
+            "{name} must be 0 without contacts, got {value}",
+            name="contact_stiffness", value=float(springs.max()),
+        )  # fmt: skip
     return springs

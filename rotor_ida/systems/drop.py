@@ -18,7 +18,7 @@ from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_
 from rotor_ida.model.supports import with_supports
 from rotor_ida.model.system_parts import Support
 from rotor_ida.parallel import Progress, shows_progress
-from rotor_ida.results.question import Question
+from rotor_ida.results.in_si import takes_system
 from rotor_ida.schema import labelled
 from rotor_ida.simulation.spin import SpeedProfile, steady
 from rotor_ida.systems.assembly import assemble
@@ -35,6 +35,7 @@ TITLE = "Rotor system: drop on its touchdown bearings"
 
 
 @shows_progress
+@takes_system
 def drop(
     system: RotorSystem,
     *,
@@ -148,9 +149,9 @@ def drop(
     end = check_positive("duration", duration)
     if not abs(omega) * end <= MOST_RADIANS:
         raise InputError(
-            f"speed must be at most {MOST_RADIANS / end:.4g} in a duration of {end!r}, "
-            f"got {omega!r}"
-        )
+            "{name} must be at most {most:.4g} in a duration of {duration}, got {value}",
+            name="speed", most=MOST_RADIANS / end, duration=end, value=omega,
+        )  # fmt: skip
     gaps = _by_node(("clearances", "clearance"), clearances, list(system.nodes))
     limits = _by_node(
         ("capacities", "capacity"), capacities, [each.node for each in system.contacts]
@@ -179,13 +180,7 @@ def drop(
         change=change | {name: each for name, each in numbers.items() if each is not None},
         whirls=True,
     )  # fmt: skip
-    question = Question("drop", {
-        "rotor": system, "speed": omega, "duration": end, "failing": failing,
-        "inertia": inertia, "drag": drag, "clearances": clearances, "capacities": capacities,
-        "modes": modes, "more_modes": more_modes, "rtol": rtol, "phase": turned, "start": start,
-        "method": method,
-    })  # fmt: skip
-    columns = figures_of_drop(run, gaps, limits) | cases[0].told | {"design": ((), question.text())}
+    columns = figures_of_drop(run, gaps, limits) | cases[0].told
     return _dataset(system, run, columns, {"phase": turned})
 
 
@@ -196,7 +191,7 @@ def _course(
     resistance = check_nonnegative("drag", drag)
     if inertia is None:
         if resistance > 0.0:
-            raise InputError(f"inertia must be given with drag, got drag {resistance!r} alone")
+            raise InputError("inertia must be given with drag, got {drag=} alone", drag=resistance)
         return steady(speed, duration), {"speed": speed}
     profile, _, change = profile_of(speed, None, None, None, (0.0, resistance),
                                     check_positive("inertia", inertia), duration)  # fmt: skip
@@ -238,9 +233,10 @@ def _released(
             reach = float(np.hypot(*(held.rows[number] @ state.start[0] - contact.centre)))
             if not reach < contact.clearance:
                 raise InputError(
-                    f"contacts must be clear of the levitated rotor, got contact {number} at node "
-                    f"{contact.node!r} at {reach:.4g} with clearance {contact.clearance!r}"
-                )
+                    "contacts must be clear of the levitated rotor, got contact {number} at node "
+                    "{node!r} at {reach:.4g} with {clearance=}",
+                    number=number, node=contact.node, reach=reach, clearance=contact.clearance,
+                )  # fmt: skip
         start = (state.start[0], state.start[1])
     stays = [each for each, gone in zip(supports, fails, strict=True) if not gone]
     own = np.zeros(free.size) if free.static_force is None else free.static_force.copy()

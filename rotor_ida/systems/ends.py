@@ -45,9 +45,10 @@ def state_at_end(assembly: Assembly, start: Start | xr.Dataset) -> Start:
         )
     if not np.array_equal(values[2 * size :], speeds):
         raise InputError(
-            f"start must end with the races at their speeds at time 0, {speeds}, got "
-            f"{values[2 * size :].tolist()}: give these to each Race"
-        )
+            "start must end with the races at their speeds at time 0, {speed}, got {value}: give "
+            "these to each Race",
+            name="speed", speed=speeds, value=values[2 * size :].tolist(),
+        )  # fmt: skip
     motion = values[: 2 * size].reshape(2, size)
     moved = _turned_back(assembly, motion, _angle_at_end(start))
     return moved[0], moved[1]
@@ -62,9 +63,9 @@ def _angle_at_end(start: xr.Dataset) -> float:
         return math.remainder(start.attrs["speed"] * start.attrs["duration"] + phase, math.tau)
     if float(start["t"][-1]) != start.attrs["duration"]:
         raise InputError(
-            f"start must have a sample at its end, {start.attrs['duration']!r}, got the last at "
-            f"{float(start['t'][-1])!r}"
-        )
+            "start must have a sample at its end, {duration}, got the last at {time}",
+            duration=float(start.attrs["duration"]), time=float(start["t"][-1]),
+        )  # fmt: skip
     return math.remainder(float(start["angle"][-1]) + phase, math.tau)
 
 

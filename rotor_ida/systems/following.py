@@ -15,11 +15,13 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import ComplexValues, Stop, Values, Watch
+from rotor_ida.checks import shown
 from rotor_ida.core.interface import DONE, message_of
 from rotor_ida.core.runs import NO_STOP
 from rotor_ida.core.systems import LAW, SystemEvents, SystemRequest, SystemResult, follow_system
-from rotor_ida.errors import SimulationError
+from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.contact import HERTZ_EXPONENT
+from rotor_ida.model.parameters import OF_ROTOR
 from rotor_ida.simulation.spin import SpeedProfile
 from rotor_ida.systems.assembly import Assembly, Canonical
 
@@ -91,6 +93,7 @@ def request_of(
             law["race_drag"] = race.drag
     speeds = [0.0 if race is None else race.speed for race in assembly.races]
     displacement, velocity, fastest = scales_of(assembly, found, fastest_speed, start)
+    _check_contact_damping(assembly, assembly.smallest_clearance * velocity / displacement)
     return SystemRequest(
         stiffness=found.stiffness, damping=found.damping, gyroscopic=found.gyroscopic,
         stiffness_rate=found.stiffness_rate, rows=found.rows, unbalance=found.unbalance,
@@ -101,6 +104,17 @@ def request_of(
         displacement=displacement, velocity=velocity, fastest=fastest, start=start, times=times,
         duration=duration, massless=found.massless,
     )  # fmt: skip
+
+
+def _check_contact_damping(assembly: Assembly, velocity: float) -> None:
+    """Refuse contacts so stiff by their damping that a touch takes minutes, as of one disc."""
+    most = OF_ROTOR["contact_damping"].largest / velocity
+    for each in assembly.contacts:
+        if not each.damping <= most:
+            raise InputError(
+                "{name} must be at most {most:.3g} to be simulated, got {value}",
+                name=f"damping of the contact at {shown(each.node)}", most=most, value=each.damping,
+            )  # fmt: skip
 
 
 def scales_of(

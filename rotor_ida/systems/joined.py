@@ -13,6 +13,7 @@ import xarray as xr
 from rotor_ida.checks import listed
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem, name_of, refuse_first
+from rotor_ida.results.in_si import takes_system
 
 OfDisc = ParamSpec("OfDisc")
 OfSystem = ParamSpec("OfSystem")
@@ -53,7 +54,7 @@ def of_both(
         if isinstance(rotor, RotorSystem):
             if missing := [name for name in needed if name not in options]:
                 raise TypeError(f"{name_of(system)}() of a RotorSystem needs {listed(missing)}")
-            return cast("Callable[..., xr.Dataset]", system)(*given, **options)
+            return cast("Callable[..., xr.Dataset]", takes_system(system))(*given, **options)
         is_disc = isinstance(rotor, Rotor | DimensionalRotor)
         if not is_disc and not (rotor is None and is_optional):
             refuse_first(either, KINDS, rotor)

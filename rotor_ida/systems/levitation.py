@@ -94,5 +94,6 @@ def _whirl(assembly: Assembly, speed: float) -> Values:
         return np.asarray(np.linalg.solve(dynamic, force))
     except np.linalg.LinAlgError as error:
         raise InputError(
-            f"speed must not be that of an undamped resonance, got {speed!r}"
-        ) from error
+            "{name} must not be that of an undamped resonance, got {value}",
+            name="speed", value=speed,
+        ) from error  # fmt: skip

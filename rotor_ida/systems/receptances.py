@@ -45,8 +45,9 @@ def checked_speeds(speed: object) -> Values:
     speeds = check_vector("speed", speed) + 0.0
     if (outside := np.abs(speeds) > LARGEST_NUMBER).any():
         raise InputError(
-            f"speed must be at most {LARGEST_NUMBER:g}, got {float(speeds[outside][0])!r}"
-        )
+            "{name} must be at most {most:g}, got {value}",
+            name="speed", most=LARGEST_NUMBER, value=float(speeds[outside][0]),
+        )  # fmt: skip
     return speeds
 
 
@@ -96,9 +97,9 @@ def solved_motions(assembly: Assembly, speeds: Values, forces: ComplexValues) ->
     resonant = ~np.isfinite(motions).all(axis=(1, 2))
     if resonant.any():
         raise InputError(
-            "speed must not be a resonance without damping, "
-            f"got {float(speeds[np.argmax(resonant)])!r}"
-        )
+            "{name} must not be a resonance without damping, got {value}",
+            name="speed", value=float(speeds[np.argmax(resonant)]),
+        )  # fmt: skip
     return np.asarray(motions)
 
 

@@ -284,9 +284,10 @@ def _prepared(
     longest = MOST_RADIANS / (request.fastest + fastest)
     if not end <= longest:
         raise InputError(
-            f"duration must be at most {longest:.4g}, as the system moves at up to "
-            f"{request.fastest:.4g} rad per unit of time, got {end!r}; fewer modes lower that"
-        )
+            "{name} must be at most {most:.4g}, as the system moves at up to {fastest:.4g}, got "
+            "{value}; fewer modes lower that",
+            name="duration", most=longest, fastest=request.fastest, value=end,
+        )  # fmt: skip
     return _Prepared(assembly, found, begun, request)
 
 
@@ -420,8 +421,9 @@ def _times(samples: object, end: float, fastest: float) -> Values:
     times = check_increasing("samples", check_axis("samples", samples))
     if times[-1] > end:
         raise InputError(
-            f"samples must lie from 0 to the duration {end!r}, got {float(times[-1])!r}"
-        )
+            "{name} must lie from 0 to the {duration=}, got {value}",
+            name="samples", duration=end, value=float(times[-1]),
+        )  # fmt: skip
     return times
 
 

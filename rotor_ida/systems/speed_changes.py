@@ -80,7 +80,10 @@ def _piece_by_piece(
         raise InputError(f"speeds must be two or more pairs of time and speed, got {given}")
     check_increasing("times of speeds", table[:, 0])
     if table[0, 0] != 0.0:
-        raise InputError(f"the first time of speeds must be 0, got {float(table[0, 0])!r}")
+        raise InputError(
+            "{name} must be 0, got {value}", name="the first time of speeds",
+            value=float(table[0, 0]),
+        )  # fmt: skip
     points = [(float(time), float(speed)) for time, speed in table]
     with np.errstate(over="ignore"):
         slopes = np.diff(table[:, 1]) / np.diff(table[:, 0])
@@ -115,9 +118,9 @@ def _by_torque(
     if not reached * end <= MOST_RADIANS:
         raise InputError(
             f"torque, inertia and duration must keep the turns below {MOST_RADIANS:g} radians, got "
-            f"torque {(tau0, slope)!r}, inertia {moment!r} and duration {end!r}, which lead to a "
-            f"speed of up to {reached:.3g}"
-        )
+            "{torque=}, {inertia=} and {duration=}, which lead to a speed of up to {speed:.3g}",
+            torque=(tau0, slope), inertia=moment, duration=end, speed=reached,
+        )  # fmt: skip
     profile = driven((tau0, slope), moment, end)
     return profile, speed, {"start_speed": speed, "torque": pair, "inertia": moment}
 

@@ -1,14 +1,14 @@
 """For each kind of result, the question that it answers, and what of it another processor repeats.
 
-The arguments of a question are read from the attributes and variables of the result, also of
-older versions, and without dimensions.
+A result keeps its question (`rotor_ida.results.question`). Where it does not, as those of older
+versions, or is a part of one, the arguments are read from its attributes and variables here.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import Any
 
@@ -22,7 +22,7 @@ from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
 from rotor_ida.results.kinds import kind_of
-from rotor_ida.results.question import Question, arguments_in
+from rotor_ida.results.question import Question
 from rotor_ida.schema import RESPONSE
 from rotor_ida.schema.quantities import TOLERANCE, TOLERANCE_OF_KIND
 from rotor_ida.simulation.flow import DiscFlow
@@ -44,8 +44,6 @@ STEPS = "the steps along it depend on rounding; its special points and ends are 
 MARGINAL = "at a bifurcation a multiplier lies on the unit circle, on which side is rounding"
 BEHIND_HORIZON = "some drops end behind their horizon, where another processor drops otherwise"
 STARTS = tuple(f"start_{name}" for name in COMPONENTS)
-# The variable of a drop with its question.
-DESIGN = "design"
 
 
 def tolerance_of(dataset: xr.Dataset) -> float:
@@ -221,18 +219,8 @@ def _system_run(dataset: xr.Dataset) -> Question:
     return Question("run_up", given | changes)
 
 
-def _drop(dataset: xr.Dataset) -> Question:
-    if DESIGN not in dataset:  # an older archive
-        return _system_run(dataset)
-    given = arguments_in(str(dataset[DESIGN].values))
-    method = dataset.attrs["method"]
-    return Question("drop", given | {"samples": dataset["t"].values, "method": method})
-
-
-def _drops(dataset: xr.Dataset) -> Question:
-    if DESIGN not in dataset:
-        raise ValueError(f"it lacks {DESIGN}, as those of older versions do")
-    return Question("drop_ensemble", arguments_in(str(dataset[DESIGN].values)))
+def _drops(_dataset: xr.Dataset) -> Question:
+    raise ValueError("it lacks its question, as those of older versions do")
 
 
 def _system_sweep(dataset: xr.Dataset) -> Question:
@@ -415,7 +403,7 @@ VERIFIED = {
         ("kind", "parameters", "limits", "points", *_BEGUN), _steps_of_curve, also=_ends,
     ),
     "system_run": _SYSTEM_RUN,
-    "drop": replace(_SYSTEM_RUN, question=_drop),
+    "drop": _SYSTEM_RUN,
     "drop_ensemble": Verification(
         _drops, ("horizon", "status", "largest_force", "contact_count"), ("duration",),
         _undecided, told=_decided,

@@ -18,6 +18,8 @@ from rotor_ida.verification.variables import NOT_BY_METHOD, compare_variables, m
 
 # Relative differences allowed for another method, whose extrema may be those of its samples.
 TOLERANCE_OF_OTHERS = 1e-4
+# Functions whose samples are computed again, those that they chose themselves too.
+SAMPLED = ("simulate", "run_up", "drop")
 
 
 @shows_progress
@@ -74,12 +76,22 @@ def rerun(
 
 def question_of(dataset: xr.Dataset) -> Question:
     """Return the question that a result answers; refuse one that cannot be asked again."""
-    verification = _verification_of(dataset)
+    verification, plain = _verification_of(dataset), dimensionless(dataset)
     try:
-        return verification.question(dimensionless(dataset))
+        kept = Question.of_result(plain)
+        if kept is not None and _fits(kept, plain):
+            sampled = {"samples": plain["t"].values} if kept.verb in SAMPLED else {}
+            return Question(kept.verb, {**kept.arguments, **sampled})
+        return verification.question(plain)
     except (KeyError, IndexError, TypeError, ValueError) as error:
         kind = kind_of(dataset)
         raise InputError(f"this {kind} cannot be verified: {error}") from error
+
+
+def _fits(question: Question, dataset: xr.Dataset) -> bool:
+    """Return whether the axes of a question are those of a result, of which no part was taken."""
+    axes = {name: each for name, each in question.arguments.items() if name in dataset.dims}
+    return all(np.size(each) == dataset.sizes[name] for name, each in axes.items())
 
 
 def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:

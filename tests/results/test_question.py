@@ -9,8 +9,10 @@ import xarray as xr
 
 import rotor_ida
 from rotor_ida import InputError, Rotor, bifurcation_diagram, continue_cycle, sweep
+from rotor_ida.results.kinds import kind_of
 from rotor_ida.results.question import Question, arguments_from, arguments_in
 from rotor_ida.results.studies import design_of
+from rotor_ida.verification.questions import VERIFIED
 from rotor_ida.verification.resume import resume
 from rotor_ida.verification.verify import question_of
 from tests import kinds
@@ -42,9 +44,9 @@ STUDIES = {
 def test_it_comes_back_from_json(name):
     question = question_of(kinds.KINDS[name]())
     text = question.text()
-    again = arguments_in(text)
-    assert Question(question.verb, again).text() == text
-    assert again.keys() == question.arguments.keys()
+    again = Question.of_text(text)
+    assert (again.verb, again.text()) == (question.verb, text)
+    assert again.arguments.keys() == question.arguments.keys()
     design = json.loads(json.dumps(question.design(), allow_nan=False))
     found = Question.of_design(design)
     assert (found.verb, found.text()) == (question.verb, text)
@@ -52,7 +54,7 @@ def test_it_comes_back_from_json(name):
 
 def test_numbers_keep_all_their_bits():
     given = {"x": np.array([0.1 + 0.2, -0.0, 1e-300]), "starts": 3, "rtol": None, "method": "bdf"}
-    again = arguments_in(Question("basin", given).text())
+    again = Question.of_text(Question("basin", given).text()).arguments
     assert again == {"x": (0.1 + 0.2, -0.0, 1e-300), "starts": 3, "rtol": None, "method": "bdf"}
     assert np.signbit(again["x"][1])
     assert isinstance(again["starts"], int)
@@ -79,7 +81,23 @@ def test_a_study_is_resumed_to_the_same_bits(kind, tmp_path):
 @pytest.mark.parametrize("text", ["{", "[1]", '{"rotor": {"type": "Path"}}', '{"x": {"type": "R'])
 def test_text_that_holds_no_question_is_refused(text):
     with pytest.raises(InputError, match="a question must be arguments in JSON, got"):
-        arguments_in(text)
+        Question.of_text(text)
+
+
+def test_no_text_chooses_where_a_study_is_or_its_workers():
+    text = '{"verb": "sweep", "study": "somewhere", "workers": 9, "omega": 1.0}'
+    assert Question.of_text(text) == Question("sweep", {"omega": 1.0})
+
+
+@pytest.mark.parametrize("name", kinds.KINDS)
+def test_a_result_keeps_its_question(name):
+    made = kinds.KINDS[name]()
+    kept, kind = Question.of_result(made), VERIFIED.get(kind_of(made))
+    if kind is None or kind_of(made) in {"system_cycle", "system_branch"}:
+        return
+    assert kept is not None
+    read = kind.question(made.drop_attrs(deep=False).assign_attrs(made.attrs))
+    assert kept.verb == read.verb
 
 
 def test_only_verbs_are_asked():

@@ -109,8 +109,7 @@ def drop(
         unfinished.mkdir(exist_ok=True)
         rotor_ida.save(everything, files[1], overwrite=overwrite)
     rotor_ida.save(run, files[0], overwrite=overwrite)
-    asked = [each for name, value in told.items() if value is not None
-             for each in (f"--{name}", repr(value))]  # fmt: skip
+    asked = {name: repr(value) for name, value in told.items() if value is not None}
     pages = write_report(out, system, run, everything, asked, overwrite=overwrite)
     written = [*files[:-2], *pages]
     if film is not None:

@@ -26,8 +26,9 @@ from rotor_ida.checks import (
     check_positive,
     shown,
 )
-from rotor_ida.errors import Amount, InputError
+from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
+from rotor_ida.results.in_si import takes_system
 from rotor_ida.schema import STABILITY, VERDICT, labelled_dataset
 from rotor_ida.systems.archived import described_problem
 from rotor_ida.systems.assembly import Assembly, assemble, canonical
@@ -67,6 +68,7 @@ REFERENCES = (
 )
 
 
+@takes_system
 def clearance_report(
     system: RotorSystem,
     *,
@@ -181,7 +183,7 @@ def clearance_report(
             raise InputError(
                 "system must be damped at its critical speeds for a report, got no damping at "
                 "{speed:.6g}",
-                speed=Amount(mode.speed, "rad s-1") if system.units == "SI" else mode.speed,
+                speed=mode.speed,
             )
     if system.unbalance:
         cases: Cases = [[scaled(each, multiple) for each in system.unbalance]]

@@ -21,6 +21,7 @@ from rotor_ida.arrays import Column, ComplexValues, Values
 from rotor_ida.checks import LARGEST_NUMBER, check_array, check_axis, check_count, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
+from rotor_ida.results.in_si import takes_system
 from rotor_ida.schema import SPECIAL, labelled_dataset
 from rotor_ida.systems.assembly import assemble
 from rotor_ida.systems.axisymmetric import (
@@ -64,6 +65,7 @@ class _Point:
     grazed: float = np.nan
 
 
+@takes_system
 def special_speeds(
     system: RotorSystem,
     *,
