@@ -17,7 +17,7 @@ from rotor_ida.arrays import Column, Values
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Race, Stator, Unbalance
-from rotor_ida.results.question import arguments_in
+from rotor_ida.results.question import Question
 from rotor_ida.systems.assembly import Assembly
 from rotor_ida.systems.units import NOTE
 
@@ -136,7 +136,7 @@ def problem_of(run: xr.Dataset) -> tuple[RotorSystem, list[Any]]:
     True
     """
     if DESIGN in run.attrs:
-        given = arguments_in(str(run.attrs[DESIGN]))
+        given = Question.of_text(str(run.attrs[DESIGN])).arguments
         if not isinstance(given.get("rotor"), RotorSystem):
             raise InputError(f"{DESIGN} must have a rotor system, got {', '.join(given)}")
         return given["rotor"], given.get("starts", [])

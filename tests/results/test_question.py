@@ -10,7 +10,7 @@ import xarray as xr
 import rotor_ida
 from rotor_ida import InputError, Rotor, bifurcation_diagram, continue_cycle, sweep
 from rotor_ida.results.kinds import kind_of
-from rotor_ida.results.question import Question, arguments_from, arguments_in
+from rotor_ida.results.question import Question, arguments_from
 from rotor_ida.results.studies import design_of
 from rotor_ida.verification.questions import VERIFIED
 from rotor_ida.verification.resume import resume
