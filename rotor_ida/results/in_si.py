@@ -13,7 +13,7 @@ from typing import Any, Concatenate, ParamSpec, TypeVar, cast
 import numpy as np
 import xarray as xr
 
-from rotor_ida.checks import check_array, shown
+from rotor_ida.checks import check_array, did_you_mean, shown
 from rotor_ida.errors import Amount, InputError, RotorError, SimulationError
 from rotor_ida.model.parameters import OF_MACHINE
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
@@ -62,6 +62,11 @@ def takes_si(
 
     @wraps(verb)
     def either(*given: Any, **options: Any) -> xr.Dataset:
+        if not takes_all and (unknown := [name for name in options if name not in parameters]):
+            raise TypeError(
+                f"{verb.__name__}() got an unexpected keyword argument {shown(unknown[0])}"
+                f"{did_you_mean(unknown[0], parameters)}"
+            )
         is_given = bool(given) or "rotor" in options
         rotor = given[0] if given else options.get("rotor")
         if is_given and is_needed and not isinstance(rotor, Rotor | DimensionalRotor):
@@ -72,8 +77,6 @@ def takes_si(
             return verb(*given, **options)
         options.pop("rotor", None)
         plain = without_dimensions(rotor, defaults | options)
-        if not takes_all and (unknown := [name for name in options if name not in parameters]):
-            raise TypeError(f"{verb.__name__}() got an unexpected keyword argument {unknown[0]!r}")
         try:
             with kept_machine(options.get("study"), rotor):
                 found = verb(rotor.rotor(), *given[1:], **plain)
