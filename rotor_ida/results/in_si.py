@@ -60,13 +60,15 @@ def takes_si(
     takes_all = any(each.kind is Parameter.VAR_KEYWORD for each in parameters.values())
     is_needed = "rotor" in parameters and parameters["rotor"].default is Parameter.empty
 
-    @wraps(verb)
-    def either(*given: Any, **options: Any) -> xr.Dataset:
+    def refuse_unknown(options: Mapping[str, Any]) -> None:
         if not takes_all and (unknown := [name for name in options if name not in parameters]):
             raise TypeError(
                 f"{verb.__name__}() got an unexpected keyword argument {shown(unknown[0])}"
                 f"{did_you_mean(unknown[0], parameters)}"
             )
+
+    @wraps(verb)
+    def either(*given: Any, **options: Any) -> xr.Dataset:
         is_given = bool(given) or "rotor" in options
         rotor = given[0] if given else options.get("rotor")
         if is_given and is_needed and not isinstance(rotor, Rotor | DimensionalRotor):
@@ -74,9 +76,11 @@ def takes_si(
         if not isinstance(rotor, DimensionalRotor) or (given and "rotor" in options):
             if isinstance(start := options.get("start"), xr.Dataset):
                 options["start"] = dimensionless(start)
+            refuse_unknown(options)
             return verb(*given, **options)
         options.pop("rotor", None)
         plain = without_dimensions(rotor, defaults | options)
+        refuse_unknown(options)
         try:
             with kept_machine(options.get("study"), rotor):
                 found = verb(rotor.rotor(), *given[1:], **plain)
