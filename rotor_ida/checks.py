@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 import re
 from collections.abc import Callable, Iterable, Mapping, Sequence, Sized
+from dataclasses import dataclass
 from difflib import get_close_matches
 from numbers import Integral, Real
 from pathlib import PurePath
@@ -156,7 +157,9 @@ def check_real(name: str, value: object) -> float:
             number = math.inf
         if math.isfinite(number):
             return number
-    raise InputError(f"{name} must be a finite real number, got {shown(value)}")
+    raise InputError(
+        "{name} must be a finite real number, got {given}", name=name, given=shown(value)
+    )
 
 
 def check_point(name: str, word: str) -> None:
@@ -242,10 +245,47 @@ def check_seed(value: object) -> int:
 def check_choice(name: str, value: object, allowed: Sequence[str]) -> str:
     """Return `value` if it is one of the words in `allowed`."""
     if not isinstance(value, str) or value not in allowed:
-        words = ", ".join(repr(word) for word in allowed)
-        meant = did_you_mean(value, allowed)
-        raise InputError(f"{name} must be one of {words}, got {shown(value)}{meant}")
+        raise InputError(
+            "{name} must be one of {allowed}, got {given}{meant}", name=name,
+            allowed=Names(tuple(allowed)), given=shown(value), meant=Meant(value, tuple(allowed)),
+        )  # fmt: skip
     return value
+
+
+@dataclass(frozen=True, slots=True)
+class Names:
+    """Names in a message: quoted, or with a `last` word between as in a sentence.
+
+    Examples
+    --------
+    >>> str(Names(("omega", "rtol")).in_words({"omega": "speed"})), str(Names(("x", "y"), "and"))
+    ("'speed', 'rtol'", 'x and y')
+    """
+
+    names: tuple[str, ...]
+    last: str = ""
+
+    def in_words(self, words: Mapping[str, str]) -> Names:
+        """Return the same with these words for names."""
+        return Names(tuple(words.get(each, each) for each in self.names), self.last)
+
+    def __str__(self) -> str:
+        return listed(self.names, self.last) if self.last else ", ".join(map(repr, self.names))
+
+
+@dataclass(frozen=True, slots=True)
+class Meant:
+    """The end of a message that names the known word nearest to a misspelt one, if any is near."""
+
+    word: object
+    known: tuple[str, ...]
+
+    def in_words(self, words: Mapping[str, str]) -> Meant:
+        """Return the same with these words for names."""
+        return Meant(self.word, tuple(words.get(each, each) for each in self.known))
+
+    def __str__(self) -> str:
+        return did_you_mean(self.word, self.known)
 
 
 def did_you_mean(word: object, known: Iterable[str]) -> str:
@@ -372,11 +412,11 @@ def check_vector(name: str, values: object, *, largest: float = math.inf) -> Val
     numbers = check_array(name, values, largest=largest)
     if numbers.ndim > 1:
         raise InputError(
-            f"{name} must be a number or a vector of numbers, got an array of shape "
-            f"{shown(numbers.shape)}"
-        )
+            "{name} must be a number or a vector of numbers, got an array of shape {shape}",
+            name=name, shape=shown(numbers.shape),
+        )  # fmt: skip
     if numbers.size == 0:
-        raise InputError(f"{name} must contain at least one number, got none")
+        raise InputError("{name} must contain at least one number, got none", name=name)
     return np.atleast_1d(numbers)
 
 
@@ -474,7 +514,10 @@ def check_direction(
     check_choice("direction", direction, ("up", "down", "both"))
     varying = [name for name, axis in axes.items() if axis.size > 1]
     if along is None and first not in varying and len(varying) > 1:
-        raise InputError(f"along must be given with a direction, as {listed(varying)} vary")
+        raise InputError(
+            "along must be given with a direction, as {names} vary",
+            names=Names(tuple(varying), "and"),
+        )
     if along is None:
         along = first if first in varying or not varying else varying[0]
     axis = axes[check_choice("along", along, list(axes))]

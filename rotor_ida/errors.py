@@ -10,7 +10,7 @@ from collections.abc import Callable, Mapping
 from copy import copy
 from functools import partial
 from string import Formatter
-from typing import Self, cast
+from typing import Protocol, Self, cast, runtime_checkable
 
 from rotor_ida.texts import printable
 
@@ -57,6 +57,14 @@ class Amount(float):
 Changed = Callable[[str, str, int, float], float]
 
 
+@runtime_checkable
+class Named(Protocol):
+    """A field of a message with names of arguments, which another problem may call otherwise."""
+
+    def in_words(self, words: Mapping[str, str]) -> Self:
+        """Return the same with these words for names."""
+
+
 class RotorError(Exception):
     """Base of every error that this package raises on purpose.
 
@@ -80,6 +88,9 @@ class RotorError(Exception):
         made, name = copy(self), str(self.fields.get("name", ""))
         made.fields = {field: _changed(value, partial(changed, field, name))
                        for field, value in self.fields.items()}  # fmt: skip
+        for field, value in made.fields.items():
+            if isinstance(value, Named):
+                made.fields[field] = value.in_words(words)
         if name:
             made.fields["name"] = " ".join(words.get(each, each) for each in name.split(" "))
         made.words = {**self.words, **words}

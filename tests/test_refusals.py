@@ -338,7 +338,7 @@ REFUSED = [
         **given}), [
         ({"omega": [2.0, 1.0]}, "omega must increase, got 1.0 after 2.0"),
         ({"omega": [1.0, 2.0], "zeta": [0.1, 0.2], "delta0": [0.0, 1.0]},
-         "two of the parameters at most may be arrays, got 3: omega, zeta, delta0"),
+         "two of the parameters at most may be arrays, got omega, zeta and delta0"),
         ({"zeta": 0.0}, "zeta must be above 0 and at most .* got 0.0"),
         ({"starts": 0}, "starts must be at least 1, got 0"),
         ({"x": 1.0, "y": 0.0}, "x, y, vx or vy must be a range, got numbers for 1000 starts"),

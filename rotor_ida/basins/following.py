@@ -11,7 +11,7 @@ from functools import partial
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import Arrays, Values
+from rotor_ida.arrays import Arrays, Values, Watch
 from rotor_ida.basins.fates import ALONE, Batch, decide
 from rotor_ida.basins.kernel import (
     CHAOTIC,
@@ -19,6 +19,7 @@ from rotor_ida.basins.kernel import (
     NOT_COMPUTED,
     QUASI_PERIODIC,
     ROLLING,
+    UNDECIDED,
     Labels,
     Times,
 )
@@ -153,13 +154,18 @@ def follow_starts(
     return followed
 
 
-def follow_here(known: Known, states: Values, tolerance: float, stop: Stop) -> FollowedStarts:
-    """Follow starts of shape (4, n) in this process, the first of them before the others."""
+def follow_here(
+    known: Known, states: Values, tolerance: float, stop: Stop, watch: Watch | None = None
+) -> FollowedStarts:
+    """Follow starts of shape (4, n) in this process, the first of them before the others.
+
+    `watch` receives a function that returns the number of starts decided.
+    """
     if not may_roll(known.rotor):  # else in a batch alone cycles are met soon enough
         known = _with_cycles(known, states[:, :SCOUTS], tolerance, stop)
     kept: Results[BatchResult] = Results()
     job = _Job(known, 0, states, tolerance, rechecked_of_rotor(states.shape[1]))
-    kept.keep(0, _follow(job, stop), states.shape[1])
+    kept.keep(0, _follow(job, stop, watch), states.shape[1])
     return _gathered(known, states.shape[1], kept)
 
 
@@ -209,9 +215,12 @@ def _few(starts: Starts, count: int, most: int, drawn: bool) -> Values:
     return np.concatenate([starts(number, number + 1) for number in numbers.tolist()], axis=1)
 
 
-def _follow(job: _Job, stop: Stop) -> BatchResult:
+def _follow(job: _Job, stop: Stop, watch: Watch | None = None) -> BatchResult:
     """Follow a batch of starts until the attractor of each is decided."""
-    batch = decide(Batch(job.known, job.states, job.tolerance, stop))
+    batch = Batch(job.known, job.states, job.tolerance, stop)
+    if watch is not None:
+        watch.append(lambda: float(np.isin(batch.labels, OPEN, invert=True).sum()))
+    batch = decide(batch)
     rechecked = count_agreeing(
         batch.known, job.states, batch.labels, batch.times, job.tolerance,
         0 if followed_alone(batch.known.rotor) else job.rechecked, stop,
@@ -275,6 +284,8 @@ def _renumbered(
     return labels
 
 
+# Labels of starts that are not decided.
+OPEN = (UNDECIDED, NOT_COMPUTED)
 # What is stored of a limit cycle: state, period, and 1 if it has a trapping section.
 CYCLE = 6
 # Of a motion without a period: amplitude, phase lag, smallest and largest radius.

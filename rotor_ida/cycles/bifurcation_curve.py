@@ -11,6 +11,7 @@ import xarray as xr
 from rotor_ida.checks import (
     AT_REST,
     MOST_NUMBERS,
+    Names,
     check_choice,
     check_count,
     check_instance,
@@ -152,8 +153,10 @@ def _checked_parameters(parameters: object) -> tuple[str, str]:
     if len(names) != 2 or not all(isinstance(name, str) for name in names):
         names = []
     if len(set(names) & set(CONTINUED)) != 2:
-        wanted = ", ".join(CONTINUED)
-        raise InputError(f"parameters must be two of {wanted}, got {shown(parameters)}")
+        raise InputError(
+            "parameters must be two of {allowed}, got {given}", allowed=Names(tuple(CONTINUED)),
+            given=Names(tuple(names)) if names else shown(parameters),
+        )  # fmt: skip
     first, second = names
     return first, second
 
@@ -164,7 +167,11 @@ def _checked_limits(
     pair = limits.tolist() if isinstance(limits, np.ndarray) and limits.shape == (2, 2) else limits
     if isinstance(limits, Mapping):
         if set(limits) != set(names):
-            raise InputError(f"limits must be of {' and '.join(names)}, got {shown(limits)}")
+            given = Names(tuple(map(str, limits)), "and") if limits else "none"
+            raise InputError(
+                "limits must be of {names}, got those of {given}", names=Names(names, "and"),
+                given=given,
+            )  # fmt: skip
         pair = [limits[name] for name in names]
     if not isinstance(pair, (tuple, list)) or len(pair) != 2:
         raise InputError(f"limits must be two pairs of numbers, got {shown(limits)}")

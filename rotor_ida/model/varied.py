@@ -14,10 +14,10 @@ import numpy.typing as npt
 from rotor_ida.arrays import Column, Values
 from rotor_ida.checks import (
     MOST_NUMBERS,
+    Meant,
     check_axis,
     check_distinct,
     check_points,
-    did_you_mean,
     is_scalar,
     listed,
     shown,
@@ -324,8 +324,10 @@ def _asked(
             raise InputError(f"{each} must be left out of {name}: {left_out[each]}")
         if each not in known:
             options = [*known, *inspect.signature(verb).parameters]
-            meant = did_you_mean(each, [word for word in options if word != "varied"])
-            raise InputError(f"{name} has no argument {shown(each)}{meant}")
+            raise InputError(
+                "{verb} has no argument {given}{meant}", verb=name, given=shown(each),
+                meant=Meant(each, tuple(word for word in options if word != "varied")),
+            )  # fmt: skip
     asked: dict[str, object] = {**({} if rotor is None else rotor.given), **given}
     missing = [each for each in needed if each not in asked]
     if missing:

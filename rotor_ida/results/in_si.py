@@ -13,7 +13,7 @@ from typing import Any, Concatenate, ParamSpec, TypeVar, cast
 import numpy as np
 import xarray as xr
 
-from rotor_ida.checks import check_array, shown
+from rotor_ida.checks import check_array, did_you_mean, shown
 from rotor_ida.errors import Amount, InputError, RotorError, SimulationError
 from rotor_ida.model.parameters import OF_MACHINE
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
@@ -62,6 +62,13 @@ def takes_si(
     takes_all = any(each.kind is Parameter.VAR_KEYWORD for each in parameters.values())
     is_needed = "rotor" in parameters and parameters["rotor"].default is Parameter.empty
 
+    def refuse_unknown(options: Mapping[str, Any]) -> None:
+        if not takes_all and (unknown := [name for name in options if name not in parameters]):
+            raise TypeError(
+                f"{verb.__name__}() got an unexpected keyword argument {shown(unknown[0])}"
+                f"{did_you_mean(unknown[0], parameters)}"
+            )
+
     @wraps(verb)
     def either(*given: Any, **options: Any) -> xr.Dataset:
         is_given = bool(given) or "rotor" in options
@@ -71,11 +78,11 @@ def takes_si(
         if not isinstance(rotor, DimensionalRotor) or (given and "rotor" in options):
             if isinstance(start := options.get("start"), xr.Dataset):
                 options["start"] = dimensionless(start)
+            refuse_unknown(options)
             return with_question(verb(*given, **options), verb, given, options)
         options.pop("rotor", None)
         plain = without_dimensions(rotor, defaults | options)
-        if not takes_all and (unknown := [name for name in options if name not in parameters]):
-            raise TypeError(f"{verb.__name__}() got an unexpected keyword argument {unknown[0]!r}")
+        refuse_unknown(options)
         try:
             with kept_machine(options.get("study"), rotor):
                 given = (rotor.rotor(), *given[1:])

@@ -84,7 +84,7 @@ def given_start(name: str, start: object, *, loaded: bool) -> GivenStart:
     ):
         raise InputError(
             f"{name} must be a state (x, y, vx, vy), or end in one as a run, a limit cycle or one "
-            f"point of a sweep of one disc does, got a {KINDS[kind_of(start)].meaning}"
+            f"point of a sweep of one disc does, got: {KINDS[kind_of(start)].meaning}"
         )
     dims = [str(dim) for dim in found[names[0]].dims if prefix or dim != "t"]
     if dims:

@@ -19,6 +19,7 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import (
     COMPONENTS,
+    Names,
     check_between,
     check_count,
     check_increasing,
@@ -256,7 +257,10 @@ def _checked_rate(rate: object, along: str, speeds: Values) -> float:
     if not along:
         raise InputError("direction must be given with rate, got None")
     if along != "omega":
-        raise InputError(f"along must be 'omega' with a rate, got {along!r}")
+        raise InputError(
+            "along must be {allowed} with a rate, got {given}", allowed=Names(("omega",)),
+            given=Names((along,)),
+        )  # fmt: skip
     slope = check_between("rate", rate, SLOWEST, FASTEST)
     check_increasing("omega", speeds, "for a rate")
     span = float(speeds[-1] - speeds[0]) / slope

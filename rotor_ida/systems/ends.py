@@ -30,7 +30,7 @@ def state_at_end(assembly: Assembly, start: Start | xr.Dataset) -> Start:
     if "final_state" not in start or start["final_state"].ndim != 1:
         raise InputError(
             'start must be (q, velocity), "settled", "rest", or end as a run, a limit cycle or one '
-            f"point of a sweep of a rotor system does, got a {KINDS[kind_of(start)].meaning}"
+            f"point of a sweep of a rotor system does, got: {KINDS[kind_of(start)].meaning}"
         )
     in_si = "t" in start and start["t"].attrs.get("units") == "s"
     if "t" in start and in_si != (assembly.system.units == "SI"):

@@ -6,7 +6,7 @@ import inspect
 import re
 from collections.abc import Callable
 from functools import wraps
-from typing import Any, ParamSpec, Protocol, cast, overload
+from typing import Any, NamedTuple, ParamSpec, Protocol, cast, overload
 
 import xarray as xr
 
@@ -32,6 +32,22 @@ class OfBoth(Protocol[OfDisc, OfSystem]):
     def __call__(self, *given: OfDisc.args, **options: OfDisc.kwargs) -> xr.Dataset: ...
     @overload
     def __call__(self, *given: OfSystem.args, **options: OfSystem.kwargs) -> xr.Dataset: ...
+
+
+class Differing(NamedTuple):
+    """The defaults of an argument for one disc and for a rotor system, as a signature shows them.
+
+    Examples
+    --------
+    >>> Differing("adams", "taylor")
+    'adams' (of a RotorSystem 'taylor')
+    """
+
+    disc: object
+    system: object
+
+    def __repr__(self) -> str:
+        return f"{self.disc!r} (of a RotorSystem {self.system!r})"
 
 
 def of_both(
@@ -81,6 +97,8 @@ def joined_signature(disc: Callable[..., Any], system: Callable[..., Any]) -> in
             continue
         is_needed = all(name in of and of[name].default is each.empty for of in (own, other))
         default = None if each.default is each.empty and not is_needed else each.default
+        if name in own and name in other and other[name].default not in (default, None):
+            default = Differing(default, other[name].default)
         found[name] = each.replace(default=default)
     names = [*(name for name in own if name in found), *(name for name in found if name not in own)]
     others = [each for each in (*own.values(), *other.values()) if each.kind is each.VAR_KEYWORD]

@@ -6,14 +6,16 @@ periodic motion with the limit cycle that Newton's method finds from its end.
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Iterable, Iterator, Sequence
+from contextlib import closing
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Stop, Values
-from rotor_ida.checks import COMPONENTS, check_instance
+from rotor_ida.checks import COMPONENTS, check_instance, check_progress
 from rotor_ida.closed_forms import rest, synchronous_response
 from rotor_ida.cycles.multipliers import is_stable
 from rotor_ida.cycles.orbit import Orbit
@@ -21,7 +23,7 @@ from rotor_ida.cycles.shooting import close_orbit
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import interruptible
+from rotor_ida.parallel import Progress, Workers, choose, run_all, shows_progress
 from rotor_ida.results.in_si import keeps_si
 from rotor_ida.schema import (
     EXACT,
@@ -51,7 +53,13 @@ ALL_DIGITS = 16.0
 
 
 @keeps_si
-def compare(dataset: xr.Dataset) -> xr.Dataset:
+@shows_progress
+def compare(
+    dataset: xr.Dataset,
+    *,
+    workers: int | None = None,
+    progress: Progress | bool | None = None,
+) -> xr.Dataset:
     """Compare each simulated response of a sweep with the exact one.
 
     Parameters
@@ -60,6 +68,11 @@ def compare(dataset: xr.Dataset) -> xr.Dataset:
         A sweep: ``response``, ``amplitude`` and ``phase_lag`` on ``omega``, ``zeta`` and
         ``delta0`` and any other dimensions, such as parameters of the rotor; for limit cycles also
         ``period``, ``radius_min``, ``radius_max`` and the final states.
+    workers : int, optional
+        Number of limit cycles sought at a time; default: one for each core.
+    progress : callable or bool, optional
+        Called with the number of limit cycles done and their total; True shows a bar on standard
+        error.
 
     Returns
     -------
@@ -107,6 +120,8 @@ def compare(dataset: xr.Dataset) -> xr.Dataset:
     (0, True)
     """
     _check_is_sweep(dataset)
+    progress = check_progress(progress)
+    chosen = choose("threads", workers, compiled=True)
     dims = dataset["response"].dims
     exact = _exact_whirls(dataset)
     nearest, distance = _nearest_whirl(dataset, exact)
@@ -118,7 +133,7 @@ def compare(dataset: xr.Dataset) -> xr.Dataset:
         name: labelled(name, dims, column.transpose(*dims).values)
         for name, column in columns.items()
     }
-    cycles = _cycles_beside(dataset)
+    cycles = _cycles_beside(dataset, chosen, progress)
     on_whirl = matched.transpose(*dims).values
     off = np.where(on_whirl, distance.transpose(*dims).values, cycles.pop("distance"))
     on = np.where(on_whirl, EXACT["whirl"], np.where(off < ON_BRANCH, EXACT["cycle"], 0))
@@ -293,13 +308,17 @@ def _relative_distance(
     return distance / scale
 
 
-def _cycles_beside(dataset: xr.Dataset) -> dict[str, npt.NDArray[np.generic]]:
+def _cycles_beside(
+    dataset: xr.Dataset, workers: Workers, progress: Progress | None
+) -> dict[str, npt.NDArray[np.generic]]:
     """Return the exact limit cycles for the periodic responses, and the distances to them.
 
     Parameters
     ----------
     dataset : Dataset
         A sweep.
+    workers, progress
+        How many are sought at a time, and who is told.
 
     Returns
     -------
@@ -318,12 +337,15 @@ def _cycles_beside(dataset: xr.Dataset) -> dict[str, npt.NDArray[np.generic]]:
         return table
     parameters = [name for name in ALL_PARAMETERS if name in dataset.variables]
     given = spread(dataset, (*OF_CYCLES, *ENDS, *parameters), response)
-    for place in zip(*np.nonzero(np.isfinite(given["period"])), strict=True):
-        rotor = Rotor(**{name: float(given[name][place]) for name in parameters})
-        end = np.array([given[name][place] for name in ENDS])
-        cycle = _cycle_near(rotor, end, float(given["period"][place]))
-        if cycle is None:
-            continue
+    places = list(zip(*np.nonzero(np.isfinite(given["period"])), strict=True))
+    guesses = (
+        _Guess(
+            Rotor(**{name: float(given[name][place]) for name in parameters}),
+            np.array([given[name][place] for name in ENDS]), float(given["period"][place]),
+        )
+        for place in places
+    )  # fmt: skip
+    for place, cycle in _cycles_near(guesses, places, workers, progress):
         stability[place] = STABILITY["stable" if is_stable(cycle) else "unstable"]
         exact = np.array([cycle.duration, cycle.radius_min, cycle.radius_max])
         simulated = np.array([given[name][place] for name in OF_CYCLES])
@@ -335,16 +357,35 @@ def _cycles_beside(dataset: xr.Dataset) -> dict[str, npt.NDArray[np.generic]]:
     return table
 
 
-def _cycle_near(rotor: Rotor, state: Values, period: float) -> Orbit | None:
-    """Return the limit cycle near a state, or None if Newton's method finds none."""
+class _Guess(NamedTuple):
+    """A rotor with a state near a limit cycle, and the period."""
 
-    def work(stop: Stop) -> Orbit | None:
-        try:
-            return close_orbit(DiscFlow(rotor, stop), state, period)
-        except SimulationError:
-            return None
+    rotor: Rotor
+    state: Values
+    period: float
 
-    return interruptible(work)
+
+def _cycles_near(
+    guesses: Iterable[_Guess],
+    places: Sequence[tuple[np.intp, ...]],
+    workers: Workers,
+    progress: Progress | None,
+) -> Iterator[tuple[tuple[np.intp, ...], Orbit]]:
+    """Yield the places of guesses, each with its limit cycle if Newton's method finds one."""
+    ran = run_all(_cycle_near, guesses, workers=workers.number, executor=workers.executor)
+    with closing(ran) as ended:
+        for done, (number, cycle) in enumerate(ended, start=1):
+            if progress is not None:
+                progress(done, len(places))
+            if isinstance(cycle, Orbit):
+                yield places[number], cycle
+
+
+def _cycle_near(guess: _Guess, stop: Stop) -> Orbit | None:
+    try:
+        return close_orbit(DiscFlow(guess.rotor, stop), guess.state, guess.period)
+    except SimulationError:
+        return None
 
 
 def _exact_variables(exact: xr.Dataset) -> dict[str, xr.Variable]:

@@ -24,7 +24,11 @@ WRITTEN = {
     "rate": ("1/s", 1.0 / MACHINE.time_scale),
     "natural": ("rad/ms", 1e-3 / MACHINE.time_scale),
 }
-FIGURES = [each for each in plot.__all__ if each.endswith("_figure") and each != "save_figure"]
+# What arranges, labels and saves pictures, and draws none.
+BESIDES = {
+    "mixed_panels", "panels", "parameter_text", "save_figure", "save_orbit_film", "shared_legend",
+    "style", "with_error",
+}  # fmt: skip
 every_picture = pytest.mark.parametrize("picture", PICTURES, ids=str)
 
 
@@ -47,9 +51,7 @@ def lines_in_data(ax):
     ]
 
 
-@pytest.mark.parametrize(
-    "name", [each for each in plot.__all__ if each.startswith("plot_")] + FIGURES
-)
+@pytest.mark.parametrize("name", sorted({*plot.__all__} - BESIDES))
 def test_a_plot_returns_the_axes_that_it_may_be_given_or_the_figure_of_several(name):
     plotted = inspect.signature(getattr(plot, name))
     ax = plotted.parameters.get("ax")

@@ -9,8 +9,8 @@ from operator import attrgetter
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import Arrays, Stop, Values
-from rotor_ida.basins.atlas.resilience import Resilience, Search, Subject, resilience_of
+from rotor_ida.arrays import Arrays, Stop, Values, Watch
+from rotor_ida.basins.atlas.resilience import Fill, Resilience, Search, Subject, resilience_of
 from rotor_ida.basins.atlas.rubbing import needs_run, settled_state
 from rotor_ida.basins.attractors import (
     CONTACT_FREE_FAMILY,
@@ -83,9 +83,23 @@ class CellJob:
 
 
 def fill_cell(job: CellJob, stop: Stop) -> Cell:
-    """Follow all starts of a rotor, and count them by attractor."""
+    """Follow all starts of a rotor, count them by attractor, and try shocks."""
+    cell, search = counted_cell(job, stop)
+    if search is not None:
+        for fill in fills_of(cell, search):
+            fill(stop)
+    return cell
+
+
+def counted_cell(
+    job: CellJob, stop: Stop, watch: Watch | None = None
+) -> tuple[Cell, Search | None]:
+    """Follow all starts of a rotor, and count them by attractor; return the search for shocks.
+
+    `watch` is as for `follow_here`.
+    """
     known = known_from_closed_forms(job.rotor, stop)
-    followed = follow_here(known, job.states, job.tolerance, stop)
+    followed = follow_here(known, job.states, job.tolerance, stop, watch)
     cell, attractors = Cell(job.rotor), attractors_of(followed)
     cell.undecided = int((followed.labels == UNDECIDED).sum())
     cell.not_computed = int((followed.labels == NOT_COMPUTED).sum())
@@ -97,12 +111,19 @@ def fill_cell(job: CellJob, stop: Stop) -> Cell:
         settling = np.quantile(times, QUANTILES) if times.size else NEVER
         state = _state_on(job, followed, number, attractor)
         cell.members.append(Member(attractor, int(own.sum()), settling, state))
-    if job.shocks and not stop[0]:
-        search = _search_among(job, followed, attractors, stop)
-        cell.largest_shocks = search.largest()
-        for member, resilience in zip(cell.members, resilience_of(search), strict=True):
-            member.resilience = resilience
-    return cell
+    if not job.shocks or stop[0]:
+        return cell, None
+    search = _search_among(job, followed, attractors, stop)
+    cell.largest_shocks = search.largest()
+    return cell, search
+
+
+def fills_of(cell: Cell, search: Search) -> list[Fill]:
+    """Return independent jobs that find how far each attractor of a cell is from being left."""
+    resilience, fills = resilience_of(search)
+    for member, each in zip(cell.members, resilience, strict=True):
+        member.resilience = each
+    return fills
 
 
 def _state_on(job: CellJob, followed: FollowedStarts, number: int, attractor: Attractor) -> Values:

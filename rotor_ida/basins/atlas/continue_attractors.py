@@ -21,6 +21,7 @@ from rotor_ida.basins.following import RTOL
 from rotor_ida.checks import (
     COMPONENTS,
     MOST_SHOCKS,
+    Names,
     check_array,
     check_between,
     check_count,
@@ -193,8 +194,8 @@ def _check_grid(grid: Varied) -> Varied:
         check_increasing(name, axis)
     if len(grid.varying) > MOST_AXES:
         raise InputError(
-            f"two of the parameters at most may be arrays, got {len(grid.varying)}: "
-            f"{', '.join(grid.varying)}"
+            "two of the parameters at most may be arrays, got {names}",
+            names=Names(grid.varying, "and"),
         )
     return grid.check_size(MOST_ROTORS)
 

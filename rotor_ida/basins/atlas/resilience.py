@@ -7,7 +7,8 @@ which no shock leaves it, proven or estimated; and the extents of its parameters
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Callable
+from dataclasses import dataclass, field, replace
 from functools import partial
 
 import numpy as np
@@ -46,6 +47,8 @@ from rotor_ida.simulation.options import Options
 from rotor_ida.steady import response
 
 Flags = npt.NDArray[np.int8]
+# A job that fills in a part of what is known of an attractor.
+Fill = Callable[[Stop], None]
 
 # Shocks are tried up to this multiple of the largest attractor or the clearance; shocks of
 # velocity up to the speed of a whirl of that size.
@@ -141,22 +144,29 @@ def witness_options() -> Options:
     return Options()
 
 
-def resilience_of(search: Search) -> list[Resilience]:
-    """Return how far each attractor of a rotor is from being left, in their order."""
+def resilience_of(search: Search) -> tuple[list[Resilience], list[Fill]]:
+    """Return how far each attractor of a rotor is from being left, in their order.
+
+    Nothing is known of it until the independent jobs are done that are returned too: for each
+    attractor its extents, and its shocks.
+    """
     resilience: dict[int, Resilience] = {}
+    fills: list[Fill] = []
     for subject in search.subjects:  # fading touches belong to the contact-free family
         if subject.label not in resilience:
-            resilience[subject.label] = _resilience_of(search, subject)
-    return [resilience[subject.label] for subject in search.subjects]
+            unknown = Resilience.unknown(len(search.subjects), search.known.rotor)
+            resilience[subject.label] = unknown
+            fills.append(partial(_fill_extents, unknown, search.known.rotor, subject))
+            fills.append(partial(_fill_shocks, unknown, search, subject))
+    return [resilience[subject.label] for subject in search.subjects], fills
 
 
-def _resilience_of(search: Search, subject: Subject) -> Resilience:
-    known = search.known
-    resilience = Resilience.unknown(len(search.subjects), known.rotor)
-    _fill_extents(resilience, known.rotor, subject, search.stop)
+def _fill_shocks(resilience: Resilience, search: Search, subject: Subject, stop: Stop) -> None:
+    """Fill in the smallest shocks from an attractor to each other, and their bounds."""
+    known, search = search.known, replace(search, stop=stop)
     source = _source_of(search, subject) if known.rotor.omega > 0.0 else None
     if source is None:
-        return resilience
+        return
     for row, (kind, largest) in enumerate(zip(KINDS, search.largest(), strict=True)):
         bound = _proven_bound(known, subject, kind)
         sizes = max(bound, SMALLEST * largest), largest
@@ -174,7 +184,6 @@ def _resilience_of(search: Search, subject: Subject) -> Resilience:
             most = float(thrown.min(initial=largest))
             bound = bound_of_cycle(section, source, kind, most, search.stop)
         resilience.bounds[row] = bound
-    return resilience
 
 
 def _proven_bound(known: Known, subject: Subject, kind: str) -> float:

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from contextlib import closing
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.basins.atlas.cells import MOST_STARTS, Cell, CellJob, Member, fill_cell
+from rotor_ida.arrays import Watch
+from rotor_ida.basins.atlas.cells import MOST_STARTS, Cell, CellJob, Member, counted_cell, fills_of
 from rotor_ida.basins.atlas.dataset import column_of, how_computed, member_row, missed_fraction
+from rotor_ida.basins.atlas.resilience import Fill
 from rotor_ida.basins.atlas.rubbing import (
     needs_run,
     numbers_of_cycle,
@@ -29,6 +32,7 @@ from rotor_ida.checks import (
     check_between,
     check_count,
     check_instance,
+    check_progress,
     check_seed,
 )
 from rotor_ida.cycles.dataset import whirl_of_cycle
@@ -37,7 +41,15 @@ from rotor_ida.cycles.shooting import close_orbit
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import contact_force
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import interruptible
+from rotor_ida.parallel import (
+    Progress,
+    Stop,
+    Workers,
+    choose,
+    interruptible,
+    run_all,
+    shows_progress,
+)
 from rotor_ida.results.in_si import takes_si
 from rotor_ida.results.run import parameter_coordinates
 from rotor_ida.schema import WHIRL_DIRECTION, Column, labelled_dataset
@@ -63,6 +75,7 @@ OF_FRICTION = ("heat_per_revolution", "slip_distance_per_revolution", "rolling_f
 
 
 @takes_si
+@shows_progress
 def touchdown_report(
     rotor: Rotor,
     *,
@@ -74,6 +87,8 @@ def touchdown_report(
     seed: int = 0,
     rtol: float | None = None,
     shocks: int | None = None,
+    workers: int | None = None,
+    progress: Progress | bool | None = None,
 ) -> xr.Dataset:
     """Compute the effects of each attractor on a machine, and its basin fraction.
 
@@ -95,6 +110,11 @@ def touchdown_report(
         Approximate number of shocks of velocity and of displacement applied to each attractor, to
         find the smallest one that leads to each other attractor; with 0 there are no such results.
         Default: 4096, and 0 under a load, where no more are possible.
+    workers : int, optional
+        Number of attractors to which shocks are applied at a time; default: one for each core.
+    progress : callable or bool, optional
+        Called with the number of starts and shocks followed and their total, to which shocks are
+        added once the attractors are known; True shows a bar on standard error.
 
     Returns
     -------
@@ -188,10 +208,38 @@ def touchdown_report(
     box = box_of({"x": x, "y": y, "vx": vx, "vy": vy}, count)
     tried = _shocks_to_try(rotor, shocks)
     job = CellJob(rotor, drawn_from(box, chosen, 0, count), tolerance, tried)
-    cell = interruptible(lambda stop: fill_cell(job, stop))
+    cell = _filled(job, choose("threads", workers, compiled=True), check_progress(progress))
     how = {**how_computed(tolerance, tried, rotor), "starts": count, "seed": chosen}
     ranges = {f"range_{name}": ends for name, ends in zip(COMPONENTS, box, strict=True)}
     return _dataset(cell, count, {**how, **ranges})
+
+
+def _filled(job: CellJob, workers: Workers, progress: Progress | None) -> Cell:
+    """Follow the starts, then apply shocks to several attractors at a time."""
+    watch: Watch = []
+    starts = job.states.shape[1]
+
+    def tell(done: float, total: int) -> None:
+        if progress is not None:
+            progress(int(done), total)
+
+    cell, search = interruptible(
+        lambda stop: counted_cell(job, stop, watch),
+        told=lambda: tell(sum(decided() for decided in watch), starts),
+    )
+    fills = [] if search is None else fills_of(cell, search)
+    # half of the jobs try shocks, of two kinds
+    total = starts + job.shocks * len(fills)
+    tell(starts, total)
+    ran = run_all(_fill, fills, workers=workers.number, executor=workers.executor)
+    with closing(ran) as ended:
+        for done, _ in enumerate(ended, start=1):
+            tell(starts + job.shocks * done, total)
+    return cell
+
+
+def _fill(fill: Fill, stop: Stop) -> None:
+    fill(stop)
 
 
 def _dataset(cell: Cell, starts: int, attributes: Mapping[str, object]) -> xr.Dataset:

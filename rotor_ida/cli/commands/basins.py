@@ -199,5 +199,8 @@ def touchdown_report(
     """
     chosen = rotor.chosen()
     output.check()
-    report = rotor_ida.touchdown_report(chosen, **asdict(drawn), shocks=shocks)
+    with working("touchdown") as progress:
+        report = rotor_ida.touchdown_report(
+            chosen, **asdict(drawn), shocks=shocks, progress=progress
+        )
     return answer(report, output)

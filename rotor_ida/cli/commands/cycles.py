@@ -177,9 +177,9 @@ def limit_cycle(
         raise InputError("without_gravity must be left out without a rotor system")
     output.check()
     chosen = rotor.chosen()
-    with working("cycle"):
+    with working("cycle") as progress:
         if period is None:
-            found = rotor_ida.limit_cycle(chosen, start=begun(start, chosen))
+            found = rotor_ida.limit_cycle(chosen, start=begun(start, chosen), progress=progress)
         else:
             found = _closed(chosen, begun(start, chosen), period)
     return _answered(found, output)
@@ -295,8 +295,8 @@ def cycle_file(
 ) -> Report:
     """Compute the limit cycle of the system of a file."""
     own, given = cycle_case(file, rotor, start, output, without_gravity=without_gravity)
-    with working("cycle"):
-        found = rotor_ida.limit_cycle(own, **given, period=period)
+    with working("cycle") as progress:
+        found = rotor_ida.limit_cycle(own, **given, period=period, progress=progress)
     return _answered(found, output)
 
 

@@ -80,7 +80,9 @@ def compare(
     output.check()
     if out is not None and os.path.realpath(out) == os.path.realpath(file):
         raise InputError(f"out must not be the file that is compared, got {shown(out)}")
-    return answer(rotor_ida.compare(read(file)), output)
+    with working("comparison") as progress:
+        compared = rotor_ida.compare(read(file), progress=progress)
+    return answer(compared, output)
 
 
 def verify(

@@ -19,7 +19,7 @@ from rotor_ida.cli.option_types import (
     quantity_option,
     several_numbers_option,
 )
-from rotor_ida.cli.output import Output, answer
+from rotor_ida.cli.output import Output, answer, working
 from rotor_ida.cli.report import FIRST_ROWS, Report
 from rotor_ida.cli.systems import linear_case
 
@@ -98,7 +98,8 @@ def special_speeds(
     """
     output.check()
     rotor, _ = linear_case(system, {"limits": limits}, without_gravity=without_gravity)
-    found = rotor_ida.special_speeds(rotor, limits=limits, points=points)
+    with working("special speeds") as progress:
+        found = rotor_ida.special_speeds(rotor, limits=limits, points=points, progress=progress)
     return answer(found, output, most=FIRST_ROWS)
 
 

@@ -18,9 +18,17 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Column, ComplexValues, Values
-from rotor_ida.checks import LARGEST_NUMBER, check_array, check_axis, check_count, shown
+from rotor_ida.checks import (
+    LARGEST_NUMBER,
+    check_array,
+    check_axis,
+    check_count,
+    check_progress,
+    shown,
+)
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
+from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.results.in_si import takes_system
 from rotor_ida.schema import SPECIAL, labelled_dataset
 from rotor_ida.systems.assembly import assemble
@@ -49,6 +57,8 @@ OF_WHIRLS = (
     "amplitude", "phase_lag", "normal_force", "in_contact", "node_amplitude", "node_phase_lag",
     "stability", "growth_rate",
 )  # fmt: skip
+# Parts of the work for each set of contacts: branches, Hopf points, grazes.
+PARTS = 3
 # Points on a further contact, over the clearance, but for rounding.
 _ROUNDED = 1e-11
 
@@ -66,11 +76,13 @@ class _Point:
 
 
 @takes_system
+@shows_progress
 def special_speeds(
     system: RotorSystem,
     *,
     limits: tuple[float, float],
     points: int = 200,
+    progress: Progress | bool | None = None,
     **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
     """Compute the speeds at which the synchronous whirls of a rotor system change.
@@ -85,6 +97,9 @@ def special_speeds(
         Number of speeds in between, at equal distances, from whose whirls branches are followed. An
         isola between neighbouring speeds that no graze leads to is not noticed; nor may be two Hopf
         points that undo each other within a small part of a step along a branch.
+    progress : callable or bool, optional
+        Called with the number of parts done and their total, for each set of contacts that may
+        touch its branches, their Hopf points and their grazes; True shows a bar on standard error.
     contacts, unbalance, supports, gravity, static_force : optional
         In place of those of the system, as in `simulate`.
 
@@ -124,7 +139,7 @@ def special_speeds(
     check_no_races(assembly)
     check_masses(assembly)
     problem = RubProblem(assembly, forward_motions(assembly))
-    found = _special_points(problem, speeds)
+    found = _special_points(problem, speeds, check_progress(progress))
     whirls = synchronous_response_system(system, speed=np.linspace(low, high, points))
     kept = sorted((each for each in found if _is_free(problem, each)), key=lambda each: each.speed)
     return _dataset(problem, kept, whirls).assign_attrs(limits=np.array([low, high]), points=points)
@@ -144,23 +159,34 @@ def _limits(given: object) -> tuple[float, float]:
     return low, high
 
 
-def _special_points(problem: RubProblem, speeds: Values) -> Iterator[_Point]:
+def _special_points(
+    problem: RubProblem, speeds: Values, progress: Progress | None
+) -> Iterator[_Point]:
     """Yield folds, grazes and Hopf points of all sets of contacts, the smaller sets first."""
     touched: dict[Touching, list[Values]] = {}
-    for touching in [(), *touching_sets(problem.assembly.contacts)]:
+    sets = [(), *touching_sets(problem.assembly.contacts)]
+
+    def tell(done: int) -> None:
+        if progress is not None:
+            progress(done, PARTS * len(sets))
+
+    for number, touching in enumerate(sets):
         branches = Branches(problem, touching, speeds)
         for each in touched.get(touching, []):
             branches.add_from(each)
         curve = branches.curve
+        tell(PARTS * number + 1)
         yield from (_point(curve, each, "fold") for each in branches.folds)
         if branches.pieces:
             yield from _hopf_points(curve, branches.pieces)
+            tell(PARTS * number + 2)
             for graze in _grazes(curve, branches.pieces):
                 more = int(graze.grazed)
                 larger = tuple(sorted((*touching, more)))
                 start = np.insert(np.append(graze.v, graze.speed), larger.index(more), 0.0)
                 touched.setdefault(larger, []).append(start)
                 yield graze
+        tell(PARTS * (number + 1))
 
 
 def _point(curve: Curve, at: Values, kind: str, **more: float) -> _Point:
