@@ -215,7 +215,8 @@ def _resolved(name: str, answer: xr.Dataset) -> Any:
     columns = [f"start_{each}" for each in COMPONENTS]
     if name == "starts" and all(each in answer.variables for each in columns):
         return np.column_stack([answer.variables[each].values for each in columns])
-    return answer.attrs.get(name)
+    # a cycle is more than a state
+    return None if f"{name}_period" in answer.attrs else answer.attrs.get(name)
 
 
 def _size(value: Any) -> int:

@@ -684,6 +684,33 @@ DEPENDS_ON_ROUNDING = {
     ),
     "message": "words of a solver",
 }  # fmt: skip
+# Attributes that are neither results nor a part of the question, and why.
+_MADE = "tells with what it was computed"
+NO_RESULTS = {
+    **dict.fromkeys(
+        ("Conventions", "title", "source", "command", "history", "references", "comment", "note",
+         "result_kind", "question", "backend", "confirmation_backend", "computed_with"),
+        _MADE,
+    ),
+    **dict.fromkeys(("sentence", "labelling", "first_reason", "last_reason"), "words"),
+    "evaluations": "work of a solver", "interrupted": "work of a solver",
+}  # fmt: skip
+# Beginnings and ends of the names of others.
+OF_PROGRAM = (("core_", "rotor_ida_"), ("_version", "_units", "_scale"))
+
+
+def why_no_result(attribute: str) -> str:
+    """Return why an attribute is not compared; empty if it is a result or a part of the question.
+
+    Examples
+    --------
+    >>> why_no_result("command"), why_no_result("numpy_version"), why_no_result("duration")
+    ('tells with what it was computed', 'tells with what it was computed', '')
+    """
+    begins, ends = OF_PROGRAM
+    if attribute.startswith(begins) or attribute.endswith(ends):
+        return _MADE
+    return NO_RESULTS.get(attribute, "")
 
 
 def unit_of(name: str, unit: str) -> str:

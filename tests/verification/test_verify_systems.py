@@ -102,7 +102,10 @@ def test_lost_branches_and_parts_are_named():
     found = differences(made_again("special speeds")[0], made.isel(special=slice(1, None)))
     assert f"{{'special': {made.sizes['special']}}} computed again" in found["trouble"]
     with pytest.raises(InputError, match="cannot be verified: a result of a rotor system must"):
-        rerun(made.drop_vars("unbalance_node").drop_attrs(deep=False).assign_attrs(
-            {name: each for name, each in made.attrs.items() if name != "question"}))
+        rerun(
+            made.drop_vars("unbalance_node")
+            .drop_attrs(deep=False)
+            .assign_attrs({name: each for name, each in made.attrs.items() if name != "question"})
+        )
     with pytest.raises(InputError, match="cannot be verified: it lacks mass_matrix"):
         rerun(made.drop_vars("mass_matrix"))
