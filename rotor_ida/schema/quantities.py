@@ -708,6 +708,8 @@ def why_no_result(attribute: str) -> str:
     ('tells with what it was computed', 'tells with what it was computed', '')
     """
     begins, ends = OF_PROGRAM
+    if attribute.startswith("machine_"):
+        return "of the machine, by which all numbers got their units"
     if attribute.startswith(begins) or attribute.endswith(ends):
         return _MADE
     return NO_RESULTS.get(attribute, "")

@@ -130,8 +130,7 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
     again, in_units, archived = dimensionless(again), archived, dimensionless(archived)
     left_out = {**verification.left_out(again, archived)}
     tolerance = verification.tolerance(archived)
-    method = question_of(archived).arguments.get("method")
-    if by_other := method is not None and again.attrs.get("method") != method:
+    if by_other := "method" in verification.attributes and len(_methods(again, archived)) > 1:
         left_out |= dict.fromkeys(missing_in(again, archived), NOT_BY_METHOD)
         tolerance = max(tolerance, TOLERANCE_OF_OTHERS)
     more, others = verification.also(again), verification.also(archived)
@@ -154,6 +153,14 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
         "not_compared": found.left_out, "trouble": trouble,
         "core": "the same" if same else "different from that of the archive",
     }  # fmt: skip
+
+
+def _methods(*results: xr.Dataset) -> set[object]:
+    """Return the methods by which results were asked for."""
+    kept = [Question.of_result(each) for each in results]
+    if None not in kept:
+        return {each.arguments.get("method") for each in kept if each is not None}
+    return {each.attrs.get("method") for each in results}
 
 
 def _of_events(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:

@@ -74,10 +74,13 @@ def test_a_changed_number_is_noticed_wherever_it_stands(name: str):
             assert not told["agrees"], each
             assert each in str(told["trouble"]), each
     for each in filter(None, str(found["attributes"]).split(", ")):
-        told = differences(again, archived.assign_attrs({each: other_than(archived.attrs[each])}))
+        forged = archived.assign_attrs({each: other_than(archived.attrs[each])})
+        try:
+            told = differences(again, forged)
+        except InputError:  # a word that is none
+            continue
         assert not told["agrees"], each
-        # a machine has the scales of all others
-        assert f"{each} differs" in str(told["trouble"]) or each.startswith("machine_"), each
+        assert f"{each} differs" in str(told["trouble"]), each
     reasons = found["attributes_not_compared"]
     assert isinstance(reasons, dict)
     assert {"title"} <= reasons.keys()
