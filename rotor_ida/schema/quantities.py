@@ -31,6 +31,19 @@ from rotor_ida.schema.flags import (
     WHIRL_KIND,
 )
 
+# SI units by the scale of a machine, and those of systems that no scale of a machine has.
+UNITS = {
+    "length": "m", "time": "s", "velocity": "m s-1", "force": "N", "impulse": "N s",
+    "energy": "J", "rate": "s-1", "speed": "s-1",
+}  # fmt: skip
+OTHER_UNITS = {
+    "law_damping": "s m-1", "race_inertia": "kg m2", "race_drag": "N m s", "stator_mass": "kg",
+    "stator_stiffness": "N m-1", "stator_damping": "N s m-1", "unbalance_moment": "kg m",
+    "gravity": "m s-2", "applied_unbalance": "kg m",
+    **dict.fromkeys(("contact_stiffness", "critical_stiffness", "support_stiffness"), "N m-1"),
+    "support_damping": "N s m-1", "drop_contact_damping": "s m-1", "cell_contact_damping": "s m-1",
+}  # fmt: skip
+
 
 @dataclass(frozen=True)
 class Quantity:
