@@ -44,6 +44,10 @@ TYPE, DATASET = "type", "Dataset"
 QUESTION, VERB = "question", "verb"
 # Arguments that do not change the answer, so that no file chooses them.
 JOBS = ("workers", "executor", "study", "progress")
+# Studies, whose results are the same to the bit however they were asked for, and without a folder.
+STUDIED = frozenset({
+    "sweep", "run_ups", "basin", "basin_fractions", "continue_attractors", "continue_cycle",
+})  # fmt: skip
 # A longer text is not kept: the parts of such a question are variables of the result.
 LONGEST = 1_000_000
 
@@ -182,6 +186,8 @@ def with_question(
     has what came of it; if it does not, or for very many numbers, it keeps no question.
     """
     answer.attrs.pop(QUESTION, None)  # of a part of the computation
+    if name_of(verb) in STUDIED:
+        return answer
     if study := options.get("study"):
         question = Question.of_design(design_of(study))
         if question.verb == name_of(verb):
