@@ -284,7 +284,7 @@ REFUSED = [
         ({"speed": 1e12}, "duration must be at most .* s, as .* rad/s, got 1 s"),
         ({"duration": -1.0}, "duration must be positive, got -1 s"),
         ({"contacts": [Contact(**TOUCH | {"damping": 1e9})]},
-         "damping of the contact at 'disc' must be at most .* s/m to be simulated, got 1.0* s/m"),
+         "damping of the contact at 'disc' must be at most .* s/m to be simulated, got 10+ s/m"),
         ({"contacts": [Contact(**TOUCH), Contact(**TOUCH | {"centre": (0.0, 0.3)})]},
          "contacts 0 and 1 at node 'disc' must leave it room, got centres 0.3 m apart with "
          "clearances 0.1 m and 0.1 m"),
@@ -315,8 +315,8 @@ REFUSED = [
         ({"torque": 1.0}, "torque must be two numbers"),
         ({"torque": (1.0, 0.0), "duration": 1.0, "inertia": 0.0}, "inertia must"),
         ({"torque": (1, -1), "inertia": 1.0, "duration": 90.0},
-         ".* turns below 1e.09 radians, got torque .1 N m, -1 N m s., inertia 1 kg m2 and "
-         "duration 90 s, which lead to a speed of up to"),
+         ".* turns below 1e.09 radians, got "
+         "torque .1 N m, -1 N m s., inertia 1 kg m2 and duration 90 s, which lead to a speed of"),
         ({"speeds": [(0, 1), (1e-300, 1e300)]}, "the rate of speeds must"),
         ({"speeds": [(0, 1), (5, 2)], "duration": 2.0}, "duration must be at least 5 s"),
         ({"speeds": [(1, 1), (5, 2)]}, "the first time of speeds must be 0, got 1 s"),

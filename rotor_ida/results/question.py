@@ -44,6 +44,10 @@ TYPE, DATASET = "type", "Dataset"
 QUESTION, VERB = "question", "verb"
 # Arguments that do not change the answer, so that no file chooses them.
 JOBS = ("workers", "executor", "study", "progress")
+# Studies, whose results are the same to the bit however they were asked for, and without a folder.
+STUDIED = frozenset({
+    "sweep", "run_ups", "basin", "basin_fractions", "continue_attractors", "continue_cycle",
+})  # fmt: skip
 # A longer text is not kept: the parts of such a question are variables of the result.
 LONGEST = 1_000_000
 
@@ -182,6 +186,8 @@ def with_question(
     has what came of it; if it does not, or for very many numbers, it keeps no question.
     """
     answer.attrs.pop(QUESTION, None)  # of a part of the computation
+    if name_of(verb) in STUDIED:
+        return answer
     if study := options.get("study"):
         question = Question.of_design(design_of(study))
         if question.verb == name_of(verb):
@@ -215,7 +221,8 @@ def _resolved(name: str, answer: xr.Dataset) -> Any:
     columns = [f"start_{each}" for each in COMPONENTS]
     if name == "starts" and all(each in answer.variables for each in columns):
         return np.column_stack([answer.variables[each].values for each in columns])
-    return answer.attrs.get(name)
+    # a cycle is more than a state
+    return None if f"{name}_period" in answer.attrs else answer.attrs.get(name)
 
 
 def _size(value: Any) -> int:

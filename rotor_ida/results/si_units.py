@@ -15,18 +15,9 @@ from rotor_ida.model.rotor import DimensionalRotor
 from rotor_ida.model.scales import UNITS_OF_ARGUMENTS, unit_of_parameter
 from rotor_ida.model.scales import scale_of as scale_in
 from rotor_ida.schema import QUANTITIES, check_variables
+from rotor_ida.schema.quantities import UNITS
 from rotor_ida.units import PREFIXES, SPEED_UNITS
 
-UNITS = {
-    "length": "m",
-    "time": "s",
-    "velocity": "m s-1",
-    "force": "N",
-    "impulse": "N s",
-    "energy": "J",
-    "rate": "s-1",
-    "speed": "s-1",
-}
 # Units of speed in rad/s; for UDUNITS a radian is 1, and Hz is 1/s too.
 OF_SPEED = {UNITS["speed"]: 1.0, "rpm": SPEED_UNITS["rpm"]}
 # Prefixes of attributes of a result in SI units: the machine, and the original parameters.

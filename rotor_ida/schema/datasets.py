@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
+import re
 from collections.abc import Hashable, Iterable, Mapping, Sequence
+from functools import lru_cache
 from numbers import Real
 from typing import Any
 
@@ -16,7 +18,8 @@ from rotor_ida.arrays import Column
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
 from rotor_ida.schema.flags import check_flags, flags_of
-from rotor_ida.schema.quantities import QUANTITIES
+from rotor_ida.schema.quantities import OTHER_UNITS, QUANTITIES, UNITS
+from rotor_ida.units import dimension_of
 
 CONVENTIONS = "CF-1.11"
 # Attribute with the kind of result of a dataset, a row of `rotor_ida.results.kinds`.
@@ -127,6 +130,7 @@ def check_variables(name: str, dataset: xr.Dataset) -> None:
                 raise InputError(f"{told} of {what} must be text, got {word}")
         if quantity is None:
             continue
+        _check_unit(str(each), name, str(variable.attrs.get("units", "1")))
         if quantity.is_text:
             if not _is_text(variable):
                 raise InputError(f"{what} must be text, got {variable.dtype}")
@@ -139,6 +143,23 @@ def check_variables(name: str, dataset: xr.Dataset) -> None:
             raise InputError(f"{what} must be real numbers, got {variable.dtype}")
         elif "flag_meanings" in variable.attrs:
             check_flags(what, variable)
+
+
+def _check_unit(variable: str, name: str, unit: str) -> None:
+    """Refuse a unit of another kind, such as kg for a length."""
+    quantity, given = QUANTITIES[variable], _dimension(unit)
+    allowed = UNITS.get(quantity.scale, OTHER_UNITS.get(variable, quantity.units))
+    if quantity.units and given is not None and given != _dimension(allowed):
+        raise InputError(
+            f"units of {variable} of {name} must be 1 or of the kind {allowed}, got {shown(unit)}"
+        )
+
+
+@lru_cache(maxsize=256)
+def _dimension(unit: str) -> tuple[float, ...] | None:
+    """Return exponents of kg, m and s, as a radian has none; None for text that is no unit."""
+    found = dimension_of(re.sub(r"J\b", "N m", unit))
+    return None if found is None or not any(found[:3]) else found[:3]
 
 
 def _is_real(variable: xr.Variable) -> bool:

@@ -32,6 +32,19 @@ from rotor_ida.schema.flags import (
     WHIRL_KIND,
 )
 
+# SI units by the scale of a machine, and those of systems that no scale of a machine has.
+UNITS = {
+    "length": "m", "time": "s", "velocity": "m s-1", "force": "N", "impulse": "N s",
+    "energy": "J", "rate": "s-1", "speed": "s-1",
+}  # fmt: skip
+OTHER_UNITS = {
+    "law_damping": "s m-1", "race_inertia": "kg m2", "race_drag": "N m s", "stator_mass": "kg",
+    "stator_stiffness": "N m-1", "stator_damping": "N s m-1", "unbalance_moment": "kg m",
+    "gravity": "m s-2", "applied_unbalance": "kg m",
+    **dict.fromkeys(("contact_stiffness", "critical_stiffness", "support_stiffness"), "N m-1"),
+    "support_damping": "N s m-1", "drop_contact_damping": "s m-1", "cell_contact_damping": "s m-1",
+}  # fmt: skip
+
 
 @dataclass(frozen=True)
 class Quantity:
@@ -694,6 +707,35 @@ DEPENDS_ON_ROUNDING = {
     ),
     "message": "words of a solver",
 }  # fmt: skip
+# Attributes that are neither results nor a part of the question, and why.
+_MADE = "tells with what it was computed"
+NO_RESULTS = {
+    **dict.fromkeys(
+        ("Conventions", "title", "source", "command", "history", "references", "comment", "note",
+         "result_kind", "question", "backend", "confirmation_backend", "computed_with"),
+        _MADE,
+    ),
+    **dict.fromkeys(("sentence", "labelling", "first_reason", "last_reason"), "words"),
+    "evaluations": "work of a solver", "interrupted": "work of a solver",
+}  # fmt: skip
+# Beginnings and ends of the names of others.
+OF_PROGRAM = (("core_", "rotor_ida_"), ("_version", "_units", "_scale"))
+
+
+def why_no_result(attribute: str) -> str:
+    """Return why an attribute is not compared; empty if it is a result or a part of the question.
+
+    Examples
+    --------
+    >>> why_no_result("command"), why_no_result("numpy_version"), why_no_result("duration")
+    ('tells with what it was computed', 'tells with what it was computed', '')
+    """
+    begins, ends = OF_PROGRAM
+    if attribute.startswith("machine_"):
+        return "of the machine, by which all numbers got their units"
+    if attribute.startswith(begins) or attribute.endswith(ends):
+        return _MADE
+    return NO_RESULTS.get(attribute, "")
 
 
 def unit_of(name: str, unit: str) -> str:

@@ -130,9 +130,6 @@ def campbell(
     dataset = labelled_dataset(
         "Eigenvalues of a rotor system", variables, coordinates, told, kind="campbell"
     )
-    if system.units == "SI":
-        for name in ("contact_stiffness", "critical_stiffness"):
-            dataset[name].attrs["units"] = "N m-1"
     return with_system_units(dataset, system)
 
 

@@ -70,8 +70,8 @@ def of_both(
         if isinstance(rotor, RotorSystem):
             if missing := [name for name in needed if name not in options]:
                 raise TypeError(f"{name_of(system)}() of a RotorSystem needs {listed(missing)}")
-            kept: Callable[..., xr.Dataset] = takes_system(system)
-            return kept(*given, **options)
+            whole: Callable[..., xr.Dataset] = takes_system(system)
+            return whole(*given, **options)
         is_disc = isinstance(rotor, Rotor | DimensionalRotor)
         if not is_disc and not (rotor is None and is_optional):
             refuse_first(either, KINDS, rotor)

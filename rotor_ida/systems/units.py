@@ -5,18 +5,9 @@ from __future__ import annotations
 import xarray as xr
 
 from rotor_ida.model.rotor_system import RotorSystem
-from rotor_ida.results.si_units import UNITS
 from rotor_ida.schema import QUANTITIES
+from rotor_ida.schema.quantities import OTHER_UNITS, UNITS
 
-# Units that no scale of a machine has.
-OTHER_UNITS = {
-    "law_damping": "s m-1", "race_inertia": "kg m2", "race_drag": "N m s", "stator_mass": "kg",
-    "stator_stiffness": "N m-1", "stator_damping": "N s m-1", "unbalance_moment": "kg m",
-    "unbalance": "kg m",
-    "gravity": "m s-2",
-    "support_stiffness": "N m-1", "support_damping": "N s m-1",
-    "drop_contact_damping": "s m-1", "cell_contact_damping": "s m-1",
-}  # fmt: skip
 # Units of the attributes of a changing speed, as `rotor_ida.dimensional` names them.
 UNITS_OF_CHANGE = {
     "speed": "s-1", "to": "s-1", "rate": "s-2", "speeds": "s, s-1", "torque": "N m, N m s",

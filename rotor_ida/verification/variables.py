@@ -11,6 +11,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
+from rotor_ida.checks import shown
 from rotor_ida.schema import RESPONSE, by_number, flags_of
 from rotor_ida.schema.quantities import (
     DEPENDS_ON_ROUNDING,
@@ -18,6 +19,7 @@ from rotor_ida.schema.quantities import (
     STATED_ERROR,
     TOLERANCE,
     TOLERANCE_OF_VARIABLE,
+    why_no_result,
 )
 
 # Responses whose numbers belong to the motion, not to one stretch of it; and the numbers that do
@@ -28,6 +30,9 @@ CIRCULAR = ("contact_free", "synchronous")
 OF_POINTS = ("response", "kind", "label", "count")
 OF_CIRCLES = ("amplitude", "phase_lag", "node_amplitude", "node_phase_lag")
 NO_MORE = "not computed by this version"
+# Attributes that another method changes, and the difference allowed for numbers in attributes.
+OF_METHOD = ("method", "flight", "atol", "left_over_method")
+TOLERANCE_OF_ATTRIBUTES = 1e-6
 NOT_BY_METHOD = "not computed by this method"
 OF_ONE_STRETCH = "chaotic or undecided: another processor follows another stretch of the motion"
 
@@ -42,6 +47,10 @@ class Comparison:
         Variables whose numbers or words were compared.
     left_out : dict of str
         Why others were not compared, by name.
+    attributes : list of str
+        Attributes that were compared.
+    attributes_left_out : dict of str
+        Why others were not.
     values, differing : int
         The numbers of values that were compared, and of those that differ.
     largest : float
@@ -52,6 +61,8 @@ class Comparison:
 
     compared: list[str] = field(default_factory=list)
     left_out: dict[str, str] = field(default_factory=dict)
+    attributes: list[str] = field(default_factory=list)
+    attributes_left_out: dict[str, str] = field(default_factory=dict)
     values: int = 0
     differing: int = 0
     largest: float = 0.0
@@ -101,6 +112,39 @@ def compare_variables(
         found.compared.append(name)
         _compare(found, name, again, archived, where, tolerance)
     return found
+
+
+def compare_attributes(
+    found: Comparison, again: xr.Dataset, archived: xr.Dataset, tolerance: float, *, by_other: bool
+) -> None:
+    """Compare the attributes that are results or parts of the question, and add what was found.
+
+    What another method changes is not compared where the result was computed again `by_other`.
+    """
+    for name, there in archived.attrs.items():
+        reason = why_no_result(str(name)) or ("" if name in again.attrs else NO_MORE)
+        if by_other and name in OF_METHOD:
+            reason = NOT_BY_METHOD
+        if reason:
+            found.attributes_left_out[str(name)] = reason
+            continue
+        found.attributes.append(str(name))
+        here, within = again.attrs[name], max(tolerance, TOLERANCE_OF_ATTRIBUTES)
+        if not _is_same(here, there, within):
+            found.differing += 1
+            found.trouble = found.trouble or (
+                f"attribute {name} differs: {shown(here)} computed again, {shown(there)} archived"
+            )
+
+
+def _is_same(here: object, there: object, tolerance: float) -> bool:
+    """Return whether two attributes are the same words, or numbers within a tolerance."""
+    one, other = np.asarray(here), np.asarray(there)
+    if one.dtype.kind in "iufb" and other.dtype.kind in "iufb":
+        return one.shape == other.shape and np.allclose(
+            one, other, rtol=tolerance, atol=0.0, equal_nan=True
+        )
+    return one.shape == other.shape and bool(np.all(one == other))
 
 
 def missing_in(again: xr.Dataset, archived: xr.Dataset) -> list[str]:

@@ -10,11 +10,16 @@ from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.results.kinds import kind_of, why_not
 from rotor_ida.results.question import Question
-from rotor_ida.results.si_units import dimensionless
+from rotor_ida.results.si_units import dimensionless, in_units_of
 from rotor_ida.signals.path import rotating
 from rotor_ida.simulation.options import Method
 from rotor_ida.verification.questions import VERIFIED, Verification
-from rotor_ida.verification.variables import NOT_BY_METHOD, compare_variables, missing_in
+from rotor_ida.verification.variables import (
+    NOT_BY_METHOD,
+    compare_attributes,
+    compare_variables,
+    missing_in,
+)
 
 # Relative differences allowed for another method, whose extrema may be those of its samples.
 TOLERANCE_OF_OTHERS = 1e-4
@@ -106,7 +111,9 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
     -------
     dict
         ``agrees``, and ``trouble``, the first difference in words. ``variables``, the number of
-        variables that were compared, and ``not_compared``, the others with the reason. The numbers
+        variables that were compared, and ``not_compared``, the others with the reason.
+        ``attributes``, the names of those that were compared, and ``attributes_not_compared``. The
+        numbers
         of values ``compared`` and ``differing``, and the ``largest_difference``, relative to the
         largest number of its variable. For runs instead the numbers of events, the largest
         difference between event times and the largest error stated for one [1]. ``core``: whether
@@ -120,10 +127,10 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
     True
     """
     verification = _verification_of(archived)
-    again, archived = dimensionless(again), dimensionless(archived)
+    again, in_units, archived = dimensionless(again), archived, dimensionless(archived)
     left_out = {**verification.left_out(again, archived)}
     tolerance = verification.tolerance(archived)
-    if again.attrs.get("method") != archived.attrs.get("method"):
+    if by_other := "method" in verification.attributes and len(_methods(again, archived)) > 1:
         left_out |= dict.fromkeys(missing_in(again, archived), NOT_BY_METHOD)
         tolerance = max(tolerance, TOLERANCE_OF_OTHERS)
     more, others = verification.also(again), verification.also(archived)
@@ -131,6 +138,7 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
         again.assign(more), archived.assign(others), left_out=left_out, tolerance=tolerance,
         told=verification.told(archived),
     )  # fmt: skip
+    compare_attributes(found, in_units_of(again, in_units), in_units, tolerance, by_other=by_other)
     is_result = any(name in archived.data_vars for name in found.compared)
     trouble = found.trouble or ("" if is_result else "no variable was compared")
     counts = _of_events(again, archived) if "event_time_error" in archived else {
@@ -140,9 +148,19 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
     same = again.attrs.get("core_sources") == archived.attrs.get("core_sources")
     return {
         "agrees": not trouble, **counts, "variables": len(set(found.compared) - more.keys()),
+        "attributes": ", ".join(found.attributes),
+        "attributes_not_compared": found.attributes_left_out,
         "not_compared": found.left_out, "trouble": trouble,
         "core": "the same" if same else "different from that of the archive",
     }  # fmt: skip
+
+
+def _methods(*results: xr.Dataset) -> set[object]:
+    """Return the methods by which results were asked for."""
+    kept = [Question.of_result(each) for each in results]
+    if None not in kept:
+        return {each.arguments.get("method") for each in kept if each is not None}
+    return {each.attrs.get("method") for each in results}
 
 
 def _of_events(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:

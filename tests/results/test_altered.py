@@ -12,6 +12,7 @@ from rotor_ida import InputError, dimensional
 from rotor_ida.cli.describe import describe
 from rotor_ida.plot.figures import figure_of
 from rotor_ida.results.kinds import KINDS, kind_of
+from rotor_ida.schema.quantities import OTHER_UNITS
 from tests.kinds import KINDS as DATASETS
 from tests.kinds import MACHINE
 
@@ -82,3 +83,16 @@ def test_a_part_of_a_result_whose_flags_are_missing_is_counted():
     part = sweep.where(sweep["omega"] > 1.25)
     assert isinstance(part, xr.Dataset)
     assert "unknown" not in str(describe(part, most=1)[0])
+
+
+@pytest.mark.parametrize("kind", ["run", "run_in_si_units", "sweep", "system_run", "basin"])
+def test_a_unit_of_another_kind_is_refused_in_one_line(kind):
+    dataset = DATASETS[kind]()
+    for name, variable in dataset.variables.items():
+        if "units" not in variable.attrs or name in OTHER_UNITS or name.endswith("_matrix"):
+            continue
+        with pytest.raises(InputError, match=f"^units of {name} of this .* got 'kg'$"):
+            describe(with_unit(dataset, name, "kg"), most=3)
+    name = "t" if "t" in dataset.variables else "x" if "x" in dataset.variables else "amplitude"
+    other = {"t": "ms"}.get(name, "mm")
+    assert describe(with_unit(dataset, name, other), most=3)[1]

@@ -30,8 +30,9 @@ from rotor_ida import (
 from rotor_ida.cli.describe import describe
 from rotor_ida.plot import plot_extrema
 from rotor_ida.results.in_si import without_dimensions
-from rotor_ida.results.si_units import UNITS, dimensionless
+from rotor_ida.results.si_units import dimensionless
 from rotor_ida.schema import QUANTITIES, labelled
+from rotor_ida.schema.quantities import UNITS
 
 REST = (0.0, 0.0, 0.0, 0.0)
 MACHINE = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=418.0, eccentricity=5e-6,

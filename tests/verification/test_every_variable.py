@@ -73,6 +73,24 @@ def test_a_changed_number_is_noticed_wherever_it_stands(name: str):
                 told = {"agrees": False, "trouble": str(error)}
             assert not told["agrees"], each
             assert each in str(told["trouble"]), each
+    for each in filter(None, str(found["attributes"]).split(", ")):
+        forged = archived.assign_attrs({each: other_than(archived.attrs[each])})
+        try:
+            told = differences(again, forged)
+        except InputError:  # a word that is none
+            continue
+        assert not told["agrees"], each
+        assert f"{each} differs" in str(told["trouble"]), each
+    reasons = found["attributes_not_compared"]
+    assert isinstance(reasons, dict)
+    assert {"title"} <= reasons.keys()
+
+
+def other_than(value):
+    """Return another word, or numbers that are 5 % larger."""
+    if isinstance(value, str):
+        return f"{value} too"
+    return np.where(np.asarray(value) == 0, 1, 1.05 * np.asarray(value))
 
 
 def test_an_archive_of_which_nothing_is_compared_does_not_agree():

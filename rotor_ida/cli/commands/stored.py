@@ -108,13 +108,19 @@ def verify(
     found = differences(again, archived)
     record = {"file": str(file), **found}
     told = {name: value for name, value in record.items() if value not in ("", {})}
-    left_out = cast(dict[str, str], told.pop("not_compared", {}))
+    others = {
+        title: cast(dict[str, str], told.pop(name, {}))
+        for name, title in (
+            ("not_compared", "Not compared"),
+            ("attributes_not_compared", "Attributes not compared"),
+        )
+    }
     parts = [pairs("Computed again", told)]
-    if left_out:
+    for title, left_out in others.items():
         reasons = dict.fromkeys(left_out.values())
         names = {why: ", ".join(each for each in left_out if left_out[each] == why)
                  for why in reasons}  # fmt: skip
-        parts.append(pairs("Not compared", names))
+        parts += [pairs(title, names)] if names else []
     trouble = "" if found["agrees"] else f"{file} does not verify: {found['trouble']}"
     return Report(record=record, parts=parts, as_json=as_json, trouble=trouble)
 

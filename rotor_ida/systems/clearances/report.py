@@ -280,8 +280,6 @@ def _dataset(
         "Close clearances of a rotor system", variables, coordinates, told, kind="clearance_report"
     )
     dataset = with_system_units(dataset, assembly.system)
-    if assembly.system.units == "SI":
-        dataset["applied_unbalance"].attrs["units"] = "kg m"
     return dataset.assign_attrs(sentence=sentences(dataset))
 
 
