@@ -216,7 +216,7 @@ def _solved_again(cycle: Orbit) -> list[Orbit]:
     for part, factor in zip(ELSEWHERE, LOOSER_STILL, strict=True):
         is_free = flow.period is None
         begins = part * cycle.duration if is_free else round(part * times) * flow.revolution
-        begun = flow.run(cycle.start, begins).end if begins else cycle.start
+        begun = flow.after(cycle.start, begins) if begins else cycle.start
         looser = flow.but(rtol=rtol * (1.0 if is_free else factor))
         found.append(close_orbit(looser, begun, cycle.duration))
     return found

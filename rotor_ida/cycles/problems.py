@@ -229,7 +229,7 @@ def closing_equations(
 
     They are those of `shooting_equations`; or the last is ``T = k 2 pi/omega`` instead.
     """
-    miss, matrix = shooting_equations(orbit, direction, *orbit.piece.by.T)
+    miss, matrix = shooting_equations(orbit, direction, *orbit.piece.by)
     if not orbit.is_autonomous:
         period, n = revolutions * orbit.flow.revolution, orbit.start.size
         miss[n], matrix[n] = period - orbit.duration, 0.0
@@ -257,8 +257,8 @@ def orbit_of(flow: Flow, unknowns: Values, parameters: Sequence[str]) -> Orbit:
         values[name] = 0.0 if name in below else value
     orbit = followed(flow.but(**values), unknowns[:n], float(unknowns[n]), parameters)
     for name, value in below.items():
-        beside = orbit.end + value * orbit.piece.by[:, parameters.index(name)]
-        orbit = replace(orbit, piece=replace(orbit.piece, end=beside))
+        beside = orbit.end + value * orbit.piece.by[parameters.index(name)]
+        orbit = replace(orbit, piece=orbit.piece._replace(end=beside))
     return orbit
 
 
