@@ -36,7 +36,6 @@ from rotor_ida.cycles.guess import (
     guess_of_system,
 )
 from rotor_ida.cycles.limit_cycle import begun, checked_guess, one_disc, with_period
-from rotor_ida.cycles.orbit import Orbit
 from rotor_ida.cycles.problems import NEVER_ZERO, Continuation, branch_through
 from rotor_ida.cycles.special_points import Special
 from rotor_ida.errors import InputError
@@ -100,8 +99,8 @@ def continue_cycle(
         A start that leads to the cycle, as in `limit_cycle`; or the result of `limit_cycle`; or one
         point of a branch, ``branch.isel(point=...)``; or one of its special points,
         ``branch.isel(special=...)``. From a period doubling the branch of doubled cycles is
-        followed. Of a `RotorSystem` also one point of a `sweep`, or a Hopf point of
-        `special_speeds`, where the cycles born from that rub are followed.
+        followed, from a Hopf point that of the cycles born there. Of a `RotorSystem` also one point
+        of a `sweep`, or a Hopf point of `special_speeds`.
     parameter : {"omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "load", \
             "friction", "disc_radius"}
         The parameter to vary; the others are constant. A load cannot reach 0, where cycles have
@@ -388,9 +387,7 @@ def _restore(branch: Continuation, side: Side, piece: Arrays) -> None:
     side.reason = str(piece["reason"])
 
 
-def _point(
-    branch: Continuation, unknowns: Values, tangent: Values, before: Point[Orbit]
-) -> Point[Orbit]:
+def _point(branch: Continuation, unknowns: Values, tangent: Values, before: Point) -> Point:
     shot = branch.line.problem.shoot(unknowns)
     direction = branch.line.direction_at(shot, before.direction)
     return Point(unknowns, shot, tangent, direction)

@@ -389,8 +389,8 @@ def branch_dataset(
     points = [point.reversed() for point in backward.points[:0:-1]] + forward.points
     specials = [SpecialBehind(before - place - 1, each) for place, each in backward.specials[::-1]]
     specials += [SpecialBehind(before + place, each) for place, each in forward.specials]
-    place, flow = -len(parameters), points[0].stretch.flow
-    variables: dict[str, Any] = cycle_columns([point.stretch for point in points], "point")
+    place, flow = -len(parameters), points[0].orbit.flow
+    variables: dict[str, Any] = cycle_columns([point.orbit for point in points], "point")
     variables["slope"] = of_cycle("slope", "point", [point.tangent[place] for point in points])
     variables |= _special_columns(specials, parameters, flow)
     coordinates: dict[str, Any] = {
@@ -420,7 +420,7 @@ def _special_columns(
     specials: Sequence[SpecialBehind], parameters: tuple[str, ...], flow: Flow
 ) -> dict[str, Column | xr.Variable]:
     """Return the special points, in order along the curve."""
-    orbits, count = [each.point.stretch for _, each in specials], flow.clearances.size
+    orbits, count = [each.point.orbit for _, each in specials], flow.clearances.size
     sizes = np.array([orbit.sizes for orbit in orbits]).reshape(-1, 2, count)
     columns: dict[str, Any] = {
         "special_kind": ("special", np.array([SPECIAL[e.name] for _, e in specials], np.int8)),

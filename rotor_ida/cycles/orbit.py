@@ -103,7 +103,7 @@ class Orbit:
     def sliding_changes(self) -> int:
         """Number of times that a contact begins to roll, or slides the other way."""
         kinds = self.piece.event_kinds.tolist()
-        return kinds.count(ROLL) + kinds.count(REVERSE)
+        return int(kinds.count(ROLL) + kinds.count(REVERSE))
 
     @property
     def rolls(self) -> bool:

@@ -40,7 +40,7 @@ TESTS: dict[str, Callable[[Orbit], float]] = {
     TORUS: torus_test,
 }
 # Counts on an orbit; no function of the orbit is 0 where the second changes.
-COUNTS: dict[str, Count[Orbit]] = {
+COUNTS: dict[str, Count] = {
     GRAZE: Count(lambda orbit: orbit.contacts, lambda orbit: orbit.nearest_gap),
     SLIDING: Count(lambda orbit: orbit.sliding_changes, lambda _: math.inf),
 }
@@ -90,19 +90,19 @@ class Continuation:
         What an orbit adds to the reason why no further step was possible.
     """
 
-    line: Curve[Orbit]
-    first: Point[Orbit]
+    line: Curve
+    first: Point
     limits: dict[int, tuple[float, float]]
     most: int
     both: bool = True
-    half: Problem[Orbit] | None = None
-    birth: Callable[[Point[Orbit], Point[Orbit]], Point[Orbit] | None] | None = None
+    half: Problem | None = None
+    birth: Callable[[Point, Point], Point | None] | None = None
     hint: Callable[[Orbit], str] = lambda _: ""
 
     @property
     def place(self) -> int:
         """Index of the (first) parameter among the unknowns, after the state and the period."""
-        return self.first.stretch.start.size + 1
+        return self.first.orbit.start.size + 1
 
 
 def halved(unknowns: Values, place: int) -> Values:
@@ -140,7 +140,7 @@ def branch_through(
     )  # fmt: skip
 
 
-def _born(line: Curve[Orbit], unknowns: Values) -> Point[Orbit]:
+def _born(line: Curve, unknowns: Values) -> Point:
     """Return a small cycle near the Hopf point of a whirl, directed away from it."""
     state, (period, place) = unknowns[:-2], unknowns[-2:].tolist()
     away = np.zeros(unknowns.size)
@@ -190,17 +190,17 @@ def _scale(
 # ---- Cycles over a parameter ----
 
 
-def cycles_over(flow: Flow, parameter: str, revolutions: int) -> Problem[Orbit]:
+def cycles_over(flow: Flow, parameter: str, revolutions: int) -> Problem:
     """Return the cycles of a flow over one of its parameters.
 
     If it closes after whole revolutions only they are those of the given number.
     """
-    tests: dict[str, Callable[[Point[Orbit], Point[Orbit]], float]] = {
-        FOLD: lambda point, _last: fold_test(point.stretch),
-        DOUBLING: lambda point, _last: doubling_test(point.stretch),
+    tests: dict[str, Callable[[Point, Point], float]] = {
+        FOLD: lambda point, _last: fold_test(point.orbit),
+        DOUBLING: lambda point, _last: doubling_test(point.orbit),
     }
     if may_have_tori(flow, parameter):
-        tests[TORUS] = lambda point, _last: torus_test(point.stretch)
+        tests[TORUS] = lambda point, _last: torus_test(point.orbit)
     return Problem(
         lambda unknowns: orbit_of(flow, unknowns, (parameter,)),
         lambda _unknowns, orbit, direction: closing_equations(
@@ -262,7 +262,7 @@ def orbit_of(flow: Flow, unknowns: Values, parameters: Sequence[str]) -> Orbit:
     return orbit
 
 
-def doubled(line: Curve[Orbit], once: Values) -> Point[Orbit]:
+def doubled(line: Curve, once: Values) -> Point:
     """Return a point of the doubled branch near a period doubling, directed away from it.
 
     Its cycles branch off along the eigenvector of the multiplier -1. `once` has state, period and
@@ -287,9 +287,9 @@ def doubled(line: Curve[Orbit], once: Values) -> Point[Orbit]:
     raise SimulationError(f"no doubled cycle was found near the one of period {once[n]:.9g}")
 
 
-def _half_misses(line: Curve[Orbit], point: Point[Orbit]) -> float:
+def _half_misses(line: Curve, point: Point) -> float:
     """Return the distance after half a period from the start, relative to the size of the state."""
-    start = point.stretch.start
+    start = point.orbit.start
     half = line.problem.shoot(halved(point.unknowns, start.size + 1))
     return float(np.linalg.norm(half.end - start) / np.linalg.norm(start))
 
@@ -297,7 +297,7 @@ def _half_misses(line: Curve[Orbit], point: Point[Orbit]) -> float:
 # ---- Bifurcations over two ----
 
 
-def _problem(flow: Flow, kind: str, names: tuple[str, str], scale: Values) -> Problem[Orbit]:
+def _problem(flow: Flow, kind: str, names: tuple[str, str], scale: Values) -> Problem:
     """Return the bifurcations of a kind over two parameters of a flow."""
     test, revolutions = TESTS[kind], periods_of(flow, scale[-3])
 
@@ -351,6 +351,6 @@ class _Gradient:
         return self._gradient.copy()
 
 
-def _turning(point: Point[Orbit], last: Point[Orbit]) -> float:
+def _turning(point: Point, last: Point) -> float:
     """Return the motion of the parameters along that at the previous point; 0 at a cusp."""
     return float(point.tangent[-2:] @ last.tangent[-2:])
