@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import brentq
@@ -85,6 +85,7 @@ def _crossing(growth: Callable[[float], float], last: Point, point: Point) -> fl
         return None
 
 
+@dataclass(frozen=True, slots=True)
 class RubNear:
     """The rub nearest to given radii, over a parameter of a rotor that has no direction of its own.
 
@@ -102,11 +103,11 @@ class RubNear:
         Frequency of its oscillation.
     """
 
-    def __init__(
-        self, flow: Flow, name: str, touching: Touching, radii: Values, frequency: float
-    ) -> None:
-        self._flow, self._name, self._touching = flow, name, touching
-        self._radii, self._frequency = radii, frequency
+    flow: Flow
+    name: str
+    touching: Touching
+    radii: Values
+    frequency: float
 
     @classmethod
     def of(cls, orbit: Orbit, name: str) -> RubNear:
@@ -121,19 +122,19 @@ class RubNear:
 
     def at(self, place: float) -> tuple[Values, complex]:
         """Return state, on turning axes, and eigenvalue of the rub for a value of the parameter."""
-        if not self._touching:
+        if not self.touching:
             raise ValueError("no contact stays closed")
-        flow = self._flow.but(**{self._name: place})
+        flow = self.flow.but(**{self.name: place})
         assembly, speeds = assembly_of(flow), np.array([flow.speed])
         rubs = RubProblem(assembly, forward_motions(assembly))
-        (roots,) = rubs.roots(self._touching, speeds)
+        (roots,) = rubs.roots(self.touching, speeds)
         if not len(roots):
             raise ValueError("there is no rub of these contacts")
-        found = [rubs.whirls(self._touching, root[np.newaxis], speeds) for root in roots]
-        apart = [np.abs(np.abs(each.displacement[0]) - self._radii).max() for each in found]
+        found = [rubs.whirls(self.touching, root[np.newaxis], speeds) for root in roots]
+        apart = [np.abs(np.abs(each.displacement[0]) - self.radii).max() for each in found]
         nearest = int(np.argmin(apart))
-        rates = rubs.eigenvalues(self._touching, roots[nearest][np.newaxis], speeds)[0]
-        rate = complex(rates[np.argmin(np.abs(rates - 1j * self._frequency))])
+        rates = rubs.eigenvalues(self.touching, roots[nearest][np.newaxis], speeds)[0]
+        rate = complex(rates[np.argmin(np.abs(rates - 1j * self.frequency))])
         whirl = found[nearest]
         along = whirl.displacement[0] / np.abs(whirl.displacement[0])
         pressing = normal_forces(assembly.contacts, whirl.depth)

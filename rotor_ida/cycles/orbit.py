@@ -69,7 +69,7 @@ class Orbit:
         """Whether a cycle may begin anywhere, so that one multiplier is 1."""
         return self.flow.period is None
 
-    @property
+    @cached_property
     def pair_product(self) -> float | None:
         """Product of each of two pairs of multipliers, one of them with 1; None without pairs."""
         return self.flow.pair_product(self.duration)

@@ -31,7 +31,7 @@ from rotor_ida.cycles.shooting import checked_cycle, closes, failure, periods_of
 from rotor_ida.cycles.special_points import Count
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.parameters import PARAMETERS
-from rotor_ida.simulation.flow import DiscFlow, Flow
+from rotor_ida.simulation.flow import Flow
 
 FOLD, GRAZE, TORUS, SLIDING, CUSP = "fold", "graze", "torus", "sliding", "cusp"
 TESTS: dict[str, Callable[[Orbit], float]] = {
@@ -216,10 +216,8 @@ def cycles_over(flow: Flow, parameter: str, revolutions: int) -> Problem:
 
 def may_have_tori(flow: Flow, *varied: str) -> bool:
     """Return whether a torus may be born from cycles with some parameters varied."""
-    if not isinstance(flow, DiscFlow):
-        return True
-    where = ("contact_damping", "friction", "load")
-    return any(name in varied or getattr(flow.rotor, name) > 0.0 for name in where)
+    where = {"contact_damping", "friction", "load"}
+    return flow.pair_product(1.0) is None or not where.isdisjoint(varied)
 
 
 def closing_equations(
