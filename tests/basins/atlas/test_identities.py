@@ -85,7 +85,7 @@ def test_a_cycle_is_followed_along_its_branch(omega):
         rotor, start=limit_cycle(rotor, start=(0, 0, 0, 0)), limits=sorted((2.0, omega))
     )
     end = branch.isel(point=int(np.argmin(np.abs(branch.omega.values - omega))))
-    assert found.period == pytest.approx(float(end.period), rel=1e-10)
+    assert found.duration == pytest.approx(float(end.period), rel=1e-10)
     assert found.radius_max == pytest.approx(float(end.radius_max), rel=1e-10)
 
 
