@@ -300,19 +300,23 @@ def branch_from(
     told: dict[str, Any] = {"limits": limits, "direction": direction, "points": points}
     attributes = start_attributes(guess)
     attributes |= {"start_special": guess.special, "start_slope": guess.slope}
+    is_system = given is not None
     if given is None:
         told["parameter"] = parameter
-        kind, title = "branch", "Branch of limit cycles"
         start, attributes["flight"] = as_start(guess, (parameter,)), "exact"
         given = {"rotor": guess.rotor}
     else:
-        kind, title = "system_branch", "Branch of limit cycles of a rotor system"
         start, attributes["rtol"] = as_start_of_system(attributes), CLOSING_RTOL
     question = Question("continue_cycle", {**given, "start": start, **told})
     ways = WAYS[direction] if branch.both else WAYS["forward"]
     with open_results(study, question.design(), len(ways) * (points - 1), FORM) as kept:
         sides = follow_sides(branch, ways, kept, progress)
-    dataset = branch_dataset(sides, (parameter,), title, kind=kind)
+    title = "Branch of limit cycles"
+    if is_system:
+        title = f"{title} of a rotor system"
+        dataset = branch_dataset(sides, (parameter,), title, kind="system_branch")
+    else:
+        dataset = branch_dataset(sides, (parameter,), title, kind="branch")
     more = {**told, "limits": np.array(limits), **attributes}
     return dataset.assign_attrs(provenance({"method": "taylor"}) | more)
 

@@ -331,14 +331,13 @@ def _dataset_of_system(
         variables[name] = xr.Variable(("t", "node"), values, label.attributes())
     coordinates = {"speed": ((), flow.speed), "t": of_cycle("t", "t", times)}
     attributes = provenance({"method": "taylor", "rtol": CLOSING_RTOL}) | {"axes": AXES[turning]}
-    return _labelled_of_system(
-        "Limit cycle of a rotor system", flow, variables, coordinates, attributes, "system_cycle"
-    )
+    title = "Limit cycle of a rotor system"
+    return dataset_of_system(title, flow, variables, coordinates, attributes, kind="system_cycle")
 
 
-def _labelled_of_system(
+def dataset_of_system(
     title: str, flow: SystemFlow, variables: dict[str, Any], coordinates: dict[str, Any],
-    attributes: dict[str, Any], kind: str,
+    attributes: dict[str, Any], *, kind: str,
 ) -> xr.Dataset:  # fmt: skip
     """Return a dataset with what its system is, and with the words and units of its cycles."""
     assembly = flow.problem.assembly
@@ -407,7 +406,7 @@ def branch_dataset(
     }
     if isinstance(flow, SystemFlow):
         ends["axes"] = AXES[flow.period is None]
-        return _labelled_of_system(title, flow, variables, coordinates, ends, kind)
+        return dataset_of_system(title, flow, variables, coordinates, ends, kind=kind)
     given = {name: ((), value) for name, value in disc_of(flow).given.items()}
     coordinates = {
         **{name: each for name, each in given.items() if name not in parameters},
