@@ -191,6 +191,6 @@ def _nearest(guess: Guess, kind: str, parameter: str, limits: tuple[float, float
                 advance(branch, side)
             for _, special in side.specials:
                 if special.name == kind:
-                    orbit = special.point.stretch
+                    orbit = special.point.orbit
                     return Guess(orbit.flow, orbit.start, orbit.duration, kind)
     raise InputError(f"limits must contain a {kind} of the branch through the start, got none")

@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.optimize import brentq
@@ -35,29 +35,27 @@ SWING = 3e-7
 FINEST = 1e-15
 
 
-def birth_between(
-    last: Point[Orbit], point: Point[Orbit], name: str, problem: Problem[Orbit]
-) -> Point[Orbit] | None:
+def birth_between(last: Point, point: Point, name: str, problem: Problem) -> Point | None:
     """Return the cycle at which a branch is born between two of its points, if there is one.
 
     Its parameter is that of the Hopf point, to rounding. The cycle oscillates too little about the
     whirl to change period or parameter.
     """
     nearer = min(last, point, key=_swing)
-    whirl = RubNear.of(nearer.stretch, name)
+    whirl = RubNear.of(nearer.orbit, name)
     place = _crossing(whirl.growth, last, point)
     if place is None:
         return None
     state, rate = whirl.at(place)
     period = 2.0 * math.pi / abs(rate.imag)
-    if abs(period / nearer.stretch.duration - 1.0) > SAME_FREQUENCY:
+    if abs(period / nearer.orbit.duration - 1.0) > SAME_FREQUENCY:
         return None
     start = state + SWING * np.linalg.norm(state) * oscillation(problem, state, period, place)
     unknowns = np.array([*start, period, place])
-    return replace(nearer, unknowns=unknowns, stretch=problem.shoot(unknowns))
+    return replace(nearer, unknowns=unknowns, orbit=problem.shoot(unknowns))
 
 
-def oscillation(problem: Problem[Orbit], whirl: Values, period: float, place: float) -> Values:
+def oscillation(problem: Problem, whirl: Values, period: float, place: float) -> Values:
     """Return the direction, of length 1, in which a whirl oscillates at its Hopf point."""
     quarter = problem.shoot(np.array([*whirl, 0.25 * period, place])).monodromy
     multipliers, vectors = np.linalg.eig(quarter)
@@ -65,15 +63,13 @@ def oscillation(problem: Problem[Orbit], whirl: Values, period: float, place: fl
     return np.asarray(aside / np.linalg.norm(aside))
 
 
-def _swing(point: Point[Orbit]) -> float:
+def _swing(point: Point) -> float:
     """Return the largest change of a radius along a cycle."""
-    low, high = point.stretch.sizes.reshape(2, -1)
+    low, high = point.orbit.sizes.reshape(2, -1)
     return float((high - low).max())
 
 
-def _crossing(
-    growth: Callable[[float], float], last: Point[Orbit], point: Point[Orbit]
-) -> float | None:
+def _crossing(growth: Callable[[float], float], last: Point, point: Point) -> float | None:
     """Return where a pair of eigenvalues crosses the imaginary axis near two points of a branch.
 
     The parameter changes with the square of the oscillation.
@@ -89,6 +85,7 @@ def _crossing(
         return None
 
 
+@dataclass(frozen=True, slots=True)
 class RubNear:
     """The rub nearest to given radii, over a parameter of a rotor that has no direction of its own.
 
@@ -106,11 +103,11 @@ class RubNear:
         Frequency of its oscillation.
     """
 
-    def __init__(
-        self, flow: Flow, name: str, touching: Touching, radii: Values, frequency: float
-    ) -> None:
-        self._flow, self._name, self._touching = flow, name, touching
-        self._radii, self._frequency = radii, frequency
+    flow: Flow
+    name: str
+    touching: Touching
+    radii: Values
+    frequency: float
 
     @classmethod
     def of(cls, orbit: Orbit, name: str) -> RubNear:
@@ -125,19 +122,19 @@ class RubNear:
 
     def at(self, place: float) -> tuple[Values, complex]:
         """Return state, on turning axes, and eigenvalue of the rub for a value of the parameter."""
-        if not self._touching:
+        if not self.touching:
             raise ValueError("no contact stays closed")
-        flow = self._flow.but(**{self._name: place})
+        flow = self.flow.but(**{self.name: place})
         assembly, speeds = assembly_of(flow), np.array([flow.speed])
         rubs = RubProblem(assembly, forward_motions(assembly))
-        (roots,) = rubs.roots(self._touching, speeds)
+        (roots,) = rubs.roots(self.touching, speeds)
         if not len(roots):
             raise ValueError("there is no rub of these contacts")
-        found = [rubs.whirls(self._touching, root[np.newaxis], speeds) for root in roots]
-        apart = [np.abs(np.abs(each.displacement[0]) - self._radii).max() for each in found]
+        found = [rubs.whirls(self.touching, root[np.newaxis], speeds) for root in roots]
+        apart = [np.abs(np.abs(each.displacement[0]) - self.radii).max() for each in found]
         nearest = int(np.argmin(apart))
-        rates = rubs.eigenvalues(self._touching, roots[nearest][np.newaxis], speeds)[0]
-        rate = complex(rates[np.argmin(np.abs(rates - 1j * self._frequency))])
+        rates = rubs.eigenvalues(self.touching, roots[nearest][np.newaxis], speeds)[0]
+        rate = complex(rates[np.argmin(np.abs(rates - 1j * self.frequency))])
         whirl = found[nearest]
         along = whirl.displacement[0] / np.abs(whirl.displacement[0])
         pressing = normal_forces(assembly.contacts, whirl.depth)

@@ -59,7 +59,7 @@ class SpecialBehind(NamedTuple):
     """A special point, and the number of the point of its side that precedes it."""
 
     place: int
-    special: Special[Orbit]
+    special: Special
 
 
 @dataclass(slots=True)
@@ -80,7 +80,7 @@ class Side:
         Why no further step was possible; else empty.
     """
 
-    points: list[Point[Orbit]]
+    points: list[Point]
     specials: list[SpecialBehind] = field(default_factory=list)
     length: float = FIRST_STEP
     end: str = ""
@@ -98,7 +98,7 @@ def advance(branch: Continuation, side: Side) -> None:
     point = step.point
     # two real multipliers of product 1 are no torus
     specials = [
-        each for each in step.specials if each.name != TORUS or on_unit_circle(each.point.stretch)
+        each for each in step.specials if each.name != TORUS or on_unit_circle(each.point.orbit)
     ]
     if (passed := _passed(branch, point)) is not None:
         side.end = LIMITS
@@ -127,13 +127,13 @@ def advance(branch: Continuation, side: Side) -> None:
     side.length = step.length
     if side.end:
         return
-    if _is_too_unstable(point.stretch):
-        side.end, side.reason = UNSTABLE, _how_unstable(point.stretch)
+    if _is_too_unstable(point.orbit):
+        side.end, side.reason = UNSTABLE, _how_unstable(point.orbit)
     elif len(side.points) >= branch.most:
         side.end = ENOUGH
 
 
-def _step_from(branch: Continuation, side: Side) -> tuple[Step[Orbit], Point[Orbit] | None]:
+def _step_from(branch: Continuation, side: Side) -> tuple[Step, Point | None]:
     """Return the next step of a side, and the cycle on it that doubles its period, if any.
 
     A step to such a cycle is short.
@@ -151,7 +151,7 @@ def _step_from(branch: Continuation, side: Side) -> tuple[Step[Orbit], Point[Orb
 def _end_where_stuck(branch: Continuation, side: Side, reason: str) -> None:
     """End a side that allows no further step; at the doubling close by, if there is one."""
     last = side.points[-1]
-    if len(branch.limits) == 1 and last.stretch.halves_agree(NEAR_A_DOUBLING):
+    if len(branch.limits) == 1 and last.orbit.halves_agree(NEAR_A_DOUBLING):
         cycle = _cycle_of_half(branch, last)
         if cycle is not None and _is_close_by(branch, last, cycle):
             side.specials.append(SpecialBehind(len(side.points) - 1, Special(DOUBLING, cycle)))
@@ -159,10 +159,10 @@ def _end_where_stuck(branch: Continuation, side: Side, reason: str) -> None:
             side.end = HALVED
             return
     side.end = CONTACT_FREE if LEFT_THE_RING in reason else STUCK
-    side.reason = reason + branch.hint(last.stretch)
+    side.reason = reason + branch.hint(last.orbit)
 
 
-def _is_close_by(branch: Continuation, last: Point[Orbit], cycle: Point[Orbit]) -> bool:
+def _is_close_by(branch: Continuation, last: Point, cycle: Point) -> bool:
     """Return whether a cycle of half the period is as near to a point as its halves agree."""
     apart = (cycle.unknowns - halved(last.unknowns, branch.place)) / branch.line.scale
     return bool((np.abs(apart[branch.place - 1 :]) <= NEAR_A_DOUBLING).all())
@@ -173,7 +173,7 @@ def _is_too_unstable(orbit: Orbit) -> bool:
     return orbit.pair_product is None and bool(np.abs(orbit.monodromy).max() > LARGEST_M)
 
 
-def _birth(branch: Continuation, last: Point[Orbit], point: Point[Orbit]) -> Point[Orbit] | None:
+def _birth(branch: Continuation, last: Point, point: Point) -> Point | None:
     """Return the cycle at which a branch over one parameter is born on a step, if there is one."""
     if branch.birth is None or not turns_round(last, point):
         return None
@@ -188,7 +188,7 @@ def _how_unstable(orbit: Orbit) -> str:
     )
 
 
-def _halved(branch: Continuation, last: Point[Orbit], step: Step[Orbit]) -> Point[Orbit] | None:
+def _halved(branch: Continuation, last: Point, step: Step) -> Point | None:
     """Return the cycle that doubles its period on a step along a branch, if there is one.
 
     There the branch of doubled cycles ends, as a cycle followed twice. A step either reaches such a
@@ -196,7 +196,7 @@ def _halved(branch: Continuation, last: Point[Orbit], step: Step[Orbit]) -> Poin
     fold.
     """
     point, folds = step.point, {FOLD, DISCONTINUOUS}
-    twice = point.stretch.halves_agree(EQUAL_HALVES)
+    twice = point.orbit.halves_agree(EQUAL_HALVES)
     turns = last.tangent[branch.place] * point.tangent[branch.place] < 0.0
     if not twice and (not turns or any(each.name in folds for each in step.specials)):
         return None
@@ -208,12 +208,12 @@ def _halved(branch: Continuation, last: Point[Orbit], step: Step[Orbit]) -> Poin
     return _cycle_of_half(branch, near)
 
 
-def _cycle_of_half(branch: Continuation, near: Point[Orbit]) -> Point[Orbit] | None:
+def _cycle_of_half(branch: Continuation, near: Point) -> Point | None:
     """Return the cycle of half the period, near a point, that doubles its period, if there is one.
 
     If it is not autonomous it takes a whole number of revolutions.
     """
-    if branch.half is None and not near.stretch.is_autonomous:
+    if branch.half is None and not near.orbit.is_autonomous:
         return None
     half = Curve(branch.half or branch.line.problem, halved(branch.line.scale, branch.place))
     try:
@@ -222,7 +222,7 @@ def _cycle_of_half(branch: Continuation, near: Point[Orbit]) -> Point[Orbit] | N
         return None
 
 
-def _passed(branch: Continuation, point: Point[Orbit]) -> tuple[int, float] | None:
+def _passed(branch: Continuation, point: Point) -> tuple[int, float] | None:
     """Return the index and the value of a limit that a point has passed, or None."""
     for place, (low, high) in branch.limits.items():
         here = float(point.unknowns[place])
@@ -231,7 +231,7 @@ def _passed(branch: Continuation, point: Point[Orbit]) -> tuple[int, float] | No
     return None
 
 
-def _comes_back(branch: Continuation, last: Point[Orbit], point: Point[Orbit]) -> bool:
+def _comes_back(branch: Continuation, last: Point, point: Point) -> bool:
     """Return whether a step passes the first point of its branch in the same direction.
 
     A branch may return at any phase: the cycles are compared by quantities independent of it.
@@ -257,19 +257,18 @@ def _comes_back(branch: Continuation, last: Point[Orbit], point: Point[Orbit]) -
     return bool(same and again.tangent[place] * branch.first.tangent[place] > 0.0)
 
 
-def _same(special: Special[Orbit], known: Special[Orbit]) -> bool:
+def _same(special: Special, known: Special) -> bool:
     """Return whether two special points are the same, at any phase."""
     one, other = _signature(special.point), _signature(known.point)
     near = np.linalg.norm(one - other) <= SAME_CYCLE * np.linalg.norm(other)
     return special.name == known.name and bool(near)
 
 
-def _signature(point: Point[Orbit]) -> Values:
+def _signature(point: Point) -> Values:
     """Return numbers of a cycle that do not depend on its phase."""
-    stretch = point.stretch
-    return np.concatenate([point.unknowns[stretch.start.size :], stretch.sizes])
+    return np.concatenate([point.unknowns[point.orbit.start.size :], point.orbit.sizes])
 
 
-def turns_round(last: Point[Orbit], point: Point[Orbit]) -> bool:
+def turns_round(last: Point, point: Point) -> bool:
     """Return whether a step has passed a whirl, where the oscillation of the radius vanishes."""
-    return float(last.stretch.start_rate @ point.stretch.start_rate) < 0.0
+    return float(last.orbit.start_rate @ point.orbit.start_rate) < 0.0

@@ -2,7 +2,7 @@
 
 A point of the curve is ``u = (s, T, p...)``: a state, the period, and one parameter, or two with a
 further condition. It solves the shooting equations at a given distance along the tangent of the
-previous point, so that folds are passed like other points [1]_. The flow has to supply a `Stretch`:
+previous point, so that folds are passed like other points [1]_. The flow has to supply an `Orbit`:
 the end of an orbit, and its derivatives. Lengths are measured with each unknown relative to its
 scale. A step:
 
@@ -24,20 +24,18 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import Generic
 
 import numpy as np
 from scipy.linalg.lapack import dgesv
 from scipy.optimize import brentq
 
 from rotor_ida.arrays import Values
+from rotor_ida.cycles.orbit import Orbit
 from rotor_ida.cycles.special_points import (
     DISCONTINUOUS,
     FINEST,
     Count,
-    S,
     Special,
-    Stretch,
     Way,
     specials_on,
 )
@@ -86,14 +84,14 @@ MOST_SECANTS = 30
 
 
 @dataclass(frozen=True, slots=True)
-class Point(Generic[S]):
+class Point:
     """A point of a curve.
 
     Parameters
     ----------
     unknowns : ndarray, shape (m,)
         State, period and parameters.
-    stretch : Stretch
+    orbit : Orbit
         The orbit, followed for one period.
     tangent : ndarray, shape (m,)
         Direction of the curve relative to the scales, of length 1.
@@ -103,29 +101,29 @@ class Point(Generic[S]):
     """
 
     unknowns: Values
-    stretch: S
+    orbit: Orbit
     tangent: Values
     direction: Values
 
-    def reversed(self) -> Point[S]:
+    def reversed(self) -> Point:
         """Return the point with the direction of the curve reversed."""
         return replace(self, tangent=-self.tangent)
 
 
 @dataclass(frozen=True, slots=True)
-class Problem(Generic[S]):
+class Problem:
     """A curve of closed orbits, by its equations.
 
     Parameters
     ----------
     shoot : callable
-        Returns the stretch for given unknowns; SimulationError if there is none.
+        Returns the orbit for given unknowns; SimulationError if there is none.
     equations : callable
         Returns the residuals of the equations, shape (m - 1,), and their derivatives, shape
-        (m - 1, m), from the unknowns, their stretch, and a direction along which the state may not
+        (m - 1, m), from the unknowns, their orbit, and a direction along which the state may not
         move.
     check : callable
-        Raises SimulationError if a closed stretch is not a solution of the kind sought.
+        Raises SimulationError if a closed orbit is not a solution of the kind sought.
     tests : mapping of str to callable
         Functions of a point and the previous one, each 0 at a special point of that name.
     counts : mapping of str to Count
@@ -133,21 +131,21 @@ class Problem(Generic[S]):
     autonomous : bool
         Whether an orbit may begin anywhere on a cycle. If not, no direction is fixed.
     closes : callable
-        Whether a stretch closes. If not, Newton's method goes on after a small step: near a graze
+        Whether an orbit closes. If not, Newton's method goes on after a small step: near a graze
         derivatives by differences are inaccurate.
     """
 
-    shoot: Callable[[Values], S]
-    equations: Callable[[Values, S, Values], tuple[Values, Values]]
-    check: Callable[[S], object]
-    tests: Mapping[str, Callable[[Point[S], Point[S]], float]] = field(default_factory=dict)
-    counts: Mapping[str, Count[S]] = field(default_factory=dict)
+    shoot: Callable[[Values], Orbit]
+    equations: Callable[[Values, Orbit, Values], tuple[Values, Values]]
+    check: Callable[[Orbit], object]
+    tests: Mapping[str, Callable[[Point, Point], float]] = field(default_factory=dict)
+    counts: Mapping[str, Count] = field(default_factory=dict)
     autonomous: bool = True
-    closes: Callable[[S], bool] = lambda _: True
+    closes: Callable[[Orbit], bool] = lambda _: True
 
 
 @dataclass(frozen=True, slots=True)
-class Step(Generic[S]):
+class Step:
     """One step along a curve.
 
     Parameters
@@ -160,15 +158,13 @@ class Step(Generic[S]):
         Its length, and that of the next one, relative to the scales.
     """
 
-    point: Point[S]
-    specials: list[Special[S]]
+    point: Point
+    specials: list[Special]
     taken: float
     length: float
 
 
-def shooting_equations(
-    stretch: Stretch, direction: Values, *columns: Values
-) -> tuple[Values, Values]:
+def shooting_equations(orbit: Orbit, direction: Values, *columns: Values) -> tuple[Values, Values]:
     """Return the residuals of the shooting equations, and their derivatives.
 
     The state may not move along `direction`, the field at a nearby point; `columns` are the
@@ -181,12 +177,12 @@ def shooting_equations(
     matrix : ndarray, shape (n + 1, n + 1 + parameters)
         Derivatives of end less start, and of the state along the direction.
     """
-    n = stretch.start.size
+    n = orbit.start.size
     miss, matrix = np.zeros(n + 1), np.zeros((n + 1, n + 1 + len(columns)))
-    np.subtract(stretch.start, stretch.end, out=miss[:n])
-    matrix[:n, :n] = stretch.monodromy
+    np.subtract(orbit.start, orbit.end, out=miss[:n])
+    matrix[:n, :n] = orbit.monodromy
     matrix.ravel()[: n * matrix.shape[1] : matrix.shape[1] + 1] -= 1.0  # the diagonal
-    matrix[:n, n] = stretch.end_rate
+    matrix[:n, n] = orbit.end_rate
     for number, column in enumerate(columns, start=n + 1):
         matrix[:n, number] = column
     matrix[n, :n] = direction / math.sqrt(direction @ direction)
@@ -194,7 +190,7 @@ def shooting_equations(
 
 
 @dataclass(frozen=True, slots=True)
-class Curve(Generic[S]):
+class Curve:
     """A curve of closed orbits that is followed step by step.
 
     Parameters
@@ -205,10 +201,10 @@ class Curve(Generic[S]):
         Sizes of the unknowns, relative to which lengths are measured.
     """
 
-    problem: Problem[S]
+    problem: Problem
     scale: Values
 
-    def first(self, guess: Values) -> Point[S]:
+    def first(self, guess: Values) -> Point:
         """Return the point near a guess with the same last parameter, directed to larger ones."""
         try:
             return self.near(guess, _unit(guess.size, -1))
@@ -222,15 +218,15 @@ class Curve(Generic[S]):
         """
         if self.problem.autonomous:
             return _unit(guess.size, -2)
-        stretch = self.problem.shoot(guess)
-        _, matrix = self.problem.equations(guess, stretch, stretch.start_rate)
+        orbit = self.problem.shoot(guess)
+        _, matrix = self.problem.equations(guess, orbit, orbit.start_rate)
         return np.asarray(np.linalg.svd(matrix * self.scale)[2][-1])
 
-    def near(self, guess: Values, plane: Values) -> Point[S]:
+    def near(self, guess: Values, plane: Values) -> Point:
         """Return the point in the plane through `guess` with normal `plane`."""
         return self._corrected(guess, plane)[0]
 
-    def step(self, last: Point[S], length: float, earlier: Sequence[Point[S]] = ()) -> Step[S]:
+    def step(self, last: Point, length: float, earlier: Sequence[Point] = ()) -> Step:
         """Take a step of this length, or a shorter one if necessary.
 
         `earlier` are points before the last, the nearest first. SimulationError if even the
@@ -262,14 +258,14 @@ class Curve(Generic[S]):
         longer = min(length * GROWTH, LONGEST_STEP) if easy else length
         return Step(self._led_on(point), specials, length, longer)
 
-    def _changes(self, last: Point[S], point: Point[S]) -> bool:
+    def _changes(self, last: Point, point: Point) -> bool:
         """Return whether a count differs between two points."""
         return any(
-            count.number(last.stretch) != count.number(point.stretch)
+            count.number(last.orbit) != count.number(point.orbit)
             for count in self.problem.counts.values()
         )
 
-    def crossing(self, last: Point[S], point: Point[S], place: int, value: float) -> Point[S]:
+    def crossing(self, last: Point, point: Point, place: int, value: float) -> Point:
         """Return the point at which an unknown has a value that it passes in a step."""
         length = float((point.unknowns - last.unknowns) / self.scale @ last.tangent)
 
@@ -283,15 +279,15 @@ class Curve(Generic[S]):
         found = self.near(guess, _unit(guess.size, place))
         return found if float(found.tangent @ last.tangent) > 0.0 else found.reversed()
 
-    def root(self, near: Point[S], test: Callable[[S], float]) -> Point[S]:
+    def root(self, near: Point, test: Callable[[Orbit], float]) -> Point:
         """Return the nearby point at which a test function is 0, by the secant method.
 
         SimulationError if it finds none.
         """
-        before, value, place = 0.0, test(near.stretch), FIRST_STEP
+        before, value, place = 0.0, test(near.orbit), FIRST_STEP
         for _ in range(MOST_SECANTS):
             point = self._at(near, (), place)
-            here = test(point.stretch)
+            here = test(point.orbit)
             change = -here * (place - before) / (here - value) if here != value else 0.0
             if abs(change) <= FINEST:
                 return point
@@ -299,32 +295,32 @@ class Curve(Generic[S]):
             place += min(max(change, -LONGEST_STEP), LONGEST_STEP)
         raise SimulationError("no special point was found close by")
 
-    def direction_at(self, stretch: S, before: Values) -> Values:
+    def direction_at(self, orbit: Orbit, before: Values) -> Values:
         """Return the direction along which the state may not move from a point on.
 
         It is that of the previous point while possible, so that points lie in one plane.
         """
         if not self.problem.autonomous:
             return before
-        rate = stretch.start_rate
+        rate = orbit.start_rate
         kept = before @ rate >= KEPT_COSINE * _size(before) * _size(rate)
         return before if kept else rate
 
-    def _led_on(self, point: Point[S]) -> Point[S]:
+    def _led_on(self, point: Point) -> Point:
         """Return a point with the direction from there on, and the tangent normal to it."""
-        direction = self.direction_at(point.stretch, point.direction)
+        direction = self.direction_at(point.orbit, point.direction)
         if direction is point.direction:
             return point
         turned = replace(point, direction=direction)
         _, tangent = self._beside(turned, point)
         return replace(turned, tangent=tangent / _size(tangent))
 
-    def _at(self, last: Point[S], others: Sequence[Point[S]], length: float) -> Point[S]:
+    def _at(self, last: Point, others: Sequence[Point], length: float) -> Point:
         """Return the point a length along the tangent."""
         guess = self._guess(last, others, length)
         return self._corrected(guess, last.tangent, last.direction)[0]
 
-    def _guess(self, last: Point[S], others: Sequence[Point[S]], length: float) -> Values:
+    def _guess(self, last: Point, others: Sequence[Point], length: float) -> Values:
         """Return an approximation of the point a length along the tangent.
 
         It lies on the tangent, or on the Hermite polynomial, in the length along the tangent,
@@ -351,7 +347,7 @@ class Curve(Generic[S]):
             move[:n] -= (direction @ move[:n]) / (direction @ direction) * direction
         return last.unknowns + move
 
-    def _beside(self, last: Point[S], other: Point[S]) -> tuple[Values, Values]:
+    def _beside(self, last: Point, other: Point) -> tuple[Values, Values]:
         """Return the offset of another point from the last one, and its tangent, at equal phase.
 
         Its state is shifted along its orbit into the plane across the direction at the last one.
@@ -359,7 +355,7 @@ class Curve(Generic[S]):
         chord, tangent = (other.unknowns - last.unknowns) / self.scale, other.tangent
         if other.direction is last.direction or not self.problem.autonomous:
             return chord, tangent
-        rate, n = other.stretch.start_rate, last.direction.size
+        rate, n = other.orbit.start_rate, last.direction.size
         across = np.zeros(self.scale.size)
         across[:n] = last.direction * self.scale[:n]
         shift = np.zeros(self.scale.size)
@@ -368,51 +364,49 @@ class Curve(Generic[S]):
 
     def _corrected(
         self, guess: Values, plane: Values, direction: Values | None = None
-    ) -> tuple[Point[S], int]:
+    ) -> tuple[Point, int]:
         """Return the point in the plane through `guess` with normal `plane`, and the steps.
 
         The state does not move along `direction`, by default the field at the guess.
         """
         unknowns, size = guess, math.inf
         for steps in range(MOST_NEWTON_STEPS + 1):
-            stretch = self.problem.shoot(unknowns)
-            direction = stretch.start_rate if direction is None else direction
-            if size <= CONVERGED and self.problem.closes(stretch):
-                return self._point(unknowns, stretch, plane, direction), steps
-            miss, matrix = self._bordered(unknowns, stretch, direction, plane)
+            orbit = self.problem.shoot(unknowns)
+            direction = orbit.start_rate if direction is None else direction
+            if size <= CONVERGED and self.problem.closes(orbit):
+                return self._point(unknowns, orbit, plane, direction), steps
+            miss, matrix = self._bordered(unknowns, orbit, direction, plane)
             step = _solved(matrix, miss)
             before, size = size, _size(step)
             if size <= ROUNDING_STEP:
-                return self._point(unknowns, stretch, plane, direction), steps
+                return self._point(unknowns, orbit, plane, direction), steps
             if steps >= FREE_STEPS and size > before:
                 break
             if not size < LEAVES:
                 raise SimulationError("Newton's method leaves the curve")
             unknowns = unknowns + step * self.scale
-            if unknowns[stretch.start.size] <= 0.0:
+            if unknowns[orbit.start.size] <= 0.0:
                 raise SimulationError("the period shrinks to nothing")
         raise SimulationError("Newton's method does not converge to the curve")
 
-    def _point(self, unknowns: Values, stretch: S, plane: Values, direction: Values) -> Point[S]:
+    def _point(self, unknowns: Values, orbit: Orbit, plane: Values, direction: Values) -> Point:
         """Return a closed orbit as a point of the curve, directed like `plane`."""
-        self.problem.check(stretch)
-        _, matrix = self._bordered(unknowns, stretch, direction, plane)
+        self.problem.check(orbit)
+        _, matrix = self._bordered(unknowns, orbit, direction, plane)
         tangent = _solved(matrix, _unit(plane.size, -1))
-        return Point(unknowns, stretch, tangent / _size(tangent), direction)
+        return Point(unknowns, orbit, tangent / _size(tangent), direction)
 
     def _bordered(
-        self, unknowns: Values, stretch: S, direction: Values, plane: Values
+        self, unknowns: Values, orbit: Orbit, direction: Values, plane: Values
     ) -> tuple[Values, Values]:
         """Return the residuals of the equations, and their derivatives, relative to the scales."""
-        miss, matrix = self.problem.equations(unknowns, stretch, direction)
+        miss, matrix = self.problem.equations(unknowns, orbit, direction)
         bordered, right = np.empty((plane.size, plane.size)), np.zeros(plane.size)
         np.multiply(matrix, self.scale, out=bordered[:-1])
         bordered[-1], right[:-1] = plane, miss
         return right, bordered
 
-    def _specials(
-        self, last: Point[S], others: tuple[Point[S], ...], length: float
-    ) -> list[Special[S]]:
+    def _specials(self, last: Point, others: tuple[Point, ...], length: float) -> list[Special]:
         """Return the special points of a step, in order."""
         behind = [float(self._beside(last, each)[0] @ last.tangent) for each in others[1:]]
         known = [(0.0, last), (length, others[0]), *zip(behind, others[1:], strict=True)]
@@ -426,7 +420,7 @@ class Curve(Generic[S]):
         return specials_on(way, tests, self.problem.counts)
 
 
-def _by(test: Callable[[Point[S], Point[S]], float], last: Point[S], point: Point[S]) -> float:
+def _by(test: Callable[[Point, Point], float], last: Point, point: Point) -> float:
     return test(point, last)
 
 

@@ -35,7 +35,6 @@ from rotor_ida.cycles.guess import (
     guess_of_system,
 )
 from rotor_ida.cycles.limit_cycle import begun, checked_guess, one_disc, with_period
-from rotor_ida.cycles.orbit import Orbit
 from rotor_ida.cycles.problems import NEVER_ZERO, Continuation, branch_through
 from rotor_ida.cycles.special_points import Special
 from rotor_ida.errors import InputError
@@ -100,8 +99,8 @@ def continue_cycle(
         A start that leads to the cycle, as in `limit_cycle`; or the result of `limit_cycle`; or one
         point of a branch, ``branch.isel(point=...)``; or one of its special points,
         ``branch.isel(special=...)``. From a period doubling the branch of doubled cycles is
-        followed. Of a `RotorSystem` also one point of a `sweep`, or a Hopf point of
-        `special_speeds`, where the cycles born from that rub are followed.
+        followed, from a Hopf point that of the cycles born there. Of a `RotorSystem` also one point
+        of a `sweep`, or a Hopf point of `special_speeds`.
     parameter : {"omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "load", \
             "friction", "disc_radius"}
         The parameter to vary; the others are constant. A load cannot reach 0, where cycles have
@@ -301,19 +300,23 @@ def branch_from(
     told: dict[str, Any] = {"limits": limits, "direction": direction, "points": points}
     attributes = start_attributes(guess)
     attributes |= {"start_special": guess.special, "start_slope": guess.slope}
+    is_system = given is not None
     if given is None:
         told["parameter"] = parameter
-        kind, title = "branch", "Branch of limit cycles"
         start, attributes["flight"] = as_start(guess, (parameter,)), "exact"
         given = {"rotor": guess.rotor}
     else:
-        kind, title = "system_branch", "Branch of limit cycles of a rotor system"
         start, attributes["rtol"] = as_start_of_system(attributes), CLOSING_RTOL
     question = Question("continue_cycle", {**given, "start": start, **told})
     ways = WAYS[direction] if branch.both else WAYS["forward"]
     with open_results(study, question.design(), len(ways) * (points - 1), FORM) as kept:
         sides = follow_sides(branch, ways, kept, progress)
-    dataset = branch_dataset(sides, (parameter,), title, kind=kind)
+    title = "Branch of limit cycles"
+    if is_system:
+        title = f"{title} of a rotor system"
+        dataset = branch_dataset(sides, (parameter,), title, kind="system_branch")
+    else:
+        dataset = branch_dataset(sides, (parameter,), title, kind="branch")
     more = {**told, "limits": np.array(limits), **attributes}
     return dataset.assign_attrs(provenance({"method": "taylor"}) | more)
 
@@ -388,9 +391,7 @@ def _restore(branch: Continuation, side: Side, piece: Arrays) -> None:
     side.reason = str(piece["reason"])
 
 
-def _point(
-    branch: Continuation, unknowns: Values, tangent: Values, before: Point[Orbit]
-) -> Point[Orbit]:
+def _point(branch: Continuation, unknowns: Values, tangent: Values, before: Point) -> Point:
     shot = branch.line.problem.shoot(unknowns)
     direction = branch.line.direction_at(shot, before.direction)
     return Point(unknowns, shot, tangent, direction)

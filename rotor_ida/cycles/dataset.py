@@ -216,7 +216,7 @@ def _solved_again(cycle: Orbit) -> list[Orbit]:
     for part, factor in zip(ELSEWHERE, LOOSER_STILL, strict=True):
         is_free = flow.period is None
         begins = part * cycle.duration if is_free else round(part * times) * flow.revolution
-        begun = flow.run(cycle.start, begins).end if begins else cycle.start
+        begun = flow.after(cycle.start, begins) if begins else cycle.start
         looser = flow.but(rtol=rtol * (1.0 if is_free else factor))
         found.append(close_orbit(looser, begun, cycle.duration))
     return found
@@ -331,14 +331,13 @@ def _dataset_of_system(
         variables[name] = xr.Variable(("t", "node"), values, label.attributes())
     coordinates = {"speed": ((), flow.speed), "t": of_cycle("t", "t", times)}
     attributes = provenance({"method": "taylor", "rtol": CLOSING_RTOL}) | {"axes": AXES[turning]}
-    return _labelled_of_system(
-        "Limit cycle of a rotor system", flow, variables, coordinates, attributes, "system_cycle"
-    )
+    title = "Limit cycle of a rotor system"
+    return dataset_of_system(title, flow, variables, coordinates, attributes, kind="system_cycle")
 
 
-def _labelled_of_system(
+def dataset_of_system(
     title: str, flow: SystemFlow, variables: dict[str, Any], coordinates: dict[str, Any],
-    attributes: dict[str, Any], kind: str,
+    attributes: dict[str, Any], *, kind: str,
 ) -> xr.Dataset:  # fmt: skip
     """Return a dataset with what its system is, and with the words and units of its cycles."""
     assembly = flow.problem.assembly
@@ -389,8 +388,8 @@ def branch_dataset(
     points = [point.reversed() for point in backward.points[:0:-1]] + forward.points
     specials = [SpecialBehind(before - place - 1, each) for place, each in backward.specials[::-1]]
     specials += [SpecialBehind(before + place, each) for place, each in forward.specials]
-    place, flow = -len(parameters), points[0].stretch.flow
-    variables: dict[str, Any] = cycle_columns([point.stretch for point in points], "point")
+    place, flow = -len(parameters), points[0].orbit.flow
+    variables: dict[str, Any] = cycle_columns([point.orbit for point in points], "point")
     variables["slope"] = of_cycle("slope", "point", [point.tangent[place] for point in points])
     variables |= _special_columns(specials, parameters, flow)
     coordinates: dict[str, Any] = {
@@ -407,7 +406,7 @@ def branch_dataset(
     }
     if isinstance(flow, SystemFlow):
         ends["axes"] = AXES[flow.period is None]
-        return _labelled_of_system(title, flow, variables, coordinates, ends, kind)
+        return dataset_of_system(title, flow, variables, coordinates, ends, kind=kind)
     given = {name: ((), value) for name, value in disc_of(flow).given.items()}
     coordinates = {
         **{name: each for name, each in given.items() if name not in parameters},
@@ -420,7 +419,7 @@ def _special_columns(
     specials: Sequence[SpecialBehind], parameters: tuple[str, ...], flow: Flow
 ) -> dict[str, Column | xr.Variable]:
     """Return the special points, in order along the curve."""
-    orbits, count = [each.point.stretch for _, each in specials], flow.clearances.size
+    orbits, count = [each.point.orbit for _, each in specials], flow.clearances.size
     sizes = np.array([orbit.sizes for orbit in orbits]).reshape(-1, 2, count)
     columns: dict[str, Any] = {
         "special_kind": ("special", np.array([SPECIAL[e.name] for _, e in specials], np.int8)),

@@ -69,12 +69,12 @@ class Orbit:
         """Whether a cycle may begin anywhere, so that one multiplier is 1."""
         return self.flow.period is None
 
-    @property
+    @cached_property
     def pair_product(self) -> float | None:
         """Product of each of two pairs of multipliers, one of them with 1; None without pairs."""
         return self.flow.pair_product(self.duration)
 
-    @property
+    @cached_property
     def residual(self) -> float:
         """Distance of its end from its start, relative to its size."""
         return math.hypot(*(self.end - self.start)) / (math.hypot(*self.start) or 1.0)
@@ -87,12 +87,12 @@ class Orbit:
 
         At an entry or an exit at the start, rounding may omit one of these.
         """
-        kinds, numbers = self.piece.event_kinds, self.piece.event_contacts
-        count = len(self.piece.rolls)
-        entries, exits = (
-            np.bincount(numbers[kinds == kind], minlength=count).tolist() for kind in (ENTRY, EXIT)
-        )
-        return list(map(max, entries, exits))
+        kinds, numbers = self.piece.event_kinds.tolist(), self.piece.event_contacts.tolist()
+        events = list(zip(numbers, kinds, strict=True))
+        return [
+            max(events.count((number, ENTRY)), events.count((number, EXIT)))
+            for number in range(len(self.piece.rolls))
+        ]
 
     @property
     def contacts(self) -> int:
@@ -102,7 +102,8 @@ class Orbit:
     @property
     def sliding_changes(self) -> int:
         """Number of times that a contact begins to roll, or slides the other way."""
-        return int(np.isin(self.piece.event_kinds, (ROLL, REVERSE)).sum())
+        kinds = self.piece.event_kinds.tolist()
+        return int(kinds.count(ROLL) + kinds.count(REVERSE))
 
     @property
     def rolls(self) -> bool:
@@ -142,8 +143,9 @@ class Orbit:
     @property
     def touches(self) -> bool:
         """Whether a contact is ever closed."""
-        clearances, largest = self.flow.clearances, self.sizes[len(self.radii) :]
-        return bool(((clearances == 0.0) | (largest > clearances)).any())
+        largest = self.sizes[len(self.radii) :].tolist()
+        pairs = zip(largest, self.flow.clearances.tolist(), strict=True)
+        return any(radius > clearance or clearance == 0.0 for radius, clearance in pairs)
 
     def halves_agree(self, part: float) -> bool:
         """Return whether the extreme distances of both halves agree to a part of the largest."""

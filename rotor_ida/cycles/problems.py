@@ -31,7 +31,7 @@ from rotor_ida.cycles.shooting import checked_cycle, closes, failure, periods_of
 from rotor_ida.cycles.special_points import Count
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.parameters import PARAMETERS
-from rotor_ida.simulation.flow import DiscFlow, Flow
+from rotor_ida.simulation.flow import Flow
 
 FOLD, GRAZE, TORUS, SLIDING, CUSP = "fold", "graze", "torus", "sliding", "cusp"
 TESTS: dict[str, Callable[[Orbit], float]] = {
@@ -40,7 +40,7 @@ TESTS: dict[str, Callable[[Orbit], float]] = {
     TORUS: torus_test,
 }
 # Counts on an orbit; no function of the orbit is 0 where the second changes.
-COUNTS: dict[str, Count[Orbit]] = {
+COUNTS: dict[str, Count] = {
     GRAZE: Count(lambda orbit: orbit.contacts, lambda orbit: orbit.nearest_gap),
     SLIDING: Count(lambda orbit: orbit.sliding_changes, lambda _: math.inf),
 }
@@ -90,19 +90,19 @@ class Continuation:
         What an orbit adds to the reason why no further step was possible.
     """
 
-    line: Curve[Orbit]
-    first: Point[Orbit]
+    line: Curve
+    first: Point
     limits: dict[int, tuple[float, float]]
     most: int
     both: bool = True
-    half: Problem[Orbit] | None = None
-    birth: Callable[[Point[Orbit], Point[Orbit]], Point[Orbit] | None] | None = None
+    half: Problem | None = None
+    birth: Callable[[Point, Point], Point | None] | None = None
     hint: Callable[[Orbit], str] = lambda _: ""
 
     @property
     def place(self) -> int:
         """Index of the (first) parameter among the unknowns, after the state and the period."""
-        return self.first.stretch.start.size + 1
+        return self.first.orbit.start.size + 1
 
 
 def halved(unknowns: Values, place: int) -> Values:
@@ -140,7 +140,7 @@ def branch_through(
     )  # fmt: skip
 
 
-def _born(line: Curve[Orbit], unknowns: Values) -> Point[Orbit]:
+def _born(line: Curve, unknowns: Values) -> Point:
     """Return a small cycle near the Hopf point of a whirl, directed away from it."""
     state, (period, place) = unknowns[:-2], unknowns[-2:].tolist()
     away = np.zeros(unknowns.size)
@@ -190,17 +190,17 @@ def _scale(
 # ---- Cycles over a parameter ----
 
 
-def cycles_over(flow: Flow, parameter: str, revolutions: int) -> Problem[Orbit]:
+def cycles_over(flow: Flow, parameter: str, revolutions: int) -> Problem:
     """Return the cycles of a flow over one of its parameters.
 
     If it closes after whole revolutions only they are those of the given number.
     """
-    tests: dict[str, Callable[[Point[Orbit], Point[Orbit]], float]] = {
-        FOLD: lambda point, _last: fold_test(point.stretch),
-        DOUBLING: lambda point, _last: doubling_test(point.stretch),
+    tests: dict[str, Callable[[Point, Point], float]] = {
+        FOLD: lambda point, _last: fold_test(point.orbit),
+        DOUBLING: lambda point, _last: doubling_test(point.orbit),
     }
     if may_have_tori(flow, parameter):
-        tests[TORUS] = lambda point, _last: torus_test(point.stretch)
+        tests[TORUS] = lambda point, _last: torus_test(point.orbit)
     return Problem(
         lambda unknowns: orbit_of(flow, unknowns, (parameter,)),
         lambda _unknowns, orbit, direction: closing_equations(
@@ -216,10 +216,8 @@ def cycles_over(flow: Flow, parameter: str, revolutions: int) -> Problem[Orbit]:
 
 def may_have_tori(flow: Flow, *varied: str) -> bool:
     """Return whether a torus may be born from cycles with some parameters varied."""
-    if not isinstance(flow, DiscFlow):
-        return True
-    where = ("contact_damping", "friction", "load")
-    return any(name in varied or getattr(flow.rotor, name) > 0.0 for name in where)
+    where = {"contact_damping", "friction", "load"}
+    return flow.pair_product(1.0) is None or not where.isdisjoint(varied)
 
 
 def closing_equations(
@@ -229,7 +227,7 @@ def closing_equations(
 
     They are those of `shooting_equations`; or the last is ``T = k 2 pi/omega`` instead.
     """
-    miss, matrix = shooting_equations(orbit, direction, *orbit.piece.by.T)
+    miss, matrix = shooting_equations(orbit, direction, *orbit.piece.by)
     if not orbit.is_autonomous:
         period, n = revolutions * orbit.flow.revolution, orbit.start.size
         miss[n], matrix[n] = period - orbit.duration, 0.0
@@ -257,12 +255,12 @@ def orbit_of(flow: Flow, unknowns: Values, parameters: Sequence[str]) -> Orbit:
         values[name] = 0.0 if name in below else value
     orbit = followed(flow.but(**values), unknowns[:n], float(unknowns[n]), parameters)
     for name, value in below.items():
-        beside = orbit.end + value * orbit.piece.by[:, parameters.index(name)]
-        orbit = replace(orbit, piece=replace(orbit.piece, end=beside))
+        beside = orbit.end + value * orbit.piece.by[parameters.index(name)]
+        orbit = replace(orbit, piece=orbit.piece._replace(end=beside))
     return orbit
 
 
-def doubled(line: Curve[Orbit], once: Values) -> Point[Orbit]:
+def doubled(line: Curve, once: Values) -> Point:
     """Return a point of the doubled branch near a period doubling, directed away from it.
 
     Its cycles branch off along the eigenvector of the multiplier -1. `once` has state, period and
@@ -287,9 +285,9 @@ def doubled(line: Curve[Orbit], once: Values) -> Point[Orbit]:
     raise SimulationError(f"no doubled cycle was found near the one of period {once[n]:.9g}")
 
 
-def _half_misses(line: Curve[Orbit], point: Point[Orbit]) -> float:
+def _half_misses(line: Curve, point: Point) -> float:
     """Return the distance after half a period from the start, relative to the size of the state."""
-    start = point.stretch.start
+    start = point.orbit.start
     half = line.problem.shoot(halved(point.unknowns, start.size + 1))
     return float(np.linalg.norm(half.end - start) / np.linalg.norm(start))
 
@@ -297,7 +295,7 @@ def _half_misses(line: Curve[Orbit], point: Point[Orbit]) -> float:
 # ---- Bifurcations over two ----
 
 
-def _problem(flow: Flow, kind: str, names: tuple[str, str], scale: Values) -> Problem[Orbit]:
+def _problem(flow: Flow, kind: str, names: tuple[str, str], scale: Values) -> Problem:
     """Return the bifurcations of a kind over two parameters of a flow."""
     test, revolutions = TESTS[kind], periods_of(flow, scale[-3])
 
@@ -351,6 +349,6 @@ class _Gradient:
         return self._gradient.copy()
 
 
-def _turning(point: Point[Orbit], last: Point[Orbit]) -> float:
+def _turning(point: Point, last: Point) -> float:
     """Return the motion of the parameters along that at the previous point; 0 at a cusp."""
     return float(point.tangent[-2:] @ last.tangent[-2:])

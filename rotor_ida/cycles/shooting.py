@@ -103,8 +103,8 @@ def checked_cycle(orbit: Orbit) -> Orbit:
     """
     if not closes(orbit):
         raise failure(orbit, f"the orbit misses its start by {orbit.residual:.3g} of its size")
-    swings = [np.ptp(each) > STANDSTILL * each.max() for each in orbit.radii if each.size]
-    if not any(swings):
+    low, high = orbit.sizes.reshape(2, -1) if all(map(len, orbit.radii)) else np.zeros((2, 1))
+    if not (high - low > STANDSTILL * high).any():
         raise failure(orbit, FOUND_A_WHIRL)
     if not orbit.touches:
         raise failure(orbit, LEFT_THE_RING)

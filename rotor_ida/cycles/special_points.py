@@ -13,13 +13,13 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from itertools import pairwise
-from typing import TYPE_CHECKING, Generic, Protocol, TypeVar
+from typing import TYPE_CHECKING
 
 import numpy as np
 from numpy.polynomial import Polynomial
 from scipy.optimize import brentq
 
-from rotor_ida.arrays import Values
+from rotor_ida.cycles.orbit import Orbit
 from rotor_ida.errors import SimulationError
 
 if TYPE_CHECKING:
@@ -61,54 +61,27 @@ SAME_PLACE = 1e-6
 OUTSIDE = 0.5
 
 
-class Stretch(Protocol):
-    """An orbit followed for a time, with the derivatives of its end by a state of n numbers."""
-
-    @property
-    def start(self) -> Values:
-        """State at the start, shape (n,)."""
-
-    @property
-    def end(self) -> Values:
-        """State at the end, shape (n,)."""
-
-    @property
-    def monodromy(self) -> Values:
-        """Derivative of the end by the start, shape (n, n)."""
-
-    @property
-    def start_rate(self) -> Values:
-        """Rate of change of the state at the start, shape (n,)."""
-
-    @property
-    def end_rate(self) -> Values:
-        """Rate of change of the state at the end, shape (n,)."""
-
-
-S = TypeVar("S", bound=Stretch)
-
-
 @dataclass(frozen=True, slots=True)
-class Count(Generic[S]):
+class Count:
     """An integer of an orbit, and a function that changes sign where the integer changes.
 
     The function need do so only nearby.
     """
 
-    number: Callable[[S], int]
-    sign: Callable[[S], float]
+    number: Callable[[Orbit], int]
+    sign: Callable[[Orbit], float]
 
 
 @dataclass(frozen=True, slots=True)
-class Special(Generic[S]):
+class Special:
     """A special point of a curve: its name, and the point."""
 
     name: str
-    point: Point[S]
+    point: Point
 
 
 @dataclass(frozen=True, slots=True)
-class Way(Generic[S]):
+class Way:
     """A step in which special points are sought.
 
     Parameters
@@ -125,12 +98,12 @@ class Way(Generic[S]):
         cost.
     """
 
-    points: dict[float, Point[S]]
+    points: dict[float, Point]
     length: float
-    close: Callable[[float, Point[S]], Point[S]]
-    about: Callable[[float], S]
+    close: Callable[[float, Point], Point]
+    about: Callable[[float], Orbit]
 
-    def at(self, part: float) -> Point[S]:
+    def at(self, part: float) -> Point:
         """Return the point a length along the tangent."""
         if part not in self.points:
             # points nearer to the beginning than to the place are no use for it
@@ -141,16 +114,16 @@ class Way(Generic[S]):
 
 
 def specials_on(
-    way: Way[S],
-    tests: Mapping[str, Callable[[Point[S]], float]],
-    counts: Mapping[str, Count[S]],
-) -> list[Special[S]]:
+    way: Way,
+    tests: Mapping[str, Callable[[Point], float]],
+    counts: Mapping[str, Count],
+) -> list[Special]:
     """Return the special points of a step, in order.
 
     The tests are functions of a point, each 0 at a special point of its name. Where one jumps over
     0 the name is `DISCONTINUOUS`.
     """
-    located: list[tuple[float, Special[S]]] = []
+    located: list[tuple[float, Special]] = []
     for name, count in counts.items():
         located += _changes(way, name, count)
     kinks = [place for place, _ in located]  # a test function has a corner there
@@ -168,7 +141,7 @@ def specials_on(
 
 
 def _sign_changes(
-    way: Way[S], test: Callable[[Point[S]], float], kinks: list[float]
+    way: Way, test: Callable[[Point], float], kinks: list[float]
 ) -> list[tuple[float, float]]:
     """Return pairs of places on a step between which a test function changes its sign once."""
     located: list[tuple[float, float]] = []
@@ -217,8 +190,8 @@ def _may_turn_near_zero(nodes: Mapping[float, float], low: float, high: float) -
 
 
 def _look_at_turns(
-    way: Way[S],
-    test: Callable[[Point[S]], float],
+    way: Way,
+    test: Callable[[Point], float],
     nodes: dict[float, float],
     between: tuple[float, float],
 ) -> None:
@@ -294,8 +267,8 @@ def _polynomial(nodes: Mapping[float, float], low: float, high: float) -> Polyno
 
 
 def _zero(
-    way: Way[S], between: tuple[float, float], name: str, test: Callable[[Point[S]], float]
-) -> tuple[float, Special[S]]:
+    way: Way, between: tuple[float, float], name: str, test: Callable[[Point], float]
+) -> tuple[float, Special]:
     """Return where a test function is 0 in a step, and the special point there."""
     low, high = between
     try:
@@ -309,37 +282,37 @@ def _zero(
 # ---- Changes of a count ----
 
 
-def _changes(way: Way[S], name: str, count: Count[S]) -> list[tuple[float, Special[S]]]:
+def _changes(way: Way, name: str, count: Count) -> list[tuple[float, Special]]:
     """Return where a count changes in a step, and the special points there."""
-    ends = (way.at(0.0).stretch, way.at(way.length).stretch)
+    ends = (way.at(0.0).orbit, way.at(way.length).orbit)
     places = [(0.0, ends[0]), (way.length, ends[1])]
     nearest = min(abs(count.sign(each)) for each in ends)
     if nearest < NEAR_A_CHANGE * math.sqrt(ends[0].start @ ends[0].start):
         middle = 0.5 * way.length
         about = count.number(way.about(middle))
         if any(about != count.number(end) for end in ends):
-            places.insert(1, (middle, way.at(middle).stretch))
-    located: list[tuple[float, Special[S]]] = []
+            places.insert(1, (middle, way.at(middle).orbit))
+    located: list[tuple[float, Special]] = []
     for below, above in pairwise(places):
         located += _changes_between(way, (below, above), name, count)
     return located
 
 
 def _changes_between(
-    way: Way[S], between: tuple[tuple[float, S], tuple[float, S]], name: str, count: Count[S]
-) -> list[tuple[float, Special[S]]]:
+    way: Way, between: tuple[tuple[float, Orbit], tuple[float, Orbit]], name: str, count: Count
+) -> list[tuple[float, Special]]:
     """Return where a count changes between two places of a step, with their orbits."""
-    located: list[tuple[float, Special[S]]] = []
+    located: list[tuple[float, Special]] = []
     (low, below), (length, last_orbit) = between
     while count.number(below) != count.number(last_orbit):
         high, above = length, last_orbit
         for halving in range(MOST_HALVINGS):
             if halving >= FIRST_HALVINGS and count.sign(below) * count.sign(above) < 0.0:
-                sign = partial(_of_stretch, count.sign)
+                sign = partial(_of_orbit, count.sign)
                 located.append(_zero(way, (low, high), name, sign))
                 break
             middle = 0.5 * (low + high)
-            here = way.at(middle).stretch
+            here = way.at(middle).orbit
             if count.number(here) == count.number(below):
                 low, below = middle, here
             else:
@@ -350,5 +323,5 @@ def _changes_between(
     return located
 
 
-def _of_stretch(function: Callable[[S], float], point: Point[S]) -> float:
-    return function(point.stretch)
+def _of_orbit(function: Callable[[Orbit], float], point: Point) -> float:
+    return function(point.orbit)

@@ -12,7 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, Protocol, Self
+from typing import Any, NamedTuple, Protocol, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -38,12 +38,12 @@ MAXIMUM = 1.0  # the kind of an extremum
 RTOL = 1e-15
 # Absolute tolerance of one step, as a fraction of the relative one.
 ATOL = 1e-2
+OF_PAPER = frozenset(PARAMETERS)
 # A slip smaller than this fraction of the speeds that it is the difference of is solver error.
 HIDDEN_SLIP = 1e-12
 
 
-@dataclass(frozen=True, slots=True)
-class Piece:
+class Piece(NamedTuple):
     """A motion from a state to another, with the derivatives of its end.
 
     Parameters
@@ -55,7 +55,7 @@ class Piece:
     tangents : ndarray, shape (n, k)
         What changes of the start have become; by default those of each number of the state, so that
         this is the derivative of the end by the start.
-    by : ndarray, shape (n, parameter)
+    by : list of ndarray, shape (n,)
         Derivatives of the end by some parameters.
     start_rate, end_rate : ndarray, shape (n,)
         Rates of change of the state.
@@ -72,7 +72,7 @@ class Piece:
     end: Values
     duration: float
     tangents: Values
-    by: Values
+    by: list[Values]
     start_rate: Values
     end_rate: Values
     event_kinds: npt.NDArray[np.integer[Any]]
@@ -113,6 +113,9 @@ class Flow(Protocol):
 
         `by` names parameters by which the end is differentiated. SimulationError if it fails.
         """
+
+    def after(self, state: Values, duration: float) -> Values:
+        """Return the state after a time."""
 
     def states(self, state: Values, times: Values) -> Values:
         """Return the states at increasing times from 0 on, shape (time, n)."""
@@ -190,7 +193,7 @@ class DiscFlow:
         """Return the motion from a state: see `Flow`; at most four changes of it are followed."""
         rotor = self.rotor
         start = put_on_rolling(rotor, state) if rotor.friction > 0.0 else state
-        whole = any(name not in PARAMETERS for name in by)
+        whole = not OF_PAPER.issuperset(by)
         columns = len(COLUMNS) if whole or rotor.beyond else len(PARAMETERS)
         bundle = np.eye(DIFFERENCES + columns, 4)
         if tangents is not None:
@@ -204,7 +207,7 @@ class DiscFlow:
         count = DIFFERENCES if tangents is None else len(tangents)
         return Piece(
             start, end, until, bundle[:count].T,
-            bundle[[DIFFERENCES + COLUMNS.index(name) for name in by]].T,
+            [bundle[DIFFERENCES + COLUMNS.index(name)] for name in by],
             self.rate(start, 0.0, first), self.rate(end, until, last),
             result.event_kinds, np.zeros(result.event_kinds.size, np.int8),
             np.array([ways is not None and bool((ways == ROLLS).any())]),
@@ -214,6 +217,10 @@ class DiscFlow:
     def rate(self, state: Values, time: float = 0.0, way: int = 0) -> Values:
         """Return the rate of a state; `way` is the mode of its contact, as the core has it [1]."""
         return rotating_field(state, self.rotor, time) + _friction_at(state, self.rotor, time, way)
+
+    def after(self, state: Values, duration: float) -> Values:
+        """Return the state after a time [1]."""
+        return np.array(self._followed(state, duration).state)
 
     def states(self, state: Values, times: Values) -> Values:
         """Return the states at increasing times from 0 on, shape (time, 4) [1]."""

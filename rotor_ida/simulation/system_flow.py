@@ -205,11 +205,10 @@ class SystemFlow:
         changes = np.eye(state.size) if tangents is None else tangents
         run, moved = self._changed(state, changes, until)
         end = self.end_of(run)
-        columns = [self._by(name, state, until) for name in by]
         rolls = run.touches["way"] == MODE["rolling"]
         rolls[run.event_contacts[run.event_kinds == ROLL]] = True
         return Piece(
-            state, end, until, moved.T, np.array(columns).reshape(len(by), state.size).T,
+            state, end, until, moved.T, [self._by(name, state, until) for name in by],
             self.rate(state), self.rate(end), run.event_kinds, run.event_contacts, rolls,
             run.episodes, NO_EXTREMA,
         )  # fmt: skip

@@ -11,6 +11,7 @@ from rotor_ida.basins.attractors import Attractor, attractors_of, confirmed, lea
 from rotor_ida.basins.following import FollowedStarts
 from rotor_ida.basins.kernel import CHAOTIC, UNDECIDED
 from rotor_ida.basins.known import known_from_closed_forms
+from rotor_ida.cycles.guess import guess_of
 from rotor_ida.cycles.limit_cycle import cycle_from
 from rotor_ida.schema import RESPONSE
 from rotor_ida.simulation.options import Options
@@ -32,12 +33,12 @@ def found_with(labels, cycles=(), chaos=(), left=0.0, watched=0.0):
 
 def test_labels_number_the_rows():
     """Only what starts end on, but whirls and the contact-free family."""
-    cycle = cycle_from(BOUNCER, np.zeros(4))
+    cycle = cycle_from(guess_of(BOUNCER, np.zeros(4)))
     found = found_with([CHAOTIC, 2, UNDECIDED, 0, 2], [cycle], [[1.0, 0.0, 0.5, 3.0]], 2.0, 4e4)
     rows = attractors_of(found)
     assert [each.kind for each in rows] == ["contact_free", "bouncing", "chaotic"]
     assert found.labels.tolist() == [2, 1, UNDECIDED, 0, 1]
-    assert rows[1].period == cycle.period
+    assert rows[1].period == cycle.duration
     assert rows[2].lifetime == 2e4
     # 95 % of samples with a mean of 6.296 hold more than two
     assert rows[2].lifetime_low == pytest.approx(4e4 / 6.2958, rel=1e-4)
@@ -62,12 +63,12 @@ def test_fading_touches_tend_to_the_whirl_that_just_reaches_the_ring():
 
 
 def test_what_cvode_does_not_find_is_not_confirmed():
-    cycle = cycle_from(BOUNCER, np.zeros(4))
-    right = Attractor("bouncing", 1.1, 0.0, cycle.radius_min, cycle.radius_max, cycle.period)
+    cycle = cycle_from(guess_of(BOUNCER, np.zeros(4)))
+    right = Attractor("bouncing", 1.1, 0.0, cycle.radius_min, cycle.radius_max, cycle.duration)
     wrong = replace(right, radius_max=1.001 * cycle.radius_max)
     rows = [right, wrong, replace(right, kind="full_contact"), right]
     found = found_with([0, 1, 2])
-    checked = confirmed(found, rows, lambda first, last: cycle.state[:, None], Options())
+    checked = confirmed(found, rows, lambda first, last: cycle.start[:, None], Options())
     assert [each.confirmed for each in checked] == [True, False, False, False]
 
 

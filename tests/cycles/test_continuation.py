@@ -82,7 +82,7 @@ def cycles_of(model):
         lambda stretch: None,
         {
             "fold": lambda point, _: point.tangent[-1],
-            "doubling": lambda point, _: np.linalg.det(point.stretch.monodromy + np.eye(3)),
+            "doubling": lambda point, _: np.linalg.det(point.orbit.monodromy + np.eye(3)),
         },
     )
 

@@ -86,6 +86,12 @@ def test_a_branch_begins_at_the_hopf_point_of_a_whirl(parameter):
     assert place.special_period == pytest.approx(
         2.0 * np.pi / known.hopf_frequency.item(), rel=1e-11
     )
+    # and the cycles born there are followed from it
+    again = continue_cycle(RUB, start=place, parameter=parameter, limits=limits, points=4)
+    assert "hopf" in {again.attrs["first_end"], again.attrs["last_end"]}
+    assert specials(again, "hopf").special_value.item() == pytest.approx(
+        place.special_value.item(), rel=1e-11
+    )
 
 
 def test_a_branch_that_contact_damping_brings_begins_at_its_hopf_point():

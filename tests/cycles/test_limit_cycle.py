@@ -205,6 +205,16 @@ def test_unstable_and_barely_stable_cycles_from_a_near_start_alone(known):
     assert cycle["period"].item() == pytest.approx(known.period, rel=1e-7)
 
 
+@pytest.mark.parametrize("start", [
+    (-2.484357, -3.265325, 1.329065, -1.001068), (-2.483789, -3.271007, 1.330143, -1.005810),
+])  # fmt: skip
+def test_a_start_that_returns_closely_after_two_or_three_periods_leads_to_one(start):
+    """Differences turn as they decay: the orbit comes near enough only after several periods."""
+    cycle = limit_cycle(BOUNCING.rotor, start=start)
+    assert cycle["period"].item() == pytest.approx(BOUNCING.period, abs=1e-11)
+    assert cycle["contact_count"].item() == 1
+
+
 def test_an_unstable_cycle_is_not_left_for_an_attractor():
     """Between its two doublings the bouncing cycle at omega 1.7 is unstable."""
     point = SPECIAL_POINTS[4]

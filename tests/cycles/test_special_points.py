@@ -66,7 +66,7 @@ def test_beside_a_corner_zeros_are_found_as_well():
 
     class Place(float):
         @property
-        def stretch(self):
+        def orbit(self):
             return self
 
         @property

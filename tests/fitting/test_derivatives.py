@@ -91,7 +91,7 @@ def test_derivatives_are_those_of_the_core_at_one_speed():
     motion = MotionRequest(machine, turning, start).motion(np.array([0.0, end]), names)
     slopes = motion.derivatives.slopes
     turned = np.exp(1.7j * end)
-    exact = {name: shot.by[:, n] for n, name in enumerate(COLUMNS)}
+    exact = {name: shot.by[n] for n, name in enumerate(COLUMNS)}
     exact |= {"damping": 0.5 * exact["zeta"], "clearance": exact["delta0"]}
     by_start = (shot.tangents[0] + 1j * shot.tangents[1]) * turned
     size = np.abs(by_start).max()

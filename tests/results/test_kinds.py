@@ -13,7 +13,7 @@ from rotor_ida.verification.questions import VERIFIED
 PACKAGE = Path(rotor_ida.__file__).parent
 # They hand the kind on that they are given.
 HANDED_ON = {"signals/record.py", "cycles/dataset.py"}
-BUILDERS = {"labelled_dataset", "dataset", "branch_dataset"}
+BUILDERS = {"labelled_dataset", "dataset", "branch_dataset", "dataset_of_system"}
 
 
 def stated_kinds():

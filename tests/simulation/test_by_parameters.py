@@ -69,7 +69,7 @@ def test_a_load_that_turns_faster_adds_to_what_the_speed_does(delta0):
             .end
             for sign in (1, -1)
         ]
-        column = shot.by[:, COLUMNS.index(name)]
+        column = shot.by[COLUMNS.index(name)]
         np.testing.assert_allclose(column, (ends[0] - ends[1]) / (2.0 * h), rtol=0, atol=1e-7)
     ends = [DiscFlow(rotor).run(start, duration + sign * h).end for sign in (1, -1)]
     np.testing.assert_allclose(shot.end_rate, (ends[0] - ends[1]) / (2.0 * h), rtol=0, atol=1e-7)

@@ -129,7 +129,7 @@ def followed_cycle(member: Member, here: Rotor, there: Rotor, stop: Stop) -> Orb
         while not side.end:
             advance(course, side)
         last = side.points[-1]
-        if side.end != LIMITS or last.unknowns[-1] != end or not is_stable(last.stretch):
+        if side.end != LIMITS or last.unknowns[-1] != end or not is_stable(last.orbit):
             return None
         return close_orbit(DiscFlow(there, stop), last.unknowns[:4], float(last.unknowns[4]))
     except SimulationError:

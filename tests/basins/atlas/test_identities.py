@@ -14,6 +14,7 @@ from rotor_ida import (
 from rotor_ida.basins.atlas.cells import NEVER, Cell, Member
 from rotor_ida.basins.atlas.identities import followed_cycle, followed_whirl, identify
 from rotor_ida.basins.attractors import Attractor, attractor_of_cycle
+from rotor_ida.cycles.guess import guess_of
 from rotor_ida.cycles.limit_cycle import cycle_from
 from rotor_ida.schema import RESPONSE
 
@@ -71,8 +72,8 @@ def test_fading_touches_are_one_attractor_over_a_gap():
 
 def member_at(omega, delta0, start):
     rotor = Rotor(omega=omega, zeta=0.07, delta0=delta0)
-    cycle = cycle_from(rotor, np.array(start))
-    return rotor, Member(attractor_of_cycle(cycle, True, GO_ON), 3, NEVER, cycle.state)
+    cycle = cycle_from(guess_of(rotor, np.array(start)))
+    return rotor, Member(attractor_of_cycle(cycle, True, GO_ON), 3, NEVER, cycle.start)
 
 
 @pytest.mark.parametrize("omega", [1.95, 2.4, 3.1])
@@ -84,7 +85,7 @@ def test_a_cycle_is_followed_along_its_branch(omega):
         rotor, start=limit_cycle(rotor, start=(0, 0, 0, 0)), limits=sorted((2.0, omega))
     )
     end = branch.isel(point=int(np.argmin(np.abs(branch.omega.values - omega))))
-    assert found.period == pytest.approx(float(end.period), rel=1e-10)
+    assert found.duration == pytest.approx(float(end.period), rel=1e-10)
     assert found.radius_max == pytest.approx(float(end.radius_max), rel=1e-10)
 
 
