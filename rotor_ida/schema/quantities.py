@@ -40,7 +40,7 @@ UNITS = {
 OTHER_UNITS = {
     "law_damping": "s m-1", "race_inertia": "kg m2", "race_drag": "N m s", "stator_mass": "kg",
     "stator_stiffness": "N m-1", "stator_damping": "N s m-1", "unbalance_moment": "kg m",
-    "gravity": "m s-2", "applied_unbalance": "kg m",
+    "gravity": "m s-2", "applied_unbalance": "kg m", "unbalance": "kg m",
     **dict.fromkeys(("contact_stiffness", "critical_stiffness", "support_stiffness"), "N m-1"),
     "support_damping": "N s m-1", "drop_contact_damping": "s m-1", "cell_contact_damping": "s m-1",
 }  # fmt: skip
