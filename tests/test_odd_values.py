@@ -32,7 +32,7 @@ from rotor_ida.cycles.system_branch import continue_cycle_system
 from rotor_ida.cycles.system_cycle import limit_cycle_system
 from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.model.rotor_system import SystemParameters
-from rotor_ida.steady.system_lyapunov import lyapunov_exponent_system
+from rotor_ida.steady.lyapunov import lyapunov_exponent_system
 from rotor_ida.steady.system_sweep import sweep_system
 from rotor_ida.systems.simulate import run_up_system, simulate_system
 from rotor_ida.systems.whirls.synchronous import synchronous_response_system

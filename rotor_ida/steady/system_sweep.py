@@ -174,7 +174,8 @@ def sweep_system(
     >>> responses[["response", "amplitude"]].to_dataframe().amplitude.round(6).tolist()
     [0.332595, 1.622132]
     """
-    asked = varied_system_of(sweep_system, system, changed, turning_speeds(speed))
+    speeds = turning_speeds(speed, "in a sweep of a rotor system")
+    asked = varied_system_of(sweep_system, system, changed, speeds)
     tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
     progress = check_progress(progress)
     chosen = choose(executor, workers, compiled=True)
@@ -215,11 +216,11 @@ class Turning(NamedTuple):
     speed: float
 
 
-def turning_speeds(speed: object) -> Values:
+def turning_speeds(speed: object, where: str) -> Values:
     """Return spin speeds at which a system can be followed, each once."""
     speeds = checked_speeds(speed)
     if not speeds.all():
-        raise InputError("speed must not be 0 in a sweep of a rotor system, got 0.0")
+        raise InputError(f"speed must not be 0 {where}, got 0.0")
     return check_distinct(SPEED, speeds)
 
 
@@ -337,12 +338,8 @@ class SystemSettling:
     def settle(self, point: Turning, start: Start | Values, stop: Stop) -> SettledPoint:
         """Return what a system settles on, from a start or from where another point ends."""
         flow = SystemFlow.at(*point, stop)
-        if not isinstance(start, np.ndarray):
-            try:
-                start = state_of_start(point.problem, start, point.speed)
-            except InputError as error:  # a resonance has no settled whirl
-                raise SimulationError(str(error)) from error
-        settled = settle(flow, start / flow.scales)
+        begun = start if isinstance(start, np.ndarray) else started(point, start)
+        settled = settle(flow, begun / flow.scales)
         row, last = np.zeros(1, self.columns), settled.state * flow.scales
         _fill(row[0], settled, flow, last)
         return SettledPoint(row, settled.decision.message, last)
@@ -368,6 +365,14 @@ def state_of_start(problem: SettlingProblem, start: Start, speed: float) -> Valu
     begun = start_of(problem.assembly, start, speed)
     moved = np.array([problem.found.to_y(each) for each in begun])
     return np.concatenate([moved.ravel(), problem.race_speeds])
+
+
+def started(point: Turning, start: Start) -> Values:
+    """Return the state at a start of one of several points."""
+    try:
+        return state_of_start(point.problem, start, point.speed)
+    except InputError as error:  # a resonance has no settled whirl
+        raise SimulationError(str(error)) from error
 
 
 def rows_of(points: Sequence[SettledPoint]) -> Rows:
