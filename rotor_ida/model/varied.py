@@ -291,8 +291,8 @@ def varied_system_of(
     for name, value in numbers.items():
         parameter_of(system, name)
         axis = check_distinct(name, check_axis(name, value))
-        for each in axis.tolist():
-            with_parameters(system, {name: each})  # raises if the system may not have it
+        for end in (axis.min(), axis.max()):
+            with_parameters(system, {name: float(end)})  # raises if the system may not have it
         found[name] = axis[0] if is_scalar(name, value) else axis
     return Varied(found, system)
 

@@ -57,10 +57,9 @@ from rotor_ida.steady.each_point import answers_at_each
 from rotor_ida.steady.system_flow import SystemFlow
 from rotor_ida.steady.system_sweep import (
     Turning,
-    check_each_speed,
+    Turnings,
     started,
     state_of_start,
-    turning_at,
     turning_speeds,
     with_meanings,
 )
@@ -382,8 +381,8 @@ def lyapunov_exponent_system(
     taken, begun = in_modes(asked.base, modes, start)
     begun = state_at_end(assemble(taken), begun)
     varied = replace(asked, system=taken)
-    stiffest = check_each_speed(varied, tolerance)
-    size = state_of_start(stiffest, begun, float(speeds[0])).size
+    turnings = Turnings(varied, tolerance)
+    size = state_of_start(turnings.checked(), begun, float(speeds[0])).size
     count = size if exponents is None else check_count("exponents", exponents, 1)
     if count > size:
         raise InputError(f"exponents must be at most {size}, got {shown(exponents)}")
@@ -394,7 +393,7 @@ def lyapunov_exponent_system(
     })  # fmt: skip
     revolution = 2.0 * math.pi / abs(float(speeds[0]))
     asking = Asking(
-        varied=varied, point_at=partial(turning_at, varied, rtol=tolerance),
+        varied=varied, point_at=turnings.at,
         work=partial(exponents_of_system, run), count=count, span=revolution,
         question=question, whose=" of a rotor system", done=run.done, total=lead + parts * each,
     )  # fmt: skip
