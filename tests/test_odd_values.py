@@ -30,7 +30,8 @@ from rotor_ida import (
 )
 from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.model.rotor_system import SystemParameters
-from rotor_ida.steady.system_lyapunov import lyapunov_exponent_system
+from rotor_ida.model.system_parameters import SystemAxes
+from rotor_ida.steady.lyapunov import lyapunov_exponent_system
 from rotor_ida.steady.system_sweep import sweep_system
 from rotor_ida.systems.simulate import run_up_system, simulate_system
 from rotor_ida.systems.whirls.synchronous import synchronous_response_system
@@ -444,12 +445,14 @@ def function_of(name: str) -> Callable[..., object]:
 def arguments_of(name: str) -> list[str]:
     """Return the arguments of an entry, with the fields of a system by their names."""
     function = OF_SYSTEMS.get(name) or inspect.unwrap(function_of(name))
-    names = list(inspect.signature(function).parameters)
+    parameters = inspect.signature(function).parameters
+    names = list(parameters)
     if name in OF_SYSTEMS:
         names[0] = "rotor"
     if "changed" in names:
         names.remove("changed")
-        names += SystemParameters.__annotations__
+        varies = "SystemAxes" in str(parameters["changed"].annotation)
+        names += (SystemAxes if varies else SystemParameters).__annotations__
     if "varied" in names:
         names.remove("varied")
         names += ALL_PARAMETERS

@@ -47,6 +47,8 @@ Axis = npt.NDArray[Any]
 # Smallest nonzero and largest value of a parameter [1].
 Range = tuple[float, float]
 ANY: Range = (0.0, math.inf)
+# Largest value of a parameter of a system, in its own: beyond, a run has no end in sight.
+MOST_TIMES = 1e6
 
 
 @dataclass(frozen=True, slots=True)
@@ -289,10 +291,10 @@ def varied_system_of(
     system = changed_system(verb, given, cast("Any", fields), others=PARAMETERS_OF_SYSTEM)
     found: dict[str, Axis] = {SPEED: speed}
     for name, value in numbers.items():
-        parameter_of(system, name)
-        axis = check_distinct(name, check_axis(name, value))
-        for each in axis.tolist():
-            with_parameters(system, {name: each})  # raises if the system may not have it
+        largest = MOST_TIMES * (parameter_of(system, name) or 1.0)
+        axis = check_distinct(name, check_axis(name, value, largest=largest))
+        for end in (axis.min(), axis.max()):
+            with_parameters(system, {name: float(end)})  # raises if the system may not have it
         found[name] = axis[0] if is_scalar(name, value) else axis
     return Varied(found, system)
 

@@ -30,7 +30,7 @@ IMPORTED = (
     "rotor_ida.cycles.branches",
     "rotor_ida.paper.errata",
     "rotor_ida.paper.scenario",
-    "rotor_ida.simulation.lyapunov",
+    "rotor_ida.steady.lyapunov",
 )
 
 

@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import PARAMETERS
+from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
 from rotor_ida.plot.appearance import (
     BLUE,
     GREY,
@@ -22,6 +23,7 @@ from rotor_ida.plot.appearance import (
     draw_marks,
     draw_ring,
     drawing,
+    legend_below,
     own_legend,
     say_in_middle,
 )
@@ -48,6 +50,7 @@ from rotor_ida.results.rows import own_rows
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import flags_of
 
+OF_EXPONENTS = ("lyapunov_exponent", "lyapunov_error")
 # Styles of the points of a section.
 LEAST_SPAN = 0.2
 FEW = 20
@@ -123,9 +126,10 @@ def plot_section(section: xr.Dataset, *, ax: Axes | None = None) -> Axes:
 
 
 def plot_exponents(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
-    r"""Draw the convergence of the Lyapunov exponents over the averaging time.
+    r"""Draw the convergence of the Lyapunov exponents over the averaging time, or their course.
 
-    The legend shows each exponent with the standard error of its last digits in brackets.
+    Of one motion the legend shows each exponent with the standard error of its last digits in
+    brackets. Of several the exponents are drawn over the one parameter that varies, with errors.
 
     Parameters
     ----------
@@ -142,8 +146,9 @@ def plot_exponents(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     >>> plot_exponents(found).get_legend_handles_labels()[1][0]
     '$\\lambda_1 = -0.07000$'
     """
-    needed = ("t", "running_exponent", "lyapunov_exponent", "lyapunov_error")
-    found = check_dataset("found", found, needed)
+    if isinstance(found, xr.Dataset) and "status" in found and "running_exponent" not in found:
+        return _plot_exponents_over(check_dataset("found", found, OF_EXPONENTS), ax)
+    found = check_dataset("found", found, ("t", "running_exponent", *OF_EXPONENTS))
     with drawing(ax) as ax:
         label_axis(ax.xaxis, "t", found["t"])
         label_axis(ax.yaxis, "running_exponent", found["running_exponent"])
@@ -163,6 +168,33 @@ def plot_exponents(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
             ncols=2, loc="upper center", fontsize=8.0, handlelength=2.0, columnspacing=1.0,
             borderaxespad=0.2,
         )  # fmt: skip
+    return ax
+
+
+def _plot_exponents_over(found: xr.Dataset, ax: Axes | None) -> Axes:
+    """Draw exponents over the parameter that varies."""
+    names = [str(name) for name in found["status"].dims]
+    over = next((name for name in names if found.sizes[name] > 1), names[0])
+    held = [name for name in names if name != over]
+    for name in held:
+        one_value("found", found, name)
+    part = found.isel(dict.fromkeys(held, 0))
+    with drawing(ax) as ax:
+        label_axis(ax.yaxis, "running_exponent", found["lyapunov_exponent"])
+        ax.axhline(0.0, color=GREY, lw=0.7, zorder=1.5)
+        for number, (colour, dashes) in enumerate(LINES[: found.sizes["exponent"]]):
+            own = part.isel(exponent=number)
+            ax.errorbar(own[over].values, own["lyapunov_exponent"], own["lyapunov_error"],
+                        color=colour, ls=dashes, lw=1.1, marker="o", ms=2.5, capsize=2.0,
+                        label=f"$\\lambda_{number + 1}$")  # fmt: skip
+        if over in PARAMETERS_OF_SYSTEM:
+            words = PARAMETERS_OF_SYSTEM[over].label
+            label_axis(ax.xaxis, over, found[over], words=words)
+        elif over == SPEED:
+            label_axis(ax.xaxis, over, found[over])
+        else:
+            label_parameter(ax.xaxis, over, found)
+        legend_below(ax, columns=4)
     return ax
 
 

@@ -93,8 +93,8 @@ def plot_system_sweep(
             places = sweep[over].values
         label_axis(ax.yaxis, "amplitude", sweep["amplitude"])
         draw_clearance(ax, part, over=over)
-        if held.keys() != {SPEED} or over != SPEED:
-            ax.set_title("\n".join(filter(None, (ax.get_title(), _text_of(sweep, held)))))
+        if held:
+            ax.set_title(f"{ax.get_title()}\n{_text_of(sweep, held)}")
         highest = float(np.nanmax(part["radius_max"].values, initial=widest))
         if whirls is not None:
             needed = WHIRLS if over == SPEED else (over, *WHIRLS_ALONG)

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from rotor_ida.simulation.lyapunov import lyapunov_exponent as lyapunov_exponent_disc
+from rotor_ida.steady.lyapunov import lyapunov_exponent as lyapunov_exponent_disc
+from rotor_ida.steady.lyapunov import lyapunov_exponent_system
 from rotor_ida.steady.sweep import sweep as sweep_disc
-from rotor_ida.steady.system_lyapunov import lyapunov_exponent_system
 from rotor_ida.steady.system_sweep import sweep_system
 from rotor_ida.systems.joined import of_both
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from functools import lru_cache, partial
+from functools import lru_cache
 from typing import Any, NamedTuple, Unpack
 
 import numpy as np
@@ -53,7 +53,7 @@ WORK_A_MINUTE, LONG = 1.5e8, 1e8
 # Modes that make it shorter: natural frequencies up to this multiple of the speed, and at least 16.
 KEPT, FEWEST_MODES = 10.0, 16
 # Problems that are held while ramps are laid out.
-MOST_HELD = 64
+MOST_HELD = 8
 OF_POINT = ("period", "cycle_distance", "lyapunov_exponent", "lyapunov_error", "revolutions")
 OF_CONTACT = ("amplitude", "phase_lag", "radius_min", "radius_max", "largest_force")
 OF_NODE = ("node_amplitude", "node_phase_lag", "node_radius_min", "node_radius_max")
@@ -174,7 +174,8 @@ def sweep_system(
     >>> responses[["response", "amplitude"]].to_dataframe().amplitude.round(6).tolist()
     [0.332595, 1.622132]
     """
-    asked = varied_system_of(sweep_system, system, changed, turning_speeds(speed))
+    speeds = turning_speeds(speed, "in a sweep of a rotor system")
+    asked = varied_system_of(sweep_system, system, changed, speeds)
     tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
     progress = check_progress(progress)
     chosen = choose(executor, workers, compiled=True)
@@ -185,7 +186,8 @@ def sweep_system(
     first = [state_at_end(assemble(of), start) for of, start in taken]
     if modes is not None and any(isinstance(each, xr.Dataset) for each in given):
         raise InputError(f"starts must be (q, velocity) with modes, got a result and {modes!r}")
-    stiffest = check_each_speed(varied, tolerance)
+    turnings = Turnings(varied, tolerance)
+    stiffest = turnings.checked()
     check_size(varied, study)
     warn_if_long(stiffest, varied.axes[SPEED], varied.points // varied.axes[SPEED].size)
     told = {"along": way} if way not in {"", SPEED} else {}
@@ -196,9 +198,10 @@ def sweep_system(
         "direction": direction, **told, "rtol": tolerance,
     })  # fmt: skip
     point = _columns(stiffest)
-    at = partial(turning_at, varied, rtol=tolerance)
     settling, axis = SystemSettling(point), varied.dims.index(way or SPEED)
-    ramps: Ramps[Turning, Start | Values, SettledPoint] = Ramps(varied, first, settling, at, axis)
+    ramps: Ramps[Turning, Start | Values, SettledPoint] = Ramps(
+        varied, first, settling, turnings.at, axis
+    )
     form = form_of("points of a sweep", "points", point)
     task: Task[SystemJob, list[SettledPoint]] = Task(settle_along, lost, rows_of, form, point)
     columns = run_study(
@@ -215,40 +218,42 @@ class Turning(NamedTuple):
     speed: float
 
 
-def turning_speeds(speed: object) -> Values:
+def turning_speeds(speed: object, where: str) -> Values:
     """Return spin speeds at which a system can be followed, each once."""
     speeds = checked_speeds(speed)
     if not speeds.all():
-        raise InputError("speed must not be 0 in a sweep of a rotor system, got 0.0")
+        raise InputError(f"speed must not be 0 {where}, got 0.0")
     return check_distinct(SPEED, speeds)
 
 
-def turning_at(varied: Varied, place: Sequence[int], *, rtol: float) -> Turning:
-    """Return the system at a place, and its speed there."""
-    values = varied.at(place)
-    others = tuple((name, float(values[name])) for name in varied.parameters if name != SPEED)
-    return Turning(_problem(varied.base, others, rtol), float(values[SPEED]))
+class Turnings:
+    """The system and its speed at each place of a `Varied`; the last problems are held."""
 
+    def __init__(self, varied: Varied, rtol: float) -> None:
+        self.varied = varied
 
-@lru_cache(maxsize=MOST_HELD)
-def _problem(
-    system: RotorSystem, values: tuple[tuple[str, float], ...], rtol: float
-) -> SettlingProblem:
-    return SettlingProblem.of(assemble(with_parameters(system, dict(values))), rtol)
+        @lru_cache(maxsize=MOST_HELD)
+        def problem(*place: int) -> SettlingProblem:
+            return SettlingProblem.of(assemble(varied.system_at(place)), rtol)
 
+        self._problem = problem
 
-def check_each_speed(varied: Varied, rtol: float) -> SettlingProblem:
-    """Check the speeds at both ends of each parameter; return the problem with the largest ones."""
-    ends = {name: (float(np.max(axis)), float(np.min(axis)))
-            for name, axis in varied.parameters.items() if name != SPEED}  # fmt: skip
-    largest = {name: most for name, (most, _) in ends.items()}
-    problems = [
-        _problem(varied.base, tuple((largest | one).items()), rtol)
-        for one in ({}, *({name: least} for name, (_, least) in ends.items()))
-    ]
-    for each in problems:
-        check_slowest(each, np.atleast_1d(varied.given[SPEED]))
-    return problems[0]
+    def at(self, place: Sequence[int]) -> Turning:
+        """Return the system at a place, and its speed there."""
+        index = zip(self.varied.dims, place, strict=True)
+        same = (at if name in PARAMETERS_OF_SYSTEM else 0 for name, at in index)
+        return Turning(self._problem(*same), float(self.varied.at(place)[SPEED]))
+
+    def checked(self) -> SettlingProblem:
+        """Check the speeds at both ends of each parameter; return the problem with the largest."""
+        axes = self.varied.axes
+        largest = {name: int(np.argmax(axis)) for name, axis in axes.items()}
+        smallest = {name: int(np.argmin(axis)) for name, axis in axes.items()}
+        found = []
+        for ends in (largest, *(largest | {name: at} for name, at in smallest.items())):
+            found.append(self.at(list(ends.values())).problem)
+            check_slowest(found[-1], np.atleast_1d(self.varied.given[SPEED]))
+        return found[0]
 
 
 def check_slowest(problem: SettlingProblem, speeds: Values) -> None:
@@ -338,12 +343,8 @@ class SystemSettling:
     def settle(self, point: Turning, start: Start | Values, stop: Stop) -> SettledPoint:
         """Return what a system settles on, from a start or from where another point ends."""
         flow = SystemFlow.at(*point, stop)
-        if not isinstance(start, np.ndarray):
-            try:
-                start = state_of_start(point.problem, start, point.speed)
-            except InputError as error:  # a resonance has no settled whirl
-                raise SimulationError(str(error)) from error
-        settled = settle(flow, start / flow.scales)
+        begun = start if isinstance(start, np.ndarray) else started(point, start)
+        settled = settle(flow, begun / flow.scales)
         row, last = np.zeros(1, self.columns), settled.state * flow.scales
         _fill(row[0], settled, flow, last)
         return SettledPoint(row, settled.decision.message, last)
@@ -369,6 +370,14 @@ def state_of_start(problem: SettlingProblem, start: Start, speed: float) -> Valu
     begun = start_of(problem.assembly, start, speed)
     moved = np.array([problem.found.to_y(each) for each in begun])
     return np.concatenate([moved.ravel(), problem.race_speeds])
+
+
+def started(point: Turning, start: Start) -> Values:
+    """Return the state at a start of one of several points."""
+    try:
+        return state_of_start(point.problem, start, point.speed)
+    except InputError as error:  # a resonance has no settled whirl
+        raise SimulationError(str(error)) from error
 
 
 def rows_of(points: Sequence[SettledPoint]) -> Rows:

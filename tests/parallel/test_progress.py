@@ -6,7 +6,7 @@ import pytest
 
 import rotor_ida
 from rotor_ida import InputError, sweep
-from rotor_ida.steady.system_lyapunov import lyapunov_exponent_system
+from rotor_ida.steady.lyapunov import lyapunov_exponent_system
 
 POINTS = {"omega": [1.0, 1.2], "zeta": 0.5, "delta0": 2.0, "executor": "serial"}
 VERBS = [

@@ -103,3 +103,20 @@ def test_extrema_of_another_machine_than_the_curve_are_refused():
     message = "found must have the shaft_stiffness of exact, 0.0, got 0.25"
     with pytest.raises(InputError, match=message):
         plot_extrema(found, exact=exact)
+
+
+def test_exponents_of_several_points_are_drawn_over_the_parameter_that_varies():
+    given = {"transient": 50.0, "duration": 200.0, "batches": 4}
+    found = lyapunov_exponent(Rotor(omega=1.7, zeta=0.1, delta0=0.5), zeta=[0.1, 0.2], **given)
+    ax = plot_exponents(found)
+    assert ax.get_xlabel() == r"damping ratio $\zeta$"
+    lines = [each.lines[0] for each in ax.containers]
+    for number, line in enumerate(lines):
+        exponents = found.lyapunov_exponent.isel(exponent=number).values
+        np.testing.assert_array_equal(line.get_xydata(), np.stack([[0.1, 0.2], exponents], axis=1))
+    assert len(lines) == 4
+    two = lyapunov_exponent(
+        Rotor(omega=1.7, zeta=0.1, delta0=0.5), zeta=[0.1, 0.2], delta0=[0.5, 1.0], **given
+    )
+    with pytest.raises(InputError, match="found must contain one zeta, got 2"):
+        plot_exponents(two.transpose("delta0", "zeta", ...))

@@ -179,6 +179,7 @@ BARE = replace(RUB, contacts=(), unbalance=(), damping=None)
     [
         (RUB, {"friction": [0.1, 0.2, 0.1]}, "friction must have each value once, got 0.1 twice"),
         (RUB, {"speed": [1.0, 1.0]}, "speed must have each value once, got 1.0 twice"),
+        (RUB, {"unbalance": 1e20}, "unbalance must be at most 400000, got 1e\\+20"),
         (RUB, {"damping": -1.0}, "damping must be zero or positive, got -1.0"),
         (RUB, {"unbalance": "much"}, "unbalance must be a finite real number, got 'much'"),
         (RUB, {"clearance": [0.0, 1.0]},

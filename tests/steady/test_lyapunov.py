@@ -1,0 +1,128 @@
+"""Lyapunov exponents at each point of a grid: of one disc, of a machine, and of a rotor system."""
+
+import numpy as np
+import pytest
+
+from rotor_ida import (
+    DimensionalRotor,
+    InputError,
+    Rotor,
+    SimulationError,
+    lyapunov_exponent,
+    resume,
+    synchronous_response,
+)
+from rotor_ida.closed_forms import eigenvalues
+from rotor_ida.steady import lyapunov
+
+RUB = Rotor(omega=1.2, zeta=0.07, delta0=0.5, disc_radius=5.0)
+SHORT = {"transient": 50.0, "duration": 200.0, "batches": 4}
+FEW = {"transient": 10, "revolutions": 80, "batches": 4}
+MACHINE = DimensionalRotor(
+    mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6, clearance=5e-7, speed=600.0
+)
+
+
+def test_of_synchronous_whirls_are_the_real_parts_of_their_eigenvalues():
+    zeta, omega = [0.07, 0.3], [1.2, 1.7]
+    found = lyapunov_exponent(Rotor(omega=1.0, zeta=0.1, delta0=0.0), zeta=zeta, omega=omega)
+    assert found.lyapunov_exponent.dims == ("omega", "zeta", "exponent")
+    whirls = synchronous_response(zeta=zeta, omega=omega, delta0=0.0).amplitude
+    for at in omega:
+        for damping in zeta:
+            amplitude = float(whirls.sel(omega=at, zeta=damping, delta0=0.0).min())
+            exact = eigenvalues(amplitude, omega=at, zeta=damping, delta0=0.0)
+            np.testing.assert_allclose(
+                found.lyapunov_exponent.sel(omega=at, zeta=damping),
+                np.sort(exact.real)[::-1], rtol=0.0, atol=1e-6,
+            )  # fmt: skip
+
+
+def test_each_point_is_that_of_one_motion():
+    found = lyapunov_exponent(RUB, friction=[0.0, 0.1], delta0=[0.5, 1.0], **SHORT)
+    assert found.lyapunov_exponent.dims == ("delta0", "friction", "exponent")
+    for friction in (0.0, 0.1):
+        alone = lyapunov_exponent(RUB, friction=friction, delta0=1.0, **SHORT)
+        point = found.sel(friction=friction, delta0=1.0)
+        for name in ("lyapunov_exponent", "lyapunov_error", "exponent_sum", "divergence"):
+            np.testing.assert_array_equal(point[name], alone[name])
+    assert "running_exponent" in alone
+    assert "running_exponent" not in found
+
+
+def test_those_of_a_machine_are_per_second():
+    short = {name: value * MACHINE.time_scale for name, value in SHORT.items() if name != "batches"}
+    found = lyapunov_exponent(MACHINE, damping=[280.0, 400.0], **short, batches=4)
+    plain = lyapunov_exponent(MACHINE.rotor(), zeta=[0.07, 0.1], **SHORT)
+    assert found.lyapunov_exponent.attrs["units"] == "s-1"
+    np.testing.assert_allclose(
+        found.lyapunov_exponent * MACHINE.time_scale, plain.lyapunov_exponent, rtol=1e-12
+    )
+
+
+def test_each_point_of_a_system_is_that_of_one_motion():
+    system = RUB.system()
+    found = lyapunov_exponent(system, speed=[1.2, 1.5], friction=[0.0, 0.1], exponents=2, **FEW)
+    assert found.lyapunov_exponent.dims == ("speed", "friction", "exponent")
+    alone = lyapunov_exponent(system, speed=1.5, friction=0.1, exponents=2, **FEW)
+    assert alone.lyapunov_exponent.dims == ("exponent",)
+    point = found.sel(speed=1.5, friction=0.1)
+    for name in ("lyapunov_exponent", "lyapunov_error"):
+        np.testing.assert_array_equal(point[name], alone[name])
+    assert found.friction.attrs["long_name"] == "largest friction coefficient of the contacts"
+
+
+def test_a_study_of_them_is_resumed_to_the_same_bits(tmp_path):
+    def give_up(done, _):
+        if done == 1:
+            raise KeyboardInterrupt
+
+    given = {"zeta": [0.07, 0.1, 0.2], **SHORT}
+    with pytest.raises(KeyboardInterrupt):
+        lyapunov_exponent(RUB, **given, study=tmp_path / "s", progress=give_up, executor="serial")
+    calls = []
+    found = resume(tmp_path / "s", progress=lambda *call: calls.append(call))
+    assert calls[0] == (1, 3)
+    assert calls[-1] == (3, 3)
+    assert found.identical(lyapunov_exponent(RUB, **given, workers=2))
+
+
+def test_a_point_that_fails_says_why_and_the_others_go_on(monkeypatch):
+    true = lyapunov.stretches_of
+
+    def fails_once(rotor, *given):
+        if rotor.zeta == 0.1:
+            raise SimulationError("it is stuck")
+        return true(rotor, *given)
+
+    monkeypatch.setattr(lyapunov, "stretches_of", fails_once)
+    found = lyapunov_exponent(RUB, zeta=[0.07, 0.1], **SHORT)
+    assert found.status.values.tolist() == [0, 1]
+    assert found.message.values.tolist() == ["", "it is stuck"]
+    assert np.isnan(found.lyapunov_exponent.sel(zeta=0.1)).all()
+    assert np.isfinite(found.lyapunov_exponent.sel(zeta=0.07)).all()
+    with pytest.raises(SimulationError, match="it is stuck"):
+        lyapunov_exponent(RUB, zeta=0.1, **SHORT)
+
+
+def test_a_resonance_has_no_settled_start_and_says_so():
+    free = {"contacts": [], "start": "settled", **FEW}
+    system = Rotor(omega=1.0, zeta=0.0, delta0=0.5, shaft_stiffness=1.0).system()
+    found = lyapunov_exponent(system, speed=[0.5, 1.0], **free)
+    assert found.status.values.tolist() == [0, 1]
+    assert "start cannot be settled" in found.message.values[1]
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"zeta": [0.1, 0.1]}, "zeta must have each value once, got 0.1 twice"),
+        ({"omega": -1.0}, "omega must be zero or positive, got -1.0"),
+        ({"study": "s"}, "study must be left out of one motion, got 's'"),
+        ({"duration": [1.0, 2.0]}, "duration must be a finite real number"),
+    ],
+)
+def test_bad_input_is_refused_in_one_line(changes, message):
+    with pytest.raises(InputError, match=message) as caught:
+        lyapunov_exponent(RUB, **SHORT | changes)
+    assert "\n" not in str(caught.value)
