@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from dataclasses import asdict, dataclass, replace
 from itertools import product
 from typing import Unpack
 
@@ -52,15 +52,9 @@ from rotor_ida.steady.grid import (
     run_study,
     start_coordinates,
 )
-from rotor_ida.steady.run_up_outcome import Outcome, RampSummary, RunUp, follow_run_up, lost
+from rotor_ida.steady.run_up_outcome import ONLY_WITH, SUMMARY, Outcome, RunUp, follow_run_up, lost
 from rotor_ida.steady.sweep import FEATURES
 
-# Columns that require friction, or contact damping.
-ONLY_WITH = {
-    "friction": ("first_roll_speed", "total_heat"),
-    "contact_damping": ("total_contact_loss",),
-}
-SUMMARY = tuple(each.name for each in fields(RampSummary))
 POINT = np.dtype(
     [
         ("ending", np.int8),
@@ -266,7 +260,8 @@ def _check_can_be_followed(plan: RunUps) -> None:
 
 def rows_of(outcome: Outcome) -> Rows:
     """Return the outcome of a run-up as a row."""
-    row = asdict(outcome.summary) | asdict(outcome.features)
+    row: dict[str, float] = dict.fromkeys(SUMMARY, math.nan) | {"contact_count": 0}
+    row |= outcome.summary | asdict(outcome.features)
     row |= {"ending": ENDING[outcome.ending], "response": RESPONSE[outcome.response]}
     row["status"] = STATUS["failed" if outcome.response == FAILED else "done"]
     points = np.array([tuple(row[name] for name in POINT.names or ())], dtype=POINT)
