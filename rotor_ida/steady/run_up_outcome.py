@@ -9,15 +9,17 @@ classify its ending: contact-free, in a rub, or in dry whip.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field, replace
+from dataclasses import asdict, dataclass, field, replace
 
 import numpy as np
 
 from rotor_ida.arrays import Stop, Values
 from rotor_ida.checks import COMPONENTS, State
 from rotor_ida.model.equations import rotated
+from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.results.contact_facts import run_up_facts
+from rotor_ida.schema import ENDING, RESPONSE
 from rotor_ida.simulation.dataset import arrays_of
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import ENTRY, Orbit
@@ -25,7 +27,8 @@ from rotor_ida.simulation.run import run
 from rotor_ida.simulation.run_up import ramp_of
 from rotor_ida.simulation.spin import Ramp, SpeedProfile
 from rotor_ida.steady.follow import FAILED, durations, follow_to_steady_state
-from rotor_ida.steady.grid import EXPECTED, reason_of
+from rotor_ida.steady.grid import EXPECTED, Rows, reason_of
+from rotor_ida.steady.members import Member, row_of
 from rotor_ida.steady.response import CONTACT_FREE, TOUCHING, UNRESOLVED, Features
 
 RUB, WHIP = "rub", "whip"
@@ -93,8 +96,6 @@ class Outcome:
         ``"contact_free"``, ``"rub"``, ``"whip"``, ``"unresolved"`` or ``"failed"``.
     response : str
         The kind of the settled response at the last speed, or ``"failed"``.
-    summary : dict
-        What happens on the ramp: `SUMMARY`; the speed of what does not occur is NaN.
     features : Features
         The features of the settled motion.
     message : str
@@ -103,39 +104,44 @@ class Outcome:
 
     ending: str
     response: str
-    summary: dict[str, float] = field(default_factory=dict)
     features: Features = field(default_factory=Features)
     message: str = ""
 
 
-def follow_run_up(run_up: RunUp, stop: Stop) -> Outcome:
+def follow_run_up(job: Member, stop: Stop) -> Rows:
     """Follow a rotor along its ramp, and on at the last speed until it has settled."""
+    at, case = job.varied, job.case
     summary: dict[str, float] = {}
+    rotor = Rotor(**{name: at[name] for name in ALL_PARAMETERS if name in at})
+    run_up = RunUp(
+        rotor=rotor, to=case["to"], rate=at["rate"], phase=at["phase"],
+        start=case["start"], options=case["options"],
+    )  # fmt: skip
     try:
         course = run_up.course
         orbit = run(
-            run_up.rotor, run_up.start, course.ends[-1], np.array([0.0, course.ends[-1]]),
+            rotor, run_up.start, course.ends[-1], np.array([0.0, course.ends[-1]]),
             run_up.options, extrema=True, stop=stop, profile=course,
         )  # fmt: skip
         summary = summary_of(orbit, run_up)
-        rotor = replace(run_up.rotor, omega=run_up.to)
-        return ending_at(rotor, orbit.end, run_up.end_angle, run_up.options, stop, summary)
+        last = replace(rotor, omega=run_up.to)
+        ended = ending_at(last, orbit.end, run_up.end_angle, run_up.options, stop)
     except EXPECTED as error:  # it must not end the others
-        return failed(reason_of(error), summary)
+        ended = failed(reason_of(error))
+    numbers = {"ending": ENDING[ended.ending], "response": RESPONSE[ended.response]}
+    return row_of(
+        job, summary | asdict(ended.features) | numbers, ended.message,
+        failed=ended.response == FAILED,
+    )  # fmt: skip
 
 
-def failed(reason: str, summary: dict[str, float] | None = None) -> Outcome:
-    """Return a run-up that failed, with its summary until then."""
-    return Outcome(FAILED, FAILED, summary or {}, message=reason)
-
-
-def lost(_: RunUp, reason: str) -> Outcome:
-    """Return a run-up whose workers died."""
-    return failed(reason)
+def failed(reason: str) -> Outcome:
+    """Return the ending of a run-up that failed."""
+    return Outcome(FAILED, FAILED, message=reason)
 
 
 def summary_of(orbit: Orbit, run_up: RunUp) -> dict[str, float]:
-    """Return the summary of a ramp."""
+    """Return what happens on a ramp: `SUMMARY`; the speed of what does not occur is NaN."""
     columns = arrays_of(orbit)
     if orbit.extrema is not None:
         columns |= {f"extremum_{name}": orbit.extrema[name] for name in ("time", "radius")}
@@ -149,7 +155,6 @@ def ending_at(
     angle: float,
     options: Options,
     stop: Stop,
-    summary: dict[str, float] | None = None,
 ) -> Outcome:
     """Return how a run-up ends: the settled response at the constant last speed.
 
@@ -163,13 +168,11 @@ def ending_at(
         Angle of the unbalance there [rad].
     options, stop
         How to simulate.
-    summary : dict, optional
-        The summary of the ramp, for the outcome.
     """
     state = on_rotating_axes(rotor, end, angle, options, stop)
     settled = follow_to_steady_state(rotor, state, options, stop=stop)
     if settled.response == FAILED:
-        return failed(settled.message, summary)
+        return failed(settled.message)
     if settled.response in {CONTACT_FREE, TOUCHING}:
         ending = CONTACT_FREE
     elif whips(rotor, settled.end, options, stop):
@@ -177,7 +180,7 @@ def ending_at(
     else:
         ending = UNRESOLVED if settled.response == UNRESOLVED else RUB
     message = settled.message if ending == UNRESOLVED else ""
-    return Outcome(ending, settled.response, summary or {}, settled.features, message)
+    return Outcome(ending, settled.response, settled.features, message)
 
 
 def on_rotating_axes(

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import replace
 from itertools import product
-from typing import Unpack
+from typing import Any, Unpack
 
 import numpy as np
 import numpy.typing as npt
@@ -29,7 +29,7 @@ from rotor_ida.results.in_si import varies_in_si
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import Folder
-from rotor_ida.schema import ENDING, ENDS_IN_WORDS, RESPONSE, STATUS, labelled, labelled_dataset
+from rotor_ida.schema import ENDING, ENDS_IN_WORDS, labelled, labelled_dataset
 from rotor_ida.simulation.options import (
     LARGEST,
     Backend,
@@ -40,11 +40,8 @@ from rotor_ida.simulation.options import (
 )
 from rotor_ida.simulation.run_up import ramp_of
 from rotor_ida.simulation.starts import Starts, states_of
-from rotor_ida.steady.follow import FAILED
 from rotor_ida.steady.grid import (
     Array,
-    Places,
-    Rows,
     Task,
     check_size,
     form_of,
@@ -52,7 +49,8 @@ from rotor_ida.steady.grid import (
     run_study,
     start_coordinates,
 )
-from rotor_ida.steady.run_up_outcome import ONLY_WITH, SUMMARY, Outcome, RunUp, follow_run_up, lost
+from rotor_ida.steady.members import Members, as_they_are, lost
+from rotor_ida.steady.run_up_outcome import ONLY_WITH, SUMMARY, follow_run_up
 from rotor_ida.steady.sweep import FEATURES
 
 POINT = np.dtype(
@@ -183,94 +181,33 @@ def run_ups(
     speed, states = check_real("to", to), states_of("starts", starts, loaded=is_loaded)
     grid = grid.over(rate=rates, phase=phases, start=np.arange(len(states)))
     check_size(grid, study)
-    plan = RunUps(grid, states, speed, options)
-    _check_can_be_followed(plan)
+    _check_can_be_followed(grid, states, speed, options)
+    plan = Members({"starts": states, "to": speed, "options": options}, grid, POINT)
     how = {name: getattr(options, name) for name in ("rtol", "atol", "method")}
     asked = {**grid.design, "rate": rates, "phase": phases, "to": speed, "starts": states, **how}
-    task = Task(follow_run_up, lost, rows_of, FORM, POINT)
+    task = Task(follow_run_up, lost, as_they_are, FORM, POINT)
     columns = run_study(
         plan, task, Question("run_ups", asked), study=study, workers=chosen, progress=progress
     )
-    return _dataset(plan, columns.points)
+    return _dataset(grid, columns.points, plan.case)
 
 
-@dataclass(frozen=True)
-class RunUps:
-    """All run-ups, by number.
-
-    Parameters
-    ----------
-    varied : Varied
-        The run-ups; the axes behind the parameters are ``rate``, ``phase`` and ``start``.
-    starts : sequence of tuple of float
-        The starts ``(x, y, vx, vy)`` [1].
-    to : float
-        The speed at the end of the ramps [1].
-    options : Options
-        How to simulate.
-    """
-
-    varied: Varied
-    starts: Sequence[State]
-    to: float
-    options: Options
-
-    length = 1
-
-    def places(self, number: int) -> Places:
-        """Return the position of a run-up among all: each is a separate job."""
-        return np.array([number])
-
-    @property
-    def points(self) -> int:
-        """Number of points of all jobs."""
-        return self.varied.points
-
-    def job(self, number: int) -> RunUp:
-        """Return what a worker needs to follow a run-up."""
-        place = [int(each) for each in np.unravel_index(number, self.varied.shape)]
-        at = self.varied.at(place)
-        return RunUp(
-            rotor=self.varied.rotor(place),
-            to=self.to,
-            rate=float(at["rate"]),
-            phase=float(at["phase"]),
-            start=self.starts[at["start"]],
-            options=self.options,
-        )
-
-    def slowest_first(self) -> Places:
-        """Return the numbers of the run-ups, those at the lowest rates first."""
-        places = np.unravel_index(np.arange(self.points), self.varied.shape)
-        rates = self.varied.axes["rate"][places[self.varied.dims.index("rate")]]
-        return np.argsort(np.abs(rates), kind="stable")
-
-
-def _check_can_be_followed(plan: RunUps) -> None:
+def _check_can_be_followed(
+    grid: Varied, starts: Sequence[State], to: float, options: Options
+) -> None:
     """Check each ramp, each value of a parameter and each start once."""
-    axes, starts, rotors = plan.varied.axes, plan.starts, plan.varied.extremes()
+    axes, rotors = grid.axes, grid.extremes()
     for rotor, rate in product(rotors[: axes["omega"].size], axes["rate"].tolist()):
-        ramp_of(rotor, plan.to, rate, plan.options.backend)
+        ramp_of(rotor, to, rate, options.backend)
     for rotor in rotors:
         check_can_be_followed(rotor, starts[0])
     for start in starts[1:]:
         check_can_be_followed(rotors[0], start)
-    check_can_be_followed(replace(rotors[0], omega=plan.to), starts[0], settling=True)
+    check_can_be_followed(replace(rotors[0], omega=to), starts[0], settling=True)
 
 
-def rows_of(outcome: Outcome) -> Rows:
-    """Return the outcome of a run-up as a row."""
-    row: dict[str, float] = dict.fromkeys(SUMMARY, math.nan) | {"contact_count": 0}
-    row |= outcome.summary | asdict(outcome.features)
-    row |= {"ending": ENDING[outcome.ending], "response": RESPONSE[outcome.response]}
-    row["status"] = STATUS["failed" if outcome.response == FAILED else "done"]
-    points = np.array([tuple(row[name] for name in POINT.names or ())], dtype=POINT)
-    return Rows(points, [outcome.message])
-
-
-def _dataset(plan: RunUps, columns: dict[str, Array]) -> xr.Dataset:
+def _dataset(varied: Varied, columns: dict[str, Array], case: dict[str, Any]) -> xr.Dataset:
     """Return run-ups as a labelled dataset, with the fractions of their endings."""
-    varied = plan.varied
     for parameter, names in ONLY_WITH.items():
         if not varied.values(parameter).any():
             columns = {name: each for name, each in columns.items() if name not in names}
@@ -286,13 +223,13 @@ def _dataset(plan: RunUps, columns: dict[str, Array]) -> xr.Dataset:
     rate = labelled("rate", "rate", varied.axes["rate"])
     rate.attrs["long_name"] = "change of the spin speed in a unit of time"
     title = "Rotor in a clearance: run-ups over a range of speeds"
-    how = provenance(plan.options.attributes())
-    starts = start_coordinates(plan.starts)
+    how = provenance(case["options"].attributes())
+    starts = start_coordinates(case["starts"])
     coordinates: dict[str, Column | xr.Variable] = {
         **varied.coordinates,
         **starts,
         "rate": rate,
-        "to": ((), plan.to),
+        "to": ((), case["to"]),
     }
     return labelled_dataset(title, variables, coordinates, how, kind="run_ups")
 
