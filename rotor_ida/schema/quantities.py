@@ -475,6 +475,7 @@ QUANTITIES: dict[str, Quantity] = {
     "phase": Quantity("angle of the unbalance at time 0", "radian"),
     "ending": Quantity("how the run-up ends, after a time at the last speed", flags=ENDING),
     "largest_radius": length("largest distance from the bearing axis on the ramp"),
+    "node_largest_radius": length("largest distance of the node from the axis on the ramp"),
     "smallest_gap": length("clearance less the largest distance from the bearing axis"),
     "largest_radius_speed": speed("spin speed where the distance is largest"),
     "largest_force_speed": speed("spin speed where the force is largest"),

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from itertools import product
 from typing import Any, Unpack
@@ -45,7 +45,6 @@ from rotor_ida.steady.grid import (
     Task,
     check_size,
     form_of,
-    labelled_points,
     run_study,
     start_coordinates,
 )
@@ -207,14 +206,36 @@ def _check_can_be_followed(
 
 
 def _dataset(varied: Varied, columns: dict[str, Array], case: dict[str, Any]) -> xr.Dataset:
-    """Return run-ups as a labelled dataset, with the fractions of their endings."""
+    """Return run-ups of one disc as a labelled dataset."""
     for parameter, names in ONLY_WITH.items():
         if not varied.values(parameter).any():
             columns = {name: each for name, each in columns.items() if name not in names}
-    variables = labelled_points(varied, columns)
+    coordinates, how = start_coordinates(case["starts"]), case["options"].attributes()
+    title = "Rotor in a clearance: run-ups over a range of speeds"
+    return labelled_run_ups(varied, columns, coordinates | {"to": ((), case["to"])}, how, title)
+
+
+def labelled_run_ups(
+    varied: Varied,
+    columns: Mapping[str, Array],
+    coordinates: Mapping[str, Column],
+    how: Mapping[str, object],
+    title: str,
+    kind: str = "run_ups",
+    behind: Mapping[str, tuple[str, ...]] = {},
+) -> xr.Dataset:
+    """Return run-ups as a labelled dataset, with the fractions of their endings.
+
+    `behind` has the dimensions of columns besides those of the grid.
+    """
+    variables = {
+        name: labelled(name, (*varied.dims, *behind.get(name, ())),
+                       each.reshape(*varied.shape, *each.shape[1:]))
+        for name, each in columns.items()
+    }  # fmt: skip
     counted = tuple(varied.dims.index(name) for name in COUNTED)
     others = [name for name in varied.dims if name not in COUNTED]
-    fractions = fractions_of(columns["ending"].reshape(varied.shape), counted)
+    fractions = fractions_of(variables["ending"].values, counted)
     variables |= {name: labelled(name, others, values) for name, values in fractions.items()}
     for name in ("radius_min", "radius_max"):
         variables[name].attrs["long_name"] += " at the last speed"
@@ -222,16 +243,10 @@ def _dataset(varied: Varied, columns: dict[str, Array], case: dict[str, Any]) ->
         variables[name].attrs["long_name"] += " on the ramp"
     rate = labelled("rate", "rate", varied.axes["rate"])
     rate.attrs["long_name"] = "change of the spin speed in a unit of time"
-    title = "Rotor in a clearance: run-ups over a range of speeds"
-    how = provenance(case["options"].attributes())
-    starts = start_coordinates(case["starts"])
-    coordinates: dict[str, Column | xr.Variable] = {
-        **varied.coordinates,
-        **starts,
-        "rate": rate,
-        "to": ((), case["to"]),
-    }
-    return labelled_dataset(title, variables, coordinates, how, kind="run_ups")
+    return labelled_dataset(
+        title, variables, {**varied.coordinates, **coordinates, "rate": rate}, provenance(how),
+        kind=kind,
+    )  # fmt: skip
 
 
 def fractions_of(endings: Array, counted: tuple[int, ...]) -> dict[str, Array]:

@@ -166,7 +166,7 @@ def sweep_system(
     tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
     progress = check_progress(progress)
     chosen = choose(executor, workers, compiled=True)
-    begun = _checked_starts(starts)
+    begun = checked_starts(starts)
     taken = [in_modes(system, modes, start) for start in begun]
     assembly = assemble(taken[0][0])
     first = [state_at_end(assembly, start) for _, start in taken]
@@ -236,7 +236,7 @@ def warn_if_long(problem: SettlingProblem, speeds: Values, times: int) -> None:
     )
 
 
-def _checked_starts(starts: object) -> list[Start | xr.Dataset]:
+def checked_starts(starts: object) -> list[Start | xr.Dataset]:
     """Return the starts, one or more; a result alone is one start."""
     if isinstance(starts, xr.Dataset):
         return [starts]
@@ -298,20 +298,7 @@ class SystemRamps:
     @property
     def point(self) -> np.dtype[np.void]:
         """The columns of a point."""
-        assembly = self.problem.assembly
-        contacts, nodes = len(assembly.contacts), len(assembly.system.nodes)
-        races = int(self.problem.with_race.sum())
-        return np.dtype(
-            [
-                ("response", np.int8),
-                *((name, np.float64) for name in OF_POINT),
-                ("status", np.int8),
-                *((name, np.float64, (contacts,)) for name in OF_CONTACT),
-                ("touched", np.int8, (contacts,)),
-                *((name, np.float64, (nodes,)) for name in OF_NODE),
-                ("final_state", np.float64, (2 * assembly.size + races,)),
-            ]
-        )
+        return point_of(self.problem)
 
     @property
     def form(self) -> Any:
@@ -334,6 +321,24 @@ class SystemRamps:
         return np.arange(len(self.order))
 
 
+def point_of(problem: SettlingProblem) -> np.dtype[np.void]:
+    """Return the columns of a settled response."""
+    assembly = problem.assembly
+    contacts, nodes = len(assembly.contacts), len(assembly.system.nodes)
+    races = int(problem.with_race.sum())
+    return np.dtype(
+        [
+            ("response", np.int8),
+            *((name, np.float64) for name in OF_POINT),
+            ("status", np.int8),
+            *((name, np.float64, (contacts,)) for name in OF_CONTACT),
+            ("touched", np.int8, (contacts,)),
+            *((name, np.float64, (nodes,)) for name in OF_NODE),
+            ("final_state", np.float64, (2 * assembly.size + races,)),
+        ]
+    )
+
+
 def settle_along(ramp: SystemRampJob, stop: Stop) -> Rows:
     """Follow one ramp: each point begins where the last one that did not fail has ended."""
     points, messages = np.zeros(len(ramp.speeds), ramp.point), []
@@ -350,7 +355,7 @@ def settle_along(ramp: SystemRampJob, stop: Stop) -> Rows:
             messages.append(reason_of(error))
             continue
         last = settled.state * flow.scales
-        _fill(row, settled, flow, last)
+        fill(row, settled, flow, last)
         messages.append(settled.decision.message)
     return Rows(points[: len(messages)], messages)
 
@@ -384,7 +389,7 @@ def _fail(row: np.void) -> None:
     row["response"], row["status"], row["touched"] = RESPONSE[FAILED], STATUS["failed"], 0
 
 
-def _fill(row: np.void, settled: SettledSystem, flow: SystemFlow, last: Values) -> None:
+def fill(row: np.void, settled: SettledSystem, flow: SystemFlow, last: Values) -> None:
     """Write a settled response into a row."""
     problem = flow.problem
     decision, features, size = settled.decision, settled.features, problem.assembly.size

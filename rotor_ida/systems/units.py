@@ -12,7 +12,7 @@ from rotor_ida.schema import QUANTITIES
 OTHER_UNITS = {
     "law_damping": "s m-1", "race_inertia": "kg m2", "race_drag": "N m s", "stator_mass": "kg",
     "stator_stiffness": "N m-1", "stator_damping": "N s m-1", "unbalance_moment": "kg m",
-    "gravity": "m s-2",
+    "gravity": "m s-2", "to": "s-1", "rate": "s-2",
     "support_stiffness": "N m-1", "support_damping": "N s m-1",
     "drop_contact_damping": "s m-1", "cell_contact_damping": "s m-1",
 }  # fmt: skip

@@ -43,7 +43,7 @@ STEPS = "the steps along it depend on rounding; its special points and ends are 
 MARGINAL = "at a bifurcation a multiplier lies on the unit circle, on which side is rounding"
 BEHIND_HORIZON = "some drops end behind their horizon, where another processor drops otherwise"
 STARTS = tuple(f"start_{name}" for name in COMPONENTS)
-# The variable of a drop with its question.
+# The variable with the question of drops and of run-ups of a rotor system.
 DESIGN = "design"
 
 
@@ -223,10 +223,11 @@ def _drop(dataset: xr.Dataset) -> Question:
     return Question("drop", given | {"samples": dataset["t"].values, "method": method})
 
 
-def _drops(dataset: xr.Dataset) -> Question:
+def _designed(verb: str, dataset: xr.Dataset) -> Question:
+    """Return the question of a result that holds its arguments."""
     if DESIGN not in dataset:
         raise ValueError(f"it lacks {DESIGN}, as those of older versions do")
-    return Question("drop_ensemble", arguments_in(str(dataset[DESIGN].values)))
+    return Question(verb, arguments_in(str(dataset[DESIGN].values)))
 
 
 def _system_sweep(dataset: xr.Dataset) -> Question:
@@ -409,12 +410,17 @@ VERIFIED = {
     "system_run": _SYSTEM_RUN,
     "drop": replace(_SYSTEM_RUN, question=_drop),
     "drop_ensemble": Verification(
-        _drops, ("horizon", "status", "largest_force", "contact_count"), ("duration",),
-        _undecided, told=_decided,
+        partial(_designed, "drop_ensemble"),
+        ("horizon", "status", "largest_force", "contact_count"), ("duration",), _undecided,
+        told=_decided,
     ),
     "system_sweep": Verification(
         _system_sweep, ("response", "direction", "touched", "period", *NUMBERS, *NEEDED),
         ("rtol",), lambda _, __: {"final_state": TRANSIENT},
+    ),
+    "system_run_ups": Verification(
+        partial(_designed, "run_ups"), ("ending", "response", "rate", "phase", "to", *NUMBERS),
+        ("rtol",),
     ),
     "system_whirls": Verification(
         _system_whirls, ("amplitude", "normal_force", "growth_rate", "speed", *PROBLEM)
