@@ -192,9 +192,9 @@ def drop_ensemble(
         "inertia": None if inertia is None else check_positive("inertia", inertia), "modes": modes,
         "rtol": rtol, "clearances": clearances, "capacities": capacities,
     }  # fmt: skip
+    example = _example(case, varied)
     point = _point(len(system.contacts), len(clearances or ()))
     plan = Members(case, varied, point)
-    example = _example(plan)
     chosen = choose(executor, workers, compiled=True)
     ways = {name: check_axis(name, each).tolist() for name, each in given.items()
             if each is not None}  # fmt: skip
@@ -213,12 +213,13 @@ def drop_ensemble(
     return with_system_units(dataset, system)
 
 
-def _example(plan: Members) -> xr.Dataset:
+def _example(case: Mapping[str, Any], varied: Mapping[str, Values]) -> xr.Dataset:
     """Return the first drop that can be computed: one that touches at once is lost, not all."""
     refused: Exception | None = None
-    for number in range(min(plan.points, MOST_TRIED)):
+    for values in list(zip(*varied.values(), strict=True))[:MOST_TRIED]:
         try:
-            return drop(**_arguments(plan.job(number)), samples=2, progress=None)
+            at = dict(zip(varied, map(float, values), strict=True))
+            return drop(**_arguments(case, at), samples=2, progress=None)
         except (InputError, *EXPECTED) as error:
             refused = refused or error
     assert refused is not None
@@ -275,9 +276,9 @@ def _random(
     return found
 
 
-def _arguments(job: Member) -> dict[str, Any]:
+def _arguments(case: Mapping[str, Any], varied: Mapping[str, float]) -> dict[str, Any]:
     """Return the arguments of `drop` for one drop."""
-    system, varied = job.case["system"], job.varied
+    system = case["system"]
     contacts = list(system.contacts)
     changes = {"friction": "friction", "contact_damping": "damping"}
     for name, field in changes.items():
@@ -288,13 +289,13 @@ def _arguments(job: Member) -> dict[str, Any]:
     factor = varied.get("unbalance_factor", 1.0)
     unbalance = [replace(each, moment=factor * each.moment) for each in system.unbalance]
     changed = replace(system, contacts=contacts, unbalance=unbalance)
-    return {**job.case, "system": changed, "phase": varied["phase"]}
+    return {**case, "system": changed, "phase": varied["phase"]}
 
 
 def follow_drop(job: Member, _stop: Stop) -> Rows:
     """Follow one drop."""
     try:
-        run = drop(**_arguments(job))
+        run = drop(**_arguments(job.case, job.varied))
     except InputError as error:  # what was drawn cannot be dropped, as it touches at once
         return lost(job, str(error))
     except EXPECTED as error:
