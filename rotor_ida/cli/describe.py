@@ -237,7 +237,7 @@ def _worst_of_contacts(dataset: xr.Dataset) -> xr.Dataset:
     if not dataset.sizes["contact"]:
         return told.assign(largest_force=xr.zeros_like(told["end_angle"]))
     worst = {name: dataset[name].max("contact") for name in ("excursion", "largest_force")}
-    way = xr.where(dataset["rate"] > 0.0, 1.0, -1.0)
+    way = 2.0 * (dataset["rate"] > 0.0) - 1.0
     worst["first_touch_speed"] = way * (way * dataset["first_touch_speed"]).min("contact")
     for name, each in worst.items():
         each.attrs = dataset[name].attrs

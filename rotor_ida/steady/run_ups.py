@@ -212,7 +212,8 @@ def _dataset(varied: Varied, columns: dict[str, Array], case: dict[str, Any]) ->
             columns = {name: each for name, each in columns.items() if name not in names}
     coordinates, how = start_coordinates(case["starts"]), case["options"].attributes()
     title = "Rotor in a clearance: run-ups over a range of speeds"
-    return labelled_run_ups(varied, columns, coordinates | {"to": ((), case["to"])}, how, title)
+    coordinates |= {"to": ((), case["to"])}
+    return labelled_run_ups(varied, columns, coordinates, how, title, kind="run_ups")
 
 
 def labelled_run_ups(
@@ -221,7 +222,8 @@ def labelled_run_ups(
     coordinates: Mapping[str, Column],
     how: Mapping[str, object],
     title: str,
-    kind: str = "run_ups",
+    *,
+    kind: str,
     behind: Mapping[str, tuple[str, ...]] = {},
 ) -> xr.Dataset:
     """Return run-ups as a labelled dataset, with the fractions of their endings.

@@ -58,7 +58,7 @@ from rotor_ida.systems.ends import state_at_end
 from rotor_ida.systems.modes import in_modes
 from rotor_ida.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL, run_of_cases
 from rotor_ida.systems.speed_changes import profile_of
-from rotor_ida.systems.starts import Start
+from rotor_ida.systems.starts import Start, start_of
 from rotor_ida.systems.units import with_system_units
 
 # What is known of the ramp, by contact.
@@ -151,7 +151,7 @@ def run_ups_system(
     check_slowest(problem, np.array([case["to"]]))
     case["starts"] = [state_at_end(problem.assembly, each) for each in begun]
     for each in case["starts"]:
-        in_modes(system, modes, each)
+        start_of(problem.assembly, in_modes(system, modes, each)[1], float(axes["speed"][0]))
     question = Question("run_ups", {
         "rotor": system, **axes, "to": case["to"], "starts": case["starts"], "modes": modes,
         "rtol": case["rtol"],
@@ -254,8 +254,8 @@ def _dataset(
     coordinates = {"to": ((), case["to"]), "node": ("node", np.array(list(system.nodes), str))}
     dataset = labelled_run_ups(
         grid, columns, coordinates, {"method": "taylor", "rtol": case["rtol"]},
-        "Rotor system: run-ups over a range of speeds", "system_run_ups",
-        behind | {"final_state": ("component",)},
+        "Rotor system: run-ups over a range of speeds", kind="system_run_ups",
+        behind=behind | {"final_state": ("component",)},
     )  # fmt: skip
     clearances = np.array([each.clearance for each in contacts], float)
     far = dataset["largest_radius"]

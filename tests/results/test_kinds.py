@@ -12,8 +12,8 @@ from rotor_ida.verification.questions import VERIFIED
 
 PACKAGE = Path(rotor_ida.__file__).parent
 # They hand the kind on that they are given.
-HANDED_ON = {"signals/record.py", "cycles/dataset.py"}
-BUILDERS = {"labelled_dataset", "dataset", "branch_dataset"}
+HANDED_ON = {"signals/record.py", "cycles/dataset.py", "steady/run_ups.py"}
+BUILDERS = {"labelled_dataset", "dataset", "branch_dataset", "labelled_run_ups"}
 
 
 def stated_kinds():

@@ -351,7 +351,7 @@ def run_ups(
 
     A rotor of any size with several contacts, from a system file:
 
-        rotor-ida run-ups rotor.toml --to 5000rpm --rate 500rpm/s 5000rpm/s --out run_ups.nc
+        rotor-ida run-ups rotor.toml --to 5000rpm --rate 5000rpm/s --out many.nc
     """
     if system is not None:
         given = {"to": to, "rate": rate, "phase": phase, "study": study, **jobs.on_every_core()}
