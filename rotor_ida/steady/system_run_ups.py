@@ -90,7 +90,9 @@ def run_ups_system(
 
     Parameters
     ----------
-    system, modes, rtol :
+    system : RotorSystem
+        The rotor.
+    modes, rtol : optional
         As in `simulate`.
     contacts, unbalance, supports, gravity, static_force : optional
         In place of those of the system, as in `simulate`.
