@@ -60,10 +60,10 @@ from .simulation.contact_table import contact_summary as contact_summary
 from .simulation.sections import poincare_section as poincare_section
 from .steady.bifurcation_diagram import bifurcation_diagram as bifurcation_diagram
 from .steady.dispatch import lyapunov_exponent as lyapunov_exponent
+from .steady.dispatch import run_ups as run_ups
 from .steady.dispatch import sweep as sweep
 from .steady.drop_ensemble import drop_ensemble as drop_ensemble
 from .steady.run_up_summary import summary as summary
-from .steady.run_ups import run_ups as run_ups
 from .systems.campbell import campbell as campbell
 from .systems.clearances.report import clearance_report as clearance_report
 from .systems.dispatch import run_up as run_up

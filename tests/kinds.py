@@ -54,6 +54,11 @@ def a_system_run() -> xr.Dataset:
     )
 
 
+def a_system_of_run_ups() -> xr.Dataset:
+    system = Rotor(omega=1.0, zeta=0.1, delta0=2.0, shaft_stiffness=1.0).system()
+    return rotor_ida.run_ups(system, speed=0.3, to=1.6, rate=[0.1, 0.3], workers=1)
+
+
 def a_system_sweep() -> xr.Dataset:
     """Return a sweep of one disc as a system, up and down."""
     system = Rotor(omega=1.0, zeta=0.3, delta0=0.5, shaft_stiffness=0.25).system()
@@ -134,6 +139,7 @@ KINDS: dict[str, Callable[[], xr.Dataset]] = {
     "run_without_times": lambda: a_run().drop_vars("t"),
     "system_run": a_system_run,
     "system_sweep": a_system_sweep,
+    "system_run_ups": a_system_of_run_ups,
     "system_cycle": a_system_cycle,
     "system_branch": a_system_branch,
     "system_whirls": lambda: over_speed("synchronous_response"),

@@ -32,6 +32,7 @@ from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.model.rotor_system import SystemParameters
 from rotor_ida.model.system_parameters import SystemAxes
 from rotor_ida.steady.lyapunov import lyapunov_exponent_system
+from rotor_ida.steady.system_run_ups import run_ups_system
 from rotor_ida.steady.system_sweep import sweep_system
 from rotor_ida.systems.simulate import run_up_system, simulate_system
 from rotor_ida.systems.whirls.synchronous import synchronous_response_system
@@ -325,6 +326,10 @@ GIVEN |= {
         "rotor": SYSTEM, "speed": [0.8, 1.2],
         "contacts": [Contact(node="disc", clearance=0.5, stiffness=4.0, damping=0.5)],
     },
+    "run_ups_system": lambda folder: {
+        "rotor": SYSTEM, "speed": 0.8, "to": 1.2, "rate": 0.4, "workers": 1, "study": folder / "up",
+        "contacts": [Contact(node="disc", clearance=0.5, stiffness=4.0, damping=0.5)],
+    },
     "limit_cycle_system": lambda _: {
         **system_of_cycles(), "speed": 3.0, "period": 3.1,
         "start": tuple(np.array([cycle()[name].values[0] for name in each]) for each in
@@ -372,7 +377,8 @@ GIVEN |= {
 # Functions of one disc and of rotor systems have a second entry, with a system.
 OF_SYSTEMS = {
     "simulate_system": simulate_system, "run_up_system": run_up_system,
-    "sweep_system": sweep_system, "lyapunov_exponent_system": lyapunov_exponent_system,
+    "sweep_system": sweep_system, "run_ups_system": run_ups_system,
+    "lyapunov_exponent_system": lyapunov_exponent_system,
     "limit_cycle_system": rotor_ida.limit_cycle, "continue_cycle_system": rotor_ida.continue_cycle,
     "synchronous_response_system": synchronous_response_system,
 }  # fmt: skip

@@ -54,9 +54,9 @@ POINTS = Rows(
 )  # fmt: skip
 RUN_UPS = Rows(
     title="Run-ups", key="run_ups", lead="ending", digits=6, telling=True, on_request=True,
-    names=("ending", "response", "rate", "phase", "start", *ALL_PARAMETERS, "largest_force",
-           "largest_force_speed", "largest_radius", "first_touch_speed", "last_exit_speed",
-           "first_roll_speed", "message"),
+    names=("ending", "response", "rate", "phase", "start", "speed", *ALL_PARAMETERS,
+           "largest_force", "largest_force_speed", "largest_radius", "excursion",
+           "first_touch_speed", "last_exit_speed", "first_roll_speed", "message"),
 )  # fmt: skip
 COMPARED = Rows(
     title="Points", key="points", lead="lies_on", digits=6, on_request=True,
@@ -202,9 +202,17 @@ def show_sweep(dataset: xr.Dataset, most: int | None) -> Description:
 
 def show_run_ups(dataset: xr.Dataset, most: int | None) -> Description:
     """Return the endings of run-ups at each rate of each rotor, and every run-up."""
+    own = (
+        {"starts": STARTS}
+        if "start_x" in dataset.variables
+        else {"contacts": ("clearance", "contact_node")}
+    )
+    given = {name: rows_of(dataset, columns) for name, columns in own.items()}
+    dataset = _worst_of_contacts(dataset) if "contact" in dataset.dims else dataset
     record, tables = tabled(dataset, most, RUN_UPS)
-    varied = [name for name in ALL_PARAMETERS if name in dataset and dataset[name].size > 1]
-    told = [name for name in ALL_PARAMETERS if name in dataset.variables]
+    names = ("speed", *ALL_PARAMETERS)
+    varied = [name for name in names if name in dataset.variables and dataset[name].size > 1]
+    told = [name for name in names if name in dataset.variables]
     parts = [f"{word}_fraction" for word in ENDS_IN_WORDS]
     errors = [f"{name}_error" for name in parts]
     fractions = rows_of(dataset, (*parts, *errors, "failed_count", "rate", *told))
@@ -214,14 +222,27 @@ def show_run_ups(dataset: xr.Dataset, most: int | None) -> Description:
         row["largest_force"] = force
     said = [name for name in parts if any(row[name] != 0.0 for row in fractions)]
     columns = ["rate", *varied, *said, *(f"{name}_error" for name in said), "largest_force"]
-    unit, factor = si_of(dataset, "to") or ("to []", 1.0)
-    last = f"{float(dataset['to']) * factor:.6g} {unit[4:-1]}".rstrip()
+    unit, factor = si_of(dataset, "to") or (with_unit(dataset, "to"), 1.0)
+    unit = unit.partition("[")[2].rstrip("]").replace("s-1", "rad/s")
+    last = f"{float(dataset['to']) * factor:.6g} {unit}".rstrip()
     shown = headed(dataset, fractions, columns)
     heads = list(shown[0])
     ends = rows_table(f"How run-ups to {last} end", shown, heads, MOST_FRACTIONS, digits=6)
-    record |= {"to": float(dataset["to"]), "starts": rows_of(dataset, STARTS)}
-    record["fractions"] = fractions
+    record |= {"to": float(dataset["to"]), **given, "fractions": fractions}
     return record, [*ends, *tables]
+
+
+def _worst_of_contacts(dataset: xr.Dataset) -> xr.Dataset:
+    """Return run-ups of a rotor system with the worst of all contacts of each."""
+    told = dataset.drop_dims([dim for dim in dataset.dims if dim not in dataset["ending"].dims])
+    if not dataset.sizes["contact"]:
+        return told.assign(largest_force=xr.zeros_like(told["end_angle"]))
+    worst = {name: dataset[name].max("contact") for name in ("excursion", "largest_force")}
+    way = 2.0 * (dataset["rate"] > 0.0) - 1.0
+    worst["first_touch_speed"] = way * (way * dataset["first_touch_speed"]).min("contact")
+    for name, each in worst.items():
+        each.attrs = dataset[name].attrs
+    return told.assign(worst)
 
 
 def count_of_kinds(dataset: xr.Dataset, ranges: Sequence[str] = RANGES) -> RenderableType:

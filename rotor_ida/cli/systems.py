@@ -100,6 +100,30 @@ def sweep_file(
         return answer_whole(dataset, output, given["study"])
 
 
+def run_ups_file(
+    file: Path,
+    rotors: RotorsOptions,
+    starts: list[State] | None,
+    solver: options.RunUpsSolverOptions,
+    output: Output,
+    given: Mapping[str, Any],
+) -> Report:
+    """Simulate many run-ups of the system of a file, by default from its first speed."""
+    how = _checked(rotors.values, rotors.machine, starts, solver, output)
+    if how.pop("method", "taylor") != "taylor":
+        raise InputError(
+            f"method must be taylor for run-ups of a rotor system, got {solver.method}"
+        )
+    system, course = case_of(file, {**rotors.values, **given})
+    speed = rotors.values.get(SPEED, course.run_up.get(SPEED, 0.0))
+    with working("run-ups", given["study"]) as progress:
+        dataset = rotor_ida.run_ups(
+            system, starts=[course.start], modes=course.modes, speed=speed, **given, **how,
+            progress=progress,
+        )  # fmt: skip
+        return answer_whole(dataset, output, given["study"])
+
+
 def _refuse_units_of_factors(varied: Mapping[str, list[float]]) -> None:
     """Refuse a damping or stiffness with a unit, which is that of one disc."""
     for name, values in varied.items():

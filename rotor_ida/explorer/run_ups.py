@@ -32,13 +32,13 @@ from rotor_ida.explorer.words import words_of_run_up
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import interruptible
+from rotor_ida.results.contact_facts import run_up_facts
 from rotor_ida.schema import MODE, STABILITY
-from rotor_ida.signals.forces import power_in_contact
 from rotor_ida.signals.orders import fit
 from rotor_ida.signals.record import Record
 from rotor_ida.signals.spectra import spectrogram
 from rotor_ida.signals.windows import EDGE, windows_of
-from rotor_ida.simulation.dataset import motion_columns
+from rotor_ida.simulation.dataset import arrays_of
 from rotor_ida.simulation.options import Method, Options
 from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.run import run
@@ -84,8 +84,7 @@ def show_run_up(question: Question) -> Iterator[Answer]:
     sampled = record.times_until(duration)
     times = np.union1d(drawn, sampled)
     orbit, held = interruptible(lambda stop: _piece(question, times, stop))
-    columns = {name: np.asarray(column[1]) for name, column in motion_columns(orbit).items()}
-    run = {"t": times, **columns}
+    run = arrays_of(orbit)
     angle = run["angle"] - question.angle
     end = rotated(orbit.end, -run["angle"][-1])
     seen = np.searchsorted(times, sampled)
@@ -162,29 +161,19 @@ class Passed:
 
 def followed(passed: Passed, run: dict[str, npt.NDArray[Any]], rotor: Rotor) -> Passed:
     """Return the summary with one more piece."""
-    speed, radius = run["speed"], np.hypot(run["x"], run["y"])
-    normal = power_in_contact(run, rotor).normal_force
-    found: dict[str, Any] = {"end": float(speed[-1]), "now": _now(run, radius, rotor)}
-    widest = int(radius.argmax())
-    gap = rotor.delta0 - float(radius[widest])
-    if gap < passed.smallest_gap:
-        found |= {"smallest_gap": gap, "largest_radius_speed": float(speed[widest])}
-    # a short contact between two samples has its largest force at its peak
-    times = np.concatenate([run["t"], run["peak_time"]])
-    forces = np.concatenate([normal, run["peak_force"]])
-    hardest = int(forces.argmax())
-    if forces[hardest] > passed.largest_force:
-        at = float(np.interp(times[hardest], run["t"], speed))
-        found |= {"largest_force": float(forces[hardest]), "largest_force_speed": at}
-    if math.isnan(passed.first_touch_speed) and forces[hardest] > 0.0:
-        entries = run["entry_time"][np.isfinite(run["entry_time"])]
-        first = float(entries[0]) if entries.size else float(run["t"][0])
-        found["first_touch_speed"] = float(np.interp(first, run["t"], speed))
-    return replace(passed, **found)
+    facts = run_up_facts(run, rotor.delta0)
+    found: dict[str, Any] = {"end": float(run["speed"][-1]), "now": _now(run, rotor)}
+    names = ["first_touch_speed"] if math.isnan(passed.first_touch_speed) else []
+    if facts["smallest_gap"] < passed.smallest_gap:
+        names += ["smallest_gap", "largest_radius_speed"]
+    if facts["largest_force"] > passed.largest_force:
+        names += ["largest_force", "largest_force_speed"]
+    return replace(passed, **found | {name: facts[name] for name in names})
 
 
-def _now(run: dict[str, npt.NDArray[Any]], radius: Values, rotor: Rotor) -> str:
+def _now(run: dict[str, npt.NDArray[Any]], rotor: Rotor) -> str:
     """Return the state of the rotor over the last part of a piece."""
+    radius = np.hypot(run["x"], run["y"])
     late = run["t"] >= LAST * run["t"][-1]
     backward = np.mean((run["x"] * run["vy"] - run["y"] * run["vx"])[late]) < 0.0
     if backward and "mode" in run and np.any(run["mode"][late] == MODE["rolling"]):

@@ -10,6 +10,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rotor_ida.arrays import Values
+from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.plot.appearance import (
     GREY,
@@ -24,8 +25,10 @@ from rotor_ida.plot.appearance import (
 )
 from rotor_ida.plot.datasets import check_dataset, rotors_in
 from rotor_ida.plot.labels import LABELS, label_of, parameter_text
-from rotor_ida.results.si_units import scale_of
+from rotor_ida.plot.system_whirls import speeds_in
+from rotor_ida.results.si_units import in_rpm, scale_of
 from rotor_ida.schema import ENDS_IN_WORDS
+from rotor_ida.texts import in_figure
 from rotor_ida.units import SPEED_UNITS
 
 ENDING_COLOURS = {
@@ -38,10 +41,7 @@ ENDING_WORDS = {
     "contact_free": "ends contact-free", "rub": "ends in a rub", "whip": "ends in dry whip",
     "unresolved": "undecided",
 }  # fmt: skip
-NEEDED = (
-    *(*PARAMETERS, "rate", "to", "largest_force"),
-    *(f"{word}_fraction" for word in ENDS_IN_WORDS),
-)
+NEEDED = ("rate", "to", "largest_force", *(f"{word}_fraction" for word in ENDS_IN_WORDS))
 FORCE = "largest normal force"
 # If there are more rates, only this many are labelled under the bars.
 MOST_TICKS = 7
@@ -65,17 +65,17 @@ def run_ups_figure(dataset: xr.Dataset) -> Figure:
     >>> [ax.get_ylabel() for ax in run_ups_figure(found).axes]
     ['largest normal force', 'fraction of run-ups', 'fraction of run-ups']
     """
-    dataset = check_dataset("dataset", dataset, NEEDED)
-    rotors = list(rotors_in(dataset))
+    dataset = _checked(dataset)
+    rotors = _parts(dataset)
     columns = math.ceil(math.sqrt(1 + len(rotors)))
     rows = math.ceil((1 + len(rotors)) / columns)
     figure, axes = mixed_panels(rows, columns, width=1.0 + 3.2 * columns, height=0.6 + 2.7 * rows)
     plot_largest_force(dataset, ax=axes[0])
-    for ax, (values, one) in zip(axes[1:], rotors, strict=False):
+    for ax, (words, one) in zip(axes[1:], rotors, strict=False):
         plot_endings(one, ax=ax)
-        if values:
+        if words:
             with style():
-                ax.set_title(parameter_text(values))
+                ax.set_title(words)
     for ax in axes[1 + len(rotors) :]:
         ax.remove()
     shared_legend(figure, axes[1 : 1 + len(rotors)], outer=False)
@@ -101,12 +101,12 @@ def plot_largest_force(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     >>> plot_largest_force(found).get_xlabel()
     'rate $a$'
     """
-    dataset = check_dataset("dataset", dataset, NEEDED)
+    dataset = _checked(dataset)
     size = np.abs(_rates_of(dataset))
     order = np.argsort(size)
     highest = 0.0
     with drawing(ax) as ax:
-        for number, (values, one) in enumerate(rotors_in(dataset)):
+        for number, (words, one) in enumerate(_parts(dataset, "contact")):
             colour, dashes = look(number)
             force = one["largest_force"].transpose("rate", ...).values
             force = force.reshape(size.size, -1)[order]
@@ -116,7 +116,7 @@ def plot_largest_force(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
             ax.errorbar(
                 size[order], top, down if force.shape[1] > 1 else None, color=colour, ls=dashes,
                 marker=".", ms=4.0, elinewidth=0.8, capsize=2.0,
-                label=parameter_text(values) if values else None,
+                label=words or None,
             )  # fmt: skip
         ax.set_xscale("log")
         ax.set_ylim(0.0, 1.08 * highest or 1.0)
@@ -145,8 +145,8 @@ def plot_endings(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     >>> [text.get_text() for text in plot_endings(found).get_legend().get_texts()]
     ['ends contact-free', 'ends in a rub']
     """
-    dataset = check_dataset("dataset", dataset, NEEDED)
-    _, one = next(rotors_in(dataset))
+    dataset = _checked(dataset)
+    _, one = _parts(dataset)[0]
     rates = _rates_of(one)
     order = np.argsort(np.abs(rates))
     places, alone = np.arange(rates.size), ax is None
@@ -171,9 +171,40 @@ def plot_endings(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     return ax
 
 
+def _checked(dataset: object) -> xr.Dataset:
+    """Return run-ups of one disc or of a rotor system, in suitable units."""
+    is_of_system = isinstance(dataset, xr.Dataset) and "contact_node" in dataset.variables
+    own = ("speed", "clearance") if is_of_system else PARAMETERS
+    return check_dataset("dataset", dataset, (*own, *NEEDED))
+
+
+def _parts(dataset: xr.Dataset, *others: str) -> list[tuple[str, xr.Dataset]]:
+    """Return the run-ups of each rotor, or by first speed and `others`, with words for each."""
+    if "contact_node" not in dataset.variables:
+        return [(parameter_text(values) if values else "", one)
+                for values, one in rotors_in(dataset)]  # fmt: skip
+    names = [name for name in ("speed", *others) if name in dataset.dims]
+    found = []
+    for places in np.ndindex(*(dataset.sizes[name] for name in names)):
+        part = dataset.isel({name: [at] for name, at in zip(names, places, strict=True)})
+        told = []
+        if "speed" in names and dataset.sizes["speed"] > 1:
+            unit = "" if in_rpm(part["speed"]) is None else " rpm"
+            told.append(f"from {speeds_in(part['speed'])[0]:.5g}{unit}")
+        if "contact" in names and dataset.sizes["contact"] > 1:
+            node = in_figure(part["contact_node"].values[0])
+            told.append(f"contact {places[-1]} at {node}")
+        found.append((", ".join(told), part))
+    if not found:
+        raise InputError("dataset must have a contact, got run-ups of a rotor system without")
+    return found
+
+
 def _rates_of(dataset: xr.Dataset) -> Values:
     """Return the rates of run-ups, in rpm/s for a machine."""
     rates = np.asarray(dataset["rate"].values)
+    if dataset["rate"].attrs.get("units") == "s-2":
+        return rates / SPEED_UNITS["rpm"]
     if "rate_scale" not in dataset.attrs:
         return rates
     return rates * scale_of(dataset, "rate") ** 2 / SPEED_UNITS["rpm"]
@@ -184,7 +215,8 @@ def _rate_text(rate: float) -> str:
 
 
 def _unit_of_rate(dataset: xr.Dataset) -> str:
-    return " [rpm/s]" if "rate_scale" in dataset.attrs else ""
+    in_si = "rate_scale" in dataset.attrs or dataset["rate"].attrs.get("units") == "s-2"
+    return " [rpm/s]" if in_si else ""
 
 
 def _rate_label(dataset: xr.Dataset) -> str:

@@ -151,6 +151,12 @@ KINDS = {
             drawn="rotor_ida.plot:system_sweep_figure",
         ),
         Kind(
+            name="system_run_ups", meaning="run-ups of a rotor system",
+            variables="ending rate(rate) to() largest_force failed_count " + _CONTACTS,
+            dims=("speed", "rate", "phase", "start", "contact", "node"),
+            shown=f"{_SHOWN}:show_run_ups", drawn="rotor_ida.plot:run_ups_figure",
+        ),
+        Kind(
             name="system_branch", meaning="branch of limit cycles of a rotor system",
             variables="multiplier_real(point multiplier) special_state " + _CONTACTS,
             dims=("point", "contact", "special", "component"),

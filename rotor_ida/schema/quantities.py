@@ -41,6 +41,7 @@ OTHER_UNITS = {
     "law_damping": "s m-1", "race_inertia": "kg m2", "race_drag": "N m s", "stator_mass": "kg",
     "stator_stiffness": "N m-1", "stator_damping": "N s m-1", "unbalance_moment": "kg m",
     "gravity": "m s-2", "applied_unbalance": "kg m", "unbalance": "kg m",
+    "to": "s-1", "rate": "s-2",
     **dict.fromkeys(("contact_stiffness", "critical_stiffness", "support_stiffness"), "N m-1"),
     "support_damping": "N s m-1", "drop_contact_damping": "s m-1", "cell_contact_damping": "s m-1",
 }  # fmt: skip
@@ -498,6 +499,7 @@ QUANTITIES: dict[str, Quantity] = {
     "phase": Quantity("angle of the unbalance at time 0", "radian"),
     "ending": Quantity("how the run-up ends, after a time at the last speed", flags=ENDING),
     "largest_radius": length("largest distance from the bearing axis on the ramp"),
+    "node_largest_radius": length("largest distance of the node from the axis on the ramp"),
     "smallest_gap": length("clearance less the largest distance from the bearing axis"),
     "largest_radius_speed": speed("spin speed where the distance is largest"),
     "largest_force_speed": speed("spin speed where the force is largest"),

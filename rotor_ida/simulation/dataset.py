@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -72,6 +73,15 @@ def motion_columns(orbit: Orbit) -> dict[str, Column]:
         **_friction(orbit),
         **_spins(orbit),
     }
+
+
+def arrays_of(orbit: Orbit) -> dict[str, npt.NDArray[Any]]:
+    """Return samples, events and contacts of an orbit by their names in its dataset."""
+    columns: dict[str, npt.NDArray[Any]] = {
+        name: np.asarray(each[1]) for name, each in motion_columns(orbit).items()
+    }
+    columns |= {"event_time": orbit.event_times, "event_kind": orbit.event_kinds}
+    return {"t": orbit.times, **columns}
 
 
 def _friction(orbit: Orbit) -> dict[str, Column]:

@@ -12,7 +12,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Any, Unpack
 
 import numpy as np
@@ -41,7 +41,8 @@ from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import STATUS, WHIRL_DIRECTION, labelled_dataset
 from rotor_ida.steady.drop_grid import cells_of, grid_statistics_of
 from rotor_ida.steady.drop_statistics import QUANTILES, statistics_of
-from rotor_ida.steady.grid import EXPECTED, Places, Rows, Task, form_of, reason_of, run_study
+from rotor_ida.steady.grid import EXPECTED, Rows, Task, form_of, reason_of, run_study
+from rotor_ida.steady.members import Member, Members, as_they_are, lost, row_of
 from rotor_ida.systems.drop import drop
 from rotor_ida.systems.drop_figures import NUMBERS
 from rotor_ida.systems.units import with_system_units
@@ -193,15 +194,15 @@ def drop_ensemble(
         "inertia": None if inertia is None else check_positive("inertia", inertia), "modes": modes,
         "rtol": rtol, "clearances": clearances, "capacities": capacities,
     }  # fmt: skip
-    plan = Drops(case, varied)
-    example = _example(plan)
+    example = _example(case, varied)
+    point = _point(len(system.contacts), len(clearances or ()))
+    plan = Members(case, varied, point)
     chosen = choose(executor, workers, compiled=True)
-    point = _point(example.sizes["contact"], len(clearances or ()))
     ways = {name: check_axis(name, each).tolist() for name, each in given.items()
             if each is not None}  # fmt: skip
     asked = {"rotor" if name == "system" else name: each for name, each in case.items()}
     question = Question("drop_ensemble", {**asked, **ways, "drops": drops, "seed": seed})
-    task = Task(follow_drop, _lost, _rows, form_of("drop", "drops", point), point)
+    task = Task(follow_drop, lost, as_they_are, form_of("drop", "drops", point), point)
     columns = run_study(plan, task, question, study=study, workers=chosen, progress=progress)
     told = {"duration": example.attrs["duration"], "rtol": example.attrs["rtol"]}
     told |= {} if drops is None else {"seed": seed}
@@ -213,12 +214,13 @@ def drop_ensemble(
     return with_system_units(dataset, system)
 
 
-def _example(plan: Drops) -> xr.Dataset:
+def _example(case: Mapping[str, Any], varied: Mapping[str, Values]) -> xr.Dataset:
     """Return the first drop that can be computed: one that touches at once is lost, not all."""
     refused: Exception | None = None
-    for number in range(min(plan.points, MOST_TRIED)):
+    for values in list(zip(*varied.values(), strict=True))[:MOST_TRIED]:
         try:
-            return drop(**_arguments(plan.job(number)), samples=2, progress=None)
+            at = dict(zip(varied, map(float, values), strict=True))
+            return drop(**_arguments(case, at), samples=2, progress=None)
         except (InputError, *EXPECTED) as error:
             refused = refused or error
     assert refused is not None
@@ -275,69 +277,9 @@ def _random(
     return found
 
 
-@dataclass(frozen=True, slots=True)
-class Drop:
-    """One drop, with everything a worker needs to follow it.
-
-    Parameters
-    ----------
-    case : dict
-        Arguments of `drop`, before anything is varied.
-    varied : dict
-        What is varied, by name.
-    """
-
-    case: dict[str, Any]
-    varied: dict[str, float]
-
-
-@dataclass(frozen=True, slots=True)
-class Outcome:
-    """What a drop delivers, or why it failed; and the numbers of its contacts and clearances."""
-
-    figures: dict[str, Any]
-    counts: tuple[int, int]
-    message: str = ""
-
-
-@dataclass(frozen=True, slots=True)
-class Drops:
-    """All drops, by number.
-
-    Parameters
-    ----------
-    case : dict
-        Arguments of `drop`, before anything is varied.
-    varied : dict
-        The values of what varies, by name, shape (drop,).
-    """
-
-    case: dict[str, Any]
-    varied: dict[str, Values]
-
-    length = 1
-
-    @property
-    def points(self) -> int:
-        """Number of drops."""
-        return next(iter(self.varied.values())).size
-
-    def places(self, number: int) -> Places:
-        """Return the position of a drop among all: each is a separate job."""
-        return np.array([number])
-
-    def job(self, number: int) -> Drop:
-        """Return what a worker needs to follow a drop."""
-        return Drop(self.case, {name: float(each[number]) for name, each in self.varied.items()})
-
-    def slowest_first(self) -> Places:
-        """Return the numbers of the drops, in their order."""
-        return np.arange(self.points)
-
-
-def _arguments(job: Drop) -> dict[str, Any]:
+def _arguments(case: Mapping[str, Any], varied: Mapping[str, float]) -> dict[str, Any]:
     """Return the arguments of `drop` for one drop."""
-    system, varied = job.case["system"], job.varied
+    system = case["system"]
     contacts = list(system.contacts)
     changes = {"friction": "friction", "contact_damping": "damping"}
     for name, field in changes.items():
@@ -348,30 +290,24 @@ def _arguments(job: Drop) -> dict[str, Any]:
     factor = varied.get("unbalance_factor", 1.0)
     unbalance = [replace(each, moment=factor * each.moment) for each in system.unbalance]
     changed = replace(system, contacts=contacts, unbalance=unbalance)
-    return {**job.case, "system": changed, "phase": varied["phase"]}
+    return {**case, "system": changed, "phase": varied["phase"]}
 
 
-def follow_drop(job: Drop, _stop: Stop) -> Outcome:
+def follow_drop(job: Member, _stop: Stop) -> Rows:
     """Follow one drop."""
     try:
-        run = drop(**_arguments(job))
+        run = drop(**_arguments(job.case, job.varied))
     except InputError as error:  # what was drawn cannot be dropped, as it touches at once
-        return _lost(job, str(error))
+        return lost(job, str(error))
     except EXPECTED as error:
-        return _lost(job, reason_of(error))
+        return lost(job, reason_of(error))
     touches = run["event_time"].values
     figures: dict[str, Any] = {name: run[name].values for name in FIGURES}
     figures |= {"horizon": float(run["horizon"]), "standstill_time": float(run["standstill_time"]),
                 "first_touch_time": float(touches[0]) if touches.size else math.nan}  # fmt: skip
     if job.case["clearances"]:
         figures[OF_NODES] = run[OF_NODES].values[np.isfinite(run["node_clearance"].values)]
-    return replace(_lost(job, ""), figures=figures)
-
-
-def _lost(job: Drop, reason: str) -> Outcome:
-    return Outcome(
-        {}, (len(job.case["system"].contacts), len(job.case["clearances"] or ())), reason
-    )
+    return row_of(job, figures)
 
 
 def _point(contacts: int, clearances: int) -> np.dtype[np.void]:
@@ -382,16 +318,6 @@ def _point(contacts: int, clearances: int) -> np.dtype[np.void]:
         *((name, np.float64) for name in OF_DROP),
         ("status", np.int8),
     ])  # fmt: skip
-
-
-def _rows(outcome: Outcome) -> Rows:
-    """Return what a drop delivers as a row."""
-    row = np.zeros(1, _point(*outcome.counts))
-    for name in row.dtype.names or ():
-        blank = math.nan if row[name].dtype.kind == "f" else 0
-        row[name] = outcome.figures.get(name, blank)
-    row["status"] = STATUS["failed" if outcome.message else "done"]
-    return Rows(row, [outcome.message])
 
 
 def _dataset(

@@ -20,13 +20,11 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.contact import bounds_exceeded, length_in_words
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.parallel import interruptible
+from rotor_ida.results.contact_facts import run_up_facts
 from rotor_ida.results.run import check_run, rotor_of
 from rotor_ida.results.si_units import dimensional, dimensionless, is_in_si, machine_of
 from rotor_ida.schema import (
     ENDING,
-    EVENT_KIND,
-    MODE,
-    OF_FRICTION_EVENT_KIND,
     RESPONSE,
     WHIRL_DIRECTION,
     Column,
@@ -37,7 +35,7 @@ from rotor_ida.simulation.options import Options
 from rotor_ida.steady.follow import FAILED
 from rotor_ida.steady.grid import EXPECTED, reason_of
 from rotor_ida.steady.response import CONTACT_FREE
-from rotor_ida.steady.run_up_outcome import RUB, WHIP, Outcome, ending_at, failed
+from rotor_ida.steady.run_up_outcome import ONLY_WITH, RUB, WHIP, Outcome, ending_at, failed
 from rotor_ida.units import SPEED_UNITS
 
 NEEDED = (
@@ -71,7 +69,8 @@ def summary(run: xr.Dataset) -> xr.Dataset:
         Scalars, in the units of the run: ``first_touch_speed``, ``last_exit_speed``,
         ``largest_radius``, ``largest_radius_speed``, ``smallest_gap`` (clearance less the largest
         radius, negative in contact), ``largest_force``, ``largest_force_speed``,
-        ``contact_count``, ``contact_time``, with friction ``first_roll_speed``, and as flags
+        ``contact_count``, ``contact_time``, with friction ``first_roll_speed`` and ``total_heat``,
+        with contact damping ``total_contact_loss``, and as flags
         ``ending`` (``contact_free``, ``rub``, ``whip``, ``unresolved`` or ``failed``) and
         ``response``, the settled response at the constant last speed, as from `run_ups`. The speed
         of an event that did not occur is NaN. The attribute ``sentence`` is the summary in words.
@@ -106,7 +105,10 @@ def summary(run: xr.Dataset) -> xr.Dataset:
         raise InputError("run must be a run of run_up, whose speed changes")
     check_run(plain, NEEDED)
     rotor = rotor_of(plain)
-    facts, ended = _facts(plain, rotor), _ending(plain, rotor)
+    facts, ended = run_up_facts(plain, rotor.delta0), _ending(plain, rotor)
+    for parameter, names in ONLY_WITH.items():
+        if not getattr(rotor, parameter):
+            facts = {name: each for name, each in facts.items() if name not in names}
     values = facts | {"ending": ENDING[ended.ending], "response": RESPONSE[ended.response]}
     columns: dict[str, Column] = {name: ((), value) for name, value in values.items()}
     coordinates = {name: plain[name].variable for name in rotor.given}
@@ -118,49 +120,6 @@ def summary(run: xr.Dataset) -> xr.Dataset:
         "Summary of a run-up", columns, coordinates, attributes, kind="run_up_summary"
     )
     return found if machine is None else dimensional(found, machine)
-
-
-def _facts(run: xr.Dataset, rotor: Rotor) -> dict[str, float]:
-    """Return the facts of the run while the speed changes."""
-    times = np.concatenate([run["t"].values, run["event_time"].values])
-    order = np.argsort(times, kind="stable")
-    speeds = np.concatenate([run["speed"].values, run["event_speed"].values])[order]
-    starts = bool(run["starts_in_contact"])
-
-    def speed_at(time: float) -> float:
-        return float(np.interp(time, times[order], speeds))
-
-    def speed_of(kind: int, which: int) -> float:
-        found = run["event_speed"].values[run["event_kind"].values == kind]
-        return float(found[which]) if found.size else math.nan
-
-    forces, peaks = run["peak_force"].values, run["peak_time"].values
-    radii = np.hypot(run["x"].values, run["y"].values)
-    place = int(radii.argmax())
-    radius, farthest = float(radii[place]), float(run["t"].values[place])
-    if forces.size:
-        deepest = int(run["peak_indentation"].values.argmax())
-        radius = rotor.delta0 + float(run["peak_indentation"].values[deepest])
-        farthest = float(peaks[deepest])
-    hardest = int(forces.argmax()) if forces.size else -1
-    entry = run["entry_time"].fillna(0.0).values
-    leaving = run["exit_time"].fillna(float(run["t"][-1])).values
-    facts = {
-        "first_touch_speed": rotor.omega if starts else speed_of(EVENT_KIND["entry"], 0),
-        "last_exit_speed": speed_of(EVENT_KIND["exit"], -1),
-        "largest_radius": radius,
-        "largest_radius_speed": speed_at(farthest),
-        "smallest_gap": rotor.delta0 - radius,
-        "largest_force": float(forces[hardest]) if forces.size else 0.0,
-        "largest_force_speed": speed_at(float(peaks[hardest])) if forces.size else math.nan,
-        "contact_count": forces.size,
-        "contact_time": float((leaving - entry).sum()),
-    }
-    if rotor.friction > 0.0:
-        rolls = "mode" in run and int(run["mode"][0]) == MODE["rolling"]
-        first = rotor.omega if rolls else speed_of(OF_FRICTION_EVENT_KIND["roll"], 0)
-        facts["first_roll_speed"] = first
-    return facts
 
 
 def _ending(run: xr.Dataset, rotor: Rotor) -> Outcome:

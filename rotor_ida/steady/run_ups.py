@@ -3,10 +3,10 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import asdict, dataclass, fields, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from itertools import product
-from typing import Unpack
+from typing import Any, Unpack
 
 import numpy as np
 import numpy.typing as npt
@@ -20,7 +20,6 @@ from rotor_ida.checks import (
     check_real,
     check_vector,
 )
-from rotor_ida.model.disc_starts import begun
 from rotor_ida.model.parameters import Parameters
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.varied import Varied, varied_of
@@ -29,7 +28,7 @@ from rotor_ida.results.in_si import varies_in_si
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import Folder
-from rotor_ida.schema import ENDING, ENDS_IN_WORDS, RESPONSE, STATUS, labelled, labelled_dataset
+from rotor_ida.schema import ENDING, ENDS_IN_WORDS, labelled, labelled_dataset
 from rotor_ida.simulation.options import (
     LARGEST,
     Backend,
@@ -40,29 +39,20 @@ from rotor_ida.simulation.options import (
 )
 from rotor_ida.simulation.run_up import ramp_of
 from rotor_ida.simulation.starts import GivenStart, Starts, states_of
-from rotor_ida.steady.follow import FAILED
 from rotor_ida.steady.grid import (
     Array,
-    Places,
-    Rows,
     Task,
     check_size,
     form_of,
-    labelled_points,
     representative,
     run_study,
     start_coordinates,
     start_words,
 )
-from rotor_ida.steady.run_up_outcome import Outcome, RampSummary, RunUp, follow_run_up, lost
+from rotor_ida.steady.members import Members, as_they_are, lost
+from rotor_ida.steady.run_up_outcome import ONLY_WITH, SUMMARY, follow_run_up
 from rotor_ida.steady.sweep import FEATURES
 
-# Columns that require friction, or contact damping.
-ONLY_WITH = {
-    "friction": ("first_roll_speed", "total_heat"),
-    "contact_damping": ("total_contact_loss",),
-}
-SUMMARY = tuple(each.name for each in fields(RampSummary))
 POINT = np.dtype(
     [
         ("ending", np.int8),
@@ -192,101 +182,66 @@ def run_ups(
     speed, states = check_real("to", to), states_of("starts", starts, loaded=is_loaded)
     grid = grid.over(rate=rates, phase=phases, start=np.arange(len(states)))
     check_size(grid, study)
-    plan = RunUps(grid, states, speed, options)
-    _check_can_be_followed(plan)
+    _check_can_be_followed(grid, states, speed, options)
+    plan = Members({"starts": states, "to": speed, "options": options}, grid, POINT)
     how = {name: getattr(options, name) for name in ("rtol", "atol", "method")}
     asked = {**grid.design, "rate": rates, "phase": phases, "to": speed, "starts": states, **how}
-    task = Task(follow_run_up, lost, rows_of, FORM, POINT)
+    task = Task(follow_run_up, lost, as_they_are, FORM, POINT)
     columns = run_study(
         plan, task, Question("run_ups", asked), study=study, workers=chosen, progress=progress
     )
-    return _dataset(plan, columns.points)
+    return _dataset(grid, columns.points, plan.case)
 
 
-@dataclass(frozen=True)
-class RunUps:
-    """All run-ups, by number.
-
-    Parameters
-    ----------
-    varied : Varied
-        The run-ups; the axes behind the parameters are ``rate``, ``phase`` and ``start``.
-    starts : sequence of tuple of float or str
-        The starts ``(x, y, vx, vy)`` [1], or their words.
-    to : float
-        The speed at the end of the ramps [1].
-    options : Options
-        How to simulate.
-    """
-
-    varied: Varied
-    starts: Sequence[GivenStart]
-    to: float
-    options: Options
-
-    length = 1
-
-    def places(self, number: int) -> Places:
-        """Return the position of a run-up among all: each is a separate job."""
-        return np.array([number])
-
-    @property
-    def points(self) -> int:
-        """Number of points of all jobs."""
-        return self.varied.points
-
-    def job(self, number: int) -> RunUp:
-        """Return what a worker needs to follow a run-up."""
-        place = [int(each) for each in np.unravel_index(number, self.varied.shape)]
-        at, rotor = self.varied.at(place), self.varied.rotor(place)
-        return RunUp(
-            rotor=rotor,
-            to=self.to,
-            rate=float(at["rate"]),
-            phase=float(at["phase"]),
-            start=begun(self.starts[at["start"]], rotor, float(at["phase"])),
-            options=self.options,
-        )
-
-    def slowest_first(self) -> Places:
-        """Return the numbers of the run-ups, those at the lowest rates first."""
-        places = np.unravel_index(np.arange(self.points), self.varied.shape)
-        rates = self.varied.axes["rate"][places[self.varied.dims.index("rate")]]
-        return np.argsort(np.abs(rates), kind="stable")
-
-
-def _check_can_be_followed(plan: RunUps) -> None:
+def _check_can_be_followed(
+    grid: Varied, given: Sequence[GivenStart], to: float, options: Options
+) -> None:
     """Check each ramp, each value of a parameter and each start once."""
-    axes, rotors = plan.varied.axes, plan.varied.extremes()
-    starts = representative(plan.starts)
+    axes, rotors = grid.axes, grid.extremes()
+    starts = representative(given)
     for rotor, rate in product(rotors[: axes["omega"].size], axes["rate"].tolist()):
-        ramp_of(rotor, plan.to, rate, plan.options.backend)
+        ramp_of(rotor, to, rate, options.backend)
     for rotor in rotors:
         check_can_be_followed(rotor, starts[0])
     for start in starts[1:]:
         check_can_be_followed(rotors[0], start)
-    check_can_be_followed(replace(rotors[0], omega=plan.to), starts[0], settling=True)
+    check_can_be_followed(replace(rotors[0], omega=to), starts[0], settling=True)
 
 
-def rows_of(outcome: Outcome) -> Rows:
-    """Return the outcome of a run-up as a row."""
-    row = asdict(outcome.summary) | asdict(outcome.features)
-    row |= {"ending": ENDING[outcome.ending], "response": RESPONSE[outcome.response]}
-    row["status"] = STATUS["failed" if outcome.response == FAILED else "done"]
-    points = np.array([tuple(row[name] for name in POINT.names or ())], dtype=POINT)
-    return Rows(points, [outcome.message])
-
-
-def _dataset(plan: RunUps, columns: dict[str, Array]) -> xr.Dataset:
-    """Return run-ups as a labelled dataset, with the fractions of their endings."""
-    varied = plan.varied
+def _dataset(varied: Varied, columns: dict[str, Array], case: dict[str, Any]) -> xr.Dataset:
+    """Return run-ups of one disc as a labelled dataset."""
     for parameter, names in ONLY_WITH.items():
         if not varied.values(parameter).any():
             columns = {name: each for name, each in columns.items() if name not in names}
-    variables = labelled_points(varied, columns)
+    coordinates = start_coordinates(case["starts"])
+    how = provenance(case["options"].attributes()) | start_words(case["starts"])
+    title = "Rotor in a clearance: run-ups over a range of speeds"
+    coordinates |= {"to": ((), case["to"])}
+    return labelled_run_ups(varied, columns, coordinates, how, title, kind="run_ups")
+
+
+def labelled_run_ups(
+    varied: Varied,
+    columns: Mapping[str, Array],
+    coordinates: Mapping[str, Column],
+    how: Mapping[str, object],
+    title: str,
+    *,
+    kind: str,
+    behind: Mapping[str, tuple[str, ...]] = {},
+) -> xr.Dataset:
+    """Return run-ups as a labelled dataset, with the fractions of their endings.
+
+    `behind` has the dimensions of columns besides those of the grid.
+    """
+    variables = {
+        name: labelled(name, (*varied.dims, *behind.get(name, ())),
+                       each.reshape(*varied.shape, *each.shape[1:]))
+        for name, each in columns.items()
+    }  # fmt: skip
     counted = tuple(varied.dims.index(name) for name in COUNTED)
     others = [name for name in varied.dims if name not in COUNTED]
-    fractions = fractions_of(columns["ending"].reshape(varied.shape), counted)
+    fractions = fractions_of(variables["ending"].values, counted)
     variables |= {name: labelled(name, others, values) for name, values in fractions.items()}
     for name in ("radius_min", "radius_max"):
         variables[name].attrs["long_name"] += " at the last speed"
@@ -294,16 +249,9 @@ def _dataset(plan: RunUps, columns: dict[str, Array]) -> xr.Dataset:
         variables[name].attrs["long_name"] += " on the ramp"
     rate = labelled("rate", "rate", varied.axes["rate"])
     rate.attrs["long_name"] = "change of the spin speed in a unit of time"
-    title = "Rotor in a clearance: run-ups over a range of speeds"
-    how = provenance(plan.options.attributes()) | start_words(plan.starts)
-    starts = start_coordinates(plan.starts)
-    coordinates: dict[str, Column | xr.Variable] = {
-        **varied.coordinates,
-        **starts,
-        "rate": rate,
-        "to": ((), plan.to),
-    }
-    return labelled_dataset(title, variables, coordinates, how, kind="run_ups")
+    return labelled_dataset(
+        title, variables, {**varied.coordinates, **coordinates, "rate": rate}, how, kind=kind
+    )
 
 
 def fractions_of(endings: Array, counted: tuple[int, ...]) -> dict[str, Array]:

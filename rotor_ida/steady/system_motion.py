@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from rotor_ida.arrays import ComplexValues, Values
+from rotor_ida.arrays import ComplexValues, Flags, Values
 from rotor_ida.core.systems import SystemResult
 from rotor_ida.schema import MODE, OF_FRICTION_EVENT_KIND
 from rotor_ida.simulation.lyapunov import means_of_rates
@@ -68,6 +68,8 @@ class SystemFeatures:
         Largest normal forces.
     touches : ndarray of bool, shape (contact,)
         Which contacts touch.
+    backward : ndarray of bool, shape (contact,)
+        Which contacts stay closed and whirl backwards.
     """
 
     contact_whirl: ComplexValues
@@ -78,6 +80,7 @@ class SystemFeatures:
     node_high: Values
     largest_force: Values
     touches: Values
+    backward: Flags
 
 
 @dataclass(frozen=True, slots=True)
@@ -239,7 +242,7 @@ class _SystemMotion:
         return any(
             rolls_in_each(rolling, length, each)
             for number in range(len(self.flow.request.laws))
-            if len(rolling := self._rolling(number)) and self._is_backward(number)
+            if len(rolling := self._rolling(number)) and stays_backward(self.flow, self.run, number)
         )
 
     def fading(self) -> tuple[bool, bool]:
@@ -328,25 +331,21 @@ class _SystemMotion:
         stretches = [(begin, end) for (begin, rolls), end in zip(edges, ends, strict=True) if rolls]
         return np.array(stretches).reshape(-1, 2)
 
-    def _is_backward(self, number: int) -> bool:
-        """Return whether a contact stays closed in the window and whirls backwards."""
-        own = self.run.event_kinds[self.run.event_contacts == number]
-        if (np.abs(own) == ENTRY).any():
-            return False
-        place, velocity = self._relative(number)
-        backward = (place.conj() * velocity).imag * math.copysign(1.0, self.flow.speed)
-        return bool(backward.max() < 0.0)
-
-    def _relative(self, number: int) -> tuple[ComplexValues, ComplexValues]:
-        """Return displacement from the centre of the stator, and its rate, at samples."""
-        x, y = self.flow.problem.found.rows[number]
-        centre = complex(*self.flow.problem.assembly.contacts[number].centre)
-        z = self.run.samples @ x + 1j * (self.run.samples @ y)
-        return z[:, 0] - centre, z[:, 1]
-
     def features(self) -> SystemFeatures:
         """Return how the system moves in the window."""
         return features_of(self.flow, self.begin, self.times, self.run)
+
+
+def stays_backward(flow: SystemFlow, run: SystemResult, number: int) -> bool:
+    """Return whether a contact stays closed in a run and whirls backwards."""
+    own = run.event_kinds[run.event_contacts == number]
+    if run.forces[0, number, 3] == MODE["flight"] or (np.abs(own) == ENTRY).any():
+        return False
+    x, y = flow.problem.found.rows[number]
+    z = run.samples @ x + 1j * (run.samples @ y)
+    place = z[:, 0] - complex(*flow.problem.assembly.contacts[number].centre)
+    backward = (place.conj() * z[:, 1]).imag * math.copysign(1.0, flow.speed)
+    return bool(backward.max() < 0.0)
 
 
 def features_of(
@@ -377,4 +376,5 @@ def features_of(
         contact_low=low[:count], contact_high=high[:count],
         node_low=low[count:], node_high=high[count:],
         largest_force=largest, touches=largest > 0.0,
+        backward=np.array([stays_backward(flow, run, each) for each in range(count)], bool),
     )  # fmt: skip

@@ -179,7 +179,7 @@ def sweep_system(
     tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
     progress = check_progress(progress)
     chosen = choose(executor, workers, compiled=True)
-    given = _checked_starts(starts)
+    given = checked_starts(starts)
     varied, way = in_order(asked, len(given), direction, along, SPEED)
     taken = [in_modes(asked.base, modes, each) for each in given]
     varied = replace(varied, system=taken[0][0])
@@ -197,7 +197,7 @@ def sweep_system(
         "rotor": asked.base, "starts": begun, "modes": modes, **varied.design,
         "direction": direction, **told, "rtol": tolerance,
     })  # fmt: skip
-    point = _columns(stiffest)
+    point = point_of(stiffest)
     settling, axis = SystemSettling(point), varied.dims.index(way or SPEED)
     ramps: Ramps[Turning, Start | Values, SettledPoint] = Ramps(
         varied, first, settling, turnings.at, axis
@@ -287,7 +287,7 @@ def warn_if_long(problem: SettlingProblem, speeds: Values, times: int) -> None:
     )
 
 
-def _checked_starts(starts: object) -> list[Start | xr.Dataset]:
+def checked_starts(starts: object) -> list[Start | xr.Dataset]:
     """Return the starts, one or more; a result alone is one start."""
     if isinstance(starts, xr.Dataset):
         return [starts]
@@ -305,8 +305,8 @@ def _initial_state(problem: SettlingProblem, start: Start, speed: float) -> Valu
     return np.full_like(state, math.nan) if isinstance(start, str) and start == SETTLED else state
 
 
-def _columns(problem: SettlingProblem) -> np.dtype[np.void]:
-    """Return the columns of a point."""
+def point_of(problem: SettlingProblem) -> np.dtype[np.void]:
+    """Return the columns of a settled response."""
     assembly = problem.assembly
     contacts, nodes = len(assembly.contacts), len(assembly.system.nodes)
     races = int(problem.with_race.sum())
@@ -346,7 +346,7 @@ class SystemSettling:
         begun = start if isinstance(start, np.ndarray) else started(point, start)
         settled = settle(flow, begun / flow.scales)
         row, last = np.zeros(1, self.columns), settled.state * flow.scales
-        _fill(row[0], settled, flow, last)
+        fill(row[0], settled, flow, last)
         return SettledPoint(row, settled.decision.message, last)
 
     def failed(self, _point: Turning, _start: Start | Values, reason: str) -> SettledPoint:
@@ -393,7 +393,7 @@ def _fail(row: np.void) -> None:
     row["response"], row["status"], row["touched"] = RESPONSE[FAILED], STATUS["failed"], 0
 
 
-def _fill(row: np.void, settled: SettledSystem, flow: SystemFlow, last: Values) -> None:
+def fill(row: np.void, settled: SettledSystem, flow: SystemFlow, last: Values) -> None:
     """Write a settled response into a row."""
     problem = flow.problem
     decision, features, size = settled.decision, settled.features, problem.assembly.size

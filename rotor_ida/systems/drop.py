@@ -161,8 +161,7 @@ def drop(
     has_weight = system.gravity is not None or system.gravity_in_static_force is not None
     if not has_weight and system.units == "SI":
         system = replace(system, gravity=(0.0, -GRAVITY))
-    placed = [replace(each, phase=each.phase + turned) for each in system.unbalance]
-    free = replace(system, unbalance=placed, supports=())
+    free = replace(with_unbalance_at(system, turned), supports=())
     if isinstance(start, xr.Dataset):
         if modes is not None:
             raise InputError(f"start must be (q, velocity) with modes, got a result and {modes!r}")
@@ -182,6 +181,12 @@ def drop(
     )  # fmt: skip
     columns = figures_of_drop(run, gaps, limits) | cases[0].told
     return _dataset(system, run, columns, {"phase": turned})
+
+
+def with_unbalance_at(system: RotorSystem, angle: float) -> RotorSystem:
+    """Return a system whose unbalance is ahead by an angle."""
+    ahead = [replace(each, phase=each.phase + angle) for each in system.unbalance]
+    return replace(system, unbalance=ahead)
 
 
 def _course(

@@ -9,7 +9,8 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Column, Values
-from rotor_ida.schema import EVENT_KIND, OF_BEARING, OF_FRICTION_EVENT_KIND
+from rotor_ida.results.contact_facts import columns_of_contact, contact_facts
+from rotor_ida.schema import OF_BEARING
 from rotor_ida.systems.dataset import AROUND
 
 # Turns in one sense, without a return below half of the clearance, that make a whirl.
@@ -71,45 +72,28 @@ def touched_clearances(drops: xr.Dataset) -> list[str]:
 
 def _of_contact(run: xr.Dataset, number: int) -> dict[str, float]:
     """Return the figures of one contact."""
-    own = run.isel(episode=run["episode_contact"].values == number)
-    mine = run["event_contact"].values == number
-    kinds, times = run["event_kind"].values[mine], run["event_time"].values[mine]
-    forces = np.append(own["peak_force"].values, run["normal_force"].values[:, number])
-    at = np.append(own["peak_force_time"].values, run["t"].values)
-    place = int(np.nanargmax(forces))
-    complete = own["impulse"].values[~np.isnan(own["exit_time"].values)]
-    lengths = _lengths(own)
-    impulse, lasting = float(own["impulse"].values.sum()), float(lengths.sum())
-    rolls = times[kinds == OF_FRICTION_EVENT_KIND["roll"]]
+    own = columns_of_contact(run, number)
+    facts = contact_facts(own, float(run["clearance"][number]))
+    impulses, lasting = own["impulse"], facts["contact_time"]
+    complete = impulses[~np.isnan(own["exit_time"])]
+    begins = np.nan_to_num(own["entry_time"], nan=0.0)  # in contact from the start
+    lengths = np.nan_to_num(own["exit_time"], nan=float(own["t"][-1])) - begins
     race, race_time = _race(run, number)
     turns, rate = _whirl(run, number)
     sense = 0 if abs(turns) < FEWEST_TURNS else 1 if turns > 0.0 else -1
-    return {
-        "contact_count": int((kinds == EVENT_KIND["entry"]).sum()),
-        "largest_force": float(forces[place]),
-        "largest_force_time": float(at[place]) if forces[place] > 0.0 else math.nan,
+    return facts | {
         "largest_impulse": float(complete.max(initial=0.0)),
-        "total_impulse": impulse,
+        "total_impulse": float(impulses.sum()),
         "total_contact_time": lasting,
         "longest_contact_time": float(lengths.max(initial=0.0)),
-        "mean_contact_force": impulse / lasting if lasting > 0.0 else math.nan,
-        "total_heat": float(own["heat"].values.sum()),
-        "total_contact_loss": float(np.nansum(own["energy_lost"].values)),
-        "first_roll_time": float(rolls[0]) if rolls.size else math.nan,
+        "mean_contact_force": float(impulses.sum()) / lasting if lasting > 0.0 else math.nan,
         "largest_race_speed": race,
         "race_speed_time": race_time,
         "whirl_turns": turns,
         "whirl_speed": rate if sense else math.nan,
         "whirl_sense": sense,
-        "rest_time": _rest(run, kinds, times),
+        "rest_time": _rest(own),
     }
-
-
-def _lengths(own: xr.Dataset) -> Values:
-    """Return how long each contact lasts within the run."""
-    begins = np.nan_to_num(own["entry_time"].values, nan=0.0)  # in contact from the start
-    ends = np.nan_to_num(own["exit_time"].values, nan=float(own["t"].values[-1]))
-    return np.asarray(ends - begins)
 
 
 def _race(run: xr.Dataset, number: int) -> tuple[float, float]:
@@ -151,11 +135,9 @@ def _farthest_apart(angles: Values) -> tuple[int, int]:
     return min(low, high), max(low, high)
 
 
-def _rest(run: xr.Dataset, kinds: Values, times: Values) -> float:
+def _rest(own: Mapping[str, Values]) -> float:
     """Return the time of the last entry, if the contact lasts from it to the end; else NaN."""
-    edges = np.abs(kinds) == EVENT_KIND["entry"]
-    if not edges.any() or kinds[edges][-1] != EVENT_KIND["entry"]:
-        return math.nan
-    end = float(run["t"].values[-1])
-    last = float(times[edges][-1])
+    lasts = np.isnan(own["exit_time"])
+    end = float(own["t"][-1])
+    last = float(np.fmax.reduce(own["entry_time"][lasts], initial=math.nan))
     return last if end - last >= LASTING * end else math.nan

@@ -56,6 +56,8 @@ def state_at_end(assembly: Assembly, start: Start | xr.Dataset) -> Start:
 
 def _angle_at_end(start: xr.Dataset) -> float:
     """Return the angle of the unbalance at the end of a result, less whole revolutions."""
+    if "end_angle" in start:  # a run-up of many
+        return math.remainder(float(start["end_angle"]), math.tau)
     if kind_of(start) not in RUNS:
         return 0.0
     phase = start.attrs.get("phase", 0.0)

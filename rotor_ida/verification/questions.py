@@ -219,7 +219,7 @@ def _system_run(dataset: xr.Dataset) -> Question:
     return Question("run_up", given | changes)
 
 
-def _drops(_dataset: xr.Dataset) -> Question:
+def _lost(_dataset: xr.Dataset) -> Question:
     raise ValueError("it lacks its question, as those of older versions do")
 
 
@@ -405,12 +405,17 @@ VERIFIED = {
     "system_run": _SYSTEM_RUN,
     "drop": _SYSTEM_RUN,
     "drop_ensemble": Verification(
-        _drops, ("horizon", "status", "largest_force", "contact_count"), ("duration",),
-        _undecided, told=_decided,
+        _lost,
+        ("horizon", "status", "largest_force", "contact_count"), ("duration",), _undecided,
+        told=_decided,
     ),
     "system_sweep": Verification(
         _system_sweep, ("response", "direction", "touched", "period", *NUMBERS),
         ("rtol",), lambda _, __: {"final_state": TRANSIENT},
+    ),
+    "system_run_ups": Verification(
+        _lost, ("ending", "response", "rate", "phase", "to", *NUMBERS),
+        ("rtol",),
     ),
     "system_whirls": Verification(
         _system_whirls, ("amplitude", "normal_force", "growth_rate", "speed", *PROBLEM)

@@ -139,6 +139,21 @@ def test_the_answer_begins_with_the_first_touch(program: Program, rotor: str):
     assert program("simulate", rotor, "--duration", 0.001).out.startswith("No contact is touched.")
 
 
+def test_run_ups_of_a_file_are_those_of_python_and_verify(program: Program, rotor: str):
+    answer = program("run-ups", rotor, "--to", "4300rpm", "--rate", "2e4rpm/s", "--out", "many.nc")
+    assert (answer.status, answer.err) == (0, "")
+    assert "How run-ups to 450.295 rad/s end" in answer.out
+    around = {name: each for name, each in AROUND.items() if name != "start"}
+    ramp = {"speed": 3900 * RPM, "to": 4300 * RPM, "rate": 2e4 * RPM}
+    expected = rotor_ida.run_ups(SYSTEM_OF_PYTHON, **around, **ramp, starts=["rest"])
+    assert rotor_ida.load("many.nc").equals(expected)
+    assert program("verify", "many.nc").status == 0
+    record = json.loads(program("show", "many.nc", "--json").out)
+    assert record["run_ups"][0]["excursion"] == float(expected.excursion.max())
+    assert record["run_ups"][0]["first_touch_speed"] == float(expected.first_touch_speed.min())
+    assert [row["contact_node"] for row in record["contacts"]] == ["seal", "disc"]
+
+
 def test_a_sweep_of_a_file_is_that_of_python_and_verifies(program: Program, rotor: str):
     """Under gravity, in three modes; started where the file says."""
     text = Path(rotor).read_text().replace("gravity", "modes = 3\nstart = 'rest'\ngravity")
@@ -343,6 +358,8 @@ MISTAKES = [
     ("run-up rotor.toml --from 2 --speeds 0:1 1:2", "from must be left out with speeds, got 2.0"),
     ("run-up rotor.toml --to 1 --rate 1 --in 2", "rate must be left out with ramp_time, got 1.0"),
     ("sweep rotor.toml", "speed must be given with --speed for a sweep of a rotor system"),
+    ("run-ups rotor.toml --to 1 --rate 1 --method bdf", "method must be taylor for run-ups of a"),
+    ("run-ups rotor.toml --to 0 --rate 1", "to must not be 0 in run-ups of a rotor system, got"),
     ("sweep rotor.toml --speed 0", "speed must not be 0 in a sweep of a rotor system, got 0.0"),
     ("sweep rotor.toml --speed 1 --omega 2", "omega must be left out with a rotor system"),
     ("sweep rotor.toml --speed 1 --start 1 0 0 0", "start must be left out with a rotor system"),

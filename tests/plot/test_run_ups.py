@@ -3,9 +3,10 @@
 import numpy as np
 import pytest
 
-from rotor_ida import InputError, run_ups
+from rotor_ida import Contact, InputError, RotorSystem, Unbalance, run_ups
 from rotor_ida.plot import plot_endings, plot_largest_force, run_ups_figure
 from rotor_ida.plot.run_ups import ENDING_WORDS
+from rotor_ida.units import SPEED_UNITS
 
 
 @pytest.fixture(scope="module")
@@ -58,3 +59,29 @@ def test_a_run_down_says_so():
 def test_what_lacks_the_fractions_is_refused(found):
     with pytest.raises(InputError, match="it lacks rub_fraction"):
         plot_endings(found.drop_vars("rub_fraction"))
+
+
+def test_of_a_rotor_system_there_is_a_curve_for_each_contact_and_a_panel_for_each_speed():
+    system = RotorSystem(
+        mass=20.0 * np.eye(4), damping=300.0 * np.eye(4), stiffness=2e6 * np.eye(4),
+        nodes={"disc": (0, 1), "seal": (2, 3)},
+        unbalance=[Unbalance(node=node, moment=1e-3) for node in ("disc", "seal")],
+        contacts=[Contact(node="disc", clearance=2e-4, stiffness=1e8, exponent=1.0),
+                  Contact(node="seal", clearance=9e-4, stiffness=1e8, exponent=1.0)],
+    )  # fmt: skip
+    rpm = SPEED_UNITS["rpm"]
+    found = run_ups(system, speed=[50 * rpm, 100 * rpm], to=4000 * rpm, rate=[9e3 * rpm, 9e4 * rpm],
+                    workers=1)  # fmt: skip
+    forces, *endings = run_ups_figure(found).axes
+    assert (found.largest_force.isel(contact=0, rate=0) > 0.0).all()
+    assert [line.get_ydata().tolist() for line, *_ in forces.containers] == [
+        found.largest_force[speed, :, 0, 0, contact].values.tolist()
+        for speed in range(2) for contact in range(2)
+    ]  # fmt: skip
+    assert forces.get_xlabel() == "rate $a$ [rpm/s]"
+    assert forces.get_ylabel() == "largest normal force [N]"
+    labels = [text.get_text() for text in forces.get_legend().get_texts()]
+    assert labels[1] == "from 50 rpm, contact 1 at seal"
+    assert [ax.get_title() for ax in endings] == ["from 50 rpm", "from 100 rpm"]
+    with pytest.raises(InputError, match="must have a contact, got run-ups of a rotor system"):
+        plot_largest_force(found.isel(contact=[]))

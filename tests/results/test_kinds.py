@@ -12,8 +12,10 @@ from rotor_ida.verification.questions import VERIFIED
 
 PACKAGE = Path(rotor_ida.__file__).parent
 # They hand the kind on that they are given.
-HANDED_ON = {"signals/record.py", "cycles/dataset.py"}
-BUILDERS = {"labelled_dataset", "dataset", "branch_dataset", "dataset_of_system"}
+HANDED_ON = {"signals/record.py", "cycles/dataset.py", "steady/run_ups.py"}
+BUILDERS = {
+    "labelled_dataset", "dataset", "branch_dataset", "dataset_of_system", "labelled_run_ups"
+}  # fmt: skip
 
 
 def stated_kinds():

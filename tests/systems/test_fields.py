@@ -46,6 +46,7 @@ ASKED = {
     "clearance_report": (
         {"speed": (1.0, 1.1), "vibration_limit": 1.0, "points": 8, "multiple": 1.0}, FIELDS,
     ),
+    "run_ups": ({"speed": 0.9, "to": 1.2, "rate": 0.1, "workers": 1}, FIELDS),
     "drop": ({"speed": 1.2, "duration": 5.0, "samples": 5}, LEVITATED),
     "drop_ensemble": ({"speed": 1.2, "duration": 2.0, "drops": 2, "workers": 1}, LEVITATED),
 }  # fmt: skip

@@ -27,7 +27,7 @@ from rotor_ida.cli.output import Output, answer, answer_whole, summarised, worki
 from rotor_ida.cli.parsing import check_points
 from rotor_ida.cli.report import FIRST_ROWS, Report
 from rotor_ida.cli.rotor_options import RotorOptions, RotorsOptions
-from rotor_ida.cli.systems import run_up_file, simulate_file, sweep_file
+from rotor_ida.cli.systems import run_up_file, run_ups_file, simulate_file, sweep_file
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.scales import BECOMES
@@ -351,6 +351,8 @@ def bifurcation_diagram(
 
 
 def run_ups(
+    system: options.System = None,
+    /,
     *,
     rotors: RotorsOptions = RotorsOptions(),
     to: ToSpeed,
@@ -374,7 +376,14 @@ def run_ups(
         rotor-ida run-ups --omega 2 --to 0.5 --rate -0.1 --zeta 0.1 --delta0 1 \
             --shaft-stiffness 1 --load 0.2 --start 0 -0.2 0 0 --phase 0:5.5:8 \
             --workers 1 --figure run_ups
+
+    A rotor of any size with several contacts, from a system file:
+
+        rotor-ida run-ups rotor.toml --to 5000rpm --rate 5000rpm/s --out many.nc
     """
+    if system is not None:
+        given = {"to": to, "rate": rate, "phase": phase, "study": study, **jobs.on_every_core()}
+        return run_ups_file(system, rotors, start, solver, output, given)
     check_points(*rotors.axes(), rate, phase, start or [AT_REST], in_study=study is not None)
     output.check(panels=rotors.panels())
     rotor, given = rotors.asked()
