@@ -7,6 +7,7 @@ no arrays of two. The coordinates of a rotor system are arrays.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from typing import NamedTuple
 
@@ -83,9 +84,8 @@ class Disc:
                 rotor.disc_radius or 0.0,
             )
         ]  # fmt: skip
-        # about the axis of rotation, from which the centre of mass has a distance of 1
-        self.inertia = (spin.inertia if isinstance(spin, Driven) else 0.0) + 1.0
         self._turning = with_values(rotor)
+        self._unmoved = with_values(rotor, omega=0.0, load=0.0)
 
     def first_state(self, start: State) -> Values:
         """Return the state with which a run begins."""
@@ -114,6 +114,11 @@ class Disc:
         )  # fmt: skip
         return complex(*accelerations(at, 0.0, self._turning))
 
+    def reacting(self, _turn: complex, _speed: float, place: complex, velocity: complex) -> complex:
+        """Return the part of it that has a moment about the centre of mass."""
+        at = Moment((place.real, place.imag), (velocity.real, velocity.imag), AXIS)
+        return complex(*accelerations(at, 0.0, self._unmoved))
+
     def along(self, _number: int, force: complex) -> complex:
         """Return the acceleration by a force on the contact."""
         return force
@@ -126,17 +131,21 @@ class Disc:
         """Return the further forces for each unit of angular acceleration."""
         return 0.0j
 
-    def weight(self, turn: complex) -> float:
-        """Return the moment of the unbalance's weight about the axis."""
-        return -self.rotor.load * turn.real
+    def weight(self, _turn: complex) -> float:
+        """Return no moment: the weight has none about the centre of mass."""
+        return 0.0
+
+    def inertia_of(self, _turn: complex, _column: complex) -> float:
+        """Return the moment of inertia about the centre of mass; 0 for a prescribed speed."""
+        return self.spin.inertia if isinstance(self.spin, Driven) else 0.0
 
     def dot(self, one: complex, other: complex) -> float:
         """Return the sum of the products of coordinates."""
         return one.real * other.real + one.imag * other.imag
 
-    def size_of(self, one: complex, other: complex) -> float:
-        """Return the sum of the sizes of these products."""
-        return abs(one.real * other.real) + abs(one.imag * other.imag)
+    def length(self, one: complex) -> float:
+        """Return the root of the sum of squares."""
+        return abs(one)
 
     def write(self, out: Values, state: Values, acceleration: complex, _touches: Touches) -> None:
         """Write velocity and acceleration."""
@@ -256,6 +265,12 @@ class Coordinates:
         a[self.inert :] = 0.0
         return np.asarray(a)
 
+    reacting = free
+
+    def inertia_of(self, turn: complex, column: Values) -> float:
+        """Return the moment of inertia, given the accelerations for each unit of theta''."""
+        return self.inertia + self.dot(self.ahead(turn), column)
+
     def along(self, number: int, force: complex) -> Values:
         """Return the accelerations by a force on a contact."""
         x, y = self.rows[number]
@@ -280,9 +295,9 @@ class Coordinates:
         """Return the sum of the products of coordinates."""
         return float(one @ other)
 
-    def size_of(self, one: Values, other: Values) -> float:
-        """Return the sum of the sizes of these products."""
-        return float(np.abs(one) @ np.abs(other))
+    def length(self, one: Values) -> float:
+        """Return the root of the sum of squares."""
+        return math.sqrt(one @ one)
 
     def velocities(self, state: Values, touches: Touches) -> Values:
         """Return the velocities, with those of stators without mass by the forces of contacts."""

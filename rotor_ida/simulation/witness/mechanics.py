@@ -123,7 +123,10 @@ class Machine:
         return float(state[2 * self.body.size + number])
 
     def forces(self, time: float, state: Values) -> Forces:
-        """Return the accelerations, and the forces of all contacts."""
+        """Return the accelerations, and the forces of all contacts; those that roll do not slip."""
+        return self._forces(time, self.at_rest(time, state))
+
+    def _forces(self, time: float, state: Values) -> Forces:
         turn, speed, a, touches = self._known(time, state)
         faster = self.rate
         if self.is_driven or ROLLS in self.modes:
@@ -197,25 +200,33 @@ class Machine:
             matrix.append(row)
             right.append(left + law.radius * self.rate)
         if isinstance(spin, Driven):
-            ahead = body.ahead(turn)
-            row = [body.dot(ahead, column) for column in columns]
-            row[-1] += body.inertia
-            for k, law in enumerate(laws):
-                row[k] += law.radius
-            matrix.append(row)
-            drive = spin.torque - spin.slope * speed + body.weight(turn)
-            right.append(drive - self._braking(touches) - body.dot(ahead, a))
+            ahead, moved = body.ahead(turn), columns[-1]
+            row = [
+                body.dot(ahead, column) + law.radius
+                for column, law in zip(columns, laws, strict=False)
+            ]
+            matrix.append([*row, body.inertia_of(turn, moved)])
+            drive = spin.torque - spin.slope * speed
+            right.append(drive - self._resisting(turn, speed, state, touches))
         return Unknowns(columns, matrix, right)
 
-    def _braking(self, touches: Touches) -> float:
-        """Return the torque of friction against the spin; that of unknown forces is left out."""
-        laws = self.body.laws
-        return sum(law.radius * each.drag for law, each in zip(laws, touches, strict=True) if each)
+    def _resisting(self, turn: complex, speed: float, state: Values, touches: Touches) -> float:
+        """Return the moment against the spin; that of unknown forces and theta'' is left out."""
+        body = self.body
+        moving: Any = body.read(state)
+        a: Vector = body.reacting(turn, speed, *moving)
+        moment = -body.weight(turn)
+        for i, touch in enumerate(touches):
+            if touch is not None:
+                a = a - body.along(i, touch.force)
+                moment += body.laws[i].radius * touch.drag
+        return moment + body.dot(body.ahead(turn), a)
 
     def rates(self, time: float, state: Values, out: Values) -> None:
         """Write the rate of change of a state."""
         body, n = self.body, 2 * self.body.size
-        a, touches, faster = self.forces(time, state)
+        state = self.at_rest(time, state)
+        a, touches, faster = self._forces(time, state)
         body.write(out, state, a, touches)
         if body.has_races:
             for i, law in enumerate(body.laws):
@@ -227,23 +238,22 @@ class Machine:
             if state.size > GAINED:
                 angle, speed = self.spin.at(time, state)
                 turn = cmath.rect(1.0, angle)
-                torque = body.inertia * faster + body.dot(body.ahead(turn), a)
-                given = speed * (torque + self._braking(touches) - body.weight(turn))
+                torque = body.inertia_of(turn, 0.0j) * faster
+                given = speed * (torque + self._resisting(turn, speed, state, touches))
             body.book(out, state, touches[0], self.modes[0], given)
         if isinstance(self.spin, Driven):
             out[-2], out[-1] = self.spin.at(time, state)[1], faster
 
     def reported(self, time: float, state: Values) -> Values:
-        """Return a copy of a state with what follows from the modes.
+        """Return a state with what follows from the modes.
 
         Contacts that roll do not slip, and stators without mass move as they are pushed.
         """
-        full, body = state.copy(), self.body
-        self.put_at_rest(time, full)
+        state, body = self.at_rest(time, state), self.body
         if isinstance(body, Coordinates) and body.massless:
-            touches = self.forces(time, full).touches
-            full[body.size : 2 * body.size] = body.velocities(full, touches)
-        return full
+            touches, state = self.forces(time, state).touches, state.copy()
+            state[body.size : 2 * body.size] = body.velocities(state, touches)
+        return state
 
     def hidden_slip(self, number: int, time: float, state: Values) -> float:
         """Return the slip of a contact below which its surfaces do not slide."""
@@ -256,10 +266,12 @@ class Machine:
     def _stuck(self, time: float, state: Values) -> tuple[Unknowns, list[float]]:
         """Return the equations for the contacts that roll, and what is hidden of their forces."""
         turn, speed, a, touches = self._known(time, state)
-        unknowns, hidden = self.unknowns(turn, speed, state, a, touches), []
+        unknowns, hidden, body = self.unknowns(turn, speed, state, a, touches), [], self.body
+        forces = (body.along(i, touch.force) for i, touch in enumerate(touches) if touch)
+        pulled = body.length(a) + sum(map(body.length, forces))
         for row, i in enumerate(self.rolling()):
             touch: Any = touches[i]
-            size = self.body.size_of(unknowns.columns[row], a)
+            size = body.length(unknowns.columns[row]) * pulled
             size += abs(touch.approach * touch.across) / touch.radius
             hidden.append(HIDDEN * size / unknowns.matrix[row][row])
         return unknowns, hidden
@@ -274,13 +286,16 @@ class Machine:
         touch: Any = self.forces(time, state).touches[number]
         return touch.drag, self.body.laws[number].friction * touch.push
 
-    def put_at_rest(self, time: float, state: Values) -> None:
-        """Remove the slip of contacts that roll, by as little velocity as possible."""
-        body = self.body
+    def at_rest(self, time: float, state: Values) -> Values:
+        """Return a state without slip of contacts that roll, by as little velocity as possible."""
+        if ROLLS not in self.modes:
+            return state
+        body, state = self.body, state.copy()
         for i in self.rolling():
             touch = self.touch(i, time, state)
             column = body.along(i, 1j * touch.normal)
             body.add_velocity(state, -touch.slip / body.dot(column, column) * column)
+        return state
 
     def press(self, number: int, time: float, state: Values) -> None:
         """Set the mode of a pressed contact: surfaces slide or, if `settle` finds it so, roll."""

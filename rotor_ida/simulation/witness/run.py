@@ -128,8 +128,7 @@ class Run:
             watcher.step(motion, turns, end)
             self.time = end
         self.evaluations += motion.evaluations
-        self.state = motion.at(end).copy()
-        machine.put_at_rest(end, self.state)
+        self.state = machine.at_rest(end, motion.at(end).copy())
         return found
 
     def _change(self, found: Ends) -> None:
@@ -145,7 +144,7 @@ class Run:
             machine.modes[number] = SLIDES_FORWARDS if hold > 0.0 else SLIDES_BACKWARDS
         elif kind == ROLL:
             machine.modes[number] = ROLLS
-            machine.put_at_rest(time, state)
+            self.state = state = machine.at_rest(time, state)
         else:
             machine.press(number, time, state)
         self._settle(time, state, besides=number)
@@ -184,4 +183,4 @@ class Run:
                 if after == before:
                     return
                 kind = ROLL if after == ROLLS else REVERSE
-        self.events.append(Event(time, number, kind, self.machine.reported(time, state), before, after))
+        self.events.append(Event(time, number, kind, self.machine.reported(time, state).copy(), before, after))
