@@ -17,7 +17,6 @@ from rotor_ida.arrays import ROUNDING, Values
 from rotor_ida.checks import State
 from rotor_ida.model.forces import Moment, accelerations, resistance, with_values
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.simulation.orbit import FLIES
 from rotor_ida.simulation.spin import Driven, Spin, Steady
 
 # Parts of a sum of sizes below which it is lost in rounding.
@@ -151,7 +150,9 @@ class Disc:
         """Write velocity and acceleration."""
         out[:2], out[2], out[3] = state[2:IMPULSE], acceleration.real, acceleration.imag
 
-    def book(self, out: Values, state: Values, touch: Touch | None, mode: int, given: float) -> None:
+    def book(
+        self, out: Values, state: Values, touch: Touch | None, mode: int, given: float
+    ) -> None:
         """Write the rates of impulse and energies, given the power of the drive."""
         lost = heat = 0.0
         out[IMPULSE] = touch.push if touch else 0.0
@@ -314,7 +315,9 @@ class Coordinates:
         out[:n], out[n : 2 * n] = self.velocities(state, touches), acceleration
         out[n + self.inert : 2 * n] = 0.0
 
-    def book(self, out: Values, state: Values, touch: Touch | None, mode: int, given: float) -> None:
+    def book(
+        self, out: Values, state: Values, touch: Touch | None, mode: int, given: float
+    ) -> None:
         """Write no energies."""
 
     def add_velocity(self, state: Values, velocity: Values) -> None:

@@ -25,7 +25,7 @@ from rotor_ida.simulation.orbit import (
     Orbit,
     SpeedRecord,
 )
-from rotor_ida.simulation.spin import Driven, Spin, SpeedProfile, steady
+from rotor_ida.simulation.spin import Driven, SpeedProfile, Spin, steady
 from rotor_ida.simulation.witness.bodies import GAINED, HEAT, IMPULSE, LOST, SLID, Disc
 from rotor_ida.simulation.witness.events import LOOKS
 from rotor_ida.simulation.witness.integration import Integration

@@ -50,7 +50,9 @@ def first_end(motion: Integration, machine: Machine, turns: list[list[float]]) -
         for within, event, hidden in _guards(motion, machine, number):
             time = first_below(motion, within, hidden)
             if time < first.time and not (
-                event == ROLL and time == next_time(motion.low) and _drives_on(motion, machine, number)
+                event == ROLL
+                and time == next_time(motion.low)
+                and _drives_on(motion, machine, number)
             ):
                 first = Ends(time, number, event)
     return first
@@ -132,12 +134,15 @@ def turns_in(motion: Integration, machine: Machine, number: int) -> list[float]:
     One is found at most between two looks. A step of a drop through the centre may be as long as
     the drop.
     """
-    def rises(time: float, state: Values) -> float:
+
+    def rises(_: float, state: Values) -> float:
         z, v = machine.seen(number, state)
         return z.real * v.real + z.imag * v.imag
 
     places = motion.looks(LOOKS if machine.modes[number] == FLIES else 1)
     rates = [rises(place, motion.at(place)) for place in places]
+    if min(rates) > 0.0 or max(rates) < 0.0:
+        return []
     return [
         motion.root(rises, low, high)
         for (low, high), (rate, next_rate) in zip(pairwise(places), pairwise(rates), strict=True)
@@ -145,9 +150,7 @@ def turns_in(motion: Integration, machine: Machine, number: int) -> list[float]:
     ]
 
 
-def _crossing_in(
-    motion: Integration, machine: Machine, turns: list[float], number: int
-) -> float:
+def _crossing_in(motion: Integration, machine: Machine, turns: list[float], number: int) -> float:
     """Return when in the last step a contact first leaves its mode; infinity if never.
 
     A mode begins on the stator, up to rounding on either side: only a passage out of it counts.

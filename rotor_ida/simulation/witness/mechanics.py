@@ -38,7 +38,7 @@ from rotor_ida.simulation.orbit import (
     SLIDES_FORWARDS,
 )
 from rotor_ida.simulation.spin import Driven, Spin
-from rotor_ida.simulation.witness.bodies import GAINED, HIDDEN, Coordinates, Disc, Touch, Touches
+from rotor_ida.simulation.witness.bodies import GAINED, HIDDEN, Coordinates, Touch, Touches
 
 # Largest number of contacts that stick at once for which all combinations are tried.
 MOST_STUCK = 8
@@ -74,7 +74,7 @@ class Machine:
     body books and, if it is driven, angle and speed.
     """
 
-    body: Disc | Coordinates
+    body: Any  # Disc or Coordinates
     spin: Spin
     modes: list[int]
     # the angular acceleration if it is prescribed, else 0
@@ -87,8 +87,8 @@ class Machine:
 
     def seen(self, number: int, state: Values) -> tuple[complex, complex]:
         """Return displacement from the centre and velocity of a contact, by nothing pushed."""
-        moving: Any = self.body.read(state)
-        return self.body.seen(number, *moving)
+        z, v = self.body.seen(number, *self.body.read(state))
+        return complex(z), complex(v)
 
     def touch(self, number: int, time: float, state: Values) -> Touch:
         """Return how a contact is at a state; the force of one that rolls is left out."""
@@ -140,14 +140,12 @@ class Machine:
             faster = found[-1] if self.is_driven else faster
         return Forces(a, touches, faster)
 
-    def _known(
-        self, time: float, state: Values
-    ) -> tuple[complex, float, Vector, Touches]:
-        """Return direction of the unbalance, speed, accelerations by what is known, and contacts."""
+    def _known(self, time: float, state: Values) -> tuple[complex, float, Vector, Touches]:
+        """Return direction of the unbalance, speed, known part of accelerations, and contacts."""
         body = self.body
         angle, speed = self.spin.at(time, state)
         turn = cmath.rect(1.0, angle)
-        moving: Any = body.read(state)
+        moving = body.read(state)
         a: Vector = body.free(turn, speed, *moving)
         touches: Touches = []
         for i, mode in enumerate(self.modes):
@@ -191,8 +189,8 @@ class Machine:
             touch, own = touches[i], law.race_radius * law.race_mobility
             left = body.dot(mine, a) - touch.approach * touch.across / touch.radius
             if own:
-                for k, j in enumerate(rolling):
-                    row[k] += law.race_radius * own * (laws[k].race == law.race)
+                for k, other in enumerate(laws):
+                    row[k] += law.race_radius * own * (other.race == law.race)
                 known = sum(touches[j].drag for j in self._on_race(i) if j not in rolling)
                 left -= own * (law.race_radius * known - law.race_drag * self._race(i, state))
             if isinstance(spin, Driven):
@@ -213,14 +211,13 @@ class Machine:
     def _resisting(self, turn: complex, speed: float, state: Values, touches: Touches) -> float:
         """Return the moment against the spin; that of unknown forces and theta'' is left out."""
         body = self.body
-        moving: Any = body.read(state)
-        a: Vector = body.reacting(turn, speed, *moving)
+        a: Vector = body.reacting(turn, speed, *body.read(state))
         moment = -body.weight(turn)
         for i, touch in enumerate(touches):
             if touch is not None:
                 a = a - body.along(i, touch.force)
                 moment += body.laws[i].radius * touch.drag
-        return moment + body.dot(body.ahead(turn), a)
+        return float(moment + body.dot(body.ahead(turn), a))
 
     def rates(self, time: float, state: Values, out: Values) -> None:
         """Write the rate of change of a state."""
@@ -261,7 +258,7 @@ class Machine:
         size = abs(self.seen(number, state)[1]) + law.radius * speed
         if law.race_radius:
             size += law.race_radius * abs(self._race(number, state))
-        return max(HIDDEN * size, self.body.still)
+        return float(max(HIDDEN * size, self.body.still))
 
     def _stuck(self, time: float, state: Values) -> tuple[Unknowns, list[float]]:
         """Return the equations for the contacts that roll, and what is hidden of their forces."""
@@ -291,7 +288,7 @@ class Machine:
         if ROLLS not in self.modes:
             return state
         body, state = self.body, state.copy()
-        for i in self.rolling():
+        for i in 2 * self.rolling():  # again, for what rounding and other contacts leave
             touch = self.touch(i, time, state)
             column = body.along(i, 1j * touch.normal)
             body.add_velocity(state, -touch.slip / body.dot(column, column) * column)
@@ -342,7 +339,7 @@ class Machine:
 
     def begin(self, time: float, state: Values) -> None:
         """Decide the modes at the start; a contact whose force would pull is loose."""
-        for i, law in enumerate(self.body.laws):
+        for i in range(len(self.modes)):
             if not self.body.begins_in_contact(i, state):
                 continue
             self.modes[i] = IS_LOOSE
@@ -365,4 +362,4 @@ def _solved(matrix: list[list[float]], right: list[float]) -> list[float]:
         (a, b), (c, d) = matrix
         whole = a * d - b * c
         return [(right[0] * d - b * right[1]) / whole, (a * right[1] - right[0] * c) / whole]
-    return np.linalg.solve(np.array(matrix), np.array(right)).tolist()
+    return list(np.linalg.solve(np.array(matrix), np.array(right)).tolist())

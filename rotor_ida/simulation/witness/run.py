@@ -56,10 +56,10 @@ class Event:
 class Watcher(Protocol):
     """What sees the steps and events of a run."""
 
-    def step(self, motion: Integration, turns: list[list[float]], end: float) -> None:
+    def step(self, motion: Integration, turns: list[list[float]], end: float, /) -> None:
         """See the last step up to a time, given the extrema of all radii."""
 
-    def event(self, number: int, kind: int, time: float, state: Values) -> None:
+    def event(self, number: int, kind: int, time: float, state: Values, /) -> None:
         """See an event, in the mode that it begins."""
 
 
@@ -183,4 +183,6 @@ class Run:
                 if after == before:
                     return
                 kind = ROLL if after == ROLLS else REVERSE
-        self.events.append(Event(time, number, kind, self.machine.reported(time, state).copy(), before, after))
+        self.events.append(
+            Event(time, number, kind, self.machine.reported(time, state).copy(), before, after)
+        )

@@ -59,12 +59,14 @@ class _Records:
             touches = run.machine.forces(time, state).touches
             rows = np.zeros((len(touches), FORCES))
             for i, (mode, touch) in enumerate(zip(run.machine.modes, touches, strict=True)):
-                rows[i] = (touch.push, touch.drag, touch.slip, mode) if touch else (0, 0, np.nan, mode)
+                rows[i] = (
+                    (touch.push, touch.drag, touch.slip, mode) if touch else (0, 0, np.nan, mode)
+                )
             self.forces.append(rows)
             self.samples.append(run.machine.reported(time, state))
         self._look_for_standstill(motion, end)
 
-    def event(self, number: int, kind: int, time: float, state: Values) -> None:
+    def event(self, number: int, kind: int, time: float, _state: Values) -> None:
         """Begin a contact, or record it."""
         if kind == ENTRY:
             self.entries[number] = time
@@ -78,7 +80,7 @@ class _Records:
             return
 
         def beyond(time: float, state: Values) -> float:
-            return abs(machine.spin.at(time, state)[1]) - limit
+            return abs(float(machine.spin.at(time, state)[1])) - limit
 
         for low, high in pairwise(np.linspace(motion.low, until, LOOKS + 1).tolist()):
             is_below = beyond(high, motion.at(high)) <= 0.0
@@ -120,13 +122,16 @@ def _body_of(request: SystemRequest) -> Coordinates:
     inert, laws = len(request.force) - request.massless, []
     for each, rows in zip(request.laws, request.rows, strict=True):
         is_hertz = each["hertz"] != 0.0
-        numbers = [
-            each["clearance"], each["hertz" if is_hertz else "linear"],
-            HERTZ_EXPONENT if is_hertz else 1.0, each["contact_damping"], each["friction"],
-            each["radius"], each["race_radius"], each["inverse_race_inertia"], each["race_drag"],
-        ]  # fmt: skip
-        mobility = float(rows[0, inert:] @ rows[0, inert:])
-        laws.append(Law(*map(float, numbers), race=int(each["race"]), mobility=mobility))
+        numbers = {
+            "clearance": each["clearance"], "damping": each["contact_damping"],
+            "stiffness": each["hertz" if is_hertz else "linear"],
+            "exponent": HERTZ_EXPONENT if is_hertz else 1.0, "friction": each["friction"],
+            "radius": each["radius"], "race_radius": each["race_radius"],
+            "race_mobility": each["inverse_race_inertia"], "race_drag": each["race_drag"],
+            "mobility": rows[0, inert:] @ rows[0, inert:],
+        }  # fmt: skip
+        floats = {name: float(value) for name, value in numbers.items()}
+        laws.append(Law(**floats, race=int(each["race"])))  # type: ignore[arg-type]
     return Coordinates(
         **{name: getattr(request, name) for name in (
             "stiffness", "damping", "gyroscopic", "stiffness_rate", "rows", "unbalance", "force",
