@@ -155,7 +155,7 @@ def _crossing_in(motion: Integration, machine: Machine, turns: list[float], numb
 
     A mode begins on the stator, up to rounding on either side: only a passage out of it counts.
     """
-    clearance = machine.body.laws[number].clearance
+    clearance: float = machine.body.laws[number].clearance
     if clearance == 0.0:
         return math.inf
     side = -1.0 if machine.modes[number] == FLIES else 1.0

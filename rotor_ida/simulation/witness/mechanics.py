@@ -30,6 +30,7 @@ import numpy as np
 
 from rotor_ida.arrays import Values
 from rotor_ida.errors import SimulationError
+from rotor_ida.model.contact import damping_factor, spring_force
 from rotor_ida.simulation.orbit import (
     FLIES,
     IS_LOOSE,
@@ -106,14 +107,14 @@ class Machine:
             slip -= law.race_radius * self._race(number, state)
         spring = 0.0
         if depth > 0.0 and mode != FLIES:
-            spring = law.stiffness * depth**law.exponent
-        factor = 1.0 + law.damping * approach
+            spring = law.stiffness * spring_force(depth, law.exponent)
+        factor = damping_factor(approach, law.damping)
         push = 0.0 if mode == IS_LOOSE else spring * factor
         drag = law.friction * mode * push if mode in SLIDES else 0.0
         if law.mobility:
             push /= 1.0 + law.mobility * law.damping * spring
             approach -= law.mobility * push
-            factor = 1.0 + law.damping * approach
+            factor = damping_factor(approach, law.damping)
             drag = slip / law.mobility if mode == ROLLS else law.friction * mode * push
             slip -= law.mobility * drag
         return Touch(depth, radius, normal, approach, w.imag, slip, spring, factor, push, drag)

@@ -131,7 +131,7 @@ def _body_of(request: SystemRequest) -> Coordinates:
             "mobility": rows[0, inert:] @ rows[0, inert:],
         }  # fmt: skip
         floats = {name: float(value) for name, value in numbers.items()}
-        laws.append(Law(**floats, race=int(each["race"])))  # type: ignore[arg-type]
+        laws.append(Law(**floats, race=int(each["race"])))
     return Coordinates(
         **{name: getattr(request, name) for name in (
             "stiffness", "damping", "gyroscopic", "stiffness_rate", "rows", "unbalance", "force",
