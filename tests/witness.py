@@ -1,7 +1,7 @@
 """A witness of orbits that shares nothing with the program: SciPy's DOP853, restarted at crossings.
 
-The equations are written again here, on the rotating axes, from DESIGN section 2; the variational
-equation runs through entries and exits unchanged.
+The equations and their variational equation, which runs through entries and exits unchanged, are
+written again here, on fixed axes. Orbits with friction are those of `tests.spin_witness`.
 """
 
 from __future__ import annotations
@@ -10,6 +10,8 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.integrate import solve_ivp
+
+from tests.spin_witness import Spinner, ran
 
 TOLERANCES = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-13}
 
@@ -23,66 +25,11 @@ class Flown:
     crossings: np.ndarray
 
 
-def acceleration(z, w, omega, zeta, delta0, in_contact):
-    """Rate of change of ``(Z, W)`` with the force law of one mode."""
-    radius = abs(z)
-    force = max(radius - delta0, 0.0) ** 1.5 if in_contact else 0.0
-    push = force * z / radius if radius else 0.0
-    return w - 1j * omega * z, omega**2 - (2.0 * zeta + 1j * omega) * w - push
-
-
-def stiffness_of(z, delta0):
-    """Derivative of the contact force by displacement, shape (2, 2)."""
-    radius, depth = abs(z), max(abs(z) - delta0, 0.0)
-    outward = np.array([z.real, z.imag]) / radius
-    radial = np.outer(outward, outward)
-    return 1.5 * depth**0.5 * radial + depth**1.5 / radius * (np.eye(2) - radial)
-
-
-def rates(_, whole, omega, zeta, delta0, in_contact):
-    """Rate of change of a state and of four differences from it."""
-    z, w = complex(*whole[:2]), complex(*whole[2:4])
-    rate = acceleration(z, w, omega, zeta, delta0, in_contact)
-    turn = omega * np.array([[0.0, 1.0], [-1.0, 0.0]])
-    jacobian = np.zeros((4, 4))
-    jacobian[:2, :2], jacobian[:2, 2:] = turn, np.eye(2)
-    jacobian[2:, 2:] = turn - 2.0 * zeta * np.eye(2)
-    if in_contact:
-        jacobian[2:, :2] = -stiffness_of(z, delta0)
-    columns = jacobian @ whole[4:].reshape(4, 4)
-    return np.concatenate([[rate[0].real, rate[0].imag, rate[1].real, rate[1].imag],
-                           columns.ravel()])  # fmt: skip
-
-
-def gap(_, whole, omega, zeta, delta0, in_contact):
-    """Distance from the ring."""
-    return np.hypot(whole[0], whole[1]) - delta0
-
-
-def flown(rotor, start, duration):
-    """Follow a state and four differences from it, off the ring at the start, for a time."""
-    parameters = (rotor.omega, rotor.zeta, rotor.delta0)
-    whole = np.concatenate([start, np.eye(4).ravel()])
-    in_contact, now, crossings = bool(np.hypot(start[0], start[1]) > rotor.delta0), 0.0, []
-    while now < duration:
-        gap.terminal, gap.direction = True, -1.0 if in_contact else 1.0
-        solved = solve_ivp(
-            rates, (now, duration), whole, args=(*parameters, in_contact),
-            events=gap if rotor.delta0 > 0.0 else None, **TOLERANCES,
-        )  # fmt: skip
-        assert solved.success, solved.message
-        now, whole = float(solved.t[-1]), solved.y[:, -1]
-        if solved.status == 1:
-            crossings.append(now)
-            in_contact = not in_contact
-    return Flown(whole[:4], whole[4:].reshape(4, 4), np.array(crossings))
-
-
 def machine_rates(time, whole, rotor, in_contact, pressed):
     """Rate of change on fixed axes of a machine's state, and of four differences from it."""
     z, v = whole[:2], whole[2:4]
     radius = np.hypot(*z)
-    outward = z / radius
+    outward = z / (radius or 1.0)
     radial, depth, n = np.outer(outward, outward), radius - rotor.delta0, rotor.contact_exponent
     rise, held = v @ outward, 1.0 + rotor.contact_damping * (v @ outward)
     force = depth**n * held if in_contact and pressed and depth > 0.0 else 0.0
@@ -136,18 +83,7 @@ def machine_flown(rotor, start, duration):
     return Flown(whole[:4], whole[4:].reshape(4, 4), np.array(crossings))
 
 
-# ---- Friction: sliding on fixed axes, rolling in polar coordinates, restarted at every event ----
-
-# So long after an event nothing is looked for: what it left must not be found again.
-NUDGE = 1e-7
-
-
-def rub_normal(rotor, radius, rise):
-    """The normal force, which may pull where a step looks beyond a release."""
-    depth = radius - rotor.delta0
-    return np.sign(depth) * abs(depth) ** rotor.contact_exponent * (
-        1.0 + rotor.contact_damping * rise
-    )  # fmt: skip
+# ---- Friction ----
 
 
 def rub_polar(state):
@@ -170,129 +106,7 @@ def rub_slip(state, rotor):
     return rub_polar(state)[3] + (rotor.disc_radius or 0.0) * rotor.omega
 
 
-def sliding_rates(time, state, rotor, mode):
-    """z'' of flight, of a loose contact, and of one that slides in a sense."""
-    z, v = complex(*state[:2]), complex(*state[2:])
-    push = rotor.omega**2 * np.exp(1j * rotor.omega * time) - 1j * rotor.load
-    a = push - 2.0 * rotor.zeta * v - rotor.shaft_stiffness * z
-    if mode in (1, -1):
-        radius, _, rise, _ = rub_polar(state)
-        a -= rub_normal(rotor, radius, rise) * (1.0 + 1j * rotor.friction * mode) * z / radius
-    return [v.real, v.imag, a.real, a.imag]
-
-
-def rolling_rates(time, state, rotor):
-    """r'' = V**2/r - 2 zeta r' - kappa r - N + omega**2 cos(omega t - phi) - gamma sin phi, and
-    r phi' = -V."""
-    radius, rise, phi = state
-    rim = rotor.disc_radius * rotor.omega
-    drive = rotor.omega**2 * np.cos(rotor.omega * time - phi) - rotor.load * np.sin(phi)
-    bend = drive + rim**2 / radius - 2.0 * rotor.zeta * rise - rotor.shaft_stiffness * radius
-    return [rise, bend - rub_normal(rotor, radius, rise), -rim / radius]
-
-
-def rolled_state(polar, rotor):
-    """Displacement and velocity of a disc that rolls."""
-    radius, rise, phi = polar
-    turn = np.exp(1j * phi)
-    z, v = radius * turn, (rise - 1j * rotor.disc_radius * rotor.omega) * turn
-    return np.array([z.real, z.imag, v.real, v.imag])
-
-
-def rub_guards(rotor, mode):
-    """What ends a mode where it falls through 0, and which event that is."""
-
-    def gap(_time, state):
-        return np.hypot(state[0], state[1]) - rotor.delta0
-
-    def held(_time, state):
-        return 1.0 + rotor.contact_damping * rub_polar(state)[2]
-
-    def grip(sense):
-        def left(time, state):
-            radius, _, rise, _ = rub_polar(state)
-            normal = rub_normal(rotor, radius, rise)
-            return rotor.friction * normal - sense * rub_hold(time, state, rotor)
-
-        return left
-
-    def negative(function):
-        return lambda time, state: -function(time, state)
-
-    if mode == 0:
-        return [(negative(gap), 1)]
-    guards = [(gap, -1)]
-    if mode == 3:
-        return [*guards, (negative(held), 4)]
-    if rotor.contact_damping > 0.0:
-        guards.append((held, -4))
-    if mode == 2:
-        return [*guards, (grip(1), -2), (grip(-1), -2)]
-    if rotor.friction > 0.0:
-        guards.append((lambda _, state: mode * rub_slip(state, rotor), 2))
-    return guards
-
-
-def rub_mode_of(time, state, rotor, stopped=False):
-    """How a pressed contact goes on: 1 or -1 where it slides, 2 where it rolls."""
-    if rotor.friction == 0.0:
-        return 1
-    slip = 0.0 if stopped else rub_slip(state, rotor)
-    if abs(slip) > 1e-13:
-        return int(np.sign(slip))
-    radius, _, rise, _ = rub_polar(state)
-    hold = rub_hold(time, state, rotor)
-    grip = rotor.friction * rub_normal(rotor, radius, rise) if radius > rotor.delta0 else 0.0
-    return 2 if abs(hold) <= grip + 1e-15 else int(np.sign(hold))
-
-
-def rub_stretch(now, end, state, rotor, mode, guards=()):
-    """Follow one mode to an end or to the first guard; return time, state and number of guard."""
-    how = {**TOLERANCES, "rtol": 1e-13, "atol": 1e-14, "max_step": 0.05}
-    read = (lambda polar: rolled_state(polar, rotor)) if mode == 2 else (lambda seen: seen)
-
-    def wrapped(guard):
-        def event(time, seen):
-            return guard(time, read(seen))
-
-        event.terminal, event.direction = True, -1.0
-        return event
-
-    if mode == 2:
-        radius, phi, rise, _ = rub_polar(state)
-        begun, rates = [radius, rise, phi], lambda time, seen: rolling_rates(time, seen, rotor)
-    else:
-        begun, rates = state, lambda time, seen: sliding_rates(time, seen, rotor, mode)
-    found = solve_ivp(rates, (now, end), begun, events=[wrapped(each) for each in guards], **how)
-    assert found.success, found.message
-    if found.status == 0:
-        return end, read(found.y[:, -1]), None
-    place = next(i for i, times in enumerate(found.t_events) if times.size)
-    return float(found.t_events[place][0]), read(found.y_events[place][0]), place
-
-
 def rubbed(rotor, start, duration):
     """Follow a rotor, off the ring at the start; return its events and its end."""
-    now, state, events = 0.0, np.array(start, dtype=float), []
-    mode = 0
-    if np.hypot(*state[:2]) > rotor.delta0:
-        loose = 1.0 + rotor.contact_damping * rub_polar(state)[2] <= 0.0
-        mode = 3 if loose else rub_mode_of(now, state, rotor)
-    while now < duration:
-        guards = rub_guards(rotor, mode)
-        now, state, place = rub_stretch(now, duration, state, rotor, mode, [g for g, _ in guards])
-        if place is None:
-            break
-        kind = guards[place][1]
-        if kind == 2:
-            before, mode = mode, rub_mode_of(now, state, rotor, stopped=True)
-            kind = 2 if mode == 2 else 3
-            assert mode != before, "only touched"
-        elif kind == -2:
-            mode = 1 if place == len(guards) - 2 else -1
-        else:
-            mode = {-1: 0, -4: 3}.get(kind) if kind < 0 else rub_mode_of(now, state, rotor)
-        events.append((now, kind))
-        end = min(now + NUDGE, duration)
-        now, state, _ = rub_stretch(now, end, state, rotor, mode)
-    return events, state
+    told = ran([(duration, Spinner(rotor))], start, rotor.omega)
+    return [(time, kind) for time, kind, _ in told.events], told.end[:4]

@@ -7,7 +7,7 @@ import pytest
 
 from rotor_ida import Rotor, SimulationError, simulate
 from rotor_ida.simulation.neighbours import MAXIMUM, shoot
-from tests.witness import flown
+from tests.cycles.known import once_round
 
 GO_ON = np.zeros(1, np.uint8)
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
@@ -30,7 +30,7 @@ CONTACTS = ("bouncing", "from within a contact to within a contact", "in contact
 def test_end_and_monodromy_are_those_of_dop853_restarted_at_the_crossings(name):
     """Both integrate the variational equation through entries and exits unchanged."""
     rotor, start, duration = CASES[name]
-    expected, shot = flown(rotor, start, duration), shoot(rotor, start, duration, GO_ON)
+    expected, shot = once_round(rotor, start, duration), shoot(rotor, start, duration, GO_ON)
     size = np.abs(expected.monodromy).max()
     # DOP853's own error at 1e-12 a step, grown as differences grow
     np.testing.assert_allclose(shot.end, expected.end, rtol=0.0, atol=1e-10 * max(size, 1.0))
