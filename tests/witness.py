@@ -1,7 +1,7 @@
 """A witness of orbits that shares nothing with the program: SciPy's DOP853, restarted at crossings.
 
-The equations are written again here, on the rotating axes, from DESIGN section 2; the variational
-equation runs through entries and exits unchanged.
+The equations and their variational equation, which runs through entries and exits unchanged, are
+written again here, on fixed axes.
 """
 
 from __future__ import annotations
@@ -23,66 +23,11 @@ class Flown:
     crossings: np.ndarray
 
 
-def acceleration(z, w, omega, zeta, delta0, in_contact):
-    """Rate of change of ``(Z, W)`` with the force law of one mode."""
-    radius = abs(z)
-    force = max(radius - delta0, 0.0) ** 1.5 if in_contact else 0.0
-    push = force * z / radius if radius else 0.0
-    return w - 1j * omega * z, omega**2 - (2.0 * zeta + 1j * omega) * w - push
-
-
-def stiffness_of(z, delta0):
-    """Derivative of the contact force by displacement, shape (2, 2)."""
-    radius, depth = abs(z), max(abs(z) - delta0, 0.0)
-    outward = np.array([z.real, z.imag]) / radius
-    radial = np.outer(outward, outward)
-    return 1.5 * depth**0.5 * radial + depth**1.5 / radius * (np.eye(2) - radial)
-
-
-def rates(_, whole, omega, zeta, delta0, in_contact):
-    """Rate of change of a state and of four differences from it."""
-    z, w = complex(*whole[:2]), complex(*whole[2:4])
-    rate = acceleration(z, w, omega, zeta, delta0, in_contact)
-    turn = omega * np.array([[0.0, 1.0], [-1.0, 0.0]])
-    jacobian = np.zeros((4, 4))
-    jacobian[:2, :2], jacobian[:2, 2:] = turn, np.eye(2)
-    jacobian[2:, 2:] = turn - 2.0 * zeta * np.eye(2)
-    if in_contact:
-        jacobian[2:, :2] = -stiffness_of(z, delta0)
-    columns = jacobian @ whole[4:].reshape(4, 4)
-    return np.concatenate([[rate[0].real, rate[0].imag, rate[1].real, rate[1].imag],
-                           columns.ravel()])  # fmt: skip
-
-
-def gap(_, whole, omega, zeta, delta0, in_contact):
-    """Distance from the ring."""
-    return np.hypot(whole[0], whole[1]) - delta0
-
-
-def flown(rotor, start, duration):
-    """Follow a state and four differences from it, off the ring at the start, for a time."""
-    parameters = (rotor.omega, rotor.zeta, rotor.delta0)
-    whole = np.concatenate([start, np.eye(4).ravel()])
-    in_contact, now, crossings = bool(np.hypot(start[0], start[1]) > rotor.delta0), 0.0, []
-    while now < duration:
-        gap.terminal, gap.direction = True, -1.0 if in_contact else 1.0
-        solved = solve_ivp(
-            rates, (now, duration), whole, args=(*parameters, in_contact),
-            events=gap if rotor.delta0 > 0.0 else None, **TOLERANCES,
-        )  # fmt: skip
-        assert solved.success, solved.message
-        now, whole = float(solved.t[-1]), solved.y[:, -1]
-        if solved.status == 1:
-            crossings.append(now)
-            in_contact = not in_contact
-    return Flown(whole[:4], whole[4:].reshape(4, 4), np.array(crossings))
-
-
 def machine_rates(time, whole, rotor, in_contact, pressed):
     """Rate of change on fixed axes of a machine's state, and of four differences from it."""
     z, v = whole[:2], whole[2:4]
     radius = np.hypot(*z)
-    outward = z / radius
+    outward = z / (radius or 1.0)
     radial, depth, n = np.outer(outward, outward), radius - rotor.delta0, rotor.contact_exponent
     rise, held = v @ outward, 1.0 + rotor.contact_damping * (v @ outward)
     force = depth**n * held if in_contact and pressed and depth > 0.0 else 0.0

@@ -79,7 +79,7 @@ def contact_force(
     >>> contact_force([0.5, 1.5], 0.5)
     array([0., 1.])
     """
-    return indentation(radius, delta0) ** exponent
+    return np.asarray(spring_force(indentation(radius, delta0), exponent))
 
 
 def force_at_depth(depth: float, exponent: float) -> tuple[float, float]:
@@ -104,7 +104,7 @@ def contact_stiffness(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
     >>> contact_stiffness([0.5, 1.5], 0.5)
     array([0. , 1.5])
     """
-    return HERTZ_EXPONENT * indentation(radius, delta0) ** (HERTZ_EXPONENT - 1.0)
+    return np.asarray(spring_slope(indentation(radius, delta0), HERTZ_EXPONENT))
 
 
 def secant_stiffness(
@@ -122,16 +122,34 @@ def secant_stiffness(
     return np.divide(force, radii, out=np.zeros_like(force), where=force > 0.0)
 
 
-def damping_factor(radial_speed: npt.ArrayLike, contact_damping: float) -> Values:
-    """Return the contact damping factor of the force, ``max(1 + c d', 0)`` [1]; never tensile.
+def spring_force(depth: Any, exponent: Any) -> Any:
+    """Return the elastic force at an indentation of at least 0, ``d**n``: numbers or arrays."""
+    return depth**exponent
+
+
+def spring_slope(depth: Any, exponent: Any) -> Any:
+    """Return its slope by the indentation, ``n d**(n - 1)``."""
+    return exponent * depth ** (exponent - 1.0)
+
+
+def damping_factor(radial_speed: Any, contact_damping: Any) -> Any:
+    """Return the factor of contact damping, ``1 + c d'``: numbers, arrays or symbols.
+
+    The contact is released where it falls to 0, and loose below.
+    """
+    return 1.0 + contact_damping * radial_speed
+
+
+def pressed_factor(radial_speed: npt.ArrayLike, contact_damping: float) -> Values:
+    """Return the factor of contact damping, 0 where the contact is loose: never tensile [1].
 
     Examples
     --------
-    >>> damping_factor([1.0, -1.0, -4.0], 0.5)
+    >>> pressed_factor([1.0, -1.0, -4.0], 0.5)
     array([1.5, 0.5, 0. ])
     """
     speed = np.asarray(radial_speed, dtype=np.float64)
-    return np.maximum(1.0 + contact_damping * speed, 0.0)
+    return np.asarray(np.maximum(damping_factor(speed, contact_damping), 0.0))
 
 
 def contact_potential(
@@ -155,14 +173,14 @@ def contact_potential(
 def force_over_radius(radius: float, delta0: float, exponent: float = HERTZ_EXPONENT) -> float:
     """Return the scalar ``f(r)/r``; zero at r = 0."""
     depth = radius - delta0
-    return depth**exponent / radius if depth > 0.0 else 0.0
+    return float(spring_force(depth, exponent)) / radius if depth > 0.0 else 0.0
 
 
 def stiffness(radius: float, delta0: float, exponent: float = HERTZ_EXPONENT) -> float:
     """Return the scalar ``f'(r)``; 1 in contact for a linear spring, and 0 elsewhere."""
     if exponent == 1.0:
         return 1.0 if radius > delta0 else 0.0
-    return float(exponent * max(radius - delta0, 0.0) ** (exponent - 1.0))
+    return float(spring_slope(max(radius - delta0, 0.0), exponent))
 
 
 def secant_of_square(square: Any) -> Any:

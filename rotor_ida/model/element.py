@@ -32,6 +32,7 @@ from __future__ import annotations
 
 from typing import Any
 
+from rotor_ida.model.contact import damping_factor
 from rotor_ida.model.forces import Number, Numbers, damped, slope_of_root, spring_of_root
 
 # What an element is given: the root of its indentation, displacement and velocity, and the speeds
@@ -110,7 +111,7 @@ def slopes_of(given: Numbers, contact: Any) -> list[Number]:
     root, approach, across, push, drag, pull = given
     radius = contact.clearance + root * root
     resisted = contact.contact_damping * spring_of_root(root, contact)
-    along = slope_of_root(root, contact) * (1.0 + contact.contact_damping * approach)
+    along = slope_of_root(root, contact) * damping_factor(approach, contact.contact_damping)
     approach_share, across_share = approach / radius, across / radius
     return [
         along, resisted * across_share, resisted, push / radius, drag / radius,

@@ -27,6 +27,7 @@ from rotor_ida.model.contact import (
     contact_potential,
     damping_factor,
     force_over_radius,
+    pressed_factor,
     stiffness,
 )
 from rotor_ida.model.forces import Moment, accelerations, turned_rates
@@ -86,7 +87,8 @@ def push_over_radius(state: Sequence[float], rotor: Rotor) -> float:
     secant = force_over_radius(radius, rotor.delta0, rotor.contact_exponent)
     if rotor.contact_damping == 0.0 or secant == 0.0:
         return secant
-    return secant * max(0.0, 1.0 + rotor.contact_damping * (x * vx + y * vy) / radius)
+    approach = (x * vx + y * vy) / radius
+    return secant * max(0.0, float(damping_factor(approach, rotor.contact_damping)))
 
 
 def jacobian(state: npt.ArrayLike, rotor: Rotor) -> Values:
@@ -160,8 +162,9 @@ def _jacobian(state: npt.ArrayLike, rotor: Rotor, turning: float) -> Values:
     given = variables(values)
     if rotor.contact_damping > 0.0 and secant > 0.0:
         x, y, vx, vy = given
-        held = rotor.contact_damping * (x * vx + y * vy) / (x * x + y * y) ** 0.5 + 1.0
-        restoring = restoring * held if held.value > 0.0 else restoring * 0.0
+        approach = (x * vx + y * vy) / (x * x + y * y) ** 0.5
+        factor = damping_factor(approach, rotor.contact_damping)
+        restoring = restoring * factor if factor.value > 0.0 else restoring * 0.0
     return np.array([rate.parts for rate in _rates(given, restoring, rotor, turning)])
 
 
@@ -288,5 +291,5 @@ def power(time: npt.ArrayLike, states: npt.ArrayLike, rotor: Rotor) -> Values:
     outwards = x * vx + y * vy
     speed = np.divide(outwards, radius, out=np.zeros_like(outwards), where=radius > 0.0)
     spring = contact_force(radius, rotor.delta0, rotor.contact_exponent)
-    added = damping_factor(speed, rotor.contact_damping) - 1.0
+    added = pressed_factor(speed, rotor.contact_damping) - 1.0
     return np.asarray(left - spring * added * speed)

@@ -19,7 +19,7 @@ from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
-from rotor_ida.model.contact import HERTZ_EXPONENT, secant_of_square
+from rotor_ida.model.contact import HERTZ_EXPONENT, damping_factor, secant_of_square
 from rotor_ida.model.parameters import ALL_PARAMETERS
 
 # A number, or any object with sums, products, quotients and constant powers.
@@ -102,7 +102,7 @@ def slope_of_root(q: Number, rotor: Any) -> Number:
 
 def damped(push: Number, approach: Number, rotor: Any) -> Number:
     """Return the normal force ``d**n (1 + c d')``, or 0 where the contact is loose [1]."""
-    return rotor.pressed * push * (1.0 + rotor.contact_damping * approach)
+    return rotor.pressed * push * damping_factor(approach, rotor.contact_damping)
 
 
 def secant(square: Number, rotor: Any) -> Number:

@@ -29,6 +29,7 @@ import numpy.typing as npt
 from rotor_ida.arrays import ROUNDING, Stop, Values, Watch
 from rotor_ida.checks import State
 from rotor_ida.errors import SimulationError
+from rotor_ida.model.contact import damping_factor, spring_force, spring_slope
 from rotor_ida.model.forces import Moment, accelerations, with_values
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.simulation.options import LOOSEST_RTOL_OF_TAYLOR, Options
@@ -133,8 +134,8 @@ def _fastest(orbit: Orbit) -> float:
     farthest = float(np.sqrt(squares.max(initial=delta0**2)))
     depth = max(farthest - delta0, float(orbit.contacts["peak_indentation"].max(initial=0.0)))
     exponent = rotor.contact_exponent
-    stiffness = exponent * depth ** (exponent - 1.0) + rotor.shaft_stiffness
-    decay = 2.0 * zeta + rotor.contact_damping * depth**exponent
+    stiffness = spring_slope(depth, exponent) + rotor.shaft_stiffness
+    decay = 2.0 * zeta + rotor.contact_damping * spring_force(depth, exponent)
     return float(omega + decay + np.sqrt(stiffness))
 
 
@@ -237,11 +238,11 @@ def _guards_apart(orbit: Orbit, apart: Values) -> Values:
         n, slips = rotor.contact_exponent, kinds == SLIP
         depth = np.maximum(radius - rotor.delta0, 0.0)
         rim = (rotor.disc_radius or 0.0) * orbit.event_speeds
-        damped = rotor.friction * rotor.contact_damping
-        stiffness = rotor.friction * n * depth ** (n - 1.0) + damped * depth**n * speed / radius
+        damped = rotor.friction * rotor.contact_damping * spring_force(depth, n)
+        stiffness = rotor.friction * spring_slope(depth, n) + damped * speed / radius
         drive = (orbit.event_speeds**2 + rotor.load + rim * speed / radius) / radius
         by_place = np.where(slips, stiffness + drive, by_place)
-        by_velocity = np.where(slips, damped * depth**n + rim / radius, by_velocity)
+        by_velocity = np.where(slips, damped + rim / radius, by_velocity)
     displaced, faster = np.hypot(*apart[:, :2].T), np.hypot(*apart[:, 2:].T)
     return np.asarray(by_place * displaced + by_velocity * faster)
 
@@ -286,8 +287,8 @@ def _guards_of_friction(orbit: Orbit) -> tuple[Values, Values]:
     rise, turn = (x * vx + y * vy) / radius, np.arctan2(y, x)
     lag, square = orbit.event_angles - turn, orbit.event_speeds**2
     depth = np.maximum(radius - rotor.delta0, np.finfo(float).tiny)
-    factor = 1.0 + rotor.contact_damping * rise
-    normal = depth**n * factor
+    factor, spring = damping_factor(rise, rotor.contact_damping), spring_force(depth, n)
+    normal = spring * factor
     hold = square * np.sin(lag) - rotor.load * np.cos(turn)
     hold += rim * (2.0 * rotor.zeta + rise / radius)
     assert orbit.ways is not None
@@ -298,7 +299,7 @@ def _guards_of_friction(orbit: Orbit) -> tuple[Values, Values]:
     drive = square * np.cos(lag) - rotor.load * np.sin(turn)
     bend = drive + rim**2 / radius - 2.0 * rotor.zeta * rise - rotor.shaft_stiffness * radius
     bend -= normal
-    grip_rate = n * depth ** (n - 1.0) * rise * factor + depth**n * rotor.contact_damping * bend
+    grip_rate = spring_slope(depth, n) * rise * factor + spring * rotor.contact_damping * bend
     hold_rate = square * np.cos(lag) * (orbit.event_speeds + rim / radius)
     hold_rate -= rotor.load * np.sin(turn) * rim / radius
     hold_rate += rim * (bend - rise**2 / radius) / radius

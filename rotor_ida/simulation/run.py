@@ -115,7 +115,7 @@ def run(
 def reference() -> Callable[..., Orbit]:
     """Return the reference simulator, or raise `InstallationError` without scikit-sundae."""
     try:
-        from rotor_ida.simulation.reference import run_reference  # noqa: PLC0415
+        from rotor_ida.simulation.witness.disc import run_reference  # noqa: PLC0415
     except ImportError as error:
         raise InstallationError(
             f"backend 'python' needs scikit-sundae: pip install scikit-sundae ({error})"

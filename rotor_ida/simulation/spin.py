@@ -19,9 +19,8 @@ import numpy.typing as npt
 from rotor_ida.arrays import Values
 from rotor_ida.core.runs import PIECE, SPIN, Rows
 
-# Positions in the state of a spinning rotor: the energy given by the drive less all losses; in that
-# of a driven rotor, angle and speed.
-GAINED, ANGLE, SPEED = 8, 9, 10
+# Positions in the state of a driven rotor.
+ANGLE, SPEED = -2, -1
 
 
 @dataclass(frozen=True, slots=True)

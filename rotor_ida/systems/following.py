@@ -206,6 +206,14 @@ def follow_twice(
     return compared(result, other, request)
 
 
+def compared_with_series(
+    result: SystemResult, request: SystemRequest, stop: Stop, watch: Watch
+) -> Followed:
+    """Return a run with the errors of its events by one by Taylor series."""
+    bare = replace(request, times=request.times[[-1]], only_events=True)
+    return compared(result, follow_system_again(bare, stop, watch), request)
+
+
 def compared(result: SystemResult, other: SystemResult, request: SystemRequest) -> Followed:
     """Return a run with the errors of its events by another one."""
     errors, horizon = errors_of(result, other, len(request.laws), request.duration)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from types import ModuleType
 from typing import Literal, Unpack
 
 import numpy as np
@@ -36,6 +35,7 @@ from rotor_ida.systems.dataset import fastest_whirl, system_dataset
 from rotor_ida.systems.ends import state_at_end
 from rotor_ida.systems.following import (
     Followed,
+    compared_with_series,
     follow_system_again,
     follow_twice,
     growth_of,
@@ -374,16 +374,19 @@ def run_of_cases(
     )  # fmt: skip
 
 
-def _witness(method: str) -> ModuleType:
-    """Return the runs by CVODE, or raise `InstallationError` without scikit-sundae."""
+def _run_by_cvode(
+    request: SystemRequest, profile: SpeedProfile, rtol: float, method: str, stop: Stop,
+    watch: Watch,
+) -> SystemResult:  # fmt: skip
+    """Return a run by CVODE, or raise `InstallationError` without scikit-sundae."""
     try:
-        from rotor_ida.systems import witness  # noqa: PLC0415
+        from rotor_ida.simulation.witness.system import run_system  # noqa: PLC0415
     except ImportError as error:
         raise InstallationError(
             f"method {method!r} of a rotor system needs scikit-sundae: "
             f"pip install scikit-sundae ({error})"
         ) from error
-    return witness
+    return run_system(request, profile, rtol, method, stop, watch)
 
 
 def _followed(
@@ -397,9 +400,8 @@ def _followed(
         if method == "taylor":
             followed = follow_twice(first.request, stop, watch)
         else:
-            followed = _witness(method).follow_by_cvode(
-                first.request, profile, rtol, method, stop, watch
-            )
+            result = _run_by_cvode(first.request, profile, rtol, method, stop, watch)
+            followed = compared_with_series(result, first.request, stop, watch)
         moved = [shifts_of(followed.result, each.request, stop, watch) for each in second]
         return followed, moved[0] if moved else None
 
@@ -446,9 +448,6 @@ def _sampled_at(
     def follow(stop: Stop) -> SystemResult:
         if method == "taylor":
             return follow_system_again(request, stop)
-        result: SystemResult = _witness(method).run_by_cvode(
-            request, profile, rtol, method, stop, []
-        )
-        return result
+        return _run_by_cvode(request, profile, rtol, method, stop, [])
 
     return replace(followed, result=interruptible(follow))

@@ -10,6 +10,7 @@ import numpy.typing as npt
 from rotor_ida.arrays import Values
 from rotor_ida.checks import check_array, check_choice, shown
 from rotor_ida.errors import InputError
+from rotor_ida.model.contact import spring_force, spring_slope
 from rotor_ida.model.system_parts import STARTS
 from rotor_ida.systems.assembly import Assembly
 
@@ -143,8 +144,8 @@ def _imbalance(
         if indented <= 0.0 or radius == 0.0:
             continue
         rows, n = assembly.rows[number], contact.exponent
-        force = contact.stiffness * indented**n
-        stiff = contact.stiffness * n * indented ** (n - 1.0) * np.outer(along, along)
+        force = contact.stiffness * spring_force(indented, n)
+        stiff = contact.stiffness * spring_slope(indented, n) * np.outer(along, along)
         stiff += force / radius * (np.eye(2) - np.outer(along, along))
         rubbing = np.eye(2) + sliding * contact.friction * QUARTER_TURN
         stiff = rubbing @ stiff

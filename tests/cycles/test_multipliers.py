@@ -18,8 +18,7 @@ from rotor_ida.cycles.multipliers import (
 from rotor_ida.cycles.orbit import followed
 from rotor_ida.cycles.shooting import close_orbit
 from rotor_ida.simulation.flow import DiscFlow
-from tests.cycles.known import BOUNCING, FULL, SLIVER, SPECIAL_POINTS
-from tests.witness import flown
+from tests.cycles.known import BOUNCING, FULL, SLIVER, SPECIAL_POINTS, once_round
 
 KNOWN = [BOUNCING, FULL]
 
@@ -75,7 +74,7 @@ def test_every_stretch_of_every_orbit_is_conformally_symplectic(rotor):
         q = math.exp(-2.0 * rotor.zeta * duration)
         for matrix, allowed in (
             (followed(DiscFlow(rotor), start, duration).monodromy, 1e-13),
-            (flown(rotor, start, duration).monodromy, 1e-9),
+            (once_round(rotor, start, duration).monodromy, 1e-9),
         ):
             size = (np.abs(matrix).T @ np.abs(FORM) @ np.abs(matrix)).max()
             assert np.abs(matrix.T @ FORM @ matrix - q * FORM).max() < allowed * size

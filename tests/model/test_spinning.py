@@ -10,15 +10,10 @@ from rotor_ida import Rotor
 from rotor_ida.model.contact import contact_potential
 from rotor_ida.model.derivation import derive
 from rotor_ida.model.spinning import RUN_UP
-from rotor_ida.simulation.mechanics import (
-    BACKWARDS,
-    FLIGHT,
-    FORWARDS,
-    ROLLING,
-    SpinningRotor,
-    rates_of,
-)
+from rotor_ida.simulation.orbit import FLIES, ROLLS, SLIDES_BACKWARDS, SLIDES_FORWARDS
 from rotor_ida.simulation.spin import SPEED, Driven, Ramp
+from rotor_ida.simulation.witness.bodies import Disc
+from rotor_ida.simulation.witness.mechanics import Machine
 from tests.model.symbolic import value_of
 
 MODES = {mode.name: mode for mode in RUN_UP.modes}
@@ -28,7 +23,9 @@ ROTOR = Rotor(
 )  # fmt: skip
 LINEAR = replace(ROTOR, contact_exponent=1.0)
 SPINS = {"ramp": Ramp(0.0, 0.0, 1.3, -0.2), "torque": Driven(2.0, 0.3, 4.0)}
-WAYS = {"contact": FORWARDS, "rub": BACKWARDS, "rolling": ROLLING, "cartesian": FLIGHT}
+WAYS = {
+    "contact": SLIDES_FORWARDS, "rub": SLIDES_BACKWARDS, "rolling": ROLLS, "cartesian": FLIES,
+}  # fmt: skip
 
 
 def as_core(rotor, spin, mode):
@@ -93,13 +90,13 @@ def drawn(name, seed):
 @pytest.mark.parametrize("name", MODES)
 def test_accelerations_are_those_on_fixed_axes(name, spin, rotor):
     rotor = replace(rotor, friction=0.0, disc_radius=None) if name == "contact" else rotor
-    machine = SpinningRotor(rotor, SPINS[spin])
+    machine = Machine(Disc(rotor, SPINS[spin]), SPINS[spin], [WAYS[name]])
     given = replace(rotor, disc_radius=rotor.disc_radius or 0.0)
     for seed in range(20):
         z, v = drawn(name, seed)
-        state, rate = np.zeros(SPEED + 1), np.empty(SPEED + 1)
+        state, rate = np.zeros(11), np.empty(11)
         state[:4], state[SPEED] = (z.real, z.imag, v.real, v.imag), rotor.omega
-        rates_of(machine, WAYS[name])(0.0, state, rate)
+        machine.rates(0.0, state, rate)
         core = as_core(given, SPINS[spin], name)
         own = of_core(name, z, v, rotor.omega, given)
         found, quick = moved(name, own, MODES[name].rates(own, core), given)

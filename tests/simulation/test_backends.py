@@ -83,12 +83,16 @@ def test_without_scikit_sundae_taylor_series_work(monkeypatch, asked_anew):
     assert simulate(BOUNCING, start=REST, duration=20.0, method="taylor").sizes["event"] > 2
 
 
+def forget_witness(monkeypatch):
+    for name in [name for name in sys.modules if name.startswith("rotor_ida.simulation.witness")]:
+        monkeypatch.delitem(sys.modules, name)
+
+
 def test_without_scikit_sundae_the_reference_says_so(monkeypatch, asked_anew):
     for name in [name for name in sys.modules if name.startswith("sksundae")]:
         monkeypatch.setitem(sys.modules, name, None)
     monkeypatch.setitem(sys.modules, "sksundae", None)
-    for name in ("reference", "reference_events", "integration"):
-        monkeypatch.delitem(sys.modules, f"rotor_ida.simulation.{name}", raising=False)
+    forget_witness(monkeypatch)
     with pytest.raises(InstallationError, match=r"^backend 'python' needs scikit-sundae: pip inst"):
         simulate(BOUNCING, start=REST, duration=1.0, backend="python")
 
@@ -99,9 +103,7 @@ def test_without_scikit_sundae_a_system_has_taylor_series_and_cvode_says_so(monk
     for name in [name for name in sys.modules if name.startswith("sksundae")]:
         monkeypatch.setitem(sys.modules, name, None)
     monkeypatch.setitem(sys.modules, "sksundae", None)
-    for name in ("rotor_ida.simulation.integration", "rotor_ida.systems.witness"):
-        monkeypatch.delitem(sys.modules, name, raising=False)
-    monkeypatch.delattr("rotor_ida.systems.witness", raising=False)
+    forget_witness(monkeypatch)
     assert simulate(system, **given, duration=20.0).sizes["event"] > 2
     message = r"^method 'adams' of a rotor system needs scikit-sundae: pip inst"
     with pytest.raises(InstallationError, match=message):

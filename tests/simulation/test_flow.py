@@ -8,7 +8,7 @@ import pytest
 from rotor_ida import Rotor, SimulationError, simulate
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.simulation.flow import MAXIMUM, DiscFlow
-from tests.witness import flown
+from tests.cycles.known import once_round
 
 GO_ON = np.zeros(1, np.uint8)
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
@@ -32,7 +32,7 @@ def test_end_and_monodromy_are_those_of_dop853_restarted_at_the_crossings(name):
     """Both integrate the variational equation through entries and exits unchanged."""
     rotor, start, duration = CASES[name]
     expected, shot = (
-        flown(rotor, start, duration),
+        once_round(rotor, start, duration),
         DiscFlow(rotor).run(start, duration, by=PARAMETERS),
     )
     size = np.abs(expected.monodromy).max()

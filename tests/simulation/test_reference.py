@@ -9,11 +9,13 @@ from numpy.lib.recfunctions import structured_to_unstructured
 from scipy.optimize import brentq
 
 from rotor_ida import Rotor, SimulationError, simulate
-from rotor_ida.simulation import integration
-from rotor_ida.simulation.mechanics import FLIGHT, PRESSED, SpinningRotor, rates_of
 from rotor_ida.simulation.options import Options
+from rotor_ida.simulation.orbit import FLIES, SLIDES_FORWARDS
 from rotor_ida.simulation.run import run
 from rotor_ida.simulation.spin import Steady
+from rotor_ida.simulation.witness import integration
+from rotor_ida.simulation.witness.bodies import Disc
+from rotor_ida.simulation.witness.mechanics import Machine
 from tests.test_reference_events import CASES
 from tests.test_reference_events import reference as exact_events
 
@@ -33,8 +35,8 @@ def test_it_moves_by_the_equation():
             push = rotor.omega**2 * cmath.exp(1j * rotor.omega * time)
             a = push - 2.0 * rotor.zeta * v - force * z / abs(z)
             state = np.array([x, y, vx, vy, 0.0])
-            machine = SpinningRotor(rotor, Steady(rotor.omega))
-            rates_of(machine, PRESSED if in_contact else FLIGHT)(time, state, rate)
+            spin, mode = Steady(rotor.omega), SLIDES_FORWARDS if in_contact else FLIES
+            Machine(Disc(rotor, spin), spin, [mode]).rates(time, state, rate)
             assert rate == pytest.approx([vx, vy, a.real, a.imag, force], rel=1e-14, abs=1e-14)
 
 

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 import os
+from collections.abc import Callable
 from typing import Any
 
 import numpy as np
@@ -12,7 +14,9 @@ from sksundae.ida import IDA
 
 from rotor_ida.arrays import ROUNDING, Values
 from rotor_ida.errors import SimulationError
-from rotor_ida.simulation.mechanics import IMPULSE, Function, Rates
+
+Rates = Callable[[float, Values, Values], None]
+Function = Callable[[float, Values], float]
 
 # SUNDIALS may need a few calls for a step: after a reading the first one only returns to its end.
 MOST_IDLE_STEPS = 100
@@ -31,8 +35,8 @@ class Integration:
         CVODE with Adams or BDF, or IDA.
     rates : callable
         ``rates(time, state, rate)`` writes the rate of change.
-    tolerances : tuple of float
-        Relative and absolute tolerance of one step.
+    tolerances : tuple
+        Relative and absolute tolerance of one step; the second may be an array.
     time, state : float and ndarray
         Where it begins.
     goal : float
@@ -50,7 +54,7 @@ class Integration:
         self,
         method: str,
         rates: Rates,
-        tolerances: tuple[float, float],
+        tolerances: tuple[float, float | Values],
         time: float,
         state: Values,
         *,
@@ -75,6 +79,7 @@ class Integration:
             self._solver = CVODE(rates, method=name, **settings)
             self._solver.init_step(time, state)
         self._goal = goal
+        self._read: dict[float, Values] = {}
         self.low = self.high = time
         self.before = self.after = state
         self.evaluations = 0
@@ -82,26 +87,33 @@ class Integration:
     def advance(self) -> None:
         """Take one internal step, or raise `SimulationError`."""
         self.low, self.before = self.high, self.after
+        self._read.clear()
         for _ in range(MOST_IDLE_STEPS):
             found = self._solver.step(self._goal, "onestep")
             if not found.success:
                 raise self.failure(str(found.message).strip())
-            if not np.isfinite(found.y).all():
+            if not math.isfinite(found.y @ found.y):
                 raise self.failure("the state is no longer finite")
             self.high, self.after, self.evaluations = float(found.t), found.y, int(found.nfev)
             if self.high > self.low:
                 return
         raise self.failure("time no longer advances")
 
+    def looks(self, count: int) -> list[float]:
+        """Return the ends of so many equal parts of the last step."""
+        apart = (self.high - self.low) / count
+        return [*(self.low + apart * k for k in range(count)), self.high]
+
     def at(self, time: float) -> Values:
         """Return the state at a time of the last step."""
         if time <= self.low or time >= self.high:
             return self.before if time <= self.low else self.after
-        found = self._solver.step(time, "normal")
-        if not found.success:
-            raise self.failure(str(found.message).strip())
-        state: Values = found.y
-        return state
+        if time not in self._read:
+            found = self._solver.step(time, "normal")
+            if not found.success:
+                raise self.failure(str(found.message).strip())
+            self._read[time] = found.y
+        return self._read[time]
 
     def root(self, function: Function, low: float, high: float) -> float:
         """Return the zero, in the last step, of a function of time and state that changes sign."""
@@ -115,5 +127,5 @@ class Integration:
     def failure(self, message: str, time: float | None = None) -> SimulationError:
         """Return the error that ends the run, at a time of the last step or at its beginning."""
         ended = self.low if time is None else time
-        x, y, vx, vy = self.at(ended)[:IMPULSE].tolist()
+        x, y, vx, vy = self.at(ended)[:4].tolist()
         return SimulationError(message, time=ended, state=(x, y, vx, vy))
