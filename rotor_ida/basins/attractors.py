@@ -18,6 +18,7 @@ from rotor_ida.basins.known import ContactFree, followed_alone, may_roll
 from rotor_ida.checks import State
 from rotor_ida.cycles.orbit import Orbit
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.results.question import Question
 from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady import response
@@ -95,6 +96,7 @@ class Labelled:
     attractors: list[Attractor]
     options: Options
     folder: Path | None
+    question: Question
 
     @property
     def rotor(self) -> Rotor:

@@ -267,8 +267,8 @@ def label(
     place, several = choose(executor, workers, compiled=True)
     options = Options()
     asked = {"rotor": rotor, **question.arguments, "rtol": tolerance}
-    design = Question(question.verb, asked).design()
-    with open_results(study, design, count, FORM) as kept:
+    question = Question(question.verb, asked)
+    with open_results(study, question.design(), count, FORM) as kept:
         known = interruptible(lambda stop: known_from_closed_forms(rotor, stop))
         result = follow_starts(
             known, starts, count, kept,
@@ -282,7 +282,7 @@ def label(
                 if study is not None:
                     raise
                 result.interrupted = True
-        return Labelled(result, attractors, options, kept.folder)
+        return Labelled(result, attractors, options, kept.folder, question)
 
 
 def check_rotor(rotor: object, what: str = "a basin", *, one_by_one: bool = False) -> Rotor:

@@ -163,6 +163,7 @@ def _attributes(result: Labelled, drawn: Mapping[str, object] | None = None) -> 
         **result.rotor.given,
         **(drawn or {}),
         "interrupted": int(followed.interrupted),
+        **result.question.attribute(),
     }
     if followed.not_computed_reason:
         attributes["not_computed_reason"] = followed.not_computed_reason

@@ -143,6 +143,7 @@ def bifurcation_curve(
         "parameters": f"{first} {second}",
         "limits": np.array(bounds).ravel(),
         **start_attributes(guess),
+        **question.attribute(),
     }
     dataset = branch_dataset(sides, (first, second), "Bifurcation of limit cycles", kind="curve")
     return dataset.assign_attrs(attributes)

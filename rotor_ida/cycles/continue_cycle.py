@@ -42,7 +42,7 @@ from rotor_ida.model.parameters import OF_ROTOR
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.parallel import Progress, shows_progress
-from rotor_ida.results.in_si import takes_si
+from rotor_ida.results.in_si import takes_si, takes_system
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import Form, Results, open_results
@@ -187,29 +187,42 @@ def continue_cycle(
     >>> branch.special_value.values.round(6), branch.attrs["first_end"]
     (array([2.530419, 2.681874]), 'limits')
     """
+    how: dict[str, Any] = {
+        "limits": limits, "direction": direction, "points": points, "study": study,
+        "progress": progress,
+    }  # fmt: skip
     if isinstance(rotor, RotorSystem):
-        system = changed_system(continue_cycle, rotor, changed)
         check_choice("parameter", parameter, ("omega", "speed"))
-        count, progress = _checked_way(direction, points, progress)
-        guess = guess_of_system(system, begun(start), speed, modes=modes)
-        bounds = _speeds("limits", limits, guess.flow.speed)
-        given: dict[str, object] = {"rotor": system, "modes": modes}
-        return branch_from(
-            with_period(guess), "speed", bounds, direction, count, study, progress, given
+        return continue_cycle_system(
+            rotor, start=begun(start), speed=speed, modes=modes, **how, **changed
         )
     disc = one_disc(continue_cycle, rotor, {"speed": speed, "modes": modes, **changed})
-    return _of_disc(
-        disc, start=start, parameter=parameter, limits=limits, direction=direction,
-        points=points, study=study, progress=progress,
-    )  # fmt: skip
+    return continue_cycle_disc(disc, start=start, parameter=parameter, **how)
+
+
+@takes_system
+def continue_cycle_system(
+    system: RotorSystem, *, start: Any, speed: float | None, modes: int | None,
+    limits: tuple[float, float], direction: Direction, points: int,
+    study: str | os.PathLike[str] | None, progress: Progress | bool | None,
+    **changed: Unpack[SystemParameters],
+) -> xr.Dataset:  # fmt: skip
+    """Follow limit cycles of a rotor system: see `continue_cycle`."""
+    system = changed_system(continue_cycle, system, changed)
+    count, told = _checked_way(direction, points, progress)
+    guess = guess_of_system(system, start, speed, modes=modes)
+    bounds = _speeds("limits", limits, guess.flow.speed)
+    given: dict[str, object] = {"rotor": system, "modes": modes}
+    return branch_from(with_period(guess), "speed", bounds, direction, count, study, told, given)
 
 
 @takes_si
-def _of_disc(
+def continue_cycle_disc(
     rotor: Rotor, *, start: Any, parameter: Parameter = "omega", limits: tuple[float, float],
     direction: Direction, points: int, study: str | os.PathLike[str] | None,
     progress: Progress | bool | None,
 ) -> xr.Dataset:  # fmt: skip
+    """Follow limit cycles of one disc: see `continue_cycle`."""
     check_instance("rotor", rotor, Rotor)
     check_choice("parameter", parameter, CONTINUED)
     count, progress = _checked_way(direction, points, progress)
@@ -317,7 +330,7 @@ def branch_from(
         dataset = branch_dataset(sides, (parameter,), title, kind="system_branch")
     else:
         dataset = branch_dataset(sides, (parameter,), title, kind="branch")
-    more = {**told, "limits": np.array(limits), **attributes}
+    more = {**told, "limits": np.array(limits), **attributes, **question.attribute()}
     return dataset.assign_attrs(provenance({"method": "taylor"}) | more)
 
 

@@ -26,7 +26,7 @@ from rotor_ida.model.rotor_system import (
     refuse_first,
 )
 from rotor_ida.parallel import Progress, interruptible, percentage, shows_progress
-from rotor_ida.results.in_si import takes_si
+from rotor_ida.results.in_si import takes_si, takes_system
 from rotor_ida.simulation.flow import DiscFlow, Flow
 from rotor_ida.simulation.options import Options, check_can_be_followed
 from rotor_ida.simulation.starts import Start
@@ -176,15 +176,28 @@ def limit_cycle(
     """
     if not isinstance(rotor, RotorSystem):
         disc = one_disc(limit_cycle, rotor, {"speed": speed, "modes": modes, **changed})
-        return _of_disc(disc, start=start, period=period, progress=progress)
-    system = changed_system(limit_cycle, rotor, changed)
-    return _near_guess(guess_of_system(system, begun(start), speed, period, modes), progress)
+        return limit_cycle_disc(disc, start=start, period=period, progress=progress)
+    return limit_cycle_system(
+        rotor, start=begun(start), speed=speed, period=period, modes=modes, progress=progress,
+        **changed,
+    )  # fmt: skip
+
+
+@takes_system
+def limit_cycle_system(
+    system: RotorSystem, *, start: SystemStart, speed: float | None, period: float | None,
+    modes: int | None, progress: Progress | bool | None, **changed: Unpack[SystemParameters],
+) -> xr.Dataset:  # fmt: skip
+    """Compute the limit cycle of a rotor system: see `limit_cycle`."""
+    system = changed_system(limit_cycle, system, changed)
+    return _near_guess(guess_of_system(system, start, speed, period, modes), progress)
 
 
 @takes_si
-def _of_disc(
+def limit_cycle_disc(
     rotor: Rotor, *, start: object, period: float | None, progress: Progress | bool | None
 ) -> xr.Dataset:
+    """Compute the limit cycle of one disc: see `limit_cycle`."""
     check_turns_and_settles(check_instance("rotor", rotor, Rotor))
     guess = guess_of(rotor, start, period)
     check_revolutions(guess)

@@ -358,7 +358,7 @@ def refuse_first(verb: Callable[..., Any], kinds: str, given: object) -> NoRetur
 
 def name_of(verb: Callable[..., Any]) -> str:
     """Return the public name of a function."""
-    return verb.__name__.removesuffix("_system")
+    return verb.__name__.removesuffix("_system").removesuffix("_disc")
 
 
 def _pair(name: str, given: object) -> tuple[float, float]:

@@ -17,7 +17,7 @@ from rotor_ida.checks import check_array, did_you_mean, shown
 from rotor_ida.errors import Amount, InputError, RotorError, SimulationError
 from rotor_ida.model.parameters import OF_MACHINE
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
-from rotor_ida.model.rotor_system import refuse_first
+from rotor_ida.model.rotor_system import name_of, refuse_first
 from rotor_ida.model.scales import (
     BECOMES,
     IS_OF_MACHINE,
@@ -65,7 +65,7 @@ def takes_si(
     def refuse_unknown(options: Mapping[str, Any]) -> None:
         if not takes_all and (unknown := [name for name in options if name not in parameters]):
             raise TypeError(
-                f"{verb.__name__}() got an unexpected keyword argument {shown(unknown[0])}"
+                f"{name_of(verb)}() got an unexpected keyword argument {shown(unknown[0])}"
                 f"{did_you_mean(unknown[0], parameters)}"
             )
 

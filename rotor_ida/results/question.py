@@ -44,10 +44,6 @@ TYPE, DATASET = "type", "Dataset"
 QUESTION, VERB = "question", "verb"
 # Arguments that do not change the answer, so that no file chooses them.
 JOBS = ("workers", "executor", "study", "progress")
-# Studies, whose results are the same to the bit however they were asked for, and without a folder.
-STUDIED = frozenset({
-    "sweep", "run_ups", "basin", "basin_fractions", "continue_attractors", "continue_cycle",
-})  # fmt: skip
 # A longer text is not kept: the parts of such a question are variables of the result.
 LONGEST = 1_000_000
 
@@ -118,6 +114,11 @@ class Question:
         """Return the question as the text that a dataset keeps."""
         return json.dumps({VERB: self.verb, **self.plain()}, separators=(",", ":"))
 
+    def attribute(self) -> dict[str, str]:
+        """Return the attribute by which a dataset keeps the question; none for a very long one."""
+        text = self.text() if sum(map(_size, self.arguments.values())) < LONGEST else ""
+        return {QUESTION: text} if 0 < len(text) <= LONGEST else {}
+
     def python(self, rotor: str = "", others: str = "") -> str:
         """Return the call in Python, an argument a line.
 
@@ -182,12 +183,13 @@ def with_question(
 ) -> xr.Dataset:
     """Give an answer the question to a function, called with these arguments, as an attribute.
 
-    That of a study is the one in its folder. Where an argument is left out, or a result, the answer
-    has what came of it; if it does not, or for very many numbers, it keeps no question.
+    Studies do that themselves, and so do not depend on how they were asked for. Where an argument
+    is left out, or a result, the answer has what came of it; if it does not, or for very many
+    numbers, it keeps no question.
     """
-    answer.attrs.pop(QUESTION, None)  # of a part of the computation
-    if name_of(verb) in STUDIED:
+    if (own := Question.of_result(answer)) and own.verb == name_of(verb):
         return answer
+    answer.attrs.pop(QUESTION, None)  # of a part of the computation
     if study := options.get("study"):
         question = Question.of_design(design_of(study))
         if question.verb == name_of(verb):
@@ -210,9 +212,7 @@ def with_question(
             if kept[name] is None and each is not None:
                 return answer
     kept = {name: each for name, each in kept.items() if each is not None}
-    if sum(map(_size, kept.values())) < LONGEST:
-        text = Question(name_of(verb), kept).text()
-        answer.attrs |= {QUESTION: text} if len(text) <= LONGEST else {}
+    answer.attrs |= Question(name_of(verb), kept).attribute()
     return answer
 
 

@@ -222,6 +222,7 @@ def bifurcation_diagram(
     task = Task(work, partial(_lost, kind=extremum), _rows_of, form, POINT, extremum)
     columns = run_study(plan, task, question, study=study, workers=chosen, progress=progress)
     attributes = provenance(options.attributes()) | told | start_words(states)
+    attributes |= question.attribute()
     attributes["extrema_time"] = window
     if drawn:
         attributes |= {"seed": seed} | {f"range_{name}": drawn[name] for name in COMPONENTS}

@@ -187,10 +187,9 @@ def run_ups(
     how = {name: getattr(options, name) for name in ("rtol", "atol", "method")}
     asked = {**grid.design, "rate": rates, "phase": phases, "to": speed, "starts": states, **how}
     task = Task(follow_run_up, lost, as_they_are, FORM, POINT)
-    columns = run_study(
-        plan, task, Question("run_ups", asked), study=study, workers=chosen, progress=progress
-    )
-    return _dataset(grid, columns.points, plan.case)
+    question = Question("run_ups", asked)
+    columns = run_study(plan, task, question, study=study, workers=chosen, progress=progress)
+    return _dataset(grid, columns.points, plan.case).assign_attrs(question.attribute())
 
 
 def _check_can_be_followed(

@@ -274,6 +274,7 @@ def sweep_varied(
     coordinates = varied.coordinates | start_coordinates(states)
     title = "Rotor in a clearance: responses over a range of speeds"
     attributes = provenance(options.attributes()) | told | start_words(states)
+    attributes |= question.attribute()
     swept = labelled_dataset(title, variables, coordinates, attributes, kind="sweep")
     return with_direction_named(swept, way)
 

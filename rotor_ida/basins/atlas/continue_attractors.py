@@ -149,8 +149,8 @@ def continue_attractors(
     tried = check_count("shocks", shocks, minimum=0, maximum=MOST_SHOCKS)
     place, several = choose(executor, workers, compiled=True)
     asked = {**grid.design, **drawn, "rtol": tolerance, "shocks": tried}
-    design = Question("continue_attractors", asked).design()
-    with open_results(study, design, len(rotors), FORM) as kept:
+    question = Question("continue_attractors", asked)
+    with open_results(study, question.design(), len(rotors), FORM) as kept:
         jobs = [CellJob(each, states, tolerance, tried) for each in rotors]
         reason = _fill(jobs, kept, place, several, progress)
         cells = [Cell(each, not_computed=states.shape[1]) for each in rotors]
@@ -160,6 +160,7 @@ def continue_attractors(
     description = {f"range_{each}" if each in COMPONENTS else each: drawn[each] for each in drawn}
     rubs_most = max(rotors, key=attrgetter("friction"))
     attributes = {**how_computed(tolerance, tried, rubs_most), **description}
+    attributes |= question.attribute()
     if reason:
         attributes["not_computed_reason"] = reason
     return atlas_dataset(grid, cells, states.shape[1], attributes)
