@@ -17,9 +17,9 @@ from rotor_ida.arrays import Values
 from rotor_ida.cycles.continuation import Point, Problem
 from rotor_ida.cycles.orbit import Orbit, disc_of
 from rotor_ida.simulation.flow import Flow
-from rotor_ida.simulation.system_flow import SystemFlow
 from rotor_ida.systems.assembly import Assembly, assemble
 from rotor_ida.systems.axisymmetric import forward_motions
+from rotor_ida.systems.flow import SystemFlow
 from rotor_ida.systems.receptances import solved_motions
 from rotor_ida.systems.whirls.at_speeds import sliding
 from rotor_ida.systems.whirls.branches import RubProblem, Touching

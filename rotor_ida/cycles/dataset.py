@@ -36,9 +36,9 @@ from rotor_ida.schema import (
     labelled_dataset,
 )
 from rotor_ida.simulation.flow import RTOL, Flow
-from rotor_ida.simulation.system_flow import SystemFlow
 from rotor_ida.steady.system_motion import features_of
 from rotor_ida.systems.archived import described_problem
+from rotor_ida.systems.flow import SystemFlow
 from rotor_ida.systems.units import with_system_units
 
 # The error of a cycle is estimated from further solutions with a tolerance looser by

@@ -30,11 +30,11 @@ from rotor_ida.results.in_si import takes_si, takes_system
 from rotor_ida.simulation.flow import DiscFlow, Flow
 from rotor_ida.simulation.options import Options, check_can_be_followed
 from rotor_ida.simulation.starts import Start
-from rotor_ida.simulation.system_flow import SystemFlow
 from rotor_ida.steady.follow import FAILED, follow_to_steady_state
 from rotor_ida.steady.follow import longest_time as longest_of_disc
 from rotor_ida.steady.response import BOUNCING, FULL_CONTACT, ROLLING, UNRESOLVED
 from rotor_ida.steady.system_motion import longest_time, settle
+from rotor_ida.systems.flow import SystemFlow
 from rotor_ida.systems.joined import KINDS
 from rotor_ida.systems.starts import Start as SystemStart
 

@@ -13,7 +13,6 @@ from typing import Any, Literal, NoReturn, TypedDict, Unpack, cast
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import LinAlgError, cholesky
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import (
@@ -145,8 +144,8 @@ class RotorSystem:
         if "gyroscopic" in keep:
             _symmetric("gyroscopic", keep["gyroscopic"], sign=-1.0)
         try:
-            cholesky(keep["mass"], lower=True)
-        except LinAlgError as error:
+            np.linalg.cholesky(keep["mass"])
+        except np.linalg.LinAlgError as error:
             least = float(np.linalg.eigvalsh(keep["mass"])[0])
             raise InputError(
                 f"mass must be positive definite, got a matrix with the eigenvalue {least:.6g}"

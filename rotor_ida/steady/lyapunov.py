@@ -54,7 +54,6 @@ from rotor_ida.simulation.lyapunov import (
 from rotor_ida.simulation.options import check_can_be_followed, check_rtol
 from rotor_ida.simulation.starts import GivenStart, given_start
 from rotor_ida.simulation.starts import Start as DiscStart
-from rotor_ida.simulation.system_flow import SystemFlow
 from rotor_ida.steady.each_point import answers_at_each
 from rotor_ida.steady.system_sweep import (
     Turning,
@@ -66,6 +65,7 @@ from rotor_ida.steady.system_sweep import (
 )
 from rotor_ida.systems.assembly import assemble
 from rotor_ida.systems.ends import state_at_end
+from rotor_ida.systems.flow import SystemFlow
 from rotor_ida.systems.modes import in_modes
 from rotor_ida.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL
 from rotor_ida.systems.starts import Start

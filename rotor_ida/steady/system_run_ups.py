@@ -29,7 +29,6 @@ from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import QUESTION, Question
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import ENDING, labelled
-from rotor_ida.simulation.system_flow import SettlingProblem, SystemFlow
 from rotor_ida.steady.grid import (
     EXPECTED,
     Array,
@@ -56,6 +55,7 @@ from rotor_ida.steady.system_sweep import (
 from rotor_ida.systems.assembly import assemble
 from rotor_ida.systems.drop import with_unbalance_at
 from rotor_ida.systems.ends import state_at_end
+from rotor_ida.systems.flow import SettlingProblem, SystemFlow
 from rotor_ida.systems.modes import in_modes
 from rotor_ida.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL, run_of_cases
 from rotor_ida.systems.speed_changes import profile_of

@@ -29,7 +29,6 @@ from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import RESPONSE, STATUS, labelled_dataset
-from rotor_ida.simulation.system_flow import SettlingProblem, SystemFlow
 from rotor_ida.steady.follow import FAILED
 from rotor_ida.steady.grid import Rows, Task, check_size, form_of, labelled_points, run_study
 from rotor_ida.steady.ramps import Direction, RampJob, Ramps, in_order, lost, settle_along
@@ -38,6 +37,7 @@ from rotor_ida.steady.system_motion import SettledSystem, settle
 from rotor_ida.systems.archived import DESIGN, OF_CONTACTS
 from rotor_ida.systems.assembly import assemble
 from rotor_ida.systems.ends import state_at_end
+from rotor_ida.systems.flow import SettlingProblem, SystemFlow
 from rotor_ida.systems.modes import in_modes
 from rotor_ida.systems.receptances import checked_speeds
 from rotor_ida.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL
