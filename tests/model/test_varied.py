@@ -26,6 +26,8 @@ from rotor_ida.closed_forms import (
 from rotor_ida.model.parameters import ALL_PARAMETERS, DEFAULTS
 from rotor_ida.model.varied import Varied, varied_of
 from rotor_ida.paper.errata.scaling import check_scaling
+from rotor_ida.results.question import QUESTION, Question
+from rotor_ida.results.question import VERBS as VERBS_ASKED
 
 # Verbs of a rotor and what varies, each with its other arguments.
 VERBS: dict[str, dict[str, Any]] = {
@@ -154,7 +156,12 @@ def test_a_rotor_first_is_its_parameters_by_keyword(name: str):
     given = {"omega": 1.2, "zeta": 0.07, "delta0": 0.5, "contact_damping": 0.125}
     asked = {each: value for each, value in given.items() if each not in LEFT_OUT.get(name, [])}
     by_name = verb(name)(**VERBS[name], **asked)
-    assert verb(name)(Rotor(**given), **VERBS[name]).identical(by_name)
+    rotor_first = verb(name)(Rotor(**given), **VERBS[name])
+    kept = [each.attrs.pop(QUESTION, "") for each in (by_name, rotor_first)]  # as each was asked
+    assert rotor_first.identical(by_name)
+    for text in kept if name in VERBS_ASKED else ():
+        again = Question.of_text(text).ask()
+        assert again.drop_attrs().identical(by_name.drop_attrs())
 
 
 @EACH_VERB

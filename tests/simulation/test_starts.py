@@ -141,7 +141,7 @@ def test_a_result_of_another_kind_or_size_is_refused(cycle):
     for start, kind in (
         (exact, "exact whirls"), (run, "run of a rotor system"), (none, "limit cycle")
     ):  # fmt: skip
-        with pytest.raises(InputError, match=rf"point of a sweep of one disc does, got a {kind}$"):
+        with pytest.raises(InputError, match=rf"point of a sweep of one disc does, got: {kind}$"):
             simulate(BOUNCING, start=start, duration=1.0)
     with pytest.raises(InputError, match=r"of a rotor system does, got a limit cycle$"):
         simulate(SYSTEM, **AROUND, start=cycle, duration=1.0)
