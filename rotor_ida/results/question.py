@@ -10,7 +10,7 @@ import inspect
 import json
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, fields
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -42,6 +42,8 @@ VERBS = frozenset({
 TYPE, DATASET = "type", "Dataset"
 # Attribute of a result, and the entry of it with the name of the function.
 QUESTION, VERB = "question", "verb"
+# Attribute of a sweep of a rotor system: the part of its question that is not on its axes.
+DESIGN = "design"
 # Arguments that do not change the answer, so that no file chooses them.
 JOBS = ("workers", "executor", "study", "progress")
 # A longer text is not kept: the parts of such a question are variables of the result.
@@ -112,7 +114,8 @@ class Question:
 
     def text(self) -> str:
         """Return the question as the text that a dataset keeps."""
-        return json.dumps({VERB: self.verb, **self.plain()}, separators=(",", ":"))
+        plain = partial(_plain, stators=[])  # what JSON does not know
+        return json.dumps({VERB: self.verb, **self.arguments}, separators=(",", ":"), default=plain)
 
     def attribute(self) -> dict[str, str]:
         """Return the attribute by which a dataset keeps the question; none for a very long one."""
@@ -187,7 +190,8 @@ def with_question(
     is left out, or a result, the answer has what came of it; if it does not, or for very many
     numbers, it keeps no question.
     """
-    if (own := Question.of_result(answer)) and own.verb == name_of(verb):
+    own = Question.of_result(answer)
+    if DESIGN in answer.attrs or (own and own.verb == name_of(verb)):
         return answer
     answer.attrs.pop(QUESTION, None)  # of a part of the computation
     if study := options.get("study"):

@@ -514,6 +514,7 @@ class Asking:
             coordinates["t"] = ("t", self.span * found.spans)
         over = "over a range of parameters" if varied.axes else "of one motion"
         title = f"Lyapunov exponents {over}{self.whose}"
+        attributes = {**attributes, **self.question.attribute()}
         return labelled_dataset(title, variables, coordinates, attributes, kind="lyapunov_exponent")
 
     def _of_one(self, progress: Progress | None) -> Exponents:

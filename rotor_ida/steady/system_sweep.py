@@ -26,7 +26,7 @@ from rotor_ida.model.system_parameters import (
 from rotor_ida.model.varied import Varied, varied_system_of
 from rotor_ida.parallel import Progress, choose, shows_progress
 from rotor_ida.results.provenance import provenance
-from rotor_ida.results.question import Question
+from rotor_ida.results.question import DESIGN, Question
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import RESPONSE, STATUS, labelled_dataset
 from rotor_ida.steady.follow import FAILED
@@ -34,7 +34,7 @@ from rotor_ida.steady.grid import Rows, Task, check_size, form_of, labelled_poin
 from rotor_ida.steady.ramps import Direction, RampJob, Ramps, in_order, lost, settle_along
 from rotor_ida.steady.response import CONTACT_FREE, SYNCHRONOUS
 from rotor_ida.steady.system_motion import SettledSystem, settle
-from rotor_ida.systems.archived import DESIGN, OF_CONTACTS
+from rotor_ida.systems.archived import OF_CONTACTS
 from rotor_ida.systems.assembly import assemble
 from rotor_ida.systems.ends import state_at_end
 from rotor_ida.systems.flow import SettlingProblem, SystemFlow
@@ -441,6 +441,7 @@ def _dataset(
     dataset = labelled_dataset(
         "Rotor system: responses over a range of speeds",
         labelled_points(varied, columns, behind), coordinates,
+        # as variables they would be columns of its table
         attributes | {DESIGN: Question("sweep", {"rotor": system, "starts": starts}).text()},
         kind="system_sweep",
     )  # fmt: skip

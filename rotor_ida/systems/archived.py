@@ -17,7 +17,7 @@ from rotor_ida.arrays import Column, Values
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Race, Stator, Unbalance
-from rotor_ida.results.question import Question
+from rotor_ida.results.question import DESIGN, Question
 from rotor_ida.systems.assembly import Assembly
 from rotor_ida.systems.units import NOTE
 
@@ -34,8 +34,6 @@ NEEDED = (
 )
 
 START = "start_state"
-# The attribute of a sweep with its system and starts: variables would be columns of its table.
-DESIGN = "design"
 # The clearances of contacts where `clearance` is an axis.
 OF_CONTACTS = "contact_clearance"
 # Results over the speed have no start.

@@ -143,7 +143,7 @@ def test_a_result_of_another_kind_or_size_is_refused(cycle):
     ):  # fmt: skip
         with pytest.raises(InputError, match=rf"point of a sweep of one disc does, got: {kind}$"):
             simulate(BOUNCING, start=start, duration=1.0)
-    with pytest.raises(InputError, match=r"of a rotor system does, got a limit cycle$"):
+    with pytest.raises(InputError, match=r"of a rotor system does, got: limit cycle$"):
         simulate(SYSTEM, **AROUND, start=cycle, duration=1.0)
     spun = [Contact(node="disc", clearance=1.0, stiffness=1.0, friction=0.1, radius=1.0,
                     race=Race(inertia=1.0, radius=1.0))]  # fmt: skip

@@ -221,6 +221,7 @@ def test_without_probes_the_clearances_are_where_vibration_is_measured():
     share = report.vibration_limit.item() / 200e-6
     assert report.running_share.item() == pytest.approx(share, rel=1e-9)
     again = clearance_report(DISC, contacts=[SEAL], speed=(460.0, 700.0), probes=["disc"])
+    del report.attrs["question"], again.attrs["question"]  # as each was asked
     assert again.identical(report)
 
 
@@ -247,7 +248,7 @@ PLAIN = RotorSystem(mass=np.eye(2), damping=np.eye(2), stiffness=np.eye(2),
     ("change", "words"),
     [
         ({"speed": (500.0,)}, "speed must be two or three speeds"),
-        ({"speed": (500.0, 400.0)}, "speed must increase, got 400.0 after 500.0"),
+        ({"speed": (500.0, 400.0)}, "speed must increase, got 400 rad/s after 500 rad/s"),
         ({"speed": (0.0, 400.0)}, "speed must be two or three speeds above 0"),
         ({"probes": []}, "probes must be a list of names"),
         ({"probes": "disc"}, "probes must be a list of names"),
