@@ -312,6 +312,7 @@ REFUSED = [
         ({"to": 2.0, "rate": -1.0}, "rate must lead from speed 1 rad/s to 2 rad/s, got -1 rad/s2"),
         ({"to": 2.0, "rate": 1.0, "torque": (1.0, 0.0)}, "a run-up must have one of"),
         ({"torque": (1.0, 0.0), "inertia": 1.0}, "duration must be given with torque"),
+        ({"to": 2.0, "rate": 0.1, "inertia": 1.0}, "inertia must be left out without torque"),
         ({"torque": 1.0}, "torque must be two numbers"),
         ({"torque": (1.0, 0.0), "duration": 1.0, "inertia": 0.0}, "inertia must"),
         ({"torque": (1, -1), "inertia": 1.0, "duration": 90.0},

@@ -46,6 +46,8 @@ def profile_of(
         raise InputError(
             f"a run-up must have one of rate, speeds and torque, got {' and '.join(given) or None}"
         )
+    if inertia is not None and torque is None:
+        raise InputError(f"inertia must be left out without torque, got {shown(inertia)}")
     end = None if duration is None else check_positive("duration", duration)
     if speeds is not None:
         return _piece_by_piece(speeds, end)
