@@ -29,6 +29,8 @@ Kind = TypeVar("Kind")
 
 # The components of a state, in their order everywhere.
 COMPONENTS = ("x", "y", "vx", "vy")
+# Words for starts that depend on the rotor: the whirl without contact, and the equilibrium.
+STARTS = ("settled", "rest")
 
 LARGEST_SEED = 2**63 - 1
 MOST_WORKERS = 512

@@ -197,17 +197,38 @@ def _largest(dataset: xr.Dataset, name: str) -> float:
 def show_sweep(dataset: xr.Dataset, most: int | None) -> Description:
     """Return the responses of a sweep or diagram, with their number by kind."""
     record, parts = tabled(dataset, most, POINTS)
-    return record | {"starts": rows_of(dataset, STARTS)}, [count_of_kinds(dataset), *parts]
+    return record | {"starts": _starts(dataset)}, [
+        count_of_kinds(dataset), *_legend(dataset), *parts
+    ]  # fmt: skip
+
+
+def _starts(dataset: xr.Dataset) -> list[Record]:
+    """Return the starts of many motions: states, or words that stand for one of each rotor."""
+    words, rows = _words_of_starts(dataset), rows_of(dataset, STARTS)
+    return [row if word == "state" else {"start": word}
+            for word, row in zip(words or ["state"] * len(rows), rows, strict=True)]  # fmt: skip
+
+
+def _words_of_starts(dataset: xr.Dataset) -> list[str]:
+    """Return the words of the starts in a result, "state" for a state; none if all are states."""
+    words = str(dataset.attrs.get("start_words", "")).split()
+    return [words[number] for number in np.ravel(dataset["start"]).tolist()] if words else []
+
+
+def _legend(dataset: xr.Dataset) -> list[str]:
+    """Return a line with the number of each start that was given by a word."""
+    pairs = zip(np.ravel(dataset["start"]), _words_of_starts(dataset), strict=False)
+    told = [f"{number} {word}" for number, word in pairs if word != "state"]
+    return [f"Starts: {', '.join(told)}"] if told else []
 
 
 def show_run_ups(dataset: xr.Dataset, most: int | None) -> Description:
     """Return the endings of run-ups at each rate of each rotor, and every run-up."""
-    own = (
-        {"starts": STARTS}
+    given = (
+        {"starts": _starts(dataset)}
         if "start_x" in dataset.variables
-        else {"contacts": ("clearance", "contact_node")}
+        else {"contacts": rows_of(dataset, ("clearance", "contact_node"))}
     )
-    given = {name: rows_of(dataset, columns) for name, columns in own.items()}
     dataset = _worst_of_contacts(dataset) if "contact" in dataset.dims else dataset
     record, tables = tabled(dataset, most, RUN_UPS)
     names = ("speed", *ALL_PARAMETERS)
@@ -229,7 +250,7 @@ def show_run_ups(dataset: xr.Dataset, most: int | None) -> Description:
     heads = list(shown[0])
     ends = rows_table(f"How run-ups to {last} end", shown, heads, MOST_FRACTIONS, digits=6)
     record |= {"to": float(dataset["to"]), **given, "fractions": fractions}
-    return record, [*ends, *tables]
+    return record, [*ends, *_legend(dataset), *tables]
 
 
 def _worst_of_contacts(dataset: xr.Dataset) -> xr.Dataset:

@@ -22,16 +22,20 @@ KINDS = (PARAMETERS, MACHINE_PARAMETERS)
 # A number, the numbers of an axis, or the two ends of a range.
 Component = TypeVar("Component", float, list[float] | float, tuple[float, float] | float)
 
+# The start of one disc where none is given: in equilibrium with its load.
+REST = "rest"
 
-def begun(start: State | None, rotor: Rotor | DimensionalRotor) -> State:
-    """Return a start; without one it is where the load holds the rotor."""
-    if start is not None:
+
+def begun(start: State | str | None, rotor: Rotor | DimensionalRotor) -> State:
+    """Return a start as a state; without one it is where the load holds the rotor."""
+    if start is not None and not isinstance(start, str):
         return start
-    from rotor_ida.model.disc_starts import hanging  # noqa: PLC0415 - not for --help
+    from rotor_ida.model import disc_starts  # noqa: PLC0415 - not for --help
 
+    word = start or REST
     if isinstance(rotor, Rotor):
-        return hanging(rotor)
-    x, y, vx, vy = hanging(rotor.rotor())
+        return disc_starts.begun(word, rotor)
+    x, y, vx, vy = disc_starts.begun(word, rotor.rotor())
     length, velocity = rotor.length_scale, rotor.velocity_scale
     return x * length, y * length, vx * velocity, vy * velocity
 

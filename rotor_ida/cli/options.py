@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import math
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -33,35 +32,43 @@ from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.simulation.options import Backend, Flight, Method
 
 START = Parameter(
-    help="Initial state: displacements and velocities. Default: at rest in equilibrium with "
-    "the load, which is on the axis if there is none.",
-    metavar="X Y VX VY",
+    help="Initial state: displacements and velocities; settled, the steady whirl without contact; "
+    "or rest, in equilibrium with the load. Default: rest, or what a system file says.",
+    metavar="X Y VX VY|settled|rest",
     converter=parsing.converter(parsing.start),
+    n_tokens=4,
     negative=(),
     show_default=False,
 )
-StartOrNone = Annotated[State | None, START]
+StartOrNone = Annotated[State | str | None, START]
 STARTS = Parameter(
-    help="Initial states, one or more. Default: at rest on the axis.",
-    metavar="X Y VX VY",
+    help="Initial states, one or more, or the words settled (steady whirl without contact) and "
+    "rest (in equilibrium with the load) for those of each rotor. Default: at rest on the axis, or "
+    "what a system file says.",
+    metavar="X Y VX VY|settled|rest",
     converter=parsing.converter(parsing.starts),
+    n_tokens=4,
     consume_multiple=True,
     negative=(),
     show_default=False,
 )
-Starts = Annotated[list[State], STARTS]
+Starts = Annotated[list[State | str], STARTS]
 StartsOfRunUps = Annotated[
-    list[State] | None,
+    list[State | str] | None,
     STARTS,
     Parameter(
-        help="Initial states, one or more. Default: at rest in equilibrium with the load, "
-        "which is on the axis if there is none."
+        help="Initial states, one or more, or the words settled (steady whirl without contact) and "
+        "rest (in equilibrium with the load) for those of each rotor. Default: rest, or what a "
+        "system file says."
     ),
 ]
 StartsOrNone = Annotated[
-    list[State] | None,
+    list[State | str] | None,
     STARTS,
-    Parameter(help="Initial states, one or more, instead of random ones."),
+    Parameter(
+        help="Initial states, one or more, instead of random ones; also settled (steady whirl "
+        "without contact) and rest (in equilibrium with the load)."
+    ),
 ]
 Range = Annotated[
     float | tuple[float, float],
@@ -261,17 +268,6 @@ class ChangeOptions:
         if speed in given:
             raise InputError(f"{speed} must be left out with --from, got both")
         return rotor.chosen({speed: self.begin})
-
-    def first_of(self, chosen: Rotor | DimensionalRotor) -> Rotor | DimensionalRotor:
-        """Return a rotor at the first speed of a profile, if that can be one."""
-        speed = math.nan if self.speeds is None else float(self.speeds[0][1])
-        if not 0.0 <= speed < math.inf:
-            return chosen
-        return (
-            replace(chosen, omega=speed)
-            if isinstance(chosen, Rotor)
-            else replace(chosen, speed=speed)
-        )
 
     def given(self) -> dict[str, Any]:
         """Return the arguments for `run_up`."""

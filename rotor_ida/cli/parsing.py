@@ -15,7 +15,16 @@ from typing import Any, TypeVar
 from cyclopts import Token
 
 from rotor_ida import units
-from rotor_ida.checks import COMPONENTS, MOST_POINTS_OF_STUDY, State, check_point, check_real, shown
+from rotor_ida.checks import (
+    COMPONENTS,
+    MOST_POINTS_OF_STUDY,
+    STARTS,
+    State,
+    check_point,
+    check_real,
+    did_you_mean,
+    shown,
+)
 from rotor_ida.errors import InputError
 
 SYSTEM_ENDING = ".toml"
@@ -38,7 +47,8 @@ Value = TypeVar("Value")
 def readable(words: Sequence[str]) -> list[str]:
     """Protect negative numbers from being read by cyclopts as options.
 
-    A unit that the shell has separated from its number is joined to it again.
+    A unit that the shell has separated from its number is joined to it again. A word for a start is
+    followed by three empty words, as cyclopts reads four for each start.
 
     Examples
     --------
@@ -46,6 +56,8 @@ def readable(words: Sequence[str]) -> list[str]:
     ['basin', '--mass', '12 kg', '--damping', '415 N s/m']
     >>> [as_given(word) for word in readable(["--x", "-1.5:1.5:64", "--start", "-60", "um"])]
     ['--x', '-1.5:1.5:64', '--start', '-60 um']
+    >>> readable(["--start", "rest", "pump.toml"])
+    ['--start', 'rest', '', '', '', 'pump.toml']
     """
     found: list[str] = []
     for word in words:
@@ -55,7 +67,27 @@ def readable(words: Sequence[str]) -> list[str]:
         else:
             found.append(word)
     return [BELOW_ZERO.sub(MINUS, word, count=1) if BELOW_ZERO.match(word) else word
-            for word in found]  # fmt: skip
+            for word in _four_for_each_start(found)]  # fmt: skip
+
+
+def _four_for_each_start(words: Sequence[str]) -> Iterator[str]:
+    """Follow each word for a start by three empty ones."""
+    count: int | None = None  # of the words of starts so far; None elsewhere
+    for word, following in zip(words, [*words[1:], ""], strict=False):
+        yield word
+        is_option = word.startswith("--")
+        option, equals, value = word.partition("=") if is_option else ("", "=", word)
+        if is_option:
+            count = 0 if option == "--start" else None
+        if count is None or not equals:
+            continue
+        # a misspelt word too, but not one among numbers or after a complete start
+        misspelt = count == 0 and value[:1].isalpha() and isinstance(_float(following), str)
+        if count % len(COMPONENTS) == 0 and (value in STARTS or misspelt):
+            empty = len(COMPONENTS) - 1
+            yield from [""] * empty
+            count += empty
+        count += 1
 
 
 def as_given(word: str) -> str:
@@ -329,12 +361,12 @@ def component_or_ends(name: str, words: Sequence[str]) -> float | tuple[float, f
     return (least, quantity(name, high, unit)) if high else least
 
 
-def start(name: str, words: Sequence[str]) -> State:
-    """Return the words of one start as ``(x, y, vx, vy)``.
+def state(name: str, words: Sequence[str]) -> State:
+    """Return the words of one state as ``(x, y, vx, vy)``.
 
     Examples
     --------
-    >>> start("start", ["10", "0", "0", "-1e-3"]), start("start", ["60um", "0", "0", "0"])
+    >>> state("start", ["10", "0", "0", "-1e-3"]), state("start", ["60um", "0", "0", "0"])
     ((10.0, 0.0, 0.0, -0.001), (6e-05, 0.0, 0.0, 0.0))
     """
     x, y, vx, vy = (
@@ -344,13 +376,37 @@ def start(name: str, words: Sequence[str]) -> State:
     return (x, y, vx, vy)
 
 
-def starts(name: str, words: Sequence[str]) -> list[State]:
+def start(name: str, words: Sequence[str]) -> State | str:
+    """Return the words of one start as a state, or as the word "settled" or "rest".
+
+    Examples
+    --------
+    >>> start("start", ["10", "0", "0", "-1e-3"]), start("start", ["rest", "", "", ""])
+    ((10.0, 0.0, 0.0, -0.001), 'rest')
+    >>> start("start", ["rset", "", "", ""])
+    Traceback (most recent call last):
+    ...
+    rotor_ida.errors.InputError: start must be four numbers X Y VX VY, settled or rest, got 'rset';
+    did you mean 'rest'?
+    """
+    word, *others = words
+    if any(others):
+        return state(name, words)
+    if word not in STARTS:
+        raise InputError(
+            f"{name} must be four numbers X Y VX VY, settled or rest, got {shown(word)}"
+            f"{did_you_mean(word, STARTS)}"
+        )
+    return word
+
+
+def starts(name: str, words: Sequence[str]) -> list[State | str]:
     """Return the words of several starts, four for each.
 
     Examples
     --------
-    >>> starts("start", ["1", "0", "0", "0", "0", "0", "0", "-2"])
-    [(1.0, 0.0, 0.0, 0.0), (0.0, 0.0, 0.0, -2.0)]
+    >>> starts("start", ["1", "0", "0", "0", "settled", "", "", ""])
+    [(1.0, 0.0, 0.0, 0.0), 'settled']
     """
     return [start(name, words[first : first + 4]) for first in range(0, len(words), 4)]
 

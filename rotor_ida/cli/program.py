@@ -286,7 +286,9 @@ def _missing(error: MissingArgumentError, option: str) -> str:
         metavar = error.argument.parameter.metavar or ""
         number = {2: "two", 4: "four"}[len(metavar.split())]
         kind = "names" if "NAME" in metavar else "numbers"
-        return f"{option.removeprefix('--')} must be {number} {kind} {metavar}, got {len(given)}"
+        values, *instead = metavar.split("|")
+        may_be = listed([f"{number} {kind} {values}", *instead], "or")
+        return f"{option.removeprefix('--')} must be {may_be}, got {len(given)}"
     if option in words:
         return f"{option} must be given a value"
     lacking = [

@@ -31,14 +31,15 @@ OF_SYSTEM = ("rtol", "method")
 def simulate_file(
     file: Path,
     rotor: RotorOptions,
-    start: State | None,
+    start: State | str | None,
     solver: options.SolverOptions | options.RunUpSolverOptions,
     output: Output,
     given: Mapping[str, Any],
 ) -> Report:
     """Simulate the system of a file at a constant speed."""
-    how = _checked(rotor.given, rotor.machine, start, solver, output)
+    how = _checked(rotor.given, rotor.machine, solver, output)
     system, course = case_of(file, {**rotor.given, **given})
+    course = _begun(course, start)
     speed = rotor.given.get(SPEED, course.speed)
     if speed is None:
         raise InputError(f"speed must be given with --speed or in {file}")
@@ -53,15 +54,16 @@ def run_up_file(
     file: Path,
     rotor: RotorOptions,
     change: options.ChangeOptions,
-    start: State | None,
+    start: State | str | None,
     solver: options.SolverOptions | options.RunUpSolverOptions,
     output: Output,
     given: Mapping[str, Any],
 ) -> Report:
     """Simulate the system of a file at a changing speed."""
-    how = _checked(rotor.given, rotor.machine, start, solver, output)
+    how = _checked(rotor.given, rotor.machine, solver, output)
     of_change = {name: each for name, each in asdict(change).items() if each is not None}
     system, course = case_of(file, {**rotor.given, **given, **of_change})
+    course = _begun(course, start)
     with working("run-up [%]") as progress, _told_by_the_answer():
         ways = _change(course, rotor, of_change)
         run = rotor_ida.run_up(system, **course.motion, **given, **how, **ways, progress=progress)
@@ -72,17 +74,16 @@ def sweep_file(
     file: Path,
     rotors: RotorsOptions,
     axes: Mapping[str, list[float] | None],
-    starts: list[State],
+    starts: list[State | str],
     solver: options.SolverOptions,
     output: Output,
     given: Mapping[str, Any],
 ) -> Report:
     """Simulate the settled responses of the system of a file over speeds and its parameters."""
-    start = None if starts == [AT_REST] else starts
     values: dict[str, Any] = {**rotors.values, **axes}
     varied = {name: values.pop(name) for name in PARAMETERS_OF_SYSTEM
               if values.get(name) is not None}  # fmt: skip
-    how = _checked(values, rotors.machine, start, solver, output)
+    how = _checked(values, rotors.machine, solver, output)
     _refuse_units_of_factors(varied)
     if how.pop("method", "taylor") != "taylor":
         raise InputError(
@@ -93,7 +94,8 @@ def sweep_file(
     system, course = case_of(file, {**rotors.values, **axes})
     with working("sweep", given["study"]) as progress:
         dataset = rotor_ida.sweep(
-            system, starts=[course.start], modes=course.modes, speed=rotors.values[SPEED],
+            system, starts=_starts(course, None if starts == [AT_REST] else starts),
+            modes=course.modes, speed=rotors.values[SPEED],
             **{name: each[0] if len(each) == 1 else each for name, each in varied.items()},
             **given, **how, progress=progress,
         )  # fmt: skip
@@ -103,13 +105,13 @@ def sweep_file(
 def run_ups_file(
     file: Path,
     rotors: RotorsOptions,
-    starts: list[State] | None,
+    starts: list[State | str] | None,
     solver: options.RunUpsSolverOptions,
     output: Output,
     given: Mapping[str, Any],
 ) -> Report:
     """Simulate many run-ups of the system of a file, by default from its first speed."""
-    how = _checked(rotors.values, rotors.machine, starts, solver, output)
+    how = _checked(rotors.values, rotors.machine, solver, output)
     if how.pop("method", "taylor") != "taylor":
         raise InputError(
             f"method must be taylor for run-ups of a rotor system, got {solver.method}"
@@ -118,8 +120,8 @@ def run_ups_file(
     speed = rotors.values.get(SPEED, course.run_up.get(SPEED, 0.0))
     with working("run-ups", given["study"]) as progress:
         dataset = rotor_ida.run_ups(
-            system, starts=[course.start], modes=course.modes, speed=speed, **given, **how,
-            progress=progress,
+            system, starts=_starts(course, starts), modes=course.modes, speed=speed, **given,
+            **how, progress=progress,
         )  # fmt: skip
         return answer_whole(dataset, output, given["study"])
 
@@ -143,26 +145,48 @@ def _told_by_the_answer() -> Iterator[None]:
 
 
 def cycle_case(
-    file: Path, rotor: RotorOptions, start: State | None, output: Output, *, without_gravity: bool
+    file: Path,
+    rotor: RotorOptions,
+    start: State | str | None,
+    output: Output,
+    *,
+    without_gravity: bool,
 ) -> tuple[RotorSystem, dict[str, Any]]:
     """Return the system of a file, and what its cycles are computed from."""
-    _checked(rotor.given, rotor.machine, start, options.SolverOptions(), output)
+    _checked(rotor.given, rotor.machine, options.SolverOptions(), output)
     system, course = case_of(file, rotor.given)
+    course = _begun(course, start)
     if without_gravity:
         system = replace(system, gravity=None)
     speed = rotor.given.get(SPEED, course.speed)
     return system, {"start": course.start, "modes": course.modes, SPEED: speed}
 
 
+def _begun(course: Course, start: State | str | None) -> Course:
+    """Return a course that begins as the option says, if it is given."""
+    return course if start is None else replace(course, start=_word(start))
+
+
+def _starts(course: Course, starts: list[State | str] | None) -> list[Any]:
+    """Return the starts of many motions: those of the options, or that of the file."""
+    return [course.start] if starts is None else [_word(each) for each in starts]
+
+
+def _word(start: State | str) -> str:
+    """Return the word of a start; the four numbers are of one disc."""
+    if isinstance(start, str):
+        return start
+    raise InputError(f"start must be settled or rest with a rotor system, got {shown(start)}")
+
+
 def _checked(
     quantities: Mapping[str, object],
     machine: Path | None,
-    start: object,
     solver: options.SolverOptions | options.RunUpSolverOptions,
     output: Output,
 ) -> dict[str, Any]:
     """Return the options of the solver; refuse what is of one disc only, and bad paths."""
-    of_disc: dict[str, object] = {**quantities, "machine": machine, "start": start}
+    of_disc: dict[str, object] = {**quantities, "machine": machine}
     of_disc.pop(SPEED, None)
     chosen, usual = asdict(solver), asdict(type(solver)())
     of_disc |= {name: each for name, each in chosen.items()

@@ -25,8 +25,6 @@ from rotor_ida.model.contact import HERTZ_EXPONENT
 MOST_CONTACTS = 16
 # Squares of smaller lengths are lost beside other numbers, and powers of larger numbers overflow.
 SMALLEST_LENGTH, LARGEST_LENGTH, LARGEST = 1e-20, 1e15, 1e30
-# Words for where a run of a rotor system starts.
-STARTS = ("settled", "rest")
 
 
 @dataclass(frozen=True, kw_only=True, slots=True)

@@ -67,6 +67,7 @@ _ORDER = (
     HOPF := "Hopf point",
     *KIND_WORDS.values(),
     FROM_REST := "each speed from rest",
+    FROM_WHIRL := "each speed from its contact-free whirl",
     FROM_START := "each speed from its start",
     GOING_UP := "speed going up",
     GOING_DOWN := "speed going down",

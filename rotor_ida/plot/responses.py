@@ -22,6 +22,7 @@ from rotor_ida.plot.appearance import (
     FOLD,
     FROM_REST,
     FROM_START,
+    FROM_WHIRL,
     GOING_DOWN,
     GOING_UP,
     GREEN,
@@ -461,6 +462,9 @@ def _words_of(name: str, words: str) -> str:
 
 
 def _start_words(simulated: xr.Dataset) -> str:
+    words = {*str(simulated.attrs.get("start_words", "")).split()}
+    if words in ({"rest"}, {"settled"}):
+        return FROM_REST if words == {"rest"} else FROM_WHIRL
     # older sweeps of systems have another name
     of_system = [name for name in ("initial_state", "start_state") if name in simulated]
     starts = of_system or [f"start_{name}" for name in COMPONENTS]

@@ -224,7 +224,12 @@ def _resolved(name: str, answer: xr.Dataset) -> Any:
     """Return the value of an argument by an answer; None if it does not have it."""
     columns = [f"start_{each}" for each in COMPONENTS]
     if name == "starts" and all(each in answer.variables for each in columns):
-        return np.column_stack([answer.variables[each].values for each in columns])
+        states = np.column_stack([answer.variables[each].values for each in columns])
+        words = str(answer.attrs.get("start_words", "")).split()
+        if not words:
+            return states
+        pairs = zip(words, states.tolist(), strict=True)
+        return [state if word == "state" else word for word, state in pairs]
     # a cycle is more than a state
     return None if f"{name}_period" in answer.attrs else answer.attrs.get(name)
 

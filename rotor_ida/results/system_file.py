@@ -45,14 +45,13 @@ from typing import Any
 import numpy as np
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_array, check_choice, check_count, did_you_mean, shown
+from rotor_ida.checks import STARTS, check_array, check_choice, check_count, did_you_mean, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.data_sheet import KEYS, OF_LINEAR, exponent_of, units_of
 from rotor_ida.model.rotor_system import UNITS, RotorSystem, check_dimensions
 from rotor_ida.model.scales import errors_in_units
 from rotor_ida.model.system_files import read_system
 from rotor_ida.model.system_parts import (
-    STARTS,
     Contact,
     Race,
     Stator,

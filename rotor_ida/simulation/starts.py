@@ -13,6 +13,7 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import (
     COMPONENTS,
+    STARTS,
     State,
     check_choice,
     check_state,
@@ -24,7 +25,6 @@ from rotor_ida.checks import (
 from rotor_ida.errors import InputError
 from rotor_ida.model.disc_starts import begun
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.model.system_parts import STARTS
 from rotor_ida.results.kinds import KINDS, kind_of
 from rotor_ida.results.si_units import dimensionless
 from rotor_ida.simulation.options import LARGEST

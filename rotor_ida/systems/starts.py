@@ -8,10 +8,9 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_array, check_choice, shown
+from rotor_ida.checks import STARTS, check_array, check_choice, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import spring_force, spring_slope
-from rotor_ida.model.system_parts import STARTS
 from rotor_ida.systems.assembly import Assembly
 
 Start = Literal["settled", "rest"] | tuple[npt.ArrayLike, npt.ArrayLike] | None

@@ -113,8 +113,10 @@ def test_negative_components_of_a_start_are_read(program: Program):
 def test_simulate_begins_from_rest(program: Program):
     words = [word for word in RUN if word != "--start"]
     del words[6:10]
-    answer = program("simulate", *words, "--json")
-    assert json.loads(answer.out) == json.loads(program("simulate", *RUN, "--json").out)
+    answers = [json.loads(program("simulate", *line, "--json").out) for line in (words, RUN)]
+    questions = [json.loads(each.pop("question"))["start"] for each in answers]
+    assert questions == ["rest", [0.0, 0.0, 0.0, 0.0]]
+    assert answers[0] == answers[1]
 
 
 @pytest.mark.parametrize("name", ["motion", "motion.png", "motion.svg"])

@@ -78,7 +78,7 @@ def test_a_response_that_is_no_cycle_is_an_answer_too(program: Program, disc: st
 
 @pytest.mark.parametrize(("words", "message"), [
     (("cycle", "--zeta", 0.1), "zeta must be left out with a rotor system"),
-    (("cycle", "--start", 1, 0, 0, 0), "start must be left out with a rotor system"),
+    (("cycle", "--start", 1, 0, 0, 0), "start must be settled or rest with a rotor"),
     (("cycle", "--speed", 0), "speed must not be 0"),
     (("continue", "--limits", 3, 4), "limits must contain the speed of the start"),
     (("continue", "--limits", 1, 3, "--period", 4.5), "period must be left out"),

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import rotor_ida
 from rotor_ida import Contact, Race, RotorSystem, Stator, Unbalance
@@ -343,7 +344,7 @@ MISTAKES = [
     ("simulate rotor.toml --duration 0", "duration must be positive, got 0 s"),
     ("simulate rotor.toml --duration 1 --omega 2", "omega must be left out with a rotor system"),
     ("simulate rotor.toml --duration 1 --machine a.toml", "machine must be left out with a rotor"),
-    ("simulate rotor.toml --duration 1 --start 0 0 0 0", "start must be left out with a rotor"),
+    ("simulate rotor.toml --duration 1 --start 0 0 0 0", "start must be settled or rest with"),
     ("simulate rotor.toml --duration 1 --atol 1e-9", "atol must be left out with a rotor system"),
     ("simulate rotor.toml --duration 1 --flight cvode", "flight must be left out with a rotor"),
     ("simulate rotor.toml --duration 1 --method ida", "method must be one of 'taylor', 'adams'"),
@@ -362,11 +363,26 @@ MISTAKES = [
     ("run-ups rotor.toml --to 0 --rate 1", "to must not be 0 in run-ups of a rotor system, got"),
     ("sweep rotor.toml --speed 0", "speed must not be 0 in a sweep of a rotor system, got 0.0"),
     ("sweep rotor.toml --speed 1 --omega 2", "omega must be left out with a rotor system"),
-    ("sweep rotor.toml --speed 1 --start 1 0 0 0", "start must be left out with a rotor system"),
+    ("sweep rotor.toml --speed 1 --start 1 0 0 0", "start must be settled or rest with a rotor"),
     ("sweep rotor.toml --speed 1 --method bdf", "method must be taylor for a sweep of a rotor"),
     ("sweep rotor.toml --speed 2 1 --direction up", "speed must increase in a sweep up or down"),
     ("run-up rotor.toml --backend python", "backend must be left out with a rotor system"),
 ]  # fmt: skip
+
+
+@pytest.mark.parametrize("word", ["settled", "rest"])
+def test_a_word_replaces_the_start_of_the_file(program: Program, rotor: str, word: str):
+    around = {name: each for name, each in AROUND.items() if name != "start"}
+    words = ("--speed", 400, "--duration", 0.001, "--start", word, rotor, "--out", "run.nc")
+    answer = program("simulate", *words)
+    assert (answer.status, answer.err) == (0, "")
+    run = rotor_ida.load("run.nc")
+    expected = rotor_ida.simulate(SYSTEM_OF_PYTHON, **around, start=word, speed=400, duration=0.001)
+    xr.testing.assert_equal(run.x, expected.x)
+    answer = program("sweep", rotor, "--speed", 400, "--start", word, "--out", "map.nc")
+    assert (answer.status, answer.err) == (0, "")
+    told = json.loads(rotor_ida.load("map.nc").attrs["question"])
+    assert told["starts"] == [word]
 
 
 @pytest.mark.parametrize(("line", "message"), MISTAKES)

@@ -2,18 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
-from dataclasses import asdict, replace
-from itertools import product
+from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from cyclopts import Parameter
 
 import rotor_ida
-from rotor_ida.checks import AT_REST, MOST_NUMBERS, State, check_one_varies
+from rotor_ida.checks import AT_REST, MOST_NUMBERS, check_one_varies
 from rotor_ida.cli import options, parsing
-from rotor_ida.cli.machines import begun
+from rotor_ida.cli.machines import REST
 from rotor_ida.cli.option_types import (
     IN_OUTPUT,
     IN_ROTOR,
@@ -29,7 +27,6 @@ from rotor_ida.cli.report import FIRST_ROWS, Report
 from rotor_ida.cli.rotor_options import RotorOptions, RotorsOptions
 from rotor_ida.cli.systems import run_up_file, run_ups_file, simulate_file, sweep_file
 from rotor_ida.errors import InputError
-from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.scales import BECOMES
 
 # Number of random initial states of a bifurcation diagram.
@@ -151,7 +148,7 @@ def simulate(
     with working("simulate [%]") as progress:
         run = rotor_ida.simulate(
             chosen,
-            start=begun(start, chosen),
+            start=start or REST,
             duration=duration,
             samples=samples,
             **options.of_disc(solver),
@@ -205,7 +202,7 @@ def run_up(
     with working("run-up [%]") as progress:
         run = rotor_ida.run_up(
             chosen,
-            start=begun(start, change.first_of(chosen)),
+            start=start or REST,
             **change.given(),
             samples=samples,
             **options.of_disc(solver),
@@ -384,7 +381,7 @@ def run_ups(
     if system is not None:
         given = {"to": to, "rate": rate, "phase": phase, "study": study, **jobs.on_every_core()}
         return run_ups_file(system, rotors, start, solver, output, given)
-    check_points(*rotors.axes(), rate, phase, start or [AT_REST], in_study=study is not None)
+    check_points(*rotors.axes(), rate, phase, start or [REST], in_study=study is not None)
     output.check(panels=rotors.panels())
     rotor, given = rotors.asked()
     with working("run-ups", study) as progress:
@@ -394,30 +391,13 @@ def run_ups(
             to=to,
             rate=rate,
             phase=phase,
-            starts=_hanging(rotor, given) if start is None else start,
+            starts=[REST] if start is None else start,
             **asdict(solver),
             **jobs.on_every_core(),
             study=study,
             progress=progress,
         )
         return answer_whole(dataset, output, study)
-
-
-def _hanging(machine: DimensionalRotor | None, given: Mapping[str, Any]) -> list[State]:
-    """Return the one place in which all rotors of run-ups hang at rest under their load."""
-    axes = {name: each if isinstance(each, list) else [each] for name, each in given.items()}
-    if not any(axes.get("load", [machine.load if machine else 0.0])):
-        return [AT_REST]
-    several = (dict(zip(axes, values, strict=True)) for values in product(*axes.values()))
-    places = {
-        begun(None, replace(machine, **each) if machine else Rotor(**each)) for each in several
-    }
-    if len(places) > 1:
-        raise InputError(
-            "start must be given for rotors that hang in different places under their load, got "
-            f"none for {len(places)} places"
-        )
-    return list(places)
 
 
 def reproduce(

@@ -11,7 +11,7 @@ from cyclopts import Parameter
 import rotor_ida
 from rotor_ida.checks import COMPONENTS, MOST_NUMBERS, State, shown
 from rotor_ida.cli import options, parsing
-from rotor_ida.cli.machines import begun, check_limits
+from rotor_ida.cli.machines import REST, check_limits
 from rotor_ida.cli.option_types import count_option, path_option, quantity_option
 from rotor_ida.cli.output import Output, answer, answer_whole, read, working
 from rotor_ida.cli.report import FIRST_ROWS, Report
@@ -126,7 +126,7 @@ class Origin(RotorOptions):
         if not (self.given or self.machine):
             raise InputError("a rotor must be given, or a file with --from")
 
-    def guess(self, *, curve_kind: str | None = None) -> tuple[Any, State | xr.Dataset]:
+    def guess(self, *, curve_kind: str | None = None) -> tuple[Any, State | str | xr.Dataset]:
         """Return rotor and start of the continuation.
 
         A point of a bifurcation curve of `curve_kind` starts exactly that bifurcation.
@@ -141,7 +141,7 @@ class Origin(RotorOptions):
             rotor, found = _in_archive(dimensionless(archived), self, curve_kind)
             return machine_of(archived) or rotor, found
         chosen = self.chosen()
-        start = begun(self.start, chosen)
+        start = self.start or REST
         return chosen, start if self.period is None else _closed(chosen, start, self.period)
 
 
@@ -179,9 +179,9 @@ def limit_cycle(
     chosen = rotor.chosen()
     with working("cycle") as progress:
         if period is None:
-            found = rotor_ida.limit_cycle(chosen, start=begun(start, chosen), progress=progress)
+            found = rotor_ida.limit_cycle(chosen, start=start or REST, progress=progress)
         else:
-            found = _closed(chosen, begun(start, chosen), period)
+            found = _closed(chosen, start or REST, period)
     return _answered(found, output)
 
 
@@ -287,7 +287,7 @@ def bifurcation_curve(
 def cycle_file(
     file: Path,
     rotor: RotorOptions,
-    start: State | None,
+    start: State | str | None,
     period: float | None,
     output: Output,
     *,
@@ -310,6 +310,8 @@ def branch_file(
         )
     own, given = cycle_case(file, origin, origin.start, output, without_gravity=without_gravity)
     if origin.from_ is not None:
+        if origin.start is not None:
+            raise InputError("start must be left out with --from")
         given["start"] = _point_of_system(read(origin.from_), origin)
         given["speed"] = origin.given.get("speed")  # else that of the archive
     elif (origin.point, origin.special) != (None, None):
@@ -340,7 +342,7 @@ def _point_of_system(dataset: xr.Dataset, origin: Origin) -> xr.Dataset:
     return _at(dataset, kind, origin.point, origin.special)
 
 
-def _closed(rotor: Rotor | DimensionalRotor, start: State, period: float) -> xr.Dataset:
+def _closed(rotor: Rotor | DimensionalRotor, start: State | str, period: float) -> xr.Dataset:
     """Return the cycle near a guess; if there is none, the guess is an input error."""
     try:
         return rotor_ida.limit_cycle(rotor, start=start, period=period)

@@ -114,7 +114,7 @@ def _serve(
     serve(state, port=port, browser=browser, report=_say, system=system)
 
 
-def _system(file: Path | None, rotor: RotorOptions, start: State | None) -> Path | None:
+def _system(file: Path | None, rotor: RotorOptions, start: State | str | None) -> Path | None:
     """Return the file if it is of a rotor system that can be read; None for one disc."""
     from rotor_ida.results.kinds import kind_of  # noqa: PLC0415 - heavy, and not for --help
     from rotor_ida.results.system_file import load_system  # noqa: PLC0415
@@ -132,7 +132,7 @@ def _system(file: Path | None, rotor: RotorOptions, start: State | None) -> Path
 
 
 def _beginning(
-    rotor: RotorOptions, start: State | None, file: Path | None
+    rotor: RotorOptions, start: State | str | None, file: Path | None
 ) -> tuple[Rotor | DimensionalRotor, State | None, int]:
     """Return the initial machine, its start, if given, and the number of revolutions."""
     given = rotor.machine is not None or bool(rotor.given)

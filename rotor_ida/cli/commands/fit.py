@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 import rotor_ida
-from rotor_ida.cli import options
+from rotor_ida.checks import State
+from rotor_ida.cli import options, parsing
 from rotor_ida.cli.commands.plot import OF_FILE, signals_in
 from rotor_ida.cli.option_types import number_option, numbers_option, quantity_option
 from rotor_ida.cli.output import Output, answer, troubled, working
@@ -28,8 +29,13 @@ Unknowns = Annotated[
     ),
 ]
 StartOfRecord = Annotated[
-    options.StartOrNone,
-    Parameter(help="State at the beginning of the record. Default: it is fitted too."),
+    State | None,
+    Parameter(
+        help="State at the beginning of the record. Default: it is fitted too.",
+        metavar="X Y VX VY",
+        converter=parsing.converter(parsing.state),
+        negative=(),
+    ),
 ]
 EntryTimes = Annotated[
     list[float] | None,
