@@ -121,8 +121,8 @@ def cycles_of_system(
     Without an axis of speeds, `speed` is a number, or None for that of the start.
     """
     speeds = asked.given[SPEED]
-    ends = sorted(speeds.tolist(), key=abs) if speeds.ndim else [speed]
-    guess, *_ = (guess_of_system(asked.base, start, each, period, modes) for each in ends[::-1])
+    ends = [abs(speeds).max(), abs(speeds).min()] if speeds.ndim else [speed]
+    guess, *_ = [guess_of_system(asked.base, start, each, period, modes) for each in ends]
     check_no_hopf(guess)
     flow = guess.flow
     assert isinstance(flow, SystemFlow)
@@ -188,7 +188,7 @@ def _of_system(first: SystemStart, point: Turning, stop: Stop) -> Mapping[str, A
 def _numbers(guess: Guess, stop: Stop) -> dict[str, Any]:
     """Return the numbers of the cycle to which a guess leads, as columns."""
     found = cycle_dataset(guess, *found_cycle(guess, stop))
-    numbers = {name: found[name].values for name in _names(guess.flow)}
+    numbers: dict[str, Any] = {name: found[name].values for name in _names(guess.flow)}
     if isinstance(guess.flow, DiscFlow):
         is_cycle = found.sizes["t"] > 0
         numbers |= {name: found[name].values[0] if is_cycle else math.nan for name in COMPONENTS}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -24,6 +25,9 @@ from rotor_ida.plot.labels import label_axis, label_varied
 from rotor_ida.schema import words_of
 from rotor_ida.texts import in_figure
 
+Mask = npt.NDArray[np.bool_]
+# Room beside the first and the last point, over the distance between them.
+ROOM = 0.04
 CYCLES = ("status", "period", "stability", "radius_min", "radius_max")
 
 
@@ -52,6 +56,7 @@ def cycles_figure(cycles: xr.Dataset) -> Figure:
     """
     cycles = check_dataset("cycles", cycles, CYCLES)
     part, over = along_one("cycles", cycles)
+    part = part.sortby(over)
     is_stable = np.array(words_of(part["stability"])) == "stable"
     with style():
         figure = new_figure(5.0, 5.0)
@@ -69,6 +74,9 @@ def cycles_figure(cycles: xr.Dataset) -> Figure:
                 _draw(lower, part[over].values, radii, is_stable, colour)
         label_axis(lower.yaxis, "radius", part["radius_max"])
         label_varied(lower.xaxis, over, cycles)
+        first, last = part[over].values[[0, -1]].tolist()
+        if first < last:  # points without a cycle too
+            lower.set_xlim(first - ROOM * (last - first), last + ROOM * (last - first))
         if not np.isfinite(part["period"].values).any():
             say_in_middle(upper, "no limit cycle")
         else:
@@ -76,7 +84,7 @@ def cycles_figure(cycles: xr.Dataset) -> Figure:
     return figure
 
 
-def _draw(ax: Axes, across: Values, up: Values, is_stable: Values, colour: str) -> None:
+def _draw(ax: Axes, across: Values, up: Values, is_stable: Mask, colour: str) -> None:
     """Draw a number of the cycles, with marks that show their stability."""
     ax.plot(across, up, color=colour, lw=0.9)
     for here, face, label in ((is_stable, "", STABLE_CYCLE), (~is_stable, "white", UNSTABLE_CYCLE)):
