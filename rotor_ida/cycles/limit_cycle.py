@@ -200,13 +200,13 @@ disc_radius : float or array_like, shape (n,), optional
 def limit_cycle_system(
     system: RotorSystem, *, start: SystemStart, speed: Any, period: float | None,
     modes: int | None, workers: int | None, executor: str, study: Folder | None,
-    progress: Progress | bool | None, **varied: Unpack[SystemAxes],
+    progress: Progress | bool | None, **changed: Unpack[SystemAxes],
 ) -> xr.Dataset:  # fmt: skip
     """Compute the limit cycle of a rotor system: see `limit_cycle`."""
     has_axis = hasattr(speed, "__len__") and not isinstance(speed, str)
     has_axis = has_axis and not is_scalar("speed", speed)
     speeds = turning_speeds(speed, "for a limit cycle") if has_axis else np.asarray(np.nan)
-    asked = varied_system_of(limit_cycle, system, varied, speeds)
+    asked = varied_system_of(limit_cycle, system, changed, speeds)
     chosen = choose(executor, workers, compiled=True)
     if asked.dims:
         jobs = Jobs(chosen, study, check_progress(progress))

@@ -148,7 +148,7 @@ def plot_exponents(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     '$\\lambda_1 = -0.07000$'
     """
     if isinstance(found, xr.Dataset) and "status" in found and "running_exponent" not in found:
-        return _plot_exponents_over(check_dataset("found", found, OF_EXPONENTS), ax)
+        return _plot_exponents_over(check_dataset("found", found, ("exponent", *OF_EXPONENTS)), ax)
     found = check_dataset("found", found, ("t", "running_exponent", *OF_EXPONENTS))
     with drawing(ax) as ax:
         label_axis(ax.xaxis, "t", found["t"])

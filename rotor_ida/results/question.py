@@ -282,7 +282,7 @@ def _plain(value: Any, stators: list[Stator]) -> Any:
         return [_plain(each, stators) for each in value]
     if type(value).__name__ in VALUES:
         return _plain_fields(value, stators)
-    if isinstance(value, np.ndarray | np.generic | xr.DataArray):
+    if hasattr(value, "__array__"):
         numbers = np.asarray(value)
         return (numbers.astype(float) if numbers.dtype == object else numbers).tolist()
     is_plain = value is None or isinstance(value, str | float | int)
