@@ -179,7 +179,7 @@ disc_radius : float or array_like, shape (n,), optional
 
     >>> cycles = limit_cycle(Rotor(omega=2.0, zeta=0.07, delta0=2.0), omega=[1.9, 2.0])
     >>> cycles.period.dims, cycles.period.values.round(9)
-    (('omega',), array([4.798743855, 4.563916675]))
+    (('omega',), array([4.800560609, 4.563916675]))
     """
     jobs: dict[str, Any] = {
         "workers": workers, "executor": executor, "study": study, "progress": progress
