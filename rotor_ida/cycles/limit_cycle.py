@@ -88,10 +88,10 @@ def limit_cycle(
         standard error.
     workers, executor, study
         As in `sweep`, for the points.
-    omega, zeta, delta0, shaft_stiffness, contact_exponent, contact_damping, load, friction, \
-disc_radius : float or array_like, shape (n,), optional
-        Parameters of one disc, those of a `DimensionalRotor` by its own names; they override its
-        own. Each array becomes a dimension of the result, and there is a cycle at each point.
+    **varied : float or array_like, shape (n,)
+        Parameters of `Rotor` by name [1], or of a `DimensionalRotor` by its own, in place of those
+        of `rotor`. Each array becomes a dimension of the result, with each value once; all are
+        combined, and there is a cycle at each point.
     clearance, friction, unbalance, damping, stiffness : float or array_like, shape (n,), optional
         Parameters of a `RotorSystem`, as in `sweep`; each array becomes a dimension too.
     contacts, unbalance, supports, gravity, static_force : optional
@@ -178,8 +178,8 @@ disc_radius : float or array_like, shape (n,), optional
     At each of several speeds:
 
     >>> cycles = limit_cycle(Rotor(omega=2.0, zeta=0.07, delta0=2.0), omega=[1.9, 2.0])
-    >>> cycles.period.dims, cycles.period.values.round(9)
-    (('omega',), array([4.800560609, 4.563916675]))
+    >>> cycles.period.dims, cycles.period.values.round(6)
+    (('omega',), array([4.800561, 4.563917]))
     """
     jobs: dict[str, Any] = {
         "workers": workers, "executor": executor, "study": study, "progress": progress
