@@ -183,6 +183,12 @@ KINDS: dict[str, Callable[[], xr.Dataset]] = {
         CENTRED, start=REST, transient=5.0, duration=40.0, batches=4
     ),
     "limit_cycle": a_cycle,
+    "limit_cycles": lambda: rotor_ida.limit_cycle(
+        Rotor(omega=2.0, zeta=0.07, delta0=2.0), omega=[2.0, 2.1], workers=1
+    ),
+    "system_cycles": lambda: rotor_ida.limit_cycle(
+        Rotor(omega=2.0, zeta=0.07, delta0=2.0).system(), speed=[2.0, 2.1], workers=1
+    ),
     "no_limit_cycle": lambda: rotor_ida.limit_cycle(CENTRED, start=REST),
     "branch": a_branch,
     "bifurcation_curve": a_curve,

@@ -28,6 +28,7 @@ from rotor_ida import (
     closed_forms,
     decode_flags,
 )
+from rotor_ida.cycles.limit_cycle import limit_cycle_system
 from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.model.rotor_system import SystemParameters
 from rotor_ida.model.system_parameters import SystemAxes
@@ -379,7 +380,7 @@ OF_SYSTEMS = {
     "simulate_system": simulate_system, "run_up_system": run_up_system,
     "sweep_system": sweep_system, "run_ups_system": run_ups_system,
     "lyapunov_exponent_system": lyapunov_exponent_system,
-    "limit_cycle_system": rotor_ida.limit_cycle, "continue_cycle_system": rotor_ida.continue_cycle,
+    "limit_cycle_system": limit_cycle_system, "continue_cycle_system": rotor_ida.continue_cycle,
     "synchronous_response_system": synchronous_response_system,
 }  # fmt: skip
 

@@ -29,6 +29,7 @@ from rotor_ida.cli.variables import (
 )
 from rotor_ida.cycles.branch_course import parameters_of, stable_ranges
 from rotor_ida.model.parameters import ALL_PARAMETERS, OF_MACHINE
+from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
 from rotor_ida.results.kinds import KINDS, OTHER, kind_of, loaded
 from rotor_ida.results.run import course_of
 from rotor_ida.results.si_units import MACHINE, in_rpm, in_suitable_units, si_of
@@ -51,6 +52,12 @@ POINTS = Rows(
     names=("response", *ALL_PARAMETERS, "start", "direction", "amplitude", "radius_min",
            "radius_max", "period", "lyapunov_exponent", "lyapunov_error", "extremum_count",
            "status", "message"),
+)  # fmt: skip
+CYCLES = Rows(
+    title="Limit cycles", key="cycles", lead="response", digits=8, telling=True, on_request=True,
+    names=("response", "stability", "speed",
+           *dict.fromkeys((*ALL_PARAMETERS, *PARAMETERS_OF_SYSTEM)), "period",
+           "radius_max", "largest_force", "status", "message"),
 )  # fmt: skip
 RUN_UPS = Rows(
     title="Run-ups", key="run_ups", lead="ending", digits=6, telling=True, on_request=True,
@@ -83,6 +90,7 @@ STARTS = ("start_x", "start_y", "start_vx", "start_vy")
 # Dimensions over which the endings of run-ups are counted.
 COUNTED = ("phase", "start")
 MOST_FRACTIONS = 40
+OF_CYCLES = ("period", "radius_max", "largest_force")
 RANGES = ("omega", "amplitude", "radius_max")
 OF_FIT = ("chi_square", "degrees_of_freedom", "noise")
 ENDS_OF_BRANCH = ("first_end", "first_reason", "last_end", "last_reason")
@@ -317,6 +325,15 @@ def show_cycle(dataset: xr.Dataset, most: int | None) -> Description:
         return record, [pairs("No limit cycle", told)]
     told = with_units(dataset, parameters | scalars_of(dataset))
     return record, [pairs("Limit cycle", told), *parts]
+
+
+def show_cycles(dataset: xr.Dataset, most: int | None) -> Description:
+    """Return limit cycles at points, with their number by kind and the ranges of their numbers."""
+    told = dataset.drop_dims([dim for dim in dataset.dims if dim not in dataset["response"].dims])
+    worst = [name for name in ("radius_max", "largest_force") if name not in told]
+    told = told.assign({name: dataset[name].max("contact", keep_attrs=True) for name in worst})
+    record, parts = tabled(told, most, CYCLES)
+    return record, [count_of_kinds(told, OF_CYCLES), *parts]
 
 
 def show_branch(dataset: xr.Dataset, most: int | None) -> Description:

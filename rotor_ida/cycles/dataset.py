@@ -24,6 +24,7 @@ from rotor_ida.cycles.multipliers import (
 from rotor_ida.cycles.orbit import Orbit, disc_of
 from rotor_ida.cycles.shooting import close_orbit, periods_of
 from rotor_ida.model.contact import contact_force
+from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.whirl import steps_of_turning, whirl_over_spin
 from rotor_ida.results.provenance import provenance
 from rotor_ida.schema import (
@@ -348,6 +349,11 @@ def dataset_of_system(
         **{name: held.pop(name) for name in ("axial_position",) if name in held},
     }
     dataset = labelled_dataset(title, {**variables, **held}, coordinates, attributes, kind=kind)
+    return in_words(dataset, assembly.system)
+
+
+def in_words(dataset: xr.Dataset, system: RotorSystem) -> xr.Dataset:
+    """Return cycles of a rotor system with their own words and units."""
     where = "distance of the contact from the centre of its stator"
     words = {
         "radius_min": f"smallest {where}", "radius_max": f"largest {where}",
@@ -360,7 +366,7 @@ def dataset_of_system(
     }  # fmt: skip
     for name in words.keys() & dataset.variables.keys():
         dataset[name].attrs["long_name"] = words[name]
-    return with_system_units(dataset, assembly.system)
+    return with_system_units(dataset, system)
 
 
 # ---- Branches, and curves of bifurcations ----

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any
+from typing import Any, TypeGuard
 
 import numpy as np
 import xarray as xr
@@ -79,13 +79,29 @@ def guess_of(rotor: Rotor, start: object, period: object = None) -> Guess:
     A point of a branch, special or not, sets the continued parameter and the period; a state has
     only the given period. InputError if it is none of these, or of another rotor.
     """
+    if not has_period(start, period):
+        return Guess(DiscFlow(rotor), np.array(state_of("start", start, rotor)), checked(period))
+    return guess_in(start, rotor)
+
+
+def has_period(start: object, period: object) -> TypeGuard[xr.Dataset]:
+    """Return whether a start is a cycle with its period, or a point of a branch."""
     if not isinstance(start, xr.Dataset) or _ends_a_run(start):
-        state = np.array(state_of("start", start, rotor))
-        if period is not None:
-            period = check_between("period", period, SHORTEST_PERIOD, LONGEST_PERIOD)
-        return Guess(DiscFlow(rotor), state, period)
+        return False
     if period is not None:
         raise InputError("period must be left out with a start that has one")
+    return True
+
+
+def checked(period: object) -> float | None:
+    """Return a period of one disc, if one is given."""
+    if period is None:
+        return None
+    return check_between("period", period, SHORTEST_PERIOD, LONGEST_PERIOD)
+
+
+def guess_in(start: xr.Dataset, rotor: Rotor | None = None) -> Guess:
+    """Return the guess given by a cycle or one point of a branch, of this rotor if one is given."""
     check_as_computed("start", start)
     if "special_value" in start and start["special_value"].ndim == 0:
         return _of_special(rotor, start)
@@ -125,7 +141,7 @@ def as_start(guess: Guess, parameters: Sequence[str]) -> xr.Dataset:
     return xr.Dataset(held, place, {"parameters": " ".join(parameters)})
 
 
-def _of_special(rotor: Rotor, start: xr.Dataset) -> Guess:
+def _of_special(rotor: Rotor | None, start: xr.Dataset) -> Guess:
     state = np.array([float(start[f"special_{name}"]) for name in COMPONENTS])
     place = start.assign_coords(
         {name: start[value] for name, value in zip(_continued(start), VALUES, strict=False)}
@@ -139,10 +155,10 @@ def _continued(start: xr.Dataset) -> list[str]:
     return str(start.attrs.get("parameter", start.attrs.get("parameters", ""))).split()
 
 
-def _rotor_of(rotor: Rotor, start: xr.Dataset) -> Rotor:
+def _rotor_of(rotor: Rotor | None, start: xr.Dataset) -> Rotor:
     """Return the rotor of a start, which may differ from `rotor` in what was continued."""
     own = Rotor(**{name: float(start[name]) for name in ALL_PARAMETERS if name in start})
-    for name in ALL_PARAMETERS:
+    for name in ALL_PARAMETERS if rotor is not None else ():
         here, given = getattr(own, name), getattr(rotor, name)
         if name not in _continued(start) and here != given:
             raise InputError(

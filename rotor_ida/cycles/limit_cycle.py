@@ -2,64 +2,47 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Mapping
-from dataclasses import replace
 from typing import Any, Unpack
 
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Stop, Values, Watch
-from rotor_ida.checks import AT_REST, State, check_instance, check_progress, shown
+from rotor_ida.checks import AT_REST, check_instance, check_progress, is_scalar, shown
 from rotor_ida.cycles.dataset import cycle_dataset
-from rotor_ida.cycles.guess import HOPF, Guess, guess_of, guess_of_system
-from rotor_ida.cycles.multipliers import is_stable
+from rotor_ida.cycles.each_cycle import Jobs, cycles_of_disc, cycles_of_system
+from rotor_ida.cycles.guess import Guess, guess_of, guess_of_system
 from rotor_ida.cycles.orbit import Orbit
-from rotor_ida.cycles.shooting import close_orbit, once_round, periods_of
-from rotor_ida.errors import InputError, SimulationError
+from rotor_ida.cycles.search import (
+    check_no_hopf,
+    check_revolutions,
+    check_turns_and_settles,
+    found_cycle,
+    numbers_in,
+)
+from rotor_ida.errors import InputError
+from rotor_ida.model.parameters import Parameters
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import (
     RotorSystem,
     SystemParameters,
-    changed_system,
     refuse_first,
 )
-from rotor_ida.parallel import Progress, interruptible, percentage, shows_progress
+from rotor_ida.model.system_parameters import SystemAxes
+from rotor_ida.model.varied import varied_of, varied_system_of
+from rotor_ida.parallel import Progress, choose, interruptible, percentage, shows_progress
 from rotor_ida.results.in_si import takes_si, takes_system
+from rotor_ida.results.studies.results import Folder
 from rotor_ida.simulation.flow import DiscFlow, Flow
-from rotor_ida.simulation.options import Options, check_can_be_followed
+from rotor_ida.simulation.options import check_can_be_followed
 from rotor_ida.simulation.starts import Start
-from rotor_ida.steady.follow import FAILED, follow_to_steady_state
 from rotor_ida.steady.follow import longest_time as longest_of_disc
-from rotor_ida.steady.response import BOUNCING, FULL_CONTACT, ROLLING, UNRESOLVED
-from rotor_ida.steady.system_motion import longest_time, settle
+from rotor_ida.steady.system_motion import longest_time
+from rotor_ida.steady.system_sweep import turning_speeds
 from rotor_ida.systems.flow import SystemFlow
 from rotor_ida.systems.joined import KINDS
 from rotor_ida.systems.starts import Start as SystemStart
-
-NOT_FOUND = "not_found"
-# The rotor is followed to its cycle with the default tolerance of a sweep; Newton's method then
-# refines the cycle.
-STEADY_STATE_RTOL = 1e-10
-# A start that returns to itself to this fraction of its size is a guess of a nearby cycle, which
-# need not attract it.
-NEAR_ITSELF = 1e-3
-# Time limit for the return: cycles in the sweeps of Fig. 11 have periods up to 44.
-RETURN_TIME = 100.0
-# The cycle may be farther from the start than the return is, by this factor: an orbit misses itself
-# only by its distance from the cycle times 1 - mu. It must also have been away by that distance.
-FARTHER = 10.0
-# Samples in which a return is sought; between them the motion is interpolated linearly.
-SAMPLES_A_TIME = 50
-SAMPLES_A_REVOLUTION = 200
-# Tolerance of a given period under a load, as a fraction of a revolution.
-WITHIN_A_REVOLUTION = 0.1
-# Under a load the rotor is sampled once a revolution, over this number of revolutions.
-REVOLUTIONS = 128
-# A motion that has not settled in shorter windows has reached a cycle if it then misses itself by
-# at most this fraction of its size.
-COME_BACK = 1e-6
 
 
 @shows_progress
@@ -68,10 +51,13 @@ def limit_cycle(
     *,
     start: Start | SystemStart = AT_REST,
     period: float | None = None,
-    speed: float | None = None,
+    speed: npt.ArrayLike | None = None,
     modes: int | None = None,
+    workers: int | None = None,
+    executor: str = "auto",
+    study: Folder | None = None,
     progress: Progress | bool | None = None,
-    **changed: Unpack[SystemParameters],
+    **varied: Any,
 ) -> xr.Dataset:
     """Compute the limit cycle to which a start leads, or which lies near a guess.
 
@@ -91,13 +77,23 @@ def limit_cycle(
         Approximate period of the cycle, or a multiple of it, from 1e-6 to 1e4 [1]: Newton's method
         then begins at the start itself. Under a load it must be a whole number of revolutions to
         within a tenth. That of a `RotorSystem` that is not axisymmetric is rounded to one.
-    speed : float, optional
-        Spin speed of a `RotorSystem`, not 0; by default that of the start.
+    speed : float or array_like, shape (n,), optional
+        Spin speed of a `RotorSystem`, not 0; by default that of the start. That of a
+        `DimensionalRotor` is a parameter of it.
     modes : int, optional
         Of a `RotorSystem`, as in `simulate`.
     progress : callable or bool, optional
         Called from time to time with the percentage of the longest time for which the rotor is
-        followed, and 100; True shows a bar on standard error.
+        followed, and 100, or with the numbers of points done and of all; True shows a bar on
+        standard error.
+    workers, executor, study
+        As in `sweep`, for the points.
+    **varied : float or array_like, shape (n,)
+        Parameters of `Rotor` by name [1], or of a `DimensionalRotor` by its own, in place of those
+        of `rotor`. Each array becomes a dimension of the result, with each value once; all are
+        combined, and there is a cycle at each point.
+    clearance, friction, unbalance, damping, stiffness : float or array_like, shape (n,), optional
+        Parameters of a `RotorSystem`, as in `sweep`; each array becomes a dimension too.
     contacts, unbalance, supports, gravity, static_force : optional
         In place of those of a `RotorSystem`, as in `simulate`.
 
@@ -122,12 +118,17 @@ def limit_cycle(
         state at its start and end, with the unbalance at angle 0. The attribute ``axes`` tells on
         which axes it closes.
 
+        Where a parameter is an array, the numbers of the cycle at each point, with ``status`` and
+        ``message``. What lies on ``t`` and ``line`` is left out; of one disc ``x y vx vy`` are the
+        state at the start of the period. One point serves as a start.
+
     Raises
     ------
     InputError
         If an argument cannot be used, or ``omega`` or ``zeta`` is 0: then there are no attractors.
     SimulationError
-        If Newton's method does not converge from a cycle that was simulated or given.
+        If Newton's method does not converge from a cycle that was simulated or given. One of
+        several points does not raise: its ``message`` gives the reason.
 
     Notes
     -----
@@ -173,38 +174,72 @@ def limit_cycle(
     >>> same = limit_cycle(Rotor(omega=2.0, zeta=0.07, delta0=2.0).system(), speed=2.0)
     >>> same.period.round(9).item(), same.contact_count.values
     (4.563916675, array([1]))
+
+    At each of several speeds:
+
+    >>> cycles = limit_cycle(Rotor(omega=2.0, zeta=0.07, delta0=2.0), omega=[1.9, 2.0])
+    >>> cycles.period.dims, cycles.period.values.round(6)
+    (('omega',), array([4.800561, 4.563917]))
     """
-    if not isinstance(rotor, RotorSystem):
-        disc = one_disc(limit_cycle, rotor, {"speed": speed, "modes": modes, **changed})
-        return limit_cycle_disc(disc, start=start, period=period, progress=progress)
-    return limit_cycle_system(
-        rotor, start=begun(start), speed=speed, period=period, modes=modes, progress=progress,
-        **changed,
-    )  # fmt: skip
+    jobs: dict[str, Any] = {
+        "workers": workers, "executor": executor, "study": study, "progress": progress
+    }  # fmt: skip
+    if isinstance(rotor, RotorSystem):
+        return limit_cycle_system(
+            rotor, start=begun(start), speed=speed, period=period, modes=modes, **jobs, **varied
+        )
+    of_system = {name: varied.pop(name) for name in [*varied]
+                 if name in SystemParameters.__annotations__}  # fmt: skip
+    if isinstance(rotor, DimensionalRotor) and speed is not None:
+        varied, speed = {"speed": speed, **varied}, None
+    disc: Any = one_disc(limit_cycle, rotor, {"speed": speed, "modes": modes, **of_system})
+    return limit_cycle_disc(disc, start=start, period=period, **jobs, **varied)
 
 
 @takes_system
 def limit_cycle_system(
-    system: RotorSystem, *, start: SystemStart, speed: float | None, period: float | None,
-    modes: int | None, progress: Progress | bool | None, **changed: Unpack[SystemParameters],
+    system: RotorSystem, *, start: SystemStart, speed: Any, period: float | None,
+    modes: int | None, workers: int | None, executor: str, study: Folder | None,
+    progress: Progress | bool | None, **changed: Unpack[SystemAxes],
 ) -> xr.Dataset:  # fmt: skip
     """Compute the limit cycle of a rotor system: see `limit_cycle`."""
-    system = changed_system(limit_cycle, system, changed)
-    return _near_guess(guess_of_system(system, start, speed, period, modes), progress)
+    has_axis = hasattr(speed, "__len__") and not isinstance(speed, str)
+    has_axis = has_axis and not is_scalar("speed", speed)
+    speeds = turning_speeds(speed, "for a limit cycle") if has_axis else np.asarray(np.nan)
+    asked = varied_system_of(limit_cycle, system, changed, speeds)
+    chosen = choose(executor, workers, compiled=True)
+    if asked.dims:
+        jobs = Jobs(chosen, study, check_progress(progress))
+        return cycles_of_system(asked, start, speed, period, modes, jobs)
+    check_no_study(study)
+    return _near_guess(guess_of_system(asked.system_at(()), start, speed, period, modes), progress)
 
 
 @takes_si
 def limit_cycle_disc(
-    rotor: Rotor, *, start: object, period: float | None, progress: Progress | bool | None
-) -> xr.Dataset:
+    rotor: Rotor, *, start: object, period: float | None, workers: int | None, executor: str,
+    study: Folder | None, progress: Progress | bool | None, **varied: Unpack[Parameters],
+) -> xr.Dataset:  # fmt: skip
     """Compute the limit cycle of one disc: see `limit_cycle`."""
-    check_turns_and_settles(check_instance("rotor", rotor, Rotor))
+    asked = varied_of(limit_cycle, check_instance("rotor", rotor, Rotor), varied, always=())
+    chosen = choose(executor, workers, compiled=True)
+    if asked.dims:
+        return cycles_of_disc(asked, start, period, Jobs(chosen, study, check_progress(progress)))
+    check_no_study(study)
+    rotor = asked.rotor(())
+    check_turns_and_settles(rotor)
     guess = guess_of(rotor, start, period)
     check_revolutions(guess)
-    check_can_be_followed(rotor, _numbers(guess.state), settling=True)
+    check_can_be_followed(rotor, numbers_in(guess.state), settling=True)
     if guess.rotor != rotor:
         guess = Guess(DiscFlow(rotor), guess.state, guess.period)
     return _near_guess(guess, progress)
+
+
+def check_no_study(study: object) -> None:
+    """Raise InputError for the study of one cycle."""
+    if study is not None:
+        raise InputError(f"study must be left out of one cycle, got {shown(study)}")
 
 
 def one_disc(
@@ -226,29 +261,6 @@ def begun(start: Any) -> Any:
     return None if start is AT_REST else start
 
 
-def check_turns_and_settles(rotor: Rotor) -> None:
-    """Raise InputError for a rotor that has no limit cycles."""
-    for name in ("omega", "zeta"):
-        if getattr(rotor, name) == 0.0:
-            raise InputError(
-                "{name} must be above 0 for a limit cycle, got {value}: nothing settles",
-                name=name, value=0.0,
-            )  # fmt: skip
-
-
-def check_revolutions(guess: Guess) -> None:
-    """Raise InputError if a period under a load is not a whole number of revolutions."""
-    flow, period = guess.flow, guess.period
-    if period is None or flow.period is None:
-        return
-    if abs(period / flow.period - periods_of(flow, period)) > WITHIN_A_REVOLUTION:
-        raise InputError(
-            "{name} must be a whole number of revolutions under a load, each of {revolution:.9g}, "
-            "got {value}",
-            name="period", revolution=flow.period, value=period,
-        )  # fmt: skip
-
-
 def checked_guess(rotor: Rotor, start: object) -> Guess:
     """Return the guess given by a start, for a rotor that has limit cycles."""
     guess = guess_of(rotor, start)
@@ -268,7 +280,7 @@ def with_period(guess: Guess) -> Guess:
 def cycle_from(guess: Guess) -> Orbit:
     """Return the limit cycle to which a guess leads; InputError if there is none."""
     if isinstance(guess.flow, DiscFlow):
-        check_can_be_followed(guess.rotor, _numbers(guess.state), settling=True)
+        check_can_be_followed(guess.rotor, numbers_in(guess.state), settling=True)
     cycle, response = interruptible(lambda stop: found_cycle(guess, stop))
     if cycle is None:
         raise InputError(
@@ -279,11 +291,7 @@ def cycle_from(guess: Guess) -> Orbit:
 
 def _near_guess(guess: Guess, progress: Progress | bool | None) -> xr.Dataset:
     """Return the cycle to which a guess leads, or the response found instead, as a dataset."""
-    if guess.special == HOPF:
-        raise InputError(
-            f"start must be a limit cycle, got a point of kind {HOPF}: continue_cycle follows what "
-            "begins there"
-        )
+    check_no_hopf(guess)
     reports, watch = check_progress(progress), list[Callable[[], float]]()
     told = percentage(reports, watch, _longest_time(guess.flow))
     found = interruptible(
@@ -300,106 +308,3 @@ def _longest_time(flow: Flow) -> float:
         return longest_time(flow)
     assert isinstance(flow, DiscFlow)
     return longest_of_disc(flow.rotor)
-
-
-def found_cycle(guess: Guess, stop: Stop, watch: Watch | None = None) -> tuple[Orbit | None, str]:
-    """Return the limit cycle to which a guess leads, or None, and the kind of response.
-
-    SimulationError if Newton's method does not converge from a cycle that was simulated or given.
-    """
-    flow, state, period = guess.flow.but(stop=stop), guess.state, guess.period
-    if period is None:
-        # that of a system would have to be followed for too long
-        is_disc = isinstance(flow, DiscFlow)
-        near = _near(flow, state, _time_of_return(flow, state)) if is_disc else None
-        if near is not None:
-            return near, near.response
-        kind, state, period = _settled(flow, state, watch)
-        if kind == UNRESOLVED and is_disc and flow.period is not None:
-            near = _of_many_revolutions(flow, state)
-            return near, NOT_FOUND if near is None else near.response
-        if period is None:
-            return None, NOT_FOUND if kind == UNRESOLVED else kind
-    cycle = once_round(close_orbit(flow, state, period))
-    return cycle, cycle.response
-
-
-def _settled(flow: Flow, state: Values, watch: Watch | None) -> tuple[str, Values, float | None]:
-    """Return the response to which a state leads, the state there, and the period of a cycle."""
-    if isinstance(flow, SystemFlow):
-        settled = settle(replace(flow.but(rtol=STEADY_STATE_RTOL), watch=watch), state)
-        decision = settled.decision
-        is_cycle = decision.kind in (BOUNCING, FULL_CONTACT, ROLLING)
-        return decision.kind, settled.state, decision.period if is_cycle else None
-    assert isinstance(flow, DiscFlow)
-    options = Options(method="taylor", rtol=STEADY_STATE_RTOL)
-    found = follow_to_steady_state(
-        flow.rotor, _numbers(state), options, stop=flow.stop, watch=watch
-    )
-    if found.response == FAILED:
-        raise SimulationError(found.message)
-    period = found.features.period
-    return found.response, np.array(found.end), None if math.isnan(period) else period
-
-
-def _near(flow: Flow, state: Values, time: float | None) -> Orbit | None:
-    """Return the cycle near a start that returns closely to itself; None if it does not."""
-    if time is None:
-        return None
-    try:
-        cycle = close_orbit(flow, state, time)
-    except SimulationError:
-        return None
-    moved = np.linalg.norm(cycle.start - state)
-    return once_round(cycle) if moved <= FARTHER * NEAR_ITSELF * np.linalg.norm(state) else None
-
-
-def _time_under_load(flow: Flow, state: Values, part: float) -> float | None:
-    """Return the time after which an orbit first returns, to a fraction of its size.
-
-    It is sampled once a revolution, when the load points down on the rotating axes.
-    """
-    times = flow.revolution * np.arange(REVOLUTIONS + 1.0)
-    misses = np.linalg.norm(flow.states(state, times)[1:] - state, axis=1)
-    back = np.flatnonzero(misses <= part * float(np.linalg.norm(state)))
-    return float(times[back[0] + 1]) if back.size else None
-
-
-def _of_many_revolutions(flow: Flow, state: Values) -> Orbit | None:
-    """Return the stable cycle that a motion under a load has reached, if longer than windows."""
-    cycle = _near(flow, state, _time_under_load(flow, state, COME_BACK))
-    return cycle if cycle is not None and is_stable(cycle) else None
-
-
-def _time_of_return(flow: Flow, state: Values) -> float | None:
-    """Return the time at which an orbit first returns to its start; None if it does not in time."""
-    if flow.period is not None:
-        return _time_under_load(flow, state, NEAR_ITSELF)
-    times, misses = returns(flow, state, RETURN_TIME, FARTHER * NEAR_ITSELF)
-    back = np.flatnonzero(misses <= NEAR_ITSELF * float(np.linalg.norm(state)))
-    return float(times[back[0]]) if back.size else None
-
-
-def returns(flow: Flow, state: Values, duration: float, away: float) -> tuple[Values, Values]:
-    """Return the times at which an orbit passes its start, and the distances across the motion.
-
-    A passage counts once the orbit has been `away`, relative to the size of the state. One passage
-    may give several times close to each other.
-    """
-    a_revolution = math.ceil(SAMPLES_A_REVOLUTION / flow.revolution)
-    samples_a_time = max(SAMPLES_A_TIME, a_revolution)
-    span, size = 1.0 / samples_a_time, float(np.linalg.norm(state))
-    states = flow.states(state, span * np.arange(math.ceil(duration * samples_a_time) + 1.0))
-    apart = states - state
-    rates = np.gradient(states, span, axis=0)
-    ahead = np.einsum("ni,ni->n", apart, rates) / np.einsum("ni,ni->n", rates, rates).clip(1e-300)
-    across = np.linalg.norm(apart - ahead[:, None] * rates, axis=1)
-    left = np.flatnonzero(np.linalg.norm(apart, axis=1) > away * size)
-    passed = np.flatnonzero(np.abs(ahead) <= span)
-    passed = passed[passed > left[0]] if left.size else passed[:0]
-    return span * passed - ahead[passed], across[passed]
-
-
-def _numbers(state: Values) -> State:
-    x, y, vx, vy = state.tolist()
-    return x, y, vx, vy

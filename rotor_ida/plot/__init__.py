@@ -43,6 +43,7 @@ from rotor_ida.plot.closed_forms import (
     plot_surface,
 )
 from rotor_ida.plot.cycles import cycle_figure, plot_cycle, plot_lines, plot_multipliers
+from rotor_ida.plot.cycles_over import cycles_figure
 from rotor_ida.plot.drops import drop_figure, drops_figure, save_orbit_film
 from rotor_ida.plot.dynamics import plot_exponents, plot_extrema, plot_section
 from rotor_ida.plot.fits import fit_figure, plot_fit, plot_fit_residuals
@@ -106,6 +107,7 @@ from rotor_ida.plot.whirls import (
 __all__ = [
     "clearance_report_figure",
     "cycle_figure",
+    "cycles_figure",
     "drop_figure",
     "drops_figure",
     "fit_figure",

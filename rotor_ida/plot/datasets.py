@@ -60,6 +60,16 @@ def one_value(name: str, dataset: xr.Dataset, parameter: str) -> float:
     return float(values[0])
 
 
+def along_one(name: str, dataset: xr.Dataset) -> tuple[xr.Dataset, str]:
+    """Return answers at points along the one parameter that varies, and its name."""
+    dims = [str(dim) for dim in dataset["status"].dims]
+    over = next((dim for dim in dims if dataset.sizes[dim] > 1), dims[0])
+    held = [dim for dim in dims if dim != over]
+    for dim in held:
+        one_value(name, dataset, dim)
+    return dataset.isel(dict.fromkeys(held, 0)), over
+
+
 def parameters_in(dataset: xr.Dataset) -> list[str]:
     """Return the rotor parameters of a dataset."""
     return [name for name in ALL_PARAMETERS if name in dataset.variables]

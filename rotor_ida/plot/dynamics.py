@@ -13,7 +13,6 @@ from matplotlib.axes import Axes
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import PARAMETERS
-from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
 from rotor_ida.plot.appearance import (
     BLUE,
     GREY,
@@ -28,6 +27,7 @@ from rotor_ida.plot.appearance import (
     say_in_middle,
 )
 from rotor_ida.plot.datasets import (
+    along_one,
     check_dataset,
     check_same_parameters,
     check_same_units,
@@ -41,6 +41,7 @@ from rotor_ida.plot.labels import (
     in_lines,
     label_axis,
     label_parameter,
+    label_varied,
     parameter_text,
     title_of,
     with_error,
@@ -147,7 +148,7 @@ def plot_exponents(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     '$\\lambda_1 = -0.07000$'
     """
     if isinstance(found, xr.Dataset) and "status" in found and "running_exponent" not in found:
-        return _plot_exponents_over(check_dataset("found", found, OF_EXPONENTS), ax)
+        return _plot_exponents_over(check_dataset("found", found, ("exponent", *OF_EXPONENTS)), ax)
     found = check_dataset("found", found, ("t", "running_exponent", *OF_EXPONENTS))
     with drawing(ax) as ax:
         label_axis(ax.xaxis, "t", found["t"])
@@ -173,12 +174,7 @@ def plot_exponents(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
 
 def _plot_exponents_over(found: xr.Dataset, ax: Axes | None) -> Axes:
     """Draw exponents over the parameter that varies."""
-    names = [str(name) for name in found["status"].dims]
-    over = next((name for name in names if found.sizes[name] > 1), names[0])
-    held = [name for name in names if name != over]
-    for name in held:
-        one_value("found", found, name)
-    part = found.isel(dict.fromkeys(held, 0))
+    part, over = along_one("found", found)
     with drawing(ax) as ax:
         label_axis(ax.yaxis, "running_exponent", found["lyapunov_exponent"])
         ax.axhline(0.0, color=GREY, lw=0.7, zorder=1.5)
@@ -187,13 +183,7 @@ def _plot_exponents_over(found: xr.Dataset, ax: Axes | None) -> Axes:
             ax.errorbar(own[over].values, own["lyapunov_exponent"], own["lyapunov_error"],
                         color=colour, ls=dashes, lw=1.1, marker="o", ms=2.5, capsize=2.0,
                         label=f"$\\lambda_{number + 1}$")  # fmt: skip
-        if over in PARAMETERS_OF_SYSTEM:
-            words = PARAMETERS_OF_SYSTEM[over].label
-            label_axis(ax.xaxis, over, found[over], words=words)
-        elif over == SPEED:
-            label_axis(ax.xaxis, over, found[over])
-        else:
-            label_parameter(ax.xaxis, over, found)
+        label_varied(ax.xaxis, over, found)
         legend_below(ax, columns=4)
     return ax
 

@@ -17,6 +17,7 @@ from matplotlib.ticker import FuncFormatter, MaxNLocator
 
 from rotor_ida import schema
 from rotor_ida.model.parameters import OF_ROTOR, OPTIONAL, PARAMETERS
+from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
 from rotor_ida.plot.datasets import hold_units, one_value, units_in
 from rotor_ida.results.run import course_of
 from rotor_ida.results.si_units import in_rpm, machine_of, scale_of, si_of
@@ -191,6 +192,17 @@ def label_parameter(axis: Axis, name: str, dataset: xr.Dataset) -> None:
     axis.set_major_locator(_ScaledLocator(in_turns))
     axis.set_major_formatter(FuncFormatter(lambda omega, _: f"{omega * in_turns:.6g}"))
     axis.set_label_text("spin speed [rpm]")
+
+
+def label_varied(axis: Axis, name: str, dataset: xr.Dataset) -> None:
+    """Label an axis of a parameter of one disc or of a rotor system, as it varies."""
+    if name in PARAMETERS_OF_SYSTEM:
+        words = PARAMETERS_OF_SYSTEM[name].label
+        label_axis(axis, name, dataset[name], words=words)
+    elif name == SPEED:
+        label_axis(axis, name, dataset[name])
+    else:
+        label_parameter(axis, name, dataset)
 
 
 class _ScaledLocator(MaxNLocator):

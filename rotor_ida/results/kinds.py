@@ -21,7 +21,7 @@ import xarray as xr
 
 from rotor_ida.checks import COMPONENTS, listed
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
-from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
+from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
 from rotor_ida.schema import RESULT_KIND, check_variables
 
 OTHER = "other"
@@ -67,7 +67,7 @@ class Kind:
             if optional and name not in dataset.variables:
                 continue
             found = {*dataset[name].dims} if name in dataset.variables else {None}
-            axes = {*self.dims, *ALL_PARAMETERS, *PARAMETERS_OF_SYSTEM, *COMPONENTS, "direction"}
+            axes = {*self.dims, *ALL_PARAMETERS, *PARAMETERS_OF_SYSTEM, *COMPONENTS, *_OTHER_AXES}
             if found != {*along.split()} if bracket else not found <= axes:
                 return f"{name} along {listed(along.split())}" if along else str(name)
         return ""
@@ -82,6 +82,8 @@ def _variables_in(text: str) -> list[tuple[str, str, str, str]]:
     return re.findall(r"(\w+)(\(([\w ]*)\))?(\?)?", text)
 
 
+# Further dimensions of variables that are stated without theirs.
+_OTHER_AXES = ("direction", SPEED, "contact")
 # Dimensions along which every result has at least one value.
 _FILLED = frozenset(
     (*PARAMETERS, "t", "speed", "start", "direction", "rate", "phase", "window", "order", "point",
@@ -291,6 +293,15 @@ KINDS = {
             ),
             dims=("point", "special"),
             shown=f"{_SHOWN}:show_branch", drawn=f"{_DRAWN}:figure_of_branch",
+        ),
+        Kind(
+            name="cycles", meaning="limit cycles over a range of parameters",
+            variables=(
+                "period response stability status radius_max multiplier_real multiplier_imag "
+                "period_error multiplier_error contact_node(contact)?"
+            ),
+            dims=("multiplier",),
+            shown=f"{_SHOWN}:show_cycles", drawn="rotor_ida.plot:cycles_figure",
         ),
         Kind(
             name="cycle", meaning="limit cycle",

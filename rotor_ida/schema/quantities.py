@@ -684,8 +684,8 @@ QUANTITIES |= {
 TOLERANCE = 1e-6
 # The same for kinds of result whose numbers Newton's method or a polynomial gives.
 TOLERANCE_OF_KIND = dict.fromkeys(
-    ("cycle", "branch", "curve", "system_cycle", "system_branch", "whirls", "folds", "hopf_points",
-     "system_whirls", "system_special_points", "campbell", "clearance_report"),
+    ("cycle", "cycles", "branch", "curve", "system_cycle", "system_branch", "whirls", "folds",
+     "hopf_points", "system_whirls", "system_special_points", "campbell", "clearance_report"),
     1e-8,
 )  # fmt: skip
 # Variables with a wider one, whatever the kind: that of a curve is found by finite differences.

@@ -23,6 +23,7 @@ from rotor_ida.steady.grid import (
     EXPECTED,
     Places,
     Rows,
+    Table,
     Task,
     check_size,
     form_of,
@@ -37,11 +38,14 @@ Work = Callable[[Point, Stop], Mapping[str, Any]]
 
 @dataclass(frozen=True, slots=True)
 class PointJob(Generic[Point]):
-    """A rotor, and what is asked of it: `work` returns the numbers of the columns."""
+    """A rotor, and what is asked of it: `work` returns the numbers of the columns.
+
+    `lost` is the row of a point without an answer.
+    """
 
     point: Point
     work: Work[Point]
-    columns: np.dtype[np.void]
+    lost: Table
 
 
 @dataclass(frozen=True)
@@ -51,7 +55,7 @@ class Points(Generic[Point]):
     varied: Varied
     point_at: Callable[[Sequence[int]], Point]
     work: Work[Point]
-    columns: np.dtype[np.void]
+    lost: Table
     length: int = 1
 
     @property
@@ -62,7 +66,7 @@ class Points(Generic[Point]):
     def job(self, number: int) -> PointJob[Point]:
         """Return what a worker needs to answer at a point."""
         place = [int(at) for at in np.unravel_index(number, self.varied.shape)]
-        return PointJob(self.point_at(place), self.work, self.columns)
+        return PointJob(self.point_at(place), self.work, self.lost)
 
     def places(self, number: int) -> Places:
         """Return the position of a point among all."""
@@ -80,6 +84,7 @@ def answers_at_each(
     columns: Mapping[str, tuple[str, int] | None],
     question: Question,
     *,
+    whole: Mapping[str, Any] = {},
     workers: Workers,
     study: Folder | None = None,
     progress: Progress | None = None,
@@ -101,6 +106,8 @@ def answers_at_each(
         is one number at each point.
     question : Question
         What determines the bits: the key of a study.
+    whole : mapping of str to ndarray
+        Of columns of whole numbers, those of a point that fails, of the type of all.
     workers, study, progress
         As in `rotor_ida.steady.grid.run_study`.
 
@@ -108,17 +115,21 @@ def answers_at_each(
     -------
     dict of str to Variable
         The columns, and ``status`` and ``message``: a point that fails does not raise, and its
-        numbers are NaN.
+        numbers are NaN, or those of `whole`.
     """
     check_size(varied, study)
     kind = np.dtype(
         [
             ("status", np.int8),
-            *((name, np.float64, () if each is None else each[1:])
+            *((name, np.asarray(whole.get(name, math.nan)).dtype, () if each is None else each[1:])
               for name, each in columns.items()),
         ]
     )  # fmt: skip
-    plan = Points(varied, point_at, work, kind)
+    lost = np.zeros(1, kind)
+    lost["status"] = STATUS["failed"]
+    for name in columns:
+        lost[name] = whole.get(name, math.nan)
+    plan = Points(varied, point_at, work, lost)
     form = form_of("answers at points", "points", kind)
     task: Task[PointJob[Point], Rows] = Task(_answer, _lost, _as_rows, form, kind)
     found = run_study(plan, task, question, study=study, workers=workers, progress=progress).points
@@ -128,7 +139,7 @@ def answers_at_each(
 
 def _answer(job: PointJob[Any], stop: Stop) -> Rows:
     """Return the answer at a point as a row."""
-    row = np.zeros(1, job.columns)
+    row = np.zeros_like(job.lost)
     try:
         for name, value in job.work(job.point, stop).items():
             row[name] = value
@@ -140,10 +151,7 @@ def _answer(job: PointJob[Any], stop: Stop) -> Rows:
 
 def _lost(job: PointJob[Any], reason: str) -> Rows:
     """Return the row of a point without an answer."""
-    row = np.zeros(1, job.columns)
-    for name in job.columns.names or ():
-        row[name] = STATUS["failed"] if name == "status" else math.nan
-    return Rows(row, [reason])
+    return Rows(job.lost, [reason])
 
 
 def _as_rows(rows: Rows) -> Rows:

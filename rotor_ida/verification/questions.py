@@ -393,6 +393,10 @@ VERIFIED = {
     "cycle": Verification(
         _cycle, ("period_error", "multiplier_real", "multiplier_imag"), (*PARAMETERS, "start")
     ),
+    "cycles": Verification(
+        _lost, ("response", "stability", "period", "multiplier_real", "radius_max"), ("rtol",),
+        lambda _, __: dict.fromkeys((*COMPONENTS, "final_state"), TRANSIENT),
+    ),
     "branch": Verification(
         _branch, ("special_value", "special_period", "slope", "stability"),
         ("parameter", "limits", "direction", "points", "start_special", *_BEGUN), _steps,

@@ -37,6 +37,23 @@ def test_cycle_answers_as_the_library_does(program: Program, archives: Path):
     np.testing.assert_array_equal(rotor_ida.load("cycle.nc")["x"], expected["x"])
 
 
+def test_cycles_at_points_are_counted_by_kind_and_verified(program: Program):
+    rotor = rotor_ida.Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+    found = rotor_ida.limit_cycle(rotor, omega=[1.9, 2.0, 2.5], workers=1)
+    rotor_ida.save(found, "cycles.nc")
+    record = json.loads(program("show", "cycles.nc", "--json").out)
+    assert [row["omega"] for row in record["cycles"]] == [1.9, 2.0, 2.5]
+    assert [row["period"] for row in record["cycles"][:2]] == found["period"].values[:2].tolist()
+    text = program("show", "cycles.nc").out
+    assert "4.56392 to 4.80056" in text
+    assert program("verify", "cycles.nc").status == 0
+    system = rotor_ida.limit_cycle(rotor.system(), speed=[1.9, 2.0], workers=1)
+    rotor_ida.save(system, "system.nc")
+    record = json.loads(program("show", "system.nc", "--json").out)
+    largest = system["radius_max"].isel(contact=0).values.tolist()
+    assert [row["radius_max"] for row in record["cycles"]] == largest
+
+
 def test_a_cycle_is_found_from_rest_and_told_in_tables(program: Program):
     answer = program("cycle", *ROTOR)
     assert (answer.status, answer.err) == (0, "")

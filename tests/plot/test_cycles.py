@@ -17,6 +17,7 @@ from rotor_ida import (
 from rotor_ida.closed_forms import response_curve
 from rotor_ida.plot import (
     cycle_figure,
+    cycles_figure,
     plot_amplitude,
     plot_branch,
     plot_curves,
@@ -315,3 +316,22 @@ def test_torus_points_and_what_stands_still_are_drawn():
     )  # fmt: skip
     (line,) = [line for line in plot_curves(curve).lines if line.get_label() == "torus"]
     assert line.get_xdata().tolist() == curve.contact_damping.values.tolist()
+
+
+def test_cycles_at_points_are_drawn_over_the_parameter_that_varies():
+    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+    found = limit_cycle(rotor, omega=[2.0, 1.9, 2.5])
+    period, radius = cycles_figure(found).axes
+    assert radius.get_xlabel() == r"spin speed $\omega$"
+    rising = found.sortby("omega")
+    for line, name in ((period.lines[0], "period"), (radius.lines[0], "radius_min")):
+        np.testing.assert_array_equal(line.get_xdata(), rising["omega"])
+        np.testing.assert_array_equal(line.get_ydata(), rising[name])
+    low, high = radius.get_xlim()
+    assert low < 1.9
+    assert high > 2.5  # where there is no cycle
+    both = limit_cycle(rotor, omega=[1.9, 2.0], zeta=[0.07, 0.08])
+    with pytest.raises(InputError, match="cycles must contain one zeta, got 2"):
+        cycles_figure(both)
+    none = cycles_figure(limit_cycle(rotor, omega=[2.5, 2.6]))
+    assert [text.get_text() for text in none.axes[0].texts] == ["no limit cycle"]

@@ -4,6 +4,7 @@ import json
 from dataclasses import replace
 
 import numpy as np
+import pandas as pd
 import pytest
 import xarray as xr
 
@@ -58,6 +59,10 @@ def test_numbers_keep_all_their_bits():
     assert again == {"x": (0.1 + 0.2, -0.0, 1e-300), "starts": 3, "rtol": None, "method": "bdf"}
     assert np.signbit(again["x"][1])
     assert isinstance(again["starts"], int)
+
+
+def test_numbers_of_any_array_are_kept():
+    assert Question("sweep", {"x": pd.Series([0.5, 2.0])}).plain() == {"x": [0.5, 2.0]}
 
 
 def test_a_stator_of_its_own_stays_apart_from_one_that_is_shared():
