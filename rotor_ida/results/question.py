@@ -211,6 +211,8 @@ def with_question(
     kept = {name: each for name, each in arguments.items() if each is not None}
     for name, each in arguments.items():
         parts = each if isinstance(each, list | tuple) else [each]
+        if name == "rate" and each is None:  # there may be a ramp_time
+            continue
         if each is None or any(isinstance(part, xr.Dataset) for part in parts):
             kept[name] = _resolved(name, answer)
             if kept[name] is None and each is not None:

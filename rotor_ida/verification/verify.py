@@ -13,6 +13,7 @@ from rotor_ida.results.question import Question
 from rotor_ida.results.si_units import dimensionless, in_units_of
 from rotor_ida.signals.path import rotating
 from rotor_ida.simulation.options import Method
+from rotor_ida.systems.archived import NAMES, PROBLEM
 from rotor_ida.verification.questions import VERIFIED, Verification
 from rotor_ida.verification.variables import (
     NOT_BY_METHOD,
@@ -188,6 +189,8 @@ def _verification_of(dataset: xr.Dataset) -> Verification:
         )
     missing = [name for name in verification.variables if name not in dataset.variables]
     missing += [name for name in verification.attributes if name not in dataset.attrs]
+    if set(PROBLEM) <= set(verification.variables):  # of a rotor system
+        missing += [name for name in NAMES if name not in dataset.variables]
     if missing:
         raise InputError(f"this {kind} cannot be verified: it lacks {', '.join(missing)}")
     words = [name for name in verification.variables if dataset[name].dtype.kind not in "iuf"]

@@ -131,7 +131,7 @@ def test_no_label_differs_from_that_of_a_start_followed_by_itself(rotor):
         assert kinds[label] == settled.response
         if label >= known.first_cycle:
             cycle = cycles[label - known.first_cycle]
-            assert settled.features.period == pytest.approx(cycle.period, rel=1e-6)
+            assert settled.features.period == pytest.approx(cycle.duration, rel=1e-6)
             assert settled.features.radius_max == pytest.approx(cycle.radius_max, rel=1e-6)
         if kinds[label] == "synchronous":
             assert settled.features.amplitude == pytest.approx(known.whirls[0].amplitude, rel=1e-6)

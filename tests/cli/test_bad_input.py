@@ -191,7 +191,7 @@ MISTAKES = [
     (turn(kind="torus"), "contact_damping, friction or load must be above 0 for a torus"),
     (turn(parameters="omega"), "parameters must be two names NAME NAME, got 1"),
     (turn(parameters="omega mass"), "got 'mass'"),
-    (turn(parameters="omega omega"), "parameters must be two of omega, zeta, delta0"),
+    (turn(parameters="omega omega"), "parameters must be two of 'omega', 'zeta', 'delta0'"),
     (turn(kind="fold"), "limits must contain a fold of the branch through the start, got none"),
     # speeds that change
     (run_up(""), "the speed must change in one way, by to and rate or ramp_time, by speeds, or by"),

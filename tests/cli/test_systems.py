@@ -219,7 +219,7 @@ def test_a_forged_run_does_not_verify(program: Program, rotor: str):
     rotor_ida.save(run.drop_vars("unbalance_node"), "cut.nc")
     answer = program("verify", "cut.nc")
     assert (answer.status, answer.err.count("\n")) == (2, 1)
-    assert "must have unbalance_node, got none" in answer.err
+    assert "it lacks unbalance_node" in answer.err
 
 
 STILL = "--without-gravity"

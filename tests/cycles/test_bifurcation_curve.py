@@ -177,8 +177,8 @@ def test_progress_comes_to_its_end():
 
 @pytest.mark.parametrize(("arguments", "says"), [
     ({"kind": "pitchfork"}, "kind must be"),
-    ({"parameters": ("omega", "omega")}, "parameters must be two of omega, zeta, "),
-    ({"parameters": ("omega",)}, "parameters must be two of omega, zeta, "),
+    ({"parameters": ("omega", "omega")}, "parameters must be two of 'omega', 'zeta', "),
+    ({"parameters": ("omega",)}, "parameters must be two of 'omega', 'zeta', "),
     ({"limits": {"omega": (2.2, 3.2)}}, "limits must be of omega and delta0, got"),
     ({"limits": ((2.2, 3.2),)}, "limits must be two pairs of numbers"),
     ({"limits": ((0.0, 3.2), (0.4, 0.6))}, "limits of omega must be above 0"),

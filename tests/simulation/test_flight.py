@@ -10,8 +10,8 @@ import pytest
 from rotor_ida import Rotor
 from rotor_ida.core import runs
 from rotor_ida.model.equations import rotated
-from rotor_ida.simulation import mechanics
 from rotor_ida.simulation.spin import Steady
+from rotor_ida.simulation.witness.bodies import Disc
 from tests.core import flight
 
 NEVER = math.inf
@@ -244,8 +244,8 @@ def test_core_and_reference_agree_on_starts_at_the_ring(ulps, outwards, angle):
             w0 = complex(sign * outwards, around) * turn
             for omega in (0.0, 1.7):
                 rotor = Rotor(omega=omega, zeta=0.07, delta0=0.7)
-                machine, start = mechanics.SpinningRotor(rotor, Steady(omega)), row(z0, w0)
-                answer = mechanics.starts_in_contact(machine, start)
+                disc, start = Disc(rotor, Steady(omega)), row(z0, w0)
+                answer = disc.begins_in_contact(0, disc.first_state(start))
                 assert answer == flight.starts_in_contact(rotor, start), (sign, around, omega)
 
 
