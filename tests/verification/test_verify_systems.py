@@ -101,7 +101,7 @@ def test_lost_branches_and_parts_are_named():
     made = made_of("special speeds")
     found = differences(made_again("special speeds")[0], made.isel(special=slice(1, None)))
     assert f"{{'special': {made.sizes['special']}}} computed again" in found["trouble"]
-    with pytest.raises(InputError, match="cannot be verified: a result of a rotor system must"):
+    with pytest.raises(InputError, match="cannot be verified: it lacks unbalance_node"):
         rerun(
             made.drop_vars("unbalance_node")
             .drop_attrs(deep=False)
