@@ -79,7 +79,8 @@ def contact_force(
     >>> contact_force([0.5, 1.5], 0.5)
     array([0., 1.])
     """
-    return np.asarray(spring_force(indentation(radius, delta0), exponent))
+    force: Values = spring_force(indentation(radius, delta0), exponent)  # labels are kept
+    return force
 
 
 def force_at_depth(depth: float, exponent: float) -> tuple[float, float]:
@@ -104,7 +105,8 @@ def contact_stiffness(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
     >>> contact_stiffness([0.5, 1.5], 0.5)
     array([0. , 1.5])
     """
-    return np.asarray(spring_slope(indentation(radius, delta0), HERTZ_EXPONENT))
+    slope: Values = spring_slope(indentation(radius, delta0), HERTZ_EXPONENT)
+    return slope
 
 
 def secant_stiffness(

@@ -4,6 +4,7 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+import xarray as xr
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -77,3 +78,9 @@ def test_the_paper_s_force_field_increases_with_x():
     assert float(force_x(1.0, 0.0)) == pytest.approx(0.3536, abs=5e-5)
     assert float(force_x(1.0, 2.0)) == pytest.approx(1.0230, abs=5e-5)
     assert (np.diff(force_x(np.linspace(-3, 3, 61), 0.7)) >= 0.0).all()
+
+
+def test_labels_of_a_radius_are_those_of_its_force():
+    radius = xr.DataArray([0.5, 1.5], coords={"omega": [1.0, 2.0]}, dims="omega")
+    for function in (contact.contact_force, contact.contact_stiffness):
+        assert function(radius, 0.5).sel(omega=1.0).item() == 0.0
