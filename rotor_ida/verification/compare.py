@@ -318,7 +318,7 @@ def _cycles_beside(
     dataset : Dataset
         A sweep.
     workers, progress
-        How many are sought at a time, and who is told.
+        As for `compare`: workers that seek cycles, and a callable that is told the number done.
 
     Returns
     -------

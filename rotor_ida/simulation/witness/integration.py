@@ -100,7 +100,7 @@ class Integration:
         raise self.failure("time no longer advances")
 
     def looks(self, count: int) -> list[float]:
-        """Return the ends of so many equal parts of the last step."""
+        """Return times that divide the last step into `count` equal parts, both ends included."""
         apart = (self.high - self.low) / count
         return [*(self.low + apart * k for k in range(count)), self.high]
 
