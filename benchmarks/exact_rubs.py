@@ -20,11 +20,11 @@ import numpy as np
 
 from rotor_ida import Contact, Unbalance, synchronous_response
 from rotor_ida.closed_forms.exact_polynomials import Polynomial, constant, positive_roots
-from rotor_ida.systems.assembly import assemble
-from rotor_ida.systems.axisymmetric import forward_motions
-from rotor_ida.systems.whirls.double_rubs import Pairs, balance, double_rubs
-from rotor_ida.systems.whirls.single_rubs import single_rubs
-from rotor_ida.systems.whirls.turning_axes import eigenvalues_without_contact
+from rotor_ida.closed_forms.whirls.double_rubs import Pairs, balance, double_rubs
+from rotor_ida.closed_forms.whirls.single_rubs import single_rubs
+from rotor_ida.closed_forms.whirls.turning_axes import eigenvalues_without_contact
+from rotor_ida.model.assembly import assemble
+from rotor_ida.model.axisymmetric import forward_motions
 from tests.systems.axisymmetric_systems import beam
 
 

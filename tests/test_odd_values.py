@@ -28,15 +28,15 @@ from rotor_ida import (
     closed_forms,
     decode_flags,
 )
+from rotor_ida.closed_forms.whirls.synchronous import synchronous_response_system
 from rotor_ida.cycles.limit_cycle import limit_cycle_system
 from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.model.rotor_system import SystemParameters
 from rotor_ida.model.system_parameters import SystemAxes
+from rotor_ida.simulation.systems.simulate import run_up_system, simulate_system
 from rotor_ida.steady.lyapunov import lyapunov_exponent_system
 from rotor_ida.steady.system_run_ups import run_ups_system
 from rotor_ida.steady.system_sweep import sweep_system
-from rotor_ida.systems.simulate import run_up_system, simulate_system
-from rotor_ida.systems.whirls.synchronous import synchronous_response_system
 from tests.kinds import KINDS
 
 LONGEST_MESSAGE = 300

@@ -30,12 +30,12 @@ from rotor_ida.cli.variables import (
 from rotor_ida.cycles.branch_course import parameters_of, stable_ranges
 from rotor_ida.model.parameters import ALL_PARAMETERS, OF_MACHINE
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
+from rotor_ida.results.depths import beyond_model
 from rotor_ida.results.kinds import KINDS, OTHER, kind_of, loaded
 from rotor_ida.results.run import course_of
 from rotor_ida.results.si_units import MACHINE, in_rpm, in_suitable_units, si_of
 from rotor_ida.schema import ENDS_IN_WORDS, RESPONSE, words_of
 from rotor_ida.schema.quantities import UNITS
-from rotor_ida.systems.depths import beyond_model
 from rotor_ida.units import SPEED_UNITS
 
 EVENTS = Rows(

@@ -25,9 +25,9 @@ from rotor_ida.cli.variables import (
     with_units,
 )
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
+from rotor_ida.results.archived_system import clearance_of_contacts
+from rotor_ida.results.growth_words import stability_words
 from rotor_ida.schema import EVENT_KIND, OF_BEARING, QUANTITIES, words_of
-from rotor_ida.systems.archived import clearance_of_contacts
-from rotor_ida.systems.growth_words import stability_words
 from rotor_ida.units import SPEED_UNITS
 
 EVENTS = Rows(

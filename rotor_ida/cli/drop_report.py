@@ -23,11 +23,11 @@ from rotor_ida.cli.drop_tables import (
     run_tables,
 )
 from rotor_ida.cli.report import shown
+from rotor_ida.results.depths import beyond_model
 from rotor_ida.results.files import file_to_write
 from rotor_ida.results.question import Question
 from rotor_ida.results.toml_files import read_toml
-from rotor_ida.systems.depths import beyond_model
-from rotor_ida.systems.drop_figures import touched_clearances
+from rotor_ida.steady.drop_figures import touched_clearances
 from rotor_ida.texts import printable
 
 if TYPE_CHECKING:

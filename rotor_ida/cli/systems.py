@@ -245,7 +245,7 @@ def linear_case(
     file: Path, given: Mapping[str, Any], *, without_gravity: bool
 ) -> tuple[RotorSystem, Course]:
     """Return what a file says, its system in a few modes if the file says so."""
-    from rotor_ida.systems.modes import in_modes  # noqa: PLC0415 - heavy
+    from rotor_ida.model.few_modes import in_modes  # noqa: PLC0415 - heavy
 
     system, course = case_of(file, given)
     if without_gravity:

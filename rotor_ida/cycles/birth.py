@@ -14,16 +14,16 @@ import numpy as np
 from scipy.optimize import brentq
 
 from rotor_ida.arrays import Values
+from rotor_ida.closed_forms.receptances import solved_motions
+from rotor_ida.closed_forms.whirls.at_speeds import sliding
+from rotor_ida.closed_forms.whirls.branches import RubProblem, Touching
+from rotor_ida.closed_forms.whirls.turning_axes import normal_forces
 from rotor_ida.cycles.continuation import Point, Problem
 from rotor_ida.cycles.orbit import Orbit, disc_of
+from rotor_ida.model.assembly import Assembly, assemble
+from rotor_ida.model.axisymmetric import forward_motions
 from rotor_ida.simulation.flow import Flow
-from rotor_ida.systems.assembly import Assembly, assemble
-from rotor_ida.systems.axisymmetric import forward_motions
-from rotor_ida.systems.flow import SystemFlow
-from rotor_ida.systems.receptances import solved_motions
-from rotor_ida.systems.whirls.at_speeds import sliding
-from rotor_ida.systems.whirls.branches import RubProblem, Touching
-from rotor_ida.systems.whirls.turning_axes import normal_forces
+from rotor_ida.simulation.systems.flow import SystemFlow
 
 # Factor on the range, estimated from two nearby points, in which the bifurcation is sought.
 FARTHER = 4.0

@@ -48,7 +48,7 @@ from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import Form, Results, open_results
 from rotor_ida.schema import SPECIAL, by_number
 from rotor_ida.simulation.starts import Start
-from rotor_ida.systems.starts import Start as SystemStart
+from rotor_ida.simulation.systems.starts import Start as SystemStart
 
 Parameter = Literal[
     "omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "load", "friction",

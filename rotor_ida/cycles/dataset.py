@@ -26,7 +26,9 @@ from rotor_ida.cycles.shooting import close_orbit, periods_of
 from rotor_ida.model.contact import contact_force
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.whirl import steps_of_turning, whirl_over_spin
+from rotor_ida.results.archived_system import described_problem
 from rotor_ida.results.provenance import provenance
+from rotor_ida.results.system_units import with_system_units
 from rotor_ida.schema import (
     LINE_KIND,
     QUANTITIES,
@@ -37,10 +39,8 @@ from rotor_ida.schema import (
     labelled_dataset,
 )
 from rotor_ida.simulation.flow import RTOL, Flow
+from rotor_ida.simulation.systems.flow import SystemFlow
 from rotor_ida.steady.system_motion import features_of
-from rotor_ida.systems.archived import described_problem
-from rotor_ida.systems.flow import SystemFlow
-from rotor_ida.systems.units import with_system_units
 
 # The error of a cycle is estimated from further solutions with a tolerance looser by
 LOOSER = 30.0

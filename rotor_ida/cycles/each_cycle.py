@@ -30,7 +30,9 @@ from rotor_ida.cycles.search import (
     numbers_in,
 )
 from rotor_ida.errors import InputError, SimulationError
+from rotor_ida.model.assembly import assemble
 from rotor_ida.model.disc_starts import begun
+from rotor_ida.model.few_modes import in_modes
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.system_parameters import SPEED
 from rotor_ida.model.varied import Varied
@@ -42,6 +44,9 @@ from rotor_ida.schema import RESULT_KIND, labelled_dataset
 from rotor_ida.simulation.flow import RTOL, DiscFlow, Flow
 from rotor_ida.simulation.options import check_can_be_followed
 from rotor_ida.simulation.starts import GivenStart, given_start
+from rotor_ida.simulation.systems.ends import RUNS, state_at_end
+from rotor_ida.simulation.systems.flow import SystemFlow
+from rotor_ida.simulation.systems.starts import Start
 from rotor_ida.steady.each_point import answers_at_each
 from rotor_ida.steady.follow import FAILED
 from rotor_ida.steady.system_sweep import (
@@ -51,11 +56,6 @@ from rotor_ida.steady.system_sweep import (
     started,
     with_meanings,
 )
-from rotor_ida.systems.assembly import assemble
-from rotor_ida.systems.ends import RUNS, state_at_end
-from rotor_ida.systems.flow import SystemFlow
-from rotor_ida.systems.modes import in_modes
-from rotor_ida.systems.starts import Start
 
 OF_PLACES = ("node", "contact_node", "axial_position")
 

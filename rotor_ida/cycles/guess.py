@@ -16,17 +16,17 @@ from rotor_ida.core.runs import NO_STOP
 from rotor_ida.cycles.birth import RubNear
 from rotor_ida.cycles.orbit import disc_of
 from rotor_ida.errors import InputError
+from rotor_ida.model.assembly import assemble
+from rotor_ida.model.few_modes import in_modes
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.schema import RESULT_KIND, SPECIAL, by_number, check_as_computed
 from rotor_ida.simulation.flow import DiscFlow, Flow
 from rotor_ida.simulation.starts import state_of
+from rotor_ida.simulation.systems.ends import RUNS
+from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
 from rotor_ida.steady.system_sweep import check_slowest, first_state
-from rotor_ida.systems.assembly import assemble
-from rotor_ida.systems.ends import RUNS
-from rotor_ida.systems.flow import SettlingProblem, SystemFlow
-from rotor_ida.systems.modes import in_modes
 
 # What a special point says of the parameters that vary.
 VALUES = ("special_value", "special_second_value")

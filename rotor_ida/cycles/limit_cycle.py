@@ -33,16 +33,16 @@ from rotor_ida.model.system_parameters import SystemAxes
 from rotor_ida.model.varied import varied_of, varied_system_of
 from rotor_ida.parallel import Progress, choose, interruptible, percentage, shows_progress
 from rotor_ida.results.in_si import takes_si, takes_system
+from rotor_ida.results.joined import KINDS
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.simulation.flow import DiscFlow, Flow
 from rotor_ida.simulation.options import check_can_be_followed
 from rotor_ida.simulation.starts import Start
+from rotor_ida.simulation.systems.flow import SystemFlow
+from rotor_ida.simulation.systems.starts import Start as SystemStart
 from rotor_ida.steady.follow import longest_time as longest_of_disc
 from rotor_ida.steady.system_motion import longest_time
 from rotor_ida.steady.system_sweep import turning_speeds
-from rotor_ida.systems.flow import SystemFlow
-from rotor_ida.systems.joined import KINDS
-from rotor_ida.systems.starts import Start as SystemStart
 
 
 @shows_progress

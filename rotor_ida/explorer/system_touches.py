@@ -12,13 +12,13 @@ import numpy as np
 from scipy.optimize import brentq, minimize_scalar
 
 from rotor_ida.arrays import Values
+from rotor_ida.closed_forms.clearances.critical_speeds import orbit_axes
+from rotor_ida.closed_forms.receptances import solved_motions
 from rotor_ida.errors import InputError
+from rotor_ida.model.assembly import Assembly
+from rotor_ida.model.axisymmetric import forward_motions
 from rotor_ida.model.system_parts import Contact, Stator
-from rotor_ida.systems.assembly import Assembly
-from rotor_ida.systems.axisymmetric import forward_motions
-from rotor_ida.systems.clearances.critical_speeds import orbit_axes
-from rotor_ida.systems.receptances import solved_motions
-from rotor_ida.systems.starts import settled
+from rotor_ida.simulation.systems.starts import settled
 from rotor_ida.units import SPEED_UNITS
 
 # Points of a revolution among which the largest distance from a stator is found, to 4e-5 of it.

@@ -8,9 +8,9 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.explorer.system_touches import speed_in_words, titled
+from rotor_ida.results.depths import beyond_model
 from rotor_ida.results.kinds import kind_of
-from rotor_ida.systems.depths import beyond_model
-from rotor_ida.systems.drop_figures import touched_clearances
+from rotor_ida.steady.drop_figures import touched_clearances
 from rotor_ida.units import SPEED_UNITS, rpm
 
 # Revolutions at the end of a run that the verdict is about.

@@ -15,6 +15,9 @@ import xarray as xr
 
 from rotor_ida.arrays import Arrays
 from rotor_ida.checks import shown
+from rotor_ida.closed_forms.campbell import campbell
+from rotor_ida.closed_forms.whirls.special_speeds import special_speeds
+from rotor_ida.closed_forms.whirls.synchronous import synchronous_response_system
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.measured import cascade_rows, full_lines, order_rows, unless_impossible
 from rotor_ida.explorer.messages import Answer
@@ -26,24 +29,21 @@ from rotor_ida.explorer.system_questions import (
 )
 from rotor_ida.explorer.system_touches import bands_in_words, clear_whirl, why_without_whirls
 from rotor_ida.explorer.system_verdicts import touched_on_the_way, verdict
+from rotor_ida.model.assembly import Assembly, assemble
 from rotor_ida.model.data_sheet import GRAVITY
+from rotor_ida.model.few_modes import in_modes
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Support
 from rotor_ida.results.archive import load
+from rotor_ida.results.archived_system import problem_of
 from rotor_ida.results.kinds import kind_of
 from rotor_ida.results.question import Question
 from rotor_ida.results.system_file import Course, read_system_file
 from rotor_ida.schema import SPECIAL, STABILITY
 from rotor_ida.signals.nodes import at_node
 from rotor_ida.signals.record import record_of
-from rotor_ida.systems.archived import problem_of
-from rotor_ida.systems.assembly import Assembly, assemble
-from rotor_ida.systems.campbell import campbell
-from rotor_ida.systems.drop import drop
-from rotor_ida.systems.modes import in_modes
-from rotor_ida.systems.simulate import run_up_system, simulate_system
-from rotor_ida.systems.whirls.special_speeds import special_speeds
-from rotor_ida.systems.whirls.synchronous import synchronous_response_system
+from rotor_ida.simulation.systems.simulate import run_up_system, simulate_system
+from rotor_ida.steady.drop import drop
 from rotor_ida.texts import brief, in_python
 from rotor_ida.units import written
 

@@ -1,6 +1,6 @@
 """Where one disc may begin: at rest under its load, or settled on the whirl without contact.
 
-`rotor_ida.systems.starts` states the same of rotor systems.
+`rotor_ida.simulation.systems.starts` states the same of rotor systems.
 """
 
 from __future__ import annotations

@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rotor_ida.arrays import Values
+from rotor_ida.closed_forms.whirls.synchronous import synchronous_response_system
 from rotor_ida.errors import InputError
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED, with_parameters
 from rotor_ida.plot.appearance import (
@@ -29,9 +30,8 @@ from rotor_ida.plot.system_whirls import (
     panels_of_contacts,
     speeds_in,
 )
+from rotor_ida.results.archived_system import clearance_of_contacts, problem_of
 from rotor_ida.results.concat import concat
-from rotor_ida.systems.archived import clearance_of_contacts, problem_of
-from rotor_ida.systems.whirls.synchronous import synchronous_response_system
 
 SWEEP = (
     "speed", "response", "direction", "amplitude", "phase_lag", "radius_min", "radius_max",

@@ -36,10 +36,10 @@ from rotor_ida.plot.appearance import (
 from rotor_ida.plot.datasets import check_dataset, units_in
 from rotor_ida.plot.labels import label_axis
 from rotor_ida.plot.systems import name_nodes
+from rotor_ida.results.archived_system import clearance_of_contacts
 from rotor_ida.results.si_units import in_rpm
 from rotor_ida.schema import SPECIAL, WHIRL_DIRECTION, flags_of
 from rotor_ida.signals.nodes import Ring
-from rotor_ida.systems.archived import clearance_of_contacts
 from rotor_ida.texts import in_figure
 
 WHIRLS = ("speed", "amplitude", "node_amplitude", "stability", "in_contact", "clearance")

@@ -38,14 +38,14 @@ from rotor_ida.results.in_si import takes_system
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import Folder
+from rotor_ida.results.system_units import with_system_units
 from rotor_ida.schema import STATUS, WHIRL_DIRECTION, labelled_dataset
+from rotor_ida.steady.drop import drop
+from rotor_ida.steady.drop_figures import NUMBERS
 from rotor_ida.steady.drop_grid import cells_of, grid_statistics_of
 from rotor_ida.steady.drop_statistics import QUANTILES, statistics_of
 from rotor_ida.steady.grid import EXPECTED, Rows, Task, form_of, reason_of, run_study
 from rotor_ida.steady.members import Member, Members, as_they_are, lost, row_of
-from rotor_ida.systems.drop import drop
-from rotor_ida.systems.drop_figures import NUMBERS
-from rotor_ida.systems.units import with_system_units
 
 # What varies, with the ranges that are allowed. Factors multiply what is given.
 VARIED = {

@@ -22,8 +22,8 @@ import numpy as np
 
 from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.core.systems import SystemResult
+from rotor_ida.simulation.systems.flow import SystemFlow
 from rotor_ida.steady.decision import growing_direction
-from rotor_ida.systems.flow import SystemFlow
 
 # The largest step of Newton's method, in parts of the size of the motion, its most steps, and what
 # a step leaves at most of how far a state misses itself.

@@ -26,7 +26,9 @@ from rotor_ida.checks import (
 )
 from rotor_ida.core import sundials
 from rotor_ida.errors import InputError
+from rotor_ida.model.assembly import assemble
 from rotor_ida.model.disc_starts import begun
+from rotor_ida.model.few_modes import in_modes
 from rotor_ida.model.parameters import Parameters
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem
@@ -37,6 +39,7 @@ from rotor_ida.results.in_si import varies_in_si
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import Folder
+from rotor_ida.results.system_units import with_system_units
 from rotor_ida.schema import labelled_dataset
 from rotor_ida.simulation.lyapunov import (
     BATCHES,
@@ -54,6 +57,10 @@ from rotor_ida.simulation.lyapunov import (
 from rotor_ida.simulation.options import check_can_be_followed, check_rtol
 from rotor_ida.simulation.starts import GivenStart, given_start
 from rotor_ida.simulation.starts import Start as DiscStart
+from rotor_ida.simulation.systems.ends import state_at_end
+from rotor_ida.simulation.systems.flow import SystemFlow
+from rotor_ida.simulation.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL
+from rotor_ida.simulation.systems.starts import Start
 from rotor_ida.steady.each_point import answers_at_each
 from rotor_ida.steady.system_sweep import (
     Turning,
@@ -63,13 +70,6 @@ from rotor_ida.steady.system_sweep import (
     turning_speeds,
     with_meanings,
 )
-from rotor_ida.systems.assembly import assemble
-from rotor_ida.systems.ends import state_at_end
-from rotor_ida.systems.flow import SystemFlow
-from rotor_ida.systems.modes import in_modes
-from rotor_ida.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL
-from rotor_ida.systems.starts import Start
-from rotor_ida.systems.units import with_system_units
 
 # Revolutions of a system at most: each keeps one number for each exponent in memory.
 MOST_REVOLUTIONS = 1_000_000

@@ -6,7 +6,7 @@ import numpy as np
 
 from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.core.systems import SystemResult
-from rotor_ida.systems.flow import SystemFlow
+from rotor_ida.simulation.systems.flow import SystemFlow
 
 
 def extreme_radii(

@@ -12,6 +12,7 @@ from rotor_ida.core.systems import SystemResult
 from rotor_ida.schema import MODE, OF_FRICTION_EVENT_KIND
 from rotor_ida.simulation.lyapunov import means_of_rates
 from rotor_ida.simulation.orbit import ENTRY
+from rotor_ida.simulation.systems.flow import SystemFlow
 from rotor_ida.steady.decision import DISTURBANCE, RECURS, Decision, Exponents, decide
 from rotor_ida.steady.landing import (
     MOST_REVOLUTIONS,
@@ -23,7 +24,6 @@ from rotor_ida.steady.landing import (
 from rotor_ida.steady.orbit_extrema import extreme_radii
 from rotor_ida.steady.periods import FEWEST_PERIODS, Recurrence
 from rotor_ida.steady.response import STEADY, rolls_in_each
-from rotor_ida.systems.flow import SystemFlow
 
 # The first wait, in decay times of the slowest free motion, and in revolutions at most.
 DECAY_TIMES, LONGEST_FIRST_WAIT = 24.0, 200.0

@@ -21,6 +21,8 @@ from rotor_ida.checks import (
     check_vector,
 )
 from rotor_ida.errors import InputError
+from rotor_ida.model.assembly import assemble
+from rotor_ida.model.few_modes import in_modes
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.model.varied import Varied
 from rotor_ida.parallel import Progress, choose, shows_progress
@@ -28,7 +30,14 @@ from rotor_ida.results.contact_facts import columns_of_contact, run_up_facts
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import QUESTION, Question
 from rotor_ida.results.studies.results import Folder
+from rotor_ida.results.system_units import with_system_units
 from rotor_ida.schema import ENDING, labelled
+from rotor_ida.simulation.systems.ends import state_at_end
+from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
+from rotor_ida.simulation.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL, run_of_cases
+from rotor_ida.simulation.systems.speed_changes import profile_of
+from rotor_ida.simulation.systems.starts import Start, start_of
+from rotor_ida.steady.drop import with_unbalance_at
 from rotor_ida.steady.grid import (
     EXPECTED,
     Array,
@@ -52,15 +61,6 @@ from rotor_ida.steady.system_sweep import (
     fill,
     point_of,
 )
-from rotor_ida.systems.assembly import assemble
-from rotor_ida.systems.drop import with_unbalance_at
-from rotor_ida.systems.ends import state_at_end
-from rotor_ida.systems.flow import SettlingProblem, SystemFlow
-from rotor_ida.systems.modes import in_modes
-from rotor_ida.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL, run_of_cases
-from rotor_ida.systems.speed_changes import profile_of
-from rotor_ida.systems.starts import Start, start_of
-from rotor_ida.systems.units import with_system_units
 
 # What is known of the ramp, by contact.
 OF_RAMP = (

@@ -14,8 +14,11 @@ import xarray as xr
 
 from rotor_ida.arrays import Column, Stop, Values
 from rotor_ida.checks import check_between, check_distinct, check_progress, shown
+from rotor_ida.closed_forms.receptances import checked_speeds
 from rotor_ida.core.runs import NO_STOP
 from rotor_ida.errors import InputError, SimulationError, warn
+from rotor_ida.model.assembly import assemble
+from rotor_ida.model.few_modes import in_modes
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parameters import (
     PARAMETERS_OF_SYSTEM,
@@ -25,24 +28,21 @@ from rotor_ida.model.system_parameters import (
 )
 from rotor_ida.model.varied import Varied, varied_system_of
 from rotor_ida.parallel import Progress, choose, shows_progress
+from rotor_ida.results.archived_system import OF_CONTACTS
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import DESIGN, Question
 from rotor_ida.results.studies.results import Folder
+from rotor_ida.results.system_units import with_system_units
 from rotor_ida.schema import RESPONSE, STATUS, labelled_dataset
+from rotor_ida.simulation.systems.ends import state_at_end
+from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
+from rotor_ida.simulation.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL
+from rotor_ida.simulation.systems.starts import Start, start_of
 from rotor_ida.steady.follow import FAILED
 from rotor_ida.steady.grid import Rows, Task, check_size, form_of, labelled_points, run_study
 from rotor_ida.steady.ramps import Direction, RampJob, Ramps, in_order, lost, settle_along
 from rotor_ida.steady.response import CONTACT_FREE, SYNCHRONOUS
 from rotor_ida.steady.system_motion import SettledSystem, settle
-from rotor_ida.systems.archived import OF_CONTACTS
-from rotor_ida.systems.assembly import assemble
-from rotor_ida.systems.ends import state_at_end
-from rotor_ida.systems.flow import SettlingProblem, SystemFlow
-from rotor_ida.systems.modes import in_modes
-from rotor_ida.systems.receptances import checked_speeds
-from rotor_ida.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL
-from rotor_ida.systems.starts import Start, start_of
-from rotor_ida.systems.units import with_system_units
 
 SETTLED = "settled"
 # Largest rate of the system over the speed: a revolution takes a step for some five radians of it.

@@ -21,13 +21,13 @@ from rotor_ida.cycles.guess import Guess, as_start, as_start_of_system
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
+from rotor_ida.results.archived_system import NEEDED, PROBLEM, problem_of
 from rotor_ida.results.kinds import kind_of
 from rotor_ida.results.question import Question
 from rotor_ida.schema import RESPONSE
 from rotor_ida.schema.quantities import TOLERANCE, TOLERANCE_OF_KIND
 from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.steady.ramps import DIRECTIONS
-from rotor_ida.systems.archived import NEEDED, PROBLEM, problem_of
 from rotor_ida.verification.variables import OF_ONE_STRETCH, PERIODIC
 
 Reasons = Mapping[str, str]

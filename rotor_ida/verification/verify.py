@@ -8,12 +8,12 @@ import xarray as xr
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
 from rotor_ida.parallel import Progress, shows_progress
+from rotor_ida.results.archived_system import NAMES, PROBLEM
 from rotor_ida.results.kinds import kind_of, why_not
 from rotor_ida.results.question import Question
 from rotor_ida.results.si_units import dimensionless, in_units_of
 from rotor_ida.signals.path import rotating
 from rotor_ida.simulation.options import Method
-from rotor_ida.systems.archived import NAMES, PROBLEM
 from rotor_ida.verification.questions import VERIFIED, Verification
 from rotor_ida.verification.variables import (
     NOT_BY_METHOD,

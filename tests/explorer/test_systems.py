@@ -16,8 +16,8 @@ from rotor_ida.explorer import system_files, system_touches, systems
 from rotor_ida.explorer.messages import Answer, read_question
 from rotor_ida.explorer.system_questions import SystemQuestion
 from rotor_ida.explorer.system_verdicts import verdict
+from rotor_ida.model.assembly import assemble
 from rotor_ida.results.system_file import read_system_file
-from rotor_ida.systems.assembly import assemble
 
 DISC = """
 speed = "2000 rpm"

@@ -23,9 +23,9 @@ from rotor_ida import (
     sweep,
     synchronous_response,
 )
+from rotor_ida.model.assembly import assemble
 from rotor_ida.simulation.starts import state_of
-from rotor_ida.systems.assembly import assemble
-from rotor_ida.systems.starts import start_of
+from rotor_ida.simulation.systems.starts import start_of
 from rotor_ida.verification.verify import question_of
 
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)

@@ -16,8 +16,13 @@ from rotor_ida import (
     simulate,
     synchronous_response,
 )
-from rotor_ida.systems.assembly import assemble
-from rotor_ida.systems.clearances.critical_speeds import Peak, antinodes, critical_modes, margins
+from rotor_ida.closed_forms.clearances.critical_speeds import (
+    Peak,
+    antinodes,
+    critical_modes,
+    margins,
+)
+from rotor_ida.model.assembly import assemble
 from tests.systems.axisymmetric_systems import beam
 
 RPM = math.pi / 30.0

@@ -15,7 +15,7 @@ from rotor_ida import (
     synchronous_response,
 )
 from rotor_ida.cli.describe import describe
-from rotor_ida.systems.depths import beyond_model
+from rotor_ida.results.depths import beyond_model
 
 # A resonance at 100 rad/s, where the rotor would go as far as 25 mm: 10 N over 400 N s/m * rad/s.
 DISC = RotorSystem(mass=np.eye(2), damping=4.0 * np.eye(2), stiffness=1e4 * np.eye(2),

@@ -7,9 +7,9 @@ import pytest
 from scipy.optimize import brentq
 
 from rotor_ida import Contact, Rotor, RotorSystem, backward_whirl, simulate
-from rotor_ida.systems.assembly import assemble
-from rotor_ida.systems.axisymmetric import forward_motions
-from rotor_ida.systems.whirls.dry_whip import _edges, dry_whips
+from rotor_ida.closed_forms.whirls.dry_whip import _edges, dry_whips
+from rotor_ida.model.assembly import assemble
+from rotor_ida.model.axisymmetric import forward_motions
 from tests.systems.axisymmetric_systems import QUARTER, random_axisymmetric
 
 

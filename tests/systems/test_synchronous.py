@@ -19,7 +19,7 @@ from rotor_ida import (
     sweep,
     synchronous_response,
 )
-from rotor_ida.systems.whirls.double_rubs import Pairs, double_rubs
+from rotor_ida.closed_forms.whirls.double_rubs import Pairs, double_rubs
 from tests.systems.axisymmetric_systems import beam, random_axisymmetric
 
 

@@ -29,8 +29,8 @@ from rotor_ida import (
 )
 from rotor_ida.cli.describe import describe
 from rotor_ida.core import systems as core_systems
-from rotor_ida.systems import following
-from rotor_ida.systems.archived import problem_of
+from rotor_ida.results.archived_system import problem_of
+from rotor_ida.simulation.systems import following
 from tests.systems.axisymmetric_systems import random_axisymmetric
 from tests.systems.random_systems import random_system
 

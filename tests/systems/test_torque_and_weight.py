@@ -6,7 +6,7 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from rotor_ida import Rotor, RotorSystem, Unbalance, run_up
-from rotor_ida.systems.archived import problem_of
+from rotor_ida.results.archived_system import problem_of
 
 GRAVITY = np.array([0.05, -0.3])
 UNBALANCE = [("a", 0.5, 0.3), ("b", 0.7, -1.0), ("c", 0.4, 2.0)]

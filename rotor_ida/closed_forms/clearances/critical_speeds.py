@@ -1,0 +1,233 @@
+"""Critical speeds of a rotor system, where its unbalance acts on each, and how sharp each peak is.
+
+1. *Modes*: with the spin speed at the whirl speed, ``s = i Omega``, motions obey
+   ``(K + s C + s**2 (M - i G)) Q = 0``. The imaginary parts of s are critical speeds.
+2. *Antinodes*: neighbouring nodes that move to the same side are a lobe of the shape. The node of a
+   lobe that moves most is where unbalance drives the mode best.
+3. *Peaks*: the response to it, as the largest axis of each orbit, and its width where it is
+   0.707 of the peak.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+from scipy.linalg import eig
+from scipy.optimize import brentq, minimize_scalar
+
+from rotor_ida.arrays import ComplexValues, Values
+from rotor_ida.closed_forms.receptances import solved_motions
+from rotor_ida.model.assembly import Assembly
+
+# A motion whose forward part is below this, squared, is not driven by unbalance.
+DRIVEN = 1e-6
+# Modes whose eigenvalue decays by more than this part of its size have no peak.
+OVERDAMPED = 0.7
+# Eigenvalues below this part of the largest speed are free motions.
+FREE = 1e-4
+# Modes whose speeds differ by less than this part of them, with shapes that are parallel, are one.
+EQUAL, PARALLEL = 1e-7, 0.999
+# A lobe is driven if its antinode moves at least this part of the largest one.
+LOBE = 0.3
+# Part of a peak at which its width is measured, and the relative tolerance of its place.
+HALF_POWER, PLACED = math.sqrt(0.5), 1e-9
+
+
+@dataclass(frozen=True, slots=True)
+class Mode:
+    """A mode at its critical speed.
+
+    Parameters
+    ----------
+    speed, decay : float
+        Critical speed, and the decay rate: half the width of its peak.
+    shape : ndarray of complex, shape (node,)
+        Forward displacements of the nodes.
+    """
+
+    speed: float
+    decay: float
+    shape: ComplexValues
+
+
+@dataclass(frozen=True, slots=True)
+class Peak:
+    """A peak of a response: its speed, and speed over width, NaN where it has none."""
+
+    speed: float
+    amplification: float
+
+
+def critical_modes(assembly: Assembly, largest: float) -> list[Mode]:
+    """Return the modes with critical speeds up to a speed, or else the slowest one.
+
+    Examples
+    --------
+    >>> from rotor_ida import RotorSystem
+    >>> from rotor_ida.model.assembly import assemble
+    >>> system = RotorSystem(mass=np.eye(2), damping=0.2 * np.eye(2), stiffness=np.eye(2),
+    ...                      nodes={"disc": (0, 1)}, units="1")
+    >>> (mode,) = critical_modes(assemble(system), 3.0)
+    >>> round(mode.speed, 6), round(mode.decay, 6)
+    (0.994987, 0.1)
+    """
+    size, one, zero = assembly.size, np.eye(assembly.size), np.zeros_like(assembly.mass)
+    damping = zero if assembly.damping is None else assembly.damping
+    turning = zero if assembly.gyroscopic is None else assembly.gyroscopic
+    left = np.block([[zero, one], [-assembly.stiffness, -damping]])
+    right = np.block([[one, zero], [zero, assembly.mass - 1j * turning]])
+    values, vectors = eig(left, right)
+    moved = np.einsum("njk,ks->jns", assembly.node_rows(), vectors[:size])
+    forward, backward = (moved[0] + side * 1j * moved[1] for side in (1.0, -1.0))
+    driven, other = ((np.abs(each) ** 2).sum(axis=0) for each in (forward, backward))
+    with np.errstate(invalid="ignore"):
+        kept = np.isfinite(values) & (values.imag > FREE * largest)
+        kept &= np.abs(values.real) < OVERDAMPED * np.abs(values)
+    kept &= driven > DRIVEN * (driven + other)
+    chosen = np.flatnonzero(kept)
+    chosen = chosen[np.argsort(values.imag[chosen])]
+    modes: list[Mode] = []
+    for i in chosen:
+        mode = Mode(float(values[i].imag), float(-values[i].real), forward[:, i])
+        if not modes or not _same(mode, modes[-1]):
+            modes.append(mode)
+    below = sum(each.speed <= largest for each in modes)
+    return modes[: max(below, 1)]
+
+
+def _same(one: Mode, other: Mode) -> bool:
+    """Return whether two modes are one whose motions along two axes are no circles.
+
+    Without gyroscopic moments a forward mode and a backward one have the same eigenvalue.
+    """
+    if one.speed - other.speed > EQUAL * one.speed:
+        return False
+    product = abs(np.vdot(one.shape, other.shape))
+    return bool(product > PARALLEL * np.linalg.norm(one.shape) * np.linalg.norm(other.shape))
+
+
+def antinodes(mode: Mode, order: Sequence[int]) -> list[tuple[int, float]]:
+    """Return the nodes at which unbalance drives a mode best, with the angles of the unbalance.
+
+    `order` are the nodes along the axis. Neighbours whose motions differ by more than a quarter
+    turn are of two lobes.
+    """
+    shape = mode.shape[list(order)]
+    largest = shape[np.argmax(np.abs(shape))]
+    sides = (shape * largest.conjugate()).real >= 0.0
+    ends = [0, *(np.flatnonzero(np.diff(sides.astype(int))) + 1).tolist(), shape.size]
+    found = []
+    for first, last in pairwise(ends):
+        place = first + int(np.argmax(np.abs(shape[first:last])))
+        if abs(shape[place]) >= LOBE * abs(largest):
+            found.append((int(order[place]), 0.0 if sides[place] else np.pi))
+    return found
+
+
+def orbit_axes(
+    assembly: Assembly, rows: Values, unbalance: ComplexValues, speeds: Values
+) -> Values:
+    """Return the largest axes of the orbits by unbalance, from peak to peak.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The rotor with its stators.
+    rows : ndarray, shape (place, 2, n)
+        Displacements by q.
+    unbalance : ndarray of complex, shape (n, case)
+        Force over the square of the speed: q is the real part of ``Q exp(i theta)``.
+    speeds : ndarray, shape (speed,)
+        Spin speeds, none of them 0.
+
+    Returns
+    -------
+    ndarray, shape (case, speed, place)
+
+    Notes
+    -----
+    An orbit of the displacements X and Y, complex, is the sum of a forward circle of radius
+    ``|X + i Y|/2`` and a backward one of radius ``|X - i Y|/2``; its axes are twice their sum and
+    their difference.
+    """
+    motions = solved_motions(assembly, speeds, unbalance)
+    moved = np.einsum("pjk,skc->jcsp", rows, motions)
+    circles = np.abs(moved[0] + 1j * moved[1]) + np.abs(moved[0] - 1j * moved[1])
+    return np.asarray(circles * speeds[:, np.newaxis] ** 2)
+
+
+def largest_between(
+    function: Callable[[float], float], speeds: Values, values: Values, low: float, high: float
+) -> tuple[float, float]:
+    """Return where a function of the speed is largest between two speeds, and its value.
+
+    `values` are those at `speeds`, which contain both ends.
+    """
+    inside = np.flatnonzero((speeds >= low) & (speeds <= high))
+    best = int(inside[np.argmax(values[inside])])
+    ends = (speeds[max(best - 1, inside[0])], speeds[min(best + 1, inside[-1])])
+    where, largest = float(speeds[best]), float(values[best])
+    if ends[0] < ends[1]:
+        found = minimize_scalar(
+            lambda omega: -function(omega), bounds=ends, method="bounded",
+            options={"xatol": PLACED * high},
+        )  # fmt: skip
+        if -found.fun > largest:
+            where, largest = float(found.x), float(-found.fun)
+    return where, largest
+
+
+def peak_between(
+    function: Callable[[float], float], speeds: Values, values: Values, low: float, high: float
+) -> Peak | None:
+    """Return the largest peak of a response between two speeds, None where it has none inside.
+
+    Its amplification factor is its speed over the width at 0.707 of its height, or over twice the
+    half that lies within the speeds.
+    """
+    inside = np.flatnonzero((speeds >= low) & (speeds <= high))[1:-1]
+    tops = inside[(values[inside] > values[inside - 1]) & (values[inside] > values[inside + 1])]
+    if not tops.size:
+        return None
+    top = int(tops[np.argmax(values[tops])])
+    around = slice(top - 1, top + 2)
+    where, largest = largest_between(
+        function, speeds[around], values[around], float(speeds[top - 1]), float(speeds[top + 1])
+    )
+
+    def above(omega: float) -> float:
+        return function(omega) - HALF_POWER * largest
+
+    halves = []
+    for side in (-1.0, 1.0):
+        beside = speeds[side * (speeds - where) > 0.0]
+        nearest = np.sort(side * beside) * side
+        foot = next((each for each in nearest.tolist() if above(each) <= 0.0), None)
+        if foot is not None:
+            end = brentq(above, min(where, foot), max(where, foot), rtol=PLACED)
+            halves.append(abs(float(end) - where))
+    # where the response ends beforehand, the peak is taken as symmetric
+    return Peak(where, where / (2.0 * float(np.mean(halves))) if halves else np.nan)
+
+
+def margins(peak: Peak, low: float, high: float) -> tuple[float, float]:
+    """Return the separation margin of a critical speed from a range of speeds, and that required.
+
+    Both are relative to the nearest end of the range; inside it the margin is negative.
+
+    Notes
+    -----
+    A peak with an amplification factor below 2.5, or without any, needs none. Otherwise it is
+    ``17 (1 - 1/(AF - 1.5))`` per cent, at most 16, below the range, and 10 more above it.
+    """
+    below = (low - peak.speed) / low
+    above = (peak.speed - high) / high
+    needed = 0.0
+    if peak.amplification >= 2.5:
+        needed = 0.17 * (1.0 - 1.0 / (peak.amplification - 1.5))
+        needed = min(needed + 0.1, 0.26) if above > below else min(needed, 0.16)
+    return max(below, above), needed

@@ -1,0 +1,94 @@
+"""What follows a touch of a clearance: synchronous rubs with the scaled unbalance, and dry whip."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+
+from rotor_ida.arrays import Values
+from rotor_ida.closed_forms.clearances.critical_speeds import Mode
+from rotor_ida.closed_forms.clearances.response import Cases, Response, about, scaled
+from rotor_ida.closed_forms.whirls.dry_whip import Whip, dry_whips
+from rotor_ida.closed_forms.whirls.synchronous import synchronous_response_system
+from rotor_ida.errors import InputError
+from rotor_ida.model.axisymmetric import forward_motions
+from rotor_ida.schema import STABILITY
+
+# Continuous speeds at which rubs are sought, and as many from rest to the trip speed.
+RUB_SPEEDS = 41
+
+
+@dataclass(frozen=True, slots=True)
+class Rubs:
+    """The hardest rub of each contact: a stable one, unless there is none."""
+
+    force: Values
+    speed: Values
+    stability: npt.NDArray[np.int8]
+
+
+@dataclass(frozen=True, slots=True)
+class Touching:
+    """What follows a touch at continuous speeds and on the way there, or why it is not known."""
+
+    running: Rubs
+    passing: Rubs
+    whips: list[Whip | None]
+    not_exact: str = ""
+
+
+def hardest_rubs(found: Sequence[xr.Dataset], count: int) -> Rubs:
+    """Return the hardest rub of each of a number of contacts in the whirls of several cases."""
+    force, speed = np.full((2, count), np.nan)
+    stability = np.full(count, STABILITY["absent"], np.int8)
+    for number in range(count):
+        for word in ("unstable", "stable"):  # a stable one replaces it
+            rubs = []
+            for whirls in found:
+                own = whirls.isel(contact=number)
+                chosen = (own["in_contact"] == 1) & (own["stability"] == STABILITY[word])
+                forces = np.where(chosen.values, own["normal_force"].values, -np.inf).max(axis=1)
+                rubs += list(zip(forces.tolist(), own["speed"].values.tolist(), strict=True))
+            hardest = max(rubs, default=(-np.inf, np.nan))
+            if hardest[0] > -np.inf:
+                (force[number], speed[number]), stability[number] = hardest, STABILITY[word]
+    return Rubs(force, speed, stability)
+
+
+def touching_of(
+    response: Response,
+    modes: Sequence[Mode],
+    cases: Cases,
+    scales: Values,
+) -> Touching:
+    """Return the rubs with the scaled unbalance, and dry whip."""
+    problem = response.problem
+    assembly, count = problem.assembly, len(problem.assembly.contacts)
+    speeds = np.concatenate([np.linspace(0.0, problem.trip, RUB_SPEEDS + 1), about(modes),
+                             np.linspace(problem.low, problem.high, RUB_SPEEDS)])  # fmt: skip
+    speeds = np.unique(speeds[(speeds > 0.0) & (speeds <= problem.trip)])
+    try:  # what is not axisymmetric is refused
+        found = [
+            synchronous_response_system(
+                assembly.system, speed=speeds, unbalance=[scaled(each, scale) for each in case]
+            )
+            for case, scale in zip(cases, scales.tolist(), strict=True)
+        ]  # fmt: skip
+    except InputError as error:
+        none = hardest_rubs([], count)
+        return Touching(none, none, [None] * count, str(error))
+    motions = forward_motions(assembly)
+    inside = (speeds >= problem.low) & (speeds <= problem.high)
+    running = hardest_rubs([whirls.isel(speed=inside) for whirls in found], count)
+    whips = [_first_stable(dry_whips(motions, number, each, problem.high))
+             for number, each in enumerate(assembly.contacts)]  # fmt: skip
+    return Touching(running, hardest_rubs(found, count), whips)
+
+
+def _first_stable(whips: Sequence[Whip]) -> Whip | None:
+    """Return the slowest stable whirl, or else the slowest."""
+    return next((each for each in whips if each.growth_rate < 0.0), next(iter(whips), None))

@@ -1,0 +1,126 @@
+"""The report on close clearances in words: a line for each."""
+
+from __future__ import annotations
+
+import numpy as np
+import xarray as xr
+
+from rotor_ida.results.depths import beyond_model
+from rotor_ida.results.system_units import NOTE
+from rotor_ida.schema import words_of
+from rotor_ida.units import rpm
+
+# Forces from this one on [N] are in kN.
+LARGE_FORCE = 1e4
+
+
+def sentences(report: xr.Dataset) -> str:
+    """Return a line for each clearance, one on critical speeds, and one on the probes if needed."""
+    lines = [_of_contact(report, number) for number in range(report.sizes["contact"])]
+    lines.append(_of_critical_speeds(report))
+    if (least := float(report["scale_factor"].min())) < 1.0:
+        lines.append(
+            "At the probes the response exceeds the vibration limit: the scale factor is "
+            f"{least:.3g}, below 1."
+        )
+    if "not_exact" in report.attrs:
+        lines.append(f"What follows a touch is not known: {report.attrs['not_exact']}.")
+    if beyond := beyond_model(report):
+        lines.append(beyond)
+    if note := report.attrs.get(NOTE):
+        lines.append(f"Note: {note}.")
+    return "\n".join(lines)
+
+
+def _of_contact(report: xr.Dataset, number: int) -> str:
+    """Return how much of a clearance is filled, and what follows a touch."""
+    own = report.isel(contact=number)
+    shares = own["running_share"].values
+    worst = int(np.argmax(shares))
+    where = _speed(report, float(own["running_share_speed"].values[worst]))
+    verdict = words_of(own["clearance_verdict"])[0]
+    scales, by, unscaled = report["scale_factor"].values, "", ""
+    if (scales < 1.0).any():
+        by = f" with the scale factor {scales[worst]:.3g}"
+        applied = np.divide(shares, scales, out=np.full_like(shares, np.inf), where=scales > 0.0)
+        unscaled = f", that of the applied unbalance {_per_cent(float(applied.max()))}"
+    said = (
+        f"Contact {number} at {own['contact_node'].item()!r} {verdict}{by}: the scaled orbit fills "
+        f"at most {_per_cent(shares[worst])} of the clearance at {where}{unscaled}; 75 % are "
+        f"allowed. {_passage(own)}"
+    )
+    if "not_exact" in report.attrs:
+        return said
+    return f"{said} {_rub(own, 'rub', 'at continuous speeds')} {_whip(report, own)}"
+
+
+def _passage(own: xr.Dataset) -> str:
+    """Return how much is filled on the way to the trip speed, and how hard a touch there is."""
+    passing = float(own["passage_share"].max())
+    way = "between rest and the trip speed"
+    if passing < 1.0:
+        return f"It fills at most {_per_cent(passing)} {way}."
+    rub = _rub(own, "passage_rub", "there") if "not_exact" not in own.attrs else ""
+    return f"It touches {way}, where it would fill {_per_cent(passing)}. {rub}".rstrip()
+
+
+def _rub(own: xr.Dataset, prefix: str, where: str) -> str:
+    word = words_of(own[f"{prefix}_stability"])[0]
+    if word == "absent":
+        return f"No synchronous rub exists {where}."
+    kind = "A stable" if word == "stable" else "An unstable"
+    speed = _speed(own, own[f"{prefix}_speed"].item())
+    return f"{kind} rub {where} presses with up to {_force(own, f'{prefix}_force')}, at {speed}."
+
+
+def _whip(report: xr.Dataset, own: xr.Dataset) -> str:
+    word = words_of(own["whip_stability"])[0]
+    if word == "absent":
+        if not own["law_friction"].item() > 0.0:
+            return "Without friction there is no dry whip."
+        if np.isnan(own["law_radius"].item()):
+            return "Dry whip is not known without a radius."
+        return "Friction cannot hold dry whip."
+    where = _speed(report, float(report.attrs["running_speeds"][1]))
+    whirl = _speed(own, -own["whip_speed"].item())
+    unstable = "" if word == "stable" else ", but it is unstable"
+    return (
+        f"Friction can hold dry whip at {where}: backwards at {whirl}, with "
+        f"{_force(own, 'whip_force')}{unstable}."
+    )
+
+
+def _of_critical_speeds(report: xr.Dataset) -> str:
+    """Return whether all critical speeds are far enough from the running speeds."""
+    margin, needed = report["separation_margin"].values, report["required_margin"].values
+    speeds = [_speed(report, each) for each in report["critical_speed"].values]
+    near = np.flatnonzero((needed > 0.0) & (margin < needed))
+    told = [
+        f"{speeds[i]} (amplification {report['amplification_factor'].values[i]:.3g})" for i in near
+    ]
+    said = (
+        f"Too near to the running speeds: the critical speed at {', and that at '.join(told)}."
+        if told
+        else "All critical speeds keep their separation margins."
+    )
+    if flat := [speeds[i] for i in np.flatnonzero((needed == 0.0) & (margin < 0.0))]:
+        said += f" None is asked at {' and '.join(flat)}, as there is no sharp peak."
+    return said
+
+
+def _per_cent(share: float) -> str:
+    return f"{100.0 * share:.2g} %" if share < 0.995 else f"{100.0 * share:.3g} %"
+
+
+def _speed(report: xr.Dataset, speed: float) -> str:
+    """Return a speed in rpm, or as it is where it has no unit."""
+    if report["clearance"].attrs["units"] != "m":
+        return f"a speed of {speed:.4g}"
+    return rpm(speed)
+
+
+def _force(report: xr.Dataset, name: str) -> str:
+    value = report[name].item()
+    if report["clearance"].attrs["units"] != "m":
+        return f"a force of {value:.4g}"
+    return f"{value / 1e3:.4g} kN" if value >= LARGE_FORCE else f"{value:.4g} N"

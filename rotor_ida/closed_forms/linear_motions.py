@@ -1,0 +1,263 @@
+"""Eigenvalues of a rotor system at a spin speed, and its critical speeds.
+
+A speed is critical where an eigenvalue turns with it: where a whirl speed is the spin speed in
+size. In order of size each whirl speed is a continuous function of the spin speed, also where a
+motion ceases to whirl, so that critical speeds are changes of sign.
+
+1. *Cells*: with ``s = i W`` motions at a critical speed W obey
+   ``(K + s C + s**2 (M - i G)) Q = 0`` where they do not decay, and nearly so where they do. The
+   speeds are divided between the roots of this equation, with C and without.
+2. *Refinement*: a cell is halved as long as a whirl speed bends so much within it that it might be
+   the spin speed twice. Without damping the roots are exact, and no cell is halved.
+3. *Roots*: in each cell, by Brent's method.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Sequence
+from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+from scipy.linalg import eigvals
+from scipy.optimize import brentq
+
+from rotor_ida.arrays import ComplexValues, Flags, Values
+from rotor_ida.errors import InputError
+from rotor_ida.model.assembly import Assembly, canonical
+from rotor_ida.model.axisymmetric import check_masses, forward_motions
+
+# A motion whose displacements at all nodes are below this part of the largest moves none.
+STILL = 1e-9
+# Forward and backward parts of a motion that differ by less are equal: it is along a line.
+STRAIGHT = 1e-6
+# Singular values below this part of the largest are 0: a motion that no stiffness holds.
+SINGULAR = 1e-11
+# Growth and decay below this part of the largest eigenvalue come from rounding.
+ROUNDING = 100.0 * np.finfo(float).eps
+# The lowest critical speed that is sought, over the highest.
+LOWEST = 1e-6
+# Relative distances: of roots that share a cell, and of critical speeds that are one.
+NEAR, ONE = 1e-3, 1e-9
+# Parts of each cell at first, and how often a part may be halved.
+PARTS, HALVINGS = 4, 12
+
+
+class Motions(NamedTuple):
+    """Eigenvalues on fixed axes, and which way each motion whirls: 1 with the spin, -1, or 0.
+
+    Those that are not seen move no node. Conjugate ones are left out.
+    """
+
+    eigenvalues: ComplexValues
+    senses: npt.NDArray[np.int8]
+    seen: Flags
+
+
+class CriticalSpeed(NamedTuple):
+    """A critical speed, negative against the positive sense, and the motion at it."""
+
+    speed: float
+    sense: int
+    damping_ratio: float
+
+
+@dataclass(frozen=True, slots=True)
+class LinearMotions:
+    """The linear motions of a system; of an axisymmetric one, the forward ones, complex.
+
+    Parameters
+    ----------
+    stiffness, damping, gyroscopic : ndarray, shape (n, n)
+        Matrices in coordinates with a unit mass matrix.
+    rows : ndarray, shape (k, n)
+        What springs at the contacts stretch by.
+    nodes : ndarray, shape (node, 2, n), optional
+        Displacements of nodes and contacts; None for the motions of an axisymmetric system.
+    """
+
+    stiffness: npt.NDArray[Any]
+    damping: npt.NDArray[Any]
+    gyroscopic: npt.NDArray[Any]
+    rows: npt.NDArray[Any]
+    nodes: Values | None = None
+
+    def with_springs(self, spring: float) -> npt.NDArray[Any]:
+        """Return the stiffness with springs at the contacts."""
+        return np.asarray(self.stiffness + spring * (self.rows.conj().T @ self.rows))
+
+    def at(self, spring: float, omega: float) -> Motions:
+        """Return the motions at a speed."""
+        stiffness, resisted = self.with_springs(spring), self.damping + omega * self.gyroscopic
+        first_order = _first_order(stiffness, resisted)
+        spin = -1.0 if omega < 0.0 else 1.0
+        if self.nodes is None:
+            found = _exact(np.linalg.eigvals(first_order), stiffness, resisted)
+            senses = spin * np.sign(found.imag)
+            return Motions(found, senses.astype(np.int8), np.ones(found.size, bool))
+        found, vectors = np.linalg.eig(first_order)
+        found = _exact(found, stiffness, resisted)
+        chosen = found.imag >= 0.0
+        found, shapes = found[chosen], vectors[: len(stiffness), chosen]
+        moved = np.einsum("njk,ks->njs", self.nodes, shapes)
+        largest = np.abs(moved).max(axis=(0, 1), initial=0.0)
+        seen = largest > STILL * np.linalg.norm(shapes, axis=0)
+        forward, backward = (
+            (np.abs(moved[:, 0] + sign * moved[:, 1]) ** 2).sum(axis=0) for sign in (1j, -1j)
+        )
+        whirls = np.abs(forward - backward) > STRAIGHT * (forward + backward)
+        senses = np.where(whirls & (found.imag > 0.0), spin * np.sign(forward - backward), 0.0)
+        return Motions(found, senses.astype(np.int8), seen | (len(self.nodes) == 0))
+
+    def is_conservative(self) -> bool:
+        """Return whether energy is kept, so that `synchronous_speeds` are critical speeds."""
+        skew = self.stiffness - self.stiffness.conj().T
+        rounded = ROUNDING * np.abs(self.stiffness).max(initial=0.0)
+        return not self.damping.any() and bool(np.abs(skew).max(initial=0.0) <= rounded)
+
+    def synchronous_speeds(self, spring: float, side: float) -> Values:
+        """Return the roots by which speeds of one sign are divided, in ascending order."""
+        stiffness, one = self.with_springs(spring), np.eye(len(self.stiffness))
+        zero = np.zeros_like(one)
+        found = []
+        for sense in (1.0,) if self.nodes is not None else (1.0, -1.0):
+            inert = one - 1j * sense * self.gyroscopic
+            for damping in (zero, self.damping) if self.damping.any() else (zero,):
+                left = np.block([[zero, one], [-stiffness, -damping]])
+                roots = eigvals(left, np.block([[one, zero], [zero, inert]]))
+                found.append(side * sense * roots.imag[np.isfinite(roots)])
+        return np.sort(np.concatenate(found))
+
+
+def linear_motions(assembly: Assembly) -> LinearMotions:
+    """Return the linear motions of a system with its stators."""
+    check_masses(assembly)
+    try:
+        forward = forward_motions(assembly)
+    except InputError:
+        pass
+    else:
+        return LinearMotions(forward.stiffness, forward.damping, forward.gyroscopic, forward.rows)
+    found = canonical(assembly)
+    zero = np.zeros_like(found.stiffness)
+    return LinearMotions(
+        stiffness=found.stiffness,
+        damping=zero if found.damping is None else found.damping,
+        gyroscopic=zero if found.gyroscopic is None else found.gyroscopic,
+        rows=found.rows.reshape(-1, assembly.size),
+        nodes=np.concatenate([found.rows_in_y(assembly.node_rows()), found.rows]),
+    )
+
+
+def critical_speeds(
+    motions: LinearMotions, spring: float, low: float, high: float
+) -> Iterator[CriticalSpeed]:
+    """Yield the critical speeds between two speeds, but for 0."""
+    for side in (-1.0, 1.0):
+        last = max(side * low, side * high)
+        first = max(min(side * low, side * high), LOWEST * last)
+        if not 0.0 < first < last:
+            continue
+        at = cache(lambda size, side=side: motions.at(spring, side * size))
+        count = len(motions.stiffness) * (2 if motions.nodes is None else 1)
+
+        def gaps(size: float, at: Callable[[float], Motions] = at, count: int = count) -> Values:
+            turning = np.sort(np.abs(at(size).eigenvalues.imag))[::-1]
+            return np.asarray(turning[:count] - size)
+
+        cells = _cells(motions, motions.synchronous_speeds(spring, side), gaps, first, last)
+        for size, number in _merged(_roots(gaps, cells)):
+            here = at(size)
+            nearest = np.argsort(np.abs(np.abs(here.eigenvalues.imag) - size))[:number]
+            for i in nearest[here.seen[nearest]].tolist():
+                ratio = -here.eigenvalues[i].real / np.abs(here.eigenvalues[i])
+                yield CriticalSpeed(side * size, int(here.senses[i]), float(ratio))
+
+
+def _cells(
+    motions: LinearMotions,
+    roots: Values,
+    gaps: Callable[[float], Values],
+    first: float,
+    last: float,
+) -> list[float]:
+    """Return speeds between which no gap vanishes twice."""
+    inside = roots[(roots > first) & (roots < last)]
+    apart = np.diff(inside) > NEAR * inside[1:]
+    middles = 0.5 * (inside[1:] + inside[:-1])[apart]
+    edges = [first, *middles.tolist(), last]
+    if motions.is_conservative():
+        return edges
+    parts = [np.linspace(*ends, PARTS, endpoint=False) for ends in pairwise(edges)]
+    edges = [*np.concatenate(parts).tolist(), last]
+    return [each for ends in pairwise(edges) for each in _refined(gaps, *ends, HALVINGS)] + [last]
+
+
+def _refined(
+    gaps: Callable[[float], Values], low: float, high: float, halvings: int
+) -> list[float]:
+    """Return the ends of the parts of a cell, but for the last.
+
+    Within half a cell a gap that bends by less than it changes has no extremum, and one that bends
+    by less than its size does not vanish.
+    """
+    middle = 0.5 * (low + high)
+    ends = [gaps(each) for each in (low, middle, high)]
+    bend = np.abs(ends[0] - 2.0 * ends[1] + ends[2])
+    sure = True
+    for before, behind in pairwise(ends):
+        sizes = np.minimum(np.abs(before), np.abs(behind))
+        stays = (before > 0.0) == (behind > 0.0)
+        sure &= bool(((np.abs(before - behind) > bend) | (stays & (sizes > bend))).all())
+    if sure or not halvings:
+        return [low, middle]
+    return [
+        *_refined(gaps, low, middle, halvings - 1),
+        *_refined(gaps, middle, high, halvings - 1),
+    ]
+
+
+def _roots(gaps: Callable[[float], Values], cells: Sequence[float]) -> Iterator[float]:
+    """Yield where a gap vanishes."""
+    for low, high in pairwise(cells):
+        for number in np.flatnonzero((gaps(low) > 0.0) != (gaps(high) > 0.0)).tolist():
+
+            def gap(size: float, number: int = number) -> float:
+                return float(gaps(size)[number])
+
+            yield float(brentq(gap, low, high, xtol=1e-12 * high))
+
+
+def _merged(roots: Iterator[float]) -> Iterator[tuple[float, int]]:
+    """Yield roots in ascending order, with the number of those that are one."""
+    every = np.sort(np.array(list(roots)))
+    first = np.flatnonzero(np.diff(every, prepend=-1.0) > ONE * every)
+    yield from zip(every[first].tolist(), np.diff(first, append=every.size).tolist(), strict=True)
+
+
+def _exact(
+    eigenvalues: ComplexValues, stiffness: npt.NDArray[Any], damping: npt.NDArray[Any]
+) -> ComplexValues:
+    """Return eigenvalues without what rounding makes of those at 0 and of undamped motions.
+
+    A free motion p with ``K p = 0`` has the eigenvalue 0, twice if no damping resists it either.
+    Rounding moves such a pair by the square root of its size, half of the pairs to growth.
+    """
+    left, sizes, right = np.linalg.svd(stiffness)
+    free = sizes <= SINGULAR * sizes.max(initial=0.0)
+    resists = left[:, free].conj().T @ damping @ right[free].conj().T
+    scale = np.abs(damping).max(initial=0.0)
+    twice = np.linalg.svd(resists, compute_uv=False) <= SINGULAR * scale
+    found = eigenvalues.astype(complex)
+    found[np.argsort(np.abs(found))[: free.sum() + twice.sum()]] = 0.0
+    rounded = np.abs(found.real) <= ROUNDING * np.abs(found).max(initial=0.0)
+    return np.where(rounded, 1j * found.imag, found)
+
+
+def _first_order(stiffness: npt.NDArray[Any], damping: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Return the matrix of ``(p, p')`` for ``p'' + C p' + K p = 0``."""
+    one = np.eye(len(stiffness))
+    return np.block([[np.zeros_like(one), one], [-stiffness, -damping]])

@@ -1,0 +1,179 @@
+"""Stability of synchronous whirls of an axisymmetric system: eigenvalues on turning axes.
+
+On axes that turn with the unbalance a whirl stands still, and small motions p about it obey
+
+    p'' + (C + Omega G + 2 i Omega) p' + (K - Omega**2 + i Omega (C + Omega G)) p = b' E phi.
+
+At a contact in the direction E, ``b p = E (xi + i eta)``: the radial part xi changes the normal
+force, ``N' = n k d**(n-1) xi + lambda N xi'``, and the tangential part eta turns it, so that
+
+    phi = -(1 + i mu sigma) (n k d**(n-1) xi + lambda N xi' + i N eta/A).
+
+Contact damping lambda enters here alone.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from rotor_ida.arrays import ComplexValues, Flags, Values
+from rotor_ida.closed_forms.contacting_whirls import Rows
+from rotor_ida.model.axisymmetric import ForwardMotions
+from rotor_ida.model.system_parts import Contact
+
+# Growth rates that are 0 but for rounding, over the largest eigenvalue.
+NEUTRAL = 1e-11
+# Numbers in the matrices whose eigenvalues are computed at a time.
+_AT_A_TIME = 2_000_000
+
+
+@dataclass(frozen=True, slots=True)
+class Whirls:
+    """Synchronous whirls of a system, one a row.
+
+    Parameters
+    ----------
+    row : ndarray of int, shape (whirl,)
+        Number of the speed.
+    depth : ndarray, shape (whirl, contact)
+        Indentation of each contact, 0 where it is free.
+    displacement : ndarray of complex, shape (whirl, contact)
+        Displacement of each contact, on axes that turn with the rotor.
+    """
+
+    row: Rows
+    depth: Values
+    displacement: ComplexValues
+
+    @property
+    def touches(self) -> Flags:
+        """Which contacts touch, shape (whirl, contact)."""
+        return np.asarray(self.depth > 0.0)
+
+    def __getitem__(self, chosen: Flags | Rows | slice) -> Whirls:
+        return Whirls(self.row[chosen], self.depth[chosen], self.displacement[chosen])
+
+
+@dataclass(frozen=True, slots=True)
+class Springs:
+    """A contact in a whirl: its direction and what it resists, one for each whirl.
+
+    Parameters
+    ----------
+    number : int
+        Number of the contact.
+    direction : ndarray of complex, shape (whirl,)
+        Unit direction of its displacement.
+    radial, across, drag : ndarray, shape (whirl,)
+        Stiffness along the direction and across it, and damping along it, 0 where it is free.
+    sliding : ndarray, shape (whirl,)
+        Friction coefficient with the sign of the speed.
+    """
+
+    number: int
+    direction: ComplexValues
+    radial: Values
+    across: Values
+    drag: Values
+    sliding: Values
+
+
+def normal_forces(contacts: Sequence[Contact], depths: Values) -> Values:
+    """Return the normal forces at constant indentations, shape (whirl, contact)."""
+    forces = [each.stiffness * depths[:, j] ** each.exponent for j, each in enumerate(contacts)]
+    return np.stack(forces, axis=1) if forces else np.zeros(depths.shape)
+
+
+def eigenvalues_without_contact(motions: ForwardMotions, speeds: Values) -> ComplexValues:
+    """Return the eigenvalues of free motions at speeds, on fixed axes, shape (speed, 2 n)."""
+    size = motions.size
+    matrix = np.zeros((speeds.size, 2 * size, 2 * size), complex)
+    matrix[:, :size, size:] = np.eye(size)
+    matrix[:, size:, :size] = -motions.stiffness
+    turning = speeds[:, np.newaxis, np.newaxis] * motions.gyroscopic
+    matrix[:, size:, size:] = -motions.damping - turning
+    return np.linalg.eigvals(matrix).astype(np.complex128)
+
+
+def eigenvalues_in_contact(
+    motions: ForwardMotions, contacts: Sequence[Contact], speeds: Values, whirls: Whirls
+) -> ComplexValues:
+    """Return the eigenvalues of whirls on turning axes, shape (whirl, 4 n).
+
+    `speeds` are those of the whirls.
+    """
+    size = motions.size
+    step = max(_AT_A_TIME // (4 * size) ** 2, 1)
+    found = np.zeros((speeds.size, 4 * size), complex)
+    for first in range(0, speeds.size, step):
+        part = slice(first, first + step)
+        found[part] = np.linalg.eigvals(_matrices(motions, contacts, speeds[part], whirls[part]))
+    return found
+
+
+def springs_of(contacts: Sequence[Contact], speeds: Values, whirls: Whirls) -> list[Springs]:
+    """Return what the contacts resist in whirls."""
+    forces = normal_forces(contacts, whirls.depth)
+    found = []
+    for number, contact in enumerate(contacts):
+        depth, force = whirls.depth[:, number], forces[:, number]
+        displacement = whirls.displacement[:, number]
+        size = np.abs(displacement)
+        radial = contact.exponent * np.divide(force, depth, out=np.zeros_like(force),
+                                              where=depth > 0.0)  # fmt: skip
+        found.append(Springs(
+            number=number,
+            direction=np.divide(displacement, size, out=np.ones_like(displacement),
+                                where=size > 0.0),
+            radial=radial, across=force / (contact.clearance + depth),
+            drag=contact.damping * force, sliding=contact.friction * np.sign(speeds),
+        ))  # fmt: skip
+    return found
+
+
+def _matrices(
+    motions: ForwardMotions, contacts: Sequence[Contact], speeds: Values, whirls: Whirls
+) -> Values:
+    """Return the real matrices of ``(Re p, Im p, Re p', Im p')``, shape (whirl, 4 n, 4 n)."""
+    half = 2 * motions.size
+    omega = speeds[:, np.newaxis, np.newaxis]
+    resisted = motions.damping + omega * motions.gyroscopic
+    one = np.eye(motions.size)
+    stiffness = _real(motions.stiffness - omega**2 * one + 1j * omega * resisted)
+    damping = _real(resisted + 2j * omega * one)
+    for each in springs_of(contacts, speeds, whirls):
+        touching = each.radial > 0.0
+        if not touching.any():
+            continue
+        beta = each.direction[touching].conj()[:, np.newaxis] * motions.rows[each.number]
+        rows = np.stack(
+            [np.hstack([beta.real, -beta.imag]), np.hstack([beta.imag, beta.real])], axis=1
+        )
+        sliding = each.sliding[touching]
+        across = np.zeros((len(beta), 2, 2))
+        across[:, 0, 0] = across[:, 1, 1] = 1.0
+        across[:, 0, 1], across[:, 1, 0] = -sliding, sliding
+        pushed = rows.transpose(0, 2, 1) @ across
+        stiff = np.stack([each.radial[touching], each.across[touching]], axis=1)
+        stiffness[touching] += pushed @ (stiff[:, :, np.newaxis] * rows)
+        drag = each.drag[touching, np.newaxis, np.newaxis]
+        damping[touching] += pushed[:, :, :1] @ (drag * rows[:, :1])
+    matrix = np.zeros((speeds.size, 2 * half, 2 * half))
+    matrix[:, :half, half:] = np.eye(half)
+    matrix[:, half:, :half] = -stiffness
+    matrix[:, half:, half:] = -damping
+    return matrix
+
+
+def _real(matrices: ComplexValues) -> Values:
+    """Return complex matrices as real ones of the real and imaginary parts."""
+    return np.concatenate(
+        [
+            np.concatenate([matrices.real, -matrices.imag], axis=-1),
+            np.concatenate([matrices.imag, matrices.real], axis=-1),
+        ],
+        axis=-2,
+    )

@@ -1,0 +1,65 @@
+"""Whether the motion of a rotor system without contact grows, and whether anything holds it."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from rotor_ida.arrays import ComplexValues
+from rotor_ida.model.assembly import Canonical
+
+# Relative size below which an eigenvalue is that of a free motion.
+FREE = 1e-9
+# Growth rates below this part of the largest eigenvalue are rounding; so are those of eigenvalues
+# that are themselves below this part of it, as of a rotor that nothing holds: a double 0.
+GROWING, HELD = 1e-9, 1e-6
+
+
+class Growth(NamedTuple):
+    """How a motion without contact grows: at which rate, and at which whirl speed."""
+
+    rate: float
+    whirl_speed: float
+
+
+def rates_of(found: Canonical, speed: float) -> ComplexValues:
+    """Return the eigenvalues of the motion without contact at a speed."""
+    inert = len(found.stiffness) - found.massless
+    resisted = np.zeros((inert, inert))
+    if found.damping is not None:
+        resisted = resisted + found.damping[:inert, :inert]
+    if found.gyroscopic is not None:
+        resisted = resisted + speed * found.gyroscopic[:inert, :inert]
+    first_order = np.block(
+        [[np.zeros((inert, inert)), np.eye(inert)], [-found.stiffness[:inert, :inert], -resisted]]
+    )
+    relaxing = -np.diag(found.stiffness)[inert:]  # stators without mass
+    return np.concatenate([np.linalg.eigvals(first_order), relaxing])
+
+
+def growth_of(found: Canonical, speed: float) -> Growth | None:
+    """Return how the motion without contact grows fastest at a speed; None where it does not."""
+    rates = rates_of(found, speed)
+    sizes = np.abs(rates)
+    rates = rates[sizes > HELD * sizes.max()]
+    if not rates.size:
+        return None
+    fastest = rates[np.argmax(rates.real)]
+    if not fastest.real > GROWING * float(sizes.max()):
+        return None
+    return Growth(float(fastest.real), abs(float(fastest.imag)))
+
+
+def nothing_holds(found: Canonical) -> bool:
+    """Return whether constant forces move the system where neither supports nor contacts hold it.
+
+    Nothing balances a force f along a motion u that neither bends supports, ``u' K = 0``, nor moves
+    a contact, ``B u = 0``.
+    """
+    left, sizes, _ = np.linalg.svd(found.stiffness)
+    free = left[:, sizes <= FREE * sizes.max(initial=0.0)]
+    _, strengths, shapes = np.linalg.svd(found.rows.reshape(-1, len(free)) @ free)
+    rank = int((strengths > FREE * strengths.max(initial=0.0)).sum())
+    pushed = (free @ shapes[rank:].T).T @ found.force
+    return bool(np.abs(pushed).max(initial=0.0) > FREE * np.linalg.norm(found.force))

@@ -1,0 +1,81 @@
+"""How far contacts are pressed in, by the result of a rotor system, and whether too far."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import xarray as xr
+
+from rotor_ida.arrays import Values
+from rotor_ida.model.contact import bounds_exceeded, length_in_words
+from rotor_ida.results.archived_system import clearance_of_contacts
+
+# Variables of results by which a contact is pressed in.
+OF_RUBS = ("rub_force", "passage_rub_force", "whip_force")
+
+
+def beyond_model(result: xr.Dataset) -> str:
+    """Return a warning if contacts are pressed in too far for the contact law, else "".
+
+    Parameters
+    ----------
+    result : Dataset
+        Any result of a rotor system.
+
+    Examples
+    --------
+    >>> from rotor_ida import Contact, RotorSystem, Unbalance, synchronous_response
+    >>> system = RotorSystem(mass=np.eye(2), damping=4 * np.eye(2), stiffness=1e4 * np.eye(2),
+    ...                      nodes={"disc": (0, 1)})
+    >>> seal = Contact(node="disc", clearance=2e-4, stiffness=1e2, exponent=1.0)
+    >>> unbalance = [Unbalance(node="disc", moment=1e-3)]
+    >>> whirls = synchronous_response(system, contacts=[seal], unbalance=unbalance, speed=[100.0])
+    >>> beyond_model(whirls).partition(";")[0]
+    "Beyond the model: contact 0 at 'disc' is indented by up to 24.1 mm, more than the clearance"
+    """
+    if not {"contact_node", "clearance"} <= result.variables.keys():
+        return ""
+    gaps = clearance_of_contacts(result)
+    depths = _depths(result, gaps)
+    if depths is None:
+        return ""
+    radii = result["law_radius"].values if "law_radius" in result else np.full(depths.size, np.nan)
+    in_si = gaps.attrs.get("units") == "m"
+    largest = gaps.max([dim for dim in gaps.dims if dim != "contact"]).values
+    told = []
+    for number, depth in enumerate(depths):
+        clearance = float(largest[number]) if in_si else None
+        radius = float(radii[number])
+        bounds = bounds_exceeded(depth, None if math.isnan(radius) else radius, clearance)
+        if bounds:
+            length = length_in_words(depth) if in_si else f"{depth:.3g}"
+            node = str(result["contact_node"].values[number])
+            told.append(
+                f"contact {number} at {node!r} is indented by up to {length}, more than {bounds}"
+            )
+    if not told:
+        return ""
+    return (
+        f"Beyond the model: {', and '.join(told)}; such a force is too large for the contact law "
+        "to predict."
+    )
+
+
+def _depths(result: xr.Dataset, clearance: xr.DataArray) -> Values | None:
+    """Return the largest indentation of each contact in a result; None where it has none."""
+    if not clearance.size:
+        return None
+    if "excursion" in result:
+        found = (result["excursion"] - 1.0) * clearance * result.get("drop_clearance", 1.0)
+    elif "radius_max" in result:
+        found = result["radius_max"] - clearance
+    elif "in_contact" in result:
+        found = result["amplitude"] - clearance
+    elif "rub_force" in result:
+        forces = xr.concat([result[name] for name in OF_RUBS if name in result], "rub")
+        found = (forces / result["law_stiffness"]) ** (1.0 / result["law_exponent"])
+    else:
+        return None
+    depths = found.transpose("contact", ...).values.reshape(result.sizes["contact"], -1)
+    return np.asarray(np.fmax.reduce(depths, axis=1, initial=-np.inf))

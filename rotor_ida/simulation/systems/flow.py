@@ -1,0 +1,385 @@
+"""A rotor system at a constant speed as a map from state to state, after whole revolutions or less.
+
+A state ``u`` has the displacements and velocities in coordinates with a unit mass matrix, over the
+scales by which the core measures errors, and then the speeds of the races that spin. At the start
+of each run the unbalance is at angle 0. So the state after a whole revolution begins the next one.
+In an axisymmetric system a state can be turned back by any angle: on turning axes the motion does
+not depend on the angle, and a run begins anywhere.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from rotor_ida.arrays import ComplexValues, Flags, Stop, Values, Watch
+from rotor_ida.checks import shown
+from rotor_ida.core.runs import NO_EXTREMA
+from rotor_ida.core.systems import SystemRequest, SystemResult
+from rotor_ida.errors import InputError, SimulationError
+from rotor_ida.model.assembly import Assembly, Canonical, canonical
+from rotor_ida.model.axisymmetric import check_axisymmetric_parts, forward_motions
+from rotor_ida.schema import MODE
+from rotor_ida.simulation.flow import Piece
+from rotor_ida.simulation.orbit import ROLL
+from rotor_ida.simulation.spin import steady
+from rotor_ida.simulation.systems.following import follow_system_again, request_of
+
+# Runs whose differences stand for derivatives are this far apart, in scaled coordinates: errors of
+# the runs stay far below, and so does the curvature.
+APART = 1e-6
+# A decay slower than this part of its eigenvalue is rounding.
+UNDAMPED = 1e-9
+# A change that shrinks below this in a revolution is lost in rounding.
+LOST = 1e-12
+# Central differences of a parameter are this long, in parts of it; those of time in revolutions.
+OF_PARAMETER, OF_TIME = 1e-6, 1e-5
+# Samples of an orbit in a revolution, and at least; steps that refine extreme distances.
+SAMPLES_A_REVOLUTION, FEWEST_SAMPLES, REFINEMENTS = 64, 192, 2
+
+
+@dataclass(frozen=True, slots=True)
+class SettlingProblem:
+    """What is the same at all speeds.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The system with its stators, contacts and forces.
+    found : Canonical
+        The same in coordinates with a unit mass matrix.
+    forward : ndarray of complex, shape (N, n), or None
+        The forward motions of an axisymmetric system.
+    rtol : float
+        Tolerance of a run.
+    """
+
+    assembly: Assembly
+    found: Canonical
+    forward: ComplexValues | None
+    rtol: float
+
+    @classmethod
+    def of(cls, assembly: Assembly, rtol: float) -> SettlingProblem:
+        """Return the problem of a system, axisymmetric or not."""
+        try:
+            check_axisymmetric_parts(assembly)
+            forward = forward_motions(assembly).basis
+        except InputError:
+            forward = None
+        return cls(assembly, canonical(assembly), forward, rtol)
+
+    @property
+    def with_race(self) -> Flags:
+        """Which contacts have a race that spins; of those that share one the first."""
+        races, numbers = self.assembly.races, self.assembly.race_numbers
+        return np.array(
+            [race is not None and numbers[i] == i for i, race in enumerate(races)], bool
+        )
+
+    @property
+    def race_speeds(self) -> Values:
+        """The speeds of those races at time 0."""
+        speeds = [0.0 if race is None else race.speed for race in self.assembly.races]
+        return np.array(speeds)[self.with_race]
+
+    @property
+    def has_damping(self) -> bool:
+        """Whether anything but friction takes energy from the motion."""
+        damping = self.found.damping
+        return (damping is not None and bool(damping.any())) or any(
+            each.damping > 0.0 for each in self.assembly.contacts
+        )
+
+    def slowest_decay(self, speed: float) -> float:
+        """Return the slowest rate at which a free motion decays; 0 if none does."""
+        size, found = self.assembly.size, self.found
+        resisted = np.zeros((size, size)) if found.damping is None else found.damping.copy()
+        if found.gyroscopic is not None:
+            resisted += speed * found.gyroscopic
+        rates = np.linalg.eigvals(
+            np.block([[np.zeros((size, size)), np.eye(size)], [-found.stiffness, -resisted]])
+        )
+        decays = np.abs(rates.real[np.abs(rates.real) > UNDAMPED * np.abs(rates).max()])
+        return float(decays.min(initial=math.inf)) if decays.size else 0.0
+
+
+@dataclass(frozen=True, slots=True)
+class SystemFlow:
+    """The motion of a rotor system at one speed.
+
+    Parameters
+    ----------
+    problem : SettlingProblem
+        The system.
+    speed : float
+        Spin speed.
+    request : SystemRequest
+        A run of it, whose start and times are replaced.
+    scales : ndarray, shape (n,)
+        Scales of a state.
+    stop : ndarray, shape (1,)
+        Ends a run as soon as it is not 0.
+    watch : list of callable, optional
+        Receives functions that return the times reached by runs.
+    """
+
+    problem: SettlingProblem
+    speed: float
+    request: SystemRequest
+    scales: Values
+    stop: Stop
+    watch: Watch | None = None
+
+    @classmethod
+    def at(cls, problem: SettlingProblem, speed: float, stop: Stop) -> SystemFlow:
+        """Return the motion of a system at a speed."""
+        size = problem.assembly.size
+        still = np.zeros((2, size))
+        revolution = 2.0 * math.pi / abs(speed)
+        request = request_of(
+            problem.assembly, problem.found, steady(speed, revolution), still,
+            np.array([revolution]), revolution, rtol=problem.rtol, speed=speed,
+            fastest_speed=abs(speed), inertia=0.0,
+        )  # fmt: skip
+        races = int(problem.with_race.sum())
+        scales = np.repeat(
+            [request.displacement, request.velocity, abs(speed)], [size, size, races]
+        )
+        return cls(problem, speed, request, scales, stop)
+
+    @property
+    def revolution(self) -> float:
+        """Duration of a revolution."""
+        return 2.0 * math.pi / abs(self.speed)
+
+    def state_of(self, motion: Values, races: Values) -> Values:
+        """Return the state of displacements and velocities, shape (2, n), and speeds of races."""
+        return np.concatenate([motion.ravel(), races]) / self.scales
+
+    def given_state(self, values: Values) -> Values:
+        """Return the state of q, velocity and speeds of races, as a result has them."""
+        size = self.problem.assembly.size
+        if values.shape != self.scales.shape or not np.isfinite(values).all():
+            raise InputError(
+                f"start must have {self.scales.size} finite numbers in its state, as the system "
+                f"has, got {shown(values.shape)}"
+            )
+        moved = [self.problem.found.to_y(each) for each in values[: 2 * size].reshape(2, size)]
+        return self.state_of(np.array(moved), values[2 * size :])
+
+    def in_q(self, state: Values) -> Values:
+        """Return q, velocity and speeds of races of a state: the inverse of `given_state`."""
+        moved = self.problem.found.to_q(self.motion_of(state))
+        return np.concatenate([moved.ravel(), (state * self.scales)[moved.size :]])
+
+    def motion_of(self, states: Values) -> Values:
+        """Return displacements and velocities of states, shape (..., 2, n)."""
+        size = self.problem.assembly.size
+        own = states[..., : 2 * size] * self.scales[: 2 * size]
+        return np.asarray(own.reshape(*states.shape[:-1], 2, size))
+
+    @property
+    def period(self) -> float | None:
+        """None for an axisymmetric system, else a revolution."""
+        return None if self.problem.forward is not None else self.revolution
+
+    @property
+    def clearances(self) -> Values:
+        """Clearances of the contacts, shape (contact,)."""
+        return np.array([each.clearance for each in self.problem.assembly.contacts])
+
+    @property
+    def length(self) -> float:
+        """The displacement by which errors are measured."""
+        return float(self.scales[0])
+
+    def run(
+        self, state: Values, until: float, *, tangents: Values | None = None,
+        by: Sequence[str] = (),
+    ) -> Piece:  # fmt: skip
+        """Return the motion from a state: see `rotor_ida.simulation.flow.Flow`."""
+        changes = np.eye(state.size) if tangents is None else tangents
+        run, moved = self._changed(state, changes, until)
+        end = self.end_of(run)
+        rolls = run.touches["way"] == MODE["rolling"]
+        rolls[run.event_contacts[run.event_kinds == ROLL]] = True
+        return Piece(
+            state, end, until, moved.T, [self._by(name, state, until) for name in by],
+            self.rate(state), self.rate(end), run.event_kinds, run.event_contacts, rolls,
+            run.episodes, NO_EXTREMA,
+        )  # fmt: skip
+
+    def _by(self, name: str, state: Values, until: float) -> Values:
+        """Return the derivative of the state after a time by a parameter."""
+        value = self.value_of(name)
+        step = OF_PARAMETER * abs(value)
+        ends = [self.but(speed=value + each).after(state, until) for each in (-step, step)]
+        return (ends[1] - ends[0]) / (2.0 * step)
+
+    def value_of(self, name: str) -> float:
+        """Return a parameter: the speed alone, so far."""
+        if name != "speed":
+            raise ValueError(f"a system has no parameter {name}")
+        return self.speed
+
+    def but(
+        self, *, rtol: float | None = None, stop: Stop | None = None, **parameters: float
+    ) -> SystemFlow:
+        """Return a flow at another speed, with another tolerance or stop, in the same scales."""
+        speed = parameters.get("speed", self.speed)
+        if not speed * self.speed > 0.0:
+            raise SimulationError(f"speed falls to {speed:.3g}")
+        problem = self.problem if rtol is None else replace(self.problem, rtol=rtol)
+        own = SystemFlow.at(problem, speed, self.stop if stop is None else stop)
+        return replace(own, scales=self.scales, watch=self.watch)
+
+    def states(self, state: Values, times: Values) -> Values:
+        """Return the states at times; those of races are not sampled."""
+        return self.samples_of(self.sampled(state, times), times)
+
+    def places(self, states: Values) -> ComplexValues:
+        """Return displacement and velocity of the contacts, shape (2, time, contact)."""
+        rows, contacts = self.problem.found.rows, self.problem.assembly.contacts
+        moved = self.motion_of(states) @ (rows[:, 0] + 1j * rows[:, 1]).T  # (time, 2, contact)
+        return np.stack([moved[:, 0] - [complex(*each.centre) for each in contacts], moved[:, 1]])
+
+    def sample_times(self, duration: float) -> Values:
+        """Return times of samples, both ends included, on which extrema can be seen."""
+        count = math.ceil(SAMPLES_A_REVOLUTION * duration / self.revolution)
+        return np.linspace(0.0, duration, max(count, FEWEST_SAMPLES) + 1)
+
+    def radii(self, piece: Piece) -> list[Values]:
+        """Return the extreme distances of each contact, at least two, by refined samples."""
+        times = self.sample_times(piece.duration)
+        squares, rates = self._squares(piece.start, times)
+        found = []
+        for number, (square, rate) in enumerate(zip(squares.T, rates.T, strict=True)):
+            turns = np.flatnonzero((rate[:-1] > 0.0) != (rate[1:] > 0.0))
+            bends = np.diff(rate)[turns] / np.diff(times)[turns]
+            at, slopes, values = times[turns], rate[turns], np.array([square.min(), square.max()])
+            for _ in range(REFINEMENTS if turns.size else 0):
+                # within its interval, also where a minimum and a maximum merge
+                at = np.clip(at - slopes / bends, times[turns], times[turns + 1])
+                again = self._squares(piece.start, np.append(at, times[-1]))
+                values, slopes = (each[:-1, number] for each in again)
+            found.append(np.sqrt(values))
+        return found
+
+    def _squares(self, state: Values, times: Values) -> tuple[Values, Values]:
+        """Return squares of the distances, and their rates, shape (sample, contact)."""
+        place, velocity = self.places(self.states(state, times))
+        return np.abs(place) ** 2, 2.0 * (place.conj() * velocity).real
+
+    def pair_product(self, _duration: float) -> float | None:
+        """Return None: multipliers of a system do not form pairs."""
+        return None
+
+    def sampled(
+        self,
+        state: Values,
+        times: Values,
+        *,
+        only_events: bool = False,
+        columns: Values | None = None,
+    ) -> SystemResult:
+        """Return a run from a state to the last of some times, with small changes of its start."""
+        races = np.zeros(len(self.request.laws))
+        motion, end = self.motion_of(state), float(times[-1])
+        races[self.problem.with_race] = (state * self.scales)[motion.size :]
+        request = replace(
+            self.request, start=motion, races=races[self.request.laws["race"]], times=times,
+            duration=end, pieces=steady(self.speed, end).pieces(), only_events=only_events,
+            columns=columns,
+        )  # fmt: skip
+        return follow_system_again(request, self.stop, self.watch)
+
+    def end_of(self, run: SystemResult) -> Values:
+        """Return the state at the end of a run, with the axes turned back."""
+        races = run.touches["race"][self.problem.with_race]
+        return self.turned_back(self.state_of(run.state, races), run.time)
+
+    def after(self, state: Values, duration: float) -> Values:
+        """Return the state after a time, with the axes turned back."""
+        return self.end_of(self.sampled(state, np.array([duration]), only_events=True))
+
+    def samples_of(self, run: SystemResult, times: Values) -> Values:
+        """Return displacements and velocities at samples as states on turning axes.
+
+        The speeds of races are not sampled.
+        """
+        flat = run.samples.reshape(len(times), -1) / self.scales[: 2 * self.problem.assembly.size]
+        return self.turned_back(flat, times)
+
+    def turned_back(self, states: Values, times: Values | float) -> Values:
+        """Return states, shape (..., n), turned back by the angle of the unbalance at times."""
+        forward = self.problem.forward
+        if forward is None:
+            return states
+        turn = np.exp(-1j * self.speed * np.asarray(times)) - 1.0
+        turned, size = states.copy(), self.problem.assembly.size
+        for part in (slice(size), slice(size, 2 * size)):
+            along = states[..., part] @ forward.conj()
+            turned[..., part] += 2.0 * ((turn[..., np.newaxis] * along) @ forward.T).real
+        return turned
+
+    def rate(self, state: Values) -> Values:
+        """Return the rate of a state on turning axes, by differences of second order in time."""
+        time = OF_TIME * self.revolution
+        near, far = (self.after(state, each) - state for each in (0.5 * time, time))
+        return (4.0 * near - far) / time
+
+    def changes(self, state: Values, changes: Values, duration: float) -> tuple[Values, Values]:
+        """Return the state after a time, and what small changes of it become, a row each."""
+        run, moved = self._changed(state, changes, duration)
+        return self.end_of(run), moved
+
+    def _changed(
+        self, state: Values, changes: Values, duration: float
+    ) -> tuple[SystemResult, Values]:
+        """Return a run, and what small changes of its start have become, a row each.
+
+        The core follows the changes, by the linearised motion and its jumps at events; those of a
+        system that has stators without mass are differences of runs.
+        """
+        size, races = 2 * self.problem.assembly.size, self.problem.with_race
+        columns = np.zeros((len(changes), size + races.size))
+        columns[:, np.concatenate([np.ones(size, bool), races])] = changes * self.scales
+        columns[:, size:] = columns[:, size + self.request.laws["race"]]
+        run = self.sampled(
+            state, np.array([duration]), only_events=True,
+            columns=None if self.request.massless else columns,
+        )  # fmt: skip
+        if self.request.massless:
+            image = self.end_of(run)
+            ends = [self.after(state + APART * change, duration) for change in changes]
+            return run, (np.array(ends) - image) / APART
+        moved = run.columns[:, np.concatenate([np.ones(size, bool), races])] / self.scales
+        return run, self.turned_back(moved, run.time)
+
+    def monodromy(self, state: Values, period: float) -> Values:
+        """Return the derivative of the state after a period by that before."""
+        return self.changes(state, np.eye(state.size), period)[1].T
+
+    def growth(
+        self, state: Values, count: int, revolutions: int, done: list[int] | None = None
+    ) -> Values:
+        """Return the rates at which some small changes grow in each revolution.
+
+        They are made orthonormal after each (Benettin et al. 1980). A rate is minus infinity where
+        a change is lost: a contact that rolls leaves none of its slip. Numbers of revolutions are
+        added to `done` as they pass.
+        """
+        bundle = np.linalg.qr(np.vander(np.linspace(-0.9, 1.0, state.size), count))[0]
+        factors = np.empty((revolutions, count))
+        for number, row in enumerate(factors):
+            if done is not None:
+                done.append(number)
+            state, changes = self.changes(state, bundle.T, self.revolution)
+            bundle, grown = np.linalg.qr(changes.T)
+            row[:] = np.abs(grown.diagonal())
+        with np.errstate(divide="ignore"):
+            return np.log(np.where(factors > LOST, factors, 0.0)) / self.revolution
