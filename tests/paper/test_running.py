@@ -96,7 +96,11 @@ def test_interrupt_ends_the_scripts(written, tmp_path):
 @pytest.mark.parametrize("delay", [0.0, 0.5])
 def test_an_interrupt_while_the_first_script_starts_is_one_line(tmp_path, delay):
     """It reaches the whole group of processes, as from a terminal, before imports are done."""
-    code = "import sys; from rotor_ida.cli import main; sys.exit(main())"
+    # a test run in the background of a script is started with interrupts ignored
+    code = (
+        "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
+        "from rotor_ida.cli import main; sys.exit(main())"
+    )
     words = ["reproduce", "--only", "fig07", "fig06", "--quick", "--out", str(tmp_path / "out")]
     with subprocess.Popen(
         [sys.executable, "-c", code, *words], start_new_session=True, text=True,

@@ -128,7 +128,7 @@ def test_of_a_system_the_contacts_that_are_touched_are_drawn_by_name():
     assert radius.get_ylabel() == "radius over clearance"
     drawn = {each.get_label() for each in force.collections if each.get_alpha()}
     assert drawn == {"near", "far"}
-    first = up.contact_node.values[up.episode_contact.values[up.entry_time.argmin()]]
+    first = up.contact_node.values[up.episode_contact.values[up.entry_time.values.argmin()]]
     assert orbits[0].get_title().split("\n")[:2] == ["first touch", first]
 
 

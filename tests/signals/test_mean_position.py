@@ -40,7 +40,7 @@ def test_the_gap_is_no_line_at_0_hz_and_the_orbit_lies_about_its_centre(file):
     np.testing.assert_allclose(np.hypot(signals.x, signals.y), 0.04, rtol=1e-4)
     assert "the mean position is subtracted: x -1.27 mm, y -1.27 mm" in signals.attrs["notes"]
     lines = full_spectrum(signals)
-    tallest = float(lines.frequency[lines.whirl_amplitude.argmax()])
+    tallest = float(lines.frequency[lines.whirl_amplitude.values.argmax()])
     assert tallest == pytest.approx(2.0 * np.pi * 30.0, rel=0.1)
 
 
