@@ -429,6 +429,8 @@ def check_axis(
 
     Numbers above `largest` are refused, and those below `smallest` that are not zero.
     """
+    if type(values) is float and smallest <= values <= largest and 0.0 <= values < math.inf:
+        return np.array([values + 0.0])  # what a rotor has, many times as fast
     axis = check_vector(name, values)
     if (axis < 0.0).any():
         below = float(axis[axis < 0.0][0])
@@ -473,7 +475,7 @@ def check_distinct(name: str, axis: Values) -> Values:
     ...
     rotor_ida.errors.InputError: omega must have each value once, got 1.0 twice
     """
-    if np.unique(axis).size < axis.size:
+    if axis.size > 1 and np.unique(axis).size < axis.size:
         ordered = np.sort(axis)
         twice = float(ordered[1:][np.diff(ordered) == 0.0][0])
         raise InputError(

@@ -169,12 +169,13 @@ class Varied:
         cannot be simulated, then this one cannot.
         """
         largest = {name: float(values.max()) for name, values in self.parameters.items()}
-        return [
+        found = [
             Rotor(**largest | {name: value})
             for name, values in self.parameters.items()
-            if name not in {"zeta", "shaft_stiffness"}
-            for value in np.atleast_1d(values).tolist()
+            if values.size > 1 and name not in {"zeta", "shaft_stiffness"}
+            for value in values.tolist()
         ]
+        return found or [Rotor(**largest)]
 
     def check_size(self, most: int = MOST_NUMBERS) -> Varied:
         """Return the same, or raise `InputError` for too many points."""

@@ -7,8 +7,8 @@ import platform
 import re
 import shlex
 import sys
-from collections.abc import Mapping, Sequence
-from functools import cache
+from collections.abc import Mapping
+from functools import cache, lru_cache
 from importlib.metadata import version
 from pathlib import Path, PurePath
 
@@ -114,10 +114,11 @@ def computing_sources() -> dict[str, Path]:
 def command() -> str:
     """Return the running script or program, in the form of `described`."""
     spec = getattr(sys.modules.get("__main__"), "__spec__", None)
-    return described(sys.argv, module=spec.name if spec else "")
+    return described(tuple(sys.argv), module=spec.name if spec else "")
 
 
-def described(arguments: Sequence[str], *, module: str = "") -> str:
+@lru_cache(maxsize=8)
+def described(arguments: tuple[str, ...], *, module: str = "") -> str:
     """Return a command line, as in ``sys.argv``, without details of this machine.
 
     It is in the form for a shell, or in words if it cannot be typed again. `module` is the one
@@ -125,11 +126,11 @@ def described(arguments: Sequence[str], *, module: str = "") -> str:
 
     Examples
     --------
-    >>> described(["/home/me/bin/rotor-ida", "simulate", "--omega", "2", "--out=/tmp/run.nc"])
+    >>> described(("/home/me/bin/rotor-ida", "simulate", "--omega", "2", "--out=/tmp/run.nc"))
     'rotor-ida simulate --omega 2 --out=run.nc'
-    >>> described(["/usr/lib/study/__main__.py", "--quick"], module="study.__main__")
+    >>> described(("/usr/lib/study/__main__.py", "--quick"), module="study.__main__")
     'python -m study --quick'
-    >>> described([""]), described(["/lib/ipykernel_launcher.py", "-f", "kernel.json"])
+    >>> described(("",)), described(("/lib/ipykernel_launcher.py", "-f", "kernel.json"))
     ('interactive Python', 'a notebook')
     """
     program, *rest = arguments or [""]

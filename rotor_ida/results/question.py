@@ -46,6 +46,8 @@ QUESTION, VERB = "question", "verb"
 DESIGN = "design"
 # Arguments that do not change the answer, so that no file chooses them.
 JOBS = ("workers", "executor", "study", "progress")
+# Types that JSON has.
+PLAIN = (float, str, bool, int)
 # A longer text is not kept: the parts of such a question are variables of the result.
 LONGEST = 1_000_000
 
@@ -190,8 +192,8 @@ def with_question(
     is left out, or a result, the answer has what came of it; if it does not, or for very many
     numbers, it keeps no question.
     """
-    own = Question.of_result(answer)
-    if DESIGN in answer.attrs or (own and own.verb == name_of(verb)):
+    kept = answer.attrs.get(QUESTION, "")
+    if DESIGN in answer.attrs or kept.startswith(_beginning(name_of(verb))):
         return answer
     answer.attrs.pop(QUESTION, None)  # of a part of the computation
     if study := options.get("study"):
@@ -199,15 +201,7 @@ def with_question(
         if question.verb == name_of(verb):
             answer.attrs[QUESTION] = question.text()
         return answer
-    bound = _signature(verb).bind(*given, **options)
-    bound.apply_defaults()
-    first, *_ = bound.arguments
-    arguments: dict[str, Any] = {}
-    for name, each in bound.arguments.items():
-        if _signature(verb).parameters[name].kind is inspect.Parameter.VAR_KEYWORD:
-            arguments |= each
-        elif name not in JOBS:
-            arguments["rotor" if name in {first, "rotor", "system"} else name] = each
+    arguments = _arguments(verb, given, options)
     kept = {name: each for name, each in arguments.items() if each is not None}
     for name, each in arguments.items():
         parts = each if isinstance(each, list | tuple) else [each]
@@ -243,9 +237,35 @@ def _size(value: Any) -> int:
     return int(getattr(value, "size", len(value) if isinstance(value, list | tuple) else 1))
 
 
+def _arguments(
+    verb: Callable[..., Any], given: Sequence[Any], options: Mapping[str, Any]
+) -> dict[str, Any]:
+    """Return the arguments of a call by name, with defaults, and the rotor under that name.
+
+    As `inspect.Signature.bind` does, without its checks: the call has succeeded.
+    """
+    defaults = _defaults(verb)
+    names = list(defaults)
+    found = defaults | dict(zip(names, given, strict=False)) | options
+    first = names[0]
+    return {
+        "rotor" if name in {first, "rotor", "system"} else name: each
+        for name, each in found.items()
+        if name not in JOBS
+    }
+
+
 @cache
-def _signature(verb: Callable[..., Any]) -> inspect.Signature:
-    return inspect.signature(verb)
+def _defaults(verb: Callable[..., Any]) -> dict[str, Any]:
+    """Return the arguments of a function in order, None where they have no default."""
+    each = inspect.signature(verb).parameters.values()
+    named = [one for one in each if one.kind is not inspect.Parameter.VAR_KEYWORD]
+    return {one.name: None if one.default is one.empty else one.default for one in named}
+
+
+def _beginning(verb: str) -> str:
+    """Return how the text of each question to a function begins."""
+    return f'{{"{VERB}":"{verb}"'
 
 
 def arguments_from(plain: Mapping[str, Any]) -> dict[str, Any]:
@@ -308,8 +328,15 @@ def _plain_fields(value: Any, stators: list[Stator]) -> dict[str, Any]:
         if found["number"] < len(stators):
             return found
         stators.append(value)
-    held = {each.name: getattr(value, each.name) for each in fields(value)}
-    return found | {name: _plain(each, stators) for name, each in held.items() if each is not None}
+    for name in _fields(type(value)):
+        if (each := getattr(value, name)) is not None:
+            found[name] = each if type(each) in PLAIN else _plain(each, stators)
+    return found
+
+
+@cache
+def _fields(kind: type[Any]) -> tuple[str, ...]:
+    return tuple(each.name for each in fields(kind))
 
 
 def _given(value: Any, stators: dict[int, Stator]) -> Any:

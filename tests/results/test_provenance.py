@@ -30,7 +30,7 @@ from rotor_ida.results.provenance import described
     ],
 )
 def test_command_is_told_without_folders(arguments: list[str], module: str, expected: str) -> None:
-    assert described(arguments, module=module) == expected
+    assert described(tuple(arguments), module=module) == expected
 
 
 def test_run_says_which_script_made_it(tmp_path: Path) -> None:
