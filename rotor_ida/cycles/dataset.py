@@ -40,7 +40,7 @@ from rotor_ida.schema import (
 )
 from rotor_ida.simulation.flow import RTOL, Flow
 from rotor_ida.simulation.systems.flow import SystemFlow
-from rotor_ida.steady.system_motion import features_of
+from rotor_ida.steady.features import features_of_system
 
 # The error of a cycle is estimated from further solutions with a tolerance looser by
 LOOSER = 30.0
@@ -108,7 +108,7 @@ def _of_disc(cycle: Orbit) -> dict[str, Any]:
 
 def _of_system(cycle: Orbit, flow: SystemFlow) -> dict[str, Any]:
     times = flow.sample_times(cycle.duration)
-    features = features_of(flow, cycle.start, times, flow.sampled(cycle.start, times))
+    features = features_of_system(flow.observed(cycle.start, times))
     return {
         "radius_min": features.contact_low,
         "radius_max": features.contact_high,

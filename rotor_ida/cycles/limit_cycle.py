@@ -35,13 +35,11 @@ from rotor_ida.parallel import Progress, choose, interruptible, percentage, show
 from rotor_ida.results.in_si import takes_si, takes_system
 from rotor_ida.results.joined import KINDS
 from rotor_ida.results.studies.results import Folder
-from rotor_ida.simulation.flow import DiscFlow, Flow
+from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.options import check_can_be_followed
 from rotor_ida.simulation.starts import Start
-from rotor_ida.simulation.systems.flow import SystemFlow
 from rotor_ida.simulation.systems.starts import Start as SystemStart
-from rotor_ida.steady.follow import longest_time as longest_of_disc
-from rotor_ida.steady.system_motion import longest_time
+from rotor_ida.steady.follow import limits_of
 from rotor_ida.steady.system_sweep import turning_speeds
 
 
@@ -293,18 +291,10 @@ def _near_guess(guess: Guess, progress: Progress | bool | None) -> xr.Dataset:
     """Return the cycle to which a guess leads, or the response found instead, as a dataset."""
     check_no_hopf(guess)
     reports, watch = check_progress(progress), list[Callable[[], float]]()
-    told = percentage(reports, watch, _longest_time(guess.flow))
+    told = percentage(reports, watch, limits_of(guess.flow).longest)
     found = interruptible(
         lambda stop: cycle_dataset(guess, *found_cycle(guess, stop, watch)), told=told
     )
     if reports is not None:
         reports(100, 100)
     return found
-
-
-def _longest_time(flow: Flow) -> float:
-    """Return the longest time for which a rotor is followed to its cycle."""
-    if isinstance(flow, SystemFlow):
-        return longest_time(flow)
-    assert isinstance(flow, DiscFlow)
-    return longest_of_disc(flow.rotor)

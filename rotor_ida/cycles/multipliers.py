@@ -43,6 +43,7 @@ import numpy as np
 
 from rotor_ida.arrays import ComplexValues
 from rotor_ida.cycles.orbit import Orbit
+from rotor_ida.simulation.flow import nontrivial as nontrivial_of
 
 # Factors of a test function smaller than this show in it; many larger ones leave its size alone.
 NEAR_ZERO = 0.03
@@ -107,36 +108,17 @@ def is_stable(orbit: Orbit) -> bool:
 
 
 def nontrivial(orbit: Orbit) -> ComplexValues:
-    """Return the nontrivial multipliers: those of M across the field at the start.
-
-    Under a load all are nontrivial.
-    """
-    if not orbit.is_autonomous:
-        return np.asarray(np.linalg.eigvals(orbit.monodromy), dtype=np.complex128)
-    along = orbit.start_rate / np.linalg.norm(orbit.start_rate)
-    across = np.linalg.svd(along[None])[2][1:]
-    return np.asarray(np.linalg.eigvals(across @ orbit.monodromy @ across.T), dtype=np.complex128)
+    """Return the multipliers of a closed orbit but the trivial one; all where none is trivial."""
+    return nontrivial_of(orbit.flow, orbit.piece)
 
 
 def multipliers_of(orbit: Orbit) -> ComplexValues:
     """Return the multipliers of a closed orbit, by decreasing modulus."""
-    if (q := orbit.pair_product) is None:
-        trivial = [1.0] if orbit.is_autonomous else []
-        multipliers = np.append(trivial, nontrivial(orbit))
-        if orbit.rolls:  # up to rounding
-            multipliers[np.argmin(np.abs(multipliers))] = 0.0
-        return np.asarray(multipliers[np.argsort(-np.abs(multipliers), kind="stable")])
-    half = 0.5 * (float(orbit.monodromy.trace()) - 1.0 - q)
-    rest = half * half - q
-    if rest < 0.0:
-        root = math.sqrt(-rest)
-        pair = [complex(half, root), complex(half, -root)]
-    else:
-        # the smaller one from the product: a difference would cancel
-        larger = half + math.copysign(math.sqrt(rest), half)
-        pair = [complex(larger), complex(q / larger)]
-    multipliers = np.array([1.0, q, *pair], dtype=np.complex128)
-    return multipliers[np.argsort(-np.abs(multipliers), kind="stable")]
+    trivial = [1.0] if orbit.is_autonomous else []
+    multipliers = np.append(trivial, nontrivial(orbit))
+    if orbit.rolls:  # up to rounding
+        multipliers[np.argmin(np.abs(multipliers))] = 0.0
+    return np.asarray(multipliers[np.argsort(-np.abs(multipliers), kind="stable")])
 
 
 def multipliers_near(multipliers: ComplexValues, orbit: Orbit) -> ComplexValues:

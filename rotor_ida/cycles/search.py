@@ -18,9 +18,8 @@ from rotor_ida.model.rotor import Rotor
 from rotor_ida.simulation.flow import DiscFlow, Flow
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.systems.flow import SystemFlow
-from rotor_ida.steady.follow import FAILED, follow_to_steady_state
+from rotor_ida.steady.follow import FAILED, follow_to_steady_state, settle
 from rotor_ida.steady.response import BOUNCING, FULL_CONTACT, ROLLING, UNRESOLVED
-from rotor_ida.steady.system_motion import settle
 
 NOT_FOUND = "not_found"
 # The rotor is followed to its cycle with the default tolerance of a sweep; Newton's method then

@@ -9,6 +9,7 @@ flow. One protocol serves both kernels, that of one disc here and that of rotor 
 
 from __future__ import annotations
 
+import cmath
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
@@ -17,11 +18,12 @@ from typing import Any, NamedTuple, Protocol, Self
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import ComplexValues, Flags, Stop, Values
+from rotor_ida.arrays import ComplexValues, Flags, Stop, Values, Watch
 from rotor_ida.core.interface import DONE, STUCK, message_of
 from rotor_ida.core.runs import (
     COLUMNS,
     DIFFERENCES,
+    NO_EXTREMA,
     NO_STOP,
     Rows,
     RunRequest,
@@ -29,10 +31,18 @@ from rotor_ida.core.runs import (
     follow_run,
 )
 from rotor_ida.errors import SimulationError
-from rotor_ida.model.equations import push_over_radius, rotating_field
+from rotor_ida.model.equations import push_over_radius, rotated, rotating_field
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.simulation.orbit import ROLLS, SLIDES_BACKWARDS, SLIDES_FORWARDS
+from rotor_ida.simulation.options import Options
+from rotor_ida.simulation.orbit import (
+    ENTRY,
+    ROLLS,
+    SLIDES_BACKWARDS,
+    SLIDES_FORWARDS,
+    stretches_of_rolling,
+)
+from rotor_ida.simulation.run import run
 
 MAXIMUM = 1.0  # the kind of an extremum
 RTOL = 1e-15
@@ -41,6 +51,16 @@ ATOL = 1e-2
 OF_PAPER = frozenset(PARAMETERS)
 # A slip smaller than this fraction of the speeds that it is the difference of is solver error.
 HIDDEN_SLIP = 1e-12
+# A motion is steady if it varies, or is off its whirl or its cycle, by less than this fraction of
+# its size: ten times the default tolerance. With a looser one, by this many tolerances.
+STEADY, STEADY_TOLERANCES = 1e-9, 10.0
+# How the motion of one disc is observed where nothing else is said.
+OPTIONS = Options(method="taylor")
+# Errors of single contacts add up round a cycle, and the smallest radius may be a small fraction of
+# the motion. So a motion is observed with this fraction of the given tolerances.
+TIGHTER = 0.1
+# A tighter tolerance is used as it is: a tenth of it would be near the limit of the solvers.
+TIGHTENED_FROM = 1e-11
 
 
 class Piece(NamedTuple):
@@ -82,6 +102,82 @@ class Piece(NamedTuple):
     extrema: Rows
 
 
+@dataclass(frozen=True, slots=True, eq=False)
+class Window:
+    """A motion over some time, with samples and events.
+
+    Parameters
+    ----------
+    flow : Flow
+        How the rotor moves.
+    start, end : ndarray, shape (n,)
+        States at time 0 and at the end.
+    times : ndarray, shape (time,)
+        Times of the samples, equally spaced. The last is the end.
+    states : ndarray, shape (time, m)
+        The states at these times, without the speeds of races.
+    closed_first, closed_last : ndarray of bool, shape (contact,)
+        Which contacts are closed at the first sample and at the end.
+    event_times, event_kinds, event_contacts : ndarray, shape (event,)
+        The events.
+    event_states : ndarray, shape (event, 4)
+        States of one disc at the events, on fixed axes.
+    rolling : list of ndarray, shape (stretch, 2)
+        When each contact begins and ceases to roll.
+    contacts, extrema : structured ndarray
+        As in `Piece`.
+    forces : ndarray, shape (time, contact)
+        Normal forces of a rotor system at the samples.
+    """
+
+    flow: Flow
+    start: Values
+    end: Values
+    times: Values
+    states: Values
+    closed_first: Flags
+    closed_last: Flags
+    event_times: Values
+    event_kinds: npt.NDArray[np.integer[Any]]
+    event_contacts: npt.NDArray[np.integer[Any]]
+    rolling: list[Values]
+    contacts: Rows
+    extrema: Rows = field(default_factory=lambda: NO_EXTREMA)
+    event_states: Values = field(default_factory=lambda: np.empty((0, 4)))
+    forces: Values = field(default_factory=lambda: np.empty((0, 0)))
+
+    @property
+    def touches(self) -> int:
+        """Number of entries and exits."""
+        return int((np.abs(self.event_kinds) == ENTRY).sum())
+
+    @property
+    def ends_in_contact(self) -> bool:
+        """Whether a contact is closed at the end."""
+        return bool(self.closed_last.any())
+
+    @property
+    def is_in_flight(self) -> bool:
+        """Whether no contact ever touches."""
+        return not (self.closed_first.any() or self.event_times.size)
+
+    @property
+    def places(self) -> ComplexValues:
+        """Displacement and velocity of the contacts at the samples, shape (2, time, contact)."""
+        return self.flow.places(self.states)
+
+    def since(self, time: float) -> Window:
+        """Return the window with its samples and extrema from a time on."""
+        late, turned = self.times >= time, self.extrema["time"] >= time
+        return replace(
+            self, times=self.times[late], states=self.states[late], extrema=self.extrema[turned]
+        )
+
+    def once_in(self, period: float) -> Values:
+        """Return the states once in a period, from the first sample on."""
+        return self.states[:: round(period / float(self.times[1] - self.times[0]))]
+
+
 class Flow(Protocol):
     """How the state of a rotor moves at a constant speed."""
 
@@ -105,6 +201,21 @@ class Flow(Protocol):
     def length(self) -> float:
         """Distance by which displacements in a state are measured."""
 
+    @property
+    def steady(self) -> float:
+        """Largest deviation of a motion that counts as steady, relative to its size."""
+
+    @property
+    def has_damping(self) -> bool:
+        """Whether anything but friction takes energy from the motion."""
+
+    def observed(self, state: Values, times: Values) -> Window:
+        """Return the motion from a state to the last of some times, with samples at all of them.
+
+        A sample at the end alone is quicker: extrema are then left out. SimulationError if it
+        fails.
+        """
+
     def run(
         self, state: Values, until: float, *, tangents: Values | None = None,
         by: Sequence[str] = (),
@@ -123,7 +234,7 @@ class Flow(Protocol):
     def places(self, states: Values) -> ComplexValues:
         """Return displacement and velocity of the contacts, shape (2, time, contact)."""
 
-    def radii(self, piece: Piece) -> list[Values]:
+    def radii(self, piece: Piece | Window) -> list[Values]:
         """Return the extreme distances of each contact from its centre, in order of time."""
 
     def pair_product(self, duration: float) -> float | None:
@@ -148,6 +259,10 @@ class DiscFlow:
         Ends a run as soon as it is not 0.
     rtol : float
         Tolerance of one step, relative to the size of the state [1].
+    options : Options
+        How a motion is observed. All else is by Taylor series.
+    watch : list of callable, optional
+        Receives functions that return the times reached by a motion that is observed.
 
     Notes
     -----
@@ -160,6 +275,8 @@ class DiscFlow:
     rotor: Rotor
     stop: Stop = field(default_factory=lambda: NO_STOP)
     rtol: float = RTOL
+    options: Options = OPTIONS
+    watch: Watch | None = None
 
     @property
     def speed(self) -> float:
@@ -168,8 +285,8 @@ class DiscFlow:
 
     @property
     def revolution(self) -> float:
-        """Duration of a revolution [1]."""
-        return 2.0 * math.pi / self.rotor.omega
+        """Duration of a revolution [1]; infinite at speed 0."""
+        return 2.0 * math.pi / self.rotor.omega if self.rotor.omega else math.inf
 
     @property
     def period(self) -> float | None:
@@ -185,6 +302,34 @@ class DiscFlow:
     def length(self) -> float:
         """The eccentricity [1]."""
         return 1.0
+
+    @property
+    def has_damping(self) -> bool:
+        """Whether damping takes energy from the motion."""
+        return self.rotor.zeta > 0.0
+
+    @property
+    def steady(self) -> float:
+        """Largest deviation of a motion that counts as steady, relative to its size [1]."""
+        return max(STEADY, STEADY_TOLERANCES * self.options.rtol)
+
+    def observed(self, state: Values, times: Values) -> Window:
+        """Return a motion with samples: see `Flow`; as `options` say, a little tighter [1]."""
+        x, y, vx, vy = state.tolist()
+        orbit = run(
+            self.rotor, (x, y, vx, vy), float(times[-1]), times, self.options,
+            scale=TIGHTER if self.options.rtol >= TIGHTENED_FROM else 1.0,
+            extrema=times.size > 1, stop=self.stop, watch=self.watch,
+        )  # fmt: skip
+        states = rotated(orbit.states, -self.rotor.omega * times)
+        touches = int((np.abs(orbit.event_kinds) == ENTRY).sum())
+        began = np.array([orbit.starts_in_contact])
+        return Window(
+            self, state, states[-1], times, states, began, began ^ bool(touches % 2),
+            orbit.event_times, orbit.event_kinds, np.zeros(orbit.event_kinds.size, np.int8),
+            [stretches_of_rolling(orbit)], orbit.contacts,
+            NO_EXTREMA if orbit.extrema is None else orbit.extrema, orbit.event_states,
+        )  # fmt: skip
 
     def run(
         self, state: Values, until: float, *, tangents: Values | None = None,
@@ -230,7 +375,7 @@ class DiscFlow:
         """Return displacement and velocity of the disc, shape (2, time, 1) [1]."""
         return np.stack([states[:, :1] + 1j * states[:, 1:2], states[:, 2:3] + 1j * states[:, 3:]])
 
-    def radii(self, piece: Piece) -> list[Values]:
+    def radii(self, piece: Piece | Window) -> list[Values]:
         """Return the extreme radii, as the core has found them [1]."""
         return [piece.extrema["radius"]]
 
@@ -247,9 +392,9 @@ class DiscFlow:
         self, *, rtol: float | None = None, stop: Stop | None = None, **parameters: float
     ) -> DiscFlow:
         """Return a flow with other parameters of the rotor, tolerance or stop."""
-        return DiscFlow(
-            replace(self.rotor, **parameters) if parameters else self.rotor,
-            self.stop if stop is None else stop, self.rtol if rtol is None else rtol,
+        return replace(
+            self, rotor=replace(self.rotor, **parameters) if parameters else self.rotor,
+            stop=self.stop if stop is None else stop, rtol=self.rtol if rtol is None else rtol,
         )  # fmt: skip
 
     def _followed(self, state: Values, duration: float, **asked: Any) -> RunResult:
@@ -263,6 +408,29 @@ class DiscFlow:
         if result.status != DONE:
             raise _failed(result.status, state)
         return result
+
+
+def nontrivial(flow: Flow, piece: Piece) -> ComplexValues:
+    """Return the multipliers of a closed orbit but that of a shift in time, which is 1.
+
+    With pairs of a known product ``q`` the trace of the derivative gives them:
+    ``mu + q/mu = tr M - 1 - q``, and the fourth is q. Otherwise they are those of M across the
+    field at the start; all of M where a motion may begin at some times only.
+    """
+    matrix, q = piece.tangents, flow.pair_product(piece.duration)
+    if q is not None:
+        half = 0.5 * (float(matrix.trace()) - 1.0 - q)
+        root = cmath.sqrt(half * half - q)
+        if root.imag:
+            return np.array([q, half + root, half - root])
+        # the smaller one from the product: a difference would cancel
+        larger = half + math.copysign(root.real, half)
+        return np.array([q, larger, q / larger if larger else 0.0], np.complex128)
+    if flow.period is None:
+        along = piece.start_rate / np.linalg.norm(piece.start_rate)
+        across = np.linalg.svd(along[np.newaxis])[2][1:]
+        matrix = across @ matrix @ across.T
+    return np.asarray(np.linalg.eigvals(matrix), np.complex128)
 
 
 def _failed(status: int, state: Values) -> SimulationError:

@@ -21,9 +21,9 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from rotor_ida.arrays import ComplexValues, Values
-from rotor_ida.core.systems import SystemResult
-from rotor_ida.simulation.systems.flow import SystemFlow
-from rotor_ida.steady.decision import growing_direction
+from rotor_ida.simulation.flow import Window
+from rotor_ida.simulation.orbit import ENTRY
+from rotor_ida.simulation.systems.flow import SAMPLES_A_REVOLUTION, SystemFlow
 
 # The largest step of Newton's method, in parts of the size of the motion, its most steps, and what
 # a step leaves at most of how far a state misses itself.
@@ -34,7 +34,7 @@ FOUND = 1e-11
 NEARLY = 1e-9
 # The derivative is computed again unless it foretells where a step leads to this part of the step.
 FORETOLD = 1e-4
-# Multipliers that are 1 but for the errors of differences.
+# Multipliers that are 1, or above it by so little, are those of a neutral motion.
 NEUTRAL = 1e-5
 # The motion is followed until its distance should have fallen to this part; the largest number of
 # periods for that; and the part of the expected decay that must be seen. The motion may then be
@@ -49,13 +49,14 @@ THERE = 1e-7
 NEARER, NEAR = 1e-3, 0.3
 # What moves by less than this part of its size in a period stands still on turning axes.
 MOVES = 1e-5
+# No contact opens or closes for this number of revolutions where the motion may stand still.
+LAST = 2.0
 # Largest number of periods in a candidate.
 MOST_PARTS = 8
 # Candidates for the period that are tried.
 MOST_TRIED = 3
 # Most revolutions of a period, where it is likely and where it is possible.
 MOST_REVOLUTIONS, MOST_POSSIBLE = 64, 12
-SAMPLES_A_REVOLUTION = 64
 
 
 @dataclass(frozen=True, slots=True)
@@ -102,23 +103,18 @@ class Landing:
     growing: Values | None = None
 
 
-def candidates(
-    flow: SystemFlow, times: Values, states: Values, *, may_stand: bool, in_flight: bool
-) -> list[Candidate]:
-    """Return the periods that a motion may have, from samples up to its end, the likely ones first.
+def candidates(flow: SystemFlow, seen: Window) -> list[Candidate]:
+    """Return the periods that a motion may have, from its last part, the likely ones first.
 
-    Parameters
-    ----------
-    flow : SystemFlow
-        The motion.
-    times, states : ndarray, shapes (sample,), (sample, n)
-        Samples, a whole number each revolution, on turning axes; displacements and velocities.
-    may_stand : bool
-        Whether the motion may stand still on turning axes: no contact opened or closed.
-    in_flight : bool
-        Whether all contacts stayed open. Then the motion is linear, and may whirl about any point.
+    There are a whole number of samples each revolution. The motion may stand still on turning axes
+    where no contact opened or closed in the last revolutions. Where all contacts stayed open it is
+    linear, and may whirl about any point.
     """
+    times, states = seen.times, seen.states
     away = np.abs(states - states[-1]).max(axis=1)
+    late = seen.event_times >= times[-1] - LAST * flow.revolution
+    may_stand = not (np.abs(seen.event_kinds[late]) == ENTRY).any()
+    in_flight = may_stand and not seen.ends_in_contact
     size, revolution = float(np.abs(states).max()), flow.revolution
     each = round(revolution / float(times[-1] - times[-2]))
     whole = Candidate(revolution, is_free=False)
@@ -133,7 +129,7 @@ def candidates(
         first = [whole] if away[-1 - each] <= NEAR * size else []  # a slow spiral
     else:
         spread = float(away.max())
-        found = _returns(flow, times, states, away)
+        found = _returns(flow, seen, away)
         may_whirl = may_stand and float(away[-1 - each :].max()) <= NEAR * size
         first = [whole] if in_flight or may_whirl else []
     likely = [replace(each, is_likely=True) for missed, each in found if missed <= NEARER * spread]
@@ -145,11 +141,10 @@ def candidates(
     return [*first, *likely, *possible][:MOST_TRIED]
 
 
-def _returns(
-    flow: SystemFlow, times: Values, states: Values, away: Values
-) -> list[tuple[float, Candidate]]:
+def _returns(flow: SystemFlow, seen: Window, away: Values) -> list[tuple[float, Candidate]]:
     """Return after what times a motion comes near its last state, and by how much it misses it."""
-    rate = flow.rate(_whole(flow, states[-1]))[: states.shape[1]]
+    times, states = seen.times, seen.states
+    rate = flow.rate(seen.end)[: states.shape[1]]
     if not rate.any():
         return []
     lows = 1 + np.flatnonzero((away[1:-1] < away[:-2]) & (away[1:-1] <= away[2:]))
@@ -162,11 +157,6 @@ def _returns(
     return found
 
 
-def _whole(flow: SystemFlow, state: Values) -> Values:
-    """Return a sample with races at rest, which are not sampled."""
-    return np.append(state, np.zeros(flow.scales.size - state.size))
-
-
 def land(flow: SystemFlow, state: Values, candidate: Candidate) -> Landing | None:
     """Return the cycle that a motion leads to, if it shows that it does; else None.
 
@@ -177,8 +167,8 @@ def land(flow: SystemFlow, state: Values, candidate: Candidate) -> Landing | Non
         return None
     cycle, period, derivative = found
     multipliers, shapes = np.linalg.eig(derivative)
-    run = flow.sampled(cycle, np.linspace(0.0, period, SAMPLES_A_REVOLUTION + 1))
-    in_flight = _is_in_flight(run)
+    seen = flow.observed(cycle, np.linspace(0.0, period, SAMPLES_A_REVOLUTION + 1))
+    in_flight = seen.is_in_flight
     trivial = np.zeros(multipliers.size, bool)
     if candidate.is_free:
         trivial[np.argmin(np.abs(multipliers - 1.0))] = True
@@ -200,15 +190,10 @@ def land(flow: SystemFlow, state: Values, candidate: Candidate) -> Landing | Non
     landing = Landing(cycle, period, candidate.is_free, slowest)
     is_there = np.abs(off).max() <= THERE * np.abs(cycle).max()
     leads_there = is_there or (
-        _keeps_contacts(flow, run, off, shapes)
+        _keeps_contacts(flow, seen, off, shapes)
         and _comes_nearer(flow, cycle, off, landing, shapes[:, ~trivial])
     )
     return landing if leads_there else None
-
-
-def _is_in_flight(run: SystemResult) -> bool:
-    """Return whether no contact touches in a run."""
-    return not (run.forces[:, :, 3].any() or run.event_times.size)
 
 
 def _newton(
@@ -298,25 +283,30 @@ def _comes_nearer(
     return after <= before * (1.0 - SLOWER * (1.0 - slowest**count))
 
 
-def _keeps_contacts(
-    flow: SystemFlow, run: SystemResult, off: Values, shapes: ComplexValues
-) -> bool:
+def _keeps_contacts(flow: SystemFlow, seen: Window, off: Values, shapes: ComplexValues) -> bool:
     """Return whether no contact can open or close that does not on the cycle.
 
     The transient of each multiplier is largest at once. Without contact this holds at all times;
     with contacts it may be twice that between whole periods, and only a part of the gap is allowed.
     """
-    assembly, found = flow.problem.assembly, flow.problem.found
-    in_flight = _is_in_flight(run)
+    size, found = flow.problem.assembly.size, flow.problem.found
     parts = shapes * np.linalg.lstsq(shapes, off.astype(complex))[0]
-    moved = parts[: assembly.size] * flow.scales[: assembly.size, np.newaxis]
-    for number, contact in enumerate(assembly.contacts):
-        rows = found.rows[number]
-        if (run.event_contacts == number).any():
-            continue
-        places = run.samples[:, 0] @ rows.T - contact.centre
-        gap = float(np.abs(np.hypot(*places.T) - contact.clearance).min())
-        reach = float(np.hypot(*np.abs(rows @ moved)).sum())
-        if not reach <= (gap if in_flight else 0.5 * WITHIN * gap):
-            return False
-    return True
+    moved = parts[:size] * flow.scales[:size, np.newaxis]
+    reach = np.hypot(*np.abs(found.rows @ moved).transpose(1, 0, 2)).sum(axis=1)
+    gaps = np.abs(np.abs(seen.places[0]) - flow.clearances).min(axis=0)
+    lasting = ~np.isin(np.arange(gaps.size), seen.event_contacts)
+    return bool((reach <= (1.0 if seen.is_in_flight else 0.5 * WITHIN) * gaps)[lasting].all())
+
+
+def growing_direction(derivative: Values) -> Values | None:
+    """Return how a state changes that grows by a derivative of states; None where none grows.
+
+    It is the growing part of a fixed state, so that rounding has no influence on its sense.
+    """
+    multipliers, shapes = np.linalg.eig(derivative)
+    grows = np.abs(multipliers) > 1.0 + NEUTRAL
+    if not grows.any():
+        return None
+    any_state = np.linspace(1.0, 2.0, len(derivative)).astype(complex)
+    parts = np.linalg.lstsq(shapes, any_state)[0]
+    return np.asarray((shapes[:, grows] @ parts[grows]).real)

@@ -24,17 +24,17 @@ inside the clearance, contact-free. With friction it may rest at other places.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 
 import numpy as np
-import numpy.typing as npt
 
 from rotor_ida.arrays import Values
 from rotor_ida.closed_forms.contact_free import complex_amplitude, touch_fading
 from rotor_ida.closed_forms.rest import rest
-from rotor_ida.core.runs import Rows
 from rotor_ida.model.contact import contact_force, secant_stiffness
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.simulation.flow import DiscFlow, Window
+from rotor_ida.simulation.orbit import ENTRY
 
 CONTACT_FREE = "contact_free"
 SYNCHRONOUS = "synchronous"
@@ -46,9 +46,6 @@ QUASI_PERIODIC = "quasi_periodic"
 CHAOTIC = "chaotic"
 UNRESOLVED = "unresolved"
 
-# A motion is steady if it varies, or is off its whirl or its cycle, by less than this fraction of
-# its size: ten times the default tolerance.
-STEADY = 1e-9
 # A whirl satisfies the equation of motion when the residual is less than this fraction of the
 # largest term; close to a fold the rotor creeps at nearly constant radius where there is no whirl.
 RESIDUAL = 1e-6
@@ -59,7 +56,7 @@ FEWEST_TOUCHES = 3
 # Near the limit the whirl is stationary: touches are one revolution apart, to this fraction.
 ONCE_A_REVOLUTION = 0.01
 # A contact-free whirl just reaches the stator if its largest radius is the clearance to within this
-# part of it, and the motion is there when it is off the whirl by less than `Window.steady`.
+# part of it, and the motion is there when it is off the whirl by less than `Flow.steady`.
 GRAZES = 1e-9
 # Nearer to it than this part contacts get so shallow that CVODE takes millions of steps, and
 # touches without a shaft fade too slowly to show their law.
@@ -69,57 +66,6 @@ SOFT = 0.1
 # And 1/h grows by the law to within this fraction. The law is of leading order in h: after 24/zeta,
 # over speeds from 0.15 to 3 and dampings from 0.07 to 0.5, no touch missed it by over 8 %.
 LIKE_THE_LAW = 0.1
-
-
-@dataclass(frozen=True, slots=True)
-class Window:
-    """The motion over whole revolutions.
-
-    Parameters
-    ----------
-    rotor : Rotor
-        The rotor.
-    times : ndarray, shape (n,)
-        Equally spaced times from the start of the window, 0, to its end [1].
-    states : ndarray, shape (n, 4)
-        ``(x, y, vx, vy)`` at those times, on the rotating axes [1].
-    contacts : ndarray of `ORBIT_CONTACT`, shape (k,)
-        The contacts, as in `rotor_ida.simulation.orbit.Orbit`.
-    touches : int
-        Number of entries and exits.
-    ends_in_contact : bool
-        Whether it ends in contact.
-    steady : float
-        Largest deviation from the mean, relative to the amplitude, of a whirl that counts as
-        steady [1].
-    rolling : ndarray, shape (m, 2)
-        When the disc began and ceased to roll on the stator, from the start of the window [1].
-    """
-
-    rotor: Rotor
-    times: Values
-    states: Values
-    contacts: Rows
-    touches: int
-    ends_in_contact: bool
-    steady: float
-    rolling: Values = field(default_factory=lambda: np.empty((0, 2)))
-
-    @property
-    def positions(self) -> npt.NDArray[np.complex128]:
-        """Displacements on the rotating axes [1]."""
-        return self.states[:, 0] + 1j * self.states[:, 1]
-
-    @property
-    def once_a_revolution(self) -> Values:
-        """States at the start of each revolution, and at the end of the last, shape (m, 4) [1]."""
-        revolutions = round(float(self.times[-1]) * self.rotor.omega / (2.0 * math.pi))
-        return self.states[:: (len(self.times) - 1) // revolutions]
-
-    @property
-    def whirl(self) -> complex:
-        """Complex amplitude of the part of the motion at the spin speed [1]."""
-        return complex(self.positions[:-1].mean())
 
 
 @dataclass(frozen=True, slots=True)
@@ -148,13 +94,32 @@ class Features:
     lyapunov_error: float = math.nan
 
 
+def kind_of_state(window: Window) -> str | None:
+    """Return the kind of a motion of one disc that one state decides, or at rest; else None."""
+    if not isinstance(window.flow, DiscFlow):
+        return None
+    if is_at_rest(window.flow.rotor):
+        return kind_at_rest(window)
+    if grazes(window):
+        return TOUCHING
+    if whirls_steadily(window):
+        return SYNCHRONOUS
+    return CONTACT_FREE if stays_free(window) else None
+
+
+def is_at_rest(rotor: Rotor) -> bool:
+    """Return whether a rotor does not turn and comes to rest under its load."""
+    return rotor.load > 0.0 and rotor.omega == 0.0
+
+
 def whirls_steadily(window: Window) -> bool:
     """Return whether it is a synchronous whirl in contact."""
-    rotor, whirl = window.rotor, window.whirl
-    if window.touches or not window.ends_in_contact or rotor.omega == 0.0:
+    rotor, places = _rotor_of(window), window.places[0, :, 0]
+    if window.touches or not window.closed_last[0] or rotor.omega == 0.0:
         return False
-    stray = float(np.abs(window.positions - whirl).max())
-    return stray <= window.steady * abs(whirl) and _obeys_the_equation(rotor, whirl, window.steady)
+    whirl, steady = complex(places[:-1].mean()), window.flow.steady
+    stray = float(np.abs(places - whirl).max())
+    return stray <= steady * abs(whirl) and _obeys_the_equation(rotor, whirl, steady)
 
 
 def _obeys_the_equation(rotor: Rotor, whirl: complex, steady: float) -> bool:
@@ -171,33 +136,42 @@ def _obeys_the_equation(rotor: Rotor, whirl: complex, steady: float) -> bool:
 
 def stays_free(window: Window) -> bool:
     """Return whether it has left the stator for good, or has come to rest at the centre."""
-    rotor = window.rotor
-    if rotor.omega == 0.0 and float(np.abs(window.positions).max()) <= window.steady:
+    rotor, steady = _rotor_of(window), window.flow.steady
+    if rotor.omega == 0.0 and float(np.abs(window.places[0]).max()) <= steady:
         return True
-    if window.touches or window.ends_in_contact:
+    if window.touches or window.closed_last[0]:
         return False
-    x, y, vx, vy = window.states[-1].tolist()
-    drift, reach = _future_if_free(rotor, complex(x, y), complex(vx, vy))
-    return drift <= window.steady * rotor.delta0 and reach <= rotor.delta0
+    drift, reach = _future_if_free(rotor, *window.places[:, -1, 0].tolist())
+    return drift <= steady * rotor.delta0 and reach <= rotor.delta0
 
 
 def rolls_backwards(window: Window, period: float | None = None) -> bool:
     """Return whether it is a dry whip.
 
-    It whirls backwards, stays in contact, and rolls at some time in every period, or in every
+    A contact whirls backwards, stays closed, and rolls at some time in every period, or in every
     revolution if it has no period.
     """
-    rotor = window.rotor
-    if not len(window.rolling) or window.touches or rotor.omega == 0.0:
-        return False
-    x, y, vx, vy = window.states.T
-    if (x * vy - y * vx).max() >= 0.0:
-        return False
-    each = 2.0 * math.pi / rotor.omega if period is None else period
-    return rolls_in_each(window.rolling, float(window.times[-1]), each)
+    each = window.flow.revolution if period is None else period
+    return any(
+        len(rolling)
+        and math.isfinite(each)
+        and stays_backward(window, number)
+        and _rolls_in_each(rolling, float(window.times[-1]), each)
+        for number, rolling in enumerate(window.rolling)
+    )
 
 
-def rolls_in_each(rolling: Values, length: float, period: float) -> bool:
+def stays_backward(window: Window, number: int) -> bool:
+    """Return whether a contact stays closed and whirls backwards."""
+    own = window.event_kinds[window.event_contacts == number]
+    if not window.closed_first[number] or (np.abs(own) == ENTRY).any():
+        return False
+    place, velocity = window.places[:, :, number]
+    backward = (place.conj() * velocity).imag * math.copysign(1.0, window.flow.speed)
+    return bool(backward.max() < 0.0)
+
+
+def _rolls_in_each(rolling: Values, length: float, period: float) -> bool:
     """Return whether stretches of rolling, shape (m, 2), overlap every period of a window."""
     starts = length - period * np.arange(1, int(length / period + SAME_LENGTH) + 1)
     begins, ends = rolling.T[:, :, None]
@@ -223,12 +197,11 @@ def grazes(window: Window) -> bool:
 
     On which side of the clearance rounding has put that makes no difference.
     """
-    rotor = window.rotor
+    rotor = _rotor_of(window)
     if rotor.zeta == 0.0 or not abs(grazing_distance(rotor)) <= GRAZES:
         return False
-    x, y, vx, vy = window.states[-1].tolist()
-    drift, reach = _future_if_free(rotor, complex(x, y), complex(vx, vy))
-    return max(drift, abs(reach - rotor.delta0)) <= 2.0 * window.steady * rotor.delta0
+    drift, reach = _future_if_free(rotor, *window.places[:, -1, 0].tolist())
+    return max(drift, abs(reach - rotor.delta0)) <= 2.0 * window.flow.steady * rotor.delta0
 
 
 def _future_if_free(rotor: Rotor, position: complex, velocity: complex) -> tuple[float, float]:
@@ -266,8 +239,10 @@ def touches_fade(window: Window) -> bool:
     back to the axis, by another law.
     """
     growth = _growth_from_touch_to_touch(window)
-    rotor = window.rotor
-    if growth is None or rotor.shaft_stiffness > 0.0 or rotor.load > 0.0:
+    if growth is None:
+        return False
+    rotor = _rotor_of(window)
+    if rotor.shaft_stiffness > 0.0 or rotor.load > 0.0:
         return False
     if -NEARLY_GRAZES <= grazing_distance(rotor) <= GRAZES:
         return bool((growth > 0.0).all()) and _touches_softly(window)
@@ -279,7 +254,7 @@ def _touches_softly(window: Window) -> bool:
 
     Then they hardly change that whirl, and on the whole they push its centre inwards.
     """
-    rotor = window.rotor
+    rotor = _rotor_of(window)
     deepest = float(np.nanmax(window.contacts["peak_indentation"]))
     stiffness = rotor.contact_exponent * deepest ** (rotor.contact_exponent - 1.0)
     return bool(stiffness <= SOFT * rotor.omega * math.hypot(rotor.omega, 2.0 * rotor.zeta))
@@ -297,37 +272,40 @@ def touches_grow_slighter(window: Window) -> bool:
 def _growth_from_touch_to_touch(window: Window) -> Values | None:
     """Return the growth of 1/h, h the indentation; None unless it touches once a revolution.
 
-    With a linear contact it is the growth of ``1/sqrt(h)``.
+    With a linear contact it is the growth of ``1/sqrt(h)``. None for a rotor system.
     """
+    if not isinstance(window.flow, DiscFlow):
+        return None
     contacts = window.contacts
     entry, leaving, depth = (contacts[name] for name in ("entry", "exit", "peak_indentation"))
     whole = np.isfinite(entry) & np.isfinite(leaving) & (depth > 0.0)
     if whole.sum() < FEWEST_TOUCHES:
         return None
-    revolutions = np.diff(contacts["peak_time"][whole]) * window.rotor.omega / (2.0 * math.pi)
+    revolutions = np.diff(contacts["peak_time"][whole]) / window.flow.revolution
     if (np.abs(revolutions - 1.0) > ONCE_A_REVOLUTION).any():
         return None
-    growth: Values = np.diff(depth[whole] ** (0.5 - window.rotor.contact_exponent))
+    growth: Values = np.diff(depth[whole] ** (0.5 - window.flow.rotor.contact_exponent))
     return growth
 
 
 def kind_at_rest(window: Window) -> str:
     """Return the kind of a rotor at speed 0 under a load: at rest, or unresolved."""
-    if window.rotor.friction > 0.0:
+    rotor = _rotor_of(window)
+    if rotor.friction > 0.0:
         return _kind_held_by_friction(window)
-    place = rest(window.rotor)
+    place = rest(rotor)
     y = place["y"].item()
     off = np.abs(window.states - np.array([0.0, y, 0.0, 0.0])).max()
-    if off > window.steady * abs(y):
+    if off > window.flow.steady * abs(y):
         return UNRESOLVED
     return SYNCHRONOUS if place["indentation"] > 0.0 else CONTACT_FREE
 
 
 def _kind_held_by_friction(window: Window) -> str:
     """Return the kind of a rotor that friction may keep at rest away from the bottom."""
-    rotor, place = window.rotor, complex(window.positions[-1])
+    rotor, place = _rotor_of(window), complex(window.places[0, -1, 0])
     off = np.abs(window.states - np.array([place.real, place.imag, 0.0, 0.0])).max()
-    if off > window.steady * abs(place):
+    if off > window.flow.steady * abs(place):
         return UNRESOLVED
     radius = abs(place)
     normal = float(contact_force(radius, rotor.delta0, rotor.contact_exponent))
@@ -344,3 +322,9 @@ def _kind_held_by_friction(window: Window) -> str:
 def phase_lag_of(whirl: complex) -> float:
     """Return the angle by which a whirl lags the unbalance [rad]."""
     return math.atan2(-whirl.imag, whirl.real) if whirl else 0.0
+
+
+def _rotor_of(window: Window) -> Rotor:
+    """Return the rotor of one disc."""
+    assert isinstance(window.flow, DiscFlow)
+    return window.flow.rotor

@@ -38,6 +38,7 @@ from rotor_ida.simulation.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL, r
 from rotor_ida.simulation.systems.speed_changes import profile_of
 from rotor_ida.simulation.systems.starts import Start, start_of
 from rotor_ida.steady.drop import with_unbalance_at
+from rotor_ida.steady.follow import SettledSystem, settle
 from rotor_ida.steady.grid import (
     EXPECTED,
     Array,
@@ -52,7 +53,6 @@ from rotor_ida.steady.members import Member, Members, as_they_are, lost, row_of
 from rotor_ida.steady.response import CONTACT_FREE, UNRESOLVED
 from rotor_ida.steady.run_up_outcome import RUB, WHIP
 from rotor_ida.steady.run_ups import labelled_run_ups
-from rotor_ida.steady.system_motion import SettledSystem, settle
 from rotor_ida.steady.system_sweep import (
     OF_CONTACT,
     OF_NODE,

@@ -38,11 +38,10 @@ from rotor_ida.simulation.systems.ends import state_at_end
 from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
 from rotor_ida.simulation.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL
 from rotor_ida.simulation.systems.starts import Start, start_of
-from rotor_ida.steady.follow import FAILED
+from rotor_ida.steady.follow import FAILED, SettledSystem, settle
 from rotor_ida.steady.grid import Rows, Task, check_size, form_of, labelled_points, run_study
 from rotor_ida.steady.ramps import Direction, RampJob, Ramps, in_order, lost, settle_along
 from rotor_ida.steady.response import CONTACT_FREE, SYNCHRONOUS
-from rotor_ida.steady.system_motion import SettledSystem, settle
 
 SETTLED = "settled"
 # Largest rate of the system over the speed: a revolution takes a step for some five radians of it.

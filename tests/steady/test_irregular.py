@@ -17,8 +17,8 @@ from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.schema import RESPONSE
 from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.options import Options
-from rotor_ida.steady import follow
-from rotor_ida.steady.follow import follow_to_steady_state
+from rotor_ida.steady import motion
+from rotor_ida.steady.follow import LATE, follow_to_steady_state
 from tests.steady.following import LOADED, REST, followed, of_paper
 
 TAYLOR = Options(method="taylor")
@@ -96,10 +96,10 @@ def test_exponents_are_stated_only_where_they_were_asked_for():
 
 def test_touches_that_fade_slowly_are_not_asked_for_chaos(monkeypatch):
     """Of a fast rotor they follow the law only after 3,000: an exponent takes far longer."""
-    monkeypatch.setattr(follow, "exponents_of", None)  # called, it would raise
+    monkeypatch.setattr(motion, "exponents_of", None)  # called, it would raise
     settled = of_paper(100.0, 1.0, (3.0, 0.0, 0.0, 0.0), zeta=1.0, options=Options(method="taylor"))
     assert settled.response == "touching"
-    assert settled.window_end > follow.LATE
+    assert settled.window_end > LATE
 
 
 def test_a_cycle_without_load_becomes_a_torus_under_a_slight_one():

@@ -1,32 +1,33 @@
 """Turning points, their recurrence, and the multiplier that says what a recurrence is worth."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from rotor_ida import Rotor
 from rotor_ida.core.runs import EXTREMUM
+from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.options import Options
-from rotor_ida.simulation.run import run
 from rotor_ida.steady.follow import follow_to_steady_state
-from rotor_ida.steady.periods import (
-    TurningPoints,
-    extreme_radii,
-    recurrence,
-    recurrence_by_revolutions,
-    slowest_multiplier,
-    turning_points,
-)
+from rotor_ida.steady.motion import turning_points
+from rotor_ida.steady.periods import recurrence, recurrence_by_revolutions
+from tests.steady.following import slowest_multiplier
 
-GO_ON = np.zeros(1, np.uint8)
 DURATION = 30.0
 METHODS = [Options(), Options(method="taylor"), Options(flight="cvode")]
 
 
-def found_in(rotor, start, options, step=0.05):
-    orbit = run(rotor, start, DURATION, np.arange(0.0, DURATION, step), options, extrema=True)
-    return turning_points(orbit.states, orbit.extrema)
+def observed(rotor, start, options, step=0.05):
+    """Return the motion from a start."""
+    flow = DiscFlow(rotor, options=options)
+    return flow.observed(np.array(start), np.arange(0.0, DURATION + step, step))
+
+
+def found_in(rotor, start, options):
+    """Return the turning points of the radius."""
+    return turning_points(observed(rotor, start, options))
 
 
 @pytest.mark.parametrize("options", METHODS)
@@ -41,9 +42,9 @@ def test_turning_points_of_a_free_whirl_are_known(options):
     # where flight is integrated, to what its tolerance of 1e-10 leaves over 30 time units
     exact = options.flight == "exact"
     allowed = 1e-13 if exact else 3e-9
-    np.testing.assert_allclose(found.times, expected, rtol=0.0, atol=1e-11 if exact else 3e-9)
-    np.testing.assert_allclose(found.radii[found.are_maxima], abs(whirl) + 0.5, rtol=allowed)
-    np.testing.assert_allclose(found.radii[~found.are_maxima], abs(whirl) - 0.5, rtol=allowed)
+    np.testing.assert_allclose(found["time"], expected, rtol=0.0, atol=1e-11 if exact else 3e-9)
+    np.testing.assert_allclose(found["radius"][found["kind"] > 0.0], abs(whirl) + 0.5, rtol=allowed)
+    np.testing.assert_allclose(found["radius"][found["kind"] < 0.0], abs(whirl) - 0.5, rtol=allowed)
 
 
 @pytest.mark.parametrize("options", METHODS)
@@ -51,47 +52,47 @@ def test_turning_points_of_a_free_whirl_are_known(options):
 def test_maxima_and_minima_of_a_simulated_motion_take_turns(omega, delta0, options):
     rotor = Rotor(omega=omega, zeta=0.07, delta0=delta0)
     found = found_in(rotor, (0.3, 0.2, 0.1, -0.4), options)
-    assert (np.diff(found.times) > 0.0).all()
-    assert (found.are_maxima[1:] != found.are_maxima[:-1]).all()
-    again = run(rotor, (0.3, 0.2, 0.1, -0.4), DURATION, found.times, options)
-    x, y, vx, vy = again.states.T
-    assert np.abs(x * vx + y * vy).max() < 1e-10
+    assert (np.diff(found["time"]) > 0.0).all()
+    assert (found["kind"][1:] == -found["kind"][:-1]).all()
+    flow, times = DiscFlow(rotor, options=options), np.append(found["time"], DURATION)
+    place, velocity = flow.observed(np.array([0.3, 0.2, 0.1, -0.4]), times).places[:, :-1]
+    assert np.abs((place.conj() * velocity).real).max() < 1e-10
 
 
 def test_contacts_peak_at_turning_points():
     """Peaks come from the contact phase itself, by another search."""
     rotor, start = Rotor(omega=2.0, zeta=0.07, delta0=2.0), (0.3, 0.2, 0.1, -0.4)
-    contacts = run(rotor, start, DURATION, np.empty(0), Options()).contacts
-    found = found_in(rotor, start, Options())
+    motion = observed(rotor, start, Options())
+    contacts, found = motion.contacts, turning_points(motion)
     for time, depth in contacts[["peak_time", "peak_indentation"]][:-1].tolist():
-        place = np.abs(found.times - time).argmin()
-        assert found.times[place] == pytest.approx(time, abs=1e-9)
-        assert found.radii[place] == pytest.approx(2.0 + depth, rel=1e-11)
+        place = np.abs(found["time"] - time).argmin()
+        assert found["time"][place] == pytest.approx(time, abs=1e-9)
+        assert found["radius"][place] == pytest.approx(2.0 + depth, rel=1e-11)
 
 
 @pytest.mark.parametrize("options", METHODS)
 def test_through_the_centre_the_radius_is_smallest_where_it_vanishes(options):
     """Planar free vibration without clearance passes the centre, where |z| has a corner."""
     found = found_in(Rotor(omega=0.0, zeta=0.0, delta0=0.0), (1.0, 0.0, 0.0, 0.0), options)
-    assert found.radii[~found.are_maxima].max() < 1e-9
-    inner = found.radii[found.are_maxima][1:]
+    assert found["radius"][found["kind"] < 0.0].max() < 1e-9
+    inner = found["radius"][found["kind"] > 0.0][1:]
     np.testing.assert_allclose(inner, 1.0, rtol=1e-8)
 
 
 def test_a_constant_radius_has_no_turning_points():
-    whirl = np.tile([1.2, 0.3, 0.0, 0.0], (50, 1))
+    flow, state = DiscFlow(Rotor(omega=0.0, zeta=0.0, delta0=2.0)), np.array([1.2, 0.3, 0.0, 0.0])
     noise = np.array(3 * [(1.0, 1.2, 1.0, (1.2, 0.3, 0.0, 0.0))], EXTREMUM)
-    found = turning_points(whirl, noise)
-    assert found.times.size == 0
+    still = replace(flow.observed(state, np.linspace(0.0, 5.0, 50)), extrema=noise)
+    assert turning_points(still).size == 0
 
 
 def turns(highs, spacing=1.0, low=0.5):
     """Return maxima of the radius at these heights, each followed by the same minimum."""
     radii = np.stack([highs, np.full(len(highs), low)], axis=-1).ravel()
-    states = np.zeros((radii.size, 4))
-    states[:, 0] = radii
-    times = 0.5 * spacing * np.arange(radii.size)
-    return TurningPoints(times, states, np.arange(radii.size) % 2 == 0)
+    found = np.zeros(radii.size, EXTREMUM)
+    found["time"], found["radius"] = 0.5 * spacing * np.arange(radii.size), radii
+    found["state"][:, 0], found["kind"] = radii, 1.0 - 2.0 * (np.arange(radii.size) % 2)
+    return found
 
 
 @pytest.mark.parametrize(("pattern", "count"), [([2.0], 1), ([2.0, 1.5], 2), ([2, 2, 1.5], 3)])
@@ -122,14 +123,7 @@ def test_a_swing_near_the_tolerance_is_no_cycle():
 
 
 def test_no_maxima_no_period():
-    nothing = TurningPoints(np.empty(0), np.empty((0, 4)), np.empty(0, dtype=bool))
-    assert recurrence(nothing, 1e-8) is None
-
-
-def test_extreme_radii_are_those_of_the_last_period():
-    settling = turns(np.tile([2.0, 1.5], 4))
-    settling.states[:6] *= 1.1
-    assert extreme_radii(settling, 2.0) == (0.5, 2.0)
+    assert recurrence(np.empty(0, EXTREMUM), 1e-8) is None
 
 
 @pytest.mark.parametrize(
@@ -143,7 +137,7 @@ def test_multipliers_are_the_known_ones(omega, delta0, period, expected):
     """From DESIGN, section 9, where two programs that share nothing agree on them."""
     rotor = Rotor(omega=omega, zeta=0.07, delta0=delta0)
     settled = follow_to_steady_state(rotor, (0.0, 0.0, 0.0, 0.0), Options())
-    found = slowest_multiplier(rotor, settled.end, period, GO_ON)
+    found = slowest_multiplier(rotor, settled.end, period)
     assert complex(found.real, abs(found.imag)) == pytest.approx(expected, abs=1e-7)
     assert abs(found) == pytest.approx(math.exp(-0.07 * period), rel=1e-9)
 

@@ -1,15 +1,21 @@
 """The kinds of response that a single window tells, of motions made by hand."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from rotor_ida import Rotor, synchronous_response
 from rotor_ida.closed_forms import touch_fading
-from rotor_ida.simulation.orbit import ORBIT_CONTACT
+from rotor_ida.core.runs import EXTREMUM
+from rotor_ida.simulation.flow import DiscFlow, Window
+from rotor_ida.simulation.orbit import ENTRY, EXIT, ORBIT_CONTACT
+from rotor_ida.steady.decision import Decision
+from rotor_ida.steady.features import features_of_disc
 from rotor_ida.steady.response import (
-    Window,
+    BOUNCING,
+    UNRESOLVED,
     phase_lag_of,
     rolls_backwards,
     stays_free,
@@ -23,20 +29,44 @@ TIMES = np.linspace(0.0, 8.0 * np.pi, 1601)
 ROTOR = Rotor(omega=OMEGA, zeta=0.07, delta0=1.0)
 
 
+def seen(rotor, times, states, contacts=None, *, touches=0, in_contact=False, rolling=()):
+    """Return a window of one disc."""
+    closed, events = np.array([in_contact]), np.arange(touches)
+    return Window(
+        DiscFlow(rotor), states[0], states[-1], times, states, closed, closed,
+        events.astype(float), np.where(events % 2, EXIT, ENTRY), 0 * events,
+        [np.array(rolling, dtype=float).reshape(-1, 2)],
+        np.empty(0, ORBIT_CONTACT) if contacts is None else contacts,
+    )  # fmt: skip
+
+
 def window(position, rotor=ROTOR, contacts=None, *, in_contact=False):
     """Return a window on the rotating axes, from a motion on the fixed ones."""
     velocity = np.gradient(position, TIMES, edge_order=2)
     turn = np.exp(-1j * rotor.omega * TIMES)
     x, v = position * turn, velocity * turn
     states = np.stack([x.real, x.imag, v.real, v.imag], axis=-1)
-    table = np.empty(0, ORBIT_CONTACT) if contacts is None else contacts
-    return Window(rotor, TIMES, states, table, 2 * len(table), in_contact, 1e-9)
+    touches = 0 if contacts is None else 2 * len(contacts)
+    return seen(rotor, TIMES, states, contacts, touches=touches, in_contact=in_contact)
 
 
 def test_amplitude_and_phase_lag_are_those_of_the_whirl_whatever_its_centre():
-    seen = window(0.7 * np.exp(1j * (OMEGA * TIMES - 0.4)) + (0.1 + 0.05j)).whirl
-    assert abs(seen) == pytest.approx(0.7, rel=1e-13)
-    assert phase_lag_of(seen) == pytest.approx(0.4, abs=1e-13)
+    whirl = window(0.7 * np.exp(1j * (OMEGA * TIMES - 0.4)) + (0.1 + 0.05j))
+    features = features_of_disc(whirl, Decision(UNRESOLVED))
+    assert features.amplitude == pytest.approx(0.7, rel=1e-13)
+    assert features.phase_lag == pytest.approx(0.4, abs=1e-13)
+
+
+def test_extreme_radii_of_a_cycle_are_those_of_its_last_period():
+    """Those of an earlier part were larger; between samples the extrema of the run count."""
+    radius = 1.5 + 0.25 * np.cos(OMEGA * TIMES) * np.where(TIMES < 10.0, 2.0, 1.0)
+    extrema = np.zeros(2, EXTREMUM)
+    extrema["time"], extrema["radius"] = [9.0, TIMES[-1] - 1.0], [9.0, 1.8]
+    motion = replace(window(radius * np.exp(1j * OMEGA * TIMES)), extrema=extrema)
+    features = features_of_disc(motion, Decision(BOUNCING, period=math.pi))
+    assert features.radius_min == pytest.approx(1.25, rel=1e-12)
+    assert features.radius_max == 1.8
+    assert features.period == math.pi
 
 
 def test_a_phase_lag_that_no_double_holds_is_none():
@@ -67,8 +97,8 @@ def test_a_whirl_stays_free_only_where_its_centre_leaves_it_room():
         moved = states + offset * np.stack(
             [np.cos(OMEGA * TIMES), -np.sin(OMEGA * TIMES), 0 * TIMES, 0 * TIMES], axis=-1
         )
-        assert stays_free(Window(roomy, TIMES, moved, np.empty((0, 6)), 0, False, 1e-9)) is stays
-        assert not stays_free(Window(roomy, TIMES, moved, np.empty((0, 6)), 2, False, 1e-9))
+        assert stays_free(seen(roomy, TIMES, moved)) is stays
+        assert not stays_free(seen(roomy, TIMES, moved, touches=2))
 
 
 FADING = Rotor(omega=OMEGA, zeta=0.07, delta0=2.0)
@@ -133,15 +163,14 @@ def rolling_window(rolling, *, whirl=-1.0, touches=0):
     z = 2.0 * np.exp(1j * (whirl - 1.0) * times)
     states = np.column_stack([z.real, z.imag, (1j * whirl * z).real, (1j * whirl * z).imag])
     rotor = Rotor(omega=1.0, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=2.0)
-    table = np.array(rolling, dtype=float).reshape(-1, 2)
-    return Window(rotor, times, states, np.empty((0, 9)), touches, True, 1e-9, table)
+    return seen(rotor, times, states, touches=touches, in_contact=True, rolling=rolling)
 
 
 EACH = [(1.0, 1.5), (7.0, 8.0), (13.0, 18.0)]
 
 
 @pytest.mark.parametrize(
-    ("seen", "period", "whips"),
+    ("motion", "period", "whips"),
     [
         (rolling_window(EACH), None, True),
         (rolling_window([(0.0, 6.0 * math.pi)]), 1.3, True),
@@ -152,5 +181,5 @@ EACH = [(1.0, 1.5), (7.0, 8.0), (13.0, 18.0)]
         (rolling_window([]), None, False),
     ],
 )
-def test_it_is_whip_only_if_it_rolls_backwards_in_every_period(seen, period, whips):
-    assert rolls_backwards(seen, period) is whips
+def test_it_is_whip_only_if_it_rolls_backwards_in_every_period(motion, period, whips):
+    assert rolls_backwards(motion, period) is whips

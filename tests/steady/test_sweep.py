@@ -138,16 +138,16 @@ def test_whoever_does_the_work_finds_the_same_bits(executor, backend):
 
 
 def test_a_point_that_fails_is_labelled_and_stops_nothing(monkeypatch):
-    from rotor_ida.steady import follow
+    from rotor_ida.simulation import flow
 
-    true_run = follow.run
+    true_run = flow.run
 
     def fails_at_two(rotor, *rest, **options):
         if rotor.omega == 2.0:
             raise SimulationError("corrector failed", time=1.0, state=(0.0, 0.0, 0.0, 0.0))
         return true_run(rotor, *rest, **options)
 
-    monkeypatch.setattr(follow, "run", fails_at_two)
+    monkeypatch.setattr(flow, "run", fails_at_two)
     responses = sweep(omega=[1.0, 2.0, 3.0], zeta=0.5, delta0=0.5, direction="up").squeeze()
     assert responses.status.values.tolist() == [0, 1, 0]
     assert responses.response.values[1] == RESPONSE["failed"]

@@ -14,6 +14,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
+import numpy.typing as npt
 
 from rotor_ida.arrays import ComplexValues, Flags, Stop, Values, Watch
 from rotor_ida.checks import shown
@@ -23,7 +24,7 @@ from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.assembly import Assembly, Canonical, canonical
 from rotor_ida.model.axisymmetric import check_axisymmetric_parts, forward_motions
 from rotor_ida.schema import MODE
-from rotor_ida.simulation.flow import Piece
+from rotor_ida.simulation.flow import STEADY, STEADY_TOLERANCES, Piece, Window
 from rotor_ida.simulation.orbit import ROLL
 from rotor_ida.simulation.spin import steady
 from rotor_ida.simulation.systems.following import follow_system_again, request_of
@@ -37,8 +38,10 @@ UNDAMPED = 1e-9
 LOST = 1e-12
 # Central differences of a parameter are this long, in parts of it; those of time in revolutions.
 OF_PARAMETER, OF_TIME = 1e-6, 1e-5
-# Samples of an orbit in a revolution, and at least; steps that refine extreme distances.
-SAMPLES_A_REVOLUTION, FEWEST_SAMPLES, REFINEMENTS = 64, 192, 2
+# Samples of an orbit in a revolution, and at least.
+SAMPLES_A_REVOLUTION, FEWEST_SAMPLES = 64, 192
+
+Indices = npt.NDArray[np.intp]
 
 
 @dataclass(frozen=True, slots=True)
@@ -237,41 +240,87 @@ class SystemFlow:
         own = SystemFlow.at(problem, speed, self.stop if stop is None else stop)
         return replace(own, scales=self.scales, watch=self.watch)
 
+    @property
+    def has_damping(self) -> bool:
+        """Whether anything but friction takes energy from the motion."""
+        return self.problem.has_damping
+
+    @property
+    def steady(self) -> float:
+        """Largest deviation of a motion that counts as steady, relative to its size."""
+        return max(STEADY, STEADY_TOLERANCES * self.problem.rtol)
+
+    def observed(self, state: Values, times: Values) -> Window:
+        """Return a motion with samples: see `rotor_ida.simulation.flow.Flow`."""
+        run = self.sampled(state, times)
+        modes = run.forces[0, :, 3]
+        rolling = []
+        for number, mode in enumerate(modes):
+            own = run.event_contacts == number
+            rolls = np.append(mode == MODE["rolling"], run.event_kinds[own] == ROLL)
+            edges = np.concatenate([[0.0], run.event_times[own], times[-1:]])
+            rolling.append(np.column_stack([edges[:-1][rolls], edges[1:][rolls]]))
+        return Window(
+            self, state, self.end_of(run), times, self.samples_of(run, times),
+            modes != MODE["flight"], run.touches["way"] != MODE["flight"],
+            run.event_times, run.event_kinds, run.event_contacts, rolling, run.episodes,
+            forces=run.forces[:, :, 0],
+        )  # fmt: skip
+
     def states(self, state: Values, times: Values) -> Values:
         """Return the states at times; those of races are not sampled."""
         return self.samples_of(self.sampled(state, times), times)
 
-    def places(self, states: Values) -> ComplexValues:
-        """Return displacement and velocity of the contacts, shape (2, time, contact)."""
-        rows, contacts = self.problem.found.rows, self.problem.assembly.contacts
-        moved = self.motion_of(states) @ (rows[:, 0] + 1j * rows[:, 1]).T  # (time, 2, contact)
-        return np.stack([moved[:, 0] - [complex(*each.centre) for each in contacts], moved[:, 1]])
+    def places(self, states: Values, *, nodes: bool = False) -> ComplexValues:
+        """Return displacement and velocity of the contacts, and then the nodes, if wanted.
+
+        Their shape is (2, time, contact).
+        """
+        assembly, rows = self.problem.assembly, self.problem.found.rows
+        if nodes:
+            own = self.problem.found.rows_in_y(assembly.node_rows())
+            rows = np.concatenate([rows, own])
+        whole = rows[:, 0] + 1j * rows[:, 1]
+        places = (self.motion_of(states) @ whole.T).transpose(1, 0, 2)
+        centres = np.array([complex(*each.centre) for each in assembly.contacts], complex)
+        places[0, :, : centres.size] -= centres
+        return np.asarray(places, complex)
 
     def sample_times(self, duration: float) -> Values:
         """Return times of samples, both ends included, on which extrema can be seen."""
         count = math.ceil(SAMPLES_A_REVOLUTION * duration / self.revolution)
         return np.linspace(0.0, duration, max(count, FEWEST_SAMPLES) + 1)
 
-    def radii(self, piece: Piece) -> list[Values]:
-        """Return the extreme distances of each contact, at least two, by refined samples."""
-        times = self.sample_times(piece.duration)
-        squares, rates = self._squares(piece.start, times)
-        found = []
-        for number, (square, rate) in enumerate(zip(squares.T, rates.T, strict=True)):
-            turns = np.flatnonzero((rate[:-1] > 0.0) != (rate[1:] > 0.0))
-            bends = np.diff(rate)[turns] / np.diff(times)[turns]
-            at, slopes, values = times[turns], rate[turns], np.array([square.min(), square.max()])
-            for _ in range(REFINEMENTS if turns.size else 0):
-                # within its interval, also where a minimum and a maximum merge
-                at = np.clip(at - slopes / bends, times[turns], times[turns + 1])
-                again = self._squares(piece.start, np.append(at, times[-1]))
-                values, slopes = (each[:-1, number] for each in again)
-            found.append(np.sqrt(values))
-        return found
+    def radii(self, piece: Piece | Window, *, nodes: bool = False) -> list[Values]:
+        """Return the extreme distances of each contact, and of each node: at least two of each.
 
-    def _squares(self, state: Values, times: Values) -> tuple[Values, Values]:
+        Between samples the square of the distance is a cubic by its values and rates at both ends.
+        The motion is simulated again with samples where these cubics are extreme; from there a
+        parabola leads to the extremum, so that the small errors of these times do not matter.
+        """
+        window = (
+            piece if isinstance(piece, Window)
+            else self.observed(piece.start, self.sample_times(piece.duration))
+        )  # fmt: skip
+        times, (squares, rates) = window.times, self._squares(window.states, nodes)
+        row, place = np.nonzero((rates[:-1] > 0.0) != (rates[1:] > 0.0))
+        at = times[row] + _extreme_times(squares, rates, row, place, times[1] - times[0])
+        again = np.unique(np.append(at, times[-1]))
+        values, slopes = (
+            each[np.searchsorted(again, at), place]
+            for each in self._squares(self.states(window.start, again), nodes)
+        )
+        bends = (rates[row + 1, place] - rates[row, place]) / (times[1] - times[0])
+        values = np.maximum(values - 0.5 * slopes**2 / bends, 0.0)
+        return [
+            np.sqrt(own if own.size else np.array([square.min(), square.max()]))
+            for number, square in enumerate(squares.T)
+            for own in [values[place == number]]
+        ]
+
+    def _squares(self, states: Values, nodes: bool) -> tuple[Values, Values]:
         """Return squares of the distances, and their rates, shape (sample, contact)."""
-        place, velocity = self.places(self.states(state, times))
+        place, velocity = self.places(states, nodes=nodes)
         return np.abs(place) ** 2, 2.0 * (place.conj() * velocity).real
 
     def pair_product(self, _duration: float) -> float | None:
@@ -383,3 +432,21 @@ class SystemFlow:
             row[:] = np.abs(grown.diagonal())
         with np.errstate(divide="ignore"):
             return np.log(np.where(factors > LOST, factors, 0.0)) / self.revolution
+
+
+def _extreme_times(
+    values: Values, rates: Values, row: Indices, place: Indices, step: float
+) -> Values:
+    """Return when cubics by values and rates at both ends of a step are extreme, from its begin.
+
+    Their rates have different signs at the ends, so that each has one extremum in its step.
+    """
+    first, last = values[row, place], values[row + 1, place]
+    m, n = step * rates[row, place], step * rates[row + 1, place]
+    cubic, square = 2.0 * (first - last) + m + n, 3.0 * (last - first) - 2.0 * m - n
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # the form without cancellation
+        both = square + np.copysign(np.sqrt(square**2 - 3.0 * cubic * m), square)
+        near, far = -m / both, -both / (3.0 * cubic)
+    part = np.where((near >= 0.0) & (near <= 1.0), near, far)
+    return np.asarray(step * np.clip(np.nan_to_num(part), 0.0, 1.0))
