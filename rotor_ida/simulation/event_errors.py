@@ -1,33 +1,36 @@
 """Estimate the error of event times, and the horizon after which there is no estimate.
 
-Whatever its method, the orbit is simulated a second time by Taylor series, with thirty times
+Whatever its method, the motion is simulated a second time by Taylor series, with thirty times
 tighter tolerances and few samples. This costs a tenth of a CVODE run and is far more accurate, so
-the difference is the error itself. For an orbit by Taylor series at tight tolerances, rounding
+the difference is the error itself. For a motion by Taylor series at tight tolerances, rounding
 contributes to it. The difference is multiplied by a safety factor, since it may contain the second
-run's own error. Where the second tolerance would be below rounding, both runs may round alike: the
-second run then uses a rotor that differs in the last bit.
+run's own error. Both runs must not round alike: the second run of a rotor system has another order,
+and where the second tolerance would be below rounding, that of one disc uses a rotor that differs
+in the last bit.
 
 Taylor series take a step every few radians of the fastest possible motion or decay of the rotor,
 even where nothing moves. On a steady whirl, or with heavy damping, CVODE takes longer steps: a long
 CVODE run is repeated by CVODE itself, at thirty times looser tolerances. The difference is then the
 error of the looser run and bounds that of the tighter one.
 
-A difference of times may vanish by chance, while the states at the event differ. Each error is
-therefore at least a part of that of the states, as far as the event's guard may feel it, over the
-guard's rate. Where rounding is all that differs both may vanish, so each event takes the largest of
-its own error and those of the few events before it. ``docs/events.md`` shows how well this covers
+A difference of times may vanish by chance, so each event takes the largest of its own error and
+those of the few events before it at the same contact. The states at the event may differ even so:
+each error of one disc is at least a part of that of the states, as far as the event's guard may
+feel it, over the guard's rate. ``docs/events.md`` shows how well this covers
 the reference cases.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import ROUNDING, Stop, Values, Watch
 from rotor_ida.checks import State
+from rotor_ida.core.systems import SystemEvents, SystemResult
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.contact import damping_factor, spring_force, spring_slope
 from rotor_ida.model.forces import Moment, accelerations, with_values
@@ -37,6 +40,8 @@ from rotor_ida.simulation.orbit import ENTRY, OF_FRICTION, PRESS, ROLLS, SLIP, O
 from rotor_ida.simulation.run import run
 
 Event = tuple[int, float, float]
+Kinds = npt.NDArray[np.integer[Any]]
+Numbers = npt.NDArray[np.intp]
 
 APART = 30.0
 MEMORY = 4
@@ -79,6 +84,132 @@ class EventErrors:
     horizon: float
 
 
+# ---- The same events of two runs ----
+
+
+def partners_of(
+    times: Values, kinds: Kinds, other_times: Values, other_kinds: Kinds, *, skips: bool
+) -> Numbers:
+    """Return the number of the same event in another run, -1 where there is none.
+
+    A slight touch, or a slight departure, may appear in one run only: where one `skips`, a pair of
+    events without a partner is left out. If more than a pair is missing, the runs have separated.
+    """
+    reach, other_reach = _reach(times), _reach(other_times)
+    count = min(times.size, other_times.size)
+    same = kinds[:count] == other_kinds[:count]
+    allowed = np.minimum(reach[:count], other_reach[:count])
+    same &= np.abs(times[:count] - other_times[:count]) <= allowed
+    good = count if same.all() else int(np.argmin(same))
+    partners = np.full(times.size, -1, np.intp)
+    partners[:good] = np.arange(good)
+    if skips and good < max(times.size, other_times.size):
+        own = _listed(kinds, times, reach)
+        _pair_up(partners, own, _listed(other_kinds, other_times, other_reach), good)
+    return partners
+
+
+def _pair_up(partners: Numbers, own: list[Event], others: list[Event], first: int) -> None:
+    """Write the numbers of partners from the first event that differs on."""
+    mine = theirs = first
+    while mine < len(own):
+        if _is_same(own, mine, others, theirs):
+            partners[mine] = theirs
+            mine, theirs = mine + 1, theirs + 1
+        elif _is_same(own, mine + 2, others, theirs):
+            mine += 2
+        elif _is_same(own, mine, others, theirs + 2):
+            theirs += 2
+        else:
+            break
+
+
+def _reach(times: Values) -> Values:
+    """Return how far away the partner of each event may be."""
+    gaps = np.full(times.size + 1, np.inf)
+    gaps[1:-1] = times[1:] - times[:-1]
+    return np.asarray(SAME_EVENT * np.minimum(gaps[:-1], gaps[1:]))
+
+
+def _listed(*columns: npt.NDArray[Any]) -> list[Event]:
+    """Return kind, time and reach of each event."""
+    # a loop over Python numbers takes a fifth of the time of one over NumPy scalars
+    return list(zip(*(column.tolist() for column in columns), strict=True))
+
+
+def _is_same(own: list[Event], mine: int, others: list[Event], theirs: int) -> bool:
+    if mine >= len(own) or theirs >= len(others):
+        return False
+    kind, time, reach = own[mine]
+    other_kind, other_time, other_reach = others[theirs]
+    return kind == other_kind and abs(time - other_time) <= min(reach, other_reach)
+
+
+def _late(times: Values, other_times: Values, partners: Numbers) -> Values:
+    """Return how much later than its partner each event is; infinite without one."""
+    late, found = np.full(times.size, np.inf), partners >= 0
+    late[found] = times[found] - other_times[partners[found]]
+    return late
+
+
+def _remembered(errors: Values) -> Values:
+    """Return the largest of each error and the finite ones of the few events before it."""
+    finite, largest = np.where(np.isfinite(errors), errors, 0.0), errors.copy()
+    for back in range(1, MEMORY):
+        np.maximum(largest[back:], finite[:-back], out=largest[back:])
+    return largest
+
+
+def _rounded(times: Values) -> Values:
+    """Return the rounding errors of times, each a sum of a span for each event up to it."""
+    return np.asarray(4.0 * np.spacing(times) * np.sqrt(1.0 + np.arange(times.size)))
+
+
+# ---- Of a rotor system ----
+
+
+def errors_of(
+    result: SystemResult, other: SystemResult | SystemEvents, contacts: int, duration: float
+) -> EventErrors:
+    """Return the errors of the events of a run by another one, each contact by itself.
+
+    The horizon is the first event of a contact that the other run does not have.
+    """
+    errors, horizon = np.empty(result.event_times.size), duration
+    for contact in range(contacts):
+        here, times, other_times, late = _at_contact(result, other, contact)
+        errors[here] = WIDENING * _remembered(late) + _rounded(times)
+        count = int(np.count_nonzero(np.isfinite(late)))
+        parted = times[count:] if count < times.size else other_times[count:]
+        horizon = min([horizon, *parted[:1].tolist()])
+    errors[result.event_times > horizon] = np.inf
+    return EventErrors(errors, horizon)
+
+
+def shifts_of(result: SystemResult, other: SystemResult, contacts: int) -> Values:
+    """Return how far the events of a run move in another one; infinite from where they differ."""
+    shifts = np.empty(result.event_times.size)
+    for contact in range(contacts):
+        here, _, _, late = _at_contact(result, other, contact)
+        shifts[here] = late
+    return shifts
+
+
+def _at_contact(
+    result: SystemResult, other: SystemResult | SystemEvents, contact: int
+) -> tuple[Numbers, Values, Values, Values]:
+    """Return the events of a contact: places, times, times in another run, and differences."""
+    here, there = (np.flatnonzero(each.event_contacts == contact) for each in (result, other))
+    times, other_times = result.event_times[here], other.event_times[there]
+    partners = partners_of(
+        times, result.event_kinds[here], other_times, other.event_kinds[there], skips=False
+    )
+    return here, times, other_times, np.abs(_late(times, other_times, partners))
+
+
+# ---- Of one disc ----
+
+
 def estimate_event_errors(
     orbit: Orbit,
     start: State,
@@ -116,7 +247,9 @@ def estimate_event_errors(
         )  # fmt: skip
     except SimulationError as error:
         return EventErrors(np.full(orbit.event_times.size, np.inf), error.time)
-    partners = _partners(orbit, other)
+    partners = partners_of(
+        orbit.event_times, orbit.event_kinds, other.event_times, other.event_kinds, skips=True
+    )
     rates, rounded = _rates_and_rounding(orbit)
     errors = _differences(orbit, other, partners, rates, widening) + of_rounding * rounded
     horizon = _horizon(thinned, other, partners)
@@ -148,76 +281,17 @@ def _nearest(rotor: Rotor) -> Rotor:
     return replace(rotor, omega=omega, delta0=delta0)
 
 
-def _partners(orbit: Orbit, other: Orbit) -> npt.NDArray[np.intp]:
-    """Return the number of the same event in the other orbit, -1 where there is none.
-
-    A slight touch, or a slight departure, may appear in one orbit only: a pair of events without
-    a partner is skipped. If more than a pair is missing, the orbits have separated.
-    """
-    if np.array_equal(orbit.event_kinds, other.event_kinds):  # the usual case
-        allowed = np.minimum(_reach(orbit), _reach(other))
-        if (np.abs(orbit.event_times - other.event_times) <= allowed).all():
-            return np.arange(orbit.event_times.size)
-    partners = [-1] * orbit.event_times.size
-    own, others = _events(orbit), _events(other)
-    mine = theirs = 0
-    while mine < len(own):
-        if _is_same(own, mine, others, theirs):
-            partners[mine] = theirs
-            mine, theirs = mine + 1, theirs + 1
-        elif _is_same(own, mine + 2, others, theirs):
-            mine += 2
-        elif _is_same(own, mine, others, theirs + 2):
-            theirs += 2
-        else:
-            break
-    return np.array(partners, dtype=np.intp)
-
-
-def _reach(orbit: Orbit) -> Values:
-    """Return how far away the partner of each event may be [1]."""
-    times = orbit.event_times
-    gaps = np.full(times.size + 1, np.inf)
-    gaps[1:-1] = times[1:] - times[:-1]
-    return np.asarray(SAME_EVENT * np.minimum(gaps[:-1], gaps[1:]))
-
-
-def _events(orbit: Orbit) -> list[Event]:
-    """Return kind and time of each event, and how far away its partner may be."""
-    # a loop over Python numbers takes a fifth of the time of one over NumPy scalars
-    rows = (orbit.event_kinds, orbit.event_times, _reach(orbit))
-    return list(zip(*(row.tolist() for row in rows), strict=True))
-
-
-def _is_same(own: list[Event], mine: int, others: list[Event], theirs: int) -> bool:
-    if mine >= len(own) or theirs >= len(others):
-        return False
-    kind, time, reach = own[mine]
-    other_kind, other_time, other_reach = others[theirs]
-    return kind == other_kind and abs(time - other_time) <= min(reach, other_reach)
-
-
 def _differences(
-    orbit: Orbit, other: Orbit, partners: npt.NDArray[np.intp], rates: Values, widening: float
+    orbit: Orbit, other: Orbit, partners: Numbers, rates: Values, widening: float
 ) -> Values:
     """Return the error of each event by the other orbit; infinite where that has no such event."""
-    found = partners >= 0
-    times, apart = np.full(found.size, np.inf), np.zeros_like(orbit.event_states)
-    late = orbit.event_times[found] - other.event_times[partners[found]]
-    times[found] = np.abs(late)
+    found, late = partners >= 0, _late(orbit.event_times, other.event_times, partners)
+    apart = np.zeros_like(orbit.event_states)
     apart[found] = orbit.event_states[found] - other.event_states[partners[found]]
-    apart[found] -= _drift(orbit)[found] * late[:, np.newaxis]  # at one time
+    apart[found] -= _drift(orbit)[found] * late[found, np.newaxis]  # at one time
     with np.errstate(divide="ignore", invalid="ignore"):  # 0/0 where the states agree
         by_states = np.nan_to_num(_guards_apart(orbit, apart) / rates, nan=0.0, posinf=np.inf)
-    return _remembered(np.maximum(widening * times, FELT * by_states))
-
-
-def _remembered(errors: Values) -> Values:
-    """Return the largest of each error and the finite ones of the few events before it."""
-    finite, largest = np.where(np.isfinite(errors), errors, 0.0), errors.copy()
-    for back in range(1, MEMORY):
-        np.maximum(largest[back:], finite[:-back], out=largest[back:])
-    return largest
+    return _remembered(np.maximum(widening * np.abs(late), FELT * by_states))
 
 
 def _guards_apart(orbit: Orbit, apart: Values) -> Values:
@@ -268,9 +342,8 @@ def _rates_and_rounding(orbit: Orbit) -> tuple[Values, Values]:
         sizes, rates = _guards_of_friction(orbit)
         radius[of_friction] = (4.0 * ROUNDING * (2.0 + turned) * sizes)[of_friction]
         rate[of_friction] = rates[of_friction]
-    spans = np.sqrt(1.0 + np.arange(orbit.event_times.size))
     with np.errstate(divide="ignore"):
-        return rate, np.asarray(4.0 * np.spacing(orbit.event_times) * spans + radius / rate)
+        return rate, _rounded(orbit.event_times) + radius / rate
 
 
 def _guards_of_friction(orbit: Orbit) -> tuple[Values, Values]:
@@ -351,7 +424,7 @@ def _drift(orbit: Orbit) -> Values:
     return np.array([vx, vy, *np.where(np.isin(orbit.event_kinds, OF_FRICTION), 0.0, faster)]).T
 
 
-def _horizon(orbit: Orbit, other: Orbit, partners: npt.NDArray[np.intp]) -> float:
+def _horizon(orbit: Orbit, other: Orbit, partners: Numbers) -> float:
     """Return the time at which the two orbits separate, by their samples or by their events."""
     size = _largest_near(np.hypot(orbit.states[:, 0], orbit.states[:, 1]))
     apart = np.hypot(*(orbit.states[:, :2] - other.states[:, :2]).T)

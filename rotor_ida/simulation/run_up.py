@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 import numpy.typing as npt
@@ -13,25 +12,16 @@ import xarray as xr
 from rotor_ida.arrays import Watch
 from rotor_ida.checks import (
     AT_REST,
-    check_array,
-    check_between,
-    check_duration,
-    check_increasing,
     check_instance,
-    check_nonnegative,
-    check_positive,
     check_progress,
-    check_real,
-    shown,
 )
-from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Progress, Stop, interruptible, percentage, shows_progress
 from rotor_ida.results.in_si import takes_si
+from rotor_ida.simulation.course import DISC_LIMITS, check_can_wait, course_of
 from rotor_ida.simulation.dataset import run_dataset
 from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors
 from rotor_ida.simulation.options import (
-    LARGEST,
     Backend,
     Method,
     Options,
@@ -41,36 +31,7 @@ from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.run import run
 from rotor_ida.simulation.sampling import FEWEST, sample_times
 from rotor_ida.simulation.simulate import END_SLACK, MOST_SLACK
-from rotor_ida.simulation.spin import SpeedProfile, driven, through
 from rotor_ida.simulation.starts import Start, state_of
-
-# The disc is often 10^5 eccentricities wide, and its inertia grows with the square of that.
-SMALLEST_DRIVE, LARGEST_DRIVE = 1e-12, 1e15
-# Powers of e above this leave the range of doubles.
-LARGEST_EXPONENT = 700.0
-# Below this the difference quotient of the growth is rounding.
-SMALLEST_GROWTH = 1e-6
-# More radians of spin, or of motion at the reference frequency, take an hour or more.
-MOST_RADIANS = {"python": 1e7, "compiled": 1e8}
-WAYS = "by to and rate or ramp_time, by speeds, or by torque and inertia"
-
-
-@dataclass(frozen=True, slots=True)
-class _SpeedChange:
-    """A requested change of speed: the rotor at time 0, the profile, and the attributes."""
-
-    rotor: Rotor
-    profile: SpeedProfile
-    changes: dict[str, object]
-
-    @property
-    def largest_speed(self) -> float:
-        """The largest prescribed speed; with a torque, the speed at time 0."""
-        if self.profile.is_driven:
-            return self.rotor.omega
-        ends = np.array(self.profile.ends)
-        speeds = self.profile.spins_at(ends, np.empty((ends.size, 0)))["speed"]
-        return max(self.rotor.omega, float(speeds.max()))
 
 
 @takes_si
@@ -192,28 +153,28 @@ def run_up(
     check_instance("rotor", rotor, Rotor)
     progress = check_progress(progress)
     options = Options(rtol=rtol, atol=atol, method=method, backend=backend)
-    if ramp_time is not None:
-        rate = _rate_of(rotor, to, rate, ramp_time)
-    given = {"to": to, "rate": rate, "speeds": speeds, "torque": torque, "inertia": inertia}
-    change = _speed_change_of(
-        rotor, {name: each for name, each in given.items() if each is not None}, duration, options
-    )
-    first = state_of("start", start, change.rotor)
-    check_can_be_followed(change.rotor, first)
-    end = change.profile.ends[-1]
+    given = {"to": to, "rate": rate, "ramp_time": ramp_time, "speeds": speeds, "torque": torque,
+             "inertia": inertia}  # fmt: skip
+    course = course_of(rotor.omega, given, duration, DISC_LIMITS)
+    check_can_wait(course, rotor, options.backend)
+    if course.speed != rotor.omega:
+        rotor = replace(rotor, omega=course.speed)
+    first = state_of("start", start, rotor)
+    check_can_be_followed(rotor, first)
+    end = course.end
     slack = min(END_SLACK * options.rtol, MOST_SLACK) * end
 
     watch: Watch = []
 
     def sampled(samples: object, fastest: float, stop: Stop | None) -> Orbit:
         return run(
-            change.rotor, first, end, sample_times(samples, end, change.rotor, fastest), options,
-            slack=slack, stop=stop, profile=change.profile, watch=watch,
+            rotor, first, end, sample_times(samples, end, rotor, fastest), options,
+            slack=slack, stop=stop, profile=course.profile, watch=watch,
         )  # fmt: skip
 
     def run_twice(stop: Stop | None = None) -> tuple[Orbit, EventErrors]:
-        fastest = change.largest_speed
-        if samples is None and change.profile.is_driven:  # the largest speed is not known before
+        fastest = course.largest_speed
+        if samples is None and course.profile.is_driven:  # the largest speed is not known before
             fastest = max(fastest, float(np.max(sampled(FEWEST, fastest, stop).speeds)))
             watch.clear()
         orbit = sampled(samples, fastest, stop)
@@ -222,192 +183,4 @@ def run_up(
     orbit, errors = interruptible(run_twice, told=percentage(progress, watch, 2.0 * end))
     if progress is not None:
         progress(100, 100)
-    return run_dataset(orbit, first, errors, change.changes)
-
-
-# ---- The requested change of speed ----
-
-
-def _rate_of(rotor: Rotor, to: object, rate: object, ramp_time: object) -> float:
-    """Return the rate of a ramp of a given duration, or raise `InputError`."""
-    if rate is not None:
-        raise InputError(f"rate must be left out with ramp_time, got {shown(rate)}")
-    if to is None:
-        raise InputError("to must be given with ramp_time, got None")
-    return (_checked_speed("to", to) - rotor.omega) / check_positive("ramp_time", ramp_time)
-
-
-def _speed_change_of(
-    rotor: Rotor, given: dict[str, object], duration: float | None, options: Options
-) -> _SpeedChange:
-    """Return the requested change of speed, or raise `InputError`."""
-    names = ", ".join(given) or "none of them"
-    ways = [name for name, sign in (("to", "rate"), ("speeds", "speeds"), ("torque", "inertia"))
-            if name in given or sign in given]  # fmt: skip
-    if len(ways) != 1:
-        raise InputError(f"the speed must change in one way, {WAYS}, got {names}")
-    for pair in (("to", "rate"), ("torque", "inertia")):
-        for name, other in (pair, pair[::-1]):
-            if name in given and other not in given:
-                or_time = " or ramp_time" if other == "rate" else ""
-                raise InputError(f"{other}{or_time} must be given with {name}, got None")
-    if "torque" in given:
-        most = MOST_RADIANS[options.backend]
-        change = _by_torque(rotor, given["torque"], given["inertia"], duration, most)
-    elif "speeds" in given:
-        change = _piece_by_piece(rotor, given["speeds"], duration)
-    else:
-        change = _by_ramp(rotor, given["to"], given["rate"], duration)
-    _check_can_wait(change, options.backend)
-    return change
-
-
-def _check_can_wait(change: _SpeedChange, backend: str) -> None:
-    """Raise `InputError` for a run-up that would take about an hour or more."""
-    end = change.profile.ends[-1]
-    longest = MOST_RADIANS[backend] / max(change.largest_speed, 1.0)
-    if end > longest:
-        raise InputError(
-            "the {name} of a run-up must be at most {most:g} with backend {backend!r}, which would "
-            "take an hour or more, got {value}",
-            name="duration", most=longest, backend=backend, value=end,
-        )  # fmt: skip
-
-
-def ramp_of(rotor: Rotor, to: float, rate: float, backend: Backend = "compiled") -> SpeedProfile:
-    """Return the profile of a ramp from the rotor's speed, or raise `InputError`."""
-    change = _by_ramp(rotor, to, rate, None)
-    _check_can_wait(change, backend)
-    return change.profile
-
-
-def _by_ramp(rotor: Rotor, to: object, rate: object, duration: float | None) -> _SpeedChange:
-    """Return a ramp from the rotor's speed to another."""
-    target, slope, omega = _checked_speed("to", to), check_real("rate", rate), rotor.omega
-    if target == omega:
-        raise InputError(
-            "{name} must differ from the rotor's {omega=}, got {value}",
-            name="to", omega=omega, value=target,
-        )  # fmt: skip
-    way = "positive" if target > omega else "negative"
-    if slope == 0.0 or (slope > 0.0) != (target > omega):
-        raise InputError(
-            "{name} must be {way} to change the speed from {omega} to {to}, got {value}",
-            name="rate", way=way, omega=omega, to=target, value=slope,
-        )  # fmt: skip
-    check_between("the size of rate", abs(slope), SMALLEST_DRIVE, LARGEST)
-    ramp = check_duration("the time of the ramp", (target - omega) / slope, max(omega, target))
-    end = _checked_end(duration, ramp, max(omega, target))
-    profile = through([(0.0, omega), (ramp, target)], end)
-    return _SpeedChange(rotor, profile, {"to": target, "rate": slope})
-
-
-def _piece_by_piece(rotor: Rotor, speeds: object, duration: float | None) -> _SpeedChange:
-    """Return a piecewise linear profile of the speed."""
-    table = check_array("speeds", speeds)
-    if table.ndim != 2 or table.shape[1] != 2 or len(table) < 2:
-        raise InputError(
-            "{name} must be two or more pairs of time and speed, got {value}",
-            name="speeds", value=table.tolist(),
-        )  # fmt: skip
-    times, values = table.T.tolist()
-    if times[0] != 0.0:
-        raise InputError(
-            "the first {name} of speeds must be 0, got {value}", name="time", value=times[0]
-        )
-    check_increasing("times of speeds", table[:, 0])
-    for value in values:
-        _checked_speed("a speed of speeds", value)
-    with np.errstate(over="ignore"):
-        slopes = np.diff(table[:, 1]) / np.diff(table[:, 0])
-    for place in np.flatnonzero(np.abs(slopes) > LARGEST)[:1].tolist():
-        raise InputError(
-            "the {name} of speeds must lie within {most:g} of zero, got {value} from {time=} to "
-            "{end_time}",
-            name="rate", most=LARGEST, value=float(slopes[place]), time=times[place],
-            end_time=times[place + 1],
-        )  # fmt: skip
-    last = check_duration("the last time of speeds", times[-1], max(values))
-    end = _checked_end(duration, last, max(values))
-    profile = through(list(zip(times, values, strict=True)), end)
-    return _SpeedChange(replace(rotor, omega=values[0]), profile, {"speeds": table.ravel()})
-
-
-def _by_torque(
-    rotor: Rotor, torque: object, inertia: object, duration: float | None, most: float
-) -> _SpeedChange:
-    """Return a profile that a torque drives."""
-    pair = check_array("torque", torque, largest=LARGEST_DRIVE)
-    if pair.shape != (2,):
-        raise InputError(f"torque must be two numbers (tau0, slope), got {shown(torque)}")
-    tau0, slope = pair.tolist()
-    moment = check_between("inertia", inertia, SMALLEST_DRIVE, LARGEST_DRIVE)
-    if rotor.omega == 0.0 and tau0 <= 0.0:
-        raise InputError(
-            "{name} must be positive to turn a rotor that is at rest, got {value}",
-            name="tau0 of torque", value=tau0,
-        )  # fmt: skip
-    if duration is None:
-        raise InputError("duration must be given with torque, got None")
-    end = check_duration("duration", duration, rotor.omega)
-    _check_runaway(rotor, (tau0, slope), moment, end, most)
-    return _SpeedChange(
-        rotor, driven((tau0, slope), moment, end), {"torque": pair, "inertia": moment}
-    )
-
-
-def _check_runaway(
-    rotor: Rotor, torque: tuple[float, float], inertia: float, duration: float, most: float
-) -> None:
-    """Raise `InputError` if a torque lets the speed run away, beyond `LARGEST` or `most` radians.
-
-    Far above resonance the unbalance whirls at radius 1, and damping resists by ``2 zeta theta'``.
-    The turns count only where nothing resists there: elsewhere resonance may hold the speed.
-    """
-    tau0, slope = torque
-    resisted = slope + 2.0 * rotor.zeta
-    if resisted * duration / inertia > most:
-        raise InputError(
-            "{name} must be at least {least:.3g} with {torque=} and {duration=}, or the run would "
-            "take an hour or more, got {value}",
-            name="inertia", least=resisted * duration / most, torque=torque, duration=duration,
-            value=inertia,
-        )  # fmt: skip
-    growth = min(-resisted * duration / inertia, LARGEST_EXPONENT)
-    faster = tau0 * duration / inertia
-    mean = math.expm1(growth) / growth if growth else 1.0
-    rise = (mean - 1.0) / growth if abs(growth) > SMALLEST_GROWTH else 0.5
-    speed = rotor.omega * math.exp(growth) + faster * mean
-    radians = (rotor.omega * mean + faster * rise) * duration if growth >= 0.0 else 0.0
-    if speed > LARGEST or radians > most:
-        raise InputError(
-            "torque, inertia and duration must keep the speed below {most:g} and a speed that "
-            "grows without bound within {radians} radians, got {torque=}, {inertia=} and "
-            "{duration=}, which lead to a speed of about {omega:.3g}",
-            name="omega", most=LARGEST, radians=f"{most:g}", torque=torque, inertia=inertia,
-            duration=duration, omega=speed,
-        )  # fmt: skip
-
-
-def _checked_speed(name: str, value: object) -> float:
-    """Return a speed that can be simulated, or raise `InputError`."""
-    number = check_real(name, value)
-    if number < 0.0:
-        raise InputError(
-            "{name} must be zero or positive: a run through zero is not supported, got {value}",
-            name=name, value=number,
-        )  # fmt: skip
-    return check_nonnegative(name, number, LARGEST)
-
-
-def _checked_end(duration: float | None, least: float, fastest: float) -> float:
-    """Return the end of a run, no earlier than the end of the speed change."""
-    if duration is None:
-        return least
-    end = check_duration("duration", duration, fastest)
-    if end < least and not math.isclose(end, least, rel_tol=1e-12):
-        raise InputError(
-            "{name} must be at least {least}, the time of the speed change, got {value}",
-            name="duration", least=least, value=end,
-        )  # fmt: skip
-    return max(end, least)
+    return run_dataset(orbit, first, errors, course.told)

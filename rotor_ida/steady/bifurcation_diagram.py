@@ -39,9 +39,9 @@ from rotor_ida.results.question import Question
 from rotor_ida.results.rows import counted
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import RESPONSE, STATUS, labelled, labelled_dataset
+from rotor_ida.simulation.course import MOST_RADIANS
 from rotor_ida.simulation.extrema import check_knots, radius_extrema
 from rotor_ida.simulation.options import Method, options_of_study
-from rotor_ida.simulation.run_up import MOST_RADIANS
 from rotor_ida.simulation.starts import GivenStart, Starts, box_of, drawn_from, states_of
 from rotor_ida.steady.follow import FAILED, SettledResponse
 from rotor_ida.steady.grid import (

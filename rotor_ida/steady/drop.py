@@ -23,10 +23,9 @@ from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.results.in_si import takes_system
 from rotor_ida.results.system_units import with_system_units
 from rotor_ida.schema import labelled
-from rotor_ida.simulation.spin import SpeedProfile, steady
+from rotor_ida.simulation.course import MOST_RADIANS, SYSTEM_LIMITS, Course, course_of, held
 from rotor_ida.simulation.systems.ends import state_at_end
 from rotor_ida.simulation.systems.simulate import SystemMethod, run_of_cases
-from rotor_ida.simulation.systems.speed_changes import MOST_RADIANS, profile_of
 from rotor_ida.simulation.systems.starts import Start
 from rotor_ida.steady.drop_figures import figures_of_drop
 from rotor_ida.steady.levitation import Levitated, check_failing, levitated
@@ -147,10 +146,10 @@ def drop(
         raise InputError("contacts must be at least one for a drop, got none")
     omega, turned = check_real("speed", speed), check_real("phase", phase)
     end = check_positive("duration", duration)
-    if not abs(omega) * end <= MOST_RADIANS:
+    if not abs(omega) * end <= MOST_RADIANS["system"]:
         raise InputError(
             "{name} must be at most {most:.4g} in a duration of {duration}, got {value}",
-            name="speed", most=MOST_RADIANS / end, duration=end, value=omega,
+            name="speed", most=MOST_RADIANS["system"] / end, duration=end, value=omega,
         )  # fmt: skip
     gaps = _by_node(("clearances", "clearance"), clearances, list(system.nodes))
     limits = _by_node(
@@ -168,16 +167,13 @@ def drop(
         if turned:
             raise InputError(f"phase must be left out with a result as the start, got {phase!r}")
         start = state_at_end(assemble(free), start)  # type: ignore[assignment]
-    numbers = {"modes": modes, "more_modes": more_modes}
     all_modes = [modes] if more_modes is None else [modes, more_modes]
     cases = [_released(*in_modes(free, number, start), system.supports, fails, omega)
              for number in all_modes]  # fmt: skip
-    profile, change = _course(omega, end, inertia, drag)
     run = run_of_cases(
-        [(case.system, case.start) for case in cases], profile, samples=samples, rtol=rtol,
-        method=method, progress=progress, speed=omega,
-        change=change | {name: each for name, each in numbers.items() if each is not None},
-        whirls=True,
+        [(case.system, case.start) for case in cases], _course(omega, end, inertia, drag),
+        samples=samples, rtol=rtol, method=method, progress=progress,
+        modes={"modes": modes, "more_modes": more_modes}, whirls=True,
     )  # fmt: skip
     columns = figures_of_drop(run, gaps, limits) | cases[0].told
     return _dataset(system, run, columns, {"phase": turned})
@@ -189,18 +185,15 @@ def with_unbalance_at(system: RotorSystem, angle: float) -> RotorSystem:
     return replace(system, unbalance=ahead)
 
 
-def _course(
-    speed: float, duration: float, inertia: float | None, drag: float
-) -> tuple[SpeedProfile, dict[str, object]]:
-    """Return the course of the speed, held or by drag and friction, and its attributes."""
+def _course(speed: float, duration: float, inertia: float | None, drag: float) -> Course:
+    """Return the course of the speed, held or by drag and friction."""
     resistance = check_nonnegative("drag", drag)
     if inertia is None:
         if resistance > 0.0:
             raise InputError("inertia must be given with drag, got {drag=} alone", drag=resistance)
-        return steady(speed, duration), {"speed": speed}
-    profile, _, change = profile_of(speed, None, None, None, (0.0, resistance),
-                                    check_positive("inertia", inertia), duration)  # fmt: skip
-    return profile, change
+        return held(speed, duration)
+    given = {"torque": (0.0, resistance), "inertia": inertia}
+    return course_of(speed, given, duration, SYSTEM_LIMITS)
 
 
 def _by_node(

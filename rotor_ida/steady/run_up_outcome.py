@@ -21,11 +21,11 @@ from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.results.contact_facts import run_up_facts
 from rotor_ida.schema import ENDING, RESPONSE
+from rotor_ida.simulation.course import ramp_of
 from rotor_ida.simulation.dataset import arrays_of
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import ENTRY, Orbit
 from rotor_ida.simulation.run import run
-from rotor_ida.simulation.run_up import ramp_of
 from rotor_ida.simulation.spin import Ramp, SpeedProfile
 from rotor_ida.steady.follow import FAILED, durations, follow_to_steady_state
 from rotor_ida.steady.grid import EXPECTED, Rows, reason_of

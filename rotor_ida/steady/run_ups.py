@@ -29,6 +29,7 @@ from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import ENDING, ENDS_IN_WORDS, labelled, labelled_dataset
+from rotor_ida.simulation.course import ramp_of
 from rotor_ida.simulation.options import (
     LARGEST,
     Backend,
@@ -37,7 +38,6 @@ from rotor_ida.simulation.options import (
     check_can_be_followed,
     options_of_study,
 )
-from rotor_ida.simulation.run_up import ramp_of
 from rotor_ida.simulation.starts import GivenStart, Starts, states_of
 from rotor_ida.steady.grid import (
     Array,

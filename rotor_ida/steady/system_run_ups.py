@@ -32,10 +32,10 @@ from rotor_ida.results.question import QUESTION, Question
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.results.system_units import with_system_units
 from rotor_ida.schema import ENDING, labelled
+from rotor_ida.simulation.course import SYSTEM_LIMITS, course_of
 from rotor_ida.simulation.systems.ends import state_at_end
 from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
 from rotor_ida.simulation.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL, run_of_cases
-from rotor_ida.simulation.systems.speed_changes import profile_of
 from rotor_ida.simulation.systems.starts import Start, start_of
 from rotor_ida.steady.drop import with_unbalance_at
 from rotor_ida.steady.follow import SettledSystem, settle
@@ -149,7 +149,7 @@ def run_ups_system(
     if case["to"] == 0.0:
         raise InputError("to must not be 0 in run-ups of a rotor system, got 0.0")
     for first, change in product(axes["speed"].tolist(), axes["rate"].tolist()):
-        profile_of(first, case["to"], change, None, None, None, None)
+        course_of(first, {"to": case["to"], "rate": change}, None, SYSTEM_LIMITS)
     problem = SettlingProblem.of(assemble(in_modes(system, modes, begun[0])[0]), case["rtol"])
     check_slowest(problem, np.array([case["to"]]))
     case["starts"] = [state_at_end(problem.assembly, each) for each in begun]
@@ -181,13 +181,13 @@ def _point(problem: SettlingProblem) -> np.dtype[np.void]:
 def follow_system_run_up(job: Member, stop: Stop) -> Rows:
     """Follow a rotor system along its ramp, and on at the last speed until it has settled."""
     at, case, facts = job.varied, job.case, {}
-    profile, first, change = profile_of(at["speed"], case["to"], at["rate"], *(None,) * 4)
+    course = course_of(at["speed"], {"to": case["to"], "rate": at["rate"]}, None, SYSTEM_LIMITS)
     try:
         turned = with_unbalance_at(case["system"], at["phase"])
         system, start = in_modes(turned, case["modes"], case["start"])
         run = run_of_cases(
-            [(system, start)], profile, samples=None, rtol=case["rtol"], method="taylor",
-            progress=None, speed=first, change=change,
+            [(system, start)], course, samples=None, rtol=case["rtol"], method="taylor",
+            progress=None, modes={},
         )  # fmt: skip
         facts = _facts(run, at["phase"])
         settled = _settled(system, run, at["phase"], case, stop)

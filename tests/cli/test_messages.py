@@ -73,7 +73,7 @@ OF_MACHINE = {
 OF_SYSTEM = {
     "simulate --duration -1ms": "duration must be positive, got -1 ms",
     "run-up --from 100rpm --to 900rpm --rate -1rpm/s":
-        "rate must lead from speed 100 rpm to 900 rpm, got -1 rpm/s",
+        "rate must be positive to change the speed from 100 rpm to 900 rpm, got -1 rpm/s",
     "run-up --from 100rpm --to 900rpm --in 100ms --duration 50ms":
         "duration must be at least 100 ms, the time of the speed change, got 50 ms",
     "sweep --speed 2000rpm 1000rpm --direction up":

@@ -354,7 +354,7 @@ MISTAKES = [
     ("simulate slow.toml --duration 1", "speed must be given with --speed or in slow.toml"),
     ("simulate bare.toml --duration 20ms --speed 2", "duration must have no unit for a dimension"),
     ("run-up bare.toml --to 60rpm --rate 1", "to must have no unit for a dimensionless rotor"),
-    ("run-up bare.toml", "a run-up must have one of rate, speeds and torque, got None"),
+    ("run-up bare.toml", "the speed must change in one way, by to and rate or ramp_time, by"),
     ("run-up rotor.toml --from 2 --speed 3", "speed must be left out with --from, got both"),
     ("run-up rotor.toml --from 2 --speeds 0:1 1:2", "from must be left out with speeds, got 2.0"),
     ("run-up rotor.toml --to 1 --rate 1 --in 2", "rate must be left out with ramp_time, got 1.0"),

@@ -101,7 +101,7 @@ def test_a_torque_that_lets_the_speed_run_away_is_refused(case):
 @pytest.mark.parametrize("by", sorted(BY.keys() - {"ida"}))  # which ends at so high a speed
 def test_a_speed_that_runs_away_in_a_run_is_stopped_there(by, monkeypatch):
     """In case something speeds the rotor up that the check before the run does not foresee."""
-    monkeypatch.setattr("rotor_ida.simulation.run_up._check_runaway", lambda *_: None)
+    monkeypatch.setattr("rotor_ida.simulation.course._check_runaway", lambda *_: None)
     with pytest.raises(SimulationError, match=r"the speed passed 1e\+06: the torque") as failure:
         run_up(replace(DRIFTS, omega=999_900.0), torque=(1.0, 0.0), inertia=1e-6, duration=1e-3,
                **BY[by])  # fmt: skip

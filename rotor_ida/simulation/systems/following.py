@@ -1,8 +1,7 @@
 """Follow a rotor system by Taylor series, twice: the second run measures the errors of the first.
 
 The second run has tighter tolerances and another order, so that nothing of the first is repeated to
-the bit. The error of an event is the difference of the two, or the largest of those of the few
-events before it at the same contact, as a difference may vanish by chance.
+the bit: see `rotor_ida.simulation.event_errors`.
 """
 
 from __future__ import annotations
@@ -11,7 +10,6 @@ import math
 from dataclasses import dataclass, replace
 
 import numpy as np
-import numpy.typing as npt
 
 from rotor_ida.arrays import Stop, Values, Watch
 from rotor_ida.checks import shown
@@ -23,6 +21,7 @@ from rotor_ida.model.assembly import Assembly, Canonical
 from rotor_ida.model.contact import HERTZ_EXPONENT
 from rotor_ida.model.growth import FREE, rates_of
 from rotor_ida.model.parameters import OF_ROTOR
+from rotor_ida.simulation.event_errors import APART, WIDENING, EventErrors, errors_of
 from rotor_ida.simulation.spin import SpeedProfile
 
 # The tolerance of a step over that of a run.
@@ -30,10 +29,6 @@ STEP_SAFETY = 1e-3
 TIGHTEST = 1e-16
 # Orders of the first and the second run.
 ORDERS = (20, 24)
-APART = 30.0
-# As in `rotor_ida.simulation.event_errors`: a safety factor, how many events before count, and how
-# near two events must be, in parts of the time to the next, to be the same.
-WIDENING, MEMORY, SAME_EVENT = 10.0, 4, 0.25
 # The second run goes on for this many times the horizon, so that each event before it is in it.
 ENOUGH = 2.0
 # Part of the first speed below which a driven rotor stands. Speeds below this part of that have no
@@ -49,17 +44,14 @@ class Followed:
     ----------
     result : SystemResult
         The run, in coordinates with a unit mass matrix.
-    event_time_errors : ndarray, shape (event,)
-        Errors; infinite after the horizon.
-    horizon : float
-        Time up to which the start determines the motion at these tolerances.
+    errors : EventErrors
+        The errors of its events, and the horizon.
     standstill, standstill_error : float
         Since when a driven rotor has stood at the end, NaN if it does not; and the error.
     """
 
     result: SystemResult
-    event_time_errors: Values
-    horizon: float
+    errors: EventErrors
     standstill: float
     standstill_error: float
 
@@ -92,6 +84,18 @@ def request_of(
         displacement=displacement, velocity=velocity, fastest=fastest, start=start, times=times,
         duration=duration, massless=found.massless,
     )  # fmt: skip
+
+
+def inertia_of(found: Canonical, profile: SpeedProfile) -> float:
+    """Return the moment of inertia about the axis of rotation, 0 if the speed is prescribed.
+
+    It is that about the centres of mass, and what the unbalance adds.
+    """
+    if not profile.is_driven:
+        return 0.0
+    (spin,) = profile.spins
+    own = 1.0 / spin.piece()[3]
+    return own + 0.5 * float((found.unbalance**2).sum())
 
 
 def _check_contact_damping(assembly: Assembly, velocity: float) -> None:
@@ -138,14 +142,12 @@ def follow_twice(
 ) -> Followed:
     """Return a run and the errors of its events."""
     result = follow_system_again(request, stop, watch)
-    tighter = replace(
-        request, rtol=max(request.rtol / APART, TIGHTEST / APART), order=ORDERS[1],
-        times=request.times[[-1]], only_events=True,
-    )  # fmt: skip
+    rtol = max(request.rtol / APART, TIGHTEST / APART)
+    tighter = replace(bare(request), rtol=rtol, order=ORDERS[1])
 
     def has_parted(events: SystemEvents) -> bool:
-        horizon = errors_of(result, events, len(request.laws), request.duration)[1]
-        return events.time >= ENOUGH * horizon
+        errors = errors_of(result, events, len(request.laws), request.duration)
+        return events.time >= ENOUGH * errors.horizon
 
     other = follow_system(tighter, stop, watch, has_parted)
     check_status(other)
@@ -156,17 +158,21 @@ def compared_with_series(
     result: SystemResult, request: SystemRequest, stop: Stop, watch: Watch
 ) -> Followed:
     """Return a run with the errors of its events by one by Taylor series."""
-    bare = replace(request, times=request.times[[-1]], only_events=True)
-    return compared(result, follow_system_again(bare, stop, watch), request)
+    return compared(result, follow_system_again(bare(request), stop, watch), request)
+
+
+def bare(request: SystemRequest) -> SystemRequest:
+    """Return a run of which only the events are wanted."""
+    return replace(request, times=request.times[[-1]], only_events=True)
 
 
 def compared(result: SystemResult, other: SystemResult, request: SystemRequest) -> Followed:
     """Return a run with the errors of its events by another one."""
-    errors, horizon = errors_of(result, other, len(request.laws), request.duration)
+    errors = errors_of(result, other, len(request.laws), request.duration)
     since, error = standstill_of(result), math.inf
-    if since <= horizon and not math.isnan(other.standstill.since):
+    if since <= errors.horizon and not math.isnan(other.standstill.since):
         error = WIDENING * abs(since - other.standstill.since) + 4.0 * float(np.spacing(since))
-    return Followed(result, errors, horizon, since, math.nan if math.isnan(since) else error)
+    return Followed(result, errors, since, math.nan if math.isnan(since) else error)
 
 
 def standstill_of(result: SystemResult) -> float:
@@ -196,57 +202,3 @@ def check_status(result: SystemResult) -> None:
     """Raise an error where a run has not reached its end."""
     if result.status != DONE:
         raise SimulationError(f"{message_of(result.status)} at t = {result.time:.17g}")
-
-
-def shifts_of(result: SystemResult, request: SystemRequest, stop: Stop, watch: Watch) -> Values:
-    """Return how far the events of a run move in another one; infinite from where they differ."""
-    other = follow_system_again(
-        replace(request, times=request.times[[-1]], only_events=True), stop, watch
-    )
-    shifts = np.full(result.event_times.size, np.inf)
-    for contact in range(len(request.laws)):
-        own, _, differences = _matched(result, other, contact)
-        shifts[own[: differences.size]] = differences
-    return shifts
-
-
-def _matched(
-    result: SystemResult, other: SystemResult | SystemEvents, contact: int
-) -> tuple[npt.NDArray[np.intp], npt.NDArray[np.intp], Values]:
-    """Return the events of a contact in two runs, and the differences of those that are the same.
-
-    They are the same up to the first that differs in kind, or by a quarter of the time to the next.
-    """
-    own = np.flatnonzero(result.event_contacts == contact)
-    others = np.flatnonzero(other.event_contacts == contact)
-    count = min(own.size, others.size)
-    times, other_times = result.event_times[own], other.event_times[others[:count]]
-    gaps = np.diff(times, prepend=-np.inf, append=np.inf)
-    reach = SAME_EVENT * np.minimum(gaps[:-1], gaps[1:])[:count]
-    differences = np.abs(times[:count] - other_times)
-    same = result.event_kinds[own[:count]] == other.event_kinds[others[:count]]
-    same &= differences <= reach
-    return own, others, differences[: count if same.all() else int(np.argmin(same))]
-
-
-def errors_of(
-    result: SystemResult, other: SystemResult | SystemEvents, contacts: int, duration: float
-) -> tuple[Values, float]:
-    """Return the errors of the events of a run by another one, and the horizon."""
-    errors = np.full(result.event_times.size, np.inf)
-    horizon = duration
-    for contact in range(contacts):
-        own, others, differences = _matched(result, other, contact)
-        times, good = result.event_times[own], differences.size
-        largest = differences.copy()
-        for back in range(1, MEMORY):
-            np.maximum(largest[back:], differences[: max(good - back, 0)], out=largest[back:])
-        spans = np.sqrt(1.0 + np.arange(good))
-        rounding = 4.0 * np.spacing(times[:good]) * spans
-        errors[own[:good]] = WIDENING * largest + rounding
-        if good < own.size:
-            horizon = min(horizon, float(times[good]))
-        elif others.size > own.size:
-            horizon = min(horizon, float(other.event_times[others[own.size]]))
-    errors[result.event_times > horizon] = np.inf
-    return errors, horizon

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Literal, Unpack
 
@@ -33,25 +33,21 @@ from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_
 from rotor_ida.parallel import Progress, interruptible, percentage, shows_progress
 from rotor_ida.results.archived_system import problem_variables
 from rotor_ida.results.growth_words import NOT_HELD, RATE, WHIRL_SPEED, stability_words
-from rotor_ida.simulation.spin import SpeedProfile, steady
+from rotor_ida.simulation.course import MOST_RADIANS, SYSTEM_LIMITS, Course, course_of, held
+from rotor_ida.simulation.event_errors import shifts_of
+from rotor_ida.simulation.spin import SpeedProfile
 from rotor_ida.simulation.systems.dataset import fastest_whirl, system_dataset
 from rotor_ida.simulation.systems.ends import state_at_end
 from rotor_ida.simulation.systems.following import (
     Followed,
+    bare,
     compared_with_series,
     follow_system_again,
     follow_twice,
+    inertia_of,
     request_of,
-    shifts_of,
 )
 from rotor_ida.simulation.systems.invariants import check_run
-from rotor_ida.simulation.systems.speed_changes import (
-    MOST_RADIANS,
-    fastest_of,
-    inertia_of,
-    profile_of,
-    rate_of,
-)
 from rotor_ida.simulation.systems.starts import Start, start_of
 
 SystemMethod = Literal["taylor", "adams", "bdf"]
@@ -160,9 +156,9 @@ def simulate_system(
     omega = check_real("speed", speed)
     end = check_positive("duration", duration)
     return _simulate(
-        changed_system(simulate_system, system, changed), steady(omega, end), start=start,
+        changed_system(simulate_system, system, changed), held(omega, end), start=start,
         samples=samples, modes=modes, more_modes=more_modes, rtol=rtol, method=method,
-        progress=progress, speed=omega, change={"speed": omega},
+        progress=progress,
     )  # fmt: skip
 
 
@@ -248,13 +244,12 @@ def run_up_system(
     >>> run.speed.values.round(3)
     array([0.2 , 0.85, 1.5 ])
     """
-    if ramp_time is not None:
-        rate = rate_of(speed, to, rate, ramp_time)
-    profile, first, change = profile_of(speed, to, rate, speeds, torque, inertia, duration)
+    given = {"to": to, "rate": rate, "ramp_time": ramp_time, "speeds": speeds, "torque": torque,
+             "inertia": inertia}  # fmt: skip
+    course = course_of(speed, given, duration, SYSTEM_LIMITS)
     return _simulate(
-        changed_system(run_up_system, system, changed), profile, start=start, samples=samples,
+        changed_system(run_up_system, system, changed), course, start=start, samples=samples,
         modes=modes, more_modes=more_modes, rtol=rtol, method=method, progress=progress,
-        speed=first, change=change,
     )  # fmt: skip
 
 
@@ -269,30 +264,30 @@ class _Prepared:
 
 
 def _prepared(
-    system: RotorSystem, start: Start | xr.Dataset, profile: SpeedProfile, times: Values,
-    speed: float, fastest: float, rtol: float,
+    system: RotorSystem, start: Start | xr.Dataset, course: Course, times: Values, rtol: float
 ) -> _Prepared:  # fmt: skip
     """Return what is to be followed, if that does not take too long."""
     assembly = assemble(system)
-    found, end = canonical(assembly), profile.ends[-1]
-    begun = start_of(assembly, state_at_end(assembly, start), speed)
+    found, fastest = canonical(assembly), course.largest_speed
+    begun = start_of(assembly, state_at_end(assembly, start), course.speed)
     request = request_of(
-        assembly, found, profile, np.array([found.to_y(each) for each in begun]), times, end,
-        rtol=rtol, speed=speed, fastest_speed=fastest, inertia=inertia_of(found, profile),
+        assembly, found, course.profile, np.array([found.to_y(each) for each in begun]), times,
+        course.end, rtol=rtol, speed=course.speed, fastest_speed=fastest,
+        inertia=inertia_of(found, course.profile),
     )  # fmt: skip
-    longest = MOST_RADIANS / (request.fastest + fastest)
-    if not end <= longest:
+    longest = MOST_RADIANS["system"] / (request.fastest + fastest)
+    if not course.end <= longest:
         raise InputError(
             "{name} must be at most {most:.4g}, as the system moves at up to {fastest:.4g}, got "
             "{value}; fewer modes lower that",
-            name="duration", most=longest, fastest=request.fastest, value=end,
+            name="duration", most=longest, fastest=request.fastest, value=course.end,
         )  # fmt: skip
     return _Prepared(assembly, found, begun, request)
 
 
 def _simulate(
     system: RotorSystem,
-    profile: SpeedProfile,
+    course: Course,
     *,
     start: Start | xr.Dataset,
     samples: int | npt.ArrayLike | None,
@@ -301,18 +296,14 @@ def _simulate(
     rtol: float,
     method: SystemMethod,
     progress: Progress | bool | None,
-    speed: float,
-    change: dict[str, object],
 ) -> xr.Dataset:
     """Return the run of a system along a course of its speed."""
     check_modes(modes, more_modes)
-    numbers = {"modes": modes, "more_modes": more_modes}
-    change = change | {name: number for name, number in numbers.items() if number is not None}
     cases = [in_modes(system, number, start)
              for number in ([modes] if more_modes is None else [modes, more_modes])]  # fmt: skip
     run = run_of_cases(
-        cases, profile, samples=samples, rtol=rtol, method=method, progress=progress, speed=speed,
-        change=change,
+        cases, course, samples=samples, rtol=rtol, method=method, progress=progress,
+        modes={"modes": modes, "more_modes": more_modes},
     )  # fmt: skip
     for words in stability_words(run.attrs, system.units):
         warn(words)
@@ -321,14 +312,13 @@ def _simulate(
 
 def run_of_cases(
     cases: Sequence[tuple[RotorSystem, Start]],
-    profile: SpeedProfile,
+    course: Course,
     *,
     samples: int | npt.ArrayLike | None,
     rtol: float,
     method: SystemMethod,
     progress: Progress | bool | None,
-    speed: float,
-    change: dict[str, object],
+    modes: Mapping[str, int | None],
     whirls: bool = False,
 ) -> xr.Dataset:
     """Return the run of a system, and the shifts of its events in a second.
@@ -337,24 +327,25 @@ def run_of_cases(
     ----------
     cases : sequence of (RotorSystem, start)
         The system and its start; those with more modes come second.
-    profile : SpeedProfile
+    course : Course
         The course of the speed.
     samples, rtol, method, progress : optional
         As for `simulate`.
-    speed : float
-        Speed at time 0.
-    change : dict
-        Attributes of the run: its speed or what changes it.
+    modes : mapping
+        Numbers of modes, as attributes of the run.
     whirls : bool
         Whether samples by default must resolve whirls in the contacts too, however fast.
     """
     check_choice("method", method, METHODS)
     progress = check_progress(progress)
     tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
-    end, fastest = profile.ends[-1], fastest_of(profile, speed)
-    times = _times(samples, end, fastest)
-    told = {"method": method, "rtol": tolerance, "duration": end, **change}
-    first, *second = [_prepared(*each, profile, times, speed, fastest, tolerance) for each in cases]
+    profile, fastest = course.profile, course.largest_speed
+    times = _times(samples, course.end, fastest)
+    numbers = {name: number for name, number in modes.items() if number is not None}
+    told: dict[str, object] = {
+        "method": method, "rtol": tolerance, "duration": course.end, **course.told, **numbers
+    }  # fmt: skip
+    first, *second = [_prepared(*each, course, times, tolerance) for each in cases]
     followed, moved = _followed(first, second, profile, tolerance, method, progress)
     if whirls and samples is None and (finer := _finer(first, followed.result, times)) is not None:
         times = finer
@@ -369,7 +360,7 @@ def run_of_cases(
         more["event_time_shift"] = ("event", moved)
     return system_dataset(
         first.assembly, first.found, followed, times, more, told,
-        change_speed="speed" not in change,
+        change_speed="speed" not in course.told,
     )  # fmt: skip
 
 
@@ -401,8 +392,10 @@ def _followed(
         else:
             result = _run_by_cvode(first.request, profile, rtol, method, stop, watch)
             followed = compared_with_series(result, first.request, stop, watch)
-        moved = [shifts_of(followed.result, each.request, stop, watch) for each in second]
-        return followed, moved[0] if moved else None
+        if not second:
+            return followed, None
+        other = follow_system_again(bare(second[0].request), stop, watch)
+        return followed, shifts_of(followed.result, other, len(first.request.laws))
 
     whole = (2 + len(second)) * first.request.duration
 
