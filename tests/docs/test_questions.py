@@ -11,9 +11,11 @@ from typing import Any
 
 import numpy as np
 import pytest
+import xarray as xr
 
 import rotor_ida
 from rotor_ida import Contact, DimensionalRotor, InputError, Rotor, RotorSystem, Unbalance
+from tests.kinds import a_branch
 
 PAGE = Path(__file__).parents[2] / "docs" / "questions.md"
 KINDS = {"disc": "one disc", "machine": "machine in SI", "system": "rotor system"}
@@ -82,73 +84,102 @@ def of_parameters(why: str) -> dict[str, tuple[str, str]]:
     return {"system": (why, "rotor must be a Rotor, got")}
 
 
+def doubling() -> xr.Dataset:
+    """Return a period doubling on a branch of one disc."""
+    return a_branch().isel(special=0)
+
+
+def signals(kind: str) -> xr.Dataset:
+    """Return signals of a run-up of one disc."""
+    if kind == "disc":
+        run = rotor_ida.run_up(DISC, to=2.6, rate=0.01, samples=5001)
+    else:
+        run = rotor_ida.run_up(in_si(DISC), to=1300.0, rate=2500.0, samples=5001)
+    return rotor_ida.signals_of(run)
+
+
 ONE_DISC = "no: a closed form of one disc; "
 FEW = {"starts": [REST], "workers": 1}
 QUESTIONS = [
-    Asked("simulate", "its motion from a start", {"duration": 9.0}, {"duration": 0.02},
+    Asked("simulate", "motion from a start", {"duration": 9.0}, {"duration": 0.02},
           {"speed": 1.5, "duration": 9.0}),
-    Asked("run_up", "its motion at a changing speed", {"to": 2.2, "rate": 0.1},
+    Asked("run_up", "motion while the speed changes", {"to": 2.2, "rate": 0.1},
           {"to": 1100.0, "rate": 25e3}, {"speed": 1.0, "to": 1.2, "rate": 0.1}),
-    Asked("run_ups", "many run-ups and how they end",
+    Asked("run_ups", "many run-ups, and how each ends",
           {"to": 2.2, "rate": [0.1]}, {"to": 1100.0, "rate": [25e3]},
           {"speed": 0.8, "to": 0.9, "rate": [0.1]}),
-    Asked("sweep", "the motion on which it settles", {"workers": 1}, {"workers": 1},
+    Asked("sweep", "settled motion at each speed", {"workers": 1}, {"workers": 1},
           {"speed": [0.9, 1.1]}),
-    Asked("bifurcation_diagram", "settled motions by their extrema, or once a revolution",
+    Asked("bifurcation_diagram", "settled motions: extrema, or states once a revolution",
           {**FEW, "at": "revolution", "revolutions": 3}, FEW,
           {"speed": 1.5, "at": "revolution", "revolutions": 3}),
-    Asked("poincare_section", "one motion once a revolution, at its events or peaks",
+    Asked("poincare_section", "one motion once a revolution, at events or at peaks",
           {"revolutions": 3}, {"revolutions": 3, "at": "peak"},
           {"speed": 1.5, "revolutions": 3, "at": "entry", "contact": "two"}),
-    Asked("lyapunov_exponent", "how fast motions part",
+    Asked("lyapunov_exponent", "Lyapunov exponents: is it chaotic?",
           {"transient": 5.0, "duration": 40.0, "batches": 4},
           {"transient": 0.01, "duration": 0.1, "batches": 4},
           {"speed": 1.5, "transient": 5, "revolutions": 80, "batches": 4, "exponents": 1}),
-    Asked("limit_cycle", "the cycle to which a start leads", {}, {}, {"speed": 1.5}),
-    Asked("continue_cycle", "a branch of cycles over a parameter",
+    Asked("limit_cycle", "limit cycle", {}, {}, {"speed": 1.5}),
+    Asked("continue_cycle", "branch of limit cycles over a parameter",
           {"limits": (1.98, 2.02), "points": 3}, {"limits": (990.0, 1010.0), "points": 3},
           {"speed": 1.5, "limits": (1.48, 1.52), "points": 3}),
+    Asked("bifurcation_curve", "bifurcation of limit cycles over two parameters",
+          {"start": doubling, "kind": "period_doubling", "limits": [(1.75, 1.85), (1.95, 2.05)],
+           "points": 3},
+          {"start": doubling, "kind": "period_doubling", "parameters": ("speed", "clearance"),
+           "limits": [(875.0, 925.0), (1.95e-6, 2.05e-6)], "points": 3},
+          refused=of_disc("bifurcation_curve", "no: its cycles are followed over the speed alone")),
     Asked("synchronous_response", "every synchronous whirl", {}, {}, {"speed": [0.9, 1.1]}),
-    Asked("special_speeds", "speeds at which whirls fold, oscillate or graze",
+    Asked("special_speeds", "speeds at which whirls fold, begin to oscillate or graze",
           {"limits": (0.5, 2.5), "points": 20}, {"limits": (250.0, 1250.0), "points": 20},
           {"limits": (0.5, 1.5), "points": 20}),
-    Asked("folds", "speeds at which whirls jump", refused=of_parameters(
+    Asked("folds", "folds of the whirl", refused=of_parameters(
         ONE_DISC + "`special_speeds` finds the folds of a system")),
-    Asked("hopf_points", "speeds at which whirls begin to oscillate", rotor=RUBBING,
+    Asked("hopf_points", "Hopf points of the whirl", rotor=RUBBING,
           refused=of_parameters(ONE_DISC + "`special_speeds` finds the Hopf points of a system")),
-    Asked("backward_whirl", "dry whip and dry whirl", rotor=RUBBING, refused=of_disc(
-        "backward_whirl", ONE_DISC + "a `sweep` tells `rolling`")),
-    Asked("rest", "where a load presses it to its stator", rotor=LOADED, refused=of_disc(
+    Asked("backward_whirl", "backward whirl: dry whip and dry whirl", rotor=RUBBING,
+          refused=of_disc("backward_whirl", ONE_DISC + "`sweep` finds dry whip as `rolling`")),
+    Asked("rest", "equilibrium under a load", rotor=LOADED, refused=of_disc(
         "rest", ONE_DISC + '`simulate(..., start="rest")` begins there')),
-    Asked("campbell", "whirl speeds and damping over the speed",
+    Asked("campbell", "whirl speeds and damping ratios over the speed",
           {"speed": [0.5, 1.0]}, {"speed": [250.0, 500.0]}, {"speed": [0.5, 1.0]}),
     Asked("clearance_report", "unbalance response at close clearances",
           {"speed": (2.0, 3.0), "points": 8, "vibration_limit": 1.0},
           {"speed": (1000.0, 1500.0), "points": 8},
           {"speed": (2.0, 3.0), "points": 8, "vibration_limit": 1.0}),
-    Asked("drop", "a fall on its touchdown bearings",
+    Asked("drop", "drop on touchdown bearings",
           {"speed": 2.0, "duration": 5.0}, {"speed": 1000.0, "duration": 0.01},
           {"speed": 2.0, "duration": 5.0}),
-    Asked("drop_ensemble", "many falls, and their statistics",
+    Asked("drop_ensemble", "many drops, with statistics",
           {"speed": 2.0, "duration": 5.0, "drops": 2, "workers": 1},
           {"speed": 1000.0, "duration": 0.01, "drops": 2, "workers": 1},
           {"speed": 2.0, "duration": 5.0, "drops": 2, "workers": 1}),
-    Asked("basin", "the motion on which each start of a plane settles",
+    Asked("basin", "basins of attraction on a plane of starts",
           {"x": (-1.0, 1.0), "y": [0.0], "workers": 1},
           {"x": (-1e-6, 1e-6), "y": [0.0], "workers": 1},
           refused=of_disc("basin", "no: its regions are those of one disc")),
-    Asked("basin_fractions", "how many starts settle on each motion",
+    Asked("basin_fractions", "fractions of starts that settle on each motion",
           {"x": (-1.0, 1.0), "y": 0.0, "starts": 4, "workers": 1},
           {"x": (-1e-6, 1e-6), "y": 0.0, "starts": 4, "workers": 1},
           refused=of_disc("basin_fractions", "no: its regions are those of one disc")),
-    Asked("continue_attractors", "basin fractions over parameters",
+    Asked("continue_attractors", "the same fractions over parameters",
           {"x": (-1.0, 1.0), "y": 0.0, "starts": 4, "workers": 1},
           {"x": (-1e-6, 1e-6), "y": 0.0, "starts": 4, "workers": 1},
           refused=of_parameters("no: its regions are those of one disc")),
-    Asked("touchdown_report", "what each motion does to the machine",
+    Asked("touchdown_report", "what each settled motion does to the machine",
           {"x": (-1.0, 1.0), "starts": 4, "shocks": 0, "workers": 1},
           {"x": (-1e-6, 1e-6), "starts": 4, "shocks": 0, "workers": 1},
           refused=of_disc("touchdown_report", "no: its regions are those of one disc")),
+    Asked("fit", "parameters fitted to signals of probes",
+          {"signals": lambda: signals("disc"), "unknown": ["zeta"]},
+          {"signals": lambda: signals("machine"), "unknown": ["damping"]},
+          refused={"system": ("no: a fit follows one disc",
+                              "machine must be a Rotor or a DimensionalRotor")}),
+    Asked("impact", "rebound from one contact", {"entry_speed": 1.0},
+          refused={"machine": ("no: dimensionless only",
+                               "rotor must be a Rotor, got DimensionalRotor"),
+                   "system": ("no: one contact alone", "rotor must be a Rotor, got RotorSystem")}),
 ]  # fmt: skip
 
 
