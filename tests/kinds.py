@@ -65,6 +65,12 @@ def a_system_sweep() -> xr.Dataset:
     return rotor_ida.sweep(system, speed=[0.3, 1.2], direction="both")
 
 
+def a_system_diagram(at: str = "extrema") -> xr.Dataset:
+    """Return a bifurcation diagram of one disc as a system."""
+    system = Rotor(omega=1.0, zeta=0.3, delta0=0.5, shaft_stiffness=0.25).system()
+    return rotor_ida.bifurcation_diagram(system, speed=[0.3, 1.2], at=at, revolutions=4)
+
+
 def a_system_cycle() -> xr.Dataset:
     """Return a limit cycle of one disc as a system."""
     system = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
@@ -179,6 +185,9 @@ KINDS: dict[str, Callable[[], xr.Dataset]] = {
     "spectrum": lambda: rotor_ida.spectrum(a_run()),
     "contact_forces": lambda: rotor_ida.contact_forces(a_run()),
     "poincare_section": lambda: rotor_ida.poincare_section(CENTRED, start=REST, revolutions=5),
+    "system_section": lambda: rotor_ida.poincare_section(
+        Rotor(omega=2.0, zeta=0.07, delta0=2.0).system(), speed=2.0, revolutions=5, at="entry"
+    ),
     "lyapunov_exponent": lambda: rotor_ida.lyapunov_exponent(
         CENTRED, start=REST, transient=5.0, duration=40.0, batches=4
     ),
@@ -195,6 +204,11 @@ KINDS: dict[str, Callable[[], xr.Dataset]] = {
     "bifurcation_diagram": lambda: rotor_ida.bifurcation_diagram(
         omega=[1.2], zeta=0.2, delta0=0.0, starts=1, extrema_time=20.0
     ),
+    "stroboscopic_diagram": lambda: rotor_ida.bifurcation_diagram(
+        omega=[1.2], zeta=0.2, delta0=0.0, starts=1, at="revolution", revolutions=4
+    ),
+    "system_diagram": a_system_diagram,
+    "system_stroboscopic_diagram": lambda: a_system_diagram("revolution"),
 }
 
 

@@ -15,6 +15,7 @@ from rotor_ida.cli.variables import (
     Description,
     Record,
     Rows,
+    Sheet,
     attributes_of,
     headed,
     parameters_in,
@@ -82,6 +83,11 @@ SPECIAL_POINTS = Rows(
     names=("special", "special_kind", "special_value", "special_second_value", "special_period",
            "special_radius_min", "special_radius_max", "special_point"),
 )  # fmt: skip
+SECTION = Sheet("Section", (Rows(
+    title="Crossings", key="crossings", lead="rotating_x",
+    names=("crossing", "crossing_time", "node", "rotating_x", "rotating_y", "rotating_vx",
+           "rotating_vy"),
+),))  # fmt: skip
 FITTED = Rows(
     title="Unknown", key="unknown", lead="estimate",
     names=("unknown", "estimate", "standard_error", "lower", "upper", "first_guess", "unit"),

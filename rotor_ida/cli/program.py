@@ -35,6 +35,7 @@ from rotor_ida.cli.commands.basins import (
 )
 from rotor_ida.cli.commands.compute import (
     bifurcation_diagram,
+    poincare_section,
     reproduce,
     run_up,
     run_ups,
@@ -75,7 +76,8 @@ COMMANDS: dict[str, dict[Callable[..., object], str]] = {
         run_up: "",
         run_ups: "",
         sweep: "",
-        bifurcation_diagram: "",
+        bifurcation_diagram: "diagram",
+        poincare_section: "section",
         drop: "",
     },
     "Exact whirls": {
@@ -103,6 +105,8 @@ COMMANDS: dict[str, dict[Callable[..., object], str]] = {
 USAGE: dict[Callable[..., object], str] = {
     simulate: "Usage: rotor-ida simulate [OPTIONS] [SYSTEM]",
     run_up: "Usage: rotor-ida run-up [OPTIONS] [SYSTEM]",
+    bifurcation_diagram: "Usage: rotor-ida bifurcation-diagram [OPTIONS] [SYSTEM]",
+    poincare_section: "Usage: rotor-ida poincare-section --revolutions INT [OPTIONS] [SYSTEM]",
     synchronous_response: "Usage: rotor-ida synchronous-response [OPTIONS] [SYSTEM]",
     special_speeds: "Usage: rotor-ida special-speeds --limits LOW HIGH [OPTIONS] SYSTEM",
     campbell: "Usage: rotor-ida campbell --speed SPEED... [OPTIONS] SYSTEM",

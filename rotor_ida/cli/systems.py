@@ -10,7 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import rotor_ida
-from rotor_ida.checks import AT_REST, State, shown
+from rotor_ida.checks import State, shown
 from rotor_ida.cli import options
 from rotor_ida.cli.output import Output, answer, answer_whole, working
 from rotor_ida.cli.parsing import Quantity, refuse_units
@@ -50,6 +50,29 @@ def simulate_file(
     return answer(run, output, most=FIRST_ROWS)
 
 
+def section_file(
+    file: Path,
+    rotor: RotorOptions,
+    start: State | str | None,
+    solver: options.RunUpSolverOptions,
+    output: Output,
+    given: Mapping[str, Any],
+) -> Report:
+    """Compute a section through a motion of the system of a file."""
+    how = _checked(rotor.given, rotor.machine, solver, output)
+    system, course = case_of(file, rotor.given)
+    course = _begun(course, start)
+    speed = rotor.given.get(SPEED, course.speed)
+    if speed is None:
+        raise InputError(f"speed must be given with --speed or in {file}")
+    with working("section [%]") as progress:
+        section = rotor_ida.poincare_section(
+            system, start=course.start, modes=course.modes, **given, **how, speed=speed,
+            progress=progress,
+        )  # fmt: skip
+    return answer(section, output, most=FIRST_ROWS)
+
+
 def run_up_file(
     file: Path,
     rotor: RotorOptions,
@@ -74,12 +97,19 @@ def sweep_file(
     file: Path,
     rotors: RotorsOptions,
     axes: Mapping[str, list[float] | None],
-    starts: list[State | str],
-    solver: options.SolverOptions,
+    starts: list[State | str] | None,
+    solver: options.SolverOptions | options.RunUpsSolverOptions,
     output: Output,
     given: Mapping[str, Any],
+    *,
+    is_diagram: bool = False,
 ) -> Report:
-    """Simulate the settled responses of the system of a file over speeds and its parameters."""
+    """Simulate the settled responses of the system of a file over speeds and its parameters.
+
+    They are those of a sweep, or a bifurcation diagram.
+    """
+    what = "diagram" if is_diagram else "sweep"
+    verb = rotor_ida.bifurcation_diagram if is_diagram else rotor_ida.sweep
     values: dict[str, Any] = {**rotors.values, **axes}
     varied = {name: values.pop(name) for name in PARAMETERS_OF_SYSTEM
               if values.get(name) is not None}  # fmt: skip
@@ -87,15 +117,14 @@ def sweep_file(
     _refuse_units_of_factors(varied)
     if how.pop("method", "taylor") != "taylor":
         raise InputError(
-            f"method must be taylor for a sweep of a rotor system, got {solver.method}"
+            f"method must be taylor for a {what} of a rotor system, got {solver.method}"
         )
     if SPEED not in rotors.values:
-        raise InputError("speed must be given with --speed for a sweep of a rotor system")
+        raise InputError(f"speed must be given with --speed for a {what} of a rotor system")
     system, course = case_of(file, {**rotors.values, **axes})
-    with working("sweep", given["study"]) as progress:
-        dataset = rotor_ida.sweep(
-            system, starts=_starts(course, None if starts == [AT_REST] else starts),
-            modes=course.modes, speed=rotors.values[SPEED],
+    with working(what, given["study"]) as progress:
+        dataset = verb(
+            system, starts=_starts(course, starts), modes=course.modes, speed=rotors.values[SPEED],
             **{name: each[0] if len(each) == 1 else each for name, each in varied.items()},
             **given, **how, progress=progress,
         )  # fmt: skip

@@ -34,13 +34,13 @@ from rotor_ida.cycles.guess import (
     as_start_of_system,
     guess_of_system,
 )
-from rotor_ida.cycles.limit_cycle import begun, checked_guess, one_disc, with_period
+from rotor_ida.cycles.limit_cycle import begun, checked_guess, with_period
 from rotor_ida.cycles.problems import NEVER_ZERO, Continuation, branch_through
 from rotor_ida.cycles.special_points import Special
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import OF_ROTOR
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
-from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
+from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system, one_disc
 from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.results.in_si import takes_si, takes_system
 from rotor_ida.results.provenance import provenance

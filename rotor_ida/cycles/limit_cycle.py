@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from typing import Any, Unpack
 
 import numpy as np
@@ -24,16 +24,11 @@ from rotor_ida.cycles.search import (
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import Parameters
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
-from rotor_ida.model.rotor_system import (
-    RotorSystem,
-    SystemParameters,
-    refuse_first,
-)
+from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, one_disc
 from rotor_ida.model.system_parameters import SystemAxes
 from rotor_ida.model.varied import varied_of, varied_system_of
 from rotor_ida.parallel import Progress, choose, interruptible, percentage, shows_progress
 from rotor_ida.results.in_si import takes_si, takes_system
-from rotor_ida.results.joined import KINDS
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.options import check_can_be_followed
@@ -238,20 +233,6 @@ def check_no_study(study: object) -> None:
     """Raise InputError for the study of one cycle."""
     if study is not None:
         raise InputError(f"study must be left out of one cycle, got {shown(study)}")
-
-
-def one_disc(
-    verb: Callable[..., Any], rotor: object, of_system: Mapping[str, object]
-) -> Rotor | DimensionalRotor:
-    """Return a first argument that is one disc; refuse another, and keywords of rotor systems."""
-    if not isinstance(rotor, Rotor | DimensionalRotor):
-        refuse_first(verb, KINDS, rotor)
-    for name, value in of_system.items():
-        if name not in ("speed", "modes", *SystemParameters.__annotations__):
-            raise TypeError(f"{verb.__name__}() got an unexpected keyword argument {name!r}")
-        if value is not None:
-            raise InputError(f"{name} must be left out with one disc, got {shown(value)}")
-    return rotor
 
 
 def begun(start: Any) -> Any:

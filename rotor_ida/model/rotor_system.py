@@ -45,6 +45,7 @@ MOST_COORDINATES = 2000
 # Products of larger numbers leave the range of doubles.
 LARGEST_IN_MATRIX, LARGEST_IN_ROW = 1e30, 1e15
 Node = tuple[int, int] | npt.ArrayLike
+KINDS_OF_ROTOR = "a Rotor, DimensionalRotor or RotorSystem"
 
 
 class SystemParameters(TypedDict, total=False):
@@ -341,7 +342,7 @@ def changed_system(
             )
     system = given.system() if isinstance(given, Rotor | DimensionalRotor) else given
     if not isinstance(system, RotorSystem):
-        refuse_first(verb, "a Rotor, DimensionalRotor or RotorSystem", given)
+        refuse_first(verb, KINDS_OF_ROTOR, given)
     return replace(system, **cast("Any", changed)) if changed else system
 
 
@@ -353,6 +354,24 @@ def refuse_first(verb: Callable[..., Any], kinds: str, given: object) -> NoRetur
     call = ", ".join([next(iter(parameters), "rotor"), *needed])
     name = name_of(verb)
     raise InputError(f"{name} takes {kinds} first, as in {name}({call}), got {shown(given)}")
+
+
+def one_disc(
+    verb: Callable[..., Any], rotor: object, of_system: Mapping[str, object]
+) -> Rotor | DimensionalRotor:
+    """Return a first argument that is one disc; refuse another, and keywords of rotor systems."""
+    if not isinstance(rotor, Rotor | DimensionalRotor):
+        refuse_first(verb, KINDS_OF_ROTOR, rotor)
+    known = inspect.signature(verb).parameters
+    for name, value in of_system.items():
+        if name not in known and name not in SystemParameters.__annotations__:
+            raise TypeError(
+                f"{name_of(verb)}() got an unexpected keyword argument {name!r}"
+                f"{did_you_mean(name, known)}"
+            )
+        if value is not None:
+            raise InputError(f"{name} must be left out with one disc, got {shown(value)}")
+    return rotor
 
 
 def name_of(verb: Callable[..., Any]) -> str:

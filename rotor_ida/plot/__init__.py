@@ -44,8 +44,9 @@ from rotor_ida.plot.closed_forms import (
 )
 from rotor_ida.plot.cycles import cycle_figure, plot_cycle, plot_lines, plot_multipliers
 from rotor_ida.plot.cycles_over import cycles_figure
+from rotor_ida.plot.diagrams import diagram_figure, plot_extrema, plot_strobes
 from rotor_ida.plot.drops import drop_figure, drops_figure, save_orbit_film
-from rotor_ida.plot.dynamics import plot_exponents, plot_extrema, plot_section
+from rotor_ida.plot.dynamics import plot_exponents, plot_section, section_figure
 from rotor_ida.plot.fits import fit_figure, plot_fit, plot_fit_residuals
 from rotor_ida.plot.forces import plot_force_peaks, plot_forces
 from rotor_ida.plot.labels import parameter_text, with_error
@@ -108,6 +109,7 @@ __all__ = [
     "clearance_report_figure",
     "cycle_figure",
     "cycles_figure",
+    "diagram_figure",
     "drop_figure",
     "drops_figure",
     "fit_figure",
@@ -170,6 +172,7 @@ __all__ = [
     "plot_special_speeds",
     "plot_spectrogram",
     "plot_spectrum",
+    "plot_strobes",
     "plot_surface",
     "plot_system_branch",
     "plot_system_cycle",
@@ -181,6 +184,7 @@ __all__ = [
     "run_ups_figure",
     "save_figure",
     "save_orbit_film",
+    "section_figure",
     "shared_legend",
     "special_speeds_figure",
     "style",

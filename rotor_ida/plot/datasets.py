@@ -70,6 +70,34 @@ def along_one(name: str, dataset: xr.Dataset) -> tuple[xr.Dataset, str]:
     return dataset.isel(dict.fromkeys(held, 0)), over
 
 
+def at_node(dataset: xr.Dataset, node: str | None) -> xr.Dataset:
+    """Return the part of a result of a rotor system at a node; default: that of a contact.
+
+    A result of one disc has no nodes.
+    """
+    if "node" not in dataset.dims:
+        if node is not None and str(dataset.coords.get("node", xr.DataArray("")).values) != node:
+            raise InputError(f"node must be left out for a result without nodes, got {shown(node)}")
+        return dataset
+    names = list(map(str, dataset["node"].values))
+    number = int(dataset.attrs.get("contact", 0))
+    touched = dataset["contact_node"].values.tolist()
+    chosen = node
+    if node is None:
+        chosen = str(touched[number]) if number < len(touched) else names[0]
+    if chosen not in names:
+        raise InputError(f"node must be one of {', '.join(map(shown, names))}, got {shown(chosen)}")
+    return dataset.isel(node=names.index(chosen))
+
+
+def touching_nodes(dataset: xr.Dataset) -> list[str]:
+    """Return the nodes with contacts of a result of a rotor system; without any the first node."""
+    if "node" not in dataset.dims:
+        return [str(dataset["node"].values)]
+    nodes = list(dict.fromkeys(map(str, np.ravel(dataset["contact_node"].values))))
+    return nodes or list(map(str, dataset["node"].values[:1]))
+
+
 def parameters_in(dataset: xr.Dataset) -> list[str]:
     """Return the rotor parameters of a dataset."""
     return [name for name in ALL_PARAMETERS if name in dataset.variables]

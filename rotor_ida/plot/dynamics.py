@@ -1,17 +1,16 @@
-"""Plots of Poincaré sections, Lyapunov exponents and bifurcation diagrams."""
+"""Plots of Poincaré sections and Lyapunov exponents."""
 
 from __future__ import annotations
 
 import math
-from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.figure import Figure
 
-from rotor_ida.arrays import Values
-from rotor_ida.errors import InputError
+from rotor_ida.arrays import ComplexValues, Flags
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.plot.appearance import (
     BLUE,
@@ -19,38 +18,31 @@ from rotor_ida.plot.appearance import (
     INK,
     ORANGE,
     PURPLE,
-    draw_marks,
     draw_ring,
     drawing,
     legend_below,
-    own_legend,
     say_in_middle,
 )
 from rotor_ida.plot.datasets import (
     along_one,
+    at_node,
     check_dataset,
-    check_same_parameters,
-    check_same_units,
     clearance_of,
-    fixed_parameters,
-    one_value,
-    parameters_in,
+    touching_nodes,
 )
 from rotor_ida.plot.labels import (
     LABELS,
-    in_lines,
     label_axis,
-    label_parameter,
     label_varied,
-    parameter_text,
     title_of,
+    title_of_node,
     with_error,
 )
-from rotor_ida.plot.responses import plot_amplitude
-from rotor_ida.results.rows import own_rows
+from rotor_ida.plot.system_whirls import panels_of_contacts
 from rotor_ida.results.si_units import scale_of
-from rotor_ida.schema import flags_of
 
+STATES = ("rotating_x", "rotating_y", "rotating_vx", "rotating_vy")
+OF_SYSTEM = ("node", "contact_node", "contact_stator", "clearance", "centre_x", "centre_y")
 OF_EXPONENTS = ("lyapunov_exponent", "lyapunov_error")
 # Styles of the points of a section.
 LEAST_SPAN = 0.2
@@ -60,24 +52,15 @@ WORDS = {
     "entry": "at each entry",
     "exit": "at each exit",
     "peak": "at each largest radius",
+    "roll": "where it begins to roll",
+    "slip": "where it begins to slip",
+    "reverse": "where its sliding reverses",
 }
 # Styles of the exponents.
 LINES = ((BLUE, "-"), (ORANGE, "--"), (PURPLE, "-."), (INK, ":"))
-# Parts of a bifurcation diagram.
-FREE = "extremum, contact-free or unresolved"
-FREE_KINDS = ("contact_free", "touching", "unresolved")
-EXTREMA = {
-    "constant": ("constant radius", BLUE),
-    "maximum": ("local maximum of $|z|$", ORANGE),
-    "minimum": ("local minimum of $|z|$", PURPLE),
-}
-FEW_EXTREMA = 3000
-# Top of the axes over the largest extremum.
-HEADROOM = 1.06
-WITH_EXTREMA = (*PARAMETERS, "response", "extremum_count", "extremum_radius", "extremum_kind")
 
 
-def plot_section(section: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+def plot_section(section: xr.Dataset, *, node: str | None = None, ax: Axes | None = None) -> Axes:
     r"""Draw the points of a section.
 
     Parameters
@@ -86,6 +69,10 @@ def plot_section(section: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         Result of `rotor_ida.poincare_section`. Entries and exits all lie on the
         stator and are drawn as radial velocity over the angle from the unbalance. Other sections
         are drawn as displacements, with the stator.
+    node : str, optional
+        Name of a node of a rotor system; by default that of the contact whose events are shown, or
+        of the first contact. Entries and exits of another node, or in a stator that is not centred
+        and at rest, are drawn as displacements too.
     ax : Axes, optional
         Axes to draw on and return; default: those of a new figure.
 
@@ -97,22 +84,24 @@ def plot_section(section: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     >>> ax.get_title()
     '$\\omega = 1.7$,  $\\zeta = 0.07$,  $\\delta_0 = 0.5$\nonce a revolution'
     """
-    needed = (*PARAMETERS, "rotating_x", "rotating_y", "rotating_vx", "rotating_vy")
-    section = check_dataset("section", section, needed)
+    is_system = isinstance(section, xr.Dataset) and "node" in section.variables
+    needed = OF_SYSTEM if is_system else PARAMETERS
+    section = at_node(check_dataset("section", section, (*needed, *STATES)), node)
     at = str(section.attrs.get("section", ""))
     z = section["rotating_x"].values + 1j * section["rotating_y"].values
     with drawing(ax, width=4.0, height=4.0) as ax:
-        if at in ("entry", "exit"):
+        if at in ("entry", "exit") and _is_on_ring(section):
             w = section["rotating_vx"].values + 1j * section["rotating_vy"].values
             across, up = _together(np.angle(z)), (w * z.conj()).real / np.abs(z)
-            scales = (1.0, scale_of(section, "velocity"))
+            scales = (1.0, _order(section, "velocity", w))
             ax.set_xlabel(LABELS["angle"])
             label_axis(ax.yaxis, "radial_velocity", section["rotating_vx"])
         else:
-            across, up, scales = z.real, z.imag, (scale_of(section, "length"),) * 2
+            across, up, scales = z.real, z.imag, (_order(section, "length", z),) * 2
             label_axis(ax.xaxis, "rotating_x", section["rotating_x"])
             label_axis(ax.yaxis, "rotating_y", section["rotating_y"])
-            draw_ring(ax, clearance_of(section, "section"))
+            for clearance in _rings(section):
+                draw_ring(ax, clearance)
             ax.set_aspect("equal", adjustable="datalim")
         ax.plot(across, up, ls="", marker="o", ms=_mark_size(z), mec="none", mfc=BLUE, zorder=3.0)
         _leave_room(ax, *scales)
@@ -121,9 +110,65 @@ def plot_section(section: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         words = WORDS.get(at, "")
         if phase := float(section.attrs.get("phase", 0.0)):
             words = f"unbalance at {math.degrees(phase):.4g}°"
-        title = f"{title_of('section', section)}\n{words}{_counted(z)}"
-        ax.set_title(title.removesuffix("\n"))
+        head = title_of_node(section) if is_system else title_of("section", section)
+        ax.set_title(f"{head}\n{words}{_counted(z)}".removesuffix("\n"))
     return ax
+
+
+def section_figure(section: xr.Dataset) -> Figure:
+    """Draw a section through a motion of a rotor system: a panel for each node with a contact.
+
+    Parameters
+    ----------
+    section : Dataset
+        Result of `rotor_ida.poincare_section` for a rotor system.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, poincare_section
+    >>> system = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
+    >>> section = poincare_section(system, speed=1.0, revolutions=8)
+    >>> len(section_figure(section).axes)
+    1
+    """
+    check_dataset("section", section, (*OF_SYSTEM, *STATES))
+    nodes = touching_nodes(section)
+    return panels_of_contacts(
+        len(nodes), lambda number, ax: plot_section(section, node=nodes[number], ax=ax)
+    )
+
+
+def _order(section: xr.Dataset, kind: str, values: ComplexValues) -> float:
+    """Return what the points of a section are measured by: of a rotor system their own size."""
+    if "node" in section.variables:
+        return float(np.abs(values).max(initial=0.0))
+    return scale_of(section, kind)
+
+
+def _is_on_ring(section: xr.Dataset) -> bool:
+    """Return whether the crossings of a section at entries lie on a ring about the axis."""
+    if "node" not in section.variables:
+        return True
+    number = int(section.attrs.get("contact", 0))
+    contact = section.isel(contact=number)
+    is_own = str(contact["contact_node"].values) == str(section["node"].values)
+    return is_own and bool(_is_centred(section)[number])
+
+
+def _rings(section: xr.Dataset) -> list[float]:
+    """Return the clearances of the rings about the axis in which a section is drawn."""
+    if "node" not in section.variables:
+        return [clearance_of(section, "section")]
+    here = section["contact_node"].values == str(section["node"].values)
+    found: list[float] = section["clearance"].values[here & _is_centred(section)].tolist()
+    return found
+
+
+def _is_centred(section: xr.Dataset) -> Flags:
+    """Return which contacts of a rotor system have a stator on the ground, centred on the axis."""
+    aside = [section[name].values != 0.0 for name in ("centre_x", "centre_y")]
+    aside.append(section["contact_stator"].values != "")
+    return np.asarray(~np.any(aside, axis=0))
 
 
 def plot_exponents(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
@@ -186,126 +231,6 @@ def _plot_exponents_over(found: xr.Dataset, ax: Axes | None) -> Axes:
         label_varied(ax.xaxis, over, found)
         legend_below(ax, columns=4)
     return ax
-
-
-def plot_extrema(
-    found: xr.Dataset,
-    *,
-    exact: xr.Dataset | None = None,
-    fold_points: xr.Dataset | None = None,
-    ax: Axes | None = None,
-) -> Axes:
-    """Draw the extrema of the radius over the varying parameter.
-
-    Parameters
-    ----------
-    found : Dataset
-        Result of `rotor_ida.bifurcation_diagram`, in which one parameter varies. It may contain
-        several ``delta0`` beside `exact`.
-    exact : Dataset, optional
-        Result of `rotor_ida.closed_forms.response_curve`, for the same parameters and one
-        ``delta0``. It is drawn under the extrema over the speed, which are shown for this
-        clearance only.
-    fold_points : Dataset, optional
-        Result of `rotor_ida.folds` for the same parameters.
-    ax : Axes, optional
-        Axes to draw on and return; default: those of a new figure.
-
-    Examples
-    --------
-    >>> from rotor_ida import bifurcation_diagram
-    >>> found = bifurcation_diagram(omega=[1.2, 1.7], zeta=0.5, delta0=0.5, starts=[(0, 0, 0, 0)])
-    >>> plot_extrema(found).get_ylabel()
-    'radius $|z|$'
-    """
-    found = check_dataset("found", found, WITH_EXTREMA)
-    over, held = _varied(found, exact)
-    extrema = _extrema_of(found, over, None if over == "delta0" else held["delta0"])
-    with drawing(ax) as ax:
-        if exact is None:
-            ax.set_title(in_lines(parameter_text(held)))
-        else:
-            plot_amplitude(exact, fold_points=fold_points, ax=ax)
-        size = 2.6 if extrema.here.sum() < FEW_EXTREMA else 1.2
-        for words, (colour, chosen) in extrema.groups.items():
-            if not chosen.any():
-                continue
-            steady = words == EXTREMA["constant"][0]
-            face = "none" if steady else colour
-            ax.plot(
-                extrema.across[chosen], extrema.radius[chosen], ls="", marker="o",
-                ms=3.4 if steady else size, mec=colour if steady else "none", mfc=face, mew=0.7,
-                rasterized=True, zorder=2.4 if words == FREE else 3.0,
-            )  # fmt: skip
-            draw_marks(ax, [], [], "o", colour, size=3.4, face=face, edge=0.7, label=words)
-        if exact is not None:  # whose amplitudes may be the smaller
-            highest = extrema.radius[extrema.here].max(initial=0.0)
-            ax.set_ylim(top=max(ax.get_ylim()[1], HEADROOM * highest))
-        label_parameter(ax.xaxis, over, found)
-        label_axis(ax.yaxis, "radius", found["extremum_radius"])
-        own_legend(ax)
-    return ax
-
-
-class _Extrema(NamedTuple):
-    """The extrema of a diagram as flat arrays: which are shown, and each kind."""
-
-    across: Values
-    radius: Values
-    here: npt.NDArray[np.bool_]
-    groups: dict[str, tuple[str, npt.NDArray[np.bool_]]]
-
-
-def _extrema_of(found: xr.Dataset, over: str, delta0: float | None) -> _Extrema:
-    """Return the extrema over a parameter, for one clearance or all."""
-    found = own_rows(found)
-    counts = found["extremum_count"]
-    places = xr.broadcast(found[over], found["delta0"], found["response"], counts)
-    across, clearance, response = (
-        np.repeat(place.transpose(*counts.dims).values.ravel(), counts.values.ravel())
-        for place in places[:3]
-    )
-    if over == "omega" and "extremum_speed" in found.variables:
-        across = found["extremum_speed"].values / scale_of(found, "speed")
-    here = np.full(clearance.shape, True) if delta0 is None else clearance == delta0
-    # the extrema of an unresolved motion may not last
-    free = _is_of(response, found["response"], FREE_KINDS)
-    of_kind = {
-        kind: here & _is_of(found["extremum_kind"].values, found["extremum_kind"], (kind,))
-        for kind in EXTREMA
-    }
-    swinging = free & ~of_kind["constant"]
-    groups = {
-        words: (colour, of_kind[kind] & ~swinging) for kind, (words, colour) in EXTREMA.items()
-    }
-    groups[FREE] = (GREY, here & swinging)
-    return _Extrema(across, found["extremum_radius"].values, here, groups)
-
-
-def _is_of(
-    numbers: Values, variable: xr.DataArray, kinds: tuple[str, ...]
-) -> npt.NDArray[np.bool_]:
-    """Return a mask of the flags that are of some kinds."""
-    flags = flags_of(variable)
-    return np.isin(numbers, [flags[kind] for kind in kinds if kind in flags])
-
-
-def _varied(found: xr.Dataset, exact: xr.Dataset | None) -> tuple[str, dict[str, float]]:
-    """Return the varying parameter of a diagram, and the values of the others."""
-    names = parameters_in(found)
-    if exact is None:
-        varied = [name for name in names if found[name].size > 1]
-        over = varied[0] if len(varied) == 1 else "omega"
-        others = {name: one_value("found", found, name) for name in names if name != over}
-        return over, others
-    exact = check_dataset("exact", exact, ("omega", "amplitude"))
-    check_same_units("exact", exact, found)
-    others = {name: one_value("found", found, name) for name in names[1:] if name != "delta0"}
-    check_same_parameters("found", others, fixed_parameters("exact", exact, ("zeta",)))
-    delta0 = one_value("exact", exact, "delta0")
-    if delta0 not in found["delta0"].values:
-        raise InputError(f"found must contain the delta0 of exact, {delta0!r}, it does not")
-    return "omega", others | {"delta0": delta0}
 
 
 def _together(angle: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:

@@ -132,6 +132,14 @@ def figure_of_diagram(dataset: xr.Dataset) -> Figure:
     return figure
 
 
+def figure_of_strobes(dataset: xr.Dataset) -> Figure:
+    """Return the figure of a stroboscopic diagram of one disc over one parameter."""
+    check_one_varies([name for name in parameters_in(dataset) if dataset[name].size > 1])
+    figure, (ax,) = plot.panels(1, 1, width=ALONE[0], height=ALONE[1])
+    plot.plot_strobes(dataset, ax=ax)
+    return figure
+
+
 def figure_of_signals(dataset: xr.Dataset) -> Figure:
     """Return the figure of signals: a Bode plot while the speed changes, else the orbit."""
     of_run_up = plot_of_signals(dataset) == "bode"

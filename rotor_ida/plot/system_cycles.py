@@ -8,7 +8,6 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import shown
 from rotor_ida.cycles.branch_course import runs_of
 from rotor_ida.errors import InputError
 from rotor_ida.plot.appearance import (
@@ -19,7 +18,7 @@ from rotor_ida.plot.appearance import (
     raise_limit,
 )
 from rotor_ida.plot.branches import EDGES, MARKS, draw_specials
-from rotor_ida.plot.datasets import check_dataset
+from rotor_ida.plot.datasets import at_node, check_dataset
 from rotor_ida.plot.labels import label_axis
 from rotor_ida.plot.system_whirls import (
     at_contact,
@@ -69,11 +68,8 @@ def plot_system_cycle(
     cycle = check_dataset("cycle", cycle, CYCLE)
     if not cycle.sizes["t"]:
         raise InputError("cycle must contain a limit cycle, got a result without one")
-    names = list(map(str, cycle["node"].values))
-    chosen = str(cycle["contact_node"].values[0]) if node is None else node
-    if chosen not in names:
-        raise InputError(f"node must be one of {', '.join(map(shown, names))}, got {shown(chosen)}")
-    own = cycle.isel(node=names.index(chosen))
+    own = at_node(cycle, node)
+    chosen = str(own["node"].values)
     stable = words_of(cycle["stability"])[0] == "stable"
     with drawing(ax, width=4.0, height=4.0) as ax:
         label, dashes, width = EDGES["stable" if stable else "unstable"]

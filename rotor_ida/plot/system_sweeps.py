@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from itertools import product
 
 import numpy as np
@@ -20,7 +20,7 @@ from rotor_ida.plot.appearance import (
     raise_limit,
 )
 from rotor_ida.plot.datasets import check_dataset, one_value
-from rotor_ida.plot.labels import SEPARATOR, label_axis, unit_of
+from rotor_ida.plot.labels import SEPARATOR, label_axis, label_varied, unit_of
 from rotor_ida.plot.responses import draw_beneath, draw_simulated
 from rotor_ida.plot.system_whirls import (
     WHIRLS,
@@ -82,19 +82,14 @@ def plot_system_sweep(
     'contact 0 at disc'
     """
     sweep = check_dataset("sweep", sweep, SWEEP)
-    over, part = axis_of(sweep), at_contact(sweep, contact)
-    held = {name: one_value("sweep", sweep, name) for name in _parameters_in(sweep) if name != over}
+    (over, held), part = held_in(sweep, "sweep"), at_contact(sweep, contact)
     widest = float(clearance_of_contacts(part).max())
     with drawing(ax) as ax:
-        if over == SPEED:
-            places = label_speed(ax, sweep)
-        else:
-            label_axis(ax.xaxis, over, sweep[over], words=PARAMETERS_OF_SYSTEM[over].label)
-            places = sweep[over].values
+        places = label_over(ax, sweep, over)
         label_axis(ax.yaxis, "amplitude", sweep["amplitude"])
         draw_clearance(ax, part, over=over)
         if held:
-            ax.set_title(f"{ax.get_title()}\n{_text_of(sweep, held)}")
+            ax.set_title(f"{ax.get_title()}\n{text_of_system(sweep, held)}")
         highest = float(np.nanmax(part["radius_max"].values, initial=widest))
         if whirls is not None:
             needed = WHIRLS if over == SPEED else (over, *WHIRLS_ALONG)
@@ -111,6 +106,21 @@ def plot_system_sweep(
     return ax
 
 
+def held_in(dataset: xr.Dataset, name: str = "found") -> tuple[str, dict[str, float]]:
+    """Return the parameter over which a result is drawn, and the one value of each other."""
+    over = axis_of(dataset)
+    others = [each for each in _parameters_in(dataset) if each != over]
+    return over, {each: one_value(name, dataset, each) for each in others}
+
+
+def label_over(ax: Axes, dataset: xr.Dataset, over: str) -> Values:
+    """Label the axis of a parameter, and return its values; speeds of a system in rpm."""
+    if over == SPEED:
+        return label_speed(ax, dataset)
+    label_varied(ax.xaxis, over, dataset)
+    return np.asarray(dataset[over].values)
+
+
 def axis_of(sweep: xr.Dataset) -> str:
     """Return the parameter over which a sweep is drawn."""
     names = [name for name in _parameters_in(sweep) if sweep[name].size > 1]
@@ -124,7 +134,7 @@ def _parameters_in(sweep: xr.Dataset) -> list[str]:
             if name in sweep.variables and sweep[name].dims in {(), (name,)}]  # fmt: skip
 
 
-def _text_of(sweep: xr.Dataset, values: dict[str, float]) -> str:
+def text_of_system(sweep: xr.Dataset, values: Mapping[str, float]) -> str:
     """Return values of parameters as a title."""
     told = []
     for name, value in values.items():

@@ -105,6 +105,9 @@ _SYSTEM_RUN = (
     "peak_force(episode) rolling_time(episode) contact_stator(contact) excursion(contact) "
     + _CONTACTS
 )  # fmt: skip
+_OF_CONTACTS = "radius_max largest_force clearance contact_clearance? contact_node(contact)"
+_STATES = "rotating_x rotating_y rotating_vx rotating_vy "
+_STATES_OF_NODES = _STATES.replace(" ", "(crossing node) ")
 _STARTS = "start_x(start) start_y(start) start_vx(start) start_vy(start)"
 _BRANCH = "special_kind(special) period(point) radius_min(point) radius_max(point)"
 _WINDOWS = " t(window) speed(window)? window_residual(window)?"
@@ -151,6 +154,27 @@ KINDS = {
             dims=("speed", "start", "direction", "contact", "node"),
             shown="rotor_ida.cli.describe_systems:show_system_sweep",
             drawn="rotor_ida.plot:system_sweep_figure",
+        ),
+        Kind(
+            name="system_diagram", meaning="bifurcation diagram of a rotor system",
+            variables="extremum_radius(extremum) response " + _OF_CONTACTS,
+            dims=("speed", "start", "node", "contact"),
+            shown="rotor_ida.cli.describe_systems:show_system_sweep",
+            drawn="rotor_ida.plot:diagram_figure",
+        ),
+        Kind(
+            name="system_stroboscopic_diagram",
+            meaning="stroboscopic diagram of a rotor system",
+            variables=_STATES + "response " + _OF_CONTACTS,
+            dims=("speed", "start", "crossing", "node", "contact"),
+            shown="rotor_ida.cli.describe_systems:show_system_sweep",
+            drawn="rotor_ida.plot:diagram_figure",
+        ),
+        Kind(
+            name="system_section", meaning="section of a rotor system",
+            variables="crossing_time(crossing) " + _STATES_OF_NODES + _CONTACTS,
+            dims=("crossing", "node", "contact"),
+            shown=f"{_SHOWN}:SECTION", drawn="rotor_ida.plot:section_figure",
         ),
         Kind(
             name="system_run_ups", meaning="run-ups of a rotor system",
@@ -232,6 +256,12 @@ KINDS = {
             dims=("omega", "zeta", "delta0", "start"),
             shown=f"{_SHOWN}:show_sweep",
             drawn=f"{_DRAWN}:figure_of_diagram",
+        ),
+        Kind(
+            name="stroboscopic_diagram", meaning="stroboscopic diagram",
+            variables=_STATES + "response " + _STARTS,
+            dims=("omega", "zeta", "delta0", "start", "crossing"),
+            shown=f"{_SHOWN}:show_sweep", drawn=f"{_DRAWN}:figure_of_strobes",
         ),
         Kind(
             name="run_ups", meaning="run-ups",
@@ -361,7 +391,11 @@ KINDS = {
         Kind(name="contact_summary", meaning="summary of contacts"),
         Kind(name="contact_forces", meaning="contact forces"),
         Kind(name="spectrum", meaning="spectrum of a run"),
-        Kind(name="section", meaning="section"),
+        Kind(
+            name="section", meaning="section",
+            variables="crossing_time(crossing) " + _STATES, dims=("crossing",),
+            shown=f"{_SHOWN}:SECTION", drawn="rotor_ida.plot:plot_section",
+        ),
         Kind(name="lyapunov_exponent", meaning="Lyapunov exponents"),
         Kind(name="response_curve", meaning="response curve"),
         Kind(name="torque_curve", meaning="Sommerfeld's curve"),

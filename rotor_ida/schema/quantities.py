@@ -369,6 +369,7 @@ QUANTITIES: dict[str, Quantity] = {
     # sections, spectra and forces
     "crossing": Quantity("number of the point of the section"),
     "crossing_time": time("time at which the motion crosses the section"),
+    "crossing_state": Quantity("displacement and velocity of all coordinates at the crossing"),
     "frequency": turning("circular frequency, positive for forward whirl"),
     "frequency_over_omega": Quantity("frequency over spin speed, positive for forward whirl"),
     "whirl_amplitude": length("amplitude of the whirl at the frequency"),

@@ -3,7 +3,9 @@
 from __future__ import annotations
 
 import math
-from typing import Literal
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
+from typing import Any, Literal, Unpack
 
 import numpy as np
 import xarray as xr
@@ -11,27 +13,56 @@ import xarray as xr
 from rotor_ida.arrays import Values, Watch
 from rotor_ida.checks import (
     AT_REST,
+    MOST_NUMBERS,
     State,
+    check_between,
     check_choice,
     check_count,
     check_duration,
     check_instance,
     check_nonnegative,
     check_progress,
+    check_real,
+    listed,
+    shown,
 )
+from rotor_ida.core.runs import NO_STOP
 from rotor_ida.errors import InputError
+from rotor_ida.model.assembly import Assembly, assemble
 from rotor_ida.model.equations import rotated
-from rotor_ida.model.rotor import Rotor
+from rotor_ida.model.few_modes import in_modes
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system, one_disc
 from rotor_ida.parallel import Progress, Stop, interruptible, percentage, shows_progress
-from rotor_ida.results.in_si import takes_si
+from rotor_ida.results.archived_system import described_problem
+from rotor_ida.results.in_si import takes_si, takes_system
 from rotor_ida.results.provenance import provenance
+from rotor_ida.results.question import Question
 from rotor_ida.results.run import parameter_coordinates
+from rotor_ida.results.system_units import with_system_units
 from rotor_ida.schema import Column, labelled_dataset
 from rotor_ida.simulation.extrema import MAXIMUM, check_knots, radius_extrema
 from rotor_ida.simulation.options import Method, Options, check_can_be_followed
 from rotor_ida.simulation.orbit import ENTRY, EXIT, REVERSE, ROLL, SLIP
 from rotor_ida.simulation.run import run
 from rotor_ida.simulation.starts import Start, state_of
+from rotor_ida.simulation.systems.crossings import (
+    Crossings,
+    at_events,
+    at_peaks,
+    on_turning_axes,
+    once_a_revolution,
+)
+from rotor_ida.simulation.systems.ends import state_at_end
+from rotor_ida.simulation.systems.flow import (
+    SAMPLES_A_REVOLUTION,
+    SettlingProblem,
+    SystemFlow,
+)
+from rotor_ida.simulation.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL
+from rotor_ida.simulation.systems.speed_changes import MOST_RADIANS
+from rotor_ida.simulation.systems.starts import Start as SystemStart
+from rotor_ida.simulation.systems.starts import start_of
 
 At = Literal["revolution", "entry", "exit", "peak", "roll", "slip", "reverse"]
 
@@ -39,34 +70,42 @@ At = Literal["revolution", "entry", "exit", "peak", "roll", "slip", "reverse"]
 RUBS = {"roll": ROLL, "slip": SLIP, "reverse": REVERSE}
 EVENTS = {"entry": ENTRY, "exit": EXIT, **RUBS}
 PLACES = ("revolution", "entry", "exit", "peak", *RUBS)
+# The absolute tolerance of one disc; a rotor system scales its own.
+ATOL = 1e-12
 NAMES = ("rotating_x", "rotating_y", "rotating_vx", "rotating_vy")
 
 
-@takes_si
 @shows_progress
 def poincare_section(
-    rotor: Rotor,
+    rotor: Rotor | DimensionalRotor | RotorSystem,
     *,
-    start: Start = AT_REST,
+    speed: float | None = None,
+    start: Start | SystemStart = AT_REST,
     revolutions: int,
     skip: int = 0,
     at: At = "revolution",
+    contact: int | str | None = None,
     phase: float = 0.0,
+    modes: int | None = None,
     rtol: float = 1e-10,
-    atol: float = 1e-12,
-    method: Method = "adams",
+    atol: float = ATOL,
+    method: Method | None = None,
     progress: Progress | bool | None = None,
+    **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
     """Return the states at which a motion crosses a section, in the rotating frame.
 
     Parameters
     ----------
-    rotor : Rotor or DimensionalRotor
+    rotor : Rotor, DimensionalRotor or RotorSystem
         The rotor, with a speed above 0. For a `DimensionalRotor` numbers with a unit are in SI
         units, as for `simulate`.
-    start : array_like, shape (4,), "settled", "rest" or Dataset
+    speed : float, optional
+        Spin speed of a `RotorSystem`, not 0; it may be negative. That of one disc is a parameter of
+        the rotor.
+    start : array_like, shape (4,), (q, velocity), "settled", "rest" or Dataset
         ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis. Or a word, or a result that
-        ends in a state, as for `rotor_ida.simulate`.
+        ends in a state, as for `rotor_ida.simulate`; of a `RotorSystem` as there too.
     revolutions : int
         Number of revolutions in the section, at most 10 million.
     skip : int
@@ -74,22 +113,34 @@ def poincare_section(
     at : {"revolution", "entry", "exit", "peak", "roll", "slip", "reverse"}
         Once a revolution, when the unbalance points along x; at each contact entry or exit; at
         each local maximum of the distance from the bearing axis; or, with friction, where the disc
-        begins to roll or to slip, or reverses its sliding.
+        begins to roll or to slip, or reverses its sliding. A peak of a `RotorSystem` is a local
+        maximum of the distance of a contact from the centre of its stator.
+    contact : int or str, optional
+        Of a `RotorSystem` the contact whose events or peaks are meant: its number from 0 on, or the
+        name of its node. It must be given where there are several.
     phase : float
         Angle of the unbalance from x at the section by revolutions, below 2 pi [rad]. Under a load
         the section depends on it.
+    modes : int, optional
+        Of a `RotorSystem`, as in `simulate`.
     rtol, atol : float
-        Relative and absolute tolerance [1].
-    method : {"adams", "bdf", "ida", "taylor"}
-        Solver of the contacts, as for `rotor_ida.simulate`. Peaks are found by Taylor series.
+        Relative and absolute tolerance [1]. A `RotorSystem` has the relative one alone, from 1e-14
+        to 1e-4.
+    method : {"adams", "bdf", "ida", "taylor"}, optional
+        Solver of the contacts of one disc, as for `rotor_ida.simulate`; default: ``"adams"``. Peaks
+        and a `RotorSystem` are computed by Taylor series.
     progress : callable or bool, optional
         As for `rotor_ida.simulate`.
+    contacts, unbalance, supports, gravity, static_force : optional
+        In place of those of a `RotorSystem`, as in `simulate`.
 
     Returns
     -------
     Dataset
         ``crossing_time``, counted from the start, and ``rotating_x rotating_y rotating_vx
-        rotating_vy`` on ``crossing`` [1].
+        rotating_vy`` on ``crossing`` [1]. Of a `RotorSystem` these are those of each node, on
+        ``(crossing, node)``. ``crossing_state`` is q and velocity on fixed axes, and
+        ``final_state`` the state after the last revolution, from which another call goes on.
 
     Raises
     ------
@@ -110,7 +161,8 @@ def poincare_section(
     most three dimensions, since the tangential velocity is that of the rim.
     Revolutions are sampled at exactly ``(phase + 2 pi n)/omega``. Entries, exits and the like are
     the events of the simulation. Peaks are roots of ``x vx + y vy``, polished to about 1e-12 of the
-    state. A constant radius has no peaks.
+    state. A constant radius has no peaks. Those of a `RotorSystem` lie between 64 samples in a
+    revolution, and between events: of two that lie closer together both may be missed.
 
     References
     ----------
@@ -122,7 +174,60 @@ def poincare_section(
     ...                            revolutions=3, skip=150)
     >>> section.rotating_x.values.round(6)
     array([-1.40959, -1.40959, -1.40959, -1.40959])
+
+    The same disc as a system:
+
+    >>> disc = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
+    >>> same = poincare_section(disc, speed=2.0, revolutions=20, skip=150, at="entry")
+    >>> same.rotating_x.dims, float(same.rotating_x.std("crossing").max()) < 1e-7
+    (('crossing', 'node'), True)
     """
+    how: dict[str, Any] = {
+        "revolutions": revolutions, "skip": skip, "at": at, "phase": phase, "rtol": rtol,
+        "progress": progress,
+    }  # fmt: skip
+    if isinstance(rotor, RotorSystem):
+        refuse_of_disc(atol, method, "a section")
+        begun = None if start is AT_REST else start
+        return poincare_section_system(
+            rotor, speed=speed, start=begun, contact=contact, modes=modes, **how, **changed
+        )
+    disc = one_disc(
+        poincare_section, rotor, {"speed": speed, "contact": contact, "modes": modes, **changed}
+    )
+    return poincare_section_disc(disc, start=start, atol=atol, method=method or "adams", **how)
+
+
+def refuse_of_disc(atol: float, method: object, what: str) -> None:
+    """Refuse options of one disc that a rotor system does not have."""
+    if atol != ATOL:
+        raise InputError(f"atol must be left out with a rotor system, got {shown(atol)}")
+    if method not in (None, "taylor"):
+        raise InputError(f"method must be taylor for {what} of a rotor system, got {shown(method)}")
+
+
+def _checked_place(at: object, phase: object) -> float:
+    """Return the angle of a section, which only one by revolutions has."""
+    check_choice("at", at, PLACES)
+    angle = checked_angle(phase)
+    if at != "revolution" and phase:
+        raise InputError(f"phase must be 0 for a section at each {at}, got {phase!r}")
+    return angle
+
+
+def checked_angle(phase: object) -> float:
+    """Return an angle of the unbalance within a revolution."""
+    if (angle := check_nonnegative("phase", phase)) >= 2.0 * math.pi:
+        raise InputError(f"phase must be below 2 pi, got {phase!r}")
+    return angle
+
+
+@takes_si
+def poincare_section_disc(
+    rotor: Rotor, *, start: Any, revolutions: int, skip: int, at: At, phase: float, rtol: float,
+    atol: float, method: Method, progress: Progress | bool | None,
+) -> xr.Dataset:  # fmt: skip
+    """Return a section through a motion of one disc: see `poincare_section`."""
     check_instance("rotor", rotor, Rotor)
     progress = check_progress(progress)
     first = state_of("start", start, rotor)
@@ -133,11 +238,7 @@ def poincare_section(
         )
     count = check_count("revolutions", revolutions)
     left_out = check_count("skip", skip, minimum=0)
-    check_choice("at", at, PLACES)
-    if check_nonnegative("phase", phase) >= 2.0 * math.pi:
-        raise InputError(f"phase must be below 2 pi, got {phase!r}")
-    if at != "revolution" and phase:
-        raise InputError(f"phase must be 0 for a section at each {at}, got {phase!r}")
+    angle = _checked_place(at, phase)
     if at in RUBS and rotor.friction == 0.0:
         raise InputError(f"friction must be positive for a section at each {at}, got 0.0")
     if at in EVENTS and rotor.delta0 == 0.0:
@@ -160,7 +261,7 @@ def poincare_section(
             end = run(rotor, first, lead, np.empty(0), options, stop=stop, watch=watch).end
             x, y, vx, vy = rotated(end, -rotor.omega * left_out * period).tolist()
             state = (x, y, vx, vy)
-        return _crossings(rotor, state, count, at, float(phase), options, stop, watch)
+        return crossings_of_disc(rotor, state, count, at, angle, options, stop, watch)
 
     told = percentage(progress, watch, (left_out + count) * period)
     times, states = interruptible(follow, told=told)
@@ -176,13 +277,13 @@ def poincare_section(
         "section": at, "start": np.array(first), "revolutions": count, "skip": left_out,
     }  # fmt: skip
     if at == "revolution":
-        attributes["phase"] = float(phase)
+        attributes["phase"] = angle
     return labelled_dataset(
         "Section through one motion", columns, coordinates, attributes, kind="section"
     )
 
 
-def _crossings(
+def crossings_of_disc(
     rotor: Rotor,
     start: State,
     count: int,
@@ -209,3 +310,154 @@ def _crossings(
     chosen = orbit.event_kinds == EVENTS[at]
     times = orbit.event_times[chosen]
     return times, rotated(orbit.event_states[chosen], -rotor.omega * times)
+
+
+@takes_system
+def poincare_section_system(
+    system: RotorSystem, *, speed: float | None, start: Any, revolutions: int, skip: int, at: At,
+    contact: int | str | None, phase: float, modes: int | None, rtol: float,
+    progress: Progress | bool | None, **changed: Unpack[SystemParameters],
+) -> xr.Dataset:  # fmt: skip
+    """Return a section through a motion of a rotor system: see `poincare_section`."""
+    given = changed_system(poincare_section, system, changed)
+    progress = check_progress(progress)
+    omega = _checked_speed(speed)
+    count = check_count("revolutions", revolutions)
+    left_out, angle = check_count("skip", skip, minimum=0), _checked_place(at, phase)
+    tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
+    taken, begun = in_modes(given, modes, start)
+    assembly = assemble(taken)
+    number = None if at == "revolution" else _number_of(assembly, contact, at)
+    if at == "revolution" and contact is not None:
+        raise InputError(
+            f"contact must be left out for a section once a revolution, got {shown(contact)}"
+        )
+    begun = state_at_end(assembly, begun)
+    problem, first = SettlingProblem.of(assembly, tolerance), start_of(assembly, begun, omega)
+    flow = SystemFlow.at(problem, omega, NO_STOP)
+    _check_size(flow, left_out, count, at)
+    lead, watch = left_out * flow.revolution, list[Callable[[], float]]()
+
+    def follow(stop: Stop) -> tuple[Crossings, Values]:
+        own = replace(flow, stop=stop, watch=watch)
+        state = own.given_state(np.append(first, problem.race_speeds))
+        if left_out:
+            state = own.after(state, lead)
+        return crossings_of_system(own, state, count, at, angle, number)
+
+    told = percentage(progress, watch, lead + count * flow.revolution)
+    crossings, states = interruptible(follow, told=told)
+    if progress is not None:
+        progress(100, 100)
+    asked = {
+        "speed": omega, "revolutions": count, "skip": left_out, "at": at, "contact": number,
+        "phase": angle, "modes": modes, "rtol": tolerance,
+    }  # fmt: skip
+    known = {name: each for name, each in asked.items() if each is not None}
+    left = {"at"} if number is None else {"at", "phase"}
+    attributes = provenance({"method": "taylor"}) | {"section": at}
+    attributes |= {name: each for name, each in known.items() if name not in left}
+    question = Question("poincare_section", {"rotor": given, "start": begun, **known})
+    attributes |= question.attribute()
+    crossings = crossings._replace(times=lead + crossings.times)
+    return _dataset_of_system(flow, crossings, states, attributes)
+
+
+def _dataset_of_system(
+    flow: SystemFlow, crossings: Crossings, states: Values, attributes: Mapping[str, Any]
+) -> xr.Dataset:
+    """Return a section through a motion of a rotor system as a labelled dataset."""
+    assembly, found, count = flow.problem.assembly, flow.problem.found, len(crossings.times)
+    columns: dict[str, Column] = {
+        "crossing_time": ("crossing", crossings.times),
+        **{name: (("crossing", "node"), each) for name, each in zip(NAMES, states, strict=True)},
+        "crossing_state": (
+            ("crossing", "coordinate"),
+            found.to_q(crossings.motions).reshape(count, 2 * assembly.size),
+        ),
+        "final_state": ("component", flow.in_q(crossings.end)), **described_problem(assembly),
+    }  # fmt: skip
+    coordinates: dict[str, Column] = {
+        "crossing": ("crossing", np.arange(count)),
+        "node": ("node", np.array(list(assembly.system.nodes), str)),
+    }
+    section = labelled_dataset(
+        "Rotor system: section through one motion", columns, coordinates, attributes,
+        kind="system_section",
+    )  # fmt: skip
+    return with_system_units(section, assembly.system)
+
+
+def _checked_speed(speed: object) -> float:
+    """Return the speed of a rotor system at which there are revolutions."""
+    if speed is None:
+        raise InputError("speed must be given for a section of a rotor system, got None")
+    omega = check_real("speed", speed)
+    if omega == 0.0:
+        raise InputError("{name} must not be 0 for a section, got {value}", name="speed", value=0.0)
+    return omega
+
+
+def _check_size(flow: SystemFlow, skip: int, count: int, at: str) -> None:
+    """Refuse a motion that would take hours, or whose samples do not fit into memory."""
+    longest = MOST_RADIANS / (flow.request.fastest + abs(flow.speed))
+    if not (duration := (skip + count) * flow.revolution) <= longest:
+        raise InputError(
+            "skip and revolutions must last at most {duration:.4g}, as the system moves at up to "
+            "{fastest:.4g}, got {time:.4g}; fewer modes lower that",
+            duration=longest, fastest=flow.request.fastest, time=duration,
+        )  # fmt: skip
+    each = 2 * flow.problem.assembly.size * (SAMPLES_A_REVOLUTION if at == "peak" else 1)
+    check_count("revolutions", count, maximum=max(MOST_NUMBERS // each, 1))
+
+
+def _number_of(assembly: Assembly, contact: object, at: str) -> int:
+    """Return the number of the contact that is meant, by its number or the name of its node."""
+    nodes = [each.node for each in assembly.contacts]
+    if not nodes:
+        raise InputError(f"at must be revolution for a system without contacts, got {shown(at)}")
+    if contact is None and len(nodes) > 1:
+        allowed = listed([f"{number} at {shown(each)}" for number, each in enumerate(nodes)], "or")
+        raise InputError(f"contact must be given for a section at each {at}: {allowed}")
+    number = _named(nodes, contact)
+    if at in RUBS and assembly.contacts[number].friction == 0.0:
+        raise InputError(f"friction must be positive for a section at each {at}, got 0.0")
+    return number
+
+
+def _named(nodes: Sequence[str], contact: object) -> int:
+    """Return the number of a contact, given as that or by the name of its node."""
+    if contact is None:
+        return 0
+    if not isinstance(contact, str):
+        return check_count("contact", contact, minimum=0, maximum=len(nodes) - 1)
+    if (here := nodes.count(contact)) == 1:
+        return nodes.index(contact)
+    if here:
+        raise InputError(f"contact must be a number, as {shown(contact)} has {here} contacts")
+    allowed = listed([shown(each) for each in dict.fromkeys(nodes)], "or")
+    raise InputError(f"contact must be {allowed}, got {shown(contact)}")
+
+
+def crossings_of_system(
+    flow: SystemFlow, state: Values, count: int, at: str, phase: float, contact: int | None
+) -> tuple[Crossings, Values]:
+    """Return the crossings after a state, and the states of the nodes on rotating axes.
+
+    The states have the shape (4, crossing, node), in the order of `NAMES`.
+    """
+    duration = count * flow.revolution
+    if contact is None:
+        found = once_a_revolution(flow, state, count, phase)
+    elif at == "peak":
+        found = at_peaks(flow, state, duration, contact)
+    else:
+        found = at_events(flow, state, duration, EVENTS[at], contact)
+    place, velocity = np.moveaxis(
+        on_turning_axes(
+            flow, found.motions, phase if contact is None else flow.speed * found.times
+        ),
+        1,
+        0,
+    )
+    return found, np.stack([place.real, place.imag, velocity.real, velocity.imag])

@@ -44,6 +44,7 @@ STEPS = "the steps along it depend on rounding; its special points and ends are 
 MARGINAL = "at a bifurcation a multiplier lies on the unit circle, on which side is rounding"
 BEHIND_HORIZON = "some drops end behind their horizon, where another processor drops otherwise"
 STARTS = tuple(f"start_{name}" for name in COMPONENTS)
+STATES = tuple(f"rotating_{name}" for name in COMPONENTS)
 
 
 def tolerance_of(dataset: xr.Dataset) -> float:
@@ -373,6 +374,12 @@ VERIFIED = {
         _diagram, ("extremum_radius", "extremum_count", "response", *STARTS, *PARAMETERS),
         (*SOLVER, "extrema_time"), _stretches,
     ),
+    "stroboscopic_diagram": Verification(
+        _lost, ("response", *STATES, *STARTS, *PARAMETERS), (*SOLVER, "revolutions", "phase"),
+    ),
+    "section": Verification(
+        _lost, ("crossing_time", *STATES, *PARAMETERS), (*SOLVER, "revolutions", "skip"),
+    ),
     "basin": Verification(
         _basin, ("label", "settling_time", "kind", *COMPONENTS, *NUMBERS),
         (*PARAMETERS, "labelling_rtol"),
@@ -416,6 +423,17 @@ VERIFIED = {
     "system_sweep": Verification(
         _system_sweep, ("response", "direction", "touched", "period", *NUMBERS),
         ("rtol",), lambda _, __: {"final_state": TRANSIENT},
+    ),
+    "system_diagram": Verification(
+        _lost, ("extremum_radius", "extremum_count", "response", "touched"),
+        ("rtol", "revolutions"), _stretches,
+    ),
+    "system_stroboscopic_diagram": Verification(
+        _lost, ("response", "touched", *STATES), ("rtol", "revolutions", "phase"),
+    ),
+    "system_section": Verification(
+        _lost, ("crossing_time", "crossing_state", "final_state", *STATES, *PROBLEM),
+        ("rtol", "speed", "revolutions", "skip"),
     ),
     "system_run_ups": Verification(
         _lost, ("ending", "response", "rate", "phase", "to", *NUMBERS),

@@ -28,7 +28,10 @@ PERIODIC = ("contact_free", "synchronous", "bouncing", "full_contact")
 CIRCULAR = ("contact_free", "synchronous")
 # What is compared of every point, start and attractor.
 OF_POINTS = ("response", "kind", "label", "count")
-OF_CIRCLES = ("amplitude", "phase_lag", "node_amplitude", "node_phase_lag")
+OF_CIRCLES = (
+    "amplitude", "phase_lag", "node_amplitude", "node_phase_lag",
+    *("rotating_x", "rotating_y", "rotating_vx", "rotating_vy"),
+)  # fmt: skip
 NO_MORE = "not computed by this version"
 # Attributes that another method changes, and the difference allowed for numbers in attributes.
 OF_METHOD = ("method", "flight", "atol", "left_over_method")

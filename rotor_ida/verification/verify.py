@@ -77,7 +77,7 @@ def rerun(
         changed = {"method": method} | (flight if method == "taylor" else {})
         question = Question(question.verb, {**question.arguments, **changed})
     found = question.ask(workers=workers, progress=progress)
-    return rotating(found) if "rotating_x" in dataset else found
+    return rotating(found) if "rotating_x" in dataset and "event_time" in dataset else found
 
 
 def question_of(dataset: xr.Dataset) -> Question:
@@ -96,7 +96,7 @@ def question_of(dataset: xr.Dataset) -> Question:
 
 def _fits(question: Question, dataset: xr.Dataset) -> bool:
     """Return whether the axes of a question are those of a result, of which no part was taken."""
-    axes = {name: each for name, each in question.arguments.items() if name in dataset.dims}
+    axes = {name: each for name, each in question.arguments.items() if name in dataset.indexes}
     return all(np.size(each) == dataset.sizes[name] for name, each in axes.items())
 
 

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
-from typing import Annotated, Literal
+from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
@@ -17,6 +18,7 @@ from rotor_ida.cli.option_types import (
     IN_ROTOR,
     count_option,
     flag_option,
+    number_option,
     numbers_option,
     path_option,
     quantity_option,
@@ -25,7 +27,13 @@ from rotor_ida.cli.output import Output, answer, answer_whole, summarised, worki
 from rotor_ida.cli.parsing import check_points
 from rotor_ida.cli.report import FIRST_ROWS, Report
 from rotor_ida.cli.rotor_options import RotorOptions, RotorsOptions
-from rotor_ida.cli.systems import run_up_file, run_ups_file, simulate_file, sweep_file
+from rotor_ida.cli.systems import (
+    run_up_file,
+    run_ups_file,
+    section_file,
+    simulate_file,
+    sweep_file,
+)
 from rotor_ida.errors import InputError
 from rotor_ida.model.scales import BECOMES
 
@@ -82,7 +90,6 @@ _ALONG = Parameter(
     "clearance replace omega, zeta or delta0. Default: the speed, or else the only one with "
     "several values."
 )
-Along = Annotated[options.OfRotor | None, _ALONG]
 AlongEither = Annotated[options.OfRotor | Literal["stiffness", "unbalance"] | None, _ALONG]
 StiffnessFactors = Annotated[
     list[float] | None,
@@ -100,6 +107,44 @@ Unbalances = Annotated[
         "kg m",
     ),
     IN_ROTOR,
+]
+Shown = Annotated[
+    Literal["extrema", "revolution"],
+    Parameter(help="What is shown of settled motions: extrema of the radius, or states once a "
+              "revolution."),
+]  # fmt: skip
+Crossed = Annotated[
+    Literal["revolution", "entry", "exit", "peak", "roll", "slip", "reverse"],
+    Parameter(help="Where the section is: once a revolution, at contact events, or at peaks."),
+]
+ContactOfSection = Annotated[
+    str | None,
+    Parameter(
+        help="Contact of a rotor system whose events or peaks are meant: number or node.",
+        metavar="NUMBER|NODE",
+    ),
+]
+Phase = Annotated[
+    float, number_option("Angle of the unbalance from x in a section by revolutions, in radians.")
+]
+Revolutions = Annotated[
+    int | None,
+    count_option(
+        "Number of revolutions of a section, or for extrema of a rotor system. Default: 64.",
+        1, MOST_NUMBERS,
+    ),
+]  # fmt: skip
+RevolutionsOfSection = Annotated[
+    int, count_option("Number of revolutions of the section.", 1, MOST_NUMBERS)
+]
+Skip = Annotated[
+    int, count_option("Number of earlier revolutions to skip as a transient.", 0, MOST_NUMBERS)
+]
+StartCount = Annotated[
+    int | None,
+    count_option(
+        "Number of random initial states of one disc. Default: 8.", 1, parsing.MOST_POINTS_OF_STUDY
+    ),
 ]
 Quick = Annotated[bool, flag_option("Compute coarser results, faster.")]
 Studies = Annotated[
@@ -259,10 +304,9 @@ def sweep(
         if events:
             raise InputError("events must be of one disc: sweeps of a rotor system keep none")
         given = {"direction": direction, "along": along, "study": study, **jobs.on_every_core()}
-        return sweep_file(system, rotors, axes, start, solver, output, given)
-    for name, each in axes.items():
-        if each is not None:
-            raise InputError(f"{name} must be of a rotor system, got no system file")
+        starts = None if start == [AT_REST] else start
+        return sweep_file(system, rotors, axes, starts, solver, output, given)
+    _refuse_of_system(axes)
     check_points(*rotors.axes(), start, in_study=study is not None)
     several = [name for name, each in rotors.values.items() if len(each) > 1]
     over = along or (several[0] if direction and len(several) == 1 else "omega")
@@ -284,10 +328,22 @@ def sweep(
         return answer_whole(dataset, output, study)
 
 
+def _refuse_of_system(given: Mapping[str, object]) -> None:
+    """Refuse options of rotor systems with one disc."""
+    for name, each in given.items():
+        if each is not None:
+            raise InputError(f"{name} must be of a rotor system, got no system file")
+
+
 def bifurcation_diagram(
+    system: options.System = None,
+    /,
     *,
     rotors: RotorsOptions = RotorsOptions(),
-    starts: options.StartCount = STARTS,
+    at: Shown = "extrema",
+    revolutions: Revolutions = None,
+    phase: Phase = 0.0,
+    starts: StartCount = None,
     start: options.StartsOrNone = None,
     seed: options.Seed = 0,
     x: options.RangeOrNone = None,
@@ -296,7 +352,9 @@ def bifurcation_diagram(
     vy: options.RangeOrNone = None,
     extrema_time: ExtremaTime = None,
     direction: Direction = None,
-    along: Along = None,
+    along: AlongEither = None,
+    stiffness: StiffnessFactors = None,
+    unbalance: Unbalances = None,
     rate: RateOrNone = None,
     rtol: options.Rtol = 1e-10,
     atol: options.Atol = 1e-12,
@@ -305,7 +363,7 @@ def bifurcation_diagram(
     study: options.Study = None,
     output: Output = Output(),
 ) -> Report:
-    r"""Compute a bifurcation diagram: extrema of the radius after the rotor has settled.
+    r"""Compute a bifurcation diagram: settled motions by extrema or once a revolution.
 
     At each speed from four random initial states, drawn over the exact curve:
 
@@ -316,35 +374,95 @@ def bifurcation_diagram(
 
         rotor-ida bifurcation-diagram --omega 1.2:1.7:3 --zeta 0.1 --delta0 0.5 \
             --start 0 0 0 0 --direction both --workers 1 --csv diagram.csv
+
+    A rotor of any size with several contacts, once a revolution, from a system file:
+
+        rotor-ida bifurcation-diagram rotor.toml --speed 1000rpm:5000rpm:9 \
+            --at revolution --direction up --figure strobes
     """
-    if start is not None and starts != STARTS:
+    if start is not None and starts is not None:
         raise InputError(f"starts must be left out with --start, got {starts}")
-    check_points(*rotors.axes(), start or [AT_REST] * starts, in_study=study is not None)
+    window = {"at": at, "revolutions": revolutions, "phase": phase}
+    axes = {"stiffness": stiffness, "unbalance": unbalance}
+    box = {"x": x, "y": y, "vx": vx, "vy": vy, "extrema_time": extrema_time, "rate": rate}
+    given: dict[str, Any] = {name: each for name, each in box.items() if each is not None}
+    more: dict[str, Any] = {
+        **window, "seed": seed, "direction": direction, "along": along, "study": study,
+        **jobs.on_every_core(),
+    }  # fmt: skip
+    if system is not None:
+        if starts is not None:
+            raise InputError(f"starts must be left out with a rotor system, got {starts}")
+        solver = options.RunUpsSolverOptions(rtol=rtol, atol=atol, method=method)
+        return sweep_file(
+            system, rotors, axes, start, solver, output, {**given, **more}, is_diagram=True
+        )
+    _refuse_of_system(axes)
+    count = STARTS if starts is None else starts
+    check_points(*rotors.axes(), start or [AT_REST] * count, in_study=study is not None)
     output.check()
     if output.figure is not None:
         check_one_varies([name for name, each in rotors.values.items() if len(each) > 1])
-    rotor, given = rotors.asked()
-    box = {"x": x, "y": y, "vx": vx, "vy": vy}
-    given |= {name: each for name, each in box.items() if each is not None}
-    if extrema_time is not None:
-        given["extrema_time"] = extrema_time
+    rotor, varied = rotors.asked()
     with working("diagram", study) as progress:
         dataset = rotor_ida.bifurcation_diagram(
             rotor,
+            **varied,
             **given,
-            starts=starts if start is None else start,
-            seed=seed,
-            direction=direction,
-            along=along,
-            rate=rate,
+            **more,
+            starts=count if start is None else start,
             rtol=rtol,
             atol=atol,
             method=method,
-            **jobs.on_every_core(),
-            study=study,
             progress=progress,
         )
         return answer_whole(dataset, output, study)
+
+
+def poincare_section(
+    system: options.System = None,
+    /,
+    *,
+    rotor: RotorOptions = RotorOptions(),
+    revolutions: RevolutionsOfSection,
+    skip: Skip = 0,
+    at: Crossed = "revolution",
+    contact: ContactOfSection = None,
+    phase: Phase = 0.0,
+    start: options.StartOrNone = None,
+    rtol: options.Rtol = 1e-10,
+    atol: options.Atol = 1e-12,
+    method: options.MethodOfAny = None,
+    output: Output = Output(),
+) -> Report:
+    r"""Compute a Poincaré section: the states of one motion once a revolution or at its events.
+
+    Once a revolution, after 100 revolutions, drawn to section.png and section.svg:
+
+        rotor-ida poincare-section --omega 2 --zeta 0.07 --delta0 2 \
+            --revolutions 60 --skip 100 --figure section
+
+    A rotor of any size with several contacts, at the entries of one, from a system file:
+
+        rotor-ida poincare-section rotor.toml --speed 4300rpm --revolutions 40 \
+            --at entry --contact seal --out entries.nc
+    """
+    given: dict[str, Any] = {
+        "revolutions": revolutions, "skip": skip, "at": at, "phase": phase,
+    }  # fmt: skip
+    if system is not None:
+        solver = options.AnyRunUpSolverOptions(rtol=rtol, atol=atol, method=method)
+        number = int(contact) if contact is not None and contact.isdecimal() else contact
+        return section_file(system, rotor, start, solver, output, {**given, "contact": number})
+    _refuse_of_system({"contact": contact})
+    chosen = rotor.chosen()
+    output.check()
+    with working("section [%]") as progress:
+        section = rotor_ida.poincare_section(
+            chosen, start=start or REST, **given, rtol=rtol, atol=atol, method=method,
+            progress=progress,
+        )  # fmt: skip
+    return answer(section, output, most=FIRST_ROWS)
 
 
 def run_ups(

@@ -53,6 +53,9 @@ OF_SYSTEM = {
     "history": "plot_node_history",
     "shape": "plot_shape",
 }
+# Those of sections and diagrams, at a node of a rotor system.
+OF_RESULTS = {"section": "plot_section", "diagram": "plot_extrema"}
+DRAWN_BY = FUNCTIONS | OF_SYSTEM | OF_RESULTS
 OPTIONS = {"t": "at"}
 # Dimensions besides time that have times, the first and last of each.
 OF_TIMES = (
@@ -70,7 +73,7 @@ FigureOfPlot = Annotated[
 ]
 KindOfPlot = Literal[
     "bode", "polar", "orders", "orbit", "full-spectrum", "cascade", "spectrogram", "centreline",
-    "trace", "orbits", "forces", "history", "shape",
+    "trace", "orbits", "forces", "history", "shape", "section", "diagram",
 ]  # fmt: skip
 # Other names of these.
 PLOTS_ALSO_CALLED: dict[str, KindOfPlot] = {
@@ -212,6 +215,10 @@ def plot(
         rotor-ida plot system.nc --kind shape --at 0.1
 
         rotor-ida plot system.nc --kind full-spectrum --node seal --figure seal
+
+    A section or a bifurcation diagram of a rotor system, at a node:
+
+        rotor-ida plot entries.nc --node seal
     """
     given: dict[str, Any] = {
         "order": order, "orders": orders, "revolutions": revolutions, "sense": sense,
@@ -227,10 +234,15 @@ def plot(
     if figure is None:
         figure = file.with_name(f"{file.stem}_{kind}.png" if kind else f"{file.stem}.png")
     Output(figure=figure, force=force).check()
-    whole = kind is None and times is None and node is None
-    dataset = _dataset_in(file, reading) if whole else signals_in(file, reading, times)
-    if kind in OF_SYSTEM:
-        if kind == "history":
+    dataset, is_whole = _dataset_in(file, reading), kind is None and times is None
+    if is_whole and node is not None:
+        kind = _kind_with_nodes(dataset)
+    if kind in OF_RESULTS and times is not None:
+        raise InputError(f"times must be left out with --kind {kind}")
+    if kind not in OF_RESULTS and not (is_whole and node is None):
+        dataset = _between(_checked_signals(dataset), times)
+    if kind in OF_SYSTEM or kind in OF_RESULTS:
+        if kind == "history" or node is not None:
             chosen["node"] = node
     elif kind is not None or node is not None:
         dataset = _at_node(dataset, node)
@@ -263,6 +275,17 @@ def _kind_suiting(dataset: xr.Dataset) -> str:
     return plot_of_signals(dataset) if kind == "signals" else kind
 
 
+def _kind_with_nodes(dataset: xr.Dataset) -> KindOfPlot | None:
+    """Return the kind of plot at a node of a section or diagram; None for another result."""
+    from rotor_ida.results.kinds import kind_of  # noqa: PLC0415 - only who draws needs it
+
+    kinds: dict[str, KindOfPlot] = {
+        "system_section": "section", "system_diagram": "diagram",
+        "system_stroboscopic_diagram": "diagram",
+    }  # fmt: skip
+    return kinds.get(kind_of(dataset))
+
+
 def _of_kind(kind: KindOfPlot, dataset: xr.Dataset, chosen: dict[str, Any]) -> Figure:
     """Return the figure of a kind of plot of signals."""
     from rotor_ida import plot as plots  # noqa: PLC0415 - only who draws needs it
@@ -275,7 +298,9 @@ def _of_kind(kind: KindOfPlot, dataset: xr.Dataset, chosen: dict[str, Any]) -> F
     from rotor_ida.plot.appearance import without_pyplot  # noqa: PLC0415
 
     with without_pyplot():
-        drawn = getattr(plots, (FUNCTIONS | OF_SYSTEM)[kind])(dataset, **chosen)
+        is_strobed = kind == "diagram" and "rotating_x" in dataset.variables
+        name = "plot_strobes" if is_strobed else DRAWN_BY[kind]
+        drawn = getattr(plots, name)(dataset, **chosen)
     if kind in OF_SYSTEM:
         return cast("Figure", drawn)
     ax: Axes = drawn[0] if isinstance(drawn, list) else drawn
@@ -317,7 +342,7 @@ def _check_options(
     """Raise `InputError` for an option that does not apply to a kind of plot."""
     from rotor_ida import plot as plots  # noqa: PLC0415 - only who draws needs it
 
-    known = {*inspect.signature(getattr(plots, (FUNCTIONS | OF_SYSTEM)[kind])).parameters}
+    known = {*inspect.signature(getattr(plots, DRAWN_BY[kind])).parameters}
     if kind in FUNCTIONS:
         known |= {"exact", "node"}
     others = {"exact": exact, "node": node is not None}
@@ -339,12 +364,11 @@ def signals_in(
     file: Path, reading: options.ReadingOptions, times: tuple[float, float] | None
 ) -> xr.Dataset:
     """Return the part between two times of a run or of signals in a file."""
-    return _between(_signals(file, reading), times)
+    return _between(_checked_signals(_dataset_in(file, reading)), times)
 
 
-def _signals(file: Path, reading: options.ReadingOptions) -> xr.Dataset:
-    """Return the signals in a measured file, or the run or signals in an archive."""
-    dataset = _dataset_in(file, reading)
+def _checked_signals(dataset: xr.Dataset) -> xr.Dataset:
+    """Return a dataset that contains a run or signals."""
     if "t" not in dataset.dims or not {"x", "y"} <= set(dataset.variables):
         title = dataset.attrs.get("title", "another dataset")
         raise InputError(f"file must contain a run, a run-up or signals, got {shown(title)}")
