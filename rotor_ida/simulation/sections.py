@@ -41,6 +41,7 @@ from rotor_ida.results.question import Question
 from rotor_ida.results.run import parameter_coordinates
 from rotor_ida.results.system_units import with_system_units
 from rotor_ida.schema import Column, labelled_dataset
+from rotor_ida.simulation.course import MOST_RADIANS
 from rotor_ida.simulation.extrema import MAXIMUM, check_knots, radius_extrema
 from rotor_ida.simulation.options import Method, Options, check_can_be_followed
 from rotor_ida.simulation.orbit import ENTRY, EXIT, REVERSE, ROLL, SLIP
@@ -60,7 +61,6 @@ from rotor_ida.simulation.systems.flow import (
     SystemFlow,
 )
 from rotor_ida.simulation.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL
-from rotor_ida.simulation.systems.speed_changes import MOST_RADIANS
 from rotor_ida.simulation.systems.starts import Start as SystemStart
 from rotor_ida.simulation.systems.starts import start_of
 
@@ -400,7 +400,7 @@ def _checked_speed(speed: object) -> float:
 
 def _check_size(flow: SystemFlow, skip: int, count: int, at: str) -> None:
     """Refuse a motion that would take hours, or whose samples do not fit into memory."""
-    longest = MOST_RADIANS / (flow.request.fastest + abs(flow.speed))
+    longest = MOST_RADIANS["system"] / (flow.request.fastest + abs(flow.speed))
     if not (duration := (skip + count) * flow.revolution) <= longest:
         raise InputError(
             "skip and revolutions must last at most {duration:.4g}, as the system moves at up to "
