@@ -238,7 +238,7 @@ class Flow(Protocol):
         """Return a parameter."""
 
     def but(self, **changed: Any) -> Self:
-        """Return a flow with other parameters, ``rtol`` or ``stop``, and states in equal scales."""
+        """Return a flow in equal scales with other parameters, ``rtol``, ``stop`` or ``watch``."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -384,12 +384,14 @@ class DiscFlow:
         return float(getattr(self.rotor, name))
 
     def but(
-        self, *, rtol: float | None = None, stop: Stop | None = None, **parameters: float
-    ) -> DiscFlow:
-        """Return a flow with other parameters of the rotor, tolerance or stop."""
-        return replace(
-            self, rotor=replace(self.rotor, **parameters) if parameters else self.rotor,
-            stop=self.stop if stop is None else stop, rtol=self.rtol if rtol is None else rtol,
+        self, *, rtol: float | None = None, stop: Stop | None = None, watch: Watch | None = None,
+        **parameters: float,
+    ) -> DiscFlow:  # fmt: skip
+        """Return a flow with other parameters of the rotor, tolerance, stop or watch."""
+        return DiscFlow(
+            replace(self.rotor, **parameters) if parameters else self.rotor,
+            self.stop if stop is None else stop, self.rtol if rtol is None else rtol,
+            self.options, self.watch if watch is None else watch,
         )  # fmt: skip
 
     def _followed(self, state: Values, duration: float, **asked: Any) -> RunResult:
