@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from dataclasses import replace
 
 import numpy as np
 
@@ -16,9 +15,9 @@ from rotor_ida.cycles.shooting import close_orbit, once_round, periods_of
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.simulation.flow import DiscFlow, Flow
-from rotor_ida.simulation.options import Options
-from rotor_ida.simulation.systems.flow import SystemFlow
-from rotor_ida.steady.follow import FAILED, follow_to_steady_state, settle
+from rotor_ida.steady.decision import decide
+from rotor_ida.steady.follow import limits_of
+from rotor_ida.steady.motion import Motion
 from rotor_ida.steady.response import BOUNCING, FULL_CONTACT, ROLLING, UNRESOLVED
 
 NOT_FOUND = "not_found"
@@ -101,20 +100,11 @@ def found_cycle(guess: Guess, stop: Stop, watch: Watch | None = None) -> tuple[O
 
 def _settled(flow: Flow, state: Values, watch: Watch | None) -> tuple[str, Values, float | None]:
     """Return the response to which a state leads, the state there, and the period of a cycle."""
-    if isinstance(flow, SystemFlow):
-        settled = settle(replace(flow.but(rtol=STEADY_STATE_RTOL), watch=watch), state)
-        decision = settled.decision
-        is_cycle = decision.kind in (BOUNCING, FULL_CONTACT, ROLLING)
-        return decision.kind, settled.state, decision.period if is_cycle else None
-    assert isinstance(flow, DiscFlow)
-    options = Options(method="taylor", rtol=STEADY_STATE_RTOL)
-    found = follow_to_steady_state(
-        flow.rotor, numbers_in(state), options, stop=flow.stop, watch=watch
-    )
-    if found.response == FAILED:
-        raise SimulationError(found.message)
-    period = found.features.period
-    return found.response, np.array(found.end), None if math.isnan(period) else period
+    flow = flow.but(rtol=STEADY_STATE_RTOL, watch=watch)
+    motion = Motion(flow, limits_of(flow), state)
+    decision = decide(motion)
+    is_cycle = decision.kind in (BOUNCING, FULL_CONTACT, ROLLING)
+    return decision.kind, motion.state, decision.period if is_cycle else None
 
 
 def _near(flow: Flow, state: Values, time: float | None) -> Orbit | None:

@@ -13,6 +13,7 @@ import cmath
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
+from functools import cached_property
 from typing import Any, NamedTuple, Protocol, Self
 
 import numpy as np
@@ -102,7 +103,7 @@ class Piece(NamedTuple):
     extrema: Rows
 
 
-@dataclass(frozen=True, slots=True, eq=False)
+@dataclass(frozen=True, eq=False)
 class Window:
     """A motion over some time, with samples and events.
 
@@ -146,7 +147,7 @@ class Window:
     event_states: Values = field(default_factory=lambda: np.empty((0, 4)))
     forces: Values = field(default_factory=lambda: np.empty((0, 0)))
 
-    @property
+    @cached_property
     def touches(self) -> int:
         """Number of entries and exits."""
         return int((np.abs(self.event_kinds) == ENTRY).sum())
@@ -161,17 +162,10 @@ class Window:
         """Whether no contact ever touches."""
         return not (self.closed_first.any() or self.event_times.size)
 
-    @property
+    @cached_property
     def places(self) -> ComplexValues:
         """Displacement and velocity of the contacts at the samples, shape (2, time, contact)."""
         return self.flow.places(self.states)
-
-    def since(self, time: float) -> Window:
-        """Return the window with its samples and extrema from a time on."""
-        late, turned = self.times >= time, self.extrema["time"] >= time
-        return replace(
-            self, times=self.times[late], states=self.states[late], extrema=self.extrema[turned]
-        )
 
     def once_in(self, period: float) -> Values:
         """Return the states once in a period, from the first sample on."""
@@ -244,7 +238,7 @@ class Flow(Protocol):
         """Return a parameter."""
 
     def but(self, **changed: Any) -> Self:
-        """Return a flow with other parameters, ``rtol`` or ``stop``, and states in equal scales."""
+        """Return a flow in equal scales with other parameters, ``rtol``, ``stop`` or ``watch``."""
 
 
 @dataclass(frozen=True, slots=True, eq=False)
@@ -339,7 +333,7 @@ class DiscFlow:
         rotor = self.rotor
         start = put_on_rolling(rotor, state) if rotor.friction > 0.0 else state
         whole = not OF_PAPER.issuperset(by)
-        columns = len(COLUMNS) if whole or rotor.beyond else len(PARAMETERS)
+        columns = (len(COLUMNS) if whole or rotor.beyond else len(PARAMETERS)) if by else 0
         bundle = np.eye(DIFFERENCES + columns, 4)
         if tangents is not None:
             bundle[:DIFFERENCES] = 0.0
@@ -373,7 +367,8 @@ class DiscFlow:
 
     def places(self, states: Values) -> ComplexValues:
         """Return displacement and velocity of the disc, shape (2, time, 1) [1]."""
-        return np.stack([states[:, :1] + 1j * states[:, 1:2], states[:, 2:3] + 1j * states[:, 3:]])
+        places = np.ascontiguousarray(states).view(np.complex128)  # (time, 2)
+        return np.asarray(places.T[:, :, np.newaxis])
 
     def radii(self, piece: Piece | Window) -> list[Values]:
         """Return the extreme radii, as the core has found them [1]."""
@@ -389,12 +384,14 @@ class DiscFlow:
         return float(getattr(self.rotor, name))
 
     def but(
-        self, *, rtol: float | None = None, stop: Stop | None = None, **parameters: float
-    ) -> DiscFlow:
-        """Return a flow with other parameters of the rotor, tolerance or stop."""
-        return replace(
-            self, rotor=replace(self.rotor, **parameters) if parameters else self.rotor,
-            stop=self.stop if stop is None else stop, rtol=self.rtol if rtol is None else rtol,
+        self, *, rtol: float | None = None, stop: Stop | None = None, watch: Watch | None = None,
+        **parameters: float,
+    ) -> DiscFlow:  # fmt: skip
+        """Return a flow with other parameters of the rotor, tolerance, stop or watch."""
+        return DiscFlow(
+            replace(self.rotor, **parameters) if parameters else self.rotor,
+            self.stop if stop is None else stop, self.rtol if rtol is None else rtol,
+            self.options, self.watch if watch is None else watch,
         )  # fmt: skip
 
     def _followed(self, state: Values, duration: float, **asked: Any) -> RunResult:

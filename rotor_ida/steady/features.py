@@ -70,11 +70,12 @@ def features_of_system(window: Window) -> SystemFeatures:
 
 def features_of_disc(window: Window, decision: Decision) -> Features:
     """Return how one disc moves in a window; of a cycle in its last period."""
-    period, last = decision.period, window
+    period, since = decision.period, -math.inf
     if period is not None:
-        last = window.since(float(window.times[-1]) - period - SAME_TURN)
-    whirl = complex((window if window.flow.period is None else last).places[0, :-1, 0].mean())
-    low, high = extremes(np.abs(last.places[0]), window.flow.radii(last))
+        since = float(window.times[-1]) - period - SAME_TURN
+    place, extrema, last = window.places[0], window.extrema, window.times >= since
+    whirl = complex((place if window.flow.period is None else place[last])[:-1].mean())
+    low, high = extremes(np.abs(place[last]), [extrema["radius"][extrema["time"] >= since]])
     return Features(
         abs(whirl), phase_lag_of(whirl), float(low[0]), float(high[0]),
         math.nan if period is None or decision.kind == CONTACT_FREE else period,

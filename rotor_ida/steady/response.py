@@ -197,11 +197,14 @@ def grazes(window: Window) -> bool:
 
     On which side of the clearance rounding has put that makes no difference.
     """
-    rotor = _rotor_of(window)
+    rotor, (place, velocity) = _rotor_of(window), window.places[:, -1, 0].tolist()
+    allowed = 2.0 * window.flow.steady * rotor.delta0
+    if rotor.load == 0.0 and abs(abs(place) - rotor.delta0) > 4.0 * allowed:
+        return False  # on that whirl it would be at the clearance
     if rotor.zeta == 0.0 or not abs(grazing_distance(rotor)) <= GRAZES:
         return False
-    drift, reach = _future_if_free(rotor, *window.places[:, -1, 0].tolist())
-    return max(drift, abs(reach - rotor.delta0)) <= 2.0 * window.flow.steady * rotor.delta0
+    drift, reach = _future_if_free(rotor, place, velocity)
+    return max(drift, abs(reach - rotor.delta0)) <= allowed
 
 
 def _future_if_free(rotor: Rotor, position: complex, velocity: complex) -> tuple[float, float]:

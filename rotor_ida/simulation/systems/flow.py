@@ -230,15 +230,16 @@ class SystemFlow:
         return self.speed
 
     def but(
-        self, *, rtol: float | None = None, stop: Stop | None = None, **parameters: float
-    ) -> SystemFlow:
-        """Return a flow at another speed, with another tolerance or stop, in the same scales."""
+        self, *, rtol: float | None = None, stop: Stop | None = None, watch: Watch | None = None,
+        **parameters: float,
+    ) -> SystemFlow:  # fmt: skip
+        """Return a flow at another speed, or with another tolerance, stop or watch: see `Flow`."""
         speed = parameters.get("speed", self.speed)
         if not speed * self.speed > 0.0:
             raise SimulationError(f"speed falls to {speed:.3g}")
         problem = self.problem if rtol is None else replace(self.problem, rtol=rtol)
         own = SystemFlow.at(problem, speed, self.stop if stop is None else stop)
-        return replace(own, scales=self.scales, watch=self.watch)
+        return replace(own, scales=self.scales, watch=self.watch if watch is None else watch)
 
     @property
     def has_damping(self) -> bool:
