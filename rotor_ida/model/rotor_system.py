@@ -39,6 +39,7 @@ from rotor_ida.model.system_parts import (
 # Relative size below which a part of a matrix that should vanish is rounding.
 ROUNDED = 1e-9
 UNITS = ("SI", "1")
+KINDS = "a Rotor, DimensionalRotor or RotorSystem"
 MOST_NODES_SHOWN = 6
 # One matrix of this size takes 32 MB; beam models have a few hundred degrees of freedom.
 MOST_COORDINATES = 2000
@@ -341,7 +342,7 @@ def changed_system(
             )
     system = given.system() if isinstance(given, Rotor | DimensionalRotor) else given
     if not isinstance(system, RotorSystem):
-        refuse_first(verb, "a Rotor, DimensionalRotor or RotorSystem", given)
+        refuse_first(verb, KINDS, given)
     return replace(system, **cast("Any", changed)) if changed else system
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import asdict
 from pathlib import Path
 from typing import Annotated, Literal
@@ -260,9 +261,7 @@ def sweep(
             raise InputError("events must be of one disc: sweeps of a rotor system keep none")
         given = {"direction": direction, "along": along, "study": study, **jobs.on_every_core()}
         return sweep_file(system, rotors, axes, start, solver, output, given)
-    for name, each in axes.items():
-        if each is not None:
-            raise InputError(f"{name} must be of a rotor system, got no system file")
+    _refuse_axes(axes)
     check_points(*rotors.axes(), start, in_study=study is not None)
     several = [name for name, each in rotors.values.items() if len(each) > 1]
     over = along or (several[0] if direction and len(several) == 1 else "omega")
@@ -282,6 +281,13 @@ def sweep(
             progress=progress,
         )
         return answer_whole(dataset, output, study)
+
+
+def _refuse_axes(axes: Mapping[str, list[float] | None]) -> None:
+    """Refuse axes of a rotor system without the file of one."""
+    for name, each in axes.items():
+        if each is not None:
+            raise InputError(f"{name} must be of a rotor system, got no system file")
 
 
 def bifurcation_diagram(
@@ -356,6 +362,8 @@ def run_ups(
     rate: Rates,
     phase: Phases = [0.0],  # noqa: B006 - never changed
     start: options.StartsOfRunUps = None,
+    stiffness: StiffnessFactors = None,
+    unbalance: Unbalances = None,
     jobs: options.JobOptions = options.JobOptions(),
     solver: options.RunUpsSolverOptions = options.RunUpsSolverOptions(),
     study: options.Study = None,
@@ -377,10 +385,17 @@ def run_ups(
     A rotor of any size with several contacts, from a system file:
 
         rotor-ida run-ups rotor.toml --to 5000rpm --rate 5000rpm/s --out many.nc
+
+    That rotor with two frictions, and with its unbalance:
+
+        rotor-ida run-ups rotor.toml --to 5000rpm --rate 5000rpm/s --friction 0 0.2 \
+            --unbalance 1e-3 2e-3 --figure frictions
     """
+    axes = {"stiffness": stiffness, "unbalance": unbalance}
     if system is not None:
         given = {"to": to, "rate": rate, "phase": phase, "study": study, **jobs.on_every_core()}
-        return run_ups_file(system, rotors, start, solver, output, given)
+        return run_ups_file(system, rotors, axes, start, solver, output, given)
+    _refuse_axes(axes)
     check_points(*rotors.axes(), rate, phase, start or [REST], in_study=study is not None)
     output.check(panels=rotors.panels())
     rotor, given = rotors.asked()
