@@ -13,7 +13,7 @@ from .closed_forms import rest as rest
 from .closed_forms.ball_bearing import ball_bearing_stiffness as ball_bearing_stiffness
 from .closed_forms.campbell import campbell as campbell
 from .closed_forms.clearances.report import clearance_report as clearance_report
-from .closed_forms.dispatch import synchronous_response as synchronous_response
+from .closed_forms.synchronous import synchronous_response as synchronous_response
 from .closed_forms.whirls.special_speeds import special_speeds as special_speeds
 from .cycles.bifurcation_curve import bifurcation_curve as bifurcation_curve
 from .cycles.branches import branches_through as branches_through
@@ -65,12 +65,12 @@ from .simulation.dispatch import run_up as run_up
 from .simulation.dispatch import simulate as simulate
 from .simulation.sections import poincare_section as poincare_section
 from .steady.bifurcation_diagram import bifurcation_diagram as bifurcation_diagram
-from .steady.dispatch import lyapunov_exponent as lyapunov_exponent
-from .steady.dispatch import run_ups as run_ups
-from .steady.dispatch import sweep as sweep
 from .steady.drop import drop as drop
 from .steady.drop_ensemble import drop_ensemble as drop_ensemble
+from .steady.lyapunov import lyapunov_exponent as lyapunov_exponent
 from .steady.run_up_summary import summary as summary
+from .steady.run_ups import run_ups as run_ups
+from .steady.sweep import sweep as sweep
 from .verification.compare import compare as compare
 from .verification.resume import resume as resume
 

@@ -28,15 +28,11 @@ from rotor_ida import (
     closed_forms,
     decode_flags,
 )
-from rotor_ida.closed_forms.whirls.synchronous import synchronous_response_system
 from rotor_ida.cycles.limit_cycle import limit_cycle_system
 from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.model.rotor_system import SystemParameters
 from rotor_ida.model.system_parameters import SystemAxes
 from rotor_ida.simulation.systems.simulate import run_up_system, simulate_system
-from rotor_ida.steady.lyapunov import lyapunov_exponent_system
-from rotor_ida.steady.system_run_ups import run_ups_system
-from rotor_ida.steady.system_sweep import sweep_system
 from tests.kinds import KINDS
 
 LONGEST_MESSAGE = 300
@@ -378,10 +374,10 @@ GIVEN |= {
 # Functions of one disc and of rotor systems have a second entry, with a system.
 OF_SYSTEMS = {
     "simulate_system": simulate_system, "run_up_system": run_up_system,
-    "sweep_system": sweep_system, "run_ups_system": run_ups_system,
-    "lyapunov_exponent_system": lyapunov_exponent_system,
+    "sweep_system": rotor_ida.sweep, "run_ups_system": rotor_ida.run_ups,
+    "lyapunov_exponent_system": rotor_ida.lyapunov_exponent,
     "limit_cycle_system": limit_cycle_system, "continue_cycle_system": rotor_ida.continue_cycle,
-    "synchronous_response_system": synchronous_response_system,
+    "synchronous_response_system": rotor_ida.synchronous_response,
 }  # fmt: skip
 
 
@@ -462,7 +458,8 @@ def arguments_of(name: str) -> list[str]:
         names += (SystemAxes if varies else SystemParameters).__annotations__
     if "varied" in names:
         names.remove("varied")
-        names += ALL_PARAMETERS
+        any_rotor = "AnyAxes" in str(parameters["varied"].annotation)
+        names += SystemAxes.__annotations__ if name in OF_SYSTEMS and any_rotor else ALL_PARAMETERS
     return names
 
 

@@ -31,6 +31,7 @@ from rotor_ida.cli.variables import (
 from rotor_ida.cycles.branch_course import parameters_of, stable_ranges
 from rotor_ida.model.parameters import ALL_PARAMETERS, OF_MACHINE
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
+from rotor_ida.results.archived_system import clearance_of_contacts
 from rotor_ida.results.depths import beyond_model
 from rotor_ida.results.kinds import KINDS, OTHER, kind_of, loaded
 from rotor_ida.results.run import course_of
@@ -241,13 +242,15 @@ def show_run_ups(dataset: xr.Dataset, most: int | None) -> Description:
     given = (
         {"starts": _starts(dataset)}
         if "start_x" in dataset.variables
-        else {"contacts": rows_of(dataset, ("clearance", "contact_node"))}
-    )
+        else {"contacts": rows_of(
+            dataset, (str(clearance_of_contacts(dataset).name), "contact_node")
+        )}
+    )  # fmt: skip
     dataset = _worst_of_contacts(dataset) if "contact" in dataset.dims else dataset
     record, tables = tabled(dataset, most, RUN_UPS)
-    names = ("speed", *ALL_PARAMETERS)
-    varied = [name for name in names if name in dataset.variables and dataset[name].size > 1]
+    names = dict.fromkeys(("speed", *ALL_PARAMETERS, *PARAMETERS_OF_SYSTEM))
     told = [name for name in names if name in dataset.variables]
+    varied = [name for name in told if dataset[name].size > 1]
     parts = [f"{word}_fraction" for word in ENDS_IN_WORDS]
     errors = [f"{name}_error" for name in parts]
     fractions = rows_of(dataset, (*parts, *errors, "failed_count", "rate", *told))

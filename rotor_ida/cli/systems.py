@@ -110,23 +110,14 @@ def sweep_file(
     """
     what = "diagram" if is_diagram else "sweep"
     verb = rotor_ida.bifurcation_diagram if is_diagram else rotor_ida.sweep
-    values: dict[str, Any] = {**rotors.values, **axes}
-    varied = {name: values.pop(name) for name in PARAMETERS_OF_SYSTEM
-              if values.get(name) is not None}  # fmt: skip
-    how = _checked(values, rotors.machine, solver, output)
-    _refuse_units_of_factors(varied)
-    if how.pop("method", "taylor") != "taylor":
-        raise InputError(
-            f"method must be taylor for a {what} of a rotor system, got {solver.method}"
-        )
+    varied, how = _varied(rotors, axes, solver, output, f"a {what}")
     if SPEED not in rotors.values:
         raise InputError(f"speed must be given with --speed for a {what} of a rotor system")
     system, course = case_of(file, {**rotors.values, **axes})
     with working(what, given["study"]) as progress:
         dataset = verb(
             system, starts=_starts(course, starts), modes=course.modes, speed=rotors.values[SPEED],
-            **{name: each[0] if len(each) == 1 else each for name, each in varied.items()},
-            **given, **how, progress=progress,
+            **varied, **given, **how, progress=progress,
         )  # fmt: skip
         return answer_whole(dataset, output, given["study"])
 
@@ -134,25 +125,42 @@ def sweep_file(
 def run_ups_file(
     file: Path,
     rotors: RotorsOptions,
+    axes: Mapping[str, list[float] | None],
     starts: list[State | str] | None,
     solver: options.RunUpsSolverOptions,
     output: Output,
     given: Mapping[str, Any],
 ) -> Report:
     """Simulate many run-ups of the system of a file, by default from its first speed."""
-    how = _checked(rotors.values, rotors.machine, solver, output)
-    if how.pop("method", "taylor") != "taylor":
-        raise InputError(
-            f"method must be taylor for run-ups of a rotor system, got {solver.method}"
-        )
-    system, course = case_of(file, {**rotors.values, **given})
+    varied, how = _varied(rotors, axes, solver, output, "run-ups")
+    system, course = case_of(file, {**rotors.values, **axes, **given})
     speed = rotors.values.get(SPEED, course.run_up.get(SPEED, 0.0))
     with working("run-ups", given["study"]) as progress:
         dataset = rotor_ida.run_ups(
-            system, starts=_starts(course, starts), modes=course.modes, speed=speed, **given,
-            **how, progress=progress,
+            system, starts=_starts(course, starts), modes=course.modes, speed=speed, **varied,
+            **given, **how, progress=progress,
         )  # fmt: skip
         return answer_whole(dataset, output, given["study"])
+
+
+def _varied(
+    rotors: RotorsOptions,
+    axes: Mapping[str, list[float] | None],
+    solver: options.SolverOptions | options.RunUpSolverOptions,
+    output: Output,
+    words: str,
+) -> tuple[dict[str, Any], dict[str, Any]]:
+    """Return what varies of a system besides its speed, and the options of the solver."""
+    values: dict[str, Any] = {**rotors.values, **axes}
+    varied = {name: values.pop(name) for name in PARAMETERS_OF_SYSTEM
+              if values.get(name) is not None}  # fmt: skip
+    how = _checked(values, rotors.machine, solver, output)
+    _refuse_units_of_factors(varied)
+    if how.pop("method", "taylor") != "taylor":
+        raise InputError(
+            f"method must be taylor for {words} of a rotor system, got {solver.method}"
+        )
+    return {name: each[0] if len(each) == 1 else each for name, each in varied.items()}, how
 
 
 def _refuse_units_of_factors(varied: Mapping[str, list[float]]) -> None:

@@ -1,9 +1,9 @@
-"""All synchronous whirls of a rotor, over grids of parameters."""
+"""All synchronous whirls of one disc, over grids of parameters, or of a rotor system at speeds."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Unpack
+from typing import Unpack, cast
 
 import numpy as np
 import numpy.typing as npt
@@ -16,9 +16,11 @@ from rotor_ida.closed_forms.contacting_whirls import ContactingWhirls, contactin
 from rotor_ida.closed_forms.linear_whirls import linear_whirls
 from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
 from rotor_ida.closed_forms.stability import growth_rate
-from rotor_ida.model.parameters import Parameters
+from rotor_ida.closed_forms.whirls.synchronous import whirls_of_system
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
-from rotor_ida.results.in_si import varies_in_si
+from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
+from rotor_ida.model.system_parameters import AnyAxes
+from rotor_ida.results.in_si import takes_any
 from rotor_ida.schema import STABILITY, labelled_dataset
 
 _POINTS_AT_A_TIME = 16384  # keeps the working arrays inside the processor's cache
@@ -30,19 +32,28 @@ _REFERENCES = (
 )
 
 
-@varies_in_si
+@takes_any()
 def synchronous_response(
-    rotor: Rotor | DimensionalRotor | None = None, **varied: Unpack[Parameters]
+    rotor: Rotor | DimensionalRotor | RotorSystem | None = None,
+    *,
+    speed: npt.ArrayLike | None = None,
+    **varied: Unpack[AnyAxes],
 ) -> xr.Dataset:
     """Compute all synchronous whirls, contact-free and contacting, with their stability.
 
     Parameters
     ----------
-    rotor : Rotor or DimensionalRotor, optional
-        The rotor. Without it, ``omega``, ``zeta`` and ``delta0`` must be given.
+    rotor : Rotor, DimensionalRotor or RotorSystem
+        The rotor. Without it, ``omega``, ``zeta`` and ``delta0`` must be given. A `RotorSystem` is
+        the same in all directions, as are its stators, with contacts without offset centres.
+        Without any contact, the result is its unbalance response.
+    speed : float or array_like, shape (n,)
+        Spin speeds of a `RotorSystem`. Those of a `DimensionalRotor` are a parameter of it.
     **varied : float or array_like, shape (n,)
         Parameters of `Rotor` by name [1], in place of those of `rotor`; all are combined. The load
         must be 0. The radius of the disc has no effect.
+    contacts, unbalance, supports, gravity, static_force : optional
+        In place of those of a `RotorSystem`, as in `simulate`.
 
     Returns
     -------
@@ -53,11 +64,19 @@ def synchronous_response(
         Of the optional parameters, an array becomes a dimension before ``branch``, in the order of
         those of `Rotor`, and a number other than the default becomes a coordinate.
 
+        Of a `RotorSystem` on ``(speed, branch, contact)``: ``amplitude`` of the displacement at
+        each contact, relative to a stator that moves, its ``phase_lag`` in the sense of the spin
+        [rad], ``normal_force`` and ``in_contact``; on ``(speed, branch, node)``:
+        ``node_amplitude`` and ``node_phase_lag``; on ``(speed, branch)``: ``stability`` and
+        ``growth_rate``. The branches are in order of the largest amplitude over its clearance, the
+        contact-free whirl first where it exists.
+
     Raises
     ------
     InputError
         If a value is not a finite real number from 0 to 1e15, or is a speed between 0 and 1e-50; if
-        an exponent is neither 1.5 nor 1; if there is contact damping or friction without clearance.
+        an exponent is neither 1.5 nor 1; if there is contact damping or friction without clearance;
+        if a system is not axisymmetric, or a speed is a resonance without damping.
 
     Notes
     -----
@@ -77,6 +96,19 @@ def synchronous_response(
     proportional to the cosine and the sine of theta. Friction too may destabilise a whirl where D
     is positive, at a Hopf point: see `hopf_points`. Without damping it destabilises all of them.
 
+    Of a `RotorSystem`, in complex coordinates ``z = x + i y``, with ``D = K - Omega**2 M + i Omega
+    (C + Omega G)``, the rows b of the contacts and the unbalance's force f, let ``U = b D**-1 f``
+    and ``H = b D**-1 b'``. A whirl with the normal forces N, the amplitudes ``A = delta + d`` and
+    the directions ``E``, ``|E| = 1``, of the contacts that touch obeys ``A E = U - H N (1 + i mu
+    sigma) E``, where sigma is the sign of the speed: the surfaces slide forwards. It is exact:
+    forces are constant on axes that turn with the rotor. See `rotor_ida.closed_forms.whirls` for
+    how all solutions are isolated. Whirls that touch more than two contacts at a time are not
+    sought; ``most_touching`` says so.
+
+    Phases lag the direction that points along x at time 0, as an unbalance of phase 0 does. A
+    growth rate is the largest real part of the eigenvalues on turning axes (`turning_axes`).
+    Two whirls that nearly coincide at a fold may both be missing.
+
     References
     ----------
     Eqs (10) and (21)-(23) of the paper, Mechanika 25(6), 2019, with the force corrected.
@@ -88,7 +120,20 @@ def synchronous_response(
     array([1.8796, 6.1932, 9.4872])
     >>> whirls.stability.sel(omega=1.7, zeta=0.07, delta0=1.0).values
     array([2, 0, 1], dtype=int8)
+
+    >>> import numpy as np
+    >>> from rotor_ida import Contact, RotorSystem, Unbalance
+    >>> system = RotorSystem(
+    ...     mass=np.eye(2), damping=0.1 * np.eye(2), stiffness=np.eye(2), nodes={"disc": (0, 1)},
+    ...     contacts=[Contact(node="disc", clearance=1.5, stiffness=4.0, exponent=1.0)],
+    ...     unbalance=[Unbalance(node="disc", moment=1.0)], units="1")
+    >>> whirls = synchronous_response(system, speed=[0.5, 0.9, 1.5])
+    >>> whirls.amplitude.isel(contact=0).values.round(6)[:, 0]
+    array([0.332595, 1.622132, 2.983651])
     """
+    if isinstance(rotor, RotorSystem):
+        changed = cast("SystemParameters", varied)
+        return whirls_of_system(changed_system(synchronous_response, rotor, changed), speed)
     ranges = {"omega": (SMALLEST_SPEED, LARGEST_NUMBER)}
     asked = whirls_asked(synchronous_response, rotor, varied, ranges)
     grid = RotorColumns.of(asked.columns)

@@ -24,7 +24,11 @@ from rotor_ida.cycles.search import (
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import Parameters
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
-from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, one_disc
+from rotor_ida.model.rotor_system import (
+    RotorSystem,
+    SystemParameters,
+    one_disc,
+)
 from rotor_ida.model.system_parameters import SystemAxes
 from rotor_ida.model.varied import varied_of, varied_system_of
 from rotor_ida.parallel import Progress, choose, interruptible, percentage, shows_progress

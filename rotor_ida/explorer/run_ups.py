@@ -119,15 +119,11 @@ def _piece(question: Question, times: Values, stop: Stop) -> tuple[Orbit, State]
     assert question.rate is not None
     options = Options(rtol=RTOL, atol=RTOL, method=METHOD, backend="compiled")
     x, y, vx, vy = rotated(question.start, question.angle).tolist()
-    run_up = RunUp(
-        rotor=question.rotor, to=question.to, rate=question.rate, phase=question.angle,
-        start=(x, y, vx, vy), options=options,
-    )  # fmt: skip
+    rotor = question.rotor
+    run_up = RunUp(rotor, rotor.omega, question.to, question.rate, question.angle)
     course = run_up.course
-    orbit = run(
-        run_up.rotor, run_up.start, course.ends[-1], times, options, stop=stop, profile=course
-    )
-    last = replace(question.rotor, omega=question.to)
+    orbit = run(rotor, (x, y, vx, vy), course.ends[-1], times, options, stop=stop, profile=course)
+    last = replace(rotor, omega=question.to)
     return orbit, on_rotating_axes(last, orbit.end, run_up.end_angle, options, stop)
 
 

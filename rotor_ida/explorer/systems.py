@@ -17,7 +17,7 @@ from rotor_ida.arrays import Arrays
 from rotor_ida.checks import shown
 from rotor_ida.closed_forms.campbell import campbell
 from rotor_ida.closed_forms.whirls.special_speeds import special_speeds
-from rotor_ida.closed_forms.whirls.synchronous import synchronous_response_system
+from rotor_ida.closed_forms.whirls.synchronous import whirls_of_system
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.measured import cascade_rows, full_lines, order_rows, unless_impossible
 from rotor_ida.explorer.messages import Answer
@@ -332,7 +332,7 @@ def _whirls(question: SystemQuestion, _changed: int) -> tuple[xr.Dataset, xr.Dat
     case = case_of(question)
     system = case.levitated
     low, high = LOW * case.speed, HIGH * case.speed
-    whirls = synchronous_response_system(system, speed=np.linspace(low, high, SPEEDS))
+    whirls = whirls_of_system(system, np.linspace(low, high, SPEEDS))
     points = None
     if system.contacts:
         points = special_speeds(system, limits=(low, high))

@@ -39,13 +39,13 @@ from rotor_ida.model.system_parts import (
 # Relative size below which a part of a matrix that should vanish is rounding.
 ROUNDED = 1e-9
 UNITS = ("SI", "1")
+KINDS = "a Rotor, DimensionalRotor or RotorSystem"
 MOST_NODES_SHOWN = 6
 # One matrix of this size takes 32 MB; beam models have a few hundred degrees of freedom.
 MOST_COORDINATES = 2000
 # Products of larger numbers leave the range of doubles.
 LARGEST_IN_MATRIX, LARGEST_IN_ROW = 1e30, 1e15
 Node = tuple[int, int] | npt.ArrayLike
-KINDS_OF_ROTOR = "a Rotor, DimensionalRotor or RotorSystem"
 
 
 class SystemParameters(TypedDict, total=False):
@@ -342,7 +342,7 @@ def changed_system(
             )
     system = given.system() if isinstance(given, Rotor | DimensionalRotor) else given
     if not isinstance(system, RotorSystem):
-        refuse_first(verb, KINDS_OF_ROTOR, given)
+        refuse_first(verb, KINDS, given)
     return replace(system, **cast("Any", changed)) if changed else system
 
 
@@ -361,7 +361,7 @@ def one_disc(
 ) -> Rotor | DimensionalRotor:
     """Return a first argument that is one disc; refuse another, and keywords of rotor systems."""
     if not isinstance(rotor, Rotor | DimensionalRotor):
-        refuse_first(verb, KINDS_OF_ROTOR, rotor)
+        refuse_first(verb, KINDS, rotor)
     known = inspect.signature(verb).parameters
     for name, value in of_system.items():
         if name not in known and name not in SystemParameters.__annotations__:

@@ -9,6 +9,7 @@ from typing import Any, TypedDict
 import numpy.typing as npt
 
 from rotor_ida.errors import InputError
+from rotor_ida.model.parameters import Parameters
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.supports import levitated_system
 from rotor_ida.model.system_parts import Contact, Support, Unbalance
@@ -67,8 +68,8 @@ PARAMETERS_OF_SYSTEM = {
 }  # fmt: skip
 
 
-class SystemAxes(TypedDict, total=False):
-    """Keywords that change a system or vary it: its fields, and its parameters as axes."""
+class _OfSystem(TypedDict, total=False):
+    """Keywords that change or vary a system, but for friction, which one disc has too."""
 
     contacts: Sequence[Contact]
     unbalance: Sequence[Unbalance] | npt.ArrayLike
@@ -78,7 +79,16 @@ class SystemAxes(TypedDict, total=False):
     damping: npt.ArrayLike
     stiffness: npt.ArrayLike
     clearance: npt.ArrayLike
+
+
+class SystemAxes(_OfSystem, total=False):
+    """Keywords that change a system or vary it: its fields, and its parameters as axes."""
+
     friction: npt.ArrayLike
+
+
+class AnyAxes(_OfSystem, Parameters, total=False):
+    """Keywords that change or vary any rotor: parameters of one disc, and those of a system."""
 
 
 def parameter_of(system: RotorSystem, name: str) -> float:

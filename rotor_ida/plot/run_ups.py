@@ -12,6 +12,7 @@ from matplotlib.figure import Figure
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import PARAMETERS
+from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
 from rotor_ida.plot.appearance import (
     GREY,
     KIND_SHADES,
@@ -183,7 +184,7 @@ def _parts(dataset: xr.Dataset, *others: str) -> list[tuple[str, xr.Dataset]]:
     if "contact_node" not in dataset.variables:
         return [(parameter_text(values) if values else "", one)
                 for values, one in rotors_in(dataset)]  # fmt: skip
-    names = [name for name in ("speed", *others) if name in dataset.dims]
+    names = [name for name in ("speed", *PARAMETERS_OF_SYSTEM, *others) if name in dataset.dims]
     found = []
     for places in np.ndindex(*(dataset.sizes[name] for name in names)):
         part = dataset.isel({name: [at] for name, at in zip(names, places, strict=True)})
@@ -191,6 +192,8 @@ def _parts(dataset: xr.Dataset, *others: str) -> list[tuple[str, xr.Dataset]]:
         if "speed" in names and dataset.sizes["speed"] > 1:
             unit = "" if in_rpm(part["speed"]) is None else " rpm"
             told.append(f"from {speeds_in(part['speed'])[0]:.5g}{unit}")
+        told += [f"{PARAMETERS_OF_SYSTEM[name].label} {part[name].item():.5g}" for name in names
+                 if name in PARAMETERS_OF_SYSTEM and dataset.sizes[name] > 1]  # fmt: skip
         if "contact" in names and dataset.sizes["contact"] > 1:
             node = in_figure(part["contact_node"].values[0])
             told.append(f"contact {places[-1]} at {node}")

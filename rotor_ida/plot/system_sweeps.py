@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rotor_ida.arrays import Values
-from rotor_ida.closed_forms.whirls.synchronous import synchronous_response_system
+from rotor_ida.closed_forms.whirls.synchronous import whirls_of_system
 from rotor_ida.errors import InputError
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED, with_parameters
 from rotor_ida.plot.appearance import (
@@ -195,11 +195,11 @@ def _exact_beneath(part: xr.Dataset, over: str) -> xr.Dataset | None:
         system, _ = problem_of(part)
         system = with_parameters(system, {name: part[name].item() for name in names})
         if over == SPEED:
-            return synchronous_response_system(system, speed=_dense(part[SPEED].values))
+            return whirls_of_system(system, _dense(part[SPEED].values))
         found, values = [], part[over].values
         for value in np.linspace(values.min(), values.max(), VALUES).tolist():
             own = with_parameters(system, {over: value})
-            whirls = synchronous_response_system(own, speed=part[SPEED].item())
+            whirls = whirls_of_system(own, part[SPEED].item())
             found.append(whirls[[*WHIRLS_ALONG]].isel(speed=0, drop=True).reset_coords(drop=True))
             found[-1] = found[-1].assign_coords({over: ((), value, part[over].attrs)})
         return concat(found, over)

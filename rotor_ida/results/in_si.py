@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import wraps
 from inspect import Parameter, signature
@@ -17,7 +17,7 @@ from rotor_ida.checks import check_array, did_you_mean, shown
 from rotor_ida.errors import Amount, InputError, RotorError, SimulationError
 from rotor_ida.model.parameters import OF_MACHINE
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
-from rotor_ida.model.rotor_system import name_of, refuse_first
+from rotor_ida.model.rotor_system import KINDS, RotorSystem, name_of, refuse_first
 from rotor_ida.model.scales import (
     BECOMES,
     IS_OF_MACHINE,
@@ -110,6 +110,43 @@ def takes_system(verb: Callable[Asked, xr.Dataset]) -> Callable[Asked, xr.Datase
             return with_question(verb(*given, **options), verb, given, options)
 
     return either
+
+
+def takes_any(*, disc: Sequence[str] = (), system: Sequence[str] = ()) -> Callable[[Verb], Verb]:
+    """Return a decorator for a function of a `Rotor`, or of a `RotorSystem` at a ``speed``.
+
+    The function takes a `DimensionalRotor` too, as by `takes_si`. A system has units in errors, as
+    by `takes_system`. `disc` and `system` name the keywords that only one kind of rotor has.
+    """
+
+    def decorated(verb: Verb) -> Verb:
+        of_disc, of_system = takes_si(verb), takes_system(verb)
+        usual = {name: each.default for name, each in signature(verb).parameters.items()}
+
+        @wraps(verb)
+        def either(*given: Any, **options: Any) -> xr.Dataset:
+            rotor = given[0] if given else options.get("rotor")
+            if not isinstance(rotor, Rotor | DimensionalRotor | RotorSystem | None):
+                refuse_first(verb, KINDS, rotor)
+            is_system = isinstance(rotor, RotorSystem)
+            others = disc if is_system else system
+            if isinstance(rotor, Rotor | None):  # of a machine it is a parameter
+                others = ("speed", *others)
+            for name in others:
+                if (value := options.get(name)) is not None and value is not usual[name]:
+                    kind = "a rotor system" if is_system else "one disc"
+                    raise InputError(f"{name} must be left out with {kind}, got {shown(value)}")
+            if not is_system:
+                return of_disc(*given, **options)
+            if "speed" not in options:
+                raise TypeError(f"{verb.__name__}() of a RotorSystem needs speed")
+            if not given:
+                given = (options.pop("rotor"),)
+            return of_system(*given, **options)
+
+        return cast("Verb", either)
+
+    return decorated
 
 
 def keeps_si(

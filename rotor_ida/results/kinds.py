@@ -178,7 +178,10 @@ KINDS = {
         ),
         Kind(
             name="system_run_ups", meaning="run-ups of a rotor system",
-            variables="ending rate(rate) to() largest_force failed_count " + _CONTACTS,
+            variables=(
+                "ending rate(rate) to() largest_force failed_count clearance contact_clearance? "
+                "contact_node(contact) law_radius(contact)?"
+            ),
             dims=("speed", "rate", "phase", "start", "contact", "node"),
             shown=f"{_SHOWN}:show_run_ups", drawn="rotor_ida.plot:run_ups_figure",
         ),

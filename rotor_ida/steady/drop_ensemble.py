@@ -13,6 +13,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Any, Unpack
 
 import numpy as np
@@ -44,8 +45,8 @@ from rotor_ida.steady.drop import drop
 from rotor_ida.steady.drop_figures import NUMBERS
 from rotor_ida.steady.drop_grid import cells_of, grid_statistics_of
 from rotor_ida.steady.drop_statistics import QUANTILES, statistics_of
-from rotor_ida.steady.grid import EXPECTED, Rows, Task, form_of, reason_of, run_study
-from rotor_ida.steady.members import Member, Members, as_they_are, lost, row_of
+from rotor_ida.steady.grid import EXPECTED
+from rotor_ida.steady.ramps import Answer, Answers, Ramps, Row, answered
 
 # What varies, with the ranges that are allowed. Factors multiply what is given.
 VARIED = {
@@ -196,20 +197,25 @@ def drop_ensemble(
     }  # fmt: skip
     example = _example(case, varied)
     point = _point(len(system.contacts), len(clearances or ()))
-    plan = Members(case, varied, point)
     chosen = choose(executor, workers, compiled=True)
     ways = {name: check_axis(name, each).tolist() for name, each in given.items()
             if each is not None}  # fmt: skip
     asked = {"rotor" if name == "system" else name: each for name, each in case.items()}
     question = Question("drop_ensemble", {**asked, **ways, "drops": drops, "seed": seed})
-    task = Task(follow_drop, lost, as_they_are, form_of("drop", "drops", point), point)
-    columns = run_study(plan, task, question, study=study, workers=chosen, progress=progress)
+    every = Varied({"drop": np.arange(varied["phase"].size)})
+    plan: Ramps[dict[str, float], None, Row] = Ramps(
+        every, (None,), Answers(partial(follow_drop, case), point),
+        lambda place: {name: float(each[place[0]]) for name, each in varied.items()},
+    )  # fmt: skip
+    columns = answered(
+        plan, question, word="drop", table="drops", study=study, workers=chosen, progress=progress
+    )
     told = {"duration": example.attrs["duration"], "rtol": example.attrs["rtol"]}
     told |= {} if drops is None else {"seed": seed}
     told |= {name: example.attrs[name] for name in ("speed", "start_speed", "inertia", "torque")
              if name in example.attrs}  # fmt: skip
     gaps = np.array([each.clearance for each in system.contacts])
-    dataset = _dataset(example, varied, gaps, columns.points, told,
+    dataset = _dataset(example, varied, gaps, columns, told,
                        None if drops is not None else axes)  # fmt: skip
     return with_system_units(dataset, system)
 
@@ -293,21 +299,21 @@ def _arguments(case: Mapping[str, Any], varied: Mapping[str, float]) -> dict[str
     return {**case, "system": changed, "phase": varied["phase"]}
 
 
-def follow_drop(job: Member, _stop: Stop) -> Rows:
+def follow_drop(
+    case: dict[str, Any], varied: dict[str, float], _start: None, _stop: Stop
+) -> Answer:
     """Follow one drop."""
     try:
-        run = drop(**_arguments(job.case, job.varied))
+        run = drop(**_arguments(case, varied))
     except InputError as error:  # what was drawn cannot be dropped, as it touches at once
-        return lost(job, str(error))
-    except EXPECTED as error:
-        return lost(job, reason_of(error))
+        return Answer({}, str(error), failed=True)
     touches = run["event_time"].values
     figures: dict[str, Any] = {name: run[name].values for name in FIGURES}
     figures |= {"horizon": float(run["horizon"]), "standstill_time": float(run["standstill_time"]),
                 "first_touch_time": float(touches[0]) if touches.size else math.nan}  # fmt: skip
-    if job.case["clearances"]:
+    if case["clearances"]:
         figures[OF_NODES] = run[OF_NODES].values[np.isfinite(run["node_clearance"].values)]
-    return row_of(job, figures)
+    return Answer(figures)
 
 
 def _point(contacts: int, clearances: int) -> np.dtype[np.void]:

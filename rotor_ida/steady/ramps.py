@@ -1,11 +1,14 @@
-"""Ramps: the points of a sweep that are followed one after the other, each in exactly one."""
+"""Ramps: the points of a study that are followed one after the other, each in exactly one.
+
+Where no point begins at the end of another, as those of many run-ups, each is a ramp of its own.
+"""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass
-from typing import Generic, Literal, Protocol, TypeVar
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import Any, Generic, Literal, NamedTuple, Protocol, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +16,21 @@ import numpy.typing as npt
 from rotor_ida.arrays import Stop
 from rotor_ida.checks import check_direction
 from rotor_ida.model.varied import Varied
-from rotor_ida.steady.grid import EXPECTED, Places, reason_of
+from rotor_ida.parallel import Progress, Workers
+from rotor_ida.results.question import Question
+from rotor_ida.results.studies.results import Folder
+from rotor_ida.schema import ENDING, RESPONSE, STATUS
+from rotor_ida.steady.grid import (
+    EXPECTED,
+    Array,
+    Places,
+    Rows,
+    Table,
+    Task,
+    form_of,
+    reason_of,
+    run_study,
+)
 
 Direction = Literal["up", "down", "both"]
 DIRECTIONS: dict[str | None, tuple[int, ...]] = {
@@ -123,12 +140,14 @@ class Ramps(Generic[Point, Start, Settled]):
     starts: Sequence[Start]
     settling: Settling[Point, Start, Settled]
     point_at: Callable[[Sequence[int]], Point]
-    axis: int
+    axis: int = 0
 
     @property
     def order(self) -> RampOrder:
         """How the points form ramps."""
-        return RampOrder(self.varied.shape, self.varied.axes["direction"], self.axis)
+        if "direction" in self.varied.axes:
+            return RampOrder(self.varied.shape, self.varied.axes["direction"], self.axis)
+        return RampOrder((*self.varied.shape, 1), np.zeros(1, np.int8), len(self.varied.dims) - 1)
 
     @property
     def length(self) -> int:
@@ -150,20 +169,22 @@ class Ramps(Generic[Point, Start, Settled]):
     def job(self, number: int) -> RampJob[Point, Start, Settled]:
         """Return what a worker needs to follow a ramp."""
         places = np.transpose(np.unravel_index(self.places(number), self.varied.shape)).tolist()
-        start = self.starts[places[0][-2]]
+        dims = self.varied.dims
+        start = self.starts[places[0][dims.index("start")] if "start" in dims else 0]
         return RampJob([self.point_at(place) for place in places], start, self.settling)
 
     def slowest_first(self) -> Places:
         """Return the numbers of the ramps, the longest ones first.
 
-        Ramps of one disc with a large clearance take longest, as it bounces there.
+        Slow run-ups take longest, and one disc with a large clearance, as it bounces there.
         """
-        numbers = np.arange(len(self))
-        if "delta0" not in self.varied.axes:
-            return numbers
+        numbers, dims = np.arange(len(self)), self.varied.dims
         firsts = self.order.firsts(numbers)
-        clearances = self.varied.axes["delta0"][firsts[self.varied.dims.index("delta0")]]
-        return np.argsort(-clearances, kind="stable")
+        for name, sign in (("rate", 1.0), ("delta0", -1.0)):
+            if name in dims:
+                values = self.varied.axes[name][firsts[dims.index(name)]]
+                return np.argsort(sign * np.abs(values), kind="stable")
+        return numbers
 
 
 def in_order(
@@ -197,3 +218,92 @@ def settle_along(ramp: RampJob[Point, Start, Settled], stop: Stop) -> list[Settl
 def lost(ramp: RampJob[Point, Start, Settled], reason: str) -> list[Settled]:
     """Return the points of a ramp whose workers died."""
     return [ramp.settling.failed(point, ramp.start, reason) for point in ramp.points]
+
+
+# ---- Points that are answered by figures ----
+
+# Whole numbers of a point that failed; those of other names are 0.
+NONE = {"ending": ENDING["failed"], "response": RESPONSE["failed"]}
+
+
+class Answer(NamedTuple):
+    """The figures of a point by the names of columns, and the start of the next one of its ramp."""
+
+    figures: Mapping[str, Any]
+    message: str = ""
+    failed: bool = False
+    end: Any = None
+
+
+class Row(NamedTuple):
+    """A point as a row of a table."""
+
+    values: Table
+    message: str
+    end: Any
+
+
+@dataclass(frozen=True, slots=True)
+class Answers(Generic[Point, Start]):
+    """How points are answered: see `Settling`.
+
+    Parameters
+    ----------
+    work : callable
+        Returns the answer at a point, from a start; a function of a module, or one with some
+        arguments given, as processes require. It is given an array whose one value is 0 until it
+        should stop.
+    kind : dtype
+        The columns. Figures that are missing are NaN, or one of `blank`.
+    """
+
+    work: Callable[[Point, Start, Stop], Answer]
+    kind: np.dtype[np.void]
+    blank: Mapping[str, Any] = field(default_factory=lambda: NONE)
+
+    def settle(self, point: Point, start: Start, stop: Stop) -> Row:
+        """Return the row of a point, from a start or from where another point ends."""
+        return self._row(self.work(point, start, stop))
+
+    def failed(self, _point: Point, _start: Start, reason: str) -> Row:
+        """Return the row of a point that failed."""
+        return self._row(Answer({}, reason, failed=True))
+
+    def end(self, row: Row) -> Any:
+        """Return the start of the next point."""
+        return row.end
+
+    def _row(self, answer: Answer) -> Row:
+        row = np.zeros(1, self.kind)
+        for name in self.kind.names or ():
+            blank = math.nan if row[name].dtype.kind == "f" else self.blank.get(name, 0)
+            row[name] = answer.figures.get(name, blank)
+        row["status"] = STATUS["failed" if answer.failed else "done"]
+        return Row(row, answer.message, answer.end)
+
+
+def answered(
+    plan: Ramps[Point, Start, Row],
+    question: Question,
+    *,
+    word: str,
+    table: str = "points",
+    study: Folder | None,
+    workers: Workers,
+    progress: Progress | None,
+) -> dict[str, Array]:
+    """Return the columns of points that are answered by figures: see `run_study`.
+
+    `word` and `table` are names of the rows in a study.
+    """
+    assert isinstance(plan.settling, Answers)
+    kind = plan.settling.kind
+    task: Task[RampJob[Point, Start, Row], list[Row]] = Task(
+        settle_along, lost, rows_of, form_of(word, table, kind), kind
+    )
+    return run_study(plan, task, question, study=study, workers=workers, progress=progress).points
+
+
+def rows_of(rows: Sequence[Row]) -> Rows:
+    """Return the rows of points as those of a study."""
+    return Rows(np.concatenate([row.values for row in rows]), [row.message for row in rows])

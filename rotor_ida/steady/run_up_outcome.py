@@ -1,4 +1,4 @@
-"""One of many run-ups: its events on the ramp, and its final response.
+"""One of many run-ups, of one disc or of a rotor system: the ramp, and the final response.
 
 run the rotor along the ramp;
 summarise it: the largest radius and force, touches and exits, and their speeds;
@@ -10,27 +10,37 @@ from __future__ import annotations
 
 import math
 from dataclasses import asdict, dataclass, field, replace
+from typing import Any, NamedTuple
 
 import numpy as np
+import xarray as xr
 
 from rotor_ida.arrays import Stop, Values
 from rotor_ida.checks import COMPONENTS, State
+from rotor_ida.errors import InputError
+from rotor_ida.model.assembly import assemble
 from rotor_ida.model.disc_starts import begun
 from rotor_ida.model.equations import rotated
-from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.results.contact_facts import run_up_facts
+from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.results.contact_facts import columns_of_contact, run_up_facts
 from rotor_ida.schema import ENDING, RESPONSE
-from rotor_ida.simulation.course import ramp_of
+from rotor_ida.simulation.course import SYSTEM_LIMITS, course_of, ramp_of
 from rotor_ida.simulation.dataset import arrays_of
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import ENTRY, Orbit
 from rotor_ida.simulation.run import run
 from rotor_ida.simulation.spin import Ramp, SpeedProfile
-from rotor_ida.steady.follow import FAILED, durations, follow_to_steady_state
-from rotor_ida.steady.grid import EXPECTED, Rows, reason_of
-from rotor_ida.steady.members import Member, row_of
+from rotor_ida.simulation.starts import GivenStart
+from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
+from rotor_ida.simulation.systems.simulate import run_of_cases
+from rotor_ida.simulation.systems.starts import Start
+from rotor_ida.steady.drop import with_unbalance_at
+from rotor_ida.steady.follow import FAILED, SettledSystem, durations, follow_to_steady_state, settle
+from rotor_ida.steady.grid import EXPECTED, reason_of
+from rotor_ida.steady.ramps import Answer
 from rotor_ida.steady.response import CONTACT_FREE, TOUCHING, UNRESOLVED, Features
+from rotor_ida.steady.system_sweep import figures_of, point_of
 
 RUB, WHIP = "rub", "whip"
 # What requires friction, or contact damping.
@@ -44,37 +54,39 @@ SUMMARY = (
     "total_heat", "total_contact_loss", "end_angle", *(f"end_{name}" for name in COMPONENTS),
 )  # fmt: skip
 
+# What is known of the ramp, by contact.
+OF_RAMP = (
+    "largest_radius", "largest_radius_speed", "largest_force", "largest_force_speed",
+    "first_touch_speed", "last_exit_speed", "first_roll_speed", "contact_time", "total_heat",
+    "total_contact_loss",
+)  # fmt: skip
+
 _NO_TIMES = np.empty(0)
 
 
-@dataclass(frozen=True, slots=True)
-class RunUp:
-    """A ramp of the speed, with everything a worker needs to simulate it.
+class RunUp(NamedTuple):
+    """A ramp of the speed of a rotor.
 
     Parameters
     ----------
-    rotor : Rotor
-        The rotor: its ``omega`` is the speed at time 0.
-    to, rate : float
-        The speed at the end of the ramp, and its change per unit time [1].
+    rotor : Rotor or RotorSystem
+        The rotor.
+    speed, to, rate : float
+        The speed at time 0 and at the end of the ramp, and its change per unit time [1].
     phase : float
         Angle of the unbalance at time 0 [rad].
-    start : tuple of float
-        ``(x, y, vx, vy)`` at time 0, fixed frame [1].
-    options : Options
-        How to simulate.
     """
 
-    rotor: Rotor
+    rotor: Rotor | RotorSystem
+    speed: float
     to: float
     rate: float
     phase: float
-    start: State
-    options: Options
 
     @property
     def course(self) -> SpeedProfile:
         """The profile of the speed, beginning at the phase of the unbalance."""
+        assert isinstance(self.rotor, Rotor)
         course = ramp_of(self.rotor, self.to, self.rate)
         (ramp,) = course.spins
         assert isinstance(ramp, Ramp)
@@ -83,8 +95,8 @@ class RunUp:
     @property
     def end_angle(self) -> float:
         """Angle of the unbalance at the end of the ramp [rad]."""
-        mean = 0.5 * (self.rotor.omega + self.to)
-        return self.phase + mean * (self.to - self.rotor.omega) / self.rate
+        mean = 0.5 * (self.speed + self.to)
+        return self.phase + mean * (self.to - self.speed) / self.rate
 
 
 @dataclass(frozen=True, slots=True)
@@ -109,31 +121,28 @@ class Outcome:
     message: str = ""
 
 
-def follow_run_up(job: Member, stop: Stop) -> Rows:
-    """Follow a rotor along its ramp, and on at the last speed until it has settled."""
-    at, case = job.varied, job.case
-    summary: dict[str, float] = {}
-    rotor = Rotor(**{name: at[name] for name in ALL_PARAMETERS if name in at})
-    run_up = RunUp(
-        rotor=rotor, to=case["to"], rate=at["rate"], phase=at["phase"],
-        start=begun(case["start"], rotor, at["phase"]), options=case["options"],
-    )  # fmt: skip
+# ---- Of one disc ----
+
+
+def follow_run_up(options: Options, run_up: RunUp, start: GivenStart, stop: Stop) -> Answer:
+    """Follow one disc along its ramp, and on at the last speed until it has settled."""
+    rotor, course, facts = run_up.rotor, run_up.course, dict[str, float]()
+    assert isinstance(rotor, Rotor)
+    state = begun(start, rotor, run_up.phase)
     try:
-        course = run_up.course
         orbit = run(
-            rotor, run_up.start, course.ends[-1], np.array([0.0, course.ends[-1]]),
-            run_up.options, extrema=True, stop=stop, profile=course,
+            rotor, state, course.ends[-1], np.array([0.0, course.ends[-1]]), options,
+            extrema=True, stop=stop, profile=course,
         )  # fmt: skip
-        summary = summary_of(orbit, run_up)
+        facts = summary_of(orbit, run_up)
         last = replace(rotor, omega=run_up.to)
-        ended = ending_at(last, orbit.end, run_up.end_angle, run_up.options, stop)
+        ended = ending_at(last, orbit.end, run_up.end_angle, options, stop)
     except EXPECTED as error:  # it must not end the others
-        ended = failed(reason_of(error))
-    numbers = {"ending": ENDING[ended.ending], "response": RESPONSE[ended.response]}
-    return row_of(
-        job, summary | asdict(ended.features) | numbers, ended.message,
-        failed=ended.response == FAILED,
-    )  # fmt: skip
+        return Answer(facts, reason_of(error), failed=True)
+    if ended.response == FAILED:
+        return Answer(facts, ended.message, failed=True)
+    kinds = {"ending": ENDING[ended.ending], "response": RESPONSE[ended.response]}
+    return Answer(facts | asdict(ended.features) | kinds, ended.message)
 
 
 def failed(reason: str) -> Outcome:
@@ -219,3 +228,84 @@ def whips(rotor: Rotor, state: State, options: Options, stop: Stop) -> bool:
     x, y, vx, vy = orbit.states.T
     leaves = bool((np.abs(orbit.event_kinds) == ENTRY).any())
     return orbit.starts_in_contact and not leaves and bool((x * vy - y * vx).max() < 0.0)
+
+
+# ---- Of a rotor system ----
+
+
+def columns_of(problem: SettlingProblem) -> np.dtype[np.void]:
+    """Return the columns of a system's run-up: those of the settled response, and of the ramp."""
+    contacts, nodes = len(problem.assembly.contacts), len(problem.assembly.system.nodes)
+    settled = [each for each in point_of(problem).descr if each[0] not in ("touched", *OF_RAMP)]
+    return np.dtype([
+        *settled, ("ending", np.int8), ("end_angle", np.float64), ("horizon", np.float64),
+        *((name, np.float64, (contacts,)) for name in OF_RAMP),
+        ("contact_count", np.int64, (contacts,)), ("node_largest_radius", np.float64, (nodes,)),
+    ])  # fmt: skip
+
+
+def follow_system_run_up(rtol: float, run_up: RunUp, start: Start, stop: Stop) -> Answer:
+    """Follow a rotor system along its ramp, and on at the last speed until it has settled."""
+    assert isinstance(run_up.rotor, RotorSystem)
+    ramp = {"to": run_up.to, "rate": run_up.rate}
+    course = course_of(run_up.speed, ramp, None, SYSTEM_LIMITS)
+    facts: dict[str, Any] = {}
+    try:
+        system = with_unbalance_at(run_up.rotor, run_up.phase)
+        run = run_of_cases(
+            [(system, start)], course, samples=None, rtol=rtol, method="taylor", progress=None,
+            modes={},
+        )  # fmt: skip
+        facts = _facts(run, run_up.phase)
+        figures, message = _settled(system, run, run_up, rtol, stop)
+    except (*EXPECTED, InputError) as error:  # it must not end the others
+        return Answer(facts, reason_of(error), failed=True)
+    return Answer(figures | facts, message)
+
+
+def _facts(run: xr.Dataset, phase: float) -> dict[str, Any]:
+    """Return what happens on a ramp."""
+    contacts = [
+        run_up_facts(columns_of_contact(run, number), float(clearance))
+        for number, clearance in enumerate(run["clearance"].values)
+    ]
+    return {
+        **{name: [each[name] for each in contacts] for name in (*OF_RAMP, "contact_count")},
+        "node_largest_radius": np.hypot(run["x"].values, run["y"].values).max(axis=0),
+        "end_angle": float(run["angle"][-1]) + phase,
+        "horizon": float(run["horizon"]),
+        "final_state": run["final_state"].values,
+    }
+
+
+def _settled(
+    system: RotorSystem, run: xr.Dataset, run_up: RunUp, rtol: float, stop: Stop
+) -> tuple[dict[str, Any], str]:
+    """Return the settled response at the last speed and the ending, with a message.
+
+    The motion goes on with the unbalance ahead by the angle to which the ramp has brought it.
+    """
+    angle = math.remainder(float(run["angle"][-1]), math.tau)
+    problem = SettlingProblem.of(assemble(with_unbalance_at(system, angle)), rtol)
+    flow = SystemFlow.at(problem, run_up.to, stop)
+    size, end = problem.assembly.size, run["final_state"].values
+    motion = np.array([problem.found.to_y(each) for each in end[: 2 * size].reshape(2, size)])
+    settled = settle(flow, flow.state_of(motion, end[2 * size :]))
+    features, turn = settled.features, np.exp(-1j * (angle + run_up.phase))
+    whirls = {name: turn * getattr(features, name) for name in ("contact_whirl", "node_whirl")}
+    turned = replace(settled, features=replace(features, **whirls))
+    figures = figures_of(turned, flow, settled.state * flow.scales)
+    ending = _ending(settled, problem)
+    message = settled.decision.message if ending == UNRESOLVED else ""
+    return figures | {"ending": ENDING[ending]}, message
+
+
+def _ending(settled: SettledSystem, problem: SettlingProblem) -> str:
+    """Return how a run-up ends by the settled response."""
+    kind = settled.decision.kind
+    if kind == CONTACT_FREE:
+        return CONTACT_FREE
+    rubs = np.array([each.friction > 0.0 for each in problem.assembly.contacts], bool)
+    if (rubs & settled.features.backward).any():
+        return WHIP
+    return UNRESOLVED if kind == UNRESOLVED else RUB

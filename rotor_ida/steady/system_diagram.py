@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import partial
 from typing import Any, NamedTuple, Unpack
 
@@ -13,10 +13,8 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Column, Stop, Values
-from rotor_ida.checks import check_between, check_count, check_points, check_progress
+from rotor_ida.checks import check_count, check_points, check_progress
 from rotor_ida.errors import InputError
-from rotor_ida.model.assembly import assemble
-from rotor_ida.model.few_modes import in_modes
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parameters import SPEED, SystemAxes
 from rotor_ida.model.varied import Varied, varied_system_of
@@ -30,9 +28,7 @@ from rotor_ida.results.system_units import with_system_units
 from rotor_ida.schema import STATUS, labelled, labelled_dataset
 from rotor_ida.simulation.sections import NAMES, checked_angle, crossings_of_system
 from rotor_ida.simulation.systems.crossings import distance_extrema
-from rotor_ida.simulation.systems.ends import state_at_end
 from rotor_ida.simulation.systems.flow import SystemFlow
-from rotor_ida.simulation.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL
 from rotor_ida.simulation.systems.starts import Start
 from rotor_ida.steady.grid import (
     EXPECTED,
@@ -46,15 +42,14 @@ from rotor_ida.steady.grid import (
     reason_of,
     run_study,
 )
-from rotor_ida.steady.ramps import Direction, Ramps, in_order, settle_along
+from rotor_ida.steady.ramps import Answers, Direction, RampJob, Ramps, Row, in_order, settle_along
 from rotor_ida.steady.system_sweep import (
-    SettledPoint,
-    SystemJob,
-    SystemSettling,
+    AskedSystem,
     Turning,
     Turnings,
+    answer_at,
     checked_starts,
-    clearances_of,
+    places_of,
     point_of,
     turning_speeds,
     warn_if_long,
@@ -88,37 +83,29 @@ def bifurcation_diagram_system(
         raise InputError("speed must be given for a diagram of a rotor system, got None")
     speeds = turning_speeds(speed, "in a diagram of a rotor system")
     asked = varied_system_of(bifurcation_diagram_system, system, changed, speeds)
-    tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
     progress = check_progress(progress)
     window = _Window(**{**window_of_section(revolutions, phase), "at": at})
     if at == "extrema" and window.phase:
         raise InputError(f"phase must be left out with at='extrema', got {phase!r}")
-    given = checked_starts(starts)
-    if modes is not None and any(isinstance(each, xr.Dataset) for each in given):
-        raise InputError(f"starts must be (q, velocity) with modes, got a result and {modes!r}")
-    varied, way = in_order(asked, len(given), direction, along, SPEED)
-    taken = [in_modes(asked.base, modes, each) for each in given]
-    varied = replace(varied, system=taken[0][0])
-    first = [state_at_end(assemble(of), start) for of, start in taken]
-    turnings = Turnings(varied, tolerance)
+    taken = AskedSystem.of(asked, checked_starts(starts), modes, rtol)
+    varied, way = in_order(taken.varied, len(taken.starts), direction, along, SPEED)
+    turnings = Turnings(varied, taken.rtol)
     stiffest = turnings.checked()
     check_size(varied, study)
     window.check_size(varied)
     warn_if_long(stiffest, varied.axes[SPEED], varied.points // varied.axes[SPEED].size)
-    begun = [end if isinstance(each, xr.Dataset) else each
-             for each, end in zip(given, first, strict=True)]  # fmt: skip
     told = {"along": way} if way not in {"", SPEED} else {}
     question = Question("bifurcation_diagram", {
-        "rotor": asked.base, "starts": begun, "modes": modes, **varied.design,
-        "direction": direction, **told, **window.asked, "rtol": tolerance,
+        "rotor": asked.base, "starts": taken.kept, "modes": modes, **varied.design,
+        "direction": direction, **told, **window.asked, "rtol": taken.rtol,
     })  # fmt: skip
     swept, axis = point_of(stiffest), varied.dims.index(way or SPEED)
-    ramps: Ramps[Turning, Start | Values, SettledPoint] = Ramps(
-        varied, first, SystemSettling(swept), turnings.at, axis
+    ramps: Ramps[Turning, Start | Values, Row] = Ramps(
+        varied, taken.starts, Answers(answer_at, swept), turnings.at, axis
     )
     point, event = window.columns(swept, len(varied.base.nodes))
     form = form_of("points of a bifurcation diagram", "points", point, event)
-    task: Task[SystemJob, list[_Point]] = Task(
+    task: Task[_Ramp, list[_Point]] = Task(
         partial(_watched, window=window, kind=point), partial(_lost, window=window, kind=point),
         _rows_of, form, point, event,
     )  # fmt: skip
@@ -126,10 +113,13 @@ def bifurcation_diagram_system(
         ramps, task, question, study=study, workers=choose(executor, workers, compiled=True),
         progress=progress,
     )  # fmt: skip
-    attributes = provenance({"method": "taylor", "rtol": tolerance}) | told | window.attributes
+    attributes = provenance({"method": "taylor", "rtol": taken.rtol}) | told | window.attributes
     attributes |= question.attribute()
     found = with_meanings(_dataset(varied, columns, attributes), varied, attributes)
     return found if direction else found.isel(direction=0, drop=True)
+
+
+_Ramp = RampJob[Turning, Start | Values, Row]
 
 
 class _Point(NamedTuple):
@@ -210,9 +200,7 @@ class _Window:
         return extrema
 
 
-def _watched(
-    ramp: SystemJob, stop: Stop, *, window: _Window, kind: np.dtype[np.void]
-) -> list[_Point]:
+def _watched(ramp: _Ramp, stop: Stop, *, window: _Window, kind: np.dtype[np.void]) -> list[_Point]:
     """Follow one ramp, and watch a motion after the end of each of its points."""
     points = []
     for turning, settled in zip(ramp.points, settle_along(ramp, stop), strict=False):
@@ -228,20 +216,18 @@ def _watched(
     return points
 
 
-def _begun(settled: SettledPoint, window: _Window, kind: np.dtype[np.void]) -> _Point:
+def _begun(settled: Row, window: _Window, kind: np.dtype[np.void]) -> _Point:
     """Return a point of a sweep as one of a diagram of which nothing is shown yet."""
     row = np.zeros(1, kind)
     for name in (*OF_POINT, *OF_CONTACT):
-        row[name] = settled.row[name]
+        row[name] = settled.values[name]
     if window.is_strobed:
         for name in NAMES:
             row[name] = math.nan
     return _Point(row, settled.message, np.empty(0, EXTREMUM))
 
 
-def _lost(
-    ramp: SystemJob, reason: str, *, window: _Window, kind: np.dtype[np.void]
-) -> list[_Point]:
+def _lost(ramp: _Ramp, reason: str, *, window: _Window, kind: np.dtype[np.void]) -> list[_Point]:
     """Return the points of a ramp whose workers died."""
     return [
         _begun(ramp.settling.failed(point, ramp.start, reason), window, kind)
@@ -265,13 +251,7 @@ def _dataset(varied: Varied, columns: Columns, attributes: Mapping[str, Any]) ->
         **dict.fromkeys(NAMES, ("crossing", "node")),
     }  # fmt: skip
     variables = labelled_points(varied, columns.points, behind)
-    coordinates: dict[str, Column] = varied.coordinates | {
-        "node": ("node", np.array(list(system.nodes), str)),
-        "contact_node": ("contact", np.array([each.node for each in system.contacts], str)),
-        **clearances_of(varied),
-    }
-    if system.positions is not None:
-        coordinates["axial_position"] = ("node", np.array(list(system.positions.values())))
+    coordinates: dict[str, Column] = varied.coordinates | places_of(varied)
     if "extremum_count" not in variables:
         coordinates["crossing"] = ("crossing", np.arange(variables[NAMES[0]].sizes["crossing"]))
         title = "Rotor system: states once a revolution over a range of speeds"

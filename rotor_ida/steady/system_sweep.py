@@ -1,4 +1,4 @@
-"""The settled response of a rotor system over a range of speeds, and of other parameters."""
+"""What a rotor system settles on, at each point of a study over its speed and its parameters."""
 
 from __future__ import annotations
 
@@ -6,41 +6,32 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any, NamedTuple, Unpack
+from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Column, Stop, Values
-from rotor_ida.checks import check_between, check_distinct, check_progress, shown
+from rotor_ida.checks import AT_REST, check_between, check_distinct, shown
 from rotor_ida.closed_forms.receptances import checked_speeds
 from rotor_ida.core.runs import NO_STOP
 from rotor_ida.errors import InputError, SimulationError, warn
 from rotor_ida.model.assembly import assemble
 from rotor_ida.model.few_modes import in_modes
-from rotor_ida.model.rotor_system import RotorSystem
-from rotor_ida.model.system_parameters import (
-    PARAMETERS_OF_SYSTEM,
-    SPEED,
-    SystemAxes,
-    with_parameters,
-)
-from rotor_ida.model.varied import Varied, varied_system_of
-from rotor_ida.parallel import Progress, choose, shows_progress
+from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED, with_parameters
+from rotor_ida.model.varied import Varied
 from rotor_ida.results.archived_system import OF_CONTACTS
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import DESIGN, Question
-from rotor_ida.results.studies.results import Folder
 from rotor_ida.results.system_units import with_system_units
-from rotor_ida.schema import RESPONSE, STATUS, labelled_dataset
+from rotor_ida.schema import RESPONSE, labelled_dataset
 from rotor_ida.simulation.systems.ends import state_at_end
 from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
 from rotor_ida.simulation.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL
 from rotor_ida.simulation.systems.starts import Start, start_of
-from rotor_ida.steady.follow import FAILED, SettledSystem, settle
-from rotor_ida.steady.grid import Rows, Task, check_size, form_of, labelled_points, run_study
-from rotor_ida.steady.ramps import Direction, RampJob, Ramps, in_order, lost, settle_along
+from rotor_ida.steady.follow import SettledSystem, settle
+from rotor_ida.steady.grid import labelled_points
+from rotor_ida.steady.ramps import Answer, Answers, Ramps, Row, answered
 from rotor_ida.steady.response import CONTACT_FREE, SYNCHRONOUS
 
 SETTLED = "settled"
@@ -56,158 +47,6 @@ MOST_HELD = 8
 OF_POINT = ("period", "cycle_distance", "lyapunov_exponent", "lyapunov_error", "revolutions")
 OF_CONTACT = ("amplitude", "phase_lag", "radius_min", "radius_max", "largest_force")
 OF_NODE = ("node_amplitude", "node_phase_lag", "node_radius_min", "node_radius_max")
-
-
-@shows_progress
-def sweep_system(
-    system: RotorSystem,
-    *,
-    speed: npt.ArrayLike,
-    starts: Sequence[Start | xr.Dataset] | xr.Dataset = (None,),
-    direction: Direction | None = None,
-    along: str | None = None,
-    modes: int | None = None,
-    rtol: float = 1e-10,
-    workers: int | None = None,
-    executor: str = "auto",
-    study: Folder | None = None,
-    progress: Progress | bool | None = None,
-    **changed: Unpack[SystemAxes],
-) -> xr.Dataset:
-    """Compute the settled response of a rotor system at every speed.
-
-    Parameters
-    ----------
-    system : RotorSystem
-        The rotor.
-    modes : int, optional
-        As in `simulate`.
-    contacts, unbalance, supports, gravity, static_force : optional
-        In place of those of the system, as in `simulate`.
-    speed : float or sequence of float, shape (n,)
-        Spin speeds, not 0.
-    clearance, friction, unbalance : float or array_like, shape (n,), optional
-        The largest clearance and friction coefficient of the contacts, and the largest moment of
-        the unbalance, in the units of the system. The other contacts or unbalances keep their
-        ratios to it; where all are 0, each gets it. All values are combined. An array becomes a
-        dimension of the result, with each value once, and a number a scalar coordinate.
-    damping, stiffness : float or array_like, shape (n,), optional
-        Factors of the damping and stiffness matrices, with supports; 1 leaves them as they are.
-    starts : sequence of (q, velocity), "settled", "rest", None or Dataset; or Dataset
-        Starts at time 0, as in `simulate`; default: one, at rest at 0.
-    direction : {"up", "down", "both"}, optional
-        Quasi-static run-up or run-down: only the first speed (the last, going down) begins from
-        the starts, and each other from the end of the one before, so that jumps and their
-        hysteresis appear. By default each speed begins from the starts.
-    along : str, optional
-        Name of the parameter that rises or falls with a direction, in increasing order. Default:
-        ``"speed"`` if it varies, else the only parameter that does.
-    rtol : float
-        Relative tolerance, from 1e-14 to 1e-4.
-    workers, executor, study, progress
-        As in `sweep` of one disc.
-
-    Returns
-    -------
-    Dataset
-        On ``(speed, start, direction)``, with any other axes before ``start``: ``response`` (its
-        kind, as a flag: the words and numbers of `sweep` of one disc), ``period`` of a motion that
-        is not synchronous,
-        ``cycle_distance`` (the estimated distance from the settled motion at the end, relative to
-        its size), ``lyapunov_exponent`` and ``lyapunov_error`` where needed, ``revolutions`` for
-        which it was followed, ``status`` and ``message``. On ``contact`` too: ``amplitude`` and
-        ``phase_lag`` of the displacement at the spin speed, ``radius_min``, ``radius_max``,
-        ``largest_force`` and ``touched``. On ``node``: ``node_amplitude``, ``node_phase_lag``,
-        ``node_radius_min``, ``node_radius_max``. On ``component``: ``final_state``, with the
-        unbalance at angle 0. The attribute ``design`` is the system and its starts as JSON; with
-        ``clearance``, that of each contact is ``contact_clearance``.
-
-    Raises
-    ------
-    InputError
-        If an argument cannot be used. A point that fails does not raise: its ``status`` and
-        ``message`` give the reason.
-    SimulationError
-        If one of the ``"processes"``, or the scheduler, died.
-
-    Warns
-    -----
-    UserWarning
-        Before it starts, if it takes minutes: where the cube of the degrees of freedom times the
-        largest rate of vibration over the speed, added over all points, exceeds 1e8. The warning
-        names a number of `modes` that is enough.
-
-    Notes
-    -----
-    An axisymmetric system is autonomous on axes that turn with the unbalance: there a synchronous
-    whirl stands still, and other periodic motions are cycles of any period. Of any other system the
-    states once a revolution are compared, and periods are whole revolutions.
-
-    The motion is followed until it shows to which stable cycle it leads; Newton's method then finds
-    that cycle, from where the simulation goes on (`rotor_ida.steady.landing`). Only a motion that
-    misses itself by less than 1e-9 of its size over a window is periodic. So slight damping costs
-    no thousands of revolutions. A motion that shows no cycle is followed for 60 times the
-    slowest decay time of a free motion, at least 1,500 and at most 4,000 revolutions. After 450
-    revolutions and 20 decay times, or 1,500 revolutions, its largest Lyapunov exponents decide
-    whether it is ``chaotic`` or ``quasi_periodic``: by neighbours over 2,000 revolutions, or 8,000
-    in doubt. Chaos that lasts longer may still be a transient.
-
-    A motion that sits on an unstable equilibrium, whirl or cycle is moved off: by 0.001 clearances
-    at a contact, along the motions that grow, and followed anew. Without contact nothing is
-    chaotic: what grows there stays ``unresolved``, or fails.
-
-    It is ``rolling`` (dry whip) if a contact stays closed, whirls backwards, and rolls in every
-    period or revolution. The kind ``touching`` of one disc is not told from ``unresolved`` ones.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rotor_ida import Contact, RotorSystem, Unbalance, decode_flags
-    >>> system = RotorSystem(
-    ...     mass=np.eye(2), damping=0.1 * np.eye(2), stiffness=np.eye(2), nodes={"disc": (0, 1)},
-    ...     contacts=[Contact(node="disc", clearance=1.5, stiffness=4.0, exponent=1.0)],
-    ...     unbalance=[Unbalance(node="disc", moment=1.0)], units="1")
-    >>> responses = sweep_system(system, speed=[0.5, 0.9], direction="up")
-    >>> decode_flags(responses.response).values.ravel().tolist()
-    ['contact_free', 'synchronous']
-    >>> responses[["response", "amplitude"]].to_dataframe().amplitude.round(6).tolist()
-    [0.332595, 1.622132]
-    """
-    speeds = turning_speeds(speed, "in a sweep of a rotor system")
-    asked = varied_system_of(sweep_system, system, changed, speeds)
-    tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
-    progress = check_progress(progress)
-    chosen = choose(executor, workers, compiled=True)
-    given = checked_starts(starts)
-    varied, way = in_order(asked, len(given), direction, along, SPEED)
-    taken = [in_modes(asked.base, modes, each) for each in given]
-    varied = replace(varied, system=taken[0][0])
-    first = [state_at_end(assemble(of), start) for of, start in taken]
-    if modes is not None and any(isinstance(each, xr.Dataset) for each in given):
-        raise InputError(f"starts must be (q, velocity) with modes, got a result and {modes!r}")
-    turnings = Turnings(varied, tolerance)
-    stiffest = turnings.checked()
-    check_size(varied, study)
-    warn_if_long(stiffest, varied.axes[SPEED], varied.points // varied.axes[SPEED].size)
-    told = {"along": way} if way not in {"", SPEED} else {}
-    begun = [end if isinstance(each, xr.Dataset) else each
-             for each, end in zip(given, first, strict=True)]  # fmt: skip
-    question = Question("sweep", {
-        "rotor": asked.base, "starts": begun, "modes": modes, **varied.design,
-        "direction": direction, **told, "rtol": tolerance,
-    })  # fmt: skip
-    point = point_of(stiffest)
-    settling, axis = SystemSettling(point), varied.dims.index(way or SPEED)
-    ramps: Ramps[Turning, Start | Values, SettledPoint] = Ramps(
-        varied, first, settling, turnings.at, axis
-    )
-    form = form_of("points of a sweep", "points", point)
-    task: Task[SystemJob, list[SettledPoint]] = Task(settle_along, lost, rows_of, form, point)
-    columns = run_study(
-        ramps, task, question, study=study, workers=chosen, progress=progress
-    ).points
-    attributes = provenance({"method": "taylor", "rtol": tolerance}) | told
-    return _dataset(varied, columns, stiffest, first, attributes)
 
 
 class Turning(NamedTuple):
@@ -243,16 +82,55 @@ class Turnings:
         same = (at if name in PARAMETERS_OF_SYSTEM else 0 for name, at in index)
         return Turning(self._problem(*same), float(self.varied.at(place)[SPEED]))
 
-    def checked(self) -> SettlingProblem:
-        """Check the speeds at both ends of each parameter; return the problem with the largest."""
+    def checked(self, speeds: Values | None = None) -> SettlingProblem:
+        """Check the speeds at both ends of each parameter; return the problem with the largest.
+
+        Without speeds they are those that vary.
+        """
+        speeds = np.atleast_1d(self.varied.given[SPEED]) if speeds is None else speeds
         axes = self.varied.axes
         largest = {name: int(np.argmax(axis)) for name, axis in axes.items()}
         smallest = {name: int(np.argmin(axis)) for name, axis in axes.items()}
         found = []
         for ends in (largest, *(largest | {name: at} for name, at in smallest.items())):
             found.append(self.at(list(ends.values())).problem)
-            check_slowest(found[-1], np.atleast_1d(self.varied.given[SPEED]))
+            check_slowest(found[-1], speeds)
         return found[0]
+
+
+@dataclass(frozen=True, slots=True)
+class AskedSystem:
+    """A rotor system whose speed and parameters vary, in its modes, and its starts.
+
+    Parameters
+    ----------
+    varied : Varied
+        The points.
+    starts, kept : list
+        Starts in the coordinates of the modes, and as a question keeps them.
+    rtol : float
+        Tolerance of a run.
+    """
+
+    varied: Varied
+    starts: list[Start]
+    kept: list[Start]
+    rtol: float
+
+    @classmethod
+    def of(
+        cls, asked: Varied, starts: Sequence[Start | xr.Dataset], modes: int | None, rtol: float,
+        word: str = "starts",
+    ) -> AskedSystem:  # fmt: skip
+        """Return a system in a number of modes; InputError for starts that it does not have."""
+        tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
+        if modes is not None and any(isinstance(each, xr.Dataset) for each in starts):
+            raise InputError(f"{word} must be (q, velocity) with modes, got a result and {modes!r}")
+        taken = [in_modes(asked.base, modes, each) for each in starts]
+        first = [state_at_end(assemble(system), start) for system, start in taken]
+        kept = [end if isinstance(each, xr.Dataset) else each
+                for each, end in zip(starts, first, strict=True)]  # fmt: skip
+        return cls(replace(asked, system=taken[0][0]), first, kept, tolerance)
 
 
 def check_slowest(problem: SettlingProblem, speeds: Values) -> None:
@@ -287,7 +165,7 @@ def warn_if_long(problem: SettlingProblem, speeds: Values, times: int) -> None:
 
 
 def checked_starts(starts: object) -> list[Start | xr.Dataset]:
-    """Return the starts, one or more; a result alone is one start."""
+    """Return the starts, one or more; a result alone is one start, and at rest on the axis None."""
     if isinstance(starts, xr.Dataset):
         return [starts]
     if not isinstance(starts, list | tuple) or not starts:
@@ -295,7 +173,7 @@ def checked_starts(starts: object) -> list[Start | xr.Dataset]:
             f'starts must be a list of (q, velocity), "settled", "rest", None or a result, got '
             f"{shown(starts)}"
         )
-    return list(starts)
+    return [None if each is AT_REST else each for each in starts]
 
 
 def _initial_state(problem: SettlingProblem, start: Start, speed: float) -> Values:
@@ -322,41 +200,13 @@ def point_of(problem: SettlingProblem) -> np.dtype[np.void]:
     )
 
 
-class SettledPoint(NamedTuple):
-    """A point of a sweep as a row, and the state at its end; None if it failed."""
-
-    row: npt.NDArray[np.void]
-    message: str
-    end: Values | None
-
-
-SystemJob = RampJob[Turning, Start | Values, SettledPoint]
-
-
-@dataclass(frozen=True, slots=True)
-class SystemSettling:
-    """How a rotor system is followed: see `rotor_ida.steady.ramps.Settling`."""
-
-    columns: np.dtype[np.void]
-
-    def settle(self, point: Turning, start: Start | Values, stop: Stop) -> SettledPoint:
-        """Return what a system settles on, from a start or from where another point ends."""
-        flow = SystemFlow.at(*point, stop)
-        begun = start if isinstance(start, np.ndarray) else started(point, start)
-        settled = settle(flow, begun / flow.scales)
-        row, last = np.zeros(1, self.columns), settled.state * flow.scales
-        fill(row[0], settled, flow, last)
-        return SettledPoint(row, settled.decision.message, last)
-
-    def failed(self, _point: Turning, _start: Start | Values, reason: str) -> SettledPoint:
-        """Return the row of a point that failed."""
-        row = np.zeros(1, self.columns)
-        _fail(row[0])
-        return SettledPoint(row, reason, None)
-
-    def end(self, settled: SettledPoint) -> Start | Values | None:
-        """Return the state at the end."""
-        return settled.end
+def answer_at(point: Turning, start: Start | Values, stop: Stop) -> Answer:
+    """Return what a system settles on, from a start or from where another point ends."""
+    flow = SystemFlow.at(*point, stop)
+    begun = start if isinstance(start, np.ndarray) else started(point, start)
+    settled = settle(flow, begun / flow.scales)
+    last = settled.state * flow.scales
+    return Answer(figures_of(settled, flow, last), settled.decision.message, end=last)
 
 
 def first_state(problem: SettlingProblem, start: Start | xr.Dataset, speed: float) -> Values:
@@ -379,64 +229,63 @@ def started(point: Turning, start: Start) -> Values:
         raise SimulationError(str(error)) from error
 
 
-def rows_of(points: Sequence[SettledPoint]) -> Rows:
-    """Return points as rows."""
-    rows = np.concatenate([point.row for point in points])
-    return Rows(rows, [point.message for point in points])
-
-
-def _fail(row: np.void) -> None:
-    """Mark a point as failed."""
-    for name in (*OF_POINT, *OF_CONTACT, *OF_NODE, "final_state"):
-        row[name] = math.nan
-    row["response"], row["status"], row["touched"] = RESPONSE[FAILED], STATUS["failed"], 0
-
-
-def fill(row: np.void, settled: SettledSystem, flow: SystemFlow, last: Values) -> None:
-    """Write a settled response into a row."""
+def figures_of(settled: SettledSystem, flow: SystemFlow, last: Values) -> dict[str, Any]:
+    """Return a settled response by the names of its columns."""
     problem = flow.problem
     decision, features, size = settled.decision, settled.features, problem.assembly.size
-    row["response"], row["status"] = RESPONSE[decision.kind], STATUS["done"]
     has_period = decision.period is not None and decision.kind not in (CONTACT_FREE, SYNCHRONOUS)
-    row["period"] = decision.period if has_period else math.nan  # type: ignore[assignment]
-    row["cycle_distance"] = decision.distance if math.isfinite(decision.distance) else math.nan
-    row["lyapunov_exponent"], row["lyapunov_error"] = decision.exponent, decision.error
-    row["revolutions"] = settled.revolutions
-    row["amplitude"], row["node_amplitude"] = map(
-        np.abs, (features.contact_whirl, features.node_whirl)
-    )
-    row["phase_lag"], row["node_phase_lag"] = (
-        -math.copysign(1.0, flow.speed) * np.angle(whirl)  # in the sense of the spin
-        for whirl in (features.contact_whirl, features.node_whirl)
-    )
-    row["radius_min"], row["radius_max"] = features.contact_low, features.contact_high
-    row["node_radius_min"], row["node_radius_max"] = features.node_low, features.node_high
-    row["largest_force"], row["touched"] = features.largest_force, features.touches
     moved = problem.found.to_q(last[: 2 * size].reshape(2, size))
-    row["final_state"] = np.concatenate([moved.ravel(), last[2 * size :]])
+    way = -math.copysign(1.0, flow.speed)  # lags are in the sense of the spin
+    return {
+        "response": RESPONSE[decision.kind],
+        "period": decision.period if has_period else math.nan,
+        "cycle_distance": decision.distance if math.isfinite(decision.distance) else math.nan,
+        "lyapunov_exponent": decision.exponent, "lyapunov_error": decision.error,
+        "revolutions": settled.revolutions,
+        "amplitude": np.abs(features.contact_whirl),
+        "phase_lag": way * np.angle(features.contact_whirl),
+        "radius_min": features.contact_low, "radius_max": features.contact_high,
+        "largest_force": features.largest_force, "touched": features.touches,
+        "node_amplitude": np.abs(features.node_whirl),
+        "node_phase_lag": way * np.angle(features.node_whirl),
+        "node_radius_min": features.node_low, "node_radius_max": features.node_high,
+        "final_state": np.concatenate([moved.ravel(), last[2 * size :]]),
+    }  # fmt: skip
 
 
-def _dataset(
-    varied: Varied,
-    columns: Mapping[str, npt.NDArray[Any]],
-    problem: SettlingProblem,
-    starts: Sequence[Start],
-    attributes: dict[str, Any],
-) -> xr.Dataset:
-    """Return the points of a sweep as a labelled dataset."""
+def places_of(varied: Varied) -> dict[str, Column]:
+    """Return the nodes and contacts of a system as columns of a result."""
     system = varied.base
+    found: dict[str, Column] = {
+        "node": ("node", np.array(list(system.nodes), str)),
+        "contact_node": ("contact", np.array([each.node for each in system.contacts], str)),
+        **clearances_of(varied),
+    }
+    if system.positions is not None:
+        found["axial_position"] = ("node", np.array(list(system.positions.values())))
+    return found
+
+
+def sweep_of_system(
+    varied: Varied, starts: Sequence[Start], axis: int, rtol: float, question: Question,
+    told: Mapping[str, Any], jobs: Mapping[str, Any],
+) -> xr.Dataset:  # fmt: skip
+    """Return what a system settles on at each point, along ramps that lead along an axis."""
+    system, turnings = varied.base, Turnings(varied, rtol)
+    problem = turnings.checked()
+    warn_if_long(problem, varied.axes[SPEED], varied.points // varied.axes[SPEED].size)
+    plan: Ramps[Turning, Start | Values, Row] = Ramps(
+        varied, starts, Answers(answer_at, point_of(problem)), turnings.at, axis
+    )
+    columns = answered(plan, question, word="points of a sweep", **jobs)
+    attributes = {**provenance({"method": "taylor", "rtol": rtol}), **told}
     behind = dict.fromkeys((*OF_CONTACT, "touched"), ("contact",))
     behind |= dict.fromkeys(OF_NODE, ("node",)) | {"final_state": ("component",)}
     speed = float(varied.axes[SPEED][0])
     states = np.array([_initial_state(problem, each, speed) for each in starts])
-    coordinates: dict[str, Column] = varied.coordinates | {
-        "node": ("node", np.array(list(system.nodes), str)),
-        "contact_node": ("contact", np.array([each.node for each in system.contacts], str)),
-        **clearances_of(varied),
-        "initial_state": (("start", "component"), states),
-    }
-    if system.positions is not None:
-        coordinates["axial_position"] = ("node", np.array(list(system.positions.values())))
+    coordinates: dict[str, Column] = varied.coordinates | places_of(varied) | {
+        "initial_state": (("start", "component"), states)
+    }  # fmt: skip
     dataset = labelled_dataset(
         "Rotor system: responses over a range of speeds",
         labelled_points(varied, columns, behind), coordinates,

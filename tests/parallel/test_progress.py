@@ -6,7 +6,6 @@ import pytest
 
 import rotor_ida
 from rotor_ida import InputError, sweep
-from rotor_ida.steady.lyapunov import lyapunov_exponent_system
 
 POINTS = {"omega": [1.0, 1.2], "zeta": 0.5, "delta0": 2.0, "executor": "serial"}
 VERBS = [
@@ -29,8 +28,7 @@ def test_true_shows_a_bar_that_ends_full(capfd):
 
 @pytest.mark.parametrize("name", VERBS)
 def test_every_function_with_progress_takes_true(name):
-    # that of one disc takes seconds, and has none
-    verb = lyapunov_exponent_system if name == "lyapunov_exponent" else getattr(rotor_ida, name)
+    verb = getattr(rotor_ida, name)
     given = inspect.signature(verb).parameters["progress"]
     assert given.annotation == "Progress | bool | None"
     while "shows_progress" not in verb.__code__.co_qualname and hasattr(verb, "__wrapped__"):

@@ -15,15 +15,19 @@ from rotor_ida import (
     Unbalance,
     concat,
     load,
+    resume,
     run_up,
     run_ups,
     save,
     simulate,
     sweep,
 )
+from rotor_ida.cli.describe import describe
+from rotor_ida.model.system_parameters import parameter_of
+from rotor_ida.plot.figures import figure_of
 from rotor_ida.results.contact_facts import columns_of_contact, contact_facts
 from rotor_ida.schema import ENDING, RESPONSE
-from rotor_ida.steady import system_run_ups
+from rotor_ida.steady import run_up_outcome
 from rotor_ida.verification.verify import differences, rerun
 
 REST = (0.0, 0.0, 0.0, 0.0)
@@ -91,6 +95,66 @@ def test_each_is_the_run_of_run_up_and_settles_as_a_sweep_does():
             np.testing.assert_allclose(one[name], ended[name], rtol=1e-6, err_msg=name)
 
 
+@pytest.mark.parametrize(
+    ("name", "value", "fields"),
+    [
+        ("damping", 0.5, {"damping": 0.5 * TWO.damping}),
+        ("stiffness", 2.0, {"stiffness": 2.0 * TWO.stiffness}),
+        ("clearance", 0.8, {"contacts": [replace(TWO.contacts[0], clearance=0.75),
+                                         replace(TWO.contacts[1], clearance=0.8)]}),
+        ("friction", 0.25, {"contacts": [replace(each, friction=0.25) for each in TWO.contacts]}),
+        ("unbalance", 2.0, {"unbalance": [replace(TWO.unbalance[0], moment=2.0)]}),
+    ],
+)  # fmt: skip
+def test_over_a_parameter_each_is_that_of_a_system_changed_by_hand(name, value, fields):
+    own = parameter_of(TWO, name)
+    found = run_ups(TWO, **RAMP, **{name: [own, value]}, executor="serial")
+    assert found.ending.dims == ("speed", name, "rate", "phase", "start")
+    assert found.whip_fraction.dims == ("speed", name, "rate")
+    for at, system in ((own, TWO), (value, replace(TWO, **fields))):
+        part, alone = found.sel({name: at}), run_ups(system, **RAMP, executor="serial")
+        for each in alone.data_vars:
+            own_name = "contact_clearance" if (name, each) == ("clearance",) * 2 else each
+            np.testing.assert_array_equal(part[own_name], alone[each], err_msg=each)
+    over = found.largest_radius.isel(rate=0).values.reshape(2, -1)
+    assert not np.array_equal(over[0], over[1])
+    single = run_ups(TWO, **RAMP, **{name: value}, executor="serial")
+    assert single.largest_radius.equals(found.largest_radius.sel({name: value}))
+
+
+def test_one_disc_as_a_system_runs_up_as_the_disc_over_clearance_and_friction():
+    """Two kernels, and the same axes by their names."""
+    rotor = replace(SHAFT, disc_radius=10.0)
+    given = {"to": 1.6, "rate": 0.1, "friction": [0.0, 0.1], "executor": "serial"}
+    disc = run_ups(rotor, delta0=[1.0, 2.0], **given).squeeze()
+    system = run_ups(rotor.system(), speed=0.3, clearance=[1.0, 2.0], **given).squeeze()
+    assert len(np.unique(disc.largest_force)) > 1
+    for name in ("ending", "contact_count", "largest_force", "last_exit_speed", "total_heat"):
+        np.testing.assert_allclose(
+            system[name].transpose("clearance", "friction"), disc[name], rtol=1e-7, atol=1e-8,
+            err_msg=name,
+        )  # fmt: skip
+    assert system.friction.attrs["long_name"] == "largest friction coefficient of the contacts"
+
+
+def test_a_grid_is_archived_shown_drawn_joined_and_computed_again(tmp_path):
+    given = {"speed": 0.3, "to": 1.4, "rate": 0.2, "clearance": [0.8, 1.6], "modes": 2}
+    found = run_ups(TWO, **given, friction=[0.0, 0.1], study=tmp_path / "study")
+    assert resume(tmp_path / "study").identical(found)
+    save(found, tmp_path / "grid.nc")
+    archived = load(tmp_path / "grid.nc")
+    assert differences(rerun(archived, workers=1), archived)["agrees"]
+    parts = [run_ups(TWO, **given, friction=each) for each in (0.0, 0.1)]
+    joined = concat(parts, "friction").largest_force.transpose(*found.largest_force.dims)
+    xr.testing.assert_equal(joined, found.largest_force)
+    record, _ = describe(archived, most=3)
+    assert {(row["clearance"], row["friction"]) for row in record["fractions"]} == {
+        (gap, friction) for gap in (0.8, 1.6) for friction in (0.0, 0.1)
+    }
+    titles = [ax.get_title() for ax in figure_of(archived).axes]
+    assert "largest clearance 0.8, largest friction 0.1" in titles
+
+
 def test_a_run_goes_on_from_the_end_of_one():
     one = run_ups(TWO, **RAMP, executor="serial").isel(speed=0, rate=0, phase=0, start=0)
     longer = run_up(TWO, speed=0.3, to=1.4, rate=0.02, duration=55.0 + 3.0)
@@ -131,7 +195,7 @@ def test_it_can_be_interrupted_and_shared_out(tmp_path):
 
 
 def test_one_that_fails_is_labelled_and_what_happened_on_its_ramp_is_kept(monkeypatch):
-    true = system_run_ups.settle
+    true = run_up_outcome.settle
 
     def fails_once(flow, state, done=[]):  # noqa: B006 - counts
         done.append(1)
@@ -139,7 +203,7 @@ def test_one_that_fails_is_labelled_and_what_happened_on_its_ramp_is_kept(monkey
             raise SimulationError("corrector failed")
         return true(flow, state)
 
-    monkeypatch.setattr(system_run_ups, "settle", fails_once)
+    monkeypatch.setattr(run_up_outcome, "settle", fails_once)
     found = run_ups(TWO, **RAMP, executor="serial").squeeze()
     assert found.status.values.tolist() == [1, 0]
     assert found.message.values.tolist() == ["corrector failed", ""]
@@ -167,7 +231,11 @@ def test_facts_of_a_contact_that_begins_and_ends_with_the_run():
      ({"rate": [-0.1]}, r"rate must lead from speed 0.3 to 1.4, got -0.1"),
      ({"rate": [0.1, 0.1]}, "rate"),
      ({"starts": []}, "starts must be a list of"),
-     ({"friction": 0.1}, "friction")],
+     ({"friction": -0.1}, "friction must be zero or positive, got -0.1"),
+     ({"clearance": [1.0, 0.0]}, "clearance of the contact at 'disc' must be positive, got 0.0"),
+     ({"modes": 2, "starts": [xr.Dataset()]}, "starts must be .q, velocity. with modes"),
+     ({"atol": 1e-9}, "atol must be left out with a rotor system, got 1e-09"),
+     ({"frictn": 0.1}, "unexpected keyword argument 'frictn'; did you mean 'friction'")],
 )  # fmt: skip
 def test_what_cannot_be_run_up_is_refused(given, words):
     with pytest.raises((InputError, TypeError), match=words):

@@ -474,6 +474,8 @@ def run_ups(
     rate: Rates,
     phase: Phases = [0.0],  # noqa: B006 - never changed
     start: options.StartsOfRunUps = None,
+    stiffness: StiffnessFactors = None,
+    unbalance: Unbalances = None,
     jobs: options.JobOptions = options.JobOptions(),
     solver: options.RunUpsSolverOptions = options.RunUpsSolverOptions(),
     study: options.Study = None,
@@ -495,10 +497,17 @@ def run_ups(
     A rotor of any size with several contacts, from a system file:
 
         rotor-ida run-ups rotor.toml --to 5000rpm --rate 5000rpm/s --out many.nc
+
+    That rotor with two frictions, and with its unbalance:
+
+        rotor-ida run-ups rotor.toml --to 5000rpm --rate 5000rpm/s --friction 0 0.2 \
+            --unbalance 1e-3 2e-3 --figure frictions
     """
+    axes = {"stiffness": stiffness, "unbalance": unbalance}
     if system is not None:
         given = {"to": to, "rate": rate, "phase": phase, "study": study, **jobs.on_every_core()}
-        return run_ups_file(system, rotors, start, solver, output, given)
+        return run_ups_file(system, rotors, axes, start, solver, output, given)
+    _refuse_of_system(axes)
     check_points(*rotors.axes(), rate, phase, start or [REST], in_study=study is not None)
     output.check(panels=rotors.panels())
     rotor, given = rotors.asked()

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +13,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.closed_forms.clearances.critical_speeds import Mode
 from rotor_ida.closed_forms.clearances.response import Cases, Response, about, scaled
 from rotor_ida.closed_forms.whirls.dry_whip import Whip, dry_whips
-from rotor_ida.closed_forms.whirls.synchronous import synchronous_response_system
+from rotor_ida.closed_forms.whirls.synchronous import whirls_of_system
 from rotor_ida.errors import InputError
 from rotor_ida.model.axisymmetric import forward_motions
 from rotor_ida.schema import STABILITY
@@ -73,8 +73,8 @@ def touching_of(
     speeds = np.unique(speeds[(speeds > 0.0) & (speeds <= problem.trip)])
     try:  # what is not axisymmetric is refused
         found = [
-            synchronous_response_system(
-                assembly.system, speed=speeds, unbalance=[scaled(each, scale) for each in case]
+            whirls_of_system(
+                replace(assembly.system, unbalance=[scaled(each, scale) for each in case]), speeds
             )
             for case, scale in zip(cases, scales.tolist(), strict=True)
         ]  # fmt: skip

@@ -35,7 +35,7 @@ from rotor_ida.closed_forms.whirls.branches import (
     Touching,
     plain_pieces,
 )
-from rotor_ida.closed_forms.whirls.synchronous import synchronous_response_system
+from rotor_ida.closed_forms.whirls.synchronous import whirls_of_system
 from rotor_ida.closed_forms.whirls.turning_axes import NEUTRAL
 from rotor_ida.errors import InputError
 from rotor_ida.model.assembly import assemble
@@ -140,7 +140,7 @@ def special_speeds(
     check_masses(assembly)
     problem = RubProblem(assembly, forward_motions(assembly))
     found = _special_points(problem, speeds, check_progress(progress))
-    whirls = synchronous_response_system(system, speed=np.linspace(low, high, points))
+    whirls = whirls_of_system(system, np.linspace(low, high, points))
     kept = sorted((each for each in found if _is_free(problem, each)), key=lambda each: each.speed)
     return _dataset(problem, kept, whirls).assign_attrs(limits=np.array([low, high]), points=points)
 

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Unpack
-
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
@@ -28,7 +26,7 @@ from rotor_ida.model.axisymmetric import (
     check_no_races,
     forward_motions,
 )
-from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
+from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.results.archived_system import described_problem
 from rotor_ida.results.system_units import with_system_units
 from rotor_ida.schema import STABILITY, labelled_dataset
@@ -39,68 +37,8 @@ _REFERENCES = (
 )
 
 
-def synchronous_response_system(
-    system: RotorSystem,
-    *,
-    speed: npt.ArrayLike,
-    **changed: Unpack[SystemParameters],
-) -> xr.Dataset:
-    """Compute all synchronous whirls of an axisymmetric rotor system, with their stability.
-
-    Parameters
-    ----------
-    system : RotorSystem
-        The rotor, the same in all directions, as are its stators, with contacts without offset
-        centres. Without any contact, the result is the unbalance response.
-    speed : float or sequence of float, shape (n,)
-        Spin speeds.
-    contacts, unbalance, supports, gravity, static_force : optional
-        In place of those of the system, as in `simulate`.
-
-    Returns
-    -------
-    Dataset
-        On ``(speed, branch, contact)``: ``amplitude`` of the displacement at each contact, relative
-        to a stator that moves, its ``phase_lag`` in the sense of the spin [rad],
-        ``normal_force`` and ``in_contact``; on ``(speed, branch, node)``: ``node_amplitude`` and
-        ``node_phase_lag``; on ``(speed, branch)``: ``stability`` and ``growth_rate``. The branches
-        are in order of the largest amplitude over its clearance, the contact-free whirl first
-        where it exists, padded with NaN.
-
-    Raises
-    ------
-    InputError
-        If an argument cannot be used; if the system is not axisymmetric; if a speed is a resonance
-        without damping.
-
-    Notes
-    -----
-    In complex coordinates ``z = x + i y``, with ``D = K - Omega**2 M + i Omega (C + Omega G)``, the
-    rows b of the contacts and the unbalance's force f, let ``U = b D**-1 f`` and
-    ``H = b D**-1 b'``. A whirl with the normal forces N, the amplitudes ``A = delta + d`` and the
-    directions ``E``, ``|E| = 1``, of the contacts that touch obeys
-    ``A E = U - H N (1 + i mu sigma) E``, where sigma is the sign of the speed: the surfaces slide
-    forwards. It is exact: forces are constant on axes that turn with the rotor. See `single_rubs`
-    and `double_rubs` for how all solutions are isolated. Whirls that touch more than two contacts
-    at a time are not sought; ``most_touching`` says so.
-
-    Phases lag the direction that points along x at time 0, as an unbalance of phase 0 does. A
-    growth rate is the largest real part of the eigenvalues on turning axes (`turning_axes`).
-    Two whirls that nearly coincide at a fold may both be missing.
-
-    Examples
-    --------
-    >>> import numpy as np
-    >>> from rotor_ida import Contact, RotorSystem, Unbalance
-    >>> system = RotorSystem(
-    ...     mass=np.eye(2), damping=0.1 * np.eye(2), stiffness=np.eye(2), nodes={"disc": (0, 1)},
-    ...     contacts=[Contact(node="disc", clearance=1.5, stiffness=4.0, exponent=1.0)],
-    ...     unbalance=[Unbalance(node="disc", moment=1.0)], units="1")
-    >>> whirls = synchronous_response_system(system, speed=[0.5, 0.9, 1.5])
-    >>> whirls.amplitude.isel(contact=0).values.round(6)[:, 0]
-    array([0.332595, 1.622132, 2.983651])
-    """
-    system = changed_system(synchronous_response_system, system, changed)
+def whirls_of_system(system: RotorSystem, speed: npt.ArrayLike | None) -> xr.Dataset:
+    """Return all synchronous whirls of a rotor system: see `rotor_ida.synchronous_response`."""
     speeds = checked_speeds(speed)
     assembly = assemble(system)
     check_axisymmetric_parts(assembly)

@@ -15,7 +15,7 @@ from rotor_ida.steady.grid import form_of
 
 FORMS = {
     "points of a sweep": form_of("points of a sweep", "points", sweep.POINT, sweep.EVENT),
-    "run-up": run_ups.FORM,
+    "run-up": form_of("run-up", "run_ups", run_ups.POINT),
     "batch of starts": following.FORM,
     "stretch of a branch": continue_cycle.FORM,
     "cell of an atlas": cells.FORM,

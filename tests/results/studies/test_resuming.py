@@ -166,7 +166,8 @@ def test_only_what_draws_and_tells_does_not_decide_on_the_bits():
         "import sys, rotor_ida.steady.sweep, rotor_ida.basins\n"
         "from rotor_ida.results.provenance import NOT_COMPUTING\n"
         "used = [name.replace('.', '/').removeprefix('rotor_ida/') for name in sys.modules]\n"
-        "print([name for name in used if name.startswith(NOT_COMPUTING)], end='')"
+        "rooms = tuple(f'{name}/' for name in NOT_COMPUTING)\n"
+        "print([name for name in used if f'{name}/'.startswith(rooms)], end='')"
     )
     ended = subprocess.run(
         [sys.executable, "-c", script], capture_output=True, text=True, check=False
