@@ -246,7 +246,7 @@ def _arguments(
     """
     defaults = _defaults(verb)
     names = list(defaults)
-    found = defaults | dict(zip(names, given, strict=False)) | options
+    found = {**defaults, **dict(zip(names, given, strict=False)), **options}
     first = names[0]
     return {
         "rotor" if name in {first, "rotor", "system"} else name: each
@@ -335,7 +335,7 @@ def _plain_fields(value: Any, stators: list[Stator]) -> dict[str, Any]:
 
 
 @cache
-def _fields(kind: type[Any]) -> tuple[str, ...]:
+def _fields(kind: Any) -> tuple[str, ...]:
     return tuple(each.name for each in fields(kind))
 
 
