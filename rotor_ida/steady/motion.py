@@ -152,12 +152,17 @@ class Motion:
     landing: Landing | None = None
     cycle: Landing | None = None
 
+    @property
+    def system(self) -> SystemFlow | None:
+        """The flow of a rotor system, whose runs cost so much that a cycle is sought on the way."""
+        return self.flow if isinstance(self.flow, SystemFlow) else None
+
     # ---- How it is followed ----
 
     def wait(self, duration: float) -> None:
         """Follow the motion; one of a system in whole revolutions, until it is on a cycle."""
-        flow, revolution = self.flow, self.flow.revolution
-        if not isinstance(flow, SystemFlow):
+        flow, revolution = self.system, self.flow.revolution
+        if flow is None:
             self._extend(np.array([duration]))
             return
         left = max(math.ceil(duration / revolution), 1)
@@ -167,7 +172,7 @@ class Motion:
             back = min(int(part), LOOKED_BACK)
             count = np.arange((part - back) * SAMPLES_OF_WAIT, part * SAMPLES_OF_WAIT + 1)
             seen = self._extend(count * (revolution / SAMPLES_OF_WAIT))
-            if self.flow.has_damping:
+            if flow.has_damping:
                 self._try_to_land(flow, seen)
 
     def observe(self, times: int) -> None:
@@ -208,7 +213,7 @@ class Motion:
         flow, state, growing = self.flow, self.state, None
         if self.cycle is not None:
             state, growing = self.cycle.state, self.cycle.growing
-        elif isinstance(flow, DiscFlow) and flow.speed > 0.0 and self.flow.has_damping:
+        elif self.system is None and flow.speed > 0.0 and flow.has_damping:
             period = flow.revolution if self.repeats is None else self.repeats.period
             growing = growing_direction(flow.run(state, period).tangents)
         if growing is None:
@@ -231,7 +236,7 @@ class Motion:
         landing, self.landing = self.landing, None
         window, tolerance = self.window, RECURS * self.flow.steady
         period = self.flow.period if landing is None else landing.period
-        if landing is None and isinstance(self.flow, SystemFlow):
+        if landing is None and self.system is not None:
             self.repeats = None  # a cycle would have been found on the way
         elif landing is not None and landing.growing is not None:
             self.repeats = Recurrence(landing.period, 0.0)  # rounding may have left it by now
@@ -254,7 +259,7 @@ class Motion:
     def held_back(self, multiplier: complex) -> float:
         """Return the difference of states a period apart over their distance from the cycle."""
         # among many multipliers the slowest does not show which of the others is nearest 1
-        many = self.flow.period is not None or isinstance(self.flow, SystemFlow)
+        many = self.flow.period is not None or self.system is not None
         return 1.0 - abs(multiplier) if many else abs(1.0 - multiplier)
 
     def stands_still(self) -> bool:
@@ -273,10 +278,9 @@ class Motion:
 
     def exponents(self) -> Exponents:
         """Return the largest Lyapunov exponents of the motion after the window."""
-        flow = self.flow
-        if isinstance(flow, DiscFlow):
-            return _exponents_of_disc(flow, self.state, self.time)
-        assert isinstance(flow, SystemFlow)
+        flow = self.system
+        if flow is None:
+            return _exponents_of_disc(self.flow, self.state, self.time)
         found = _exponents_of_system(flow, self.state, EXPONENT_REVOLUTIONS)
         stretch = abs(float(found.values[0])) * found.duration
         if found.no_stretch < stretch < 1.0:  # on a torus a mean over longer is far better
@@ -310,8 +314,9 @@ def turning_points(window: Window) -> Rows:
     return window.extrema if np.ptp(radii) > STEADY * radii.max() else window.extrema[:0]
 
 
-def _exponents_of_disc(flow: DiscFlow, state: Values, time: float) -> Exponents:
+def _exponents_of_disc(flow: Flow, state: Values, time: float) -> Exponents:
     """Return the largest exponents of one disc."""
+    assert isinstance(flow, DiscFlow)
     rotor, duration = flow.rotor, max(EXPONENT_TIME, EXPONENT_TIMES * time)
     x, y, vx, vy = state.tolist()
     found = exponents_of(rotor, (x, y, vx, vy), duration, flow.stop)

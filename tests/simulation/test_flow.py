@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 
 from rotor_ida import Rotor, SimulationError, simulate
+from rotor_ida.model.assembly import assemble
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.simulation.flow import MAXIMUM, DiscFlow
+from rotor_ida.simulation.options import Options
+from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
 from tests.cycles.known import once_round
 
 GO_ON = np.zeros(1, np.uint8)
@@ -219,3 +222,32 @@ def test_rates_are_those_of_a_short_stretch():
     early = DiscFlow(BOUNCING).run(DEEP, 1e-6, by=PARAMETERS)
     np.testing.assert_allclose(shot.end_rate, (late.end - shot.end) / 1e-6, rtol=0.0, atol=1e-5)
     np.testing.assert_allclose(shot.start_rate, (early.end - DEEP) / 1e-6, rtol=0.0, atol=1e-5)
+
+
+WINDOWS = {
+    "bouncing": (BOUNCING, START),
+    "full contact": (Rotor(omega=3.0, zeta=0.07, delta0=0.5), DEEPER),
+    "under a load": (
+        Rotor(omega=1.7, zeta=0.1, delta0=1.0, shaft_stiffness=0.4, load=0.3), START,
+    ),
+    "rolling": (Rotor(omega=0.7, zeta=0.02, delta0=1.0, friction=0.1, disc_radius=5.0), START),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", WINDOWS)
+def test_both_kernels_observe_the_same_motion(name):
+    """The core of one disc finds extrema as roots; that of systems refines them by a parabola."""
+    rotor, start = WINDOWS[name]
+    problem = SettlingProblem.of(assemble(rotor.system()), 1e-12)
+    other = SystemFlow.at(problem, rotor.omega, GO_ON)
+    flow = DiscFlow(rotor, options=Options(method="taylor", rtol=1e-12))
+    times = np.linspace(0.0, 12.0 * flow.revolution, 12 * 64 + 1)
+    seen, same = flow.observed(start, times), other.observed(other.given_state(start), times)
+    np.testing.assert_array_equal(same.event_kinds, seen.event_kinds)
+    np.testing.assert_allclose(same.event_times, seen.event_times, atol=1e-8)
+    np.testing.assert_array_equal(same.closed_first, seen.closed_first)
+    np.testing.assert_array_equal(same.closed_last, seen.closed_last)
+    np.testing.assert_allclose(same.rolling[0], seen.rolling[0], atol=1e-8)
+    np.testing.assert_allclose(np.abs(same.places), np.abs(seen.places), atol=1e-8)
+    (radii,), (exact,) = other.radii(same), flow.radii(seen)
+    np.testing.assert_allclose(radii, exact, rtol=0.0, atol=1e-9)
