@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache, wraps
 
 import numpy as np
 import xarray as xr
@@ -23,6 +24,13 @@ MACHINE = DimensionalRotor(
 )
 
 
+def computed_once(build: Callable[..., xr.Dataset]) -> Callable[..., xr.Dataset]:
+    """Return what computes a dataset once, and gives a copy of it each time."""
+    kept = cache(build)
+    return wraps(build)(lambda *given, **named: kept(*given, **named).copy(deep=True))
+
+
+@computed_once
 def a_run(delta0: float = 2.0) -> xr.Dataset:
     rotor = Rotor(omega=2.0, zeta=0.07, delta0=delta0)
     return rotor_ida.simulate(rotor, start=REST, duration=20.0, samples=41)
@@ -35,6 +43,7 @@ def a_run_with_more() -> xr.Dataset:
     return rotor_ida.simulate(rotor, start=REST, duration=20.0, samples=41)
 
 
+@computed_once
 def a_system_run() -> xr.Dataset:
     """Return a run-up of a rotor system with all that may stand around it."""
     system = rotor_ida.RotorSystem(
@@ -71,12 +80,14 @@ def a_system_diagram(at: str = "extrema") -> xr.Dataset:
     return rotor_ida.bifurcation_diagram(system, speed=[0.3, 1.2], at=at, revolutions=4)
 
 
+@computed_once
 def a_system_cycle() -> xr.Dataset:
     """Return a limit cycle of one disc as a system."""
     system = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
     return rotor_ida.limit_cycle(system, speed=2.0)
 
 
+@computed_once
 def a_system_branch() -> xr.Dataset:
     """Return its branch, with a period doubling."""
     system = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
@@ -117,11 +128,13 @@ def given_for_drops() -> dict[str, object]:
             "unbalance": unbalance, "speed": 3.0, "duration": 5.0, "inertia": 5.0}  # fmt: skip
 
 
+@computed_once
 def a_cycle() -> xr.Dataset:
     rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
     return rotor_ida.limit_cycle(rotor, start=(2.6, 0.75, 0.66, -1.65), period=4.5)
 
 
+@computed_once
 def a_branch() -> xr.Dataset:
     rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
     return rotor_ida.continue_cycle(rotor, start=a_cycle(), limits=(1.7, 2.1))
@@ -134,6 +147,7 @@ def a_curve() -> xr.Dataset:
     )
 
 
+@computed_once
 def a_sweep(direction: str = "up") -> xr.Dataset:
     return rotor_ida.sweep(omega=[1.2, 1.3], zeta=0.07, delta0=[0.0, 0.5], direction=direction)
 
@@ -210,6 +224,7 @@ KINDS: dict[str, Callable[[], xr.Dataset]] = {
     "system_diagram": a_system_diagram,
     "system_stroboscopic_diagram": lambda: a_system_diagram("revolution"),
 }
+KINDS = {name: computed_once(build) for name, build in KINDS.items()}
 
 
 def in_the_numbers_of_an_earlier_version(dataset: xr.Dataset) -> xr.Dataset:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass
 from typing import Any
@@ -83,18 +84,15 @@ def unpacked(message: bytes) -> Message:
     return Message(header, arrays)
 
 
-def answer_to(asking: Asked) -> list[Message]:
-    """Return the parts of an answer, computed in this process."""
+def answer_to(asking: Asked, most: float = math.inf) -> list[Message]:
+    """Return the parts of an answer, computed in this process; what follows them is not."""
     desk, parts = Desk(), []
     desk.take((1, asking))
-    while part := desk.next_part():
+    while len(parts) < most and (part := desk.next_part()):
         parts.append(unpacked(part))
         desk.take((1, "next"))
     return parts
 
 
 def first_part(asking: Question) -> Message:
-    """Return the first part of an answer, of which the rest is not computed."""
-    desk = Desk()
-    desk.take((1, asking))
-    return unpacked(desk.next_part())
+    return answer_to(asking, 1)[0]

@@ -35,9 +35,10 @@ def analysed(path: Path, **changes: object) -> Message:
     return message
 
 
-def test_order_1_and_one_spectrum_at_one_speed(tmp_path: Path):
+@pytest.mark.parametrize("changes", [{}, {"probe_angles": (45.0, 135.0), "gains": (2.0, 0.5)}])
+def test_order_1_and_one_spectrum_at_one_speed(changes: dict[str, object], tmp_path: Path):
     path = written(tmp_path / "one.csv", 0.0)
-    found, signals = analysed(path), read_signals(path)
+    found, signals = analysed(path, **changes), read_signals(path, **changes)  # type: ignore[arg-type]
     tracked = orders(signals).isel(order=0)
     np.testing.assert_array_equal(found.arrays["order_speed"], tracked.speed)
     np.testing.assert_array_equal(found.arrays["order_amplitude"], tracked.forward_whirl_amplitude)

@@ -69,34 +69,30 @@ def motion(asking: Question) -> Message:
 
 
 @pytest.mark.parametrize("name", QUESTIONS)
-def test_run_and_events_are_those_of_simulate_bit_for_bit(name: str):
+def test_a_motion_is_that_of_the_library_bit_for_bit(name: str):
+    """The run with its events, rotating axes, forces, slip, and a section once a revolution."""
     message, run = motion(QUESTIONS[name]), simulated(QUESTIONS[name])
     of_run = ("t", "x", "y", "event_time", "event_x", "event_y", "event_time_error", "event_kind",
               "entry_time", "exit_time", "peak_time", "peak_force")  # fmt: skip
-    for each in of_run:
-        np.testing.assert_array_equal(message.arrays[each], run[each].values, err_msg=each)
-    assert message.facts["horizon"] == float(run["horizon"])
-
-
-@pytest.mark.parametrize("name", QUESTIONS)
-def test_rotating_axes_and_forces_are_those_of_the_library_bit_for_bit(name: str):
-    message, run = motion(QUESTIONS[name]), simulated(QUESTIONS[name])
+    of_slip = ("mode", "slip_speed") if "mode" in run else ()
     turning, forces = rotor_ida.rotating(run), rotor_ida.contact_forces(run)
-    for each in ("rotating_x", "rotating_y", "event_rotating_x", "event_rotating_y"):
-        np.testing.assert_array_equal(message.arrays[each], turning[each].values, err_msg=each)
+    of_turning = ("rotating_x", "rotating_y", "event_rotating_x", "event_rotating_y")
+    for each in (*of_run, *of_slip, *of_turning):
+        values = (turning if each in of_turning else run)[each].values
+        np.testing.assert_array_equal(message.arrays[each], values, err_msg=each)
     normal = "normal_force" if "normal_force" in forces else "force"
     np.testing.assert_array_equal(message.arrays["force"], forces[normal].values)
     np.testing.assert_array_equal(message.arrays["radius"], np.hypot(run["x"], run["y"]).values)
-
-
-@pytest.mark.parametrize("name", QUESTIONS)
-def test_the_section_has_one_point_a_revolution(name: str):
-    message = motion(QUESTIONS[name])
-    each = message.facts["samples_per_revolution"]
+    assert message.facts["horizon"] == float(run["horizon"])
+    step = message.facts["samples_per_revolution"]
     for axis in ("x", "y"):
         section = message.arrays[f"section_{axis}"]
         assert section.size == QUESTIONS[name].revolutions + 1
-        np.testing.assert_array_equal(section, message.arrays[f"rotating_{axis}"][::each])
+        np.testing.assert_array_equal(section, message.arrays[f"rotating_{axis}"][::step])
+
+
+def test_what_slips_has_its_modes():
+    assert {"mode", "slip_speed"} <= set(motion(QUESTIONS["a machine that rubs"]).arrays)
 
 
 @pytest.mark.parametrize("name", ["bouncing", "full contact", "no damping"])
@@ -174,14 +170,6 @@ def test_the_loss_per_contact_is_the_mean_of_those_that_end_in_the_last_half():
     assert told["releases"] == (releases >= half).sum() > 0
     assert "A contact loses" in message.facts["words"][-1]
     assert "releases the rotor before" in message.facts["words"][-1]
-
-
-@pytest.mark.parametrize("name", ["dry whip", "slip in both senses", "a machine that rubs"])
-def test_how_it_slips_and_rolls_is_that_of_simulate(name: str):
-    message, run = motion(QUESTIONS[name]), simulated(QUESTIONS[name])
-    for each in ("mode", "slip_speed"):
-        np.testing.assert_array_equal(message.arrays[each], run[each].values)
-    np.testing.assert_array_equal(message.arrays["force"], run["normal_force"].values)
 
 
 @pytest.mark.parametrize("name", ["dry whip", "slip in both senses"])

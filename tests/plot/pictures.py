@@ -85,6 +85,30 @@ _MAKERS: dict[str, Callable[[], xr.Dataset]] = {
 }
 
 
+def lines_of(ax):
+    """Return the lines of axes by their labels."""
+    return {line.get_label(): line for line in ax.lines}
+
+
+def line_of(ax, label):
+    """Return the one line of axes that has a label."""
+    (found,) = (each for each in ax.lines if each.get_label() == label)
+    return found
+
+
+def words_of(ax):
+    """Return the words of the legend of axes."""
+    return [text.get_text() for text in ax.get_legend().get_texts()]
+
+
+def check_nothing_cut_off(figure):
+    figure.draw_without_rendering()
+    box = figure.get_tightbbox()
+    assert min(box.x0, box.y0) >= -0.02
+    assert box.x1 <= figure.get_figwidth() + 0.02
+    assert box.y1 <= figure.get_figheight() + 0.02
+
+
 @cache
 def made(name: str) -> xr.Dataset:
     """Return one of the datasets."""

@@ -8,16 +8,13 @@ from rotor_ida.plot import plot_attractor_fractions, plot_attractor_map, plot_at
 from rotor_ida.plot.appearance import KIND_SHADES
 from rotor_ida.plot.labels import LABELS
 from rotor_ida.schema import RESPONSE, flags_of
+from tests.plot.pictures import words_of
 
 
 @pytest.fixture(scope="module")
 def figure_7():
     rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
     return basin(rotor, x=np.linspace(-15, 15, 20), y=np.linspace(-14, 14, 15))
-
-
-def words(ax):
-    return [text.get_text() for text in ax.get_legend().get_texts()]
 
 
 def colours_at(ax, dataset, x, y):
@@ -66,7 +63,7 @@ def changed(name, place, value):
     ids=["constant radius", "changing radius", "attractor without start", "not at the speed"],
 )
 def test_the_legend_names_kinds_and_amplitudes_or_radii_of_attractors(figure_7, change, first):
-    shown = words(plot_basin(change(figure_7)))
+    shown = words_of(plot_basin(change(figure_7)))
     assert shown == list(dict.fromkeys([*first, "synchronous response, $A = 9.49$"]))
 
 
@@ -78,7 +75,7 @@ def test_what_is_not_known_is_told(figure_7):
     partly = figure_7.copy(deep=True)
     partly["label"][0, :] = -1
     partly["label"][1, :] = -2
-    assert words(plot_basin(partly))[2:] == ["undecided", "not computed"]
+    assert words_of(plot_basin(partly))[2:] == ["undecided", "not computed"]
 
 
 def test_colours_differ():

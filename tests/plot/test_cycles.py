@@ -29,7 +29,7 @@ from rotor_ida.plot import (
 )
 from rotor_ida.plot.labels import LABELS
 from rotor_ida.schema import labelled
-from tests.plot.pictures import BOUNCING, made
+from tests.plot.pictures import BOUNCING, lines_of, made, words_of
 from tests.plot.test_every_picture import in_units
 
 
@@ -49,14 +49,6 @@ def curve(branch):
     start = branch.isel(special=int(np.argmax(branch.special_kind.values == 2)))
     limits = {"omega": (0.3, 2.0), "delta0": (1.5, 2.5)}
     return bifurcation_curve(BOUNCING, start=start, kind="period_doubling", limits=limits)
-
-
-def lines_of(ax):
-    return {line.get_label(): line for line in ax.lines}
-
-
-def words_of(ax):
-    return [text.get_text() for text in ax.get_legend().get_texts()]
 
 
 def bands_of(ax):

@@ -6,13 +6,10 @@ import pytest
 from rotor_ida import InputError, Rotor, bifurcation_diagram, lyapunov_exponent, poincare_section
 from rotor_ida.closed_forms import response_curve
 from rotor_ida.plot import plot_exponents, plot_extrema, plot_section
+from tests.plot.pictures import lines_of
 
 REST = (0.0, 0.0, 0.0, 0.0)
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
-
-
-def lines_of(ax):
-    return {line.get_label(): line for line in ax.lines}
 
 
 @pytest.mark.parametrize("revolutions", [10, 20])

@@ -7,13 +7,10 @@ import xarray as xr
 from rotor_ida import Rotor, contact_forces, simulate
 from rotor_ida.plot import panels, plot_force_peaks, plot_forces
 from rotor_ida.plot.forces import shade_contacts
+from tests.plot.pictures import lines_of
 
 REST = (0.0, 0.0, 0.0, 0.0)
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
-
-
-def lines_of(ax):
-    return {line.get_label(): line for line in ax.lines}
 
 
 def test_forces_and_their_peaks():

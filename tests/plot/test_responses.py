@@ -11,23 +11,15 @@ from rotor_ida.plot.figures import figure_of
 from rotor_ida.plot.labels import KIND_WORDS
 from rotor_ida.plot.responses import DOTS, KINDS
 from rotor_ida.schema import RESPONSE
+from tests.plot.pictures import line_of, words_of
 
 SHAFT = {"zeta": 0.2, "delta0": 1.0, "shaft_stiffness": 0.25}
-
-
-def line(ax, label):
-    (found,) = (each for each in ax.lines if each.get_label() == label)
-    return found
-
-
-def legend_texts(ax):
-    return [text.get_text() for text in ax.get_legend().get_texts()]
 
 
 def test_stable_unstable_and_neutral_whirls_differ_without_colour(exact):
     ax = plot_amplitude(exact)
     styles = {
-        repr(line(ax, label)._unscaled_dash_pattern)
+        repr(line_of(ax, label)._unscaled_dash_pattern)
         for label in ("stable whirl", "unstable whirl", "contact-free whirl")
     }
     assert len(styles) == 3
@@ -36,9 +28,9 @@ def test_stable_unstable_and_neutral_whirls_differ_without_colour(exact):
 def test_lines_hold_the_whirls_of_their_stability(exact):
     ax = plot_amplitude(exact)
     unstable = exact["amplitude"].where(exact["stability"] == 0).values
-    shown = line(ax, "unstable whirl").get_ydata()
+    shown = line_of(ax, "unstable whirl").get_ydata()
     assert np.isin(unstable[np.isfinite(unstable)], shown).all()
-    assert np.nanmax(line(ax, "stable whirl").get_ydata()) == exact["amplitude"].max()
+    assert np.nanmax(line_of(ax, "stable whirl").get_ydata()) == exact["amplitude"].max()
 
 
 def test_whole_resonance_is_inside_the_panel(exact):
@@ -54,14 +46,14 @@ def test_special_points_are_marked_where_they_are(exact, fold_points):
         (plot_amplitude(exact, fold_points=fold_points), "fold", fold_points, "fold"),
         (damped, "Hopf point", hopf, "hopf"),
     ):
-        marks = line(ax, words)
+        marks = line_of(ax, words)
         assert marks.get_linestyle() == "None"
         np.testing.assert_array_equal(marks.get_xdata(), points[f"{name}_omega"].values.ravel())
         np.testing.assert_array_equal(marks.get_ydata(), points[f"{name}_amplitude"].values.ravel())
 
 
 def test_folds_lie_on_the_phase_curve(exact, fold_points):
-    marks = line(plot_phase(exact, fold_points=fold_points), "fold")
+    marks = line_of(plot_phase(exact, fold_points=fold_points), "fold")
     for omega, lag in zip(marks.get_xdata(), marks.get_ydata(), strict=True):
         assert 0.5 * math.pi < lag < math.pi
         on_curve = exact["phase_lag"].values[exact["omega"].values == omega]
@@ -73,16 +65,16 @@ def test_lines_of_a_curve_meet_at_its_folds(exact, fold_points):
     ax = plot_amplitude(exact)
     for omega in fold_points["fold_omega"].values.ravel():
         for label in ("stable whirl", "unstable whirl"):
-            x = line(ax, label).get_xdata()
+            x = line_of(ax, label).get_xdata()
             (place,) = np.flatnonzero(x == omega)
             assert np.isnan(x[np.clip([place - 1, place + 1], 0, x.size - 1)]).any() or place == 0
-    free = line(ax, "contact-free whirl").get_ydata()
+    free = line_of(ax, "contact-free whirl").get_ydata()
     assert np.nanmax(free) == 0.5
 
 
 def test_whirls_at_given_speeds_are_marked(exact):
     whirls = synchronous_response(omega=[1.2, 1.7], zeta=0.07, delta0=0.5)
-    marks = line(plot_amplitude(exact, whirls=whirls), "whirl at a given speed")
+    marks = line_of(plot_amplitude(exact, whirls=whirls), "whirl at a given speed")
     shown = marks.get_ydata()
     np.testing.assert_array_equal(
         shown[np.isfinite(shown)], whirls.amplitude.values[whirls.amplitude.notnull()]
@@ -101,7 +93,7 @@ def test_responses_that_no_curve_shows_are_bars_over_their_radius(exact, simulat
 
 def test_legend_names_every_kind_and_direction_once(exact, simulated, fold_points):
     ax = plot_amplitude(exact, simulated=simulated, fold_points=fold_points)
-    assert legend_texts(ax) == [
+    assert words_of(ax) == [
         "stable whirl",
         "unstable whirl",
         "contact-free whirl",
@@ -120,7 +112,9 @@ def test_legend_names_every_kind_and_direction_once(exact, simulated, fold_point
 
 def test_directions_have_marks_of_their_own(exact, simulated):
     ax = plot_phase(exact, simulated=simulated)
-    assert line(ax, "speed going up").get_marker() != line(ax, "speed going down").get_marker()
+    assert (
+        line_of(ax, "speed going up").get_marker() != line_of(ax, "speed going down").get_marker()
+    )
 
 
 def test_panels_share_the_tallest_range_and_one_legend(exact):
@@ -170,8 +164,8 @@ def test_another_dataset_beside_the_curve_is_refused(plot, exact, fold_points):
 
 def test_contacting_whirls_without_damping_are_not_called_contact_free():
     undamped = response_curve(zeta=0.0, delta0=0.5, limits=(0.05, 3.0))
-    assert "neutral whirl" in legend_texts(plot_amplitude(undamped))
-    assert "contact-free whirl" not in legend_texts(plot_amplitude(undamped))
+    assert "neutral whirl" in words_of(plot_amplitude(undamped))
+    assert "contact-free whirl" not in words_of(plot_amplitude(undamped))
 
 
 @pytest.mark.parametrize(
@@ -179,7 +173,7 @@ def test_contacting_whirls_without_damping_are_not_called_contact_free():
 )
 def test_folds_outside_the_range_of_speeds_are_not_marked(fold_points, limits, shown):
     exact = response_curve(zeta=0.07, delta0=0.5, limits=limits)
-    omega = line(plot_amplitude(exact, fold_points=fold_points), "fold").get_xdata()
+    omega = line_of(plot_amplitude(exact, fold_points=fold_points), "fold").get_xdata()
     assert omega.size == shown
     assert abs(omega - 1.3407).min() < 1e-3
 
@@ -207,7 +201,7 @@ def test_over_clearance_responses_off_the_whirls_are_bars(whirls_over_clearance,
     np.testing.assert_allclose(bars.get_segments()[0][:, 1], [0.2, 2.2])
     marks = [line for line in ax.lines if line.get_marker() == "s"]
     assert {line.get_label() for line in marks} == {"synchronous response", "contact-free response"}
-    assert line(ax, "speed going up").get_marker() == "^"
+    assert line_of(ax, "speed going up").get_marker() == "^"
     assert bars.get_label() == "bouncing: range of $|z|$"
 
 
@@ -251,7 +245,7 @@ def test_under_a_load_responses_are_drawn_without_a_curve_and_the_title_says_why
         r"$\zeta = 0.2$,  $\delta_0 = 1$,  $\kappa = 0.25$",
         r"$\gamma = 0.3$: no exact curve under a load",
     ]
-    assert "stable whirl" not in legend_texts(ax)
+    assert "stable whirl" not in words_of(ax)
     with pytest.raises(InputError, match="exact must be a Dataset, or None beside simulated"):
         draw(None)
 
@@ -275,7 +269,7 @@ def test_rolling_and_quasi_periodic_responses_have_bars_marks_and_a_legend(simul
     seen = seen.assign(radius_min=seen["radius_max"] - 0.5)
     ax = plot_amplitude(None, simulated=seen)
     words = f"{KIND_WORDS[kind]}: range of $|z|$"
-    assert words in legend_texts(ax)
+    assert words in words_of(ax)
     (bars,) = (each for each in ax.collections if each.get_label() == words)
     np.testing.assert_allclose(bars.get_colors()[0], to_rgba(KINDS[kind].colour))
     ends = np.array([segment[:, 1] for segment in bars.get_segments()])
@@ -296,7 +290,7 @@ def test_a_sweep_along_friction_is_drawn_over_friction_by_direction():
     for drawn, way in ((up, 1), (down, -1)):
         points = np.column_stack([frictions, both.amplitude.sel(direction=way).squeeze()])
         assert {tuple(row) for row in points} <= {tuple(row) for row in drawn}
-    assert line(ax, "friction going up").get_marker() == "^"
+    assert line_of(ax, "friction going up").get_marker() == "^"
     whirls = synchronous_response(rotor, friction=frictions).amplitude.values
     dots = np.concatenate([each.get_ydata() for each in ax.lines if each.get_marker() == "o"])
     assert np.isin(whirls[np.isfinite(whirls)], dots).all()

@@ -7,6 +7,7 @@ from rotor_ida import Contact, InputError, RotorSystem, Unbalance, run_ups
 from rotor_ida.plot import plot_endings, plot_largest_force, run_ups_figure
 from rotor_ida.plot.run_ups import ENDING_WORDS
 from rotor_ida.units import SPEED_UNITS
+from tests.plot.pictures import words_of
 
 
 @pytest.fixture(scope="module")
@@ -23,7 +24,7 @@ def test_forces_are_the_largest_of_all_phases_by_rising_rate(found):
     for (line, *_), clearance in zip(ax.containers, found.delta0.values, strict=True):
         np.testing.assert_array_equal(line.get_xdata(), [0.01, 0.05, 0.2])
         np.testing.assert_array_equal(line.get_ydata(), force.sel(delta0=clearance).squeeze())
-    labels = [text.get_text() for text in ax.get_legend().get_texts()]
+    labels = words_of(ax)
     assert labels == [r"$\delta_0 = 1$", r"$\delta_0 = 2$"]
 
 
@@ -80,7 +81,7 @@ def test_of_a_rotor_system_there_is_a_curve_for_each_contact_and_a_panel_for_eac
     ]  # fmt: skip
     assert forces.get_xlabel() == "rate $a$ [rpm/s]"
     assert forces.get_ylabel() == "largest normal force [N]"
-    labels = [text.get_text() for text in forces.get_legend().get_texts()]
+    labels = words_of(forces)
     assert labels[1] == "from 50 rpm, contact 1 at seal"
     assert [ax.get_title() for ax in endings] == ["from 50 rpm", "from 100 rpm"]
     with pytest.raises(InputError, match="must have a contact, got run-ups of a rotor system"):

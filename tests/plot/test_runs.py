@@ -214,16 +214,6 @@ def test_the_rotor_is_in_contact_until_it_leaves_the_ring():
     assert "exit" in labels(plot_orbit(run))
 
 
-def test_the_force_of_a_linear_contact_is_drawn_as_such():
-    machine = DimensionalRotor(**{**MACHINE.given, "contact_exponent": 1.0})
-    run = dimensional(simulate(machine.rotor(), start=(0, 0, 0, 0), duration=10.0), machine)
-    line = plot_machine(run).axes[2].lines[0]
-    drawn = np.interp(run.t, line.get_xdata(), line.get_ydata())
-    indentation = np.maximum(np.hypot(run.x, run.y) - machine.clearance, 0.0)
-    force = machine.contact_stiffness * indentation.values
-    np.testing.assert_allclose(drawn, force, rtol=0, atol=1e-9 * force.max())
-
-
 CHATTER = Rotor(omega=1.2, zeta=0.07, delta0=0.5, friction=0.3, disc_radius=0.6)
 RUBBED = ("slips forwards", "slips backwards", "rolls")
 

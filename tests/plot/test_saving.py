@@ -33,14 +33,6 @@ def test_figures_are_the_same_to_the_byte(tmp_path, run, exact, fold_points, sim
         assert first.read_bytes() == second.read_bytes()
 
 
-def test_saving_twice_gives_the_same_file(tmp_path, run):
-    figure = plot_run(run)
-    for first, second in zip(
-        save_figure(figure, tmp_path / "a"), save_figure(figure, tmp_path / "b"), strict=True
-    ):
-        assert first.read_bytes() == second.read_bytes()
-
-
 def test_layout_solved_anew_does_not_show_in_the_file(tmp_path, run):
     # solving it again moves the axes by some 1e-16 of the figure, on some processors and not on
     # others: here they are moved by hand

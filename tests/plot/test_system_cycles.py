@@ -6,6 +6,7 @@ import pytest
 from rotor_ida import InputError, plot
 from rotor_ida.plot.appearance import STABLE_CYCLE, UNSTABLE_CYCLE
 from tests.kinds import a_system_branch, a_system_cycle
+from tests.plot.pictures import words_of
 
 
 @pytest.fixture(scope="module")
@@ -43,7 +44,7 @@ def test_the_branch_changes_its_line_at_the_bifurcation(branch):
 def test_two_branches_share_axes_and_one_entry_of_the_legend(branch):
     ax = plot.plot_system_branch(branch)
     plot.plot_system_branch(branch, ax=ax)
-    words = [text.get_text() for text in ax.get_legend().get_texts()]
+    words = words_of(ax)
     assert len(words) == len(set(words))
 
 

@@ -14,6 +14,7 @@ from rotor_ida import (
     synchronous_response,
 )
 from rotor_ida.plot.figures import figure_of
+from tests.plot.pictures import lines_of, words_of
 
 SPEEDS = np.array([0.9, 1.1, 1.5])
 
@@ -39,10 +40,6 @@ def swept():
     return found
 
 
-def labelled(ax):
-    return {line.get_label(): line for line in ax.lines}
-
-
 def test_steady_responses_are_marks_and_others_bars_over_their_range(swept):
     ax = plot.plot_system_sweep(swept, contact=1)
     assert ax.get_title() == "contact 1 at two"
@@ -55,7 +52,7 @@ def test_steady_responses_are_marks_and_others_bars_over_their_range(swept):
     low, high = (swept[name].isel(contact=1).values.ravel()[2] for name in
                  ("radius_min", "radius_max"))  # fmt: skip
     assert bar.tolist() == [[1.5, low], [1.5, high]]
-    assert "bouncing: range of $|u|$" in [text.get_text() for text in ax.get_legend().get_texts()]
+    assert "bouncing: range of $|u|$" in words_of(ax)
     with pytest.raises(InputError, match="contact must be one of 0 to 1, got 2"):
         plot.plot_system_sweep(swept, contact=2)
 
@@ -63,7 +60,7 @@ def test_steady_responses_are_marks_and_others_bars_over_their_range(swept):
 def test_the_exact_whirls_beneath_are_those_of_the_system(swept):
     first, second = figure_of(swept).axes
     assert first.get_title() == "contact 0 at one"
-    lines = labelled(second)
+    lines = lines_of(second)
     stable = lines["exact, stable whirl"].get_xydata()
     system, around = two_discs()
     exact = synchronous_response(system, **around, speed=stable[:4, 0])
@@ -74,4 +71,4 @@ def test_the_exact_whirls_beneath_are_those_of_the_system(swept):
 def test_without_axial_symmetry_there_is_nothing_beneath():
     system, around = two_discs(stiffer=1.2)
     found = sweep(system, **around, speed=[0.8, 0.9])
-    assert not any("exact" in label for label in labelled(figure_of(found).axes[0]))
+    assert not any("exact" in label for label in lines_of(figure_of(found).axes[0]))

@@ -17,6 +17,7 @@ from rotor_ida import (
 from rotor_ida.plot.figures import figure_of
 from rotor_ida.schema import SPECIAL
 from tests.kinds import in_the_numbers_of_an_earlier_version
+from tests.plot.pictures import check_nothing_cut_off, words_of
 from tests.systems.axisymmetric_systems import beam
 
 SPEEDS = np.linspace(300.0, 600.0, 31)
@@ -84,7 +85,7 @@ def test_a_campbell_diagram_has_forward_and_backward_whirls():
     assert sum(len(line.get_ydata()) for line in marks) == 2 * 6 * SPEEDS.size
     np.testing.assert_allclose(critical.get_xdata(), found.critical_speed * 30 / np.pi)
     np.testing.assert_array_equal(critical.get_xdata(), critical.get_ydata())
-    words = [text.get_text() for text in ax.get_legend().get_texts()]
+    words = words_of(ax)
     assert words == ["spin speed", "forward", "backward", "contacts 0 N/m", "contacts 5e+06 N/m",
                      "critical speed"]  # fmt: skip
     older = found.drop_vars([name for name in found.variables if name.startswith("critical_")])
@@ -92,9 +93,7 @@ def test_a_campbell_diagram_has_forward_and_backward_whirls():
     values = np.concatenate([line.get_ydata() for line in marks])
     drawn = values[values <= 3.0 * SPEEDS[-1] * 30 / np.pi].max()
     assert ax.get_ylim() == (0.0, pytest.approx(1.08 * drawn))
-    figure = ax.figure
-    figure.draw_without_rendering()
-    assert figure.get_tightbbox().y0 >= -0.02
+    check_nothing_cut_off(ax.figure)
 
 
 def test_special_speeds_are_drawn_on_their_whirls_at_each_contact():
@@ -149,9 +148,7 @@ def test_a_clearance_report_is_drawn_with_its_limits_and_critical_speeds():
             scaled = report.scale_factor[case] * report.major_axis.isel(case=case, contact=number)
             np.testing.assert_allclose(lines[f"case {case}"].get_ydata(), 1e6 * scaled)
         assert ax.get_ylim()[1] > 200.0
-    figure = axes[0].figure
-    figure.draw_without_rendering()
-    assert figure.get_tightbbox().y0 >= -0.02
+    check_nothing_cut_off(axes[0].figure)
     with pytest.raises(InputError, match="contact must be one of 0 to 1, got 2"):
         plot.plot_clearance(report, contact=2)
 

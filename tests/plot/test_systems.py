@@ -25,6 +25,7 @@ from rotor_ida.plot import (
 )
 from rotor_ida.plot.appearance import BLUE, ORANGE, RED
 from rotor_ida.plot.figures import figure_of
+from tests.plot.pictures import check_nothing_cut_off
 
 NODES = ["left", "disc", "seal", "right"]
 PLACES = [0.0, 0.3, 0.5, 0.9]
@@ -242,13 +243,7 @@ def test_without_positions_nodes_are_in_the_order_given():
 
 @every_plot
 def test_no_text_of_a_figure_of_a_system_is_cut_off(run, draw):
-    figure = draw(run)
-    figure.draw_without_rendering()
-    box = figure.get_tightbbox()
-    assert box.x0 >= -0.02
-    assert box.y0 >= -0.02
-    assert box.x1 <= figure.get_figwidth() + 0.02
-    assert box.y1 <= figure.get_figheight() + 0.02
+    check_nothing_cut_off(draw(run))
 
 
 @every_plot

@@ -12,6 +12,7 @@ from rotor_ida.plot import (
     plot_cusp,
     plot_jumps,
 )
+from tests.plot.pictures import words_of
 
 
 def test_an_arrow_leads_from_each_fold_to_its_landing():
@@ -24,7 +25,7 @@ def test_an_arrow_leads_from_each_fold_to_its_landing():
     ):  # fmt: skip
         assert arrow.xy == (omega, end)
         assert arrow.xyann == (omega, begin)
-    assert "jump" in [text.get_text() for text in ax.get_legend().get_texts()]
+    assert "jump" in words_of(ax)
 
 
 def test_backbone_runs_where_free_whirls_do():
@@ -66,7 +67,7 @@ def test_quantities_with_a_further_dimension_are_points():
     np.testing.assert_array_equal(peak.get_ydata(), table.peak_omega.values.ravel())
     assert points.get_linestyle() == "None"
     assert np.isfinite(points.get_ydata()).sum() == 2 + 4 + 2
-    assert [text.get_text() for text in ax.get_legend().get_texts()] == ["peak", "folds"]
+    assert words_of(ax) == ["peak", "folds"]
 
 
 MACHINE = {"zeta": 0.02, "delta0": 1.0, "shaft_stiffness": 0.04, "contact_exponent": 1.0,

@@ -71,36 +71,6 @@ def test_folder_without_permission_is_refused(
         check_target("out", tmp_path / "file", overwrite=False)
 
 
-@pytest.mark.parametrize("overwrite", [False, True])
-def test_failure_leaves_what_was_there(overwrite: bool, tmp_path: Path) -> None:
-    path = tmp_path / "file"
-    if overwrite:
-        path.write_text("before")
-
-    def fail() -> None:
-        with written_whole(path, overwrite=overwrite) as part:
-            part.write_text("half")
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        fail()
-    assert [each.read_text() for each in tmp_path.iterdir()] == ["before"] * overwrite
-
-
-def test_what_appeared_meanwhile_is_not_replaced(tmp_path: Path) -> None:
-    path = tmp_path / "file"
-
-    def write() -> None:
-        with written_whole(path, overwrite=False) as part:
-            part.write_text("late")
-            path.write_text("first")
-
-    with pytest.raises(FileExistsError):
-        write()
-    assert path.read_text() == "first"
-    assert os.listdir(tmp_path) == ["file"]
-
-
 def test_what_a_killed_writer_left_is_removed(tmp_path: Path) -> None:
     with written_whole(tmp_path / "living", overwrite=False) as part:
         part.write_text("half")

@@ -9,7 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from scipy.io import savemat, wavfile
+from scipy.io import savemat
 
 from rotor_ida import InputError, read_signals
 from tests.signals.test_files import (
@@ -19,12 +19,13 @@ from tests.signals.test_files import (
     TURN,
     A,
     B,
-    in_one_file,
+    write_combined,
     write_comtrade,
     write_hdf5,
     write_lvm,
     write_tdms,
     write_uff,
+    write_wav,
 )
 
 SCRIPT = Path(__file__).with_name("damaged.py")
@@ -46,22 +47,16 @@ def as_text(path: Path) -> None:
                header='t [s],"x [um]",y [um],speed [rpm]')  # fmt: skip
 
 
-def as_combined(path: Path) -> None:
-    write_comtrade(path.with_suffix(".cfg"), kind="BINARY")
-    in_one_file(path)
-    path.with_suffix(".cfg").unlink()
-
-
 WRITTEN = {
     "a.csv": as_text,
     "a.lvm": lambda path: write_lvm(path, columns="No", parts=3),
-    "a.wav": lambda path: wavfile.write(path, 2000, np.stack([A, B], 1).astype(np.float32)),
-    "b.wav": lambda path: wavfile.write(path, 2000, np.stack([A, B], 1).astype(np.int16)),
+    "a.wav": lambda path: write_wav(path, "float32"),
+    "b.wav": write_wav,
     "a.uff": lambda path: write_uff(path, binary=0),
     "b.uff": lambda path: write_uff(path, binary=1),
     "a.tdms": write_tdms,
     "a.cfg": lambda path: write_comtrade(path, kind="BINARY"),
-    "a.cff": as_combined,
+    "a.cff": write_combined,
     "a.npz": lambda path: np.savez_compressed(path, t=TIMES, x=A, y=B, keyphasor=PULSE),
     "a.mat": lambda path: savemat(path, NESTED),
     "b.mat": lambda path: savemat(path, NESTED, do_compression=True),
@@ -87,22 +82,6 @@ def test_damaged_copies_are_read_or_refused(tmp_path: Path) -> None:
     assert (found.returncode, found.stdout) == (0, ""), found.stderr[-2000:]
 
 
-def flags_of(whole: bytes, kind: int) -> bytes:
-    """Return a MATLAB file whose first array has another class."""
-    at = 128 + 8 + 8
-    assert whole[at] == 6  # double
-    return whole[:at] + bytes([kind]) + whole[at + 1 :]
-
-
-@pytest.mark.parametrize("kind", [0, 18, 200, 255])
-def test_a_matlab_array_of_no_known_class_is_listed(kind: int, tmp_path: Path) -> None:
-    """SciPy looks such a class up past the end of its table, and may end the process."""
-    savemat(tmp_path / "a.mat", {"t": TIMES, "x": A, "y": B})
-    (tmp_path / "a.mat").write_bytes(flags_of((tmp_path / "a.mat").read_bytes(), kind))
-    with pytest.raises(InputError, match="of another type"):
-        read_signals(tmp_path / "a.mat", columns={"t": "t"})
-
-
 def test_a_library_that_crashes_on_hdf5_is_told(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -112,35 +91,6 @@ def test_a_library_that_crashes_on_hdf5_is_told(
     monkeypatch.setattr(sys, "executable", str(tmp_path / "crash"))
     with pytest.raises(InputError, match="the HDF5 library ends with status -11"):
         read_signals(tmp_path / "a.h5")
-
-
-@pytest.mark.parametrize(
-    ("at", "held", "told"),
-    [
-        (24, bytes(8), "it has 8000 samples and 0 a second"),
-        (40, bytes(4), "it has 0 samples and 2000 a second"),
-        (22, bytes(2), "must be a WAV file"),
-        (32, bytes(2), "must be a WAV file"),
-        (4, bytes(4), "must be a WAV file"),
-    ],
-)
-def test_a_wav_with_zeros_in_its_head_is_refused(
-    at: int, held: bytes, told: str, tmp_path: Path
-) -> None:
-    wavfile.write(tmp_path / "a.wav", 2000, np.stack([A, B], axis=1).astype(np.int16))
-    whole = (tmp_path / "a.wav").read_bytes()
-    (tmp_path / "a.wav").write_bytes(whole[:at] + held + whole[at + len(held) :])
-    with pytest.raises(InputError, match=told):
-        read_signals(tmp_path / "a.wav", columns={"x": "1", "y": "2"})
-
-
-@pytest.mark.parametrize("size", [100, 4000, 16_040])
-def test_a_cut_wav_is_refused(size: int, tmp_path: Path) -> None:
-    wavfile.write(tmp_path / "a.wav", 2000, np.stack([A, B], axis=1).astype(np.int16))
-    whole = (tmp_path / "a.wav").read_bytes()
-    (tmp_path / "a.wav").write_bytes(whole[:size])
-    with pytest.raises(InputError, match="must be a WAV file: Reached EOF prematurely"):
-        read_signals(tmp_path / "a.wav", columns={"x": "1", "y": "2"})
 
 
 def test_what_is_written_is_read_by_every_reader(tmp_path: Path) -> None:

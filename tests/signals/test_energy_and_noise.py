@@ -81,6 +81,7 @@ def test_stated_errors_of_orders_cover_what_noise_does_to_them():
     found = orders(made(z), [1, 2])
     windows = found.sizes["window"]
     assert windows == 200
+    np.testing.assert_allclose(found.window_residual.mean(), math.sqrt(2.0) * NOISE, rtol=0.05)
     ahead = found.sel(order=1)
     exact = 0.7 * np.exp(-0.4j)
     whirl = ahead.forward_whirl_amplitude * np.exp(-1j * ahead.forward_phase_lag)

@@ -9,6 +9,7 @@ import struct
 import subprocess
 import sys
 import warnings
+from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
@@ -35,15 +36,16 @@ Array = npt.NDArray[np.float64]
 
 
 def check(found: xr.Dataset, *, to: float = 1e-9, unit: str = "um") -> None:
-    """Hold signals against the whirl that the probes saw."""
+    """Compare signals with the whirl that the probes saw."""
+    scale = {"um": 1.0, "mm": 1e3}[unit]
     np.testing.assert_allclose(found.t, TIMES, rtol=0, atol=1e-9)
-    np.testing.assert_allclose(found.x, Z.real, rtol=0, atol=to)
-    np.testing.assert_allclose(found.y, Z.imag, rtol=0, atol=to)
+    np.testing.assert_allclose(scale * found.x, Z.real, rtol=0, atol=to)
+    np.testing.assert_allclose(scale * found.y, Z.imag, rtol=0, atol=to)
     assert (found.t.attrs["units"], found.x.attrs["units"]) == ("s", unit)
 
 
 def check_pulses(found: xr.Dataset) -> None:
-    """Hold the pulses against those of the mark, half a sample apart at most."""
+    """Compare the pulses with those of the mark, half a sample apart at most."""
     np.testing.assert_allclose(np.diff(found.keyphasor), 1.0 / SPEED, atol=1e-9)
     assert (found.keyphasor.values * SPEED % 1.0)[0] > 0.99
 
@@ -90,30 +92,6 @@ def _write_sets(
         })  # fmt: skip
 
 
-@pytest.mark.parametrize("binary", [0, 1])
-def test_uff_58_and_58b_come_back_with_units_and_names(binary: int, tmp_path: Path) -> None:
-    write_uff(tmp_path / "a.uff", binary=binary)
-    found = read_signals(tmp_path / "a.uff", probe_angles=PROBES)
-    check(found)
-    check_pulses(found)
-    assert found.attrs["columns"].startswith("t=t x=Probe A y=Probe B keyphasor=Keyphasor")
-
-
-def test_uff_responses_without_titles_are_called_by_node_and_direction(tmp_path: Path) -> None:
-    write_uff(tmp_path / "a.unv", binary=0, columns={"NONE": A, "none": B})
-    names = {"x": "node 1 x", "y": "node 2 x"}
-    check(read_signals(tmp_path / "a.unv", columns=names, probe_angles=PROBES))
-
-
-@pytest.mark.parametrize("binary", [0, 1])
-@pytest.mark.parametrize("part", [0.2, 0.5, 0.9])
-def test_a_part_of_a_uff_file_is_refused(binary: int, part: float, tmp_path: Path) -> None:
-    write_uff(tmp_path / "a.uff", binary=binary)
-    whole = (tmp_path / "a.uff").read_bytes()
-    (tmp_path / "a.uff").write_bytes(whole[: int(part * len(whole))])
-    assert "must be a universal file (UFF)" in refused(tmp_path / "a.uff")
-
-
 def write_tdms(path: Path, **more: Array) -> None:
     channels = {"Probe A": (A, "um"), "Probe B": (B, "um"), "Speed": (RPM, "rpm")}
     timing = {"wf_increment": 1.0 / RATE, "wf_start_offset": 0.0}
@@ -130,13 +108,6 @@ def write_tdms(path: Path, **more: Array) -> None:
         ])  # fmt: skip
 
 
-def test_tdms_comes_back_with_its_times_units_and_speed(tmp_path: Path) -> None:
-    write_tdms(tmp_path / "a.tdms")
-    found = read_signals(tmp_path / "a.tdms", probe_angles=PROBES)
-    check(found)
-    np.testing.assert_allclose(found.angle, TURN, rtol=0, atol=1e-9)
-
-
 def test_tdms_channels_of_another_rate_are_listed_and_not_guessed(tmp_path: Path) -> None:
     write_tdms(tmp_path / "a.tdms", **{"Probe A": np.arange(20.0), "Probe B": np.arange(20.0)})
     check(read_signals(tmp_path / "a.tdms", probe_angles=PROBES))
@@ -145,18 +116,6 @@ def test_tdms_channels_of_another_rate_are_listed_and_not_guessed(tmp_path: Path
     assert "x and y must have one sampling rate, got 2000 and 1 samples a second" in (
         refused(tmp_path / "a.tdms", columns=columns, units={"y": "um"})
     )
-
-
-def test_damaged_tdms_files_are_refused(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    write_tdms(tmp_path / "a.tdms")
-    whole = (tmp_path / "a.tdms").read_bytes()
-    for size in (10, 300, len(whole) // 2):
-        (tmp_path / "a.tdms").write_bytes(whole[:size])
-        told = "must contain channels" if size <= 300 else "got one that ends early"
-        assert told in refused(tmp_path / "a.tdms")
-    (tmp_path / "a.tdms").write_bytes(b"nonsense" * 50)
-    assert "must be a TDMS file" in refused(tmp_path / "a.tdms")
-    assert capfd.readouterr() == ("", "")
 
 
 LVM_HEAD = """LabVIEW Measurement\t
@@ -191,35 +150,6 @@ def write_lvm(path: Path, *, columns: str, point: str = ".", parts: int = 1) -> 
             segment += "\tstarted\n" if row == 0 else "\n"
         text += segment.replace(".", point) + "\n"
     path.write_text(text)
-
-
-@pytest.mark.parametrize("columns", ["One", "No"])
-@pytest.mark.parametrize(("point", "parts"), [(".", 1), (",", 1), (".", 3)])
-def test_labview_files_come_back(columns: str, point: str, parts: int, tmp_path: Path) -> None:
-    write_lvm(tmp_path / "a.lvm", columns=columns, point=point, parts=parts)
-    found = read_signals(tmp_path / "a.lvm", probe_angles=PROBES)
-    check(found, to=1e-8)
-    np.testing.assert_allclose(found.angle, TURN, rtol=0, atol=1e-8)
-
-
-def test_labview_files_without_a_head_are_tables(tmp_path: Path) -> None:
-    table = np.column_stack([TIMES, A, B])
-    np.savetxt(tmp_path / "a.lvm", table, "%.12f", "\t")
-    units = {"t": "s", "x": "um", "y": "um"}
-    check(read_signals(tmp_path / "a.lvm", units=units, probe_angles=PROBES))
-
-
-def test_damaged_labview_files_are_refused(tmp_path: Path) -> None:
-    path = tmp_path / "a.lvm"
-    path.write_text("LabVIEW Measurement\t\nSeparator\tTab\n")
-    assert "must have a header that ends in ***End_of_Header***" in refused(path)
-    path.write_text(LVM_HEAD.format(point=".", columns="One"))
-    assert "must contain a segment with the line X_Value, got none" in refused(path)
-    write_lvm(path, columns="One")
-    text = path.read_text().splitlines()
-    text[40] = text[40].replace("0.0", "?")
-    path.write_text("\n".join(text))
-    assert "must contain finite numbers, got nan in line 41" in refused(path)
 
 
 COMTRADE = """pump,recorder,{year}
@@ -276,65 +206,15 @@ def in_one_file(path: Path, *, end: str = "\r\n") -> None:
     path.write_bytes(lines[0] + head + lines[1] + end.encode() + lines[2] + lines[3] + data)
 
 
-@pytest.mark.parametrize("kind", ["ASCII", "BINARY"])
-@pytest.mark.parametrize("ending", [".cfg", ".dat"])
-def test_comtrade_comes_back_with_times_from_its_rate(
-    kind: str, ending: str, tmp_path: Path
-) -> None:
-    write_comtrade(tmp_path / "a.cfg", kind=kind)
-    found = read_signals(tmp_path / f"a{ending}", probe_angles=PROBES)
-    check(found, to=0.002)  # of counts of 2 nm
-    check_pulses(found)
+def write_combined(path: Path, *, kind: str = "BINARY", end: str = "\r\n") -> None:
+    write_comtrade(path.with_suffix(".cfg"), kind=kind)
+    in_one_file(path, end=end)
+    for ending in (".cfg", ".dat"):
+        path.with_suffix(ending).unlink()
 
 
-@pytest.mark.parametrize("kind", ["ASCII", "BINARY"])
-@pytest.mark.parametrize("end", ["\n", "\r\n"])
-def test_comtrade_in_one_file_is_the_same(kind: str, end: str, tmp_path: Path) -> None:
-    write_comtrade(tmp_path / "a.cfg", kind=kind)
-    in_one_file(tmp_path / "a.cff", end=end)
-    pair, one = (read_signals(tmp_path / f"a{ending}") for ending in (".cfg", ".cff"))
-    assert pair.drop_attrs().identical(one.drop_attrs())
-    assert one.attrs["file"] == "a.cff"
-
-
-def test_a_part_of_comtrade_in_one_file_is_refused(tmp_path: Path) -> None:
-    write_comtrade(tmp_path / "a.cfg", kind="BINARY")
-    in_one_file(tmp_path / "a.cff")
-    whole = (tmp_path / "a.cff").read_bytes()
-    (tmp_path / "a.cff").write_bytes(whole[:-100])
-    assert "must contain the 4000 samples that 'a.cff' declares, got 3993" in (
-        refused(tmp_path / "a.cff")
-    )
-    (tmp_path / "a.cff").write_bytes(whole[:200])
-    assert "must have the sections CFG and DAT of a COMTRADE record, got ['CFG']" in (
-        refused(tmp_path / "a.cff")
-    )
-
-
-def test_comtrade_that_declares_more_channels_than_lines_is_refused(tmp_path: Path) -> None:
-    """The library would make room for them first."""
-    write_comtrade(tmp_path / "a.cfg", kind="BINARY")
-    text = (tmp_path / "a.cfg").read_text()
-    (tmp_path / "a.cfg").write_text(text.replace("4,3A,1D", "2000000001,2000000000A,1D"))
-    assert "declares more channels than there are lines" in refused(tmp_path / "a.cfg")
-
-
-def test_a_comtrade_head_in_latin_1_is_read(tmp_path: Path) -> None:
-    write_comtrade(tmp_path / "a.cfg", kind="BINARY")
-    text = (tmp_path / "a.cfg").read_text()
-    (tmp_path / "a.cfg").write_bytes(text.replace(",um,", ",µm,").encode("latin-1"))
-    assert read_signals(tmp_path / "a.cfg").x.attrs["units"] == "um"
-
-
-@pytest.mark.parametrize("kind", ["ASCII", "BINARY"])
-def test_comtrade_that_declares_more_than_it_holds_is_refused(kind: str, tmp_path: Path) -> None:
-    write_comtrade(tmp_path / "a.cfg", kind=kind, size=10**12)
-    message = refused(tmp_path / "a.cfg")
-    assert "must contain the 1000000000000 samples that 'a.cfg' declares, got 4000" in message
-    (tmp_path / "a.cfg").write_text("nonsense")
-    assert "must be a COMTRADE record" in refused(tmp_path / "a.cfg")
-    (tmp_path / "a.dat").unlink()
-    assert "must have the .dat of its COMTRADE record with it" in refused(tmp_path / "a.cfg")
+def write_wav(path: Path, kind: str = "int16") -> None:
+    wavfile.write(path, 2000, np.stack([A, B], axis=1).astype(kind))
 
 
 def test_a_dat_of_comtrade_alone_is_read_by_its_time_stamps(tmp_path: Path) -> None:
@@ -346,104 +226,6 @@ def test_a_dat_of_comtrade_alone_is_read_by_its_time_stamps(tmp_path: Path) -> N
     assert "column 1 counts samples and is left out" in found.attrs["notes"]
 
 
-def write_hdf5(folder: Path, lines: str) -> None:
-    """Write HDF5 in another process: h5py brings a second HDF5 library."""
-    code = "import h5py, numpy as np\nd = np.load('all.npz')\n" + lines
-    np.savez(folder / "all.npz", t=TIMES, a=A, b=B, pulse=PULSE, rpm=RPM)
-    environment = {**os.environ, "PYTHONPATH": ""}
-    subprocess.run([sys.executable, "-c", code], cwd=folder, check=True, env=environment)
-
-
-def test_hdf5_comes_back_from_groups_with_units(tmp_path: Path) -> None:
-    write_hdf5(
-        tmp_path,
-        """
-with h5py.File('a.h5', 'w') as f:
-    f['note'] = 'of a pump'
-    f['fast/Probe A'] = d['a'].astype('f4'); f['fast/Probe A'].attrs['units'] = 'um'
-    f['fast/Probe B'] = d['b'].astype('f4'); f['fast/Probe B'].attrs['units'] = 'um'
-    f['fast/Time'] = d['t']; f['fast/Time'].attrs['units'] = 's'
-    f['Speed [rpm]'] = d['rpm']
-""",
-    )
-    found = read_signals(tmp_path / "a.h5", probe_angles=PROBES)
-    check(found, to=1e-5)
-    np.testing.assert_allclose(found.angle, TURN, rtol=0, atol=1e-9)
-    assert "x=fast.Probe A y=fast.Probe B speed=Speed [rpm]" in found.attrs["columns"]
-    assert "'no'" in refused(tmp_path / "a.h5", columns={"x": "no"})
-
-
-HOSTILE = {
-    "a link to a file": "f['x'] = h5py.ExternalLink('all.npz', '/t')",
-    "a link in a group": "f.create_group('g/h')['x'] = h5py.SoftLink('/t')",
-    "data in a file": "f.create_dataset('x', (9,), 'f8', external=[('all.npz', 0, 72)])",
-    "groups in a circle": "f.create_group('a')['up'] = f",
-    "groups in many circles": "g = f.create_group('a'); g['b'] = f; g['c'] = f; f['d'] = g",
-    "terabytes": "f.create_dataset('x', shape=(10**13,), dtype='f8', chunks=(1000,))",
-}  # fmt: skip
-TOLD = {
-    "a link to a file": "got '/x', which is a link",
-    "a link in a group": "got '/g/h/x', which is a link",
-    "data in a file": "got '/x', whose data are in another file",
-    "groups in a circle": "nested over 32",
-    "groups in many circles": "got more than 20000 parts, or one of them nested over 32",
-    "terabytes": "must declare at most",
-}
-
-
-@pytest.mark.parametrize("kind", HOSTILE)
-@pytest.mark.parametrize("ending", [".h5", ".mat"])
-def test_hostile_hdf5_is_refused_before_it_is_read(kind: str, ending: str, tmp_path: Path) -> None:
-    user = "userblock_size=512" if ending == ".mat" else ""
-    write_hdf5(tmp_path, f"with h5py.File('a.h5', 'w', {user}) as f:\n    {HOSTILE[kind]}")
-    if ending == ".mat":
-        whole = (tmp_path / "a.h5").read_bytes()
-        head = b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(116) + bytes(8) + b"\x00\x02IM"
-        (tmp_path / "a.mat").write_bytes(head.ljust(512, b"\0") + whole[512:])
-    assert TOLD[kind] in refused(tmp_path / f"a{ending}")
-
-
-def test_damaged_hdf5_is_refused(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    write_hdf5(tmp_path, "h5py.File('a.h5', 'w')['t'] = d['t']")
-    whole = (tmp_path / "a.h5").read_bytes()
-    for held in (whole[: len(whole) // 2], b"nonsense" * 100):
-        (tmp_path / "a.h5").write_bytes(held)
-        assert "must be an HDF5 file that can be read" in refused(tmp_path / "a.h5")
-    assert capfd.readouterr().err == ""
-
-
-def test_npz_comes_back_by_the_units_in_its_names(tmp_path: Path) -> None:
-    np.savez_compressed(
-        tmp_path / "a.npz", time_ms=1e3 * TIMES, probe_A_mm=1e-3 * A, probe_B_mm=1e-3 * B,
-        tach_V=PULSE,
-    )  # fmt: skip
-    found = read_signals(tmp_path / "a.npz", probe_angles=PROBES)
-    np.testing.assert_allclose(found.t, TIMES, rtol=0, atol=1e-12)
-    np.testing.assert_allclose(1e3 * found.x, Z.real, rtol=0, atol=1e-9)
-    assert found.x.attrs["units"] == "mm"
-    check_pulses(found)
-
-
-def test_npz_with_a_sampling_rate_and_no_times(tmp_path: Path) -> None:
-    np.savez(tmp_path / "a.npz", x_um=Z.real, y_um=Z.imag, fs=RATE)
-    found = read_signals(tmp_path / "a.npz")
-    check(found)
-    assert "times follow from the 2000 samples a second in fs" in found.attrs["notes"]
-
-
-def test_npz_with_dates_counts_seconds_from_the_first(tmp_path: Path) -> None:
-    times = np.datetime64("2024-02-28T23:59:59", "us") + np.rint(1e6 * TIMES).astype(int)
-    np.savez(tmp_path / "a.npz", time=times, x_um=Z.real, y_um=Z.imag)
-    check(read_signals(tmp_path / "a.npz"))
-
-
-def test_npz_with_fields_is_read_by_their_names(tmp_path: Path) -> None:
-    table = np.zeros(TIMES.size, dtype=[("t_s", "f8"), ("x_um", "f4"), ("y_um", "f8")])
-    table["t_s"], table["x_um"], table["y_um"] = TIMES, Z.real, Z.imag
-    np.savez(tmp_path / "a.npz", record=table)
-    check(read_signals(tmp_path / "a.npz"), to=1e-5)
-
-
 class Bomb:
     """What would write a file if it were unpickled."""
 
@@ -451,50 +233,11 @@ class Bomb:
         return open, ("pickled", "w")
 
 
-def test_npz_runs_nothing_and_believes_no_size(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_npz_runs_nothing(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     np.savez(tmp_path / "a.npz", x=np.array([Bomb(), 1], dtype=object))
     assert "got 'x (objects)'" in refused(tmp_path / "a.npz")
     assert not Path("pickled").exists()
-    np.savez(tmp_path / "a.npz", x=A)
-    whole = (tmp_path / "a.npz").read_bytes()
-    (tmp_path / "a.npz").write_bytes(whole[: len(whole) // 2])
-    assert "must be an .npz file" in refused(tmp_path / "a.npz")
-    larger = whole.replace(b"(4000,)", b"(9**9,)").replace(b"(9**9,)", b"(9999,)")
-    (tmp_path / "a.npz").write_bytes(larger)
-    assert "declares the shape (9999,), but is shorter" in refused(tmp_path / "a.npz")
-
-
-def test_nested_structures_of_matlab_are_read_by_their_last_names(tmp_path: Path) -> None:
-    record = {"time_s": TIMES, "probes": {"A_um": A, "B_um": B}, "info": {"name": "pump", "n": 3.0}}
-    savemat(tmp_path / "a.mat", {"rec": {"pump": record, "speed_rpm": RPM}})
-    found = read_signals(tmp_path / "a.mat", probe_angles=PROBES)
-    check(found)
-    np.testing.assert_allclose(found.angle, TURN, rtol=0, atol=1e-9)
-    assert "x=rec.pump.probes.A_um" in found.attrs["columns"]
-
-
-def test_damaged_matlab_files_are_refused(tmp_path: Path) -> None:
-    savemat(tmp_path / "a.mat", {"t": TIMES, "x": A, "y": B}, do_compression=True)
-    whole = (tmp_path / "a.mat").read_bytes()
-    for size in (100, 200, len(whole) // 2, len(whole) - 10):
-        (tmp_path / "a.mat").write_bytes(whole[:size])
-        assert "a.mat" in refused(tmp_path / "a.mat")
-    rng = np.random.default_rng(3)
-    for _ in range(20):
-        held = bytearray(whole)
-        held[int(rng.integers(128, len(held)))] ^= 0xFF
-        (tmp_path / "a.mat").write_bytes(held)
-        assert "\n" not in refused(tmp_path / "a.mat")
-
-
-def test_a_wav_that_ends_early_is_refused(tmp_path: Path) -> None:
-    wavfile.write(tmp_path / "a.wav", 2000, np.stack([A, B], axis=1).astype(np.float32))
-    whole = (tmp_path / "a.wav").read_bytes()
-    (tmp_path / "a.wav").write_bytes(whole[:30])
-    assert "must be a WAV file" in refused(tmp_path / "a.wav")
 
 
 @pytest.mark.parametrize(
@@ -512,8 +255,256 @@ def test_a_library_that_is_not_installed_is_named(
     assert message.endswith(f"files needs {package}: pip install 'rotor-ida[signals]'")
 
 
-def test_a_column_of_times_counts_more_than_a_sampling_rate(tmp_path: Path) -> None:
-    np.savez(tmp_path / "a.npz", t_s=TIMES, x_um=Z.real, y_um=Z.imag, fs=17.0)
-    found = read_signals(tmp_path / "a.npz")
-    check(found)
-    assert "samples a second" not in found.attrs["notes"]
+def write_hdf5(folder: Path, lines: str) -> None:
+    """Write HDF5 in another process: h5py brings a second HDF5 library."""
+    code = "import h5py, numpy as np\nd = np.load('all.npz')\n" + lines
+    np.savez(folder / "all.npz", t=TIMES, a=A, b=B, pulse=PULSE, rpm=RPM)
+    environment = {**os.environ, "PYTHONPATH": ""}
+    subprocess.run([sys.executable, "-c", code], cwd=folder, check=True, env=environment)
+
+
+IN_GROUPS = """
+with h5py.File('a.h5', 'w') as f:
+    f['note'] = 'of a pump'
+    f['fast/Probe A'] = d['a'].astype('f4'); f['fast/Probe A'].attrs['units'] = 'um'
+    f['fast/Probe B'] = d['b'].astype('f4'); f['fast/Probe B'].attrs['units'] = 'um'
+    f['fast/Time'] = d['t']; f['fast/Time'].attrs['units'] = 's'
+    f['Speed [rpm]'] = d['rpm']
+"""
+
+
+def write_fields(path: Path) -> None:
+    table = np.zeros(TIMES.size, dtype=[("t_s", "f8"), ("x_um", "f4"), ("y_um", "f8")])
+    table["t_s"], table["x_um"], table["y_um"] = TIMES, A, B
+    np.savez(path, record=table)
+
+
+def write_in_latin_1(path: Path) -> None:
+    write_comtrade(path, kind="BINARY")
+    path.write_bytes(path.read_text().replace(",um,", ",µm,").encode("latin-1"))
+
+
+DATES = np.datetime64("2024-02-28T23:59:59", "us") + np.rint(1e6 * TIMES).astype(int)
+NESTED = {"time_s": TIMES, "probes": {"A_um": A, "B_um": B}, "info": {"name": "pump", "n": 3.0}}
+PAIR = {"x_um": A, "y_um": B}
+KEYED, SPEEDED = "keyphasor=", "speed="
+# What is written: a file, the tolerance, what its columns are, and options of the reader.
+WRITTEN: dict[str, tuple[str, Callable[[Path], object], float, str, dict[str, object]]] = {
+    **{
+        f"UFF, binary {binary}": (
+            "a.uff", lambda path, binary=binary: write_uff(path, binary=binary), 1e-9,
+            "t=t x=Probe A y=Probe B keyphasor=Keyphasor", {},
+        )
+        for binary in (0, 1)
+    },
+    "UFF without titles": (
+        "a.unv", lambda path: write_uff(path, binary=0, columns={"NONE": A, "none": B}), 1e-9,
+        "x=node 1 x y=node 2 x", {"columns": {"x": "node 1 x", "y": "node 2 x"}},
+    ),
+    "TDMS": ("a.tdms", write_tdms, 1e-9, SPEEDED, {}),
+    **{
+        f"LabVIEW, {columns} column of times, point {point}, parts {parts}": (
+            "a.lvm", lambda path, given=(columns, point, parts): write_lvm(
+                path, columns=given[0], point=given[1], parts=given[2]), 1e-8, SPEEDED, {},
+        )
+        for columns in ("One", "No") for point, parts in ((".", 1), (",", 1), (".", 3))
+    },
+    "LabVIEW without a head": (
+        "a.lvm", lambda path: np.savetxt(path, np.column_stack([TIMES, A, B]), "%.12f", "\t"),
+        1e-9, "t=1 x=2 y=3", {"units": {"t": "s", "x": "um", "y": "um"}},
+    ),
+    # of counts of 2 nm
+    **{
+        f"COMTRADE, {kind} by {ending}": (
+            f"a{ending}", lambda path, kind=kind: write_comtrade(
+                path.with_suffix(".cfg"), kind=kind), 0.002, KEYED, {},
+        )
+        for kind in ("ASCII", "BINARY") for ending in (".cfg", ".dat")
+    },
+    **{
+        f"COMTRADE in one file, {kind}, {end!r}": (
+            "a.cff", lambda path, given=(kind, end): write_combined(
+                path, kind=given[0], end=given[1]), 0.002, KEYED, {},
+        )
+        for kind in ("ASCII", "BINARY") for end in ("\n", "\r\n")
+    },
+    "COMTRADE, a head in latin-1": ("a.cfg", write_in_latin_1, 0.002, KEYED, {}),
+    "HDF5 in groups": (
+        "a.h5", lambda path: write_hdf5(path.parent, IN_GROUPS), 1e-5,
+        "x=fast.Probe A y=fast.Probe B speed=Speed [rpm]", {},
+    ),
+    "NPZ with units in its names": (
+        "a.npz", lambda path: np.savez_compressed(
+            path, time_ms=1e3 * TIMES, probe_A_mm=1e-3 * A, probe_B_mm=1e-3 * B, tach_V=PULSE
+        ), 1e-9, KEYED, {},
+    ),
+    "NPZ with a sampling rate and no times": (
+        "a.npz", lambda path: np.savez(path, **PAIR, fs=RATE), 1e-9, "x=x_um y=y_um", {},
+    ),
+    "NPZ with times and a rate": (
+        "a.npz", lambda path: np.savez(path, t_s=TIMES, **PAIR, fs=17.0), 1e-9, "t=t_s", {},
+    ),
+    "NPZ with dates": (
+        "a.npz", lambda path: np.savez(path, time=DATES, **PAIR), 1e-9, "t=time", {},
+    ),
+    "NPZ with fields": ("a.npz", write_fields, 1e-5, "x=record.x_um", {}),
+    "MATLAB, nested": (
+        "a.mat", lambda path: savemat(path, {"rec": {"pump": NESTED, "speed_rpm": RPM}}), 1e-9,
+        "x=rec.pump.probes.A_um", {},
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", WRITTEN)
+def test_what_was_written_comes_back_with_units_names_and_turns(kind: str, tmp_path: Path) -> None:
+    name, write, to, columns, options = WRITTEN[kind]
+    write(tmp_path / name)
+    found = read_signals(tmp_path / name, probe_angles=PROBES, **options)  # type: ignore[arg-type]
+    check(found, to=to, unit="mm" if "units in its names" in kind else "um")
+    assert columns in found.attrs["columns"]
+    assert found.attrs["file"] == name
+    assert (KEYED in found.attrs["columns"]) == ("keyphasor" in found)
+    assert (SPEEDED in found.attrs["columns"]) == ("angle" in found)
+    if "keyphasor" in found:
+        check_pulses(found)
+    if "angle" in found:
+        np.testing.assert_allclose(found.angle, TURN, rtol=0, atol=1e-8)
+    told = "times follow from the 2000 samples a second in fs" in found.attrs.get("notes", "")
+    assert told == ("and no times" in kind)
+
+
+def cut(size: float) -> Callable[[bytes], bytes]:
+    """Return what leaves so many bytes of a file, or a part below 1, or all but as many."""
+    return lambda whole: whole[: int(size * len(whole)) if 0.0 < size < 1.0 else int(size)]
+
+
+def replaced(old: bytes, new: bytes) -> Callable[[bytes], bytes]:
+    return lambda whole: whole.replace(old, new)
+
+
+def zeroed(at: int, count: int) -> Callable[[bytes], bytes]:
+    return lambda whole: whole[:at] + bytes(count) + whole[at + count :]
+
+
+def of_class(kind: int) -> Callable[[bytes], bytes]:
+    """Return what gives the first array of a MATLAB file another class than double."""
+    return lambda whole: whole[: 128 + 8 + 8] + bytes([kind]) + whole[128 + 8 + 9 :]
+
+
+def nonsense(_whole: bytes) -> bytes:
+    return b"nonsense" * 100
+
+
+def binary_comtrade(path: Path) -> None:
+    write_comtrade(path, kind="BINARY")
+
+
+def write_mat(path: Path) -> None:
+    savemat(path, {"t": TIMES, "x": A, "y": B})
+
+
+WAV = "must be a WAV file"
+Damage = Callable[[bytes], bytes]
+DAMAGED: tuple[tuple[str, Callable[[Path], object], Damage, str], ...] = (
+    *(
+        ("a.uff", lambda path, binary=binary: write_uff(path, binary=binary), cut(part),
+         "must be a universal file (UFF)")
+        for binary in (0, 1) for part in (0.2, 0.5, 0.9)
+    ),
+    ("a.tdms", write_tdms, cut(10), "must contain channels"),
+    ("a.tdms", write_tdms, cut(300), "must contain channels"),
+    ("a.tdms", write_tdms, cut(0.5), "got one that ends early"),
+    ("a.tdms", write_tdms, nonsense, "must be a TDMS file"),
+    ("a.lvm", lambda path: path.write_text("LabVIEW Measurement\t\nSeparator\tTab\n"), bytes,
+     "must have a header that ends in ***End_of_Header***"),
+    ("a.lvm", lambda path: path.write_text(LVM_HEAD.format(point=".", columns="One")), bytes,
+     "must contain a segment with the line X_Value, got none"),
+    ("a.lvm", lambda path: write_lvm(path, columns="One"), replaced(b"\n0.011000", b"\n?"),
+     "must contain finite numbers, got nan in line 41"),
+    ("a.cff", write_combined, cut(-100),
+     "must contain the 4000 samples that 'a.cff' declares, got 3993"),
+    ("a.cff", write_combined, cut(200),
+     "must have the sections CFG and DAT of a COMTRADE record, got ['CFG']"),
+    # the library would make room for them first
+    ("a.cfg", binary_comtrade, replaced(b"4,3A,1D", b"2000000001,2000000000A,1D"),
+     "declares more channels than there are lines"),
+    *(
+        ("a.cfg", lambda path, kind=kind: write_comtrade(path, kind=kind, size=10**12), bytes,
+         "must contain the 1000000000000 samples that 'a.cfg' declares, got 4000")
+        for kind in ("ASCII", "BINARY")
+    ),
+    ("a.cfg", binary_comtrade, nonsense, "must be a COMTRADE record"),
+    ("a.cfg", lambda path: (binary_comtrade(path), path.with_suffix(".dat").unlink()), bytes,
+     "must have the .dat of its COMTRADE record with it"),
+    ("a.h5", lambda path: write_hdf5(path.parent, IN_GROUPS), cut(0.5),
+     "must be an HDF5 file that can be read"),
+    ("a.h5", lambda path: path.touch(), nonsense, "must be an HDF5 file that can be read"),
+    # SciPy looks such a class up past the end of its table, and may end the process
+    *(("a.mat", write_mat, of_class(kind), "of another type") for kind in (0, 18, 200, 255)),
+    *(("a.mat", write_mat, cut(size), "a.mat") for size in (100, 200, 0.5, -10)),
+    ("a.npz", lambda path: np.savez(path, x=A), cut(0.5), "must be an .npz file"),
+    ("a.npz", lambda path: np.savez(path, x=A), replaced(b"(4000,)", b"(9999,)"),
+     "declares the shape (9999,), but is shorter"),
+    ("a.wav", write_wav, zeroed(24, 8), "it has 8000 samples and 0 a second"),
+    ("a.wav", write_wav, zeroed(40, 4), "it has 0 samples and 2000 a second"),
+    *(("a.wav", write_wav, zeroed(at, size), WAV) for at, size in ((22, 2), (32, 2), (4, 4))),
+    *(
+        ("a.wav", write_wav, cut(size), f"{WAV}: Reached EOF prematurely")
+        for size in (100, 4000, 16_040)
+    ),
+    ("a.wav", write_wav, cut(30), WAV),
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("case", range(len(DAMAGED)))
+def test_a_damaged_file_is_refused_in_one_line(
+    case: int, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    name, write, damage, told = DAMAGED[case]
+    path = tmp_path / name
+    write(path)
+    path.write_bytes(damage(path.read_bytes()))
+    columns = {"a.wav": {"x": "1", "y": "2"}, "a.mat": {"t": "t"}}.get(name)
+    assert told in refused(path, columns=columns)
+    assert capfd.readouterr() == ("", "")
+
+
+HOSTILE = {
+    "a link to a file": ("f['x'] = h5py.ExternalLink('all.npz', '/t')", "got '/x', which is a lin"),
+    "a link in a group": (
+        "f.create_group('g/h')['x'] = h5py.SoftLink('/t')", "got '/g/h/x', which is a link",
+    ),
+    "data in a file": (
+        "f.create_dataset('x', (9,), 'f8', external=[('all.npz', 0, 72)])",
+        "got '/x', whose data are in another file",
+    ),
+    "groups in a circle": ("f.create_group('a')['up'] = f", "nested over 32"),
+    "groups in many circles": (
+        "g = f.create_group('a'); g['b'] = f; g['c'] = f; f['d'] = g",
+        "got more than 20000 parts, or one of them nested over 32",
+    ),
+    "terabytes": (
+        "f.create_dataset('x', shape=(10**13,), dtype='f8', chunks=(1000,))",
+        "must declare at most",
+    ),
+}  # fmt: skip
+
+
+@pytest.fixture(scope="session")
+def hostile(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return a folder with each of these as HDF5 and as MATLAB's, written by one process."""
+    folder = tmp_path_factory.mktemp("hostile")
+    write_hdf5(folder, "\n".join(
+        f"with h5py.File('{kind}{ending}', 'w', userblock_size={user}) as f:\n    {line}"
+        for kind, (line, _) in HOSTILE.items() for ending, user in ((".h5", 0), (".mat", 512))
+    ))  # fmt: skip
+    head = b"MATLAB 7.3 MAT-file, Platform: GLNXA64".ljust(116) + bytes(8) + b"\x00\x02IM"
+    for path in folder.glob("*.mat"):
+        path.write_bytes(head.ljust(512, b"\0") + path.read_bytes()[512:])
+    return folder
+
+
+@pytest.mark.parametrize("kind", HOSTILE)
+@pytest.mark.parametrize("ending", [".h5", ".mat"])
+def test_hostile_hdf5_is_refused_before_it_is_read(kind: str, ending: str, hostile: Path) -> None:
+    assert HOSTILE[kind][1] in refused(hostile / f"{kind}{ending}")

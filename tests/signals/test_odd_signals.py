@@ -61,8 +61,10 @@ ODD: dict[str, Callable[[np.ndarray], np.ndarray]] = {
         f"{number} at {place}": lambda values, number=number, place=place: np.where(
             np.arange(values.size) == place % values.size, number, values
         )
-        for number in (np.nan, np.inf, -np.inf, 1e308, -1e308)
-        for place in (0, 7, -1)
+        for number, place in (
+            *((np.nan, 0), (np.nan, 7), (np.nan, -1)),
+            *((np.inf, 7), (-np.inf, -1), (1e308, 0), (-1e308, 7)),
+        )
     },
     "nan everywhere": lambda values: np.nan * values,
     "text": lambda values: values.astype(str),

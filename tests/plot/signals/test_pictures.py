@@ -41,6 +41,7 @@ from rotor_ida.plot import (
 )
 from rotor_ida.plot.signals.cascades import COLOURS
 from rotor_ida.schema import flags_of, labelled_dataset
+from tests.plot.pictures import check_nothing_cut_off, line_of, words_of
 
 REST = (0.0, 0.0, 0.0, 0.0)
 EVERY = (
@@ -95,14 +96,6 @@ def whirl(forward=1.0, backward=0.0, speed=2.0, noise=0.0, lag=0.0, time="1", le
     return found
 
 
-def line_of(ax, label):
-    return next(line for line in ax.get_lines() if line.get_label() == label)
-
-
-def legend_of(ax):
-    return [text.get_text() for text in ax.get_legend().get_texts()]
-
-
 def figure_of(drawn):
     return (drawn[0] if isinstance(drawn, list) else drawn).figure
 
@@ -116,9 +109,7 @@ def test_runs_and_signals_give_the_same_picture(draw, up, tmp_path):
         assert here.get_xlabel() == there.get_xlabel()
         np.testing.assert_allclose(here.get_xlim(), there.get_xlim(), rtol=0.02, atol=0.05)
     assert all(path.stat().st_size > 5000 for path in save_figure(seen, tmp_path / "drawn"))
-    box = seen.get_tightbbox()
-    assert min(box.x0, box.y0) >= -0.02
-    assert (np.array([box.x1, box.y1]) <= seen.get_size_inches() + 0.02).all()
+    check_nothing_cut_off(seen)
 
 
 def test_bode_shows_amplitude_and_lag_of_a_known_whirl():
@@ -144,7 +135,7 @@ def half(tmp_path_factory):
 @pytest.mark.parametrize("fit", [{}, {"orders": [0.5]}, {"revolutions": 6}])
 def test_a_steady_half_order_moves_neither_1x_nor_the_mean(half, fit):
     upper, _ = plot_bode(half, **fit).axes
-    assert legend_of(upper) == ["1X forward"]
+    assert words_of(upper) == ["1X forward"]
     line, polar = line_of(upper, "1X forward"), line_of(plot_polar(half, **fit), "1X forward")
     for each in (line, polar):
         np.testing.assert_allclose(each.get_ydata(), 20.0, atol=0.3)
@@ -156,7 +147,7 @@ def test_a_steady_half_order_moves_neither_1x_nor_the_mean(half, fit):
 
 def test_errors_that_are_not_small_are_a_band(half):
     upper, lower = plot_bode(half, revolutions=1).axes
-    assert legend_of(upper) == ["1X forward", "two standard errors"]
+    assert words_of(upper) == ["1X forward", "two standard errors"]
     for ax, truth in ((upper, 20.0), (lower, None)):
         (band,) = ax.collections
         low, high = band.get_paths()[0].get_extents().intervaly
@@ -165,7 +156,7 @@ def test_errors_that_are_not_small_are_a_band(half):
 
 def test_bode_lies_on_the_exact_curve_below_the_jump(up, exact):
     upper, lower = plot_bode(up, beneath=[exact, folds(zeta=0.07, delta0=0.5)]).axes
-    assert legend_of(upper) == ["stable whirl", "unstable whirl", "fold", "1X forward"]
+    assert words_of(upper) == ["stable whirl", "unstable whirl", "fold", "1X forward"]
     measured, stable = line_of(upper, "1X forward"), line_of(upper, "stable whirl")
     below = (measured.get_xdata() > 0.6) & (measured.get_xdata() < 1.3)
     on_curve = stable.get_xdata() < 1.34
@@ -224,7 +215,7 @@ def test_stable_and_unstable_whirls_and_hopf_points_are_told_apart(up):
     marks = [line for line in upper.get_lines() if line.get_marker() == "s"]
     assert sorted(line.get_markerfacecolor() for line in marks) == ["#1a1a1a", "white"]
     # the Hopf point is at 7.4, beyond the picture
-    assert legend_of(upper) == ["exact whirl", "1X forward"]
+    assert words_of(upper) == ["exact whirl", "1X forward"]
 
 
 def test_up_and_down_are_told_apart():
@@ -233,7 +224,7 @@ def test_up_and_down_are_told_apart():
         speeds=[(0, 0.3), (200, 2.0), (400, 0.3)], samples=8001,
     )  # fmt: skip
     upper, _ = plot_bode(there_and_back).axes
-    assert legend_of(upper) == ["1X forward: speed going up", "1X forward: speed going down"]
+    assert words_of(upper) == ["1X forward: speed going up", "1X forward: speed going down"]
     assert plot_cascade(there_and_back).get_ylabel() == "time $t$"
     assert plot_cascade(there_and_back, over="speed").get_ylabel() == r"spin speed $\omega$"
 
@@ -250,7 +241,7 @@ def test_polar_angle_is_the_lag_clockwise(up, exact):
     # at lower speeds marks lie closer to each other than a number is wide
     assert min(told) == 1.0
     assert {1.0, 1.6, 2.0} <= told
-    assert "stable whirl" in legend_of(marked)
+    assert "stable whirl" in words_of(marked)
 
 
 def test_speed_marks_lie_on_the_way(up):
@@ -265,7 +256,7 @@ def test_speed_marks_lie_on_the_way(up):
 
 def test_orders_have_a_line_for_each_sense(up):
     ax = plot_orders(up, orders=[1, 0.5, 2], logarithmic=True)
-    assert legend_of(ax)[:2] == ["1X forward", "1X backward"]
+    assert words_of(ax)[:2] == ["1X forward", "1X backward"]
     assert ax.get_yscale() == "log"
     looks = {
         (line.get_linestyle(), str(line._dash_pattern), line.get_marker())
@@ -286,7 +277,7 @@ def test_speeds_are_in_rpm_and_frequencies_in_hertz():
     forward = line_of(ax, "forward")
     highest = forward.get_xdata()[np.argmax(forward.get_ydata())]
     assert highest == pytest.approx(1.0, abs=0.01)
-    assert any(label.endswith("Hz") for label in legend_of(ax))
+    assert any(label.endswith("Hz") for label in words_of(ax))
     assert plot_spectrogram(seen).get_xlabel() == "frequency [Hz]"
 
 
@@ -400,7 +391,7 @@ def test_dry_whip_is_marked_at_its_speed_backwards():
     whirls = backward_whirl(rotor)
     run = simulate(rotor, start=(0.5, 0, 0, 0), duration=100.0, samples=2001)
     ax = plot_full_spectrum(run, beneath=whirls)
-    assert {"exact dry whip", "exact slipping whirl"} <= set(legend_of(ax))
+    assert {"exact dry whip", "exact slipping whirl"} <= set(words_of(ax))
     mark = line_of(ax, "exact dry whip")
     assert mark.get_xdata()[0] == whirls.whirl_speed[1].item()
     orbit = plot_orbit(signals_of(run), beneath=whirls)
@@ -413,7 +404,7 @@ def test_an_exact_orbit_far_outside_is_named_and_leaves_the_axes_to_the_motion(b
     part, far = signals_of(bouncing.sel(t=slice(0, 40))), cycle.copy(deep=True)
     far["x"], far["y"] = 40.0 * far["x"], 40.0 * far["y"]
     ax = plot_orbit(part, beneath=far)
-    (words,) = [text for text in legend_of(ax) if text.startswith("exact cycle, outside")]
+    (words,) = [text for text in words_of(ax) if text.startswith("exact cycle, outside")]
     radius = float(np.hypot(far.x, far.y).max())
     assert float(words.partition("radius $")[2].removesuffix("$")) == pytest.approx(
         radius, rel=5e-3
@@ -454,15 +445,15 @@ def test_under_a_run_up_whirls_may_be_of_several_speeds(up):
 
 def test_runs_have_dots_only_when_asked(up):
     part = up.sel(t=slice(0, 100))
-    assert "pulse of the keyphasor" not in legend_of(plot_orbit(part))
-    assert "pulse of the keyphasor" in legend_of(plot_orbit(part, keyphasor=True))
+    assert "pulse of the keyphasor" not in words_of(plot_orbit(part))
+    assert "pulse of the keyphasor" in words_of(plot_orbit(part, keyphasor=True))
 
 
 def test_the_orbit_of_a_part_has_the_events_and_contacts_of_that_part(bouncing):
     """What came before neither is drawn nor turns contact into flight."""
     late = bouncing.sel(t=slice(300.0, 310.0))
     ax = plot_orbit(late)
-    assert "entry" in legend_of(ax)
+    assert "entry" in words_of(ax)
     inside = (bouncing.event_time >= 300.0) & (bouncing.event_time <= 310.0)
     entries = line_of(ax, "entry").get_xdata()
     assert entries.size == int((inside & (bouncing.event_kind == 1)).sum())
@@ -476,7 +467,7 @@ def test_noise_of_the_keyphasor_is_no_change_of_direction():
     speeds = np.linspace(1.0, 4.0, 300) * (1.0 + 0.04 * rng.normal(size=300))
     tracks = orders(whirl()).isel(window=np.zeros(300, dtype=int)).drop_vars("window")
     upper, _ = plot_bode(tracks.assign_coords(speed=("window", speeds))).axes
-    assert legend_of(upper) == ["1X forward"]
+    assert words_of(upper) == ["1X forward"]
 
 
 def test_pulses_measured_as_such_are_where_the_dots_are():
