@@ -1,0 +1,158 @@
+"""Sections and bifurcation diagrams on the command line: of one disc, a machine, and a file."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import rotor_ida
+from rotor_ida import DimensionalRotor, Rotor
+
+Program = Callable[..., Any]
+FILE = """
+speed = 1.1
+units = "1"
+[system]
+mass = [1, 1, 2, 2]
+stiffness = [[2, 0, -1, 0], [0, 2, 0, -1], [-1, 0, 2, 0], [0, -1, 0, 2]]
+damping = [[0.2, 0, -0.1, 0], [0, 0.2, 0, -0.1], [-0.1, 0, 0.2, 0], [0, -0.1, 0, 0.2]]
+nodes = { one = [0, 1], two = [2, 3] }
+[[contacts]]
+node = "one"
+clearance = 3.0
+stiffness = 3.0
+[[contacts]]
+node = "two"
+clearance = 0.4
+stiffness = 3.0
+[[unbalance]]
+node = "one"
+moment = 0.4
+"""
+
+
+@pytest.fixture
+def rotor(program: Program) -> str:
+    """Return a system file in the folder of the program."""
+    Path("rotor.toml").write_text(FILE)
+    return "rotor.toml"
+
+
+def test_a_section_of_one_disc_is_that_of_the_library(program: Program):
+    line = "poincare-section --omega 2 --zeta 0.07 --delta0 2 --revolutions 6 --skip 3 --at entry"
+    answer = program(*line.split(), "--method", "taylor", "--out", "section.nc", "--figure", "fig")
+    assert (answer.status, answer.err) == (0, "")
+    assert "Crossings" in answer.out
+    disc = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+    same = rotor_ida.poincare_section(
+        disc, start="rest", revolutions=6, skip=3, at="entry", method="taylor"
+    )
+    assert rotor_ida.load("section.nc").equals(same)
+    assert Path("fig.png").exists()
+    assert program("verify", "section.nc").status == 0
+    record = json.loads(program("show", "section.nc", "--json").out)
+    assert record["kind"] == "section"
+    assert [row["rotating_x"] for row in record["crossings"]] == same.rotating_x.values.tolist()
+
+
+def test_a_section_of_a_machine_is_in_si_units(program: Program):
+    line = ("section --mass 4kg --contact-stiffness 1e9 --damping 280 --eccentricity 1um "
+            "--clearance 2um --speed 1000 --revolutions 4 --at peak --out section.nc")  # fmt: skip
+    assert program(*line.split()).status == 0
+    machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6,
+                               clearance=2e-6, speed=1000.0)  # fmt: skip
+    same = rotor_ida.poincare_section(machine, start="rest", revolutions=4, at="peak")
+    found = rotor_ida.load("section.nc")
+    assert found.equals(same)
+    assert found.rotating_x.attrs["units"] == "m"
+
+
+@pytest.mark.parametrize(("contact", "number"), [("two", 1), ("1", 1), ("one", 0)])
+def test_a_section_of_a_file_is_that_of_python_at_a_contact(
+    program: Program, rotor: str, contact: str, number: int
+):
+    words = ("--revolutions", 10, "--at", "peak", "--contact", contact, "--out", "section.nc")
+    answer = program("poincare-section", rotor, *words)
+    assert (answer.status, answer.err) == (0, "")
+    system = rotor_ida.load_system(rotor)
+    same = rotor_ida.poincare_section(system, speed=1.1, revolutions=10, at="peak", contact=number)
+    found = rotor_ida.load("section.nc")
+    assert found.equals(same)
+    assert found.sizes["crossing"] > 3
+    assert json.loads(program("verify", "section.nc", "--json").out)["agrees"]
+    shown = json.loads(program("show", "section.nc", "--json").out)
+    assert {row["node"] for row in shown["crossings"]} == {"one", "two"}
+    assert program("plot", "section.nc", "--node", "one", "--figure", "one").status == 0
+    assert program("plot", "section.nc", "--kind", "section", "--figure", "both").status == 0
+    assert program("show", "section.nc", "--figure", "all").status == 0
+    wrong = program("plot", "section.nc", "--node", "three", "--figure", "none")
+    assert (wrong.status, wrong.err.count("\n")) == (2, 1)
+    assert "node must be one of 'one', 'two', got 'three'" in wrong.err
+    wrong = program("plot", "section.nc", "--kind", "section", "--times", 0, 1, "--figure", "none")
+    assert "times must be left out with --kind section" in wrong.err
+    assert not Path("none.png").exists()
+
+
+@pytest.mark.parametrize("at", ["extrema", "revolution"])
+def test_a_diagram_of_a_file_is_that_of_python_and_a_study(program: Program, rotor: str, at: str):
+    words = ("--speed", 1.0, 1.1, "--friction", 0.0, "--at", at, "--revolutions", 4)
+    more = ("--direction", "up", "--workers", 1, "--study", "study", "--out", "diagram.nc")
+    answer = program("bifurcation-diagram", rotor, *words, *more, "--figure", "fig")
+    assert (answer.status, answer.err) == (0, "")
+    assert answer.out.startswith("Responses by kind")
+    same = rotor_ida.bifurcation_diagram(
+        rotor_ida.load_system(rotor), speed=[1.0, 1.1], friction=0.0, at=at, revolutions=4,
+        direction="up",
+    )  # fmt: skip
+    assert rotor_ida.load("diagram.nc").equals(same)
+    assert program("resume", "study", "--out", "again.nc").status == 0
+    assert rotor_ida.load("again.nc").equals(same)
+    assert json.loads(program("verify", "diagram.nc", "--json").out)["agrees"]
+    for options in (["--node", "two"], ["--kind", "diagram"]):
+        assert program("plot", "diagram.nc", *options, "--figure", "at", "--force").status == 0
+
+
+def test_a_stroboscopic_diagram_of_one_disc_is_that_of_the_library(program: Program):
+    line = ("diagram --omega 1.2 2 --zeta 0.07 --delta0 2 --start 0 0 0 0 --at revolution "
+            "--revolutions 5 --phase 0.5 --out diagram.nc --figure fig --csv t.csv")  # fmt: skip
+    answer = program(*line.split())
+    assert (answer.status, answer.err) == (0, "")
+    same = rotor_ida.bifurcation_diagram(
+        omega=[1.2, 2.0], zeta=0.07, delta0=2.0, starts=[(0, 0, 0, 0)], at="revolution",
+        revolutions=5, phase=0.5,
+    )  # fmt: skip
+    found = rotor_ida.load("diagram.nc")
+    np.testing.assert_array_equal(found.rotating_y, same.rotating_y)
+    assert program("verify", "diagram.nc").status == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        ("poincare-section rotor.toml --revolutions 3 --at entry", "contact must be given for a"),
+        ("poincare-section rotor.toml --revolutions 3 --delta0 1", "delta0 must be left out with"),
+        ("poincare-section rotor.toml --revolutions 3 --atol 1e-9", "atol must be left out with"),
+        ("poincare-section rotor.toml --revolutions 3 --start 0 0 0 0", "start must be settled or"),
+        ("poincare-section --omega 2 --zeta 0.1 --delta0 1 --revolutions 3 --contact 0",
+         "contact must be of a rotor system, got no system file"),
+        ("bifurcation-diagram rotor.toml", "speed must be given with --speed for a diagram of a"),
+        ("bifurcation-diagram rotor.toml --speed 1 --starts 4", "starts must be left out with a"),
+        ("bifurcation-diagram rotor.toml --speed 1 --x 1", "x must be left out with a rotor"),
+        ("bifurcation-diagram rotor.toml --speed 1 --seed 1", "seed must be left out with a rotor"),
+        ("bifurcation-diagram rotor.toml --speed 1 --method bdf", "method must be taylor for a"),
+        ("bifurcation-diagram --omega 1 --zeta 0.1 --delta0 1 --unbalance 2",
+         "unbalance must be of a rotor system, got no system file"),
+    ],
+)  # fmt: skip
+def test_what_does_not_go_together_is_refused_in_one_line(
+    program: Program, rotor: str, words: str, message: str
+):
+    answer = program(*words.split())
+    assert rotor == "rotor.toml"
+    assert (answer.status, answer.out, answer.err.count("\n")) == (2, "", 1)
+    assert message in answer.err

@@ -1,0 +1,141 @@
+"""Pictures of sections and bifurcation diagrams of rotor systems, at one node or at all."""
+
+import math
+
+import numpy as np
+import pytest
+
+from rotor_ida import Contact, InputError, Rotor, bifurcation_diagram, plot, poincare_section
+from rotor_ida.plot.figures import figure_of
+from rotor_ida.units import SPEED_UNITS
+from tests.plot.test_system_sweeps import two_discs
+
+SPEEDS = [0.9, 1.1, 1.5]
+DISC = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+REST = (0.0, 0.0, 0.0, 0.0)
+
+
+def found(at, **more):
+    system, around = two_discs()
+    return bifurcation_diagram(system, **around, speed=SPEEDS, at=at, revolutions=6, **more)
+
+
+def drawn(ax):
+    """Return the points that are drawn, of all lines without a label of a ring."""
+    return np.concatenate([line.get_xydata() for line in ax.lines if line.get_rasterized()])
+
+
+def test_extrema_at_a_node_are_those_of_the_node():
+    diagram = found("extrema")
+    for number, name in enumerate(("one", "two")):
+        ax = plot.plot_extrema(diagram, node=name)
+        counts = diagram.extremum_count.isel(node=number, start=0)
+        first = diagram.extremum_row.isel(node=number, start=0)
+        expected = [[speed, radius] for speed, row, count in
+                    zip(SPEEDS, first.values, counts.values, strict=True)
+                    for radius in diagram.extremum_radius.values[row : row + count]]  # fmt: skip
+        assert sorted(drawn(ax).tolist()) == sorted(expected)
+        assert ax.get_title() == f"node {name}"
+        assert ax.get_xlabel() == r"spin speed $\Omega$"
+    assert plot.plot_extrema(diagram).get_title() == "node one"  # of the first contact
+    with pytest.raises(InputError, match="node must be one of 'one', 'two', got 'three'"):
+        plot.plot_extrema(diagram, node="three")
+    with pytest.raises(InputError, match="exact must be left out for a rotor system"):
+        plot.plot_extrema(diagram, exact=diagram)
+
+
+@pytest.mark.parametrize("axis", ["x", "y"])
+def test_strobes_at_a_node_are_its_states_by_direction(axis):
+    diagram = found("revolution", direction="both")
+    ax = plot.plot_strobes(diagram, axis=axis, node="two")
+    values = diagram[f"rotating_{axis}"].sel(node="two")
+    across = np.broadcast_to(np.reshape(SPEEDS, (-1, 1, 1, 1)), values.shape)
+    expected = np.stack([across, values.values], axis=-1).reshape(-1, 2)
+    assert sorted(drawn(ax).tolist()) == sorted(expected.tolist())
+    assert set(ax.get_legend_handles_labels()[1]) == {"going up", "going down"}
+    assert ax.get_title() == "node two\nonce a revolution"
+    alone = plot.plot_strobes(diagram.isel(direction=[0]))
+    assert not alone.get_legend_handles_labels()[1]
+    with pytest.raises(InputError, match="axis must be one of 'x', 'y', got 'z'"):
+        plot.plot_strobes(diagram, axis="z")
+
+
+def test_strobes_of_a_disc_and_over_another_parameter():
+    disc = bifurcation_diagram(DISC, zeta=[0.07, 0.1], starts=[REST], at="revolution",
+                               revolutions=5, phase=math.pi / 2)  # fmt: skip
+    ax = plot.plot_strobes(disc)
+    assert ax.get_xlabel() == r"damping ratio $\zeta$"
+    assert ax.get_title().endswith("\nunbalance at 90°")
+    assert set(drawn(ax)[:, 0]) == {0.07, 0.1}
+    assert len(figure_of(disc).axes) == 1
+    system, around = two_discs()
+    given = {"speed": 1.1, "at": "revolution", "revolutions": 3}
+    over = bifurcation_diagram(system, **around, **given, clearance=[2.0, 3.0])
+    ax = plot.plot_strobes(over, node="two")
+    assert ax.get_xlabel() == "largest clearance"
+    assert ax.get_title() == "node two\nspeed 1.1\nonce a revolution"
+    both = bifurcation_diagram(system, **around, **{**given, "speed": [1.0, 1.1]},
+                               clearance=[2.0, 3.0])  # fmt: skip
+    with pytest.raises(InputError, match="found must contain one clearance, got 2"):
+        plot.plot_strobes(both)
+
+
+@pytest.mark.parametrize("at", ["extrema", "revolution"])
+def test_the_figure_has_a_panel_for_each_node_with_a_contact(at):
+    figure = figure_of(found(at))
+    assert [ax.get_title().splitlines()[0] for ax in figure.axes] == ["node one", "node two"]
+    one = found(at, direction="up").isel(node=[1])
+    assert (
+        plot.plot_extrema(one, node="two")
+        if at == "extrema"
+        else plot.plot_strobes(one, node="two")
+    )
+
+
+def test_a_section_shows_the_ring_of_the_node_and_says_what_it_is():
+    system, around = two_discs()
+    given = {"speed": 1.5, "revolutions": 20, "skip": 50}
+    section = poincare_section(system, **around, **given)
+    ax = plot.plot_section(section, node="two")
+    ring = {line.get_label(): line for line in ax.lines}["clearance"]
+    np.testing.assert_allclose(np.hypot(*ring.get_data()), 0.8)
+    assert ax.get_title().startswith("node two,  speed 1.5\nonce a revolution")
+    points = section.sel(node="two")
+    np.testing.assert_array_equal(ax.lines[-1].get_xdata(), points.rotating_x)
+    assert len(figure_of(section).axes) == 2
+    entries = poincare_section(system, **around, **given, at="entry", contact="two")
+    own, other = (plot.plot_section(entries, node=name) for name in ("two", "one"))
+    assert own.get_xlabel().startswith("angle from the unbalance")
+    assert other.get_xlabel().startswith("along the unbalance")
+    assert plot.plot_section(entries).get_title().startswith("node two")  # of that contact
+    angle = own.lines[-1].get_xdata()
+    at_two = entries.sel(node="two")
+    np.testing.assert_allclose(np.exp(1j * angle), (at_two.rotating_x + 1j * at_two.rotating_y)
+                               / 0.8, atol=1e-12)  # fmt: skip
+    with pytest.raises(InputError, match="node must be left out for a result without nodes"):
+        plot.plot_section(poincare_section(DISC, revolutions=3), node="disc")
+
+
+def test_a_stator_aside_has_no_ring_on_turning_axes():
+    system, _ = two_discs()
+    aside = [Contact(node="two", clearance=0.8, stiffness=3.0, centre=(0.1, 0.0))]
+    entries = poincare_section(
+        system, contacts=aside, speed=1.5, revolutions=20, at="entry", start="settled"
+    )
+    ax = plot.plot_section(entries)
+    assert ax.get_xlabel().startswith("along the unbalance")
+    assert "clearance" not in [line.get_label() for line in ax.lines]
+
+
+def test_in_si_units_speeds_are_in_rpm():
+    system = Rotor(omega=1.0, zeta=0.3, delta0=0.5).system()
+    si = type(system)(**{
+        name: getattr(system, name) for name in ("mass", "stiffness", "damping", "nodes",
+                                                 "contacts", "unbalance")
+    })  # fmt: skip
+    diagram = bifurcation_diagram(si, speed=[300.0, 400.0], at="revolution", revolutions=3)
+    ax = plot.plot_strobes(diagram)
+    assert ax.get_xlabel() == "spin speed [rpm]"
+    turns = np.unique(drawn(ax)[:, 0])
+    np.testing.assert_allclose(turns, np.array([300.0, 400.0]) / SPEED_UNITS["rpm"])
+    assert "[" in ax.get_ylabel()
