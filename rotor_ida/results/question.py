@@ -199,15 +199,11 @@ def with_question(
         if question.verb == name_of(verb):
             answer.attrs[QUESTION] = question.text()
         return answer
-    bound = _signature(verb).bind(*given, **options)
-    bound.apply_defaults()
-    first, *_ = bound.arguments
-    arguments: dict[str, Any] = {}
-    for name, each in bound.arguments.items():
-        if _signature(verb).parameters[name].kind is inspect.Parameter.VAR_KEYWORD:
-            arguments |= each
-        elif name not in JOBS:
-            arguments["rotor" if name in {first, "rotor", "system"} else name] = each
+    defaults = _defaults(verb)
+    of_rotor = {next(iter(defaults)), "rotor", "system"}
+    arguments = {"rotor" if name in of_rotor else name: each for name, each in
+                 {**defaults, **dict(zip(defaults, given, strict=False)), **options}.items()
+                 if name not in JOBS}  # fmt: skip
     kept = {name: each for name, each in arguments.items() if each is not None}
     for name, each in arguments.items():
         parts = each if isinstance(each, list | tuple) else [each]
@@ -224,9 +220,9 @@ def with_question(
 
 def _resolved(name: str, answer: xr.Dataset) -> Any:
     """Return the value of an argument by an answer; None if it does not have it."""
-    columns = [f"start_{each}" for each in COMPONENTS]
-    if name == "starts" and all(each in answer.variables for each in columns):
-        states = np.column_stack([answer.variables[each].values for each in columns])
+    if name == "starts" and all(f"start_{each}" in answer.variables for each in COMPONENTS):
+        columns = [answer.variables[f"start_{each}"].values for each in COMPONENTS]
+        states = np.column_stack(columns)
         words = str(answer.attrs.get("start_words", "")).split()
         if not words:
             return states
@@ -244,8 +240,13 @@ def _size(value: Any) -> int:
 
 
 @cache
-def _signature(verb: Callable[..., Any]) -> inspect.Signature:
-    return inspect.signature(verb)
+def _defaults(verb: Callable[..., Any]) -> dict[str, Any]:
+    """Return the names of all arguments, in their order, with their defaults."""
+    return {
+        name: each.default
+        for name, each in inspect.signature(verb).parameters.items()
+        if each.kind is not inspect.Parameter.VAR_KEYWORD
+    }
 
 
 def arguments_from(plain: Mapping[str, Any]) -> dict[str, Any]:

@@ -34,8 +34,6 @@ def system_dataset(
     times: Values,
     problem: Mapping[str, Column],
     told: Mapping[str, object],
-    *,
-    change_speed: bool,
 ) -> xr.Dataset:
     """Return a run of a rotor system as a labelled dataset."""
     system, result = assembly.system, followed.result
@@ -66,7 +64,7 @@ def system_dataset(
     if any(with_race):
         variables["event_race_speed"] = (("event", "contact"), result.event_races)
         variables |= _extremes_of_races(result.races, np.array(with_race))
-    if change_speed:
+    if "speed" not in told:  # it changes
         variables["angle"] = ("t", result.turns[:, 0])
         variables["speed"] = ("t", result.turns[:, 1])
         variables["event_speed"] = ("event", result.event_turns[:, 1])
