@@ -57,10 +57,9 @@ from rotor_ida.simulation.lyapunov import (
 from rotor_ida.simulation.options import check_can_be_followed, check_rtol
 from rotor_ida.simulation.starts import GivenStart, given_start
 from rotor_ida.simulation.starts import Start as DiscStart
-from rotor_ida.simulation.systems.ends import state_at_end
 from rotor_ida.simulation.systems.flow import SystemFlow
 from rotor_ida.simulation.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL
-from rotor_ida.simulation.systems.starts import Start
+from rotor_ida.simulation.systems.starts import Start, state_at_end
 from rotor_ida.steady.each_point import answers_at_each
 from rotor_ida.steady.system_sweep import (
     Turning,

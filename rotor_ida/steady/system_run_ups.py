@@ -33,10 +33,9 @@ from rotor_ida.results.studies.results import Folder
 from rotor_ida.results.system_units import with_system_units
 from rotor_ida.schema import ENDING, labelled
 from rotor_ida.simulation.course import SYSTEM_LIMITS, course_of
-from rotor_ida.simulation.systems.ends import state_at_end
 from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
 from rotor_ida.simulation.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL, run_of_cases
-from rotor_ida.simulation.systems.starts import Start, start_of
+from rotor_ida.simulation.systems.starts import Start, start_of, state_at_end
 from rotor_ida.steady.drop import with_unbalance_at
 from rotor_ida.steady.grid import (
     EXPECTED,

@@ -34,10 +34,9 @@ from rotor_ida.results.question import DESIGN, Question
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.results.system_units import with_system_units
 from rotor_ida.schema import RESPONSE, STATUS, labelled_dataset
-from rotor_ida.simulation.systems.ends import state_at_end
 from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
 from rotor_ida.simulation.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL
-from rotor_ida.simulation.systems.starts import Start, start_of
+from rotor_ida.simulation.systems.starts import Start, start_of, state_at_end
 from rotor_ida.steady.follow import FAILED
 from rotor_ida.steady.grid import Rows, Task, check_size, form_of, labelled_points, run_study
 from rotor_ida.steady.ramps import Direction, RampJob, Ramps, in_order, lost, settle_along

@@ -25,7 +25,6 @@ from rotor_ida.simulation.course import MOST_RADIANS, Course
 from rotor_ida.simulation.event_errors import shifts_of
 from rotor_ida.simulation.sampling import FEWEST, times_of
 from rotor_ida.simulation.systems.dataset import fastest_whirl, system_dataset
-from rotor_ida.simulation.systems.ends import state_at_end
 from rotor_ida.simulation.systems.following import (
     Followed,
     bare,
@@ -137,7 +136,7 @@ def _prepared(
     """Return what is to be followed, if that does not take too long."""
     assembly = assemble(system)
     found, fastest = canonical(assembly), course.largest_speed
-    begun = start_of(assembly, state_at_end(assembly, start), course.speed)
+    begun = start_of(assembly, start, course.speed)
     request = request_of(
         assembly, found, course.profile, np.array([found.to_y(each) for each in begun]), times,
         course.end, rtol=rtol, speed=course.speed, fastest_speed=fastest,
