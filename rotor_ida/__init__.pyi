@@ -61,9 +61,9 @@ from .signals.spectra import full_spectrum as full_spectrum
 from .signals.spectra import spectrogram as spectrogram
 from .signals.spectra import spectrum as spectrum
 from .simulation.contact_table import contact_summary as contact_summary
-from .simulation.dispatch import run_up as run_up
-from .simulation.dispatch import simulate as simulate
+from .simulation.run_up import run_up as run_up
 from .simulation.sections import poincare_section as poincare_section
+from .simulation.simulate import simulate as simulate
 from .steady.bifurcation_diagram import bifurcation_diagram as bifurcation_diagram
 from .steady.drop import drop as drop
 from .steady.drop_ensemble import drop_ensemble as drop_ensemble

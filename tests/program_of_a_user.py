@@ -16,7 +16,7 @@ def program() -> None:
     assert_events_close(run, load("run.nc"), atol=cusp_zeta(0.0))
     system = rotor.system()
     simulate(system, speed=2.0, duration=20.0, contacts=[], gravity=(0.0, -1.0))
-    simulate(system, speed=2.0, duration=20.0, contcts=[])  # type: ignore[call-overload]
+    simulate(system, speed=2.0, duration=20.0, contcts=[])  # type: ignore[call-arg]
     special_speeds(system, limits=(1.0, 2.0), unbalance=3)  # type: ignore[arg-type]
-    simulate(rotor, start=(0, 0, 0, 0), duration="long")  # type: ignore[call-overload]
-    simulate(rotor, start=(0, 0, 0, 0), duration=1.0, method="euler")  # type: ignore[call-overload]
+    simulate(rotor, start=(0, 0, 0, 0), duration="long")  # type: ignore[arg-type]
+    simulate(rotor, start=(0, 0, 0, 0), duration=1.0, method="euler")  # type: ignore[arg-type]

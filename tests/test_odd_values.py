@@ -32,7 +32,6 @@ from rotor_ida.cycles.limit_cycle import limit_cycle_system
 from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.model.rotor_system import SystemParameters
 from rotor_ida.model.system_parameters import SystemAxes
-from rotor_ida.simulation.systems.simulate import run_up_system, simulate_system
 from tests.kinds import KINDS
 
 LONGEST_MESSAGE = 300
@@ -373,7 +372,7 @@ GIVEN |= {
 }  # fmt: skip
 # Functions of one disc and of rotor systems have a second entry, with a system.
 OF_SYSTEMS = {
-    "simulate_system": simulate_system, "run_up_system": run_up_system,
+    "simulate_system": rotor_ida.simulate, "run_up_system": rotor_ida.run_up,
     "sweep_system": rotor_ida.sweep, "run_ups_system": rotor_ida.run_ups,
     "lyapunov_exponent_system": rotor_ida.lyapunov_exponent,
     "limit_cycle_system": limit_cycle_system, "continue_cycle_system": rotor_ida.continue_cycle,

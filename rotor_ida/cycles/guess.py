@@ -24,8 +24,8 @@ from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.schema import RESULT_KIND, SPECIAL, by_number, check_as_computed
 from rotor_ida.simulation.flow import DiscFlow, Flow
 from rotor_ida.simulation.starts import state_of
-from rotor_ida.simulation.systems.ends import RUNS
 from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
+from rotor_ida.simulation.systems.starts import RUNS
 from rotor_ida.steady.system_sweep import check_slowest, first_state
 
 # What a special point says of the parameters that vary.

@@ -42,7 +42,8 @@ from rotor_ida.results.system_file import Course, read_system_file
 from rotor_ida.schema import SPECIAL, STABILITY
 from rotor_ida.signals.nodes import at_node
 from rotor_ida.signals.record import record_of
-from rotor_ida.simulation.systems.simulate import run_up_system, simulate_system
+from rotor_ida.simulation.run_up import run_up
+from rotor_ida.simulation.simulate import simulate
 from rotor_ida.steady.drop import drop
 from rotor_ida.texts import brief, in_python
 from rotor_ida.units import written
@@ -162,8 +163,8 @@ def _computed(question: SystemQuestion, _changed: int) -> xr.Dataset:
     assert case.course is not None
     if case.drops:
         return drop(case.system, **case.course.drop | {"speed": case.speed})
-    return simulate_system(case.system, **case.course.motion, speed=case.speed,
-                           duration=_duration(case, question.revolutions))  # fmt: skip
+    return simulate(case.system, **case.course.motion, speed=case.speed,
+                    duration=_duration(case, question.revolutions))  # fmt: skip
 
 
 def _duration(case: Case, revolutions: int) -> float:
@@ -399,7 +400,7 @@ def _run_up(question: SystemQuestion, _changed: int) -> xr.Dataset:
     if not change.keys() - {"speed"}:  # the file has no run-up
         time = 2.0 * math.pi * TURNS / (0.5 * (LOW + HIGH) * case.speed)
         change = {"speed": LOW * case.speed, "to": HIGH * case.speed, "ramp_time": time}
-    return run_up_system(case.system, **case.course.motion, **change)
+    return run_up(case.system, **case.course.motion, **change)
 
 
 def lines_of(question: SystemQuestion) -> str:

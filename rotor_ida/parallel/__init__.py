@@ -6,7 +6,7 @@ their number. If a job fails or the user interrupts, the rest are cancelled at o
 
 from rotor_ida.arrays import Stop
 from rotor_ida.parallel.executors import Workers, choose, count_workers, run_all
-from rotor_ida.parallel.interruptible import interruptible, percentage
+from rotor_ida.parallel.interruptible import interruptible, percentage, run_with_progress
 from rotor_ida.parallel.jobs import FailedJob, Progress, shows_progress
 
 __all__ = [
@@ -19,5 +19,6 @@ __all__ = [
     "interruptible",
     "percentage",
     "run_all",
+    "run_with_progress",
     "shows_progress",
 ]

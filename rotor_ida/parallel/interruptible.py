@@ -28,6 +28,34 @@ def percentage(progress: Progress | None, watch: Watch, whole: float) -> Callabl
     return lambda: progress(min(int(100.0 * sum(done() for done in watch) / whole), 100), 100)
 
 
+def run_with_progress(
+    work: Callable[[Stop, Watch], Result],
+    whole: float,
+    progress: Progress | None,
+    *,
+    at_once: bool = False,
+) -> Result:
+    """Return the result of work that follows runs, and report the percentage of their whole time.
+
+    It is `interruptible`, unless it is done `at_once`.
+
+    Examples
+    --------
+    >>> run_with_progress(lambda stop, watch: len(watch), 1.0, lambda *told: print(*told))
+    100 100
+    0
+    """
+    watch: Watch = []
+    if at_once:
+        found = work(np.zeros(1, np.uint8), watch)
+    else:
+        told = percentage(progress, watch, whole)
+        found = interruptible(lambda stop: work(stop, watch), told=told)
+    if progress is not None:
+        progress(100, 100)
+    return found
+
+
 def interruptible(
     work: Callable[[Stop], Result], *, told: Callable[[], None] | None = None
 ) -> Result:

@@ -125,12 +125,12 @@ def problem_of(run: xr.Dataset) -> tuple[RotorSystem, list[Any]]:
 
     Examples
     --------
-    >>> from rotor_ida.simulation.systems.simulate import simulate_system
+    >>> from rotor_ida import simulate
     >>> system = RotorSystem(mass=np.eye(2), stiffness=np.eye(2), nodes={"disc": (0, 1)},
     ...                      unbalance=[Unbalance(node="disc", moment=1.0)], units="1")
-    >>> run = simulate_system(system, speed=0.9, duration=20.0, samples=3)
+    >>> run = simulate(system, speed=0.9, duration=20.0, samples=3)
     >>> again, (start,) = problem_of(run)
-    >>> simulate_system(again, start=start, speed=0.9, duration=20.0, samples=3).equals(run)
+    >>> simulate(again, start=start, speed=0.9, duration=20.0, samples=3).equals(run)
     True
     """
     if DESIGN in run.attrs:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import wraps
 from inspect import Parameter, signature
@@ -13,11 +13,17 @@ from typing import Any, Concatenate, ParamSpec, TypeVar, cast
 import numpy as np
 import xarray as xr
 
-from rotor_ida.checks import check_array, did_you_mean, shown
+from rotor_ida.checks import check_array, did_you_mean, listed, shown
 from rotor_ida.errors import Amount, InputError, RotorError, SimulationError
 from rotor_ida.model.parameters import OF_MACHINE
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
-from rotor_ida.model.rotor_system import KINDS, RotorSystem, name_of, refuse_first
+from rotor_ida.model.rotor_system import (
+    KINDS,
+    RotorSystem,
+    SystemParameters,
+    name_of,
+    refuse_first,
+)
 from rotor_ida.model.scales import (
     BECOMES,
     IS_OF_MACHINE,
@@ -46,27 +52,80 @@ Verb = TypeVar("Verb", bound=Callable[..., xr.Dataset])
 Failure = TypeVar("Failure", bound=RotorError)
 
 
+def takes_rotors(*, disc: Mapping[str, Any], system: Mapping[str, Any]) -> Callable[[Verb], Verb]:
+    """Return a decorator of a function of a `Rotor` or a `RotorSystem`.
+
+    The function takes a `DimensionalRotor` too, as `takes_si` has it, and in errors about a system
+    numbers have its units.
+
+    Parameters
+    ----------
+    disc, system : mapping
+        The arguments that only one disc, or only a rotor system, takes, and those with a default of
+        their own, with their defaults: ``...`` where there is none.
+    """
+    alien = {"one disc": {*system, *SystemParameters.__annotations__} - disc.keys(),
+             "a rotor system": disc.keys() - system.keys()}  # fmt: skip
+
+    def decorated(verb: Verb) -> Verb:
+        known = {*signature(verb).parameters, *SystemParameters.__annotations__}
+        of_disc, of_system = takes_si(verb, known), takes_system(verb)
+
+        @wraps(verb)
+        def either(*given: Any, **options: Any) -> xr.Dataset:
+            rotor = given[0] if given else options.get("rotor")
+            if isinstance(rotor, RotorSystem):
+                whose, defaults, answer = "a rotor system", system, of_system
+                options = dict.fromkeys(alien[whose]) | options
+            else:
+                whose, defaults, answer = "one disc", disc, of_disc
+                if not isinstance(rotor, Rotor | DimensionalRotor) and (
+                    given or "rotor" in options
+                ):
+                    refuse_first(either, KINDS, rotor)
+            for name, each in options.items():
+                if each is not None and name in alien[whose]:
+                    raise InputError(f"{name} must be left out with {whose}, got {shown(each)}")
+            if missing := [
+                name for name in defaults if defaults[name] is ... and name not in options
+            ]:
+                raise TypeError(f"{name_of(verb)}() of a RotorSystem needs {listed(missing)}")
+            for name, default in defaults.items():
+                if default is not ... and options.get(name) is None:
+                    options[name] = default
+            return answer(*given, **options)
+
+        return cast("Verb", either)
+
+    return decorated
+
+
 def takes_si(
     verb: Callable[Concatenate[Rotor, Asked], xr.Dataset],
+    known: Collection[str] = (),
 ) -> Callable[Concatenate[Rotor | DimensionalRotor, Asked], xr.Dataset]:
     """Return a function of a `Rotor` that also takes a `DimensionalRotor`, and is in SI units then.
 
     Arguments become dimensionless by their names (`rotor_ida.model.scales`), and the result gets SI
-    units. A start that is a dataset has its own units.
+    units. A start that is a dataset has its own units. Arguments other than the `known` are
+    refused, by default those that the signature does not have.
     """
     parameters = signature(verb).parameters
     defaults = {
         name: each.default for name, each in parameters.items()
         if name in {"parameter", "parameters"}
     }  # fmt: skip
-    takes_all = any(each.kind is Parameter.VAR_KEYWORD for each in parameters.values())
+    allowed = known or parameters
+    takes_all = allowed is parameters and any(
+        each.kind is Parameter.VAR_KEYWORD for each in parameters.values()
+    )
     is_needed = "rotor" in parameters and parameters["rotor"].default is Parameter.empty
 
     def refuse_unknown(options: Mapping[str, Any]) -> None:
-        if not takes_all and (unknown := [name for name in options if name not in parameters]):
+        if not takes_all and (unknown := [name for name in options if name not in allowed]):
             raise TypeError(
                 f"{name_of(verb)}() got an unexpected keyword argument {shown(unknown[0])}"
-                f"{did_you_mean(unknown[0], parameters)}"
+                f"{did_you_mean(unknown[0], allowed)}"
             )
 
     @wraps(verb)

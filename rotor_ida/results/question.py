@@ -218,9 +218,9 @@ def with_question(
 
 def _resolved(name: str, answer: xr.Dataset) -> Any:
     """Return the value of an argument by an answer; None if it does not have it."""
-    columns = [f"start_{each}" for each in COMPONENTS]
-    if name == "starts" and all(each in answer.variables for each in columns):
-        states = np.column_stack([answer.variables[each].values for each in columns])
+    if name == "starts" and all(f"start_{each}" in answer.variables for each in COMPONENTS):
+        columns = [answer.variables[f"start_{each}"].values for each in COMPONENTS]
+        states = np.column_stack(columns)
         words = str(answer.attrs.get("start_words", "")).split()
         if not words:
             return states

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 
 import numpy as np
 import numpy.typing as npt
@@ -10,6 +11,7 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import check_instance
+from rotor_ida.core.runs import Rows
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import contact_force
 from rotor_ida.model.parameters import ALL_PARAMETERS
@@ -35,23 +37,14 @@ NO_WHIRL = 1e-12
 
 def contact_columns(orbit: Orbit) -> dict[str, Column]:
     """Return the contacts of an orbit as columns on the dimension ``contact``."""
-    rotor = orbit.rotor
-    contacts = {
-        name: np.ascontiguousarray(orbit.contacts[name])
-        for name in orbit.contacts.dtype.names or ()
-    }
+    rotor, contacts = orbit.rotor, orbit.contacts
     at_entry = _states_at(orbit, contacts["entry"], ENTRY)
     at_exit = _states_at(orbit, contacts["exit"], EXIT)
     speed = np.hypot(at_entry[:, 2], at_entry[:, 3])
     left_with = np.hypot(at_exit[:, 2], at_exit[:, 3])
     columns = {
-        "entry_time": contacts["entry"],
-        "exit_time": contacts["exit"],
-        "peak_time": contacts["peak_time"],
         "peak_indentation": contacts["peak_indentation"],
         "peak_force": peak_forces(orbit),
-        "contact_duration": contacts["exit"] - contacts["entry"],
-        "impulse": contacts["impulse"],
         "entry_speed": speed,
         "entry_angle": _angle_of_incidence(at_entry),
         "energy_lost": 0.5 * (speed**2 - left_with**2),
@@ -65,7 +58,17 @@ def contact_columns(orbit: Orbit) -> dict[str, Column]:
         columns["heat"] = contacts["heat"]
         columns["slip_distance"] = contacts["slip_distance"]
         columns["rolling_time"] = rolling_times(orbit)
-    return {name: ("contact", column) for name, column in columns.items()}
+    return table_of(contacts, "contact", columns)
+
+
+def table_of(contacts: Rows, dim: str, others: Mapping[str, Values]) -> dict[str, Column]:
+    """Return times and impulses of contacts, and other columns, along a dimension."""
+    columns = {
+        "entry_time": contacts["entry"], "exit_time": contacts["exit"],
+        "peak_time": contacts["peak_time"], "impulse": contacts["impulse"],
+        "contact_duration": contacts["exit"] - contacts["entry"], **others,
+    }  # fmt: skip
+    return {name: (dim, np.ascontiguousarray(column)) for name, column in columns.items()}
 
 
 def peak_forces(orbit: Orbit) -> Values:

@@ -33,6 +33,7 @@ SMALLEST_GROWTH = 1e-6
 MOST_RADIANS = {"python": 1e7, "compiled": 1e8, "system": 1e9}
 # Relative difference of two times that are the same but for rounding.
 SAME_TIME = 1e-9
+NO_STATE = np.empty(0)
 WAYS = "by to and rate or ramp_time, by speeds, or by torque and inertia"
 
 
@@ -128,9 +129,8 @@ class Course:
         """The largest size of a prescribed speed; of a driven one that at time 0."""
         if self.profile.is_driven:
             return abs(self.speed)
-        ends = np.array(self.profile.ends)
-        speeds = self.profile.spins_at(ends, np.empty((ends.size, 0)))["speed"]
-        return max(abs(self.speed), float(np.abs(speeds).max()))
+        last = zip(self.profile.ends, self.profile.spins, strict=True)
+        return max(abs(self.speed), *(abs(spin.at(end, NO_STATE)[1]) for end, spin in last))
 
 
 def held(speed: float, duration: float) -> Course:

@@ -39,7 +39,6 @@ from rotor_ida.simulation.options import LOOSEST_RTOL_OF_TAYLOR, Options
 from rotor_ida.simulation.orbit import ENTRY, OF_FRICTION, PRESS, ROLLS, SLIP, Orbit
 from rotor_ida.simulation.run import run
 
-Event = tuple[int, float, float]
 Kinds = npt.NDArray[np.integer[Any]]
 Numbers = npt.NDArray[np.intp]
 
@@ -95,54 +94,33 @@ def partners_of(
     A slight touch, or a slight departure, may appear in one run only: where one `skips`, a pair of
     events without a partner is left out. If more than a pair is missing, the runs have separated.
     """
-    reach, other_reach = _reach(times), _reach(other_times)
-    count = min(times.size, other_times.size)
-    same = kinds[:count] == other_kinds[:count]
-    allowed = np.minimum(reach[:count], other_reach[:count])
-    same &= np.abs(times[:count] - other_times[:count]) <= allowed
-    good = count if same.all() else int(np.argmin(same))
-    partners = np.full(times.size, -1, np.intp)
-    partners[:good] = np.arange(good)
-    if skips and good < max(times.size, other_times.size):
-        own = _listed(kinds, times, reach)
-        _pair_up(partners, own, _listed(other_kinds, other_times, other_reach), good)
-    return partners
-
-
-def _pair_up(partners: Numbers, own: list[Event], others: list[Event], first: int) -> None:
-    """Write the numbers of partners from the first event that differs on."""
-    mine = theirs = first
-    while mine < len(own):
-        if _is_same(own, mine, others, theirs):
-            partners[mine] = theirs
-            mine, theirs = mine + 1, theirs + 1
-        elif _is_same(own, mine + 2, others, theirs):
+    own, other = _events(times, kinds), _events(other_times, other_kinds)
+    partners, mine, theirs = np.full(times.size, -1, np.intp), 0, 0
+    while True:
+        count = _count_same(own[:, mine:], other[:, theirs:])
+        partners[mine : mine + count] = np.arange(theirs, theirs + count)
+        mine, theirs = mine + count, theirs + count
+        if skips and _count_same(own[:, mine + 2 :], other[:, theirs:]):
             mine += 2
-        elif _is_same(own, mine, others, theirs + 2):
+        elif skips and _count_same(own[:, mine:], other[:, theirs + 2 :]):
             theirs += 2
         else:
-            break
+            return partners
 
 
-def _reach(times: Values) -> Values:
-    """Return how far away the partner of each event may be."""
+def _events(times: Values, kinds: Kinds) -> Values:
+    """Return time and kind of each event, and how far away its partner may be, shape (3, n)."""
     gaps = np.full(times.size + 1, np.inf)
     gaps[1:-1] = times[1:] - times[:-1]
-    return np.asarray(SAME_EVENT * np.minimum(gaps[:-1], gaps[1:]))
+    return np.array([times, kinds, SAME_EVENT * np.minimum(gaps[:-1], gaps[1:])])
 
 
-def _listed(*columns: npt.NDArray[Any]) -> list[Event]:
-    """Return kind, time and reach of each event."""
-    # a loop over Python numbers takes a fifth of the time of one over NumPy scalars
-    return list(zip(*(column.tolist() for column in columns), strict=True))
-
-
-def _is_same(own: list[Event], mine: int, others: list[Event], theirs: int) -> bool:
-    if mine >= len(own) or theirs >= len(others):
-        return False
-    kind, time, reach = own[mine]
-    other_kind, other_time, other_reach = others[theirs]
-    return kind == other_kind and abs(time - other_time) <= min(reach, other_reach)
+def _count_same(own: Values, other: Values) -> int:
+    """Return how many events are the same in two runs up to the first that differs."""
+    count = min(own.shape[1], other.shape[1])
+    (times, kinds, reach), (there, of_kind, reached) = own[:, :count], other[:, :count]
+    same = (kinds == of_kind) & (np.abs(times - there) <= np.minimum(reach, reached))
+    return count if same.all() else int(np.argmin(same))
 
 
 def _late(times: Values, other_times: Values, partners: Numbers) -> Values:

@@ -4,42 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import Unpack
 
-import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Watch
-from rotor_ida.checks import (
-    AT_REST,
-    check_instance,
-    check_progress,
-)
-from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Progress, Stop, interruptible, percentage, shows_progress
-from rotor_ida.results.in_si import takes_si
-from rotor_ida.simulation.course import DISC_LIMITS, check_can_wait, course_of
-from rotor_ida.simulation.dataset import run_dataset
-from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors
-from rotor_ida.simulation.options import (
-    Backend,
-    Method,
-    Options,
-    check_can_be_followed,
-)
-from rotor_ida.simulation.orbit import Orbit
-from rotor_ida.simulation.run import run
-from rotor_ida.simulation.sampling import FEWEST, sample_times
-from rotor_ida.simulation.simulate import END_SLACK, MOST_SLACK
+from rotor_ida.checks import AT_REST, check_progress
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
+from rotor_ida.parallel import Progress, shows_progress
+from rotor_ida.results.in_si import takes_rotors
+from rotor_ida.simulation.course import DISC_LIMITS, SYSTEM_LIMITS, check_can_wait, course_of
+from rotor_ida.simulation.options import Backend, Method, Options, check_can_be_followed
+from rotor_ida.simulation.simulate import OF_DISC, OF_SYSTEM, run_of_disc
 from rotor_ida.simulation.starts import Start, state_of
+from rotor_ida.simulation.systems.simulate import run_of_system
+from rotor_ida.simulation.systems.starts import Start as SystemStart
 
 
-@takes_si
 @shows_progress
+@takes_rotors(disc=OF_DISC, system=OF_SYSTEM | {"speed": None})
 def run_up(
-    rotor: Rotor,
+    rotor: Rotor | DimensionalRotor | RotorSystem,
     *,
-    start: Start = AT_REST,
+    speed: float | None = None,
+    start: Start | SystemStart = AT_REST,
     to: float | None = None,
     rate: float | None = None,
     ramp_time: float | None = None,
@@ -48,11 +37,14 @@ def run_up(
     inertia: float | None = None,
     duration: float | None = None,
     samples: int | npt.ArrayLike | None = None,
+    modes: int | None = None,
+    more_modes: int | None = None,
     rtol: float = 1e-10,
     atol: float = 1e-12,
-    method: Method = "adams",
+    method: Method | None = None,
     backend: Backend = "auto",
     progress: Progress | bool | None = None,
+    **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
     """Simulate a rotor whose speed changes, and locate every event by root finding.
 
@@ -62,64 +54,72 @@ def run_up(
 
     Parameters
     ----------
-    rotor : Rotor or DimensionalRotor
-        The rotor. Its ``omega`` or ``speed`` is that at time 0, when the unbalance points along x.
-        For a `DimensionalRotor` numbers with a unit are in SI units, as for `simulate`: speeds in
-        rad/s, the torque in N m and N m s, the inertia in kg m^2.
-    start : array_like, shape (4,), "settled", "rest" or Dataset
-        ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis, from which a load drops it.
-        ``"rest"`` is where a load holds the rotor, ``"settled"`` the steady whirl without contact,
-        around the place where the shaft holds the load. A result that ends in a state
-        is continued, with the unbalance along x again: a run, a limit cycle, or one point of a
-        sweep or of many run-ups.
+    rotor : Rotor, DimensionalRotor or RotorSystem
+        The rotor. The ``omega`` or ``speed`` of one disc is that at time 0, when the unbalance
+        points along x. For a `DimensionalRotor` numbers with a unit are in SI units, as for
+        `simulate`: speeds in rad/s, the torque in N m and N m s, the inertia in kg m^2.
+    speed : float
+        Speed of a `RotorSystem` at time 0, required with a ramp or a torque.
     to : float
-        Speed at the end of a ramp [1].
+        Speed at the end of a ramp [1]. That of a `RotorSystem` goes on for all of the `duration`
+        without it.
     rate : float
         Change of speed per unit time [1], negative in a run-down.
     ramp_time : float
         Duration of the ramp [1], instead of the rate.
     speeds : sequence of (float, float)
-        Pairs of time and speed [1], with times that increase from 0. The first speed replaces the
-        rotor's ``omega``.
+        Pairs of time and speed [1], with times that increase from 0. The first speed replaces that
+        of the rotor. Speeds of one disc must not be negative.
     torque : tuple of float
         ``(tau0, slope)``: the drive's torque is ``tau0 - slope speed`` [1].
     inertia : float
-        Moment of inertia about the centre of mass, over mass times eccentricity squared [1].
+        Moment of inertia about the centre of mass, over mass times eccentricity squared [1]; of a
+        `RotorSystem` about the centres of mass.
     duration : float, optional
         Time to simulate [1]; required with a torque. Default: the time that the change of speed
         takes. After that the last speed is kept.
     samples : int or array_like, shape (n,), optional
         Increasing times at which the motion is reported [1], or the number of equally spaced times,
         both ends included. Default: as many as `simulate` takes at the largest speed of the run;
-        with a torque a first run finds that speed.
-    rtol, atol : float
-        Relative and absolute tolerance [1], as in `simulate`.
-    method : {"adams", "bdf", "ida", "taylor"}
+        with a torque a first run of one disc finds that speed.
+    start, modes, more_modes, rtol, atol, progress : optional
+        As in `simulate`.
+    method : {"adams", "bdf", "ida", "taylor"}, optional
         Solver of the contacts, as in `simulate`: CVODE with Adams or BDF, IDA, or Taylor series.
         Flight has no closed form at a changing speed: the compiled core integrates it by Taylor
         series, the reference by the method itself.
     backend : {"auto", "python", "compiled"}
         As in `simulate`.
-    progress : callable or bool, optional
-        As for `simulate`.
+    contacts, unbalance, supports, gravity, static_force : optional
+        In place of those of a `RotorSystem`, as in `simulate`.
 
     Returns
     -------
     Dataset
         As from `simulate`, with ``speed`` and ``angle`` on ``t``, ``event_speed`` and
-        ``event_angle`` on ``event``, and ``revolutions``, their number in the run. ``omega`` is the
-        speed at time 0. Attributes record how the speed changed: ``to`` and ``rate``, ``speeds``
-        (alternating time and speed), or ``torque`` and ``inertia``.
+        ``event_angle`` on ``event``, and for one disc ``revolutions``, their number in the run.
+        ``omega`` is the speed at time 0. Attributes record how the speed changed: ``to`` and
+        ``rate``, ``speeds`` (alternating time and speed), or ``torque`` and ``inertia``; of a
+        `RotorSystem` also ``start_speed``, with a ramp or a torque.
+
+        Of a `RotorSystem` with a torque also ``standstill_time`` and ``standstill_time_error``:
+        since when the speed has stayed below one per cent of the first, NaN if it does not, as of a
+        rotor that rocks.
 
     Raises
     ------
     InputError
-        If an argument cannot be used, or the speed would pass through zero.
+        If an argument cannot be used, or the speed of one disc would pass through zero.
     SimulationError
-        If the solver gives up, or the torque lets the speed fall through zero; reports time and
-        state.
+        If the solver gives up, or the torque lets the speed of one disc fall through zero; reports
+        time and state.
     InvariantError
         If the result contradicts the mechanics; reports time and state.
+
+    Warns
+    -----
+    UserWarning
+        As in `simulate`, at the largest speed.
 
     Notes
     -----
@@ -130,6 +130,11 @@ def run_up(
     + Im(exp(-i theta) (2 zeta z' + kappa z + N z/|z|))``. The reaction acts about the centre of
     mass; the load acts there and does not contribute. See ``docs/run_up.md``.
     ``event_time_error`` comes from a second run, as in `simulate`.
+
+    For a `RotorSystem` with a torque ``J Omega' = tau0 - slope Omega - sum R_j T_j - (reaction of
+    the unbalance) + sum m e x g``: the weight of each unbalance has a moment about the axis. A
+    `static_force` has none, but for the weight that `RotorSystem.gravity_in_static_force`
+    describes.
 
     References
     ----------
@@ -149,38 +154,35 @@ def run_up(
     >>> run = run_up(rotor, start=(0, 0, 0, 0), torque=(1, 0), inertia=20, duration=40, samples=5)
     >>> run.speed.values.round(6)
     array([0.2     , 0.622213, 0.626802, 0.790485, 0.867413])
+
+    A rotor system:
+
+    >>> import numpy as np
+    >>> from rotor_ida import Contact, RotorSystem, Unbalance
+    >>> system = RotorSystem(
+    ...     mass=np.eye(2), damping=0.1 * np.eye(2), stiffness=np.eye(2), nodes={"disc": (0, 1)},
+    ...     contacts=[Contact(node="disc", clearance=1.5, stiffness=4.0)],
+    ...     unbalance=[Unbalance(node="disc", moment=1.0)], units="1")
+    >>> run = run_up(system, speed=0.2, to=1.5, rate=0.02, samples=3)
+    >>> run.speed.values.round(3)
+    array([0.2 , 0.85, 1.5 ])
     """
-    check_instance("rotor", rotor, Rotor)
-    progress = check_progress(progress)
-    options = Options(rtol=rtol, atol=atol, method=method, backend=backend)
     given = {"to": to, "rate": rate, "ramp_time": ramp_time, "speeds": speeds, "torque": torque,
              "inertia": inertia}  # fmt: skip
+    if isinstance(rotor, RotorSystem):
+        return run_of_system(
+            changed_system(run_up, rotor, changed),
+            course_of(speed, given, duration, SYSTEM_LIMITS), start=start, samples=samples,
+            modes=modes, more_modes=more_modes, rtol=rtol, method=method, progress=progress,
+        )  # fmt: skip
+    assert isinstance(rotor, Rotor)
+    assert method is not None
+    progress = check_progress(progress)
+    options = Options(rtol=rtol, atol=atol, method=method, backend=backend)
     course = course_of(rotor.omega, given, duration, DISC_LIMITS)
     check_can_wait(course, rotor, options.backend)
     if course.speed != rotor.omega:
         rotor = replace(rotor, omega=course.speed)
     first = state_of("start", start, rotor)
     check_can_be_followed(rotor, first)
-    end = course.end
-    slack = min(END_SLACK * options.rtol, MOST_SLACK) * end
-
-    watch: Watch = []
-
-    def sampled(samples: object, fastest: float, stop: Stop | None) -> Orbit:
-        return run(
-            rotor, first, end, sample_times(samples, end, rotor, fastest), options,
-            slack=slack, stop=stop, profile=course.profile, watch=watch,
-        )  # fmt: skip
-
-    def run_twice(stop: Stop | None = None) -> tuple[Orbit, EventErrors]:
-        fastest = course.largest_speed
-        if samples is None and course.profile.is_driven:  # the largest speed is not known before
-            fastest = max(fastest, float(np.max(sampled(FEWEST, fastest, stop).speeds)))
-            watch.clear()
-        orbit = sampled(samples, fastest, stop)
-        return orbit, estimate_event_errors(orbit, first, slack=slack, stop=stop, watch=watch)
-
-    orbit, errors = interruptible(run_twice, told=percentage(progress, watch, 2.0 * end))
-    if progress is not None:
-        progress(100, 100)
-    return run_dataset(orbit, first, errors, course.told)
+    return run_of_disc(rotor, first, course.end, samples, options, progress, course)

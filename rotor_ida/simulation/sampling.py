@@ -47,18 +47,21 @@ def sample_times(samples: object, duration: float, rotor: Rotor, fastest: float)
     >>> sample_times(None, 10.0, rotor, 2.0).size, sample_times(3, 10.0, rotor, 2.0).size
     (1001, 3)
     """
+    return times_of(samples, duration, _chosen(duration, rotor, fastest))
+
+
+def times_of(samples: object, duration: float, chosen: int) -> Values:
+    """Return the times to report: as given, or equally spaced, by default as many as `chosen`."""
     if samples is None:
-        return np.linspace(0.0, duration, _chosen(duration, rotor, fastest))
+        return np.linspace(0.0, duration, chosen)
     if is_scalar("samples", samples):
         return np.linspace(0.0, duration, check_count("samples", samples, minimum=2))
     times = check_increasing("samples", check_axis("samples", samples))
     if times[-1] > duration:
         raise InputError(
             "{name} must lie from 0 to the {duration=}, got {value}",
-            name="samples",
-            duration=duration,
-            value=float(times[-1]),
-        )
+            name="samples", duration=duration, value=float(times[-1]),
+        )  # fmt: skip
     return times
 
 

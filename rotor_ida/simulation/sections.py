@@ -54,7 +54,6 @@ from rotor_ida.simulation.systems.crossings import (
     on_turning_axes,
     once_a_revolution,
 )
-from rotor_ida.simulation.systems.ends import state_at_end
 from rotor_ida.simulation.systems.flow import (
     SAMPLES_A_REVOLUTION,
     SettlingProblem,
@@ -62,7 +61,7 @@ from rotor_ida.simulation.systems.flow import (
 )
 from rotor_ida.simulation.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL
 from rotor_ida.simulation.systems.starts import Start as SystemStart
-from rotor_ida.simulation.systems.starts import start_of
+from rotor_ida.simulation.systems.starts import start_of, state_at_end
 
 At = Literal["revolution", "entry", "exit", "peak", "roll", "slip", "reverse"]
 

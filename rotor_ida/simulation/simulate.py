@@ -1,23 +1,40 @@
-"""Simulate one rotor from one initial state."""
+"""Simulate a rotor from one initial state."""
 
 from __future__ import annotations
 
+from typing import Unpack
+
+import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Watch
-from rotor_ida.checks import AT_REST, check_duration, check_instance, check_progress
-from rotor_ida.model.rotor import Rotor
-from rotor_ida.parallel import Progress, Stop, interruptible, percentage, shows_progress
-from rotor_ida.results.in_si import takes_si
+from rotor_ida.arrays import Stop, Values, Watch
+from rotor_ida.checks import (
+    AT_REST,
+    State,
+    check_duration,
+    check_positive,
+    check_progress,
+    check_real,
+)
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
+from rotor_ida.parallel import Progress, run_with_progress, shows_progress
+from rotor_ida.results.in_si import takes_rotors
+from rotor_ida.simulation.course import Course, held
 from rotor_ida.simulation.dataset import run_dataset
 from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors
 from rotor_ida.simulation.options import Backend, Flight, Method, Options, check_can_be_followed
 from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.run import run
-from rotor_ida.simulation.sampling import sample_times
+from rotor_ida.simulation.sampling import FEWEST, sample_times
 from rotor_ida.simulation.starts import Start, state_of
+from rotor_ida.simulation.systems.simulate import run_of_system
+from rotor_ida.simulation.systems.starts import Start as SystemStart
 
+# Arguments that only one disc, or only a rotor system, takes, and defaults that differ.
+OF_DISC = {"start": AT_REST, "atol": 1e-12, "method": "adams", "backend": "auto"}
+OF_SYSTEM = {"start": None, "modes": None, "more_modes": None, "method": "taylor"}
 # An event this many tolerances after the end of a run counts as part of the run.
 END_SLACK = 100.0
 MOST_SLACK = 1e-8
@@ -25,59 +42,79 @@ MOST_SLACK = 1e-8
 SOON_PASSED = 1e4
 
 
-@takes_si
 @shows_progress
+@takes_rotors(disc=OF_DISC | {"flight": "exact"}, system=OF_SYSTEM | {"speed": ...})
 def simulate(
-    rotor: Rotor,
+    rotor: Rotor | DimensionalRotor | RotorSystem,
     *,
-    start: Start = AT_REST,
+    speed: float | None = None,
+    start: Start | SystemStart = AT_REST,
     duration: float,
     samples: int | npt.ArrayLike | None = None,
+    modes: int | None = None,
+    more_modes: int | None = None,
     rtol: float = 1e-10,
     atol: float = 1e-12,
-    method: Method = "adams",
+    method: Method | None = None,
     flight: Flight = "exact",
     backend: Backend = "auto",
     progress: Progress | bool | None = None,
+    **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
-    """Simulate a rotor and locate every contact entry and exit by root finding.
+    """Simulate a rotor and locate every event of its contacts by root finding.
 
     Parameters
     ----------
-    rotor : Rotor or DimensionalRotor
+    rotor : Rotor, DimensionalRotor or RotorSystem
         The rotor. For a `DimensionalRotor` all numbers with a unit, given or returned, are in SI
         units, also in attributes and messages. Tolerances, and coordinates named ``omega``,
-        ``zeta`` and so on, stay dimensionless.
-    start : array_like, shape (4,), "settled", "rest" or Dataset
-        ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis, from which a load drops it.
-        ``"rest"`` is where a load holds the rotor, ``"settled"`` the steady whirl without contact,
-        around the place where the shaft holds the load. A result that ends in a state
-        is continued, with the unbalance along x again: a run, a limit cycle, or one point of a
-        sweep or of many run-ups.
+        ``zeta`` and so on, stay dimensionless. A `RotorSystem` has units of its own.
+    speed : float
+        Spin speed of a `RotorSystem`, required; one disc has its own.
+    start : array_like, shape (4,), (q, velocity), "settled", "rest" or Dataset
+        ``(x, y, vx, vy)`` at time 0 [1], of a `RotorSystem` displacement and velocity of the rotor,
+        or of rotor and stators; default: at rest on the axis, from which a load drops it.
+        ``"rest"`` is where supports, contacts and shaft hold the rotor against its constant forces,
+        ``"settled"`` the steady whirl without contact. A result that ends in a state is continued,
+        with the unbalance at angle 0 again: a run, a limit cycle, or one point of a sweep or of
+        many run-ups.
     duration : float
-        Time to simulate [1]. The spacing of doubles at its end must be below
+        Time to simulate [1]. For one disc the spacing of doubles at its end must be below
         ``1e-6/max(omega, 1)``.
     samples : int or array_like, shape (n,), optional
         Increasing times at which the motion is reported [1], or the number of equally spaced times,
         both ends included, at most 10 million. Default: at least 1001, with at least 32 per
-        revolution and per period of the shaft, ``2 pi/sqrt(kappa)``, and 8 per period of the
-        contact, ``2 pi/sqrt(1 + kappa)``. `samples` is required where these exceed 2 million.
+        revolution; of one disc also 32 per period of the shaft, ``2 pi/sqrt(kappa)``, and 8 per
+        period of the contact, ``2 pi/sqrt(1 + kappa)``. `samples` is required where these exceed 2
+        million; of a `RotorSystem` they are at most 200,000.
+    modes : int, optional
+        Number of modes to which a `RotorSystem` is reduced first; the static flexibility of the
+        contacts is kept (see `RotorSystem.reduced`).
+    more_modes : int, optional
+        Larger number of modes of a second run of a `RotorSystem`, which shows how far the events
+        move with more modes.
     rtol, atol : float
-        Relative and absolute tolerance [1].
-    method : {"adams", "bdf", "ida", "taylor"}
+        Relative and absolute tolerance [1]. A `RotorSystem` has no `atol`, and takes `rtol` from
+        1e-14 to 1e-4.
+    method : {"adams", "bdf", "ida", "taylor"}, optional
         CVODE with Adams (nonstiff) or BDF (stiff), or IDA as an independent check, with `rtol` from
         1e-13 (IDA 1e-12) to 1e-3; or Taylor series, about ten times as fast as CVODE at equal
         error, with `rtol` from 1e-15 to 1e-4. ``docs/events.md`` explains how each finds events.
+        Default: Adams. A `RotorSystem` is followed by Taylor series by default; CVODE, in plain
+        Python, is an independent and much slower check, and there is no IDA.
     flight : {"exact", "cvode"}
-        Motion inside the clearance in closed form, or integrated. Taylor series always use the
-        closed form; ``backend="python"`` always integrates.
+        Motion of one disc inside the clearance in closed form, or integrated. Taylor series always
+        use the closed form; ``backend="python"`` always integrates.
     backend : {"auto", "python", "compiled"}
-        The plain-Python reference, which restarts the solvers of scikit-sundae at each root of
-        ``|z| = delta0``, or the compiled core, which is many times faster. ``"auto"`` is
+        For one disc the plain-Python reference, which restarts the solvers of scikit-sundae at each
+        root of ``|z| = delta0``, or the compiled core, which is many times faster. ``"auto"`` is
         ``"compiled"`` where available. Only the reference supports IDA.
     progress : callable or bool, optional
         Called from time to time with the percentage completed, and 100; True shows a bar on
         standard error.
+    contacts, unbalance, supports, gravity, static_force : optional
+        In place of those of a `RotorSystem`: ``simulate(system, contacts=[...], ...)`` is
+        ``simulate(replace(system, contacts=[...]), ...)``.
 
     Returns
     -------
@@ -92,6 +129,14 @@ def simulate(
         With friction also ``mode``, ``slip_speed`` and ``normal_force`` on ``t``, and three more
         kinds of event: ``roll``, ``slip`` and ``reverse``.
 
+        Of a `RotorSystem`: ``x y vx vy`` on ``(t, node)``; ``event_time event_kind event_contact
+        event_time_error`` on ``event`` and ``event_state`` (q, velocity); ``normal_force
+        tangential_force slip_speed mode`` on ``(t, contact)``; on ``episode`` the table of
+        contacts; ``final_state``. With races ``event_race_speed`` on ``(event, contact)``, and on
+        ``contact`` their largest and smallest speeds, also between events, and when:
+        ``race_speed_max race_speed_max_time race_speed_min race_speed_min_time``. CVODE knows these
+        only at samples and events.
+
     Raises
     ------
     InputError
@@ -100,6 +145,14 @@ def simulate(
         If the solver gives up; reports time and state.
     InvariantError
         If the result contradicts the mechanics; reports time and state.
+
+    Warns
+    -----
+    UserWarning
+        If the motion of a `RotorSystem` without contact grows, with the rate and the whirl speed,
+        also in the attributes ``growth_rate_without_contact`` and ``whirl_speed_of_growth``; or if
+        neither supports nor contacts hold the system against its constant forces
+        (``nothing_holds``).
 
     Notes
     -----
@@ -110,6 +163,11 @@ def simulate(
     ``event_time_error`` comes from a second run by Taylor series with tighter tolerances (of very
     long runs by CVODE with looser ones), and includes the spacing of doubles. It is infinite after
     ``horizon``, where the start no longer determines the orbit at these tolerances.
+
+    A `RotorSystem` moves by ``M q'' + (C + Omega G) q' + K q = unbalance + static force +
+    contacts``. Each contact has the displacement ``u = B q - c``; where ``d = |u| - delta > 0`` its
+    force on the rotor is ``-(N + i T) u/|u|``, ``N = k d**n max(0, 1 + lambda d')``,
+    ``T = mu N sign(v_s)``.
 
     References
     ----------
@@ -124,28 +182,66 @@ def simulate(
     array([0.86301317])
     >>> orbit.event_kind.values
     array([1], dtype=int8)
+
+    A rotor system:
+
+    >>> import numpy as np
+    >>> from rotor_ida import Contact, RotorSystem, Unbalance
+    >>> system = RotorSystem(
+    ...     mass=np.eye(2), damping=0.1 * np.eye(2), stiffness=np.eye(2), nodes={"disc": (0, 1)},
+    ...     contacts=[Contact(node="disc", clearance=1.5, stiffness=4.0, exponent=1.0)],
+    ...     unbalance=[Unbalance(node="disc", moment=1.0)], units="1")
+    >>> run = simulate(system, speed=0.9, duration=20.0, samples=3)
+    >>> run.event_time.values.round(6)[:2], run.event_kind.values[:2]
+    (array([ 4.350352, 11.973831]), array([ 1, -1], dtype=int8))
     """
-    check_instance("rotor", rotor, Rotor)
+    if isinstance(rotor, RotorSystem):
+        course = held(check_real("speed", speed), check_positive("duration", duration))
+        return run_of_system(
+            changed_system(simulate, rotor, changed), course, start=start, samples=samples,
+            modes=modes, more_modes=more_modes, rtol=rtol, method=method, progress=progress,
+        )  # fmt: skip
+    assert isinstance(rotor, Rotor)
+    assert method is not None
     progress = check_progress(progress)
     first = state_of("start", start, rotor)
     check_can_be_followed(rotor, first)
     end = check_duration("duration", duration, rotor.omega)
-    times = sample_times(samples, end, rotor, rotor.omega)
     options = Options(rtol=rtol, atol=atol, method=method, flight=flight, backend=backend)
+    return run_of_disc(rotor, first, end, samples, options, progress)
+
+
+def run_of_disc(
+    rotor: Rotor, start: State, end: float, samples: object, options: Options,
+    progress: Progress | None, course: Course | None = None,
+) -> xr.Dataset:  # fmt: skip
+    """Return the run of one disc at a constant speed, or along a course of its speed."""
     slack = min(END_SLACK * options.rtol, MOST_SLACK) * end
+    profile = None if course is None else course.profile
+    fastest = rotor.omega if course is None else course.largest_speed
+    times = sample_times(samples, end, rotor, fastest)
+    # with a torque a first run finds the largest speed
+    is_unknown = samples is None and profile is not None and profile.is_driven
 
-    watch: Watch = []
+    def follow(times: Values, stop: Stop, watch: Watch) -> Orbit:
+        return run(
+            rotor, start, end, times, options, slack=slack, stop=stop, profile=profile, watch=watch
+        )
 
-    def run_twice(stop: Stop | None = None) -> tuple[Orbit, EventErrors]:
-        orbit = run(rotor, first, end, times, options, slack=slack, stop=stop, watch=watch)
-        return orbit, estimate_event_errors(orbit, first, slack=slack, stop=stop, watch=watch)
+    def run_twice(stop: Stop, watch: Watch) -> tuple[Orbit, EventErrors]:
+        at = times
+        if is_unknown:
+            seen = follow(sample_times(FEWEST, end, rotor, fastest), stop, watch)
+            at = sample_times(None, end, rotor, max(fastest, float(np.max(seen.speeds))))
+            watch.clear()
+        orbit = follow(at, stop, watch)
+        return orbit, estimate_event_errors(orbit, start, slack=slack, stop=stop, watch=watch)
 
     # a thread costs 0.2 ms, half as much as a short run: Ctrl-C may wait until a short run ends
-    rate = 1.0 + rotor.omega + rotor.zeta + max(map(abs, first))
-    if options.method == "taylor" and rate * end + times.size <= SOON_PASSED:
-        orbit, errors = run_twice()
-    else:
-        orbit, errors = interruptible(run_twice, told=percentage(progress, watch, 2.0 * end))
-    if progress is not None:
-        progress(100, 100)
-    return run_dataset(orbit, first, errors)
+    rate = 1.0 + rotor.omega + rotor.zeta + max(map(abs, start))
+    soon = rate * end + times.size <= SOON_PASSED
+    orbit, errors = run_with_progress(
+        run_twice, 2.0 * end, progress,
+        at_once=soon and profile is None and options.method == "taylor",
+    )  # fmt: skip
+    return run_dataset(orbit, start, errors, {} if course is None else course.told)

@@ -309,7 +309,8 @@ def test_a_study_keeps_its_units(tmp_path: Path):
     ("call", "error", "line"),
     [
         (lambda: sweep(MACHINE, rotor=MACHINE), TypeError, "multiple values"),
-        (lambda: simulate(MACHINE, speed=1.0, duration=0.1), TypeError, "argument 'speed'"),
+        (lambda: simulate(MACHINE, speed=1.0, duration=0.1), InputError,
+         "speed must be left out with one disc, got 1.0"),
         (lambda: continue_cycle(MACHINE, parameter="mass", limits=(3.0, 5.0)), InputError,
          "parameter must be one of"),
         (lambda: sweep(MACHINE, starts=[(0, 0, 0, 0), None]), InputError, "starts must be"),

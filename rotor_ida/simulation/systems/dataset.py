@@ -21,6 +21,7 @@ from rotor_ida.schema import (
     Quantity,
     labelled_dataset,
 )
+from rotor_ida.simulation.contact_table import table_of
 from rotor_ida.simulation.systems.following import Followed
 
 # Part of the clearance beyond which a rotor goes round a stator.
@@ -34,8 +35,6 @@ def system_dataset(
     times: Values,
     problem: Mapping[str, Column],
     told: Mapping[str, object],
-    *,
-    change_speed: bool,
 ) -> xr.Dataset:
     """Return a run of a rotor system as a labelled dataset."""
     system, result = assembly.system, followed.result
@@ -66,7 +65,7 @@ def system_dataset(
     if any(with_race):
         variables["event_race_speed"] = (("event", "contact"), result.event_races)
         variables |= _extremes_of_races(result.races, np.array(with_race))
-    if change_speed:
+    if "speed" not in told:  # it changes
         variables["angle"] = ("t", result.turns[:, 0])
         variables["speed"] = ("t", result.turns[:, 1])
         variables["event_speed"] = ("event", result.event_turns[:, 1])
@@ -159,14 +158,10 @@ def _episodes(followed: Followed) -> dict[str, Column]:
     number = table["contact"].astype(int)
     lasts = np.isnan(table["entry"]) | np.isnan(table["exit"])
     columns = {
-        "episode_contact": number.astype(np.int16),
-        "entry_time": table["entry"], "exit_time": table["exit"],
-        "contact_duration": table["exit"] - table["entry"],
-        "peak_time": table["peak_time"], "peak_indentation": table["peak_root"] ** 2,
+        "episode_contact": number.astype(np.int16), "peak_indentation": table["peak_root"] ** 2,
         "peak_force": table["largest_force"], "peak_force_time": table["force_time"],
-        "impulse": table["impulse"],
         "energy_lost": np.where(lasts, np.nan, table["work"]),
         "heat": table["heat"], "slip_distance": table["slip_distance"],
         "rolling_time": table["rolling_time"],
     }  # fmt: skip
-    return {name: ("episode", np.ascontiguousarray(each)) for name, each in columns.items()}
+    return table_of(table, "episode", columns)

@@ -137,42 +137,34 @@ def scales_of(
     return float(displacement), float(displacement * rate), max(fastest, rate)
 
 
-def follow_twice(
-    request: SystemRequest, stop: Stop = NO_STOP, watch: Watch | None = None
+def with_errors(
+    result: SystemResult, request: SystemRequest, by_series: bool, stop: Stop, watch: Watch
 ) -> Followed:
-    """Return a run and the errors of its events."""
-    result = follow_system_again(request, stop, watch)
-    rtol = max(request.rtol / APART, TIGHTEST / APART)
-    tighter = replace(bare(request), rtol=rtol, order=ORDERS[1])
+    """Return a run with the errors of its events by a second one, by Taylor series.
+
+    It is tighter and of another order if the first was one of them, too.
+    """
+    again = bare(request)
+    if by_series:
+        rtol = max(request.rtol / APART, TIGHTEST / APART)
+        again = replace(again, rtol=rtol, order=ORDERS[1])
 
     def has_parted(events: SystemEvents) -> bool:
         errors = errors_of(result, events, len(request.laws), request.duration)
         return events.time >= ENOUGH * errors.horizon
 
-    other = follow_system(tighter, stop, watch, has_parted)
+    other = follow_system(again, stop, watch, has_parted)
     check_status(other)
-    return compared(result, other, request)
-
-
-def compared_with_series(
-    result: SystemResult, request: SystemRequest, stop: Stop, watch: Watch
-) -> Followed:
-    """Return a run with the errors of its events by one by Taylor series."""
-    return compared(result, follow_system_again(bare(request), stop, watch), request)
-
-
-def bare(request: SystemRequest) -> SystemRequest:
-    """Return a run of which only the events are wanted."""
-    return replace(request, times=request.times[[-1]], only_events=True)
-
-
-def compared(result: SystemResult, other: SystemResult, request: SystemRequest) -> Followed:
-    """Return a run with the errors of its events by another one."""
     errors = errors_of(result, other, len(request.laws), request.duration)
     since, error = standstill_of(result), math.inf
     if since <= errors.horizon and not math.isnan(other.standstill.since):
         error = WIDENING * abs(since - other.standstill.since) + 4.0 * float(np.spacing(since))
     return Followed(result, errors, since, math.nan if math.isnan(since) else error)
+
+
+def bare(request: SystemRequest) -> SystemRequest:
+    """Return a run of which only the events are wanted."""
+    return replace(request, times=request.times[[-1]], only_events=True)
 
 
 def standstill_of(result: SystemResult) -> float:
