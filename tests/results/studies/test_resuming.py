@@ -230,12 +230,12 @@ def test_counts_that_cannot_be_are_told_by_status(forged, tmp_path):
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_columns_on_the_disk_hold_the_same_bits(kind, tmp_path, monkeypatch):
-    from rotor_ida.basins import attractors
+    from rotor_ida.basins import starts
     from rotor_ida.results.studies import arrays
 
     whole = whole_of(kind)
     monkeypatch.setattr(arrays, "LARGE", 1)
-    monkeypatch.setattr(attractors, "STRETCH", 100)
+    monkeypatch.setattr(starts, "STRETCH", 100)
     on_disk = KINDS[kind](study=tmp_path / "study")
     xr.testing.assert_identical(on_disk, whole)
     saved = load(save(on_disk, tmp_path / "result.nc"))
