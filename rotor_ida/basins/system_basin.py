@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Unpack
 
 import numpy as np
@@ -12,7 +13,7 @@ from rotor_ida.arrays import Column
 from rotor_ida.basins.dataset import Labelled, basin_dataset, fractions_dataset
 from rotor_ida.basins.following import tighter_than
 from rotor_ida.basins.starts import Box, Plane, check_number_of_starts
-from rotor_ida.basins.system_labels import FORM, follow_starts_of_system
+from rotor_ida.basins.system_labels import FORM, FollowedSystem, follow_starts_of_system
 from rotor_ida.basins.system_starts import KnockedSystem
 from rotor_ida.checks import check_between, check_progress, check_real
 from rotor_ida.errors import InputError
@@ -196,10 +197,8 @@ def _labelled(
     progress: Progress | bool | None,
 ) -> Labelled:
     """Follow the starts of a node of a system, each to its attractor."""
-    omega, tolerance = (
-        check_real("speed", speed),
-        check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL),
-    )
+    omega = check_real("speed", speed)
+    tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
     progress, chosen = check_progress(progress), choose(executor, workers, compiled=True)
     check_number_of_starts(asked.count, study)
     if modes is not None and isinstance(start, xr.Dataset):
@@ -210,33 +209,40 @@ def _labelled(
         "modes": modes, "rtol": tolerance,
     })  # fmt: skip
     reduced, begun = in_modes(system, modes, start)
-    problem = checked_problem(reduced, omega, tolerance)
-    knocked = KnockedSystem.at(problem, omega, node, begun)
+    knocked = KnockedSystem.at(_problem(reduced, omega, tolerance), omega, node, begun)
     with open_results(study, question.design(), asked.count, FORM) as kept:
         found = follow_starts_of_system(
             knocked, asked.starts, asked.count, kept,
             workers=chosen.number, executor=chosen.executor, progress=progress,
         )  # fmt: skip
-    impossible = {"failed", "not_found", "touching"}
+        return _with_attractors(found, reduced, node, question, kept.folder)
+
+
+def _with_attractors(
+    found: FollowedSystem, system: RotorSystem, node: str, question: Question, folder: Path | None
+) -> Labelled:
+    """Return followed starts with what is known of their attractors."""
+    impossible, words = {"failed", "not_found", "touching"}, by_number(RESPONSE)
     if not any(each.friction > 0.0 for each in system.contacts):
         impossible.add("rolling")
-    words = by_number(RESPONSE)
     along = {**dict.fromkeys((*OF_CONTACT, "touched"), ("attractor", "contact")),
              **dict.fromkeys(OF_NODE, ("attractor", "node")), "period": ("attractor",),
              "final_state": ("attractor", "component")}  # fmt: skip
+    rtol = float(question.arguments["rtol"])
     return Labelled(
         subject="Rotor system", labels=found.labels, times=found.times,
         kinds=[words[number] for number in found.rows["response"].tolist()],
         columns={name: (dims, found.rows[name]) for name, dims in along.items()},
         rechecked=found.rechecked, ended=found.ended, impossible=impossible,
-        how={"labelling": LABELLING, "labelling_method": "taylor", "labelling_rtol": tolerance,
-             "agreement_rtol": tighter_than(tolerance)},
-        given={"knocked_node": node}, coordinates=_coordinates(reduced, omega),
-        folder=kept.folder, question=question,
+        how={"labelling": LABELLING, "labelling_method": "taylor", "labelling_rtol": rtol,
+             "agreement_rtol": tighter_than(rtol)},
+        given={"knocked_node": node},
+        coordinates=_coordinates(system, float(question.arguments["speed"])),
+        folder=folder, question=question,
     )  # fmt: skip
 
 
-def checked_problem(system: RotorSystem, speed: float, rtol: float) -> SettlingProblem:
+def _problem(system: RotorSystem, speed: float, rtol: float) -> SettlingProblem:
     """Return the problem of a system that turns, touches and settles."""
     if speed == 0.0:
         raise InputError("speed must not be 0 for a basin of a rotor system, got 0.0")

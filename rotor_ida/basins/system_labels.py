@@ -240,6 +240,13 @@ def follow_starts_of_system(
         _follow, lambda _due: job, count, size, kept,
         workers=workers, executor=executor, progress=progress,
     )  # fmt: skip
+    return _gathered(knocked, count, kept, ended)
+
+
+def _gathered(
+    knocked: KnockedSystem, count: int, kept: Results[SystemBatch], ended: Ended
+) -> FollowedSystem:
+    """Return the results of all starts, gathered from the batches."""
     labels, times = unlabelled(count, kept.folder)
     met = Attractors(SystemFlow.at(knocked.problem, knocked.speed, NO_STOP))
     rechecked = np.zeros(2, dtype=np.int64)
@@ -266,13 +273,13 @@ def _follow(job: _Job, stop: Stop) -> SystemBatch:
     for number, state in enumerate(states):
         try:
             row = _settled(flow, state)
+            labels[number] = UNDECIDED if _is(row, UNRESOLVED) else met.label_of(row)
         except EXPECTED as error:
             if stop[0]:
                 break
             reason = reason or reason_of(error)
-            continue
-        times[number] = row["revolutions"] * flow.revolution
-        labels[number] = UNDECIDED if _is(row, UNRESOLVED) else met.label_of(row)
+        else:
+            times[number] = row["revolutions"] * flow.revolution
     rechecked = _count_agreeing(met, states, labels, job.rechecked)
     rows = np.array(met.rows, point_of(knocked.problem))
     return SystemBatch(job.first, labels, times, rows, rechecked, reason)
@@ -296,11 +303,11 @@ def _count_agreeing(
         if labels[number] < 0 or met.flow.stop[0]:
             continue
         try:
-            row = _settled(closely, states[number])
+            found = met.find(_settled(closely, states[number]))
         except EXPECTED:
             continue
         again += 1
-        same += met.find(row) == labels[number]
+        same += found == labels[number]
     return np.array([again, same])
 
 
