@@ -4,21 +4,20 @@ from __future__ import annotations
 
 import cmath
 import math
-from collections.abc import Iterator
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
 from rotor_ida.arrays import Stop, Values
 from rotor_ida.basins.fates import APERIODIC
-from rotor_ida.basins.following import FollowedStarts, Starts
+from rotor_ida.basins.following import FollowedStarts
 from rotor_ida.basins.kernel import CHAOTIC, LOWEST, Labels
 from rotor_ida.basins.known import ContactFree, followed_alone, may_roll
+from rotor_ida.basins.starts import Starts, stretches
 from rotor_ida.checks import State
 from rotor_ida.cycles.orbit import Orbit
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.results.question import Question
 from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady import response
@@ -43,8 +42,6 @@ ONLY_BY_KIND = (*CONTACT_FREE_FAMILY, response.QUASI_PERIODIC, response.CHAOTIC)
 SAMPLES = 512
 # Confidence level of the lower bound on the lifetime of chaos.
 CERTAINTY = 0.95
-# Number of labels processed at a time: all of them may not fit into memory.
-STRETCH = 2**20
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,31 +79,6 @@ class Attractor:
     lifetime: float = math.inf
     lifetime_low: float = math.inf
     confirmed: bool = False
-
-
-@dataclass(frozen=True, slots=True)
-class Labelled:
-    """Followed starts, and the attractors that their labels refer to.
-
-    Unless interrupted, CVODE followed starts to the attractors with `options`. Large arrays can be
-    stored in `folder`.
-    """
-
-    followed: FollowedStarts
-    attractors: list[Attractor]
-    options: Options
-    folder: Path | None
-    question: Question
-
-    @property
-    def rotor(self) -> Rotor:
-        """The rotor."""
-        return self.followed.known.rotor
-
-    @property
-    def labels(self) -> Labels:
-        """Number of the attractor of each start, or a fate."""
-        return self.followed.labels
 
 
 def attractors_of(followed: FollowedStarts) -> list[Attractor]:
@@ -226,11 +198,9 @@ def _fading(free: ContactFree, rotor: Rotor) -> Attractor:
     )  # fmt: skip
 
 
-def family_of(attractors: list[Attractor]) -> tuple[int, ...]:
-    """Return the numbers of the attractors in the contact-free family."""
-    return tuple(
-        number for number, each in enumerate(attractors) if each.kind in CONTACT_FREE_FAMILY
-    )
+def family_of(kinds: Sequence[str]) -> tuple[int, ...]:
+    """Return the numbers of the attractors in the contact-free family, by the kind of each."""
+    return tuple(number for number, kind in enumerate(kinds) if kind in CONTACT_FREE_FAMILY)
 
 
 def attractor_of_cycle(cycle: Orbit, has_section: bool, stop: Stop) -> Attractor:
@@ -289,15 +259,3 @@ def _renumber(labels: Labels, kept: list[int]) -> None:
 def _state(values: Values) -> State:
     x, y, vx, vy = values.tolist()
     return (x, y, vx, vy)
-
-
-def stretches(size: int) -> Iterator[slice]:
-    """Yield the slices in which a flat array of labels is processed.
-
-    Examples
-    --------
-    >>> list(stretches(5))
-    [slice(0, 5, None)]
-    """
-    for first in range(0, size, STRETCH):
-        yield slice(first, min(first + STRETCH, size))

@@ -4,48 +4,40 @@ from __future__ import annotations
 
 import os
 
-import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Values
-from rotor_ida.basins.attractors import Labelled, attractors_of, confirmed
-from rotor_ida.basins.dataset import basin_dataset, fractions_dataset
-from rotor_ida.basins.following import FORM, Starts, follow_starts
-from rotor_ida.basins.known import known_from_closed_forms
-from rotor_ida.checks import (
-    COMPONENTS,
-    MOST_POINTS_OF_STUDY,
-    check_between,
-    check_count,
-    check_increasing,
-    check_instance,
-    check_progress,
-    check_seed,
-    check_vector,
-    is_scalar,
+from rotor_ida.basins.attractors import attractors_of, confirmed
+from rotor_ida.basins.dataset import (
+    Labelled,
+    basin_dataset,
+    fractions_dataset,
+    labelled_starts,
 )
+from rotor_ida.basins.following import FORM, follow_starts
+from rotor_ida.basins.known import known_from_closed_forms
+from rotor_ida.basins.starts import Box, Plane, Starts, check_number_of_starts
+from rotor_ida.basins.system_basin import basin_fractions_system, basin_system
+from rotor_ida.checks import check_between, check_instance, check_progress
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor, check_no_load
 from rotor_ida.parallel import Progress, choose, interruptible, shows_progress
 from rotor_ida.results.in_si import takes_si
+from rotor_ida.results.joined import of_both
 from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import open_results
-from rotor_ida.simulation.options import LARGEST, Options, check_can_be_followed
-from rotor_ida.simulation.starts import drawn_from, range_of
+from rotor_ida.simulation.options import Options, check_can_be_followed
 
 # Range of the error per step [1].
 TIGHTEST, LOOSEST = 1e-12, 1e-4
 # The explicit method needs too many steps for stiffer rotors.
 MOST_DAMPING = 20.0
 MOST_CONTACT_DAMPING = 50.0
-# Without a study all labels are kept in memory.
-MOST_STARTS = 100_000_000
 
 
 @takes_si
 @shows_progress
-def basin(
+def basin_disc(
     rotor: Rotor,
     *,
     x: npt.ArrayLike,
@@ -133,29 +125,17 @@ def basin(
     >>> int(found["count"].sum()), int(found.undecided_count)
     (576, 0)
     """
-    axes, fixed = _axes_of({"x": x, "y": y, "vx": vx, "vy": vy})
-    (first, rows), (second, columns) = axes.items()
-    places = [COMPONENTS.index(first), COMPONENTS.index(second)]
-
-    def starts(begin: int, end: int) -> Values:
-        """Return the starts with these numbers, row by row."""
-        row, column = np.divmod(np.arange(begin, end), columns.size)
-        states = np.empty((4, end - begin))
-        for name, value in fixed.items():
-            states[COMPONENTS.index(name)] = value
-        states[places[0]], states[places[1]] = rows[row], columns[column]
-        return states
-
+    plane = Plane.of(x=x, y=y, vx=vx, vy=vy)
     result = label(
-        rotor, starts, rows.size * columns.size, Question("basin", {**axes, **fixed}),
+        rotor, plane.starts, plane.count, Question("basin", plane.given),
         rtol=rtol, workers=workers, executor=executor, study=study, progress=progress,
     )  # fmt: skip
-    return basin_dataset(axes, fixed, result)
+    return basin_dataset(plane, result)
 
 
 @takes_si
 @shows_progress
-def basin_fractions(
+def basin_fractions_disc(
     rotor: Rotor,
     *,
     x: npt.ArrayLike,
@@ -221,23 +201,16 @@ def basin_fractions(
     >>> found["count"].values
     array([ 65, 435])
     """
-    given = {"x": x, "y": y, "vx": vx, "vy": vy}
-    box = np.array([range_of(name, given[name]) for name in COMPONENTS])
-    count = check_count("starts", starts, maximum=MOST_POINTS_OF_STUDY)
-    chosen = check_seed(seed)
-
-    def drawn(first: int, last: int) -> Values:
-        return drawn_from(box, chosen, first, last)
-
-    ranges = {name: limits.tolist() for name, limits in zip(COMPONENTS, box, strict=True)}
-    question = Question("basin_fractions", {"starts": count, "seed": chosen, **ranges})
+    box = Box.of(starts, seed, x=x, y=y, vx=vx, vy=vy)
     result = label(
-        rotor, drawn, count, question,
+        rotor, box.starts, box.count, Question("basin_fractions", box.given),
         rtol=rtol, workers=workers, executor=executor, study=study, progress=progress, drawn=True,
     )  # fmt: skip
-    attributes = {"starts": count, "seed": chosen}
-    attributes |= {f"range_{name}": limits for name, limits in zip(COMPONENTS, box, strict=True)}
-    return fractions_dataset(drawn, result, attributes)
+    return fractions_dataset(box, result)
+
+
+basin = of_both(basin_disc, basin_system, __name__)
+basin_fractions = of_both(basin_fractions_disc, basin_fractions_system, __name__)
 
 
 def label(
@@ -259,9 +232,7 @@ def label(
     not depend on their number. `question` is the one asked, but for the rotor and `rtol`.
     """
     check_rotor(rotor, "fractions" if drawn else "a basin", one_by_one=drawn)
-    most = MOST_STARTS if study is None else MOST_POINTS_OF_STUDY
-    if count > most:
-        raise InputError(f"starts must be at most {most}, got {count}; a study can store more")
+    check_number_of_starts(count, study)
     progress = check_progress(progress)
     tolerance = None if rtol is None else check_between("rtol", rtol, TIGHTEST, LOOSEST)
     place, several = choose(executor, workers, compiled=True)
@@ -275,14 +246,14 @@ def label(
             tolerance=tolerance, workers=several, executor=place, progress=progress, drawn=drawn,
         )  # fmt: skip
         attractors = attractors_of(result)
-        if not result.interrupted:
+        if not result.ended.interrupted:
             try:
                 attractors = confirmed(result, attractors, starts, options)
             except KeyboardInterrupt:  # labels without confirmation are better than none
                 if study is not None:
                     raise
-                result.interrupted = True
-        return Labelled(result, attractors, options, kept.folder, question)
+                result.ended = result.ended._replace(interrupted=True)
+        return labelled_starts(result, attractors, options, kept.folder, question)
 
 
 def check_rotor(rotor: object, what: str = "a basin", *, one_by_one: bool = False) -> Rotor:
@@ -309,17 +280,3 @@ def check_rotor(rotor: object, what: str = "a basin", *, one_by_one: bool = Fals
             value=rotor.contact_damping,
         )  # fmt: skip
     return rotor
-
-
-def _axes_of(given: dict[str, npt.ArrayLike]) -> tuple[dict[str, Values], dict[str, float]]:
-    """Return the components that vary, and those that do not."""
-    varying = [name for name, value in given.items() if not is_scalar(name, value)]
-    if len(varying) != 2:
-        raise InputError(
-            "exactly two of x, y, vx, vy must be arrays and two numbers, got "
-            f"{len(varying)} arrays{': ' if varying else ''}{', '.join(varying)}"
-        )
-    checked = {name: check_vector(name, value, largest=LARGEST) for name, value in given.items()}
-    axes = {name: check_increasing(name, checked[name]) for name in varying}
-    fixed = {name: values.item() for name, values in checked.items() if name not in axes}
-    return axes, fixed

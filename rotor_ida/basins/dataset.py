@@ -1,26 +1,29 @@
-"""Datasets of basins: the attractors of the starts of one rotor, on a grid or as fractions."""
+"""Datasets of basins: the attractors of the starts of a rotor, on a grid or as fractions."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Values
-from rotor_ida.basins.attractors import NUMBERS, Attractor, Labelled, family_of, stretches
+from rotor_ida.arrays import Column, Values
+from rotor_ida.basins.attractors import NUMBERS, Attractor, family_of
 from rotor_ida.basins.fates import ALONE
-from rotor_ida.basins.following import Starts, tighter_than
-from rotor_ida.basins.kernel import NOT_COMPUTED, Labels
+from rotor_ida.basins.following import Ended, FollowedStarts, tighter_than
+from rotor_ida.basins.kernel import NOT_COMPUTED, Labels, Times
 from rotor_ida.basins.known import followed_alone, may_roll
+from rotor_ida.basins.starts import Box, Plane, stretches
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.results.provenance import provenance
+from rotor_ida.results.question import Question
 from rotor_ida.results.run import parameter_coordinates
 from rotor_ida.results.studies.arrays import scratch
-from rotor_ida.schema import FATE, RESPONSE, TRAPPING, Column, labelled, labelled_dataset
+from rotor_ida.schema import FATE, RESPONSE, TRAPPING, labelled, labelled_dataset
 from rotor_ida.simulation.options import Options
 
 LABELLING = (
@@ -51,71 +54,140 @@ IN_BOX = WIDTH * WIDTH
 MOST_IN_ENTROPY = 1_000_000
 
 
-def basin_dataset(
-    axes: Mapping[str, Values], fixed: Mapping[str, float], result: Labelled
-) -> xr.Dataset:
-    """Return the attractor of each start of a grid, over the two components that vary.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Labelled:
+    """Starts of a rotor with their labels, and the attractors that these refer to.
+
+    Parameters
+    ----------
+    subject : str
+        The rotor, in the titles of results.
+    labels, times : ndarray, shape (n,)
+        Number of the attractor of each start, or a fate; and the time at which it was decided.
+    kinds : sequence of str
+        The kind of each attractor.
+    columns : mapping
+        What else is known of the attractors: variables along the dimension ``attractor``.
+    rechecked : ndarray of int64, shape (2,)
+        Number of starts labelled again, and of those with the same label.
+    ended : Ended
+        How the computation ended.
+    impossible : collection of str
+        Kinds of response that no motion of this rotor has.
+    how, given : mapping
+        Attributes that tell how starts were labelled, and of what rotor.
+    coordinates : mapping
+        Coordinates of the result besides the starts.
+    folder : Path or None
+        Where large arrays can be stored.
+    question : Question
+        The question asked.
+    """
+
+    subject: str
+    labels: Labels
+    times: Times
+    kinds: Sequence[str]
+    columns: Mapping[str, Column]
+    rechecked: npt.NDArray[np.int64]
+    ended: Ended
+    impossible: Collection[str]
+    how: Mapping[str, object]
+    given: Mapping[str, object]
+    coordinates: Mapping[str, Column]
+    folder: Path | None
+    question: Question
+
+    @property
+    def family(self) -> tuple[int, ...]:
+        """The numbers of the attractors in the contact-free family."""
+        return family_of(self.kinds)
+
+
+def labelled_starts(
+    followed: FollowedStarts, attractors: Sequence[Attractor], options: Options,
+    folder: Path | None, question: Question,
+) -> Labelled:  # fmt: skip
+    """Return followed starts of one disc; unless interrupted, CVODE confirmed its attractors."""
+    rotor, impossible = followed.known.rotor, {"failed", "not_found"}
+    if rotor.friction == 0.0:
+        impossible.add("rolling")
+        if rotor.load == 0.0:
+            impossible.add("quasi_periodic")
+    how = labelled_how(followed.tolerance, rotor)
+    if not followed.ended.interrupted:
+        how |= followed_by("confirmation", options)
+    columns: dict[str, Column] = {
+        name: ("attractor", np.array([getattr(each, name) for each in attractors], float))
+        for name in NUMBERS
+    }
+    trapping = np.array([TRAPPING[each.trapping] for each in attractors], dtype=np.int8)
+    confirmed = np.array([each.confirmed for each in attractors], dtype=np.int8)
+    columns |= {"trapping": ("attractor", trapping), "confirmed": ("attractor", confirmed)}
+    return Labelled(
+        subject="Rotor in a clearance", labels=followed.labels, times=followed.times,
+        kinds=[each.kind for each in attractors], columns=columns, rechecked=followed.rechecked,
+        ended=followed.ended, impossible=impossible, how=how, given=rotor.given,
+        coordinates=parameter_coordinates(rotor), folder=folder, question=question,
+    )  # fmt: skip
+
+
+def basin_dataset(plane: Plane, result: Labelled) -> xr.Dataset:
+    """Return the attractor of each start of a plane, over the two components that vary.
 
     Start numbers run along the last component first. That component is the first dimension of the
     dataset, as xarray draws the first dimension upwards.
     """
-    attractors, shape = result.attractors, tuple(values.size for values in axes.values())
-    labels, times = result.labels.reshape(shape), result.followed.times.reshape(shape)
-    dims = tuple(axes)
+    count = len(result.kinds)
+    labels, times = result.labels.reshape(plane.shape), result.times.reshape(plane.shape)
+    dims = tuple(plane.axes)
     upright = dims[::-1]
     variables = {
-        "label": _labels(labels, dims, len(attractors)).transpose(*upright),
-        "response": _responses(labels, dims, attractors, result.folder).transpose(*upright),
+        "label": _labels(labels, dims, count).transpose(*upright),
+        "response": _responses(labels, dims, result.kinds, result.folder).transpose(*upright),
         "settling_time": labelled("settling_time", dims, times).transpose(*upright),
-        **_attractor_table(labels, attractors),
-        **_entropies(grid_entropy(labels, family_of(attractors))),
+        **_attractor_table(result),
+        **_entropies(grid_entropy(labels, result.family)),
         **_agreement(result),
     }
-    coordinates = parameter_coordinates(result.rotor)
-    coordinates |= {name: (name, values) for name, values in axes.items()}
-    coordinates |= {name: ((), value) for name, value in fixed.items()}
-    coordinates["attractor"] = ("attractor", np.arange(len(attractors)))
-    title = "Rotor in a clearance: attractor of each start"
+    coordinates = dict(result.coordinates)
+    coordinates |= {name: (name, values) for name, values in plane.axes.items()}
+    coordinates |= {name: ((), value) for name, value in plane.fixed.items()}
+    coordinates["attractor"] = ("attractor", np.arange(count))
+    title = f"{result.subject}: attractor of each start"
     return labelled_dataset(title, variables, coordinates, _attributes(result), kind="basin")
 
 
-def fractions_dataset(starts: Starts, result: Labelled, drawn: Mapping[str, object]) -> xr.Dataset:
+def fractions_dataset(box: Box, result: Labelled) -> xr.Dataset:
     """Return the fractions of the drawn starts that end on each attractor and response."""
-    labels, attractors = result.labels, result.attractors
-    missing, undecided, *ends = _counts(labels, len(attractors)).tolist()
-    # no attractor is of these kinds; some kinds need friction or a load
-    never = {"failed", "not_found"}
-    if result.rotor.friction == 0.0:
-        never.add("rolling")
-        if result.rotor.load == 0.0:
-            never.add("quasi_periodic")
-    of_kind = {number: 0 for word, number in RESPONSE.items() if word not in never}
+    labels, count = result.labels, len(result.kinds)
+    missing, undecided, *ends = _counts(labels, count).tolist()
+    of_kind = {number: 0 for word, number in RESPONSE.items() if word not in result.impossible}
     of_kind[RESPONSE["unresolved"]] = undecided
-    for each, count in zip(attractors, ends, strict=True):
-        number = RESPONSE[each.kind]
-        of_kind[number] = of_kind.get(number, 0) + count
+    for kind, own in zip(result.kinds, ends, strict=True):
+        number = RESPONSE[kind]
+        of_kind[number] = of_kind.get(number, 0) + own
     kinds, counts = list(of_kind), np.array(list(of_kind.values()))
     first = min(labels.size, MOST_IN_ENTROPY)
     fraction, error = _fractions(counts, labels.size - missing)
     variables: dict[str, Column | xr.Variable] = {
-        **_attractor_table(labels, attractors),
-        **_entropies(sample_entropy(starts(0, first), labels[:first], family_of(attractors))),
+        **_attractor_table(result),
+        **_entropies(sample_entropy(box.starts(0, first), labels[:first], result.family)),
         **_agreement(result),
         "response_count": ("response", counts),
         "response_fraction": ("response", fraction),
         "response_fraction_error": ("response", error),
     }
-    coordinates = parameter_coordinates(result.rotor)
-    coordinates["attractor"] = ("attractor", np.arange(len(attractors)))
+    coordinates = dict(result.coordinates)
+    coordinates["attractor"] = ("attractor", np.arange(count))
     coordinates["response"] = ("response", np.array(kinds, dtype=np.int8))
-    title = "Rotor in a clearance: fractions of starts"
-    return labelled_dataset(
-        title, variables, coordinates, _attributes(result, drawn), kind="basin_fractions"
-    )
+    title = f"{result.subject}: fractions of starts"
+    attributes = _attributes(result, box.attributes)
+    return labelled_dataset(title, variables, coordinates, attributes, kind="basin_fractions")
 
 
 def _agreement(result: Labelled) -> dict[str, xr.Variable]:
-    attributes = agreement_of(result.followed.rechecked)
+    attributes = agreement_of(result.rechecked)
     return {name: labelled(name, (), value) for name, value in attributes.items()}
 
 
@@ -153,20 +225,16 @@ def agreement_of(rechecked: npt.NDArray[np.int64]) -> dict[str, float]:
     return {"agreement": alike / count if count else math.nan, "agreement_count": count}
 
 
-def _attributes(result: Labelled, drawn: Mapping[str, object] | None = None) -> dict[str, object]:
-    followed = result.followed
-    how = labelled_how(followed.tolerance, result.rotor)
-    if not followed.interrupted:
-        how |= followed_by("confirmation", result.options)
+def _attributes(result: Labelled, drawn: Mapping[str, object] = {}) -> dict[str, object]:
     attributes = {
-        **provenance(how),
-        **result.rotor.given,
-        **(drawn or {}),
-        "interrupted": int(followed.interrupted),
+        **provenance(dict(result.how)),
+        **result.given,
+        **drawn,
+        "interrupted": int(result.ended.interrupted),
         **result.question.attribute(),
     }
-    if followed.not_computed_reason:
-        attributes["not_computed_reason"] = followed.not_computed_reason
+    if result.ended.reason:
+        attributes["not_computed_reason"] = result.ended.reason
     return attributes
 
 
@@ -181,11 +249,11 @@ def _labels(labels: Labels, dims: tuple[str, ...], count: int) -> xr.Variable:
 def _responses(
     labels: Labels,
     dims: tuple[str, ...],
-    attractors: Sequence[Attractor],
+    attractors: Sequence[str],
     folder: Path | None,
 ) -> xr.Variable:
     """Return the kind of response of each start; those not computed have a separate number."""
-    kinds = [RESPONSE[each.kind] for each in attractors]
+    kinds = [RESPONSE[each] for each in attractors]
     # the two fates are at the end of the table, where negative indices find them
     table = np.array([*kinds, FATE["not_computed"], RESPONSE["unresolved"]], dtype=np.int8)
     responses = scratch(labels.shape, np.int8, folder)
@@ -199,24 +267,22 @@ def _responses(
     return variable
 
 
-def _attractor_table(labels: Labels, attractors: Sequence[Attractor]) -> dict[str, xr.Variable]:
-    missing, undecided, *ends = _counts(labels, len(attractors)).tolist()
+def _attractor_table(result: Labelled) -> dict[str, xr.Variable]:
+    labels, kinds = result.labels, result.kinds
+    missing, undecided, *ends = _counts(labels, len(kinds)).tolist()
     counts = np.array(ends, dtype=np.int64)
     fraction, error = _fractions(np.array([*counts, undecided]), labels.size - missing)
-    columns: dict[str, npt.ArrayLike] = {
-        "kind": np.array([RESPONSE[each.kind] for each in attractors], dtype=np.int8),
-        **{name: np.array([getattr(each, name) for each in attractors], float) for name in NUMBERS},
-        "trapping": np.array([TRAPPING[each.trapping] for each in attractors], dtype=np.int8),
-        "confirmed": np.array([each.confirmed for each in attractors], dtype=np.int8),
-        "count": counts,
-        "fraction": fraction[:-1],
-        "fraction_error": error[:-1],
+    columns: dict[str, Column] = {
+        "kind": ("attractor", np.array([RESPONSE[each] for each in kinds], dtype=np.int8)),
+        **result.columns,
+        "count": ("attractor", counts),
+        "fraction": ("attractor", fraction[:-1]),
+        "fraction_error": ("attractor", error[:-1]),
+        "undecided_count": ((), undecided),
+        "undecided_fraction": ((), fraction[-1]),
+        "not_computed_count": ((), missing),
     }
-    table = {name: labelled(name, "attractor", column) for name, column in columns.items()}
-    table["undecided_count"] = labelled("undecided_count", (), undecided)
-    table["undecided_fraction"] = labelled("undecided_fraction", (), fraction[-1])
-    table["not_computed_count"] = labelled("not_computed_count", (), missing)
-    return table
+    return {name: labelled(name, *column) for name, column in columns.items()}
 
 
 def _counts(labels: Labels, attractors: int) -> npt.NDArray[np.int64]:

@@ -3,10 +3,12 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field, fields
 from functools import partial
+from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -30,16 +32,16 @@ from rotor_ida.basins.known import (
     may_roll,
     same_cycle,
 )
+from rotor_ida.basins.starts import Starts
 from rotor_ida.cycles.orbit import Orbit
 from rotor_ida.cycles.shooting import close_orbit
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import FailedJob, Progress, Stop, interruptible, run_all
+from rotor_ida.parallel.jobs import Job, Result, Work
 from rotor_ida.results.studies.arrays import scratch
 from rotor_ida.results.studies.results import Form, Results
 from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.steady.follow import SettledResponse
-
-Starts = Callable[[int, int], Values]
 
 # A smaller batch would leave many lanes of the kernel idle at its end.
 SMALLEST_BATCH = 512
@@ -63,6 +65,24 @@ CHECKED = 512
 RTOL_OF_FIRST_LOOK = 1e-4
 
 
+class Ended(NamedTuple):
+    """How a computation of many starts ended.
+
+    Parameters
+    ----------
+    interrupted : bool
+        Whether the user interrupted it.
+    reason : str
+        Why starts were not computed, other than by an interrupt; else empty.
+    """
+
+    interrupted: bool = False
+    reason: str = ""
+
+
+WHOLE = Ended()
+
+
 @dataclass(slots=True)
 class FollowedStarts:
     """Results of many starts, n of them."""
@@ -77,8 +97,7 @@ class FollowedStarts:
     aperiodic: dict[int, Values] = field(default_factory=dict)
     left: float = 0.0  # number of observed orbits that left a chaotic motion
     watched: float = 0.0  # total time for which chaotic orbits were observed [1]
-    interrupted: bool = False  # by the user
-    not_computed_reason: str = ""  # why starts were not computed, other than by an interrupt
+    ended: Ended = WHOLE
     tolerance: float = RTOL  # error allowed in a step [1]
     # number of starts labelled again with a smaller error, and of those with the same label
     rechecked: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(2, dtype=np.int64))
@@ -117,41 +136,88 @@ def follow_starts(
     """
     alone = followed_alone(known.rotor)
     smallest = SMALLEST_RUBBING if may_roll(known.rotor) else SMALLEST_BATCH
-    smallest = SMALLEST_ALONE if alone else smallest
-    size = min(max(math.ceil(count / FEWEST_BATCHES), smallest), LARGEST_BATCH)
+    size = size_of_batch(count, SMALLEST_ALONE if alone else smallest)
+
+    def job_by_number(due: Sequence[int]) -> Callable[[int, int, int], _Job]:
+        # whichever are left: the same cycles are known to all
+        seen, allowed = known, tolerance
+        if alone:
+            allowed = allowed or ALONE.rtol
+        elif due and (count > size or allowed is None):
+            scout = partial(_scouted, known, starts, count, allowed, drawn)
+            seen, allowed = interruptible(scout)
+        rtol = allowed or RTOL  # of the last batch, if there is one
+
+        def job(number: int, first: int, last: int) -> _Job:
+            again = rechecked_of_batch(number, last - first)
+            return _Job(seen, first, starts(first, last), rtol, again)
+
+        return job
+
+    ended = follow_in_batches(
+        _follow, job_by_number, count, size, kept,
+        workers=workers, executor=executor, progress=progress,
+    )  # fmt: skip
+    followed = _gathered(known, count, kept)
+    followed.ended = ended
+    return followed
+
+
+def size_of_batch(count: int, smallest: int) -> int:
+    """Return the number of starts of a batch: it does not depend on the workers."""
+    return min(max(math.ceil(count / FEWEST_BATCHES), smallest), LARGEST_BATCH)
+
+
+def follow_in_batches(
+    work: Work[Job, Result],
+    job_by_number: Callable[[Sequence[int]], Callable[[int, int, int], Job]],
+    count: int,
+    size: int,
+    kept: Results[Result],
+    *,
+    workers: int | None,
+    executor: str,
+    progress: Progress | None,
+) -> Ended:
+    """Follow starts in batches of a size; those that are stored already are not followed again.
+
+    `job_by_number` takes the numbers of the batches that are left, and returns the function that
+    makes the job of a batch from its number, its first start, and the one behind its last.
+    """
     due = [number for number in range(math.ceil(count / size)) if number not in kept.done]
-    interrupted, reason = False, ""
+    reason = ""
+
+    def ends(number: int) -> tuple[int, int]:
+        return number * size, min((number + 1) * size, count)
+
     if progress is not None and kept.points_done:
         progress(kept.points_done, count)
     try:
-        # whichever are left: the same cycles are known to all
-        if alone:
-            tolerance = tolerance or ALONE.rtol
-        elif due and (count > size or tolerance is None):
-            scout = partial(_scouted, known, starts, count, tolerance, drawn)
-            known, tolerance = interruptible(scout)
-        edges = ((each, each * size, min((each + 1) * size, count)) for each in due)
-        allowed = tolerance or RTOL  # of the last batch, if there is one
-        jobs = (
-            _Job(known, first, starts(first, last), allowed, rechecked_of_batch(each, last - first))
-            for each, first, last in edges
-        )
+        job = job_by_number(due)
+        jobs = (job(each, *ends(each)) for each in due)
         if due:  # else no cluster need be started
-            with closing(run_all(_follow, jobs, workers=workers, executor=executor)) as batches:
+            with closing(run_all(work, jobs, workers=workers, executor=executor)) as batches:
                 for turn, batch in batches:
                     if isinstance(batch, FailedJob):
                         reason = batch.reason
                     else:
-                        kept.keep(due[turn], batch, batch.labels.size)
+                        first, last = ends(due[turn])
+                        kept.keep(due[turn], batch, last - first)
                     if progress is not None:
                         progress(kept.points_done, count)
     except KeyboardInterrupt:
         if kept.folder is not None:  # a study can be resumed later from what it has stored
             raise
-        interrupted = True
-    followed = _gathered(known, count, kept)
-    followed.interrupted, followed.not_computed_reason = interrupted, reason
-    return followed
+        return Ended(interrupted=True, reason=reason)
+    return Ended(reason=reason)
+
+
+def unlabelled(count: int, folder: Path | None) -> tuple[Labels, Times]:
+    """Return labels and times of starts, none of which is computed."""
+    labels = np.asarray(scratch((count,), np.int16, folder))
+    times = np.asarray(scratch((count,), np.float32, folder))
+    labels[:], times[:] = NOT_COMPUTED, np.nan
+    return labels, times
 
 
 def follow_here(
@@ -244,12 +310,7 @@ def _motion_row(motion: SettledResponse) -> Values:
 
 def _gathered(known: Known, count: int, kept: Results[BatchResult]) -> FollowedStarts:
     """Return the results of all starts, gathered from the batches."""
-    followed = FollowedStarts(
-        known,
-        np.asarray(scratch((count,), np.int16, kept.folder)),
-        np.asarray(scratch((count,), np.float32, kept.folder)),
-    )
-    followed.labels[:], followed.times[:] = NOT_COMPUTED, np.nan
+    followed = FollowedStarts(known, *unlabelled(count, kept.folder))
     numbers: dict[tuple[float, ...], int] = {}
     for _, batch in kept.results():
         stretch = slice(batch.first, batch.first + batch.labels.size)
@@ -396,7 +457,7 @@ def count_agreeing(
     They are chosen evenly from the n starts, shape (4, n), without those that have no attractor.
     None is followed for longer than the longest of them was before.
     """
-    chosen = _spread(labels.size, rechecked)
+    chosen = spread_evenly(labels.size, rechecked)
     chosen = chosen[labels[chosen] >= 0]
     if not chosen.size or stop[0]:
         return np.zeros(2, dtype=np.int64)
@@ -408,7 +469,7 @@ def count_agreeing(
     return np.array([held.sum(), (again == labels[chosen])[held].sum()])
 
 
-def _spread(count: int, few: int) -> npt.NDArray[np.int64]:
+def spread_evenly(count: int, few: int) -> npt.NDArray[np.int64]:
     """Return `few` numbers below `count`, spread evenly without matching a grid."""
     places = np.arange(1, few + 1) * GOLDEN % 1.0
     return np.unique((count * places).astype(np.int64))

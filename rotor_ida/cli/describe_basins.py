@@ -11,6 +11,7 @@ from rich.console import RenderableType
 
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.cli.describe import ranges_of
+from rotor_ida.cli.describe_systems import worst_of_contacts
 from rotor_ida.cli.report import pairs, table
 from rotor_ida.cli.variables import (
     Description,
@@ -32,8 +33,8 @@ from rotor_ida.schema import by_number, flags_of
 
 ATTRACTORS = Rows(
     title="Attractors", key="attractors", lead="kind", digits=6,
-    names=("kind", "attractor", "amplitude", "phase_lag", "radius_min", "radius_max", "trapping",
-           "confirmed", "count", "fraction", "fraction_error"),
+    names=("kind", "attractor", "amplitude", "phase_lag", "radius_min", "radius_max", "excursion",
+           "largest_force", "trapping", "confirmed", "count", "fraction", "fraction_error"),
 )  # fmt: skip
 SHARES = Rows(
     title="Kinds of response", key="responses", lead="response_fraction", digits=6,
@@ -59,7 +60,11 @@ ENDS = {"low": "from", "high": "to"}
 
 def show_attractors(dataset: xr.Dataset, most: int | None) -> Description:
     """Return the attractors of a basin or of fractions, with the ends of the starts."""
+    contacts: Record = {}
+    if "contact" in dataset.dims:
+        dataset, contacts = worst_of_contacts(dataset)
     record, parts = tabled(dataset, most, ATTRACTORS, SHARES)
+    record |= contacts
     if "label" in dataset:
         record["grid"] = {
             name: dataset.sizes[name] for name in COMPONENTS if name in dataset["label"].dims

@@ -46,6 +46,8 @@ RESPONSES = Rows(
            "largest_force", "period", "lyapunov_exponent", "lyapunov_error", "revolutions",
            "cycle_distance", "status", "message"),
 )  # fmt: skip
+# Dimensions of a settled response by which it is too long for a row.
+OF_MOTION = ("contact", "node", "component")
 OF_KINDS = ("speed", *PARAMETERS_OF_SYSTEM, "excursion", "largest_force")
 DROPS = Rows(
     title="Drops", key="drops", lead="drop",
@@ -90,19 +92,24 @@ def show_system_run(dataset: xr.Dataset, most: int | None) -> Description:
 
 def show_system_sweep(dataset: xr.Dataset, most: int | None) -> Description:
     """Return the responses of a sweep, with their number by kind, and the worst of all contacts."""
+    told, contacts = worst_of_contacts(dataset)
+    record, parts = tabled(told, most, RESPONSES)
+    return record | contacts, [count_of_kinds(told, OF_KINDS), *parts]
+
+
+def worst_of_contacts(dataset: xr.Dataset) -> tuple[xr.Dataset, Record]:
+    """Return settled responses with the worst of all contacts, and the contacts as a record."""
     gaps = clearance_of_contacts(dataset)
     worst = {
         "excursion": dataset["radius_max"] / gaps,
         "largest_force": dataset["largest_force"],
     }
-    told = dataset.drop_dims([dim for dim in dataset.dims if dim not in dataset["response"].dims])
+    told = dataset.drop_dims([dim for dim in OF_MOTION if dim in dataset.dims])
     if dataset.sizes["contact"]:
         told = told.assign({name: each.max("contact") for name, each in worst.items()})
         told["excursion"].attrs = QUANTITIES["excursion"].attributes()
         told["largest_force"].attrs = dataset["largest_force"].attrs
-    record, parts = tabled(told, most, RESPONSES)
-    contacts = rows_of(dataset, (str(gaps.name), "contact_node"))
-    return record | {"contacts": contacts}, [count_of_kinds(told, OF_KINDS), *parts]
+    return told, {"contacts": rows_of(dataset, (str(gaps.name), "contact_node"))}
 
 
 def show_drop(dataset: xr.Dataset, most: int | None) -> Description:

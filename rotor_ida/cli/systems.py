@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import warnings
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import rotor_ida
-from rotor_ida.checks import State, shown
+from rotor_ida.checks import State, listed, shown
 from rotor_ida.cli import options
 from rotor_ida.cli.output import Output, answer, answer_whole, working
 from rotor_ida.cli.parsing import Quantity, refuse_units
@@ -20,6 +20,8 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
 
 if TYPE_CHECKING:
+    import xarray as xr
+
     from rotor_ida.model.rotor_system import RotorSystem
     from rotor_ida.results.system_file import Course
 
@@ -161,6 +163,33 @@ def _varied(
             f"method must be taylor for {words} of a rotor system, got {solver.method}"
         )
     return {name: each[0] if len(each) == 1 else each for name, each in varied.items()}, how
+
+
+def basin_file(
+    verb: Callable[..., xr.Dataset],
+    file: Path,
+    rotor: RotorOptions,
+    node: str | None,
+    start: State | str | None,
+    output: Output,
+    given: Mapping[str, Any],
+) -> Report:
+    """Compute basins of the system of a file, or their fractions, over the states of a node."""
+    _checked(rotor.given, rotor.machine, options.SolverOptions(), output)
+    system, course = case_of(file, {**rotor.given, **given})
+    speed = rotor.given.get(SPEED, course.speed)
+    if speed is None:
+        raise InputError(f"speed must be given with --speed or in {file}")
+    if node is None:
+        nodes = listed([repr(each) for each in system.nodes], "or")
+        raise InputError(f"node must be given with --node for a rotor system: {nodes}")
+    chosen = {name: each for name, each in given.items() if name != "rtol" or each is not None}
+    with working(verb.__name__, given["study"]) as progress:
+        dataset = verb(
+            system, speed=speed, node=node, start=_begun(course, start).start, modes=course.modes,
+            **chosen, progress=progress,
+        )  # fmt: skip
+        return answer_whole(dataset, output, given["study"])
 
 
 def _refuse_units_of_factors(varied: Mapping[str, list[float]]) -> None:

@@ -9,6 +9,7 @@ from itertools import cycle
 
 import numpy as np
 import xarray as xr
+from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm
 from matplotlib.patches import Patch
@@ -18,12 +19,29 @@ from rotor_ida.checks import COMPONENTS, check_choice
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import HERTZ_EXPONENT, contact_force
 from rotor_ida.model.parameters import PARAMETERS
-from rotor_ida.plot.appearance import INK, KIND_SHADES, drawing, legend_below
-from rotor_ida.plot.datasets import check_dataset, parameters_in, table_of
-from rotor_ida.plot.labels import KIND_WORDS, LABELS, label_axis, number_text, title_of, unit_of
+from rotor_ida.plot.appearance import (
+    INK,
+    KIND_SHADES,
+    circle,
+    draw_ring,
+    drawing,
+    legend_below,
+)
+from rotor_ida.plot.datasets import check_dataset, clearance_of, parameters_in, table_of
+from rotor_ida.plot.labels import (
+    KIND_WORDS,
+    LABELS,
+    label_axis,
+    number_text,
+    speed_text,
+    title_of,
+    unit_of,
+)
 from rotor_ida.schema import FATE, QUANTITIES, RESPONSE, check_as_computed, flags_of, words_of
+from rotor_ida.signals.nodes import Ring
 
-NEEDED = (*PARAMETERS, "label", "kind", "amplitude", "radius_min", "radius_max", "count")
+NEEDED = ("label", "kind", "amplitude", "radius_min", "radius_max", "count")
+OF_CONTACTS = ("speed", "contact_node", "contact_stator", "clearance", "centre_x", "centre_y")
 UNDECIDED, NOT_COMPUTED = INK, "white"
 NOTHING_ELSE = "#d5e8d4"
 FATE_WORDS = {"undecided": "undecided", "not_computed": "not computed"}
@@ -37,7 +55,9 @@ def plot_basin(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     """Draw basins of attraction.
 
     The legend names the attractors that starts end on: the kind, with the amplitude or the range of
-    the radius.
+    the radius. Of a rotor system these are at the contact of the node whose starts are drawn, or
+    at the contact that takes most of its clearance. Clearance circles are drawn on the plane of x
+    and y, those of the node where it touches the ground.
 
     Parameters
     ----------
@@ -60,7 +80,7 @@ def plot_basin(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     >>> [text.get_text() for text in ax.get_legend().get_texts()]
     ['synchronous response, $A = 1.88$', 'synchronous response, $A = 9.49$']
     """
-    dataset = check_dataset("dataset", dataset, NEEDED)
+    dataset = _checked(dataset, NEEDED)
     horizontal, vertical = _directions(dataset["label"])
     label = dataset["label"]
     count = dataset.sizes["attractor"]
@@ -82,8 +102,11 @@ def plot_basin(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
             ax.set_aspect("equal")
         else:
             ax.set_box_aspect(1.0)
+        if (horizontal, vertical) == ("x", "y"):
+            _draw_rings(ax, dataset)
         ax.set_title(_title(dataset))
-        handles = _handles(dataset, colours)
+        handles = _handles(_at_one_contact(dataset), colours)
+        handles += ax.get_legend_handles_labels()[0][:1]
         legend_below(ax, columns=1 + (len(handles) > MOST_IN_A_COLUMN), handles=handles)
     return ax
 
@@ -146,10 +169,9 @@ def plot_attractor_fractions(dataset: xr.Dataset, *, ax: Axes | None = None) -> 
     >>> [text.get_text() for text in plot_attractor_fractions(found).get_yticklabels()]
     ['synchronous response, $A = 1.88$', 'synchronous response, $A = 9.49$']
     """
-    needed = (*PARAMETERS, "kind", "fraction", "fraction_error", "amplitude", "radius_min",
-              "radius_max")  # fmt: skip
-    dataset = check_dataset("dataset", dataset, needed)
-    for name in needed[len(PARAMETERS) :]:
+    needed = ("kind", "fraction", "fraction_error", "amplitude", "radius_min", "radius_max")
+    dataset = _at_one_contact(_checked(dataset, needed))
+    for name in needed:
         table_of("dataset", dataset, name, ("attractor",))
     shares = dataset["fraction"].values
     shades = _shades(dataset["kind"])
@@ -168,7 +190,7 @@ def plot_attractor_fractions(dataset: xr.Dataset, *, ax: Axes | None = None) -> 
         ax.grid(visible=False, axis="y")
         ax.set_xlim(0.0, 1.0)
         ax.set_xlabel(SHARE)
-        ax.set_title(title_of("dataset", dataset))
+        ax.set_title(_title(dataset))
     return ax
 
 
@@ -360,9 +382,49 @@ def _directions(label: xr.DataArray) -> tuple[str, str]:
     return horizontal, vertical
 
 
+def _checked(dataset: xr.Dataset, needed: Sequence[str]) -> xr.Dataset:
+    """Return a result of one disc or of a rotor system; refuse another."""
+    is_system = isinstance(dataset, xr.Dataset) and "contact_node" in dataset.variables
+    return check_dataset("dataset", dataset, (*(OF_CONTACTS if is_system else PARAMETERS), *needed))
+
+
+def _at_one_contact(dataset: xr.Dataset) -> xr.Dataset:
+    """Return the attractors of a rotor system at one contact: that of the node, or the closest."""
+    if "contact" not in dataset.dims:
+        return dataset
+    own = dataset["contact_node"].values == dataset.attrs.get("knocked_node")
+    share = (dataset["radius_max"] / dataset["clearance"]).max("attractor").fillna(0.0).values
+    return dataset.isel(contact=int(np.argmax(np.where(own, np.inf, share))))
+
+
+def _rings(dataset: xr.Dataset) -> list[tuple[float, complex]]:
+    """Return clearance and centre of each circle about a node that its stator does not move."""
+    if "contact" not in dataset.dims:
+        return [(clearance_of(dataset, "dataset"), 0j)]
+    own = dataset["contact_node"].values == dataset.attrs.get("knocked_node")
+    on_ground = dataset.isel(contact=own & (dataset["contact_stator"].values == ""))
+    columns = (on_ground[name].values for name in ("clearance", "centre_x", "centre_y"))
+    return [(clearance, complex(x, y)) for clearance, x, y in zip(*columns, strict=True)]
+
+
+def _draw_rings(ax: Axes, dataset: xr.Dataset) -> None:
+    """Draw the clearance circles that cross the plane of starts."""
+    (left, right), (bottom, top) = limits = ax.get_xlim(), ax.get_ylim()
+    for clearance, centre in _rings(dataset):
+        x, y = circle(clearance)
+        x, y = x + centre.real, y + centre.imag
+        if ((left <= x) & (x <= right) & (bottom <= y) & (y <= top)).any():
+            draw_ring(ax, clearance, centre)
+    ax.set(xlim=limits[0], ylim=limits[1])
+
+
 def _title(dataset: xr.Dataset) -> str:
-    """Return the parameters, and the fixed start coordinates, as a title."""
-    words = [title_of("dataset", dataset)]
+    """Return the parameters, or node and speed, and the fixed start coordinates, as a title."""
+    if "contact_node" in dataset.variables:
+        node = Ring(str(dataset.attrs.get("knocked_node", "")), "", []).title
+        words = [f"{node},  {speed_text(dataset['speed'])}"]
+    else:
+        words = [title_of("dataset", dataset)]
     for name in COMPONENTS:
         if name in dataset.coords and dataset[name].ndim == 0 and float(dataset[name]) != 0.0:
             symbol = LABELS[name].partition(" ")[2]
@@ -377,10 +439,10 @@ def _shades(kinds: xr.DataArray) -> list[str]:
     return [next(families[kind]) for kind in words_of(kinds)]
 
 
-def _handles(dataset: xr.Dataset, colours: list[str]) -> list[Patch]:
+def _handles(dataset: xr.Dataset, colours: list[str]) -> list[Artist]:
     """Return a patch for each attractor that a start ends on, then for unknown ends."""
     shift = -FATE["not_computed"]
-    handles = [
+    handles: list[Artist] = [
         Patch(facecolor=colours[number + shift], label=_name(dataset.isel(attractor=number)))
         for number in range(dataset.sizes["attractor"])
         if dataset["count"].values[number] > 0

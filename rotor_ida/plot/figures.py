@@ -171,7 +171,7 @@ def figure_of_atlas(dataset: xr.Dataset) -> Figure:
 
 def figure_of_fractions(dataset: xr.Dataset) -> Figure:
     """Return the figure of basin fractions: by attractor, or over the speed by kind."""
-    if dataset["omega"].size > 1:
+    if "omega" in dataset.variables and dataset["omega"].size > 1:
         return _with_legend(plot.plot_basin_fractions, dataset)
     return cast(Figure, plot.plot_attractor_fractions(dataset).figure)
 

@@ -258,9 +258,20 @@ def _speed_of_system(dataset: xr.Dataset) -> list[str]:
     units = dataset.attrs.get("speed_units", "1")
     if "event_speed" in dataset.variables:
         speeds, units = course_of(dataset["speed"].values).tolist(), units_in(dataset["speed"])
-    turns = in_rpm(xr.DataArray(speeds, attrs={"units": units}))
-    words = " to ".join(map(_short, speeds if turns is None else turns))
-    return [f"speed {words}" if turns is None else f"{words} rpm"] if words else []
+    return [speed_text(xr.DataArray(speeds, attrs={"units": units}))] if speeds else []
+
+
+def speed_text(speeds: xr.DataArray) -> str:
+    """Return the speed of a rotor system, or its course, in rpm or without a unit.
+
+    Examples
+    --------
+    >>> speed_text(xr.DataArray(1.35)), speed_text(xr.DataArray(314.16, attrs={"units": "s-1"}))
+    ('speed 1.35', '3000 rpm')
+    """
+    turns = in_rpm(speeds)
+    words = " to ".join(map(_short, np.ravel(speeds if turns is None else turns).tolist()))
+    return f"speed {words}" if turns is None else f"{words} rpm"
 
 
 def text_of(dataset: xr.Dataset, values: Mapping[str, float]) -> str:

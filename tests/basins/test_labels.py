@@ -7,13 +7,13 @@ import pytest
 import xarray as xr
 
 from rotor_ida import InputError, Rotor, basin, basin_fractions, limit_cycle, sweep
-from rotor_ida.basins.basin import drawn_from
 from rotor_ida.basins.fates import Batch, decide
 from rotor_ida.basins.known import known_from_closed_forms
 from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.closed_forms.rest import rest
 from rotor_ida.schema import RESPONSE, TRAPPING
 from rotor_ida.simulation.options import Options
+from rotor_ida.simulation.starts import drawn_from
 from rotor_ida.steady.follow import follow_to_steady_state
 from rotor_ida.verification.verify import rerun
 from tests.basins.lanes import GO_ON, RUBBING, WHIP

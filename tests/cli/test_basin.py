@@ -104,3 +104,83 @@ def test_mistakes_get_one_line(program: Program, words: tuple[object, ...], mess
     assert (answer.status, answer.out) == (2, "")
     assert message in answer.err
     assert answer.err.count("\n") == 1
+
+
+# Two discs on a shaft that is the same in all directions; the seal is bistable.
+SYSTEM = """
+speed = "10982 rpm"
+start = "settled"
+[system]
+mass = [10, 10, 10, 10]
+damping = [1000, 1000, 1000, 1000]
+stiffness = [[2e7, 0, -1e7, 0], [0, 2e7, 0, -1e7], [-1e7, 0, 1.4e7, 0], [0, -1e7, 0, 1.4e7]]
+[system.nodes]
+disc = [0, 1]
+seal = [2, 3]
+[[contacts]]
+node = "seal"
+clearance = "30 um"
+stiffness = "5e9 N/m^1.5"
+[[unbalance]]
+node = "disc"
+moment = "200 g mm"
+"""
+OF_SEAL = ("--node", "seal", "--x=-40um:10um:4")
+
+
+def test_a_system_file_has_basins_and_fractions(program: Program):
+    Path("rotor.toml").write_text(SYSTEM)
+    answer = program("basin", "rotor.toml", *OF_SEAL, "--y=-30um:30um:3", "--out", "basin.nc",
+                     "--figure", "basin", "--json")  # fmt: skip
+    assert (answer.status, answer.err) == (0, "")
+    system = rotor_ida.load_system("rotor.toml")
+    given = {"speed": 10982 * np.pi / 30.0, "node": "seal", "start": "settled"}
+    expected = rotor_ida.basin(
+        system, **given, x=np.linspace(-4e-5, 1e-5, 4), y=np.linspace(-3e-5, 3e-5, 3)
+    )
+    kept = rotor_ida.load("basin.nc")
+    np.testing.assert_array_equal(kept["label"], expected["label"])
+    record = json.loads(answer.out)
+    assert (record["kind"], record["grid"]) == ("basin", {"x": 4, "y": 3})
+    rub, free = record["attractors"]
+    assert (rub["kind"], free["kind"]) == ("synchronous", "contact_free")
+    assert rub["excursion"] == pytest.approx(float(expected.radius_max[0, 0]) / 3e-5)
+    assert rub["count"] + free["count"] == 12
+    assert record["contacts"] == [{"clearance": 3e-5, "contact_node": "seal"}]
+    assert Path("basin.png").exists()
+    assert program("verify", "basin.nc").status == 0
+    drawn = program("plot", "basin.nc", "--force")
+    assert (drawn.status, drawn.err) == (0, "")
+    shares = program("basin-fractions", "rotor.toml", "--node", "seal", "--x=-40um:10um",
+                     "--y=-30um:30um", "--starts", 6, "--start", "rest", "--study", "study",
+                     "--json")  # fmt: skip
+    assert (shares.status, shares.err) == (0, "")
+    told = json.loads(shares.out)
+    assert told["kind"] == "basin_fractions"
+    assert sum(row["count"] for row in told["attractors"]) == 6
+    assert program("status", "study").status == 0
+
+
+@pytest.mark.parametrize(
+    ("words", "message"),
+    [
+        (
+            ("rotor.toml", "--x=-1um:1um:2"),
+            "node must be given with --node for a rotor system: 'di",
+        ),
+        (("rotor.toml", *OF_SEAL, "--zeta", 0.1), "zeta must be left out with a rotor system"),
+        (
+            ("rotor.toml", OF_SEAL[-1], "--node", "seals"),
+            "node must be one of 'disc', 'seal', got 'se",
+        ),
+        (
+            ("--omega", 1, "--zeta", 1, "--delta0", 1, "--node", "a", "--x=0:1:2"),
+            "node must be of a",
+        ),
+    ],
+)
+def test_what_is_of_the_other_rotor_is_refused(program: Program, words: Any, message: str):
+    Path("rotor.toml").write_text(SYSTEM)
+    answer = program("basin", *words, "--y=-3:3:3")
+    assert (answer.status, answer.err.count("\n")) == (2, 1)
+    assert message in answer.err

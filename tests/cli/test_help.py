@@ -254,7 +254,7 @@ def test_defaults_are_those_of_the_library(command: Callable[..., object], libra
             default = ours[name][1]
             if default is None and name in OPTIONAL:  # no axis is given
                 default = DEFAULTS[name]
-            if default is None and name == "start":  # it must be left out with --from
+            if default is None and name == "start" and parameter.default:  # or left out with --from
                 default = AT_REST
             if (
                 default is None and name == "method" and parameter.default

@@ -3,9 +3,19 @@ import pytest
 from matplotlib.collections import QuadMesh
 from matplotlib.colors import to_rgba
 
-from rotor_ida import InputError, Rotor, basin, basin_fractions, continue_attractors
+from rotor_ida import (
+    Contact,
+    InputError,
+    Rotor,
+    RotorSystem,
+    Unbalance,
+    basin,
+    basin_fractions,
+    continue_attractors,
+)
 from rotor_ida.plot import plot_attractor_fractions, plot_attractor_map, plot_attractors, plot_basin
 from rotor_ida.plot.appearance import KIND_SHADES
+from rotor_ida.plot.figures import figure_of
 from rotor_ida.plot.labels import LABELS
 from rotor_ida.schema import RESPONSE, flags_of
 from tests.plot.pictures import words_of
@@ -210,3 +220,57 @@ def test_starts_that_are_not_decided_have_a_bar_of_their_own(fractions):
     ax = plot_attractor_fractions(some)
     names = [text.get_text() for text in ax.get_yticklabels()]
     assert ax.patches[names.index("undecided")].get_width() == pytest.approx(0.5)
+
+
+@pytest.fixture(scope="module")
+def of_system():
+    """Starts of one of two nodes, beside its clearance circle."""
+    system = RotorSystem(
+        mass=10.0 * np.eye(4), stiffness=1e7 * np.kron([[2.0, -1.0], [-1.0, 1.4]], np.eye(2)),
+        damping=1e3 * np.eye(4), nodes={"disc": (0, 1), "seal": (2, 3)},
+        contacts=[Contact(node="disc", clearance=9e-4, stiffness=5e9),
+                  Contact(node="seal", clearance=3e-5, stiffness=5e9)],
+        unbalance=[Unbalance(node="disc", moment=2e-4)],
+    )  # fmt: skip
+    given = {"speed": 1150.0, "node": "seal", "start": "settled"}
+    plane = {"x": np.linspace(-4e-5, 1e-5, 4), "y": np.linspace(-3e-5, 3e-5, 3)}
+    fractions = basin_fractions(system, **given, x=(-4e-5, 1e-5), y=(-3e-5, 3e-5), starts=8)
+    return basin(system, **given, **plane), fractions
+
+
+def test_a_basin_of_a_rotor_system_has_its_units_its_node_and_the_circle_of_that(of_system):
+    found, _ = of_system
+    ax = plot_basin(found)
+    assert ax.get_xlabel() == "displacement $X$ [µm]"
+    assert ax.get_title() == "seal,  10982 rpm"
+    named = [f"$A = {1e6 * size:#.3g}$ µm" for size in found.amplitude.values[:, 1]]
+    assert [each.split(", ")[1] for each in words(ax)[:-1]] == named
+    assert words(ax)[-1] == "clearance"
+    (ring,) = ax.lines
+    np.testing.assert_allclose(np.hypot(ring.get_xdata(), ring.get_ydata()), 30.0)
+    assert ax.get_xlim()[1] < 25.0  # not as far as the circle reaches
+    offset = ("contact", [0.0, 2e-6], found.centre_x.attrs)
+    (ring,) = plot_basin(found.assign_coords(centre_x=offset)).lines
+    np.testing.assert_allclose(np.hypot(ring.get_xdata() - 2.0, ring.get_ydata()), 30.0)
+
+
+def test_a_circle_beyond_the_starts_is_not_drawn(of_system):
+    found, _ = of_system
+    far = found.assign_coords(clearance=("contact", [9e-4, 9e-4], found.clearance.attrs))
+    assert not plot_basin(far).lines
+
+
+def test_fractions_of_a_rotor_system_are_bars_with_the_amplitudes_of_its_node(of_system):
+    _, fractions = of_system
+    ax = plot_attractor_fractions(fractions)
+    assert ax.get_title() == "seal,  10982 rpm"
+    assert all(text.get_text().endswith("µm") for text in ax.get_yticklabels())
+    figure = figure_of(fractions)
+    assert figure.axes[0].get_title() == ax.get_title()
+
+
+def test_a_disc_has_its_clearance_circle():
+    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+    plane = basin(rotor, x=np.linspace(-5, 5, 6), y=np.linspace(-4, 4, 5))
+    (ring,) = plot_basin(plane).lines
+    np.testing.assert_allclose(np.hypot(ring.get_xdata(), ring.get_ydata()), 2.0)

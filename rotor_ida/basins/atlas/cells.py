@@ -104,7 +104,8 @@ def counted_cell(
     cell.undecided = int((followed.labels == UNDECIDED).sum())
     cell.not_computed = int((followed.labels == NOT_COMPUTED).sum())
     cell.rechecked = followed.rechecked
-    cell.entropies = sample_entropy(job.states, followed.labels, family_of(attractors))
+    family = family_of([each.kind for each in attractors])
+    cell.entropies = sample_entropy(job.states, followed.labels, family)
     for number, attractor in enumerate(attractors):
         own = followed.labels == number
         times = followed.times[own]

@@ -3,18 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
-from typing import Annotated
+from typing import Annotated, Any
 
 from cyclopts import Parameter
 
 import rotor_ida
-from rotor_ida.checks import MOST_SHOCKS
+from rotor_ida.checks import MOST_SHOCKS, State
 from rotor_ida.cli import options, parsing
 from rotor_ida.cli.option_types import STUDY, count_option
 from rotor_ida.cli.output import Output, answer, answer_whole, check_varies, working
 from rotor_ida.cli.parsing import MOST_POINTS, check_points
 from rotor_ida.cli.report import Report
 from rotor_ida.cli.rotor_options import RotorOptions, RotorsOptions
+from rotor_ida.cli.systems import basin_file
 from rotor_ida.errors import InputError
 
 Component = Annotated[
@@ -37,6 +38,19 @@ ShocksOrNone = Annotated[
         0, MOST_SHOCKS,
     ),
 ]  # fmt: skip
+NodeOrNone = Annotated[
+    str | None,
+    Parameter(help="Node of a rotor system whose initial states these are.", metavar="NAME"),
+]
+StartOfOthers = Annotated[
+    State | str | None,
+    options.START,
+    Parameter(
+        help="How the other nodes of a rotor system start: settled (steady whirl without contact) "
+        "or rest (in equilibrium with the load). Default: what its file says.",
+        metavar="settled|rest",
+    ),
+]
 
 
 @Parameter(name="*", group=STUDY)
@@ -54,12 +68,16 @@ class DrawnOptions:
 
 
 def basin(
+    system: options.System = None,
+    /,
     *,
     rotor: RotorOptions = RotorOptions(),
     x: Component,
     y: Component,
     vx: Component = 0.0,
     vy: Component = 0.0,
+    node: NodeOrNone = None,
+    start: StartOfOthers = None,
     rtol: options.RtolOrNone = None,
     jobs: options.JobOptions = options.JobOptions(),
     study: options.Study = None,
@@ -72,34 +90,39 @@ def basin(
         rotor-ida basin --omega 1.7 --zeta 0.07 --delta0 0 \
             --x=-15:15:64 --y=-15:15:64 --out basin.nc
 
+    A rotor of any size with several contacts, from a system file, by the states of a node:
+
+        rotor-ida basin rotor.toml --speed 4300rpm --node disc \
+            --x=-300um:300um:5 --y=-300um:300um:5 --figure basin
+
     After an interrupt (exit status 130) the rest of the result is marked as not computed.
     """
     axes = [part for part in (x, y, vx, vy) if isinstance(part, list)]
     check_points(*axes, in_study=study is not None)
+    given: dict[str, Any] = {
+        "x": x, "y": y, "vx": vx, "vy": vy, "rtol": rtol, **asdict(jobs), "study": study,
+    }  # fmt: skip
+    if system is not None:
+        return basin_file(rotor_ida.basin, system, rotor, node, start, output, given)
+    _refuse_parts_of_system(node, start)
     output.check()
     chosen = rotor.chosen()
     with working("basin", study) as progress:
-        dataset = rotor_ida.basin(
-            chosen,
-            x=x,
-            y=y,
-            vx=vx,
-            vy=vy,
-            rtol=rtol,
-            **asdict(jobs),
-            study=study,
-            progress=progress,
-        )
+        dataset = rotor_ida.basin(chosen, **given, progress=progress)
         return answer_whole(dataset, output, study)
 
 
 def basin_fractions(
+    system: options.System = None,
+    /,
     *,
     rotor: RotorOptions = RotorOptions(),
     x: options.Range,
     y: options.Range,
     vx: options.Range = 0.0,
     vy: options.Range = 0.0,
+    node: NodeOrNone = None,
+    start: StartOfOthers = None,
     starts: options.StartCount = 10_000,
     seed: options.Seed = 0,
     rtol: options.RtolOrNone = None,
@@ -116,27 +139,34 @@ def basin_fractions(
 
         rotor-ida basin-fractions --omega 2 --zeta 0.07 --delta0 2 \
             --x=-15:15 --y=-15:15 --starts 2000 --study study
+
+    A rotor of any size with several contacts, from a system file, by the states of a node:
+
+        rotor-ida basin-fractions rotor.toml --speed 4300rpm --node disc \
+            --x=-300um:300um --y=-300um:300um --starts 20
     """
     output = Output(out=out, csv=csv, as_json=as_json, force=force)
     output.check()
     if study is None and starts > MOST_POINTS:
         raise InputError(f"starts must be at most {MOST_POINTS} without --study, got {starts}")
+    given: dict[str, Any] = {
+        "x": x, "y": y, "vx": vx, "vy": vy, "starts": starts, "seed": seed, "rtol": rtol,
+        **asdict(jobs), "study": study,
+    }  # fmt: skip
+    if system is not None:
+        return basin_file(rotor_ida.basin_fractions, system, rotor, node, start, output, given)
+    _refuse_parts_of_system(node, start)
     chosen = rotor.chosen()
     with working("fractions", study) as progress:
-        dataset = rotor_ida.basin_fractions(
-            chosen,
-            x=x,
-            y=y,
-            vx=vx,
-            vy=vy,
-            starts=starts,
-            seed=seed,
-            rtol=rtol,
-            **asdict(jobs),
-            study=study,
-            progress=progress,
-        )
+        dataset = rotor_ida.basin_fractions(chosen, **given, progress=progress)
         return answer_whole(dataset, output, study)
+
+
+def _refuse_parts_of_system(node: str | None, start: State | str | None) -> None:
+    """Refuse what is of a rotor system only."""
+    for name, value in {"node": node, "start": start}.items():
+        if value is not None:
+            raise InputError(f"{name} must be of a rotor system, got no system file")
 
 
 def continue_attractors(

@@ -216,12 +216,12 @@ def test_a_fault_of_the_program_is_raised_and_what_was_done_is_kept(tmp_path, mo
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_columns_on_the_disk_hold_the_same_bits(kind, tmp_path, monkeypatch):
-    from rotor_ida.basins import attractors
+    from rotor_ida.basins import starts
     from rotor_ida.results.studies import arrays
 
     whole = whole_of(kind)
     monkeypatch.setattr(arrays, "LARGE", 1)
-    monkeypatch.setattr(attractors, "STRETCH", 100)
+    monkeypatch.setattr(starts, "STRETCH", 100)
     on_disk = KINDS[kind](study=tmp_path / "study")
     xr.testing.assert_identical(on_disk, whole)
     saved = load(save(on_disk, tmp_path / "result.nc"))
