@@ -18,9 +18,10 @@ from label_tolerance import HALF_WIDTH, same
 
 from rotor_ida import Rotor
 from rotor_ida.basins import known
-from rotor_ida.basins.basin import drawn_from, label
+from rotor_ida.basins.basin import label
 from rotor_ida.results.question import Question
 from rotor_ida.schema import FATE
+from rotor_ida.simulation.starts import drawn_from
 
 # Beside a doubling; beside chaos in a narrow window; weak chaos; chaos that is left.
 ROTORS = ((1.8034, 0.07, 2.0), (1.38, 0.07, 1.0), (1.69, 0.07, 2.0), (1.5, 0.01, 2.0))

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from typing import Unpack
 
 import numpy.typing as npt
 import xarray as xr
@@ -17,16 +18,17 @@ from rotor_ida.basins.dataset import (
 from rotor_ida.basins.following import FORM, follow_starts
 from rotor_ida.basins.known import known_from_closed_forms
 from rotor_ida.basins.starts import Box, Plane, Starts, check_number_of_starts
-from rotor_ida.basins.system_basin import basin_fractions_system, basin_system
+from rotor_ida.basins.system_basin import basin_of_system
 from rotor_ida.checks import check_between, check_instance, check_progress
 from rotor_ida.errors import InputError
-from rotor_ida.model.rotor import Rotor, check_no_load
+from rotor_ida.model.rotor import DimensionalRotor, Rotor, check_no_load
+from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.parallel import Progress, choose, interruptible, shows_progress
-from rotor_ida.results.in_si import takes_si
-from rotor_ida.results.joined import of_both
+from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import open_results
 from rotor_ida.simulation.options import Options, check_can_be_followed
+from rotor_ida.simulation.systems.starts import Start
 
 # Range of the error per step [1].
 TIGHTEST, LOOSEST = 1e-12, 1e-4
@@ -35,34 +37,49 @@ MOST_DAMPING = 20.0
 MOST_CONTACT_DAMPING = 50.0
 
 
-@takes_si
+@takes_rotors(system=("node", "start", "modes"), needed=("speed", "node"))
 @shows_progress
-def basin_disc(
-    rotor: Rotor,
+def basin(
+    rotor: Rotor | DimensionalRotor | RotorSystem,
     *,
+    speed: float | None = None,
+    node: str | None = None,
     x: npt.ArrayLike,
     y: npt.ArrayLike,
     vx: npt.ArrayLike = 0.0,
     vy: npt.ArrayLike = 0.0,
+    start: Start | xr.Dataset = None,
+    modes: int | None = None,
     rtol: float | None = None,
     workers: int | None = None,
     executor: str = "auto",
     study: str | os.PathLike[str] | None = None,
     progress: Progress | bool | None = None,
+    **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
     """Compute basins of attraction on a plane of initial states.
 
     Parameters
     ----------
-    rotor : Rotor or DimensionalRotor
+    rotor : Rotor, DimensionalRotor or RotorSystem
         The rotor. It must be damped: without damping there are no attractors. For a
-        `DimensionalRotor` starts and results are in SI units.
+        `DimensionalRotor` starts and results are in SI units. A `RotorSystem` has a contact, and
+        units of its own.
+    speed, node : float, str
+        Spin speed of a `RotorSystem`, not 0, and the node that is knocked to each place.
     x, y, vx, vy : float or array_like, shape (n,)
-        Components of the start [1]: exactly two are increasing arrays, two are numbers.
+        Components of the start [1], or displacement and velocity of the node of a `RotorSystem`:
+        exactly two are increasing arrays, two are numbers.
+    start : (q, velocity), "settled", "rest", None or Dataset, optional
+        The state of a `RotorSystem` that is changed so that the node starts as asked: as in
+        `simulate`, by default at rest at 0. See the notes for what the other nodes do.
+    modes : int, optional
+        Modes of a `RotorSystem`, as in `simulate`.
     rtol : float, optional
         Error allowed per step, relative to the size of the state and of the eccentricity [1]. By
         default 1e-6, or 1e-11 if the two disagree on any of 512 starts: then the basins are finely
-        folded. The attribute ``labelling_rtol`` reports the value used.
+        folded. The attribute ``labelling_rtol`` reports the value used. Of a `RotorSystem` the
+        relative tolerance of runs, by default 1e-10.
     workers : int, optional
         Number of batches followed at a time; by default one per available core.
     executor : {"auto", "serial", "threads", "processes", "dask"} or str
@@ -73,6 +90,8 @@ def basin_disc(
         computation can then be resumed, and the starts need not fit into memory.
     progress : callable or bool, optional
         Called with the number of starts done and their total; True shows a bar on standard error.
+    contacts, unbalance, supports, gravity, static_force : optional
+        In place of those of a `RotorSystem`, as in `simulate`.
 
     Returns
     -------
@@ -88,7 +107,11 @@ def basin_disc(
         that are unchanged with the error ``agreement_rtol`` per step; ``basin_entropy``, the
         uncertainty of the attractor within a small box, and ``boundary_entropy``, the same over
         boxes with more than one attractor. On a fine grid a boundary entropy above log 2 shows that
-        the boundary is fractal.
+        the boundary is fractal. A `RotorSystem` has no ``trapping``, ``confirmed`` and
+        ``lifetime``; ``amplitude``, ``phase_lag``, ``radius_min``, ``radius_max``,
+        ``largest_force`` and ``touched`` are on ``(attractor, contact)``, ``node_amplitude``,
+        ``node_phase_lag``, ``node_radius_min`` and ``node_radius_max`` on ``(attractor, node)``,
+        and ``final_state``, from which `simulate` or `limit_cycle` goes on, on ``component``.
 
     Raises
     ------
@@ -115,6 +138,20 @@ def basin_disc(
 
     With friction, starts are followed as for `rotor_ida.basin_fractions`.
 
+    A node of a `RotorSystem` that is pulled aside and let go takes the rotor with it: the
+    displacement of the `start` changes by the static deflection under a force at the node, the
+    shape with the least elastic energy. Where motions cost none, as those of a rotor without
+    supports, it is the shape of these that moves the least mass. The velocity changes as by a blow
+    at the node, the change with the least kinetic energy. Stators and races start as they do in
+    `start`. Contacts do not change these shapes, so that another node may start beyond its
+    clearance.
+
+    Every start of a `RotorSystem` is followed as by `sweep`. Two motions are on one attractor if
+    they are of one kind, and period, radii and, at whole revolutions, state agree to a part of
+    1e-5; on turning axes, of an axisymmetric system, period and radii decide. All contact-free
+    motions count as one attractor, as do all chaotic ones, all tori, and all rolling motions
+    without a period of the same contacts. Only attractors that starts end on are listed.
+
     Examples
     --------
     >>> import numpy as np
@@ -124,8 +161,20 @@ def basin_disc(
     (('y', 'x'), array([1.8796, 9.4872]))
     >>> int(found["count"].sum()), int(found.undecided_count)
     (576, 0)
+
+    >>> system = Rotor(omega=1.0, zeta=0.1, delta0=1.5, shaft_stiffness=0.1).system()
+    >>> found = basin(system, speed=0.7, node="disc", x=[-1.0, -0.5], y=[-1.5, -1.0])
+    >>> found.label.values.tolist(), found.amplitude.values.ravel().round(3).tolist()
+    ([[0, 1], [0, 0]], [2.735, 1.183])
     """
     plane = Plane.of(x=x, y=y, vx=vx, vy=vy)
+    if isinstance(rotor, RotorSystem):
+        return basin_of_system(
+            changed_system(basin, rotor, changed), plane, "basin", speed=speed, node=str(node),
+            start=start, modes=modes, rtol=rtol, workers=workers, executor=executor, study=study,
+            progress=progress,
+        )  # fmt: skip
+    assert isinstance(rotor, Rotor)
     result = label(
         rotor, plane.starts, plane.count, Question("basin", plane.given),
         rtol=rtol, workers=workers, executor=executor, study=study, progress=progress,
@@ -133,39 +182,51 @@ def basin_disc(
     return basin_dataset(plane, result)
 
 
-@takes_si
+@takes_rotors(
+    system=("node", "start", "modes"), needed=("speed", "node"), defaults={"starts": (10000, 1000)}
+)
 @shows_progress
-def basin_fractions_disc(
-    rotor: Rotor,
+def basin_fractions(
+    rotor: Rotor | DimensionalRotor | RotorSystem,
     *,
+    speed: float | None = None,
+    node: str | None = None,
     x: npt.ArrayLike,
     y: npt.ArrayLike,
     vx: npt.ArrayLike = 0.0,
     vy: npt.ArrayLike = 0.0,
-    starts: int = 10000,
+    starts: int | None = None,
     seed: int = 0,
+    start: Start | xr.Dataset = None,
+    modes: int | None = None,
     rtol: float | None = None,
     workers: int | None = None,
     executor: str = "auto",
     study: str | os.PathLike[str] | None = None,
     progress: Progress | bool | None = None,
+    **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
     """Compute basin fractions: the share of random starts in a box that end on each attractor.
 
     Parameters
     ----------
-    rotor : Rotor or DimensionalRotor
+    rotor : Rotor, DimensionalRotor or RotorSystem
         The rotor. It must be damped: without damping there are no attractors. For a
         `DimensionalRotor` starts and results are in SI units.
+    speed, node
+        Of a `RotorSystem`, as for `basin`.
     x, y, vx, vy : float or array_like, shape (2,)
-        Components of the start [1]: numbers, or ranges ``(low, high)`` from which they are drawn
-        independently and uniformly.
+        Components of the start [1], or states of the node: numbers, or ranges ``(low, high)`` from
+        which they are drawn independently and uniformly.
     starts : int
-        Number of starts: at most 100 million, or 10 billion in a study.
+        Number of starts, by default 10,000 and of a `RotorSystem` 1,000: at most 100 million, or 10
+        billion in a study.
     seed : int
         Seed of the random numbers: the same seed gives the same starts.
-    rtol, workers, executor, study, progress
+    start, modes, rtol, workers, executor, study, progress
         As for `basin`.
+    contacts, unbalance, supports, gravity, static_force : optional
+        In place of those of a `RotorSystem`, as in `simulate`.
 
     Returns
     -------
@@ -200,17 +261,25 @@ def basin_fractions_disc(
     ...                starts=500)
     >>> found["count"].values
     array([ 65, 435])
+
+    >>> system = Rotor(omega=1.0, zeta=0.1, delta0=1.5, shaft_stiffness=0.1).system()
+    >>> found = basin_fractions(system, speed=0.7, node="disc", x=(-1.5, 0), y=(-2, -1), starts=8)
+    >>> found["count"].values
+    array([6, 2])
     """
     box = Box.of(starts, seed, x=x, y=y, vx=vx, vy=vy)
+    if isinstance(rotor, RotorSystem):
+        return basin_of_system(
+            changed_system(basin_fractions, rotor, changed), box, "basin_fractions", speed=speed,
+            node=str(node), start=start, modes=modes, rtol=rtol, workers=workers,
+            executor=executor, study=study, progress=progress,
+        )  # fmt: skip
+    assert isinstance(rotor, Rotor)
     result = label(
         rotor, box.starts, box.count, Question("basin_fractions", box.given),
         rtol=rtol, workers=workers, executor=executor, study=study, progress=progress, drawn=True,
     )  # fmt: skip
     return fractions_dataset(box, result)
-
-
-basin = of_both(basin_disc, basin_system, __name__)
-basin_fractions = of_both(basin_fractions_disc, basin_fractions_system, __name__)
 
 
 def label(

@@ -33,10 +33,10 @@ from rotor_ida.parallel import Progress
 from rotor_ida.results.studies.results import Form, Results
 from rotor_ida.schema import RESPONSE
 from rotor_ida.simulation.systems.flow import SystemFlow
+from rotor_ida.steady.follow import settle
 from rotor_ida.steady.grid import EXPECTED, Table, reason_of
 from rotor_ida.steady.response import CONTACT_FREE, ROLLING, SYNCHRONOUS, UNRESOLVED
-from rotor_ida.steady.system_motion import settle
-from rotor_ida.steady.system_sweep import fill, point_of
+from rotor_ida.steady.system_sweep import figures_of, point_of
 
 # Two motions are on one attractor if their radii and periods, or their states, agree to this part.
 SAME = 1e-5
@@ -289,7 +289,9 @@ def _settled(flow: SystemFlow, state: Values) -> np.void:
     """Return the response on which a flow settles, as a row."""
     settled = settle(flow, state)
     row: np.void = np.zeros(1, point_of(flow.problem))[0]
-    fill(row, settled, flow, settled.state * flow.scales)
+    figures = figures_of(settled, flow, settled.state * flow.scales)
+    for name, figure in figures.items():
+        row[name] = figure
     return row
 
 

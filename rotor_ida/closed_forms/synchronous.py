@@ -20,7 +20,7 @@ from rotor_ida.closed_forms.whirls.synchronous import whirls_of_system
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.model.system_parameters import AnyAxes
-from rotor_ida.results.in_si import takes_any
+from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.schema import STABILITY, labelled_dataset
 
 _POINTS_AT_A_TIME = 16384  # keeps the working arrays inside the processor's cache
@@ -32,7 +32,7 @@ _REFERENCES = (
 )
 
 
-@takes_any()
+@takes_rotors(varies=True)
 def synchronous_response(
     rotor: Rotor | DimensionalRotor | RotorSystem | None = None,
     *,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import contextmanager
 from functools import wraps
 from inspect import Parameter, signature
@@ -52,48 +52,62 @@ Verb = TypeVar("Verb", bound=Callable[..., xr.Dataset])
 Failure = TypeVar("Failure", bound=RotorError)
 
 
-def takes_rotors(*, disc: Mapping[str, Any], system: Mapping[str, Any]) -> Callable[[Verb], Verb]:
+def takes_rotors(
+    *,
+    disc: Collection[str] = (),
+    system: Collection[str] = (),
+    needed: Collection[str] = ("speed",),
+    defaults: Mapping[str, tuple[Any, Any]] = {},
+    varies: bool = False,
+) -> Callable[[Verb], Verb]:
     """Return a decorator of a function of a `Rotor` or a `RotorSystem`.
 
-    The function takes a `DimensionalRotor` too, as `takes_si` has it, and in errors about a system
+    The function takes a `DimensionalRotor` too, as by `takes_si`, and in errors about a system
     numbers have its units.
 
     Parameters
     ----------
-    disc, system : mapping
-        The arguments that only one disc, or only a rotor system, takes, and those with a default of
-        their own, with their defaults: ``...`` where there is none.
+    disc, system : collection of str
+        Keywords that only one disc, or only a rotor system, takes. Their defaults count as left
+        out; of a system, those of one disc are None.
+    needed : collection of str
+        Keywords that a rotor system must be given.
+    defaults : mapping of str to tuple
+        Defaults that differ, of one disc and of a system; in the signature they are None.
+    varies : bool
+        Whether other keywords vary parameters. The ``speed`` of a machine is one of these.
     """
-    alien = {"one disc": {*system, *SystemParameters.__annotations__} - disc.keys(),
-             "a rotor system": disc.keys() - system.keys()}  # fmt: skip
+    only = {"one disc": ("speed", *system, *SystemParameters.__annotations__),
+            "a rotor system": tuple(disc)}  # fmt: skip
 
     def decorated(verb: Verb) -> Verb:
-        known = {*signature(verb).parameters, *SystemParameters.__annotations__}
+        parameters = signature(verb).parameters
+        known = () if varies else {*parameters, *SystemParameters.__annotations__}
         of_disc, of_system = takes_si(verb, known), takes_system(verb)
+        usual = {name: each.default for name, each in parameters.items()}
 
         @wraps(verb)
         def either(*given: Any, **options: Any) -> xr.Dataset:
             rotor = given[0] if given else options.get("rotor")
-            if isinstance(rotor, RotorSystem):
-                whose, defaults, answer = "a rotor system", system, of_system
-                options = dict.fromkeys(alien[whose]) | options
-            else:
-                whose, defaults, answer = "one disc", disc, of_disc
-                if not isinstance(rotor, Rotor | DimensionalRotor) and (
-                    given or "rotor" in options
-                ):
-                    refuse_first(either, KINDS, rotor)
-            for name, each in options.items():
-                if each is not None and name in alien[whose]:
-                    raise InputError(f"{name} must be left out with {whose}, got {shown(each)}")
-            if missing := [
-                name for name in defaults if defaults[name] is ... and name not in options
-            ]:
+            if not isinstance(rotor, Rotor | DimensionalRotor | RotorSystem | None):
+                refuse_first(either, KINDS, rotor)
+            is_system = isinstance(rotor, RotorSystem)
+            kind = "a rotor system" if is_system else "one disc"
+            is_varied = varies and isinstance(rotor, DimensionalRotor)
+            for name in only[kind]:
+                value = options.get(name)
+                if value is None or value is usual.get(name) or (is_varied and name == "speed"):
+                    continue
+                raise InputError(f"{name} must be left out with {kind}, got {shown(value)}")
+            for name, values in defaults.items():
+                if options.get(name) is None:
+                    options[name] = values[is_system]
+            if not is_system:
+                return of_disc(*given, **options)
+            if missing := [name for name in needed if name not in options]:
                 raise TypeError(f"{name_of(verb)}() of a RotorSystem needs {listed(missing)}")
-            for name, default in defaults.items():
-                if default is not ... and options.get(name) is None:
-                    options[name] = default
-            return answer(*given, **options)
+            options = dict.fromkeys(disc) | options
+            return of_system(*(given or (options.pop("rotor"),)), **options)
 
         return cast("Verb", either)
 
@@ -169,43 +183,6 @@ def takes_system(verb: Callable[Asked, xr.Dataset]) -> Callable[Asked, xr.Datase
             return with_question(verb(*given, **options), verb, given, options)
 
     return either
-
-
-def takes_any(*, disc: Sequence[str] = (), system: Sequence[str] = ()) -> Callable[[Verb], Verb]:
-    """Return a decorator for a function of a `Rotor`, or of a `RotorSystem` at a ``speed``.
-
-    The function takes a `DimensionalRotor` too, as by `takes_si`. A system has units in errors, as
-    by `takes_system`. `disc` and `system` name the keywords that only one kind of rotor has.
-    """
-
-    def decorated(verb: Verb) -> Verb:
-        of_disc, of_system = takes_si(verb), takes_system(verb)
-        usual = {name: each.default for name, each in signature(verb).parameters.items()}
-
-        @wraps(verb)
-        def either(*given: Any, **options: Any) -> xr.Dataset:
-            rotor = given[0] if given else options.get("rotor")
-            if not isinstance(rotor, Rotor | DimensionalRotor | RotorSystem | None):
-                refuse_first(verb, KINDS, rotor)
-            is_system = isinstance(rotor, RotorSystem)
-            others = disc if is_system else system
-            if isinstance(rotor, Rotor | None):  # of a machine it is a parameter
-                others = ("speed", *others)
-            for name in others:
-                if (value := options.get(name)) is not None and value is not usual[name]:
-                    kind = "a rotor system" if is_system else "one disc"
-                    raise InputError(f"{name} must be left out with {kind}, got {shown(value)}")
-            if not is_system:
-                return of_disc(*given, **options)
-            if "speed" not in options:
-                raise TypeError(f"{verb.__name__}() of a RotorSystem needs speed")
-            if not given:
-                given = (options.pop("rotor"),)
-            return of_system(*given, **options)
-
-        return cast("Verb", either)
-
-    return decorated
 
 
 def keeps_si(

@@ -328,15 +328,15 @@ def _plain_fields(value: Any, stators: list[Stator]) -> dict[str, Any]:
         if found["number"] < len(stators):
             return found
         stators.append(value)
-    for name in _fields(type(value)):
+    for name in _fields(type(value).__name__):
         if (each := getattr(value, name)) is not None:
             found[name] = each if type(each) in PLAIN else _plain(each, stators)
     return found
 
 
 @cache
-def _fields(kind: Any) -> tuple[str, ...]:
-    return tuple(each.name for each in fields(kind))
+def _fields(kind: str) -> tuple[str, ...]:
+    return tuple(each.name for each in fields(VALUES[kind]))
 
 
 def _given(value: Any, stators: dict[int, Stator]) -> Any:

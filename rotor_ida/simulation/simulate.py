@@ -33,8 +33,8 @@ from rotor_ida.simulation.systems.simulate import run_of_system
 from rotor_ida.simulation.systems.starts import Start as SystemStart
 
 # Arguments that only one disc, or only a rotor system, takes, and defaults that differ.
-OF_DISC = {"start": AT_REST, "atol": 1e-12, "method": "adams", "backend": "auto"}
-OF_SYSTEM = {"start": None, "modes": None, "more_modes": None, "method": "taylor"}
+OF_DISC, OF_SYSTEM = ("atol", "backend"), ("modes", "more_modes")
+DEFAULTS = {"start": (AT_REST, None), "method": ("adams", "taylor")}
 # An event this many tolerances after the end of a run counts as part of the run.
 END_SLACK = 100.0
 MOST_SLACK = 1e-8
@@ -43,7 +43,7 @@ SOON_PASSED = 1e4
 
 
 @shows_progress
-@takes_rotors(disc=OF_DISC | {"flight": "exact"}, system=OF_SYSTEM | {"speed": ...})
+@takes_rotors(disc=(*OF_DISC, "flight"), system=OF_SYSTEM, defaults=DEFAULTS)
 def simulate(
     rotor: Rotor | DimensionalRotor | RotorSystem,
     *,

@@ -30,7 +30,7 @@ from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parameters import AnyAxes, SystemAxes
 from rotor_ida.model.varied import Varied, varied_of, varied_system_of
 from rotor_ida.parallel import Progress, choose, interruptible, shows_progress
-from rotor_ida.results.in_si import takes_any
+from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import Folder
@@ -101,7 +101,9 @@ def ordered(rates: Values, exponents: Values, errors: Values, **numbers: float) 
     return Exponents(columns, running[:, order], spans)
 
 
-@takes_any(disc=("duration", "method"), system=("exponents", "revolutions", "modes"))
+@takes_rotors(
+    disc=("duration", "method"), system=("exponents", "revolutions", "modes"), varies=True
+)
 @shows_progress
 def lyapunov_exponent(
     rotor: Rotor | DimensionalRotor | RotorSystem | None = None,

@@ -21,7 +21,7 @@ from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parameters import SPEED, AnyAxes
 from rotor_ida.model.varied import Varied, varied_of, varied_system_of
 from rotor_ida.parallel import Progress, choose, shows_progress
-from rotor_ida.results.in_si import takes_any
+from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import QUESTION, Question
 from rotor_ida.results.studies.results import Folder
@@ -81,7 +81,7 @@ POINT = np.dtype(
 COUNTED = ("phase", "start")
 
 
-@takes_any(disc=("atol", "method", "backend"), system=("modes",))
+@takes_rotors(disc=("atol", "method", "backend"), system=("modes",), varies=True)
 @shows_progress
 def run_ups(
     rotor: Rotor | DimensionalRotor | RotorSystem | None = None,

@@ -23,7 +23,7 @@ from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parameters import SPEED, AnyAxes
 from rotor_ida.model.varied import Varied, varied_of, varied_system_of
 from rotor_ida.parallel import Progress, Stop, choose, shows_progress
-from rotor_ida.results.in_si import takes_any
+from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
 from rotor_ida.results.rows import counted
@@ -84,7 +84,9 @@ EVENT = np.dtype(
 )
 
 
-@takes_any(disc=("events", "atol", "method", "flight", "backend"), system=("modes",))
+@takes_rotors(
+    disc=("events", "atol", "method", "flight", "backend"), system=("modes",), varies=True
+)
 @shows_progress
 def sweep(
     rotor: Rotor | DimensionalRotor | RotorSystem | None = None,

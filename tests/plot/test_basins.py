@@ -244,8 +244,8 @@ def test_a_basin_of_a_rotor_system_has_its_units_its_node_and_the_circle_of_that
     assert ax.get_xlabel() == "displacement $X$ [µm]"
     assert ax.get_title() == "seal,  10982 rpm"
     named = [f"$A = {1e6 * size:#.3g}$ µm" for size in found.amplitude.values[:, 1]]
-    assert [each.split(", ")[1] for each in words(ax)[:-1]] == named
-    assert words(ax)[-1] == "clearance"
+    assert [each.split(", ")[1] for each in words_of(ax)[:-1]] == named
+    assert words_of(ax)[-1] == "clearance"
     (ring,) = ax.lines
     np.testing.assert_allclose(np.hypot(ring.get_xdata(), ring.get_ydata()), 30.0)
     assert ax.get_xlim()[1] < 25.0  # not as far as the circle reaches
