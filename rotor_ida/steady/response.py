@@ -98,18 +98,13 @@ def kind_of_state(window: Window) -> str | None:
     """Return the kind of a motion of one disc that one state decides, or at rest; else None."""
     if not isinstance(window.flow, DiscFlow):
         return None
-    if is_at_rest(window.flow.rotor):
+    if window.flow.rotor.omega == 0.0 < window.flow.rotor.load:
         return kind_at_rest(window)
     if grazes(window):
         return TOUCHING
     if whirls_steadily(window):
         return SYNCHRONOUS
     return CONTACT_FREE if stays_free(window) else None
-
-
-def is_at_rest(rotor: Rotor) -> bool:
-    """Return whether a rotor does not turn and comes to rest under its load."""
-    return rotor.load > 0.0 and rotor.omega == 0.0
 
 
 def whirls_steadily(window: Window) -> bool:
