@@ -32,8 +32,7 @@ from rotor_ida.model.rotor_system import (
 from rotor_ida.model.system_parameters import SystemAxes
 from rotor_ida.model.varied import varied_of, varied_system_of
 from rotor_ida.parallel import Progress, choose, interruptible, percentage, shows_progress
-from rotor_ida.results.in_si import takes_si, takes_system
-from rotor_ida.results.joined import KINDS
+from rotor_ida.results.in_si import KINDS, takes_si, takes_system
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.simulation.flow import DiscFlow, Flow
 from rotor_ida.simulation.options import check_can_be_followed

@@ -13,11 +13,10 @@ import xarray as xr
 from rotor_ida.checks import listed
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem, name_of, refuse_first
-from rotor_ida.results.in_si import takes_system
+from rotor_ida.results.in_si import KINDS, takes_system
 
 OfDisc = ParamSpec("OfDisc")
 OfSystem = ParamSpec("OfSystem")
-KINDS = "a Rotor, DimensionalRotor or RotorSystem"
 # What stands before the part of a docstring that is about rotor systems.
 SAYS_SYSTEM = "Of a `RotorSystem`: "
 SECTION = re.compile(r"^(\w[\w ]*)\n-{3,}\n", re.MULTILINE)

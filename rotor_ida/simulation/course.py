@@ -130,7 +130,7 @@ class Course:
         if self.profile.is_driven:
             return abs(self.speed)
         last = zip(self.profile.ends, self.profile.spins, strict=True)
-        return max(abs(self.speed), *(abs(spin.at(end, NO_STATE)[1]) for end, spin in last))
+        return float(max(abs(self.speed), *(abs(spin.at(end, NO_STATE)[1]) for end, spin in last)))
 
 
 def held(speed: float, duration: float) -> Course:
