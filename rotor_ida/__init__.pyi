@@ -45,6 +45,7 @@ from .results.si_units import dimensional as dimensional
 from .results.studies import status as status
 from .results.system_file import load_course as load_course
 from .results.system_file import load_system as load_system
+from .results.tables import to_dataframe as to_dataframe
 from .schema import decode_flags as decode_flags
 from .signals.filtering import filtered_orbit as filtered_orbit
 from .signals.forces import contact_forces as contact_forces

@@ -235,6 +235,7 @@ GIVEN: dict[str, Callable[[Path], dict[str, object]]] = {
     "compare": lambda _: {"dataset": swept()},
     "concat": lambda _: {"datasets": [swept(), swept(1.3)], "dim": "omega"},
     "decode_flags": lambda _: {"data": run()},
+    "to_dataframe": lambda _: {"dataset": run()},
     "dimensional": lambda _: {"dataset": run(), "machine": MACHINE},
     "machine_from_data_sheet": lambda _: {
         "mass": "4 kg",

@@ -1,4 +1,7 @@
-"""Write a result as CSV tables: one for single numbers, and one for each set of dimensions."""
+"""A result as tables: one for single numbers, and one for each set of dimensions.
+
+Contacts and nodes are columns of the table of what varies, so that it has one row for each point.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.checks import shown
+from rotor_ida.checks import check_instance, shown
 from rotor_ida.errors import InputError
 from rotor_ida.results.files import already_there, check_target, file_to_write
 from rotor_ida.schema import words_of
@@ -21,6 +24,53 @@ Table = Any
 ENDING = ".csv"
 # Name of the table of variables without dimensions.
 NUMBERS = "numbers"
+# Dimensions of what belongs to one point, with the variable that names each.
+PARTS = {
+    "contact": "contact_node", "node": "node", "exponent": "exponent", "multiplier": "multiplier",
+}  # fmt: skip
+
+
+def to_dataframe(dataset: xr.Dataset) -> Table:
+    """Return a result as a table for pandas, with one row for each point, sample or branch.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Any result.
+
+    Returns
+    -------
+    DataFrame
+        The variables on the first dimensions of the result, which are its index; flags are words.
+        Those that are on contacts or nodes too have a column for each, such as
+        ``radius_max[seal]``, by the name of the node, or by the number of the contact where two
+        are at one node; so have Lyapunov exponents and multipliers, by their numbers. Variables on
+        other dimensions, such as those of events and of ``component``, are left out.
+
+    Raises
+    ------
+    InputError
+        If the argument is not a dataset.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, sweep
+    >>> system = Rotor(omega=2.0, zeta=0.07, delta0=0.5).system()
+    >>> table = to_dataframe(sweep(system, speed=[1.5, 1.7]))
+    >>> len(table), table["radius_max[disc]"].round(3).tolist(), table.response.tolist()
+    (2, [1.326, 1.196], ['synchronous', 'synchronous'])
+    """
+    result = check_instance("dataset", dataset, xr.Dataset)
+    if not any({*each.dims} - {*PARTS, "component"} for each in result.data_vars.values()):
+        result = result.assign({name: each.expand_dims("point")
+                                for name, each in result.data_vars.items()})  # fmt: skip
+    wide = _with_parts_as_columns(result)
+    rows: tuple[Any, ...] = next(
+        (each.dims for each in wide.data_vars.values() if each.dims and each.dims[0] not in PARTS),
+        (),
+    )
+    part = _in_words(wide[[name for name, each in wide.data_vars.items() if each.dims == rows]])
+    return part.to_dataframe(dim_order=list(rows))
 
 
 def tables_of(dataset: xr.Dataset) -> dict[str, Table]:
@@ -35,8 +85,9 @@ def tables_of(dataset: xr.Dataset) -> dict[str, Table]:
     -------
     dict of str to DataFrame
         For each set of dimensions, the variables and coordinates on them. Headers are names with
-        units, flags are words, and rows follow the order of the dimensions. The table ``numbers``
-        has one row for each variable or coordinate without dimensions.
+        units, flags are words, and rows follow the order of the dimensions. What is on contacts or
+        nodes besides has a column for each, as in `to_dataframe`. The table ``numbers`` has one row
+        for each variable or coordinate without dimensions.
 
     Examples
     --------
@@ -50,6 +101,7 @@ def tables_of(dataset: xr.Dataset) -> dict[str, Table]:
     if scalars:
         tables[NUMBERS] = _numbers(dataset[scalars])
         whole = dataset.drop_vars(scalars)
+    whole = _with_parts_as_columns(whole)
     for dims in dict.fromkeys(variable.dims for variable in whole.data_vars.values()):
         names = [name for name, variable in whole.data_vars.items() if variable.dims == dims]
         part = _in_words(whole[names])
@@ -123,6 +175,37 @@ def check_tables(
             if other.name.startswith(f"{given.stem}.") and other.suffix == ENDING:
                 raise already_there(name, other, permission)
     return given
+
+
+def _with_parts_as_columns(dataset: xr.Dataset) -> xr.Dataset:
+    """Return a result with a variable for each contact, node and so on of what varies besides.
+
+    What belongs to contacts or nodes alone is a table of its own.
+    """
+    found: dict[str, xr.Variable] = {}
+    for name, variable in dataset.variables.items():
+        part = next((each for each in PARTS if each in variable.dims), None)
+        if part is None or variable.ndim == 1:
+            found[str(name)] = variable
+        else:
+            labels = enumerate(_names_of(dataset, part))
+            found |= {f"{name}[{word}]": variable.isel({part: at}) for at, word in labels}
+    of_parts = {str(name) for name, each in dataset.coords.items()
+                if len(found) > len(dataset.variables) and name not in dataset.dims
+                and each.dims in {(part,) for part in PARTS}}  # fmt: skip
+    names = {str(name) for name in dataset.coords} - of_parts
+    coordinates = {name: each for name, each in found.items() if name.partition("[")[0] in names}
+    others = {name: each for name, each in found.items() if name not in coordinates}
+    return xr.Dataset(others, coordinates, dataset.attrs)
+
+
+def _names_of(dataset: xr.Dataset, part: str) -> list[Any]:
+    """Return the names of nodes, or of contacts by their nodes; numbers where these are not one."""
+    numbers = [*range(dataset.sizes[part])]
+    if PARTS[part] not in dataset.variables or dataset[PARTS[part]].dims != (part,):
+        return numbers
+    names = dataset[PARTS[part]].values.tolist()
+    return names if len({*names}) == len(names) else numbers
 
 
 def _numbers(scalars: xr.Dataset) -> Table:

@@ -11,7 +11,7 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Generic, NamedTuple, Protocol, TypeVar
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -29,10 +29,12 @@ from rotor_ida.results.studies.results import Folder, Form, Results, open_result
 from rotor_ida.schema import STATUS, labelled
 from rotor_ida.simulation.starts import GivenStart
 
+if TYPE_CHECKING:
+    from rotor_ida.steady.ramps import Ramps
+
 Array = npt.NDArray[np.generic]
 Table = npt.NDArray[np.void]
 Places = npt.NDArray[np.int64]
-Job_co = TypeVar("Job_co", covariant=True)
 
 # Errors of solver, physics and memory at a point; any other error is a fault of the program.
 EXPECTED = (SimulationError, ArithmeticError, MemoryError)
@@ -114,27 +116,6 @@ class Rows:
     events: Table | None = None
 
 
-class Plan(Protocol[Job_co]):
-    """The jobs of a study, by number, each of `length` points."""
-
-    @property
-    def points(self) -> int:
-        """Number of points of all jobs."""
-
-    @property
-    def length(self) -> int:
-        """Number of points of each job."""
-
-    def job(self, number: int) -> Job_co:
-        """Return what a worker needs to do a job."""
-
-    def places(self, number: int) -> Places:
-        """Return the positions of a job's points among all, in the order of the dimensions."""
-
-    def slowest_first(self) -> Places:
-        """Return the numbers of the jobs, the longest ones first."""
-
-
 @dataclass(frozen=True, slots=True)
 class Task(Generic[Job, Result]):
     """How each job is done, and how its result is stored.
@@ -191,8 +172,8 @@ def form_of(
 
 
 def run_study(
-    plan: Plan[Job],
-    task: Task[Job, Result],
+    plan: Ramps[Any, Any, Any],
+    task: Task[Any, Any],
     question: Question,
     *,
     study: Folder | None,
@@ -211,8 +192,8 @@ def run_study(
 
 
 def _do_jobs(
-    plan: Plan[Job],
-    task: Task[Job, Result],
+    plan: Ramps[Any, Any, Any],
+    task: Task[Any, Any],
     kept: Results[Rows],
     workers: Workers,
     progress: Progress | None,
@@ -251,7 +232,7 @@ def _do_jobs(
 
 
 def _point_columns(
-    plan: Plan[Job], kind: np.dtype[np.void], kept: Results[Rows]
+    plan: Ramps[Any, Any, Any], kind: np.dtype[np.void], kept: Results[Rows]
 ) -> dict[str, Array]:
     """Return the columns with a number, or a message, for each point."""
     columns = _scratch(kind, plan.points, kept.folder)
@@ -271,7 +252,10 @@ def _point_columns(
 
 
 def _event_columns(
-    plan: Plan[Job], kind: np.dtype[np.void], kept: Results[Rows], points: Mapping[str, Array]
+    plan: Ramps[Any, Any, Any],
+    kind: np.dtype[np.void],
+    kept: Results[Rows],
+    points: Mapping[str, Array],
 ) -> dict[str, Array]:
     """Return the columns with a number for each event, in the order of the points."""
     ends = np.cumsum(points["event_count"], dtype=np.int64)

@@ -48,18 +48,13 @@ ONLY_WITH = {
     "friction": ("first_roll_speed", "total_heat"),
     "contact_damping": ("total_contact_loss",),
 }
-SUMMARY = (
-    "largest_radius", "largest_radius_speed", "largest_force", "largest_force_speed",
-    "first_touch_speed", "last_exit_speed", "first_roll_speed", "contact_count", "contact_time",
-    "total_heat", "total_contact_loss", "end_angle", *(f"end_{name}" for name in COMPONENTS),
-)  # fmt: skip
-
-# What is known of the ramp, by contact.
+# What is known of the ramp: of a rotor system by contact, and of one disc.
 OF_RAMP = (
     "largest_radius", "largest_radius_speed", "largest_force", "largest_force_speed",
     "first_touch_speed", "last_exit_speed", "first_roll_speed", "contact_time", "total_heat",
     "total_contact_loss",
 )  # fmt: skip
+SUMMARY = (*OF_RAMP, "contact_count", "end_angle", *(f"end_{name}" for name in COMPONENTS))
 
 _NO_TIMES = np.empty(0)
 

@@ -61,8 +61,8 @@ from rotor_ida.steady.sweep import FEATURES
 from rotor_ida.steady.system_sweep import (
     OF_CONTACT,
     OF_NODE,
-    AskedSystem,
     Turnings,
+    VariedSystem,
     checked_starts,
     clearances_of,
     with_meanings,
@@ -220,7 +220,7 @@ def run_ups(
     if isinstance(rotor, RotorSystem):
         speeds = check_distinct(SPEED, check_vector(SPEED, speed))
         asked = varied_system_of(run_ups, rotor, varied, speeds)
-        system = AskedSystem.of(asked, checked_starts(starts), modes, rtol)
+        system = VariedSystem.of(asked, checked_starts(starts), modes, rtol)
         given, kept, chosen = system.varied, system.kept, choose(executor, workers, compiled=True)
         how = {"rotor": asked.base, "modes": modes, "rtol": system.rtol}
     else:
@@ -278,7 +278,7 @@ def _check_can_be_followed(
     check_can_be_followed(replace(rotors[0], omega=to), starts[0], settling=True)
 
 
-def _checked_system(grid: Varied, asked: AskedSystem, to: float) -> SettlingProblem:
+def _checked_system(grid: Varied, asked: VariedSystem, to: float) -> SettlingProblem:
     """Check each ramp of a rotor system, the last speed and each start; return the stiffest."""
     if to == 0.0:
         raise InputError("to must not be 0 in run-ups of a rotor system, got 0.0")

@@ -57,7 +57,7 @@ from rotor_ida.steady.grid import (
 from rotor_ida.steady.ramps import Direction, RampJob, Ramps, in_order, lost, settle_along
 from rotor_ida.steady.response import Features
 from rotor_ida.steady.system_sweep import (
-    AskedSystem,
+    VariedSystem,
     checked_starts,
     sweep_of_system,
     turning_speeds,
@@ -310,7 +310,7 @@ def sweep(
     if isinstance(rotor, RotorSystem):
         speeds = turning_speeds(speed, "in a sweep of a rotor system")
         asked = varied_system_of(sweep, rotor, varied, speeds)
-        system = AskedSystem.of(asked, checked_starts(starts), modes, rtol)
+        system = VariedSystem.of(asked, checked_starts(starts), modes, rtol)
         given, kept, chosen = system.varied, system.kept, choose(executor, workers, compiled=True)
         how = {"rotor": asked.base, "modes": modes, "rtol": system.rtol}
     else:

@@ -98,7 +98,7 @@ class Turnings:
 
 
 @dataclass(frozen=True, slots=True)
-class AskedSystem:
+class VariedSystem:
     """A rotor system whose speed and parameters vary, in its modes, and its starts.
 
     Parameters
@@ -120,7 +120,7 @@ class AskedSystem:
     def of(
         cls, asked: Varied, starts: Sequence[Start | xr.Dataset], modes: int | None, rtol: float,
         word: str = "starts",
-    ) -> AskedSystem:  # fmt: skip
+    ) -> VariedSystem:  # fmt: skip
         """Return a system in a number of modes; InputError for starts that it does not have."""
         tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
         if modes is not None and any(isinstance(each, xr.Dataset) for each in starts):

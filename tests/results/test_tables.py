@@ -9,7 +9,20 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rotor_ida import Rotor, folds, read_signals, simulate, sweep
+from rotor_ida import (
+    Contact,
+    Rotor,
+    RotorSystem,
+    Unbalance,
+    decode_flags,
+    folds,
+    lyapunov_exponent,
+    read_signals,
+    simulate,
+    sweep,
+    synchronous_response,
+    to_dataframe,
+)
 from rotor_ida.errors import InputError
 from rotor_ida.results.tables import save_tables, tables_of
 from rotor_ida.schema import words_of
@@ -56,6 +69,74 @@ def test_the_rows_of_a_grid_are_in_the_order_of_its_dimensions():
     table = tables_of(found)["-".join(map(str, found["amplitude"].dims))]
     assert table[["omega", "zeta"]].values.tolist() == [[1, 0.3], [1, 0.5], [1.2, 0.3], [1.2, 0.5]]
     assert np.array_equal(table["amplitude"], found["amplitude"].values.ravel(), equal_nan=True)
+
+
+RUB = RotorSystem(
+    mass=np.eye(4), stiffness=np.kron([[2.0, -1.0], [-1.0, 2.0]], np.eye(2)),
+    damping=0.1 * np.eye(4), nodes={"disc": (0, 1), "seal": (2, 3)}, units="1",
+    unbalance=[Unbalance(node="disc", moment=0.4)],
+    contacts=[Contact(node=node, clearance=0.5, stiffness=3.0) for node in ("disc", "seal")],
+)  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def swept() -> xr.Dataset:
+    return sweep(RUB, speed=[0.7, 0.9, 1.1], friction=[0.0], unbalance=[0.2, 0.4])
+
+
+def test_a_sweep_of_a_system_has_a_row_for_each_point(swept: xr.Dataset, tmp_path: Path):
+    """Contacts and nodes are columns; each cell is the number of the dataset."""
+    table = to_dataframe(swept)
+    assert len(table) == swept.response.size == 6
+    assert list(table.index.names) == ["speed", "friction", "unbalance", "start", "direction"]
+    for name, part in (("radius_max", "contact"), ("node_phase_lag", "node")):
+        for number, word in enumerate(("disc", "seal")):
+            own = swept[name].isel({part: number}).values.ravel()
+            np.testing.assert_array_equal(table[f"{name}[{word}]"], own)
+    assert table.response.tolist() == words_of(swept.response)
+    assert table.loc[(0.9, 0.0, 0.4), "message"].tolist() == [""]
+    found = {path.name: rows_in(path) for path in save_tables(swept, tmp_path / "s.csv")}
+    points = found["s.speed-friction-unbalance-start-direction.csv"]
+    assert [float(row["largest_force[seal]"]) for row in points] \
+        == swept.largest_force.isel(contact=1).values.ravel().tolist()  # fmt: skip
+    assert [row["contact_node"] for row in found["s.contact.csv"]] == ["disc", "seal"]
+    assert len(found["s.speed-friction-unbalance-start-direction-component.csv"]) == 6 * 8
+
+
+def test_one_point_and_a_part_of_a_sweep_have_tables_too(swept: xr.Dataset):
+    point = swept.isel(speed=1, friction=0, unbalance=1, start=0, direction=0)
+    (row,) = to_dataframe(point).to_dict("records")
+    assert row["amplitude[seal]"] == float(point.amplitude[1])
+    squeezed = to_dataframe(swept.squeeze().sel(unbalance=0.4))
+    assert squeezed.index.tolist() == [0.7, 0.9, 1.1]
+    assert row["amplitude[seal]"] == squeezed["amplitude[seal]"].iloc[1]
+
+
+def test_two_contacts_at_a_node_are_told_by_their_numbers():
+    apart = [Contact(node="disc", clearance=0.5, stiffness=3.0),
+             Contact(node="disc", clearance=0.5, stiffness=3.0, centre=(0.1, 0.0))]  # fmt: skip
+    run = simulate(RUB, contacts=apart, speed=0.9, duration=2.0, samples=5)
+    table = to_dataframe(run)
+    assert len(table) == 5
+    np.testing.assert_array_equal(table["normal_force[1]"], run.normal_force[:, 1])
+    np.testing.assert_array_equal(table["vy[seal]"], run.vy[:, 1])
+
+
+def test_tables_of_other_results_are_those_of_their_first_dimensions(run: xr.Dataset):
+    whirls = synchronous_response(RUB, speed=[0.7, 1.1])
+    assert len(to_dataframe(whirls)) == whirls.stability.size
+    disc = sweep(omega=[1.0, 1.2], zeta=0.3, delta0=0.5, events=True)
+    assert to_dataframe(disc).amplitude.tolist() == disc.amplitude.values.ravel().tolist()
+    assert to_dataframe(run).index.tolist() == run.t.values.tolist()
+    short = {"transient": 10.0, "duration": 40.0, "batches": 4}
+    found = lyapunov_exponent(omega=1.2, zeta=[0.3, 0.5], delta0=0.5, **short)
+    np.testing.assert_array_equal(
+        to_dataframe(found)["lyapunov_exponent[3]"], found.lyapunov_exponent[:, 3]
+    )
+    plain = decode_flags(folds(zeta=0.07, delta0=0.5))
+    assert to_dataframe(plain).equals(plain.to_dataframe())
+    with pytest.raises(InputError, match="dataset must be a Dataset, got 3"):
+        to_dataframe(3)
 
 
 def test_the_samples_of_a_run_are_read_as_signals(run: xr.Dataset, tmp_path: Path):
