@@ -8,6 +8,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import contextmanager
 
 import numpy as np
 import pytest
@@ -97,6 +98,26 @@ def chromium_in(folder, *, watched=False):
     driver.folder, driver.added = folder, None
     driver.set_script_timeout(PATIENCE)
     return driver
+
+
+@contextmanager
+def sized(driver, width, height=900):
+    """Show the page in a window of a size, narrow ones as on a phone."""
+    size = {"width": width, "height": height, "deviceScaleFactor": 1, "mobile": width < 500}
+    driver.execute_cdp_cmd("Emulation.setDeviceMetricsOverride", size)
+    try:
+        yield
+    finally:
+        driver.execute_cdp_cmd("Emulation.clearDeviceMetricsOverride", {})
+
+
+def downloaded(place):
+    """Return a file once the browser has it whole."""
+    deadline = time.monotonic() + 5 * PATIENCE
+    while not place.exists():
+        assert time.monotonic() < deadline
+        time.sleep(0.05)
+    return place
 
 
 def errors_of(driver):

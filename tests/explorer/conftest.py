@@ -15,11 +15,21 @@ from pathlib import Path
 from urllib.parse import parse_qs, urlsplit
 
 import pytest
+from selenium.webdriver.remote.webdriver import WebDriver
 from websockets.sync.client import ClientConnection, connect
 
 from rotor_ida.explorer.messages import Question
 from rotor_ida.explorer.queues import Queues
 from tests.explorer.asking import SLOW, Message, question, unpacked
+from tests.explorer.browser import chromium_in
+
+
+@pytest.fixture(scope="session")
+def chromium(tmp_path_factory: pytest.TempPathFactory) -> Iterator[WebDriver]:
+    """Return the browser in which all pages are shown, but those whose traffic is watched."""
+    with chromium_in(tmp_path_factory.mktemp("downloads")) as driver:
+        yield driver
+
 
 # How long to wait for what must come: minutes, on a machine that does much else.
 PATIENCE = 200.0

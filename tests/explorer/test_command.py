@@ -16,6 +16,7 @@ from pathlib import Path
 from urllib.parse import parse_qs, urlsplit
 
 import pytest
+from selenium.webdriver.remote.webdriver import WebDriver
 
 import rotor_ida
 from rotor_ida.cli import main
@@ -23,7 +24,7 @@ from rotor_ida.cli.commands.explore import NEEDED
 from rotor_ida.explorer import explore as explorer
 from rotor_ida.explorer.explore import can_show_a_page
 from tests.explorer.asking import BEYOND, BEYOND_IN_SI, MACHINE, ROTOR, SLOW, asked
-from tests.explorer.browser import chromium_in, needs_browser
+from tests.explorer.browser import needs_browser
 from tests.explorer.conftest import MAIN, PATIENCE, Program, wait_until
 
 Start = Callable[..., Program]
@@ -59,12 +60,7 @@ MISTAKES = [
     ("--omega 2", "zeta and delta0 must be given with omega"),
     ("--omega 2 --zeta 0.07 --delta0 2 --mass 1", "in SI units, got omega and mass"),
     ("--load 1 --shaft-stiffness 2", "omega, zeta and delta0 must be given, or a machine"),
-    ("--omega 2 --zeta 0.07 --delta0 2 --contact-exponent 2", "contact_exponent must be 1.5 or 1"),
-    ("--omega 2 --zeta 0.07 --delta0 2 --load -1", "load must be zero or positive, got -1.0"),
-    ("--omega 2 --zeta 0.07 --delta0 0 --contact-damping 1", "contact_damping must be 0 without"),
     ("--mass 4 --speed 100", "eccentricity and clearance must be given with mass and speed"),
-    ("--omega nan --zeta 0.07 --delta0 2", "omega must be a finite real number, got nan"),
-    ("--omega -1 --zeta 0.07 --delta0 2", "omega must be zero or positive, got -1.0"),
     ("--omega 2e6 --zeta 0.07 --delta0 2", "omega must be at most 1e+06 to be simulated"),
     ("--omega 2 --zeta 0.07 --delta0 2 --start 1 2 3", "start must be four numbers X Y VX VY"),
     ("--omega 2 --zeta 0.07 --delta0 2 --start 1 2 3 x", "start vy must be a finite real number"),
@@ -293,15 +289,14 @@ def test_it_ends_while_a_page_is_open_and_an_answer_is_computed(start: Start, pl
 @posix
 @needs_browser
 def test_the_page_comes_up_from_the_file_and_does_not_know_of_it(
-    shown: tuple[Program, str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    chromium: WebDriver, shown: tuple[Program, str], tmp_path: Path
 ):
     _, told = shown
-    monkeypatch.delenv("TMPDIR")  # its name is too long for Chromium's own sockets
-    with chromium_in(tmp_path) as browser:
-        browser.get(told)
-        wait_until(lambda: browser.execute_script(DRAWN), "a page that has an answer")
-        assert browser.execute_script("return document.referrer") == ""
-        seen = browser.execute_script(SEEN)
+    chromium.get(told)
+    wait_until(lambda: chromium.execute_script(DRAWN), "a page that has an answer")
+    assert chromium.execute_script("return document.referrer") == ""
+    seen = chromium.execute_script(SEEN)
+    chromium.get("about:blank")
     assert "http://127.0.0.1:" in seen
     assert "file:" not in seen
     assert tmp_path.name not in seen

@@ -6,6 +6,7 @@ import json
 import re
 import runpy
 import shlex
+from collections.abc import Iterator
 from pathlib import Path
 from xml.etree import ElementTree
 
@@ -23,6 +24,16 @@ START = [2.6, 0.75, 0.66, -1.65]
 WHOLE = ROTOR | BEYOND
 WHOLE_IN_SI = MACHINE | BEYOND_IN_SI
 SHOWN = ("t", "x", "y", "event_time", "event_x", "event_y")
+
+
+@pytest.fixture(autouse=True)
+def nothing_left_behind(
+    tmp_path_factory: pytest.TempPathFactory, monkeypatch: pytest.MonkeyPatch
+) -> Iterator[None]:
+    folder = tmp_path_factory.mktemp("temporary")
+    monkeypatch.setattr("tempfile.tempdir", str(folder))
+    yield
+    assert not list(folder.iterdir())
 
 
 def contents_of(about: str, **changes: object) -> bytes:
@@ -54,7 +65,7 @@ def test_the_archive_is_of_the_run_that_was_shown_and_verified(
     capsys.readouterr()
 
 
-@pytest.mark.parametrize("machine", [ROTOR, WHOLE_IN_SI, ROTOR | {"omega": 0.0}])
+@pytest.mark.parametrize("machine", [WHOLE_IN_SI, ROTOR | {"omega": 0.0}])
 def test_the_command_makes_the_run_and_its_figure_again(
     machine: dict[str, float], tmp_path: Path, monkeypatch: pytest.MonkeyPatch,
     capsys: pytest.CaptureFixture[str],
@@ -109,9 +120,8 @@ def test_the_lines_make_the_run_and_its_figure_again(
         runpy.run_path(str(lines))  # once more, over what is there
 
 
-@pytest.mark.parametrize("machine", [ROTOR, MACHINE])
-def test_the_figures_are_pictures(machine: dict[str, float]):
-    png, svg = (contents_of(each, machine=machine, revolutions=20) for each in ("png", "svg"))
+def test_the_figures_are_pictures():
+    png, svg = (contents_of(each, revolutions=20) for each in ("png", "svg"))
     assert png.startswith(b"\x89PNG\r\n\x1a\n")
     assert ElementTree.fromstring(svg).tag == "{http://www.w3.org/2000/svg}svg"
     # pyplot knows nothing of them
@@ -123,10 +133,3 @@ def test_a_run_that_cannot_be_followed_gets_one_reason_and_no_file():
     (message,) = answer_to(question("nc", machine=machine, revolutions=2000))
     assert message.part == "trouble"
     assert "duration must be below" in message.facts["message"]
-
-
-def test_saving_leaves_nothing_behind(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
-    for about in ("nc", "png", "py"):
-        contents_of(about, revolutions=1)
-    assert not list(tmp_path.iterdir())

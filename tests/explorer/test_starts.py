@@ -126,7 +126,7 @@ def test_fractions_are_those_of_the_labels(pictures: list[Message]):
 def test_a_machine_has_the_basin_of_its_rotor():
     small = {"start": [0, 0, 0, 0], "reach": 4.0}
     plain, in_si = (
-        answer_to(question("starts", machine=each, **small)) for each in (ROTOR, MACHINE)
+        answer_to(question("starts", machine=each, **small), 2) for each in (ROTOR, MACHINE)
     )
     for one, other in zip(plain, in_si, strict=True):
         np.testing.assert_array_equal(one.arrays["label"], other.arrays["label"])
@@ -161,7 +161,8 @@ def test_odd_planes_have_a_basin_or_one_reason(changes: dict[str, object]):
         assert last.facts["finest"]
 
 
-def test_with_friction_pictures_are_coarser_and_are_the_library_s():
+def test_with_friction_pictures_are_coarser_and_are_the_library_s(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(starts, "COARSE", 24)
     asking = question("starts", machine=WHIP)
     pictures = starts.show_starts(asking)
     first = next(pictures)

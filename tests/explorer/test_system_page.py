@@ -2,22 +2,13 @@
 
 from __future__ import annotations
 
-import time
 from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from rotor_ida import load_course, load_system, simulate
-from tests.explorer.browser import (
-    PATIENCE,
-    Page,
-    chromium_in,
-    ended,
-    errors_of,
-    needs_browser,
-    served,
-)
+from tests.explorer.browser import Page, downloaded, ended, errors_of, needs_browser, served
 
 pytestmark = needs_browser
 
@@ -61,25 +52,27 @@ class SystemPage(Page):
             self.until("window.rotorIda && rotorIda[arguments[0]]", part)
 
 
-def test_a_system_is_shown_and_played_and_one_page_shows_every_node_without_the_program(tmp_path):
+def test_a_system_is_shown_and_played_and_one_page_shows_every_node_without_the_program(
+    chromium, tmp_path
+):
     path = tmp_path / "my two.toml"
     path.write_text(TWO_NODES)
     process, address = served(str(path))
-    driver = chromium_in(tmp_path)
+    (chromium.folder / "run.html").unlink(missing_ok=True)
     try:
-        page = SystemPage(driver, address)
+        page = SystemPage(chromium, address)
         check_played(page)
         check_bad_file_refused(page)  # and what is shown can still be changed
         command = check_state_in_the_address(page)
         page.find('[data-file="html"]').click()
-        file = wait_for(tmp_path / "run.html")
-        assert errors_of(driver) == []
+        file = downloaded(chromium.folder / "run.html")
+        assert errors_of(chromium) == []
         ended(process)
-        check_alone(SystemPage(driver, file.as_uri()), command, path)
+        check_alone(SystemPage(chromium, file.as_uri()), command, path)
         # the first page has no server any more
-        assert [each for each in errors_of(driver) if "connection.js" not in each] == []
+        assert [each for each in errors_of(chromium) if "connection.js" not in each] == []
     finally:
-        driver.quit()
+        chromium.get("about:blank")
         ended(process)
 
 
@@ -135,12 +128,3 @@ def run_of(path, clearance):
     contacts = [replace(system.contacts[0], clearance=clearance)]
     return simulate(system, **course.motion, contacts=contacts, speed=course.speed,
                     duration=2.0 * np.pi * 60 / course.speed)  # fmt: skip
-
-
-def wait_for(place):
-    """Return a downloaded file once it is there."""
-    deadline = time.monotonic() + PATIENCE
-    while not place.exists():
-        assert time.monotonic() < deadline
-        time.sleep(0.1)
-    return place
