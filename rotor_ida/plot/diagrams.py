@@ -23,6 +23,7 @@ from rotor_ida.plot.appearance import (
     PURPLE,
     draw_marks,
     drawing,
+    legend_below,
     own_legend,
 )
 from rotor_ida.plot.datasets import (
@@ -35,7 +36,7 @@ from rotor_ida.plot.datasets import (
     parameters_in,
     touching_nodes,
 )
-from rotor_ida.plot.labels import in_lines, label_axis, label_parameter, parameter_text
+from rotor_ida.plot.labels import SEPARATOR, in_lines, label_axis, label_parameter, parameter_text
 from rotor_ida.plot.responses import plot_amplitude
 from rotor_ida.plot.system_sweeps import held_in, label_over, text_of_system
 from rotor_ida.plot.system_whirls import panels_of_contacts
@@ -60,6 +61,8 @@ OF_SYSTEM = ("speed", "node", "contact_node")
 # States once a revolution, by the direction of a sweep.
 WAYS = {0: ("once a revolution", BLUE), 1: ("going up", BLUE), -1: ("going down", ORANGE)}
 UNRESOLVED = "unresolved"
+# Size of the points going up over that of those going down, which may lie on them.
+BENEATH = 1.5
 
 
 def plot_extrema(
@@ -235,6 +238,7 @@ def plot_strobes(
         places = found[over].copy(data=label_over(ax, found, over))
         places, values, response = xr.broadcast(places, found[name], found["response"])
         size = 2.6 if values.size < FEW_EXTREMA else 1.2
+        edge = BENEATH if len(ways) > 1 else 1.0
         unresolved = _is_of(response.values, found["response"], (UNRESOLVED,))
         groups = [(UNRESOLVED, GREY, unresolved)]
         for way in ways:
@@ -244,8 +248,9 @@ def plot_strobes(
             groups.append((*WAYS[way], here.transpose(*response.dims).values & ~unresolved))
         for words, colour, chosen in groups:
             if chosen.any():
-                ax.plot(places.values[chosen], values.values[chosen], ls="", marker="o", ms=size,
-                        mec="none", mfc=colour, rasterized=True)  # fmt: skip
+                larger = edge if words == WAYS[1][0] else 1.0  # what lies on it hides it otherwise
+                ax.plot(places.values[chosen], values.values[chosen], ls="", marker="o",
+                        ms=larger * size, mec="none", mfc=colour, rasterized=True)  # fmt: skip
                 if len(ways) > 1 or words == UNRESOLVED:
                     draw_marks(ax, [], [], "o", colour, size=3.4, label=words)
         label_axis(ax.yaxis, name, found[name])
@@ -256,14 +261,14 @@ def plot_strobes(
         else:
             ax.set_title(f"{in_lines(parameter_text(held))}\n{words}")
         if ax.get_legend_handles_labels()[1]:
-            own_legend(ax)
+            legend_below(ax)  # points fill the axes
     return ax
 
 
 def _title_node(ax: Axes, found: xr.Dataset, held: Mapping[str, float], words: str = "") -> None:
     """Name the node, and the values of the parameters that do not vary."""
-    lines = [f"node {in_figure(str(found['node'].values))}", text_of_system(found, held), words]
-    ax.set_title("\n".join(filter(None, lines)))
+    named = [f"node {in_figure(str(found['node'].values))}", text_of_system(found, held)]
+    ax.set_title("\n".join(filter(None, [SEPARATOR.join(filter(None, named)), words])))
 
 
 def diagram_figure(found: xr.Dataset) -> Figure:

@@ -265,11 +265,10 @@ def _mark_size(z: npt.NDArray[np.complex128]) -> float:
 
 def _leave_room(ax: Axes, across: float, up: float) -> None:
     """Widen limits that would magnify rounding errors to the whole panel."""
-    for low, high, widen, order in (
-        (*ax.get_xlim(), ax.set_xlim, across),
-        (*ax.get_ylim(), ax.set_ylim, up),
-    ):
-        least = LEAST_SPAN * max(order, abs(low), abs(high))
-        if high - low < least:
-            middle = 0.5 * (low + high)
-            widen(middle - 0.5 * least, middle + 0.5 * least)
+    corners = []
+    for low, high, order in ((*ax.get_xlim(), across), (*ax.get_ylim(), up)):
+        least, middle = LEAST_SPAN * max(order, abs(low), abs(high)), 0.5 * (low + high)
+        reach = 0.5 * least if high - low < least else 0.0
+        corners.append((middle - reach, middle + reach))
+    ax.update_datalim(np.transpose(corners))  # limits that are set would forbid an equal aspect
+    ax.autoscale_view()

@@ -118,6 +118,8 @@ def label_over(ax: Axes, dataset: xr.Dataset, over: str) -> Values:
     if over == SPEED:
         return label_speed(ax, dataset)
     label_varied(ax.xaxis, over, dataset)
+    if over in PARAMETERS_OF_SYSTEM:  # an unbalance has many digits
+        ax.ticklabel_format(axis="x", scilimits=(-2, 4), useMathText=True)
     return np.asarray(dataset[over].values)
 
 

@@ -53,6 +53,7 @@ from rotor_ida.simulation.systems.crossings import (
     at_peaks,
     on_turning_axes,
     once_a_revolution,
+    times_of_revolutions,
 )
 from rotor_ida.simulation.systems.flow import (
     SAMPLES_A_REVOLUTION,
@@ -69,6 +70,8 @@ At = Literal["revolution", "entry", "exit", "peak", "roll", "slip", "reverse"]
 RUBS = {"roll": ROLL, "slip": SLIP, "reverse": REVERSE}
 EVENTS = {"entry": ENTRY, "exit": EXIT, **RUBS}
 PLACES = ("revolution", "entry", "exit", "peak", *RUBS)
+# How often a motion of a system is simulated until its peaks are located, about.
+RUNS_TO_PEAKS = 8
 # The absolute tolerance of one disc; a rotor system scales its own.
 ATOL = 1e-12
 NAMES = ("rotating_x", "rotating_y", "rotating_vx", "rotating_vy")
@@ -293,15 +296,13 @@ def crossings_of_disc(
     watch: Watch,
 ) -> tuple[Values, Values]:
     """Return the times of the crossings after `start`, and the states in the rotating frame."""
-    period = 2.0 * math.pi / rotor.omega
-    duration = count * period
+    duration = count * (2.0 * math.pi / rotor.omega)
     if at == "peak":
         extrema = radius_extrema(rotor, start, duration, options.step_rtol, stop, watch)
         chosen = extrema.kinds == MAXIMUM
         return extrema.times[chosen], extrema.states[chosen]
     if at == "revolution":
-        passed = count if phase else count + 1
-        times = np.minimum(period * np.arange(passed) + phase / rotor.omega, duration)
+        times = times_of_revolutions(count, rotor.omega, phase)
         orbit = run(rotor, start, duration, times, options, stop=stop, watch=watch)
         # turning by whole revolutions would only add rounding
         return times, rotated(orbit.states, np.float64(-phase)) if phase else orbit.states
@@ -324,6 +325,8 @@ def poincare_section_system(
     count = check_count("revolutions", revolutions)
     left_out, angle = check_count("skip", skip, minimum=0), _checked_place(at, phase)
     tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
+    if modes is not None and isinstance(start, xr.Dataset):
+        raise InputError(f"start must be (q, velocity) with modes, got a result and {modes!r}")
     taken, begun = in_modes(given, modes, start)
     assembly = assemble(taken)
     number = None if at == "revolution" else _number_of(assembly, contact, at)
@@ -332,6 +335,7 @@ def poincare_section_system(
             f"contact must be left out for a section once a revolution, got {shown(contact)}"
         )
     begun = state_at_end(assembly, begun)
+    asked_start = begun if isinstance(start, xr.Dataset) else start
     problem, first = SettlingProblem.of(assembly, tolerance), start_of(assembly, begun, omega)
     flow = SystemFlow.at(problem, omega, NO_STOP)
     _check_size(flow, left_out, count, at)
@@ -344,7 +348,8 @@ def poincare_section_system(
             state = own.after(state, lead)
         return crossings_of_system(own, state, count, at, angle, number)
 
-    told = percentage(progress, watch, lead + count * flow.revolution)
+    runs = RUNS_TO_PEAKS if at == "peak" else 1
+    told = percentage(progress, watch, lead + runs * count * flow.revolution)
     crossings, states = interruptible(follow, told=told)
     if progress is not None:
         progress(100, 100)
@@ -356,7 +361,7 @@ def poincare_section_system(
     left = {"at"} if number is None else {"at", "phase"}
     attributes = provenance({"method": "taylor"}) | {"section": at}
     attributes |= {name: each for name, each in known.items() if name not in left}
-    question = Question("poincare_section", {"rotor": given, "start": begun, **known})
+    question = Question("poincare_section", {"rotor": given, "start": asked_start, **known})
     attributes |= question.attribute()
     crossings = crossings._replace(times=lead + crossings.times)
     return _dataset_of_system(flow, crossings, states, attributes)

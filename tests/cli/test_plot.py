@@ -12,7 +12,7 @@ import pytest
 from scipy.io import savemat, wavfile
 
 import rotor_ida
-from rotor_ida.cli.commands.plot import FUNCTIONS, OF_SYSTEM, PLOTS_ALSO_CALLED, KindOfPlot
+from rotor_ida.cli.commands.plot import DRAWN_BY, FUNCTIONS, PLOTS_ALSO_CALLED, KindOfPlot
 from rotor_ida.cli.exact import exact_beneath
 from rotor_ida.plot.figures import figure_of
 from rotor_ida.units import SPEED_UNITS
@@ -175,7 +175,7 @@ def test_a_speed_that_changes_has_no_exact_lines(program: Program, folder: Path)
 
 
 def test_every_kind_of_plot_has_its_function():
-    known = FUNCTIONS | OF_SYSTEM
+    known = DRAWN_BY
     assert set(get_args(KindOfPlot)) == set(known)
     assert set(PLOTS_ALSO_CALLED.values()) <= set(known)
     assert not PLOTS_ALSO_CALLED.keys() & set(known)

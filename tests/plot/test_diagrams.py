@@ -73,7 +73,7 @@ def test_strobes_of_a_disc_and_over_another_parameter():
     over = bifurcation_diagram(system, **around, **given, clearance=[2.0, 3.0])
     ax = plot.plot_strobes(over, node="two")
     assert ax.get_xlabel() == "largest clearance"
-    assert ax.get_title() == "node two\nspeed 1.1\nonce a revolution"
+    assert ax.get_title() == "node two,  speed 1.1\nonce a revolution"
     both = bifurcation_diagram(system, **around, **{**given, "speed": [1.0, 1.1]},
                                clearance=[2.0, 3.0])  # fmt: skip
     with pytest.raises(InputError, match="found must contain one clearance, got 2"):

@@ -212,6 +212,12 @@ def test_modes_are_those_of_the_reduced_system():
         states(section), states(poincare_section(reduced, speed=1.1, revolutions=4)), atol=1e-12
     )
     assert differences(rerun(section), section)["agrees"]
+    start = (np.array([0.1, 0.0, -0.2, 0.1]), np.zeros(4))
+    moved = poincare_section(TOUCHING, speed=1.1, revolutions=4, modes=1, start=start)
+    assert differences(rerun(moved), moved)["agrees"]
+    assert np.abs(states(moved) - states(section)).max() > 0.01
+    with pytest.raises(InputError, match=r"start must be .* with modes, got a result and 1"):
+        poincare_section(TOUCHING, speed=1.1, revolutions=4, modes=1, start=section)
 
 
 @pytest.mark.parametrize(

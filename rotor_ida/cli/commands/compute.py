@@ -377,7 +377,7 @@ def bifurcation_diagram(
 
     A rotor of any size with several contacts, once a revolution, from a system file:
 
-        rotor-ida bifurcation-diagram rotor.toml --speed 1000rpm:5000rpm:9 \
+        rotor-ida bifurcation-diagram rotor.toml --speed 1000rpm:5000rpm:3 \
             --at revolution --direction up --figure strobes
     """
     if start is not None and starts is not None:
