@@ -394,12 +394,12 @@ VERIFIED = {
         _lost, ("crossing_time", *STATES, *PARAMETERS), (*SOLVER, "revolutions", "skip"),
     ),
     "basin": Verification(
-        _basin, ("label", "settling_time", "kind", *COMPONENTS, *NUMBERS), ("labelling_rtol",),
-        _ends_of_attractors,
+        _basin, ("label", "settling_time", "kind", *COMPONENTS, *NUMBERS),
+        (*PARAMETERS, "labelling_rtol"), _ends_of_attractors,
     ),
     "basin_fractions": Verification(
         _fractions, ("response_fraction", "count", "kind", *NUMBERS),
-        ("labelling_rtol", "starts", "seed", *_RANGES), _ends_of_attractors,
+        (*PARAMETERS, "labelling_rtol", "starts", "seed", *_RANGES), _ends_of_attractors,
     ),
     "atlas": Verification(
         _atlas, ("missed_fraction", "count", "kind", *PARAMETERS, *NUMBERS),

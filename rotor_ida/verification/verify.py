@@ -7,6 +7,7 @@ import xarray as xr
 
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
+from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.results.archived_system import NAMES, PROBLEM
 from rotor_ida.results.kinds import kind_of, why_not
@@ -189,7 +190,9 @@ def _verification_of(dataset: xr.Dataset) -> Verification:
             f"again{way}, and compare"
         )
     missing = [name for name in verification.variables if name not in dataset.variables]
-    missing += [name for name in verification.attributes if name not in dataset.attrs]
+    of_disc = () if "contact_node" in dataset.variables else PARAMETERS
+    needed = [name for name in verification.attributes if name not in PARAMETERS or name in of_disc]
+    missing += [name for name in needed if name not in dataset.attrs]
     if set(PROBLEM) <= set(verification.variables):  # of a rotor system
         missing += [name for name in NAMES if name not in dataset.variables]
     if missing:
