@@ -7,7 +7,7 @@ void begin_pressed(struct motion *motion, const double *start)
     motion->model.pressed = 1.0;
     if (motion->model.contact_damping == 0.0 || start[CONTACT_Q] == 0.0)
         return;
-    double above = start[CONTACT_P] - release_velocity(motion);
+    double above = start[CONTACT_P] - release_velocity(&motion->model);
     if (above == 0.0) { /* then the force is 0 either way, and the field the same */
         double rate[MOST_VALUES];
         motion->mode->field(&motion->model, start, rate);
@@ -84,19 +84,14 @@ struct push {
 
 static double force_at(const struct motion *motion, const double *values)
 {
-    const struct parameters *m = &motion->model;
-    return larger(spring_force(m, values[CONTACT_Q]) * damping_factor(m, values[CONTACT_P]), 0.0);
+    return larger(normal_force(&motion->model, values[CONTACT_Q], values[CONTACT_P]), 0.0);
 }
 
 static struct push push_of(const struct motion *motion, const double *values, const double *rate)
 {
-    const struct parameters *m = &motion->model;
-    const double q = values[CONTACT_Q];
-    /* twice the stiffness: q q' is half of the rate of the indentation */
-    const double stiffening = q * (2.0 * spring_stiffness(m, q)) * rate[CONTACT_Q];
-    const double more = spring_force(m, q) * m->contact_damping * rate[CONTACT_P];
-    return (struct push){force_at(motion, values),
-                         stiffening * damping_factor(m, values[CONTACT_P]) + more};
+    const double growth = rate_of_force(&motion->model, values[CONTACT_Q], values[CONTACT_P],
+                                        rate[CONTACT_Q], rate[CONTACT_P]);
+    return (struct push){force_at(motion, values), growth};
 }
 
 static struct push push_within(struct motion *motion, const double *values)

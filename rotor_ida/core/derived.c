@@ -18,8 +18,8 @@ static void contact_field(const struct parameters *m,
     const double s = state[CONTACT_S];
     const double of_q = 0.5 * p;
     const double square = q * q;
-    const double push = square * q;
-    const double radial = m->omega * m->omega * c - 2.0 * m->zeta * p - push;
+    const double spring = square * q;
+    const double radial = m->omega * m->omega * c - 2.0 * m->zeta * p - spring;
     const double r = m->delta0 + square;
     const double around = ratio(h, r);
     const double spin = ratio(around, r);
@@ -39,7 +39,7 @@ static void contact_field(const struct parameters *m,
     const double w20 = w19 * c;
     const double of_s = turn * c;
     const double w22 = w19 * s;
-    const double of_j = push * q;
+    const double of_j = spring * q;
     rate[CONTACT_Q] = of_q;
     rate[CONTACT_P] = of_p;
     rate[CONTACT_H] = of_h;
@@ -61,8 +61,8 @@ static void contact_jacobian(const struct parameters *m,
     const double c = state[CONTACT_C];
     const double s = state[CONTACT_S];
     const double square = q * q;
-    const double push = square * q;
-    const double radial = m->omega * m->omega * c - 2.0 * m->zeta * p - push;
+    const double spring = square * q;
+    const double radial = m->omega * m->omega * c - 2.0 * m->zeta * p - spring;
     const double w3 = square + m->delta0;
     const double w4 = ratio(h, w3);
     const double w5 = ratio(w4, w3);
@@ -115,7 +115,7 @@ static void contact_jacobian(const struct parameters *m,
     matrix[3] = -w22 + 0.1 * m->omega * w26;
     matrix[4] = w27 + 0.1 * m->omega * w28;
     matrix[5] = 1.0;
-    matrix[6] = push + w29;
+    matrix[6] = spring + w29;
     matrix[7] = 0.5;
     matrix[8] = -2.0 * m->zeta * q;
     matrix[15] = w34;
@@ -142,8 +142,8 @@ static void contact_growth(const struct parameters *m,
     const double spin = ratio(around, r);
     const double turned = spin * q;
     const double w5 = ratio(1.0, r);
-    const double push = square * q;
-    const double w7 = w5 * push;
+    const double spring = square * q;
+    const double w7 = w5 * spring;
     const double w8 = w7 * q;
     growth[0][0] = 0.0;
     growth[0][1] = turned;
@@ -210,8 +210,8 @@ static void contact_expand(const struct parameters *m,
         const double s = here[CONTACT_S];
         const double of_q = 0.5 * p;
         const double square = times(series, 0, n, q, q); /* q * q */
-        const double push = times(series, 1, n, square, q); /* square * q */
-        const double radial = m->omega * m->omega * c - 2.0 * m->zeta * p - push;
+        const double spring = times(series, 1, n, square, q); /* square * q */
+        const double radial = m->omega * m->omega * c - 2.0 * m->zeta * p - spring;
         const double r = one * m->delta0 + square;
         const double around = over(series, 2, n, h, r, inverse_r); /* h / r */
         const double spin = over(series, 3, n, around, r, inverse_r); /* around / r */
@@ -226,7 +226,7 @@ static void contact_expand(const struct parameters *m,
         const double w15 = times(series, 9, n, turn, s); /* turn * s */
         const double of_c = -w15;
         const double of_s = times(series, 10, n, turn, c); /* turn * c */
-        const double of_j = times(series, 11, n, push, q); /* push * q */
+        const double of_j = times(series, 11, n, spring, q); /* spring * q */
         terms[CONTACT_Q] = of_q * share;
         terms[CONTACT_P] = of_p * share;
         terms[CONTACT_H] = of_h * share;
@@ -259,8 +259,8 @@ static void contact_expand_with_factors(const struct parameters *m,
         const double s = here[CONTACT_S];
         const double of_q = 0.5 * p;
         const double square = times(series, 0, n, q, q); /* q * q */
-        const double push = times(series, 1, n, square, q); /* square * q */
-        const double radial = m->omega * m->omega * c - 2.0 * m->zeta * p - push;
+        const double spring = times(series, 1, n, square, q); /* square * q */
+        const double radial = m->omega * m->omega * c - 2.0 * m->zeta * p - spring;
         const double r = one * m->delta0 + square;
         const double around = over(series, 2, n, h, r, inverse_r); /* h / r */
         const double spin = over(series, 3, n, around, r, inverse_r); /* around / r */
@@ -275,9 +275,9 @@ static void contact_expand_with_factors(const struct parameters *m,
         const double w15 = times(series, 9, n, turn, s); /* turn * s */
         const double of_c = -w15;
         const double of_s = times(series, 10, n, turn, c); /* turn * c */
-        const double of_j = times(series, 11, n, push, q); /* push * q */
+        const double of_j = times(series, 11, n, spring, q); /* spring * q */
         const double w19 = over(series, 12, n, one * 1.0, r, inverse_r); /* 1.0 / r */
-        const double w20 = times(series, 13, n, w19, push); /* w19 * push */
+        const double w20 = times(series, 13, n, w19, spring); /* w19 * spring */
         const double w21 = times(series, 14, n, w20, q); /* w20 * q */
         terms[CONTACT_Q] = of_q * share;
         terms[CONTACT_P] = of_p * share;

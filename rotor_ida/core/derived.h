@@ -21,6 +21,70 @@ static inline int is_plain(const struct parameters *m)
     return m->shaft_stiffness == 0.0 && m->contact_damping == 0.0 && m->load == 0.0 && m->hertz == 1.0 && m->linear == 0.0 && m->pressed == 1.0 && m->torque == 0.0 && m->slope == 0.0 && m->inverse_inertia == 0.0;
 }
 
+/* The law of contact, by the root q of the indentation and the radial velocity. */
+
+/* The elastic force. */
+static inline double spring_force(const struct parameters *m, double q)
+{
+    (void)m;
+    const double w0 = q * q;
+    return w0 * q;
+}
+
+/* Its slope by the indentation. */
+static inline double spring_stiffness(const struct parameters *m, double q)
+{
+    (void)m;
+    return 1.5 * q;
+}
+
+/* The elastic energy. */
+static inline double spring_energy(const struct parameters *m, double q)
+{
+    (void)m;
+    const double w0 = q * q;
+    const double w1 = w0 * w0;
+    const double w2 = w1 * q;
+    return 0.4 * w2;
+}
+
+/* The factor of contact damping, not clipped at 0. */
+static inline double damping_factor(const struct parameters *m, double approach)
+{
+    (void)m;
+    (void)approach;
+    return 1.0;
+}
+
+/* The radial velocity of a release. */
+static inline double release_velocity(const struct parameters *m)
+{
+    (void)m;
+    return -(1.0) / (0.0);
+}
+
+/* The normal force, not clipped at 0. */
+static inline double normal_force(const struct parameters *m, double q, double approach)
+{
+    (void)m;
+    (void)approach;
+    const double w0 = q * q;
+    return w0 * q;
+}
+
+/* The rate of the normal force. */
+static inline double rate_of_force(const struct parameters *m, double q, double approach, double of_q, double of_approach)
+{
+    (void)m;
+    (void)approach;
+    (void)of_approach;
+    const double w0 = q * of_q;
+    const double w1 = w0 * q;
+    const double w2 = q * q;
+    const double w3 = w2 * of_q;
+    return 2.0 * w1 + w3;
+}
+
 enum { BY_OMEGA, BY_ZETA, BY_DELTA0, PARAMETERS };
 enum { CONTACT_Q, CONTACT_P, CONTACT_H, CONTACT_C, CONTACT_S, CONTACT_T, CONTACT_J, CONTACT_SIZE };
 enum { CONTACT_EXIT_GUARD = CONTACT_Q };

@@ -10,6 +10,26 @@ struct element {
     double clearance, hertz, linear, contact_damping, pressed, friction, sigma, radius, race_radius, mobility, holding;
 };
 
+/* Its slope by the indentation. */
+static inline double element_stiffness(const struct element *m, int n, double q)
+{
+    const double one = n == 0 ? 1.0 : 0.0;
+    return 1.5 * m->hertz * q + one * m->linear;
+}
+
+/* The factor of contact damping, not clipped at 0. */
+static inline double element_factor(const struct element *m, int n, double approach)
+{
+    const double one = n == 0 ? 1.0 : 0.0;
+    return one * 1.0 + m->contact_damping * approach;
+}
+
+/* The tangential force of surfaces that slide. */
+static inline double element_drag(const struct element *m, double push)
+{
+    return m->friction * m->sigma * push;
+}
+
 enum { ELEMENT_ROOT, ELEMENT_X, ELEMENT_Y, ELEMENT_VX, ELEMENT_VY, ELEMENT_SPIN, ELEMENT_RACE, ELEMENT_GIVEN };
 enum { ELEMENT_NORMAL_X, ELEMENT_NORMAL_Y, ELEMENT_APPROACH, ELEMENT_SLIP, ELEMENT_PUSH, ELEMENT_FORCE_X, ELEMENT_FORCE_Y, ELEMENT_POWER, ELEMENT_TURNING, ELEMENT_DRAG, ELEMENT_ANSWERS };
 enum { SLOPE_ROOT, SLOPE_APPROACH, SLOPE_ACROSS, SLOPE_PUSH, SLOPE_DRAG, SLOPE_PULL, SLOPE_GIVEN };

@@ -19,8 +19,8 @@ static void contact_field(const struct parameters *m,
     const double w1 = speed * speed;
     const double w2 = w1 * c;
     const double square = q * q;
-    const double push = (m->hertz * q + m->linear) * square;
-    const double w5 = push * (1.0 + m->contact_damping * p);
+    const double spring = (m->hertz * q + m->linear) * square;
+    const double w5 = spring * (1.0 + m->contact_damping * p);
     const double force = m->pressed * w5;
     const double r = m->delta0 + square;
     const double radial = w2 - 2.0 * m->zeta * p - force - m->shaft_stiffness * r + m->load * down_r;
@@ -113,9 +113,9 @@ static void contact_jacobian(const struct parameters *m,
     const double w2 = 2.0 * m->zeta * p;
     const double w3 = m->hertz * q + m->linear;
     const double square = q * q;
-    const double push = w3 * square;
+    const double spring = w3 * square;
     const double w6 = m->contact_damping * p + 1.0;
-    const double w7 = push * w6;
+    const double w7 = spring * w6;
     const double w8 = m->pressed * w7;
     const double w9 = square + m->delta0;
     const double w10 = m->shaft_stiffness * w9;
@@ -192,15 +192,15 @@ static void contact_jacobian(const struct parameters *m,
     const double w81 = q * c;
     const double w82 = w81 * speed;
     const double w83 = w79 * (-2.0 * w29 + (2.0 * w23 - 2.0 * w80) + 2.0 * w82);
-    const double w84 = push * s;
+    const double w84 = spring * s;
     const double w85 = 2.0 * m->zeta * s + m->pressed * m->contact_damping * w84;
     const double w86 = w85 * s;
-    const double w87 = (-2.0 * m->zeta - m->pressed * m->contact_damping * push - m->inverse_inertia * w86) * q;
+    const double w87 = (-2.0 * m->zeta - m->pressed * m->contact_damping * spring - m->inverse_inertia * w86) * q;
     const double w88 = w85 * c;
     const double w89 = w88 * w9;
     const double w90 = w89 * q;
     const double w91 = w85 * q;
-    const double w92 = push * q;
+    const double w92 = spring * q;
     const double w93 = w92 * p;
     const double w94 = w7 * q;
     const double w95 = q * p;
@@ -359,9 +359,9 @@ static void contact_expand(const struct parameters *m,
         const double w2 = times(series, 1, n, w1, c); /* w1 * c */
         const double square = times(series, 2, n, q, q); /* q * q */
         /* (hertz * q + linear) * square */
-        const double push = times(series, 3, n, m->hertz * q + one * m->linear, square);
-        /* push * (1.0 + contact_damping * p) */
-        const double w5 = times(series, 4, n, push, one * 1.0 + m->contact_damping * p);
+        const double spring = times(series, 3, n, m->hertz * q + one * m->linear, square);
+        /* spring * (1.0 + contact_damping * p) */
+        const double w5 = times(series, 4, n, spring, one * 1.0 + m->contact_damping * p);
         const double force = m->pressed * w5;
         const double r = one * m->delta0 + square;
         const double radial = w2 - 2.0 * m->zeta * p - force - m->shaft_stiffness * r + m->load * down_r;
@@ -444,8 +444,8 @@ static void contact_spent(const struct parameters *m,
         const vec4 w10 = p * s;
         const vec4 w11 = around * c;
         const vec4 velocity = w10 + w11;
-        const vec4 push = (m->hertz * q + m->linear) * square;
-        const vec4 w14 = push * (1.0 + m->contact_damping * p);
+        const vec4 spring = (m->hertz * q + m->linear) * square;
+        const vec4 w14 = spring * (1.0 + m->contact_damping * p);
         const vec4 w15 = w14 * s;
         const vec4 w16 = r * s;
         const vec4 pull = m->pressed * w15 + m->shaft_stiffness * w16;
@@ -488,9 +488,9 @@ static void contact_expand_prescribed(const struct parameters *m,
         const double w2 = times(series, 1, n, w1, c); /* w1 * c */
         const double square = times(series, 2, n, q, q); /* q * q */
         /* (hertz * q + linear) * square */
-        const double push = times(series, 3, n, m->hertz * q + one * m->linear, square);
-        /* push * (1.0 + contact_damping * p) */
-        const double w5 = times(series, 4, n, push, one * 1.0 + m->contact_damping * p);
+        const double spring = times(series, 3, n, m->hertz * q + one * m->linear, square);
+        /* spring * (1.0 + contact_damping * p) */
+        const double w5 = times(series, 4, n, spring, one * 1.0 + m->contact_damping * p);
         const double force = m->pressed * w5;
         const double r = one * m->delta0 + square;
         const double radial = w2 - 2.0 * m->zeta * p - force - m->shaft_stiffness * r + m->load * down_r;
@@ -595,8 +595,8 @@ static void contact_expand_plain(const struct parameters *m,
         const double w1 = times(series, 0, n, speed, speed); /* speed * speed */
         const double w2 = times(series, 1, n, w1, c); /* w1 * c */
         const double square = times(series, 2, n, q, q); /* q * q */
-        const double push = times(series, 3, n, square, q); /* square * q */
-        const double radial = w2 - 2.0 * m->zeta * p - push;
+        const double spring = times(series, 3, n, square, q); /* square * q */
+        const double radial = w2 - 2.0 * m->zeta * p - spring;
         const double r = one * m->delta0 + square;
         const double around = over(series, 4, n, h, r, inverse_r); /* h / r */
         const double spin = over(series, 5, n, around, r, inverse_r); /* around / r */
@@ -614,7 +614,7 @@ static void contact_expand_plain(const struct parameters *m,
         const double w20 = times(series, 13, n, turn, s); /* turn * s */
         const double of_c = -w20;
         const double of_s = times(series, 14, n, turn, c); /* turn * c */
-        const double of_j = times(series, 15, n, push, q); /* push * q */
+        const double of_j = times(series, 15, n, spring, q); /* spring * q */
         terms[CONTACT_Q] = of_q * share;
         terms[CONTACT_P] = of_p * share;
         terms[CONTACT_H] = of_h * share;
@@ -948,11 +948,11 @@ static void rub_field(const struct parameters *m,
     const double w1 = speed * speed;
     const double w2 = w1 * c;
     const double square = q * q;
-    const double push = (m->hertz * q + m->linear) * square;
-    const double w5 = push * (1.0 + m->contact_damping * p);
-    const double force = m->pressed * w5;
+    const double spring = (m->hertz * q + m->linear) * square;
+    const double w5 = spring * (1.0 + m->contact_damping * p);
+    const double push = m->pressed * w5;
     const double r = m->delta0 + square;
-    const double radial = w2 - 2.0 * m->zeta * p - force - m->shaft_stiffness * r + m->load * down_r;
+    const double radial = w2 - 2.0 * m->zeta * p - push - m->shaft_stiffness * r + m->load * down_r;
     const double slip_speed = ratio(slip, r);
     const double w10 = m->disc_radius * speed;
     const double around = slip_speed - w10;
@@ -1053,9 +1053,9 @@ static void rub_jacobian(const struct parameters *m,
     const double w2 = 2.0 * m->zeta * p;
     const double w3 = m->hertz * q + m->linear;
     const double square = q * q;
-    const double push = w3 * square;
+    const double spring = w3 * square;
     const double w6 = m->contact_damping * p + 1.0;
-    const double w7 = push * w6;
+    const double w7 = spring * w6;
     const double w8 = m->pressed * w7;
     const double w9 = square + m->delta0;
     const double w10 = m->shaft_stiffness * w9;
@@ -1154,16 +1154,16 @@ static void rub_jacobian(const struct parameters *m,
     const double w103 = w98 * (-2.0 * w33 + (2.0 * w99 - 2.0 * w100) + 2.0 * w102);
     const double w104 = w88 * w11;
     const double w105 = w28 * w91;
-    const double w106 = push * s;
-    const double w107 = push * w21;
+    const double w106 = spring * s;
+    const double w107 = spring * w21;
     const double w108 = 2.0 * m->zeta * s + m->pressed * m->contact_damping * w106 - m->pressed * m->contact_damping * (m->friction * m->sigma) * w107;
     const double w109 = w108 * s;
-    const double w110 = (-2.0 * m->zeta - m->pressed * m->contact_damping * push - m->inverse_inertia * w109) * q;
+    const double w110 = (-2.0 * m->zeta - m->pressed * m->contact_damping * spring - m->inverse_inertia * w109) * q;
     const double w111 = w108 * w21;
-    const double w112 = (-(m->pressed * m->contact_damping * (m->friction * m->sigma)) * push + m->inverse_inertia * w111) * w9;
+    const double w112 = (-(m->pressed * m->contact_damping * (m->friction * m->sigma)) * spring + m->inverse_inertia * w111) * w9;
     const double w113 = (w112 + w12) * q;
     const double w114 = w108 * q;
-    const double w115 = push * q;
+    const double w115 = spring * q;
     const double w116 = w115 * p;
     const double w117 = q * p;
     const double w118 = w115 * w89;
@@ -1344,12 +1344,12 @@ static void rub_expand(const struct parameters *m,
         const double w2 = times(series, 1, n, w1, c); /* w1 * c */
         const double square = times(series, 2, n, q, q); /* q * q */
         /* (hertz * q + linear) * square */
-        const double push = times(series, 3, n, m->hertz * q + one * m->linear, square);
-        /* push * (1.0 + contact_damping * p) */
-        const double w5 = times(series, 4, n, push, one * 1.0 + m->contact_damping * p);
-        const double force = m->pressed * w5;
+        const double spring = times(series, 3, n, m->hertz * q + one * m->linear, square);
+        /* spring * (1.0 + contact_damping * p) */
+        const double w5 = times(series, 4, n, spring, one * 1.0 + m->contact_damping * p);
+        const double push = m->pressed * w5;
         const double r = one * m->delta0 + square;
-        const double radial = w2 - 2.0 * m->zeta * p - force - m->shaft_stiffness * r + m->load * down_r;
+        const double radial = w2 - 2.0 * m->zeta * p - push - m->shaft_stiffness * r + m->load * down_r;
         const double slip_speed = over(series, 5, n, slip, r, inverse_r); /* slip / r */
         const double around = slip_speed - m->disc_radius * speed;
         const double spin = over(series, 6, n, around, r, inverse_r); /* around / r */
@@ -1433,8 +1433,8 @@ static void rub_spent(const struct parameters *m,
         const vec4 damped = 2.0 * m->zeta * (w0 + w6 - w7);
         const vec4 w9 = w3 * down_t;
         const vec4 spent = (damped + m->load * w9) * q;
-        const vec4 push = (m->hertz * q + m->linear) * square;
-        const vec4 w12 = push * (1.0 + m->contact_damping * p);
+        const vec4 spring = (m->hertz * q + m->linear) * square;
+        const vec4 w12 = spring * (1.0 + m->contact_damping * p);
         const vec4 w13 = w12 * q;
         const vec4 w14 = m->disc_radius * speed;
         const vec4 w15 = w13 * (w14 + w3);
@@ -1488,12 +1488,12 @@ static void rub_expand_prescribed(const struct parameters *m,
         const double w2 = times(series, 1, n, w1, c); /* w1 * c */
         const double square = times(series, 2, n, q, q); /* q * q */
         /* (hertz * q + linear) * square */
-        const double push = times(series, 3, n, m->hertz * q + one * m->linear, square);
-        /* push * (1.0 + contact_damping * p) */
-        const double w5 = times(series, 4, n, push, one * 1.0 + m->contact_damping * p);
-        const double force = m->pressed * w5;
+        const double spring = times(series, 3, n, m->hertz * q + one * m->linear, square);
+        /* spring * (1.0 + contact_damping * p) */
+        const double w5 = times(series, 4, n, spring, one * 1.0 + m->contact_damping * p);
+        const double push = m->pressed * w5;
         const double r = one * m->delta0 + square;
-        const double radial = w2 - 2.0 * m->zeta * p - force - m->shaft_stiffness * r + m->load * down_r;
+        const double radial = w2 - 2.0 * m->zeta * p - push - m->shaft_stiffness * r + m->load * down_r;
         const double slip_speed = over(series, 5, n, slip, r, inverse_r); /* slip / r */
         const double around = slip_speed - m->disc_radius * speed;
         const double spin = over(series, 6, n, around, r, inverse_r); /* around / r */
@@ -1565,8 +1565,8 @@ static void rub_spent_prescribed(const struct parameters *m,
         const vec4 damped = 2.0 * m->zeta * (w0 + w6 - w7);
         const vec4 w9 = w3 * down_t;
         const vec4 spent = (damped + m->load * w9) * q;
-        const vec4 push = (m->hertz * q + m->linear) * square;
-        const vec4 w12 = push * (1.0 + m->contact_damping * p);
+        const vec4 spring = (m->hertz * q + m->linear) * square;
+        const vec4 w12 = spring * (1.0 + m->contact_damping * p);
         const vec4 w13 = w12 * q;
         const vec4 w14 = m->disc_radius * speed;
         const vec4 w15 = w13 * (w14 + w3);
@@ -1609,8 +1609,8 @@ static void rub_expand_plain(const struct parameters *m,
         const double w1 = times(series, 0, n, speed, speed); /* speed * speed */
         const double w2 = times(series, 1, n, w1, c); /* w1 * c */
         const double square = times(series, 2, n, q, q); /* q * q */
-        const double push = times(series, 3, n, square, q); /* square * q */
-        const double radial = w2 - 2.0 * m->zeta * p - push;
+        const double spring = times(series, 3, n, square, q); /* square * q */
+        const double radial = w2 - 2.0 * m->zeta * p - spring;
         const double r = one * m->delta0 + square;
         const double slip_speed = over(series, 4, n, slip, r, inverse_r); /* slip / r */
         const double around = slip_speed - m->disc_radius * speed;
@@ -1619,7 +1619,7 @@ static void rub_expand_plain(const struct parameters *m,
         const double outwards = radial + centrifugal - m->rate * s;
         const double of_p = times(series, 7, n, outwards, q); /* outwards * q */
         const double w13 = times(series, 8, n, w1, s); /* w1 * s */
-        const double drag = m->friction * m->sigma * push;
+        const double drag = m->friction * m->sigma * spring;
         const double tangential = -w13 - 2.0 * m->zeta * around - drag;
         const double lever = one * m->disc_radius - c;
         const double sideways = tangential + m->rate * lever;
@@ -1633,7 +1633,7 @@ static void rub_expand_plain(const struct parameters *m,
         const double w25 = times(series, 14, n, turn, s); /* turn * s */
         const double of_c = -w25;
         const double of_s = times(series, 15, n, turn, c); /* turn * c */
-        const double of_j = times(series, 16, n, push, q); /* push * q */
+        const double of_j = times(series, 16, n, spring, q); /* spring * q */
         terms[RUB_Q] = of_q * share;
         terms[RUB_P] = of_p * share;
         terms[RUB_SLIP] = of_slip * share;
@@ -1677,8 +1677,8 @@ static void rub_spent_plain(const struct parameters *m,
         const vec4 w8 = (w0 + w6 - w7) * q;
         const vec4 spent = 2.0 * m->zeta * w8;
         const vec4 w10 = m->disc_radius * speed;
-        const vec4 push = square * q;
-        const vec4 of_j = push * q;
+        const vec4 spring = square * q;
+        const vec4 of_j = spring * q;
         const vec4 w13 = (w10 + w3) * of_j;
         const vec4 w14 = p * s;
         const vec4 slip_speed = (slip) / (r);
@@ -1722,8 +1722,8 @@ static void rolling_field(const struct parameters *m,
     const double w1 = speed * speed;
     const double w2 = w1 * c;
     const double square = q * q;
-    const double push = (m->hertz * q + m->linear) * square;
-    const double w5 = push * (1.0 + m->contact_damping * p);
+    const double spring = (m->hertz * q + m->linear) * square;
+    const double w5 = spring * (1.0 + m->contact_damping * p);
     const double force = m->pressed * w5;
     const double r = m->delta0 + square;
     const double w8 = ratio(speed, r);
@@ -1825,9 +1825,9 @@ static void rolling_jacobian(const struct parameters *m,
     const double w2 = 2.0 * m->zeta * p;
     const double w3 = m->hertz * q + m->linear;
     const double square = q * q;
-    const double push = w3 * square;
+    const double spring = w3 * square;
     const double w6 = m->contact_damping * p + 1.0;
-    const double w7 = push * w6;
+    const double w7 = spring * w6;
     const double w8 = m->pressed * w7;
     const double w9 = square + m->delta0;
     const double w10 = m->shaft_stiffness * w9;
@@ -1918,13 +1918,13 @@ static void rolling_jacobian(const struct parameters *m,
     const double w95 = (w92 + w94) * w79;
     const double w96 = w92 * q;
     const double w97 = w96 * w70;
-    const double w98 = push * s;
+    const double w98 = spring * s;
     const double w99 = w11 * w23;
     const double w100 = ratio(2.0 * m->zeta * s + m->pressed * m->contact_damping * w98 - m->disc_radius * w99, w26);
     const double w101 = w100 * s;
-    const double w102 = (-2.0 * m->zeta - m->pressed * m->contact_damping * push - m->inverse_inertia * w101) * q;
+    const double w102 = (-2.0 * m->zeta - m->pressed * m->contact_damping * spring - m->inverse_inertia * w101) * q;
     const double w103 = w100 * q;
-    const double w104 = push * q;
+    const double w104 = spring * q;
     const double w105 = w104 * p;
     const double w106 = w7 * q;
     const double w107 = q * p;
@@ -2078,9 +2078,9 @@ static void rolling_watched(const struct parameters *m,
     const double speed = state[ROLLING_SPEED];
     const double w0 = m->hertz * q + m->linear;
     const double square = q * q;
-    const double push = w0 * square;
+    const double spring = w0 * square;
     const double w3 = m->contact_damping * p;
-    const double w4 = push * (1.0 + w3);
+    const double w4 = spring * (1.0 + w3);
     const double grip = m->friction * m->pressed * w4;
     const double w6 = speed * speed;
     const double w7 = w6 * s;
@@ -2117,7 +2117,7 @@ static void rolling_watched(const struct parameters *m,
     const double w38 = faster * s;
     const double outwards = w33 - w34 - force - m->shaft_stiffness * r + m->load * down_r - m->disc_radius * (-m->disc_radius) * w37 - w38;
     const double of_p = outwards * q;
-    const double w41 = of_p * push;
+    const double w41 = of_p * spring;
     const double w42 = square + m->delta0;
     const double w43 = ratio(w10, w42);
     const double w44 = w43 * q;
@@ -2132,12 +2132,12 @@ static void rolling_watched(const struct parameters *m,
     const double w53 = w52 * w48;
     const double w54 = (-2.0 * m->disc_radius * w45 + m->inverse_inertia * w53) * p;
     const double w55 = ratio(speed, w42);
-    const double w56 = push * s;
+    const double w56 = spring * s;
     const double w57 = w55 * w48;
     const double w58 = ratio(2.0 * m->zeta * s + m->pressed * m->contact_damping * w56 - m->disc_radius * w57, w51);
     const double w59 = w58 * w48;
     const double w60 = of_p * (m->disc_radius * w55 + m->inverse_inertia * w59);
-    const double w61 = push * w30;
+    const double w61 = spring * w30;
     const double w62 = w61 * s;
     const double w63 = w42 * s;
     const double w64 = -m->disc_radius * (2.0 * m->zeta) * speed;
@@ -2204,9 +2204,9 @@ static void rolling_expand(const struct parameters *m,
         const double w2 = times(series, 1, n, w1, c); /* w1 * c */
         const double square = times(series, 2, n, q, q); /* q * q */
         /* (hertz * q + linear) * square */
-        const double push = times(series, 3, n, m->hertz * q + one * m->linear, square);
-        /* push * (1.0 + contact_damping * p) */
-        const double w5 = times(series, 4, n, push, one * 1.0 + m->contact_damping * p);
+        const double spring = times(series, 3, n, m->hertz * q + one * m->linear, square);
+        /* spring * (1.0 + contact_damping * p) */
+        const double w5 = times(series, 4, n, spring, one * 1.0 + m->contact_damping * p);
         const double force = m->pressed * w5;
         const double r = one * m->delta0 + square;
         const double w8 = over(series, 5, n, speed, r, inverse_r); /* speed / r */
@@ -2304,8 +2304,8 @@ static void rolling_spent(const struct parameters *m,
         const vec4 w18 = p * s;
         const vec4 w19 = c * speed;
         const vec4 velocity = w18 - m->disc_radius * w19;
-        const vec4 push = (m->hertz * q + m->linear) * square;
-        const vec4 w22 = push * (1.0 + m->contact_damping * p);
+        const vec4 spring = (m->hertz * q + m->linear) * square;
+        const vec4 w22 = spring * (1.0 + m->contact_damping * p);
         const vec4 w23 = w22 * s;
         const vec4 w24 = r * s;
         const vec4 pull = m->pressed * w23 + m->shaft_stiffness * w24;
@@ -2355,9 +2355,9 @@ static void rolling_expand_prescribed(const struct parameters *m,
         const double w2 = times(series, 1, n, w1, c); /* w1 * c */
         const double square = times(series, 2, n, q, q); /* q * q */
         /* (hertz * q + linear) * square */
-        const double push = times(series, 3, n, m->hertz * q + one * m->linear, square);
-        /* push * (1.0 + contact_damping * p) */
-        const double w5 = times(series, 4, n, push, one * 1.0 + m->contact_damping * p);
+        const double spring = times(series, 3, n, m->hertz * q + one * m->linear, square);
+        /* spring * (1.0 + contact_damping * p) */
+        const double w5 = times(series, 4, n, spring, one * 1.0 + m->contact_damping * p);
         const double force = m->pressed * w5;
         const double r = one * m->delta0 + square;
         const double w8 = over(series, 5, n, speed, r, inverse_r); /* speed / r */
@@ -2477,11 +2477,11 @@ static void rolling_expand_plain(const struct parameters *m,
         const double w1 = times(series, 0, n, speed, speed); /* speed * speed */
         const double w2 = times(series, 1, n, w1, c); /* w1 * c */
         const double square = times(series, 2, n, q, q); /* q * q */
-        const double push = times(series, 3, n, square, q); /* square * q */
+        const double spring = times(series, 3, n, square, q); /* square * q */
         const double r = one * m->delta0 + square;
         const double w6 = over(series, 4, n, speed, r, inverse_r); /* speed / r */
         const double w7 = times(series, 5, n, w6, speed); /* w6 * speed */
-        const double outwards = w2 - 2.0 * m->zeta * p - push - m->disc_radius * (-m->disc_radius) * w7 - m->rate * s;
+        const double outwards = w2 - 2.0 * m->zeta * p - spring - m->disc_radius * (-m->disc_radius) * w7 - m->rate * s;
         const double of_p = times(series, 6, n, outwards, q); /* outwards * q */
         const double w10 = times(series, 7, n, w6, q); /* w6 * q */
         const double turned = -m->disc_radius * w10;
@@ -2490,8 +2490,8 @@ static void rolling_expand_plain(const struct parameters *m,
         const double w14 = times(series, 9, n, turn, s); /* turn * s */
         const double of_c = -w14;
         const double of_s = times(series, 10, n, turn, c); /* turn * c */
-        const double of_j = times(series, 11, n, push, q); /* push * q */
-        const double grip = m->friction * push;
+        const double of_j = times(series, 11, n, spring, q); /* spring * q */
+        const double grip = m->friction * spring;
         const double w19 = times(series, 12, n, w1, s); /* w1 * s */
         const double w20 = times(series, 13, n, p, speed); /* p * speed */
         const double w21 = over(series, 14, n, w20, r, inverse_r); /* w20 / r */

@@ -16,11 +16,11 @@ static void contact_field(const struct parameters *m,
     const double down_t = state[CONTACT_DOWN_T];
     const double of_q = 0.5 * p;
     const double square = q * q;
-    const double push = (m->hertz * q + m->linear) * square;
-    const double w3 = push * (1.0 + m->contact_damping * p);
-    const double push_ = m->pressed * w3;
+    const double spring = (m->hertz * q + m->linear) * square;
+    const double w3 = spring * (1.0 + m->contact_damping * p);
+    const double push = m->pressed * w3;
     const double r = m->delta0 + square;
-    const double radial = m->omega * m->omega * c - 2.0 * m->zeta * p - push_ - m->shaft_stiffness * r + m->load * down_r;
+    const double radial = m->omega * m->omega * c - 2.0 * m->zeta * p - push - m->shaft_stiffness * r + m->load * down_r;
     const double around = ratio(h, r);
     const double spin = ratio(around, r);
     const double centrifugal = spin * around;
@@ -84,9 +84,9 @@ static void contact_jacobian(const struct parameters *m,
     const double down_t = state[CONTACT_DOWN_T];
     const double w0 = m->hertz * q + m->linear;
     const double square = q * q;
-    const double push = w0 * square;
+    const double spring = w0 * square;
     const double w3 = m->contact_damping * p + 1.0;
-    const double w4 = push * w3;
+    const double w4 = spring * w3;
     const double w5 = m->pressed * w4;
     const double w6 = square + m->delta0;
     const double w7 = ratio(h, w6);
@@ -131,8 +131,8 @@ static void contact_jacobian(const struct parameters *m,
     const double w46 = w13 * w7;
     const double w47 = q * down_t;
     const double w48 = (-8.0 * m->zeta * w46 + 2.0 * (m->load * m->omega) * w47) * q;
-    const double w49 = (-2.0 * m->zeta - m->pressed * m->contact_damping * push) * q;
-    const double w50 = push * q;
+    const double w49 = (-2.0 * m->zeta - m->pressed * m->contact_damping * spring) * q;
+    const double w50 = spring * q;
     const double w51 = w50 * p;
     const double w52 = w4 * q;
     const double w53 = q * p;
@@ -221,11 +221,11 @@ static void contact_growth(const struct parameters *m,
     const double w7 = (-m->pressed * w6 - m->shaft_stiffness) * q;
     const double w8 = ratio(1.0, r);
     const double w9 = around * w8;
-    const double push = (m->hertz * q + m->linear) * square;
-    const double w11 = w9 * push;
+    const double spring = (m->hertz * q + m->linear) * square;
+    const double w11 = w9 * spring;
     const double w12 = w11 * q;
-    const double w13 = (-2.0 * m->zeta - m->pressed * m->contact_damping * push) * q;
-    const double w14 = push * w5;
+    const double w13 = (-2.0 * m->zeta - m->pressed * m->contact_damping * spring) * q;
+    const double w14 = spring * w5;
     const double w15 = w14 * w8;
     const double w16 = (-m->pressed * w15 - m->shaft_stiffness) * q;
     growth[0][0] = 0.0;
@@ -261,8 +261,8 @@ static void contact_by_parameters(const struct parameters *m,
     const double r = m->delta0 + square;
     const double around = ratio(h, r);
     const double w3 = (1.5 * m->hertz * q + m->linear) * (m->contact_damping * p + 1.0);
-    const double push = (m->hertz * q + m->linear) * square;
-    const double w5 = push * p;
+    const double spring = (m->hertz * q + m->linear) * square;
+    const double w5 = spring * p;
     added[0][0] = 0.0;
     added[0][1] = -r;
     added[0][2] = 2.0 * m->omega * c + around;
@@ -321,12 +321,12 @@ static void contact_expand(const struct parameters *m,
         const double of_q = 0.5 * p;
         const double square = times(series, 0, n, q, q); /* q * q */
         /* (hertz * q + linear) * square */
-        const double push = times(series, 1, n, m->hertz * q + one * m->linear, square);
-        /* push * (1.0 + contact_damping * p) */
-        const double w3 = times(series, 2, n, push, one * 1.0 + m->contact_damping * p);
-        const double push_ = m->pressed * w3;
+        const double spring = times(series, 1, n, m->hertz * q + one * m->linear, square);
+        /* spring * (1.0 + contact_damping * p) */
+        const double w3 = times(series, 2, n, spring, one * 1.0 + m->contact_damping * p);
+        const double push = m->pressed * w3;
         const double r = one * m->delta0 + square;
-        const double radial = m->omega * m->omega * c - 2.0 * m->zeta * p - push_ - m->shaft_stiffness * r + m->load * down_r;
+        const double radial = m->omega * m->omega * c - 2.0 * m->zeta * p - push - m->shaft_stiffness * r + m->load * down_r;
         const double around = over(series, 3, n, h, r, inverse_r); /* h / r */
         const double spin = over(series, 4, n, around, r, inverse_r); /* around / r */
         const double centrifugal = times(series, 5, n, spin, around); /* spin * around */
@@ -411,12 +411,12 @@ static void contact_expand_with_factors(const struct parameters *m,
         const double of_q = 0.5 * p;
         const double square = times(series, 0, n, q, q); /* q * q */
         /* (hertz * q + linear) * square */
-        const double push = times(series, 1, n, m->hertz * q + one * m->linear, square);
+        const double spring = times(series, 1, n, m->hertz * q + one * m->linear, square);
         const double w3 = m->contact_damping * p;
-        const double w4 = times(series, 2, n, push, one * 1.0 + w3); /* push * (1.0 + w3) */
-        const double push_ = m->pressed * w4;
+        const double w4 = times(series, 2, n, spring, one * 1.0 + w3); /* spring * (1.0 + w3) */
+        const double push = m->pressed * w4;
         const double r = one * m->delta0 + square;
-        const double radial = m->omega * m->omega * c - 2.0 * m->zeta * p - push_ - m->shaft_stiffness * r + m->load * down_r;
+        const double radial = m->omega * m->omega * c - 2.0 * m->zeta * p - push - m->shaft_stiffness * r + m->load * down_r;
         const double around = over(series, 3, n, h, r, inverse_r); /* h / r */
         const double spin = over(series, 4, n, around, r, inverse_r); /* around / r */
         const double centrifugal = times(series, 5, n, spin, around); /* spin * around */
@@ -444,11 +444,11 @@ static void contact_expand_with_factors(const struct parameters *m,
         const double w30 = times(series, 17, n, -m->pressed * w29 - one * m->shaft_stiffness, q);
         const double w31 = over(series, 18, n, one * 1.0, r, inverse_r); /* 1.0 / r */
         const double w32 = times(series, 19, n, around, w31); /* around * w31 */
-        const double w33 = times(series, 20, n, w32, push); /* w32 * push */
+        const double w33 = times(series, 20, n, w32, spring); /* w32 * spring */
         const double w34 = times(series, 21, n, w33, q); /* w33 * q */
-        /* (-2.0 * zeta - pressed * contact_damping * push) * q */
-        const double w35 = times(series, 22, n, one * (-2.0 * m->zeta) - m->pressed * m->contact_damping * push, q);
-        const double w36 = times(series, 23, n, push, w28); /* push * w28 */
+        /* (-2.0 * zeta - pressed * contact_damping * spring) * q */
+        const double w35 = times(series, 22, n, one * (-2.0 * m->zeta) - m->pressed * m->contact_damping * spring, q);
+        const double w36 = times(series, 23, n, spring, w28); /* spring * w28 */
         const double w37 = times(series, 24, n, w36, w31); /* w36 * w31 */
         /* (-pressed * w37 - shaft_stiffness) * q */
         const double w38 = times(series, 25, n, -m->pressed * w37 - one * m->shaft_stiffness, q);
@@ -822,11 +822,11 @@ static void rub_field(const struct parameters *m,
     const double down_t = state[RUB_DOWN_T];
     const double of_q = 0.5 * p;
     const double square = q * q;
-    const double push = (m->hertz * q + m->linear) * square;
-    const double w3 = push * (1.0 + m->contact_damping * p);
-    const double push_ = m->pressed * w3;
+    const double spring = (m->hertz * q + m->linear) * square;
+    const double w3 = spring * (1.0 + m->contact_damping * p);
+    const double push = m->pressed * w3;
     const double r = m->delta0 + square;
-    const double radial = m->omega * m->omega * c - 2.0 * m->zeta * p - push_ - m->shaft_stiffness * r + m->load * down_r;
+    const double radial = m->omega * m->omega * c - 2.0 * m->zeta * p - push - m->shaft_stiffness * r + m->load * down_r;
     const double slip_speed = ratio(slip, r);
     const double around = slip_speed - m->rim;
     const double spin = ratio(around, r);
@@ -897,9 +897,9 @@ static void rub_jacobian(const struct parameters *m,
     const double down_t = state[RUB_DOWN_T];
     const double w0 = m->hertz * q + m->linear;
     const double square = q * q;
-    const double push = w0 * square;
+    const double spring = w0 * square;
     const double w3 = m->contact_damping * p + 1.0;
-    const double w4 = push * w3;
+    const double w4 = spring * w3;
     const double w5 = m->pressed * w4;
     const double w6 = square + m->delta0;
     const double w7 = ratio(slip, w6);
@@ -957,10 +957,10 @@ static void rub_jacobian(const struct parameters *m,
     const double w59 = w58 * q;
     const double w60 = w55 * w7;
     const double w61 = w14 * w58;
-    const double w62 = (-2.0 * m->zeta - m->pressed * m->contact_damping * push) * q;
-    const double w63 = push * w6;
+    const double w62 = (-2.0 * m->zeta - m->pressed * m->contact_damping * spring) * q;
+    const double w63 = spring * w6;
     const double w64 = (-(m->pressed * m->contact_damping * (m->friction * m->sigma)) * w63 + m->rim) * q;
-    const double w65 = push * q;
+    const double w65 = spring * q;
     const double w66 = w65 * p;
     const double w67 = q * p;
     const double w68 = w65 * w56;
@@ -1056,15 +1056,15 @@ static void rub_growth(const struct parameters *m,
     const double w8 = (-m->pressed * w7 - m->shaft_stiffness) * q;
     const double w9 = ratio(1.0, r);
     const double w10 = around * w9;
-    const double push = (m->hertz * q + m->linear) * square;
-    const double w12 = w10 * push;
-    const double w13 = push * w6;
+    const double spring = (m->hertz * q + m->linear) * square;
+    const double w12 = w10 * spring;
+    const double w13 = spring * w6;
     const double w14 = w13 * w9;
     const double w15 = (-(m->pressed * m->contact_damping) * w12 + m->pressed * (m->friction * m->sigma) * w14) * q;
-    const double w16 = (-2.0 * m->zeta - m->pressed * m->contact_damping * push) * q;
+    const double w16 = (-2.0 * m->zeta - m->pressed * m->contact_damping * spring) * q;
     const double w17 = w7 * q;
     const double w18 = (-m->pressed * w14 - m->shaft_stiffness - m->pressed * m->contact_damping * (m->friction * m->sigma) * w12) * q;
-    const double w19 = (-(m->pressed * m->contact_damping * (m->friction * m->sigma)) * push - spin) * q;
+    const double w19 = (-(m->pressed * m->contact_damping * (m->friction * m->sigma)) * spring - spin) * q;
     growth[0][0] = 0.0;
     growth[0][1] = turned;
     growth[0][2] = q;
@@ -1100,9 +1100,9 @@ static void rub_by_parameters(const struct parameters *m,
     const double around = slip_speed - m->rim;
     const double w4 = m->contact_damping * p + 1.0;
     const double w5 = (1.5 * m->hertz * q + m->linear) * w4;
-    const double push = (m->hertz * q + m->linear) * square;
-    const double w7 = push * p;
-    const double w8 = push * w4;
+    const double spring = (m->hertz * q + m->linear) * square;
+    const double w7 = spring * p;
+    const double w8 = spring * w4;
     added[0][0] = 0.0;
     added[0][1] = -r;
     added[0][2] = 2.0 * m->omega * c + around;
@@ -1161,12 +1161,12 @@ static void rub_expand(const struct parameters *m,
         const double of_q = 0.5 * p;
         const double square = times(series, 0, n, q, q); /* q * q */
         /* (hertz * q + linear) * square */
-        const double push = times(series, 1, n, m->hertz * q + one * m->linear, square);
-        /* push * (1.0 + contact_damping * p) */
-        const double w3 = times(series, 2, n, push, one * 1.0 + m->contact_damping * p);
-        const double push_ = m->pressed * w3;
+        const double spring = times(series, 1, n, m->hertz * q + one * m->linear, square);
+        /* spring * (1.0 + contact_damping * p) */
+        const double w3 = times(series, 2, n, spring, one * 1.0 + m->contact_damping * p);
+        const double push = m->pressed * w3;
         const double r = one * m->delta0 + square;
-        const double radial = m->omega * m->omega * c - 2.0 * m->zeta * p - push_ - m->shaft_stiffness * r + m->load * down_r;
+        const double radial = m->omega * m->omega * c - 2.0 * m->zeta * p - push - m->shaft_stiffness * r + m->load * down_r;
         const double slip_speed = over(series, 3, n, slip, r, inverse_r); /* slip / r */
         const double around = slip_speed - one * m->rim;
         const double spin = over(series, 4, n, around, r, inverse_r); /* around / r */
@@ -1226,8 +1226,8 @@ static void rub_spent(const struct parameters *m,
         const vec4 damped = 2.0 * m->zeta * (w0 + w5 - m->omega * h);
         const vec4 w7 = r * down_t;
         const vec4 spent = (damped + m->load * m->omega * w7) * q;
-        const vec4 push = (m->hertz * q + m->linear) * square;
-        const vec4 w10 = push * (1.0 + m->contact_damping * p);
+        const vec4 spring = (m->hertz * q + m->linear) * square;
+        const vec4 w10 = spring * (1.0 + m->contact_damping * p);
         const vec4 w11 = w10 * q;
         const vec4 w12 = w11 * (m->rim + m->omega * r);
         const vec4 slip_speed = (slip) / (r);
@@ -1261,12 +1261,12 @@ static void rub_expand_with_factors(const struct parameters *m,
         const double of_q = 0.5 * p;
         const double square = times(series, 0, n, q, q); /* q * q */
         /* (hertz * q + linear) * square */
-        const double push = times(series, 1, n, m->hertz * q + one * m->linear, square);
+        const double spring = times(series, 1, n, m->hertz * q + one * m->linear, square);
         const double w3 = m->contact_damping * p;
-        const double w4 = times(series, 2, n, push, one * 1.0 + w3); /* push * (1.0 + w3) */
-        const double push_ = m->pressed * w4;
+        const double w4 = times(series, 2, n, spring, one * 1.0 + w3); /* spring * (1.0 + w3) */
+        const double push = m->pressed * w4;
         const double r = one * m->delta0 + square;
-        const double radial = m->omega * m->omega * c - 2.0 * m->zeta * p - push_ - m->shaft_stiffness * r + m->load * down_r;
+        const double radial = m->omega * m->omega * c - 2.0 * m->zeta * p - push - m->shaft_stiffness * r + m->load * down_r;
         const double slip_speed = over(series, 3, n, slip, r, inverse_r); /* slip / r */
         const double around = slip_speed - one * m->rim;
         const double spin = over(series, 4, n, around, r, inverse_r); /* around / r */
@@ -1296,18 +1296,18 @@ static void rub_expand_with_factors(const struct parameters *m,
         const double w32 = times(series, 17, n, -m->pressed * w31 - one * m->shaft_stiffness, q);
         const double w33 = over(series, 18, n, one * 1.0, r, inverse_r); /* 1.0 / r */
         const double w34 = times(series, 19, n, around, w33); /* around * w33 */
-        const double w35 = times(series, 20, n, w34, push); /* w34 * push */
-        const double w36 = times(series, 21, n, push, w30); /* push * w30 */
+        const double w35 = times(series, 20, n, w34, spring); /* w34 * spring */
+        const double w36 = times(series, 21, n, spring, w30); /* spring * w30 */
         const double w37 = times(series, 22, n, w36, w33); /* w36 * w33 */
         /* (-(pressed * contact_damping) * w35 + pressed * (friction * sigma) * w37) * q */
         const double w38 = times(series, 23, n, -(m->pressed * m->contact_damping) * w35 + m->pressed * (m->friction * m->sigma) * w37, q);
-        /* (-2.0 * zeta - pressed * contact_damping * push) * q */
-        const double w39 = times(series, 24, n, one * (-2.0 * m->zeta) - m->pressed * m->contact_damping * push, q);
+        /* (-2.0 * zeta - pressed * contact_damping * spring) * q */
+        const double w39 = times(series, 24, n, one * (-2.0 * m->zeta) - m->pressed * m->contact_damping * spring, q);
         const double w40 = times(series, 25, n, w31, q); /* w31 * q */
         /* (-pressed * w37 - shaft_stiffness - pressed * contact_damping * (friction * sigma) * w35) * q */
         const double w41 = times(series, 26, n, -m->pressed * w37 - one * m->shaft_stiffness - m->pressed * m->contact_damping * (m->friction * m->sigma) * w35, q);
-        /* (-(pressed * contact_damping * (friction * sigma)) * push - spin) * q */
-        const double w42 = times(series, 27, n, -(m->pressed * m->contact_damping * (m->friction * m->sigma)) * push - spin, q);
+        /* (-(pressed * contact_damping * (friction * sigma)) * spring - spin) * q */
+        const double w42 = times(series, 27, n, -(m->pressed * m->contact_damping * (m->friction * m->sigma)) * spring - spin, q);
         terms[RUB_Q] = of_q * share;
         terms[RUB_P] = of_p * share;
         terms[RUB_SLIP] = of_slip * share;
@@ -1404,12 +1404,12 @@ static void rolling_field(const struct parameters *m,
     const double down_t = state[ROLLING_DOWN_T];
     const double of_q = 0.5 * p;
     const double square = q * q;
-    const double push = (m->hertz * q + m->linear) * square;
-    const double w3 = push * (1.0 + m->contact_damping * p);
-    const double push_ = m->pressed * w3;
+    const double spring = (m->hertz * q + m->linear) * square;
+    const double w3 = spring * (1.0 + m->contact_damping * p);
+    const double push = m->pressed * w3;
     const double r = m->delta0 + square;
     const double w6 = ratio(1.0, r);
-    const double outwards = m->omega * m->omega * c - 2.0 * m->zeta * p - push_ - m->shaft_stiffness * r + m->load * down_r - m->rim * (-m->rim) * w6;
+    const double outwards = m->omega * m->omega * c - 2.0 * m->zeta * p - push - m->shaft_stiffness * r + m->load * down_r - m->rim * (-m->rim) * w6;
     const double of_p = outwards * q;
     const double w9 = w6 * q;
     const double turned = -m->rim * w9;
@@ -1472,9 +1472,9 @@ static void rolling_jacobian(const struct parameters *m,
     const double down_t = state[ROLLING_DOWN_T];
     const double w0 = m->hertz * q + m->linear;
     const double square = q * q;
-    const double push = w0 * square;
+    const double spring = w0 * square;
     const double w3 = m->contact_damping * p + 1.0;
-    const double w4 = push * w3;
+    const double w4 = spring * w3;
     const double w5 = m->pressed * w4;
     const double w6 = square + m->delta0;
     const double w7 = ratio(1.0, w6);
@@ -1520,8 +1520,8 @@ static void rolling_jacobian(const struct parameters *m,
     const double w47 = (w42 - 2.0 * m->rim * w45) * w46;
     const double w48 = w42 * q;
     const double w49 = w48 * q;
-    const double w50 = (-2.0 * m->zeta - m->pressed * m->contact_damping * push) * q;
-    const double w51 = push * q;
+    const double w50 = (-2.0 * m->zeta - m->pressed * m->contact_damping * spring) * q;
+    const double w51 = spring * q;
     const double w52 = w51 * p;
     const double w53 = w4 * q;
     const double w54 = q * p;
@@ -1591,15 +1591,15 @@ static void rolling_growth(const struct parameters *m,
     const double w5 = m->contact_damping * p + 1.0;
     const double w6 = (1.5 * m->hertz * q + m->linear) * w5;
     const double w7 = (-m->shaft_stiffness - m->pressed * w6) * q;
-    const double push = (m->hertz * q + m->linear) * square;
-    const double w9 = w2 * push;
+    const double spring = (m->hertz * q + m->linear) * square;
+    const double w9 = w2 * spring;
     const double w10 = ratio(p, r);
     const double w11 = (-(-m->rim * (2.0 * m->zeta)) - m->omega * m->omega * s + m->load * down_t + m->disc_radius * m->omega * w10) * w2;
     const double w12 = (-(m->pressed * (-m->rim * m->contact_damping)) * w9 + w11) * q;
-    const double w13 = (-2.0 * m->zeta - m->pressed * m->contact_damping * push) * q;
+    const double w13 = (-2.0 * m->zeta - m->pressed * m->contact_damping * spring) * q;
     const double w14 = ratio(w10, r);
     const double w15 = w14 * q;
-    const double w16 = push * w5;
+    const double w16 = spring * w5;
     const double w17 = w16 * w2;
     const double w18 = (-2.0 * m->zeta * p + m->omega * m->omega * c - m->shaft_stiffness * r + m->load * down_r) * w2;
     const double w19 = ratio(w2, r);
@@ -1638,8 +1638,8 @@ static void rolling_by_parameters(const struct parameters *m,
     const double w2 = -2.0 * m->omega * s;
     const double w3 = ratio(p, r);
     const double w4 = (1.5 * m->hertz * q + m->linear) * (m->contact_damping * p + 1.0);
-    const double push = (m->hertz * q + m->linear) * square;
-    const double w6 = push * p;
+    const double spring = (m->hertz * q + m->linear) * square;
+    const double w6 = spring * p;
     added[0][0] = 0.0;
     added[0][1] = -r;
     added[0][2] = 2.0 * m->omega * c - m->rim;
@@ -1686,9 +1686,9 @@ static void rolling_watched(const struct parameters *m,
     const double down_t = state[ROLLING_DOWN_T];
     const double w0 = m->hertz * q + m->linear;
     const double square = q * q;
-    const double push = w0 * square;
+    const double spring = w0 * square;
     const double w3 = m->contact_damping * p;
-    const double w4 = push * (1.0 + w3);
+    const double w4 = spring * (1.0 + w3);
     const double grip = m->friction * m->pressed * w4;
     const double r = m->delta0 + square;
     const double w7 = ratio(p, r);
@@ -1696,11 +1696,11 @@ static void rolling_watched(const struct parameters *m,
     const double w9 = w0 * q;
     const double w10 = (2.0 * w9 + m->hertz * square) * (w3 + 1.0);
     const double w11 = w10 * p;
-    const double push_ = m->pressed * w4;
+    const double push = m->pressed * w4;
     const double w13 = ratio(1.0, r);
-    const double outwards = m->omega * m->omega * c - 2.0 * m->zeta * p - push_ - m->shaft_stiffness * r + m->load * down_r - m->rim * (-m->rim) * w13;
+    const double outwards = m->omega * m->omega * c - 2.0 * m->zeta * p - push - m->shaft_stiffness * r + m->load * down_r - m->rim * (-m->rim) * w13;
     const double of_p = outwards * q;
-    const double w16 = of_p * push;
+    const double w16 = of_p * spring;
     const double w17 = square + m->delta0;
     const double w18 = ratio(p, w17);
     const double w19 = w18 * q;
@@ -1742,13 +1742,13 @@ static void rolling_expand(const struct parameters *m,
         const double of_q = 0.5 * p;
         const double square = times(series, 0, n, q, q); /* q * q */
         /* (hertz * q + linear) * square */
-        const double push = times(series, 1, n, m->hertz * q + one * m->linear, square);
-        /* push * (1.0 + contact_damping * p) */
-        const double w3 = times(series, 2, n, push, one * 1.0 + m->contact_damping * p);
-        const double push_ = m->pressed * w3;
+        const double spring = times(series, 1, n, m->hertz * q + one * m->linear, square);
+        /* spring * (1.0 + contact_damping * p) */
+        const double w3 = times(series, 2, n, spring, one * 1.0 + m->contact_damping * p);
+        const double push = m->pressed * w3;
         const double r = one * m->delta0 + square;
         const double w6 = over(series, 3, n, one * 1.0, r, inverse_r); /* 1.0 / r */
-        const double outwards = m->omega * m->omega * c - 2.0 * m->zeta * p - push_ - m->shaft_stiffness * r + m->load * down_r - m->rim * (-m->rim) * w6;
+        const double outwards = m->omega * m->omega * c - 2.0 * m->zeta * p - push - m->shaft_stiffness * r + m->load * down_r - m->rim * (-m->rim) * w6;
         const double of_p = times(series, 4, n, outwards, q); /* outwards * q */
         const double w9 = times(series, 5, n, w6, q); /* w6 * q */
         const double turned = -m->rim * w9;
@@ -1837,15 +1837,15 @@ static void rolling_expand_with_factors(const struct parameters *m,
         const double w1 = m->omega * m->omega * c;
         const double square = times(series, 0, n, q, q); /* q * q */
         /* (hertz * q + linear) * square */
-        const double push = times(series, 1, n, m->hertz * q + one * m->linear, square);
+        const double spring = times(series, 1, n, m->hertz * q + one * m->linear, square);
         const double w4 = m->contact_damping * p;
-        const double w5 = times(series, 2, n, push, one * 1.0 + w4); /* push * (1.0 + w4) */
-        const double push_ = m->pressed * w5;
+        const double w5 = times(series, 2, n, spring, one * 1.0 + w4); /* spring * (1.0 + w4) */
+        const double push = m->pressed * w5;
         const double r = one * m->delta0 + square;
         const double w8 = m->shaft_stiffness * r;
         const double w9 = m->load * down_r;
         const double w10 = over(series, 3, n, one * 1.0, r, inverse_r); /* 1.0 / r */
-        const double outwards = w1 - 2.0 * m->zeta * p - push_ - w8 + w9 - m->rim * (-m->rim) * w10;
+        const double outwards = w1 - 2.0 * m->zeta * p - push - w8 + w9 - m->rim * (-m->rim) * w10;
         const double of_p = times(series, 4, n, outwards, q); /* outwards * q */
         const double w13 = times(series, 5, n, w10, q); /* w10 * q */
         const double turned = -m->rim * w13;
@@ -1865,18 +1865,18 @@ static void rolling_expand_with_factors(const struct parameters *m,
         const double w27 = times(series, 12, n, 1.5 * m->hertz * q + one * m->linear, w26);
         /* (-shaft_stiffness - pressed * w27) * q */
         const double w28 = times(series, 13, n, one * (-m->shaft_stiffness) - m->pressed * w27, q);
-        const double w29 = times(series, 14, n, w10, push); /* w10 * push */
+        const double w29 = times(series, 14, n, w10, spring); /* w10 * spring */
         const double w30 = m->load * down_t;
         const double w31 = over(series, 15, n, p, r, inverse_r); /* p / r */
         /* (-(-rim * (2.0 * zeta)) - omega * omega * s + w30 + disc_radius * omega * w31) * w10 */
         const double w32 = times(series, 16, n, one * (-(-m->rim * (2.0 * m->zeta))) - m->omega * m->omega * s + w30 + m->disc_radius * m->omega * w31, w10);
         /* (-(pressed * (-rim * contact_damping)) * w29 + w32) * q */
         const double w33 = times(series, 17, n, -(m->pressed * (-m->rim * m->contact_damping)) * w29 + w32, q);
-        /* (-2.0 * zeta - pressed * contact_damping * push) * q */
-        const double w34 = times(series, 18, n, one * (-2.0 * m->zeta) - m->pressed * m->contact_damping * push, q);
+        /* (-2.0 * zeta - pressed * contact_damping * spring) * q */
+        const double w34 = times(series, 18, n, one * (-2.0 * m->zeta) - m->pressed * m->contact_damping * spring, q);
         const double w35 = over(series, 19, n, w31, r, inverse_r); /* w31 / r */
         const double w36 = times(series, 20, n, w35, q); /* w35 * q */
-        const double w37 = times(series, 21, n, push, w26); /* push * w26 */
+        const double w37 = times(series, 21, n, spring, w26); /* spring * w26 */
         const double w38 = times(series, 22, n, w37, w10); /* w37 * w10 */
         /* (-2.0 * zeta * p + w1 - w8 + w9) * w10 */
         const double w39 = times(series, 23, n, -2.0 * m->zeta * p + w1 - w8 + w9, w10);

@@ -21,6 +21,64 @@ static inline int is_plain(const struct parameters *m)
     return m->shaft_stiffness == 0.0 && m->contact_damping == 0.0 && m->load == 0.0 && m->hertz == 1.0 && m->linear == 0.0 && m->pressed == 1.0 && m->torque == 0.0 && m->slope == 0.0 && m->inverse_inertia == 0.0;
 }
 
+/* The law of contact, by the root q of the indentation and the radial velocity. */
+
+/* The elastic force. */
+static inline double spring_force(const struct parameters *m, double q)
+{
+    const double w0 = q * q;
+    return (m->hertz * q + m->linear) * w0;
+}
+
+/* Its slope by the indentation. */
+static inline double spring_stiffness(const struct parameters *m, double q)
+{
+    return 1.5 * m->hertz * q + m->linear;
+}
+
+/* The elastic energy. */
+static inline double spring_energy(const struct parameters *m, double q)
+{
+    const double w0 = q * q;
+    const double w1 = w0 * w0;
+    return (0.4 * m->hertz * q + 0.5 * m->linear) * w1;
+}
+
+/* The factor of contact damping, not clipped at 0. */
+static inline double damping_factor(const struct parameters *m, double approach)
+{
+    return 1.0 + m->contact_damping * approach;
+}
+
+/* The radial velocity of a release. */
+static inline double release_velocity(const struct parameters *m)
+{
+    return -(1.0) / (m->contact_damping);
+}
+
+/* The normal force, not clipped at 0. */
+static inline double normal_force(const struct parameters *m, double q, double approach)
+{
+    const double w0 = q * q;
+    const double w1 = (m->hertz * q + m->linear) * w0;
+    const double w2 = w1 * (1.0 + m->contact_damping * approach);
+    return m->pressed * w2;
+}
+
+/* The rate of the normal force. */
+static inline double rate_of_force(const struct parameters *m, double q, double approach, double of_q, double of_approach)
+{
+    const double w0 = m->hertz * q + m->linear;
+    const double w1 = q * of_q;
+    const double w2 = w0 * w1;
+    const double w3 = q * q;
+    const double w4 = w3 * of_q;
+    const double w5 = (2.0 * w2 + m->hertz * w4) * (m->contact_damping * approach + 1.0);
+    const double w6 = w0 * w3;
+    const double w7 = w6 * of_approach;
+    return m->pressed * w5 + m->pressed * m->contact_damping * w7;
+}
+
 enum { BY_OMEGA, BY_ZETA, BY_DELTA0, BY_SHAFT_STIFFNESS, BY_CONTACT_DAMPING, BY_LOAD, BY_FRICTION, BY_DISC_RADIUS, PARAMETERS };
 enum { CONTACT_Q, CONTACT_P, CONTACT_H, CONTACT_C, CONTACT_S, CONTACT_DOWN_R, CONTACT_DOWN_T, CONTACT_T, CONTACT_J, CONTACT_WORK, CONTACT_SPENT, CONTACT_SIZE };
 enum { CONTACT_EXIT_GUARD = CONTACT_Q };

@@ -61,8 +61,6 @@ struct change {
 /* The first of them in the last step, up to `end`: infinite where there is none, NaN where it
  * cannot be found (guards.c). */
 struct change change_in_step(struct motion *motion, double end);
-/* The radial velocity at which 1 + c d' vanishes. */
-double release_velocity(const struct motion *motion);
 /* The slip below which rounding hides it. */
 double hidden_slip(const struct motion *motion, const double *values);
 

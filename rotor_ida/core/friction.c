@@ -138,7 +138,7 @@ int change_way(struct motion *motion, enum guard guard, double *values)
     if (guard != HELD)
         return change_of_friction(motion, guard, values);
     const int pressed = motion->model.pressed > 0.0;
-    values[CONTACT_P] = release_velocity(motion);
+    values[CONTACT_P] = release_velocity(&motion->model);
     motion->model.pressed = pressed ? 0.0 : 1.0;
     settle_friction(motion, values);
     return pressed ? RELEASE : PRESS;

@@ -8,16 +8,11 @@ enum { LOOKS_FOR_CHANGE = 4 };
 /* A margin below this many roundings of its terms is no margin. */
 static const double MARGIN_ROUNDING = 16.0 * ROUNDING;
 
-double release_velocity(const struct motion *motion)
-{
-    return -1.0 / motion->model.contact_damping;
-}
-
 /* How far the radial velocity is inside the mode: above that of release where the contact is
  * pressed, below it where that is loose. */
 static double margin_of_hold(const struct motion *motion, const double *values)
 {
-    const double above = values[CONTACT_P] - release_velocity(motion);
+    const double above = values[CONTACT_P] - release_velocity(&motion->model);
     return motion->model.pressed > 0.0 ? above : -above;
 }
 

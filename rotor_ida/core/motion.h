@@ -5,7 +5,6 @@
 #ifndef ROTOR_IDA_MOTION_H
 #define ROTOR_IDA_MOTION_H
 
-#include "contact_law.h"
 #include "flight.h"
 #include "series.h"
 

@@ -194,8 +194,7 @@ static void ask_contacts(struct work *work, int n)
             each->drag[n] = 0.0; /* until what is implicit is known */
         } else {
             element_order(&each->element, &each->series, n, each->answers[n]);
-            each->drag[n] = each->element.friction * each->element.sigma
-                            * each->answers[n][ELEMENT_PUSH];
+            each->drag[n] = element_drag(&each->element, each->answers[n][ELEMENT_PUSH]);
         }
     }
 }
@@ -665,10 +664,9 @@ void choose_step(struct work *work)
     double square = work->run->fastest * work->run->fastest, following = 0.0;
     for (int64_t i = 0; i < work->run->contact_count; i++) {
         const struct touching *each = &work->touching[i];
-        const struct system_law *law = each->law;
         if (!is_touching(each))
             continue;
-        const double stiffness = 1.5 * law->hertz * each->touch->root + law->linear;
+        const double stiffness = element_stiffness(&each->element, 0, each->touch->root);
         square += each->mobility * stiffness;
         following = fmax(following, each->stator_mobility * stiffness);
     }

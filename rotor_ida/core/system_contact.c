@@ -173,8 +173,7 @@ static double guard_of_force(const struct work *work, const struct touching *eac
     double factor[ORDERS];
     const double sign = is_pressed(each) ? 1.0 : -1.0;
     for (int n = 0; n <= work->order; n++)
-        factor[n] = sign * each->law->contact_damping * each->answers[n][ELEMENT_APPROACH];
-    factor[0] += sign;
+        factor[n] = sign * element_factor(&each->element, n, each->answers[n][ELEMENT_APPROACH]);
     return first_fall(factor, 1, work->order, step, each->touch->zeros[OF_FORCE]);
 }
 
@@ -197,8 +196,7 @@ static double guard_of_slip(const struct work *work, const struct touching *each
         return INFINITY;
     for (int side = 0; side < 2; side++) {
         for (int n = 0; n < work->order; n++)
-            left[n] = each->law->friction * each->answers[n][ELEMENT_PUSH]
-                      - (side ? -1.0 : 1.0) * each->drag[n];
+            left[n] = grip_of(each, n) - (side ? -1.0 : 1.0) * each->drag[n];
         /* on a stator without mass it has just begun, at this limit */
         const int zeros = (each->touch->sense < 0.0) == side ? each->touch->zeros[OF_SLIP] : 0;
         first = smaller(first, first_fall(left, 1, work->order - 1, step, zeros));
@@ -339,7 +337,7 @@ int settle(struct work *work)
     eliminate_spin(work);
     for (int i = 0; i < work->rolls; i++) {
         const struct touching *each = &work->touching[work->rolling[i]];
-        grip[i] = each->law->friction * each->answers[0][ELEMENT_PUSH];
+        grip[i] = grip_of(each, 0);
     }
     hold_in_box(work, grip, force);
     for (int i = 0; i < work->rolls; i++) {
@@ -609,7 +607,7 @@ int begin_contacts(struct work *work)
             on_edge += approach >= -STILL * run->velocity;
             continue;
         }
-        const double factor = 1.0 + each->law->contact_damping * answers[ELEMENT_APPROACH];
+        const double factor = element_factor(&each->element, 0, answers[ELEMENT_APPROACH]);
         slide(work, each, answers);
         if (factor < 0.0)
             each->touch->way = IS_LOOSE;

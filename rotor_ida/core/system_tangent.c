@@ -203,7 +203,7 @@ static void answer_columns(const struct work *work, const struct touching *each,
     memcpy(radial, push, sizeof(double) * (size_t)count);
     add_product(-1.0, &slopes[SLOPE_BY_DRAG_SHARE], SLOPES, touch->aside, count, n, radial, count);
     memset(drag, 0, sizeof(double) * (size_t)count); /* of one that rolls not known yet */
-    add_scaled(each->law->friction * each->element.sigma, push, drag, count);
+    add_scaled(element_drag(&each->element, 1.0), push, drag, count);
     memcpy(tangential, drag, sizeof(double) * (size_t)count);
     add_product(1.0, &slopes[SLOPE_BY_PUSH_SHARE], SLOPES, touch->aside, count, n, tangential,
                 count);

@@ -122,6 +122,11 @@ static inline int is_pressed(const struct touching *each)
 {
     return each->touch->way != FLIES && each->touch->way != IS_LOOSE;
 }
+/* Coefficient n of the largest tangential force that friction allows. */
+static inline double grip_of(const struct touching *each, int n)
+{
+    return each->law->friction * each->answers[n][ELEMENT_PUSH];
+}
 /* Whether the friction of another contact, or of this one, turns the race of a contact. */
 static inline int turns_race(const struct touching *other, const struct touching *each)
 {

@@ -171,23 +171,22 @@ static double rate_of_contact(const struct taylor *taylor)
 {
     const struct parameters *model = &taylor->motion.model;
     const double q = fabs(taylor->series.terms[0][CONTACT_Q]);
-    const double damping = model->contact_damping;
-    const double stiffening = 1.0 + damping * fabs(taylor->series.terms[0][CONTACT_P]);
+    const double stiffening = damping_factor(model, fabs(taylor->series.terms[0][CONTACT_P]));
     return q
            * (speed_of(&taylor->motion, taylor->motion.before) + 2.0 * model->zeta
-              + damping * spring_force(model, q)
+              + model->contact_damping * spring_force(model, q)
               + sqrt(model->shaft_stiffness + spring_stiffness(model, q) * stiffening));
 }
 
 /* A step, cut so that the contact is released, or pressed again, inside it at most once. */
 static double with_one_release(struct taylor *taylor, double step)
 {
-    const double damping = taylor->motion.model.contact_damping;
-    if (damping == 0.0)
+    const struct parameters *model = &taylor->motion.model;
+    if (model->contact_damping == 0.0)
         return step;
     double *first = &taylor->series.terms[0][CONTACT_P];
     const double velocity = *first, rest = taylor->sizes[CONTACT_P] - fabs(velocity);
-    *first = velocity + 1.0 / damping;
+    *first = velocity - release_velocity(model);
     step = with_one_root(taylor, CONTACT_P, rest + fabs(*first), step);
     *first = velocity;
     return step;

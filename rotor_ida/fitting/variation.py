@@ -29,7 +29,8 @@ import numpy.typing as npt
 
 from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.fitting.identifiability import ANGLE
-from rotor_ida.model.forces import Moment, accelerations, damped, slope_of_root, spring_of_root
+from rotor_ida.model.contact import damped, drag_of, slope_of_root, spring_of_root
+from rotor_ida.model.forces import Moment, accelerations
 from rotor_ida.model.parameters import OF_MACHINE, OF_ROTOR
 from rotor_ida.model.rotor import DimensionalRotor
 from rotor_ida.model.symbols import Dual, variables
@@ -124,7 +125,7 @@ def _accelerations_of(
         values["eccentricity"] * (pull.imag + ahead * pull.real),
     )
     here = Moment((x, y), (vx, vy), outwards, unbalance, (0.0, -1.0))
-    return accelerations(here, push, rotor, rotor.friction * rotor.sigma * push)
+    return accelerations(here, push, rotor, drag_of(push, rotor))
 
 
 def _over_mass(values: Mapping[str, Any], at: Moments) -> SimpleNamespace:

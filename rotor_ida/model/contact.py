@@ -6,9 +6,10 @@ of ``sqrt(r - delta0)``: the polynomials of the whirls and the locus of their
 folds, the periods of free vibration, the variables of the contact phase, and the lanes of the
 basins.
 
-The core integrates the law in these smooth variables: see `rotor_ida.model.forces.spring_of_root`
-and, for code that is not derived from the model, ``core/contact_law.h``; for rotor systems,
-`rotor_ida.model.element`. CONTRIBUTING.md ("A force") lists what a new law touches.
+The core integrates the law in these smooth variables: by the functions at the end of this module,
+over symbols, for one disc and for the contacts of rotor systems (`rotor_ida.model.element`). They
+are written to C as well, for what is not derived from the model. CONTRIBUTING.md ("A force") lists
+what a new law touches.
 
 References
 ----------
@@ -134,12 +135,12 @@ def spring_slope(depth: Any, exponent: Any) -> Any:
     return exponent * depth ** (exponent - 1.0)
 
 
-def damping_factor(radial_speed: Any, contact_damping: Any) -> Any:
+def damping_factor(approach: Any, contact_damping: Any) -> Any:
     """Return the factor of contact damping, ``1 + c d'``: numbers, arrays or symbols.
 
     The contact is released where it falls to 0, and loose below.
     """
-    return 1.0 + contact_damping * radial_speed
+    return 1.0 + contact_damping * approach
 
 
 def pressed_factor(radial_speed: npt.ArrayLike, contact_damping: float) -> Values:
@@ -188,6 +189,49 @@ def stiffness(radius: float, delta0: float, exponent: float = HERTZ_EXPONENT) ->
 def secant_of_square(square: Any) -> Any:
     """Return ``f(r)/r`` without clearance in terms of ``r**2``: ``(r**2)**0.25``."""
     return square ** (0.5 * (HERTZ_EXPONENT - 1.0))
+
+
+# ---- The law by ``q = sqrt(d)``, over numbers, arrays or symbols ----
+#
+# In q it is analytic through q = 0. Of `law`, a rotor or the contact of a rotor system, ``hertz``
+# and ``linear`` multiply either force, and ``pressed`` is 1, or 0 where the contact is loose.
+
+
+def spring_of_root(q: Any, law: Any) -> Any:
+    """Return the elastic force ``d**n``."""
+    return q * q * (law.hertz * q + law.linear)
+
+
+def slope_of_root(q: Any, law: Any) -> Any:
+    """Return its slope by the indentation."""
+    return HERTZ_EXPONENT * law.hertz * q + law.linear
+
+
+def energy_of_root(q: Any, law: Any) -> Any:
+    """Return the elastic energy."""
+    square = q * q
+    hertz = 1.0 / (HERTZ_EXPONENT + 1.0)
+    return square * square * (hertz * law.hertz * q + 0.5 * law.linear)
+
+
+def release_velocity(law: Any) -> Any:
+    """Return the radial velocity at which the contact is released."""
+    return -1.0 / law.contact_damping
+
+
+def damped(spring: Any, approach: Any, law: Any) -> Any:
+    """Return the normal force of an elastic one: ``d**n (1 + c d')``, or 0 where it is loose."""
+    return law.pressed * spring * damping_factor(approach, law.contact_damping)
+
+
+def normal_force(q: Any, approach: Any, law: Any) -> Any:
+    """Return the normal force N."""
+    return damped(spring_of_root(q, law), approach, law)
+
+
+def drag_of(push: Any, law: Any) -> Any:
+    """Return the tangential force ``T = mu N sigma`` of surfaces that slide."""
+    return law.friction * law.sigma * push
 
 
 def bounds_exceeded(indentation: float, radius: float | None, clearance: float | None) -> str:

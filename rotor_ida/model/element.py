@@ -3,7 +3,7 @@
 The rotor system itself is linear; all that is not linear happens in its contacts. Each sees the
 displacement u of its node from its centre, the velocity u', and the speeds of the rotor and of the
 race, and answers with the force on the rotor. The law is that of one disc
-(`rotor_ida.model.forces`) in dimensional form:
+(`rotor_ida.model.contact`) in dimensional form:
 
 ``d = |u| - delta``, ``N = k d**n max(0, 1 + lambda d')``, ``T = mu N sigma``,
 ``v_s = u'.t + R Omega - R_b Omega_b``, and the force on the rotor is ``-(N + i T) u/|u|``.
@@ -32,8 +32,15 @@ from __future__ import annotations
 
 from typing import Any
 
-from rotor_ida.model.contact import damping_factor
-from rotor_ida.model.forces import Number, Numbers, damped, slope_of_root, spring_of_root
+from rotor_ida.model.contact import (
+    damped,
+    damping_factor,
+    drag_of,
+    normal_force,
+    slope_of_root,
+    spring_of_root,
+)
+from rotor_ida.model.forces import Number, Numbers
 
 # What an element is given: the root of its indentation, displacement and velocity, and the speeds
 # of rotor and race.
@@ -63,10 +70,10 @@ def answers_of(given: Numbers, contact: Any) -> list[Number]:
     normal_x, normal_y, approach, across = _motion_of(given, contact)
     root, *_, spin, race = given
     slip = across + contact.radius * spin - contact.race_radius * race
-    push = damped(spring_of_root(root, contact), approach, contact)
+    push = normal_force(root, approach, contact)
     push_x, push_y = push * normal_x, push * normal_y
-    grip = contact.friction * contact.sigma
-    force_x, force_y = grip * push_y - push_x, -(grip * push_x) - push_y
+    force_x = drag_of(push_y, contact) - push_x
+    force_y = -drag_of(push_x, contact) - push_y
     power = push * approach
     return [normal_x, normal_y, approach, slip, push, force_x, force_y, power]
 
@@ -93,7 +100,7 @@ def massless_answers_of(given: Numbers, contact: Any) -> list[Number]:
     spring = spring_of_root(root, contact)
     softened = 1.0 + contact.mobility * contact.contact_damping * spring
     push = damped(spring, towards, contact) / softened
-    drag = contact.friction * contact.sigma * push + contact.holding * (aside + rim)
+    drag = drag_of(push, contact) + contact.holding * (aside + rim)
     approach, across = towards - contact.mobility * push, aside - contact.mobility * drag
     slip = across + rim
     force_x = drag * normal_y - push * normal_x

@@ -19,7 +19,7 @@ from collections.abc import Sequence
 from types import SimpleNamespace
 from typing import Any, NamedTuple
 
-from rotor_ida.model.contact import HERTZ_EXPONENT, damping_factor, secant_of_square
+from rotor_ida.model.contact import secant_of_square
 from rotor_ida.model.parameters import ALL_PARAMETERS
 
 # A number, or any object with sums, products, quotients and constant powers.
@@ -88,21 +88,6 @@ def _along(i: int, at: Moment, push: Number, rotor: Any) -> Number:
         - rotor.shaft_stiffness * at.position[i]
         + rotor.load * at.down[i]
     )
-
-
-def spring_of_root(q: Number, rotor: Any) -> Number:
-    """Return ``(|z| - delta0)**n``: analytic in ``q = sqrt(|z| - delta0)`` through q = 0 [1]."""
-    return q * q * (rotor.hertz * q + rotor.linear)
-
-
-def slope_of_root(q: Number, rotor: Any) -> Number:
-    """Return the slope of the spring's force, by q [1]."""
-    return HERTZ_EXPONENT * rotor.hertz * q + rotor.linear
-
-
-def damped(push: Number, approach: Number, rotor: Any) -> Number:
-    """Return the normal force ``d**n (1 + c d')``, or 0 where the contact is loose [1]."""
-    return rotor.pressed * push * damping_factor(approach, rotor.contact_damping)
 
 
 def secant(square: Number, rotor: Any) -> Number:

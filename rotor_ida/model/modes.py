@@ -25,17 +25,15 @@ from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from typing import Any, NamedTuple
 
+from rotor_ida.model.contact import damped, drag_of, normal_force, slope_of_root, spring_of_root
 from rotor_ida.model.forces import (
     Moment,
     Number,
     Numbers,
     accelerations,
-    damped,
     hold_of_rolling,
     resistance,
     secant,
-    slope_of_root,
-    spring_of_root,
     turned_rates,
 )
 from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS, PARAMETERS
@@ -126,8 +124,7 @@ def contact_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) -> lis
     r = rotor.delta0 + square
     around = h / r
     spin = around / r
-    spring = spring_of_root(q, rotor)
-    force = damped(spring, p, rotor)
+    force = normal_force(q, p, rotor)
     centrifugal = around * spin
     at = Moment((r, 0.0), (p, around), (1.0, 0.0), (c, -s), (down_r, down_t))
     radial, tangential = accelerations(at, force, rotor)
@@ -204,8 +201,8 @@ def rub_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) -> list[Nu
     slip_speed = slip / r
     around = slip_speed - rotor.rim
     spin = around / r
-    force = damped(spring_of_root(q, rotor), p, rotor)
-    drag = rotor.friction * rotor.sigma * force
+    force = normal_force(q, p, rotor)
+    drag = drag_of(force, rotor)
     centrifugal = around * spin
     at = Moment((r, 0.0), (p, around), (1.0, 0.0), (c, -s), (down_r, down_t))
     radial, tangential = accelerations(at, force, rotor, drag)
@@ -228,7 +225,7 @@ def rolling_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) -> lis
     square = q * q
     r = rotor.delta0 + square
     spin = -(rotor.rim / r)
-    force = damped(spring_of_root(q, rotor), p, rotor)
+    force = normal_force(q, p, rotor)
     centrifugal = -(rotor.rim * spin)
     at = Moment((r, 0.0), (p, -rotor.rim), (1.0, 0.0), (c, -s), (down_r, down_t))
     outwards = accelerations(at, force, rotor)[0] + centrifugal + more[0]
@@ -247,7 +244,7 @@ def grip_and_hold(state: Numbers, rotor: Any) -> list[Number]:
     """Return ``mu N`` and F: the disc rolls as long as ``|F|`` is no larger than ``mu N``."""
     q, p, _, c, s, down_r, down_t, *_ = state
     r = rotor.delta0 + q * q
-    grip = rotor.friction * damped(spring_of_root(q, rotor), p, rotor)
+    grip = rotor.friction * normal_force(q, p, rotor)
     at = Moment((r, 0.0), (p, -rotor.rim), (1.0, 0.0), (c, -s), (down_r, down_t))
     return [grip, hold_of_rolling(at, r, rotor)]
 
@@ -261,7 +258,7 @@ def spent_sliding(state: Numbers, rotor: Any) -> tuple[Number, Number]:
     q, p, slip, c, s, down_r, down_t, *_ = state
     r = rotor.delta0 + q * q
     spent = spent_rate((q, p, slip - rotor.rim * r, c, s, down_r, down_t), rotor)
-    drag = rotor.friction * rotor.sigma * damped(spring_of_root(q, rotor), p, rotor)
+    drag = drag_of(normal_force(q, p, rotor), rotor)
     return spent - q * drag * (rotor.rim + rotor.omega * r), q * drag * (slip / r)
 
 
@@ -299,7 +296,7 @@ def rub_neighbour(state: Numbers, apart: Numbers, deeper: Number, rotor: Any) ->
     r = rotor.delta0 + q * q
     around = slip / r - rotor.rim
     near, push = _apart(state, around, apart, deeper, rotor)
-    drag = rotor.friction * rotor.sigma * push
+    drag = drag_of(push, rotor)
     forces = accelerations(near, push, rotor, drag)
     return Neighbour(near.position, near.velocity, forces, around / r)
 

@@ -12,7 +12,8 @@ from dataclasses import replace
 from types import SimpleNamespace
 from typing import Any
 
-from rotor_ida.model.forces import Number, Numbers, damped, resistance, secant, spring_of_root
+from rotor_ida.model.contact import drag_of, normal_force
+from rotor_ida.model.forces import Number, Numbers, resistance, secant
 from rotor_ida.model.modes import (
     OF_FORCES,
     ROLLING,
@@ -61,7 +62,7 @@ def torque_left(pull: Number, velocity: Number, resisted: Number, rotor: Any) ->
 def torque_in_contact(state: Numbers, around: Number, rotor: Any) -> Number:
     """Return `torque_left` in a contact with a tangential velocity `around`."""
     q, p, _, c, s, *_ = state
-    force = damped(spring_of_root(q, rotor), p, rotor)
+    force = normal_force(q, p, rotor)
     pull = force * s + rotor.shaft_stiffness * ((rotor.delta0 + q * q) * s)
     return torque_left(pull, p * s + around * c, resistance((p, around), rotor), rotor)
 
@@ -107,7 +108,7 @@ def spinning_rub(state: Numbers, rotor: Any, *, drawn: bool = False) -> list[Num
     r = rotor.delta0 + q * q
     around = slip / r - here.rim
     lever = rotor.disc_radius - c
-    drag = rotor.friction * rotor.sigma * damped(spring_of_root(q, rotor), p, rotor)
+    drag = drag_of(normal_force(q, p, rotor), rotor)
     left = torque_in_contact(rest, around, here) - drag * lever
     faster = rotor.rate + rotor.inverse_inertia * left
     more = (-(faster * s), faster * lever)

@@ -16,11 +16,12 @@ References
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+import re
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import SimpleNamespace
 
-from rotor_ida.model import element
+from rotor_ida.model import contact, element
 from rotor_ida.model.derivation import derive, factors_of, lanes_of, needed, needs_convolution
 from rotor_ida.model.expressions import (
     LANES_A_VECTOR,
@@ -45,7 +46,7 @@ from rotor_ida.model.mode_functions import (
 from rotor_ida.model.modes import PAPER, WHOLE, Mode, Model
 from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.model.spinning import OF_DRIVE, RUN_UP
-from rotor_ida.model.symbols import Graph, named_as_in
+from rotor_ida.model.symbols import Dual, Graph, named_as_in
 
 MODELS = (PAPER, WHOLE, RUN_UP)
 # Condition for compiling each.
@@ -57,6 +58,24 @@ CHOSEN_BY = {
 # Marks names that this model lacks. Code for all models may use them where the compiler removes it,
 # or where the constant of this model makes no difference.
 ABSENT = "/* of other models */"
+# What the law of contact depends on, and what the rest of the core asks of it: the names of the
+# functions, and what they are given.
+OF_LAW = ("hertz", "linear", "contact_damping", "pressed", "friction", "sigma")
+GIVEN_LAW = ("q", "approach", "push", "of_q", "of_approach")
+OF_DISC = {
+    "the elastic force": ("spring_force", "q"),
+    "its slope by the indentation": ("spring_stiffness", "q"),
+    "the elastic energy": ("spring_energy", "q"),
+    "the factor of contact damping, not clipped at 0": ("damping_factor", "approach"),
+    "the radial velocity of a release": ("release_velocity",),
+    "the normal force, not clipped at 0": ("normal_force", "q", "approach"),
+    "the rate of the normal force": ("rate_of_force", "q", "approach", "of_q", "of_approach"),
+}
+OF_ELEMENT = {
+    "its slope by the indentation": ("element_stiffness", "q"),
+    "the factor of contact damping, not clipped at 0": ("element_factor", "approach"),
+    "the tangential force of surfaces that slide": ("element_drag", "push"),
+}
 COMMAND = "python -m rotor_ida.model.writing"
 FOLDER = Path(__file__).parents[1] / "core"
 
@@ -87,7 +106,61 @@ def _parameters(model: Model) -> list[str]:
         f"    return (struct parameters){{{', '.join(of_rotor)}}};",
         "}",
         *_is_plain(),
+        "",
+        "/* The law of contact, by the root q of the indentation and the radial velocity. */",
+        *_law("parameters", model.constants, OF_DISC),
     ]
+
+
+def _law(
+    struct: str, constants: Mapping[str, float], names: Mapping[str, tuple[str, ...]]
+) -> list[str]:
+    """Return the law of contact as functions of a structure, by the names that they get.
+
+    Those of `element` are of coefficients n of series.
+    """
+    graph = Graph()
+    fixed = {name: graph.of(value) for name, value in constants.items()}
+    law = SimpleNamespace(**{name: graph.parameter(name) for name in OF_LAW} | fixed)
+    q, approach, push, *rates = (graph.state(name) for name in GIVEN_LAW)
+    root, speed = (Dual(each, (rate,)) for each, rate in zip((q, approach), rates, strict=True))
+    values = {
+        "the elastic force": contact.spring_of_root(q, law),
+        "its slope by the indentation": contact.slope_of_root(q, law),
+        "the elastic energy": contact.energy_of_root(q, law),
+        "the factor of contact damping, not clipped at 0": contact.damping_factor(
+            approach, law.contact_damping
+        ),
+        "the radial velocity of a release": contact.release_velocity(law),
+        "the normal force, not clipped at 0": contact.normal_force(q, approach, law),
+        "the rate of the normal force": contact.normal_force(root, speed, law).parts[0],
+        "the tangential force of surfaces that slide": contact.drag_of(push, law),
+    }
+    of_series = struct == "element"
+    lines = []
+    for what, (name, *given) in names.items():
+        value = graph.of(values[what])
+        nodes = needed([value])
+        writer = Writer(lambda name: name, one="one" if of_series else "", kind="")
+        body = []
+        shared = {} if of_series else names_of(nodes, [])
+        for node in nodes:
+            if node.number in shared and node is not value:
+                body.append(f"const double {shared[node.number]} = {writer(node)};")
+                writer.names[node.number] = shared[node.number]
+        body.append(f"return {writer(value)};")
+        arguments = [f"const struct {struct} *m", *(f"double {each}" for each in given)]
+        if "one * " in body[-1]:
+            arguments.insert(1, "int n")
+            body.insert(0, "const double one = n == 0 ? 1.0 : 0.0;")
+        text = " ".join(body).replace("m->", "m ->")
+        unused = [each for each in ("m", *given) if not re.search(rf"\b{each}\b", text)]
+        lines += [
+            "", f"/* {what[0].upper()}{what[1:]}. */",
+            f"static inline double {name}({', '.join(arguments)})",
+            "{", *(f"    (void){each};" for each in unused), *(f"    {line}" for line in body), "}",
+        ]  # fmt: skip
+    return lines
 
 
 def _is_plain() -> list[str]:
@@ -193,6 +266,7 @@ def _element() -> str:
             "",
             "/* What the law of a contact knows. */",
             f"struct element {{\n    double {', '.join(element.PARAMETERS)};\n}};",
+            *_law("element", {}, OF_ELEMENT),
             "",
             f"enum {{ {', '.join(names)} }};",
             f"enum {{ {', '.join(map(_answer, [*answers, 'answers']))} }};",

@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rotor_ida.model import contact
-from rotor_ida.model.forces import slope_of_root, spring_of_root
+from rotor_ida.model.contact import slope_of_root, spring_of_root
 
 lengths = st.floats(0.0, 50.0)
 
@@ -67,6 +67,9 @@ def test_a_contact_may_be_linear(delta0, depth, exponent):
     # by the indentation q**2, of which 2 q is the slope by q
     slope = (up - down) / (4.0 * root * step)
     assert slope_of_root(root, law) == pytest.approx(slope, rel=1e-6)
+    up, down = (contact.energy_of_root(root + sign * step, law) for sign in (1.0, -1.0))
+    by_depth = (up - down) / (4.0 * root * step)
+    assert spring_of_root(root, law) == pytest.approx(by_depth, rel=1e-6)
 
 
 def test_the_paper_s_force_field_increases_with_x():

@@ -15,7 +15,6 @@ import numpy as np
 
 from rotor_ida.arrays import ROUNDING, Values
 from rotor_ida.checks import State
-from rotor_ida.model.forces import Moment, accelerations, resistance, with_values
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.simulation.spin import Driven, Spin, Steady
 
@@ -25,7 +24,6 @@ HIDDEN = 16.0 * ROUNDING
 # since a contact began; with friction heat and distance of sliding; if the speed changes, all of
 # these, and the energy given by the drive less all losses.
 IMPULSE, LOST, HEAT, SLID, GAINED = range(4, 9)
-AXIS, DOWN = (0.0, 0.0), (0.0, -1.0)
 
 
 class Law(NamedTuple):
@@ -83,8 +81,8 @@ class Disc:
                 rotor.disc_radius or 0.0,
             )
         ]  # fmt: skip
-        self._turning = with_values(rotor)
-        self._unmoved = with_values(rotor, omega=0.0, load=0.0)
+        self._resistance, self._shaft = 2.0 * rotor.zeta, rotor.shaft_stiffness
+        self._weight = complex(0.0, rotor.load)
 
     def first_state(self, start: State) -> Values:
         """Return the state with which a run begins."""
@@ -97,7 +95,7 @@ class Disc:
 
     def read(self, state: Values) -> tuple[complex, complex]:
         """Return displacement and velocity."""
-        x, y, vx, vy, *_ = state.tolist()
+        x, y, vx, vy = state[:IMPULSE].tolist()
         return complex(x, y), complex(vx, vy)
 
     def seen(self, _number: int, place: complex, velocity: complex) -> tuple[complex, complex]:
@@ -106,17 +104,12 @@ class Disc:
 
     def free(self, turn: complex, speed: float, place: complex, velocity: complex) -> complex:
         """Return the acceleration without contact, at a constant speed."""
-        self._turning.omega = speed
-        at = Moment(
-            (place.real, place.imag), (velocity.real, velocity.imag), AXIS, (turn.real, turn.imag),
-            DOWN,
-        )  # fmt: skip
-        return complex(*accelerations(at, 0.0, self._turning))
+        drawn = self._resistance * velocity + self._shaft * place
+        return speed * speed * turn - drawn - self._weight
 
     def reacting(self, _turn: complex, _speed: float, place: complex, velocity: complex) -> complex:
         """Return the part of it that has a moment about the centre of mass."""
-        at = Moment((place.real, place.imag), (velocity.real, velocity.imag), AXIS)
-        return complex(*accelerations(at, 0.0, self._unmoved))
+        return -self._resistance * velocity - self._shaft * place
 
     def along(self, _number: int, force: complex) -> complex:
         """Return the acceleration by a force on the contact."""
@@ -146,13 +139,18 @@ class Disc:
         """Return the root of the sum of squares."""
         return abs(one)
 
-    def write(self, out: Values, state: Values, acceleration: complex, _touches: Touches) -> None:
+    def write(
+        self, out: Values, moving: tuple[complex, complex], acceleration: complex, _: Touches
+    ) -> None:
         """Write velocity and acceleration."""
-        out[:2], out[2], out[3] = state[2:IMPULSE], acceleration.real, acceleration.imag
+        velocity = moving[1]
+        out[0], out[1] = velocity.real, velocity.imag
+        out[2], out[3] = acceleration.real, acceleration.imag
 
     def book(
-        self, out: Values, state: Values, touch: Touch | None, mode: int, given: float
-    ) -> None:
+        self, out: Values, moving: tuple[complex, complex], touch: Touch | None, mode: int,
+        given: float,
+    ) -> None:  # fmt: skip
         """Write the rates of impulse and energies, given the power of the drive."""
         lost = heat = 0.0
         out[IMPULSE] = touch.push if touch else 0.0
@@ -163,14 +161,12 @@ class Disc:
             out[HEAT] = heat = touch.drag * slip if touch else 0.0
             out[SLID] = abs(slip)
         if out.size > GAINED:
-            velocity = state[2:IMPULSE].tolist()
-            resisted = resistance(velocity, self.rotor) * (velocity[0] ** 2 + velocity[1] ** 2)
+            resisted = self._resistance * self.dot(moving[1], moving[1])
             out[GAINED] = given - resisted - lost - heat
 
-    def add_velocity(self, state: Values, velocity: complex) -> None:
-        """Add a velocity to a state."""
-        state[2] += velocity.real
-        state[3] += velocity.imag
+    def put_velocity(self, state: Values, velocity: complex) -> None:
+        """Put a velocity into a state."""
+        state[2], state[3] = velocity.real, velocity.imag
 
     def put_on_stator(self, _number: int, state: Values) -> None:
         """Remove the rounding by which a state is not on the stator."""
@@ -300,29 +296,26 @@ class Coordinates:
         """Return the root of the sum of squares."""
         return math.sqrt(one @ one)
 
-    def velocities(self, state: Values, touches: Touches) -> Values:
+    def velocities(self, v: Values, touches: Touches) -> Values:
         """Return the velocities, with those of stators without mass by the forces of contacts."""
-        _, v = self.read(state)
         if self.massless:
+            v = v.copy()
             for i, (law, touch) in enumerate(zip(self.laws, touches, strict=True)):
                 if law.mobility and touch is not None:
                     v[self.inert :] -= self.along(i, touch.force)[self.inert :]
         return v
 
-    def write(self, out: Values, state: Values, acceleration: Values, touches: Touches) -> None:
+    def write(
+        self, out: Values, moving: tuple[Values, Values], acceleration: Values, touches: Touches
+    ) -> None:
         """Write velocities and accelerations."""
         n = self.size
-        out[:n], out[n : 2 * n] = self.velocities(state, touches), acceleration
+        out[:n], out[n : 2 * n] = self.velocities(moving[1], touches), acceleration
         out[n + self.inert : 2 * n] = 0.0
 
-    def book(
-        self, out: Values, state: Values, touch: Touch | None, mode: int, given: float
-    ) -> None:
-        """Write no energies."""
-
-    def add_velocity(self, state: Values, velocity: Values) -> None:
-        """Add a velocity to a state."""
-        state[self.size : 2 * self.size] += velocity
+    def put_velocity(self, state: Values, velocity: Values) -> None:
+        """Put velocities into a state."""
+        state[self.size : 2 * self.size] = velocity
 
     def put_on_stator(self, number: int, state: Values) -> None:
         """Leave the state as it is."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, field
+from itertools import pairwise
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -99,13 +100,14 @@ class _Records:
         contact, machine = self.contact, self.run.machine
 
         def force(time: float) -> float:
-            return max(machine.touch(0, time, motion.at(time)).push, 0.0)
+            return max(float(motion.once(machine.touch, 0, time).push), 0.0)
 
-        apart = (end - motion.low) / LOOKS
-        forces = [force(motion.low + apart * k) for k in range(LOOKS + 1)]
+        places = motion.looks(LOOKS, end)
+        forces = [force(place) for place in places]
         best = max(range(LOOKS + 1), key=forces.__getitem__)
-        if forces[best] > 0.5 * contact.force:
-            low, high = (motion.low + apart * min(max(k, 0), LOOKS) for k in (best - 1, best + 1))
+        most = max(abs(one - other) for one, other in pairwise(forces))  # by which it may rise
+        if forces[best] + most > contact.force:
+            low, high = (places[min(max(k, 0), LOOKS)] for k in (best - 1, best + 1))
             found = minimize_scalar(
                 lambda time: -force(time),
                 bounds=(low, high), method="bounded", options={"xatol": 1e-9 * (high - low)},
@@ -165,21 +167,23 @@ def _check_speed(motion: Integration, run: Run, end: float) -> None:
     """Raise `SimulationError` where a driven speed leaves 0 to `LARGEST` in the last step."""
     rate = np.empty_like(motion.before)
 
-    def growth(time: float, state: Values) -> float:
-        run.machine.rates(time, state, rate)
+    def growth(time: float) -> float:
+        run.machine.rates(time, motion.at(time), rate)
         return float(rate[-1])
+
+    def speed(time: float) -> float:
+        return float(motion.at(time)[-1])
 
     low, apart = motion.low, (end - motion.low) / LOOKS
     for k in range(LOOKS):
         to = end if k == LOOKS - 1 else motion.low + apart * (k + 1)
-        turns = growth(low, motion.at(low)) * growth(to, motion.at(to)) < 0.0
+        turns = growth(low) * growth(to) < 0.0
         for point in (motion.root(growth, low, to), to) if turns else (to,):
-            if motion.at(point)[-1] < 0.0:
-                still = motion.at(low)[-1] <= 0.0
-                stall = low if still else motion.root(lambda _, state: state[-1], low, point)
+            if speed(point) < 0.0:
+                stall = low if speed(low) <= 0.0 else motion.root(speed, low, point)
                 raise motion.failure(MESSAGES[STALLED], stall)
             low = point
-    if motion.at(end)[-1] > LARGEST:
+    if speed(end) > LARGEST:
         raise motion.failure(MESSAGES[RUNAWAY], end)
 
 

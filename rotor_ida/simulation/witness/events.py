@@ -12,7 +12,6 @@ import math
 from itertools import pairwise
 from typing import NamedTuple
 
-from rotor_ida.arrays import Values
 from rotor_ida.simulation.orbit import (
     ENTRY,
     EXIT,
@@ -86,30 +85,30 @@ def _guards(
     if law.damping > 0.0:
         side, event = (-1.0, PRESS) if mode == IS_LOOSE else (1.0, RELEASE)
 
-        def pushes(time: float, state: Values) -> float:
-            return side * machine.touch(number, time, state).damping_factor
+        def pushes(time: float) -> float:
+            return side * float(motion.once(machine.touch, number, time).damping_factor)
 
         guards.append((pushes, event, 0.0))
     if mode in SLIDES and law.friction > 0.0:
 
-        def slides(time: float, state: Values) -> float:
-            return mode * machine.touch(number, time, state).slip
+        def slides(time: float) -> float:
+            return mode * float(motion.once(machine.touch, number, time).slip)
 
         guards.append((slides, ROLL, machine.hidden_slip(number, motion.low, motion.before)))
     if mode == ROLLS:
-        hidden = machine.hidden_hold(number, motion.low, motion.before)
-        ends = ((motion.low, motion.before), (motion.high, motion.after))
-        if max(abs(machine.hold(number, *end)[0]) for end in ends) > hidden:
-            guards += [(_grip(machine, number, sense), SLIP, hidden) for sense in SLIDES]
+        begun, _, hidden = motion.once(machine.hold, number, motion.low)
+        ended, *_ = motion.once(machine.hold, number, motion.high)
+        if max(abs(begun), abs(ended)) > hidden:
+            guards += [(_grip(motion, machine, number, sense), SLIP, hidden) for sense in SLIDES]
     return guards
 
 
-def _grip(machine: Machine, number: int, sense: int) -> Function:
+def _grip(motion: Integration, machine: Machine, number: int, sense: int) -> Function:
     """Return the grip remaining against sliding in a sense, as a function."""
 
-    def left(time: float, state: Values) -> float:
-        hold, grip = machine.hold(number, time, state)
-        return grip - sense * hold
+    def left(time: float) -> float:
+        hold, grip, _ = motion.once(machine.hold, number, time)
+        return float(grip - sense * hold)
 
     return left
 
@@ -117,14 +116,12 @@ def _grip(machine: Machine, number: int, sense: int) -> Function:
 def first_below(motion: Integration, within: Function, hidden: float) -> float:
     """Return when in the last step a function first falls below 0; infinity if never."""
     for low, high in pairwise(motion.looks(LOOKS)):
-        if within(high, motion.at(high)) < -hidden:
+        if within(high) < -hidden:
             point, reach = low, high - low
-            while within(point, motion.at(point)) <= 0.0 and reach > HIDDEN * high:
+            while within(point) <= 0.0 and reach > HIDDEN * high:
                 reach *= 0.125
                 point = low + reach
-            if within(point, motion.at(point)) > 0.0:
-                return motion.root(within, point, high)
-            return next_time(low)
+            return motion.root(within, point, high) if within(point) > 0.0 else next_time(low)
     return math.inf
 
 
@@ -135,12 +132,12 @@ def turns_in(motion: Integration, machine: Machine, number: int) -> list[float]:
     the drop.
     """
 
-    def rises(_: float, state: Values) -> float:
-        z, v = machine.seen(number, state)
-        return z.real * v.real + z.imag * v.imag
+    def rises(time: float) -> float:
+        z, v = motion.once(machine.seen, number, time)
+        return float(z.real * v.real + z.imag * v.imag)
 
     places = motion.looks(LOOKS if machine.modes[number] == FLIES else 1)
-    rates = [rises(place, motion.at(place)) for place in places]
+    rates = [rises(place) for place in places]
     if min(rates) > 0.0 or max(rates) < 0.0:
         return []
     return [
@@ -160,13 +157,12 @@ def _crossing_in(motion: Integration, machine: Machine, turns: list[float], numb
         return math.inf
     side = -1.0 if machine.modes[number] == FLIES else 1.0
 
-    def within(_: float, state: Values) -> float:
-        return side * (abs(machine.seen(number, state)[0]) - clearance)
+    def within(time: float) -> float:
+        return side * float(abs(motion.once(machine.seen, number, time)[0]) - clearance)
 
     hidden = HIDDEN * clearance  # below this it is rounding, as for a rotor at rest on the stator
     for low, high in pairwise((motion.low, *turns, motion.high)):
-        if within(high, motion.at(high)) < -hidden:
-            if within(low, motion.at(low)) > 0.0:
-                return motion.root(within, low, high)
-            return next_time(low)  # it left as soon as it entered
+        if within(high) < -hidden:
+            # or it left as soon as it entered
+            return motion.root(within, low, high) if within(low) > 0.0 else next_time(low)
     return math.inf

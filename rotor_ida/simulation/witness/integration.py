@@ -16,7 +16,7 @@ from rotor_ida.arrays import ROUNDING, Values
 from rotor_ida.errors import SimulationError
 
 Rates = Callable[[float, Values, Values], None]
-Function = Callable[[float, Values], float]
+Function = Callable[[float], float]
 
 # SUNDIALS may need a few calls for a step: after a reading the first one only returns to its end.
 MOST_IDLE_STEPS = 100
@@ -80,6 +80,7 @@ class Integration:
             self._solver.init_step(time, state)
         self._goal = goal
         self._read: dict[float, Values] = {}
+        self._found: dict[tuple[Any, int, float], Any] = {}
         self.low = self.high = time
         self.before = self.after = state
         self.evaluations = 0
@@ -88,21 +89,23 @@ class Integration:
         """Take one internal step, or raise `SimulationError`."""
         self.low, self.before = self.high, self.after
         self._read.clear()
+        self._found = {key: found for key, found in self._found.items() if key[-1] == self.low}
         for _ in range(MOST_IDLE_STEPS):
             found = self._solver.step(self._goal, "onestep")
             if not found.success:
                 raise self.failure(str(found.message).strip())
-            if not math.isfinite(found.y @ found.y):
+            if not math.isfinite(found.y.dot(found.y)):
                 raise self.failure("the state is no longer finite")
             self.high, self.after, self.evaluations = float(found.t), found.y, int(found.nfev)
             if self.high > self.low:
                 return
         raise self.failure("time no longer advances")
 
-    def looks(self, count: int) -> list[float]:
-        """Return times that divide the last step into `count` equal parts, both ends included."""
-        apart = (self.high - self.low) / count
-        return [*(self.low + apart * k for k in range(count)), self.high]
+    def looks(self, count: int, end: float | None = None) -> list[float]:
+        """Return times that divide the last step, up to an `end`, into `count` equal parts."""
+        high = self.high if end is None else end
+        low, apart = self.low, (high - self.low) / count
+        return [low, *[low + apart * k for k in range(1, count)], high]
 
     def at(self, time: float) -> Values:
         """Return the state at a time of the last step."""
@@ -115,14 +118,17 @@ class Integration:
             self._read[time] = found.y
         return self._read[time]
 
+    def once(self, function: Callable[[int, float, Values], Any], number: int, time: float) -> Any:
+        """Return what a function of a contact is at a time of the last step, called once there."""
+        key = function, number, time
+        if key not in self._found:
+            self._found[key] = function(number, time, self.at(time))
+        return self._found[key]
+
     def root(self, function: Function, low: float, high: float) -> float:
-        """Return the zero, in the last step, of a function of time and state that changes sign."""
+        """Return the zero, in the last step, of a function of time that changes sign."""
         spacing = 4.0 * ROUNDING
-        return float(
-            brentq(
-                lambda time: function(time, self.at(time)), low, high, xtol=spacing, rtol=spacing
-            )
-        )
+        return float(brentq(function, low, high, xtol=spacing, rtol=spacing))
 
     def failure(self, message: str, time: float | None = None) -> SimulationError:
         """Return the error that ends the run, at a time of the last step or at its beginning."""

@@ -44,8 +44,9 @@ from rotor_ida.simulation.witness.bodies import GAINED, HIDDEN, Coordinates, Tou
 # Largest number of contacts that stick at once for which all combinations are tried.
 MOST_STUCK = 8
 SLIDES = (SLIDES_FORWARDS, SLIDES_BACKWARDS)
-# Accelerations of all coordinates: a complex number, or an array.
+# Accelerations of all coordinates: a complex number, or an array. Displacement and velocity.
 Vector = Any
+Moving = tuple[Any, Any]
 
 
 class Forces(NamedTuple):
@@ -67,6 +68,14 @@ class Unknowns(NamedTuple):
     right: list[float]
 
 
+class Stuck(NamedTuple):
+    """Equations for contacts that roll, forces below which rounding hides theirs, and contacts."""
+
+    unknowns: Unknowns
+    hidden: list[float]
+    touches: Touches
+
+
 @dataclass(slots=True)
 class Machine:
     """A body with its spin, and with its contacts in their modes.
@@ -86,7 +95,7 @@ class Machine:
         self.is_driven = isinstance(self.spin, Driven)
         self.rate = 0.0 if self.is_driven else float(self.spin.acceleration(0.0, 0.0))
 
-    def seen(self, number: int, state: Values) -> tuple[complex, complex]:
+    def seen(self, number: int, _time: float, state: Values) -> tuple[complex, complex]:
         """Return displacement from the centre and velocity of a contact, by nothing pushed."""
         z, v = self.body.seen(number, *self.body.read(state))
         return complex(z), complex(v)
@@ -95,17 +104,10 @@ class Machine:
         """Return how a contact is at a state; the force of one that rolls is left out."""
         return self._touch(number, self.spin.at(time, state)[1], state, self.body.read(state))
 
-    def _touch(self, number: int, speed: float, state: Values, moving: Any) -> Touch:
+    def _touch(self, number: int, speed: float, state: Values, moving: Moving) -> Touch:
         law, mode = self.body.laws[number], self.modes[number]
-        z, v = self.body.seen(number, *moving)
-        radius = abs(z)
-        normal = z / radius if radius > 0.0 else 1.0 + 0.0j
-        w = v * normal.conjugate()
-        approach, depth = w.real, radius - law.clearance
-        slip = w.imag + law.radius * speed
-        if law.race_radius:
-            slip -= law.race_radius * self._race(number, state)
-        spring = 0.0
+        radius, normal, w, slip = self._sliding(number, speed, state, moving)
+        approach, depth, spring = w.real, radius - law.clearance, 0.0
         if depth > 0.0 and mode != FLIES:
             spring = law.stiffness * spring_force(depth, law.exponent)
         factor = damping_factor(approach, law.damping)
@@ -119,20 +121,36 @@ class Machine:
             slip -= law.mobility * drag
         return Touch(depth, radius, normal, approach, w.imag, slip, spring, factor, push, drag)
 
+    def _sliding(
+        self, number: int, speed: float, state: Values, moving: Moving
+    ) -> tuple[float, complex, complex, float]:
+        """Return radius, direction, velocity along and across it, and slip, by nothing pushed."""
+        law = self.body.laws[number]
+        z, v = self.body.seen(number, *moving)
+        radius = abs(z)
+        normal = z / radius if radius > 0.0 else 1.0 + 0.0j
+        w = v * normal.conjugate()
+        slip = w.imag + law.radius * speed
+        if law.race_radius:
+            slip -= law.race_radius * self._race(number, state)
+        return radius, normal, w, slip
+
     def _race(self, number: int, state: Values) -> float:
         """Return the speed of the race of a contact."""
         return float(state[2 * self.body.size + number])
 
     def forces(self, time: float, state: Values) -> Forces:
         """Return the accelerations, and the forces of all contacts; those that roll do not slip."""
-        return self._forces(time, self.at_rest(time, state))
+        angle, speed = self.spin.at(time, state)
+        moving = self._without_slip(speed, state)
+        return self._forces(cmath.rect(1.0, angle), speed, state, moving)
 
-    def _forces(self, time: float, state: Values) -> Forces:
-        turn, speed, a, touches = self._known(time, state)
+    def _forces(self, turn: complex, speed: float, state: Values, moving: Moving) -> Forces:
+        a, touches = self._known(turn, speed, state, moving)
         faster = self.rate
         if self.is_driven or ROLLS in self.modes:
             rolling = self.rolling()
-            columns, matrix, right = self.unknowns(turn, speed, state, a, touches)
+            columns, matrix, right = self.unknowns(rolling, turn, speed, state, moving, a, touches)
             found = _solved(matrix, right)
             for column, unknown in zip(columns, found, strict=True):
                 a = a + unknown * column
@@ -141,12 +159,11 @@ class Machine:
             faster = found[-1] if self.is_driven else faster
         return Forces(a, touches, faster)
 
-    def _known(self, time: float, state: Values) -> tuple[complex, float, Vector, Touches]:
-        """Return direction of the unbalance, speed, known part of accelerations, and contacts."""
+    def _known(
+        self, turn: complex, speed: float, state: Values, moving: Moving
+    ) -> tuple[Vector, Touches]:
+        """Return the known part of the accelerations, and the contacts."""
         body = self.body
-        angle, speed = self.spin.at(time, state)
-        turn = cmath.rect(1.0, angle)
-        moving = body.read(state)
         a: Vector = body.free(turn, speed, *moving)
         touches: Touches = []
         for i, mode in enumerate(self.modes):
@@ -156,7 +173,7 @@ class Machine:
                 a = a - body.along(i, touch.force)
         if self.rate:
             a = a - self.rate * (body.ahead(turn) + body.bent(state))
-        return turn, speed, a, touches
+        return a, touches
 
     def rolling(self) -> list[int]:
         """Return the contacts that roll on stators with mass."""
@@ -172,29 +189,30 @@ class Machine:
         ]  # fmt: skip
 
     def unknowns(
-        self, turn: complex, speed: float, state: Values, a: Vector, touches: list[Any]
-    ) -> Unknowns:
+        self, rolling: list[int], turn: complex, speed: float, state: Values, moving: Moving,
+        a: Vector, touches: list[Any],
+    ) -> Unknowns:  # fmt: skip
         """Return the equations for what is unknown.
 
         The slips of contacts that roll do not change, and the torque changes angular momentum.
         """
-        body, spin, rolling = self.body, self.spin, self.rolling()
+        body, spin = self.body, self.spin
         laws = [body.laws[i] for i in rolling]
-        across = [body.along(i, 1j * touches[i].normal) for i in rolling]
-        columns = [-each for each in across]
-        if isinstance(spin, Driven):
+        columns = [-body.along(i, 1j * touches[i].normal) for i in rolling]
+        if self.is_driven:
             columns.append(-(body.ahead(turn) + body.bent(state)))
         matrix, right = [], []
-        for i, law, mine in zip(rolling, laws, across, strict=True):
-            row = [-body.dot(mine, column) for column in columns]
-            touch, own = touches[i], law.race_radius * law.race_mobility
-            left = body.dot(mine, a) - touch.approach * touch.across / touch.radius
-            if own:
-                for k, other in enumerate(laws):
-                    row[k] += law.race_radius * own * (other.race == law.race)
+        for k, i in enumerate(rolling):
+            law, touch, mine = laws[k], touches[i], columns[k]
+            row = [body.dot(mine, column) for column in columns]
+            left = -body.dot(mine, a) - touch.approach * touch.across / touch.radius
+            if law.race_radius:
+                own = law.race_radius * law.race_mobility
+                for place, other in enumerate(laws):
+                    row[place] += law.race_radius * own * (other.race == law.race)
                 known = sum(touches[j].drag for j in self._on_race(i) if j not in rolling)
                 left -= own * (law.race_radius * known - law.race_drag * self._race(i, state))
-            if isinstance(spin, Driven):
+            if self.is_driven:
                 row[-1] -= law.radius
             matrix.append(row)
             right.append(left + law.radius * self.rate)
@@ -206,13 +224,13 @@ class Machine:
             ]
             matrix.append([*row, body.inertia_of(turn, moved)])
             drive = spin.torque - spin.slope * speed
-            right.append(drive - self._resisting(turn, speed, state, touches))
+            right.append(drive - self._resisting(turn, speed, moving, touches))
         return Unknowns(columns, matrix, right)
 
-    def _resisting(self, turn: complex, speed: float, state: Values, touches: Touches) -> float:
+    def _resisting(self, turn: complex, speed: float, moving: Moving, touches: Touches) -> float:
         """Return the moment against the spin; that of unknown forces and theta'' is left out."""
         body = self.body
-        a: Vector = body.reacting(turn, speed, *body.read(state))
+        a: Vector = body.reacting(turn, speed, *moving)
         moment = -body.weight(turn)
         for i, touch in enumerate(touches):
             if touch is not None:
@@ -223,9 +241,10 @@ class Machine:
     def rates(self, time: float, state: Values, out: Values) -> None:
         """Write the rate of change of a state."""
         body, n = self.body, 2 * self.body.size
-        state = self.at_rest(time, state)
-        a, touches, faster = self._forces(time, state)
-        body.write(out, state, a, touches)
+        angle, speed = self.spin.at(time, state)
+        turn, moving = cmath.rect(1.0, angle), self._without_slip(speed, state)
+        a, touches, faster = self._forces(turn, speed, state, moving)
+        body.write(out, moving, a, touches)
         if body.has_races:
             for i, law in enumerate(body.laws):
                 drag = sum(each.drag for j in self._on_race(i) if (each := touches[j]))
@@ -234,13 +253,11 @@ class Machine:
         else:
             given = 0.0
             if state.size > GAINED:
-                angle, speed = self.spin.at(time, state)
-                turn = cmath.rect(1.0, angle)
                 torque = body.inertia_of(turn, 0.0j) * faster
-                given = speed * (torque + self._resisting(turn, speed, state, touches))
-            body.book(out, state, touches[0], self.modes[0], given)
-        if isinstance(self.spin, Driven):
-            out[-2], out[-1] = self.spin.at(time, state)[1], faster
+                given = speed * (torque + self._resisting(turn, speed, moving, touches))
+            body.book(out, moving, touches[0], self.modes[0], given)
+        if self.is_driven:
+            out[-2], out[-1] = speed, faster
 
     def reported(self, time: float, state: Values) -> Values:
         """Return a state with what follows from the modes.
@@ -250,49 +267,64 @@ class Machine:
         state, body = self.at_rest(time, state), self.body
         if isinstance(body, Coordinates) and body.massless:
             touches, state = self.forces(time, state).touches, state.copy()
-            state[body.size : 2 * body.size] = body.velocities(state, touches)
+            body.put_velocity(state, body.velocities(body.read(state)[1], touches))
         return state
 
     def hidden_slip(self, number: int, time: float, state: Values) -> float:
         """Return the slip of a contact below which its surfaces do not slide."""
         law, speed = self.body.laws[number], abs(self.spin.at(time, state)[1])
-        size = abs(self.seen(number, state)[1]) + law.radius * speed
+        size = abs(self.seen(number, time, state)[1]) + law.radius * speed
         if law.race_radius:
             size += law.race_radius * abs(self._race(number, state))
         return float(max(HIDDEN * size, self.body.still))
 
-    def _stuck(self, time: float, state: Values) -> tuple[Unknowns, list[float]]:
+    def _stuck(self, time: float, state: Values) -> Stuck:
         """Return the equations for the contacts that roll, and what is hidden of their forces."""
-        turn, speed, a, touches = self._known(time, state)
-        unknowns, hidden, body = self.unknowns(turn, speed, state, a, touches), [], self.body
-        forces = (body.along(i, touch.force) for i, touch in enumerate(touches) if touch)
-        pulled = body.length(a) + sum(map(body.length, forces))
-        for row, i in enumerate(self.rolling()):
+        rolling, hidden, body = self.rolling(), [], self.body
+        angle, speed = self.spin.at(time, state)
+        turn, moving = cmath.rect(1.0, angle), self._without_slip(speed, state)
+        a, touches = self._known(turn, speed, state, moving)
+        unknowns = self.unknowns(rolling, turn, speed, state, moving, a, touches)
+        pulled = body.length(a)
+        for i, each in enumerate(touches):
+            pulled += body.length(body.along(i, each.force)) if each else 0.0
+        for row, i in enumerate(rolling):
             touch: Any = touches[i]
             size = body.length(unknowns.columns[row]) * pulled
             size += abs(touch.approach * touch.across) / touch.radius
             hidden.append(HIDDEN * size / unknowns.matrix[row][row])
-        return unknowns, hidden
+        return Stuck(unknowns, hidden, touches)
 
-    def hidden_hold(self, number: int, time: float, state: Values) -> float:
-        """Return the force below which rounding hides the one that rolling needs."""
-        rolling = self.rolling()
-        return self._stuck(time, state)[1][rolling.index(number)] if number in rolling else 0.0
+    def hold(self, number: int, time: float, state: Values) -> tuple[float, float, float]:
+        """Return the force that a contact needs to roll, what friction holds, and the rounding."""
+        (_, matrix, right), hidden, touches = self._stuck(time, state)
+        touch: Any = touches[number]
+        grip = self.body.laws[number].friction * touch.push
+        if self.body.laws[number].mobility:
+            return touch.drag, grip, 0.0
+        row = self.rolling().index(number)
+        return _solved(matrix, right)[row], grip, hidden[row]
 
-    def hold(self, number: int, time: float, state: Values) -> tuple[float, float]:
-        """Return the tangential force of a contact that rolls, and what friction can hold."""
-        touch: Any = self.forces(time, state).touches[number]
-        return touch.drag, self.body.laws[number].friction * touch.push
+    def _without_slip(self, speed: float, state: Values) -> Moving:
+        """Return how the body moves without slip of contacts that roll.
+
+        As little velocity as possible is added.
+        """
+        body, rolling = self.body, self.rolling() if ROLLS in self.modes else []
+        place, velocity = body.read(state)
+        for i in rolling if len(rolling) == 1 else 2 * rolling:  # again, for what others leave
+            _, normal, _, slip = self._sliding(i, speed, state, (place, velocity))
+            column = body.along(i, 1j * normal)
+            velocity = velocity - slip / body.dot(column, column) * column
+        return place, velocity
 
     def at_rest(self, time: float, state: Values) -> Values:
-        """Return a state without slip of contacts that roll, by as little velocity as possible."""
+        """Return a state without slip of contacts that roll."""
         if ROLLS not in self.modes:
             return state
-        body, state = self.body, state.copy()
-        for i in 2 * self.rolling():  # again, for what rounding and other contacts leave
-            touch = self.touch(i, time, state)
-            column = body.along(i, 1j * touch.normal)
-            body.add_velocity(state, -touch.slip / body.dot(column, column) * column)
+        state, speed = state.copy(), self.spin.at(time, state)[1]
+        for _ in range(2):  # again, for what rounding leaves
+            self.body.put_velocity(state, self._without_slip(speed, state)[1])
         return state
 
     def press(self, number: int, time: float, state: Values) -> None:
@@ -315,10 +347,10 @@ class Machine:
             return
         if len(stuck) > MOST_STUCK:
             raise SimulationError("too many contacts stick at once for the witness", time=time)
-        (_, rows, sums), hidden = self._stuck(time, state)
+        (_, rows, sums), hidden, touches = self._stuck(time, state)
         matrix, right = np.array(rows), np.array(sums)
         laws = self.body.laws
-        grips = [laws[i].friction * self.touch(i, time, state).push for i in stuck]
+        grips = [laws[i].friction * each.push for i in stuck if (each := touches[i])]
         best, least = (0,) * len(stuck), np.inf
         for choice in product((0, 1, -1), repeat=len(stuck)):
             forces = np.zeros(len(right))

@@ -140,7 +140,7 @@ class Run:
         if kind in {EXIT, RELEASE}:
             machine.modes[number] = FLIES if kind == EXIT else IS_LOOSE
         elif kind == SLIP:
-            hold, _ = machine.hold(number, time, state)
+            hold, *_ = machine.hold(number, time, state)
             machine.modes[number] = SLIDES_FORWARDS if hold > 0.0 else SLIDES_BACKWARDS
         elif kind == ROLL:
             machine.modes[number] = ROLLS

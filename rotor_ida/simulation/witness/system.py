@@ -79,12 +79,12 @@ class _Records:
         if limit == 0.0:
             return
 
-        def beyond(time: float, state: Values) -> float:
-            return abs(float(machine.spin.at(time, state)[1])) - limit
+        def beyond(time: float) -> float:
+            return abs(float(machine.spin.at(time, motion.at(time))[1])) - limit
 
         for low, high in pairwise(np.linspace(motion.low, until, LOOKS + 1).tolist()):
-            is_below = beyond(high, motion.at(high)) <= 0.0
-            if is_below == (beyond(low, motion.at(low)) <= 0.0):
+            is_below = beyond(high) <= 0.0
+            if is_below == (beyond(low) <= 0.0):
                 continue
             time, found = motion.root(beyond, low, high), self.standstill
             longest = found.longest if is_below else max(found.longest, time - found.since)
