@@ -44,12 +44,12 @@ from rotor_ida.plot.labels import (
     label_varied,
     parameter_text,
     title_of,
-    with_error,
 )
 from rotor_ida.plot.responses import plot_amplitude
 from rotor_ida.results.rows import own_rows
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import flags_of
+from rotor_ida.units import with_error
 
 OF_EXPONENTS = ("lyapunov_exponent", "lyapunov_error")
 # Styles of the points of a section.
@@ -157,7 +157,7 @@ def plot_exponents(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         for number, (colour, dashes) in enumerate(LINES[: found.sizes["exponent"]]):
             part = found.isel(exponent=number)
             value, error = part["lyapunov_exponent"].item(), part["lyapunov_error"].item()
-            words = f"$\\lambda_{number + 1} = {with_error(value, error)}$"
+            words = f"$\\lambda_{number + 1} = {with_error(value, error, most=5)}$"
             ax.plot(part["t"], part["running_exponent"], color=colour, ls=dashes, lw=1.1,
                     label=words)  # fmt: skip
         ax.set_xlim(0.0, float(found["t"].values[-1]))
