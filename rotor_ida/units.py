@@ -1,14 +1,16 @@
-"""The table of units: the dimension of each, and its value in SI units.
+"""The table of units: the dimension of each, its value in SI units, and where the field uses it.
 
 It is used to read options of the command line, parameters of machines and columns of measured
-files.
+files, and to write quantities for people.
 """
 
 from __future__ import annotations
 
 import math
 import re
+from collections.abc import Iterable
 from functools import lru_cache
+from operator import itemgetter
 from typing import Literal, NamedTuple
 
 # Each unit of speed in radians per second.
@@ -17,6 +19,32 @@ SPEED_UNITS: dict[SpeedUnit, float] = {"rad/s": 1.0, "rpm": math.pi / 30.0, "Hz"
 # The power of ten of each prefix, and how many units with the prefix make one without.
 POWERS = {"p": -12, "n": -9, "u": -6, "m": -3, "": 0, "k": 3, "M": 6}
 PREFIXES = {prefix: 10.0**-power for prefix, power in POWERS.items()}
+
+UnitSystem = Literal["metric", "inch"]
+# The units in which the field reads quantities, by their SI units, with their values in these; the
+# first is the usual one.
+READ_IN: dict[UnitSystem, dict[str, tuple[tuple[str, float], ...]]] = {
+    "metric": {
+        "m": (("um", 1e-6), ("nm", 1e-9), ("mm", 1e-3), ("m", 1.0)),
+        "s": (("ms", 1e-3), ("ns", 1e-9), ("us", 1e-6), ("s", 1.0)),
+        "m/s": (("mm/s", 1e-3), ("m/s", 1.0)),
+        "N": (("N", 1.0), ("uN", 1e-6), ("mN", 1e-3), ("kN", 1e3), ("MN", 1e6)),
+        "N s": (("N s", 1.0), ("uN s", 1e-6), ("mN s", 1e-3), ("kN s", 1e3)),
+        "J": (("J", 1.0), ("nJ", 1e-9), ("uJ", 1e-6), ("mJ", 1e-3), ("kJ", 1e3), ("MJ", 1e6)),
+        "rad/s": (("rpm", SPEED_UNITS["rpm"]),),
+        "rad/s2": (("rpm/s", SPEED_UNITS["rpm"]),),
+        "kg m": (("g mm", 1e-6),),
+        "radian": (("deg", math.pi / 180.0),),
+    },
+    "inch": {
+        "m": (("mil", 25.4e-6),),
+        "N": (("lbf", 4.4482216152605),),
+        "N s": (("lbf s", 4.4482216152605),),
+        "m/s": (("in/s", 25.4e-3),),
+        "N/m": (("lbf/in", 4.4482216152605 / 25.4e-3),),
+        "kg m": (("oz in", 0.028349523125 * 25.4e-3),),
+    },
+}
 
 # The longest text that is read as a unit, and the largest exponent in it.
 LONGEST, LARGEST_EXPONENT = 60, 20.0
@@ -185,16 +213,97 @@ def written(value: float, unit: str) -> str:
     return f"{quotient!r}{unit}"
 
 
-def rpm(speed: float) -> str:
-    """Return a speed in rad/s as a text in rpm, to four digits or a whole number, never as 1e+04.
+def read_in(
+    unit: str, sizes: Iterable[float] = (), *, system: UnitSystem = "metric"
+) -> tuple[str, float]:
+    """Return the unit in which the field reads quantities of an SI unit, and its value in that.
+
+    It suits the largest size; without any that is not 0 it is the usual one.
 
     Examples
     --------
-    >>> [rpm(each * SPEED_UNITS["rpm"]) for each in (0.0, 95.126, 10512.3, -1.5e6)]
-    ['0 rpm', '95.13 rpm', '10,512 rpm', '-1,500,000 rpm']
+    >>> read_in("N", [20.0, 1500.0]), read_in("rad/s")[0], read_in("m", [8e-5], system="inch")[0]
+    (('kN', 1000.0), 'rpm', 'mil')
+    >>> read_in("m"), read_in("m", [0.02]), read_in("N s m-1"), read_in("s-1"), read_in("1")
+    (('um', 1e-06), ('mm', 0.001), ('N s/m', 1.0), ('1/s', 1.0), ('', 1.0))
     """
-    turns = speed / SPEED_UNITS["rpm"]
-    return f"{turns:,.0f} rpm" if abs(turns) >= 1e3 else f"{turns:.4g} rpm"
+    plain = re.sub(r"(\S) ?s-1$", r"\1/s", unit).replace(" m-1", "/m").replace("rad s-2", "rad/s2")
+    plain = {"1": "", "s-1": "1/s"}.get(plain, plain)
+    known = READ_IN[system].get(plain) or READ_IN["metric"].get(plain, ((plain, 1.0),))
+    largest = max((abs(each) for each in sizes if math.isfinite(each)), default=0.0)
+    below = [each for each in known if each[1] <= largest * (1.0 + 1e-12)]
+    if not largest:
+        return known[0]
+    return max(below, key=itemgetter(1)) if below else min(known, key=itemgetter(1))
+
+
+def number(value: float, digits: int = 4) -> str:
+    """Return a number with some digits, without an exponent where it has a common size.
+
+    Examples
+    --------
+    >>> number(19940.3), number(0.012345678), number(2.18e10), number(250.0), number(math.nan)
+    ('19940', '0.01235', '2.18e+10', '250', '-')
+    """
+    size = abs(value)
+    if math.isnan(value):
+        return "-"
+    if not 1e-4 <= size < 1e7:
+        return f"{value:.{digits}g}"
+    places = max(0, digits - 1 - math.floor(math.log10(size)))
+    said = f"{value:.{places}f}"
+    return said.rstrip("0").rstrip(".") if "." in said else said
+
+
+def with_error(value: float, error: float, *, most: int | None = None) -> str:
+    """Return a value with the error of its last digits in brackets.
+
+    It has a power of ten if it is small or large, unless `most` is its number of decimals at most.
+
+    Examples
+    --------
+    >>> with_error(0.17123, 0.0098), with_error(4123456.0, 2100.0), with_error(1.5e-9, 4e-11)
+    ('0.171(10)', '4123456(2100)', '1.500(40)e-09')
+    >>> with_error(-1e-9, 3e-8, most=5)
+    '0.00000'
+    """
+    if not (math.isfinite(error) and error > 0.0):
+        return number(value) if most is None else f"{round(value, most) + 0.0:.{most}f}"
+    size = max(abs(value), error)
+    power = 0 if 1e-4 <= size < 1e7 or most is not None else math.floor(math.log10(size))
+    value, error = value / 10.0**power, error / 10.0**power
+    places = min(max(0, -math.floor(math.log10(error / 5.0))), 12 if most is None else most)
+    last = round(error * 10.0**places)
+    said = f"{round(value, places) + 0.0:.{places}f}"
+    return said + (f"({last})" if last else "") + (f"e{power:+03d}" if power else "")
+
+
+def quantity(
+    value: float, unit: str = "1", digits: int = 4, *, error: float = 0.0,
+    system: UnitSystem = "metric",
+) -> str:  # fmt: skip
+    """Return a value in SI units as people of the field read it, with its error if it has one.
+
+    Speeds in rpm are whole numbers from 1000 on.
+
+    Examples
+    --------
+    >>> quantity(1145.8, "N", 3), quantity(8e-5, "m"), quantity(0.0203, "m"), quantity(3.0)
+    ('1.15 kN', '80 um', '20.3 mm', '3')
+    >>> [quantity(each * SPEED_UNITS["rpm"], "rad/s") for each in (0.0, 95.126, 10512.3, -1.5e6)]
+    ['0 rpm', '95.13 rpm', '10,512 rpm', '-1,500,000 rpm']
+    >>> quantity(1e-4, "m", error=2e-6), quantity(1e-4, "m", system="inch")
+    ('100.0(20) um', '3.937 mil')
+    """
+    word, parts = read_in(unit, [value], system=system)
+    value /= parts
+    if error:
+        said = with_error(value, error / parts)
+    elif word == "rpm" and abs(value) >= 1e3:
+        said = f"{value:,.0f}"
+    else:
+        said = number(value, digits)
+    return f"{said} {word}".rstrip()
 
 
 def usual(*allowed: str) -> str:

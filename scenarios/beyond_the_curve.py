@@ -36,8 +36,8 @@ from rotor_ida.plot import (
     plot_section,
     plot_spectrum,
     shared_legend,
-    with_error,
 )
+from rotor_ida.units import with_error
 
 CASES = {
     "bouncing": Rotor(omega=2.0, zeta=0.07, delta0=2.0),
@@ -77,7 +77,7 @@ def main(settings: Settings) -> None:
             settings.keep(result, f"{name}_{part}")
         found = results["exponents"]
         shown = ", ".join(
-            with_error(value, error)
+            with_error(value, error, most=5)
             for value, error in zip(
                 found.lyapunov_exponent.values, found.lyapunov_error.values, strict=True
             )

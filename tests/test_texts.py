@@ -28,7 +28,8 @@ from rotor_ida import (
     simulate,
 )
 from rotor_ida.cli import main
-from rotor_ida.cli.report import Report, console_on, pairs, table, text_of
+from rotor_ida.cli.report import Report, console_on, text_of
+from rotor_ida.cli.sheets import facts, table
 from rotor_ida.errors import ArchiveError, InputError
 from rotor_ida.explorer import systems
 from rotor_ida.explorer.system_files import recorded_page
@@ -180,7 +181,7 @@ def test_in_a_figure_a_text_is_no_mathematics_and_the_file_is_valid(tmp_path):
 def test_in_tables_names_are_words_without_markup(monkeypatch):
     monkeypatch.delenv("COLUMNS", raising=False)
     console = console_on(io.StringIO())
-    parts = [f"at {ANY[0]}", pairs("\x1bPairs", {each: each for each in ANY}),
+    parts = [f"at {ANY[0]}", facts("\x1bPairs", {each: each for each in ANY}),
              table("\x1bTable", [{each: each for each in ANY}], ANY)]  # fmt: skip
     told = text_of(Report(record={}, parts=parts), console)
     assert obeyed(told) == []

@@ -5,9 +5,21 @@ from __future__ import annotations
 import math
 
 import pytest
+from hypothesis import given
+from hypothesis import strategies as st
 
 from rotor_ida.model.parameters import TABLE
-from rotor_ida.units import NAMES, SPEED_UNITS, UNITS, USUAL, dimension_of, symbol_of, unit_of
+from rotor_ida.units import (
+    NAMES,
+    READ_IN,
+    SPEED_UNITS,
+    UNITS,
+    USUAL,
+    dimension_of,
+    quantity,
+    symbol_of,
+    unit_of,
+)
 
 
 @pytest.mark.parametrize(
@@ -99,3 +111,33 @@ def test_speeds_are_those_of_the_table():
         unit = unit_of(name)
         assert unit is not None
         assert unit.in_si("1") == factor
+
+
+@given(
+    st.sampled_from(["m", "s", "m/s", "N", "N s", "rad/s", "rad/s2", "kg m"]),
+    st.floats(1e-9, 1e9), st.booleans(),
+)  # fmt: skip
+def test_what_is_written_for_people_is_read_back(unit: str, size: float, below: bool):
+    """By the table that reads options: to the digits, or for rpm to whole ones from 1000 on."""
+    value = -size if below else size
+    said, _, word = quantity(value, unit, 12).partition(" ")
+    read = unit_of(word)
+    assert read is not None
+    assert read.dimension == dimension_of(unit)
+    assert read.in_si(said.replace(",", "")) == pytest.approx(
+        value, rel=6e-4 if "," in said else 1e-10
+    )
+
+
+def test_units_of_the_field_have_the_values_of_the_table_of_units():
+    """A pound-force is 0.45359237 kg times 9.80665 m/s2, an ounce a sixteenth of a pound."""
+    pound = 0.45359237
+    by_hand = {"lbf": pound * 9.80665, "lbf s": pound * 9.80665, "in/s": 0.0254,
+               "lbf/in": pound * 9.80665 / 0.0254, "oz in": pound / 16.0 * 0.0254}  # fmt: skip
+    joules = {f"{prefix}J": 10.0**power for prefix, power in
+              {"": 0, "n": -9, "u": -6, "m": -3, "k": 3, "M": 6}.items()}  # fmt: skip
+    for units in READ_IN.values():
+        for word, parts in (each for known in units.values() for each in known):
+            read = unit_of(word)
+            exact = {**by_hand, **joules}.get(word) or (read.in_si("1") if read else math.nan)
+            assert parts == pytest.approx(exact, rel=1e-14), word

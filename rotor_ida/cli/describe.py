@@ -7,17 +7,17 @@ from collections.abc import Sequence
 
 import numpy as np
 import xarray as xr
-from rich.console import RenderableType
 
-from rotor_ida.arrays import Values
-from rotor_ida.cli.report import pairs, table
+from rotor_ida.cli.sheets import Line, Range, Sheet, facts, table
 from rotor_ida.cli.variables import (
     Description,
     Record,
     Rows,
     Sheet,
     attributes_of,
-    headed,
+    counted,
+    line_of,
+    lines_of,
     parameters_in,
     rows_of,
     rows_table,
@@ -25,8 +25,6 @@ from rotor_ida.cli.variables import (
     span,
     spread_on,
     tabled,
-    with_unit,
-    with_units,
 )
 from rotor_ida.cycles.branch_course import parameters_of, stable_ranges
 from rotor_ida.model.parameters import ALL_PARAMETERS, OF_MACHINE
@@ -35,14 +33,15 @@ from rotor_ida.results.archived_system import clearance_of_contacts
 from rotor_ida.results.depths import beyond_model
 from rotor_ida.results.kinds import KINDS, OTHER, kind_of, loaded
 from rotor_ida.results.run import course_of
-from rotor_ida.results.si_units import MACHINE, in_rpm, in_suitable_units, si_of
+from rotor_ida.results.si_units import MACHINE
 from rotor_ida.schema import ENDS_IN_WORDS, RESPONSE, words_of
 from rotor_ida.schema.quantities import UNITS
-from rotor_ida.units import SPEED_UNITS
+from rotor_ida.units import quantity
 
 EVENTS = Rows(
     title="Events", key="events", lead="event_time", prefix="event_",
-    names=("event_time", "event_kind", "event_speed", "event_x", "event_y", "event_time_error"),
+    names=("event_time", "event_kind", "event_contact", "event_speed", "event_x", "event_y",
+           "event_time_error", "event_time_shift"),
 )  # fmt: skip
 CONTACTS = Rows(
     title="Contacts", key="contacts", lead="entry_time",
@@ -93,6 +92,8 @@ FITTED = Rows(
     title="Unknown", key="unknown", lead="estimate",
     names=("unknown", "estimate", "standard_error", "lower", "upper", "first_guess", "unit"),
 )  # fmt: skip
+OF_RUN = ("start", "duration")
+OF_SOLVER = ("method", "rtol", "modes", "more_modes")
 STARTS = ("start_x", "start_y", "start_vx", "start_vy")
 # Dimensions over which the endings of run-ups are counted.
 COUNTED = ("phase", "start")
@@ -114,21 +115,21 @@ def describe(dataset: xr.Dataset, *, most: int | None = None) -> Description:
     return record, [*parts, *(each for each in more if each not in told)]
 
 
-def origin(dataset: xr.Dataset) -> RenderableType:
-    """Return a table of the kind and origin of an archive."""
+def origin(dataset: xr.Dataset) -> Sheet:
+    """Return a sheet of the kind and origin of an archive."""
     attributes = attributes_of(dataset)
     versions = attributes.pop("versions", {})
     method = attributes.pop("method", {})
-    sizes = "  ".join(f"{dim} {size}" for dim, size in dataset.sizes.items())
-    told = {
-        f"{name} [{unit}]" if (unit := _unit_of(attributes, name)) else name: value
+    told = [
+        Line(name.replace("_", " "), [value], _unit_of(attributes, name))
         for name, value in attributes.items()
         if not (name.endswith("_units") and name.removesuffix("_units") in attributes)
-    }
-    shown = {"kind": kind_of(dataset), **told, "dimensions": sizes}
+    ]
+    sizes = "  ".join(f"{dim} {size}" for dim, size in dataset.sizes.items())
+    last = {"dimensions": sizes}
     for entries in (method, versions):
-        shown |= entries if isinstance(entries, dict) else {}
-    return pairs("Archive", shown)
+        last |= entries if isinstance(entries, dict) else {}
+    return facts("Archive", [Line("kind", [kind_of(dataset)]), *told, *facts("", last).lines])
 
 
 def _unit_of(attributes: Record, name: str) -> str:
@@ -150,57 +151,50 @@ def show_run(dataset: xr.Dataset, most: int | None) -> Description:
     given = parameters_in(dataset) | _begun(dataset)
     record = {name: each for name, each in record.items() if name not in given}
     record["parameters"] = given
-    summary = {**given, **scalars_of(dataset)}
-    summary |= {
-        each: dataset.sizes.get(each.removesuffix("s"), 0) for each in ("events", "contacts")
-    }
-    summary |= {name: _largest(dataset, name) for name in ("peak_indentation", "peak_force")}
-    for name in ("heat", "rolling_time"):
-        if name in dataset:
-            summary[name] = float(dataset[name].sum())
-    told = with_units(dataset, summary) | change_of_speed(dataset)
-    return record, [pairs("Run", told), *parts]
+    summary = {name: _largest(dataset, name) for name in ("peak_indentation", "peak_force")}
+    summary |= {name: float(dataset[name].sum()) for name in ("heat", "rolling_time")
+                if name in dataset}  # fmt: skip
+    return record, [facts("Run", [*facts_of_run(dataset), *lines_of(dataset, summary)]), *parts]
+
+
+def facts_of_run(run: xr.Dataset) -> list[Line]:
+    """Return what a run was computed from, with its sizes and scalars."""
+    attributes = attributes_of(run)
+    given = parameters_in(run)
+    if "speed" in run:  # the parameter is only the first
+        given.pop("omega", None)
+    lines = [*lines_of(run, given), *_speed_of(run, attributes)]
+    told = {name: attributes[name] for name in OF_RUN if name in attributes}
+    told |= {name: run.attrs[name] for name in OF_SOLVER if name in run.attrs}
+    contacts = "episode" if "episode" in run.sizes else "contact"
+    told |= {"events": run.sizes["event"], "contacts": run.sizes.get(contacts, 0)}
+    return [*lines, *lines_of(run, told | scalars_of(run))]
 
 
 def show_run_up_summary(dataset: xr.Dataset, _most: int | None) -> Description:
     """Return the summary of a run-up, the sentence first."""
     record, _ = tabled(dataset, None)
-    shown = in_suitable_units(dataset)
-    told: Record = {}
-    for name, value in scalars_of(shown).items():
-        turns = in_rpm(shown[name]) if name.endswith("_speed") else None
-        told[with_unit(shown, name) if turns is None else f"{name} [rpm]"] = (
-            value if turns is None else float(turns)
-        )
     sentence = str(dataset.attrs.get("sentence", ""))
-    return record, [sentence, pairs("Run-up", told)]
+    return record, [sentence, facts("Run-up", lines_of(dataset, scalars_of(dataset)))]
 
 
-def change_of_speed(run: xr.Dataset) -> Record:
-    """Return the course of the speed during a run, by names with units."""
+def _speed_of(run: xr.Dataset, attributes: Record) -> list[Line]:
+    """Return the speed of a run, and how it changes."""
     if "speed" not in run:
-        return {}
-    told: Record = {with_unit(run, "speed"): _course(run["speed"].values)}
-    if (turns := in_rpm(run["speed"])) is not None:
-        told["speed [rpm]"] = _course(turns)
-    attributes = attributes_of(run)
-    for name in ("rate", "torque", "inertia"):
-        if name in attributes:
-            unit = str(attributes.get(f"{name}_units", "")).replace("s-2", "rad/s2")
-            told[f"{name} [{unit}]" if unit else name] = attributes[name]
-            if unit == "rad/s2":
-                told["rate [rpm/s]"] = float(run.attrs[name]) / SPEED_UNITS["rpm"]
-    return told
-
-
-def _course(speeds: Values) -> str:
-    return " to ".join(f"{speed:.8g}" for speed in course_of(speeds))
+        unit = "rad/s" if run["t"].attrs.get("units") == "s" else "1"
+        return [Line("speed", [attributes["speed"]], unit)] if "speed" in attributes else []
+    lines = [line_of(run, "speed", [Range(map(float, course_of(run["speed"].values)))])]
+    return lines + [
+        Line(name, [attributes[name]], _unit_of(attributes, name))
+        for name in ("rate", "torque", "inertia")
+        if name in attributes
+    ]
 
 
 def _begun(dataset: xr.Dataset) -> Record:
     """Return from the attributes of a run its start and duration, in the units of the run."""
     attributes = attributes_of(dataset)
-    return {each: attributes[each] for each in ("start", "duration") if each in attributes}
+    return {each: attributes[each] for each in OF_RUN if each in attributes}
 
 
 def _largest(dataset: xr.Dataset, name: str) -> float:
@@ -260,14 +254,13 @@ def show_run_ups(dataset: xr.Dataset, most: int | None) -> Description:
         row["largest_force"] = force
     said = [name for name in parts if any(row[name] != 0.0 for row in fractions)]
     columns = ["rate", *varied, *said, *(f"{name}_error" for name in said), "largest_force"]
-    unit, factor = si_of(dataset, "to") or (with_unit(dataset, "to"), 1.0)
-    unit = unit.partition("[")[2].rstrip("]").replace("s-1", "rad/s")
-    last = f"{float(dataset['to']) * factor:.6g} {unit}".rstrip()
-    shown = headed(dataset, fractions, columns)
-    heads = list(shown[0])
-    ends = rows_table(f"How run-ups to {last} end", shown, heads, MOST_FRACTIONS, digits=6)
+    to = line_of(dataset, "to", [float(dataset["to"])])
+    last = quantity(float(str(to.values[0])), to.unit, 6)
+    lines = [line_of(dataset, name, [row[name] for row in fractions[:MOST_FRACTIONS]], 6)
+             for name in columns]  # fmt: skip
+    title = counted(f"How run-ups to {last} end", len(fractions), MOST_FRACTIONS)
     record |= {"to": float(dataset["to"]), **given, "fractions": fractions}
-    return record, [*ends, *_legend(dataset), *tables]
+    return record, [Sheet(title, lines), *_legend(dataset), *tables]
 
 
 def _worst_of_contacts(dataset: xr.Dataset) -> xr.Dataset:
@@ -283,31 +276,28 @@ def _worst_of_contacts(dataset: xr.Dataset) -> xr.Dataset:
     return told.assign(worst)
 
 
-def count_of_kinds(dataset: xr.Dataset, ranges: Sequence[str] = RANGES) -> RenderableType:
+def count_of_kinds(dataset: xr.Dataset, ranges: Sequence[str] = RANGES) -> Sheet:
     """Return a table of the number of points of each kind, and their ranges."""
     response = dataset["response"]
     words = response.copy(data=np.reshape(words_of(response), response.shape))
     found, first = np.unique(words, return_index=True)
+    kinds = found[np.argsort(first)].tolist()
     dims = set(response.dims)
     # a diagram has no amplitudes
     names = [name for name in ranges if name in dataset and set(dataset[name].dims) <= dims]
-    units = {name: with_unit(dataset, name) for name in names}
-    rows: list[Record] = []
-    for kind in found[np.argsort(first)].tolist():
-        here = words == kind
-        row: Record = {"response": kind, "points": int(here.sum())}
-        rows.append(row | {units.get(name, name): each
-                           for name, each in ranges_of(dataset, names, here).items()})  # fmt: skip
-    return table("Responses by kind", rows, list(rows[0]))
+    lines = [
+        Line("response", kinds),
+        Line("points", [int((words == each).sum()) for each in kinds]),
+    ]
+    places = [(dataset, words == each) for each in kinds]
+    lines += [range_of(name, places) for name in names]
+    return Sheet("Responses by kind", lines)
 
 
-def ranges_of(dataset: xr.Dataset, names: Sequence[str], here: xr.DataArray) -> Record:
-    """Return the range of each variable over the points of a mask."""
-    found: Record = {}
-    for name in names:
-        label, factor = si_of(dataset, name) or (name, 1.0)
-        found[label] = span(factor * spread_on(dataset, name, here).values[here.values], 6)
-    return found
+def range_of(name: str, places: Sequence[tuple[xr.Dataset, xr.DataArray]]) -> Line:
+    """Return the range of a variable over the points of each dataset that a mask leaves."""
+    found = [span(spread_on(dataset, name, here).values[here.values]) for dataset, here in places]
+    return line_of(places[0][0], name, found, 6)
 
 
 def show_comparison(dataset: xr.Dataset, most: int | None) -> Description:
@@ -330,10 +320,10 @@ def show_cycle(dataset: xr.Dataset, most: int | None) -> Description:
     record["parameters"] = parameters
     record["lines"] = rows_of(dataset, STRONGEST_LINES.names)  # to programs by frequency
     if dataset["period"].isnull():
-        told = with_units(dataset, {**parameters, "response": record["response"]})
-        return record, [pairs("No limit cycle", told)]
-    told = with_units(dataset, parameters | scalars_of(dataset))
-    return record, [pairs("Limit cycle", told), *parts]
+        told = lines_of(dataset, {**parameters, "response": record["response"]})
+        return record, [facts("No limit cycle", told)]
+    told = lines_of(dataset, parameters | scalars_of(dataset))
+    return record, [facts("Limit cycle", told), *parts]
 
 
 def show_cycles(dataset: xr.Dataset, most: int | None) -> Description:
@@ -370,11 +360,11 @@ def _followed(title: str, dataset: xr.Dataset, varied: list[str], most: int | No
     record["parameters"] = held = parameters_in(dataset.drop_vars(varied))
     record |= {name: record.get(name, "") for name in ENDS_OF_BRANCH}
     record["closed"] = bool(record.get("closed", False))
-    ranges: Record = {name: span(dataset[name].values, 8)
+    ranges: Record = {name: span(dataset[name].values)
                       for name in (*varied, "period", "radius_min", "radius_max")}  # fmt: skip
     told = {name: record[name] for name in (*ENDS_OF_BRANCH, "closed") if record[name] != ""}
-    summary = held | with_units(dataset, ranges) | {"points": dataset.sizes["point"]} | told
-    return record, [pairs(title, summary), specials]
+    summary = held | ranges | {"points": dataset.sizes["point"]} | told
+    return record, [facts(title, lines_of(dataset, summary)), specials]
 
 
 def show_fit(dataset: xr.Dataset, most: int | None) -> Description:
@@ -388,4 +378,4 @@ def show_fit(dataset: xr.Dataset, most: int | None) -> Description:
     last = ("search", "remainder", "contact_times", "columns", "notes")
     summary |= {name: record[name] for name in (*OF_FIT, *last) if name in record}
     record |= summary | {"identifiability": told}
-    return record, [pairs("Fit", summary), *parts, *told]
+    return record, [facts("Fit", summary), *parts, *told]

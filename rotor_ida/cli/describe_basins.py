@@ -7,26 +7,25 @@ from itertools import product
 
 import numpy as np
 import xarray as xr
-from rich.console import RenderableType
 
 from rotor_ida.checks import COMPONENTS
-from rotor_ida.cli.describe import ranges_of
+from rotor_ida.cli.describe import range_of
 from rotor_ida.cli.describe_systems import worst_of_contacts
-from rotor_ida.cli.report import pairs, table
+from rotor_ida.cli.sheets import Line, Sheet, facts
 from rotor_ida.cli.variables import (
     Description,
+    Parts,
     Record,
     Rows,
+    counted,
+    line_of,
+    lines_of,
     names_on,
     parameters_in,
     rows_of,
-    rows_table,
     scalars_of,
-    span,
     tabled,
     value_of,
-    with_unit,
-    with_units,
 )
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.schema import by_number, flags_of
@@ -69,25 +68,24 @@ def show_attractors(dataset: xr.Dataset, most: int | None) -> Description:
         record["grid"] = {
             name: dataset.sizes[name] for name in COMPONENTS if name in dataset["label"].dims
         }
-    return record, [*parts, pairs("Starts", scalars_of(dataset))]
+    return record, [*parts, facts("Starts", lines_of(dataset, scalars_of(dataset)))]
 
 
 def show_atlas(dataset: xr.Dataset, most: int | None) -> Description:
     """Return each attractor with its range of existence and its basin fraction."""
     words = by_number(flags_of(dataset["kind"]))
     varied = [name for name in parameters_in(dataset) if dataset[name].size > 1]
-    rows: list[Record] = []
-    for number in range(dataset.sizes["attractor"]):
-        own = dataset.isel(attractor=number)
-        here = own["fraction"].notnull()
-        kinds = sorted({words[kind] for kind in own["kind"].values[here].tolist()})
-        row: Record = {"attractor": number, "kind": ", ".join(kinds), "points": int(here.sum())}
-        row |= ranges_of(own, varied, here)
-        row["fraction"] = span(own["fraction"].values, 3)
-        row |= ranges_of(own, ["radius_max"], here)
-        if SHOCK[0] in own:
-            row[SHOCK[0]] = span(own[SHOCK[0]].values, 4)
-        rows.append(row)
+    owns = [dataset.isel(attractor=number) for number in range(dataset.sizes["attractor"])]
+    places = [(own, own["fraction"].notnull()) for own in owns]
+    kinds = [", ".join(sorted({words[kind] for kind in own["kind"].values[here].tolist()}))
+             for own, here in places]  # fmt: skip
+    names = [*varied, "fraction", "radius_max", *([SHOCK[0]] if SHOCK[0] in dataset else [])]
+    lines = [
+        Line("attractor", list(range(len(owns)))),
+        Line("kind", kinds),
+        Line("points", [int(here.sum()) for _, here in places]),
+        *(range_of(name, places) for name in names if places),
+    ]
     scalars: Record = {
         "missed_fraction": float(dataset["missed_fraction"]),
         "largest_undecided_fraction": float(dataset["undecided_fraction"].max()),
@@ -97,8 +95,10 @@ def show_atlas(dataset: xr.Dataset, most: int | None) -> Description:
     record, _ = tabled(dataset, most)
     if isinstance(given := record.get("starts"), list):  # the archive contains them, row by row
         record["starts"] = len(given) // len(COMPONENTS)
-    parts = rows_table("Attractors", rows, list(rows[0]) if rows else [], most, digits=6)
-    return record | scalars | {"attractors": rows}, [*parts, pairs("Starts", scalars)]
+    heads, *rows = Sheet("", lines).cells()
+    record |= scalars | {"attractors": [dict(zip(heads, row, strict=True)) for row in rows]}
+    title = counted("Attractors", len(owns), None)
+    return record, [Sheet(title, lines) if owns else title, facts("Starts", scalars)]
 
 
 def _agreement(dataset: xr.Dataset) -> Record:
@@ -114,8 +114,8 @@ def show_touchdown(dataset: xr.Dataset, most: int | None) -> Description:
     scalars = parameters_in(dataset) | scalars_of(dataset)
     record: Record = tabled(dataset, most)[0] | scalars | {"attractors": rows}
     heads = [f"{number} {row['kind']}" for number, row in enumerate(rows)]
-    lines: list[Record] = [
-        {"": with_unit(dataset, name)} | dict(zip(heads, [row[name] for row in rows], strict=True))
+    lines = [
+        line_of(dataset, name, [row[name] for row in rows], 5)
         for name in DONE_TO_MACHINE
         if rows and name in rows[0]
     ]
@@ -125,23 +125,26 @@ def show_touchdown(dataset: xr.Dataset, most: int | None) -> Description:
                  if all(f"{name}_{each}" in rows[0] for each in told_of)]  # fmt: skip
         for name, word in product(names, ENDS):
             ends = [_end(row, f"{name}_{word}") for row in rows]
-            lines.append({"": f"{name} {ENDS[word]}", **dict(zip(heads, ends, strict=True))})
-    counted = f"Attractors: {len(rows) or 'none'}"
-    parts: list[RenderableType] = [
-        table(counted, lines, list(lines[0]), digits=5) if lines else counted
-    ]
+            lines.append(Line(f"{name} {ENDS[word]}", ends))
+    title = counted("Attractors", len(rows), None)
+    parts: Parts = [Sheet(title, lines, heads) if lines else title]
     if all(name in dataset for name in SHOCK):
         shocks = _shocks(dataset)
-        told: list[Record] = [
-            {"from": heads[one], "to": heads[to]}
-            | with_units(dataset, {name: each[name] for name in SHOCK})
+        told = [
+            (heads[one], heads[to], each)
             for (one, to), each in shocks.items()
             if "touching" not in {rows[one]["kind"], rows[to]["kind"]}  # as the contact-free
         ]
         record["smallest_shocks"] = list(shocks.values())
-        parts += rows_table("Smallest shocks", told, list(told[0]) if told else [], most, digits=5)
+        columns = [
+            Line("from", [one for one, _, _ in told]),
+            Line("to", [to for _, to, _ in told]),
+            *(line_of(dataset, name, [each[name] for _, _, each in told], 5) for name in SHOCK),
+        ]
+        title = counted("Smallest shocks", len(told), most)
+        parts.append(Sheet(title, columns) if told else title)
     machine = {name: scalars[name] for name in OF_MACHINE if name in scalars}
-    return record, [*parts, pairs("Machine", with_units(dataset, machine))]
+    return record, [*parts, facts("Machine", lines_of(dataset, machine))]
 
 
 def _shocks(dataset: xr.Dataset) -> dict[tuple[int, int], Record]:

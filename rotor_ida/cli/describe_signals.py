@@ -4,31 +4,30 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from itertools import pairwise, product
 from typing import Any
 
 import numpy as np
 import xarray as xr
 
-from rotor_ida.cli.report import pairs, table
+from rotor_ida.cli.sheets import Line, Range, Sheet, facts
 from rotor_ida.cli.variables import (
     Description,
+    Layout,
     Record,
     Rows,
-    Sheet,
+    counted,
+    line_of,
+    lines_of,
     parameters_in,
     rows_of,
-    rows_table,
     scalars_of,
     span,
     tabled,
     value_of,
-    with_unit,
-    with_units,
 )
-from rotor_ida.results.si_units import in_rpm
 from rotor_ida.signals.record import record_of
-from rotor_ida.units import SPEED_UNITS
 
 # Peaks below this multiple of the floor may be noise.
 CLEAR = 4.0
@@ -38,7 +37,7 @@ PEAKS = Rows(
     title=f"Peaks above {CLEAR:g} times the noise floor", key="peaks", lead="whirl_amplitude",
     digits=6, falling=True, names=("frequency", "frequency_over_omega", "whirl_amplitude"),
 )  # fmt: skip
-SPECTRAL_LINES = Sheet("Lines by least squares", (Rows(
+SPECTRAL_LINES = Layout("Lines by least squares", (Rows(
     title="Lines", key="lines", lead="whirl_amplitude", gaps=True, falling=True,
     names=("frequency", "frequency_over_omega", "whirl_amplitude", "whirl_phase"),
 ),))  # fmt: skip
@@ -57,7 +56,6 @@ def show_signals(dataset: xr.Dataset, most: int | None) -> Description:
     times = dataset["t"].values
     rate = (times.size - 1) / float(times[-1] - times[0])
     rows = [_displacement(dataset, name) for name in ("x", "y")]
-    turning = _turning(dataset)
     own: Record = {
         "samples": times.size,
         "first_time": float(times[0]),
@@ -65,21 +63,19 @@ def show_signals(dataset: xr.Dataset, most: int | None) -> Description:
         "sampling_rate": rate,
         "displacements": rows,
     }
-    told: Record = {
-        **parameters_in(dataset),
-        "samples": times.size,
-        with_unit(dataset, "t"): span(times, 6),
-        "sampling rate" + _inverse_of(dataset["t"]): rate,
-        **turning,
-        **{
-            name: str(dataset.attrs[name]) for name in ("columns", "notes") if name in dataset.attrs
-        },
-    }
-    unit = str(dataset["x"].attrs.get("units", "1"))
-    title = "Displacements" if unit == "1" else f"Displacements [{unit}]"
-    shown = table(title, rows, list(rows[0]), digits=6)
-    summary = pairs(str(dataset.attrs.get("title", "Signals")), told)
-    return tabled(dataset, most)[0] | own | turning, [summary, shown]
+    told = [
+        *lines_of(dataset, parameters_in(dataset) | {"samples": times.size, "t": span(times)}),
+        Line("sampling rate", [rate], {"s": "Hz"}.get(str(dataset["t"].attrs.get("units")), "1")),
+        *_turning(dataset),
+        *lines_of(dataset, _named(dict(dataset.attrs), ("columns", "notes"))),
+    ]
+    lines = [Line("probe", ["x", "y"]),
+             *(replace(line_of(dataset, "x", [row[name] for row in rows], 6),
+                       name=name.replace("_", " "))
+               for name in ("mean", "smallest", "largest", "peak_to_peak"))]  # fmt: skip
+    summary = facts(str(dataset.attrs.get("title", "Signals")), told)
+    turning = {line.name: line.values[0] for line in _turning(dataset)}
+    return tabled(dataset, most)[0] | own | turning, [summary, Sheet("Displacements", lines)]
 
 
 def _displacement(dataset: xr.Dataset, name: str) -> Record:
@@ -93,7 +89,7 @@ def _displacement(dataset: xr.Dataset, name: str) -> Record:
     }
 
 
-def _turning(dataset: xr.Dataset) -> Record:
+def _turning(dataset: xr.Dataset) -> list[Line]:
     """Return the revolutions of a record and the speeds at its ends, if the angle is known."""
     if "keyphasor" in dataset:
         pulses = dataset["keyphasor"].values
@@ -102,52 +98,51 @@ def _turning(dataset: xr.Dataset) -> Record:
     elif "angle" in dataset:
         angles, times = dataset["angle"].values, dataset["t"].values
     else:
-        return {}
-    told: Record = {"pulses": times.size} if "keyphasor" in dataset else {}
-    told["revolutions"] = float(angles[-1] - angles[0]) / (2.0 * math.pi)
+        return []
+    told = [Line("pulses", [times.size])] if "keyphasor" in dataset else []
+    told.append(Line("revolutions", [float(angles[-1] - angles[0]) / (2.0 * math.pi)]))
     # over a revolution, since a single step is sensitive to rounding
     first = min(int(np.searchsorted(angles, angles[0] + 2.0 * math.pi)), angles.size - 1)
     last = min(int(np.searchsorted(angles, angles[-1] - 2.0 * math.pi)), angles.size - 2)
-    ends = [
+    ends = Range(
         float((angles[end] - angles[begin]) / (times[end] - times[begin]))
         for begin, end in ((0, first), (last, -1))
-    ]
-    if str(dataset["t"].attrs.get("units", "1")) == "s":
-        told["speed [rpm]"] = _from_to(*(each / SPEED_UNITS["rpm"] for each in ends))
-    else:
-        told["speed"] = _from_to(*ends)
-    return told
-
-
-def _inverse_of(times: xr.DataArray) -> str:
-    """Return the unit of a rate."""
-    unit = str(times.attrs.get("units", "1"))
-    return {"1": "", "s": " [Hz]"}.get(unit, f" [1/{unit}]")
+    )
+    is_si = str(dataset["t"].attrs.get("units", "1")) == "s"
+    return [*told, Line("speed", [ends], "rad/s" if is_si else "1")]
 
 
 def show_orders(dataset: xr.Dataset, most: int | None) -> Description:
     """Return the largest amplitude of each order, forward and backward, and its place."""
-    largest: list[Record] = []
-    for order, sense in product(dataset["order"].values.tolist(), ("forward", "backward")):
-        own, amplitude = dataset.sel(order=order), f"{sense}_whirl_amplitude"
-        here = own.isel(window=int(own[amplitude].values.argmax()))
-        head = with_unit(dataset, amplitude).removeprefix(f"{sense} ")
-        largest.append(
-            {
-                "order": order,
-                "sense": sense,
-                head: float(here[amplitude]),
-                "standard error": float(here[f"{sense}_amplitude_error"]),
-                "phase lag [degree]": math.degrees(float(here[f"{sense}_phase_lag"])),
-                **_place(here),
-            }
+    senses = list(product(dataset["order"].values.tolist(), ("forward", "backward")))
+    places = [
+        (here := dataset.sel(order=order)).isel(
+            window=int(here[f"{sense}_whirl_amplitude"].values.argmax())
         )
+        for order, sense in senses
+    ]
+
+    def column(name: str, words: str, unit: str) -> Line:
+        values = [float(here[name.format(sense)])
+                  for (_, sense), here in zip(senses, places, strict=True)]  # fmt: skip
+        return Line(words, values, unit, 6)
+
+    unit = str(dataset["forward_whirl_amplitude"].attrs.get("units", "1"))
+    lines = [
+        Line("order", [order for order, _ in senses]),
+        Line("sense", [sense for _, sense in senses]),
+        column("{}_whirl_amplitude", "whirl amplitude", unit),
+        column("{}_amplitude_error", "standard error", unit),
+        column("{}_phase_lag", "phase lag", "radian"),
+        *_places(places),
+    ]
     # means of all windows, beside the largest
-    residual = {with_unit(dataset, "window_residual"): float(dataset["window_residual"].mean())}
-    columns = list(largest[0]) if largest else []
-    shown = table("Largest amplitudes", largest, columns, digits=6)
+    residual = line_of(dataset, "window_residual", [float(dataset["window_residual"].mean())])
     record, _ = tabled(dataset, most, ORDERS)
-    return record, [pairs("Orders of the speed", _windows(dataset) | residual), shown]
+    return record, [
+        facts("Orders of the speed", [*_windows(dataset), residual]),
+        Sheet("Largest amplitudes", lines),
+    ]
 
 
 def show_centre_line(dataset: xr.Dataset, most: int | None) -> Description:
@@ -155,33 +150,37 @@ def show_centre_line(dataset: xr.Dataset, most: int | None) -> Description:
     distance = np.hypot(dataset["offset_x"].values, dataset["offset_y"].values)
     places = {"first": 0, "last": -1, "furthest out": int(distance.argmax()),
               "furthest in": int(distance.argmin())}  # fmt: skip
-    rows: list[Record] = []
-    for words, place in places.items():
-        here = dataset.isel(window=place)
-        offsets: Record = {name: float(here[name]) for name in ("offset_x", "offset_y")}
-        rows.append({"": words, **_place(here), **with_units(dataset, offsets)})
-    shown = table("Positions", rows, list(rows[0]), digits=6)
+    own = [dataset.isel(window=place) for place in places.values()]
+    lines = [
+        Line("", list(places)),
+        *_places(own),
+        *(line_of(dataset, name, [float(here[name]) for here in own], 6)
+          for name in ("offset_x", "offset_y")),
+    ]  # fmt: skip
     record, _ = tabled(dataset, most, MEAN_POSITIONS)
-    return record, [pairs("Mean position of the shaft", _windows(dataset)), shown]
+    return record, [
+        facts("Mean position of the shaft", _windows(dataset)), Sheet("Positions", lines)
+    ]  # fmt: skip
 
 
 def show_whirl_over_spin(dataset: xr.Dataset, most: int | None) -> Description:
     """Return the intervals over which the whirl keeps its direction."""
     sense = dataset["whirl_sense"].values
     edges = [0, *(np.flatnonzero(np.diff(sense)) + 1).tolist(), sense.size]
-    rows: list[Record] = []
-    for begin, end in pairwise(edges):
-        part = dataset.isel(window=slice(begin, end))
-        first, last = (_place(part.isel(window=place)) for place in (0, -1))
-        ranges = {name: _from_to(first[name], last[name]) for name in first}
-        ratio = part["whirl_over_spin"].values
-        word = value_of(part.isel(window=0), "whirl_sense")
-        rows.append({"sense": word, "windows": end - begin, **ranges,
-                     "mean whirl over spin": float(ratio.mean()),
-                     "whirl over spin": span(ratio, 6)})  # fmt: skip
-    shown = rows_table("Senses", rows, list(rows[0]), most, digits=6)
+    parts = [dataset.isel(window=slice(*ends)) for ends in pairwise(edges)]
+    ratios = [part["whirl_over_spin"].values for part in parts]
+    lines = [
+        Line("sense", [value_of(part.isel(window=0), "whirl_sense") for part in parts]),
+        Line("windows", [part.sizes["window"] for part in parts]),
+        *(line_of(dataset, name, [_ends(part, name) for part in parts], 6)
+          for name in PLACE if name in dataset.variables),
+        Line("mean whirl over spin", [float(each.mean()) for each in ratios], digits=6),
+        Line("whirl over spin", [span(each) for each in ratios], digits=6),
+    ]  # fmt: skip
+    title = counted("Senses", len(parts), most)
+    lines = [replace(each, values=each.values[:most]) for each in lines]
     record, _ = tabled(dataset, most, RATIOS)
-    return record, [pairs("Whirl against spin", _windows(dataset)), *shown]
+    return record, [facts("Whirl against spin", _windows(dataset)), Sheet(title, lines)]
 
 
 def show_full_spectrum(dataset: xr.Dataset, most: int | None) -> Description:
@@ -189,11 +188,11 @@ def show_full_spectrum(dataset: xr.Dataset, most: int | None) -> Description:
     record, parts = tabled(dataset.isel(frequency=_peaks(dataset)), most, PEAKS)
     told = {
         **parameters_in(dataset),
-        with_unit(dataset, "frequency"): span(dataset["frequency"].values, 6),
-        **with_units(dataset, scalars_of(dataset)),
+        "frequency": span(dataset["frequency"].values),
+        **scalars_of(dataset),
         **_named(record, ("window", "segment", "segment_count", "notes")),
     }
-    return record, [pairs("Full spectrum", told), *parts]
+    return record, [facts("Full spectrum", lines_of(dataset, told)), *parts]
 
 
 def _peaks(dataset: xr.Dataset) -> np.ndarray[Any, Any]:
@@ -219,44 +218,38 @@ def show_spectrogram(dataset: xr.Dataset, most: int | None) -> Description:
     places = [name for name in PLACE if name in dataset.coords]
     record["highest"] = every = rows_of(highest.transpose("window"), [*places, *names])
     told = {
-        **_windows(dataset),
-        with_unit(dataset, "frequency"): span(dataset["frequency"].values, 6),
-        with_unit(dataset, "bandwidth"): float(dataset["bandwidth"]),
+        "frequency": span(dataset["frequency"].values),
+        "bandwidth": float(dataset["bandwidth"]),
         **_named(record, ("window", "segment", "overlap")),
     }
     count = len(every) if most is None else min(most, len(every))
-    rows: list[Record] = []
-    for number in np.linspace(0, len(every) - 1, count).round().astype(int).tolist():
-        line = {name: every[number][name] for name in names}
-        rows.append({**_place(dataset.isel(window=number)), **with_units(dataset, line)})
+    chosen = np.linspace(0, len(every) - 1, count).round().astype(int).tolist()
+    columns = [
+        *_places([dataset.isel(window=number) for number in chosen]),
+        *(line_of(dataset, name, [every[number][name] for number in chosen], 6) for name in names),
+    ]
     title = f"Highest line of {'each segment' if count == len(every) else 'some segments'}"
-    return record, [pairs("Spectrogram", told), table(title, rows, list(rows[0]), digits=6)]
+    summary = facts("Spectrogram", [*_windows(dataset), *lines_of(dataset, told)])
+    return record, [summary, Sheet(title, columns)]
 
 
-def _windows(dataset: xr.Dataset) -> Record:
+def _windows(dataset: xr.Dataset) -> list[Line]:
     """Return the number and length of windows, and the times and speeds they cover."""
     told: Record = {**parameters_in(dataset), "windows": dataset.sizes["window"]}
     told |= _named(dict(dataset.attrs), ("window_revolutions", "window_overlap", "notes"))
-    first, last = (_place(dataset.isel(window=place)) for place in (0, -1))
-    return told | {name: _from_to(first[name], last[name]) for name in first}
+    told |= {name: _ends(dataset, name) for name in PLACE if name in dataset.variables}
+    return lines_of(dataset, told)
 
 
-def _place(window: xr.Dataset) -> dict[str, float]:
-    """Return time and speed of a window by names with units, the speed of a machine in rpm."""
-    told = {with_unit(window, "t"): float(window["t"])}
-    if "speed" in window.variables:
-        turns = in_rpm(window["speed"])
-        told |= (
-            {with_unit(window, "speed"): float(window["speed"])}
-            if turns is None
-            else {"speed [rpm]": float(turns)}
-        )
-    return told
+def _places(windows: Sequence[xr.Dataset]) -> list[Line]:
+    """Return the times and speeds of windows."""
+    return [line_of(windows[0], name, [float(each[name]) for each in windows], 6)
+            for name in PLACE if name in windows[0].variables]  # fmt: skip
 
 
-def _from_to(first: float, last: float) -> str:
-    ends = f"{first:.6g}", f"{last:.6g}"
-    return ends[0] if ends[0] == ends[1] else " to ".join(ends)
+def _ends(dataset: xr.Dataset, name: str) -> Range:
+    """Return the first and the last value of a variable."""
+    return Range(float(dataset[name][place]) for place in (0, -1))
 
 
 def _named(attributes: Record, names: Sequence[str]) -> Record:

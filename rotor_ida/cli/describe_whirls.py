@@ -5,30 +5,30 @@ from __future__ import annotations
 import xarray as xr
 
 from rotor_ida.cli.describe import MULTIPLIERS
-from rotor_ida.cli.report import pairs
-from rotor_ida.cli.variables import Description, Rows, Sheet, scalars_of, tabled, with_units
+from rotor_ida.cli.sheets import facts
+from rotor_ida.cli.variables import Description, Layout, Rows, lines_of, scalars_of, tabled
 from rotor_ida.model.parameters import ALL_PARAMETERS
 
 FOUND_FOLDS = Rows(
     title="Folds", key="folds", lead="fold_omega", gaps=True,
     names=(*ALL_PARAMETERS[1:], "fold_omega", "fold_amplitude", "rate", "jump_omega"),
 )  # fmt: skip
-FOLDS = Sheet("Rotor", (FOUND_FOLDS,))
-WHIRLS = Sheet("Rotor", (Rows(
+FOLDS = Layout("Rotor", (FOUND_FOLDS,))
+WHIRLS = Layout("Rotor", (Rows(
     title="Synchronous whirls", key="whirls", lead="amplitude", gaps=True,
     names=(*ALL_PARAMETERS, "amplitude", "phase_lag", "stability", "growth_rate", "in_contact"),
 ), FOUND_FOLDS))  # fmt: skip
-HOPF_POINTS = Sheet("Rotor", (Rows(
+HOPF_POINTS = Layout("Rotor", (Rows(
     title="Hopf points", key="hopf_points", lead="hopf_omega", gaps=True,
     names=(*ALL_PARAMETERS[1:], "hopf_omega", "hopf_amplitude", "hopf_frequency"),
 ),))  # fmt: skip
-BACKWARD_WHIRL = Sheet("Rotor", (Rows(
+BACKWARD_WHIRL = Layout("Rotor", (Rows(
     title="Backward whirls without unbalance", key="whirls", lead="amplitude", gaps=True,
     names=("kind", "amplitude", "whirl_speed", "stability", "growth_rate", "normal_force",
            "tangential_force"),
 ),))  # fmt: skip
 _OF_WHIRL = ("stability", "growth_rate")
-WHIRLS_OF_SYSTEM = Sheet(
+WHIRLS_OF_SYSTEM = Layout(
     "Whirls",
     (
         Rows(
@@ -42,7 +42,7 @@ WHIRLS_OF_SYSTEM = Sheet(
         ),
     ),
 )  # fmt: skip
-SPECIAL_SPEEDS = Sheet(
+SPECIAL_SPEEDS = Layout(
     "Special speeds",
     (
         Rows(
@@ -55,7 +55,7 @@ SPECIAL_SPEEDS = Sheet(
         ),
     ),
 )  # fmt: skip
-EIGENVALUES = Sheet(
+EIGENVALUES = Layout(
     "Eigenvalues",
     (
         Rows(
@@ -74,7 +74,7 @@ EIGENVALUES = Sheet(
 _OF_CONTACT = ("contact_count", "radius_min", "radius_max", "largest_force", "touched")
 _OF_NODE = ("node_radius_min", "node_radius_max")
 _OF_CYCLE = ("period", "response", "stability", "residual")
-SYSTEM_CYCLE = Sheet(
+SYSTEM_CYCLE = Layout(
     "Limit cycle",
     (
         MULTIPLIERS,
@@ -85,7 +85,7 @@ SYSTEM_CYCLE = Sheet(
         Rows(title="Nodes", key="nodes", lead="node_radius_max", names=("node", *_OF_NODE)),
     ),
 )  # fmt: skip
-SYSTEM_BRANCH = Sheet(
+SYSTEM_BRANCH = Layout(
     "Branch of limit cycles",
     (
         Rows(
@@ -128,5 +128,5 @@ OF_REPORT = (
 def show_clearance_report(dataset: xr.Dataset, most: int | None) -> Description:
     """Return a report on close clearances, its words first."""
     record, parts = tabled(dataset, most, *OF_REPORT)
-    told = with_units(dataset, scalars_of(dataset))
-    return record, [str(dataset.attrs.get("sentence", "")), pairs("Report", told), *parts]
+    told = lines_of(dataset, scalars_of(dataset))
+    return record, [str(dataset.attrs.get("sentence", "")), facts("Report", told), *parts]

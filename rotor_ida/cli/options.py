@@ -180,6 +180,9 @@ Times = Annotated[
     tuple[float, float] | None,
     several_numbers_option("Use only the signals between these times.", "START END", "s", "s"),
 ]
+Inch = Annotated[
+    bool, flag_option("Print tables in mils, lbf and oz in instead of um, N and g mm."), IN_OUTPUT
+]
 AsJson = Annotated[bool, flag_option("Print JSON instead of tables.", name="--json"), IN_OUTPUT]
 Force = Annotated[bool, flag_option("Overwrite existing files."), IN_OUTPUT]
 

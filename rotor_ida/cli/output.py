@@ -39,6 +39,7 @@ class Output:
     out: options.Out = None
     figure: options.Figure = None
     csv: options.Csv = None
+    inch: options.Inch = False
     as_json: options.AsJson = False
     force: options.Force = False
 
@@ -116,7 +117,11 @@ def answer(
             failures.append(f"cannot write {output.figure}: {error.strerror or error}")
     record, parts = describe(dataset, most=most)
     return Report(
-        record=record, parts=[*parts, *written], as_json=output.as_json, trouble="; ".join(failures)
+        record=record,
+        parts=[*parts, *written],
+        as_json=output.as_json,
+        trouble="; ".join(failures),
+        system="inch" if output.inch else "metric",
     )
 
 

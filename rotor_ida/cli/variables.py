@@ -3,33 +3,48 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 import xarray as xr
-from rich.console import RenderableType
 
-from rotor_ida.cli.report import pairs, table
+from rotor_ida.cli.sheets import Line, Range, Sheet, facts, table
 from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.results.kinds import kind_of
-from rotor_ida.results.si_units import in_rpm, si_of
+from rotor_ida.results.si_units import si_of
 from rotor_ida.schema import NO_YES, RESULT_KIND, flags_of, unit_of, words_of
+from rotor_ida.units import SPEED_UNITS
 
 Record = dict[str, object]
-Description = tuple[Record, list[RenderableType]]
+Parts = list[str | Sheet]
+Description = tuple[Record, Parts]
 METHOD = ("method", "flight", "backend", "rtol", "atol")
 VERSION = "_version"
 # Attributes for internal use, or shown as the kind.
 HOUSEKEEPING = ("Conventions", "content_sha256", "rotor_ida_format", RESULT_KIND)
 
 # Words for variables whose names say too little.
-WORDS = {"standstill_time": "below 1 % of the speed at the drop from"}
-SPEEDS = (
-    "speed", "event_speed", "special_speed", "critical_speed", "running_share_speed", "rub_speed",
-    "passage_rub_speed",
-)  # fmt: skip
+WORDS = {
+    "standstill_time": "below 1 % of the speed at the drop from",
+    "excursion": "largest radius over clearance", "contact_count": "number of contacts",
+    "total_contact_time": "time in contact", "longest_contact_time": "longest contact",
+    "mean_contact_force": "mean force in contact", "total_impulse": "impulse of all contacts",
+    "largest_impulse": "largest impulse of a contact",
+    "node_clearance": "clearance", "node_excursion": "largest radius over clearance",
+    "total_contact_loss": "loss by contact damping", "total_heat": "heat of friction",
+    "rest_time": "in contact to the end from", "first_roll_time": "first rolling at",
+    "largest_force_time": "largest force at", "race_speed_time": "largest race speed at",
+    "whirl_turns": "turns of the longest whirl", "load_ratio": "largest force over load capacity",
+    "horizon": "determined by the parameters up to",
+}  # fmt: skip
+# Speeds of whirls and of lines of spectra, which are read in Hz.
+IN_HERTZ = ("frequency", "bandwidth", "whirl_speed", "hopf_frequency")
+# Units of a result whose angles are read in degrees.
+IN_SI = ("m", "um", "s")
+# Digits of an estimated error.
+OF_ERROR = 3
 # Most rows of a table in the record; for a larger result it has sums and ranges only.
 MOST_TOLD = 1_000_000
 
@@ -90,22 +105,23 @@ class Rows:
             order = order[lead.notnull().values.ravel()[order]]
         return [rows[place] for place in order.tolist()]
 
-    def table(
-        self, dataset: xr.Dataset, rows: list[Record], most: int | None
-    ) -> list[RenderableType]:
+    def table(self, dataset: xr.Dataset, rows: list[Record], most: int | None) -> Parts:
         """Return the table of the rows of a dataset."""
         if self.on_request and (most is None or not rows):
             return []
         names = [name for name in self.names if rows and name in rows[0]]
         if self.telling:
             names = [name for name in names if any(_says(row[name]) for row in rows)]
-        shown = headed(dataset, rows, names)
-        heads, prefix = list(shown[0]) if shown else [], self.prefix.replace("_", " ")
-        return rows_table(self.title, shown, heads, most, prefix=prefix, digits=self.digits)
+        lines = [line_of(dataset, name, [row[name] for row in rows[:most]], self.digits)
+                 for name in names]  # fmt: skip
+        prefix = self.prefix.replace("_", " ")
+        lines = [replace(each, name=each.name.removeprefix(prefix)) for each in lines]
+        return [Sheet(title, lines) if rows else title
+                for title in [counted(self.title, len(rows), most)]]  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True)
-class Sheet:
+class Layout:
     """Description of a kind of result: its numbers, and tables along its dimensions."""
 
     title: str
@@ -116,8 +132,8 @@ class Sheet:
         record, parts = tabled(dataset, most, *self.tables)
         parameters = parameters_in(dataset).items()
         numbers = {name: each for name, each in parameters if not isinstance(each, list)}
-        told = with_units(dataset, numbers | scalars_of(dataset))
-        return record, [pairs(self.title, told), *parts] if told else parts
+        told = lines_of(dataset, numbers | scalars_of(dataset))
+        return record, [facts(self.title, told), *parts] if told else parts
 
 
 def show_by_dimension(dataset: xr.Dataset, most: int | None) -> Description:
@@ -131,8 +147,8 @@ def show_by_dimension(dataset: xr.Dataset, most: int | None) -> Description:
         }
         for name, variable in dataset.variables.items()
     ]
-    sheet = Sheet("Numbers", tuple(_along(dataset, dims) for dims in _dimensions(dataset)))
-    record, parts = sheet(dataset, most)
+    layout = Layout("Numbers", tuple(_along(dataset, dims) for dims in _dimensions(dataset)))
+    record, parts = layout(dataset, most)
     heads = list(variables[0]) if variables else ()
     return {**record, "variables": variables}, [
         *rows_table("Variables", variables, heads, None),
@@ -174,35 +190,45 @@ def tabled(dataset: xr.Dataset, most: int | None, *tables: Rows) -> Description:
     return record, [part for each in there for part in each.table(dataset, rows[each.key], most)]
 
 
-def headed(dataset: xr.Dataset, rows: Sequence[Record], names: Sequence[str]) -> list[Record]:
-    """Return the named entries of rows by names with units, speeds of machines in rpm too."""
-    columns: dict[str, list[object]] = {}
-    for name in names:
-        values = [row[name] for row in rows]
-        if (known := si_of(dataset, name)) is not None:
-            columns[known[0]] = _times(known[1], values)
-            continue
-        columns[with_unit(dataset, name)] = values
-        turns = in_rpm(xr.DataArray(values, attrs=dataset[name].attrs)) if name in SPEEDS else None
-        if turns is not None:
-            columns[f"{name.replace('_', ' ')} [rpm]"] = turns.tolist()
-    return [dict(zip(columns, row, strict=True)) for row in zip(*columns.values(), strict=True)]
+def line_of(dataset: xr.Dataset, name: str, values: Sequence[object], digits: int = 8) -> Line:
+    """Return values of a variable as a line; parameters of machines in SI units."""
+    if name.endswith("_error"):
+        digits = OF_ERROR
+    known = si_of(dataset, name)
+    if known is not None:
+        words, _, unit = known[0].removesuffix("]").partition(" [")
+        return Line(words, [_times(known[1], each) for each in values], unit, digits)
+    words, unit = WORDS.get(name, name.replace("_", " ")), _unit_of(dataset, name)
+    if unit == "rad/s" and name in IN_HERTZ:
+        return Line(words, [_times(1.0 / SPEED_UNITS["Hz"], each) for each in values], "Hz", digits)
+    return Line(words, values, unit, digits)
 
 
-def with_units(dataset: xr.Dataset, entries: Record) -> Record:
-    """Return values of variables by their names with units; parameters of machines in SI units."""
-    told: Record = {}
-    for name, value in entries.items():
-        known = si_of(dataset, name)
-        if known is None:
-            told[with_unit(dataset, name)] = value
-        else:
-            told[known[0]] = _times(known[1], value)
-    return told
+def lines_of(dataset: xr.Dataset, entries: Mapping[str, object]) -> list[Line]:
+    """Return values of variables as lines, one each."""
+    return [line_of(dataset, name, [value]) for name, value in entries.items()]
+
+
+def _unit_of(dataset: xr.Dataset, name: str) -> str:
+    """Return the unit of a variable."""
+    if name == "duration" and "t" in dataset.variables:
+        name = "t"
+    if name not in dataset.variables:
+        return "1"
+    unit = unit_of(name, str(dataset[name].attrs.get("units", "1")))
+    if unit == "s-1" and (name == "to" or name.endswith("_speed")):
+        return "rad/s"
+    if unit == "radian" and not any(
+        each.attrs.get("units") in IN_SI for each in dataset.variables.values()
+    ):
+        return "rad"
+    return "rad/s2" if (name, unit) == ("rate", "s-2") else unit
 
 
 def _times(factor: float, value: Any) -> Any:
-    """Return numbers times a factor, also in lists; other values are unchanged."""
+    """Return numbers times a factor, also in lists and ranges; other values are unchanged."""
+    if isinstance(value, Range):
+        return Range(factor * each for each in value)
     if isinstance(value, list):
         return [_times(factor, each) for each in value]
     return value * factor if isinstance(value, float) else value
@@ -276,41 +302,25 @@ def parameters_in(dataset: xr.Dataset) -> Record:
     return {name: dataset[name].values.tolist() for name in told}
 
 
-def with_unit(dataset: xr.Dataset, name: str) -> str:
-    """Return a variable's name with its unit, if it has one."""
-    if name == "duration" and "time_scale" in dataset.attrs:
-        unit = str(dataset["t"].attrs.get("units", "1"))
-    elif name not in dataset.variables:
-        unit = "1"
-    else:
-        unit = unit_of(name, str(dataset[name].attrs.get("units", "1")))
-    words = WORDS.get(name, name.replace("_", " "))
-    unit = "rad" if unit == "radian" else unit
-    return words + (f" [{unit}]" if unit not in {"", "1"} else "")
-
-
-def span(values: np.ndarray[Any, Any], digits: int) -> str:
-    """Return the range of the finite values, in words; empty if there are none."""
+def span(values: np.ndarray[Any, Any]) -> Range | str:
+    """Return the range of the finite values; empty if there are none."""
     known = values[np.isfinite(values)]
-    return f"{known.min():.{digits}g} to {known.max():.{digits}g}" if known.size else ""
+    return Range((float(known.min()), float(known.max()))) if known.size else ""
+
+
+def counted(title: str, count: int, most: int | None) -> str:
+    """Return the title of a table with a number of rows, of which at most some are shown."""
+    if most is not None and count > most:
+        return f"{title}: first {most} of {count} (all with --json)"
+    return f"{title}: {count or 'none'}"
 
 
 def rows_table(
-    title: str,
-    rows: Sequence[Record],
-    columns: Sequence[str],
-    most: int | None,
-    *,
-    prefix: str = "",
-    digits: int = 8,
-) -> list[RenderableType]:
-    """Return at most a number of rows as a table, with their total in its title."""
-    if not rows:
-        return [f"{title}: none"]
-    counted = f"{title}: {len(rows)}"
-    if most is not None and len(rows) > most:
-        counted = f"{title}: first {most} of {len(rows)} (all with --json)"
-    return [table(counted, rows[:most], columns, prefix=prefix, digits=digits)]
+    title: str, rows: Sequence[Record], columns: Sequence[str], most: int | None, digits: int = 8
+) -> Parts:
+    """Return at most a number of rows without units as a table, with their total in its title."""
+    title = counted(title, len(rows), most)
+    return [table(title, rows[:most], columns, digits) if rows else title]
 
 
 def spread_on(dataset: xr.Dataset, name: str, other: xr.DataArray) -> xr.DataArray:

@@ -19,7 +19,7 @@ from rotor_ida.model.assembly import Assembly
 from rotor_ida.model.axisymmetric import forward_motions
 from rotor_ida.model.system_parts import Contact, Stator
 from rotor_ida.simulation.systems.starts import settled
-from rotor_ida.units import SPEED_UNITS
+from rotor_ida.units import quantity
 
 # Points of a revolution among which the largest distance from a stator is found, to 4e-5 of it.
 POINTS = 360
@@ -84,7 +84,7 @@ def clear_whirl(assembly: Assembly, node: int, speeds: Values) -> Values:
 def bands_in_words(assembly: Assembly, speeds: Values) -> str:
     """Return in a sentence at which speeds the rotor, held there, cannot be clear of contacts."""
     si = assembly.system.units == "SI"
-    top = speed_in_words(float(speeds[-1]), si=si)
+    top = quantity(float(speeds[-1]), "rad/s" if si else "1")
     parts = []
     for number, bands in enumerate(touching_bands(assembly, speeds)):
         ranges = [_range(band, speeds, si=si) for band in bands]
@@ -97,15 +97,10 @@ def bands_in_words(assembly: Assembly, speeds: Values) -> str:
 
 def _range(band: Band, speeds: Values, *, si: bool) -> str:
     """Return a band in words; its ends may be those of the speeds considered."""
-    low, high = (speed_in_words(each, si=si) for each in band)
+    low, high = (quantity(each, "rad/s" if si else "1") for each in band)
     if band[1] >= speeds[-1]:
         return f"at all speeds up to {high}" if band[0] <= speeds[0] else f"from {low} on"
     return f"up to {high}" if band[0] <= speeds[0] else f"from {low.removesuffix(' rpm')} to {high}"
-
-
-def speed_in_words(speed: float, *, si: bool) -> str:
-    """Return a speed in rpm, or without a unit."""
-    return f"{speed / SPEED_UNITS['rpm']:,.0f} rpm" if si else f"{speed:.4g}"
 
 
 def titled(number: int, node: str) -> str:

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
+from functools import partial
 from typing import Any
 
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.steady.response import CONTACT_FREE
 from rotor_ida.steady.run_up_summary import beyond_model, contact_in_words
-from rotor_ida.units import rpm
+from rotor_ida.units import quantity
 
 # Words for each kind of response, with its meaning on a machine.
 KINDS = {
@@ -31,7 +32,6 @@ CENTRE = 1e-6
 STILL = "does not slide"
 # A radius that varies by at most this fraction belongs to a whirl.
 STEADY = 1e-6
-PREFIXES = ((1e9, "G"), (1e6, "M"), (1e3, "k"), (1.0, ""), (1e-3, "m"), (1e-6, "µ"), (1e-9, "n"))
 
 
 def words_of_run(machine: Rotor | DimensionalRotor, facts: Mapping[str, float]) -> list[str]:
@@ -313,38 +313,19 @@ def _contact(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> str
     )
 
 
-def _length(machine: Rotor | DimensionalRotor, value: float) -> str:
-    return _in_units(machine, value, "length_scale", "m")
+def _said(machine: Rotor | DimensionalRotor, value: float, scale: str, unit: str) -> str:
+    """Return a dimensionless number; for a machine as the quantity that has this scale."""
+    if isinstance(machine, Rotor):
+        return quantity(value)
+    return quantity(value * float(getattr(machine, scale)), unit).replace(" u", " µ")
 
 
-def _time(machine: Rotor | DimensionalRotor, value: float) -> str:
-    return _in_units(machine, value, "time_scale", "s")
-
-
-def _force(machine: Rotor | DimensionalRotor, value: float) -> str:
-    return _in_units(machine, value, "force_scale", "N")
+_length = partial(_said, scale="length_scale", unit="m")
+_time = partial(_said, scale="time_scale", unit="s")
+_force = partial(_said, scale="force_scale", unit="N")
+_rate = partial(_said, scale="reference_frequency", unit="rad/s")
 
 
 def _energy(machine: Rotor | DimensionalRotor, value: float) -> str:
     length = 1.0 if isinstance(machine, Rotor) else machine.length_scale
-    return _in_units(machine, length * value, "force_scale", "J")
-
-
-def _rate(machine: Rotor | DimensionalRotor, value: float) -> str:
-    if isinstance(machine, Rotor):
-        return _short(value)
-    return rpm(value * machine.reference_frequency)
-
-
-def _in_units(machine: Rotor | DimensionalRotor, value: float, scale: str, unit: str) -> str:
-    """Return a number, with its unit for a machine."""
-    if isinstance(machine, Rotor):
-        return _short(value)
-    in_si = value * float(getattr(machine, scale))
-    parts, prefix = next((pair for pair in PREFIXES if abs(in_si) >= pair[0]), PREFIXES[-1])
-    return f"{in_si / parts:.4g} {prefix}{unit}"
-
-
-def _short(value: float) -> str:
-    """Return a number with four digits, without a power of ten if it is short."""
-    return f"{value:.0f}" if 1e4 <= abs(value) < 1e7 else f"{value:.4g}"
+    return _said(machine, length * value, "force_scale", "J")

@@ -248,14 +248,3 @@ def bounds_exceeded(indentation: float, radius: float | None, clearance: float |
     if clearance is not None and indentation > clearance > 0.0:
         bounds.append("the clearance")
     return " and ".join(bounds)
-
-
-def length_in_words(metres: float) -> str:
-    """Return a length in the unit in which it is read.
-
-    Examples
-    --------
-    >>> length_in_words(0.0203), length_in_words(8e-5)
-    ('20.3 mm', '80 um')
-    """
-    return f"{metres * 1e3:.3g} mm" if abs(metres) >= 1e-3 else f"{metres * 1e6:.3g} um"

@@ -285,12 +285,14 @@ def implausible(machine: DimensionalRotor) -> list[str]:
         )
     if clearance < eccentricity:
         found.append(
-            f"clearance {clearance * 1e6:.3g} um is below the eccentricity "
-            f"{eccentricity * 1e6:.3g} um: the rotor cannot turn without rubbing"
+            f"clearance {units.quantity(clearance, 'm', 3)} is below the eccentricity "
+            f"{units.quantity(eccentricity, 'm', 3)}: the rotor cannot turn without rubbing"
         )
     sag = machine.load / stiffness if stiffness > 0.0 else 0.0
     if sag > clearance:
-        found.append(f"load bends the shaft by {sag * 1e6:.3g} um, more than the clearance")
+        found.append(
+            f"load bends the shaft by {units.quantity(sag, 'm', 3)}, more than the clearance"
+        )
     if machine.contact_exponent == 1.0 and machine.contact_stiffness < stiffness:
         found.append("contact_stiffness is below the stiffness of the shaft")
     if machine.eccentricity * machine.speed > 40.0 * MILLIMETRE:

@@ -11,7 +11,7 @@ import numpy as np
 from rotor_ida.arrays import Values
 from rotor_ida.checks import check_real, shown
 from rotor_ida.errors import InputError, warn
-from rotor_ida.units import SPEED_UNITS
+from rotor_ida.units import quantity
 
 # Coefficients that differ by less than this part of them are constant.
 CONSTANT = 1e-6
@@ -73,7 +73,7 @@ def _frozen(rotor: Any, omega: float) -> str:
         return ""
     note = (
         f"coefficients that depend on the speed are frozen at {omega:.6g} rad/s "
-        f"({omega / SPEED_UNITS['rpm']:,.0f} rpm): {_listed(varying)}"
+        f"({quantity(omega, 'rad/s')}): {_listed(varying)}"
     )
     outside = [each for each in varying
                if not min(each.frequency) <= omega <= max(each.frequency)]  # fmt: skip

@@ -49,7 +49,7 @@ from rotor_ida.plot.drops import drop_figure, drops_figure, save_orbit_film
 from rotor_ida.plot.dynamics import plot_exponents, plot_section, section_figure
 from rotor_ida.plot.fits import fit_figure, plot_fit, plot_fit_residuals
 from rotor_ida.plot.forces import plot_force_peaks, plot_forces
-from rotor_ida.plot.labels import parameter_text, with_error
+from rotor_ida.plot.labels import parameter_text
 from rotor_ida.plot.responses import plot_along, plot_amplitude, plot_over_clearance, plot_phase
 from rotor_ida.plot.run_up import plot_run_up
 from rotor_ida.plot.run_ups import plot_endings, plot_largest_force, run_ups_figure
@@ -193,5 +193,4 @@ __all__ = [
     "system_figure",
     "system_sweep_figure",
     "system_whirls_figure",
-    "with_error",
 ]

@@ -36,10 +36,10 @@ from rotor_ida.plot.labels import (
     label_varied,
     title_of,
     title_of_node,
-    with_error,
 )
 from rotor_ida.plot.system_whirls import panels_of_contacts
 from rotor_ida.results.si_units import scale_of
+from rotor_ida.units import with_error
 
 STATES = ("rotating_x", "rotating_y", "rotating_vx", "rotating_vy")
 OF_SYSTEM = ("node", "contact_node", "contact_stator", "clearance", "centre_x", "centre_y")
@@ -202,7 +202,7 @@ def plot_exponents(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         for number, (colour, dashes) in enumerate(LINES[: found.sizes["exponent"]]):
             part = found.isel(exponent=number)
             value, error = part["lyapunov_exponent"].item(), part["lyapunov_error"].item()
-            words = f"$\\lambda_{number + 1} = {with_error(value, error)}$"
+            words = f"$\\lambda_{number + 1} = {with_error(value, error, most=5)}$"
             ax.plot(part["t"], part["running_exponent"], color=colour, ls=dashes, lw=1.1,
                     label=words)  # fmt: skip
         ax.set_xlim(0.0, float(found["t"].values[-1]))

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 from collections.abc import Sequence
 from typing import Any, cast
 
@@ -17,8 +16,9 @@ from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
 from rotor_ida.plot.appearance import BLUE, INK, ORANGE, drawing, new_figure, own_legend, style
 from rotor_ida.plot.datasets import check_dataset
-from rotor_ida.plot.labels import LABELS, label_axis, label_of
+from rotor_ida.plot.labels import LABELS, label_axis, label_of, typeset
 from rotor_ida.plot.signals.units import Units, is_one_speed, units_of
+from rotor_ida.units import quantity
 
 NEEDED = (
     *("estimate", "standard_error", "forward_whirl_amplitude", "forward_phase_lag"),
@@ -236,20 +236,6 @@ def _estimates_in_words(dataset: xr.Dataset) -> str:
         dataset["unknown"].values, dataset["estimate"].values, dataset["standard_error"].values,
         dataset["unit"].values, strict=True,
     ):  # fmt: skip
-        shown = _with_error(float(value), float(error))
-        written = re.sub(r"(?<=[a-z])(-[0-9.]+)", r"$^{\1}$", str(unit))
-        words.append(
-            f"{str(name).replace('_', ' ')} {shown}" + (f" {written}" if unit != "1" else "")
-        )
+        said = typeset(quantity(float(value), str(unit), error=float(error)))
+        words.append(f"{str(name).replace('_', ' ')} {said}")
     return "\n".join(";  ".join(words[n : n + 2]) for n in range(0, len(words), 2))
-
-
-def _with_error(value: float, error: float) -> str:
-    """Return a value with its error, both to two digits of that, in powers of a thousand."""
-    if not math.isfinite(error) or error <= 0.0:
-        return f"{value:.4g}"
-    place = math.floor(math.log10(max(abs(value), error)))
-    power = 0 if -3 < place < 5 else 3 * (place // 3)
-    decimals = min(max(power + 1 - math.floor(math.log10(error)), 0), 12)
-    both = f"{value / 10.0**power:.{decimals}f} ± {error / 10.0**power:.{decimals}f}"
-    return rf"({both})$\,\cdot\,10^{{{power}}}$" if power else both

@@ -22,7 +22,7 @@ from rotor_ida.plot.datasets import hold_units, one_value, units_in
 from rotor_ida.results.run import course_of
 from rotor_ida.results.si_units import in_rpm, machine_of, scale_of, si_of
 from rotor_ida.texts import in_figure
-from rotor_ida.units import SPEED_UNITS
+from rotor_ida.units import SPEED_UNITS, number, quantity
 
 SEPARATOR = ",  "
 # With more parameters than this a title has two lines.
@@ -124,20 +124,18 @@ def number_text(value: float, form: str = "#.3g") -> str:
     return rf"{digits} \times 10^{{{int(power)}}}" if power else digits
 
 
-def with_error(value: float, error: float) -> str:
-    """Return a value with the error of its last digits in brackets, five decimals at most.
+def typeset(said: str) -> str:
+    r"""Return a number with its unit as mathematical text.
 
     Examples
     --------
-    >>> with_error(0.17123, 0.0098)
-    '0.171(10)'
+    >>> typeset("16.9 um"), typeset("4.12(2)e+06 N/m")
+    ('$16.9$ µm', '$4.12(2) \\times 10^{6}$ N/m')
     """
-    digits = next((digits for digits in range(1, 5) if error >= 0.5 * 10.0**-digits), 5)
-    digits = min(digits + 1, 5)
-    shown, last = f"{value:.{digits}f}", round(error * 10.0**digits)
-    if float(shown) == 0.0:
-        shown = shown.lstrip("-")
-    return f"{shown}({last})" if last else shown
+    number, _, unit = said.partition(" ")
+    digits, _, power = number.partition("e")
+    ten = rf" \times 10^{{{int(power)}}}" if power else ""
+    return f"${digits}{ten}$ {re.sub('^u', 'µ', unit)}".rstrip()
 
 
 def unit_of(variable: xr.DataArray | xr.Variable) -> str:
@@ -229,16 +227,11 @@ def title_of(name: str, dataset: xr.Dataset, parameters: Sequence[str] = PARAMET
         return in_lines(text_of(dataset, values))
     if (speeds := in_rpm(dataset["speed"])) is not None:  # omega is only the first
         del values["omega"]
-        turns = " to ".join(map(_short, course_of(speeds)))
+        turns = " to ".join(map(number, course_of(speeds)))
         return _wrapped([f"{turns} rpm", *_in_si(dataset, values)])
     last = float(dataset["speed"][-1]) / scale_of(dataset, "speed")
     text = text_of(dataset, values).replace("$,", rf" \ldots {last:.4g}$,", 1)
     return in_lines(text)
-
-
-def _short(speed: float) -> str:
-    """Return a speed with four digits, or whole."""
-    return f"{speed:.4g}" if abs(speed) < 1e3 else f"{speed:.0f}"
 
 
 def title_of_node(dataset: xr.Dataset) -> str:
@@ -270,7 +263,7 @@ def speed_text(speeds: xr.DataArray) -> str:
     ('speed 1.35', '3000 rpm')
     """
     turns = in_rpm(speeds)
-    words = " to ".join(map(_short, np.ravel(speeds if turns is None else turns).tolist()))
+    words = " to ".join(map(number, np.ravel(speeds if turns is None else turns).tolist()))
     return f"speed {words}" if turns is None else f"{words} rpm"
 
 
@@ -301,13 +294,9 @@ def _one_in_si(dataset: xr.Dataset, name: str, value: float) -> str:
     """Return the name of a parameter of a machine with its value and unit."""
     known = si_of(dataset, name)
     if known is None:
-        return f"{name.replace('_', ' ')} {value:.4g}"
+        return f"{name.replace('_', ' ')} {number(value)}"
     words, _, unit = known[0].removesuffix("]").partition(" [")
-    value *= known[1]
-    if unit == "m":
-        value, unit = (1e6 * value, "µm") if value < 1e-3 else (1e3 * value, "mm")
-    digits = f"{value:.0f}" if 1e3 <= value < 1e5 else number_text(value, ".4g")
-    return f"{words} ${digits}$ {unit}"
+    return f"{words} {typeset(quantity(value * known[1], unit))}"
 
 
 def in_lines(text: str) -> str:

@@ -8,8 +8,9 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.model.contact import bounds_exceeded, length_in_words
+from rotor_ida.model.contact import bounds_exceeded
 from rotor_ida.results.archived_system import clearance_of_contacts
+from rotor_ida.units import quantity
 
 # Variables of results by which a contact is pressed in.
 OF_RUBS = ("rub_force", "passage_rub_force", "whip_force")
@@ -49,7 +50,7 @@ def beyond_model(result: xr.Dataset) -> str:
         radius = float(radii[number])
         bounds = bounds_exceeded(depth, None if math.isnan(radius) else radius, clearance)
         if bounds:
-            length = length_in_words(depth) if in_si else f"{depth:.3g}"
+            length = quantity(depth, "m" if in_si else "1", 3)
             node = str(result["contact_node"].values[number])
             told.append(
                 f"contact {number} at {node!r} is indented by up to {length}, more than {bounds}"

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
-from rotor_ida.units import SPEED_UNITS
+from rotor_ida.units import number, quantity
 
 RATE, WHIRL_SPEED, NOT_HELD = (
     "growth_rate_without_contact", "whirl_speed_of_growth", "nothing_holds",
@@ -18,14 +18,14 @@ def growing(rate: float, whirl_speed: float, units: str) -> str:
     Examples
     --------
     >>> growing(1.245, 335.7, "SI")
-    'grows at a rate of 1.245 per second, as a whirl at 335.7 rad/s (3206 rpm)'
+    'grows at a rate of 1.245 per second, as a whirl at 3,206 rpm'
     >>> growing(0.1, 0.0, "1")
     'grows at a rate of 0.1, without a whirl'
     """
     si = units == "SI"
-    rpm = f" rad/s ({whirl_speed / SPEED_UNITS['rpm']:.4g} rpm)" if si else ""
-    whirl = f"as a whirl at {whirl_speed:.4g}{rpm}" if whirl_speed else "without a whirl"
-    return f"grows at a rate of {rate:.4g}{' per second' if si else ''}, {whirl}"
+    speed = quantity(whirl_speed, "rad/s" if si else "1")
+    whirl = f"as a whirl at {speed}" if whirl_speed else "without a whirl"
+    return f"grows at a rate of {number(rate)}{' per second' if si else ''}, {whirl}"
 
 
 def stability_words(attributes: Mapping[str, Any], units: str) -> list[str]:

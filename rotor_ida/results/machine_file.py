@@ -33,7 +33,7 @@ from rotor_ida.model.parameters import OF_MACHINE
 from rotor_ida.model.rotor import DimensionalRotor
 from rotor_ida.results.files import check_target, file_to_write
 from rotor_ida.results.toml_files import read_toml
-from rotor_ida.units import SPEED_UNITS
+from rotor_ida.units import quantity
 
 
 def load_machine(path: str | os.PathLike[str]) -> DimensionalRotor:
@@ -143,12 +143,12 @@ def _number(value: float) -> str:
 
 def _in_other_words(machine: DimensionalRotor) -> dict[str, str]:
     """Return some quantities in the terms of a data sheet."""
-    rpm = SPEED_UNITS["rpm"]
+    unbalance = quantity(machine.mass * machine.eccentricity, "kg m")
     found = {
-        "eccentricity": f", {machine.eccentricity * 1e6:.4g} um, {_unbalance(machine):.4g} g mm",
-        "clearance": f", {machine.clearance * 1e6:.4g} um",
-        "speed": f", {machine.speed / rpm:.6g} rpm",
-        "shaft_stiffness": f", critical speed {machine.critical_speed / rpm:.6g} rpm",
+        "eccentricity": f", {quantity(machine.eccentricity, 'm')}, {unbalance}",
+        "clearance": f", {quantity(machine.clearance, 'm')}",
+        "speed": f", {quantity(machine.speed, 'rad/s')}",
+        "shaft_stiffness": f", critical speed {quantity(machine.critical_speed, 'rad/s')}",
         "contact_exponent": ", 1.5 by Hertz or 1 for a linear spring",
     }
     if machine.speed > 0.0:
@@ -157,8 +157,3 @@ def _in_other_words(machine: DimensionalRotor) -> dict[str, str]:
     if not math.isnan(machine.damping_ratio):
         found["damping"] = f", {machine.damping_ratio:.4g} of the critical speed"
     return found
-
-
-def _unbalance(machine: DimensionalRotor) -> float:
-    """Return the unbalance [g mm]."""
-    return machine.mass * machine.eccentricity * 1e6

@@ -17,7 +17,7 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS, check_instance
 from rotor_ida.errors import InputError
-from rotor_ida.model.contact import bounds_exceeded, length_in_words
+from rotor_ida.model.contact import bounds_exceeded
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.parallel import interruptible
 from rotor_ida.results.contact_facts import run_up_facts
@@ -36,7 +36,7 @@ from rotor_ida.steady.follow import FAILED
 from rotor_ida.steady.grid import EXPECTED, reason_of
 from rotor_ida.steady.response import CONTACT_FREE
 from rotor_ida.steady.run_up_outcome import ONLY_WITH, RUB, WHIP, Outcome, ending_at, failed
-from rotor_ida.units import SPEED_UNITS
+from rotor_ida.units import quantity
 
 NEEDED = (
     "t", "speed", "angle", *COMPONENTS, "event_speed", "event_kind", "peak_force", "peak_time",
@@ -236,18 +236,17 @@ def beyond_model(indentation: float, rotor: Rotor, machine: DimensionalRotor | N
 
 def _speed(speed: float, machine: DimensionalRotor | None) -> str:
     if machine is None:
-        return f"a speed of {speed:.4g}"
-    return f"{speed * machine.reference_frequency / SPEED_UNITS['rpm']:,.0f} rpm"
+        return f"a speed of {quantity(speed)}"
+    return quantity(speed * machine.reference_frequency, "rad/s")
 
 
 def _length(length: float, machine: DimensionalRotor | None) -> str:
     if machine is None:
-        return f"{length:.3g}"
-    return length_in_words(length * machine.length_scale)
+        return quantity(length, digits=3)
+    return quantity(length * machine.length_scale, "m", 3)
 
 
 def _force(force: float, machine: DimensionalRotor | None) -> str:
     if machine is None:
-        return f"a force of {force:.3g}"
-    newtons = force * machine.force_scale
-    return f"{newtons / 1e3:.3g} kN" if newtons >= 1e3 else f"{newtons:.3g} N"
+        return f"a force of {quantity(force, digits=3)}"
+    return quantity(force * machine.force_scale, "N", 3)

@@ -219,7 +219,7 @@ def test_folds_of_a_machine_are_in_si_units(program: Program):
     assert found.fold_amplitude.values == pytest.approx(1e-6 * exact.fold_amplitude.values)
     fastest = 30.0 / np.pi * 500.0 * exact.fold_omega.values.max()
     assert "fold speed [rpm]" in answer.out
-    assert f"{fastest:.8g}" in answer.out
+    assert f"{fastest:.6g}" in answer.out
     assert len(Path("folds.csv").read_text().splitlines()) > exact.fold.size
 
 
@@ -507,7 +507,7 @@ def test_a_range_below_zero_in_metres_needs_no_equals_sign(program: Program, low
 def test_touchdown_is_a_table_with_units(program: Program):
     answer = program("touchdown", *MACHINE, *NEAR, "--shocks", 256)
     assert (answer.status, answer.err) == (0, "")
-    for words in ("largest force [N]", "velocity shock [m s-1]", "omega from", "basin entropy"):
+    for words in ("largest force [N]", "velocity shock [mm/s]", "omega from", "basin entropy"):
         assert words in answer.out
     assert re.search(r"agreement +1\b", answer.out)
     without = program("touchdown", *MACHINE, *NEAR, "--shocks", 0)

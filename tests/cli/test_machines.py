@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import math
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -165,7 +166,7 @@ def test_a_run_up_of_a_file_begins_at_rest_and_tells_its_sentence_first(
     sentence, printed = found.attrs["sentence"], " ".join(answer.out.split())
     assert printed.startswith(sentence)
     assert sentence.startswith("Rub: it first touches the stator at 5,287 rpm, and presses up")
-    assert "speed [rpm] 0 to 6000 " in printed
+    assert "speed 0 to 6000 rpm " in printed
     assert found.largest_force.attrs["units"] == "N"
     at_speed = program("run-up", "--machine", pump, "--from", "3000rpm", "--to", "3600rpm",
                        "--ramp-time", "1s", "--json")  # fmt: skip
@@ -206,8 +207,9 @@ def test_every_command_takes_a_machine_and_its_archive_is_of_use(
     assert archived.attrs["length_scale"] == SMALL.length_scale
     shown = program("show", "si.nc")
     assert (shown.status, shown.err) == (0, "")
-    for words in ("length scale [m]", "machine mass [kg]", "machine contact stiffness [N/m^1.5]"):
-        assert words in shown.out
+    told = {" ".join(line.split()) for line in shown.out.splitlines()}
+    assert {"length scale 1 um", "machine mass 4 kg"} <= told
+    assert any(re.fullmatch(r"machine contact stiffness \S+ N/m\^1.5", each) for each in told)
     assert " units " not in shown.out
     if name not in {"whirls", "folds", "hopf points", "diagram", "touchdown"}:
         verified = program("verify", "si.nc", "--json")
@@ -297,3 +299,14 @@ def test_axes_of_machines_are_those_of_their_rotors(program: Program, small: str
     assert found.zeta.values == pytest.approx([0.07, 0.1], rel=1e-14)
     assert np.all(found.omega.values == SMALL.rotor().omega)
     assert "damping [N s/m]" in program("show", "sweep.nc").out
+
+
+def test_tables_are_in_inches_on_request(program: Program, pump: str):
+    """A clearance of 150 um is 5.90551 mil, and nothing else changes."""
+    line = ("response", "--machine", pump, "--speed", "4000rpm", "5000rpm")
+    metric, inch = program(*line).out, program(*line, "--inch").out
+    assert "clearance [um]" in metric
+    assert "clearance [mil]" in inch
+    assert " 5.90551 " in inch
+    assert " 150 " in metric
+    assert program(*line, "--json").out == program(*line, "--inch", "--json").out

@@ -40,7 +40,7 @@ def test_six_commands_give_the_same_answers(told, monkeypatch, capsys):
         assert main(words) == 0
         said.append(" ".join(capsys.readouterr().out.split()))
     assert len(said) == 6
-    assert "critical speed [rpm] 5513" in said[0]
+    assert "critical speed 5513.29 rpm" in said[0]
     assert told["summary"](told["run"]).sentence in said[1]
     assert told["summary"](told["quiet"]).sentence in said[4]
     # the two round the rate of the ramp otherwise

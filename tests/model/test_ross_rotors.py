@@ -26,8 +26,8 @@ from rotor_ida import (
     synchronous_response,
 )
 from rotor_ida.cli.describe import describe
-from rotor_ida.cli.drop_report import sentence_of
 from rotor_ida.results.archived_system import problem_of
+from rotor_ida.steady.drop_words import sentence_of
 
 MASSES, PEDESTALS = (30.0, 20.0), (10.0, 5.0)  # kg
 BEARINGS, GROUND = (4e6, 3e6), (2e7, 3e7)  # N/m

@@ -26,7 +26,7 @@ WRITTEN = {
 # What arranges, labels and saves pictures, and draws none.
 BESIDES = {
     "mixed_panels", "panels", "parameter_text", "save_figure", "save_orbit_film", "shared_legend",
-    "style", "with_error",
+    "style",
 }  # fmt: skip
 
 

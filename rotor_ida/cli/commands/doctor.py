@@ -12,7 +12,8 @@ from typing import get_args
 
 import rotor_ida
 from rotor_ida.cli import options
-from rotor_ida.cli.report import Report, pairs, table
+from rotor_ida.cli.report import Report
+from rotor_ida.cli.sheets import facts, table
 from rotor_ida.core import sundials
 from rotor_ida.simulation.options import Backend, Flight, Method
 
@@ -58,8 +59,8 @@ def doctor(*, as_json: options.AsJson = False) -> Report:
             "checks": checks,
         },
         parts=[
-            pairs("Versions", versions),
-            *([pairs("Core", core)] if core else []),
+            facts("Versions", versions),
+            *([facts("Core", core)] if core else []),
             f"Usable backends: {', '.join(usable) or 'none'}",
             f"Usable executors: {', '.join(executors)}",
             table("Checks", checks, list(checks[0])),

@@ -72,10 +72,11 @@ def drop(
     Until then they are in report/unfinished, or in the folder of --study, which stays.
     """
     from rotor_ida.cli.describe import describe  # noqa: PLC0415 - heavy, and not for --help
-    from rotor_ida.cli.drop_report import report_files, sentence_of, write_report  # noqa: PLC0415
+    from rotor_ida.cli.drop_report import report_files, write_report  # noqa: PLC0415
     from rotor_ida.plot.drops import check_film  # noqa: PLC0415
     from rotor_ida.results.files import check_target  # noqa: PLC0415
     from rotor_ida.results.system_file import read_system_file  # noqa: PLC0415
+    from rotor_ida.steady.drop_words import sentence_of  # noqa: PLC0415
 
     rotor, course = read_system_file(system)
     if rotor.units != "SI":

@@ -8,18 +8,19 @@ from pathlib import Path
 from typing import Annotated, Any
 
 from cyclopts import Parameter
-from rich.console import RenderableType
 
 from rotor_ida.checks import shown
 from rotor_ida.cli import machines, options, parsing
 from rotor_ida.cli.option_types import IN_OUTPUT, ROTOR, path_option
 from rotor_ida.cli.output import FORCED
-from rotor_ida.cli.report import Report, pairs
+from rotor_ida.cli.report import Report
 from rotor_ida.cli.rotor_options import with_parameters
+from rotor_ida.cli.sheets import Line, facts
+from rotor_ida.cli.variables import Parts
 from rotor_ida.errors import InputError
-from rotor_ida.model.data_sheet import MILLIMETRE, check_keys, implausible
+from rotor_ida.model.data_sheet import check_keys, implausible
 from rotor_ida.model.rotor import DimensionalRotor
-from rotor_ida.units import SPEED_UNITS
+from rotor_ida.units import SPEED_UNITS, read_in
 
 ENDING = ".toml"
 MachineOut = Annotated[Path | None, path_option("Write the machine to this TOML file."), IN_OUTPUT]
@@ -96,10 +97,11 @@ def machine(
     found = machines.of_sheet(given, None)
     from rotor_ida.results.machine_file import machine_text, save_machine  # noqa: PLC0415
 
-    facts, numbers, warnings = _facts(found), _numbers(found), implausible(found)
-    parts: list[RenderableType] = [
-        pairs("Machine", facts),
-        pairs("Dimensionless parameters", numbers),
+    lines, warnings = _facts(found), implausible(found)
+    numbers = {name: float(f"{each:.6g}") for name, each in found.rotor().given.items()}
+    parts: Parts = [
+        facts("Machine", lines),
+        facts("Dimensionless parameters", numbers),
         *(f"warning: {each}" for each in warnings),
     ]
     if out is None:
@@ -107,7 +109,8 @@ def machine(
     else:
         save_machine(found, _checked(out, force), overwrite=force)
         parts.append(f"wrote {out}")
-    record = {"machine": found.given, "facts": facts | numbers, "warnings": warnings}
+    told = dict(map(_usual, lines))
+    record = {"machine": found.given, "facts": told | numbers, "warnings": warnings}
     return Report(record=record, parts=parts, as_json=as_json)
 
 
@@ -119,34 +122,25 @@ def _checked(out: Path, force: bool) -> Path:
     return check_target("out", out, overwrite=force, permission=FORCED)
 
 
-def _facts(machine: DimensionalRotor) -> dict[str, float]:
+def _facts(machine: DimensionalRotor) -> list[Line]:
     """Return the engineering data of a machine."""
-    rpm = SPEED_UNITS["rpm"]
-    grade = machine.eccentricity * machine.speed / MILLIMETRE
-    told = {
-        "running speed [rpm]": machine.speed / rpm,
-        "critical speed [rpm]": machine.critical_speed / rpm or math.nan,
-        "damping ratio at the critical speed": machine.damping_ratio,
-        "eccentricity [um]": machine.eccentricity * 1e6,
-        "unbalance [g mm]": machine.mass * machine.eccentricity * 1e6,
-        "balance grade at the running speed [mm/s]": grade,
-        "clearance [um]": machine.clearance * 1e6,
-        "amplitude at the critical speed without contact [um]": _resonance(machine),
-        "reference frequency [rad/s]": machine.reference_frequency,
-    }
-    return {name: _rounded(value) for name, value in told.items()}
+    eccentricity, speed, ratio = machine.eccentricity, machine.speed, machine.damping_ratio
+    resonance = eccentricity / (2.0 * ratio) if ratio > 0.0 else math.nan
+    return [
+        Line("running speed", [speed], "rad/s"),
+        Line("critical speed", [machine.critical_speed or math.nan], "rad/s"),
+        Line("damping ratio at the critical speed", [ratio], digits=6),
+        Line("eccentricity", [eccentricity], "m"),
+        Line("unbalance", [machine.mass * eccentricity], "kg m"),
+        Line("balance grade at the running speed", [eccentricity * speed], "m/s"),
+        Line("clearance", [machine.clearance], "m"),
+        Line("amplitude at the critical speed without contact", [resonance], "m"),
+        Line("reference frequency", [machine.reference_frequency / SPEED_UNITS["Hz"]], "Hz"),
+    ]
 
 
-def _numbers(machine: DimensionalRotor) -> dict[str, float]:
-    """Return the dimensionless parameters of a machine."""
-    return {name: _rounded(value) for name, value in machine.rotor().given.items()}
-
-
-def _rounded(value: float) -> float:
-    return float(f"{value:.6g}")
-
-
-def _resonance(machine: DimensionalRotor) -> float:
-    """Return the amplitude of the whirl at the critical speed, were there no stator [um]."""
-    ratio = machine.damping_ratio
-    return machine.eccentricity * 1e6 / (2.0 * ratio) if ratio > 0.0 else math.nan
+def _usual(line: Line) -> tuple[str, float]:
+    """Return a fact for a program, in a unit that does not depend on its size."""
+    unit, parts = read_in(line.unit)
+    value = float(f"{float(str(line.values[0])) / parts:.6g}")
+    return f"{line.name} [{unit}]" if unit else line.name, value

@@ -25,7 +25,8 @@ from rotor_ida.cli.option_types import (
 )
 from rotor_ida.cli.output import OUT_ENDING, Output, read, write_figure
 from rotor_ida.cli.parsing import in_unit
-from rotor_ida.cli.report import Report, pairs
+from rotor_ida.cli.report import Report
+from rotor_ida.cli.sheets import facts
 from rotor_ida.errors import InputError, RotorError
 
 if TYPE_CHECKING:
@@ -330,7 +331,7 @@ def _written(
     record |= {name: str(dataset.attrs[name]) for name in OF_FILE if name in dataset.attrs}
     return Report(
         record={**record, "written": written},
-        parts=[pairs("Plot", record), *(f"wrote {path}" for path in written)],
+        parts=[facts("Plot", record), *(f"wrote {path}" for path in written)],
         as_json=as_json,
         trouble=trouble,
     )

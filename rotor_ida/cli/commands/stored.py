@@ -16,7 +16,8 @@ from rotor_ida.checks import check_one_varies, shown
 from rotor_ida.cli import options
 from rotor_ida.cli.option_types import IN_SOLVER, path_option
 from rotor_ida.cli.output import Output, answer, answer_whole, check_varies, read, working
-from rotor_ida.cli.report import FIRST_ROWS, Report, pairs
+from rotor_ida.cli.report import FIRST_ROWS, Report
+from rotor_ida.cli.sheets import facts
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.simulation.options import Method
@@ -115,12 +116,12 @@ def verify(
             ("attributes_not_compared", "Attributes not compared"),
         )
     }
-    parts = [pairs("Computed again", told)]
+    parts = [facts("Computed again", told)]
     for title, left_out in others.items():
         reasons = dict.fromkeys(left_out.values())
         names = {why: ", ".join(each for each in left_out if left_out[each] == why)
                  for why in reasons}  # fmt: skip
-        parts += [pairs(title, names)] if names else []
+        parts += [facts(title, names)] if names else []
     trouble = "" if found["agrees"] else f"{file} does not verify: {found['trouble']}"
     return Report(record=record, parts=parts, as_json=as_json, trouble=trouble)
 
@@ -144,7 +145,7 @@ def status(folder: Folder, /, *, as_json: options.AsJson = False) -> Report:
     rows |= {f"reason_{number}": reason for number, reason in enumerate(reasons, start=1)}
     return Report(
         record={"folder": str(folder), **found, "reasons": reasons},
-        parts=[pairs(f"Study {folder}", rows)],
+        parts=[facts(f"Study {folder}", rows)],
         as_json=as_json,
     )
 

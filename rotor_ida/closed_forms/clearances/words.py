@@ -8,10 +8,7 @@ import xarray as xr
 from rotor_ida.results.depths import beyond_model
 from rotor_ida.results.system_units import NOTE
 from rotor_ida.schema import words_of
-from rotor_ida.units import rpm
-
-# Forces from this one on [N] are in kN.
-LARGE_FORCE = 1e4
+from rotor_ida.units import quantity
 
 
 def sentences(report: xr.Dataset) -> str:
@@ -115,12 +112,12 @@ def _per_cent(share: float) -> str:
 def _speed(report: xr.Dataset, speed: float) -> str:
     """Return a speed in rpm, or as it is where it has no unit."""
     if report["clearance"].attrs["units"] != "m":
-        return f"a speed of {speed:.4g}"
-    return rpm(speed)
+        return f"a speed of {quantity(speed)}"
+    return quantity(speed, "rad/s")
 
 
 def _force(report: xr.Dataset, name: str) -> str:
     value = report[name].item()
     if report["clearance"].attrs["units"] != "m":
-        return f"a force of {value:.4g}"
-    return f"{value / 1e3:.4g} kN" if value >= LARGE_FORCE else f"{value:.4g} N"
+        return f"a force of {quantity(value)}"
+    return quantity(value, "N")

@@ -12,9 +12,9 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
-from rotor_ida.plot.labels import number_text
+from rotor_ida.plot.labels import typeset
 from rotor_ida.signals.spectra import STEADY
-from rotor_ida.units import PREFIXES, SPEED_UNITS
+from rotor_ida.units import PREFIXES, SPEED_UNITS, quantity
 
 LENGTH = re.compile(r"^([pnumkM]?)m$")
 RATE = re.compile(r"^([pnumkM]?)s-1$")
@@ -122,10 +122,8 @@ def length_text(value: float, unit: str) -> str:
     ('$16.9$ mm', '$3.25$')
     """
     if not LENGTH.match(unit):
-        return f"${number_text(value, '.3g')}$ {'' if unit == '1' else unit}".rstrip()
-    metres = value * _metres(unit)
-    scaled, symbol = (1e6 * metres, "µm") if abs(metres) < 1e-3 else (1e3 * metres, "mm")
-    return f"${number_text(scaled, '.3g')}$ {symbol}"
+        return typeset(f"{value:.3g} {unit.removeprefix('1')}".rstrip())
+    return typeset(quantity(value * _metres(unit), "m", 3))
 
 
 def _metres(unit: str) -> float:
