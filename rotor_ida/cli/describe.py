@@ -13,7 +13,6 @@ from rotor_ida.cli.variables import (
     Description,
     Record,
     Rows,
-    Sheet,
     attributes_of,
     counted,
     line_of,

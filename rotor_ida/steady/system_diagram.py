@@ -44,9 +44,9 @@ from rotor_ida.steady.grid import (
 )
 from rotor_ida.steady.ramps import Answers, Direction, RampJob, Ramps, Row, in_order, settle_along
 from rotor_ida.steady.system_sweep import (
-    AskedSystem,
     Turning,
     Turnings,
+    VariedSystem,
     answer_at,
     checked_starts,
     places_of,
@@ -87,7 +87,7 @@ def bifurcation_diagram_system(
     window = _Window(**{**window_of_section(revolutions, phase), "at": at})
     if at == "extrema" and window.phase:
         raise InputError(f"phase must be left out with at='extrema', got {phase!r}")
-    taken = AskedSystem.of(asked, checked_starts(starts), modes, rtol)
+    taken = VariedSystem.of(asked, checked_starts(starts), modes, rtol)
     varied, way = in_order(taken.varied, len(taken.starts), direction, along, SPEED)
     turnings = Turnings(varied, taken.rtol)
     stiffest = turnings.checked()
