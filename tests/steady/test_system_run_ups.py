@@ -164,7 +164,7 @@ def test_facts_of_a_contact_that_begins_and_ends_with_the_run():
 @pytest.mark.parametrize(
     ("given", "words"),
     [({"to": 0.0}, "to must not be 0 in run-ups of a rotor system, got 0.0"),
-     ({"rate": [-0.1]}, r"rate must lead from speed 0.3 to 1.4, got -0.1"),
+     ({"rate": [-0.1]}, r"rate must be positive to change the speed from 0.3 to 1.4, got -0.1"),
      ({"rate": [0.1, 0.1]}, "rate"),
      ({"starts": []}, "starts must be a list of"),
      ({"friction": 0.1}, "friction")],
