@@ -16,8 +16,7 @@ error of the looser run and bounds that of the tighter one.
 A difference of times may vanish by chance, so each event takes the largest of its own error and
 those of the few events before it at the same contact. The states at the event may differ even so:
 each error of one disc is at least a part of that of the states, as far as the event's guard may
-feel it, over the guard's rate. ``docs/events.md`` shows how well this covers
-the reference cases.
+feel it, over the guard's rate. ``docs/events.md`` shows how well this covers the reference cases.
 """
 
 from __future__ import annotations
@@ -91,8 +90,8 @@ def partners_of(
 ) -> Numbers:
     """Return the number of the same event in another run, -1 where there is none.
 
-    A slight touch, or a slight departure, may appear in one run only: where one `skips`, a pair of
-    events without a partner is left out. If more than a pair is missing, the runs have separated.
+    A slight touch, or a slight departure, may appear in one run only: with `skips` a pair of events
+    without a partner is left out. If more than a pair is missing, the runs have separated.
     """
     own, other = _events(times, kinds), _events(other_times, other_kinds)
     partners, mine, theirs = np.full(times.size, -1, np.intp), 0, 0

@@ -156,6 +156,21 @@ def whirls(radii, apart=0.0):
     return SimpleNamespace(times=times, states=states, duration=times[-1], event_times=np.empty(0))
 
 
+def test_a_pair_of_events_that_one_run_alone_has_is_left_out():
+    """Two touches of three, and one of three: then the runs have separated."""
+    times, kinds = np.arange(6.0), np.array([1, -1] * 3)
+    for kept, found, alone in (
+        ([0, 1, 4, 5], [0, 1, -1, -1, 2, 3], [0, 1, -1, -1, -1, -1]),
+        ([0, 5], [0, -1, -1, -1, -1, -1], [0, -1, -1, -1, -1, -1]),
+    ):
+        other = times[kept], kinds[kept]
+        for skips, expected in ((True, found), (False, alone)):
+            partners = event_errors.partners_of(times, kinds, *other, skips=skips)
+            assert partners.tolist() == expected
+    other = times[[0, 1, 4, 5]], kinds[:4]
+    assert event_errors.partners_of(*other, times, kinds, skips=True).tolist() == [0, 1, 4, 5]
+
+
 def test_the_horizon_is_told_by_the_motion_where_it_looks():
     """A start a thousand times as large hides nothing, a sample near the centre says nothing."""
     radii = np.maximum(1e3 * np.exp(-np.arange(100.0)), 1.0)
