@@ -11,6 +11,7 @@ import xarray as xr
 from rotor_ida.cli.sheets import Line, Range, Sheet, facts, table
 from rotor_ida.cli.variables import (
     Description,
+    Layout,
     Record,
     Rows,
     attributes_of,
@@ -82,7 +83,7 @@ SPECIAL_POINTS = Rows(
     names=("special", "special_kind", "special_value", "special_second_value", "special_period",
            "special_radius_min", "special_radius_max", "special_point"),
 )  # fmt: skip
-SECTION = Sheet("Section", (Rows(
+SECTION = Layout("Section", (Rows(
     title="Crossings", key="crossings", lead="rotating_x",
     names=("crossing", "crossing_time", "node", "rotating_x", "rotating_y", "rotating_vx",
            "rotating_vy"),

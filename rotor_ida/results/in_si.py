@@ -106,7 +106,7 @@ def takes_rotors(
                 return of_disc(*given, **options)
             if missing := [name for name in needed if name not in options]:
                 raise TypeError(f"{name_of(verb)}() of a RotorSystem needs {listed(missing)}")
-            options = dict.fromkeys(disc) | options
+            options = options if varies else dict.fromkeys(disc) | options
             return of_system(*(given or (options.pop("rotor"),)), **options)
 
         return cast("Verb", either)
