@@ -23,6 +23,7 @@ QUICK = {
     "correct_probes", "subtract_runout", "filtered_orbit", "centre_line", "orders",
     "spectral_lines", "full_spectrum", "spectrogram", "spectrum", "whirl_ratio",
     "ball_bearing_stiffness", "synchronous_response", "campbell", "clearance_report",
+    "to_dataframe",
 }  # fmt: skip
 # Jobs that are no study: they resume one, or answer within minutes.
 NO_STUDY = {"resume", "compare", "touchdown_report"}

@@ -458,8 +458,9 @@ def arguments_of(name: str) -> list[str]:
         names += (SystemAxes if varies else SystemParameters).__annotations__
     if "varied" in names:
         names.remove("varied")
-        any_rotor = "AnyAxes" in str(parameters["varied"].annotation)
-        names += SystemAxes.__annotations__ if name in OF_SYSTEMS and any_rotor else ALL_PARAMETERS
+        of_system = name in OF_SYSTEMS and "AnyAxes" in str(parameters["varied"].annotation)
+        known = SystemParameters if name == "synchronous_response_system" else SystemAxes
+        names += known.__annotations__ if of_system else ALL_PARAMETERS
     return names
 
 

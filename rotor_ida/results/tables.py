@@ -50,7 +50,7 @@ def to_dataframe(dataset: xr.Dataset) -> Table:
     Raises
     ------
     InputError
-        If the argument is not a dataset.
+        If the argument is not a dataset, or is empty.
 
     Examples
     --------
@@ -69,6 +69,8 @@ def to_dataframe(dataset: xr.Dataset) -> Table:
         (each.dims for each in wide.data_vars.values() if each.dims and each.dims[0] not in PARTS),
         (),
     )
+    if not rows:
+        raise InputError("dataset must contain a variable for a table, got none")
     part = _in_words(wide[[name for name, each in wide.data_vars.items() if each.dims == rows]])
     return part.to_dataframe(dim_order=list(rows))
 

@@ -137,6 +137,8 @@ def test_tables_of_other_results_are_those_of_their_first_dimensions(run: xr.Dat
     assert to_dataframe(plain).equals(plain.to_dataframe())
     with pytest.raises(InputError, match="dataset must be a Dataset, got 3"):
         to_dataframe(3)
+    with pytest.raises(InputError, match="dataset must contain a variable for a table, got none"):
+        to_dataframe(xr.Dataset())
 
 
 def test_the_samples_of_a_run_are_read_as_signals(run: xr.Dataset, tmp_path: Path):
