@@ -9,6 +9,7 @@ from rotor_ida import (
     Rotor,
     load,
     lyapunov_exponent,
+    poincare_section,
     run_ups,
     simulate,
     special_speeds,
@@ -26,6 +27,8 @@ def program() -> None:
     system = rotor.system()
     simulate(system, speed=2.0, duration=20.0, contacts=[], gravity=(0.0, -1.0))
     simulate(system, speed=2.0, duration=20.0, contcts=[])  # type: ignore[call-arg]
+    poincare_section(system, speed=2.0, revolutions=20, at="entry", contact="disc", contacts=[])
+    poincare_section(rotor, revolutions=20, at="apex")  # type: ignore[arg-type]
     special_speeds(system, limits=(1.0, 2.0), unbalance=3)  # type: ignore[arg-type]
     simulate(rotor, start=(0, 0, 0, 0), duration="long")  # type: ignore[arg-type]
     simulate(rotor, start=(0, 0, 0, 0), duration=1.0, method="euler")  # type: ignore[arg-type]
