@@ -504,7 +504,7 @@ def test_a_passage_stops_goes_on_and_turns_back(page, address):
     at_rest(page)
     assert page.run("return document.querySelectorAll('.stale').length") == 0
     first, start = page.run("return rotorIda.passage.speed"), page.facts("motion")["start"]
-    assert start == page.run(f"return {trace}.start")
+    assert start == page.run(f"return {trace}.held")
     page.find("#run-up").click()
     page.until("rotorIda.passage.speed > arguments[0]", first)
     page.find("#run-down").click()  # from running up to running down, without a rest

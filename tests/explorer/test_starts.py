@@ -80,11 +80,18 @@ def labels_of(picture: Message) -> np.ndarray:
     return picture.arrays["label"].reshape(count, count)
 
 
-def test_pictures_become_finer(pictures: list[Message]):
-    assert [each.part for each in pictures] == ["basin"] * len(pictures)
+def test_pictures_become_finer_and_fractions_are_those_of_the_labels(pictures: list[Message]):
     counts = [each.facts["count"] for each in pictures]
     assert counts == sorted(counts)
     assert [each.facts["finest"] for each in pictures] == [*[False] * (len(pictures) - 1), True]
+    for picture in pictures:
+        assert picture.part == "basin"
+        labels = picture.arrays["label"]
+        for number, told in enumerate(picture.facts["attractors"]):
+            assert told["fraction"] == np.mean(labels == number)
+        assert picture.facts["undecided"] == np.mean(labels < 0)
+    coarse = library_basin(ASKING, pictures[-2].facts["count"], starts.RTOL)
+    np.testing.assert_array_equal(labels_of(pictures[-2]), coarse["label"].values)
 
 
 def test_the_finest_picture_is_the_library_s_basin_bit_for_bit(pictures: list[Message]):
@@ -98,12 +105,6 @@ def test_the_finest_picture_is_the_library_s_basin_bit_for_bit(pictures: list[Me
             assert told[name] == float(found[name][number])
 
 
-def test_a_coarse_picture_is_the_library_s_with_the_larger_error(pictures: list[Message]):
-    coarse = pictures[-2]
-    found = library_basin(ASKING, coarse.facts["count"], starts.RTOL)
-    np.testing.assert_array_equal(labels_of(coarse), found["label"].values)
-
-
 def test_what_the_first_look_decides_stays_so(pictures: list[Message]):
     first = pictures[0]
     found = library_basin(ASKING, first.facts["count"], None)
@@ -113,14 +114,6 @@ def test_what_the_first_look_decides_stays_so(pictures: list[Message]):
     for number, told in enumerate(first.facts["attractors"]):
         same = np.flatnonzero(np.isclose(found["amplitude"].values, told["amplitude"], rtol=1e-3))
         assert np.isin(found["label"].values[labels_of(first) == number], same).all()
-
-
-def test_fractions_are_those_of_the_labels(pictures: list[Message]):
-    for picture in pictures:
-        labels = picture.arrays["label"]
-        for number, told in enumerate(picture.facts["attractors"]):
-            assert told["fraction"] == np.mean(labels == number)
-        assert picture.facts["undecided"] == np.mean(labels < 0)
 
 
 def test_a_machine_has_the_basin_of_its_rotor():

@@ -303,13 +303,10 @@ def test_what_a_system_does_not_have_is_refused(
         run_of(question(path, **changes))
 
 
-def test_a_bad_file_is_told_by_its_name_alone(path: Path) -> None:
+def test_a_bad_file_is_told_by_its_name_alone_and_one_of_another_kind_refused(path: Path) -> None:
     path.write_text("speed = 3")
     with pytest.raises(InputError, match=r"^disc\.toml: system must be given"):
         run_of(question(path))
-
-
-def test_a_file_of_another_kind_is_refused() -> None:
     asked = {"about": "system_file", "number": 1, "name": "rotor.csv", "size": 3}
     with pytest.raises(InputError, match="ending of the file must be"):
         read_question(json.dumps(asked))
