@@ -1,243 +1,255 @@
-"""A witness of orbits that shares nothing with the program: SciPy's DOP853, restarted at crossings.
+"""The witness of the tests: one disc as a rigid body, by SciPy's DOP853 restarted at every event.
 
-The equations and their variational equation, which runs through entries and exits unchanged, are
-written again here, on fixed axes.
+It shares nothing with the program. The state on fixed axes is ``(x, y, vx, vy, theta, theta')``, in
+any consistent units. Newton's law for the centre of mass, Euler's for the spin, and what is known
+of friction are four linear equations for the accelerations and the tangential force T, the same in
+every mode; a prescribed speed takes the place of Euler's. Small differences of the start
+follow the derivatives of these equations, by complex steps; they run through entry, exit, release
+and press unchanged.
 """
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+import math
+from dataclasses import dataclass, field
 
 import numpy as np
 from scipy.integrate import solve_ivp
 
-TOLERANCES = {"method": "DOP853", "rtol": 1e-12, "atol": 1e-13}
+HOW = {"method": "DOP853", "rtol": 3e-14, "atol": 1e-15, "max_step": 0.1}
+# For this part of the longest step nothing is looked for after an event: what it left must not be
+# found again.
+NUDGE = 1e-6
+FLIES, FORWARDS, BACKWARDS, ROLLS, LOOSE = 0, 1, -1, 2, 3
+ENTRY, EXIT, ROLL, SLIP, REVERSE, PRESS, RELEASE = 1, -1, 2, -2, 3, 4, -4
+STEP = 1e-30  # of a complex derivative
+
+
+def in_units(how, length, time):
+    """Return settings of the integrator for states in other units."""
+    scales = np.array([length, length, length / time, length / time, 1.0, 1.0 / time])
+    return how | {"atol": how["atol"] * scales, "max_step": how["max_step"] * time}
 
 
 @dataclass(frozen=True)
-class Flown:
-    """Where an orbit ends, the derivative of that by its start, and when it crossed the ring."""
+class Disc:
+    """A rotor with either a rate of its speed, or a torque ``(tau0, slope)`` and an inertia.
 
-    end: np.ndarray
-    monodromy: np.ndarray
-    crossings: np.ndarray
+    The rotor is dimensionless, or one in SI units.
+    """
 
+    rotor: object
+    rate: float = 0.0
+    torque: tuple | None = None
+    inertia: float = 0.0
+    unbalance: float = 1.0  # 0 takes the unbalance away
 
-def machine_rates(time, whole, rotor, in_contact, pressed):
-    """Rate of change on fixed axes of a machine's state, and of four differences from it."""
-    z, v = whole[:2], whole[2:4]
-    radius = np.hypot(*z)
-    outward = z / (radius or 1.0)
-    radial, depth, n = np.outer(outward, outward), radius - rotor.delta0, rotor.contact_exponent
-    rise, held = v @ outward, 1.0 + rotor.contact_damping * (v @ outward)
-    force = depth**n * held if in_contact and pressed and depth > 0.0 else 0.0
-    angle = rotor.omega * time
-    push = rotor.omega**2 * np.array([np.cos(angle), np.sin(angle)]) - [0.0, rotor.load]
-    rate = push - 2.0 * rotor.zeta * v - rotor.shaft_stiffness * z - force * outward
-    jacobian = np.zeros((4, 4))
-    jacobian[:2, 2:] = np.eye(2)
-    jacobian[2:, :2] = -rotor.shaft_stiffness * np.eye(2)
-    jacobian[2:, 2:] = -2.0 * rotor.zeta * np.eye(2)
-    if force:
-        across = (np.eye(2) - radial) / radius
-        jacobian[2:, :2] -= n * depth ** (n - 1.0) * held * radial + force * across
-        dragged = rotor.contact_damping * depth**n
-        jacobian[2:, :2] -= dragged * np.outer(outward, across @ (v - rise * outward))
-        jacobian[2:, 2:] -= dragged * radial
-    return np.concatenate([v, rate, (jacobian @ whole[4:].reshape(4, 4)).ravel()])
+    def get(self, name, otherwise=1.0):
+        """Return a parameter; mass, eccentricity and stiffness without dimensions are 1."""
+        return getattr(self.rotor, name, otherwise) or 0.0
 
+    @property
+    def clearance(self):
+        return self.get("clearance", getattr(self.rotor, "delta0", 0.0))
 
-def machine_gap(_, whole, rotor, in_contact, pressed):
-    """Distance of a machine from the ring."""
-    return np.hypot(whole[0], whole[1]) - rotor.delta0
+    def polar(self, state):
+        """Return radius, direction (x, y), radial and tangential velocity."""
+        x, y, vx, vy = state[:4]
+        radius = (x * x + y * y) ** 0.5
+        out = (x / radius, y / radius) if radius else (1.0, 0.0)
+        return radius, out, out[0] * vx + out[1] * vy, out[0] * vy - out[1] * vx
 
+    def factor(self, state):
+        """Return ``1 + c d'``."""
+        return 1.0 + self.rotor.contact_damping * self.polar(state)[2]
 
-def machine_hold(_, whole, rotor, in_contact, pressed):
-    """The factor ``1 + c d'`` of the contact force; a positive constant in flight."""
-    z, v = whole[:2], whole[2:4]
-    return 1.0 + rotor.contact_damping * (v @ z) / np.hypot(*z) if in_contact else 1.0
+    def normal(self, state):
+        """Return the normal force, which may pull where a step looks beyond a release."""
+        depth = self.polar(state)[0] - self.clearance
+        sign = 1.0 if depth.real > 0.0 else -1.0
+        power = sign * (sign * depth) ** self.rotor.contact_exponent
+        return self.get("contact_stiffness") * power * self.factor(state)
 
+    def slip(self, state):
+        """Return the speed of the rim on the ring."""
+        return self.polar(state)[3] + self.get("disc_radius") * state[5]
 
-def machine_flown(rotor, start, duration):
-    """Follow a machine on fixed axes, off the ring at the start, restarted at every event."""
-    whole = np.concatenate([start, np.eye(4).ravel()])
-    in_contact, now, crossings = bool(np.hypot(*start[:2]) > rotor.delta0), 0.0, []
-    pressed = machine_hold(0.0, whole, rotor, in_contact, True) > 0.0
-    while now < duration:
-        machine_gap.terminal, machine_gap.direction = True, -1.0 if in_contact else 1.0
-        machine_hold.terminal, machine_hold.direction = True, -1.0 if pressed else 1.0
-        solved = solve_ivp(
-            machine_rates, (now, duration), whole, args=(rotor, in_contact, pressed),
-            events=[machine_gap, machine_hold], **TOLERANCES,
+    def exactly(self, state, mode):
+        """Return a state in which a disc that rolls does not slip."""
+        if mode != ROLLS:
+            return state
+        _, (ox, oy), rise, _ = self.polar(state)
+        around = -self.get("disc_radius") * state[5]
+        return [*state[:2], rise * ox - around * oy, rise * oy + around * ox, *state[4:]]
+
+    def solved(self, state, mode):
+        """Return ``x'' y'' theta'' T``: both accelerations are linear in the last two."""
+        rotor, rho, mass = self.rotor, self.get("disc_radius"), self.get("mass")
+        e = self.unbalance * self.get("eccentricity")
+        x, y, vx, vy, angle, speed = state[:6]
+        damping = getattr(rotor, "damping", None)
+        damping = 2.0 * rotor.zeta if damping is None else damping
+        radius, (ox, oy), rise, around = self.polar(state)
+        c, s = math.cos(angle.real), math.sin(angle.real)
+        normal = self.normal(state) if mode in (FORWARDS, BACKWARDS, ROLLS) else 0.0
+        fx = -damping * vx - rotor.shaft_stiffness * x - normal * ox
+        fy = -damping * vy - rotor.shaft_stiffness * y - normal * oy
+        ax, ay = fx / mass + e * speed**2 * c, (fy - rotor.load) / mass + e * speed**2 * s
+        turns, drags, drive = 1.0, 0.0, self.rate  # turns theta'' + drags T = drive
+        if self.torque is not None:  # about the centre of mass; T acts on the rim
+            turns, drags = self.inertia, rho - e * (c * ox + s * oy)
+            drive = self.torque[0] - self.torque[1] * speed - e * (c * fy - s * fx)
+        by_spin, by_drag, known = 0.0, 1.0, 0.0
+        if mode in (FORWARDS, BACKWARDS):
+            known = rotor.friction * mode * normal
+        if mode == ROLLS:  # the tangential velocity changes as rho theta' does, the other way
+            by_spin, by_drag = rho - e * (c * ox + s * oy), -1.0 / mass
+            known = around * rise / radius + oy * ax - ox * ay
+        whole = turns * by_drag - drags * by_spin
+        faster = (drive * by_drag - drags * known) / whole
+        drag = (turns * known - by_spin * drive) / whole
+        ax, ay = ax + e * s * faster + oy / mass * drag, ay - e * c * faster - ox / mass * drag
+        return ax, ay, faster, drag
+
+    def rates(self, state, mode):
+        """Return the rate of change, and that of differences if the state has some behind it."""
+        _, _, vx, vy, _, speed = first = self.exactly(state[:6].tolist(), mode)
+        ax, ay, faster, _ = self.solved(first, mode)
+        here = np.array([vx, vy, ax, ay, speed, faster])
+        if len(state) == 6:
+            return here
+        steps = state[:6] + STEP * 1j * np.eye(4, 6)
+        slopes = np.array([self.rates(each, mode)[:4] for each in steps]).imag.T / STEP
+        return np.concatenate([here, (slopes @ state[6:].reshape(4, 4)).ravel()])
+
+    def turning(self, state, mode=FORWARDS):
+        """Return the rates of ``(x, y, vx, vy, theta')`` on axes that turn with the unbalance."""
+        x, y, vx, vy, speed = state
+        *here, _, faster = self.rates(np.array([*state[:4], 0.0, speed]), mode)
+        return np.array([*(here + speed * np.array([y, -x, vy, -vx])), faster])
+
+    def guards(self, mode):
+        """Return what ends a mode where it falls through 0, and which event that is."""
+
+        def gap(state):
+            return np.hypot(state[0], state[1]) - self.clearance
+
+        def grip(sense):
+            return lambda state: (
+                self.rotor.friction * self.normal(state) - sense * self.solved(state, ROLLS)[3]
+            )
+
+        if mode == FLIES:
+            return [(lambda state: -gap(state), ENTRY)]
+        guards = [(gap, EXIT)]
+        if mode == LOOSE:
+            return [*guards, (lambda state: -self.factor(state), PRESS)]
+        if self.rotor.contact_damping > 0.0:
+            guards.append((self.factor, RELEASE))
+        if mode == ROLLS:
+            return [*guards, (grip(1), SLIP), (grip(-1), SLIP)]
+        if self.rotor.friction > 0.0:
+            guards.append((lambda state: mode * self.slip(state), ROLL))
+        return guards
+
+    def mode_of(self, state, stopped=False):
+        """Return how a contact whose force pushes goes on."""
+        slip = 0.0 if stopped else self.slip(state)
+        if self.rotor.friction == 0.0:
+            return FORWARDS
+        if abs(slip) > 1e-13:
+            return int(np.sign(slip))
+        hold = self.solved(state, ROLLS)[3]
+        holds = abs(hold) <= self.rotor.friction * self.normal(state) + 1e-15
+        return ROLLS if holds else int(np.sign(hold))
+
+    def stretch(self, now, end, state, mode, guards=(), how=HOW, dense=False):
+        """Follow one mode to an end or to the first guard: time, state, number of the guard, and
+        the states between."""
+
+        def wrapped(guard):
+            def event(_, seen):
+                return guard(self.exactly(seen, mode))
+
+            event.terminal, event.direction = True, -1.0
+            return event
+
+        found = solve_ivp(
+            lambda _, seen: self.rates(seen, mode), (now, end), state, dense_output=dense,
+            events=[wrapped(each) for each in guards], **how,
         )  # fmt: skip
-        assert solved.success, solved.message
-        now, whole = float(solved.t[-1]), solved.y[:, -1]
-        if solved.status == 1:
-            if solved.t_events[0].size:
-                crossings.append(now)
-                in_contact, pressed = not in_contact, True
+        assert found.success, found.message
+        place = next((i for i, times in enumerate(found.t_events) if times.size), None)
+        return float(found.t[-1]), np.array(self.exactly(found.y[:, -1], mode)), place, found.sol
+
+
+@dataclass
+class Followed:
+    """Events as rows of time, kind and speed, the state at the end, and states at some times."""
+
+    events: list = field(default_factory=list)
+    end: np.ndarray | None = None
+    states: np.ndarray | None = None
+
+    @property
+    def tangents(self):
+        """The derivatives of the end by the start."""
+        return self.end[6:].reshape(4, 4)
+
+    @property
+    def crossings(self):
+        """The times of entries and exits."""
+        return np.array([time for time, kind, _ in self.events if kind in (ENTRY, EXIT)])
+
+
+def followed(pieces, start, speed, *, angle=0.0, at=(), tangents=False, how=HOW):
+    """Follow pieces, each an end and a `Disc`, from a start off the ring; return `Followed`."""
+    behind = np.eye(4).ravel() if tangents else []
+    state = np.array([*start, angle, speed, *behind], dtype=float)
+    told, now, times, states = Followed(), 0.0, np.asarray(at, dtype=float), []
+
+    def go(disc, end, guards=()):
+        nonlocal now, state
+        before = now
+        now, state, place, path = disc.stretch(
+            now, end, state, mode, guards, how, dense=bool(times.size)
+        )
+        while len(states) < len(times) and before <= times[len(states)] <= now:
+            states.append(path(times[len(states)]))
+        return place
+
+    disc, mode = pieces[0][1], FLIES
+    if np.hypot(*state[:2]) > disc.clearance:
+        mode = disc.mode_of(state) if disc.factor(state) > 0.0 else LOOSE
+    for end, disc in pieces:
+        while now < end:
+            guards = disc.guards(mode)
+            if mode == ROLLS:
+                lost = [guard(state) <= 0.0 for guard, kind in guards if kind == SLIP]
+                if any(lost):  # as the angular acceleration jumped
+                    mode = FORWARDS if lost[0] else BACKWARDS
+                    told.events.append((now, SLIP, state[5]))
+                    continue
+            place = go(disc, end, [guard for guard, _ in guards])
+            if place is None:
+                break
+            kind = guards[place][1]
+            if kind == ROLL:
+                before, mode = mode, disc.mode_of(state, stopped=True)
+                assert mode != before, "only touched"
+                kind = ROLL if mode == ROLLS else REVERSE
+            elif kind == SLIP:
+                mode = FORWARDS if place == len(guards) - 2 else BACKWARDS
             else:
-                pressed = not pressed
-    return Flown(whole[:4], whole[4:].reshape(4, 4), np.array(crossings))
+                mode = {EXIT: FLIES, RELEASE: LOOSE}.get(kind)
+                mode = disc.mode_of(state) if mode is None else mode
+            told.events.append((now, kind, state[5]))
+            go(disc, min(now + NUDGE * how["max_step"], end))
+    told.end, told.states = state, np.array(states)
+    return told
 
 
-# ---- Friction: sliding on fixed axes, rolling in polar coordinates, restarted at every event ----
-
-# So long after an event nothing is looked for: what it left must not be found again.
-NUDGE = 1e-7
-
-
-def rub_normal(rotor, radius, rise):
-    """The normal force, which may pull where a step looks beyond a release."""
-    depth = radius - rotor.delta0
-    return np.sign(depth) * abs(depth) ** rotor.contact_exponent * (
-        1.0 + rotor.contact_damping * rise
-    )  # fmt: skip
-
-
-def rub_polar(state):
-    """Radius, direction, radial and tangential velocity."""
-    x, y, vx, vy = state
-    radius = np.hypot(x, y)
-    return radius, np.arctan2(y, x), (x * vx + y * vy) / radius, (x * vy - y * vx) / radius
-
-
-def rub_hold(time, state, rotor):
-    """F = omega**2 sin(omega t - phi) - gamma cos phi + V (2 zeta + r'/r)."""
-    radius, phi, rise, _ = rub_polar(state)
-    rim = rotor.disc_radius * rotor.omega
-    push = rotor.omega**2 * np.sin(rotor.omega * time - phi) - rotor.load * np.cos(phi)
-    return push + rim * (2.0 * rotor.zeta + rise / radius)
-
-
-def rub_slip(state, rotor):
-    """v_s = v_t + rho omega."""
-    return rub_polar(state)[3] + (rotor.disc_radius or 0.0) * rotor.omega
-
-
-def sliding_rates(time, state, rotor, mode):
-    """z'' of flight, of a loose contact, and of one that slides in a sense."""
-    z, v = complex(*state[:2]), complex(*state[2:])
-    push = rotor.omega**2 * np.exp(1j * rotor.omega * time) - 1j * rotor.load
-    a = push - 2.0 * rotor.zeta * v - rotor.shaft_stiffness * z
-    if mode in (1, -1):
-        radius, _, rise, _ = rub_polar(state)
-        a -= rub_normal(rotor, radius, rise) * (1.0 + 1j * rotor.friction * mode) * z / radius
-    return [v.real, v.imag, a.real, a.imag]
-
-
-def rolling_rates(time, state, rotor):
-    """r'' = V**2/r - 2 zeta r' - kappa r - N + omega**2 cos(omega t - phi) - gamma sin phi, and
-    r phi' = -V."""
-    radius, rise, phi = state
-    rim = rotor.disc_radius * rotor.omega
-    drive = rotor.omega**2 * np.cos(rotor.omega * time - phi) - rotor.load * np.sin(phi)
-    bend = drive + rim**2 / radius - 2.0 * rotor.zeta * rise - rotor.shaft_stiffness * radius
-    return [rise, bend - rub_normal(rotor, radius, rise), -rim / radius]
-
-
-def rolled_state(polar, rotor):
-    """Displacement and velocity of a disc that rolls."""
-    radius, rise, phi = polar
-    turn = np.exp(1j * phi)
-    z, v = radius * turn, (rise - 1j * rotor.disc_radius * rotor.omega) * turn
-    return np.array([z.real, z.imag, v.real, v.imag])
-
-
-def rub_guards(rotor, mode):
-    """What ends a mode where it falls through 0, and which event that is."""
-
-    def gap(_time, state):
-        return np.hypot(state[0], state[1]) - rotor.delta0
-
-    def held(_time, state):
-        return 1.0 + rotor.contact_damping * rub_polar(state)[2]
-
-    def grip(sense):
-        def left(time, state):
-            radius, _, rise, _ = rub_polar(state)
-            normal = rub_normal(rotor, radius, rise)
-            return rotor.friction * normal - sense * rub_hold(time, state, rotor)
-
-        return left
-
-    def negative(function):
-        return lambda time, state: -function(time, state)
-
-    if mode == 0:
-        return [(negative(gap), 1)]
-    guards = [(gap, -1)]
-    if mode == 3:
-        return [*guards, (negative(held), 4)]
-    if rotor.contact_damping > 0.0:
-        guards.append((held, -4))
-    if mode == 2:
-        return [*guards, (grip(1), -2), (grip(-1), -2)]
-    if rotor.friction > 0.0:
-        guards.append((lambda _, state: mode * rub_slip(state, rotor), 2))
-    return guards
-
-
-def rub_mode_of(time, state, rotor, stopped=False):
-    """How a pressed contact goes on: 1 or -1 where it slides, 2 where it rolls."""
-    if rotor.friction == 0.0:
-        return 1
-    slip = 0.0 if stopped else rub_slip(state, rotor)
-    if abs(slip) > 1e-13:
-        return int(np.sign(slip))
-    radius, _, rise, _ = rub_polar(state)
-    hold = rub_hold(time, state, rotor)
-    grip = rotor.friction * rub_normal(rotor, radius, rise) if radius > rotor.delta0 else 0.0
-    return 2 if abs(hold) <= grip + 1e-15 else int(np.sign(hold))
-
-
-def rub_stretch(now, end, state, rotor, mode, guards=()):
-    """Follow one mode to an end or to the first guard; return time, state and number of guard."""
-    how = {**TOLERANCES, "rtol": 1e-13, "atol": 1e-14, "max_step": 0.05}
-    read = (lambda polar: rolled_state(polar, rotor)) if mode == 2 else (lambda seen: seen)
-
-    def wrapped(guard):
-        def event(time, seen):
-            return guard(time, read(seen))
-
-        event.terminal, event.direction = True, -1.0
-        return event
-
-    if mode == 2:
-        radius, phi, rise, _ = rub_polar(state)
-        begun, rates = [radius, rise, phi], lambda time, seen: rolling_rates(time, seen, rotor)
-    else:
-        begun, rates = state, lambda time, seen: sliding_rates(time, seen, rotor, mode)
-    found = solve_ivp(rates, (now, end), begun, events=[wrapped(each) for each in guards], **how)
-    assert found.success, found.message
-    if found.status == 0:
-        return end, read(found.y[:, -1]), None
-    place = next(i for i, times in enumerate(found.t_events) if times.size)
-    return float(found.t_events[place][0]), read(found.y_events[place][0]), place
-
-
-def rubbed(rotor, start, duration):
-    """Follow a rotor, off the ring at the start; return its events and its end."""
-    now, state, events = 0.0, np.array(start, dtype=float), []
-    mode = 0
-    if np.hypot(*state[:2]) > rotor.delta0:
-        loose = 1.0 + rotor.contact_damping * rub_polar(state)[2] <= 0.0
-        mode = 3 if loose else rub_mode_of(now, state, rotor)
-    while now < duration:
-        guards = rub_guards(rotor, mode)
-        now, state, place = rub_stretch(now, duration, state, rotor, mode, [g for g, _ in guards])
-        if place is None:
-            break
-        kind = guards[place][1]
-        if kind == 2:
-            before, mode = mode, rub_mode_of(now, state, rotor, stopped=True)
-            kind = 2 if mode == 2 else 3
-            assert mode != before, "only touched"
-        elif kind == -2:
-            mode = 1 if place == len(guards) - 2 else -1
-        else:
-            mode = {-1: 0, -4: 3}.get(kind) if kind < 0 else rub_mode_of(now, state, rotor)
-        events.append((now, kind))
-        end = min(now + NUDGE, duration)
-        now, state, _ = rub_stretch(now, end, state, rotor, mode)
-    return events, state
+def flown(rotor, start, duration, **more):
+    """Follow a rotor at its speed."""
+    speed = rotor.omega if hasattr(rotor, "omega") else rotor.speed
+    return followed([(duration, Disc(rotor))], start, speed, **more)

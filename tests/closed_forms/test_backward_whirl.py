@@ -12,6 +12,7 @@ from scipy.optimize import brentq
 from rotor_ida import Rotor, backward_whirl, simulate
 from rotor_ida.errors import InputError
 from rotor_ida.schema import STABILITY, WHIRL_KIND
+from tests.witness import FORWARDS, Disc
 
 KNOWN = {"omega": 0.629579808, "zeta": 0.1, "delta0": 1.0, "friction": 0.2, "disc_radius": 10.0}
 MACHINES = [
@@ -42,17 +43,9 @@ def row(found, kind):
     }
 
 
-def slipping(_, state, rotor):
+def slipping(state, rotor):
     """The equation of motion on the fixed axes without unbalance, slipping forwards."""
-    x, y, vx, vy = state
-    r = np.sqrt(x * x + y * y)
-    normal = (r - rotor.delta0) ** rotor.contact_exponent
-    normal = normal * (1.0 + rotor.contact_damping * (x * vx + y * vy) / r)
-    across = rotor.friction * normal
-    kappa, zeta = rotor.shaft_stiffness, rotor.zeta
-    ax = -2.0 * zeta * vx - kappa * x - (normal * x - across * y) / r
-    ay = -2.0 * zeta * vy - kappa * y - (normal * y + across * x) / r
-    return np.array([vx, vy, ax, ay])
+    return Disc(rotor, unbalance=0.0).rates(np.array([*state, 0.0, rotor.omega]), FORWARDS)[:4]
 
 
 def rolling_or_slipping(_, state, rotor, eps):
@@ -85,7 +78,7 @@ def test_the_slipping_whirl_obeys_the_stated_motion(machine):
     rotor = rubbing(**machine)
     saddle = row(backward_whirl(rotor), "slipping")
     r, speed = saddle["amplitude"], saddle["whirl_speed"]
-    change = slipping(0.0, np.array([r, 0.0, 0.0, speed * r]), rotor)
+    change = slipping([r, 0.0, 0.0, speed * r], rotor)
     np.testing.assert_allclose(change, [0.0, speed * r, -(speed**2) * r, 0.0], atol=1e-13 * r)
     assert speed * r + rotor.disc_radius * rotor.omega > 0.0
     assert saddle["tangential_force"] == rotor.friction * saddle["normal_force"]
@@ -100,7 +93,7 @@ def test_the_slipping_whirl_is_a_saddle(machine):
 
     def turning(state):
         x, y, vx, vy = state
-        _, _, ax, ay = slipping(0.0, state, rotor)
+        _, _, ax, ay = slipping(state, rotor)
         return np.array([vx + speed * y, vy - speed * x, ax + speed * vy, ay - speed * vx])
 
     state = np.array([r, 0.0, 0.0, speed * r])
@@ -117,25 +110,13 @@ def test_below_the_saddle_whirl_dies_and_above_it_grows(part, grows):
     rotor = rubbing(**KNOWN)
     saddle = row(backward_whirl(rotor), "slipping")
     r = saddle["amplitude"] * part
-    found = solve_ivp(
-        slipping, (0.0, 80.0), [r, 0.0, 0.0, saddle["whirl_speed"] * r], method="DOP853",
-        rtol=1e-9, atol=1e-11, args=(rotor,), events=[leaves_contact, reaches_rolling],
-    )  # fmt: skip
-    radius = np.hypot(*found.y[:2])
-    assert (radius[-1] > 1.2 * saddle["amplitude"]) == grows
-    assert (radius[-1] < 0.8 * saddle["amplitude"]) != grows
-
-
-def leaves_contact(_, state, rotor):
-    return math.hypot(*state[:2]) - rotor.delta0 - 1e-3
-
-
-def reaches_rolling(_, state, rotor):
-    x, y, vx, vy = state
-    return (x * vy - y * vx) / math.hypot(x, y) + rotor.disc_radius * rotor.omega
-
-
-leaves_contact.terminal = reaches_rolling.terminal = True
+    state = np.array([r, 0.0, 0.0, saddle["whirl_speed"] * r, 0.0, rotor.omega])
+    disc = Disc(rotor, unbalance=0.0)
+    guards = [guard for guard, _ in disc.guards(FORWARDS)]  # where it leaves, or rolls
+    _, end, *_ = disc.stretch(0.0, 80.0, state, FORWARDS, guards)
+    radius = math.hypot(*end[:2])
+    assert (radius > 1.2 * saddle["amplitude"]) == grows
+    assert (radius < 0.8 * saddle["amplitude"]) != grows
 
 
 @pytest.mark.parametrize("machine", MACHINES)

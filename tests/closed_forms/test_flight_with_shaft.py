@@ -13,10 +13,10 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.integrate import solve_ivp
 
 from rotor_ida import InputError, Rotor, simulate
 from rotor_ida.closed_forms import contact_free_whirl, flight, rest
+from tests.witness import flown
 
 START = (0.3, -0.2, -0.4, 0.7)
 SPANS = np.array([0.0, 1e-6, 0.013, 0.7, 2.3, 19.0, 300.0])
@@ -123,17 +123,10 @@ def test_flying_on_is_flying_once(omega, zeta, kappa, start, first, second):
 
 
 def test_flight_is_what_an_integrator_finds():
-    rotor = machine(1.7, 0.1, 0.6)
-
-    def rates(time, state):
-        z, v = complex(*state[:2]), complex(*state[2:])
-        b = 1.7**2 * np.exp(1.7j * time) - 0.8j - 0.2 * v - 0.6 * z
-        return [v.real, v.imag, b.real, b.imag]
-
-    times = np.linspace(2.0, 22.0, 9)
-    seen = solve_ivp(rates, (2.0, 22.0), START, "DOP853", times, rtol=1e-12, atol=1e-13)
+    rotor, times = machine(1.7, 0.1, 0.6, delta0=50.0), np.linspace(2.0, 22.0, 9)
+    seen = flown(rotor, START, 20.0, angle=1.7 * 2.0, at=times - 2.0).states[:, :4].T
     found = flight(times, rotor=rotor, start=START, start_time=2.0)
-    np.testing.assert_allclose(found, seen.y, rtol=0, atol=1e-10)
+    np.testing.assert_allclose(found, seen, rtol=0, atol=1e-10)
 
 
 def test_a_rotor_that_does_not_touch_is_simulated_as_it_flies():

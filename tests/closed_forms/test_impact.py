@@ -5,9 +5,9 @@ from __future__ import annotations
 import mpmath
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
-from rotor_ida import impact
+from rotor_ida import Rotor, impact
+from tests.witness import FORWARDS, Disc
 
 
 def reference(x: float) -> mpmath.mpf:
@@ -53,25 +53,17 @@ def test_peak_indentation_holds_to_rounding_for_every_product():
 @pytest.mark.parametrize("exponent", [1.5, 1.0])
 @pytest.mark.parametrize(("speed", "damping"), [(0.7, 0.0), (0.7, 0.9), (2.5, 3.0)])
 def test_an_integrated_impact_rebounds_as_told(exponent, speed, damping):
-    def motion(_, state):
-        depth, rate = state
-        return [rate, -(max(depth, 0.0) ** exponent) * (1.0 + damping * rate)]
-
-    def leaves(t, state):
-        return state[0] if t > 1e-3 else 1.0
-
-    def turns(_, state):
-        return state[1]
-
-    leaves.terminal, leaves.direction = True, -1.0
-    run = solve_ivp(
-        motion, (0.0, 100.0), [0.0, speed],
-        method="DOP853", events=(leaves, turns), rtol=1e-11, atol=1e-13,
-    )  # fmt: skip
+    rotor = Rotor(
+        omega=0.0, zeta=0.0, delta0=1.0, contact_exponent=exponent, contact_damping=damping
+    )
+    disc, start = Disc(rotor), np.array([1.0, 0.0, speed, 0.0, 0.0, 0.0])
+    _, deepest, *_ = disc.stretch(0.0, 100.0, start, FORWARDS, [lambda state: state[2]])
+    guards = [guard for guard, _ in disc.guards(FORWARDS)]
+    _, left, place, _ = disc.stretch(0.0, 100.0, deepest, FORWARDS, guards)
+    assert place == 0  # at the ring, without a release
     found = impact(entry_speed=speed, contact_damping=damping, contact_exponent=exponent)
-    # the force is not smooth at the ring, where the step control works hardest
-    assert -run.y_events[0][0][1] / speed == pytest.approx(found.restitution.item(), rel=1e-7)
-    assert run.y_events[1][0][0] == pytest.approx(found.peak_indentation.item(), rel=1e-7)
+    assert -left[2] / speed == pytest.approx(found.restitution.item(), rel=1e-9)
+    assert deepest[0] - 1.0 == pytest.approx(found.peak_indentation.item(), rel=1e-9)
 
 
 def test_an_exponent_is_a_coordinate_where_it_is_not_the_default():

@@ -5,7 +5,7 @@ import pytest
 
 from rotor_ida import InputError, Rotor, folds, run_up, synchronous_response
 from rotor_ida.closed_forms import eigenvalues, late_jumps
-from tests.spin_witness import FORWARDS, Spinner
+from tests.witness import Disc
 
 MACHINES = {
     "the paper's rotor": {"zeta": 0.07, "delta0": 1.0},
@@ -31,11 +31,7 @@ def whirl_at_fold(omega, amplitude, machine):
 def field(state, omega, machine):
     """The rates on the rotating axes of a disc that is a rigid body; the velocity on fixed ones."""
     radius = {"disc_radius": 10.0} if "friction" in machine else {}
-    spinner = Spinner(Rotor(omega=omega, **machine, **radius))
-    z, v = complex(*state[:2]), complex(*state[2:])
-    rates = spinner.rates(np.array([*state, 0.0, omega]), FORWARDS)
-    moving, faster = complex(*rates[:2]) - 1j * omega * z, complex(*rates[2:4]) - 1j * omega * v
-    return np.array([moving.real, moving.imag, faster.real, faster.imag])
+    return Disc(Rotor(omega=omega, **machine, **radius)).turning([*state, omega])[:4]
 
 
 def reduced(omega, amplitude, machine):

@@ -2,10 +2,10 @@
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from rotor_ida import Rotor, run_up
 from rotor_ida.closed_forms import flight, ramp_flight
+from tests.witness import Disc, followed
 
 START = (0.3, 0.1, 0.2, -0.1)
 # Shaft, damping, first speed and rate: none, soft, stiff and overdamped, up and down.
@@ -18,20 +18,10 @@ RAMPS = [
 @pytest.mark.parametrize(("kappa", "zeta", "omega", "rate"), RAMPS)
 def test_it_is_the_motion_that_dop853_finds(kappa, zeta, omega, rate):
     times = np.linspace(0.0, 60.0, 41)
-
-    def field(t, state):
-        x, y, vx, vy = state
-        turned = np.exp(1j * (omega + 0.5 * rate * t) * t)
-        pulled = ((omega + rate * t) ** 2 - 1j * rate) * turned
-        pulled -= 2.0 * zeta * complex(vx, vy) + kappa * complex(x, y)
-        return [vx, vy, pulled.real, pulled.imag]
-
-    found = solve_ivp(
-        field, (0.0, 60.0), START, method="DOP853", rtol=1e-13, atol=1e-13, t_eval=times
-    )
     rotor = Rotor(omega=omega, zeta=zeta, delta0=1e3, shaft_stiffness=kappa)
     exact = ramp_flight(times, rotor=rotor, start=START, rate=rate)
-    np.testing.assert_allclose(exact, found.y, rtol=0, atol=1e-9 * np.abs(found.y).max())
+    found = followed([(60.0, Disc(rotor, rate))], START, omega, at=times).states[:, :4].T
+    np.testing.assert_allclose(exact, found, rtol=0, atol=1e-9 * np.abs(found).max())
 
 
 def test_a_simulated_run_up_through_resonance_lies_on_it():

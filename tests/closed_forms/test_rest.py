@@ -8,25 +8,18 @@ from dataclasses import replace
 import mpmath
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from rotor_ida import Rotor, rest, simulate
 from rotor_ida.closed_forms import synchronous_response
 from rotor_ida.errors import InputError
 from rotor_ida.model.disc_starts import hanging
 from rotor_ida.schema import STABILITY
+from tests.witness import FLIES, FORWARDS, Disc, flown
 
 
 def motion(state, rotor: Rotor) -> np.ndarray:
-    x, y, vx, vy = state
-    r = np.hypot(x, y)
-    depth = max(r - rotor.delta0, 0.0)
-    rate = (x * vx + y * vy) / r if r > 0.0 else 0.0
-    normal = max(0.0, depth**rotor.contact_exponent * (1.0 + rotor.contact_damping * rate))
-    over = normal / r if r > 0.0 else 0.0
-    resistance, kappa = 2.0 * rotor.zeta, rotor.shaft_stiffness
-    ax = -resistance * vx - (kappa + over) * x
-    return np.array([vx, vy, ax, -resistance * vy - (kappa + over) * y - rotor.load])
+    mode = FORWARDS if np.hypot(*state[:2]) > rotor.delta0 else FLIES
+    return Disc(rotor).turning([*state, 0.0], mode)[:4]
 
 
 def rotors() -> list[Rotor]:
@@ -93,13 +86,10 @@ def test_growth_and_frequencies_are_those_of_the_differentiated_motion():
 
 def test_a_rotor_that_is_let_go_comes_to_rest_there():
     rotor = Rotor(omega=0.0, zeta=0.4, delta0=0.5, shaft_stiffness=0.2, load=1.0)
-    run = solve_ivp(
-        lambda _, state: motion(state, rotor), (0.0, 200.0), [0.3, 0.2, 0.0, 0.1],
-        method="DOP853", rtol=1e-10, atol=1e-12,
-    )  # fmt: skip
+    end = flown(rotor, (0.3, 0.2, 0.0, 0.1), 200.0).end
     found = rest(rotor)
     expected = [found.x.item(), found.y.item(), 0.0, 0.0]
-    np.testing.assert_allclose(run.y[:, -1], expected, atol=1e-8)
+    np.testing.assert_allclose(end[:4], expected, atol=1e-8)
 
 
 @pytest.mark.parametrize("kappa", [0.0, 0.3])

@@ -13,7 +13,7 @@ from rotor_ida.closed_forms import (
 from rotor_ida.closed_forms.rotor_columns import RotorColumns
 from rotor_ida.closed_forms.sommerfeld import _Drive, _jacobian
 from rotor_ida.schema import STABILITY
-from tests.spin_witness import FLIES, FORWARDS, Spinner
+from tests.witness import FLIES, FORWARDS, Disc
 
 RHO, SLOPE, INERTIA = 10.0, 0.3, 7.0
 GIVEN = {
@@ -32,11 +32,8 @@ def points_of(curve, every=7):
 def field(state, torque, machine, mode):
     """The rates on axes that turn with the unbalance, and that of the spin, of a rigid body."""
     radius = {"disc_radius": RHO} if "friction" in machine else {}
-    z, v, omega = complex(*state[:2]), complex(*state[2:4]), state[4]
-    spinner = Spinner(Rotor(omega=omega, **machine, **radius), torque=torque, inertia=INERTIA)
-    rates = spinner.rates(np.array([*state[:4], 0.0, omega]), mode)
-    moving, faster = complex(*rates[:2]) - 1j * omega * z, complex(*rates[2:4]) - 1j * omega * v
-    return np.array([moving.real, moving.imag, faster.real, faster.imag, rates[5]])
+    rotor = Rotor(omega=state[4], **machine, **radius)
+    return Disc(rotor, torque=torque, inertia=INERTIA).turning(state, mode)
 
 
 @pytest.mark.parametrize("machine", [GIVEN, LINEAR])

@@ -6,12 +6,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.integrate import solve_ivp
 
-from rotor_ida import DimensionalRotor, dimensional
+from rotor_ida import DimensionalRotor, Rotor, dimensional
 from rotor_ida.closed_forms import eigenvalues, stability_determinant, synchronous_response
 from rotor_ida.errors import InputError
 from rotor_ida.schema import STABILITY
+from tests.witness import Disc, flown
 
 NAMES = ("amplitude", "phase_lag", "stability", "in_contact", "growth_rate")
 
@@ -94,20 +94,16 @@ def whirls_of(rotor):
 
 
 def field(state, rotor):
-    """The equation of motion on the rotating axes; takes complex states.
+    """The stated motion on the rotating axes; takes complex states.
 
     The state is the displacement and the velocity on the fixed axes, both on the rotating ones.
     """
-    x, y, vx, vy = state
-    omega, zeta, kappa = (rotor[name] for name in ("omega", "zeta", "shaft_stiffness"))
-    r = np.sqrt(x * x + y * y)
-    depth = r - rotor["delta0"]
-    rate = (x * vx + y * vy) / r
-    normal = depth ** rotor["contact_exponent"] * (1.0 + rotor["contact_damping"] * rate)
-    across = rotor["friction"] * normal
-    ax = omega**2 - 2.0 * zeta * vx - kappa * x - (normal * x - across * y) / r
-    ay = -2.0 * zeta * vy - kappa * y - (normal * y + across * x) / r
-    return np.array([vx + omega * y, vy - omega * x, ax + omega * vy, ay - omega * vx])
+    return disc_of(rotor).turning([*state, rotor["omega"]])[:4]
+
+
+def disc_of(rotor):
+    radius = {"disc_radius": 10.0} if rotor["friction"] else {}
+    return Disc(Rotor(**rotor, **radius))
 
 
 @pytest.mark.parametrize("friction", [False, True])
@@ -155,11 +151,11 @@ def test_contact_damping_takes_the_small_whirl_its_stability(rotor, word):
     z = amplitude * np.exp(-1j * lag)
     rest = np.array([z.real, z.imag, -rotor["omega"] * z.imag, rotor["omega"] * z.real])
     away = 1e-7 * np.array([np.cos(lag), -np.sin(lag), 0.0, 0.0])
-    run = solve_ivp(
-        lambda _, state: field(state, rotor), (0.0, 160.0), rest + away,
-        method="DOP853", t_eval=np.linspace(60.0, 160.0, 10001), rtol=1e-12, atol=1e-14,
-    )  # fmt: skip
-    distance = np.hypot(*(run.y[:2] - rest[:2, None]))
+    times = np.linspace(60.0, 160.0, 10001)
+    run = flown(disc_of(rotor).rotor, rest + away, 160.0, at=times)
+    assert not run.events
+    x, y, *_ = run.states.T
+    distance = np.abs((x + 1j * y) * np.exp(-1j * rotor["omega"] * times) - z)
     # the largest distance over ten units of time, some turns of the mode
     early, late = (distance[part].max() for part in (slice(0, 1000), slice(-1000, None)))
     assert np.log(late / early) / 90.0 == pytest.approx(rate, rel=0.02)

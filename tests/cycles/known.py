@@ -7,13 +7,14 @@ method on (state, period, omega) with SciPy's DOP853 (rtol = atol = 1e-11) resta
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from rotor_ida import Rotor
 from rotor_ida.cycles.orbit import Orbit
 from rotor_ida.schema import SPECIAL
-from tests.witness import Flown, machine_flown
+from tests.witness import flown
 
 
 @dataclass(frozen=True)
@@ -116,12 +117,20 @@ def revolutions(rotor, period):
     return period * rotor.omega / (2.0 * np.pi)
 
 
-def once_round(rotor, state, period) -> Flown:
+class OnceRound(NamedTuple):
+    """Where an orbit ends, the derivative of that by its start, and when it crossed the ring."""
+
+    end: np.ndarray
+    monodromy: np.ndarray
+    crossings: np.ndarray
+
+
+def once_round(rotor, state, period) -> OnceRound:
     """Return an orbit by DOP853, with its end and its matrix read on the rotating axes."""
-    flown = machine_flown(rotor, state, period)
+    found = flown(rotor, state, period, tangents=True)
     cos, sin = np.cos(rotor.omega * period), np.sin(rotor.omega * period)
     back = np.kron(np.eye(2), [[cos, sin], [-sin, cos]])
-    return Flown(back @ flown.end, back @ flown.monodromy, flown.crossings)
+    return OnceRound(back @ found.end[:4], back @ found.tangents, found.crossings)
 
 
 def signature(cycle) -> np.ndarray:

@@ -5,10 +5,10 @@ import math
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from rotor_ida import DimensionalRotor, InputError, Rotor, dimensional, simulate
 from rotor_ida.model.parameters import FRICTIONLESS, MACHINE_PARAMETERS
+from tests.witness import HOW, flown, in_units
 
 MACHINE = DimensionalRotor(
     mass=3.0,
@@ -159,39 +159,16 @@ def test_what_is_beyond_the_papers_must_be_a_number_too(name, value):
 
 def test_scaling_with_k_sqrt_D_over_m_reproduces_the_dimensional_equation():
     """The paper prints omega_0**2 = k/m; only k sqrt(D)/m maps one equation to the other."""
-
-    def newton(time, state):
-        x, y, vx, vy = state
-        radius = math.hypot(x, y)
-        depth = max(radius - MACHINE.clearance, 0.0)
-        force = MACHINE.contact_stiffness * depth**1.5 / (radius or 1.0)
-        push = MACHINE.mass * MACHINE.eccentricity * MACHINE.speed**2
-        angle = MACHINE.speed * time
-        return [
-            vx,
-            vy,
-            (push * math.cos(angle) - MACHINE.damping * vx - force * x) / MACHINE.mass,
-            (push * math.sin(angle) - MACHINE.damping * vy - force * y) / MACHINE.mass,
-        ]
-
     run = dimensional(
         simulate(MACHINE.rotor(), start=(0, 0, 0, 0), duration=20.0, samples=41, rtol=1e-12),
         MACHINE,
     )
     times = run.t.values
     scale = MACHINE.length_scale
-    reference = solve_ivp(
-        newton,
-        (0.0, times[-1]),
-        [0.0] * 4,
-        method="DOP853",
-        t_eval=times,
-        rtol=1e-12,
-        atol=1e-13 * scale,
-        max_step=0.01 * MACHINE.time_scale,
-    )
-    assert np.abs(run.x.values - reference.y[0]).max() < 1e-9 * scale
-    assert np.abs(run.vy.values - reference.y[3]).max() < 1e-9 * MACHINE.velocity_scale
+    how = in_units(HOW, scale, MACHINE.time_scale)
+    reference = flown(MACHINE, (0.0, 0.0, 0.0, 0.0), times[-1], at=times, how=how).states.T
+    assert np.abs(run.x.values - reference[0]).max() < 1e-9 * scale
+    assert np.abs(run.vy.values - reference[3]).max() < 1e-9 * MACHINE.velocity_scale
     deepest = MACHINE.contact_stiffness * run.peak_indentation.values**1.5
     assert run.peak_force.values == pytest.approx(deepest, rel=1e-12)
     assert run.peak_force.attrs["units"] == "N"

@@ -6,7 +6,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import xarray as xr
-from scipy.integrate import solve_ivp
 
 from rotor_ida import (
     DimensionalRotor,
@@ -33,6 +32,7 @@ from rotor_ida.results.in_si import without_dimensions
 from rotor_ida.results.si_units import dimensionless
 from rotor_ida.schema import QUANTITIES, labelled
 from rotor_ida.schema.quantities import UNITS
+from tests.witness import HOW, Disc, followed, in_units
 
 REST = (0.0, 0.0, 0.0, 0.0)
 MACHINE = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=418.0, eccentricity=5e-6,
@@ -202,39 +202,20 @@ RPM = math.pi / 30.0
 RATE, STALL, SLOPE, INERTIA = 900.0 * RPM, 2e-3, 5e-6, 4e-6
 
 
-def in_si_by_scipy(machine, end, angular_acceleration):
-    """Return place, velocity and speed at the end: Newton and Euler in SI units, by DOP853."""
-    m, d = machine.mass, machine.eccentricity
-
-    def slope(_time, state):
-        z, v, angle, speed = complex(*state[:2]), complex(*state[2:4]), state[4], state[5]
-        depth = max(abs(z) - machine.clearance, 0.0)
-        push = machine.contact_stiffness * depth**1.5 * (z / abs(z) if depth else 0.0)
-        held = machine.damping * v + machine.shaft_stiffness * z + push
-        turned = complex(math.cos(angle), math.sin(angle))
-        # the reaction acts at the centre of the disc, one eccentricity off the centre of mass
-        angular = angular_acceleration(speed, d * (held * turned.conjugate()).imag)
-        pulled = m * d * (speed**2 - 1j * angular) * turned
-        a = (pulled - held) / m
-        return [v.real, v.imag, a.real, a.imag, speed, angular]
-
-    start = [0.0, 0.0, 0.0, 0.0, 0.0, machine.speed]
-    found = solve_ivp(slope, (0.0, end), start, method="DOP853", rtol=1e-11, atol=1e-16)
-    return found.y[[0, 1, 2, 3, 5], -1]
-
-
 @pytest.mark.parametrize(
-    ("changes", "law"),
-    [({"to": 1500.0 * RPM, "rate": RATE}, lambda _speed, _moment: RATE),
+    ("changes", "drive"),
+    [({"to": 1500.0 * RPM, "rate": RATE}, {"rate": RATE}),
      ({"torque": (STALL, SLOPE), "inertia": INERTIA, "duration": 0.8},
-      lambda speed, moment: (STALL - SLOPE * speed + moment) / INERTIA)],
+      {"torque": (STALL, SLOPE), "inertia": INERTIA})],
     ids=["ramp in rpm", "limited power in N m"],
 )  # fmt: skip
-def test_a_run_up_in_si_units_obeys_newton_and_euler_in_si_units(changes, law):
+def test_a_run_up_in_si_units_obeys_newton_and_euler_in_si_units(changes, drive):
     """The same run by SciPy, from the equations with kilograms, newtons and metres."""
     shown = run_up(TURNED, samples=2, rtol=1e-9, **changes)
     assert shown.sizes["contact"] > 0
-    end = in_si_by_scipy(TURNED, float(shown.t[-1]), law)
+    pieces = [(float(shown.t[-1]), Disc(TURNED, **drive))]
+    how = in_units(HOW, TURNED.eccentricity, TURNED.time_scale)
+    end = followed(pieces, (0.0, 0.0, 0.0, 0.0), TURNED.speed, how=how).end[[0, 1, 2, 3, 5]]
     for name, value in zip(("x", "y", "vx", "vy", "speed"), end, strict=True):
         scale = float(abs(shown[name]).max())
         assert float(shown[name][-1]) == pytest.approx(value, abs=2e-6 * scale)

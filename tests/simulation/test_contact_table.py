@@ -18,7 +18,7 @@ from rotor_ida import (
 )
 from rotor_ida.model.contact import contact_force
 from tests.rotors import MOTIONS, ROTORS, RUBBING, WAYS
-from tests.witness import rub_hold, rub_slip, rubbed
+from tests.witness import ROLLS, Disc, flown
 
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 REST = (0.0, 0.0, 0.0, 0.0)
@@ -215,7 +215,7 @@ def test_samples_say_how_it_moves_how_fast_it_slides_and_how_hard_it_is_pressed(
         "flight", "slipping_forward", "slipping_backward", "rolling", "loose",
     ]  # fmt: skip
     states = np.array([found[name].values for name in ("x", "y", "vx", "vy")]).T
-    slip = np.array([rub_slip(state, ALL) for state in states])
+    slip = np.array([Disc(ALL).slip([*state, 0.0, ALL.omega]) for state in states])
     np.testing.assert_allclose(found.slip_speed.values[1:], slip[1:], rtol=0, atol=1e-12)
     radius = np.hypot(*states.T[:2])
     in_contact = radius > ALL.delta0
@@ -256,7 +256,8 @@ def test_energy_balances_against_drive_damping_and_heat():
     states = np.array([x, y, vx, vy]).T
     energy = 0.5 * (vx**2 + vy**2) + 0.4 * np.maximum(np.hypot(x, y) - rotor.delta0, 0.0) ** 2.5
     mode = found.mode.values
-    hold = np.array([rub_hold(*each, rotor) for each in zip(t, states, strict=True)])
+    turned = np.column_stack([states, rotor.omega * t, np.full(t.size, rotor.omega)])
+    hold = np.array([Disc(rotor).solved(state, ROLLS)[3] for state in turned])
     across = np.where(mode == 2, hold, mode * rotor.friction * found.normal_force.values)
     power = rotor.omega**2 * (np.cos(rotor.omega * t) * vx + np.sin(rotor.omega * t) * vy)
     power += across * rotor.disc_radius * rotor.omega - 2.0 * rotor.zeta * (vx**2 + vy**2)
@@ -290,12 +291,12 @@ def test_a_synchronous_rub_slides_round_the_ring_by_rim_and_whirl():
 def test_the_share_of_rolling_is_that_between_events_of_another_integrator(name):
     motion = MOTIONS[name]
     rotor, start, duration = motion.rotor, motion.start, motion.duration
-    events, _ = rubbed(rotor, start, duration)
-    times = np.array([time for time, _ in events] + [duration])
-    kinds = np.array([kind for _, kind in events])
+    events = flown(rotor, start, duration).events
+    times = np.array([time for time, _, _ in events] + [duration])
+    kinds = np.array([kind for _, kind, _ in events])
     rolled = np.diff(times)[kinds == 2].sum()
     touched, since = 0.0, 0.0 if math.hypot(*start[:2]) > rotor.delta0 else None
-    for time, kind in events:
+    for time, kind, _ in events:
         if kind == 1:
             since = time
         elif kind == -1:

@@ -15,7 +15,7 @@ from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import check_orbit
 from rotor_ida.simulation.run import run
 from tests.rotors import KNOCKED, MOTIONS, WAYS, WHIP
-from tests.witness import rub_hold, rubbed
+from tests.witness import ROLLS, Disc, flown
 
 LOOSER = {"taylor": {"rtol": 1e-12}, "adams": {"rtol": 1e-12}, "reference": {"rtol": 1e-10}}
 
@@ -23,20 +23,20 @@ LOOSER = {"taylor": {"rtol": 1e-12}, "adams": {"rtol": 1e-12}, "reference": {"rt
 @pytest.fixture(scope="module", params=MOTIONS)
 def witnessed(request):
     motion = MOTIONS[request.param]
-    events, end = rubbed(motion.rotor, motion.start, motion.duration)
-    assert {kind for _, kind in events} == motion.kinds
-    return motion, events, end
+    found = flown(motion.rotor, motion.start, motion.duration)
+    assert {kind for _, kind, _ in found.events} == motion.kinds
+    return motion, found.events, found.end[:4]
 
 
 @pytest.mark.parametrize("way", WAYS)
 def test_events_are_those_of_another_integrator(witnessed, way):
-    """SciPy's DOP853, restarted at each event; it rolls in polar coordinates."""
+    """SciPy's DOP853, restarted at each event."""
     motion, events, end = witnessed
     found = simulate(
         motion.rotor, start=motion.start, duration=motion.duration, samples=2, **WAYS[way]
     )
-    assert found.event_kind.values.tolist() == [kind for _, kind in events]
-    apart = np.abs(found.event_time.values - [time for time, _ in events])
+    assert found.event_kind.values.tolist() == [kind for _, kind, _ in events]
+    apart = np.abs(found.event_time.values - [time for time, _, _ in events])
     assert apart.max() < 1e-9
     # the witness's own error, which without friction has been left to grow for longer
     of_time, of_end = (1e-11, 2e-9) if motion.rotor.friction else (2e-10, 2e-8)
@@ -205,7 +205,7 @@ def test_a_start_without_slip_rolls_or_slides_as_its_grip_is_enough_or_not(way):
         found = simulate(machine, start=start, duration=1.0, samples=101, **WAYS[way])
         assert found.mode.values[0] == mode
         assert found.starts_in_contact == 1
-    held = rub_hold(0.0, start, rotor)
+    held = Disc(rotor).solved([*start, 0.0, rotor.omega], ROLLS)[3]
     assert 0.1 * 0.8**1.5 < held < 0.5 * 0.8**1.5
 
 

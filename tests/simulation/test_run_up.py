@@ -33,7 +33,7 @@ from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import check_orbit
 from rotor_ida.simulation.spin import driven, through
 from rotor_ida.verification.verify import differences, rerun
-from tests.spin_witness import Spinner, ran
+from tests.witness import Disc, followed
 
 START = (0.3, 0.1, 0.2, 0.1)
 REST = (0.0, 0.0, 0.0, 0.0)
@@ -49,17 +49,17 @@ ALL = Rotor(
 
 
 def ramp(rotor, to, rate):
-    return {"to": to, "rate": rate}, [((to - rotor.omega) / rate, Spinner(rotor, rate))]
+    return {"to": to, "rate": rate}, [((to - rotor.omega) / rate, Disc(rotor, rate))]
 
 
 def piecewise(rotor, *points):
     slopes = [(b[0], (b[1] - a[1]) / (b[0] - a[0])) for a, b in pairwise(points)]
-    return {"speeds": list(points)}, [(end, Spinner(rotor, slope)) for end, slope in slopes]
+    return {"speeds": list(points)}, [(end, Disc(rotor, slope)) for end, slope in slopes]
 
 
 def powered(rotor, torque, inertia, duration):
     given = {"torque": torque, "inertia": inertia, "duration": duration}
-    return given, [(duration, Spinner(rotor, torque=torque, inertia=inertia))]
+    return given, [(duration, Disc(rotor, torque=torque, inertia=inertia))]
 
 
 # Rotor, start, how its speed changes, and the kinds of event that each shows.
@@ -103,7 +103,7 @@ BY = {"taylor": {"method": "taylor"}, "adams": {}, "reference": {"backend": "pyt
 def witnessed(request):
     """A run, and what Newton's and Euler's equations of the disc as a rigid body make of it."""
     rotor, start, (_, pieces), _ = RUNS[request.param]
-    return RUNS[request.param], ran(pieces, start, rotor.omega)
+    return RUNS[request.param], followed(pieces, start, rotor.omega)
 
 
 @pytest.mark.parametrize("by", BY)

@@ -6,10 +6,9 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from rotor_ida import InputError, Rotor, SimulationError, run_up
-from tests.spin_witness import FLIES, FORWARDS, HOW, Spinner
+from tests.witness import FLIES, FORWARDS, HOW, Disc
 
 BY = {
     "taylor": {"method": "taylor"},
@@ -35,20 +34,11 @@ DRIFTS = Rotor(omega=1.0, zeta=0.0, delta0=1e5)
 
 def stall_of(rotor, start, torque, inertia, mode, duration=6.0):
     """Return when SciPy's DOP853 sees the speed fall through 0, and whether it comes back."""
-    spinner = Spinner(rotor, torque=torque, inertia=inertia)
-    state = np.array([*start, 0.0, rotor.omega])
-
-    def falls(_, seen):
-        return seen[5]
-
-    falls.terminal, falls.direction = True, -1.0
-    found = solve_ivp(
-        lambda _, seen: spinner.rates(seen, mode), (0.0, duration), state, events=falls,
-        **HOW | {"max_step": 0.005},
-    )  # fmt: skip
-    stalled = found.y_events[0][0]
-    _, later, _ = spinner.stretch(0.0, 0.1, stalled, mode)
-    return found.t_events[0][0], stalled, later[5] > 0.0
+    disc = Disc(rotor, torque=torque, inertia=inertia)
+    state, closely = np.array([*start, 0.0, rotor.omega]), HOW | {"max_step": 0.005}
+    at, stalled, *_ = disc.stretch(0.0, duration, state, mode, [lambda seen: seen[5]], closely)
+    _, later, *_ = disc.stretch(0.0, 0.1, stalled, mode)
+    return at, stalled, later[5] > 0.0
 
 
 @pytest.mark.parametrize("by", BY)

@@ -5,7 +5,6 @@ import re
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from rotor_ida import (
     Rotor,
@@ -30,7 +29,7 @@ from rotor_ida.steady.follow import (
 )
 from tests.rotors import KNOCKED, WHIP
 from tests.steady.following import LOADED, REST, SHAFT, followed, of_paper, slowest_multiplier
-from tests.witness import rubbed
+from tests.witness import flown
 
 TAYLOR = Options(method="taylor")
 # ---- Whirls ----
@@ -210,27 +209,6 @@ def test_a_cycle_through_many_turns_of_the_radius():
     assert settled.features.period == pytest.approx(16.3517990473, rel=1e-9)
 
 
-def flown(rotor, start, times):
-    """Displacements and velocities at times on the fixed axes, by DOP853."""
-
-    def rates(time, state):
-        z, v = complex(*state[:2]), complex(*state[2:])
-        depth, radius = abs(z) - rotor.delta0, abs(z)
-        push = rotor.omega**2 * np.exp(1j * rotor.omega * time) - 1j * rotor.load
-        a = push - 2.0 * rotor.zeta * v - rotor.shaft_stiffness * z
-        if depth > 0.0:
-            approach = (z.conjugate() * v).real / radius
-            force = depth**rotor.contact_exponent * (1.0 + rotor.contact_damping * approach)
-            a -= max(force, 0.0) * z / radius
-        return [v.real, v.imag, a.real, a.imag]
-
-    found = solve_ivp(
-        rates, (0.0, times[-1]), start, method="DOP853", t_eval=times, rtol=1e-11, atol=1e-12,
-        max_step=0.02,
-    )  # fmt: skip
-    return found.y[0] + 1j * found.y[1], found.y[2] + 1j * found.y[3]
-
-
 @pytest.mark.parametrize("name", LOADED)
 def test_a_cycle_comes_again_after_whole_revolutions_by_another_integrator(name):
     """And not after fewer; radii and the part at the spin speed are those of that integrator."""
@@ -239,7 +217,8 @@ def test_a_cycle_comes_again_after_whole_revolutions_by_another_integrator(name)
     revolution = 2.0 * math.pi / rotor.omega
     assert settled.features.period == pytest.approx(count * revolution, rel=1e-14)
     times = np.linspace(0.0, count * revolution, 1024 * count + 1)
-    z, v = flown(rotor, settled.end, times)
+    x, y, vx, vy = flown(rotor, settled.end, times[-1], at=times).states[:, :4].T
+    z, v = x + 1j * y, vx + 1j * vy
     at_start = np.array([z[:1], v[:1]])
     apart = np.abs(np.array([z[::1024], v[::1024]]) - at_start).max(axis=0)
     assert apart[-1] < 1e-8
@@ -285,8 +264,7 @@ def cycle(request):
 
 def witness(rotor, state, duration):
     """Where another integrator ends, on the rotating axes."""
-    _, end = rubbed(rotor, state, duration)
-    return rotated(np.asarray(end), -rotor.omega * duration)
+    return rotated(flown(rotor, state, duration).end[:4], -rotor.omega * duration)
 
 
 def test_another_integrator_comes_back_after_the_period(cycle):
