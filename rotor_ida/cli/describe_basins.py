@@ -11,10 +11,9 @@ import xarray as xr
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.cli.describe import range_of
 from rotor_ida.cli.describe_systems import worst_of_contacts
-from rotor_ida.cli.sheets import Line, Sheet, facts
+from rotor_ida.cli.sheets import Line, Parts, Range, Sheet, facts
 from rotor_ida.cli.variables import (
     Description,
-    Parts,
     Record,
     Rows,
     counted,
@@ -95,10 +94,19 @@ def show_atlas(dataset: xr.Dataset, most: int | None) -> Description:
     record, _ = tabled(dataset, most)
     if isinstance(given := record.get("starts"), list):  # the archive contains them, row by row
         record["starts"] = len(given) // len(COMPONENTS)
-    heads, *rows = Sheet("", lines).cells()
-    record |= scalars | {"attractors": [dict(zip(heads, row, strict=True)) for row in rows]}
+    rows = [
+        {"attractor": number, "kind": kinds[number], "points": int(here.sum())}
+        | {name: _from_to(line.values[number])
+           for name, line in zip(names, lines[3:], strict=True)}
+        for number, (_, here) in enumerate(places)
+    ]  # fmt: skip
+    record |= scalars | {"attractors": rows}
     title = counted("Attractors", len(owns), None)
     return record, [Sheet(title, lines) if owns else title, facts("Starts", scalars)]
+
+
+def _from_to(found: object) -> str:
+    return " to ".join(f"{each:.6g}" for each in found) if isinstance(found, Range) else ""
 
 
 def _agreement(dataset: xr.Dataset) -> Record:

@@ -107,7 +107,7 @@ def show_drop(dataset: xr.Dataset, most: int | None) -> Description:
     record, parts = show_system_run(dataset, most)
     there = names_on(dataset, "contact")
     names = [name for name in (*OF_BEARING, "load_ratio") if name in there]
-    if "whirl_turns" not in names:
+    if not {"whirl_turns", "whirl_sense", "excursion"} <= {*there}:
         return record, parts
     bearings = rows_of(dataset, ["contact_node", *names])
     bearings = [{"node": each.pop("contact_node"), **each} for each in bearings]

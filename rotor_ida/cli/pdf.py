@@ -15,7 +15,7 @@ from rotor_ida.texts import printable
 
 # Size of a page and its margin [point]; letters in a line, lines on a page, size of letters.
 WIDTH, HEIGHT, MARGIN = 595.0, 842.0, 42.0
-COLUMNS, LINES, SIZE = 118, 84, 7.0
+COLUMNS, LINES, SIZE = 146, 98, 5.8
 
 
 def write_pdf(

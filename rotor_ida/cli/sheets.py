@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -83,7 +84,8 @@ class Sheet:
         said = [(each, *each.said(system, micro)) for each in self.lines]
         if self.heads is not None and not any(self.heads):
             notes = any(each.note for each in self.lines)
-            return [[], *([printable(line.name), *values, unit if values != ["-"] else "",
+            return [[], *([printable(line.name), *values,
+                           unit if any(map(math.isfinite, _floats(line.values))) else "",
                            *[line.note] * notes] for line, unit, values in said)]  # fmt: skip
         titled = [[f"{line.name} [{unit}]" if unit else printable(line.name), *values]
                   for line, unit, values in said]  # fmt: skip
@@ -106,7 +108,7 @@ class Sheet:
         drawn = Table(
             title=printable(self.title), title_justify="left", title_style="bold",
             show_header=bool(heads), box=box.SIMPLE_HEAD if heads else None,
-            show_edge=False, pad_edge=False, padding=(0, 1, 0, 0),
+            show_edge=False, pad_edge=False, padding=(0, 1 if heads else 2, 0, 0),
         )  # fmt: skip
         if heads:
             for head, right in zip(heads, self._numeric(), strict=True):
@@ -120,7 +122,8 @@ class Sheet:
 
     def html(self, system: UnitSystem = "metric") -> str:
         """Return the sheet for a page."""
-        heads, *rows = [[escape(each) for each in row] for row in self.cells(system, "µ")]
+        heads, *rows = [[re.sub(r"(\d) u(?=[msNJ]\b)", r"\1 µ", escape(each)) for each in row]
+                 for row in self.cells(system, "µ")]  # fmt: skip
         body = ["".join(f"<td>{each}</td>" for each in row) for row in rows]
         first = ["".join(f"<th>{each}</th>" for each in heads)] if heads else []
         note = f"<p>{escape(self.note)}</p>" if self.note else ""
@@ -130,6 +133,9 @@ class Sheet:
             f"<h2>{escape(printable(self.title))}</h2>\n{note}"
             f'<div class="wide"><table{look}>{inside}</table></div>'
         )
+
+
+Parts = list[str | Sheet]
 
 
 def facts(title: str, entries: Record | Sequence[Line], note: str = "") -> Sheet:

@@ -10,7 +10,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rotor_ida.cli.sheets import Line, Range, Sheet, facts, table
+from rotor_ida.cli.sheets import Line, Parts, Range, Sheet, facts, table
 from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.results.kinds import kind_of
 from rotor_ida.results.si_units import si_of
@@ -18,7 +18,6 @@ from rotor_ida.schema import NO_YES, RESULT_KIND, flags_of, unit_of, words_of
 from rotor_ida.units import SPEED_UNITS
 
 Record = dict[str, object]
-Parts = list[str | Sheet]
 Description = tuple[Record, Parts]
 METHOD = ("method", "flight", "backend", "rtol", "atol")
 VERSION = "_version"
@@ -211,7 +210,7 @@ def lines_of(dataset: xr.Dataset, entries: Mapping[str, object]) -> list[Line]:
 
 def _unit_of(dataset: xr.Dataset, name: str) -> str:
     """Return the unit of a variable."""
-    if name == "duration" and "t" in dataset.variables:
+    if name == "duration" and name not in dataset.variables:
         name = "t"
     if name not in dataset.variables:
         return "1"
@@ -219,7 +218,7 @@ def _unit_of(dataset: xr.Dataset, name: str) -> str:
     if unit == "s-1" and (name == "to" or name.endswith("_speed")):
         return "rad/s"
     if unit == "radian" and not any(
-        each.attrs.get("units") in IN_SI for each in dataset.variables.values()
+        str(each.attrs.get("units")) in IN_SI for each in dataset.variables.values()
     ):
         return "rad"
     return "rad/s2" if (name, unit) == ("rate", "s-2") else unit

@@ -30,7 +30,7 @@ from rotor_ida.plot.system_whirls import speeds_in
 from rotor_ida.results.si_units import in_rpm, scale_of
 from rotor_ida.schema import ENDS_IN_WORDS
 from rotor_ida.texts import in_figure
-from rotor_ida.units import SPEED_UNITS
+from rotor_ida.units import SPEED_UNITS, number
 
 ENDING_COLOURS = {
     "contact_free": KIND_SHADES["contact_free"][0],
@@ -160,7 +160,7 @@ def plot_endings(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
                        label=ENDING_WORDS[word])  # fmt: skip
             base = base + share
         step = math.ceil(rates.size / MOST_TICKS)
-        ax.set_xticks(places[::step], [_rate_text(rate) for rate in rates[order][::step]])
+        ax.set_xticks(places[::step], [number(rate, 3) for rate in rates[order][::step].tolist()])
         margin = max(0.1, 0.5 * (FEWEST_BARS - rates.size))
         ax.set_xlim(-0.5 - margin, rates.size - 0.5 + margin)
         ax.set_ylim(0.0, 1.0)
@@ -211,10 +211,6 @@ def _rates_of(dataset: xr.Dataset) -> Values:
     if "rate_scale" not in dataset.attrs:
         return rates
     return rates * scale_of(dataset, "rate") ** 2 / SPEED_UNITS["rpm"]
-
-
-def _rate_text(rate: float) -> str:
-    return f"{rate:.0f}" if abs(rate) >= 1000.0 else f"{rate:.3g}"
 
 
 def _unit_of_rate(dataset: xr.Dataset) -> str:
