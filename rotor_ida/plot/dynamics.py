@@ -86,7 +86,7 @@ def plot_section(section: xr.Dataset, *, node: str | None = None, ax: Axes | Non
     """
     is_system = isinstance(section, xr.Dataset) and "node" in section.variables
     needed = OF_SYSTEM if is_system else PARAMETERS
-    section = at_node(check_dataset("section", section, (*needed, *STATES)), node)
+    section = at_node(check_dataset("section", section, (*needed, *STATES, "crossing_time")), node)
     at = str(section.attrs.get("section", ""))
     z = section["rotating_x"].values + 1j * section["rotating_y"].values
     with drawing(ax, width=4.0, height=4.0) as ax:

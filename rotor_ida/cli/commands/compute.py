@@ -378,7 +378,7 @@ def bifurcation_diagram(
     A rotor of any size with several contacts, once a revolution, from a system file:
 
         rotor-ida bifurcation-diagram rotor.toml --speed 1000rpm:5000rpm:3 \
-            --at revolution --direction up --figure strobes
+            --at revolution --direction up --out strobes.nc
     """
     if start is not None and starts is not None:
         raise InputError(f"starts must be left out with --start, got {starts}")

@@ -219,7 +219,7 @@ def plot(
 
     A section or a bifurcation diagram of a rotor system, at a node:
 
-        rotor-ida plot entries.nc --node seal
+        rotor-ida plot strobes.nc --node seal
     """
     given: dict[str, Any] = {
         "order": order, "orders": orders, "revolutions": revolutions, "sense": sense,
