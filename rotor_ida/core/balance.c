@@ -1,10 +1,10 @@
-/* The force and the energy of a contact: whether it is pressed, its largest force, what it has
+/* The force and the energy of a contact: whether it is loose, its largest force, what it has
  * lost, and whether its energy balances. */
 #include "events.h"
 
-void begin_pressed(struct motion *motion, const double *start)
+void decide_looseness(struct motion *motion, const double *start)
 {
-    motion->model.pressed = 1.0;
+    motion->model.loose = 0.0;
     if (motion->model.contact_damping == 0.0 || start[CONTACT_Q] == 0.0)
         return;
     double above = start[CONTACT_P] - release_velocity(&motion->model);
@@ -13,7 +13,7 @@ void begin_pressed(struct motion *motion, const double *start)
         motion->mode->field(&motion->model, start, rate);
         above = rate[CONTACT_P];
     }
-    motion->model.pressed = above > 0.0 ? 1.0 : 0.0;
+    motion->model.loose = above > 0.0 ? 0.0 : 1.0;
 }
 
 double lost_of(const struct motion *motion, const double *start, const double *values)
@@ -77,7 +77,7 @@ int is_balanced(const struct motion *motion, double absolute, const double *star
     return fabs(missing) <= allowed * (motion->rtol * scale + (absolute + rounded) * apart);
 }
 
-/* The normal force of a pressed contact at values, and how fast it grows. */
+/* The normal force of a contact at values, and how fast it grows. */
 struct push {
     double force, growth;
 };
@@ -105,7 +105,7 @@ static struct push push_within(struct motion *motion, const double *values)
  * indentation. It is sought where the force grows at the beginning and falls at the end. */
 void raise_force(struct peak *peak, struct motion *motion, double end, const double *reached)
 {
-    if (motion->model.contact_damping == 0.0 || motion->model.pressed == 0.0)
+    if (motion->model.contact_damping == 0.0 || is_loose(motion))
         return;
     struct push left = push_of(motion, motion->before, motion->rate(motion));
     peak->force = larger(peak->force, larger(left.force, force_at(motion, reached)));

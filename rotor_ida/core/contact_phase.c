@@ -164,7 +164,7 @@ int integrate_contact(struct run *run, struct motion *motion, const double *begu
         if (status != DONE)
             return status;
         double end = end_of_step(run, motion, reached, left);
-        struct change change = {INFINITY, HELD};
+        struct change change = {INFINITY, LOOSENS};
         const int changes = ends_by_change(motion, &end, reached, left, &change);
         if (isnan(end)) {
             copy_values(motion, motion->before, reached);

@@ -206,7 +206,7 @@ enum fault {
 
 /* The first fault of the events, samples and contacts of a run, and its row in that table: times
  * increase; entry and exit alternate; they lie on the ring but for rounding; samples lie on their
- * side of it but for `allowed`, and the normal force of those that are pressed is not below 0, nor
+ * side of it but for `allowed`, and the normal force of those not loose is not below 0, nor
  * absent where it would not be; and contacts peak in their own span. */
 CORE_API int core_fault(const struct run *run, double allowed, int64_t *row);
 

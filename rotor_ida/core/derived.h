@@ -7,18 +7,18 @@
 
 struct parameters {
     double omega, zeta, delta0, felt;
-    double shaft_stiffness, contact_damping, load, hertz, linear, pressed, friction, disc_radius, rim, sigma, rate, torque, slope, inverse_inertia; /* of other models */
+    double shaft_stiffness, contact_damping, load, hertz, linear, loose, friction, disc_radius, rim, sigma, rate, torque, slope, inverse_inertia; /* of other models */
 };
 
 static inline struct parameters parameters_of(const struct rotor *rotor, double felt)
 {
-    return (struct parameters){.omega = rotor->omega, .zeta = rotor->zeta, .delta0 = rotor->delta0, .felt = felt, .hertz = 1.0, .pressed = 1.0};
+    return (struct parameters){.omega = rotor->omega, .zeta = rotor->zeta, .delta0 = rotor->delta0, .felt = felt, .hertz = 1.0};
 }
 
 /* Whether a rotor is the paper's, but for friction, and its speed prescribed. */
 static inline int is_plain(const struct parameters *m)
 {
-    return m->shaft_stiffness == 0.0 && m->contact_damping == 0.0 && m->load == 0.0 && m->hertz == 1.0 && m->linear == 0.0 && m->pressed == 1.0 && m->torque == 0.0 && m->slope == 0.0 && m->inverse_inertia == 0.0;
+    return m->shaft_stiffness == 0.0 && m->contact_damping == 0.0 && m->load == 0.0 && m->hertz == 1.0 && m->linear == 0.0 && m->loose == 0.0 && m->torque == 0.0 && m->slope == 0.0 && m->inverse_inertia == 0.0;
 }
 
 /* The law of contact, by the root q of the indentation and the radial velocity. */

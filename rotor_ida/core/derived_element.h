@@ -7,7 +7,7 @@
 
 /* What the law of a contact knows. */
 struct element {
-    double clearance, hertz, linear, contact_damping, pressed, friction, sigma, radius, race_radius, mobility, holding;
+    double clearance, hertz, linear, contact_damping, loose, friction, sigma, radius, race_radius, mobility, holding;
 };
 
 /* Its slope by the indentation. */
@@ -67,15 +67,15 @@ static inline void element_order(const struct element *m,
     const double w11 = times(series, 7, n, m->hertz * root + one * m->linear, w0);
     /* (1.0 + contact_damping * approach) * w11 */
     const double w12 = times(series, 8, n, one * 1.0 + m->contact_damping * approach, w11);
-    const double push = m->pressed * w12;
+    const double push = (1.0 - m->loose) * w12;
     const double w14 = times(series, 9, n, w12, normal_y); /* w12 * normal_y */
     const double w15 = times(series, 10, n, w12, normal_x); /* w12 * normal_x */
-    const double push_x = m->pressed * w15;
-    const double force_x = m->friction * m->sigma * m->pressed * w14 - push_x;
-    const double push_y = m->pressed * w14;
-    const double force_y = -(m->friction * m->sigma * m->pressed) * w15 - push_y;
+    const double push_x = (1.0 - m->loose) * w15;
+    const double force_x = m->friction * m->sigma * (1.0 - m->loose) * w14 - push_x;
+    const double push_y = (1.0 - m->loose) * w14;
+    const double force_y = -(m->friction * m->sigma * (1.0 - m->loose)) * w15 - push_y;
     const double w20 = times(series, 11, n, w12, approach); /* w12 * approach */
-    const double power = m->pressed * w20;
+    const double power = (1.0 - m->loose) * w20;
     answers[ELEMENT_NORMAL_X] = normal_x;
     answers[ELEMENT_NORMAL_Y] = normal_y;
     answers[ELEMENT_APPROACH] = approach;
@@ -110,15 +110,15 @@ static inline void element_values(const struct element *m,
     const double slip = across + m->radius * spin - m->race_radius * race;
     const double w11 = (m->hertz * root + m->linear) * w0;
     const double w12 = (1.0 + m->contact_damping * approach) * w11;
-    const double push = m->pressed * w12;
+    const double push = (1.0 - m->loose) * w12;
     const double w14 = w12 * normal_y;
     const double w15 = w12 * normal_x;
-    const double push_x = m->pressed * w15;
-    const double force_x = m->friction * m->sigma * m->pressed * w14 - push_x;
-    const double push_y = m->pressed * w14;
-    const double force_y = -(m->friction * m->sigma * m->pressed) * w15 - push_y;
+    const double push_x = (1.0 - m->loose) * w15;
+    const double force_x = m->friction * m->sigma * (1.0 - m->loose) * w14 - push_x;
+    const double push_y = (1.0 - m->loose) * w14;
+    const double force_y = -(m->friction * m->sigma * (1.0 - m->loose)) * w15 - push_y;
     const double w20 = w12 * approach;
-    const double power = m->pressed * w20;
+    const double power = (1.0 - m->loose) * w20;
     answers[ELEMENT_NORMAL_X] = normal_x;
     answers[ELEMENT_NORMAL_Y] = normal_y;
     answers[ELEMENT_APPROACH] = approach;
@@ -161,15 +161,15 @@ static inline void rolling_order(const struct element *m,
     const double w11 = times(series, 7, n, m->hertz * root + one * m->linear, w0);
     /* (1.0 + contact_damping * approach) * w11 */
     const double w12 = times(series, 8, n, one * 1.0 + m->contact_damping * approach, w11);
-    const double push = m->pressed * w12;
+    const double push = (1.0 - m->loose) * w12;
     const double w14 = times(series, 9, n, w12, normal_y); /* w12 * normal_y */
     const double w15 = times(series, 10, n, w12, normal_x); /* w12 * normal_x */
-    const double push_x = m->pressed * w15;
-    const double force_x = m->friction * m->sigma * m->pressed * w14 - push_x;
-    const double push_y = m->pressed * w14;
-    const double force_y = -(m->friction * m->sigma * m->pressed) * w15 - push_y;
+    const double push_x = (1.0 - m->loose) * w15;
+    const double force_x = m->friction * m->sigma * (1.0 - m->loose) * w14 - push_x;
+    const double push_y = (1.0 - m->loose) * w14;
+    const double force_y = -(m->friction * m->sigma * (1.0 - m->loose)) * w15 - push_y;
     const double w20 = times(series, 11, n, w12, approach); /* w12 * approach */
-    const double power = m->pressed * w20;
+    const double power = (1.0 - m->loose) * w20;
     const double w22 = times(series, 12, n, approach, across); /* approach * across */
     const double turning = over(series, 13, n, w22, radius, inverse_radius); /* w22 / radius */
     answers[ELEMENT_NORMAL_X] = normal_x;
@@ -214,23 +214,23 @@ static inline void massless_order(const struct element *m,
     const double w8 = times(series, 6, n, one * 1.0 + m->contact_damping * approach, spring);
     const double softened = one * 1.0 + m->mobility * m->contact_damping * spring;
     const double w10 = over(series, 7, n, w8, softened, inverse_softened); /* w8 / softened */
-    const double approach_ = approach - m->mobility * m->pressed * w10;
+    const double approach_ = approach - m->mobility * (1.0 - m->loose) * w10;
     const double w12 = times(series, 8, n, normal_x, vy); /* normal_x * vy */
     const double w13 = times(series, 9, n, normal_y, vx); /* normal_y * vx */
     const double across = w12 - w13;
     const double rim = m->radius * spin - m->race_radius * race;
-    const double drag = m->friction * m->sigma * m->pressed * w10 + m->holding * (across + rim);
+    const double drag = m->friction * m->sigma * (1.0 - m->loose) * w10 + m->holding * (across + rim);
     const double across_ = across - m->mobility * drag;
     const double slip = across_ + rim;
-    const double push = m->pressed * w10;
+    const double push = (1.0 - m->loose) * w10;
     const double w20 = times(series, 10, n, drag, normal_y); /* drag * normal_y */
     const double w21 = times(series, 11, n, w10, normal_x); /* w10 * normal_x */
-    const double force_x = w20 - m->pressed * w21;
+    const double force_x = w20 - (1.0 - m->loose) * w21;
     const double w23 = times(series, 12, n, drag, normal_x); /* drag * normal_x */
     const double w24 = times(series, 13, n, w10, normal_y); /* w10 * normal_y */
-    const double force_y = -w23 - m->pressed * w24;
+    const double force_y = -w23 - (1.0 - m->loose) * w24;
     const double w26 = times(series, 14, n, approach_, w10); /* approach_ * w10 */
-    const double power = m->pressed * w26;
+    const double power = (1.0 - m->loose) * w26;
     answers[ELEMENT_NORMAL_X] = normal_x;
     answers[ELEMENT_NORMAL_Y] = normal_y;
     answers[ELEMENT_APPROACH] = approach_;
@@ -264,23 +264,23 @@ static inline void massless_values(const struct element *m,
     const double w8 = (1.0 + m->contact_damping * approach) * spring;
     const double softened = 1.0 + m->mobility * m->contact_damping * spring;
     const double w10 = ratio(w8, softened);
-    const double approach_ = approach - m->mobility * m->pressed * w10;
+    const double approach_ = approach - m->mobility * (1.0 - m->loose) * w10;
     const double w12 = normal_x * vy;
     const double w13 = normal_y * vx;
     const double across = w12 - w13;
     const double rim = m->radius * spin - m->race_radius * race;
-    const double drag = m->friction * m->sigma * m->pressed * w10 + m->holding * (across + rim);
+    const double drag = m->friction * m->sigma * (1.0 - m->loose) * w10 + m->holding * (across + rim);
     const double across_ = across - m->mobility * drag;
     const double slip = across_ + rim;
-    const double push = m->pressed * w10;
+    const double push = (1.0 - m->loose) * w10;
     const double w20 = drag * normal_y;
     const double w21 = w10 * normal_x;
-    const double force_x = w20 - m->pressed * w21;
+    const double force_x = w20 - (1.0 - m->loose) * w21;
     const double w23 = drag * normal_x;
     const double w24 = w10 * normal_y;
-    const double force_y = -w23 - m->pressed * w24;
+    const double force_y = -w23 - (1.0 - m->loose) * w24;
     const double w26 = approach_ * w10;
-    const double power = m->pressed * w26;
+    const double power = (1.0 - m->loose) * w26;
     answers[ELEMENT_NORMAL_X] = normal_x;
     answers[ELEMENT_NORMAL_Y] = normal_y;
     answers[ELEMENT_APPROACH] = approach_;

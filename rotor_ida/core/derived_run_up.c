@@ -21,7 +21,7 @@ static void contact_field(const struct parameters *m,
     const double square = q * q;
     const double spring = (m->hertz * q + m->linear) * square;
     const double w5 = spring * (1.0 + m->contact_damping * p);
-    const double force = m->pressed * w5;
+    const double force = (1.0 - m->loose) * w5;
     const double r = m->delta0 + square;
     const double radial = w2 - 2.0 * m->zeta * p - force - m->shaft_stiffness * r + m->load * down_r;
     const double around = ratio(h, r);
@@ -32,7 +32,7 @@ static void contact_field(const struct parameters *m,
     const double velocity = w12 + w13;
     const double w15 = w5 * s;
     const double w16 = r * s;
-    const double pull = m->pressed * w15 + m->shaft_stiffness * w16;
+    const double pull = (1.0 - m->loose) * w15 + m->shaft_stiffness * w16;
     const double left = m->torque - m->slope * speed + 2.0 * m->zeta * velocity + pull;
     const double faster = m->rate + m->inverse_inertia * left;
     const double w20 = faster * s;
@@ -65,9 +65,9 @@ static void contact_field(const struct parameters *m,
     const double w47 = w43 * down_t;
     const double w48 = faster * q;
     const double w49 = w5 * q;
-    const double of_j = m->pressed * w49;
+    const double of_j = (1.0 - m->loose) * w49;
     const double w51 = w49 * p;
-    const double of_work = m->pressed * w51;
+    const double of_work = (1.0 - m->loose) * w51;
     const double w53 = p * p;
     const double w54 = around * around;
     const double w55 = h * speed;
@@ -116,7 +116,7 @@ static void contact_jacobian(const struct parameters *m,
     const double spring = w3 * square;
     const double w6 = m->contact_damping * p + 1.0;
     const double w7 = spring * w6;
-    const double w8 = m->pressed * w7;
+    const double w8 = (1.0 - m->loose) * w7;
     const double w9 = square + m->delta0;
     const double w10 = m->shaft_stiffness * w9;
     const double w11 = ratio(h, w9);
@@ -127,7 +127,7 @@ static void contact_jacobian(const struct parameters *m,
     const double w16 = w14 + w15;
     const double w17 = w7 * s;
     const double w18 = w9 * s;
-    const double w19 = m->inverse_inertia * (-m->slope * speed + m->torque + 2.0 * m->zeta * w16 + (m->pressed * w17 + m->shaft_stiffness * w18)) + m->rate;
+    const double w19 = m->inverse_inertia * (-m->slope * speed + m->torque + 2.0 * m->zeta * w16 + ((1.0 - m->loose) * w17 + m->shaft_stiffness * w18)) + m->rate;
     const double w20 = w19 * s;
     const double w21 = w3 * q;
     const double w22 = (2.0 * w21 + m->hertz * square) * w6;
@@ -140,9 +140,9 @@ static void contact_jacobian(const struct parameters *m,
     const double w29 = w24 * c;
     const double w30 = w22 * s;
     const double w31 = q * s;
-    const double w32 = -4.0 * m->zeta * w29 + (m->pressed * w30 + 2.0 * m->shaft_stiffness * w31);
+    const double w32 = -4.0 * m->zeta * w29 + ((1.0 - m->loose) * w30 + 2.0 * m->shaft_stiffness * w31);
     const double w33 = w32 * s;
-    const double w34 = (-m->pressed * w22 - 2.0 * m->shaft_stiffness * q + (-2.0 * w25 + w28) - m->inverse_inertia * w33) * q;
+    const double w34 = (-(1.0 - m->loose) * w22 - 2.0 * m->shaft_stiffness * q + (-2.0 * w25 + w28) - m->inverse_inertia * w33) * q;
     const double w35 = w0 * s;
     const double w36 = w19 * c;
     const double w37 = -w35 - 2.0 * m->zeta * w11 + m->load * down_t - w36;
@@ -172,7 +172,7 @@ static void contact_jacobian(const struct parameters *m,
     const double w61 = w58 * down_t;
     const double w62 = w32 * q;
     const double w63 = w22 * q;
-    const double w64 = (w8 + m->pressed * w63) * p;
+    const double w64 = (w8 + (1.0 - m->loose) * w63) * p;
     const double w65 = p * p;
     const double w66 = w11 * w11;
     const double w67 = h * speed;
@@ -193,9 +193,9 @@ static void contact_jacobian(const struct parameters *m,
     const double w82 = w81 * speed;
     const double w83 = w79 * (-2.0 * w29 + (2.0 * w23 - 2.0 * w80) + 2.0 * w82);
     const double w84 = spring * s;
-    const double w85 = 2.0 * m->zeta * s + m->pressed * m->contact_damping * w84;
+    const double w85 = 2.0 * m->zeta * s + (1.0 - m->loose) * m->contact_damping * w84;
     const double w86 = w85 * s;
-    const double w87 = (-2.0 * m->zeta - m->pressed * m->contact_damping * spring - m->inverse_inertia * w86) * q;
+    const double w87 = (-2.0 * m->zeta - (1.0 - m->loose) * m->contact_damping * spring - m->inverse_inertia * w86) * q;
     const double w88 = w85 * c;
     const double w89 = w88 * w9;
     const double w90 = w89 * q;
@@ -284,15 +284,15 @@ static void contact_jacobian(const struct parameters *m,
     matrix[7] = w19 + m->inverse_inertia * w62;
     matrix[8] = 1.0;
     matrix[9] = speed;
-    matrix[10] = w8 + m->pressed * w63;
+    matrix[10] = w8 + (1.0 - m->loose) * w63;
     matrix[11] = w64;
     matrix[12] = 2.0 * m->zeta * (w65 + w66 - w67) + m->load * w69 + w73 + (w78 + w83);
     matrix[13] = 0.5;
     matrix[14] = w87;
     matrix[15] = -m->inverse_inertia * w90;
     matrix[20] = m->inverse_inertia * w91;
-    matrix[23] = m->pressed * m->contact_damping * w92;
-    matrix[24] = m->pressed * m->contact_damping * w93 + m->pressed * w94;
+    matrix[23] = (1.0 - m->loose) * m->contact_damping * w92;
+    matrix[24] = (1.0 - m->loose) * m->contact_damping * w93 + (1.0 - m->loose) * w94;
     matrix[25] = 4.0 * m->zeta * w95 + (m->inverse_inertia * w96 + w97);
     matrix[27] = w104;
     matrix[28] = w107;
@@ -362,7 +362,7 @@ static void contact_expand(const struct parameters *m,
         const double spring = times(series, 3, n, m->hertz * q + one * m->linear, square);
         /* spring * (1.0 + contact_damping * p) */
         const double w5 = times(series, 4, n, spring, one * 1.0 + m->contact_damping * p);
-        const double force = m->pressed * w5;
+        const double force = (1.0 - m->loose) * w5;
         const double r = one * m->delta0 + square;
         const double radial = w2 - 2.0 * m->zeta * p - force - m->shaft_stiffness * r + m->load * down_r;
         const double around = over(series, 5, n, h, r, inverse_r); /* h / r */
@@ -373,7 +373,7 @@ static void contact_expand(const struct parameters *m,
         const double velocity = w12 + w13;
         const double w15 = times(series, 10, n, w5, s); /* w5 * s */
         const double w16 = times(series, 11, n, r, s); /* r * s */
-        const double pull = m->pressed * w15 + m->shaft_stiffness * w16;
+        const double pull = (1.0 - m->loose) * w15 + m->shaft_stiffness * w16;
         const double left = one * m->torque - m->slope * speed + 2.0 * m->zeta * velocity + pull;
         const double faster = one * m->rate + m->inverse_inertia * left;
         const double w20 = times(series, 12, n, faster, s); /* faster * s */
@@ -396,9 +396,9 @@ static void contact_expand(const struct parameters *m,
         const double of_down_t = -w36;
         const double w38 = times(series, 24, n, faster, q); /* faster * q */
         const double w39 = times(series, 25, n, w5, q); /* w5 * q */
-        const double of_j = m->pressed * w39;
+        const double of_j = (1.0 - m->loose) * w39;
         const double w41 = times(series, 26, n, w39, p); /* w39 * p */
-        const double of_work = m->pressed * w41;
+        const double of_work = (1.0 - m->loose) * w41;
         terms[CONTACT_Q] = of_q * share;
         terms[CONTACT_P] = of_p * share;
         terms[CONTACT_H] = of_h * share;
@@ -448,7 +448,7 @@ static void contact_spent(const struct parameters *m,
         const vec4 w14 = spring * (1.0 + m->contact_damping * p);
         const vec4 w15 = w14 * s;
         const vec4 w16 = r * s;
-        const vec4 pull = m->pressed * w15 + m->shaft_stiffness * w16;
+        const vec4 pull = (1.0 - m->loose) * w15 + m->shaft_stiffness * w16;
         const vec4 left = m->torque - m->slope * speed + 2.0 * m->zeta * velocity + pull;
         const vec4 faster = m->rate + m->inverse_inertia * left;
         const vec4 w20 = faster * q;
@@ -491,7 +491,7 @@ static void contact_expand_prescribed(const struct parameters *m,
         const double spring = times(series, 3, n, m->hertz * q + one * m->linear, square);
         /* spring * (1.0 + contact_damping * p) */
         const double w5 = times(series, 4, n, spring, one * 1.0 + m->contact_damping * p);
-        const double force = m->pressed * w5;
+        const double force = (1.0 - m->loose) * w5;
         const double r = one * m->delta0 + square;
         const double radial = w2 - 2.0 * m->zeta * p - force - m->shaft_stiffness * r + m->load * down_r;
         const double around = over(series, 5, n, h, r, inverse_r); /* h / r */
@@ -514,9 +514,9 @@ static void contact_expand_prescribed(const struct parameters *m,
         const double w26 = times(series, 17, n, turned, down_r); /* turned * down_r */
         const double of_down_t = -w26;
         const double w28 = times(series, 18, n, w5, q); /* w5 * q */
-        const double of_j = m->pressed * w28;
+        const double of_j = (1.0 - m->loose) * w28;
         const double w30 = times(series, 19, n, w28, p); /* w28 * p */
-        const double of_work = m->pressed * w30;
+        const double of_work = (1.0 - m->loose) * w30;
         terms[CONTACT_Q] = of_q * share;
         terms[CONTACT_P] = of_p * share;
         terms[CONTACT_H] = of_h * share;
@@ -950,7 +950,7 @@ static void rub_field(const struct parameters *m,
     const double square = q * q;
     const double spring = (m->hertz * q + m->linear) * square;
     const double w5 = spring * (1.0 + m->contact_damping * p);
-    const double push = m->pressed * w5;
+    const double push = (1.0 - m->loose) * w5;
     const double r = m->delta0 + square;
     const double radial = w2 - 2.0 * m->zeta * p - push - m->shaft_stiffness * r + m->load * down_r;
     const double slip_speed = ratio(slip, r);
@@ -963,16 +963,16 @@ static void rub_field(const struct parameters *m,
     const double velocity = w14 + w15;
     const double w17 = w5 * s;
     const double w18 = r * s;
-    const double pull = m->pressed * w17 + m->shaft_stiffness * w18;
+    const double pull = (1.0 - m->loose) * w17 + m->shaft_stiffness * w18;
     const double lever = m->disc_radius - c;
     const double w21 = w5 * lever;
-    const double left = m->torque - m->slope * speed + 2.0 * m->zeta * velocity + pull - m->friction * m->sigma * m->pressed * w21;
+    const double left = m->torque - m->slope * speed + 2.0 * m->zeta * velocity + pull - m->friction * m->sigma * (1.0 - m->loose) * w21;
     const double faster = m->rate + m->inverse_inertia * left;
     const double w24 = faster * s;
     const double outwards = radial + centrifugal - w24;
     const double of_p = outwards * q;
     const double w27 = w1 * s;
-    const double drag = m->friction * m->sigma * m->pressed * w5;
+    const double drag = m->friction * m->sigma * (1.0 - m->loose) * w5;
     const double tangential = -w27 - 2.0 * m->zeta * around + m->load * down_t - drag;
     const double w30 = faster * lever;
     const double sideways = tangential + w30;
@@ -1001,7 +1001,7 @@ static void rub_field(const struct parameters *m,
     const double w54 = w50 * down_t;
     const double w55 = faster * q;
     const double w56 = w5 * q;
-    const double of_j = m->pressed * w56;
+    const double of_j = (1.0 - m->loose) * w56;
     const double w58 = w56 * p;
     const double w59 = p * p;
     const double w60 = r * speed;
@@ -1029,9 +1029,9 @@ static void rub_field(const struct parameters *m,
     rate[RUB_T] = q;
     rate[RUB_ANGLE] = w37;
     rate[RUB_J] = of_j;
-    rate[RUB_WORK] = m->pressed * w58;
-    rate[RUB_SPENT] = spent - m->friction * m->sigma * m->pressed * w68 + w72;
-    rate[RUB_HEAT] = m->friction * m->sigma * m->pressed * w73;
+    rate[RUB_WORK] = (1.0 - m->loose) * w58;
+    rate[RUB_SPENT] = spent - m->friction * m->sigma * (1.0 - m->loose) * w68 + w72;
+    rate[RUB_HEAT] = m->friction * m->sigma * (1.0 - m->loose) * w73;
 }
 
 /* Their derivatives by each of these, column by column. */
@@ -1056,7 +1056,7 @@ static void rub_jacobian(const struct parameters *m,
     const double spring = w3 * square;
     const double w6 = m->contact_damping * p + 1.0;
     const double w7 = spring * w6;
-    const double w8 = m->pressed * w7;
+    const double w8 = (1.0 - m->loose) * w7;
     const double w9 = square + m->delta0;
     const double w10 = m->shaft_stiffness * w9;
     const double w11 = ratio(slip, w9);
@@ -1071,7 +1071,7 @@ static void rub_jacobian(const struct parameters *m,
     const double w20 = w9 * s;
     const double w21 = -c + m->disc_radius;
     const double w22 = w7 * w21;
-    const double w23 = m->inverse_inertia * (-m->slope * speed + m->torque + 2.0 * m->zeta * w18 + (m->pressed * w19 + m->shaft_stiffness * w20) - m->pressed * (m->friction * m->sigma) * w22) + m->rate;
+    const double w23 = m->inverse_inertia * (-m->slope * speed + m->torque + 2.0 * m->zeta * w18 + ((1.0 - m->loose) * w19 + m->shaft_stiffness * w20) - (1.0 - m->loose) * (m->friction * m->sigma) * w22) + m->rate;
     const double w24 = w23 * s;
     const double w25 = w3 * q;
     const double w26 = (2.0 * w25 + m->hertz * square) * w6;
@@ -1085,19 +1085,19 @@ static void rub_jacobian(const struct parameters *m,
     const double w34 = w26 * s;
     const double w35 = q * s;
     const double w36 = w26 * w21;
-    const double w37 = -4.0 * m->zeta * w33 + (m->pressed * w34 + 2.0 * m->shaft_stiffness * w35) - m->pressed * (m->friction * m->sigma) * w36;
+    const double w37 = -4.0 * m->zeta * w33 + ((1.0 - m->loose) * w34 + 2.0 * m->shaft_stiffness * w35) - (1.0 - m->loose) * (m->friction * m->sigma) * w36;
     const double w38 = w37 * s;
-    const double w39 = (-m->pressed * w26 - 2.0 * m->shaft_stiffness * q + (-2.0 * w29 + w32) - m->inverse_inertia * w38) * q;
+    const double w39 = (-(1.0 - m->loose) * w26 - 2.0 * m->shaft_stiffness * q + (-2.0 * w29 + w32) - m->inverse_inertia * w38) * q;
     const double w40 = w0 * s;
     const double w41 = 2.0 * m->zeta * w13;
-    const double w42 = m->pressed * (m->friction * m->sigma) * w7;
+    const double w42 = (1.0 - m->loose) * (m->friction * m->sigma) * w7;
     const double w43 = w23 * w21;
     const double w44 = -w40 - w41 + m->load * down_t - w42 + w43;
     const double w45 = w44 * w9;
     const double w46 = p * speed;
     const double w47 = w44 * q;
     const double w48 = w37 * w21;
-    const double w49 = (4.0 * m->zeta * w28 - m->pressed * (m->friction * m->sigma) * w26 + m->inverse_inertia * w48) * w9;
+    const double w49 = (4.0 * m->zeta * w28 - (1.0 - m->loose) * (m->friction * m->sigma) * w26 + m->inverse_inertia * w48) * w9;
     const double w50 = (2.0 * w47 + w49) * q;
     const double w51 = w31 * q;
     const double w52 = w14 + w51;
@@ -1120,7 +1120,7 @@ static void rub_jacobian(const struct parameters *m,
     const double w69 = w66 * down_t;
     const double w70 = w37 * q;
     const double w71 = w26 * q;
-    const double w72 = (w8 + m->pressed * w71) * p;
+    const double w72 = (w8 + (1.0 - m->loose) * w71) * p;
     const double w73 = p * p;
     const double w74 = w9 * speed;
     const double w75 = m->disc_radius * w74;
@@ -1136,7 +1136,7 @@ static void rub_jacobian(const struct parameters *m,
     const double w85 = w81 * speed;
     const double w86 = w81 * down_t;
     const double w87 = (2.0 * m->zeta * (2.0 * w84 + 2.0 * m->disc_radius * w85) + 2.0 * m->load * w86) * q;
-    const double w88 = w42 + m->pressed * (m->friction * m->sigma) * w71;
+    const double w88 = w42 + (1.0 - m->loose) * (m->friction * m->sigma) * w71;
     const double w89 = w12 + w74;
     const double w90 = w88 * w89;
     const double w91 = w7 * q;
@@ -1156,11 +1156,11 @@ static void rub_jacobian(const struct parameters *m,
     const double w105 = w28 * w91;
     const double w106 = spring * s;
     const double w107 = spring * w21;
-    const double w108 = 2.0 * m->zeta * s + m->pressed * m->contact_damping * w106 - m->pressed * m->contact_damping * (m->friction * m->sigma) * w107;
+    const double w108 = 2.0 * m->zeta * s + (1.0 - m->loose) * m->contact_damping * w106 - (1.0 - m->loose) * m->contact_damping * (m->friction * m->sigma) * w107;
     const double w109 = w108 * s;
-    const double w110 = (-2.0 * m->zeta - m->pressed * m->contact_damping * spring - m->inverse_inertia * w109) * q;
+    const double w110 = (-2.0 * m->zeta - (1.0 - m->loose) * m->contact_damping * spring - m->inverse_inertia * w109) * q;
     const double w111 = w108 * w21;
-    const double w112 = (-(m->pressed * m->contact_damping * (m->friction * m->sigma)) * spring + m->inverse_inertia * w111) * w9;
+    const double w112 = (-((1.0 - m->loose) * m->contact_damping * (m->friction * m->sigma)) * spring + m->inverse_inertia * w111) * w9;
     const double w113 = (w112 + w12) * q;
     const double w114 = w108 * q;
     const double w115 = spring * q;
@@ -1266,18 +1266,18 @@ static void rub_jacobian(const struct parameters *m,
     matrix[7] = w23 + m->inverse_inertia * w70;
     matrix[8] = 1.0;
     matrix[9] = speed;
-    matrix[10] = w8 + m->pressed * w71;
+    matrix[10] = w8 + (1.0 - m->loose) * w71;
     matrix[11] = w72;
-    matrix[12] = 2.0 * m->zeta * (w73 + w78 - w79) + m->load * w80 + w87 - (w90 + 2.0 * (m->pressed * (m->friction * m->sigma)) * w92) + (w97 + w103);
-    matrix[13] = w104 - 2.0 * (m->pressed * (m->friction * m->sigma)) * w105;
+    matrix[12] = 2.0 * m->zeta * (w73 + w78 - w79) + m->load * w80 + w87 - (w90 + 2.0 * ((1.0 - m->loose) * (m->friction * m->sigma)) * w92) + (w97 + w103);
+    matrix[13] = w104 - 2.0 * ((1.0 - m->loose) * (m->friction * m->sigma)) * w105;
     matrix[14] = 0.5;
     matrix[15] = w110;
     matrix[16] = w113;
     matrix[21] = m->inverse_inertia * w114;
-    matrix[24] = m->pressed * m->contact_damping * w115;
-    matrix[25] = m->pressed * m->contact_damping * w116 + m->pressed * w91;
-    matrix[26] = 4.0 * m->zeta * w117 - m->pressed * m->contact_damping * (m->friction * m->sigma) * w118 + (m->inverse_inertia * w119 + w120);
-    matrix[27] = m->pressed * m->contact_damping * (m->friction * m->sigma) * w121;
+    matrix[24] = (1.0 - m->loose) * m->contact_damping * w115;
+    matrix[25] = (1.0 - m->loose) * m->contact_damping * w116 + (1.0 - m->loose) * w91;
+    matrix[26] = 4.0 * m->zeta * w117 - (1.0 - m->loose) * m->contact_damping * (m->friction * m->sigma) * w118 + (m->inverse_inertia * w119 + w120);
+    matrix[27] = (1.0 - m->loose) * m->contact_damping * (m->friction * m->sigma) * w121;
     matrix[29] = w128;
     matrix[30] = w131;
     matrix[31] = -w133;
@@ -1286,7 +1286,7 @@ static void rub_jacobian(const struct parameters *m,
     matrix[34] = -w136;
     matrix[35] = 2.0 * m->zeta * m->inverse_inertia * w137;
     matrix[40] = 2.0 * m->zeta * w139 + (2.0 * m->zeta * m->inverse_inertia * w140 + w142);
-    matrix[41] = m->pressed * (m->friction * m->sigma) * w143;
+    matrix[41] = (1.0 - m->loose) * (m->friction * m->sigma) * w143;
     matrix[43] = w146;
     matrix[44] = w149;
     matrix[45] = -0.2 * w151 + w153;
@@ -1314,7 +1314,7 @@ static void rub_jacobian(const struct parameters *m,
     matrix[104] = m->disc_radius * w199 + 0.1 * w200;
     matrix[105] = m->inverse_inertia * w201;
     matrix[107] = q;
-    matrix[110] = w205 - m->pressed * (m->friction * m->sigma) * w206 + (m->inverse_inertia * w207 + w208);
+    matrix[110] = w205 - (1.0 - m->loose) * (m->friction * m->sigma) * w206 + (m->inverse_inertia * w207 + w208);
 }
 
 /* The Taylor series of the state: 29 lanes. */
@@ -1347,7 +1347,7 @@ static void rub_expand(const struct parameters *m,
         const double spring = times(series, 3, n, m->hertz * q + one * m->linear, square);
         /* spring * (1.0 + contact_damping * p) */
         const double w5 = times(series, 4, n, spring, one * 1.0 + m->contact_damping * p);
-        const double push = m->pressed * w5;
+        const double push = (1.0 - m->loose) * w5;
         const double r = one * m->delta0 + square;
         const double radial = w2 - 2.0 * m->zeta * p - push - m->shaft_stiffness * r + m->load * down_r;
         const double slip_speed = over(series, 5, n, slip, r, inverse_r); /* slip / r */
@@ -1359,16 +1359,16 @@ static void rub_expand(const struct parameters *m,
         const double velocity = w13 + w14;
         const double w16 = times(series, 10, n, w5, s); /* w5 * s */
         const double w17 = times(series, 11, n, r, s); /* r * s */
-        const double pull = m->pressed * w16 + m->shaft_stiffness * w17;
+        const double pull = (1.0 - m->loose) * w16 + m->shaft_stiffness * w17;
         const double lever = one * m->disc_radius - c;
         const double w20 = times(series, 12, n, w5, lever); /* w5 * lever */
-        const double left = one * m->torque - m->slope * speed + 2.0 * m->zeta * velocity + pull - m->friction * m->sigma * m->pressed * w20;
+        const double left = one * m->torque - m->slope * speed + 2.0 * m->zeta * velocity + pull - m->friction * m->sigma * (1.0 - m->loose) * w20;
         const double faster = one * m->rate + m->inverse_inertia * left;
         const double w23 = times(series, 13, n, faster, s); /* faster * s */
         const double outwards = radial + centrifugal - w23;
         const double of_p = times(series, 14, n, outwards, q); /* outwards * q */
         const double w26 = times(series, 15, n, w1, s); /* w1 * s */
-        const double drag = m->friction * m->sigma * m->pressed * w5;
+        const double drag = m->friction * m->sigma * (1.0 - m->loose) * w5;
         const double tangential = -w26 - 2.0 * m->zeta * around + m->load * down_t - drag;
         const double w29 = times(series, 16, n, faster, lever); /* faster * lever */
         const double sideways = tangential + w29;
@@ -1387,7 +1387,7 @@ static void rub_expand(const struct parameters *m,
         const double of_down_t = -w42;
         const double w44 = times(series, 26, n, faster, q); /* faster * q */
         const double w45 = times(series, 27, n, w5, q); /* w5 * q */
-        const double of_j = m->pressed * w45;
+        const double of_j = (1.0 - m->loose) * w45;
         const double w47 = times(series, 28, n, w45, p); /* w45 * p */
         terms[RUB_Q] = of_q * share;
         terms[RUB_P] = of_p * share;
@@ -1400,7 +1400,7 @@ static void rub_expand(const struct parameters *m,
         terms[RUB_T] = q * share;
         terms[RUB_ANGLE] = w36 * share;
         terms[RUB_J] = of_j * share;
-        terms[RUB_WORK] = m->pressed * w47 * share;
+        terms[RUB_WORK] = (1.0 - m->loose) * w47 * share;
         terms[RUB_SPENT] = one * 0.0 * share;
         terms[RUB_HEAT] = one * 0.0 * share;
         one = 0.0;
@@ -1445,10 +1445,10 @@ static void rub_spent(const struct parameters *m,
         const vec4 velocity = w16 + w19;
         const vec4 w21 = w12 * s;
         const vec4 w22 = r * s;
-        const vec4 pull = m->pressed * w21 + m->shaft_stiffness * w22;
+        const vec4 pull = (1.0 - m->loose) * w21 + m->shaft_stiffness * w22;
         const vec4 lever = m->disc_radius - c;
         const vec4 w25 = w12 * lever;
-        const vec4 left = m->torque - m->slope * speed + 2.0 * m->zeta * velocity + pull - m->friction * m->sigma * m->pressed * w25;
+        const vec4 left = m->torque - m->slope * speed + 2.0 * m->zeta * velocity + pull - m->friction * m->sigma * (1.0 - m->loose) * w25;
         const vec4 faster = m->rate + m->inverse_inertia * left;
         const vec4 w28 = faster * q;
         const vec4 w29 = around_ * r;
@@ -1456,8 +1456,8 @@ static void rub_spent(const struct parameters *m,
         const vec4 w31 = w30 * speed;
         const vec4 w32 = w28 * (velocity + w29 + w31);
         const vec4 w33 = w13 * slip_speed;
-        rate[v][0] = spent - m->friction * m->sigma * m->pressed * w15 + w32;
-        rate[v][1] = m->friction * m->sigma * m->pressed * w33;
+        rate[v][0] = spent - m->friction * m->sigma * (1.0 - m->loose) * w15 + w32;
+        rate[v][1] = m->friction * m->sigma * (1.0 - m->loose) * w33;
     }
 }
 
@@ -1491,7 +1491,7 @@ static void rub_expand_prescribed(const struct parameters *m,
         const double spring = times(series, 3, n, m->hertz * q + one * m->linear, square);
         /* spring * (1.0 + contact_damping * p) */
         const double w5 = times(series, 4, n, spring, one * 1.0 + m->contact_damping * p);
-        const double push = m->pressed * w5;
+        const double push = (1.0 - m->loose) * w5;
         const double r = one * m->delta0 + square;
         const double radial = w2 - 2.0 * m->zeta * p - push - m->shaft_stiffness * r + m->load * down_r;
         const double slip_speed = over(series, 5, n, slip, r, inverse_r); /* slip / r */
@@ -1501,7 +1501,7 @@ static void rub_expand_prescribed(const struct parameters *m,
         const double outwards = radial + centrifugal - m->rate * s;
         const double of_p = times(series, 8, n, outwards, q); /* outwards * q */
         const double w15 = times(series, 9, n, w1, s); /* w1 * s */
-        const double drag = m->friction * m->sigma * m->pressed * w5;
+        const double drag = m->friction * m->sigma * (1.0 - m->loose) * w5;
         const double tangential = -w15 - 2.0 * m->zeta * around + m->load * down_t - drag;
         const double lever = one * m->disc_radius - c;
         const double sideways = tangential + m->rate * lever;
@@ -1519,7 +1519,7 @@ static void rub_expand_prescribed(const struct parameters *m,
         const double w31 = times(series, 18, n, turned, down_r); /* turned * down_r */
         const double of_down_t = -w31;
         const double w33 = times(series, 19, n, w5, q); /* w5 * q */
-        const double of_j = m->pressed * w33;
+        const double of_j = (1.0 - m->loose) * w33;
         const double w35 = times(series, 20, n, w33, p); /* w33 * p */
         terms[RUB_Q] = of_q * share;
         terms[RUB_P] = of_p * share;
@@ -1532,7 +1532,7 @@ static void rub_expand_prescribed(const struct parameters *m,
         terms[RUB_T] = q * share;
         terms[RUB_ANGLE] = w25 * share;
         terms[RUB_J] = of_j * share;
-        terms[RUB_WORK] = m->pressed * w35 * share;
+        terms[RUB_WORK] = (1.0 - m->loose) * w35 * share;
         terms[RUB_SPENT] = one * 0.0 * share;
         terms[RUB_HEAT] = one * 0.0 * share;
         one = 0.0;
@@ -1580,8 +1580,8 @@ static void rub_spent_prescribed(const struct parameters *m,
         const vec4 w23 = w22 * speed;
         const vec4 w24 = (velocity + w21 + w23) * q;
         const vec4 w25 = w13 * slip_speed;
-        rate[v][0] = spent - m->friction * m->sigma * m->pressed * w15 + m->rate * w24;
-        rate[v][1] = m->friction * m->sigma * m->pressed * w25;
+        rate[v][0] = spent - m->friction * m->sigma * (1.0 - m->loose) * w15 + m->rate * w24;
+        rate[v][1] = m->friction * m->sigma * (1.0 - m->loose) * w25;
     }
 }
 
@@ -1724,7 +1724,7 @@ static void rolling_field(const struct parameters *m,
     const double square = q * q;
     const double spring = (m->hertz * q + m->linear) * square;
     const double w5 = spring * (1.0 + m->contact_damping * p);
-    const double force = m->pressed * w5;
+    const double force = (1.0 - m->loose) * w5;
     const double r = m->delta0 + square;
     const double w8 = ratio(speed, r);
     const double w9 = w8 * speed;
@@ -1733,7 +1733,7 @@ static void rolling_field(const struct parameters *m,
     const double velocity = w10 - m->disc_radius * w11;
     const double w13 = w5 * s;
     const double w14 = r * s;
-    const double pull = m->pressed * w13 + m->shaft_stiffness * w14;
+    const double pull = (1.0 - m->loose) * w13 + m->shaft_stiffness * w14;
     const double w16 = w1 * s;
     const double w17 = p * speed;
     const double w18 = ratio(w17, r);
@@ -1770,7 +1770,7 @@ static void rolling_field(const struct parameters *m,
     const double w49 = w45 * down_t;
     const double w50 = faster * q;
     const double w51 = w5 * q;
-    const double of_j = m->pressed * w51;
+    const double of_j = (1.0 - m->loose) * w51;
     const double w53 = w51 * p;
     const double w54 = p * p;
     const double w55 = r * speed;
@@ -1802,7 +1802,7 @@ static void rolling_field(const struct parameters *m,
     rate[ROLLING_T] = q;
     rate[ROLLING_ANGLE] = w31;
     rate[ROLLING_J] = of_j;
-    rate[ROLLING_WORK] = m->pressed * w53;
+    rate[ROLLING_WORK] = (1.0 - m->loose) * w53;
     rate[ROLLING_SPENT] = spent - w64 + turning - w72;
     rate[ROLLING_HEAT] = 0.0;
 }
@@ -1828,7 +1828,7 @@ static void rolling_jacobian(const struct parameters *m,
     const double spring = w3 * square;
     const double w6 = m->contact_damping * p + 1.0;
     const double w7 = spring * w6;
-    const double w8 = m->pressed * w7;
+    const double w8 = (1.0 - m->loose) * w7;
     const double w9 = square + m->delta0;
     const double w10 = m->shaft_stiffness * w9;
     const double w11 = ratio(speed, w9);
@@ -1847,7 +1847,7 @@ static void rolling_jacobian(const struct parameters *m,
     const double w24 = w22 * w23;
     const double w25 = w23 * w23;
     const double w26 = m->inverse_inertia * w25 + 1.0;
-    const double w27 = ratio(m->inverse_inertia * (-m->slope * speed + m->torque + 2.0 * m->zeta * velocity + (m->pressed * w16 + m->shaft_stiffness * w17) - w24) + m->rate, w26);
+    const double w27 = ratio(m->inverse_inertia * (-m->slope * speed + m->torque + 2.0 * m->zeta * velocity + ((1.0 - m->loose) * w16 + m->shaft_stiffness * w17) - w24) + m->rate, w26);
     const double w28 = w27 * s;
     const double w29 = w3 * q;
     const double w30 = (2.0 * w29 + m->hertz * square) * w6;
@@ -1859,9 +1859,9 @@ static void rolling_jacobian(const struct parameters *m,
     const double w36 = w21 * q;
     const double w37 = ratio(w36, w9);
     const double w38 = w37 * w23;
-    const double w39 = ratio(m->pressed * w34 + 2.0 * m->shaft_stiffness * w35 + 2.0 * m->disc_radius * w38, w26);
+    const double w39 = ratio((1.0 - m->loose) * w34 + 2.0 * m->shaft_stiffness * w35 + 2.0 * m->disc_radius * w38, w26);
     const double w40 = w39 * s;
-    const double w41 = (-m->pressed * w30 - 2.0 * m->shaft_stiffness * q - m->disc_radius * (2.0 * m->disc_radius) * w33 - m->inverse_inertia * w40) * q;
+    const double w41 = (-(1.0 - m->loose) * w30 - 2.0 * m->shaft_stiffness * q - m->disc_radius * (2.0 * m->disc_radius) * w33 - m->inverse_inertia * w40) * q;
     const double w42 = w32 * q;
     const double w43 = -m->disc_radius * w11 + 2.0 * m->disc_radius * w42;
     const double w44 = w43 - speed;
@@ -1883,7 +1883,7 @@ static void rolling_jacobian(const struct parameters *m,
     const double w60 = w57 * down_t;
     const double w61 = w39 * q;
     const double w62 = w30 * q;
-    const double w63 = (w8 + m->pressed * w62) * p;
+    const double w63 = (w8 + (1.0 - m->loose) * w62) * p;
     const double w64 = p * p;
     const double w65 = w9 * speed;
     const double w66 = ratio(w65, w9);
@@ -1920,9 +1920,9 @@ static void rolling_jacobian(const struct parameters *m,
     const double w97 = w96 * w70;
     const double w98 = spring * s;
     const double w99 = w11 * w23;
-    const double w100 = ratio(2.0 * m->zeta * s + m->pressed * m->contact_damping * w98 - m->disc_radius * w99, w26);
+    const double w100 = ratio(2.0 * m->zeta * s + (1.0 - m->loose) * m->contact_damping * w98 - m->disc_radius * w99, w26);
     const double w101 = w100 * s;
-    const double w102 = (-2.0 * m->zeta - m->pressed * m->contact_damping * spring - m->inverse_inertia * w101) * q;
+    const double w102 = (-2.0 * m->zeta - (1.0 - m->loose) * m->contact_damping * spring - m->inverse_inertia * w101) * q;
     const double w103 = w100 * q;
     const double w104 = spring * q;
     const double w105 = w104 * p;
@@ -2028,14 +2028,14 @@ static void rolling_jacobian(const struct parameters *m,
     matrix[7] = w27 + m->inverse_inertia * w61;
     matrix[8] = 1.0;
     matrix[9] = speed;
-    matrix[10] = w8 + m->pressed * w62;
+    matrix[10] = w8 + (1.0 - m->loose) * w62;
     matrix[11] = w63;
     matrix[12] = 2.0 * m->zeta * (w64 - -(-m->disc_radius * (-m->disc_radius)) * w67 + m->disc_radius * w68) + m->load * w69 + w77 - (w80 + 2.0 * w82) + (w86 + w90) - (w95 + 2.0 * w97);
     matrix[14] = 0.5;
     matrix[15] = w102;
     matrix[21] = m->inverse_inertia * w103;
-    matrix[24] = m->pressed * m->contact_damping * w104;
-    matrix[25] = m->pressed * m->contact_damping * w105 + m->pressed * w106;
+    matrix[24] = (1.0 - m->loose) * m->contact_damping * w104;
+    matrix[25] = (1.0 - m->loose) * m->contact_damping * w105 + (1.0 - m->loose) * w106;
     matrix[26] = 4.0 * m->zeta * w107 - m->disc_radius * w108 + (m->inverse_inertia * w109 + w110) - w114;
     matrix[43] = w117;
     matrix[45] = -0.2 * w119 + w121;
@@ -2081,7 +2081,7 @@ static void rolling_watched(const struct parameters *m,
     const double spring = w0 * square;
     const double w3 = m->contact_damping * p;
     const double w4 = spring * (1.0 + w3);
-    const double grip = m->friction * m->pressed * w4;
+    const double grip = m->friction * (1.0 - m->loose) * w4;
     const double w6 = speed * speed;
     const double w7 = w6 * s;
     const double w8 = -w7;
@@ -2096,7 +2096,7 @@ static void rolling_watched(const struct parameters *m,
     const double w17 = 2.0 * m->zeta * velocity;
     const double w18 = w4 * s;
     const double w19 = r * s;
-    const double pull = m->pressed * w18 + m->shaft_stiffness * w19;
+    const double pull = (1.0 - m->loose) * w18 + m->shaft_stiffness * w19;
     const double lever = m->disc_radius - c;
     const double w22 = hold * lever;
     const double left = m->torque - m->slope * speed + w17 + pull - w22;
@@ -2111,7 +2111,7 @@ static void rolling_watched(const struct parameters *m,
     const double w32 = w31 * p;
     const double w33 = w6 * c;
     const double w34 = 2.0 * m->zeta * p;
-    const double force = m->pressed * w4;
+    const double force = (1.0 - m->loose) * w4;
     const double w36 = ratio(speed, r);
     const double w37 = w36 * speed;
     const double w38 = faster * s;
@@ -2128,13 +2128,13 @@ static void rolling_watched(const struct parameters *m,
     const double w49 = w45 * w48;
     const double w50 = w48 * w48;
     const double w51 = m->inverse_inertia * w50 + 1.0;
-    const double w52 = ratio(m->pressed * w46 + 2.0 * m->shaft_stiffness * w47 + 2.0 * m->disc_radius * w49, w51);
+    const double w52 = ratio((1.0 - m->loose) * w46 + 2.0 * m->shaft_stiffness * w47 + 2.0 * m->disc_radius * w49, w51);
     const double w53 = w52 * w48;
     const double w54 = (-2.0 * m->disc_radius * w45 + m->inverse_inertia * w53) * p;
     const double w55 = ratio(speed, w42);
     const double w56 = spring * s;
     const double w57 = w55 * w48;
-    const double w58 = ratio(2.0 * m->zeta * s + m->pressed * m->contact_damping * w56 - m->disc_radius * w57, w51);
+    const double w58 = ratio(2.0 * m->zeta * s + (1.0 - m->loose) * m->contact_damping * w56 - m->disc_radius * w57, w51);
     const double w59 = w58 * w48;
     const double w60 = of_p * (m->disc_radius * w55 + m->inverse_inertia * w59);
     const double w61 = spring * w30;
@@ -2143,7 +2143,7 @@ static void rolling_watched(const struct parameters *m,
     const double w64 = -m->disc_radius * (2.0 * m->zeta) * speed;
     const double w65 = w8 - w64 + w9 + m->disc_radius * w43;
     const double w66 = w65 * w48;
-    const double w67 = ratio(m->inverse_inertia * (-m->slope * speed + m->torque + w17 + (m->pressed * w62 + m->shaft_stiffness * w63) - w66) + m->rate, w51);
+    const double w67 = ratio(m->inverse_inertia * (-m->slope * speed + m->torque + w17 + ((1.0 - m->loose) * w62 + m->shaft_stiffness * w63) - w66) + m->rate, w51);
     const double w68 = w67 * w48;
     const double w69 = ratio(m->inverse_inertia * (w64 + w65) + 2.0 * m->inverse_inertia * w68, w51);
     const double w70 = w69 * w48;
@@ -2154,7 +2154,7 @@ static void rolling_watched(const struct parameters *m,
     const double w75 = turn * s;
     const double w76 = (-w67 + w70) * w75;
     const double w77 = w48 * w6;
-    const double w78 = ratio(w34 + (m->pressed * w61 + m->shaft_stiffness * w42) + w77, w51);
+    const double w78 = ratio(w34 + ((1.0 - m->loose) * w61 + m->shaft_stiffness * w42) + w77, w51);
     const double w79 = w78 * w48;
     const double of_s = turn * c;
     const double w81 = (-w6 + m->inverse_inertia * w79) * of_s;
@@ -2172,7 +2172,7 @@ static void rolling_watched(const struct parameters *m,
     const double w93 = w86 * (w89 + m->inverse_inertia * w92);
     watched[0] = grip;
     watched[1] = hold_;
-    rate[0] = 0.5 * (m->pressed * m->friction) * w32 + m->pressed * m->contact_damping * m->friction * w41;
+    rate[0] = 0.5 * ((1.0 - m->loose) * m->friction) * w32 + (1.0 - m->loose) * m->contact_damping * m->friction * w41;
     rate[1] = 0.5 * w54 + w60 - w76 + w81 + m->disc_radius * w85 + w93;
 }
 
@@ -2207,7 +2207,7 @@ static void rolling_expand(const struct parameters *m,
         const double spring = times(series, 3, n, m->hertz * q + one * m->linear, square);
         /* spring * (1.0 + contact_damping * p) */
         const double w5 = times(series, 4, n, spring, one * 1.0 + m->contact_damping * p);
-        const double force = m->pressed * w5;
+        const double force = (1.0 - m->loose) * w5;
         const double r = one * m->delta0 + square;
         const double w8 = over(series, 5, n, speed, r, inverse_r); /* speed / r */
         const double w9 = times(series, 6, n, w8, speed); /* w8 * speed */
@@ -2216,7 +2216,7 @@ static void rolling_expand(const struct parameters *m,
         const double velocity = w10 - m->disc_radius * w11;
         const double w13 = times(series, 9, n, w5, s); /* w5 * s */
         const double w14 = times(series, 10, n, r, s); /* r * s */
-        const double pull = m->pressed * w13 + m->shaft_stiffness * w14;
+        const double pull = (1.0 - m->loose) * w13 + m->shaft_stiffness * w14;
         const double w16 = times(series, 11, n, w1, s); /* w1 * s */
         const double w17 = times(series, 12, n, p, speed); /* p * speed */
         const double w18 = over(series, 13, n, w17, r, inverse_r); /* w17 / r */
@@ -2244,9 +2244,9 @@ static void rolling_expand(const struct parameters *m,
         const double of_down_t = m->disc_radius * w38;
         const double w40 = times(series, 25, n, faster, q); /* faster * q */
         const double w41 = times(series, 26, n, w5, q); /* w5 * q */
-        const double of_j = m->pressed * w41;
+        const double of_j = (1.0 - m->loose) * w41;
         const double w43 = times(series, 27, n, w41, p); /* w41 * p */
-        const double grip = m->friction * m->pressed * w5;
+        const double grip = m->friction * (1.0 - m->loose) * w5;
         const double w45 = times(series, 28, n, faster, lever); /* faster * lever */
         const double hold_ = hold + w45;
         terms[ROLLING_Q] = of_q * share;
@@ -2260,7 +2260,7 @@ static void rolling_expand(const struct parameters *m,
         terms[ROLLING_T] = q * share;
         terms[ROLLING_ANGLE] = w31 * share;
         terms[ROLLING_J] = of_j * share;
-        terms[ROLLING_WORK] = m->pressed * w43 * share;
+        terms[ROLLING_WORK] = (1.0 - m->loose) * w43 * share;
         terms[ROLLING_SPENT] = one * 0.0 * share;
         terms[ROLLING_HEAT] = one * 0.0 * share;
         series->watched[n][0] = grip;
@@ -2308,7 +2308,7 @@ static void rolling_spent(const struct parameters *m,
         const vec4 w22 = spring * (1.0 + m->contact_damping * p);
         const vec4 w23 = w22 * s;
         const vec4 w24 = r * s;
-        const vec4 pull = m->pressed * w23 + m->shaft_stiffness * w24;
+        const vec4 pull = (1.0 - m->loose) * w23 + m->shaft_stiffness * w24;
         const vec4 lever = m->disc_radius - c;
         const vec4 w27 = hold * lever;
         const vec4 left = m->torque - m->slope * speed + 2.0 * m->zeta * velocity + pull - w27;
@@ -2358,7 +2358,7 @@ static void rolling_expand_prescribed(const struct parameters *m,
         const double spring = times(series, 3, n, m->hertz * q + one * m->linear, square);
         /* spring * (1.0 + contact_damping * p) */
         const double w5 = times(series, 4, n, spring, one * 1.0 + m->contact_damping * p);
-        const double force = m->pressed * w5;
+        const double force = (1.0 - m->loose) * w5;
         const double r = one * m->delta0 + square;
         const double w8 = over(series, 5, n, speed, r, inverse_r); /* speed / r */
         const double w9 = times(series, 6, n, w8, speed); /* w8 * speed */
@@ -2376,9 +2376,9 @@ static void rolling_expand_prescribed(const struct parameters *m,
         const double w21 = times(series, 13, n, w12, down_r); /* w12 * down_r */
         const double of_down_t = m->disc_radius * w21;
         const double w23 = times(series, 14, n, w5, q); /* w5 * q */
-        const double of_j = m->pressed * w23;
+        const double of_j = (1.0 - m->loose) * w23;
         const double w25 = times(series, 15, n, w23, p); /* w23 * p */
-        const double grip = m->friction * m->pressed * w5;
+        const double grip = m->friction * (1.0 - m->loose) * w5;
         const double w27 = times(series, 16, n, w1, s); /* w1 * s */
         const double w28 = times(series, 17, n, p, speed); /* p * speed */
         const double w29 = over(series, 18, n, w28, r, inverse_r); /* w28 / r */
@@ -2396,7 +2396,7 @@ static void rolling_expand_prescribed(const struct parameters *m,
         terms[ROLLING_T] = q * share;
         terms[ROLLING_ANGLE] = w14 * share;
         terms[ROLLING_J] = of_j * share;
-        terms[ROLLING_WORK] = m->pressed * w25 * share;
+        terms[ROLLING_WORK] = (1.0 - m->loose) * w25 * share;
         terms[ROLLING_SPENT] = one * 0.0 * share;
         terms[ROLLING_HEAT] = one * 0.0 * share;
         series->watched[n][0] = grip;

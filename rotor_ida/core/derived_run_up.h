@@ -6,19 +6,19 @@
 #include "core.h"
 
 struct parameters {
-    double zeta, delta0, shaft_stiffness, contact_damping, load, hertz, linear, felt, pressed, friction, disc_radius, sigma, rate, torque, slope, inverse_inertia;
+    double zeta, delta0, shaft_stiffness, contact_damping, load, hertz, linear, felt, loose, friction, disc_radius, sigma, rate, torque, slope, inverse_inertia;
     double omega, rim; /* of other models */
 };
 
 static inline struct parameters parameters_of(const struct rotor *rotor, double felt)
 {
-    return (struct parameters){.zeta = rotor->zeta, .delta0 = rotor->delta0, .shaft_stiffness = rotor->shaft_stiffness, .contact_damping = rotor->contact_damping, .load = rotor->load, .hertz = rotor->contact_exponent > 1.0 ? 1.0 : 0.0, .linear = rotor->contact_exponent > 1.0 ? 0.0 : 1.0, .felt = felt, .pressed = 1.0, .friction = rotor->friction, .disc_radius = rotor->disc_radius, .sigma = 0.0, .rate = rotor->rate, .torque = rotor->torque, .slope = rotor->slope, .inverse_inertia = rotor->inverse_inertia};
+    return (struct parameters){.zeta = rotor->zeta, .delta0 = rotor->delta0, .shaft_stiffness = rotor->shaft_stiffness, .contact_damping = rotor->contact_damping, .load = rotor->load, .hertz = rotor->contact_exponent > 1.0 ? 1.0 : 0.0, .linear = rotor->contact_exponent > 1.0 ? 0.0 : 1.0, .felt = felt, .loose = 0.0, .friction = rotor->friction, .disc_radius = rotor->disc_radius, .sigma = 0.0, .rate = rotor->rate, .torque = rotor->torque, .slope = rotor->slope, .inverse_inertia = rotor->inverse_inertia};
 }
 
 /* Whether a rotor is the paper's, but for friction, and its speed prescribed. */
 static inline int is_plain(const struct parameters *m)
 {
-    return m->shaft_stiffness == 0.0 && m->contact_damping == 0.0 && m->load == 0.0 && m->hertz == 1.0 && m->linear == 0.0 && m->pressed == 1.0 && m->torque == 0.0 && m->slope == 0.0 && m->inverse_inertia == 0.0;
+    return m->shaft_stiffness == 0.0 && m->contact_damping == 0.0 && m->load == 0.0 && m->hertz == 1.0 && m->linear == 0.0 && m->loose == 0.0 && m->torque == 0.0 && m->slope == 0.0 && m->inverse_inertia == 0.0;
 }
 
 /* The law of contact, by the root q of the indentation and the radial velocity. */
@@ -62,7 +62,7 @@ static inline double normal_force(const struct parameters *m, double q, double a
     const double w0 = q * q;
     const double w1 = (m->hertz * q + m->linear) * w0;
     const double w2 = w1 * (1.0 + m->contact_damping * approach);
-    return m->pressed * w2;
+    return (1.0 - m->loose) * w2;
 }
 
 /* The rate of the normal force. */
@@ -76,7 +76,7 @@ static inline double rate_of_force(const struct parameters *m, double q, double 
     const double w5 = (2.0 * w2 + m->hertz * w4) * (m->contact_damping * approach + 1.0);
     const double w6 = w0 * w3;
     const double w7 = w6 * of_approach;
-    return m->pressed * w5 + m->pressed * m->contact_damping * w7;
+    return (1.0 - m->loose) * w5 + (1.0 - m->loose) * m->contact_damping * w7;
 }
 
 enum { CONTACT_Q, CONTACT_P, CONTACT_H, CONTACT_C, CONTACT_S, CONTACT_DOWN_R, CONTACT_DOWN_T, CONTACT_SPEED, CONTACT_T, CONTACT_ANGLE, CONTACT_J, CONTACT_WORK, CONTACT_SPENT, CONTACT_SIZE };

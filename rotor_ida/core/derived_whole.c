@@ -18,7 +18,7 @@ static void contact_field(const struct parameters *m,
     const double square = q * q;
     const double spring = (m->hertz * q + m->linear) * square;
     const double w3 = spring * (1.0 + m->contact_damping * p);
-    const double push = m->pressed * w3;
+    const double push = (1.0 - m->loose) * w3;
     const double r = m->delta0 + square;
     const double radial = m->omega * m->omega * c - 2.0 * m->zeta * p - push - m->shaft_stiffness * r + m->load * down_r;
     const double around = ratio(h, r);
@@ -48,9 +48,9 @@ static void contact_field(const struct parameters *m,
     const double of_down_t = -w30;
     const double w32 = w28 * down_t;
     const double w33 = w3 * q;
-    const double of_j = m->pressed * w33;
+    const double of_j = (1.0 - m->loose) * w33;
     const double w35 = w33 * p;
-    const double of_work = m->pressed * w35;
+    const double of_work = (1.0 - m->loose) * w35;
     const double w37 = p * p;
     const double w38 = around * around;
     const double damped = 2.0 * m->zeta * (w37 + w38 - m->omega * h);
@@ -87,7 +87,7 @@ static void contact_jacobian(const struct parameters *m,
     const double spring = w0 * square;
     const double w3 = m->contact_damping * p + 1.0;
     const double w4 = spring * w3;
-    const double w5 = m->pressed * w4;
+    const double w5 = (1.0 - m->loose) * w4;
     const double w6 = square + m->delta0;
     const double w7 = ratio(h, w6);
     const double w8 = ratio(w7, w6);
@@ -100,7 +100,7 @@ static void contact_jacobian(const struct parameters *m,
     const double w15 = w8 * q;
     const double w16 = ratio(-2.0 * w13 - 2.0 * w15, w6);
     const double w17 = w16 * w7;
-    const double w18 = (-m->pressed * w11 - 2.0 * m->shaft_stiffness * q + (-2.0 * w14 + w17)) * q;
+    const double w18 = (-(1.0 - m->loose) * w11 - 2.0 * m->shaft_stiffness * q + (-2.0 * w14 + w17)) * q;
     const double w19 = -(m->omega * m->omega) * s - 2.0 * m->zeta * w7 + m->load * down_t;
     const double w20 = w19 * w6;
     const double w21 = w19 * q;
@@ -124,14 +124,14 @@ static void contact_jacobian(const struct parameters *m,
     const double w39 = w25 * down_r;
     const double w40 = w37 * down_t;
     const double w41 = w11 * q;
-    const double w42 = (w5 + m->pressed * w41) * p;
+    const double w42 = (w5 + (1.0 - m->loose) * w41) * p;
     const double w43 = p * p;
     const double w44 = w7 * w7;
     const double w45 = w6 * down_t;
     const double w46 = w13 * w7;
     const double w47 = q * down_t;
     const double w48 = (-8.0 * m->zeta * w46 + 2.0 * (m->load * m->omega) * w47) * q;
-    const double w49 = (-2.0 * m->zeta - m->pressed * m->contact_damping * spring) * q;
+    const double w49 = (-2.0 * m->zeta - (1.0 - m->loose) * m->contact_damping * spring) * q;
     const double w50 = spring * q;
     const double w51 = w50 * p;
     const double w52 = w4 * q;
@@ -174,13 +174,13 @@ static void contact_jacobian(const struct parameters *m,
     matrix[5] = w34 + 0.1 * m->omega * w38;
     matrix[6] = -w39 + 0.1 * m->omega * w40;
     matrix[7] = 1.0;
-    matrix[8] = w5 + m->pressed * w41;
+    matrix[8] = w5 + (1.0 - m->loose) * w41;
     matrix[9] = w42;
     matrix[10] = 2.0 * m->zeta * (w43 + w44 - m->omega * h) + m->load * m->omega * w45 + w48;
     matrix[11] = 0.5;
     matrix[12] = w49;
-    matrix[19] = m->pressed * m->contact_damping * w50;
-    matrix[20] = m->pressed * m->contact_damping * w51 + m->pressed * w52;
+    matrix[19] = (1.0 - m->loose) * m->contact_damping * w50;
+    matrix[20] = (1.0 - m->loose) * m->contact_damping * w51 + (1.0 - m->loose) * w52;
     matrix[21] = 4.0 * m->zeta * w53;
     matrix[23] = w58;
     matrix[24] = -2.0 * m->zeta * w60;
@@ -218,16 +218,16 @@ static void contact_growth(const struct parameters *m,
     const double turned = spin * q;
     const double w5 = m->contact_damping * p + 1.0;
     const double w6 = (1.5 * m->hertz * q + m->linear) * w5;
-    const double w7 = (-m->pressed * w6 - m->shaft_stiffness) * q;
+    const double w7 = (-(1.0 - m->loose) * w6 - m->shaft_stiffness) * q;
     const double w8 = ratio(1.0, r);
     const double w9 = around * w8;
     const double spring = (m->hertz * q + m->linear) * square;
     const double w11 = w9 * spring;
     const double w12 = w11 * q;
-    const double w13 = (-2.0 * m->zeta - m->pressed * m->contact_damping * spring) * q;
+    const double w13 = (-2.0 * m->zeta - (1.0 - m->loose) * m->contact_damping * spring) * q;
     const double w14 = spring * w5;
     const double w15 = w14 * w8;
-    const double w16 = (-m->pressed * w15 - m->shaft_stiffness) * q;
+    const double w16 = (-(1.0 - m->loose) * w15 - m->shaft_stiffness) * q;
     growth[0][0] = 0.0;
     growth[0][1] = turned;
     growth[0][2] = q;
@@ -237,7 +237,7 @@ static void contact_growth(const struct parameters *m,
     growth[1][2] = 0.0;
     growth[1][3] = q;
     growth[2][0] = w7;
-    growth[2][1] = -(m->pressed * m->contact_damping) * w12;
+    growth[2][1] = -((1.0 - m->loose) * m->contact_damping) * w12;
     growth[2][2] = w13;
     growth[2][3] = turned;
     growth[3][0] = 0.0;
@@ -273,7 +273,7 @@ static void contact_by_parameters(const struct parameters *m,
     added[1][3] = -2.0 * around;
     added[2][0] = 0.0;
     added[2][1] = 0.0;
-    added[2][2] = m->pressed * w3;
+    added[2][2] = (1.0 - m->loose) * w3;
     added[2][3] = 0.0;
     added[3][0] = 0.0;
     added[3][1] = 0.0;
@@ -281,7 +281,7 @@ static void contact_by_parameters(const struct parameters *m,
     added[3][3] = 0.0;
     added[4][0] = 0.0;
     added[4][1] = 0.0;
-    added[4][2] = -m->pressed * w5;
+    added[4][2] = -(1.0 - m->loose) * w5;
     added[4][3] = 0.0;
     added[5][0] = 0.0;
     added[5][1] = 0.0;
@@ -324,7 +324,7 @@ static void contact_expand(const struct parameters *m,
         const double spring = times(series, 1, n, m->hertz * q + one * m->linear, square);
         /* spring * (1.0 + contact_damping * p) */
         const double w3 = times(series, 2, n, spring, one * 1.0 + m->contact_damping * p);
-        const double push = m->pressed * w3;
+        const double push = (1.0 - m->loose) * w3;
         const double r = one * m->delta0 + square;
         const double radial = m->omega * m->omega * c - 2.0 * m->zeta * p - push - m->shaft_stiffness * r + m->load * down_r;
         const double around = over(series, 3, n, h, r, inverse_r); /* h / r */
@@ -344,9 +344,9 @@ static void contact_expand(const struct parameters *m,
         const double w21 = times(series, 13, n, turned, down_r); /* turned * down_r */
         const double of_down_t = -w21;
         const double w23 = times(series, 14, n, w3, q); /* w3 * q */
-        const double of_j = m->pressed * w23;
+        const double of_j = (1.0 - m->loose) * w23;
         const double w25 = times(series, 15, n, w23, p); /* w23 * p */
-        const double of_work = m->pressed * w25;
+        const double of_work = (1.0 - m->loose) * w25;
         terms[CONTACT_Q] = of_q * share;
         terms[CONTACT_P] = of_p * share;
         terms[CONTACT_H] = of_h * share;
@@ -414,7 +414,7 @@ static void contact_expand_with_factors(const struct parameters *m,
         const double spring = times(series, 1, n, m->hertz * q + one * m->linear, square);
         const double w3 = m->contact_damping * p;
         const double w4 = times(series, 2, n, spring, one * 1.0 + w3); /* spring * (1.0 + w3) */
-        const double push = m->pressed * w4;
+        const double push = (1.0 - m->loose) * w4;
         const double r = one * m->delta0 + square;
         const double radial = m->omega * m->omega * c - 2.0 * m->zeta * p - push - m->shaft_stiffness * r + m->load * down_r;
         const double around = over(series, 3, n, h, r, inverse_r); /* h / r */
@@ -434,24 +434,24 @@ static void contact_expand_with_factors(const struct parameters *m,
         const double w22 = times(series, 13, n, turned, down_r); /* turned * down_r */
         const double of_down_t = -w22;
         const double w24 = times(series, 14, n, w4, q); /* w4 * q */
-        const double of_j = m->pressed * w24;
+        const double of_j = (1.0 - m->loose) * w24;
         const double w26 = times(series, 15, n, w24, p); /* w24 * p */
-        const double of_work = m->pressed * w26;
+        const double of_work = (1.0 - m->loose) * w26;
         const double w28 = w3 + one * 1.0;
         /* (1.5 * hertz * q + linear) * w28 */
         const double w29 = times(series, 16, n, 1.5 * m->hertz * q + one * m->linear, w28);
-        /* (-pressed * w29 - shaft_stiffness) * q */
-        const double w30 = times(series, 17, n, -m->pressed * w29 - one * m->shaft_stiffness, q);
+        /* (-(1.0 - loose) * w29 - shaft_stiffness) * q */
+        const double w30 = times(series, 17, n, -(1.0 - m->loose) * w29 - one * m->shaft_stiffness, q);
         const double w31 = over(series, 18, n, one * 1.0, r, inverse_r); /* 1.0 / r */
         const double w32 = times(series, 19, n, around, w31); /* around * w31 */
         const double w33 = times(series, 20, n, w32, spring); /* w32 * spring */
         const double w34 = times(series, 21, n, w33, q); /* w33 * q */
-        /* (-2.0 * zeta - pressed * contact_damping * spring) * q */
-        const double w35 = times(series, 22, n, one * (-2.0 * m->zeta) - m->pressed * m->contact_damping * spring, q);
+        /* (-2.0 * zeta - (1.0 - loose) * contact_damping * spring) * q */
+        const double w35 = times(series, 22, n, one * (-2.0 * m->zeta) - (1.0 - m->loose) * m->contact_damping * spring, q);
         const double w36 = times(series, 23, n, spring, w28); /* spring * w28 */
         const double w37 = times(series, 24, n, w36, w31); /* w36 * w31 */
-        /* (-pressed * w37 - shaft_stiffness) * q */
-        const double w38 = times(series, 25, n, -m->pressed * w37 - one * m->shaft_stiffness, q);
+        /* (-(1.0 - loose) * w37 - shaft_stiffness) * q */
+        const double w38 = times(series, 25, n, -(1.0 - m->loose) * w37 - one * m->shaft_stiffness, q);
         terms[CONTACT_Q] = of_q * share;
         terms[CONTACT_P] = of_p * share;
         terms[CONTACT_H] = of_h * share;
@@ -466,7 +466,7 @@ static void contact_expand_with_factors(const struct parameters *m,
         series->factors[0][n] = q;
         series->factors[1][n] = turned;
         series->factors[2][n] = w30;
-        series->factors[3][n] = -(m->pressed * m->contact_damping) * w34;
+        series->factors[3][n] = -((1.0 - m->loose) * m->contact_damping) * w34;
         series->factors[4][n] = w35;
         series->factors[5][n] = w38;
         one = 0.0;
@@ -824,7 +824,7 @@ static void rub_field(const struct parameters *m,
     const double square = q * q;
     const double spring = (m->hertz * q + m->linear) * square;
     const double w3 = spring * (1.0 + m->contact_damping * p);
-    const double push = m->pressed * w3;
+    const double push = (1.0 - m->loose) * w3;
     const double r = m->delta0 + square;
     const double radial = m->omega * m->omega * c - 2.0 * m->zeta * p - push - m->shaft_stiffness * r + m->load * down_r;
     const double slip_speed = ratio(slip, r);
@@ -833,7 +833,7 @@ static void rub_field(const struct parameters *m,
     const double centrifugal = spin * around;
     const double outwards = radial + centrifugal;
     const double of_p = outwards * q;
-    const double drag = m->friction * m->sigma * m->pressed * w3;
+    const double drag = m->friction * m->sigma * (1.0 - m->loose) * w3;
     const double tangential = -(m->omega * m->omega) * s - 2.0 * m->zeta * around + m->load * down_t - drag;
     const double w15 = tangential * r;
     const double moment = w15 + m->rim * p;
@@ -857,7 +857,7 @@ static void rub_field(const struct parameters *m,
     const double of_down_t = -w33;
     const double w35 = w31 * down_t;
     const double w36 = w3 * q;
-    const double of_j = m->pressed * w36;
+    const double of_j = (1.0 - m->loose) * w36;
     const double w38 = w36 * p;
     const double w39 = p * p;
     const double h = slip - m->rim * r;
@@ -877,9 +877,9 @@ static void rub_field(const struct parameters *m,
     rate[RUB_DOWN_T] = of_down_t + 0.1 * m->omega * w35;
     rate[RUB_T] = q;
     rate[RUB_J] = of_j;
-    rate[RUB_WORK] = m->pressed * w38;
-    rate[RUB_SPENT] = spent - m->friction * m->sigma * m->pressed * w46;
-    rate[RUB_HEAT] = m->friction * m->sigma * m->pressed * w47;
+    rate[RUB_WORK] = (1.0 - m->loose) * w38;
+    rate[RUB_SPENT] = spent - m->friction * m->sigma * (1.0 - m->loose) * w46;
+    rate[RUB_HEAT] = m->friction * m->sigma * (1.0 - m->loose) * w47;
 }
 
 /* Their derivatives by each of these, column by column. */
@@ -900,7 +900,7 @@ static void rub_jacobian(const struct parameters *m,
     const double spring = w0 * square;
     const double w3 = m->contact_damping * p + 1.0;
     const double w4 = spring * w3;
-    const double w5 = m->pressed * w4;
+    const double w5 = (1.0 - m->loose) * w4;
     const double w6 = square + m->delta0;
     const double w7 = ratio(slip, w6);
     const double w8 = w7 - m->rim;
@@ -914,12 +914,12 @@ static void rub_jacobian(const struct parameters *m,
     const double w16 = w9 * q;
     const double w17 = ratio(-2.0 * w14 - 2.0 * w16, w6);
     const double w18 = w17 * w8;
-    const double w19 = (-m->pressed * w12 - 2.0 * m->shaft_stiffness * q + (-2.0 * w15 + w18)) * q;
-    const double w20 = m->pressed * (m->friction * m->sigma) * w4;
+    const double w19 = (-(1.0 - m->loose) * w12 - 2.0 * m->shaft_stiffness * q + (-2.0 * w15 + w18)) * q;
+    const double w20 = (1.0 - m->loose) * (m->friction * m->sigma) * w4;
     const double w21 = -(m->omega * m->omega) * s - 2.0 * m->zeta * w8 + m->load * down_t - w20;
     const double w22 = w21 * w6;
     const double w23 = w21 * q;
-    const double w24 = (4.0 * m->zeta * w14 - m->pressed * (m->friction * m->sigma) * w12) * w6;
+    const double w24 = (4.0 * m->zeta * w14 - (1.0 - m->loose) * (m->friction * m->sigma) * w12) * w6;
     const double w25 = (2.0 * w23 + w24) * q;
     const double w26 = w17 * q;
     const double w27 = w9 + w26;
@@ -939,7 +939,7 @@ static void rub_jacobian(const struct parameters *m,
     const double w41 = w27 * down_r;
     const double w42 = w39 * down_t;
     const double w43 = w12 * q;
-    const double w44 = (w5 + m->pressed * w43) * p;
+    const double w44 = (w5 + (1.0 - m->loose) * w43) * p;
     const double w45 = p * p;
     const double w46 = slip - m->rim * w6;
     const double w47 = ratio(w46, w6);
@@ -950,16 +950,16 @@ static void rub_jacobian(const struct parameters *m,
     const double w52 = w51 * w47;
     const double w53 = q * down_t;
     const double w54 = (2.0 * m->zeta * (2.0 * w52 - -2.0 * m->rim * m->omega * q) + 2.0 * (m->load * m->omega) * w53) * q;
-    const double w55 = w20 + m->pressed * (m->friction * m->sigma) * w43;
+    const double w55 = w20 + (1.0 - m->loose) * (m->friction * m->sigma) * w43;
     const double w56 = m->omega * w6 + m->rim;
     const double w57 = w55 * w56;
     const double w58 = w4 * q;
     const double w59 = w58 * q;
     const double w60 = w55 * w7;
     const double w61 = w14 * w58;
-    const double w62 = (-2.0 * m->zeta - m->pressed * m->contact_damping * spring) * q;
+    const double w62 = (-2.0 * m->zeta - (1.0 - m->loose) * m->contact_damping * spring) * q;
     const double w63 = spring * w6;
-    const double w64 = (-(m->pressed * m->contact_damping * (m->friction * m->sigma)) * w63 + m->rim) * q;
+    const double w64 = (-((1.0 - m->loose) * m->contact_damping * (m->friction * m->sigma)) * w63 + m->rim) * q;
     const double w65 = spring * q;
     const double w66 = w65 * p;
     const double w67 = q * p;
@@ -1004,17 +1004,17 @@ static void rub_jacobian(const struct parameters *m,
     matrix[5] = w36 + 0.1 * m->omega * w40;
     matrix[6] = -w41 + 0.1 * m->omega * w42;
     matrix[7] = 1.0;
-    matrix[8] = w5 + m->pressed * w43;
+    matrix[8] = w5 + (1.0 - m->loose) * w43;
     matrix[9] = w44;
-    matrix[10] = 2.0 * m->zeta * (w45 + w48 - m->omega * w46) + m->load * m->omega * w49 + w54 - (w57 + m->pressed * (m->friction * m->sigma) * (2.0 * m->omega) * w59);
-    matrix[11] = w60 - 2.0 * (m->pressed * (m->friction * m->sigma)) * w61;
+    matrix[10] = 2.0 * m->zeta * (w45 + w48 - m->omega * w46) + m->load * m->omega * w49 + w54 - (w57 + (1.0 - m->loose) * (m->friction * m->sigma) * (2.0 * m->omega) * w59);
+    matrix[11] = w60 - 2.0 * ((1.0 - m->loose) * (m->friction * m->sigma)) * w61;
     matrix[12] = 0.5;
     matrix[13] = w62;
     matrix[14] = w64;
-    matrix[20] = m->pressed * m->contact_damping * w65;
-    matrix[21] = m->pressed * m->contact_damping * w66 + m->pressed * w58;
-    matrix[22] = 4.0 * m->zeta * w67 - m->pressed * m->contact_damping * (m->friction * m->sigma) * w68;
-    matrix[23] = m->pressed * m->contact_damping * (m->friction * m->sigma) * w69;
+    matrix[20] = (1.0 - m->loose) * m->contact_damping * w65;
+    matrix[21] = (1.0 - m->loose) * m->contact_damping * w66 + (1.0 - m->loose) * w58;
+    matrix[22] = 4.0 * m->zeta * w67 - (1.0 - m->loose) * m->contact_damping * (m->friction * m->sigma) * w68;
+    matrix[23] = (1.0 - m->loose) * m->contact_damping * (m->friction * m->sigma) * w69;
     matrix[25] = w74;
     matrix[26] = -2.0 * m->zeta * w76;
     matrix[27] = -w78;
@@ -1022,7 +1022,7 @@ static void rub_jacobian(const struct parameters *m,
     matrix[29] = w80;
     matrix[30] = -w81;
     matrix[34] = 2.0 * m->zeta * w83;
-    matrix[35] = m->pressed * (m->friction * m->sigma) * w84;
+    matrix[35] = (1.0 - m->loose) * (m->friction * m->sigma) * w84;
     matrix[37] = m->omega * m->omega * q;
     matrix[39] = -0.2 * m->omega * w86 + w88;
     matrix[40] = w89 - 0.2 * m->omega * w90;
@@ -1053,18 +1053,18 @@ static void rub_growth(const struct parameters *m,
     const double turned = spin * q;
     const double w6 = m->contact_damping * p + 1.0;
     const double w7 = (1.5 * m->hertz * q + m->linear) * w6;
-    const double w8 = (-m->pressed * w7 - m->shaft_stiffness) * q;
+    const double w8 = (-(1.0 - m->loose) * w7 - m->shaft_stiffness) * q;
     const double w9 = ratio(1.0, r);
     const double w10 = around * w9;
     const double spring = (m->hertz * q + m->linear) * square;
     const double w12 = w10 * spring;
     const double w13 = spring * w6;
     const double w14 = w13 * w9;
-    const double w15 = (-(m->pressed * m->contact_damping) * w12 + m->pressed * (m->friction * m->sigma) * w14) * q;
-    const double w16 = (-2.0 * m->zeta - m->pressed * m->contact_damping * spring) * q;
+    const double w15 = (-((1.0 - m->loose) * m->contact_damping) * w12 + (1.0 - m->loose) * (m->friction * m->sigma) * w14) * q;
+    const double w16 = (-2.0 * m->zeta - (1.0 - m->loose) * m->contact_damping * spring) * q;
     const double w17 = w7 * q;
-    const double w18 = (-m->pressed * w14 - m->shaft_stiffness - m->pressed * m->contact_damping * (m->friction * m->sigma) * w12) * q;
-    const double w19 = (-(m->pressed * m->contact_damping * (m->friction * m->sigma)) * spring - spin) * q;
+    const double w18 = (-(1.0 - m->loose) * w14 - m->shaft_stiffness - (1.0 - m->loose) * m->contact_damping * (m->friction * m->sigma) * w12) * q;
+    const double w19 = (-((1.0 - m->loose) * m->contact_damping * (m->friction * m->sigma)) * spring - spin) * q;
     growth[0][0] = 0.0;
     growth[0][1] = turned;
     growth[0][2] = q;
@@ -1077,7 +1077,7 @@ static void rub_growth(const struct parameters *m,
     growth[2][1] = w15;
     growth[2][2] = w16;
     growth[2][3] = turned;
-    growth[3][0] = -(m->pressed * (m->friction * m->sigma)) * w17;
+    growth[3][0] = -((1.0 - m->loose) * (m->friction * m->sigma)) * w17;
     growth[3][1] = w18;
     growth[3][2] = w19;
     growth[3][3] = -2.0 * m->zeta * q;
@@ -1113,16 +1113,16 @@ static void rub_by_parameters(const struct parameters *m,
     added[1][3] = -2.0 * around;
     added[2][0] = 0.0;
     added[2][1] = 0.0;
-    added[2][2] = m->pressed * w5;
-    added[2][3] = -(m->friction * m->sigma * (-m->pressed)) * w5;
+    added[2][2] = (1.0 - m->loose) * w5;
+    added[2][3] = -(m->friction * m->sigma * (-(1.0 - m->loose))) * w5;
     added[3][0] = 0.0;
     added[3][1] = 0.0;
     added[3][2] = -r;
     added[3][3] = 0.0;
     added[4][0] = 0.0;
     added[4][1] = 0.0;
-    added[4][2] = -m->pressed * w7;
-    added[4][3] = -(m->friction * m->sigma * m->pressed) * w7;
+    added[4][2] = -(1.0 - m->loose) * w7;
+    added[4][3] = -(m->friction * m->sigma * (1.0 - m->loose)) * w7;
     added[5][0] = 0.0;
     added[5][1] = 0.0;
     added[5][2] = down_r;
@@ -1130,7 +1130,7 @@ static void rub_by_parameters(const struct parameters *m,
     added[6][0] = 0.0;
     added[6][1] = 0.0;
     added[6][2] = 0.0;
-    added[6][3] = -(m->sigma * m->pressed) * w8;
+    added[6][3] = -(m->sigma * (1.0 - m->loose)) * w8;
     added[7][0] = 0.0;
     added[7][1] = 0.0;
     added[7][2] = 0.0;
@@ -1164,7 +1164,7 @@ static void rub_expand(const struct parameters *m,
         const double spring = times(series, 1, n, m->hertz * q + one * m->linear, square);
         /* spring * (1.0 + contact_damping * p) */
         const double w3 = times(series, 2, n, spring, one * 1.0 + m->contact_damping * p);
-        const double push = m->pressed * w3;
+        const double push = (1.0 - m->loose) * w3;
         const double r = one * m->delta0 + square;
         const double radial = m->omega * m->omega * c - 2.0 * m->zeta * p - push - m->shaft_stiffness * r + m->load * down_r;
         const double slip_speed = over(series, 3, n, slip, r, inverse_r); /* slip / r */
@@ -1173,7 +1173,7 @@ static void rub_expand(const struct parameters *m,
         const double centrifugal = times(series, 5, n, spin, around); /* spin * around */
         const double outwards = radial + centrifugal;
         const double of_p = times(series, 6, n, outwards, q); /* outwards * q */
-        const double drag = m->friction * m->sigma * m->pressed * w3;
+        const double drag = m->friction * m->sigma * (1.0 - m->loose) * w3;
         const double tangential = -(m->omega * m->omega) * s - 2.0 * m->zeta * around + m->load * down_t - drag;
         const double w15 = times(series, 7, n, tangential, r); /* tangential * r */
         const double moment = w15 + m->rim * p;
@@ -1187,7 +1187,7 @@ static void rub_expand(const struct parameters *m,
         const double w24 = times(series, 13, n, turned, down_r); /* turned * down_r */
         const double of_down_t = -w24;
         const double w26 = times(series, 14, n, w3, q); /* w3 * q */
-        const double of_j = m->pressed * w26;
+        const double of_j = (1.0 - m->loose) * w26;
         const double w28 = times(series, 15, n, w26, p); /* w26 * p */
         terms[RUB_Q] = of_q * share;
         terms[RUB_P] = of_p * share;
@@ -1198,7 +1198,7 @@ static void rub_expand(const struct parameters *m,
         terms[RUB_DOWN_T] = of_down_t * share;
         terms[RUB_T] = q * share;
         terms[RUB_J] = of_j * share;
-        terms[RUB_WORK] = m->pressed * w28 * share;
+        terms[RUB_WORK] = (1.0 - m->loose) * w28 * share;
         terms[RUB_SPENT] = one * 0.0 * share;
         terms[RUB_HEAT] = one * 0.0 * share;
         one = 0.0;
@@ -1232,8 +1232,8 @@ static void rub_spent(const struct parameters *m,
         const vec4 w12 = w11 * (m->rim + m->omega * r);
         const vec4 slip_speed = (slip) / (r);
         const vec4 w14 = w11 * slip_speed;
-        rate[v][0] = spent - m->friction * m->sigma * m->pressed * w12;
-        rate[v][1] = m->friction * m->sigma * m->pressed * w14;
+        rate[v][0] = spent - m->friction * m->sigma * (1.0 - m->loose) * w12;
+        rate[v][1] = m->friction * m->sigma * (1.0 - m->loose) * w14;
     }
 }
 
@@ -1264,7 +1264,7 @@ static void rub_expand_with_factors(const struct parameters *m,
         const double spring = times(series, 1, n, m->hertz * q + one * m->linear, square);
         const double w3 = m->contact_damping * p;
         const double w4 = times(series, 2, n, spring, one * 1.0 + w3); /* spring * (1.0 + w3) */
-        const double push = m->pressed * w4;
+        const double push = (1.0 - m->loose) * w4;
         const double r = one * m->delta0 + square;
         const double radial = m->omega * m->omega * c - 2.0 * m->zeta * p - push - m->shaft_stiffness * r + m->load * down_r;
         const double slip_speed = over(series, 3, n, slip, r, inverse_r); /* slip / r */
@@ -1273,7 +1273,7 @@ static void rub_expand_with_factors(const struct parameters *m,
         const double centrifugal = times(series, 5, n, spin, around); /* spin * around */
         const double outwards = radial + centrifugal;
         const double of_p = times(series, 6, n, outwards, q); /* outwards * q */
-        const double drag = m->friction * m->sigma * m->pressed * w4;
+        const double drag = m->friction * m->sigma * (1.0 - m->loose) * w4;
         const double tangential = -(m->omega * m->omega) * s - 2.0 * m->zeta * around + m->load * down_t - drag;
         const double w16 = times(series, 7, n, tangential, r); /* tangential * r */
         const double moment = w16 + m->rim * p;
@@ -1287,27 +1287,27 @@ static void rub_expand_with_factors(const struct parameters *m,
         const double w25 = times(series, 13, n, turned, down_r); /* turned * down_r */
         const double of_down_t = -w25;
         const double w27 = times(series, 14, n, w4, q); /* w4 * q */
-        const double of_j = m->pressed * w27;
+        const double of_j = (1.0 - m->loose) * w27;
         const double w29 = times(series, 15, n, w27, p); /* w27 * p */
         const double w30 = w3 + one * 1.0;
         /* (1.5 * hertz * q + linear) * w30 */
         const double w31 = times(series, 16, n, 1.5 * m->hertz * q + one * m->linear, w30);
-        /* (-pressed * w31 - shaft_stiffness) * q */
-        const double w32 = times(series, 17, n, -m->pressed * w31 - one * m->shaft_stiffness, q);
+        /* (-(1.0 - loose) * w31 - shaft_stiffness) * q */
+        const double w32 = times(series, 17, n, -(1.0 - m->loose) * w31 - one * m->shaft_stiffness, q);
         const double w33 = over(series, 18, n, one * 1.0, r, inverse_r); /* 1.0 / r */
         const double w34 = times(series, 19, n, around, w33); /* around * w33 */
         const double w35 = times(series, 20, n, w34, spring); /* w34 * spring */
         const double w36 = times(series, 21, n, spring, w30); /* spring * w30 */
         const double w37 = times(series, 22, n, w36, w33); /* w36 * w33 */
-        /* (-(pressed * contact_damping) * w35 + pressed * (friction * sigma) * w37) * q */
-        const double w38 = times(series, 23, n, -(m->pressed * m->contact_damping) * w35 + m->pressed * (m->friction * m->sigma) * w37, q);
-        /* (-2.0 * zeta - pressed * contact_damping * spring) * q */
-        const double w39 = times(series, 24, n, one * (-2.0 * m->zeta) - m->pressed * m->contact_damping * spring, q);
+        /* (-((1.0 - loose) * contact_damping) * w35 + (1.0 - loose) * (friction * sigma) * w37) * q */
+        const double w38 = times(series, 23, n, -((1.0 - m->loose) * m->contact_damping) * w35 + (1.0 - m->loose) * (m->friction * m->sigma) * w37, q);
+        /* (-2.0 * zeta - (1.0 - loose) * contact_damping * spring) * q */
+        const double w39 = times(series, 24, n, one * (-2.0 * m->zeta) - (1.0 - m->loose) * m->contact_damping * spring, q);
         const double w40 = times(series, 25, n, w31, q); /* w31 * q */
-        /* (-pressed * w37 - shaft_stiffness - pressed * contact_damping * (friction * sigma) * w35) * q */
-        const double w41 = times(series, 26, n, -m->pressed * w37 - one * m->shaft_stiffness - m->pressed * m->contact_damping * (m->friction * m->sigma) * w35, q);
-        /* (-(pressed * contact_damping * (friction * sigma)) * spring - spin) * q */
-        const double w42 = times(series, 27, n, -(m->pressed * m->contact_damping * (m->friction * m->sigma)) * spring - spin, q);
+        /* (-(1.0 - loose) * w37 - shaft_stiffness - (1.0 - loose) * contact_damping * (friction * sigma) * w35) * q */
+        const double w41 = times(series, 26, n, -(1.0 - m->loose) * w37 - one * m->shaft_stiffness - (1.0 - m->loose) * m->contact_damping * (m->friction * m->sigma) * w35, q);
+        /* (-((1.0 - loose) * contact_damping * (friction * sigma)) * spring - spin) * q */
+        const double w42 = times(series, 27, n, -((1.0 - m->loose) * m->contact_damping * (m->friction * m->sigma)) * spring - spin, q);
         terms[RUB_Q] = of_q * share;
         terms[RUB_P] = of_p * share;
         terms[RUB_SLIP] = of_slip * share;
@@ -1317,7 +1317,7 @@ static void rub_expand_with_factors(const struct parameters *m,
         terms[RUB_DOWN_T] = of_down_t * share;
         terms[RUB_T] = q * share;
         terms[RUB_J] = of_j * share;
-        terms[RUB_WORK] = m->pressed * w29 * share;
+        terms[RUB_WORK] = (1.0 - m->loose) * w29 * share;
         terms[RUB_SPENT] = one * 0.0 * share;
         terms[RUB_HEAT] = one * 0.0 * share;
         series->factors[0][n] = q;
@@ -1325,7 +1325,7 @@ static void rub_expand_with_factors(const struct parameters *m,
         series->factors[2][n] = w32;
         series->factors[3][n] = w38;
         series->factors[4][n] = w39;
-        series->factors[5][n] = -(m->pressed * (m->friction * m->sigma)) * w40;
+        series->factors[5][n] = -((1.0 - m->loose) * (m->friction * m->sigma)) * w40;
         series->factors[6][n] = w41;
         series->factors[7][n] = w42;
         one = 0.0;
@@ -1406,7 +1406,7 @@ static void rolling_field(const struct parameters *m,
     const double square = q * q;
     const double spring = (m->hertz * q + m->linear) * square;
     const double w3 = spring * (1.0 + m->contact_damping * p);
-    const double push = m->pressed * w3;
+    const double push = (1.0 - m->loose) * w3;
     const double r = m->delta0 + square;
     const double w6 = ratio(1.0, r);
     const double outwards = m->omega * m->omega * c - 2.0 * m->zeta * p - push - m->shaft_stiffness * r + m->load * down_r - m->rim * (-m->rim) * w6;
@@ -1432,7 +1432,7 @@ static void rolling_field(const struct parameters *m,
     const double of_down_t = m->rim * w26;
     const double w28 = w24 * down_t;
     const double w29 = w3 * q;
-    const double of_j = m->pressed * w29;
+    const double of_j = (1.0 - m->loose) * w29;
     const double w31 = w29 * p;
     const double w32 = p * p;
     const double w33 = ratio(r, r);
@@ -1453,7 +1453,7 @@ static void rolling_field(const struct parameters *m,
     rate[ROLLING_DOWN_T] = of_down_t + 0.1 * m->omega * w28;
     rate[ROLLING_T] = q;
     rate[ROLLING_J] = of_j;
-    rate[ROLLING_WORK] = m->pressed * w31;
+    rate[ROLLING_WORK] = (1.0 - m->loose) * w31;
     rate[ROLLING_SPENT] = spent - w41;
     rate[ROLLING_HEAT] = 0.0;
 }
@@ -1475,14 +1475,14 @@ static void rolling_jacobian(const struct parameters *m,
     const double spring = w0 * square;
     const double w3 = m->contact_damping * p + 1.0;
     const double w4 = spring * w3;
-    const double w5 = m->pressed * w4;
+    const double w5 = (1.0 - m->loose) * w4;
     const double w6 = square + m->delta0;
     const double w7 = ratio(1.0, w6);
     const double w8 = w0 * q;
     const double w9 = (2.0 * w8 + m->hertz * square) * w3;
     const double w10 = w7 * q;
     const double w11 = ratio(w10, w6);
-    const double w12 = (-m->pressed * w9 - 2.0 * m->shaft_stiffness * q - 2.0 * m->rim * m->rim * w11) * q;
+    const double w12 = (-(1.0 - m->loose) * w9 - 2.0 * m->shaft_stiffness * q - 2.0 * m->rim * m->rim * w11) * q;
     const double w13 = w11 * q;
     const double w14 = -m->rim * w7 + 2.0 * m->rim * w13;
     const double w15 = w14 - m->omega;
@@ -1501,7 +1501,7 @@ static void rolling_jacobian(const struct parameters *m,
     const double w28 = w14 * down_r;
     const double w29 = w26 * down_t;
     const double w30 = w9 * q;
-    const double w31 = (w5 + m->pressed * w30) * p;
+    const double w31 = (w5 + (1.0 - m->loose) * w30) * p;
     const double w32 = p * p;
     const double w33 = ratio(w6, w6);
     const double w34 = w33 * w33;
@@ -1520,7 +1520,7 @@ static void rolling_jacobian(const struct parameters *m,
     const double w47 = (w42 - 2.0 * m->rim * w45) * w46;
     const double w48 = w42 * q;
     const double w49 = w48 * q;
-    const double w50 = (-2.0 * m->zeta - m->pressed * m->contact_damping * spring) * q;
+    const double w50 = (-2.0 * m->zeta - (1.0 - m->loose) * m->contact_damping * spring) * q;
     const double w51 = spring * q;
     const double w52 = w51 * p;
     const double w53 = w4 * q;
@@ -1551,13 +1551,13 @@ static void rolling_jacobian(const struct parameters *m,
     matrix[5] = w23 + 0.1 * m->omega * w27;
     matrix[6] = -w28 + 0.1 * m->omega * w29;
     matrix[7] = 1.0;
-    matrix[8] = w5 + m->pressed * w30;
+    matrix[8] = w5 + (1.0 - m->loose) * w30;
     matrix[9] = w31;
     matrix[10] = 2.0 * m->zeta * (w32 - -(-m->rim * (-m->rim)) * w34 - -m->rim * m->omega * w6) + m->load * m->omega * w35 + w40 - (w47 + 2.0 * m->omega * w49);
     matrix[12] = 0.5;
     matrix[13] = w50;
-    matrix[20] = m->pressed * m->contact_damping * w51;
-    matrix[21] = m->pressed * m->contact_damping * w52 + m->pressed * w53;
+    matrix[20] = (1.0 - m->loose) * m->contact_damping * w51;
+    matrix[21] = (1.0 - m->loose) * m->contact_damping * w52 + (1.0 - m->loose) * w53;
     matrix[22] = 4.0 * m->zeta * w54 - m->rim * w55;
     matrix[37] = m->omega * m->omega * q;
     matrix[39] = -0.2 * m->omega * w57 + w59;
@@ -1590,20 +1590,20 @@ static void rolling_growth(const struct parameters *m,
     const double turned = -m->rim * w3;
     const double w5 = m->contact_damping * p + 1.0;
     const double w6 = (1.5 * m->hertz * q + m->linear) * w5;
-    const double w7 = (-m->shaft_stiffness - m->pressed * w6) * q;
+    const double w7 = (-m->shaft_stiffness - (1.0 - m->loose) * w6) * q;
     const double spring = (m->hertz * q + m->linear) * square;
     const double w9 = w2 * spring;
     const double w10 = ratio(p, r);
     const double w11 = (-(-m->rim * (2.0 * m->zeta)) - m->omega * m->omega * s + m->load * down_t + m->disc_radius * m->omega * w10) * w2;
-    const double w12 = (-(m->pressed * (-m->rim * m->contact_damping)) * w9 + w11) * q;
-    const double w13 = (-2.0 * m->zeta - m->pressed * m->contact_damping * spring) * q;
+    const double w12 = (-((1.0 - m->loose) * (-m->rim * m->contact_damping)) * w9 + w11) * q;
+    const double w13 = (-2.0 * m->zeta - (1.0 - m->loose) * m->contact_damping * spring) * q;
     const double w14 = ratio(w10, r);
     const double w15 = w14 * q;
     const double w16 = spring * w5;
     const double w17 = w16 * w2;
     const double w18 = (-2.0 * m->zeta * p + m->omega * m->omega * c - m->shaft_stiffness * r + m->load * down_r) * w2;
     const double w19 = ratio(w2, r);
-    const double w20 = (-m->shaft_stiffness - m->pressed * w17 - (-m->shaft_stiffness - w18 - -(-m->rim * (m->disc_radius * m->omega)) * w19)) * q;
+    const double w20 = (-m->shaft_stiffness - (1.0 - m->loose) * w17 - (-m->shaft_stiffness - w18 - -(-m->rim * (m->disc_radius * m->omega)) * w19)) * q;
     const double w21 = (-(m->disc_radius * m->omega) * w2 + m->rim * w2) * q;
     growth[0][0] = 0.0;
     growth[0][1] = turned;
@@ -1650,7 +1650,7 @@ static void rolling_by_parameters(const struct parameters *m,
     added[1][3] = 2.0 * m->rim - 2.0 * m->rim;
     added[2][0] = 0.0;
     added[2][1] = 0.0;
-    added[2][2] = m->pressed * w4;
+    added[2][2] = (1.0 - m->loose) * w4;
     added[2][3] = 0.0;
     added[3][0] = 0.0;
     added[3][1] = 0.0;
@@ -1658,7 +1658,7 @@ static void rolling_by_parameters(const struct parameters *m,
     added[3][3] = 0.0;
     added[4][0] = 0.0;
     added[4][1] = 0.0;
-    added[4][2] = -m->pressed * w6;
+    added[4][2] = -(1.0 - m->loose) * w6;
     added[4][3] = 0.0;
     added[5][0] = 0.0;
     added[5][1] = 0.0;
@@ -1689,14 +1689,14 @@ static void rolling_watched(const struct parameters *m,
     const double spring = w0 * square;
     const double w3 = m->contact_damping * p;
     const double w4 = spring * (1.0 + w3);
-    const double grip = m->friction * m->pressed * w4;
+    const double grip = m->friction * (1.0 - m->loose) * w4;
     const double r = m->delta0 + square;
     const double w7 = ratio(p, r);
     const double hold = -(m->omega * m->omega) * s - 2.0 * m->zeta * (-m->rim) + m->load * down_t + m->rim * w7;
     const double w9 = w0 * q;
     const double w10 = (2.0 * w9 + m->hertz * square) * (w3 + 1.0);
     const double w11 = w10 * p;
-    const double push = m->pressed * w4;
+    const double push = (1.0 - m->loose) * w4;
     const double w13 = ratio(1.0, r);
     const double outwards = m->omega * m->omega * c - 2.0 * m->zeta * p - push - m->shaft_stiffness * r + m->load * down_r - m->rim * (-m->rim) * w13;
     const double of_p = outwards * q;
@@ -1715,7 +1715,7 @@ static void rolling_watched(const struct parameters *m,
     const double w28 = w24 * down_r;
     watched[0] = grip;
     watched[1] = hold;
-    rate[0] = 0.5 * (m->pressed * m->friction) * w11 + m->pressed * m->contact_damping * m->friction * w16;
+    rate[0] = 0.5 * ((1.0 - m->loose) * m->friction) * w11 + (1.0 - m->loose) * m->contact_damping * m->friction * w16;
     rate[1] = -m->rim * w21 + m->rim * w23 - m->omega * m->omega * of_s + m->load * m->rim * w28;
 }
 
@@ -1745,7 +1745,7 @@ static void rolling_expand(const struct parameters *m,
         const double spring = times(series, 1, n, m->hertz * q + one * m->linear, square);
         /* spring * (1.0 + contact_damping * p) */
         const double w3 = times(series, 2, n, spring, one * 1.0 + m->contact_damping * p);
-        const double push = m->pressed * w3;
+        const double push = (1.0 - m->loose) * w3;
         const double r = one * m->delta0 + square;
         const double w6 = over(series, 3, n, one * 1.0, r, inverse_r); /* 1.0 / r */
         const double outwards = m->omega * m->omega * c - 2.0 * m->zeta * p - push - m->shaft_stiffness * r + m->load * down_r - m->rim * (-m->rim) * w6;
@@ -1761,9 +1761,9 @@ static void rolling_expand(const struct parameters *m,
         const double w17 = times(series, 9, n, w9, down_r); /* w9 * down_r */
         const double of_down_t = m->rim * w17;
         const double w19 = times(series, 10, n, w3, q); /* w3 * q */
-        const double of_j = m->pressed * w19;
+        const double of_j = (1.0 - m->loose) * w19;
         const double w21 = times(series, 11, n, w19, p); /* w19 * p */
-        const double grip = m->friction * m->pressed * w3;
+        const double grip = m->friction * (1.0 - m->loose) * w3;
         const double w23 = over(series, 12, n, p, r, inverse_r); /* p / r */
         const double hold = -(m->omega * m->omega) * s - one * (2.0 * m->zeta * (-m->rim)) + m->load * down_t + m->rim * w23;
         terms[ROLLING_Q] = of_q * share;
@@ -1775,7 +1775,7 @@ static void rolling_expand(const struct parameters *m,
         terms[ROLLING_DOWN_T] = of_down_t * share;
         terms[ROLLING_T] = q * share;
         terms[ROLLING_J] = of_j * share;
-        terms[ROLLING_WORK] = m->pressed * w21 * share;
+        terms[ROLLING_WORK] = (1.0 - m->loose) * w21 * share;
         terms[ROLLING_SPENT] = one * 0.0 * share;
         terms[ROLLING_HEAT] = one * 0.0 * share;
         series->watched[n][0] = grip;
@@ -1840,7 +1840,7 @@ static void rolling_expand_with_factors(const struct parameters *m,
         const double spring = times(series, 1, n, m->hertz * q + one * m->linear, square);
         const double w4 = m->contact_damping * p;
         const double w5 = times(series, 2, n, spring, one * 1.0 + w4); /* spring * (1.0 + w4) */
-        const double push = m->pressed * w5;
+        const double push = (1.0 - m->loose) * w5;
         const double r = one * m->delta0 + square;
         const double w8 = m->shaft_stiffness * r;
         const double w9 = m->load * down_r;
@@ -1858,22 +1858,22 @@ static void rolling_expand_with_factors(const struct parameters *m,
         const double w21 = times(series, 9, n, w13, down_r); /* w13 * down_r */
         const double of_down_t = m->rim * w21;
         const double w23 = times(series, 10, n, w5, q); /* w5 * q */
-        const double of_j = m->pressed * w23;
+        const double of_j = (1.0 - m->loose) * w23;
         const double w25 = times(series, 11, n, w23, p); /* w23 * p */
         const double w26 = w4 + one * 1.0;
         /* (1.5 * hertz * q + linear) * w26 */
         const double w27 = times(series, 12, n, 1.5 * m->hertz * q + one * m->linear, w26);
-        /* (-shaft_stiffness - pressed * w27) * q */
-        const double w28 = times(series, 13, n, one * (-m->shaft_stiffness) - m->pressed * w27, q);
+        /* (-shaft_stiffness - (1.0 - loose) * w27) * q */
+        const double w28 = times(series, 13, n, one * (-m->shaft_stiffness) - (1.0 - m->loose) * w27, q);
         const double w29 = times(series, 14, n, w10, spring); /* w10 * spring */
         const double w30 = m->load * down_t;
         const double w31 = over(series, 15, n, p, r, inverse_r); /* p / r */
         /* (-(-rim * (2.0 * zeta)) - omega * omega * s + w30 + disc_radius * omega * w31) * w10 */
         const double w32 = times(series, 16, n, one * (-(-m->rim * (2.0 * m->zeta))) - m->omega * m->omega * s + w30 + m->disc_radius * m->omega * w31, w10);
-        /* (-(pressed * (-rim * contact_damping)) * w29 + w32) * q */
-        const double w33 = times(series, 17, n, -(m->pressed * (-m->rim * m->contact_damping)) * w29 + w32, q);
-        /* (-2.0 * zeta - pressed * contact_damping * spring) * q */
-        const double w34 = times(series, 18, n, one * (-2.0 * m->zeta) - m->pressed * m->contact_damping * spring, q);
+        /* (-((1.0 - loose) * (-rim * contact_damping)) * w29 + w32) * q */
+        const double w33 = times(series, 17, n, -((1.0 - m->loose) * (-m->rim * m->contact_damping)) * w29 + w32, q);
+        /* (-2.0 * zeta - (1.0 - loose) * contact_damping * spring) * q */
+        const double w34 = times(series, 18, n, one * (-2.0 * m->zeta) - (1.0 - m->loose) * m->contact_damping * spring, q);
         const double w35 = over(series, 19, n, w31, r, inverse_r); /* w31 / r */
         const double w36 = times(series, 20, n, w35, q); /* w35 * q */
         const double w37 = times(series, 21, n, spring, w26); /* spring * w26 */
@@ -1881,11 +1881,11 @@ static void rolling_expand_with_factors(const struct parameters *m,
         /* (-2.0 * zeta * p + w1 - w8 + w9) * w10 */
         const double w39 = times(series, 23, n, -2.0 * m->zeta * p + w1 - w8 + w9, w10);
         const double w40 = over(series, 24, n, w10, r, inverse_r); /* w10 / r */
-        /* (-shaft_stiffness - pressed * w38 - (-shaft_stiffness - w39 - -(-rim * (disc_radius * omega)) * w40)) * q */
-        const double w41 = times(series, 25, n, one * (-m->shaft_stiffness) - m->pressed * w38 - (one * (-m->shaft_stiffness) - w39 - -(-m->rim * (m->disc_radius * m->omega)) * w40), q);
+        /* (-shaft_stiffness - (1.0 - loose) * w38 - (-shaft_stiffness - w39 - -(-rim * (disc_radius * omega)) * w40)) * q */
+        const double w41 = times(series, 25, n, one * (-m->shaft_stiffness) - (1.0 - m->loose) * w38 - (one * (-m->shaft_stiffness) - w39 - -(-m->rim * (m->disc_radius * m->omega)) * w40), q);
         /* (-(disc_radius * omega) * w10 + rim * w10) * q */
         const double w42 = times(series, 26, n, -(m->disc_radius * m->omega) * w10 + m->rim * w10, q);
-        const double grip = m->friction * m->pressed * w5;
+        const double grip = m->friction * (1.0 - m->loose) * w5;
         const double hold = -(m->omega * m->omega) * s - one * (2.0 * m->zeta * (-m->rim)) + w30 + m->rim * w31;
         terms[ROLLING_Q] = of_q * share;
         terms[ROLLING_P] = of_p * share;
@@ -1896,7 +1896,7 @@ static void rolling_expand_with_factors(const struct parameters *m,
         terms[ROLLING_DOWN_T] = of_down_t * share;
         terms[ROLLING_T] = q * share;
         terms[ROLLING_J] = of_j * share;
-        terms[ROLLING_WORK] = m->pressed * w25 * share;
+        terms[ROLLING_WORK] = (1.0 - m->loose) * w25 * share;
         terms[ROLLING_SPENT] = one * 0.0 * share;
         terms[ROLLING_HEAT] = one * 0.0 * share;
         series->factors[0][n] = q;

@@ -123,7 +123,7 @@ static int follow_contact(struct run *run, struct motion *motion, double entry)
     copy_values(motion, start, reached);
     struct peak peak = {.force = 0.0, .slid = 0.0};
     memcpy(peak.values, start, sizeof peak.values);
-    begin_pressed(motion, start);
+    decide_looseness(motion, start);
     if (IS_GENERAL) {
         motion->down = here.down;
         settle_friction(motion, start);

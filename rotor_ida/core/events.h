@@ -43,9 +43,9 @@ void contact_tolerances(const double *start, double rtol, double absolute, doubl
 /* Put the unit matrix behind the values with which a motion begins, if it has tangents. */
 void begin_differences(const struct motion *motion, double *start, double *atol);
 
-/* The force and the energy of a contact (balance.c). Decide whether it begins pressed or loose;
+/* The force and the energy of a contact (balance.c). Decide whether it begins loose;
  * keep its largest force, in a step up to `end`; and what it has lost to contact damping. */
-void begin_pressed(struct motion *motion, const double *start);
+void decide_looseness(struct motion *motion, const double *start);
 void raise_force(struct peak *peak, struct motion *motion, double end, const double *reached);
 double lost_of(const struct motion *motion, const double *start, const double *values);
 int is_balanced(const struct motion *motion, double absolute, const double *start,

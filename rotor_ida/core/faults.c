@@ -44,7 +44,7 @@ static int way_from(const struct run *run, int64_t event)
 
 /* What of the order of events is known so far. */
 struct order {
-    int in_contact, entered; /* a contact that was entered begins pressed */
+    int in_contact, entered; /* a contact that was entered is not loose */
     int last;                /* press or release of this contact */
 };
 
@@ -91,7 +91,7 @@ static enum fault fault_of_events(const struct run *run, int64_t *row)
     return SOUND;
 }
 
-/* Whether the contact begins loose in which a run begins: only then is it pressed first. */
+/* Whether the contact begins loose in which a run begins: only then a press comes first. */
 static int begins_loose(const struct run *run)
 {
     return run->began == IN_CONTACT && run->events > 0 && run->event_kinds[0] == PRESS;
@@ -103,9 +103,9 @@ static int is_tensile(const struct run *run, const double *state, int loose, dou
 {
     const struct vector z = {state[0], state[1]}, v = {state[2], state[3]};
     const double radius = length(z), damping = run->rotor.contact_damping;
-    const double held = 1.0 + damping * dot(z, v) / radius;
+    const double factor = 1.0 + damping * dot(z, v) / radius;
     const double least = damping * allowed * (1.0 + length(v) / run->rotor.delta0);
-    return (loose ? -held : held) < -least;
+    return (loose ? -factor : factor) < -least;
 }
 
 /* The tangential force that rolling needs at a time on axes that stand still. */

@@ -7,7 +7,7 @@
 
 enum way way_of(const struct motion *motion)
 {
-    if (motion->model.pressed == 0.0)
+    if (is_loose(motion))
         return IS_LOOSE;
     if (motion->mode == &rolling_mode)
         return ROLLS;
@@ -42,7 +42,7 @@ void settle_friction(struct motion *motion, double *values)
         return;
     motion->mode = &rub_mode;
     motion->model.sigma = 0.0;
-    if (motion->model.pressed == 0.0)
+    if (is_loose(motion))
         return;
     if (fabs(values[RUB_SLIP]) > hidden_slip(motion, values)) {
         slide(motion, values[RUB_SLIP]);
@@ -135,11 +135,11 @@ static int change_of_friction(struct motion *motion, enum guard guard, double *v
 
 int change_way(struct motion *motion, enum guard guard, double *values)
 {
-    if (guard != HELD)
+    if (guard != LOOSENS)
         return change_of_friction(motion, guard, values);
-    const int pressed = motion->model.pressed > 0.0;
+    const int loosens = !is_loose(motion);
     values[CONTACT_P] = release_velocity(&motion->model);
-    motion->model.pressed = pressed ? 0.0 : 1.0;
+    motion->model.loose = loosens ? 1.0 : 0.0;
     settle_friction(motion, values);
-    return pressed ? RELEASE : PRESS;
+    return loosens ? RELEASE : PRESS;
 }

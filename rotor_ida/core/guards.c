@@ -8,12 +8,12 @@ enum { LOOKS_FOR_CHANGE = 4 };
 /* A margin below this many roundings of its terms is no margin. */
 static const double MARGIN_ROUNDING = 16.0 * ROUNDING;
 
-/* How far the radial velocity is inside the mode: above that of release where the contact is
- * pressed, below it where that is loose. */
-static double margin_of_hold(const struct motion *motion, const double *values)
+/* How far the radial velocity is inside the mode: above that of release, or below it where the
+ * contact is loose. */
+static double margin_of_release(const struct motion *motion, const double *values)
 {
     const double above = values[CONTACT_P] - release_velocity(&motion->model);
-    return motion->model.pressed > 0.0 ? above : -above;
+    return is_loose(motion) ? -above : above;
 }
 
 double margin_of(const struct motion *motion, enum guard guard, const double *values,
@@ -31,10 +31,10 @@ double margin_of(const struct motion *motion, enum guard guard, const double *va
     if (growth != NULL) {
         double rate[MOST_VALUES];
         motion->mode->field(m, values, rate);
-        const double side = m->pressed > 0.0 ? 1.0 : -1.0;
-        *growth = guard == HELD ? side * rate[CONTACT_P] : m->sigma * rate[RUB_SLIP];
+        const double side = is_loose(motion) ? -1.0 : 1.0;
+        *growth = guard == LOOSENS ? side * rate[CONTACT_P] : m->sigma * rate[RUB_SLIP];
     }
-    return guard == HELD ? margin_of_hold(motion, values) : m->sigma * values[RUB_SLIP];
+    return guard == LOOSENS ? margin_of_release(motion, values) : m->sigma * values[RUB_SLIP];
 }
 
 /* The sizes of what the force is made of that rolling needs. */
@@ -69,7 +69,7 @@ double hidden_slip(const struct motion *motion, const double *values)
 /* A margin that is no further below 0 may be rounding. */
 static double hidden(const struct motion *motion, enum guard guard, const double *values)
 {
-    if (guard == HELD)
+    if (guard == LOOSENS)
         return 0.0;
     return guard == SLIDING ? hidden_slip(motion, values) : hidden_hold(motion, values);
 }
@@ -172,9 +172,9 @@ static void take_first(struct change *first, struct motion *motion, enum guard g
 
 struct change change_in_step(struct motion *motion, double end)
 {
-    struct change first = {INFINITY, HELD};
+    struct change first = {INFINITY, LOOSENS};
     if (motion->model.contact_damping > 0.0)
-        take_first(&first, motion, HELD, end);
+        take_first(&first, motion, LOOSENS, end);
     if (motion->mode == &rub_mode && motion->model.sigma != 0.0)
         take_first(&first, motion, SLIDING, end);
     if (motion->mode != &rolling_mode)

@@ -101,6 +101,9 @@ static inline int is_driven(const struct motion *motion)
     return SPEED_CHANGES && motion->model.inverse_inertia > 0.0;
 }
 
+/* Whether damping would make the force of a contact tensile, so that there is none. */
+static inline int is_loose(const struct motion *motion) { return motion->model.loose > 0.0; }
+
 /* Whether surfaces slide in a contact, or the disc rolls. */
 static inline int is_rubbing(const struct motion *motion)
 {
@@ -203,7 +206,7 @@ double root_in_step(struct motion *motion, double (*function)(const double *valu
 /* What must not fall below 0 while a contact goes on as it does: the factor of the force (and what
  * is below it, while that is loose); the slip, in the sense in which surfaces slide; and what is
  * left of the grip, for a force that would have them slide forwards, or backwards. */
-enum guard { HELD, SLIDING, GRIPS_FORWARDS, GRIPS_BACKWARDS };
+enum guard { LOOSENS, SLIDING, GRIPS_FORWARDS, GRIPS_BACKWARDS };
 
 /* One of them, at values; and how fast it grows, if that is asked for. */
 double margin_of(const struct motion *motion, enum guard guard, const double *values,

@@ -475,7 +475,7 @@ static void add_implicit(struct work *work, int n)
                   - convolved_later(work->sine, 1, &work->swung[0][0], 2, n);
         for (int64_t i = 0; i < run->contact_count; i++) {
             const struct touching *each = &work->touching[i];
-            if (is_pressed(each) && (each->touch->way != ROLLS || each->stator_mobility > 0.0))
+            if (pushes(each) && (each->touch->way != ROLLS || each->stator_mobility > 0.0))
                 torque -= each->law->radius * each->drag[n];
         }
         right[work->rolls] = torque;
@@ -770,13 +770,13 @@ static void keep_episode(struct work *work, struct touching *each, double span)
     struct system_run *run = work->run;
     struct episode *episode = &run->open[each - work->touching];
     const double *answers = each->answers[0];
-    if (is_pressed(each)) {
+    if (pushes(each)) {
         const double work_of_force = integral_of(work, &answers[ELEMENT_POWER], ELEMENT_ANSWERS);
         episode->impulse += integral_of(work, &answers[ELEMENT_PUSH], ELEMENT_ANSWERS);
         episode->work += work_of_force;
         run->ledger.normal += work_of_force;
     }
-    if (each->law->friction == 0.0 || !is_pressed(each))
+    if (each->law->friction == 0.0 || !pushes(each))
         return;
     double rim[ORDERS], power[ORDERS], heat[ORDERS];
     for (int n = 0; n < work->order; n++) {

@@ -31,7 +31,7 @@ void set_element(struct touching *each)
         .hertz = law->hertz,
         .linear = law->linear,
         .contact_damping = law->contact_damping,
-        .pressed = is_pressed(each) ? 1.0 : 0.0,
+        .loose = pushes(each) ? 0.0 : 1.0,
         .friction = law->friction,
         .sigma = slides ? each->touch->sense : 0.0,
         .radius = law->radius,
@@ -171,7 +171,7 @@ static double guard_of_gap(const struct work *work, const struct touching *each,
 static double guard_of_force(const struct work *work, const struct touching *each, double step)
 {
     double factor[ORDERS];
-    const double sign = is_pressed(each) ? 1.0 : -1.0;
+    const double sign = pushes(each) ? 1.0 : -1.0;
     for (int n = 0; n <= work->order; n++)
         factor[n] = sign * element_factor(&each->element, n, each->answers[n][ELEMENT_APPROACH]);
     return first_fall(factor, 1, work->order, step, each->touch->zeros[OF_FORCE]);
@@ -217,7 +217,7 @@ struct happening first_happening(struct work *work, double step)
                                          step, each->touch->zeros[OF_ROOT]);
             if (each->law->contact_damping > 0.0)
                 points[OF_FORCE] = guard_of_force(work, each, step);
-            if (each->law->friction > 0.0 && is_pressed(each))
+            if (each->law->friction > 0.0 && pushes(each))
                 points[OF_SLIP] = guard_of_slip(work, each, step);
         }
         for (int guard = 0; guard < GUARDS; guard++) {
@@ -372,7 +372,7 @@ static int settle_others(struct work *work, int but)
     return status;
 }
 
-/* How a contact with these values, in which it does not rub, goes on that is pressed, but for
+/* How a contact with these values, in which it does not rub, goes on that is not loose, but for
  * friction that may hold it. A stator without mass may follow at once. */
 static void slide(const struct work *work, struct touching *each, const double *answers)
 {
@@ -529,11 +529,11 @@ int leave_together(struct work *work)
     return count > 1 ? happens_exit(work, last) : DONE;
 }
 
-/* A contact is loose from here on, or pressed again. */
+/* A contact is loose from here on, or no longer. */
 static int happens_to_force(struct work *work, int contact)
 {
     struct touching *each = &work->touching[contact];
-    const int loosens = is_pressed(each);
+    const int loosens = pushes(each);
     if (loosens) {
         each->touch->way = IS_LOOSE;
     } else {
@@ -728,7 +728,7 @@ void keep_peaks(struct work *work, double point, double until)
         if (!is_touching(each))
             continue;
         keep_extreme(work, &terms[ELEMENT_ROOT], WIDTH, 1.0, point, until, &episode->deepest);
-        if (is_pressed(each))
+        if (pushes(each))
             keep_extreme(work, &each->answers[0][ELEMENT_PUSH], ELEMENT_ANSWERS, 1.0, point, until,
                          &episode->hardest);
     }

@@ -82,7 +82,7 @@ static void sample(struct work *work, double point)
         if (!is_touching(each))
             continue;
         forces[2] = polynomial(&answers[ELEMENT_SLIP], ELEMENT_ANSWERS, work->order, point);
-        if (!is_pressed(each))
+        if (!pushes(each))
             continue;
         forces[0] = polynomial(&answers[ELEMENT_PUSH], ELEMENT_ANSWERS, work->order, point);
         forces[1] = polynomial(each->drag, 1, work->order - 1, point);

@@ -325,7 +325,7 @@ static void expand_columns(struct work *work)
         if (resistance != NULL)
             add_matrix(run, resistance, -1.0, &columns->v[n * apart], to);
         for (int64_t i = 0; i < run->contact_count; i++) {
-            if (is_pressed(&work->touching[i])) {
+            if (pushes(&work->touching[i])) {
                 set_slopes(&work->touching[i], &columns->touching[i], n);
                 answer_columns(work, &work->touching[i], &columns->touching[i], n);
             }

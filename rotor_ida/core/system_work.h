@@ -118,7 +118,7 @@ static inline double drift_of(const struct system_run *run, const double *y, dou
 }
 
 static inline int is_touching(const struct touching *each) { return each->touch->way != FLIES; }
-static inline int is_pressed(const struct touching *each)
+static inline int pushes(const struct touching *each)
 {
     return each->touch->way != FLIES && each->touch->way != IS_LOOSE;
 }
@@ -130,7 +130,7 @@ static inline double grip_of(const struct touching *each, int n)
 /* Whether the friction of another contact, or of this one, turns the race of a contact. */
 static inline int turns_race(const struct touching *other, const struct touching *each)
 {
-    return other->law->race == each->law->race && is_pressed(other);
+    return other->law->race == each->law->race && pushes(other);
 }
 /* The rate of the slip that a unit tangential force causes by the race. */
 static inline double yield_of_race(const struct system_law *law)

@@ -178,7 +178,7 @@ static double rate_of_contact(const struct taylor *taylor)
               + sqrt(model->shaft_stiffness + spring_stiffness(model, q) * stiffening));
 }
 
-/* A step, cut so that the contact is released, or pressed again, inside it at most once. */
+/* A step, cut so that the contact is released, or presses again, inside it at most once. */
 static double with_one_release(struct taylor *taylor, double step)
 {
     const struct parameters *model = &taylor->motion.model;

@@ -140,7 +140,7 @@ def _over_mass(values: Mapping[str, Any], at: Moments) -> SimpleNamespace:
     return SimpleNamespace(
         **given, omega=1.0, zeta=0.5 * values["damping"] / mass, delta0=values["clearance"],
         hertz=stiffness if hertz else 0.0, linear=0.0 if hertz else stiffness,
-        pressed=at.pushes, sigma=at.slides,
+        loose=1.0 - at.pushes, sigma=at.slides,
     )  # fmt: skip
 
 

@@ -143,12 +143,12 @@ def damping_factor(approach: Any, contact_damping: Any) -> Any:
     return 1.0 + contact_damping * approach
 
 
-def pressed_factor(radial_speed: npt.ArrayLike, contact_damping: float) -> Values:
+def clipped_factor(radial_speed: npt.ArrayLike, contact_damping: float) -> Values:
     """Return the factor of contact damping, 0 where the contact is loose: never tensile [1].
 
     Examples
     --------
-    >>> pressed_factor([1.0, -1.0, -4.0], 0.5)
+    >>> clipped_factor([1.0, -1.0, -4.0], 0.5)
     array([1.5, 0.5, 0. ])
     """
     speed = np.asarray(radial_speed, dtype=np.float64)
@@ -194,7 +194,7 @@ def secant_of_square(square: Any) -> Any:
 # ---- The law by ``q = sqrt(d)``, over numbers, arrays or symbols ----
 #
 # In q it is analytic through q = 0. Of `law`, a rotor or the contact of a rotor system, ``hertz``
-# and ``linear`` multiply either force, and ``pressed`` is 1, or 0 where the contact is loose.
+# and ``linear`` multiply either force, and ``loose`` is 1 where the contact is loose, else 0.
 
 
 def spring_of_root(q: Any, law: Any) -> Any:
@@ -221,7 +221,7 @@ def release_velocity(law: Any) -> Any:
 
 def damped(spring: Any, approach: Any, law: Any) -> Any:
     """Return the normal force of an elastic one: ``d**n (1 + c d')``, or 0 where it is loose."""
-    return law.pressed * spring * damping_factor(approach, law.contact_damping)
+    return (1.0 - law.loose) * spring * damping_factor(approach, law.contact_damping)
 
 
 def normal_force(q: Any, approach: Any, law: Any) -> Any:

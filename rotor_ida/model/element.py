@@ -46,7 +46,7 @@ from rotor_ida.model.forces import Number, Numbers
 # of rotor and race.
 GIVEN = ("root", "x", "y", "vx", "vy", "spin", "race")
 PARAMETERS = (
-    "clearance", "hertz", "linear", "contact_damping", "pressed",
+    "clearance", "hertz", "linear", "contact_damping", "loose",
     "friction", "sigma", "radius", "race_radius", "mobility", "holding",
 )  # fmt: skip
 # What it answers, in this order; while surfaces roll, and with a stator without mass, one more.

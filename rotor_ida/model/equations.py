@@ -23,11 +23,11 @@ import numpy.typing as npt
 from rotor_ida.arrays import Values
 from rotor_ida.model.contact import (
     HERTZ_EXPONENT,
+    clipped_factor,
     contact_force,
     contact_potential,
     damping_factor,
     force_over_radius,
-    pressed_factor,
     stiffness,
 )
 from rotor_ida.model.forces import Moment, accelerations, turned_rates
@@ -291,5 +291,5 @@ def power(time: npt.ArrayLike, states: npt.ArrayLike, rotor: Rotor) -> Values:
     outwards = x * vx + y * vy
     speed = np.divide(outwards, radius, out=np.zeros_like(outwards), where=radius > 0.0)
     spring = contact_force(radius, rotor.delta0, rotor.contact_exponent)
-    added = pressed_factor(speed, rotor.contact_damping) - 1.0
+    added = clipped_factor(speed, rotor.contact_damping) - 1.0
     return np.asarray(left - spring * added * speed)

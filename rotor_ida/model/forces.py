@@ -4,8 +4,8 @@ They are stated once, in `accelerations`, by components along any two directions
 serve on fixed axes, on the rotating ones and in the polar basis of a contact. Flight in
 closed form, the lanes of basins, the energy check and the closed forms restate them by hand:
 CONTRIBUTING.md lists the places ("A force"). Besides its parameters `rotor` has switches, 1 or 0:
-`hertz` or `linear` for the law of contact, `pressed` where surfaces exert a force, and `felt` where
-there is contact at all.
+`hertz` or `linear` for the law of contact, `loose` where contact damping leaves no force, and
+`felt` where there is contact at all.
 
 References
 ----------

@@ -11,8 +11,8 @@ The forces are those of `rotor_ida.model.forces`.
 The core is derived for three models. In the paper's rotor shaft, contact damping and load are the
 number 0 and vanish. In the general model (`whole`) the states include the direction of the load and
 the work of a contact. The third is the general model at a changing speed
-(`rotor_ida.model.spinning`). In the general model a contact is pressed or loose: loose
-while damping would make the force tensile; `rotor.pressed` is 1 or 0. The exponent of the
+(`rotor_ida.model.spinning`). In the general model a contact is loose
+while damping would make the force tensile; `rotor.loose` is 1 then, else 0. The exponent of the
 force is 3/2 where `rotor.hertz` is 1, or 1 where `rotor.linear` is.
 
 Friction has separate modes, so that a contact without friction is unchanged: in one the surfaces
@@ -439,8 +439,8 @@ PAPER = Model(
     modes=(CONTACT, CARTESIAN),
     parameters=(*PARAMETERS, "felt"),
     constants={
-        **dict.fromkeys((*OF_FORCES, "linear"), 0.0),
-        **dict.fromkeys(("hertz", "pressed"), 1.0),
+        **dict.fromkeys((*OF_FORCES, "linear", "loose"), 0.0),
+        "hertz": 1.0,
     },
     columns=PARAMETERS,
 )
@@ -449,7 +449,7 @@ WHOLE = Model(
     modes=(WHOLE_CONTACT, WHOLE_CARTESIAN, RUB, ROLLING),
     # friction has the speed of the rim, rho omega, and the sense in which surfaces slide
     parameters=(
-        *PARAMETERS, *OF_FORCES, "hertz", "linear", "felt", "pressed",
+        *PARAMETERS, *OF_FORCES, "hertz", "linear", "felt", "loose",
         "friction", "disc_radius", "rim", "sigma",
     ),
     constants={},

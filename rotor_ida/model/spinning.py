@@ -190,8 +190,8 @@ OF_DRIVE = ("rate", "torque", "slope", "inverse_inertia")
 # the work on the stator is the elastic energy of the contact.
 PRESCRIBED = dict.fromkeys(("torque", "slope", "inverse_inertia"), 0.0)
 PLAIN = {
-    **dict.fromkeys((*OF_FORCES, "linear"), 0.0),
-    **dict.fromkeys(("hertz", "pressed"), 1.0),
+    **dict.fromkeys((*OF_FORCES, "linear", "loose"), 0.0),
+    "hertz": 1.0,
     **dict.fromkeys(("down_r", "down_t", "down_x", "down_y", "work"), 0.0),
 }
 RUN_UP = Model(

@@ -60,7 +60,7 @@ CHOSEN_BY = {
 ABSENT = "/* of other models */"
 # What the law of contact depends on, and what the rest of the core asks of it: the names of the
 # functions, and what they are given.
-OF_LAW = ("hertz", "linear", "contact_damping", "pressed", "friction", "sigma")
+OF_LAW = ("hertz", "linear", "contact_damping", "loose", "friction", "sigma")
 GIVEN_LAW = ("q", "approach", "push", "of_q", "of_approach")
 OF_DISC = {
     "the elastic force": ("spring_force", "q"),
@@ -85,7 +85,7 @@ def _parameters(model: Model) -> list[str]:
     head = "static inline struct parameters parameters_of(const struct rotor *rotor, double felt)"
     special = {
         "felt": "felt",
-        "pressed": "1.0",
+        "loose": "0.0",
         "hertz": "rotor->contact_exponent > 1.0 ? 1.0 : 0.0",
         "linear": "rotor->contact_exponent > 1.0 ? 0.0 : 1.0",
         "rim": "rotor->disc_radius * rotor->omega",

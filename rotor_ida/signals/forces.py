@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.model.contact import contact_force, pressed_factor, secant_stiffness
+from rotor_ida.model.contact import clipped_factor, contact_force, secant_stiffness
 from rotor_ida.model.forces import Moment, hold_of_rolling, with_values
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.results.in_si import keeps_si
@@ -70,10 +70,10 @@ def contact_forces(run: xr.Dataset) -> xr.Dataset:
         check_one_speed(run, "contact forces with friction")
         told = _with_friction(check_run(run, (*NEEDED, *NEEDED_WITH_FRICTION)), radius, rotor)
     else:
-        held = pressed_factor(_outwards(run), rotor.contact_damping)
-        stiffness = held * secant_stiffness(radius, rotor.delta0, rotor.contact_exponent)
+        factor = clipped_factor(_outwards(run), rotor.contact_damping)
+        stiffness = factor * secant_stiffness(radius, rotor.delta0, rotor.contact_exponent)
         told = {
-            "force": held * contact_force(radius, rotor.delta0, rotor.contact_exponent),
+            "force": factor * contact_force(radius, rotor.delta0, rotor.contact_exponent),
             "force_x": -stiffness * x,
             "force_y": -stiffness * y,
         }
@@ -148,7 +148,7 @@ def power_in_contact(run: Mapping[str, Values], rotor: Rotor) -> PowerInContact:
     radius = np.hypot(run["x"], run["y"])
     spring: Values = contact_force(radius, rotor.delta0, rotor.contact_exponent)
     outwards = radial_speed(run["x"], run["y"], run["vx"], run["vy"])
-    normal = pressed_factor(outwards, rotor.contact_damping) * spring
+    normal = clipped_factor(outwards, rotor.contact_damping) * spring
     slip = np.abs(run["slip_speed"]) if rotor.friction > 0.0 else 0.0
     return PowerInContact(normal, (normal - spring) * outwards, rotor.friction * normal * slip)
 

@@ -14,7 +14,7 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS
-from rotor_ida.model.contact import contact_force, pressed_factor
+from rotor_ida.model.contact import clipped_factor, contact_force
 from rotor_ida.model.equations import rotated
 from rotor_ida.results.in_si import keeps_si
 from rotor_ida.results.run import check_columns, check_run, rotor_of
@@ -110,7 +110,7 @@ def force_along(run: xr.Dataset, path: Path) -> Values:
     force = contact_force(path.radius / length, rotor.delta0, rotor.contact_exponent)
     if rotor.contact_damping > 0.0 and path.radial_speed is not None:
         speed = path.radial_speed * scale_of(run, "time") / length
-        force = force * pressed_factor(speed, rotor.contact_damping)
+        force = force * clipped_factor(speed, rotor.contact_damping)
     return scale_of(run, "force") * force
 
 

@@ -11,7 +11,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.checks import COMPONENTS, State
-from rotor_ida.model.contact import contact_force, pressed_factor
+from rotor_ida.model.contact import clipped_factor, contact_force
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.run import event_columns, parameter_coordinates
 from rotor_ida.schema import (
@@ -96,8 +96,8 @@ def _friction(orbit: Orbit) -> dict[str, Column]:
         for part in (x * vx + y * vy, x * vy - y * vx)
     )
     spring = contact_force(radius, rotor.delta0, rotor.contact_exponent)
-    pressed = (ways != FLIES) & (ways != IS_LOOSE)
-    force = np.where(pressed, spring * pressed_factor(along, rotor.contact_damping), 0.0)
+    pushes = (ways != FLIES) & (ways != IS_LOOSE)
+    force = np.where(pushes, spring * clipped_factor(along, rotor.contact_damping), 0.0)
     slip = np.where(ways == ROLLS, 0.0, across + (rotor.disc_radius or 0.0) * orbit.speeds)
     return {"mode": ("t", ways), "slip_speed": ("t", slip), "normal_force": ("t", force)}
 

@@ -459,7 +459,7 @@ static void runs_with_all_observers(void)
     }
 }
 
-/* Starts in a contact that is pulled loose and pressed again; count how often the table of events
+/* Starts in a contact that is pulled loose and presses again; count how often the table of events
  * is full there. */
 static int releases_in_rooms_that_are_too_small(void)
 {

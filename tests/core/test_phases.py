@@ -101,8 +101,8 @@ def test_a_load_alone_leads_from_rest_at_the_axis(exponent):
 
 
 @pytest.mark.parametrize("method", ["taylor", "adams"])
-def test_a_start_between_pressed_and_loose_is_decided_by_what_follows(method):
-    """1 + c d' and its rate of change vanish there, and then it grows: pressed, without an event.
+def test_a_start_on_the_border_of_loose_is_decided_by_what_follows(method):
+    """1 + c d' and its rate of change vanish there, and then it grows: not loose, without an event.
 
     Of z = -1 with omega = 1, h = 1 and d' = -1, radial acceleration 0 and radial jerk 3.
     """

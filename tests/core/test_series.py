@@ -49,7 +49,7 @@ SLIDES = (0.3, 1.7, -1.0)
 # As `probe.c` numbers them.
 NUMBERS = {"cartesian": 0, "contact": 1, "rub": 2, "rolling": 3}
 ROTORS = [(1.2, 0.07, 0.5), (0.0, 0.0, 2.0), (8.0, 2.0, 1e-2)]
-# What a machine has beside: shaft, contact damping, load, and whether by Hertz, and pressed.
+# What a machine has beside: shaft, contact damping, load, and whether by Hertz, and whether loose.
 MORE = [(0.8, 0.3, 0.5, 1, 1), (0.0, 2.0, 0.0, 0, 1), (1.7, 0.3, 4.0, 1, 0), (2.5, 0.0, 1.0, 0, 0)]
 
 
@@ -57,9 +57,9 @@ def parameters_of(model, rotor, more=None, felt=1.0):
     """Return the parameters of a mode, by name."""
     found = dict(zip(("omega", "zeta", "delta0"), rotor, strict=True)) | {"felt": felt}
     if model is WHOLE:
-        kappa, damping, load, hertz, pressed = (0.0, 0.0, 0.0, 1, 1) if more is None else more
+        kappa, damping, load, hertz, loose = (0.0, 0.0, 0.0, 1, 0) if more is None else more
         found |= {"shaft_stiffness": kappa, "contact_damping": damping, "load": load}
-        found |= {"hertz": float(hertz), "linear": 1.0 - hertz, "pressed": float(pressed)}
+        found |= {"hertz": float(hertz), "linear": 1.0 - hertz, "loose": float(loose)}
         found |= dict(zip(("friction", "disc_radius", "sigma"), SLIDES, strict=True))
         found["rim"] = found["disc_radius"] * found["omega"]
     return found
@@ -400,13 +400,13 @@ def test_a_step_is_cut_until_it_holds_one_root(probe, roots):
 
 
 @pytest.mark.parametrize("rtol", [1e-4, 1e-12])
-@pytest.mark.parametrize("pressed", [0, 1])
-def test_a_step_holds_one_release_or_press_at_most(probes, pressed, rtol):
+@pytest.mark.parametrize("loose", [1, 0])
+def test_a_step_holds_one_release_or_press_at_most(probes, loose, rtol):
     """Where the radial velocity swings about that at which 1 + c d' vanishes, by a stiff shaft."""
     p, seen = 1, 0
     for start in np.random.default_rng(3).normal(size=(20, 3)):
         begun = start_of(WHOLE, "contact", (2.0 + start[0] ** 2, *start[1:], 0.6, 0.8, 0.0, 0.0))
-        motion = Motion(probes["whole"], begun, rtol, more=(9.0, 0.8, 0.5, 1, pressed))
+        motion = Motion(probes["whole"], begun, rtol, more=(9.0, 0.8, 0.5, 1, loose))
         for _ in range(4):
             motion.advance()
             points = np.linspace(motion.low, motion.point, 200)

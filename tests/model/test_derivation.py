@@ -172,7 +172,7 @@ def test_parameters_are_those_of_a_rotor(model):
     rotor = SimpleNamespace(**dict.fromkeys(model.parameters, 0.0), **model.constants)
     for mode in model.modes:
         mode.rates([1.0] * len(mode.state), rotor)
-    of_mode = {"felt", "pressed", "hertz", "linear", "sigma"}
+    of_mode = {"felt", "loose", "hertz", "linear", "sigma"}
     of_friction = {"friction", "disc_radius"} if model is PAPER else {"contact_exponent"}
     told = {"rim": "disc_radius"}  # which comes with the speed
     given = {told.get(name, name) for name in {*vars(rotor)} - of_mode}

@@ -121,7 +121,7 @@ def test_energy_of_a_machine_is_conserved_without_damping_and_unbalance():
 
 
 def test_the_power_of_a_damped_contact_takes_what_the_force_adds():
-    """dE/dt = -c d**n d'**2 while pressed, and d**n d' while loose, of a free radial motion."""
+    """dE/dt = -c d**n d'**2 while not loose, and d**n d' while loose, of a free radial motion."""
     machine = Rotor(omega=0.0, zeta=0.0, delta0=1.0, contact_damping=0.5)
     for speed, expected in ((1.0, -0.5), (-1.0, -0.5), (-2.0, -2.0), (-4.0, -4.0)):
         assert power(0.0, (2.0, 0.0, speed, 3.0), machine) == pytest.approx(expected, rel=1e-15)

@@ -32,19 +32,19 @@ def random_rotor(model, draw, **given):
     drawn = {name: draw.uniform(0.0, most) for name, most in numbers.items()}
     if model is WHOLE:
         hertz = float(draw.integers(2))
-        drawn |= {"hertz": hertz, "linear": 1.0 - hertz, "pressed": float(draw.integers(2))}
+        drawn |= {"hertz": hertz, "linear": 1.0 - hertz, "loose": float(draw.integers(2))}
         drawn |= {"friction": 0.3, "disc_radius": 1.5}
     return rotor_of(model, **drawn | given)
 
 
 def normal_force(z, w, rotor):
-    """N = d**n (1 + c d') where d = |z| - delta0 > 0 and pressed, or else 0; and d**n and d'."""
+    """N = d**n (1 + c d') where d = |z| - delta0 > 0 unless loose, or else 0; and d**n and d'."""
     depth, approach = abs(z) - rotor.delta0, (z.conjugate() * w).real / abs(z)
     if depth <= 0.0:
         return 0.0, 0.0, approach
     spring = depth ** (1.5 if rotor.hertz else 1.0)
     force = spring * (1.0 + rotor.contact_damping * approach)
-    return rotor.felt * rotor.pressed * force, spring, approach
+    return rotor.felt * (1.0 - rotor.loose) * force, spring, approach
 
 
 def acceleration(z, w, down, rotor):
@@ -94,7 +94,7 @@ def cartesian_states(model, count=50, seed=1, **given):
     for _ in range(count):
         # a tensile force needs clearance, and is not stated here
         rotor = random_rotor(model, draw, **{"delta0": 0.0, "contact_damping": 0.0} | given)
-        rotor = changed(rotor, pressed=1.0)
+        rotor = changed(rotor, loose=0.0)
         down = unit(draw)
         more = [down.real, down.imag] if model is WHOLE else []
         yield [*draw.normal(size=4).tolist(), *more], rotor
@@ -303,7 +303,7 @@ def test_without_more_than_the_paper_s_the_whole_model_moves_alike():
     for states, whole, paper in zip(
         (contact_states, cartesian_states), WHOLE.modes[:2], PAPER.modes, strict=True
     ):
-        for state, rotor in states(WHOLE, **zeros, hertz=1.0, pressed=1.0):
+        for state, rotor in states(WHOLE, **zeros, hertz=1.0, loose=0.0):
             rates = dict(zip(whole.state, whole.rates(state, rotor), strict=True))
             named = dict(zip(whole.state, state, strict=True))
             fewer = paper.rates([named[name] for name in paper.state], rotor)

@@ -36,7 +36,7 @@ def as_core(rotor, spin, mode):
            ("zeta", "delta0", "shaft_stiffness", "contact_damping", "load", "friction",
             "disc_radius")},
         hertz=float(rotor.contact_exponent == 1.5), linear=float(rotor.contact_exponent == 1.0),
-        felt=0.0, pressed=1.0, sigma=-1.0 if mode == "rub" else 0.0,
+        felt=0.0, loose=0.0, sigma=-1.0 if mode == "rub" else 0.0,
         rate=0.0 if driven else spin.rate, torque=spin.torque if driven else 0.0,
         slope=spin.slope if driven else 0.0, inverse_inertia=1.0 / spin.inertia if driven else 0.0,
     )  # fmt: skip

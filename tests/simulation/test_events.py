@@ -56,7 +56,7 @@ def steady(rim, **more):
     """A machine of DESIGN section 3 without unbalance, as `equations` can be asked for it."""
     return SimpleNamespace(
         omega=0.0, zeta=0.1, delta0=1.0, shaft_stiffness=0.0, contact_damping=0.0, load=0.0,
-        hertz=1.0, linear=0.0, pressed=1.0, friction=0.2, rim=rim, **more,
+        hertz=1.0, linear=0.0, loose=0.0, friction=0.2, rim=rim, **more,
     )  # fmt: skip
 
 
@@ -158,7 +158,7 @@ def test_random_rotors_have_the_same_events_by_either_way(way, count, friction):
 
 @pytest.mark.parametrize("way", ["taylor", "adams", "reference"])
 def test_a_start_in_which_the_ring_would_pull_is_loose(way):
-    """Outwards of -1/c the contact is pressed, below it loose; and at it, what it will become."""
+    """Below -1/c the contact is loose, above it not; and at it, what it will become."""
     rotor = Rotor(omega=0.0, zeta=0.1, delta0=1.0, load=0.3, contact_damping=2.0)
     for vy, first in ((0.4, -1), (0.6, 4), (2.0, -1)):
         found = simulate(rotor, start=(0.0, -1.2, 0.0, vy), duration=5.0, **WAYS[way])

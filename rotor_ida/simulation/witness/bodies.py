@@ -321,7 +321,7 @@ class Coordinates:
         """Leave the state as it is."""
 
     def begins_in_contact(self, number: int, start: Values) -> bool:
-        """Return whether a start is in contact: pressed, or about to be."""
+        """Return whether a start is in contact, or about to be."""
         z, v = self.seen(number, *self.read(start))
         depth = abs(z) - self.laws[number].clearance
         return depth > 0.0 or (depth == 0.0 and (z.conjugate() * v).real > 0.0)

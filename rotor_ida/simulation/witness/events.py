@@ -96,8 +96,8 @@ def _guards(
 
         guards.append((slides, ROLL, machine.hidden_slip(number, motion.low, motion.before)))
     if mode == ROLLS:
-        begun, _, hidden = motion.once(machine.hold, number, motion.low)
-        ended, *_ = motion.once(machine.hold, number, motion.high)
+        begun, _, hidden = motion.once(machine.grip_of, number, motion.low)
+        ended, *_ = motion.once(machine.grip_of, number, motion.high)
         if max(abs(begun), abs(ended)) > hidden:
             guards += [(_grip(motion, machine, number, sense), SLIP, hidden) for sense in SLIDES]
     return guards
@@ -107,7 +107,7 @@ def _grip(motion: Integration, machine: Machine, number: int, sense: int) -> Fun
     """Return the grip remaining against sliding in a sense, as a function."""
 
     def left(time: float) -> float:
-        hold, grip, _ = motion.once(machine.hold, number, time)
+        hold, grip, _ = motion.once(machine.grip_of, number, time)
         return float(grip - sense * hold)
 
     return left

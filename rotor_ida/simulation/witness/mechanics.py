@@ -1,7 +1,7 @@
 """A rotor in motion, on fixed axes: its rates of change in each mode of its contacts.
 
-With the direction ``e`` of its displacement from the stator's centre, a pressed contact exerts
-``-(N + i T) e`` on the rotor:
+With the direction ``e`` of its displacement from the stator's centre, a contact that is not loose
+exerts ``-(N + i T) e`` on the rotor:
 
 ``d = |z| - delta``, ``N = k d**n (1 + c d')``, ``T = mu N sign(v_s)`` while the surfaces slide,
 ``v_s = v_t + R theta' - R_b Omega_b``; while they roll, T keeps v_s at 0. The unbalance adds
@@ -14,7 +14,7 @@ it is pushed: with w, the velocity that all else leaves, ``d' = w.e - N/C``,
 ``v_s = w.t + ... - T/C``.
 
 Each mode continues smoothly past its end, as a step may overshoot it: a contact that flies has no
-force beyond the clearance, a pressed one may pull after its release, and friction keeps its sense
+force beyond the clearance, one may pull after its release, and friction keeps its sense
 after a reversal.
 """
 
@@ -181,7 +181,7 @@ class Machine:
         return [i for i, mode in enumerate(self.modes) if mode == ROLLS and not laws[i].mobility]
 
     def _on_race(self, number: int) -> list[int]:
-        """Return the pressed contacts whose friction turns the race of a contact."""
+        """Return the contacts whose friction turns the race of a contact."""
         laws = self.body.laws
         return [
             i for i, mode in enumerate(self.modes)
@@ -295,7 +295,7 @@ class Machine:
             hidden.append(HIDDEN * size / unknowns.matrix[row][row])
         return Stuck(unknowns, hidden, touches)
 
-    def hold(self, number: int, time: float, state: Values) -> tuple[float, float, float]:
+    def grip_of(self, number: int, time: float, state: Values) -> tuple[float, float, float]:
         """Return the force that a contact needs to roll, what friction holds, and the rounding."""
         (_, matrix, right), hidden, touches = self._stuck(time, state)
         touch: Any = touches[number]
@@ -327,8 +327,8 @@ class Machine:
             self.body.put_velocity(state, self._without_slip(speed, state)[1])
         return state
 
-    def press(self, number: int, time: float, state: Values) -> None:
-        """Set the mode of a pressed contact: surfaces slide or, if `settle` finds it so, roll."""
+    def rub(self, number: int, time: float, state: Values) -> None:
+        """Set the mode of a contact that is not loose: its surfaces slide, or `settle` says."""
         law = self.body.laws[number]
         self.modes[number] = ROLLS
         touch = self.touch(number, time, state)
@@ -383,7 +383,7 @@ class Machine:
                 self.rates(time, state, rate)
                 factor = self.touch(i, time, state + math.sqrt(HIDDEN) * rate).damping_factor
             if factor > 0.0:
-                self.press(i, time, state)
+                self.rub(i, time, state)
         self.settle(time, state)
 
 

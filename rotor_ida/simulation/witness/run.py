@@ -1,7 +1,7 @@
 """The event loop of the witness: any rotor, restarted at each event, as its force has a kink there.
 
-    decide the mode of each contact at the start: flight, pressed, or loosened by damping;
-    with friction a pressed contact slides forwards, slides backwards, or rolls;
+    decide the mode of each contact at the start: flight, or contact, which damping may make loose;
+    with friction a contact with a force slides forwards, slides backwards, or rolls;
     integrate inside the modes, step by step;
     look for what ends one, at the end of a step and at an extremum of the radius inside it;
     find it as a root, record it, and restart in the mode that follows.
@@ -140,13 +140,13 @@ class Run:
         if kind in {EXIT, RELEASE}:
             machine.modes[number] = FLIES if kind == EXIT else IS_LOOSE
         elif kind == SLIP:
-            hold, *_ = machine.hold(number, time, state)
+            hold, *_ = machine.grip_of(number, time, state)
             machine.modes[number] = SLIDES_FORWARDS if hold > 0.0 else SLIDES_BACKWARDS
         elif kind == ROLL:
             machine.modes[number] = ROLLS
             self.state = state = machine.at_rest(time, state)
         else:
-            machine.press(number, time, state)
+            machine.rub(number, time, state)
         self._settle(time, state, besides=number)
         self._record(time, number, kind, before)
 
