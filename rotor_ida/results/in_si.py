@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from functools import wraps
 from inspect import Parameter, signature
 from pathlib import Path
-from typing import Any, Concatenate, ParamSpec, TypeVar, cast
+from typing import Any, Concatenate, NamedTuple, ParamSpec, TypeVar, cast
 
 import numpy as np
 import xarray as xr
@@ -52,6 +52,22 @@ Verb = TypeVar("Verb", bound=Callable[..., xr.Dataset])
 Failure = TypeVar("Failure", bound=RotorError)
 
 
+class Differing(NamedTuple):
+    """The defaults of an argument for one disc and for a rotor system, as a signature shows them.
+
+    Examples
+    --------
+    >>> Differing("adams", "taylor")
+    'adams' (of a RotorSystem 'taylor')
+    """
+
+    disc: object
+    system: object
+
+    def __repr__(self) -> str:
+        return f"{self.disc!r} (of a RotorSystem {self.system!r})"
+
+
 def takes_rotors(
     *,
     disc: Collection[str] = (),
@@ -73,7 +89,7 @@ def takes_rotors(
     needed : collection of str
         Keywords that a rotor system must be given.
     defaults : mapping of str to tuple
-        Defaults that differ, of one disc and of a system; in the signature they are None.
+        Defaults that differ, of one disc and of a system.
     varies : bool
         Whether other keywords vary parameters. The ``speed`` of a machine is one of these.
     """
@@ -109,6 +125,9 @@ def takes_rotors(
             options = options if varies else dict.fromkeys(disc) | options
             return of_system(*(given or (options.pop("rotor"),)), **options)
 
+        told = [each.replace(default=Differing(*defaults[name])) if name in defaults else each
+                for name, each in parameters.items()]  # fmt: skip
+        either.__signature__ = signature(verb).replace(parameters=told)  # type: ignore[attr-defined]
         return cast("Verb", either)
 
     return decorated
