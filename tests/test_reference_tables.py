@@ -56,7 +56,7 @@ def test_another_integrator_has_the_same_events(case):
 
 
 @pytest.mark.parametrize("case", WITH_EVENTS, ids=named)
-def test_two_methods_agree_to_twenty_digits(case):
+def test_two_orders_agree_to_twenty_digits(case):
     assert case["digits"] >= 20
     for _, time, _ in case["events"]:
         assert len(time.replace(".", "").lstrip("0")) >= 24  # a last 0 is not printed

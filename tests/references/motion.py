@@ -1,4 +1,4 @@
-"""A case to be solved, and what both methods must agree on before they start.
+"""A case to be solved, and how its rotor moves before it touches.
 
 z'' + 2 zeta z' + max(|z| - delta0, 0)^1.5 z/|z| = omega^2 exp(i omega t), z = x + i y.
 """

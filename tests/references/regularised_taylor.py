@@ -1,4 +1,4 @@
-"""First method: flight in closed form, contact by Taylor series in regularised variables.
+"""Flight in closed form, contact by Taylor series in regularised variables.
 
 With q = sqrt(|z| - delta0) and dt = q du the contact is analytic through entry and exit:
 
@@ -29,6 +29,7 @@ class Accuracy:
 
 
 FULL = Accuracy()
+OTHER = Accuracy(bits=200, order=36, tolerance=1e-36)
 COARSE = Accuracy(bits=170, order=32, tolerance=1e-30)
 
 
