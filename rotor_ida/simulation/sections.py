@@ -197,14 +197,15 @@ def poincare_section(
     disc = one_disc(
         poincare_section, rotor, {"speed": speed, "contact": contact, "modes": modes, **changed}
     )
-    return poincare_section_disc(disc, start=start, atol=atol, method=method or "adams", **how)
+    chosen = "adams" if method is None else method
+    return poincare_section_disc(disc, start=start, atol=atol, method=chosen, **how)
 
 
 def refuse_of_disc(atol: float, method: object, what: str) -> None:
     """Refuse options of one disc that a rotor system does not have."""
-    if atol != ATOL:
+    if check_real("atol", atol) != ATOL:
         raise InputError(f"atol must be left out with a rotor system, got {shown(atol)}")
-    if method not in (None, "taylor"):
+    if not (method is None or (isinstance(method, str) and method == "taylor")):
         raise InputError(f"method must be taylor for {what} of a rotor system, got {shown(method)}")
 
 

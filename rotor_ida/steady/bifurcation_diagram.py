@@ -30,6 +30,7 @@ from rotor_ida.checks import (
     check_points,
     check_positive,
     check_progress,
+    check_real,
     check_seed,
     is_scalar,
     shown,
@@ -389,7 +390,8 @@ def _window_of(
     at: Shown, revolutions: object, phase: object, extrema_time: object, rate: object
 ) -> dict[str, Any]:
     """Return what of a settled motion is shown, as arguments; refuse those of another window."""
-    others = {"revolutions": revolutions, "phase": phase or None}
+    angle = check_real("phase", phase)
+    others = {"revolutions": revolutions, "phase": angle or None}
     if at == "revolution":
         others = {"extrema_time": extrema_time, "rate": rate}
     for name, each in others.items():

@@ -7,7 +7,8 @@ import xarray as xr
 
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import PARAMETERS
+from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
+from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.results.archived_system import NAMES, PROBLEM
 from rotor_ida.results.kinds import kind_of, why_not
@@ -96,10 +97,15 @@ def question_of(dataset: xr.Dataset) -> Question:
 
 
 def _fits(question: Question, dataset: xr.Dataset) -> bool:
-    """Return whether the axes of a question are those of a result, of which no part was taken."""
+    """Return whether a question is that of a result: no part was taken, and no parameter added."""
+    rotor = question.arguments.get("rotor")
+    known = {*question.arguments, *getattr(rotor, "given", ())}
+    added = not isinstance(rotor, RotorSystem) and any(
+        name in dataset.coords and name not in known for name in ALL_PARAMETERS
+    )
     axes = {name: each for name, each in question.arguments.items()
             if name in dataset.indexes and not isinstance(each, str)}  # fmt: skip
-    return all(np.size(each) == dataset.sizes[name] for name, each in axes.items())
+    return not added and all(np.size(each) == dataset.sizes[name] for name, each in axes.items())
 
 
 def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
