@@ -23,7 +23,6 @@ from rotor_ida.cli.variables import (
     rows_table,
     scalars_of,
     span,
-    spread_on,
     tabled,
 )
 from rotor_ida.cycles.branch_course import parameters_of, stable_ranges
@@ -296,7 +295,11 @@ def count_of_kinds(dataset: xr.Dataset, ranges: Sequence[str] = RANGES) -> Sheet
 
 def range_of(name: str, places: Sequence[tuple[xr.Dataset, xr.DataArray]]) -> Line:
     """Return the range of a variable over the points of each dataset that a mask leaves."""
-    found = [span(spread_on(dataset, name, here).values[here.values]) for dataset, here in places]
+    found = []
+    for dataset, here in places:
+        values = dataset[name].broadcast_like(here)
+        mask = here.broadcast_like(values).transpose(*values.dims)
+        found.append(span(values.values[mask.values]))
     return line_of(places[0][0], name, found, 6)
 
 

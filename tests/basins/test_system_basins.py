@@ -331,7 +331,7 @@ def test_a_system_without_damping_or_with_a_node_that_cannot_move_is_refused():
         basin(damped, **PLANE)
     with pytest.raises(TypeError, match=r"basin\(\) of a RotorSystem needs speed and node"):
         basin(SYSTEM, x=[0.0, 1.0], y=[0.0, 1.0])
-    with pytest.raises(TypeError, match="unexpected keyword argument 'node'"):
+    with pytest.raises(InputError, match="node must be left out with one disc, got 'disc'"):
         basin(WHIP, x=[0.0, 1.0], y=[0.0, 1.0], node="disc")
 
 
