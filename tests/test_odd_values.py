@@ -28,7 +28,6 @@ from rotor_ida import (
     closed_forms,
     decode_flags,
 )
-from rotor_ida.cycles.limit_cycle import limit_cycle_system
 from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.model.rotor_system import SystemParameters
 from rotor_ida.model.system_parameters import SystemAxes
@@ -376,7 +375,7 @@ OF_SYSTEMS = {
     "simulate_system": rotor_ida.simulate, "run_up_system": rotor_ida.run_up,
     "sweep_system": rotor_ida.sweep, "run_ups_system": rotor_ida.run_ups,
     "lyapunov_exponent_system": rotor_ida.lyapunov_exponent,
-    "limit_cycle_system": limit_cycle_system, "continue_cycle_system": rotor_ida.continue_cycle,
+    "limit_cycle_system": rotor_ida.limit_cycle, "continue_cycle_system": rotor_ida.continue_cycle,
     "synchronous_response_system": rotor_ida.synchronous_response,
 }  # fmt: skip
 

@@ -14,7 +14,6 @@ from rotor_ida.checks import (
     MOST_NUMBERS,
     check_choice,
     check_count,
-    check_instance,
     check_progress,
     check_vector,
     shown,
@@ -34,15 +33,15 @@ from rotor_ida.cycles.guess import (
     as_start_of_system,
     guess_of_system,
 )
-from rotor_ida.cycles.limit_cycle import begun, checked_guess, with_period
+from rotor_ida.cycles.limit_cycle import checked_guess, with_period
 from rotor_ida.cycles.problems import NEVER_ZERO, Continuation, branch_through
 from rotor_ida.cycles.special_points import Special
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import OF_ROTOR
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
-from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system, one_disc
+from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.parallel import Progress, shows_progress
-from rotor_ida.results.in_si import takes_si, takes_system
+from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import Form, Results, open_results
@@ -74,6 +73,7 @@ FORM: Form[Arrays] = Form(
 
 
 @shows_progress
+@takes_rotors(system=("modes",), needed=(), defaults={"start": (AT_REST, None)})
 def continue_cycle(
     rotor: Rotor | DimensionalRotor | RotorSystem,
     *,
@@ -193,22 +193,18 @@ def continue_cycle(
     }  # fmt: skip
     if isinstance(rotor, RotorSystem):
         check_choice("parameter", parameter, ("omega", "speed"))
-        return continue_cycle_system(
-            rotor, start=begun(start), speed=speed, modes=modes, **how, **changed
-        )
-    disc = one_disc(continue_cycle, rotor, {"speed": speed, "modes": modes, **changed})
-    return continue_cycle_disc(disc, start=start, parameter=parameter, **how)
+        system = changed_system(continue_cycle, rotor, changed)
+        return _branch_of_system(system, start=start, speed=speed, modes=modes, **how)
+    assert isinstance(rotor, Rotor)
+    return _branch_of_disc(rotor, start=start, parameter=parameter, **how)
 
 
-@takes_system
-def continue_cycle_system(
+def _branch_of_system(
     system: RotorSystem, *, start: Any, speed: float | None, modes: int | None,
     limits: tuple[float, float], direction: Direction, points: int,
     study: str | os.PathLike[str] | None, progress: Progress | bool | None,
-    **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:  # fmt: skip
     """Follow limit cycles of a rotor system: see `continue_cycle`."""
-    system = changed_system(continue_cycle, system, changed)
     count, told = _checked_way(direction, points, progress)
     guess = guess_of_system(system, start, speed, modes=modes)
     bounds = _speeds("limits", limits, guess.flow.speed)
@@ -216,14 +212,12 @@ def continue_cycle_system(
     return branch_from(with_period(guess), "speed", bounds, direction, count, study, told, given)
 
 
-@takes_si
-def continue_cycle_disc(
+def _branch_of_disc(
     rotor: Rotor, *, start: Any, parameter: Parameter = "omega", limits: tuple[float, float],
     direction: Direction, points: int, study: str | os.PathLike[str] | None,
     progress: Progress | bool | None,
 ) -> xr.Dataset:  # fmt: skip
     """Follow limit cycles of one disc: see `continue_cycle`."""
-    check_instance("rotor", rotor, Rotor)
     check_choice("parameter", parameter, CONTINUED)
     count, progress = _checked_way(direction, points, progress)
     guess = checked_guess(rotor, start)

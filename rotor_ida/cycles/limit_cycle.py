@@ -26,13 +26,11 @@ from rotor_ida.model.parameters import Parameters
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import (
     RotorSystem,
-    SystemParameters,
-    one_disc,
 )
 from rotor_ida.model.system_parameters import SystemAxes
 from rotor_ida.model.varied import varied_of, varied_system_of
 from rotor_ida.parallel import Progress, choose, interruptible, percentage, shows_progress
-from rotor_ida.results.in_si import takes_si, takes_system
+from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.options import check_can_be_followed
@@ -43,6 +41,7 @@ from rotor_ida.steady.system_sweep import turning_speeds
 
 
 @shows_progress
+@takes_rotors(system=("modes",), needed=(), defaults={"start": (AT_REST, None)}, varies=True)
 def limit_cycle(
     rotor: Rotor | DimensionalRotor | RotorSystem,
     *,
@@ -182,19 +181,15 @@ def limit_cycle(
         "workers": workers, "executor": executor, "study": study, "progress": progress
     }  # fmt: skip
     if isinstance(rotor, RotorSystem):
-        return limit_cycle_system(
-            rotor, start=begun(start), speed=speed, period=period, modes=modes, **jobs, **varied
+        return _cycle_of_system(
+            rotor, start=start, speed=speed, period=period, modes=modes, **jobs, **varied
         )
-    of_system = {name: varied.pop(name) for name in [*varied]
-                 if name in SystemParameters.__annotations__}  # fmt: skip
-    if isinstance(rotor, DimensionalRotor) and speed is not None:
-        varied, speed = {"speed": speed, **varied}, None
-    disc: Any = one_disc(limit_cycle, rotor, {"speed": speed, "modes": modes, **of_system})
-    return limit_cycle_disc(disc, start=start, period=period, **jobs, **varied)
+    return _cycle_of_disc(
+        check_instance("rotor", rotor, Rotor), start=start, period=period, **jobs, **varied
+    )
 
 
-@takes_system
-def limit_cycle_system(
+def _cycle_of_system(
     system: RotorSystem, *, start: SystemStart, speed: Any, period: float | None,
     modes: int | None, workers: int | None, executor: str, study: Folder | None,
     progress: Progress | bool | None, **changed: Unpack[SystemAxes],
@@ -212,13 +207,12 @@ def limit_cycle_system(
     return _near_guess(guess_of_system(asked.system_at(()), start, speed, period, modes), progress)
 
 
-@takes_si
-def limit_cycle_disc(
+def _cycle_of_disc(
     rotor: Rotor, *, start: object, period: float | None, workers: int | None, executor: str,
     study: Folder | None, progress: Progress | bool | None, **varied: Unpack[Parameters],
 ) -> xr.Dataset:  # fmt: skip
     """Compute the limit cycle of one disc: see `limit_cycle`."""
-    asked = varied_of(limit_cycle, check_instance("rotor", rotor, Rotor), varied, always=())
+    asked = varied_of(limit_cycle, rotor, varied, always=())
     chosen = choose(executor, workers, compiled=True)
     if asked.dims:
         return cycles_of_disc(asked, start, period, Jobs(chosen, study, check_progress(progress)))
@@ -237,11 +231,6 @@ def check_no_study(study: object) -> None:
     """Raise InputError for the study of one cycle."""
     if study is not None:
         raise InputError(f"study must be left out of one cycle, got {shown(study)}")
-
-
-def begun(start: Any) -> Any:
-    """Return the start of a rotor system: by default None."""
-    return None if start is AT_REST else start
 
 
 def checked_guess(rotor: Rotor, start: object) -> Guess:

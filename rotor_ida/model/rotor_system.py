@@ -356,24 +356,6 @@ def refuse_first(verb: Callable[..., Any], kinds: str, given: object) -> NoRetur
     raise InputError(f"{name} takes {kinds} first, as in {name}({call}), got {shown(given)}")
 
 
-def one_disc(
-    verb: Callable[..., Any], rotor: object, of_system: Mapping[str, object]
-) -> Rotor | DimensionalRotor:
-    """Return a first argument that is one disc; refuse another, and keywords of rotor systems."""
-    if not isinstance(rotor, Rotor | DimensionalRotor):
-        refuse_first(verb, KINDS, rotor)
-    known = inspect.signature(verb).parameters
-    for name, value in of_system.items():
-        if name not in known and name not in SystemParameters.__annotations__:
-            raise TypeError(
-                f"{name_of(verb)}() got an unexpected keyword argument {name!r}"
-                f"{did_you_mean(name, known)}"
-            )
-        if value is not None:
-            raise InputError(f"{name} must be left out with one disc, got {shown(value)}")
-    return rotor
-
-
 def name_of(verb: Callable[..., Any]) -> str:
     """Return the public name of a function."""
     return verb.__name__.removesuffix("_system").removesuffix("_disc")

@@ -19,7 +19,6 @@ from rotor_ida.checks import (
     check_choice,
     check_count,
     check_duration,
-    check_instance,
     check_nonnegative,
     check_progress,
     check_real,
@@ -32,10 +31,10 @@ from rotor_ida.model.assembly import Assembly, assemble
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.few_modes import in_modes
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
-from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system, one_disc
+from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.parallel import Progress, Stop, interruptible, percentage, shows_progress
 from rotor_ida.results.archived_system import described_problem
-from rotor_ida.results.in_si import takes_si, takes_system
+from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
 from rotor_ida.results.run import parameter_coordinates
@@ -73,11 +72,13 @@ PLACES = ("revolution", "entry", "exit", "peak", *RUBS)
 # How often a motion of a system is simulated until its peaks are located, about.
 RUNS_TO_PEAKS = 8
 # The absolute tolerance of one disc; a rotor system scales its own.
+DEFAULTS = {"start": (AT_REST, None), "method": ("adams", "taylor")}
 ATOL = 1e-12
 NAMES = ("rotating_x", "rotating_y", "rotating_vx", "rotating_vy")
 
 
 @shows_progress
+@takes_rotors(disc=("atol",), system=("contact", "modes"), needed=(), defaults=DEFAULTS)
 def poincare_section(
     rotor: Rotor | DimensionalRotor | RotorSystem,
     *,
@@ -189,22 +190,17 @@ def poincare_section(
         "progress": progress,
     }  # fmt: skip
     if isinstance(rotor, RotorSystem):
-        refuse_of_disc(atol, method, "a section")
-        begun = None if start is AT_REST else start
-        return poincare_section_system(
-            rotor, speed=speed, start=begun, contact=contact, modes=modes, **how, **changed
+        check_taylor(method, "a section")
+        given = changed_system(poincare_section, rotor, changed)
+        return _section_of_system(
+            given, speed=speed, start=start, contact=contact, modes=modes, **how
         )
-    disc = one_disc(
-        poincare_section, rotor, {"speed": speed, "contact": contact, "modes": modes, **changed}
-    )
-    chosen = "adams" if method is None else method
-    return poincare_section_disc(disc, start=start, atol=atol, method=chosen, **how)
+    assert isinstance(rotor, Rotor)
+    return _section_of_disc(rotor, start=start, atol=atol, method=method, **how)
 
 
-def refuse_of_disc(atol: float, method: object, what: str) -> None:
-    """Refuse options of one disc that a rotor system does not have."""
-    if check_real("atol", atol) != ATOL:
-        raise InputError(f"atol must be left out with a rotor system, got {shown(atol)}")
+def check_taylor(method: object, what: str) -> None:
+    """Refuse another method than Taylor series of a rotor system."""
     if not (method is None or (isinstance(method, str) and method == "taylor")):
         raise InputError(f"method must be taylor for {what} of a rotor system, got {shown(method)}")
 
@@ -225,13 +221,11 @@ def checked_angle(phase: object) -> float:
     return angle
 
 
-@takes_si
-def poincare_section_disc(
+def _section_of_disc(
     rotor: Rotor, *, start: Any, revolutions: int, skip: int, at: At, phase: float, rtol: float,
-    atol: float, method: Method, progress: Progress | bool | None,
+    atol: float, method: Any, progress: Progress | bool | None,
 ) -> xr.Dataset:  # fmt: skip
     """Return a section through a motion of one disc: see `poincare_section`."""
-    check_instance("rotor", rotor, Rotor)
     progress = check_progress(progress)
     first = state_of("start", start, rotor)
     check_can_be_followed(rotor, first)
@@ -313,14 +307,12 @@ def crossings_of_disc(
     return times, rotated(orbit.event_states[chosen], -rotor.omega * times)
 
 
-@takes_system
-def poincare_section_system(
+def _section_of_system(
     system: RotorSystem, *, speed: float | None, start: Any, revolutions: int, skip: int, at: At,
     contact: int | str | None, phase: float, modes: int | None, rtol: float,
-    progress: Progress | bool | None, **changed: Unpack[SystemParameters],
+    progress: Progress | bool | None,
 ) -> xr.Dataset:  # fmt: skip
     """Return a section through a motion of a rotor system: see `poincare_section`."""
-    given = changed_system(poincare_section, system, changed)
     progress = check_progress(progress)
     omega = _checked_speed(speed)
     count = check_count("revolutions", revolutions)
@@ -328,7 +320,7 @@ def poincare_section_system(
     tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
     if modes is not None and isinstance(start, xr.Dataset):
         raise InputError(f"start must be (q, velocity) with modes, got a result and {modes!r}")
-    taken, begun = in_modes(given, modes, start)
+    taken, begun = in_modes(system, modes, start)
     assembly = assemble(taken)
     number = None if at == "revolution" else _number_of(assembly, contact, at)
     if at == "revolution" and contact is not None:
@@ -362,7 +354,7 @@ def poincare_section_system(
     left = {"at"} if number is None else {"at", "phase"}
     attributes = provenance({"method": "taylor"}) | {"section": at}
     attributes |= {name: each for name, each in known.items() if name not in left}
-    question = Question("poincare_section", {"rotor": given, "start": asked_start, **known})
+    question = Question("poincare_section", {"rotor": system, "start": asked_start, **known})
     attributes |= question.attribute()
     crossings = crossings._replace(times=lead + crossings.times)
     return _dataset_of_system(flow, crossings, states, attributes)

@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any, Literal, NamedTuple, Unpack
+from typing import Any, Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -36,12 +36,11 @@ from rotor_ida.checks import (
     shown,
 )
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import Parameters
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
-from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, one_disc
-from rotor_ida.model.varied import Varied, varied_of
+from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.model.varied import Varied, varied_of, varied_system_of
 from rotor_ida.parallel import Progress, Stop, choose, shows_progress
-from rotor_ida.results.in_si import varies_in_si
+from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
 from rotor_ida.results.rows import counted
@@ -53,8 +52,8 @@ from rotor_ida.simulation.options import Method, Options, options_of_study
 from rotor_ida.simulation.sections import (
     ATOL,
     NAMES,
+    check_taylor,
     crossings_of_disc,
-    refuse_of_disc,
 )
 from rotor_ida.simulation.starts import GivenStart, Starts, box_of, drawn_from, states_of
 from rotor_ida.simulation.systems.starts import Start as SystemStart
@@ -81,7 +80,8 @@ from rotor_ida.steady.sweep import (
     check_varied_can_be_followed,
     with_direction_named,
 )
-from rotor_ida.steady.system_diagram import bifurcation_diagram_system, window_of_section
+from rotor_ida.steady.system_diagram import diagram_of_system, window_of_section
+from rotor_ida.steady.system_sweep import turning_speeds
 
 Shown = Literal["extrema", "revolution"]
 SHOWN = ("extrema", "revolution")
@@ -99,7 +99,11 @@ EXTREMUM = np.dtype([("extremum_radius", np.float64), ("extremum_kind", np.int8)
 EXTREMUM_AT_A_RATE = np.dtype([*EXTREMUM.descr, ("extremum_speed", np.float64)])
 
 
+OF_DISC = ("x", "y", "vx", "vy", "extrema_time", "rate", "seed", "atol")
+
+
 @shows_progress
+@takes_rotors(disc=OF_DISC, system=("modes",), needed=(), varies=True)
 def bifurcation_diagram(
     rotor: Rotor | DimensionalRotor | RotorSystem | None = None,
     *,
@@ -263,34 +267,24 @@ def bifurcation_diagram(
         "direction": direction, "along": along, "rtol": rtol, "workers": workers,
         "executor": executor, "study": study, "progress": progress,
     }  # fmt: skip
-    of_disc = {"x": x, "y": y, "vx": vx, "vy": vy, "extrema_time": extrema_time, "rate": rate}
     if isinstance(rotor, RotorSystem):
-        refuse_of_disc(atol, method, "a diagram")
-        for name, each in {**of_disc, "seed": seed or None}.items():
-            if each is not None:
-                raise InputError(f"{name} must be left out with a rotor system, got {shown(each)}")
+        check_taylor(method, "a diagram")
+        if speed is None:
+            raise InputError("speed must be given for a diagram of a rotor system, got None")
+        speeds = turning_speeds(speed, "in a diagram of a rotor system")
+        asked = varied_system_of(bifurcation_diagram, rotor, varied, speeds)
         begun: Any = (None,) if starts is None else starts
-        return bifurcation_diagram_system(
-            rotor, speed=speed, starts=begun, modes=modes, **how, **varied
-        )
-    of_system = {name: varied.pop(name) for name in [*varied]
-                 if name in SystemParameters.__annotations__}  # fmt: skip
-    if isinstance(rotor, DimensionalRotor) and speed is not None:
-        varied, speed = {"speed": speed, **varied}, None
+        return diagram_of_system(asked, starts=begun, modes=modes, **how)
+    of_disc = {"x": x, "y": y, "vx": vx, "vy": vy, "extrema_time": extrema_time, "rate": rate}
     given: dict[str, Any] = {name: each for name, each in of_disc.items() if each is not None}
-    given["starts"] = 8 if starts is None else starts
-    refused = {"speed": speed, "modes": modes, **of_system}
-    disc: Any = rotor
-    if rotor is not None or any(each is not None for each in refused.values()):
-        disc = one_disc(bifurcation_diagram, rotor, refused)
-    return bifurcation_diagram_disc(
-        disc, **given, seed=seed, atol=atol, method=method, **how, **varied
-    )
+    return _diagram_of_disc(
+        varied_of(bifurcation_diagram, rotor, varied), **given,
+        starts=8 if starts is None else starts, seed=seed, atol=atol, method=method, **how,
+    )  # fmt: skip
 
 
-@varies_in_si
-def bifurcation_diagram_disc(
-    rotor: Rotor | DimensionalRotor | None = None,
+def _diagram_of_disc(
+    asked: Varied,
     *,
     at: Shown,
     revolutions: int | None,
@@ -312,12 +306,10 @@ def bifurcation_diagram_disc(
     executor: str,
     study: Folder | None,
     progress: Progress | bool | None,
-    **varied: Unpack[Parameters],
 ) -> xr.Dataset:
     """Compute the diagram of one disc: see `bifurcation_diagram`."""
     window = _window_of(at, revolutions, phase, extrema_time, rate)
     seed = check_seed(seed)
-    asked = varied_of(bifurcation_diagram, rotor, varied)
     _check_settles(asked, window)
     drawn: dict[str, Any] = {}
     chosen_starts: Any = starts

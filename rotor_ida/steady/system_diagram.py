@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
-from typing import Any, NamedTuple, Unpack
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -15,11 +15,9 @@ import xarray as xr
 from rotor_ida.arrays import Column, Stop, Values
 from rotor_ida.checks import check_count, check_points, check_progress
 from rotor_ida.errors import InputError
-from rotor_ida.model.rotor_system import RotorSystem
-from rotor_ida.model.system_parameters import SPEED, SystemAxes
-from rotor_ida.model.varied import Varied, varied_system_of
+from rotor_ida.model.system_parameters import SPEED
+from rotor_ida.model.varied import Varied
 from rotor_ida.parallel import Progress, choose
-from rotor_ida.results.in_si import takes_system
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
 from rotor_ida.results.rows import counted
@@ -51,7 +49,6 @@ from rotor_ida.steady.system_sweep import (
     checked_starts,
     places_of,
     point_of,
-    turning_speeds,
     warn_if_long,
     with_meanings,
 )
@@ -71,18 +68,13 @@ def window_of_section(revolutions: object, phase: object) -> dict[str, Any]:
     return {"at": "revolution", "revolutions": count, "phase": checked_angle(phase)}
 
 
-@takes_system
-def bifurcation_diagram_system(
-    system: RotorSystem, *, speed: npt.ArrayLike | None, at: str, revolutions: int | None,
-    phase: float, starts: Sequence[Start | xr.Dataset] | xr.Dataset, direction: Direction | None,
+def diagram_of_system(
+    asked: Varied, *, at: str, revolutions: int | None, phase: float,
+    starts: Sequence[Start | xr.Dataset] | xr.Dataset, direction: Direction | None,
     along: str | None, modes: int | None, rtol: float, workers: int | None, executor: str,
-    study: Folder | None, progress: Progress | bool | None, **changed: Unpack[SystemAxes],
+    study: Folder | None, progress: Progress | bool | None,
 ) -> xr.Dataset:  # fmt: skip
     """Compute the diagram of a rotor system: see `bifurcation_diagram`."""
-    if speed is None:
-        raise InputError("speed must be given for a diagram of a rotor system, got None")
-    speeds = turning_speeds(speed, "in a diagram of a rotor system")
-    asked = varied_system_of(bifurcation_diagram_system, system, changed, speeds)
     progress = check_progress(progress)
     window = _Window(**{**window_of_section(revolutions, phase), "at": at})
     if at == "extrema" and window.phase:

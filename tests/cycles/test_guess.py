@@ -64,7 +64,7 @@ def refused(start, says, rotor=BOUNCING.rotor, period=None):
             continue_cycle(rotor, start=start, limits=(0.5, 3.0))
 
 
-@pytest.mark.parametrize("start", [(0, 0, 0), (0, 0, 0, np.nan), "resting", None, [[0, 0, 0, 0]]])
+@pytest.mark.parametrize("start", [(0, 0, 0), (0, 0, 0, np.nan), "resting", [[0, 0, 0, 0]]])
 def test_what_is_no_state_is_refused(start):
     refused(start, "start")
 
