@@ -27,7 +27,7 @@ from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import (
     RotorSystem,
 )
-from rotor_ida.model.system_parameters import SystemAxes
+from rotor_ida.model.system_parameters import AnyAxes
 from rotor_ida.model.varied import varied_of, varied_system_of
 from rotor_ida.parallel import Progress, choose, interruptible, percentage, shows_progress
 from rotor_ida.results.in_si import takes_rotors
@@ -53,7 +53,7 @@ def limit_cycle(
     executor: str = "auto",
     study: Folder | None = None,
     progress: Progress | bool | None = None,
-    **varied: Any,
+    **varied: Unpack[AnyAxes],
 ) -> xr.Dataset:
     """Compute the limit cycle to which a start leads, or which lies near a guess.
 
@@ -182,17 +182,17 @@ def limit_cycle(
     }  # fmt: skip
     if isinstance(rotor, RotorSystem):
         return _cycle_of_system(
-            rotor, start=start, speed=speed, period=period, modes=modes, **jobs, **varied
+            rotor, varied, start=start, speed=speed, period=period, modes=modes, **jobs
         )
     return _cycle_of_disc(
-        check_instance("rotor", rotor, Rotor), start=start, period=period, **jobs, **varied
+        check_instance("rotor", rotor, Rotor), varied, start=start, period=period, **jobs
     )
 
 
 def _cycle_of_system(
-    system: RotorSystem, *, start: SystemStart, speed: Any, period: float | None,
+    system: RotorSystem, changed: AnyAxes, *, start: Any, speed: Any, period: float | None,
     modes: int | None, workers: int | None, executor: str, study: Folder | None,
-    progress: Progress | bool | None, **changed: Unpack[SystemAxes],
+    progress: Progress | bool | None,
 ) -> xr.Dataset:  # fmt: skip
     """Compute the limit cycle of a rotor system: see `limit_cycle`."""
     has_axis = hasattr(speed, "__len__") and not isinstance(speed, str)
@@ -208,8 +208,8 @@ def _cycle_of_system(
 
 
 def _cycle_of_disc(
-    rotor: Rotor, *, start: object, period: float | None, workers: int | None, executor: str,
-    study: Folder | None, progress: Progress | bool | None, **varied: Unpack[Parameters],
+    rotor: Rotor, varied: Parameters, *, start: object, period: float | None, workers: int | None,
+    executor: str, study: Folder | None, progress: Progress | bool | None,
 ) -> xr.Dataset:  # fmt: skip
     """Compute the limit cycle of one disc: see `limit_cycle`."""
     asked = varied_of(limit_cycle, rotor, varied, always=())

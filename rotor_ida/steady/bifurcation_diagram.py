@@ -11,7 +11,7 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Any, Literal, NamedTuple
+from typing import Any, Literal, NamedTuple, Unpack
 
 import numpy as np
 import numpy.typing as npt
@@ -38,6 +38,7 @@ from rotor_ida.checks import (
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.model.system_parameters import AnyAxes
 from rotor_ida.model.varied import Varied, varied_of, varied_system_of
 from rotor_ida.parallel import Progress, Stop, choose, shows_progress
 from rotor_ida.results.in_si import takes_rotors
@@ -129,7 +130,7 @@ def bifurcation_diagram(
     executor: str = "auto",
     study: Folder | None = None,
     progress: Progress | bool | None = None,
-    **varied: Any,
+    **varied: Unpack[AnyAxes],
 ) -> xr.Dataset:
     """Compute a bifurcation diagram: settled motions at each speed, by extrema or by revolutions.
 
@@ -277,9 +278,9 @@ def bifurcation_diagram(
         return diagram_of_system(asked, starts=begun, modes=modes, **how)
     of_disc = {"x": x, "y": y, "vx": vx, "vy": vy, "extrema_time": extrema_time, "rate": rate}
     given: dict[str, Any] = {name: each for name, each in of_disc.items() if each is not None}
+    given["starts"] = 8 if starts is None else starts
     return _diagram_of_disc(
-        varied_of(bifurcation_diagram, rotor, varied), **given,
-        starts=8 if starts is None else starts, seed=seed, atol=atol, method=method, **how,
+        varied_of(bifurcation_diagram, rotor, varied), **given, seed=seed, atol=atol, method=method, **how,
     )  # fmt: skip
 
 
