@@ -280,7 +280,8 @@ def bifurcation_diagram(
     given: dict[str, Any] = {name: each for name, each in of_disc.items() if each is not None}
     given["starts"] = 8 if starts is None else starts
     return _diagram_of_disc(
-        varied_of(bifurcation_diagram, rotor, varied), **given, seed=seed, atol=atol, method=method, **how,
+        varied_of(bifurcation_diagram, rotor, varied), **given, seed=seed, atol=atol, method=method,
+        **how,
     )  # fmt: skip
 
 
