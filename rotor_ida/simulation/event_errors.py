@@ -398,7 +398,9 @@ def _drift(orbit: Orbit) -> Values:
     at = Moment((x, y), (vx, vy), (x, y), (cos, sin), (0.0, -1.0))
     spin_up, _ = _quickening(orbit, none, none)
     faster = np.array(accelerations(at, 0.0, machine)) + spin_up * np.array([sin, -cos])
-    return np.array([vx, vy, *np.where(np.isin(orbit.event_kinds, OF_FRICTION), 0.0, faster)]).T
+    if rotor.friction > 0.0:
+        faster = np.where(np.isin(orbit.event_kinds, OF_FRICTION), 0.0, faster)
+    return np.array([vx, vy, *faster]).T
 
 
 def _horizon(orbit: Orbit, other: Orbit, partners: Numbers) -> float:

@@ -39,6 +39,9 @@ RECURS = 10.0
 # A motion that sits on an unstable equilibrium, whirl or cycle is displaced by this part of the
 # (smallest) clearance and followed on.
 DISTURBANCE = 1e-3
+# A motion that has come to a whirl from farther than this part of its size, and is there to
+# rounding, does not leave it: what had grown on the way would show.
+FAR = 1e-3
 # Contacts that move by less than this part of a disturbance move by rounding alone.
 UNMOVED = 1e-9
 # An exponent of one disc is a mean over at least this time, and at least this multiple of the
@@ -151,6 +154,10 @@ class Motion:
     tried: float = 0.0
     landing: Landing | None = None
     cycle: Landing | None = None
+    begun: Values = field(init=False)  # the first state, or that after a disturbance
+
+    def __post_init__(self) -> None:
+        self.begun = self.state
 
     @property
     def system(self) -> SystemFlow | None:
@@ -214,6 +221,8 @@ class Motion:
         if self.cycle is not None:
             state, growing = self.cycle.state, self.cycle.growing
         elif self.system is None and flow.speed > 0.0 and flow.has_damping:
+            if self.repeats is None and self._came_from_afar():
+                return False
             period = flow.revolution if self.repeats is None else self.repeats.period
             growing = growing_direction(flow.run(state, period).tangents)
         if growing is None:
@@ -226,8 +235,13 @@ class Motion:
         largest = float(np.abs(growing).max())
         # where it does not move the contacts, the state is measured by its own scales
         size = reach if reach > UNMOVED * largest else largest
-        self.state = state + growing * (DISTURBANCE / size)
+        self.state = self.begun = state + growing * (DISTURBANCE / size)
         return True
+
+    def _came_from_afar(self) -> bool:
+        """Return whether the whirl on which it stands was not where it began."""
+        apart = float(np.abs(self.begun - self.state).max())
+        return apart > FAR * float(np.abs(self.state).max())
 
     # ---- What the window shows ----
 
