@@ -58,7 +58,8 @@ class Plane:
         if len(varying) != 2:
             raise InputError(
                 "exactly two of x, y, vx, vy must be arrays and two numbers, got "
-                f"{len(varying)} arrays{': ' if varying else ''}{', '.join(varying)}"
+                f"{len(varying)} array{'' if len(varying) == 1 else 's'}"
+                f"{': ' if varying else ''}{', '.join(varying)}"
             )
         checked = {
             name: check_vector(name, value, largest=LARGEST) for name, value in given.items()

@@ -30,6 +30,10 @@ PARTS = {
 }  # fmt: skip
 
 
+# Dimension of the states of a stroboscopic diagram at a point.
+CROSSING = "crossing"
+
+
 def to_dataframe(dataset: xr.Dataset) -> Table:
     """Return a result as a table for pandas, with one row for each point, sample or branch.
 
@@ -44,7 +48,8 @@ def to_dataframe(dataset: xr.Dataset) -> Table:
         The variables on the first dimensions of the result, which are its index; flags are words.
         Those that are on contacts or nodes too have a column for each, such as
         ``radius_max[seal]``, by the name of the node, or by the number of the contact where two
-        are at one node; so have Lyapunov exponents and multipliers, by their numbers. Variables on
+        are at one node; so have Lyapunov exponents and multipliers, by their numbers. A
+        stroboscopic diagram has a row for each state at each point. Variables on
         other dimensions, such as those of events and of ``component``, are left out.
 
     Raises
@@ -71,8 +76,11 @@ def to_dataframe(dataset: xr.Dataset) -> Table:
     )
     if not rows:
         raise InputError("dataset must contain a variable for a table, got none")
-    part = _in_words(wide[[name for name, each in wide.data_vars.items() if each.dims == rows]])
-    return part.to_dataframe(dim_order=list(rows))
+    crossed = (*rows, CROSSING)
+    is_crossed = any(each.dims == crossed for each in wide.data_vars.values())
+    kept = {rows, crossed} if is_crossed else {rows}
+    part = _in_words(wide[[name for name, each in wide.data_vars.items() if each.dims in kept]])
+    return part.to_dataframe(dim_order=list(crossed if is_crossed else rows))
 
 
 def tables_of(dataset: xr.Dataset) -> dict[str, Table]:

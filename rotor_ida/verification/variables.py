@@ -37,6 +37,7 @@ NO_MORE = "not computed by this version"
 OF_METHOD = ("method", "flight", "atol", "left_over_method")
 TOLERANCE_OF_ATTRIBUTES = 1e-6
 NOT_BY_METHOD = "not computed by this method"
+OF_NO_CIRCLE = "of a motion that is no circle: it depends on where the window begins"
 OF_ONE_STRETCH = "chaotic or undecided: another processor follows another stretch of the motion"
 
 
@@ -108,7 +109,7 @@ def compare_variables(
             reason = NO_MORE
         where = _told(archived.variables[name], _periodic(archived, name) if told is None else told)
         if not reason and where.size and not where.any():
-            reason = OF_ONE_STRETCH
+            reason = OF_NO_CIRCLE if name in OF_CIRCLES else OF_ONE_STRETCH
         if reason:
             found.left_out[name] = reason
             continue

@@ -194,7 +194,7 @@ def test_an_interrupt_of_the_confirmation_keeps_the_labels(monkeypatch, figure_7
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"y": 0.0}, "exactly two of x, y, vx, vy must be arrays and two numbers, got 1 arrays: x"),
+        ({"y": 0.0}, "exactly two of x, y, vx, vy must be arrays and two numbers, got 1 array: x"),
         ({"vx": AXIS}, "exactly two of .* got 3 arrays: x, y, vx"),
         ({"x": [0.0, 0.0]}, "x must increase, got 0.0 after 0.0"),
         ({"x": []}, "x must contain at least one number, got none"),

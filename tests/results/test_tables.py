@@ -14,6 +14,7 @@ from rotor_ida import (
     Rotor,
     RotorSystem,
     Unbalance,
+    bifurcation_diagram,
     decode_flags,
     folds,
     lyapunov_exponent,
@@ -166,3 +167,14 @@ def test_a_path_that_cannot_be_is_refused(run: xr.Dataset, tmp_path: Path, name:
     with pytest.raises(InputError, match="path must"):
         save_tables(run, tmp_path / name)
     assert not any(tmp_path.iterdir())
+
+
+def test_a_stroboscopic_diagram_has_a_row_for_each_state():
+    system = Rotor(omega=1.0, zeta=0.3, delta0=0.5, shaft_stiffness=0.25).system()
+    found = bifurcation_diagram(system, speed=[0.3, 1.2], at="revolution", revolutions=4, workers=1)
+    table = to_dataframe(found)
+    assert len(table) == 2 * found.sizes["crossing"]
+    last = found.isel(crossing=-1).squeeze()
+    ends = table.reset_index().groupby("speed").last()
+    assert ends["rotating_x[disc]"].tolist() == last.rotating_x.values.ravel().tolist()
+    assert ends["radius_max[disc]"].tolist() == last.radius_max.values.ravel().tolist()

@@ -24,6 +24,8 @@ if TYPE_CHECKING:
 NOT_OF_MANY = {"phase", "more_modes"}
 # The study of many drops in the folder of their report, until all of this is written.
 UNFINISHED = "unfinished"
+# Endings of files, which no folder of a report should have.
+OF_FILES = (".html", ".pdf", ".nc", ".csv", ".toml")
 ReportFolder = Annotated[Path, path_option("Folder of the report, which is made."), IN_OUTPUT]
 DropSpeed = Annotated[
     float | None,
@@ -160,6 +162,8 @@ def _asked(
 
 def _make(folder: Path) -> list[Path]:
     """Make the folder of the report, and return the new folders, the innermost first."""
+    if folder.suffix in OF_FILES:
+        raise InputError(f"out must be a folder, got the name of a file, {shown(str(folder))}")
     new = [each for each in (folder, *folder.parents) if not each.exists()]
     try:
         folder.mkdir(parents=True, exist_ok=True)
