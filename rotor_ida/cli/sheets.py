@@ -152,7 +152,7 @@ def table(title: str, rows: Sequence[Record], columns: Sequence[str], digits: in
 
 
 def shown(value: object, digits: int = 8, parts: float = 1.0) -> str:
-    """Return a value for people, in a unit of so many SI units; a dash for a missing value.
+    """Return a value as a reader sees it, in a unit given in SI units; a dash if it is missing.
 
     Examples
     --------

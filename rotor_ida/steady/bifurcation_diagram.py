@@ -145,7 +145,7 @@ def bifurcation_diagram(
         revolution, a stroboscopic section as of `rotor_ida.poincare_section`.
     revolutions : int, optional
         Number of revolutions, after the rotor has settled, of a section; default: 64. Of a
-        `RotorSystem` extrema too are those of so many revolutions.
+        `RotorSystem` extrema too are found over this number of revolutions.
     phase : float
         Angle of the unbalance from x in the section, below 2 pi [rad].
     x, y, vx, vy : float or array_like, shape (2,), optional

@@ -374,7 +374,7 @@ def test_what_was_written_comes_back_with_units_names_and_turns(kind: str, tmp_p
 
 
 def cut(size: float) -> Callable[[bytes], bytes]:
-    """Return what leaves so many bytes of a file, or a part below 1, or all but as many."""
+    """Return a cut that keeps the first bytes of a file: a number, or a part below 1."""
     return lambda whole: whole[: int(size * len(whole)) if 0.0 < size < 1.0 else int(size)]
 
 
