@@ -308,6 +308,10 @@ SYSTEM = RotorSystem(mass=np.eye(2), stiffness=np.eye(2), nodes={"disc": (0, 1)}
 DAMPED = RotorSystem(
     mass=np.eye(2), damping=0.1 * np.eye(2), stiffness=np.eye(2), nodes={"disc": (0, 1)}, units="1"
 )
+TOUCHING = replace(
+    DAMPED, contacts=[Contact(node="disc", clearance=0.5, stiffness=4.0)],
+    unbalance=[Unbalance(node="disc", moment=1.0)],
+)  # fmt: skip
 GIVEN |= {
     "RotorSystem": lambda _: {"mass": np.eye(2), "stiffness": np.eye(2), "nodes": {"a": (0, 1)}},
     "Contact": lambda _: {"node": "disc", "clearance": 0.5, "stiffness": 4.0},
@@ -366,6 +370,22 @@ GIVEN |= {
         "contacts": [Contact(node="disc", clearance=0.5, stiffness=4.0)], "workers": 1,
         "supports": [Support(node="disc", stiffness=2.0)], "study": folder / "drops",
     },
+    "poincare_section_system": lambda _: {
+        "rotor": TOUCHING, "speed": 1.2, "start": None, "revolutions": 3, "at": "entry",
+        "contact": 0,
+    },
+    "bifurcation_diagram_system": lambda folder: {
+        "rotor": TOUCHING, "speed": [1.2], "at": "revolution", "revolutions": 2, "starts": [None],
+        "study": folder / "study",
+    },
+    "basin_system": lambda folder: {
+        "rotor": TOUCHING, "speed": 1.2, "node": "disc", "x": [0.0, 0.1], "y": [0.0],
+        "start": None, "study": folder / "study",
+    },
+    "basin_fractions_system": lambda folder: {
+        "rotor": TOUCHING, "speed": 1.2, "node": "disc", "x": (0.0, 0.1), "y": (0.0, 0.1),
+        "starts": 2, "start": None, "study": folder / "study",
+    },
     "run_up_system": lambda _: {"rotor": SYSTEM, "speed": 1.2, "to": 1.4, "rate": 0.1},
     "load_course": lambda folder: {"path": system_in(folder)},
     "load_system": lambda folder: {"path": system_in(folder)},
@@ -377,6 +397,9 @@ OF_SYSTEMS = {
     "lyapunov_exponent_system": rotor_ida.lyapunov_exponent,
     "limit_cycle_system": rotor_ida.limit_cycle, "continue_cycle_system": rotor_ida.continue_cycle,
     "synchronous_response_system": rotor_ida.synchronous_response,
+    "poincare_section_system": rotor_ida.poincare_section,
+    "bifurcation_diagram_system": rotor_ida.bifurcation_diagram,
+    "basin_system": rotor_ida.basin, "basin_fractions_system": rotor_ida.basin_fractions,
 }  # fmt: skip
 
 

@@ -19,7 +19,7 @@ from rotor_ida.basins.following import FORM, follow_starts
 from rotor_ida.basins.known import known_from_closed_forms
 from rotor_ida.basins.starts import Box, Plane, Starts, check_number_of_starts
 from rotor_ida.basins.system_basin import basin_of_system
-from rotor_ida.checks import check_between, check_instance, check_progress
+from rotor_ida.checks import check_between, check_instance, check_name, check_progress
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import DimensionalRotor, Rotor, check_no_load
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
@@ -170,9 +170,9 @@ def basin(
     plane = Plane.of(x=x, y=y, vx=vx, vy=vy)
     if isinstance(rotor, RotorSystem):
         return basin_of_system(
-            changed_system(basin, rotor, changed), plane, "basin", speed=speed, node=str(node),
-            start=start, modes=modes, rtol=rtol, workers=workers, executor=executor, study=study,
-            progress=progress,
+            changed_system(basin, rotor, changed), plane, "basin", speed=speed,
+            node=check_name("node", node), start=start, modes=modes, rtol=rtol, workers=workers,
+            executor=executor, study=study, progress=progress,
         )  # fmt: skip
     assert isinstance(rotor, Rotor)
     result = label(
@@ -271,7 +271,7 @@ def basin_fractions(
     if isinstance(rotor, RotorSystem):
         return basin_of_system(
             changed_system(basin_fractions, rotor, changed), box, "basin_fractions", speed=speed,
-            node=str(node), start=start, modes=modes, rtol=rtol, workers=workers,
+            node=check_name("node", node), start=start, modes=modes, rtol=rtol, workers=workers,
             executor=executor, study=study, progress=progress,
         )  # fmt: skip
     assert isinstance(rotor, Rotor)

@@ -209,15 +209,15 @@ def _checked_place(at: object, phase: object) -> float:
     """Return the angle of a section, which only one by revolutions has."""
     check_choice("at", at, PLACES)
     angle = checked_angle(phase)
-    if at != "revolution" and phase:
-        raise InputError(f"phase must be 0 for a section at each {at}, got {phase!r}")
+    if at != "revolution" and angle:
+        raise InputError(f"phase must be 0 for a section at each {at}, got {angle!r}")
     return angle
 
 
 def checked_angle(phase: object) -> float:
     """Return an angle of the unbalance within a revolution."""
     if (angle := check_nonnegative("phase", phase)) >= 2.0 * math.pi:
-        raise InputError(f"phase must be below 2 pi, got {phase!r}")
+        raise InputError(f"phase must be below 2 pi, got {angle!r}")
     return angle
 
 

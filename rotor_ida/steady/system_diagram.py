@@ -78,7 +78,7 @@ def diagram_of_system(
     progress = check_progress(progress)
     window = _Window(**{**window_of_section(revolutions, phase), "at": at})
     if at == "extrema" and window.phase:
-        raise InputError(f"phase must be left out with at='extrema', got {phase!r}")
+        raise InputError(f"phase must be left out with at='extrema', got {window.phase!r}")
     taken = VariedSystem.of(asked, checked_starts(starts), modes, rtol)
     varied, way = in_order(taken.varied, len(taken.starts), direction, along, SPEED)
     turnings = Turnings(varied, taken.rtol)

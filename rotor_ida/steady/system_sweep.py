@@ -126,7 +126,12 @@ class VariedSystem:
         if modes is not None and any(isinstance(each, xr.Dataset) for each in starts):
             raise InputError(f"{word} must be (q, velocity) with modes, got a result and {modes!r}")
         taken = [in_modes(asked.base, modes, each) for each in starts]
-        first = [state_at_end(assemble(system), start) for system, start in taken]
+        first = []
+        for system, start in taken:
+            assembly = assemble(system)
+            first.append(state_at_end(assembly, start))
+            if not isinstance(first[-1], str):  # before a study keeps it
+                start_of(assembly, first[-1], 1.0)
         kept = [end if isinstance(each, xr.Dataset) else each
                 for each, end in zip(starts, first, strict=True)]  # fmt: skip
         return cls(replace(asked, system=taken[0][0]), first, kept, tolerance)
