@@ -16,7 +16,8 @@ from rotor_ida.results.question import Question
 from rotor_ida.results.si_units import dimensionless, in_units_of
 from rotor_ida.signals.path import rotating
 from rotor_ida.simulation.options import Method
-from rotor_ida.verification.questions import VERIFIED, Verification
+from rotor_ida.verification.kinds import VERIFIED, Verification
+from rotor_ida.verification.questions import read_question
 from rotor_ida.verification.variables import (
     NOT_BY_METHOD,
     compare_attributes,
@@ -84,13 +85,14 @@ def rerun(
 
 def question_of(dataset: xr.Dataset) -> Question:
     """Return the question that a result answers; refuse one that cannot be asked again."""
-    verification, plain = _verification_of(dataset), dimensionless(dataset)
+    _verification_of(dataset)
+    plain = dimensionless(dataset)
     try:
         kept = Question.of_result(plain)
         if kept is not None and _fits(kept, plain):
             sampled = {"samples": plain["t"].values} if kept.verb in SAMPLED else {}
             return Question(kept.verb, {**kept.arguments, **sampled})
-        return verification.question(plain)
+        return read_question(plain)
     except (KeyError, IndexError, TypeError, ValueError) as error:
         kind = kind_of(dataset)
         raise InputError(f"this {kind} cannot be verified: {error}") from error

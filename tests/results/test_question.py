@@ -13,7 +13,7 @@ from rotor_ida import InputError, Rotor, bifurcation_diagram, continue_cycle, sw
 from rotor_ida.results.kinds import kind_of
 from rotor_ida.results.question import VERBS, Question, arguments_from
 from rotor_ida.results.studies import design_of
-from rotor_ida.verification.questions import VERIFIED
+from rotor_ida.verification.kinds import VERIFIED
 from rotor_ida.verification.resume import resume
 from rotor_ida.verification.verify import question_of
 from tests import kinds

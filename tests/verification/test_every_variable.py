@@ -12,7 +12,7 @@ import xarray as xr
 
 from rotor_ida import InputError, hopf_points, load, save
 from rotor_ida.results.kinds import kind_of
-from rotor_ida.verification.questions import VERIFIED
+from rotor_ida.verification.kinds import VERIFIED
 from rotor_ida.verification.variables import NO_MORE
 from rotor_ida.verification.verify import differences, rerun
 from tests import kinds
