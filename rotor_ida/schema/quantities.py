@@ -715,7 +715,8 @@ _MADE = "tells with what it was computed"
 NO_RESULTS = {
     **dict.fromkeys(
         ("Conventions", "title", "source", "command", "history", "references", "comment", "note",
-         "result_kind", "question", "backend", "confirmation_backend", "computed_with"),
+         "result_kind", "question", "backend", "confirmation_backend", "computed_with",
+         "date_created", "content_sha256"),
         _MADE,
     ),
     **dict.fromkeys(("sentence", "labelling", "first_reason", "last_reason"), "words"),
