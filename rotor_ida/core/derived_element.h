@@ -31,16 +31,16 @@ static inline double element_drag(const struct element *m, double push)
 }
 
 enum { ELEMENT_ROOT, ELEMENT_X, ELEMENT_Y, ELEMENT_VX, ELEMENT_VY, ELEMENT_SPIN, ELEMENT_RACE, ELEMENT_GIVEN };
-enum { ELEMENT_NORMAL_X, ELEMENT_NORMAL_Y, ELEMENT_APPROACH, ELEMENT_SLIP, ELEMENT_PUSH, ELEMENT_FORCE_X, ELEMENT_FORCE_Y, ELEMENT_POWER, ELEMENT_TURNING, ELEMENT_DRAG, ELEMENT_ANSWERS };
+enum { ELEMENT_NORMAL_X, ELEMENT_NORMAL_Y, ELEMENT_APPROACH, ELEMENT_SLIP, ELEMENT_PUSH, ELEMENT_FORCE_X, ELEMENT_FORCE_Y, ELEMENT_TURNING, ELEMENT_DRAG, ELEMENT_ANSWERS };
 enum { SLOPE_ROOT, SLOPE_APPROACH, SLOPE_ACROSS, SLOPE_PUSH, SLOPE_DRAG, SLOPE_PULL, SLOPE_GIVEN };
 enum { SLOPE_BY_ALONG, SLOPE_BY_ASIDE, SLOPE_BY_RATE, SLOPE_BY_PUSH_SHARE, SLOPE_BY_DRAG_SHARE, SLOPE_BY_APPROACH_SHARE, SLOPE_BY_ACROSS_SHARE, SLOPE_BY_DIFFERENCE, SLOPE_BY_PRODUCT, SLOPE_BY_PULL_SHARE, SLOPES };
 
 /* Coefficient n of what a contact answers, from those up to n of what it is given:
- * 12 lanes, which must be empty at n = 0. */
-static inline void element_order(const struct element *m,
-    struct series *series, int n, double *answers)
+ * 11 lanes, which must be empty at n = 0. */
+static inline __attribute__((always_inline)) void element_order(
+    const struct element *m, struct series *series, int n, double *answers)
 {
-    _Static_assert(7 <= WIDTH && 12 <= LANES, "no room");
+    _Static_assert(7 <= WIDTH && 11 <= LANES, "no room");
     const double *here = series->terms[n], one = n == 0 ? 1.0 : 0.0;
     const double root_first = series->terms[0][ELEMENT_ROOT];
     const double inverse_radius = inverse(m->clearance + root_first * root_first);
@@ -74,8 +74,6 @@ static inline void element_order(const struct element *m,
     const double force_x = m->friction * m->sigma * (1.0 - m->loose) * w14 - push_x;
     const double push_y = (1.0 - m->loose) * w14;
     const double force_y = -(m->friction * m->sigma * (1.0 - m->loose)) * w15 - push_y;
-    const double w20 = times(series, 11, n, w12, approach); /* w12 * approach */
-    const double power = (1.0 - m->loose) * w20;
     answers[ELEMENT_NORMAL_X] = normal_x;
     answers[ELEMENT_NORMAL_Y] = normal_y;
     answers[ELEMENT_APPROACH] = approach;
@@ -83,12 +81,11 @@ static inline void element_order(const struct element *m,
     answers[ELEMENT_PUSH] = push;
     answers[ELEMENT_FORCE_X] = force_x;
     answers[ELEMENT_FORCE_Y] = force_y;
-    answers[ELEMENT_POWER] = power;
 }
 
 /* What it answers, as values. */
-static inline void element_values(const struct element *m,
-    const double *state, double *answers)
+static inline __attribute__((always_inline)) void element_values(
+    const struct element *m, const double *state, double *answers)
 {
     const double root = state[ELEMENT_ROOT];
     const double x = state[ELEMENT_X];
@@ -117,8 +114,6 @@ static inline void element_values(const struct element *m,
     const double force_x = m->friction * m->sigma * (1.0 - m->loose) * w14 - push_x;
     const double push_y = (1.0 - m->loose) * w14;
     const double force_y = -(m->friction * m->sigma * (1.0 - m->loose)) * w15 - push_y;
-    const double w20 = w12 * approach;
-    const double power = (1.0 - m->loose) * w20;
     answers[ELEMENT_NORMAL_X] = normal_x;
     answers[ELEMENT_NORMAL_Y] = normal_y;
     answers[ELEMENT_APPROACH] = approach;
@@ -126,15 +121,14 @@ static inline void element_values(const struct element *m,
     answers[ELEMENT_PUSH] = push;
     answers[ELEMENT_FORCE_X] = force_x;
     answers[ELEMENT_FORCE_Y] = force_y;
-    answers[ELEMENT_POWER] = power;
 }
 
 /* Coefficient n of what one that rolls answers, from those up to n of what it is given:
- * 14 lanes, which must be empty at n = 0. */
-static inline void rolling_order(const struct element *m,
-    struct series *series, int n, double *answers)
+ * 13 lanes, which must be empty at n = 0. */
+static inline __attribute__((always_inline)) void rolling_order(
+    const struct element *m, struct series *series, int n, double *answers)
 {
-    _Static_assert(7 <= WIDTH && 14 <= LANES, "no room");
+    _Static_assert(7 <= WIDTH && 13 <= LANES, "no room");
     const double *here = series->terms[n], one = n == 0 ? 1.0 : 0.0;
     const double root_first = series->terms[0][ELEMENT_ROOT];
     const double inverse_radius = inverse(m->clearance + root_first * root_first);
@@ -168,10 +162,8 @@ static inline void rolling_order(const struct element *m,
     const double force_x = m->friction * m->sigma * (1.0 - m->loose) * w14 - push_x;
     const double push_y = (1.0 - m->loose) * w14;
     const double force_y = -(m->friction * m->sigma * (1.0 - m->loose)) * w15 - push_y;
-    const double w20 = times(series, 11, n, w12, approach); /* w12 * approach */
-    const double power = (1.0 - m->loose) * w20;
-    const double w22 = times(series, 12, n, approach, across); /* approach * across */
-    const double turning = over(series, 13, n, w22, radius, inverse_radius); /* w22 / radius */
+    const double w20 = times(series, 11, n, approach, across); /* approach * across */
+    const double turning = over(series, 12, n, w20, radius, inverse_radius); /* w20 / radius */
     answers[ELEMENT_NORMAL_X] = normal_x;
     answers[ELEMENT_NORMAL_Y] = normal_y;
     answers[ELEMENT_APPROACH] = approach;
@@ -179,16 +171,15 @@ static inline void rolling_order(const struct element *m,
     answers[ELEMENT_PUSH] = push;
     answers[ELEMENT_FORCE_X] = force_x;
     answers[ELEMENT_FORCE_Y] = force_y;
-    answers[ELEMENT_POWER] = power;
     answers[ELEMENT_TURNING] = turning;
 }
 
 /* Coefficient n of what one with a stator without mass answers, from those up to n of what it is given:
- * 15 lanes, which must be empty at n = 0. */
-static inline void massless_order(const struct element *m,
-    struct series *series, int n, double *answers)
+ * 14 lanes, which must be empty at n = 0. */
+static inline __attribute__((always_inline)) void massless_order(
+    const struct element *m, struct series *series, int n, double *answers)
 {
-    _Static_assert(7 <= WIDTH && 15 <= LANES, "no room");
+    _Static_assert(7 <= WIDTH && 14 <= LANES, "no room");
     const double *here = series->terms[n], one = n == 0 ? 1.0 : 0.0;
     const double root_first = series->terms[0][ELEMENT_ROOT];
     const double inverse_radius = inverse(m->clearance + root_first * root_first);
@@ -229,8 +220,6 @@ static inline void massless_order(const struct element *m,
     const double w23 = times(series, 12, n, drag, normal_x); /* drag * normal_x */
     const double w24 = times(series, 13, n, w10, normal_y); /* w10 * normal_y */
     const double force_y = -w23 - (1.0 - m->loose) * w24;
-    const double w26 = times(series, 14, n, approach_, w10); /* approach_ * w10 */
-    const double power = (1.0 - m->loose) * w26;
     answers[ELEMENT_NORMAL_X] = normal_x;
     answers[ELEMENT_NORMAL_Y] = normal_y;
     answers[ELEMENT_APPROACH] = approach_;
@@ -238,13 +227,12 @@ static inline void massless_order(const struct element *m,
     answers[ELEMENT_PUSH] = push;
     answers[ELEMENT_FORCE_X] = force_x;
     answers[ELEMENT_FORCE_Y] = force_y;
-    answers[ELEMENT_POWER] = power;
     answers[ELEMENT_DRAG] = drag;
 }
 
 /* What it answers, as values. */
-static inline void massless_values(const struct element *m,
-    const double *state, double *answers)
+static inline __attribute__((always_inline)) void massless_values(
+    const struct element *m, const double *state, double *answers)
 {
     const double root = state[ELEMENT_ROOT];
     const double x = state[ELEMENT_X];
@@ -279,8 +267,6 @@ static inline void massless_values(const struct element *m,
     const double w23 = drag * normal_x;
     const double w24 = w10 * normal_y;
     const double force_y = -w23 - (1.0 - m->loose) * w24;
-    const double w26 = approach_ * w10;
-    const double power = (1.0 - m->loose) * w26;
     answers[ELEMENT_NORMAL_X] = normal_x;
     answers[ELEMENT_NORMAL_Y] = normal_y;
     answers[ELEMENT_APPROACH] = approach_;
@@ -288,14 +274,13 @@ static inline void massless_values(const struct element *m,
     answers[ELEMENT_PUSH] = push;
     answers[ELEMENT_FORCE_X] = force_x;
     answers[ELEMENT_FORCE_Y] = force_y;
-    answers[ELEMENT_POWER] = power;
     answers[ELEMENT_DRAG] = drag;
 }
 
 /* Coefficient n of what a contact that is moved a little answers, from those up to n of what it is given:
  * 12 lanes, which must be empty at n = 0. */
-static inline void slope_order(const struct element *m,
-    struct series *series, int n, double *answers)
+static inline __attribute__((always_inline)) void slope_order(
+    const struct element *m, struct series *series, int n, double *answers)
 {
     _Static_assert(6 <= WIDTH && 12 <= LANES, "no room");
     const double *here = series->terms[n], one = n == 0 ? 1.0 : 0.0;

@@ -29,7 +29,22 @@ int64_t core_system_room(int64_t size, int64_t contacts)
     (void)contacts;
     const int64_t stride = (size + 3) / 4 * 4;
     return (int64_t)(sizeof(struct work) / sizeof(double)) + 6 * ORDERS * stride + stride * stride
-           + (int64_t)(ALIGNED / sizeof(double));
+           + stride + (int64_t)(ALIGNED / sizeof(double));
+}
+
+/* Write the diagonal of the stiffness, where it has nothing else, as that of modes; else NULL. */
+static const double *diagonal_of(const struct system_run *run, double *diagonal)
+{
+    memset(diagonal, 0, sizeof(double) * (size_t)run->stride);
+    for (int64_t k = 0; k < run->size; k++) {
+        const double *column = &run->stiffness[k * run->stride];
+        for (int64_t i = 0; i < run->size; i++) {
+            if (i != k && column[i] != 0.0)
+                return NULL;
+        }
+        diagonal[k] = column[k];
+    }
+    return diagonal;
 }
 
 struct work *open_work(struct system_run *run)
@@ -48,6 +63,7 @@ struct work *open_work(struct system_run *run)
     work->turned = rows + 4 * block;
     work->stiffened = rows + 5 * block;
     work->both = rows + 6 * block;
+    work->diagonal = diagonal_of(run, work->both + stride * stride);
     for (int64_t i = 0; i < run->contact_count; i++) {
         struct touching *each = &work->touching[i];
         each->law = &run->laws[i];
@@ -80,47 +96,34 @@ void begin_system_piece(struct work *work)
         work->both[i] = (run->damping ? run->damping[i] : 0.0) + run->speed * run->gyroscopic[i];
 }
 
-/* Add a matrix times a row, or take it away: eight vectors of rows at a time. */
-static void multiply(const double *matrix, const double *row, double sign, int64_t size,
-                     int64_t stride, double *to)
+/* What the compiler knows of a system: the expansion of a small one is compiled for its size. */
+struct shape {
+    int64_t size, stride, contacts;
+    /* whether the speed is constant, nothing is implicit, and there are neither races that spin nor
+     * stators without mass */
+    int is_plain;
+};
+
+/* Coefficient n of a product of a series with rows, in four columns. */
+COMPILED vec4 convolved_rows(const double *series, const double *rows, int n, int64_t stride)
 {
-    enum { BLOCK = 8 };
-    int64_t first = 0;
-    for (; first + 4 * BLOCK <= stride; first += 4 * BLOCK) {
-        vec4 sums[BLOCK];
-        for (int v = 0; v < BLOCK; v++)
-            sums[v] = load(&to[first + 4 * v]);
-        for (int64_t k = 0; k < size; k++) {
-            const vec4 by = spread(sign * row[k]);
-            for (int v = 0; v < BLOCK; v++)
-                sums[v] = fma4(load(&matrix[k * stride + first + 4 * v]), by, sums[v]);
-        }
-        for (int v = 0; v < BLOCK; v++)
-            store(&to[first + 4 * v], sums[v]);
+    vec4 even = spread(0.0), odd = spread(0.0);
+    int k = 0;
+    for (; k < n; k += 2) {
+        even = fma4(spread(series[k]), load(&rows[(n - k) * stride]), even);
+        odd = fma4(spread(series[k + 1]), load(&rows[(n - k - 1) * stride]), odd);
     }
-    for (; first < stride; first += 4) {
-        vec4 even = load(&to[first]), odd = spread(0.0);
-        int64_t k = 0;
-        for (; k + 1 < size; k += 2) {
-            even = fma4(load(&matrix[k * stride + first]), spread(sign * row[k]), even);
-            odd = fma4(load(&matrix[(k + 1) * stride + first]), spread(sign * row[k + 1]), odd);
-        }
-        if (k < size)
-            even = fma4(load(&matrix[k * stride + first]), spread(sign * row[k]), even);
-        store(&to[first], even + odd);
-    }
+    if (k == n)
+        even = fma4(spread(series[n]), load(rows), even);
+    return even + odd;
 }
 
-/* Write coefficient n of a product of a series with rows, from coefficient `from` of it. */
-static void convolve_rows(const struct work *work, const double *series, const double *rows, int n,
-                          int from, double sign, double *to)
+/* A displacement or velocity of a contact by the coordinates. */
+COMPILED double seen_by(const double *row, const double *coordinates, struct shape shape)
 {
-    for (int64_t i = 0; i < work->stride; i += 4) {
-        vec4 sum = load(&to[i]);
-        for (int k = from; k <= n; k++)
-            sum = fma4(spread(sign * series[k]), load(&rows[(n - k) * work->stride + i]), sum);
-        store(&to[i], sum);
-    }
+    if (shape.size == 2)
+        return fma(row[0], coordinates[0], row[1] * coordinates[1]);
+    return sum_of_products(row, coordinates, shape.stride);
 }
 
 /* ---- Beginning ---- */
@@ -136,7 +139,7 @@ void begin_terms(struct work *work)
     work->cosine[0] = cos(run->angle);
     work->sine[0] = sin(run->angle);
     work->rolls = 0;
-    int edges = 0;
+    work->edge_count = 0;
     for (int64_t i = 0; i < run->contact_count; i++) {
         struct touching *each = &work->touching[i];
         set_element(each);
@@ -145,11 +148,13 @@ void begin_terms(struct work *work)
         each->series.terms[0][ELEMENT_ROOT] = root;
         each->series.terms[0][ELEMENT_RACE] = each->touch->race;
         each->is_edge = is_touching(each) && root < EDGE * sqrt(each->law->clearance);
-        edges += each->is_edge;
+        each->inverse_root = inverse(root);
+        if (each->is_edge)
+            work->edges[work->edge_count++] = (int)i;
         if (each->touch->way == ROLLS && each->stator_mobility == 0.0)
             work->rolling[work->rolls++] = (int)i;
     }
-    work->moves = edges > 0;
+    work->moves = work->edge_count > 0;
 }
 
 /* ---- One order ---- */
@@ -167,27 +172,29 @@ static void push_massless(struct work *work, struct touching *each, int n)
 }
 
 /* Give contacts coefficient n of their displacement and velocity, and take their answers. */
-static void ask_contacts(struct work *work, int n)
+COMPILED void ask_contacts(struct work *work, int n, struct shape shape)
 {
     struct system_run *run = work->run;
-    const double *y = row_of(work, work->y, n);
-    double *v = row_of(work, work->v, n);
-    for (int64_t i = run->size - run->massless; i < run->size; i++)
+    const double *y = &work->y[n * shape.stride];
+    double *v = &work->v[n * shape.stride];
+    for (int64_t i = run->size - run->massless; i < run->size && !shape.is_plain; i++)
         v[i] = drift_of(run, y, n == 0 ? run->force[i] : 0.0, i);
-    for (int64_t i = 0; i < run->contact_count; i++) {
+    for (int64_t i = 0; i < shape.contacts; i++) {
         struct touching *each = &work->touching[i];
         double *given = each->series.terms[n];
         for (int j = 0; j < 2; j++) {
-            const double *row = each->rows + j * work->stride;
-            given[ELEMENT_X + j] = sum_of_products(row, y, work->stride)
-                                   - (n == 0 ? each->law->offset[j] : 0.0);
+            const double *row = each->rows + j * shape.stride;
+            given[ELEMENT_X + j] = seen_by(row, y, shape) - (n == 0 ? each->law->offset[j] : 0.0);
             if (is_touching(each))
-                given[ELEMENT_VX + j] = sum_of_products(row, v, work->stride);
+                given[ELEMENT_VX + j] = seen_by(row, v, shape);
         }
         given[ELEMENT_SPIN] = work->spin[n];
         if (!is_touching(each))
             continue;
-        if (each->stator_mobility > 0.0) {
+        if (shape.is_plain) {
+            element_order(&each->element, &each->series, n, each->answers[n]);
+            each->drag[n] = element_drag(&each->element, each->answers[n][ELEMENT_PUSH]);
+        } else if (each->stator_mobility > 0.0) {
             push_massless(work, each, n);
         } else if (each->touch->way == ROLLS) {
             rolling_order(&each->element, &each->series, n, each->answers[n]);
@@ -199,48 +206,49 @@ static void ask_contacts(struct work *work, int n)
     }
 }
 
-/* Coefficient n of the pace: the product of the roots of all contacts near their edges. */
-static void set_pace(struct work *work, int n)
+/* Coefficient n of the product of the roots of several contacts near their edges, and of those of
+ * all but one of them. */
+static void set_pace_of_many(struct work *work, int n)
 {
-    const int count = (int)work->run->contact_count;
+    for (int e = 0; e < work->edge_count; e++) {
+        double product[ORDERS];
+        const int first = e == 0;
+        for (int k = 0; k <= n; k++)
+            product[k] = work->touching[work->edges[first]].series.terms[k][ELEMENT_ROOT];
+        for (int other = first + 1; other < work->edge_count; other++) {
+            const double *root = &work->touching[work->edges[other]].series.terms[0][ELEMENT_ROOT];
+            for (int k = n; k >= 0 && other != e; k--)
+                product[k] = convolved(product, 1, root, WIDTH, k);
+        }
+        work->touching[work->edges[e]].others[n] = product[n];
+    }
+    const struct touching *first = &work->touching[work->edges[0]];
+    const double *root = &first->series.terms[0][ELEMENT_ROOT];
+    work->pace[n] = convolved(first->others, 1, root, WIDTH, n);
+}
+
+/* Coefficient n of the pace: the product of the roots of all contacts near their edges. */
+COMPILED void set_pace(struct work *work, int n, struct shape shape)
+{
+    const int only = shape.contacts == 1 ? 0 : work->edges[0];
     if (!work->moves) {
         work->pace[n] = n == 0 ? 1.0 : 0.0;
         return;
     }
-    double left[MOST_CONTACTS + 1][ORDERS]; /* only what is needed of them is written */
-    int edges[MOST_CONTACTS], found = 0;
-    for (int i = 0; i < count; i++) {
-        if (work->touching[i].is_edge)
-            edges[found++] = i;
-    }
-    for (int e = 0; e < found; e++) {
-        struct touching *each = &work->touching[edges[e]];
-        int factors = 0;
-        for (int other = 0; other < found; other++) {
-            if (other == e)
-                continue;
-            const double *root = &work->touching[edges[other]].series.terms[0][ELEMENT_ROOT];
-            for (int k = 0; k <= n; k++)
-                left[factors + 1][k] = factors == 0 ? root[k * WIDTH]
-                                                    : convolved(left[factors], 1, root, WIDTH, k);
-            factors++;
-        }
-        each->others[n] = factors > 0 ? left[factors][n] : n == 0 ? 1.0 : 0.0;
-    }
-    const struct touching *last = &work->touching[edges[found - 1]];
-    work->pace[n] = found == 1 ? last->series.terms[n][ELEMENT_ROOT]
-                               : convolved(last->others, 1, &last->series.terms[0][ELEMENT_ROOT],
-                                           WIDTH, n);
+    if (shape.contacts == 1 || work->edge_count == 1)
+        work->pace[n] = work->touching[only].series.terms[n][ELEMENT_ROOT];
+    else
+        set_pace_of_many(work, n);
 }
 
 /* Coefficient n of what the speed does: its square, and the two factors of the unbalance, without
  * what is implicit of them. */
-static void set_drive(struct work *work, int n)
+COMPILED void set_drive(struct work *work, int n, struct shape shape)
 {
     const double rate = work->run->pieces[work->run->piece].rate;
     if (!work->has_torque)
         work->spin_rate[n] = n == 0 ? rate : 0.0;
-    if (!work->has_rate) {
+    if (shape.is_plain || !work->has_rate) {
         const double square = work->spin[0] * work->spin[0];
         work->turning[n] = work->pace[n] * work->spin[0];
         work->by_cosine[n] = square * work->cosine[n];
@@ -257,32 +265,42 @@ static void set_drive(struct work *work, int n)
 }
 
 /* Coefficient n of the accelerations, but for what is implicit. */
-static void accelerate(struct work *work, int n)
+COMPILED void accelerate(struct work *work, int n, struct shape shape)
 {
     struct system_run *run = work->run;
-    const int64_t size = run->size, stride = work->stride;
-    const double *y = row_of(work, work->y, n), *v = row_of(work, work->v, n);
-    double *to = row_of(work, work->acceleration, n), *resisted = row_of(work, work->resisted, n);
+    const int64_t size = shape.size, stride = shape.stride;
+    const double *y = &work->y[n * stride], *v = &work->v[n * stride];
+    /* a row of four, of which the compiler knows all uses, stays in a register */
+    double here[2][4];
+    double *to = stride == 4 ? here[0] : &work->acceleration[n * stride];
+    double *resisted = stride == 4 ? here[1] : &work->resisted[n * stride];
+    const int has_rate = !shape.is_plain && work->has_rate;
     const size_t bytes = sizeof(double) * (size_t)stride;
     if (n == 0)
         memcpy(to, run->force, bytes);
     else
         memset(to, 0, bytes);
-    multiply(run->stiffness, y, -1.0, size, stride, to);
-    const int joined = run->gyroscopic != NULL && !work->has_rate;
+    if (work->diagonal == NULL)
+        multiply(run->stiffness, y, -1.0, size, stride, to);
+    else
+        for (int64_t i = 0; i < stride; i += 4)
+            store(&to[i], fma4(-load(&work->diagonal[i]), load(&y[i]), load(&to[i])));
+    const int joined = run->gyroscopic != NULL && !has_rate;
     const double *resistance = joined ? work->both : run->damping;
     memset(resisted, 0, bytes);
     if (resistance != NULL) {
         multiply(resistance, v, 1.0, size, stride, resisted);
     }
-    if (run->gyroscopic != NULL && work->has_rate) {
+    if (run->gyroscopic != NULL && has_rate) {
         double *turned = row_of(work, work->turned, n);
         memset(turned, 0, bytes);
         multiply(run->gyroscopic, v, 1.0, size, stride, turned);
-        convolve_rows(work, work->spin, work->turned, n, 0, 1.0, resisted);
+        for (int64_t i = 0; i < stride; i += 4)
+            store(&resisted[i],
+                  load(&resisted[i]) + convolved_rows(work->spin, &work->turned[i], n, stride));
     }
     add_scaled(-1.0, resisted, to, stride);
-    if (run->stiffness_rate != NULL && work->has_rate) {
+    if (run->stiffness_rate != NULL && has_rate) {
         double *stiffened = row_of(work, work->stiffened, n);
         memset(stiffened, 0, bytes);
         multiply(run->stiffness_rate, y, 1.0, size, stride, stiffened);
@@ -294,15 +312,19 @@ static void accelerate(struct work *work, int n)
     }
     add_scaled(work->by_cosine[n], run->unbalance, to, stride);
     add_scaled(work->by_sine[n], run->unbalance + stride, to, stride);
-    for (int64_t i = 0; i < run->contact_count; i++) {
+    for (int64_t i = 0; i < shape.contacts; i++) {
         const struct touching *each = &work->touching[i];
         if (!is_touching(each))
             continue;
         add_scaled(each->answers[n][ELEMENT_FORCE_X], each->rows, to, stride);
         add_scaled(each->answers[n][ELEMENT_FORCE_Y], each->rows + stride, to, stride);
     }
-    for (int64_t i = size - run->massless; i < size; i++)
+    for (int64_t i = size - run->massless; i < size && !shape.is_plain; i++)
         to[i] = 0.0; /* whose velocities follow from the forces */
+    if (stride == 4) {
+        store(&work->acceleration[4 * n], load(to));
+        store(&work->resisted[4 * n], load(resisted));
+    }
 }
 
 /* ---- What is implicit ---- */
@@ -512,58 +534,62 @@ static void add_implicit(struct work *work, int n)
 /* ---- Coefficients n + 1 ---- */
 
 /* The root of a contact: 2 s s' = pace d', where its own root is no factor of the pace. */
-static double next_root(const struct work *work, const struct touching *each, int n)
+COMPILED double next_root(const struct work *work, const struct touching *each, int n, double share)
 {
     const double *root = &each->series.terms[0][ELEMENT_ROOT];
     const double *approach = &each->answers[0][ELEMENT_APPROACH];
+    if (each->is_edge && work->edge_count == 1)
+        return 0.5 * share * approach[n * ELEMENT_ANSWERS];
     if (each->is_edge)
-        return 0.5 * convolved(each->others, 1, approach, ELEMENT_ANSWERS, n) / (n + 1);
-    double sum = 0.5 * convolved(work->pace, 1, approach, ELEMENT_ANSWERS, n);
-    for (int k = 1; k <= n; k++)
-        sum -= root[k * WIDTH] * (n + 1 - k) * root[(n + 1 - k) * WIDTH];
-    return sum / (root[0] * (n + 1));
+        return 0.5 * share * convolved(each->others, 1, approach, ELEMENT_ANSWERS, n);
+    const double rate = work->moves ? convolved(work->pace, 1, approach, ELEMENT_ANSWERS, n)
+                                    : approach[n * ELEMENT_ANSWERS];
+    const double square = n == 0 ? 0.0 : convolved(&root[WIDTH], WIDTH, &root[WIDTH], WIDTH, n - 1);
+    return 0.5 * fma(share, rate, -square) * each->inverse_root;
 }
 
-static void go_on(struct work *work, int n)
+COMPILED void go_on(struct work *work, int n, struct shape shape)
 {
-    struct system_run *run = work->run;
-    const int64_t stride = work->stride;
+    const int64_t stride = shape.stride;
     const double share = 1.0 / (n + 1);
-    double *y = row_of(work, work->y, n + 1), *v = row_of(work, work->v, n + 1);
+    const int has_rate = !shape.is_plain && work->has_rate;
+    double *y = &work->y[(n + 1) * stride], *v = &work->v[(n + 1) * stride];
     if (work->moves) {
-        memset(y, 0, sizeof(double) * (size_t)stride);
-        memset(v, 0, sizeof(double) * (size_t)stride);
-        convolve_rows(work, work->pace, work->v, n, 0, share, y);
-        convolve_rows(work, work->pace, work->acceleration, n, 0, share, v);
+        for (int64_t i = 0; i < stride; i += 4) {
+            store(&y[i], spread(share) * convolved_rows(work->pace, &work->v[i], n, stride));
+            store(&v[i],
+                  spread(share) * convolved_rows(work->pace, &work->acceleration[i], n, stride));
+        }
     } else {
-        const double *velocity = row_of(work, work->v, n);
-        const double *acceleration = row_of(work, work->acceleration, n);
+        const double *velocity = &work->v[n * stride];
+        const double *acceleration = &work->acceleration[n * stride];
         for (int64_t i = 0; i < stride; i += 4) {
             store(&y[i], spread(share) * load(&velocity[i]));
             store(&v[i], spread(share) * load(&acceleration[i]));
         }
     }
     work->time[n + 1] = work->pace[n] * share;
-    if (work->moves || work->has_rate) {
+    if (work->moves || has_rate) {
         work->cosine[n + 1] = -convolved(work->turning, 1, work->sine, 1, n) * share;
         work->sine[n + 1] = convolved(work->turning, 1, work->cosine, 1, n) * share;
     } else {
         work->cosine[n + 1] = -work->turning[0] * work->sine[n] * share;
         work->sine[n + 1] = work->turning[0] * work->cosine[n] * share;
     }
-    work->spin[n + 1] = work->has_rate ? convolved(work->pace, 1, work->spin_rate, 1, n) * share
-                                       : 0.0;
-    for (int64_t i = 0; i < run->contact_count; i++) {
+    work->spin[n + 1] = has_rate ? convolved(work->pace, 1, work->spin_rate, 1, n) * share : 0.0;
+    for (int64_t i = 0; i < shape.contacts; i++) {
         struct touching *each = &work->touching[i];
         const struct system_law *law = each->law;
         double *terms = each->series.terms[n + 1];
         if (is_touching(each))
-            terms[ELEMENT_ROOT] = next_root(work, each, n);
+            terms[ELEMENT_ROOT] = next_root(work, each, n, share);
+        if (shape.is_plain)
+            continue;
         if (law->inverse_race_inertia > 0.0) {
             double rate = -law->race_drag
                           * convolved(work->pace, 1, &each->series.terms[0][ELEMENT_RACE], WIDTH,
                                       n);
-            for (int64_t k = 0; k < run->contact_count; k++) {
+            for (int64_t k = 0; k < shape.contacts; k++) {
                 const struct touching *other = &work->touching[k];
                 if (turns_race(other, each))
                     rate += law->race_radius * convolved(work->pace, 1, other->drag, 1, n);
@@ -578,28 +604,52 @@ static void go_on(struct work *work, int n)
     }
 }
 
+static struct shape shape_of(const struct work *work)
+{
+    const struct system_run *run = work->run;
+    int is_plain = !work->has_rate && work->rolls == 0 && run->massless == 0;
+    for (int64_t i = 0; i < run->contact_count; i++)
+        is_plain &= run->laws[i].inverse_race_inertia == 0.0;
+    return (struct shape){run->size, work->stride, run->contact_count, is_plain};
+}
+
 void ask_implicit(struct work *work)
 {
-    ask_contacts(work, 0);
-    set_pace(work, 0);
-    set_drive(work, 0);
-    accelerate(work, 0);
+    const struct shape shape = shape_of(work);
+    ask_contacts(work, 0, shape);
+    set_pace(work, 0, shape);
+    set_drive(work, 0, shape);
+    accelerate(work, 0, shape);
     work->is_asked = 1;
     add_implicit(work, 0);
 }
 
+COMPILED void expand_as(struct work *work, int order, struct shape shape)
+{
+    for (int n = 0; n < order; n++) {
+        ask_contacts(work, n, shape);
+        set_pace(work, n, shape);
+        set_drive(work, n, shape);
+        accelerate(work, n, shape);
+        if (!shape.is_plain)
+            add_implicit(work, n);
+        go_on(work, n, shape);
+    }
+    ask_contacts(work, order, shape);
+}
+
 void expand_system(struct work *work, int order)
 {
+    const struct shape shape = shape_of(work);
     work->is_asked = work->is_singular = 0;
-    for (int n = 0; n < order; n++) {
-        ask_contacts(work, n);
-        set_pace(work, n);
-        set_drive(work, n);
-        accelerate(work, n);
-        add_implicit(work, n);
-        go_on(work, n);
-    }
-    ask_contacts(work, order);
+    if (shape.is_plain && shape.size == 2 && shape.contacts == 1)
+        expand_as(work, order, (struct shape){2, 4, 1, 1});
+    else if (shape.is_plain && shape.size == 4 && shape.contacts == 1)
+        expand_as(work, order, (struct shape){4, 4, 1, 1});
+    else if (shape.is_plain)
+        expand_as(work, order, (struct shape){shape.size, shape.stride, shape.contacts, 1});
+    else
+        expand_as(work, order, shape);
 }
 
 /* ---- The step ---- */
@@ -612,39 +662,62 @@ static double worst_answer(const struct touching *each, int n)
     return each->law->friction > 0.0 ? fmax(approach, slip) : approach;
 }
 
+/* The largest size of the numbers of a row; more than any number where one is not finite. */
+static double largest_of(const double *row, int64_t size)
+{
+    vec4 largest = spread(0.0), total = spread(0.0);
+    for (int64_t i = 0; i < size; i += 4) {
+        const vec4 here = load_row(&row[i], 1);
+        for (int j = 0; j < 4; j++)
+            largest[j] = larger(here[j], largest[j]);
+        total += here;
+    }
+    const double sum = (total[0] + total[1]) + (total[2] + total[3]);
+    const double most = larger(larger(largest[0], largest[1]), larger(largest[2], largest[3]));
+    return isfinite(sum) ? most : INFINITY;
+}
+
+/* The same of the numbers that belong to coordinates with mass. */
+static double largest_inert(const struct system_run *run, const double *row)
+{
+    const int64_t inert = run->size - run->massless, whole = inert / 4 * 4;
+    if (run->massless == 0)
+        return largest_of(row, run->stride);
+    double found = largest_of(row, whole);
+    for (int64_t i = whole; i < inert; i++)
+        found = larger(isfinite(row[i]) ? fabs(row[i]) : INFINITY, found);
+    return found;
+}
+
 /* The largest of the terms n, in parts of their tolerances; NaN where one is not finite. */
 static double worst_of(const struct work *work, int n)
 {
     const struct system_run *run = work->run;
     const double *y = &work->y[n * work->stride], *v = &work->v[n * work->stride];
-    double of_y = 0.0, of_v = 0.0, total = 0.0;
-    for (int64_t i = 0; i < run->size - run->massless; i++) {
-        of_y = fmax(of_y, fabs(y[i]));
-        of_v = fmax(of_v, fabs(v[i]));
-        total += fabs(y[i]) + fabs(v[i]);
-    }
     const double scale = run->velocity / run->displacement; /* a rate */
-    double worst = fmax(of_y / run->displacement, of_v / run->velocity);
-    worst = fmax(worst, fabs(work->time[n]) * scale);
+    double worst = larger(largest_inert(run, y) / run->displacement,
+                          largest_inert(run, v) / run->velocity);
+    worst = larger(fabs(work->time[n]) * scale, worst);
     if (work->has_torque)
-        worst = fmax(worst, fabs(work->spin[n]) / scale);
+        worst = larger(fabs(work->spin[n]) / scale, worst);
     for (int64_t i = 0; i < run->contact_count; i++) {
         const struct touching *each = &work->touching[i];
         const double *terms = each->series.terms[n];
         if (is_touching(each)) {
-            worst = fmax(worst, fabs(terms[ELEMENT_ROOT]) / sqrt(each->law->clearance));
-            worst = fmax(worst, worst_answer(each, n) / (each->law->clearance * scale));
+            worst = larger(fabs(terms[ELEMENT_ROOT]) / sqrt(each->law->clearance), worst);
+            worst = larger(worst_answer(each, n) / (each->law->clearance * scale), worst);
         }
         if (each->law->inverse_race_inertia > 0.0)
-            worst = fmax(worst, fabs(terms[ELEMENT_RACE]) / scale);
+            worst = larger(fabs(terms[ELEMENT_RACE]) / scale, worst);
         for (int64_t k = run->size - run->massless; k < run->size; k++) {
             const double row = fabs(each->rows[k] + each->rows[work->stride + k]);
-            const double moved = row * fmax(fabs(y[k]), fabs(v[k]) / scale);
-            worst = fmax(worst, moved / each->law->clearance);
-            total += moved;
+            const double moved = row * larger(fabs(y[k]), fabs(v[k]) / scale);
+            worst = larger(moved / each->law->clearance, worst);
+            if (!isfinite(moved))
+                worst = INFINITY;
         }
     }
-    return isfinite(total) ? worst / run->rtol : NAN;
+    return isfinite(worst) ? worst / run->rtol : NAN;
 }
 
 void choose_step(struct work *work)
@@ -688,116 +761,6 @@ void read_rows(const struct work *work, const double *rows, double point, double
     }
 }
 
-/* Write what the powers of u give up to a point, integrated by the time: with the pace. */
-static void weigh(struct work *work, double point)
-{
-    double shares[ORDERS], power = 1.0;
-    for (int n = 0; n < work->order; n++) {
-        power *= point;
-        shares[n] = power / (n + 1);
-    }
-    for (int j = 0; j < work->order; j++) {
-        double sum = shares[j] * work->pace[0];
-        for (int k = 1; k < work->order - j && work->moves; k++)
-            sum = fma(work->pace[k], shares[j + k], sum);
-        work->weights[j] = sum;
-    }
-}
-
-/* The integral of a series by the time, up to where the step ends. */
-static double integral_of(const struct work *work, const double *terms, int apart)
-{
-    double sum = 0.0;
-    for (int n = 0; n < work->order; n++)
-        sum = fma(terms[n * apart], work->weights[n], sum);
-    return sum;
-}
-
-/* Coefficient n of the scalar product of two series of rows. */
-static double power_of(const struct work *work, const double *a, const double *b, int n)
-{
-    vec4 even = spread(0.0), odd = spread(0.0);
-    for (int64_t i = 0; i < work->stride; i += 4) {
-        const double *first = &a[i], *second = &b[n * work->stride + i];
-        int k = 0;
-        for (; k < n; k += 2) {
-            even = fma4(load(first), load(second), even);
-            odd = fma4(load(first + work->stride), load(second - work->stride), odd);
-            first += 2 * work->stride;
-            second -= 2 * work->stride;
-        }
-        if (k == n)
-            even = fma4(load(first), load(second), even);
-    }
-    even += odd;
-    return (even[0] + even[1]) + (even[2] + even[3]);
-}
-
-/* Keep what has been gained and lost up to where the step ends. */
-static void keep_ledger(struct work *work)
-{
-    struct system_run *run = work->run;
-    const int64_t stride = work->stride;
-    const int stiffens = run->stiffness_rate != NULL && work->has_rate;
-    double by_cosine[ORDERS], by_sine[ORDERS], bent[ORDERS], driven[ORDERS], lost[ORDERS];
-    for (int n = 0; n < work->order; n++) {
-        const double *v = row_of(work, work->v, n);
-        by_cosine[n] = sum_of_products(run->unbalance, v, stride);
-        by_sine[n] = sum_of_products(run->unbalance + stride, v, stride);
-        driven[n] = convolved(work->by_cosine, 1, by_cosine, 1, n)
-                    + convolved(work->by_sine, 1, by_sine, 1, n);
-        lost[n] = power_of(work, work->v, work->resisted, n);
-        if (run->circulation == NULL)
-            continue;
-        double *pushed = row_of(work, work->turned, n); /* which the step needs no more */
-        memset(pushed, 0, sizeof(double) * (size_t)stride);
-        multiply(run->circulation, row_of(work, work->y, n), 1.0, run->size, stride, pushed);
-        lost[n] += power_of(work, work->v, work->turned, n);
-    }
-    run->ledger.unbalance += integral_of(work, driven, 1);
-    run->ledger.damping += integral_of(work, lost, 1);
-    for (int n = 0; n < work->order && stiffens; n++) {
-        bent[n] = power_of(work, work->v, work->stiffened, n);
-        lost[n] = convolved(work->spin_rate, 1, bent, 1, n);
-    }
-    if (stiffens)
-        run->ledger.stiffness_rate += integral_of(work, lost, 1);
-}
-
-/* Keep what an episode of a contact has spent up to where the step ends. */
-static void keep_episode(struct work *work, struct touching *each, double span)
-{
-    struct system_run *run = work->run;
-    struct episode *episode = &run->open[each - work->touching];
-    const double *answers = each->answers[0];
-    if (pushes(each)) {
-        const double work_of_force = integral_of(work, &answers[ELEMENT_POWER], ELEMENT_ANSWERS);
-        episode->impulse += integral_of(work, &answers[ELEMENT_PUSH], ELEMENT_ANSWERS);
-        episode->work += work_of_force;
-        run->ledger.normal += work_of_force;
-    }
-    if (each->law->friction == 0.0 || !pushes(each))
-        return;
-    double rim[ORDERS], power[ORDERS], heat[ORDERS];
-    for (int n = 0; n < work->order; n++) {
-        rim[n] = each->law->radius * work->spin[n]
-                 - each->law->race_radius * each->series.terms[n][ELEMENT_RACE];
-        power[n] = convolved(each->drag, 1, rim, 1, n);
-    }
-    run->ledger.tangential -= integral_of(work, power, 1);
-    if (each->touch->way == ROLLS) {
-        episode->rolling_time += span;
-        return;
-    }
-    const double *slip = &answers[ELEMENT_SLIP];
-    for (int n = 0; n < work->order; n++)
-        heat[n] = convolved(each->drag, 1, slip, ELEMENT_ANSWERS, n);
-    const double lost = integral_of(work, heat, 1);
-    episode->heat += lost;
-    run->ledger.tangential += lost;
-    episode->slip_distance += each->touch->sense * integral_of(work, slip, ELEMENT_ANSWERS);
-}
-
 /* Where a prescribed speed has turned the rotor, which no step makes less exact. */
 void turn_as_prescribed(struct system_run *run)
 {
@@ -812,18 +775,13 @@ void move_system(struct work *work, double point)
     struct system_run *run = work->run;
     const double reached = polynomial(work->time, 1, work->order, point);
     const double span = reached - run->time;
-    if (!run->only_events || work->has_torque)
-        weigh(work, point);
     if (!run->only_events)
-        keep_ledger(work);
+        keep_ledger(work, point, span);
     for (int64_t i = 0; i < run->contact_count; i++) {
         struct touching *each = &work->touching[i];
         const double *terms = each->series.terms[0];
-        if (is_touching(each)) {
-            if (!run->only_events)
-                keep_episode(work, each, span);
+        if (is_touching(each))
             each->touch->root = polynomial(&terms[ELEMENT_ROOT], WIDTH, work->order, point);
-        }
         if (each->law->inverse_race_inertia > 0.0)
             each->touch->race = polynomial(&terms[ELEMENT_RACE], WIDTH, work->order, point);
         const int of_slip = each->touch->zeros[OF_SLIP];
@@ -834,7 +792,7 @@ void move_system(struct work *work, double point)
     read_rows(work, work->y, point, run->state);
     read_rows(work, work->v, point, run->state + work->stride);
     if (work->has_torque) {
-        run->angle += integral_of(work, work->spin, 1);
+        run->angle += turned_by(work, point);
         run->speed = polynomial(work->spin, 1, work->order, point);
     }
     run->time = reached;

@@ -20,7 +20,9 @@ static const double HIDDEN = 1e-12;
 static const double ROUNDED = 64.0 * 2.220446049250313e-16;
 /* Shortest interval, in steps, in which two zeros are told apart. */
 static const double SHORTEST = 1e-15;
-enum { MOST_SWEEPS = 500, GAP_TERMS = 2 * ORDERS };
+/* A zero is found where rounding hides it: to this part of itself; and the most steps to it. */
+static const double CLOSE = 4e-16;
+enum { MOST_SWEEPS = 500, MOST_NEWTON = 200, GAP_TERMS = 2 * ORDERS };
 
 void set_element(struct touching *each)
 {
@@ -43,44 +45,47 @@ void set_element(struct touching *each)
 
 /* ---- Zeros of polynomials ---- */
 
-/* The one zero of a polynomial between two points at which its signs differ, by halves and secants
- * in turn: Brent's without its memory. */
+/* The one zero of a polynomial between two points at which its signs differ: Newton's method, and
+ * the middle of the interval where it leads out of it. */
 static double zero_between(const double *terms, int order, double low, double high)
 {
-    double at_low = polynomial(terms, 1, order, low), at_high = polynomial(terms, 1, order, high);
-    for (int i = 0; i < 200 && high - low > 4e-16 * high; i++) {
-        double point = 0.5 * (low + high);
-        if (i % 3 != 2) {
-            const double secant = low + (high - low) * at_low / (at_low - at_high);
-            /* a little to the side of the farther end, so that both close in */
-            point = secant > low && secant < high ? secant : point;
+    const int falls = polynomial(terms, 1, order, low) > 0.0;
+    double point = 0.5 * (low + high);
+    for (int i = 0; i < MOST_NEWTON && high - low > CLOSE * high; i++) {
+        double value = terms[order], slope = 0.0;
+        for (int n = order - 1; n >= 0; n--) {
+            slope = fma(slope, point, value);
+            value = fma(value, point, terms[n]);
         }
-        const double value = polynomial(terms, 1, order, point);
         if (value == 0.0)
             return point;
-        if ((value > 0.0) == (at_low > 0.0)) {
+        if ((value > 0.0) == falls)
             low = point;
-            at_low = value;
-        } else {
+        else
             high = point;
-            at_high = value;
-        }
+        const double next = point - value / slope;
+        if (fabs(next - point) <= 0.5 * CLOSE * point)
+            return point;
+        point = next > low && next < high ? next : 0.5 * (low + high);
     }
     return high;
 }
 
-/* Write the Bernstein coefficients of a polynomial on [0, step]. */
+/* Write the Bernstein coefficients of a polynomial on [0, step]: sums of its terms over binomials,
+ * by Pascal's triangle. They are summed in reverse, so that each row of it is one pass forwards. */
 static void write_bernstein(const double *terms, int order, double step, double *bernstein)
 {
-    for (int j = 0; j <= order; j++) {
-        double share = 1.0, power = 1.0;
-        bernstein[j] = 0.0;
-        for (int k = 0; k <= j; k++) { /* binomial(j, k)/binomial(order, k) */
-            bernstein[j] += terms[k] * power * share;
-            share *= (double)(j - k) / (order > k ? order - k : 1);
-            power *= step;
-        }
+    double reverse[GAP_TERMS], scale = 1.0;
+    for (int k = 0; k <= order; k++) {
+        reverse[order - k] = terms[k] * scale;
+        scale *= step * (k + 1) / (order > k ? order - k : 1);
     }
+    for (int row = 0; row < order; row++) {
+        for (int i = 0; i < order - row; i++)
+            reverse[i] += reverse[i + 1];
+    }
+    for (int j = 0; j <= order; j++)
+        bernstein[j] = reverse[order - j];
 }
 
 /* How often the sign changes: no less often than a polynomial with these coefficients is 0. */
@@ -728,8 +733,16 @@ void keep_peaks(struct work *work, double point, double until)
         if (!is_touching(each))
             continue;
         keep_extreme(work, &terms[ELEMENT_ROOT], WIDTH, 1.0, point, until, &episode->deepest);
-        if (pushes(each))
+        if (!pushes(each))
+            continue;
+        if (each->law->contact_damping == 0.0) { /* hardest where it is deepest */
+            const double given[ELEMENT_GIVEN] = {[ELEMENT_ROOT] = episode->deepest.value};
+            double answers[ELEMENT_ANSWERS];
+            element_values(&each->element, given, answers);
+            episode->hardest = (struct extreme){answers[ELEMENT_PUSH], episode->deepest.time};
+        } else {
             keep_extreme(work, &each->answers[0][ELEMENT_PUSH], ELEMENT_ANSWERS, 1.0, point, until,
                          &episode->hardest);
+        }
     }
 }

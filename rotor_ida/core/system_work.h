@@ -26,6 +26,7 @@ struct touching {
     double hidden;          /* a tangential force that rounding hides, while it rolls */
     double mobility;        /* the largest acceleration of its displacement by a unit force */
     double stator_mobility; /* the velocity of its stator without mass by a unit force; or 0 */
+    double inverse_root;    /* of the root of its indentation, at the beginning of the step */
     int is_edge;            /* whether its root is a factor of the pace */
 };
 
@@ -33,15 +34,16 @@ struct work {
     struct system_run *run;
     int64_t stride;
     int order;
-    int has_torque, has_rate, moves; /* whether the speed changes; and whether the pace does */
-    double *y, *v, *acceleration;    /* ORDERS rows each */
+    int has_torque, has_rate, moves;      /* whether the speed changes; and whether the pace does */
+    int edges[MOST_CONTACTS], edge_count; /* the contacts whose roots are its factors */
+    double *y, *v, *acceleration;         /* ORDERS rows each */
     double *resisted, *turned, *stiffened; /* (C + Omega G) y' or C y'; G y'; K_dot y */
-    double *both;                          /* C + Omega G, where the speed is constant */
+    const double *diagonal; /* of the stiffness, where it has nothing else; or NULL */
+    double *both;           /* C + Omega G, where the speed is constant */
     double time[ORDERS], pace[ORDERS], cosine[ORDERS], sine[ORDERS];
     double spin[ORDERS], spin_rate[ORDERS], spin_square[ORDERS], turning[ORDERS];
     double by_cosine[ORDERS], by_sine[ORDERS]; /* what multiplies the unbalance's two rows */
     double swung[ORDERS][2]; /* the unbalance's two rows times the acceleration; under a torque */
-    double weights[ORDERS];  /* integrals by the time, up to where a step ends, of powers of u */
     /* what is solved for at each order: the tangential forces that roll, and the rate of the spin
      */
     int rolling[MOST_CONTACTS], rolls;
@@ -53,6 +55,8 @@ struct work {
     double step;
     struct touching touching[MOST_CONTACTS];
 };
+
+#define COMPILED static inline __attribute__((always_inline))
 
 static inline double *row_of(const struct work *work, double *rows, int n)
 {
@@ -73,6 +77,37 @@ static inline void add_scaled(double factor, const double *row, double *to, int6
     const vec4 by = spread(factor);
     for (int64_t i = 0; i < size; i += 4)
         store(&to[i], fma4(by, load(&row[i]), load(&to[i])));
+}
+
+/* Add a matrix times a row, or take it away: eight vectors of rows at a time. */
+COMPILED void multiply(const double *matrix, const double *row, double sign, int64_t size,
+                       int64_t stride, double *to)
+{
+    enum { BLOCK = 8 };
+    int64_t first = 0;
+    for (; first + 4 * BLOCK <= stride; first += 4 * BLOCK) {
+        vec4 sums[BLOCK];
+        for (int v = 0; v < BLOCK; v++)
+            sums[v] = load(&to[first + 4 * v]);
+        for (int64_t k = 0; k < size; k++) {
+            const vec4 by = spread(sign * row[k]);
+            for (int v = 0; v < BLOCK; v++)
+                sums[v] = fma4(load(&matrix[k * stride + first + 4 * v]), by, sums[v]);
+        }
+        for (int v = 0; v < BLOCK; v++)
+            store(&to[first + 4 * v], sums[v]);
+    }
+    for (; first < stride; first += 4) {
+        vec4 even = load(&to[first]), odd = spread(0.0);
+        int64_t k = 0;
+        for (; k + 1 < size; k += 2) {
+            even = fma4(load(&matrix[k * stride + first]), spread(sign * row[k]), even);
+            odd = fma4(load(&matrix[(k + 1) * stride + first]), spread(sign * row[k + 1]), odd);
+        }
+        if (k < size)
+            even = fma4(load(&matrix[k * stride + first]), spread(sign * row[k]), even);
+        store(&to[first], even + odd);
+    }
 }
 
 /* Coefficient n of a product, from terms that are so far apart in memory, without the first terms
@@ -154,6 +189,12 @@ void turn_as_prescribed(struct system_run *run);
 /* Move the state of the run to a point of the step, and keep its ledger. */
 void read_rows(const struct work *work, const double *rows, double point, double *values);
 void move_system(struct work *work, double point);
+
+/* system_ledger.c */
+/* Keep what has been gained and lost up to a point of the step, which takes so long. */
+void keep_ledger(struct work *work, double point, double span);
+/* The angle by which a rotor that a torque drives turns up to a point of the step. */
+double turned_by(const struct work *work, double point);
 
 /* system_contact.c */
 void set_element(struct touching *each);

@@ -50,7 +50,7 @@ PARAMETERS = (
     "friction", "sigma", "radius", "race_radius", "mobility", "holding",
 )  # fmt: skip
 # What it answers, in this order; while surfaces roll, and with a stator without mass, one more.
-ANSWERS = ("normal_x", "normal_y", "approach", "slip", "push", "force_x", "force_y", "power")
+ANSWERS = ("normal_x", "normal_y", "approach", "slip", "push", "force_x", "force_y")
 ROLLING_ANSWERS = (*ANSWERS, "turning")
 MASSLESS_ANSWERS = (*ANSWERS, "drag")
 # What its slopes follow from: the speed across is u'.t, and `pull` the acceleration along e.
@@ -65,7 +65,7 @@ def answers_of(given: Numbers, contact: Any) -> list[Number]:
     """Return what a contact answers: see `ANSWERS`.
 
     They are the direction e of the displacement, the radial velocity ``d'``, the speed of slip
-    ``v_s``, the normal force N, the force of a sliding contact on the rotor, and ``N d'``.
+    ``v_s``, the normal force N, and the force of a sliding contact on the rotor.
     """
     normal_x, normal_y, approach, across = _motion_of(given, contact)
     root, *_, spin, race = given
@@ -74,8 +74,7 @@ def answers_of(given: Numbers, contact: Any) -> list[Number]:
     push_x, push_y = push * normal_x, push * normal_y
     force_x = drag_of(push_y, contact) - push_x
     force_y = -drag_of(push_x, contact) - push_y
-    power = push * approach
-    return [normal_x, normal_y, approach, slip, push, force_x, force_y, power]
+    return [normal_x, normal_y, approach, slip, push, force_x, force_y]
 
 
 def rolling_answers_of(given: Numbers, contact: Any) -> list[Number]:
@@ -105,8 +104,7 @@ def massless_answers_of(given: Numbers, contact: Any) -> list[Number]:
     slip = across + rim
     force_x = drag * normal_y - push * normal_x
     force_y = -(drag * normal_x) - push * normal_y
-    power = push * approach
-    return [normal_x, normal_y, approach, slip, push, force_x, force_y, power, drag]
+    return [normal_x, normal_y, approach, slip, push, force_x, force_y, drag]
 
 
 def slopes_of(given: Numbers, contact: Any) -> list[Number]:

@@ -28,6 +28,8 @@ FREE = 1e-12
 STILL = 1e-9
 # Directions that add less than this part to the others are left out.
 DEPENDENT = 1e-8
+# A product of modes by the stiffness below this part of the largest is rounding.
+ROUNDED = 1e-14
 
 
 def reduced_system(
@@ -122,6 +124,9 @@ def in_basis(system: RotorSystem, basis: Values) -> RotorSystem:
         force = np.concatenate([basis.T @ force[:size], force[size:]])
     stiffness = small(system.stiffness)
     assert stiffness is not None
+    # what is left is the diagonal where modes alone are kept, and the core makes use of that
+    hidden = np.abs(stiffness) <= ROUNDED * np.abs(stiffness).max(initial=0.0)
+    stiffness[hidden & ~np.eye(len(stiffness), dtype=bool)] = 0.0
     gyroscopic = small(system.gyroscopic)
     if gyroscopic is not None:
         gyroscopic = 0.5 * (gyroscopic - gyroscopic.T)

@@ -312,7 +312,10 @@ def _answering(
         *(f"answers[{place}] = {writer(answer)};" for place, answer in pairs),
     ]  # fmt: skip
     values = values_of([(f"answers[{place}]", answer) for place, answer in pairs], given)
-    head = "static inline void {}(const struct element *m,\n    {}, double *answers)"
+    head = (
+        "static inline __attribute__((always_inline)) void {}(\n"
+        "    const struct element *m, {}, double *answers)"
+    )
     as_values = [
         "/* What it answers, as values. */",
         head.format(f"{stem}_values", "const double *state"),
