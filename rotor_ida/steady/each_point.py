@@ -15,8 +15,14 @@ from rotor_ida.model.varied import Varied
 from rotor_ida.parallel import Progress, Workers
 from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import Folder
-from rotor_ida.steady.grid import check_size, labelled_points
-from rotor_ida.steady.ramps import Answer, Answers, Ramps, answered
+from rotor_ida.steady.grid import (
+    Answer,
+    Answers,
+    check_size,
+    labelled_points,
+    run_study,
+)
+from rotor_ida.steady.ramps import Ramps
 
 Point = TypeVar("Point")
 Work = Callable[[Point, Stop], Mapping[str, Any]]
@@ -66,11 +72,11 @@ def answers_at_each(
         *((name, np.asarray(whole.get(name, math.nan)).dtype, () if each is None else each[1:])
           for name, each in columns.items()),
     ])  # fmt: skip
-    settling: Answers[Point, None] = Answers(partial(_answer, work), kind, whole)
-    found = answered(
-        Ramps(varied, (None,), settling, point_at), question, word="answers at points",
+    answers: Answers[Point, None] = Answers(partial(_answer, work), kind, whole=whole)
+    found = run_study(
+        Ramps(varied, (None,), answers, point_at), question, word="answers at points",
         study=study, workers=workers, progress=progress,
-    )  # fmt: skip
+    ).points  # fmt: skip
     behind = {name: each[:1] for name, each in columns.items() if each is not None}
     return labelled_points(varied, found, behind)
 

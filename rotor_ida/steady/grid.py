@@ -9,38 +9,41 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, NamedTuple
+from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Column
-from rotor_ida.checks import AT_REST, COMPONENTS, MOST_NUMBERS, MOST_POINTS_OF_STUDY, State
+from rotor_ida.arrays import Stop
+from rotor_ida.checks import MOST_NUMBERS, MOST_POINTS_OF_STUDY
 from rotor_ida.errors import RotorError, SimulationError
 from rotor_ida.model.varied import Varied
 from rotor_ida.parallel import FailedJob, Progress, Workers, run_all
-from rotor_ida.parallel.jobs import Job, Result, Work
+from rotor_ida.parallel.jobs import Work
 from rotor_ida.results.question import Question
 from rotor_ida.results.studies.arrays import scratch
 from rotor_ida.results.studies.results import Folder, Form, Results, open_results
-from rotor_ida.schema import STATUS, labelled
-from rotor_ida.simulation.starts import GivenStart
+from rotor_ida.schema import ENDING, RESPONSE, STATUS, labelled
 
 if TYPE_CHECKING:
-    from rotor_ida.steady.ramps import Ramps
+    from rotor_ida.steady.ramps import RampJob, Ramps
 
 Array = npt.NDArray[np.generic]
 Table = npt.NDArray[np.void]
-Places = npt.NDArray[np.int64]
+Point = TypeVar("Point")
+Start = TypeVar("Start")
 
 # Errors of solver, physics and memory at a point; any other error is a fault of the program.
 EXPECTED = (SimulationError, ArithmeticError, MemoryError)
 # A failure of the surroundings, not of the point: another attempt may succeed.
 PASSING = "MemoryError"
 NO_COLUMNS = np.dtype([])
+# Whole numbers of a point that failed; those of other names are 0.
+NONE = {"ending": ENDING["failed"], "response": RESPONSE["failed"]}
 
 
 def reason_of(error: Exception) -> str:
@@ -48,32 +51,6 @@ def reason_of(error: Exception) -> str:
     if isinstance(error, RotorError):
         return str(error)
     return f"{type(error).__name__}: {error}".rstrip(": ")
-
-
-def start_coordinates(starts: Sequence[GivenStart]) -> dict[str, Column]:
-    """Return the starts ``(x, y, vx, vy)`` as coordinates of a result; NaN where it is a word."""
-    states = [(math.nan,) * len(COMPONENTS) if isinstance(each, str) else each for each in starts]
-    columns = zip(COMPONENTS, np.array(states).T, strict=True)
-    return {f"start_{name}": ("start", column.copy()) for name, column in columns}
-
-
-def start_words(starts: Sequence[GivenStart]) -> dict[str, str]:
-    """Return the attribute with the word of each start, if there is any; "state" where it is one.
-
-    Examples
-    --------
-    >>> start_words(["settled", (1.0, 0.0, 0.0, 0.0)]), start_words([(1.0, 0.0, 0.0, 0.0)])
-    ({'start_words': 'settled state'}, {})
-    """
-    if not any(isinstance(each, str) for each in starts):
-        return {}
-    words = [each if isinstance(each, str) else "state" for each in starts]
-    return {"start_words": " ".join(words)}
-
-
-def representative(starts: Sequence[GivenStart]) -> list[State]:
-    """Return starts to be checked once for all rotors: rest on the axis for those of words."""
-    return [AT_REST if isinstance(each, str) else each for each in starts]
 
 
 def check_size(varied: Varied, study: object) -> None:
@@ -97,14 +74,32 @@ def labelled_points(
     }  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
-class Rows:
+class Answer(NamedTuple):
+    """What is found at a point, by the names of columns, and the start of the next of its ramp."""
+
+    figures: Mapping[str, Any]
+    message: str = ""
+    failed: bool = False
+    end: Any = None
+    events: Table | None = None
+
+
+class Row(NamedTuple):
+    """A point as a row of a table, with the rows of its events."""
+
+    values: tuple[Any, ...]
+    message: str
+    end: Any
+    events: Table | None
+
+
+class Rows(NamedTuple):
     """Some points of a study.
 
     Parameters
     ----------
     points : structured array, shape (n,)
-        The result of each point, including ``status`` and ``event_count``.
+        The result of each point, including ``status`` and, with events, ``event_count``.
     messages : list of str
         The reason why each failed; empty if it did not.
     events : structured array, shape (m,), optional
@@ -116,30 +111,57 @@ class Rows:
     events: Table | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Task(Generic[Job, Result]):
-    """How each job is done, and how its result is stored.
+@dataclass(frozen=True)
+class Answers(Generic[Point, Start]):
+    """How points are answered, and the rows that the answers become.
 
     Parameters
     ----------
     work : callable
-        Does a job; a function of a module, as processes require.
-    lost : callable
-        Returns the result of a job whose workers died, with the reason.
-    rows : callable
-        Returns a result as rows.
-    form : Form
-        How rows are converted to arrays of a study and back.
-    point, event : dtype
+        Returns the answer at a point, from a start; a function of a module, or one with some
+        arguments given, as processes require. It is given an array whose one value is 0 until it
+        should stop.
+    kind, event : dtype
         The columns of a point, and of an event.
+    whole : mapping
+        Whole numbers of a point without figures: all other columns are then NaN, or 0.
     """
 
-    work: Work[Job, Result]
-    lost: Callable[[Job, str], Result]
-    rows: Callable[[Result], Rows]
-    form: Form[Rows]
-    point: np.dtype[np.void]
+    work: Callable[[Point, Start, Stop], Answer]
+    kind: np.dtype[np.void]
     event: np.dtype[np.void] = NO_COLUMNS
+    whole: Mapping[str, Any] = field(default_factory=lambda: NONE)
+
+    @cached_property
+    def blank(self) -> dict[str, Any]:
+        """What stands in each column of a point without figures."""
+        row = np.zeros((), self.kind)
+        return {
+            name: np.full_like(row[name], math.nan)[()] if row[name].dtype.kind == "f"
+            else self.whole.get(name, row[name][()])
+            for name in self.kind.names or ()
+        }  # fmt: skip
+
+    def settle(self, point: Point, start: Start, stop: Stop) -> Row:
+        """Return the row of a point, from a start or from where another point ends."""
+        try:
+            answer = self.work(point, start, stop)
+        except EXPECTED as error:  # it must not end the other points
+            return self.failed(reason_of(error))
+        return self.row(answer)
+
+    def failed(self, reason: str) -> Row:
+        """Return the row of a point that could not be followed."""
+        return self.row(Answer({}, reason, failed=True))
+
+    def row(self, answer: Answer) -> Row:
+        """Return an answer as a row."""
+        status = STATUS["failed" if answer.failed else "done"]
+        figures, events = {**answer.figures, "status": status}, answer.events
+        values = tuple([figures.get(name, each) for name, each in self.blank.items()])
+        if events is None and self.event.names:
+            events = np.empty(0, self.event)
+        return Row(values, answer.message, answer.end, events)
 
 
 class Columns(NamedTuple):
@@ -172,28 +194,54 @@ def form_of(
 
 
 def run_study(
-    plan: Ramps[Any, Any, Any],
-    task: Task[Any, Any],
+    plan: Ramps[Any, Any],
     question: Question,
     *,
+    word: str,
+    table: str = "points",
+    follow: Work[Any, list[Row]] | None = None,
     study: Folder | None,
     workers: Workers,
     progress: Progress | None,
 ) -> Columns:
     """Do the jobs of a study that are not stored yet, and return the columns of all.
 
-    `question` is what determines the bits: the study of another question is refused.
+    `question` is what determines the bits: the study of another question is refused. `word` and
+    `table` are names of the rows in a study. `follow` does a job that is more than to follow one
+    point after the other.
     """
-    with open_results(study, question.design(), plan.points, task.form) as kept:
-        _do_jobs(plan, task, kept, workers, progress)
-        points = _point_columns(plan, task.point, kept)
-        events = _event_columns(plan, task.event, kept, points) if task.event.names else {}
+    answers = plan.answers
+    form = form_of(word, table, answers.kind, answers.event)
+    with open_results(study, question.design(), plan.points, form) as kept:
+        _do_jobs(plan, follow or follow_along, kept, workers, progress)
+        points = _point_columns(plan, kept)
+        events = _event_columns(plan, kept, points) if answers.event.names else {}
     return Columns(points, events)
 
 
+def follow_along(ramp: RampJob[Any, Any], stop: Stop) -> list[Row]:
+    """Follow one ramp: each point begins where the last one that did not fail has ended."""
+    start, rows = ramp.start, list[Row]()
+    for point in ramp.points:
+        if stop[0]:
+            break
+        rows.append(ramp.answers.settle(point, start, stop))
+        start = start if rows[-1].end is None else rows[-1].end
+    return rows
+
+
+def rows_of(rows: Sequence[Row], kind: np.dtype[np.void]) -> Rows:
+    """Return the rows of points as those of a study."""
+    events = [row.events for row in rows if row.events is not None]
+    return Rows(
+        np.array([row.values for row in rows], kind), [row.message for row in rows],
+        np.concatenate(events) if events else None,
+    )  # fmt: skip
+
+
 def _do_jobs(
-    plan: Ramps[Any, Any, Any],
-    task: Task[Any, Any],
+    plan: Ramps[Any, Any],
+    follow: Work[Any, list[Row]],
     kept: Results[Rows],
     workers: Workers,
     progress: Progress | None,
@@ -210,15 +258,13 @@ def _do_jobs(
     count = workers.number and min(
         workers.number, len(due)
     )  # the cluster at an address has its own workers
-    with closing(run_all(task.work, jobs, workers=count, executor=workers.executor)) as ended:
+    with closing(run_all(follow, jobs, workers=count, executor=workers.executor)) as ended:
         for turn, result in ended:
             number = due[turn]
             died = isinstance(result, FailedJob)
-            rows = task.rows(
-                task.lost(plan.job(number), result.reason)
-                if isinstance(result, FailedJob)
-                else result
-            )
+            if isinstance(result, FailedJob):
+                result = [plan.answers.failed(result.reason)] * plan.length  # noqa: PLW2901
+            rows = rows_of(result, plan.answers.kind)
             failures = np.flatnonzero(rows.points["status"] == STATUS["failed"]).tolist()
             reasons = [rows.messages[place] for place in failures]
             if died or any(reason.startswith(PASSING) for reason in reasons):
@@ -231,11 +277,9 @@ def _do_jobs(
                 progress(kept.points_done + postponed, points)
 
 
-def _point_columns(
-    plan: Ramps[Any, Any, Any], kind: np.dtype[np.void], kept: Results[Rows]
-) -> dict[str, Array]:
+def _point_columns(plan: Ramps[Any, Any], kept: Results[Rows]) -> dict[str, Array]:
     """Return the columns with a number, or a message, for each point."""
-    columns = _scratch(kind, plan.points, kept.folder)
+    columns = _scratch(plan.answers.kind, plan.points, kept.folder)
     messages: dict[int, str] = {}
     for number, rows in kept.results():
         places = plan.places(number)
@@ -252,14 +296,11 @@ def _point_columns(
 
 
 def _event_columns(
-    plan: Ramps[Any, Any, Any],
-    kind: np.dtype[np.void],
-    kept: Results[Rows],
-    points: Mapping[str, Array],
+    plan: Ramps[Any, Any], kept: Results[Rows], points: Mapping[str, Array]
 ) -> dict[str, Array]:
     """Return the columns with a number for each event, in the order of the points."""
     ends = np.cumsum(points["event_count"], dtype=np.int64)
-    columns = _scratch(kind, int(ends[-1]), kept.folder)
+    columns = _scratch(plan.answers.event, int(ends[-1]), kept.folder)
     for number, rows in kept.results():
         assert rows.events is not None
         first = 0

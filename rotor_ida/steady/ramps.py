@@ -6,32 +6,18 @@ Where no point begins at the end of another, as those of many run-ups, each is a
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field
-from typing import Any, Generic, Literal, NamedTuple, Protocol, TypeVar
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Generic, Literal
 
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import Stop
 from rotor_ida.checks import check_direction
 from rotor_ida.model.varied import Varied
-from rotor_ida.parallel import Progress, Workers
-from rotor_ida.results.question import Question
-from rotor_ida.results.studies.results import Folder
-from rotor_ida.schema import ENDING, RESPONSE, STATUS
-from rotor_ida.steady.grid import (
-    EXPECTED,
-    Array,
-    Places,
-    Rows,
-    Table,
-    Task,
-    form_of,
-    reason_of,
-    run_study,
-)
+from rotor_ida.steady.grid import Answers, Point, Start
 
+Places = npt.NDArray[np.int64]
 Direction = Literal["up", "down", "both"]
 DIRECTIONS: dict[str | None, tuple[int, ...]] = {
     None: (0,),
@@ -39,10 +25,6 @@ DIRECTIONS: dict[str | None, tuple[int, ...]] = {
     "down": (-1,),
     "both": (1, -1),
 }
-Point = TypeVar("Point")
-Start = TypeVar("Start")
-Settled = TypeVar("Settled")
-Point_contra = TypeVar("Point_contra", contravariant=True)
 
 
 @dataclass(frozen=True)
@@ -95,30 +77,17 @@ class RampOrder:
         return np.ravel_multi_index(first, self.shape) + step * np.arange(self.length)
 
 
-class Settling(Protocol[Point_contra, Start, Settled]):
-    """How the rotor at a point is followed until it has settled."""
-
-    def settle(self, point: Point_contra, start: Start, stop: Stop, /) -> Settled:
-        """Return what it settles on from a start."""
-
-    def failed(self, point: Point_contra, start: Start, reason: str, /) -> Settled:
-        """Return the result of a point that could not be followed."""
-
-    def end(self, settled: Settled, /) -> Start | None:
-        """Return the start of the next point; None if this one failed."""
-
-
 @dataclass(frozen=True, slots=True)
-class RampJob(Generic[Point, Start, Settled]):
+class RampJob(Generic[Point, Start]):
     """A ramp with all that a worker needs to follow it."""
 
     points: list[Point]
     start: Start
-    settling: Settling[Point, Start, Settled]
+    answers: Answers[Point, Start]
 
 
 @dataclass(frozen=True)
-class Ramps(Generic[Point, Start, Settled]):
+class Ramps(Generic[Point, Start]):
     """All ramps of a sweep, by number.
 
     Parameters
@@ -128,7 +97,7 @@ class Ramps(Generic[Point, Start, Settled]):
         where each point is a ramp of its own.
     starts : sequence
         The starts.
-    settling : Settling
+    answers : Answers
         How the rotor at each point is followed.
     point_at : callable
         Returns the point at a place.
@@ -138,7 +107,7 @@ class Ramps(Generic[Point, Start, Settled]):
 
     varied: Varied
     starts: Sequence[Start]
-    settling: Settling[Point, Start, Settled]
+    answers: Answers[Point, Start]
     point_at: Callable[[Sequence[int]], Point]
     axis: int = 0
 
@@ -166,12 +135,12 @@ class Ramps(Generic[Point, Start, Settled]):
         """Return the positions of a ramp's points among all, in the order of the dimensions."""
         return self.order.places(number)
 
-    def job(self, number: int) -> RampJob[Point, Start, Settled]:
+    def job(self, number: int) -> RampJob[Point, Start]:
         """Return what a worker needs to follow a ramp."""
         places = np.transpose(np.unravel_index(self.places(number), self.varied.shape)).tolist()
         dims = self.varied.dims
         start = self.starts[places[0][dims.index("start")] if "start" in dims else 0]
-        return RampJob([self.point_at(place) for place in places], start, self.settling)
+        return RampJob([self.point_at(place) for place in places], start, self.answers)
 
     def slowest_first(self) -> Places:
         """Return the numbers of the ramps, the longest ones first.
@@ -197,113 +166,3 @@ def in_order(
     way = check_direction(direction, along, varied.axes, first)
     directions = np.array(DIRECTIONS[direction], dtype=np.int8)
     return varied.over(start=np.arange(starts), direction=directions), way
-
-
-def settle_along(ramp: RampJob[Point, Start, Settled], stop: Stop) -> list[Settled]:
-    """Follow one ramp: each point begins where the last one that did not fail has ended."""
-    state, settling, found = ramp.start, ramp.settling, list[Settled]()
-    for point in ramp.points:
-        if stop[0]:
-            break
-        try:
-            settled = settling.settle(point, state, stop)
-        except EXPECTED as error:  # it must not end the other points
-            settled = settling.failed(point, state, reason_of(error))
-        end = settling.end(settled)
-        state = state if end is None else end
-        found.append(settled)
-    return found
-
-
-def lost(ramp: RampJob[Point, Start, Settled], reason: str) -> list[Settled]:
-    """Return the points of a ramp whose workers died."""
-    return [ramp.settling.failed(point, ramp.start, reason) for point in ramp.points]
-
-
-# ---- Points that are answered by figures ----
-
-# Whole numbers of a point that failed; those of other names are 0.
-NONE = {"ending": ENDING["failed"], "response": RESPONSE["failed"]}
-
-
-class Answer(NamedTuple):
-    """The figures of a point by the names of columns, and the start of the next one of its ramp."""
-
-    figures: Mapping[str, Any]
-    message: str = ""
-    failed: bool = False
-    end: Any = None
-
-
-class Row(NamedTuple):
-    """A point as a row of a table."""
-
-    values: Table
-    message: str
-    end: Any
-
-
-@dataclass(frozen=True, slots=True)
-class Answers(Generic[Point, Start]):
-    """How points are answered: see `Settling`.
-
-    Parameters
-    ----------
-    work : callable
-        Returns the answer at a point, from a start; a function of a module, or one with some
-        arguments given, as processes require. It is given an array whose one value is 0 until it
-        should stop.
-    kind : dtype
-        The columns. Figures that are missing are NaN, or one of `blank`.
-    """
-
-    work: Callable[[Point, Start, Stop], Answer]
-    kind: np.dtype[np.void]
-    blank: Mapping[str, Any] = field(default_factory=lambda: NONE)
-
-    def settle(self, point: Point, start: Start, stop: Stop) -> Row:
-        """Return the row of a point, from a start or from where another point ends."""
-        return self._row(self.work(point, start, stop))
-
-    def failed(self, _point: Point, _start: Start, reason: str) -> Row:
-        """Return the row of a point that failed."""
-        return self._row(Answer({}, reason, failed=True))
-
-    def end(self, row: Row) -> Any:
-        """Return the start of the next point."""
-        return row.end
-
-    def _row(self, answer: Answer) -> Row:
-        row = np.zeros(1, self.kind)
-        for name in self.kind.names or ():
-            blank = math.nan if row[name].dtype.kind == "f" else self.blank.get(name, 0)
-            row[name] = answer.figures.get(name, blank)
-        row["status"] = STATUS["failed" if answer.failed else "done"]
-        return Row(row, answer.message, answer.end)
-
-
-def answered(
-    plan: Ramps[Point, Start, Row],
-    question: Question,
-    *,
-    word: str,
-    table: str = "points",
-    study: Folder | None,
-    workers: Workers,
-    progress: Progress | None,
-) -> dict[str, Array]:
-    """Return the columns of points that are answered by figures: see `run_study`.
-
-    `word` and `table` are names of the rows in a study.
-    """
-    assert isinstance(plan.settling, Answers)
-    kind = plan.settling.kind
-    task: Task[RampJob[Point, Start, Row], list[Row]] = Task(
-        settle_along, lost, rows_of, form_of(word, table, kind), kind
-    )
-    return run_study(plan, task, question, study=study, workers=workers, progress=progress).points
-
-
-def rows_of(rows: Sequence[Row]) -> Rows:
-    """Return the rows of points as those of a study."""
-    return Rows(np.concatenate([row.values for row in rows]), [row.message for row in rows])

@@ -37,8 +37,7 @@ from rotor_ida.simulation.systems.simulate import run_of_cases
 from rotor_ida.simulation.systems.starts import Start
 from rotor_ida.steady.drop import with_unbalance_at
 from rotor_ida.steady.follow import FAILED, SettledSystem, durations, follow_to_steady_state, settle
-from rotor_ida.steady.grid import EXPECTED, reason_of
-from rotor_ida.steady.ramps import Answer
+from rotor_ida.steady.grid import EXPECTED, Answer, reason_of
 from rotor_ida.steady.response import CONTACT_FREE, TOUCHING, UNRESOLVED, Features
 from rotor_ida.steady.system_sweep import figures_of, point_of
 

@@ -10,8 +10,8 @@ from rotor_ida import InputError, Rotor, SimulationError, compare, sweep, synchr
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.parallel import FailedJob
 from rotor_ida.schema import EXACT, RESPONSE, STABILITY, flags_of, words_of
+from rotor_ida.steady import disc_sweep
 from rotor_ida.steady import grid as grid_module
-from rotor_ida.steady import sweep as sweep_module
 from tests.rotors import KNOCKED
 
 REST = (0.0, 0.0, 0.0, 0.0)
@@ -157,14 +157,14 @@ def test_a_point_that_fails_is_labelled_and_stops_nothing(monkeypatch):
 
 
 def raising_at_two(monkeypatch, error):
-    true_follow = sweep_module.follow_to_steady_state
+    true_follow = disc_sweep.follow_to_steady_state
 
     def slips_at_two(rotor, *rest, **options):
         if rotor.omega == 2.0:
             raise error
         return true_follow(rotor, *rest, **options)
 
-    monkeypatch.setattr(sweep_module, "follow_to_steady_state", slips_at_two)
+    monkeypatch.setattr(disc_sweep, "follow_to_steady_state", slips_at_two)
 
 
 @pytest.mark.parametrize(
