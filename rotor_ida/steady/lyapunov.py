@@ -423,10 +423,7 @@ def exponents_of_system(run: Run, point: Turning, stop: Stop) -> Exponents:
     flow = SystemFlow.at(*point, stop)
     state = started(point, run.start) / flow.scales
     rates = flow.growth(state, run.exponents, run.total, run.done)[run.lead :]
-    values, errors = np.full(run.exponents, -np.inf), np.zeros(run.exponents)
-    known = np.isfinite(rates).all(axis=0)
-    values[known], errors[known] = means_of_rates(rates[:, known], run.batches)
-    return ordered(rates, values, errors)
+    return ordered(rates, *means_of_rates(rates, run.batches))
 
 
 # ---- Of any rotor ----
