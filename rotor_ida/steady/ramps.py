@@ -8,6 +8,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Generic, Literal
 
 import numpy as np
@@ -25,56 +26,6 @@ DIRECTIONS: dict[str | None, tuple[int, ...]] = {
     "down": (-1,),
     "both": (1, -1),
 }
-
-
-@dataclass(frozen=True)
-class RampOrder:
-    """How the points of a sweep form ramps, by number.
-
-    Parameters
-    ----------
-    shape : tuple of int
-        Number of values along each dimension, directions last.
-    directions : ndarray of int
-        1 up, -1 down; 0 where each point is a ramp of its own.
-    axis : int
-        The dimension along which a ramp leads.
-    """
-
-    shape: tuple[int, ...]
-    directions: npt.NDArray[np.int8]
-    axis: int = 0
-
-    @property
-    def length(self) -> int:
-        """Number of points of each ramp."""
-        return self.shape[self.axis] if self.directions[0] else 1
-
-    @property
-    def points(self) -> int:
-        """Number of points of all ramps."""
-        return math.prod(self.shape)
-
-    def __len__(self) -> int:
-        return self.points // self.length
-
-    def firsts(self, numbers: int | Places) -> tuple[Places, ...]:
-        """Return the indices of the first points of ramps along each dimension.
-
-        Ramps are counted by directions, then by the other dimensions, then along the axis.
-        """
-        *others, directions = self.shape
-        values = others.pop(self.axis)
-        counted = (directions, *others, values // self.length)
-        direction, *at, first = (np.asarray(each) for each in np.unravel_index(numbers, counted))
-        at.insert(self.axis, np.where(self.directions[direction] < 0, values - 1, first))
-        return (*at, direction)
-
-    def places(self, number: int) -> Places:
-        """Return the positions of a ramp's points among all, in the order of the dimensions."""
-        first = self.firsts(number)
-        step = int(self.directions[first[-1]]) * math.prod(self.shape[self.axis + 1 :])
-        return np.ravel_multi_index(first, self.shape) + step * np.arange(self.length)
 
 
 @dataclass(frozen=True, slots=True)
@@ -101,7 +52,7 @@ class Ramps(Generic[Point, Start]):
         How the rotor at each point is followed.
     point_at : callable
         Returns the point at a place.
-    axis : int
+    axis : int, optional
         The dimension along which a ramp leads.
     """
 
@@ -109,31 +60,54 @@ class Ramps(Generic[Point, Start]):
     starts: Sequence[Start]
     answers: Answers[Point, Start]
     point_at: Callable[[Sequence[int]], Point]
-    axis: int = 0
+    axis: int | None = None
+
+    @cached_property
+    def directions(self) -> npt.NDArray[np.int8]:
+        """The directions: 1 up, -1 down; 0 where each point is a ramp of its own."""
+        return self.varied.axes.get("direction", np.zeros(1, np.int8))
+
+    @cached_property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values along each dimension, directions last."""
+        shape = self.varied.shape
+        return shape if "direction" in self.varied.axes else (*shape, 1)
 
     @property
-    def order(self) -> RampOrder:
-        """How the points form ramps."""
-        if "direction" in self.varied.axes:
-            return RampOrder(self.varied.shape, self.varied.axes["direction"], self.axis)
-        return RampOrder((*self.varied.shape, 1), np.zeros(1, np.int8), len(self.varied.dims) - 1)
+    def along(self) -> int:
+        """The dimension along which a ramp leads, the last where none does."""
+        return len(self.shape) - 2 if self.axis is None else self.axis
 
     @property
     def length(self) -> int:
         """Number of points of each ramp."""
-        return self.order.length
+        return self.shape[self.along] if self.directions[0] else 1
 
     @property
     def points(self) -> int:
         """Number of points of all ramps."""
-        return self.order.points
+        return math.prod(self.shape)
 
     def __len__(self) -> int:
-        return len(self.order)
+        return self.points // self.length
+
+    def firsts(self, numbers: int | Places) -> tuple[Places, ...]:
+        """Return the indices of the first points of ramps along each dimension.
+
+        Ramps are counted by directions, then by the other dimensions, then along the axis.
+        """
+        *others, directions = self.shape
+        values = others.pop(self.along)
+        counted = (directions, *others, values // self.length)
+        direction, *at, first = (np.asarray(each) for each in np.unravel_index(numbers, counted))
+        at.insert(self.along, np.where(self.directions[direction] < 0, values - 1, first))
+        return (*at, direction)
 
     def places(self, number: int) -> Places:
         """Return the positions of a ramp's points among all, in the order of the dimensions."""
-        return self.order.places(number)
+        first = self.firsts(number)
+        step = int(self.directions[first[-1]]) * math.prod(self.shape[self.along + 1 :])
+        return np.ravel_multi_index(first, self.shape) + step * np.arange(self.length)
 
     def job(self, number: int) -> RampJob[Point, Start]:
         """Return what a worker needs to follow a ramp."""
@@ -148,7 +122,7 @@ class Ramps(Generic[Point, Start]):
         Slow run-ups take longest, and one disc with a large clearance, as it bounces there.
         """
         numbers, dims = np.arange(len(self)), self.varied.dims
-        firsts = self.order.firsts(numbers)
+        firsts = self.firsts(numbers)
         for name, sign in (("rate", 1.0), ("delta0", -1.0)):
             if name in dims:
                 values = self.varied.axes[name][firsts[dims.index(name)]]

@@ -265,13 +265,8 @@ def answer_of_system(point: Turning, start: Start | Values, stop: Stop) -> Answe
     return Answer(figures_of(settled, flow, last), settled.decision.message, end=last)
 
 
-def first_state(problem: SettlingProblem, start: Start | xr.Dataset, speed: float) -> Values:
-    """Return the state at a start, which may be the end of a result."""
-    return state_of_start(problem, state_at_end(problem.assembly, start), speed)
-
-
-def state_of_start(problem: SettlingProblem, start: Start, speed: float) -> Values:
-    """Return displacements, velocities and speeds of races at a start."""
+def state_of_start(problem: SettlingProblem, start: Start | xr.Dataset, speed: float) -> Values:
+    """Return displacements, velocities and speeds of races at a start, or where a result ends."""
     begun = start_of(problem.assembly, start, speed)
     moved = np.array([problem.found.to_y(each) for each in begun])
     return np.concatenate([moved.ravel(), problem.race_speeds])
