@@ -67,17 +67,20 @@ from rotor_ida.steady.grid import (
     Answer,
     Answers,
     Columns,
+    Direction,
+    RampJob,
+    Ramps,
     Row,
     Table,
     check_size,
+    in_order,
     labelled_points,
     reason_of,
     run_study,
 )
 from rotor_ida.steady.ramp_extrema import ramp_extrema
-from rotor_ida.steady.ramps import Direction, RampJob, Ramps, in_order
 from rotor_ida.steady.sweep import study_dataset
-from rotor_ida.steady.system_sweep import VariedSystem, checked_starts, turning_speeds
+from rotor_ida.steady.system_sweep import VariedSystem, turning_speeds
 
 Shown = Literal["extrema", "revolution"]
 SHOWN = ("extrema", "revolution")
@@ -265,8 +268,7 @@ def bifurcation_diagram(
             raise InputError("speed must be given for a diagram of a rotor system, got None")
         speeds = turning_speeds(speed, "in a diagram of a rotor system")
         given = varied_system_of(bifurcation_diagram, rotor, varied, speeds)
-        begun = checked_starts((None,) if starts is None else starts)
-        asked = VariedSystem.of(given, begun, modes, rtol)
+        asked = VariedSystem.of(given, (None,) if starts is None else starts, modes, rtol)
     else:
         given = varied_of(bifurcation_diagram, rotor, varied)
         _check_settles(given, window)

@@ -22,8 +22,7 @@ from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.options import Options, check_can_be_followed, options_of_study
 from rotor_ida.simulation.starts import GivenStart, states_of
 from rotor_ida.steady.follow import FAILED, follow_to_steady_state
-from rotor_ida.steady.grid import Answer, Answers
-from rotor_ida.steady.ramps import Ramps
+from rotor_ida.steady.grid import Answer, Answers, Ramps
 from rotor_ida.steady.response import Features
 
 FEATURES = tuple(each.name for each in fields(Features))

@@ -1,7 +1,8 @@
 """A study on a grid: run its jobs with any executor, store results as they end, collect columns.
 
-Sweeps and run-ups are studies. Each job covers one or more points of the grid, and its result
-becomes rows of tables: one for each point, and one for each event on the way to it.
+Sweeps and run-ups are studies. Each job is a ramp: one point of the grid, or several that are
+followed one after the other. Its result becomes rows of tables: one for each point, and one for
+each event on the way to it.
 """
 
 from __future__ import annotations
@@ -10,16 +11,16 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
-from functools import cached_property
+from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, NamedTuple, TypeVar
+from typing import Any, Generic, Literal, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Stop
-from rotor_ida.checks import MOST_NUMBERS, MOST_POINTS_OF_STUDY
+from rotor_ida.checks import MOST_NUMBERS, MOST_POINTS_OF_STUDY, check_direction
 from rotor_ida.errors import RotorError, SimulationError
 from rotor_ida.model.varied import Varied
 from rotor_ida.parallel import FailedJob, Progress, Workers, run_all
@@ -29,11 +30,16 @@ from rotor_ida.results.studies.arrays import scratch
 from rotor_ida.results.studies.results import Folder, Form, Results, open_results
 from rotor_ida.schema import ENDING, RESPONSE, STATUS, labelled
 
-if TYPE_CHECKING:
-    from rotor_ida.steady.ramps import RampJob, Ramps
-
 Array = npt.NDArray[np.generic]
 Table = npt.NDArray[np.void]
+Places = npt.NDArray[np.int64]
+Direction = Literal["up", "down", "both"]
+DIRECTIONS: dict[str | None, tuple[int, ...]] = {
+    None: (0,),
+    "up": (1,),
+    "down": (-1,),
+    "both": (1, -1),
+}
 Point = TypeVar("Point")
 Start = TypeVar("Start")
 
@@ -162,6 +168,126 @@ class Answers(Generic[Point, Start]):
         if events is None and self.event.names:
             events = np.empty(0, self.event)
         return Row(values, answer.message, answer.end, events)
+
+
+# ---- Ramps: points that are followed one after the other, each in exactly one ----
+
+
+@dataclass(frozen=True, slots=True)
+class RampJob(Generic[Point, Start]):
+    """A ramp with all that a worker needs to follow it."""
+
+    points: list[Point]
+    start: Start
+    answers: Answers[Point, Start]
+
+
+@dataclass(frozen=True)
+class Ramps(Generic[Point, Start]):
+    """All ramps of a sweep, by number.
+
+    Parameters
+    ----------
+    varied : Varied
+        The points. Behind the parameters are the axes ``start`` and ``direction``: 1 up, -1 down; 0
+        where each point is a ramp of its own.
+    starts : sequence
+        The starts.
+    answers : Answers
+        How the rotor at each point is followed.
+    point_at : callable
+        Returns the point at a place.
+    axis : int, optional
+        The dimension along which a ramp leads.
+    """
+
+    varied: Varied
+    starts: Sequence[Start]
+    answers: Answers[Point, Start]
+    point_at: Callable[[Sequence[int]], Point]
+    axis: int | None = None
+
+    @cached_property
+    def directions(self) -> npt.NDArray[np.int8]:
+        """The directions: 1 up, -1 down; 0 where each point is a ramp of its own."""
+        return self.varied.axes.get("direction", np.zeros(1, np.int8))
+
+    @cached_property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values along each dimension, directions last."""
+        shape = self.varied.shape
+        return shape if "direction" in self.varied.axes else (*shape, 1)
+
+    @property
+    def along(self) -> int:
+        """The dimension along which a ramp leads, the last where none does."""
+        return len(self.shape) - 2 if self.axis is None else self.axis
+
+    @property
+    def length(self) -> int:
+        """Number of points of each ramp."""
+        return self.shape[self.along] if self.directions[0] else 1
+
+    @property
+    def points(self) -> int:
+        """Number of points of all ramps."""
+        return math.prod(self.shape)
+
+    def __len__(self) -> int:
+        return self.points // self.length
+
+    def firsts(self, numbers: int | Places) -> tuple[Places, ...]:
+        """Return the indices of the first points of ramps along each dimension.
+
+        Ramps are counted by directions, then by the other dimensions, then along the axis.
+        """
+        *others, directions = self.shape
+        values = others.pop(self.along)
+        counted = (directions, *others, values // self.length)
+        direction, *at, first = (np.asarray(each) for each in np.unravel_index(numbers, counted))
+        at.insert(self.along, np.where(self.directions[direction] < 0, values - 1, first))
+        return (*at, direction)
+
+    def places(self, number: int) -> Places:
+        """Return the positions of a ramp's points among all, in the order of the dimensions."""
+        first = self.firsts(number)
+        step = int(self.directions[first[-1]]) * math.prod(self.shape[self.along + 1 :])
+        return np.ravel_multi_index(first, self.shape) + step * np.arange(self.length)
+
+    def job(self, number: int) -> RampJob[Point, Start]:
+        """Return what a worker needs to follow a ramp."""
+        places = np.transpose(np.unravel_index(self.places(number), self.varied.shape)).tolist()
+        dims = self.varied.dims
+        start = self.starts[places[0][dims.index("start")] if "start" in dims else 0]
+        return RampJob([self.point_at(place) for place in places], start, self.answers)
+
+    def slowest_first(self) -> Places:
+        """Return the numbers of the ramps, the longest ones first.
+
+        Slow run-ups take longest, and one disc with a large clearance, as it bounces there.
+        """
+        numbers, dims = np.arange(len(self)), self.varied.dims
+        firsts = self.firsts(numbers)
+        for name, sign in (("rate", 1.0), ("delta0", -1.0)):
+            if name in dims:
+                values = self.varied.axes[name][firsts[dims.index(name)]]
+                return np.argsort(sign * np.abs(values), kind="stable")
+        return numbers
+
+
+def in_order(
+    varied: Varied, starts: int, direction: Direction | None, along: str | None, first: str
+) -> tuple[Varied, str]:
+    """Return the points with their starts and directions, and the axis along which a ramp leads.
+
+    Without a direction that is empty; `first` is the axis that is chosen if it varies.
+    """
+    way = check_direction(direction, along, varied.axes, first)
+    directions = np.array(DIRECTIONS[direction], dtype=np.int8)
+    return varied.over(start=np.arange(starts), direction=directions), way
+
+
+# ---- A study: its jobs, and the columns of all points ----
 
 
 class Columns(NamedTuple):
@@ -316,3 +442,65 @@ def _event_columns(
 def _scratch(kind: np.dtype[np.void], size: int, folder: Path | None) -> dict[str, Array]:
     """Return unset columns, in memory, or in `folder` if they may be larger than that."""
     return {name: scratch((size,), kind[name], folder) for name in kind.names or ()}
+
+
+# ---- A question of one motion at each point ----
+
+
+def answers_at_each(
+    varied: Varied,
+    point_at: Callable[[Sequence[int]], Point],
+    work: Callable[[Point, Stop], Mapping[str, Any]],
+    columns: Mapping[str, tuple[str, int] | None],
+    question: Question,
+    *,
+    whole: Mapping[str, Any] = {},
+    workers: Workers,
+    study: Folder | None = None,
+    progress: Progress | None = None,
+) -> dict[str, xr.Variable]:
+    """Return the answers of a function of one rotor at each point, as variables.
+
+    Parameters
+    ----------
+    varied : Varied
+        The points.
+    point_at : callable
+        Returns the rotor at a place.
+    work : callable
+        Returns the numbers of a rotor by the names of the columns; see `Answers`.
+    columns : mapping of str to (str, int) or None
+        For each column the dimension behind those of the points, and its size; None where there
+        is one number at each point.
+    question : Question
+        What determines the bits: the key of a study.
+    whole : mapping of str to ndarray
+        Of columns of whole numbers, those of a point that fails, of the type of all.
+    workers, study, progress
+        As in `run_study`.
+
+    Returns
+    -------
+    dict of str to Variable
+        The columns, and ``status`` and ``message``: a point that fails does not raise, and its
+        numbers are NaN, or those of `whole`.
+    """
+    check_size(varied, study)
+    kind = np.dtype([
+        ("status", np.int8),
+        *((name, np.asarray(whole.get(name, math.nan)).dtype, () if each is None else each[1:])
+          for name, each in columns.items()),
+    ])  # fmt: skip
+    answers: Answers[Point, None] = Answers(partial(_answer, work), kind, whole=whole)
+    found = run_study(
+        Ramps(varied, (None,), answers, point_at), question, word="answers at points",
+        study=study, workers=workers, progress=progress,
+    ).points  # fmt: skip
+    behind = {name: each[:1] for name, each in columns.items() if each is not None}
+    return labelled_points(varied, found, behind)
+
+
+def _answer(
+    work: Callable[[Point, Stop], Mapping[str, Any]], point: Point, _start: None, stop: Stop
+) -> Answer:
+    return Answer(work(point, stop))

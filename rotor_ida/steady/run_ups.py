@@ -31,14 +31,7 @@ from rotor_ida.simulation.starts import Starts
 from rotor_ida.simulation.systems.flow import SettlingProblem
 from rotor_ida.simulation.systems.starts import Start, start_of
 from rotor_ida.steady.disc_sweep import FEATURES, VariedDisc, check_varied_can_be_followed
-from rotor_ida.steady.grid import (
-    Answers,
-    Array,
-    check_size,
-    labelled_points,
-    run_study,
-)
-from rotor_ida.steady.ramps import Ramps
+from rotor_ida.steady.grid import Answers, Array, Ramps, check_size, labelled_points, run_study
 from rotor_ida.steady.run_up_outcome import (
     OF_RAMP,
     ONLY_WITH,
@@ -52,7 +45,6 @@ from rotor_ida.steady.sweep import study_dataset
 from rotor_ida.steady.system_sweep import (
     Turnings,
     VariedSystem,
-    checked_starts,
     clearances_of,
 )
 
@@ -207,7 +199,7 @@ def run_ups(
     if isinstance(rotor, RotorSystem):
         speeds = check_distinct(SPEED, check_vector(SPEED, speed))
         given = varied_system_of(run_ups, rotor, varied, speeds)
-        asked = VariedSystem.of(given, checked_starts(starts), modes, rtol)
+        asked = VariedSystem.of(given, starts, modes, rtol)
     else:
         given = varied_of(run_ups, rotor, varied)
         asked = VariedDisc.of(given, starts, rtol=rtol, atol=atol, method=method, backend=backend)

@@ -32,11 +32,17 @@ from rotor_ida.simulation.options import Backend, Flight, Method
 from rotor_ida.simulation.starts import Starts
 from rotor_ida.simulation.systems.starts import Start
 from rotor_ida.steady.disc_sweep import EVENT, VariedDisc, answer_of_disc
-from rotor_ida.steady.grid import Columns, check_size, labelled_points, run_study
-from rotor_ida.steady.ramps import Direction, Ramps, in_order
+from rotor_ida.steady.grid import (
+    Columns,
+    Direction,
+    Ramps,
+    check_size,
+    in_order,
+    labelled_points,
+    run_study,
+)
 from rotor_ida.steady.system_sweep import (
     VariedSystem,
-    checked_starts,
     turning_speeds,
     with_meanings,
 )
@@ -268,7 +274,7 @@ def sweep(
     if isinstance(rotor, RotorSystem):
         speeds = turning_speeds(speed, "in a sweep of a rotor system")
         given = varied_system_of(sweep, rotor, varied, speeds)
-        asked = VariedSystem.of(given, checked_starts(starts), modes, rtol)
+        asked = VariedSystem.of(given, starts, modes, rtol)
     else:
         asked = VariedDisc.of(
             varied_of(sweep, rotor, varied), starts, rtol=rtol, atol=atol, method=method,

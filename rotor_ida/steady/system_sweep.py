@@ -29,8 +29,7 @@ from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
 from rotor_ida.simulation.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL
 from rotor_ida.simulation.systems.starts import Start, start_of, state_at_end
 from rotor_ida.steady.follow import SettledSystem, settle
-from rotor_ida.steady.grid import Answer, Answers
-from rotor_ida.steady.ramps import Ramps
+from rotor_ida.steady.grid import Answer, Answers, Ramps
 from rotor_ida.steady.response import CONTACT_FREE, SYNCHRONOUS
 
 SETTLED = "settled"
@@ -132,14 +131,14 @@ class VariedSystem:
 
     @classmethod
     def of(
-        cls, asked: Varied, starts: Sequence[Start | xr.Dataset], modes: int | None, rtol: float,
-        word: str = "starts",
+        cls, asked: Varied, starts: object, modes: int | None, rtol: float, word: str = "starts",
     ) -> VariedSystem:  # fmt: skip
         """Return a system in a number of modes; InputError for starts that it does not have."""
         tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
-        if modes is not None and any(isinstance(each, xr.Dataset) for each in starts):
+        given = _checked_starts(starts)
+        if modes is not None and any(isinstance(each, xr.Dataset) for each in given):
             raise InputError(f"{word} must be (q, velocity) with modes, got a result and {modes!r}")
-        taken = [in_modes(asked.base, modes, each) for each in starts]
+        taken = [in_modes(asked.base, modes, each) for each in given]
         first = []
         for system, start in taken:
             assembly = assemble(system)
@@ -147,7 +146,7 @@ class VariedSystem:
             if not isinstance(first[-1], str):  # before a study keeps it
                 start_of(assembly, first[-1], 1.0)
         kept = [end if isinstance(each, xr.Dataset) else each
-                for each, end in zip(starts, first, strict=True)]  # fmt: skip
+                for each, end in zip(given, first, strict=True)]  # fmt: skip
         arguments = {"rotor": asked.base, "modes": modes, "rtol": tolerance}
         return cls(replace(asked, system=taken[0][0]), first, kept, tolerance, arguments)
 
@@ -226,7 +225,7 @@ def warn_if_long(problem: SettlingProblem, speeds: Values, times: int) -> None:
     )
 
 
-def checked_starts(starts: object) -> list[Start | xr.Dataset]:
+def _checked_starts(starts: object) -> list[Start | xr.Dataset]:
     """Return the starts, one or more; a result alone is one start, and at rest on the axis None."""
     if isinstance(starts, xr.Dataset):
         return [starts]

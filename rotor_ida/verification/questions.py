@@ -27,7 +27,7 @@ from rotor_ida.results.question import Question
 from rotor_ida.schema import RESPONSE
 from rotor_ida.schema.quantities import TOLERANCE, TOLERANCE_OF_KIND
 from rotor_ida.simulation.flow import DiscFlow
-from rotor_ida.steady.ramps import DIRECTIONS
+from rotor_ida.steady.grid import DIRECTIONS
 from rotor_ida.verification.variables import OF_ONE_STRETCH, PERIODIC
 
 Reasons = Mapping[str, str]

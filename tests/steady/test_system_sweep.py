@@ -24,7 +24,7 @@ from rotor_ida import (
 from rotor_ida.schema import STABILITY
 from rotor_ida.steady import sweep as sweep_module
 from rotor_ida.steady import system_sweep
-from tests.systems.axisymmetric_systems import random_axisymmetric
+from tests.axisymmetric_systems import random_axisymmetric
 
 # ---- Against what is known ----
 
