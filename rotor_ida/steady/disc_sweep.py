@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields
 from functools import partial
 from typing import Any, ClassVar
@@ -18,7 +18,7 @@ from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.varied import Varied
 from rotor_ida.results.provenance import provenance
 from rotor_ida.schema import RESPONSE
-from rotor_ida.simulation.flow import DiscFlow
+from rotor_ida.simulation.flow import DiscFlow, Flow
 from rotor_ida.simulation.options import Options, check_can_be_followed, options_of_study
 from rotor_ida.simulation.starts import GivenStart, states_of
 from rotor_ida.steady.follow import FAILED, follow_to_steady_state
@@ -108,13 +108,19 @@ class VariedDisc:
         axis = points.dims.index(along or self.speed)
         return Ramps(points, self.starts, answers, points.rotor, axis)
 
-    def motion(self, rotor: Rotor, end: State, stop: Stop) -> tuple[DiscFlow, Values]:
-        """Return how the rotor at a point goes on from where a sweep has left it."""
-        return DiscFlow(rotor, stop, options=self.options), np.array(end)
+    @property
+    def motion(self) -> Callable[..., tuple[Flow, Values]]:
+        """How the rotor at a point goes on from where a sweep has left it; for workers."""
+        return partial(motion_of_disc, self.options)
 
     def labelled(self, dataset: xr.Dataset) -> xr.Dataset:
         """Return a result as it is: its units are those of the schema."""
         return dataset
+
+
+def motion_of_disc(options: Options, rotor: Rotor, end: State, stop: Stop) -> tuple[Flow, Values]:
+    """Return the motion of one disc, and its state at the end of a settled one."""
+    return DiscFlow(rotor, stop, options=options), np.array(end)
 
 
 def answer_of_disc(

@@ -25,6 +25,7 @@ from rotor_ida.results.archived_system import OF_CONTACTS
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.system_units import with_system_units
 from rotor_ida.schema import RESPONSE
+from rotor_ida.simulation.flow import Flow
 from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
 from rotor_ida.simulation.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL
 from rotor_ida.simulation.systems.starts import Start, start_of, state_at_end
@@ -179,7 +180,8 @@ class VariedSystem:
         answers: Answers[Turning, Start | Values] = Answers(answer_of_system, point_of(problem))
         return Ramps(points, self.starts, answers, turnings.at, points.dims.index(along or SPEED))
 
-    def motion(self, point: Turning, end: Values, stop: Stop) -> tuple[SystemFlow, Values]:
+    @staticmethod
+    def motion(point: Turning, end: Values, stop: Stop) -> tuple[Flow, Values]:
         """Return how the system at a point goes on from where a sweep has left it."""
         flow = SystemFlow.at(*point, stop)
         return flow, end / flow.scales
