@@ -25,7 +25,7 @@ from rotor_ida.closed_forms.whirls.single_rubs import single_rubs
 from rotor_ida.closed_forms.whirls.turning_axes import eigenvalues_without_contact
 from rotor_ida.model.assembly import assemble
 from rotor_ida.model.axisymmetric import forward_motions
-from tests.systems.axisymmetric_systems import beam
+from tests.axisymmetric_systems import beam
 
 
 def random_numbers(rng):

@@ -18,7 +18,7 @@ import numpy as np
 
 from rotor_ida import Rotor, Unbalance, decode_flags, sweep, synchronous_response
 from rotor_ida.schema import STABILITY
-from tests.systems.axisymmetric_systems import random_axisymmetric
+from tests.axisymmetric_systems import random_axisymmetric
 
 SPEEDS = [0.3, 0.6, 0.9, 1.3]
 STEADY = ("contact_free", "synchronous")

@@ -34,10 +34,10 @@ def quantity_option(text: str, *allowed: str, name: str | Sequence[str] | None =
     )
 
 
-def numbers_option(text: str, *allowed: str) -> Parameter:
+def numbers_option(text: str, *allowed: str, name: str | None = None) -> Parameter:
     """Return an option for numbers or a range, which may have one of the allowed units."""
     reading = parsing.converter(parsing.numbers, *allowed)
-    return Parameter(help=text, converter=reading, consume_multiple=True, negative=())
+    return Parameter(name=name, help=text, converter=reading, consume_multiple=True, negative=())
 
 
 def several_numbers_option(text: str, words: str, *allowed: str) -> Parameter:

@@ -275,6 +275,8 @@ def misread(error: CycloptsError) -> str:
 def _unknown_option(word: str, known: Iterable[Argument]) -> str:
     """Return a message about an unknown option in one line, with a suggestion."""
     names = [name for each in known for name in each.names]
+    if word == "--node":
+        return "unknown option '--node': results have all nodes, plot FILE --node NODE draws one"
     return f"unknown option {shown(word)}{did_you_mean(word, names)}"
 
 

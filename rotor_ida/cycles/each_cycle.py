@@ -46,8 +46,8 @@ from rotor_ida.simulation.options import check_can_be_followed
 from rotor_ida.simulation.starts import GivenStart, given_start
 from rotor_ida.simulation.systems.flow import SystemFlow
 from rotor_ida.simulation.systems.starts import RUNS, Start, state_at_end
-from rotor_ida.steady.each_point import answers_at_each
 from rotor_ida.steady.follow import FAILED
+from rotor_ida.steady.grid import answers_at_each
 from rotor_ida.steady.system_sweep import (
     Turning,
     Turnings,

@@ -26,7 +26,7 @@ from rotor_ida.simulation.flow import DiscFlow, Flow
 from rotor_ida.simulation.starts import state_of
 from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
 from rotor_ida.simulation.systems.starts import RUNS
-from rotor_ida.steady.system_sweep import check_slowest, first_state
+from rotor_ida.steady.system_sweep import check_slowest, state_of_start
 
 # What a special point says of the parameters that vary.
 VALUES = ("special_value", "special_second_value")
@@ -207,7 +207,7 @@ def guess_of_system(
     if speed is None:
         raise InputError("speed must be given for a limit cycle of a system, got None")
     flow = flow_at(problem, speed)
-    begun = first_state(problem, start, flow.speed) / flow.scales  # type: ignore[arg-type]
+    begun = state_of_start(problem, start, flow.speed) / flow.scales  # type: ignore[arg-type]
     if period is not None:
         shortest, longest = SHORTEST * flow.revolution, LONGEST * flow.revolution
         period = check_between("period", period, shortest, longest)

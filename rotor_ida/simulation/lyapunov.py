@@ -81,22 +81,27 @@ def means_of(rates: Values, count: int, divergence: float) -> tuple[Values, Valu
     """Return the means of four rates, their standard errors from `count` batches, and their sum.
 
     The sum is the exact one: the divergence plus the contribution of jumps, the last of the five
-    rates. An exponent is minus infinity if any of its rates is, and then has no error.
+    rates.
     """
     exact = divergence + float(_weighted(rates[:, 4:])[0])
-    lost = bool((rates[:, 3] == -np.inf).any())
-    known = 3 if lost else 4
-    exponents, errors = np.full(4, -np.inf), np.zeros(4)
-    exponents[:known], errors[:known] = means_of_rates(rates[:, :known], count)
-    if lost:
+    exponents, errors = means_of_rates(rates[:, :4], count)
+    if exponents[3] == -np.inf:
         return exponents, errors, -math.inf
     defect = 0.0 if math.isnan(exact) else abs(float(exponents.sum()) - exact)
     return exponents, errors + defect, exact
 
 
 def means_of_rates(rates: Values, count: int) -> tuple[Values, Values]:
-    """Return the mean of rates, shape (n, m), and its standard error from `count` batches."""
-    means = _weighted(rates.reshape(count, -1, rates.shape[1]))
+    """Return the means of rates, shape (n, m), and their standard errors from `count` batches.
+
+    A mean is minus infinity if any of its rates is, and then has no error.
+    """
+    known = np.isfinite(rates).all(axis=0)
+    if not known.all():
+        found = np.full((2, known.size), [[-np.inf], [0.0]])
+        found[:, known] = means_of_rates(rates[:, known], count)
+        return found[0], found[1]
+    means = _weighted(rates.reshape(count, len(rates) // count, rates.shape[1]))
     centred = means - means.mean(axis=0)
     variance = (centred**2).sum(axis=0)
     following = (centred[1:] * centred[:-1]).sum(axis=0)

@@ -1,27 +1,25 @@
 """Bifurcation diagrams: settled motions at each speed, by their extrema or once a revolution.
 
-Any other parameter may vary instead of the speed. Of a rotor system they are in
-`rotor_ida.steady.system_diagram`. Speeds may also be passed quasi-statically, where
-the motion settles at each, or on a run-up or run-down at a rate.
+Any other parameter may vary instead of the speed. Speeds may also be passed quasi-statically, where
+the motion settles at each, or one disc may pass them on a run-up or run-down at a rate.
 """
 
 from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, Literal, NamedTuple, Unpack
+from typing import Any, Literal, Unpack
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Column, Values
+from rotor_ida.arrays import Stop, Values
 from rotor_ida.checks import (
     COMPONENTS,
     Names,
-    State,
     check_between,
     check_choice,
     check_count,
@@ -38,64 +36,61 @@ from rotor_ida.checks import (
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem
-from rotor_ida.model.system_parameters import AnyAxes
+from rotor_ida.model.system_parameters import SPEED, AnyAxes
 from rotor_ida.model.varied import Varied, varied_of, varied_system_of
-from rotor_ida.parallel import Progress, Stop, choose, shows_progress
+from rotor_ida.parallel import Progress, choose, shows_progress
 from rotor_ida.results.in_si import takes_rotors
-from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
 from rotor_ida.results.rows import counted
 from rotor_ida.results.studies.results import Folder
-from rotor_ida.schema import RESPONSE, STATUS, labelled, labelled_dataset
+from rotor_ida.schema import labelled
 from rotor_ida.simulation.course import MOST_RADIANS
 from rotor_ida.simulation.extrema import check_knots, radius_extrema
-from rotor_ida.simulation.options import Method, Options, options_of_study
+from rotor_ida.simulation.flow import DiscFlow, Flow
+from rotor_ida.simulation.options import Method
 from rotor_ida.simulation.sections import (
     ATOL,
     NAMES,
     check_taylor,
+    checked_angle,
     crossings_of_disc,
+    crossings_of_system,
 )
-from rotor_ida.simulation.starts import GivenStart, Starts, box_of, drawn_from, states_of
+from rotor_ida.simulation.starts import GivenStart, Starts, box_of, drawn_from
+from rotor_ida.simulation.systems.crossings import distance_extrema
+from rotor_ida.simulation.systems.flow import SystemFlow
 from rotor_ida.simulation.systems.starts import Start as SystemStart
-from rotor_ida.steady.follow import FAILED, SettledResponse
+from rotor_ida.steady.disc_sweep import VariedDisc
 from rotor_ida.steady.grid import (
     EXPECTED,
     NO_COLUMNS,
+    Answer,
+    Answers,
     Columns,
-    Rows,
-    Task,
+    Direction,
+    RampJob,
+    Ramps,
+    Row,
+    Table,
     check_size,
-    form_of,
+    in_order,
     labelled_points,
     reason_of,
     run_study,
-    start_coordinates,
-    start_words,
 )
 from rotor_ida.steady.ramp_extrema import ramp_extrema
-from rotor_ida.steady.ramps import Direction, Ramps, in_order, settle_along
-from rotor_ida.steady.sweep import (
-    DiscJob,
-    DiscSettling,
-    check_varied_can_be_followed,
-    with_direction_named,
-)
-from rotor_ida.steady.system_diagram import diagram_of_system, window_of_section
-from rotor_ida.steady.system_sweep import turning_speeds
+from rotor_ida.steady.sweep import study_dataset
+from rotor_ida.steady.system_sweep import VariedSystem, turning_speeds
 
 Shown = Literal["extrema", "revolution"]
 SHOWN = ("extrema", "revolution")
 SLOWEST, FASTEST = 1e-12, 1e6
-# The time in which extrema are found by default.
-USUAL_TIME = 100.0
-# The columns with a number for each point, and those with one for each of its extrema.
-POINT = np.dtype(
-    [
-        ("response", np.int8), ("radius_min", np.float64), ("radius_max", np.float64),
-        ("status", np.int8), ("event_count", np.int64),
-    ]
-)  # fmt: skip
+# The time in which extrema of one disc are found by default, and all else in revolutions; the range
+# of random starts.
+USUAL_TIME, USUAL_REVOLUTIONS, USUAL_RANGE = 100.0, 64, (-5.0, 5.0)
+# Error of the times of extrema of a system, in revolutions: a distance is stationary there.
+WITHIN = 1e-8
+# The columns with a number for each extremum.
 EXTREMUM = np.dtype([("extremum_radius", np.float64), ("extremum_kind", np.int8)])
 EXTREMUM_AT_A_RATE = np.dtype([*EXTREMUM.descr, ("extremum_speed", np.float64)])
 
@@ -263,161 +258,184 @@ def bifurcation_diagram(
     >>> same.rotating_x.dims, same.rotating_x.values.ravel()[:2].round(6)
     (('speed', 'start', 'crossing', 'node'), array([-0.599998, -0.599998]))
     """
-    how: dict[str, Any] = {
-        "at": check_choice("at", at, SHOWN), "revolutions": revolutions, "phase": phase,
-        "direction": direction, "along": along, "rtol": rtol, "workers": workers,
-        "executor": executor, "study": study, "progress": progress,
-    }  # fmt: skip
+    window = _window_of(at, revolutions, phase, extrema_time, rate, isinstance(rotor, RotorSystem))
+    seed, reports = check_seed(seed), check_progress(progress)
+    asked: VariedDisc | VariedSystem
+    drawn: dict[str, Any] = {}
     if isinstance(rotor, RotorSystem):
         check_taylor(method, "a diagram")
         if speed is None:
             raise InputError("speed must be given for a diagram of a rotor system, got None")
         speeds = turning_speeds(speed, "in a diagram of a rotor system")
-        asked = varied_system_of(bifurcation_diagram, rotor, varied, speeds)
-        begun: Any = (None,) if starts is None else starts
-        return diagram_of_system(asked, starts=begun, modes=modes, **how)
-    of_disc = {"x": x, "y": y, "vx": vx, "vy": vy, "extrema_time": extrema_time, "rate": rate}
-    given: dict[str, Any] = {name: each for name, each in of_disc.items() if each is not None}
-    given["starts"] = 8 if starts is None else starts
-    return _diagram_of_disc(
-        varied_of(bifurcation_diagram, rotor, varied), **given, seed=seed, atol=atol, method=method,
-        **how,
-    )  # fmt: skip
-
-
-def _diagram_of_disc(
-    asked: Varied,
-    *,
-    at: Shown,
-    revolutions: int | None,
-    phase: float,
-    x: npt.ArrayLike = (-5.0, 5.0),
-    y: npt.ArrayLike = (-5.0, 5.0),
-    vx: npt.ArrayLike = (-5.0, 5.0),
-    vy: npt.ArrayLike = (-5.0, 5.0),
-    starts: int | Starts,
-    seed: int,
-    extrema_time: float | None = None,
-    direction: Direction | None,
-    along: str | None,
-    rate: float | None = None,
-    rtol: float,
-    atol: float,
-    method: Method | None,
-    workers: int | None,
-    executor: str,
-    study: Folder | None,
-    progress: Progress | bool | None,
-) -> xr.Dataset:
-    """Compute the diagram of one disc: see `bifurcation_diagram`."""
-    window = _window_of(at, revolutions, phase, extrema_time, rate)
-    seed = check_seed(seed)
-    _check_settles(asked, window)
-    drawn: dict[str, Any] = {}
-    chosen_starts: Any = starts
-    if not isinstance(starts, xr.Dataset | list | tuple | str) and is_scalar("starts", starts):
-        count = check_count("starts", starts)
-        box = box_of({"x": x, "y": y, "vx": vx, "vy": vy}, count)
-        chosen_starts = drawn_from(box, seed, 0, count).T
-        drawn = dict(zip(COMPONENTS, box, strict=True)) | {"starts": count, "seed": seed}
-    states = states_of("starts", chosen_starts, loaded=bool(asked.values("load").any()))
-    options = options_of_study(rtol=rtol, atol=atol, method=method)
-    progress = check_progress(progress)
-    chosen = choose(executor, workers, compiled=options.backend != "python")
-    asked, way = in_order(asked, len(states), direction, along, "omega")
-    slope = None if rate is None else _checked_rate(rate, way, asked.axes["omega"])
-    check_size(asked, study)
-    check_varied_can_be_followed(asked, states)
-    told = {name: each for name, each in (("along", way), ("rate", slope)) if each}
+        given = varied_system_of(bifurcation_diagram, rotor, varied, speeds)
+        asked = VariedSystem.of(given, (None,) if starts is None else starts, modes, rtol)
+    else:
+        given = varied_of(bifurcation_diagram, rotor, varied)
+        _check_settles(given, window)
+        ranges = dict(zip(COMPONENTS, (x, y, vx, vy), strict=True))
+        chosen_starts, drawn = _starts_of_disc(8 if starts is None else starts, ranges, seed)
+        asked = VariedDisc.of(given, chosen_starts, rtol=rtol, atol=atol, method=method)
+    chosen = choose(executor, workers, compiled=asked.is_compiled)
+    points, way = in_order(asked.varied, len(asked.starts), direction, along, asked.speed)
+    slope = None if rate is None else _checked_rate(rate, way, points.axes["omega"])
+    check_size(points, study)
+    window.check_size(points)
+    told = {name: each for name, each in (("along", way), ("rate", slope))
+            if each and each != SPEED}  # fmt: skip
     question = Question("bifurcation_diagram", {
-        **asked.design, "starts": states, **drawn, **window, "direction": direction,
-        **told, **{name: getattr(options, name) for name in ("rtol", "atol", "method")},
+        **points.design, "starts": asked.kept, **drawn, **window.asked, "direction": direction,
+        **told, **asked.arguments,
     })  # fmt: skip
-    plan: Ramps[Rotor, GivenStart, SettledResponse] = Ramps(
-        asked, states, DiscSettling(options), asked.rotor, asked.dims.index(way or "omega")
-    )
-    seen = _seen(window, slope, options)
-    form = form_of("points of a bifurcation diagram", "points", seen.point, seen.event)
-    task = Task(
-        seen.work, partial(_lost, nothing=seen.nothing), partial(_rows_of, kind=seen.point), form,
-        seen.point, seen.event,
+    plan = _watched(asked.ramps(points, way), asked, window, slope)
+    follow = None
+    if slope is not None and isinstance(asked, VariedDisc):
+        follow = partial(_passed, slope, asked.options.step_rtol)
+    columns = run_study(
+        plan, question, word="points of a bifurcation diagram", follow=follow, study=study,
+        workers=chosen, progress=reports,
     )  # fmt: skip
-    columns = run_study(plan, task, question, study=study, workers=chosen, progress=progress)
-    attributes = provenance(options.attributes()) | told | start_words(states)
-    attributes |= question.attribute()
-    attributes |= {"section" if name == "at" else name: each for name, each in window.items()}
+    attributes = asked.attributes | told | question.attribute() | window.attributes
     if drawn:
         attributes |= {"seed": seed} | {f"range_{name}": drawn[name] for name in COMPONENTS}
-    coordinates = asked.coordinates | start_coordinates(states)
-    made = _diagram_of if "extrema_time" in window else _section_of
-    diagram = with_direction_named(made(asked, columns, coordinates, attributes), way)
+    diagram = _dataset(asked, points, columns, window, attributes)
     return diagram if direction else diagram.isel(direction=0, drop=True)
 
 
-def _diagram_of(
-    varied: Varied, columns: Columns, coordinates: Mapping[str, Column],
-    attributes: Mapping[str, Any],
-) -> xr.Dataset:  # fmt: skip
-    """Return the results of all points, and the table of their extrema, as a dataset."""
-    variables = labelled_points(varied, columns.points)
-    counts = labelled("extremum_count", varied.dims, variables.pop("event_count").values)
-    variables |= counted("extremum_count", counts, "extremum")
-    variables |= {name: labelled(name, "extremum", each) for name, each in columns.events.items()}
-    title = "Extrema of the radius over a range of speeds"
-    return labelled_dataset(title, variables, coordinates, attributes, kind="bifurcation_diagram")
-
-
-def _section_of(
-    varied: Varied, columns: Columns, coordinates: Mapping[str, Column],
-    attributes: Mapping[str, Any],
-) -> xr.Dataset:  # fmt: skip
-    """Return the results of all points, and their states once a revolution, as a dataset."""
-    variables = labelled_points(varied, columns.points, dict.fromkeys(NAMES, ("crossing",)))
-    title = "States once a revolution over a range of speeds"
-    numbers = {"crossing": ("crossing", np.arange(variables[NAMES[0]].sizes["crossing"]))}
-    return labelled_dataset(
-        title, variables, {**coordinates, **numbers}, attributes, kind="stroboscopic_diagram"
+def _starts_of_disc(
+    starts: Any, ranges: Mapping[str, npt.ArrayLike | None], seed: int
+) -> tuple[Any, dict[str, Any]]:
+    """Return starts of one disc, and from where they were drawn if only their number is given."""
+    if isinstance(starts, xr.Dataset | list | tuple | str) or not is_scalar("starts", starts):
+        return starts, {}
+    count = check_count("starts", starts)
+    box = box_of(
+        {name: USUAL_RANGE if each is None else each for name, each in ranges.items()}, count
     )
+    drawn = dict(zip(COMPONENTS, box, strict=True)) | {"starts": count, "seed": seed}
+    return drawn_from(box, seed, 0, count).T, drawn
+
+
+@dataclass(frozen=True, slots=True)
+class _Window:
+    """What of a settled motion is shown: its extrema, or its states once a revolution.
+
+    Extrema of one disc are found in a time, all else in a number of revolutions.
+    """
+
+    at: Shown
+    revolutions: int = 0
+    phase: float = 0.0
+    time: float | None = None
+
+    @property
+    def is_strobed(self) -> bool:
+        """Whether states once a revolution are shown."""
+        return self.at == "revolution"
+
+    @property
+    def asked(self) -> dict[str, Any]:
+        """The arguments of a question."""
+        if self.time is not None:
+            return {"extrema_time": self.time}
+        more = {"phase": self.phase} if self.is_strobed else {}
+        return {"at": self.at, "revolutions": self.revolutions, **more}
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """The attributes of a result, which name the section as others do."""
+        asked = self.asked
+        at = asked.pop("at", "")
+        return asked | ({"section": at} if self.is_strobed else {})
+
+    def check_size(self, varied: Varied) -> None:
+        """Refuse more states than fit into memory."""
+        if self.is_strobed:
+            sizes = [len(NAMES), self.revolutions + (0 if self.phase else 1)]
+            sizes += [] if varied.system is None else [len(varied.base.nodes)]
+            check_points(*varied.axes.values(), *map(np.arange, sizes))
+
+    def columns(self, nodes: tuple[int, ...]) -> list[tuple[str, Any, tuple[int, ...]]]:
+        """Return the columns of what is shown at a point."""
+        if self.is_strobed:
+            count = self.revolutions + (0 if self.phase else 1)
+            return [(name, np.float64, (count, *nodes)) for name in NAMES]
+        return [("event_count", np.int64, ()), ("extremum_count", np.int64, nodes)]
+
+    def shown(self, flow: Flow, state: Values) -> tuple[dict[str, Any], Table | None]:
+        """Return what is shown of the motion from a state: its columns, and those of extrema."""
+        if self.is_strobed:
+            return dict(zip(NAMES, _states(flow, state, self), strict=True)), None
+        counts, *columns = _extrema(flow, state, self)
+        extrema = _table(EXTREMUM, *columns)
+        return {"event_count": extrema.size, "extremum_count": counts}, extrema
+
+
+def _states(flow: Flow, state: Values, window: _Window) -> Values:
+    """Return the states once a revolution, of a system at each node, a row each component."""
+    count, phase = window.revolutions, window.phase
+    if isinstance(flow, DiscFlow):
+        x, y, vx, vy = state.tolist()
+        return crossings_of_disc(
+            flow.rotor, (x, y, vx, vy), count, window.at, phase, flow.options, flow.stop, []
+        )[1].T  # fmt: skip
+    assert isinstance(flow, SystemFlow)
+    return crossings_of_system(flow, state, count, window.at, phase, None)[1]
+
+
+def _extrema(flow: Flow, state: Values, window: _Window) -> tuple[Any, Values, Any]:
+    """Return how many extrema there are, of each node of a system, their distances and kinds."""
+    if isinstance(flow, DiscFlow):
+        assert window.time is not None
+        x, y, vx, vy = state.tolist()
+        of_disc = radius_extrema(
+            flow.rotor, (x, y, vx, vy), window.time, rtol=flow.options.step_rtol, stop=flow.stop
+        )
+        return of_disc.radii.size, of_disc.radii, of_disc.kinds
+    assert isinstance(flow, SystemFlow)
+    rows = flow.problem.found.rows_in_y(flow.problem.assembly.node_rows())
+    found = distance_extrema(
+        flow, state, window.revolutions * flow.revolution, rows[:, 0] + 1j * rows[:, 1],
+        np.zeros(len(rows), complex), WITHIN,
+    )  # fmt: skip
+    return found.counts, found.distances, found.kinds
 
 
 def _window_of(
-    at: Shown, revolutions: object, phase: object, extrema_time: object, rate: object
-) -> dict[str, Any]:
-    """Return what of a settled motion is shown, as arguments; refuse those of another window."""
+    at: Shown, revolutions: object, phase: object, extrema_time: object, rate: object,
+    is_of_system: bool,
+) -> _Window:  # fmt: skip
+    """Return what of a settled motion is shown; refuse the arguments of another window."""
+    check_choice("at", at, SHOWN)
     angle = check_real("phase", phase)
-    others = {"revolutions": revolutions, "phase": angle or None}
+    others = {"revolutions": None if is_of_system else revolutions, "phase": angle or None}
     if at == "revolution":
         others = {"extrema_time": extrema_time, "rate": rate}
     for name, each in others.items():
         if each is not None:
             raise InputError(f"{name} must be left out with at={at!r}, got {shown(each)}")
-    if at == "revolution":
-        return window_of_section(revolutions, phase)
-    time = USUAL_TIME if extrema_time is None else extrema_time
-    return {"extrema_time": check_positive("extrema_time", time)}
+    if at == "extrema" and not is_of_system:
+        time = USUAL_TIME if extrema_time is None else extrema_time
+        return _Window(at, time=check_positive("extrema_time", time))
+    count = check_count("revolutions", USUAL_REVOLUTIONS if revolutions is None else revolutions)
+    return _Window(at, count, checked_angle(phase))
 
 
-def _check_settles(varied: Varied, window: Mapping[str, Any]) -> None:
+def _check_settles(varied: Varied, window: _Window) -> None:
     """Raise `InputError` where nothing settles, or where a run after that would be too long."""
     if not varied.axes["zeta"].all():
         raise InputError(
             "{name} must be above 0, where nothing settles, got {value}", name="zeta", value=0.0
         )
     for speed in varied.axes["omega"].tolist():
-        if "extrema_time" in window:
-            rotor = Rotor(omega=speed, zeta=0.0, delta0=0.0)
-            check_knots("extrema_time", rotor, window["extrema_time"])
+        if window.time is not None:
+            check_knots("extrema_time", Rotor(omega=speed, zeta=0.0, delta0=0.0), window.time)
         elif speed == 0.0:
             raise InputError(
                 "{name} must be positive for a section, got {value}", name="omega", value=0.0
             )
         else:
-            duration = window["revolutions"] * 2.0 * math.pi / speed
+            duration = window.revolutions * 2.0 * math.pi / speed
             check_duration("the time of revolutions", duration, speed)
-    if "revolutions" in window:
-        check_points(
-            *varied.axes.values(), np.arange(len(NAMES)), np.arange(window["revolutions"] + 1)
-        )
 
 
 def _checked_rate(rate: object, along: str, speeds: Values) -> float:
@@ -441,116 +459,61 @@ def _checked_rate(rate: object, along: str, speeds: Values) -> float:
     return slope
 
 
-class _Point(NamedTuple):
-    """The settled motion at one point of a diagram, and what is shown of it.
-
-    That are the extrema of its radius, a table; or its states once a revolution, shape (n, 4).
-    """
-
-    response: int
-    smallest: float
-    largest: float
-    found: npt.NDArray[Any]
-    message: str = ""
-    status: int = STATUS["done"]
+# ---- Settled motions, and what is shown of them ----
 
 
-class _Seen(NamedTuple):
-    """How settled motions are watched: the work, what a failed one has, and the columns."""
-
-    work: Callable[[DiscJob, Stop], list[_Point]]
-    nothing: npt.NDArray[Any]
-    point: np.dtype[np.void]
-    event: np.dtype[np.void]
-
-
-def _seen(window: Mapping[str, Any], rate: float | None, options: Options) -> _Seen:
-    """Return how settled motions are watched."""
-    if "revolutions" in window:
-        count, phase = window["revolutions"], window["phase"]
-
-        watch: Any = partial(_crossings, count=count, phase=phase, options=options)
-        nothing = np.full((count if phase else count + 1, len(NAMES)), math.nan)
-        columns = [(name, np.float64, (len(nothing),)) for name in NAMES]
-        point = np.dtype([each for each in POINT.descr if each[0] != "event_count"] + columns)
-        return _Seen(partial(_settled, watch=watch, nothing=nothing), nothing, point, NO_COLUMNS)
+def _watched(
+    plan: Ramps[Any, Any], asked: VariedDisc | VariedSystem, window: _Window, rate: float | None
+) -> Ramps[Any, Any]:
+    """Return ramps whose points are not only settled, but watched after that."""
+    swept, settle = plan.answers.kind, plan.answers.work
+    nodes = () if asked.varied.system is None else (len(asked.varied.base.nodes),)
+    columns: list[Any] = [(name, swept[name]) for name in asked.kept_columns]
+    kind = np.dtype([*columns, *window.columns(nodes)])
     if rate is not None:
-        work = partial(_passed, rate=rate, rtol=options.step_rtol)
-        nothing = np.empty(0, EXTREMUM_AT_A_RATE)
-        return _Seen(work, nothing, POINT, EXTREMUM_AT_A_RATE)
-    watch = partial(_extrema, window=window["extrema_time"], rtol=options.step_rtol)
-    nothing = np.empty(0, EXTREMUM)
-    return _Seen(partial(_settled, watch=watch, nothing=nothing), nothing, POINT, EXTREMUM)
+        return replace(plan, answers=Answers(settle, kind, EXTREMUM_AT_A_RATE))
+    watch = partial(_watch, settle, asked.motion, window)
+    event = NO_COLUMNS if window.is_strobed else EXTREMUM
+    return replace(plan, answers=Answers(watch, kind, event))
 
 
-def _extrema(
-    rotor: Rotor, end: State, stop: Stop, *, window: float, rtol: float
-) -> npt.NDArray[np.void]:
-    """Return the extrema of the radius in a window after the end of a motion."""
-    extrema = radius_extrema(rotor, end, window, rtol=rtol, stop=stop)
-    return _table(EXTREMUM, extrema.radii, extrema.kinds)
+def _watch(
+    settle: Callable[[Any, Any, Stop], Answer], motion: Callable[..., tuple[Flow, Values]],
+    window: _Window, point: Any, start: Any, stop: Stop,
+) -> Answer:  # fmt: skip
+    """Follow a rotor until it has settled, and watch its motion after that."""
+    settled = settle(point, start, stop)
+    found: tuple[dict[str, Any], Table | None] = ({"event_count": 0}, None)
+    if settled.end is not None:
+        try:
+            found = window.shown(*motion(point, settled.end, stop))
+        except EXPECTED as error:
+            settled = settled._replace(message=reason_of(error), failed=True)
+    return settled._replace(figures={**settled.figures, **found[0]}, events=found[1])
 
 
-def _crossings(
-    rotor: Rotor, end: State, stop: Stop, *, count: int, phase: float, options: Options
-) -> Values:
-    """Return the states once a revolution after the end of a motion."""
-    return crossings_of_disc(rotor, end, count, "revolution", phase, options, stop, [])[1]
-
-
-def _settled(
-    ramp: DiscJob, stop: Stop, *, watch: Callable[..., npt.NDArray[Any]], nothing: npt.NDArray[Any]
-) -> list[_Point]:
-    """Follow one ramp, and watch a motion after the end of each of its points."""
-    points = []
-    for rotor, settled in zip(ramp.points, settle_along(ramp, stop), strict=False):
-        found, message = nothing, settled.message
-        failed = settled.response == FAILED
-        if not failed:
-            try:
-                found = watch(rotor, settled.end, stop)
-            except EXPECTED as error:
-                failed, message = True, reason_of(error)
-        features = settled.features
-        points.append(_Point(
-            RESPONSE[settled.response], features.radius_min, features.radius_max, found, message,
-            STATUS["failed" if failed else "done"],
-        ))  # fmt: skip
-    return points
-
-
-def _passed(ramp: DiscJob, stop: Stop, *, rate: float, rtol: float) -> list[_Point]:
+def _passed(rate: float, rtol: float, ramp: RampJob[Rotor, GivenStart], stop: Stop) -> list[Row]:
     """Settle at the first speed of a ramp, and pass the others at a rate."""
-    first = settle_along(replace(ramp, points=ramp.points[:1]), stop)
-    if not first:  # stopped
-        return []
-    (settled,), nothing = first, np.empty(0, EXTREMUM_AT_A_RATE)
-    if settled.response == FAILED:
-        return _lost(ramp, settled.message, nothing=nothing)
-    speeds = np.array([rotor.omega for rotor in ramp.points])
+    answers, first = ramp.answers, ramp.points[0]
     try:
-        bands = ramp_extrema(
-            ramp.points[0], settled.end, speeds=speeds, rate=rate, rtol=rtol,
-            stop=stop,
-        )  # fmt: skip
+        settled = answers.work(first, ramp.start, stop)
+        if settled.end is None:
+            return [answers.failed(settled.message)] * len(ramp.points)
+        speeds = np.array([rotor.omega for rotor in ramp.points])
+        bands = ramp_extrema(first, settled.end, speeds=speeds, rate=rate, rtol=rtol, stop=stop)
     except EXPECTED as error:
-        return _lost(ramp, reason_of(error), nothing=nothing)
+        return [answers.failed(reason_of(error))] * len(ramp.points)
     return [
-        _Point(
-            band.response, band.smallest, band.largest,
-            _table(EXTREMUM_AT_A_RATE, band.radii, band.kinds, band.speeds), settled.message,
-        )
+        answers.row(Answer(
+            {"response": band.response, "radius_min": band.smallest, "radius_max": band.largest,
+             "event_count": band.radii.size, "extremum_count": band.radii.size}, settled.message,
+            events=_table(EXTREMUM_AT_A_RATE, band.radii, band.kinds, band.speeds),
+        ))
         for band in bands
     ]  # fmt: skip
 
 
-def _lost(ramp: DiscJob, reason: str, *, nothing: npt.NDArray[Any]) -> list[_Point]:
-    """Return the points of a ramp that could not be followed, or whose workers died."""
-    failed = _Point(RESPONSE[FAILED], math.nan, math.nan, nothing, reason, STATUS["failed"])
-    return [failed] * len(ramp.points)
-
-
-def _table(kind: np.dtype[np.void], *columns: npt.NDArray[Any]) -> npt.NDArray[np.void]:
+def _table(kind: np.dtype[np.void], *columns: npt.NDArray[Any]) -> Table:
     """Return columns as a table."""
     found = np.empty(columns[0].size, kind)
     for name, column in zip(kind.names or (), columns, strict=True):
@@ -558,20 +521,29 @@ def _table(kind: np.dtype[np.void], *columns: npt.NDArray[Any]) -> npt.NDArray[n
     return found
 
 
-def _rows_of(points: Sequence[_Point], *, kind: np.dtype[np.void]) -> Rows:
-    """Return points as rows, with the extrema of all, or with their states."""
-    rows = np.zeros(len(points), kind)
-    names = ("response", "radius_min", "radius_max", "status")
-    for row, each in zip(rows, points, strict=True):
-        values = (each.response, each.smallest, each.largest, each.status)
-        for name, value in zip(names, values, strict=True):
-            row[name] = value
-        if "event_count" in (kind.names or ()):
-            row["event_count"] = each.found.size
-            continue
-        for name, column in zip(NAMES, each.found.T, strict=True):
-            row[name] = column
-    messages = [each.message for each in points]
-    if "event_count" in (kind.names or ()):
-        return Rows(rows, messages, np.concatenate([each.found for each in points]))
-    return Rows(rows, messages)
+def _dataset(
+    asked: VariedDisc | VariedSystem, points: Varied, columns: Columns, window: _Window,
+    attributes: Mapping[str, Any],
+) -> xr.Dataset:  # fmt: skip
+    """Return the results of all points, and what is shown of them, as a labelled dataset."""
+    is_of_disc = points.system is None
+    node = () if is_of_disc else ("node",)
+    behind = {**asked.behind, "extremum_count": node, **dict.fromkeys(NAMES, ("crossing", *node))}
+    variables, coordinates = (
+        labelled_points(points, columns.points, behind),
+        asked.coordinates(points),
+    )
+    if window.is_strobed:
+        coordinates["crossing"] = ("crossing", np.arange(variables[NAMES[0]].sizes["crossing"]))
+        title, kind = "states once a revolution", "stroboscopic_diagram"
+    else:
+        del variables["event_count"]
+        variables |= counted("extremum_count", variables["extremum_count"], "extremum")
+        table = columns.events
+        variables |= {name: labelled(name, "extremum", each) for name, each in table.items()}
+        title = "extrema of the radius" if is_of_disc else "extrema of the distances of nodes"
+        kind = "bifurcation_diagram" if is_of_disc else "diagram"
+    title = title.capitalize() if is_of_disc else f"{asked.title}: {title}"
+    return study_dataset(
+        asked, points, f"{title} over a range of speeds", variables, coordinates, attributes, kind
+    )

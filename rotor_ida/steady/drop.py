@@ -1,4 +1,9 @@
-"""The drop of a levitated rotor on its touchdown bearings."""
+"""The drop of a rotor that magnetic bearings levitate on its touchdown bearings.
+
+When a support fails, its spring, its damper and its static load are gone at once. A support that
+stays keeps its spring, its damper and the load that it carried: its integrator is too slow for a
+drop.
+"""
 
 from __future__ import annotations
 
@@ -11,13 +16,21 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Column, Values
-from rotor_ida.checks import check_choice, check_nonnegative, check_positive, check_real, shown
+from rotor_ida.checks import (
+    check_choice,
+    check_nonnegative,
+    check_positive,
+    check_real,
+    listed,
+    shown,
+)
+from rotor_ida.closed_forms.receptances import solved_motions
 from rotor_ida.errors import InputError
-from rotor_ida.model.assembly import assemble
+from rotor_ida.model.assembly import Assembly, assemble
 from rotor_ida.model.data_sheet import GRAVITY
 from rotor_ida.model.few_modes import check_modes, in_modes
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
-from rotor_ida.model.supports import with_supports
+from rotor_ida.model.supports import held_at_centre, with_supports
 from rotor_ida.model.system_parts import Support
 from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.results.in_si import takes_system
@@ -27,7 +40,6 @@ from rotor_ida.simulation.course import MOST_RADIANS, SYSTEM_LIMITS, Course, cou
 from rotor_ida.simulation.systems.simulate import SystemMethod, run_of_cases
 from rotor_ida.simulation.systems.starts import Start, state_at_end
 from rotor_ida.steady.drop_figures import figures_of_drop
-from rotor_ida.steady.levitation import Levitated, check_failing, levitated
 
 TITLE = "Rotor system: drop on its touchdown bearings"
 
@@ -155,7 +167,7 @@ def drop(
         ("capacities", "capacity"), capacities, [each.node for each in system.contacts]
     )
     check_modes(modes, more_modes)
-    fails = check_failing(system.supports, failing)
+    fails = _check_failing(system.supports, failing)
     has_weight = system.gravity is not None or system.gravity_in_static_force is not None
     if not has_weight and system.units == "SI":
         system = replace(system, gravity=(0.0, -GRAVITY))
@@ -218,13 +230,76 @@ class _Case:
     told: dict[str, Column]
 
 
+@dataclass(frozen=True, slots=True)
+class _Levitated:
+    """The state of a levitated rotor, and the loads of its supports.
+
+    Parameters
+    ----------
+    start : ndarray, shape (2, n)
+        Displacement and velocity on the steady whirl.
+    loads : ndarray, shape (support, 2)
+        Static force of each support on the rotor.
+    """
+
+    start: Values
+    loads: Values
+
+
+def _check_failing(supports: Sequence[Support], failing: object) -> list[bool]:
+    """Return which supports fail."""
+    names = [each.node for each in supports]
+    if failing is None:
+        return [True] * len(names)
+    if isinstance(failing, str) or not isinstance(failing, Sequence) or not failing:
+        raise InputError(f"failing must be a list of nodes of supports, got {shown(failing)}")
+    for name in failing:
+        if name not in names:
+            allowed = (
+                listed([repr(each) for each in names], "or") or "none, as there are no supports"
+            )
+            raise InputError(f"failing must be nodes of supports, {allowed}, got {shown(name)}")
+    return [name in failing for name in names]
+
+
+def _levitated(assembly: Assembly, supports: Sequence[Support], speed: float) -> _Levitated:
+    """Return the steady state of a system whose supports hold their nodes at the centre.
+
+    Parameters
+    ----------
+    assembly : Assembly
+        The system with the springs and dampers of its supports.
+    supports : sequence of Support
+        Its supports.
+    speed : float
+        Spin speed.
+
+    Notes
+    -----
+    At rest ``K q = f + B' p`` and ``B q = 0``, with the rows B of the supports and their loads p.
+    The whirl ``Re(z exp(i Omega t))`` about it has
+    ``(K - Omega**2 M + i Omega (C + Omega G)) z = Omega**2 (u_c - i u_s)``.
+    """
+    size, system = assembly.size, assembly.system
+    rows = np.zeros((2 * len(supports), size))
+    for number, each in enumerate(supports):
+        rows[2 * number : 2 * number + 2, : system.size] = system.rows(each.node)
+    still, loads = held_at_centre(assembly.stiffness, assembly.force, rows)
+    force = speed**2 * (assembly.unbalance[0] - 1j * assembly.unbalance[1])
+    whirl = np.zeros(size, complex)
+    if force.any():
+        whirl = solved_motions(assembly, np.array([speed]), force[:, np.newaxis])[0, :, 0]
+    start = np.array([still + whirl.real, (1j * speed * whirl).real])
+    return _Levitated(start, loads.reshape(-1, 2))
+
+
 def _released(
     free: RotorSystem, start: Start, supports: Sequence[Support], fails: Sequence[bool],
     speed: float,
 ) -> _Case:  # fmt: skip
     """Return the system that the failing supports have left, in its levitated state."""
     held = assemble(with_supports(free, supports))
-    state = levitated(held, supports, speed)
+    state = _levitated(held, supports, speed)
     if start is None:
         for number, contact in enumerate(held.contacts):
             reach = float(np.hypot(*(held.rows[number] @ state.start[0] - contact.centre)))
@@ -245,7 +320,7 @@ def _released(
 
 
 def _told(
-    supports: Sequence[Support], fails: Sequence[bool], state: Levitated
+    supports: Sequence[Support], fails: Sequence[bool], state: _Levitated
 ) -> dict[str, Column]:
     """Return the supports as variables."""
     both = ("support", "axis")

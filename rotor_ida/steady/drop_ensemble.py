@@ -45,8 +45,7 @@ from rotor_ida.steady.drop import drop
 from rotor_ida.steady.drop_figures import NUMBERS
 from rotor_ida.steady.drop_grid import cells_of, grid_statistics_of
 from rotor_ida.steady.drop_statistics import QUANTILES, statistics_of
-from rotor_ida.steady.grid import EXPECTED
-from rotor_ida.steady.ramps import Answer, Answers, Ramps, Row, answered
+from rotor_ida.steady.grid import EXPECTED, Answer, Answers, Ramps, run_study
 
 # What varies, with the ranges that are allowed. Factors multiply what is given.
 VARIED = {
@@ -203,13 +202,13 @@ def drop_ensemble(
     asked = {"rotor" if name == "system" else name: each for name, each in case.items()}
     question = Question("drop_ensemble", {**asked, **ways, "drops": drops, "seed": seed})
     every = Varied({"drop": np.arange(varied["phase"].size)})
-    plan: Ramps[dict[str, float], None, Row] = Ramps(
+    plan: Ramps[dict[str, float], None] = Ramps(
         every, (None,), Answers(partial(follow_drop, case), point),
         lambda place: {name: float(each[place[0]]) for name, each in varied.items()},
     )  # fmt: skip
-    columns = answered(
+    columns = run_study(
         plan, question, word="drop", table="drops", study=study, workers=chosen, progress=progress
-    )
+    ).points
     told = {"duration": example.attrs["duration"], "rtol": example.attrs["rtol"]}
     told |= {} if drops is None else {"seed": seed}
     told |= {name: example.attrs[name] for name in ("speed", "start_speed", "inertia", "torque")

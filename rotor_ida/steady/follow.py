@@ -20,7 +20,7 @@ from rotor_ida.simulation.systems.flow import SAMPLES_A_REVOLUTION, SystemFlow
 from rotor_ida.steady.decision import Decision, decide
 from rotor_ida.steady.features import SystemFeatures, features_of_disc, features_of_system
 from rotor_ida.steady.motion import WINDOW_REVOLUTIONS, Limits, Motion
-from rotor_ida.steady.response import NEARLY_GRAZES, Features, grazing_distance
+from rotor_ida.steady.response import NEARLY_GRAZES, Features, grazing_distance, stays_backward
 
 FAILED = "failed"
 # A transient that decays like exp(-zeta t) has fallen by 4e-11 after this many 1/zeta.
@@ -106,6 +106,8 @@ class SettledResponse:
         States at the events, fixed frame [1].
     end : tuple of float
         State at the end, on the rotating axes [1].
+    backward : bool
+        Whether the disc stays in contact and whirls backwards.
     message : str
         The reason of a failure, or for how long an unresolved motion was followed, and what still
         moved; else empty.
@@ -119,6 +121,7 @@ class SettledResponse:
     event_kinds: npt.NDArray[np.int8]
     event_states: Values
     end: State
+    backward: bool = False
     message: str = ""
 
 
@@ -164,18 +167,17 @@ def follow_to_steady_state(
         features = features_of_disc(motion.window, decision)
     except SimulationError as error:
         return _settled(motion, Decision(FAILED, message=str(error)), Features(), math.nan)
-    return _settled(motion, decision, features, motion.window_start)
-
-
-def failed(rotor: Rotor, start: State, options: Options, reason: str) -> SettledResponse:
-    """Return the failed response of a rotor that could not be followed from `start`."""
-    flow = DiscFlow(rotor, options=options)
-    motion = Motion(flow, limits_of(flow), np.array(start, np.float64))
-    return _settled(motion, Decision(FAILED, message=reason), Features(), math.nan)
+    backward = rotor.omega > 0.0 and stays_backward(motion.window, 0)
+    return _settled(motion, decision, features, motion.window_start, backward=backward)
 
 
 def _settled(
-    motion: Motion, decision: Decision, features: Features, window_start: float
+    motion: Motion,
+    decision: Decision,
+    features: Features,
+    window_start: float,
+    *,
+    backward: bool = False,
 ) -> SettledResponse:
     """Return the settled response of one disc."""
     runs, speed = motion.events, motion.flow.speed
@@ -187,7 +189,7 @@ def _settled(
         np.concatenate(
             [np.empty((0, 4)), *(rotated(each.states, speed * each.began) for each in runs)]
         ),
-        (x, y, vx, vy), decision.message,
+        (x, y, vx, vy), backward, decision.message,
     )  # fmt: skip
 
 

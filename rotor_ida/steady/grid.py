@@ -1,7 +1,8 @@
 """A study on a grid: run its jobs with any executor, store results as they end, collect columns.
 
-Sweeps and run-ups are studies. Each job covers one or more points of the grid, and its result
-becomes rows of tables: one for each point, and one for each event on the way to it.
+Sweeps and run-ups are studies. Each job is a ramp: one point of the grid, or several that are
+followed one after the other. Its result becomes rows of tables: one for each point, and one for
+each event on the way to it.
 """
 
 from __future__ import annotations
@@ -9,38 +10,46 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from functools import cached_property, partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Generic, NamedTuple
+from typing import Any, Generic, Literal, NamedTuple, TypeVar
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Column
-from rotor_ida.checks import AT_REST, COMPONENTS, MOST_NUMBERS, MOST_POINTS_OF_STUDY, State
+from rotor_ida.arrays import Stop
+from rotor_ida.checks import MOST_NUMBERS, MOST_POINTS_OF_STUDY, check_direction
 from rotor_ida.errors import RotorError, SimulationError
 from rotor_ida.model.varied import Varied
 from rotor_ida.parallel import FailedJob, Progress, Workers, run_all
-from rotor_ida.parallel.jobs import Job, Result, Work
+from rotor_ida.parallel.jobs import Work
 from rotor_ida.results.question import Question
 from rotor_ida.results.studies.arrays import scratch
 from rotor_ida.results.studies.results import Folder, Form, Results, open_results
-from rotor_ida.schema import STATUS, labelled
-from rotor_ida.simulation.starts import GivenStart
-
-if TYPE_CHECKING:
-    from rotor_ida.steady.ramps import Ramps
+from rotor_ida.schema import ENDING, RESPONSE, STATUS, labelled
 
 Array = npt.NDArray[np.generic]
 Table = npt.NDArray[np.void]
 Places = npt.NDArray[np.int64]
+Direction = Literal["up", "down", "both"]
+DIRECTIONS: dict[str | None, tuple[int, ...]] = {
+    None: (0,),
+    "up": (1,),
+    "down": (-1,),
+    "both": (1, -1),
+}
+Point = TypeVar("Point")
+Start = TypeVar("Start")
 
 # Errors of solver, physics and memory at a point; any other error is a fault of the program.
 EXPECTED = (SimulationError, ArithmeticError, MemoryError)
 # A failure of the surroundings, not of the point: another attempt may succeed.
 PASSING = "MemoryError"
 NO_COLUMNS = np.dtype([])
+# Whole numbers of a point that failed; those of other names are 0.
+NONE = {"ending": ENDING["failed"], "response": RESPONSE["failed"]}
 
 
 def reason_of(error: Exception) -> str:
@@ -48,32 +57,6 @@ def reason_of(error: Exception) -> str:
     if isinstance(error, RotorError):
         return str(error)
     return f"{type(error).__name__}: {error}".rstrip(": ")
-
-
-def start_coordinates(starts: Sequence[GivenStart]) -> dict[str, Column]:
-    """Return the starts ``(x, y, vx, vy)`` as coordinates of a result; NaN where it is a word."""
-    states = [(math.nan,) * len(COMPONENTS) if isinstance(each, str) else each for each in starts]
-    columns = zip(COMPONENTS, np.array(states).T, strict=True)
-    return {f"start_{name}": ("start", column.copy()) for name, column in columns}
-
-
-def start_words(starts: Sequence[GivenStart]) -> dict[str, str]:
-    """Return the attribute with the word of each start, if there is any; "state" where it is one.
-
-    Examples
-    --------
-    >>> start_words(["settled", (1.0, 0.0, 0.0, 0.0)]), start_words([(1.0, 0.0, 0.0, 0.0)])
-    ({'start_words': 'settled state'}, {})
-    """
-    if not any(isinstance(each, str) for each in starts):
-        return {}
-    words = [each if isinstance(each, str) else "state" for each in starts]
-    return {"start_words": " ".join(words)}
-
-
-def representative(starts: Sequence[GivenStart]) -> list[State]:
-    """Return starts to be checked once for all rotors: rest on the axis for those of words."""
-    return [AT_REST if isinstance(each, str) else each for each in starts]
 
 
 def check_size(varied: Varied, study: object) -> None:
@@ -97,14 +80,32 @@ def labelled_points(
     }  # fmt: skip
 
 
-@dataclass(frozen=True, slots=True)
-class Rows:
+class Answer(NamedTuple):
+    """What is found at a point, by the names of columns, and the start of the next of its ramp."""
+
+    figures: Mapping[str, Any]
+    message: str = ""
+    failed: bool = False
+    end: Any = None
+    events: Table | None = None
+
+
+class Row(NamedTuple):
+    """A point as a row of a table, with the rows of its events."""
+
+    values: tuple[Any, ...]
+    message: str
+    end: Any
+    events: Table | None
+
+
+class Rows(NamedTuple):
     """Some points of a study.
 
     Parameters
     ----------
     points : structured array, shape (n,)
-        The result of each point, including ``status`` and ``event_count``.
+        The result of each point, including ``status`` and, with events, ``event_count``.
     messages : list of str
         The reason why each failed; empty if it did not.
     events : structured array, shape (m,), optional
@@ -116,30 +117,177 @@ class Rows:
     events: Table | None = None
 
 
-@dataclass(frozen=True, slots=True)
-class Task(Generic[Job, Result]):
-    """How each job is done, and how its result is stored.
+@dataclass(frozen=True)
+class Answers(Generic[Point, Start]):
+    """How points are answered, and the rows that the answers become.
 
     Parameters
     ----------
     work : callable
-        Does a job; a function of a module, as processes require.
-    lost : callable
-        Returns the result of a job whose workers died, with the reason.
-    rows : callable
-        Returns a result as rows.
-    form : Form
-        How rows are converted to arrays of a study and back.
-    point, event : dtype
+        Returns the answer at a point, from a start; a function of a module, or one with some
+        arguments given, as processes require. It is given an array whose one value is 0 until it
+        should stop.
+    kind, event : dtype
         The columns of a point, and of an event.
+    whole : mapping
+        Whole numbers of a point without figures: all other columns are then NaN, or 0.
     """
 
-    work: Work[Job, Result]
-    lost: Callable[[Job, str], Result]
-    rows: Callable[[Result], Rows]
-    form: Form[Rows]
-    point: np.dtype[np.void]
+    work: Callable[[Point, Start, Stop], Answer]
+    kind: np.dtype[np.void]
     event: np.dtype[np.void] = NO_COLUMNS
+    whole: Mapping[str, Any] = field(default_factory=lambda: NONE)
+
+    @cached_property
+    def blank(self) -> dict[str, Any]:
+        """What stands in each column of a point without figures."""
+        row = np.zeros((), self.kind)
+        return {
+            name: np.full_like(row[name], math.nan)[()] if row[name].dtype.kind == "f"
+            else self.whole.get(name, row[name][()])
+            for name in self.kind.names or ()
+        }  # fmt: skip
+
+    def settle(self, point: Point, start: Start, stop: Stop) -> Row:
+        """Return the row of a point, from a start or from where another point ends."""
+        try:
+            answer = self.work(point, start, stop)
+        except EXPECTED as error:  # it must not end the other points
+            return self.failed(reason_of(error))
+        return self.row(answer)
+
+    def failed(self, reason: str) -> Row:
+        """Return the row of a point that could not be followed."""
+        return self.row(Answer({}, reason, failed=True))
+
+    def row(self, answer: Answer) -> Row:
+        """Return an answer as a row."""
+        status = STATUS["failed" if answer.failed else "done"]
+        figures, events = {**answer.figures, "status": status}, answer.events
+        values = tuple([figures.get(name, each) for name, each in self.blank.items()])
+        if events is None and self.event.names:
+            events = np.empty(0, self.event)
+        return Row(values, answer.message, answer.end, events)
+
+
+# ---- Ramps: points that are followed one after the other, each in exactly one ----
+
+
+@dataclass(frozen=True, slots=True)
+class RampJob(Generic[Point, Start]):
+    """A ramp with all that a worker needs to follow it."""
+
+    points: list[Point]
+    start: Start
+    answers: Answers[Point, Start]
+
+
+@dataclass(frozen=True)
+class Ramps(Generic[Point, Start]):
+    """All ramps of a sweep, by number.
+
+    Parameters
+    ----------
+    varied : Varied
+        The points. Behind the parameters are the axes ``start`` and ``direction``: 1 up, -1 down; 0
+        where each point is a ramp of its own.
+    starts : sequence
+        The starts.
+    answers : Answers
+        How the rotor at each point is followed.
+    point_at : callable
+        Returns the point at a place.
+    axis : int, optional
+        The dimension along which a ramp leads.
+    """
+
+    varied: Varied
+    starts: Sequence[Start]
+    answers: Answers[Point, Start]
+    point_at: Callable[[Sequence[int]], Point]
+    axis: int | None = None
+
+    @cached_property
+    def directions(self) -> npt.NDArray[np.int8]:
+        """The directions: 1 up, -1 down; 0 where each point is a ramp of its own."""
+        return self.varied.axes.get("direction", np.zeros(1, np.int8))
+
+    @cached_property
+    def shape(self) -> tuple[int, ...]:
+        """Number of values along each dimension, directions last."""
+        shape = self.varied.shape
+        return shape if "direction" in self.varied.axes else (*shape, 1)
+
+    @property
+    def along(self) -> int:
+        """The dimension along which a ramp leads, the last where none does."""
+        return len(self.shape) - 2 if self.axis is None else self.axis
+
+    @property
+    def length(self) -> int:
+        """Number of points of each ramp."""
+        return self.shape[self.along] if self.directions[0] else 1
+
+    @property
+    def points(self) -> int:
+        """Number of points of all ramps."""
+        return math.prod(self.shape)
+
+    def __len__(self) -> int:
+        return self.points // self.length
+
+    def firsts(self, numbers: int | Places) -> tuple[Places, ...]:
+        """Return the indices of the first points of ramps along each dimension.
+
+        Ramps are counted by directions, then by the other dimensions, then along the axis.
+        """
+        *others, directions = self.shape
+        values = others.pop(self.along)
+        counted = (directions, *others, values // self.length)
+        direction, *at, first = (np.asarray(each) for each in np.unravel_index(numbers, counted))
+        at.insert(self.along, np.where(self.directions[direction] < 0, values - 1, first))
+        return (*at, direction)
+
+    def places(self, number: int) -> Places:
+        """Return the positions of a ramp's points among all, in the order of the dimensions."""
+        first = self.firsts(number)
+        step = int(self.directions[first[-1]]) * math.prod(self.shape[self.along + 1 :])
+        return np.ravel_multi_index(first, self.shape) + step * np.arange(self.length)
+
+    def job(self, number: int) -> RampJob[Point, Start]:
+        """Return what a worker needs to follow a ramp."""
+        places = np.transpose(np.unravel_index(self.places(number), self.varied.shape)).tolist()
+        dims = self.varied.dims
+        start = self.starts[places[0][dims.index("start")] if "start" in dims else 0]
+        return RampJob([self.point_at(place) for place in places], start, self.answers)
+
+    def slowest_first(self) -> Places:
+        """Return the numbers of the ramps, the longest ones first.
+
+        Slow run-ups take longest, and one disc with a large clearance, as it bounces there.
+        """
+        numbers, dims = np.arange(len(self)), self.varied.dims
+        firsts = self.firsts(numbers)
+        for name, sign in (("rate", 1.0), ("delta0", -1.0)):
+            if name in dims:
+                values = self.varied.axes[name][firsts[dims.index(name)]]
+                return np.argsort(sign * np.abs(values), kind="stable")
+        return numbers
+
+
+def in_order(
+    varied: Varied, starts: int, direction: Direction | None, along: str | None, first: str
+) -> tuple[Varied, str]:
+    """Return the points with their starts and directions, and the axis along which a ramp leads.
+
+    Without a direction that is empty; `first` is the axis that is chosen if it varies.
+    """
+    way = check_direction(direction, along, varied.axes, first)
+    directions = np.array(DIRECTIONS[direction], dtype=np.int8)
+    return varied.over(start=np.arange(starts), direction=directions), way
+
+
+# ---- A study: its jobs, and the columns of all points ----
 
 
 class Columns(NamedTuple):
@@ -172,28 +320,54 @@ def form_of(
 
 
 def run_study(
-    plan: Ramps[Any, Any, Any],
-    task: Task[Any, Any],
+    plan: Ramps[Any, Any],
     question: Question,
     *,
+    word: str,
+    table: str = "points",
+    follow: Work[Any, list[Row]] | None = None,
     study: Folder | None,
     workers: Workers,
     progress: Progress | None,
 ) -> Columns:
     """Do the jobs of a study that are not stored yet, and return the columns of all.
 
-    `question` is what determines the bits: the study of another question is refused.
+    `question` is what determines the bits: the study of another question is refused. `word` and
+    `table` are names of the rows in a study. `follow` does a job that is more than to follow one
+    point after the other.
     """
-    with open_results(study, question.design(), plan.points, task.form) as kept:
-        _do_jobs(plan, task, kept, workers, progress)
-        points = _point_columns(plan, task.point, kept)
-        events = _event_columns(plan, task.event, kept, points) if task.event.names else {}
+    answers = plan.answers
+    form = form_of(word, table, answers.kind, answers.event)
+    with open_results(study, question.design(), plan.points, form) as kept:
+        _do_jobs(plan, follow or follow_along, kept, workers, progress)
+        points = _point_columns(plan, kept)
+        events = _event_columns(plan, kept, points) if answers.event.names else {}
     return Columns(points, events)
 
 
+def follow_along(ramp: RampJob[Any, Any], stop: Stop) -> list[Row]:
+    """Follow one ramp: each point begins where the last one that did not fail has ended."""
+    start, rows = ramp.start, list[Row]()
+    for point in ramp.points:
+        if stop[0]:
+            break
+        rows.append(ramp.answers.settle(point, start, stop))
+        start = start if rows[-1].end is None else rows[-1].end
+    return rows
+
+
+def rows_of(rows: Sequence[Row], kind: np.dtype[np.void]) -> Rows:
+    """Return the rows of points as those of a study."""
+    events = [row.events for row in rows if row.events is not None]
+    return Rows(
+        np.array([row.values for row in rows], kind), [row.message for row in rows],
+        np.concatenate(events) if events else None,
+    )  # fmt: skip
+
+
 def _do_jobs(
-    plan: Ramps[Any, Any, Any],
-    task: Task[Any, Any],
+    plan: Ramps[Any, Any],
+    follow: Work[Any, list[Row]],
     kept: Results[Rows],
     workers: Workers,
     progress: Progress | None,
@@ -210,15 +384,13 @@ def _do_jobs(
     count = workers.number and min(
         workers.number, len(due)
     )  # the cluster at an address has its own workers
-    with closing(run_all(task.work, jobs, workers=count, executor=workers.executor)) as ended:
+    with closing(run_all(follow, jobs, workers=count, executor=workers.executor)) as ended:
         for turn, result in ended:
             number = due[turn]
             died = isinstance(result, FailedJob)
-            rows = task.rows(
-                task.lost(plan.job(number), result.reason)
-                if isinstance(result, FailedJob)
-                else result
-            )
+            if isinstance(result, FailedJob):
+                result = [plan.answers.failed(result.reason)] * plan.length  # noqa: PLW2901
+            rows = rows_of(result, plan.answers.kind)
             failures = np.flatnonzero(rows.points["status"] == STATUS["failed"]).tolist()
             reasons = [rows.messages[place] for place in failures]
             if died or any(reason.startswith(PASSING) for reason in reasons):
@@ -231,11 +403,9 @@ def _do_jobs(
                 progress(kept.points_done + postponed, points)
 
 
-def _point_columns(
-    plan: Ramps[Any, Any, Any], kind: np.dtype[np.void], kept: Results[Rows]
-) -> dict[str, Array]:
+def _point_columns(plan: Ramps[Any, Any], kept: Results[Rows]) -> dict[str, Array]:
     """Return the columns with a number, or a message, for each point."""
-    columns = _scratch(kind, plan.points, kept.folder)
+    columns = _scratch(plan.answers.kind, plan.points, kept.folder)
     messages: dict[int, str] = {}
     for number, rows in kept.results():
         places = plan.places(number)
@@ -252,14 +422,11 @@ def _point_columns(
 
 
 def _event_columns(
-    plan: Ramps[Any, Any, Any],
-    kind: np.dtype[np.void],
-    kept: Results[Rows],
-    points: Mapping[str, Array],
+    plan: Ramps[Any, Any], kept: Results[Rows], points: Mapping[str, Array]
 ) -> dict[str, Array]:
     """Return the columns with a number for each event, in the order of the points."""
     ends = np.cumsum(points["event_count"], dtype=np.int64)
-    columns = _scratch(kind, int(ends[-1]), kept.folder)
+    columns = _scratch(plan.answers.event, int(ends[-1]), kept.folder)
     for number, rows in kept.results():
         assert rows.events is not None
         first = 0
@@ -275,3 +442,65 @@ def _event_columns(
 def _scratch(kind: np.dtype[np.void], size: int, folder: Path | None) -> dict[str, Array]:
     """Return unset columns, in memory, or in `folder` if they may be larger than that."""
     return {name: scratch((size,), kind[name], folder) for name in kind.names or ()}
+
+
+# ---- A question of one motion at each point ----
+
+
+def answers_at_each(
+    varied: Varied,
+    point_at: Callable[[Sequence[int]], Point],
+    work: Callable[[Point, Stop], Mapping[str, Any]],
+    columns: Mapping[str, tuple[str, int] | None],
+    question: Question,
+    *,
+    whole: Mapping[str, Any] = {},
+    workers: Workers,
+    study: Folder | None = None,
+    progress: Progress | None = None,
+) -> dict[str, xr.Variable]:
+    """Return the answers of a function of one rotor at each point, as variables.
+
+    Parameters
+    ----------
+    varied : Varied
+        The points.
+    point_at : callable
+        Returns the rotor at a place.
+    work : callable
+        Returns the numbers of a rotor by the names of the columns; see `Answers`.
+    columns : mapping of str to (str, int) or None
+        For each column the dimension behind those of the points, and its size; None where there
+        is one number at each point.
+    question : Question
+        What determines the bits: the key of a study.
+    whole : mapping of str to ndarray
+        Of columns of whole numbers, those of a point that fails, of the type of all.
+    workers, study, progress
+        As in `run_study`.
+
+    Returns
+    -------
+    dict of str to Variable
+        The columns, and ``status`` and ``message``: a point that fails does not raise, and its
+        numbers are NaN, or those of `whole`.
+    """
+    check_size(varied, study)
+    kind = np.dtype([
+        ("status", np.int8),
+        *((name, np.asarray(whole.get(name, math.nan)).dtype, () if each is None else each[1:])
+          for name, each in columns.items()),
+    ])  # fmt: skip
+    answers: Answers[Point, None] = Answers(partial(_answer, work), kind, whole=whole)
+    found = run_study(
+        Ramps(varied, (None,), answers, point_at), question, word="answers at points",
+        study=study, workers=workers, progress=progress,
+    ).points  # fmt: skip
+    behind = {name: each[:1] for name, each in columns.items() if each is not None}
+    return labelled_points(varied, found, behind)
+
+
+def _answer(
+    work: Callable[[Point, Stop], Mapping[str, Any]], point: Point, _start: None, stop: Stop
+) -> Answer:
+    return Answer(work(point, stop))

@@ -54,7 +54,7 @@ from rotor_ida.simulation.starts import Start as DiscStart
 from rotor_ida.simulation.starts import given_start
 from rotor_ida.simulation.systems.flow import SystemFlow
 from rotor_ida.simulation.systems.starts import Start
-from rotor_ida.steady.each_point import answers_at_each
+from rotor_ida.steady.grid import answers_at_each
 from rotor_ida.steady.system_sweep import (
     Turning,
     Turnings,
@@ -387,7 +387,7 @@ def _case_of_system(
     speeds = turning_speeds(speed, "for the exponents of a rotor system")
     here = speeds[0] if is_scalar("speed", speed) else speeds
     asked = varied_system_of(lyapunov_exponent, system, changed, here)
-    taken = VariedSystem.of(asked, [None if start is AT_REST else start], modes, rtol, "start")
+    taken = VariedSystem.of(asked, [start], modes, rtol, "start")
     lead = math.ceil(check_positive("transient", transient, MOST_REVOLUTIONS))
     each = int(check_positive("revolutions", revolutions, MOST_REVOLUTIONS)) // batches
     if each < FEWEST_SPANS:
@@ -423,10 +423,7 @@ def exponents_of_system(run: Run, point: Turning, stop: Stop) -> Exponents:
     flow = SystemFlow.at(*point, stop)
     state = started(point, run.start) / flow.scales
     rates = flow.growth(state, run.exponents, run.total, run.done)[run.lead :]
-    values, errors = np.full(run.exponents, -np.inf), np.zeros(run.exponents)
-    known = np.isfinite(rates).all(axis=0)
-    values[known], errors[known] = means_of_rates(rates[:, known], run.batches)
-    return ordered(rates, values, errors)
+    return ordered(rates, *means_of_rates(rates, run.batches))
 
 
 # ---- Of any rotor ----

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -22,8 +22,7 @@ from rotor_ida.simulation.spin import through
 TREMBLES_WITHIN = 1e-6
 
 
-@dataclass(frozen=True, slots=True)
-class SpeedBand:
+class SpeedBand(NamedTuple):
     """The motion of a run-up near one speed: up to halfway to its neighbours.
 
     Parameters
@@ -45,9 +44,9 @@ class SpeedBand:
     speeds: Values
     radii: Values
     kinds: npt.NDArray[np.int8]
-    smallest: float = np.nan
-    largest: float = np.nan
-    response: int = RESPONSE["failed"]
+    smallest: float
+    largest: float
+    response: int
 
 
 def ramp_extrema(
@@ -82,31 +81,36 @@ def ramp_extrema(
     for speed, ends in zip(speeds, np.stack([edges[:-1], edges[1:]], axis=1), strict=True):
         low, high = np.sort(ends)
         here = (speeds_at_extrema >= low) & (speeds_at_extrema <= high)
-        band = SpeedBand(float(speed), speeds_at_extrema[here], radii[here], kinds[here])
+        rows = (speeds_at_extrema[here], radii[here], kinds[here])
         beside = radii_at_marks[(marks >= low) & (marks <= high)]
         radius = float(radii_at_marks[np.argmin(np.abs(marks - speed))])
-        bands.append(_classified(band, radius, beside, rotor.delta0))
+        bands.append(_classified(float(speed), radius, rows, beside, rotor.delta0))
     return bands
 
 
-def _classified(band: SpeedBand, radius: float, beside: Values, delta0: float) -> SpeedBand:
-    """Return a band of speeds with its response, without extrema of negligible oscillations.
+def _classified(
+    speed: float, radius: float, rows: tuple[Values, Values, npt.NDArray[np.int8]], beside: Values,
+    delta0: float,
+) -> SpeedBand:  # fmt: skip
+    """Return a band of speeds by the rows of its extrema, without those of negligible oscillations.
 
     `radius` is that at its speed, and `beside` are those at its ends too.
     """
-    everywhere = np.concatenate([beside, band.radii])
+    speeds, radii, kinds = rows
+    everywhere = np.concatenate([beside, radii])
     smallest, largest = float(everywhere.min()), float(everywhere.max())
-    around = np.concatenate([band.radii[:1], band.radii, band.radii[-1:]])
-    swings = np.maximum(np.abs(band.radii - around[:-2]), np.abs(band.radii - around[2:]))
+    around = np.concatenate([radii[:1], radii, radii[-1:]])
+    swings = np.maximum(np.abs(radii - around[:-2]), np.abs(radii - around[2:]))
     wide = swings > TREMBLES_WITHIN * largest
+    oscillates = bool(wide.any())
     if largest < delta0:
         word = "contact_free"
-    elif not wide.any():
-        word = "synchronous"
-    else:
+    elif oscillates:
         word = "bouncing" if smallest < delta0 else "full_contact"
-    speeds, radii, kinds = band.speeds[wide], band.radii[wide], band.kinds[wide]
-    if not wide.any():
-        speeds, radii = np.array([band.speed]), np.array([radius])
+    else:
+        word = "synchronous"
+    speeds, radii, kinds = speeds[wide], radii[wide], kinds[wide]
+    if not oscillates:
+        speeds, radii = np.array([speed]), np.array([radius])
         kinds = np.array([CONSTANT], dtype=np.int8)
-    return SpeedBand(band.speed, speeds, radii, kinds, smallest, largest, RESPONSE[word])
+    return SpeedBand(speed, speeds, radii, kinds, smallest, largest, RESPONSE[word])

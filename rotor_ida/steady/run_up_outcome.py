@@ -28,7 +28,7 @@ from rotor_ida.schema import ENDING, RESPONSE
 from rotor_ida.simulation.course import SYSTEM_LIMITS, course_of, ramp_of
 from rotor_ida.simulation.dataset import arrays_of
 from rotor_ida.simulation.options import Options
-from rotor_ida.simulation.orbit import ENTRY, Orbit
+from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.run import run
 from rotor_ida.simulation.spin import Ramp, SpeedProfile
 from rotor_ida.simulation.starts import GivenStart
@@ -36,9 +36,8 @@ from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
 from rotor_ida.simulation.systems.simulate import run_of_cases
 from rotor_ida.simulation.systems.starts import Start
 from rotor_ida.steady.drop import with_unbalance_at
-from rotor_ida.steady.follow import FAILED, SettledSystem, durations, follow_to_steady_state, settle
-from rotor_ida.steady.grid import EXPECTED, reason_of
-from rotor_ida.steady.ramps import Answer
+from rotor_ida.steady.follow import FAILED, follow_to_steady_state, settle
+from rotor_ida.steady.grid import EXPECTED, Answer, reason_of
 from rotor_ida.steady.response import CONTACT_FREE, TOUCHING, UNRESOLVED, Features
 from rotor_ida.steady.system_sweep import figures_of, point_of
 
@@ -178,12 +177,7 @@ def ending_at(
     settled = follow_to_steady_state(rotor, state, options, stop=stop)
     if settled.response == FAILED:
         return failed(settled.message)
-    if settled.response in {CONTACT_FREE, TOUCHING}:
-        ending = CONTACT_FREE
-    elif whips(rotor, settled.end, options, stop):
-        ending = WHIP
-    else:
-        ending = UNRESOLVED if settled.response == UNRESOLVED else RUB
+    ending = ending_of(settled.response, whips=settled.backward and rotor.friction > 0.0)
     message = settled.message if ending == UNRESOLVED else ""
     return Outcome(ending, settled.response, settled.features, message)
 
@@ -210,19 +204,17 @@ def on_rotating_axes(
     return (x, y, vx, vy)
 
 
-def whips(rotor: Rotor, state: State, options: Options, stop: Stop) -> bool:
-    """Return whether a motion is dry whip: it whirls backwards, and stays in contact.
+def ending_of(kind: str, *, whips: bool) -> str:
+    """Return how a run-up ends by the kind of the response, and whether it is dry whip.
 
-    The disc rolls or, if the unbalance is too strong, alternately slides both ways.
+    In whip a contact with friction whirls backwards and stays closed: it rolls or, if the unbalance
+    is too strong, alternately slides both ways.
     """
-    if rotor.friction == 0.0 or rotor.omega == 0.0:
-        return False
-    _, length, samples = durations(rotor)
-    times = np.linspace(0.0, length, samples)
-    orbit = run(rotor, state, length, times, options, stop=stop)
-    x, y, vx, vy = orbit.states.T
-    leaves = bool((np.abs(orbit.event_kinds) == ENTRY).any())
-    return orbit.starts_in_contact and not leaves and bool((x * vy - y * vx).max() < 0.0)
+    if kind in {CONTACT_FREE, TOUCHING}:
+        return CONTACT_FREE
+    if whips:
+        return WHIP
+    return UNRESOLVED if kind == UNRESOLVED else RUB
 
 
 # ---- Of a rotor system ----
@@ -290,17 +282,7 @@ def _settled(
     whirls = {name: turn * getattr(features, name) for name in ("contact_whirl", "node_whirl")}
     turned = replace(settled, features=replace(features, **whirls))
     figures = figures_of(turned, flow, settled.state * flow.scales)
-    ending = _ending(settled, problem)
+    rubs = np.array([each.friction > 0.0 for each in problem.assembly.contacts], bool)
+    ending = ending_of(settled.decision.kind, whips=bool((rubs & features.backward).any()))
     message = settled.decision.message if ending == UNRESOLVED else ""
     return figures | {"ending": ENDING[ending]}, message
-
-
-def _ending(settled: SettledSystem, problem: SettlingProblem) -> str:
-    """Return how a run-up ends by the settled response."""
-    kind = settled.decision.kind
-    if kind == CONTACT_FREE:
-        return CONTACT_FREE
-    rubs = np.array([each.friction > 0.0 for each in problem.assembly.contacts], bool)
-    if (rubs & settled.features.backward).any():
-        return WHIP
-    return UNRESOLVED if kind == UNRESOLVED else RUB

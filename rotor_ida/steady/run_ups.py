@@ -22,32 +22,16 @@ from rotor_ida.model.system_parameters import SPEED, AnyAxes
 from rotor_ida.model.varied import Varied, varied_of, varied_system_of
 from rotor_ida.parallel import Progress, choose, shows_progress
 from rotor_ida.results.in_si import takes_rotors
-from rotor_ida.results.provenance import provenance
-from rotor_ida.results.question import QUESTION, Question
+from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import Folder
-from rotor_ida.results.system_units import with_system_units
-from rotor_ida.schema import ENDING, ENDS_IN_WORDS, labelled, labelled_dataset
+from rotor_ida.schema import ENDING, ENDS_IN_WORDS, labelled
 from rotor_ida.simulation.course import SYSTEM_LIMITS, course_of, ramp_of
-from rotor_ida.simulation.options import (
-    LARGEST,
-    Backend,
-    Method,
-    Options,
-    check_can_be_followed,
-    options_of_study,
-)
-from rotor_ida.simulation.starts import GivenStart, Starts, states_of
+from rotor_ida.simulation.options import LARGEST, Backend, Method, check_can_be_followed
+from rotor_ida.simulation.starts import Starts
 from rotor_ida.simulation.systems.flow import SettlingProblem
 from rotor_ida.simulation.systems.starts import Start, start_of
-from rotor_ida.steady.grid import (
-    Array,
-    check_size,
-    labelled_points,
-    representative,
-    start_coordinates,
-    start_words,
-)
-from rotor_ida.steady.ramps import Answers, Ramps, answered
+from rotor_ida.steady.disc_sweep import FEATURES, VariedDisc, check_varied_can_be_followed
+from rotor_ida.steady.grid import Answers, Array, Ramps, check_size, labelled_points, run_study
 from rotor_ida.steady.run_up_outcome import (
     OF_RAMP,
     ONLY_WITH,
@@ -57,15 +41,11 @@ from rotor_ida.steady.run_up_outcome import (
     follow_run_up,
     follow_system_run_up,
 )
-from rotor_ida.steady.sweep import FEATURES
+from rotor_ida.steady.sweep import study_dataset
 from rotor_ida.steady.system_sweep import (
-    OF_CONTACT,
-    OF_NODE,
     Turnings,
     VariedSystem,
-    checked_starts,
     clearances_of,
-    with_meanings,
 )
 
 POINT = np.dtype(
@@ -215,67 +195,53 @@ def run_ups(
     array([0.603, 0.   ])
     """
     reports, last = check_progress(progress), check_real("to", to)
-    how: dict[str, Any]
-    kept: Sequence[Any]
+    asked: VariedDisc | VariedSystem
     if isinstance(rotor, RotorSystem):
         speeds = check_distinct(SPEED, check_vector(SPEED, speed))
-        asked = varied_system_of(run_ups, rotor, varied, speeds)
-        system = VariedSystem.of(asked, checked_starts(starts), modes, rtol)
-        given, kept, chosen = system.varied, system.kept, choose(executor, workers, compiled=True)
-        how = {"rotor": asked.base, "modes": modes, "rtol": system.rtol}
+        given = varied_system_of(run_ups, rotor, varied, speeds)
+        asked = VariedSystem.of(given, starts, modes, rtol)
     else:
         given = varied_of(run_ups, rotor, varied)
-        options = options_of_study(rtol=rtol, atol=atol, method=method, backend=backend)
-        chosen = choose(executor, workers, compiled=options.backend != "python")
-        states = kept = states_of("starts", starts, loaded=bool(given.values("load").any()))
-        how = {name: getattr(options, name) for name in ("rtol", "atol", "method")}
-    most = (LARGEST, math.tau) if given.system is None else (math.inf, math.inf)
+        asked = VariedDisc.of(given, starts, rtol=rtol, atol=atol, method=method, backend=backend)
+    chosen = choose(executor, workers, compiled=asked.is_compiled)
+    most = (LARGEST, math.tau) if isinstance(asked, VariedDisc) else (math.inf, math.inf)
     rates, phases = (
         check_distinct(name, check_vector(name, each, largest=largest))
         for (name, each), largest in zip({"rate": rate, "phase": phase}.items(), most, strict=True)
     )
-    grid = given.over(rate=rates, phase=phases, start=np.arange(len(kept)))
-    check_size(grid, study)
+    points = asked.varied.over(rate=rates, phase=phases, start=np.arange(len(asked.starts)))
+    check_size(points, study)
     question = Question("run_ups", {
-        **grid.design, "rate": rates, "phase": phases, "to": last, "starts": kept, **how
+        **points.design, "rate": rates, "phase": phases, "to": last, "starts": asked.kept,
+        **asked.arguments,
     })  # fmt: skip
-    if isinstance(rotor, RotorSystem):
-        problem = _checked_system(grid, system, last)
-        settling = Answers(partial(follow_system_run_up, system.rtol), columns_of(problem))
-        begun: Sequence[Any] = system.starts
+    answers: Answers[RunUp, Any]
+    if isinstance(asked, VariedSystem):
+        kind = columns_of(_checked_system(points, asked, last))
+        answers = Answers(partial(follow_system_run_up, asked.rtol), kind)
     else:
-        _check_can_be_followed(grid, states, last, options)
-        settling, begun = Answers(partial(follow_run_up, options), POINT), states
+        _check_can_be_followed(points, asked, last)
+        answers = Answers(partial(follow_run_up, asked.options), POINT)
 
     def point_at(place: Sequence[int]) -> RunUp:
-        at = {name: float(each) for name, each in grid.at(place).items()}
-        one = grid.rotor(place) if grid.system is None else grid.system_at(place)
-        return RunUp(one, at["omega" if grid.system is None else SPEED], last, at["rate"],
-                     at["phase"])  # fmt: skip
+        at = {name: float(each) for name, each in points.at(place).items()}
+        one = points.rotor(place) if points.system is None else points.system_at(place)
+        return RunUp(one, at[asked.speed], last, at["rate"], at["phase"])
 
-    columns = answered(
-        Ramps(grid, begun, settling, point_at), question, word="run-up", table="run_ups",
+    columns = run_study(
+        Ramps(points, asked.starts, answers, point_at), question, word="run-up", table="run_ups",
         study=study, workers=chosen, progress=reports,
-    )  # fmt: skip
-    if isinstance(rotor, RotorSystem):
-        return _system_dataset(grid, columns, problem, last, question)
-    how = provenance(options.attributes()) | start_words(states) | question.attribute()
-    return _dataset(grid, columns, states, last, how)
+    ).points  # fmt: skip
+    return _dataset(points, asked, columns, last, question)
 
 
-def _check_can_be_followed(
-    grid: Varied, given: Sequence[GivenStart], to: float, options: Options
-) -> None:
+def _check_can_be_followed(points: Varied, asked: VariedDisc, to: float) -> None:
     """Check each ramp of one disc, each value of a parameter and each start once."""
-    axes, rotors = grid.axes, grid.extremes()
-    starts = representative(given)
+    axes, rotors = points.axes, points.extremes()
     for rotor, rate in product(rotors[: axes["omega"].size], axes["rate"].tolist()):
-        ramp_of(rotor, to, rate, options.backend)
-    for rotor in rotors:
-        check_can_be_followed(rotor, starts[0])
-    for start in starts[1:]:
-        check_can_be_followed(rotors[0], start)
-    check_can_be_followed(replace(rotors[0], omega=to), starts[0], settling=True)
+        ramp_of(rotor, to, rate, asked.options.backend)
+    check_varied_can_be_followed(points, asked.starts, settling=False)
+    check_can_be_followed(replace(rotors[0], omega=to), AT_REST, settling=True)
 
 
 def _checked_system(grid: Varied, asked: VariedSystem, to: float) -> SettlingProblem:
@@ -291,48 +257,49 @@ def _checked_system(grid: Varied, asked: VariedSystem, to: float) -> SettlingPro
 
 
 def _dataset(
-    varied: Varied, columns: Mapping[str, Array], starts: Sequence[GivenStart], to: float,
-    attributes: Mapping[str, Any],
-) -> xr.Dataset:  # fmt: skip
-    """Return run-ups of one disc as a labelled dataset."""
-    left_out = [name for parameter, names in ONLY_WITH.items() for name in names
-                if not varied.values(parameter).any()]  # fmt: skip
-    kept = {name: each for name, each in columns.items() if name not in left_out}
-    title = "Rotor in a clearance: run-ups over a range of speeds"
-    return labelled_dataset(
-        title, _variables(varied, kept), _coordinates(varied, to) | start_coordinates(starts),
-        attributes, kind="run_ups",
-    )  # fmt: skip
-
-
-def _system_dataset(
-    varied: Varied, columns: Mapping[str, Array], problem: SettlingProblem, to: float,
+    varied: Varied, asked: VariedDisc | VariedSystem, columns: Mapping[str, Array], to: float,
     question: Question,
 ) -> xr.Dataset:  # fmt: skip
-    """Return run-ups of a rotor system as a labelled dataset."""
-    system, contacts = varied.base, varied.base.contacts
-    behind = dict.fromkeys((*OF_CONTACT, *OF_RAMP, "contact_count"), ("contact",))
-    behind |= dict.fromkeys((*OF_NODE, "node_largest_radius"), ("node",))
-    variables = _variables(varied, columns, behind | {"final_state": ("component",)})
-    variables["largest_radius"].attrs["long_name"] = (
+    """Return run-ups as a labelled dataset."""
+    rate = labelled("rate", "rate", varied.axes["rate"])
+    rate.attrs["long_name"] = "change of the spin speed in a unit of time"
+    coordinates: dict[str, Column | xr.Variable] = {"to": ((), to), "rate": rate}
+    if varied.system is None:
+        variables = _variables(varied, columns)
+        for parameter, names in ONLY_WITH.items():
+            if not varied.values(parameter).any():
+                variables = {name: each for name, each in variables.items() if name not in names}
+        coordinates |= asked.coordinates(varied)
+    else:
+        behind = asked.behind | dict.fromkeys((*OF_RAMP, "contact_count"), ("contact",))
+        variables = _variables(varied, columns, {**behind, "node_largest_radius": ("node",)})
+        variables |= _of_contacts(varied, variables["largest_radius"])
+        coordinates["node"] = ("node", np.array(list(varied.base.nodes), str))
+    found = study_dataset(
+        asked, varied, f"{asked.title}: run-ups over a range of speeds", variables, coordinates,
+        asked.attributes | question.attribute(), "run_ups",
+    )  # fmt: skip
+    of_last, of_ramp = ("radius_min", "radius_max"), ("contact_count", "largest_force")
+    for names, words in ((of_last, " at the last speed"), (of_ramp, " on the ramp")):
+        for name in names:
+            found[name].attrs["long_name"] += words
+    return found
+
+
+def _of_contacts(varied: Varied, far: xr.Variable) -> dict[str, xr.Variable]:
+    """Return what belongs to the contacts of a system, by the largest distances from them."""
+    far.attrs["long_name"] = (
         "largest distance of the contact from the centre of its stator on the ramp"
     )
+    contacts = varied.base.contacts
     gaps = {name: labelled(name, *each) for name, each in clearances_of(varied).items()}
     radii = [each.radius or math.nan for each in contacts]
-    (gap,), far = gaps.values(), variables["largest_radius"]
-    variables |= gaps | {
+    (gap,) = gaps.values()
+    return gaps | {
         "contact_node": labelled("contact_node", "contact", [each.node for each in contacts]),
         "law_radius": labelled("law_radius", "contact", radii),
         "excursion": labelled("excursion", far.dims, (far / gap).transpose(*far.dims).values),
     }
-    dataset = labelled_dataset(
-        "Rotor system: run-ups over a range of speeds", variables,
-        _coordinates(varied, to) | {"node": ("node", np.array(list(system.nodes), str))},
-        provenance({"method": "taylor", "rtol": problem.rtol}) | {QUESTION: question.text()},
-        kind="system_run_ups",
-    )  # fmt: skip
-    dataset["to"].attrs["long_name"] = "spin speed at the end of the ramp"
-    return with_meanings(with_system_units(dataset, system), varied)
 
 
 def _variables(
@@ -347,18 +314,7 @@ def _variables(
     others = [name for name in varied.dims if name not in COUNTED]
     fractions = fractions_of(variables["ending"].values, counted)
     variables |= {name: labelled(name, others, values) for name, values in fractions.items()}
-    for name in ("radius_min", "radius_max"):
-        variables[name].attrs["long_name"] += " at the last speed"
-    for name in ("contact_count", "largest_force"):
-        variables[name].attrs["long_name"] += " on the ramp"
     return variables
-
-
-def _coordinates(varied: Varied, to: float) -> dict[str, Column | xr.Variable]:
-    """Return the axes of run-ups, and their last speed."""
-    rate = labelled("rate", "rate", varied.axes["rate"])
-    rate.attrs["long_name"] = "change of the spin speed in a unit of time"
-    return {**varied.coordinates, "to": ((), to), "rate": rate}
 
 
 def fractions_of(endings: Array, counted: tuple[int, ...]) -> dict[str, Array]:

@@ -7,80 +7,44 @@ point is a separate ramp.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import dataclass, fields, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from functools import partial
 from typing import Any, Unpack
 
-import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.arrays import Column
 from rotor_ida.checks import AT_REST, check_flag, check_progress
-from rotor_ida.model.disc_starts import begun
-from rotor_ida.model.parameters import OF_ROTOR
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parameters import SPEED, AnyAxes
 from rotor_ida.model.varied import Varied, varied_of, varied_system_of
-from rotor_ida.parallel import Progress, Stop, choose, shows_progress
+from rotor_ida.parallel import Progress, choose, shows_progress
 from rotor_ida.results.in_si import takes_rotors
-from rotor_ida.results.provenance import provenance
-from rotor_ida.results.question import Question
+from rotor_ida.results.question import DESIGN, Question
 from rotor_ida.results.rows import counted
 from rotor_ida.results.run import event_columns
 from rotor_ida.results.studies.results import Folder
-from rotor_ida.schema import RESPONSE, STATUS, labelled, labelled_dataset
-from rotor_ida.simulation.options import (
-    Backend,
-    Flight,
-    Method,
-    Options,
-    check_can_be_followed,
-    options_of_study,
-)
-from rotor_ida.simulation.starts import GivenStart, Starts, states_of
+from rotor_ida.schema import labelled, labelled_dataset
+from rotor_ida.simulation.options import Backend, Flight, Method
+from rotor_ida.simulation.starts import Starts
 from rotor_ida.simulation.systems.starts import Start
-from rotor_ida.steady.follow import FAILED, SettledResponse, failed, follow_to_steady_state
+from rotor_ida.steady.disc_sweep import EVENT, VariedDisc, answer_of_disc
 from rotor_ida.steady.grid import (
-    NO_COLUMNS,
     Columns,
-    Rows,
-    Task,
+    Direction,
+    Ramps,
     check_size,
-    form_of,
+    in_order,
     labelled_points,
-    representative,
     run_study,
-    start_coordinates,
-    start_words,
 )
-from rotor_ida.steady.ramps import Direction, RampJob, Ramps, in_order, lost, settle_along
-from rotor_ida.steady.response import Features
 from rotor_ida.steady.system_sweep import (
     VariedSystem,
-    checked_starts,
-    sweep_of_system,
     turning_speeds,
-)
-
-FEATURES = tuple(each.name for each in fields(Features))
-# The columns of a sweep with a number for each point, and those with one for each event.
-POINT = np.dtype(
-    [
-        ("response", np.int8),
-        *((name, np.float64) for name in (*FEATURES, "window_start", "window_end")),
-        ("status", np.int8),
-        ("event_count", np.int64),
-        *((name, np.float64) for name in ("end_x", "end_y", "end_vx", "end_vy")),
-    ]
-)
-EVENT_STATES = ("event_x", "event_y", "event_vx", "event_vy")
-EVENT = np.dtype(
-    [
-        ("event_time", np.float64),
-        ("event_kind", np.int8),
-        *((name, np.float64) for name in EVENT_STATES),
-    ]
+    with_meanings,
 )
 
 
@@ -305,136 +269,68 @@ def sweep(
     """
     reports = check_progress(progress)
     check_flag("events", events)
-    how: dict[str, Any]
-    kept: Sequence[Any]
+    asked: VariedDisc | VariedSystem
+    more: dict[str, Any] = {}
     if isinstance(rotor, RotorSystem):
         speeds = turning_speeds(speed, "in a sweep of a rotor system")
-        asked = varied_system_of(sweep, rotor, varied, speeds)
-        system = VariedSystem.of(asked, checked_starts(starts), modes, rtol)
-        given, kept, chosen = system.varied, system.kept, choose(executor, workers, compiled=True)
-        how = {"rotor": asked.base, "modes": modes, "rtol": system.rtol}
+        given = varied_system_of(sweep, rotor, varied, speeds)
+        asked = VariedSystem.of(given, starts, modes, rtol)
     else:
-        given = varied_of(sweep, rotor, varied)
-        options = options_of_study(
-            rtol=rtol, atol=atol, method=method, flight=flight, backend=backend
-        )
-        chosen = choose(executor, workers, compiled=options.backend != "python")
-        states = kept = states_of("starts", starts, loaded=bool(given.values("load").any()))
-        how = {name: getattr(options, name) for name in ("rtol", "atol", "method", "flight")}
-        how["events"] = events
-    first = "omega" if given.system is None else SPEED
-    points, way = in_order(given, len(kept), direction, along, first)
+        asked = VariedDisc.of(
+            varied_of(sweep, rotor, varied), starts, rtol=rtol, atol=atol, method=method,
+            flight=flight, backend=backend,
+        )  # fmt: skip
+        more = {"flight": asked.options.flight, "events": events}
+    chosen = choose(executor, workers, compiled=asked.is_compiled)
+    points, way = in_order(asked.varied, len(asked.starts), direction, along, asked.speed)
     check_size(points, study)
     told = {"along": way} if way not in {"", SPEED} else {}
     question = Question("sweep", {
-        **points.design, "starts": kept, "direction": direction, **told, **how
+        **points.design, "starts": asked.kept, "direction": direction, **told, **asked.arguments,
+        **more,
     })  # fmt: skip
-    axis = points.dims.index(way or first)
-    jobs: dict[str, Any] = {"study": study, "workers": chosen, "progress": reports}
-    if isinstance(rotor, RotorSystem):
-        return sweep_of_system(points, system.starts, axis, system.rtol, question, told, jobs)
-    check_varied_can_be_followed(points, states)
-    plan: Ramps[Rotor, GivenStart, SettledResponse] = Ramps(
-        points, states, DiscSettling(options), points.rotor, axis
+    plan: Ramps[Any, Any] = asked.ramps(points, way)
+    if events and isinstance(asked, VariedDisc):
+        work = partial(answer_of_disc, asked.options, events=True)
+        plan = replace(plan, answers=replace(plan.answers, work=work, event=EVENT))
+    columns = run_study(
+        plan, question, word="points of a sweep", study=study, workers=chosen, progress=reports
     )
-    columns = _followed(plan, question, jobs, events=events)
-    attributes = provenance(options.attributes()) | told | start_words(states)
-    attributes |= question.attribute()
-    return with_direction_named(_dataset(points, columns, states, attributes, events=events), way)
-
-
-def _followed(
-    plan: Ramps[Rotor, GivenStart, SettledResponse], question: Question, jobs: dict[str, Any],
-    *, events: bool,
-) -> Columns:  # fmt: skip
-    """Return the columns of one disc that is followed until it has settled."""
-    event = EVENT if events else NO_COLUMNS
-    form = form_of("points of a sweep", "points", POINT, event)
-    rows = rows_of if events else points_of
-    task: Task[DiscJob, list[SettledResponse]] = Task(settle_along, lost, rows, form, POINT, event)
-    return run_study(plan, task, question, **jobs)
+    return _dataset(asked, points, columns, told, question)
 
 
 def _dataset(
-    varied: Varied, columns: Columns, starts: Sequence[GivenStart], attributes: dict[str, Any],
-    *, events: bool,
+    asked: VariedDisc | VariedSystem, points: Varied, columns: Columns, told: Mapping[str, Any],
+    question: Question,
 ) -> xr.Dataset:  # fmt: skip
-    """Return a sweep of one disc as a labelled dataset."""
-    variables = labelled_points(varied, columns.points)
-    if events:
-        table = columns.events
+    """Return a sweep as a labelled dataset."""
+    variables, table = labelled_points(points, columns.points, asked.behind), columns.events
+    if table:
         variables |= counted("event_count", variables["event_count"], "event")
         variables |= {name: labelled(name, "event", column) for name, column in table.items()}
-        variables |= event_columns(table["event_time"], table["event_kind"], *varied.extremes())
-    return labelled_dataset(
-        "Rotor in a clearance: responses over a range of speeds", variables,
-        varied.coordinates | start_coordinates(starts), attributes, kind="sweep",
+        variables |= event_columns(table["event_time"], table["event_kind"], *points.extremes())
+    coordinates, key = asked.coordinates(points), question.attribute()
+    if isinstance(asked, VariedSystem):
+        coordinates |= {"initial_state": (("start", "component"), asked.initial_states(points))}
+        # as variables they would be columns of its table
+        key = {DESIGN: Question("sweep", {"rotor": points.base, "starts": asked.starts}).text()}
+    return study_dataset(
+        asked, points, f"{asked.title}: responses over a range of speeds", variables, coordinates,
+        {**asked.attributes, **told, **key}, "sweep",
     )  # fmt: skip
 
 
-def with_direction_named(swept: xr.Dataset, along: str) -> xr.Dataset:
-    """Return a result whose direction says which parameter is swept, if it is not the speed."""
-    if along not in {"", "omega"}:
-        words = f"direction in which the {OF_ROTOR[along].label} is swept"
-        swept["direction"].attrs["long_name"] = words
-    return swept
+def study_dataset(
+    asked: VariedDisc | VariedSystem, points: Varied, title: str,
+    variables: Mapping[str, xr.Variable], coordinates: Mapping[str, Column | xr.Variable],
+    attributes: Mapping[str, Any], kind: str,
+) -> xr.Dataset:  # fmt: skip
+    """Return the answers of a study of any rotor as a labelled dataset.
 
-
-def check_varied_can_be_followed(varied: Varied, starts: Sequence[GivenStart]) -> None:
-    """Check each speed, each clearance and each start once, and the largest damping."""
-    rotors = varied.extremes()
-    first, *others = representative(starts)
-    for rotor in rotors:
-        check_can_be_followed(rotor, first, settling=True)
-    for start in others:
-        check_can_be_followed(rotors[0], start, settling=True)
-
-
-DiscJob = RampJob[Rotor, GivenStart, SettledResponse]
-
-
-@dataclass(frozen=True, slots=True)
-class DiscSettling:
-    """How one disc is followed: see `rotor_ida.steady.ramps.Settling`."""
-
-    options: Options
-
-    def settle(self, rotor: Rotor, start: GivenStart, stop: Stop) -> SettledResponse:
-        """Return the response on which a rotor settles."""
-        return follow_to_steady_state(rotor, begun(start, rotor), self.options, stop=stop)
-
-    def failed(self, rotor: Rotor, start: GivenStart, reason: str) -> SettledResponse:
-        """Return the response of a rotor that could not be followed."""
-        return failed(rotor, begun(start, rotor), self.options, reason)
-
-    def end(self, settled: SettledResponse) -> GivenStart | None:
-        """Return the state at the end."""
-        return None if settled.response == FAILED else settled.end
-
-
-def points_of(points: Sequence[SettledResponse]) -> Rows:
-    """Return points as rows, without their events."""
-    return replace(rows_of(points), events=None)
-
-
-def rows_of(points: Sequence[SettledResponse]) -> Rows:
-    """Return points as rows, and the events of all."""
-    rows = [
-        (
-            RESPONSE[point.response],
-            *(getattr(point.features, name) for name in FEATURES),
-            point.window_start,
-            point.window_end,
-            STATUS["failed" if point.response == FAILED else "done"],
-            point.event_times.size,
-            *point.end,
-        )
-        for point in points
-    ]
-    events = np.empty(sum(point.event_times.size for point in points), dtype=EVENT)
-    events["event_time"] = np.concatenate([point.event_times for point in points])
-    events["event_kind"] = np.concatenate([point.event_kinds for point in points])
-    states = np.concatenate([point.event_states for point in points])
-    for name, column in zip(EVENT_STATES, states.T, strict=True):
-        events[name] = column
-    return Rows(np.array(rows, dtype=POINT), [point.message for point in points], events)
+    `kind` is that of one disc, and for a rotor system stands behind ``system_``.
+    """
+    found = labelled_dataset(
+        title, variables, {**points.coordinates, **coordinates}, attributes,
+        kind=kind if points.system is None else f"system_{kind}",
+    )  # fmt: skip
+    return with_meanings(asked.labelled(found), points, attributes)

@@ -6,7 +6,7 @@ import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any, ClassVar, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -18,19 +18,19 @@ from rotor_ida.core.runs import NO_STOP
 from rotor_ida.errors import InputError, SimulationError, warn
 from rotor_ida.model.assembly import assemble
 from rotor_ida.model.few_modes import in_modes
+from rotor_ida.model.parameters import OF_ROTOR
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED, with_parameters
 from rotor_ida.model.varied import Varied
 from rotor_ida.results.archived_system import OF_CONTACTS
 from rotor_ida.results.provenance import provenance
-from rotor_ida.results.question import DESIGN, Question
 from rotor_ida.results.system_units import with_system_units
-from rotor_ida.schema import RESPONSE, labelled_dataset
+from rotor_ida.schema import RESPONSE
+from rotor_ida.simulation.flow import Flow
 from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
 from rotor_ida.simulation.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL
 from rotor_ida.simulation.systems.starts import Start, start_of, state_at_end
 from rotor_ida.steady.follow import SettledSystem, settle
-from rotor_ida.steady.grid import labelled_points
-from rotor_ida.steady.ramps import Answer, Answers, Ramps, Row, answered
+from rotor_ida.steady.grid import Answer, Answers, Ramps
 from rotor_ida.steady.response import CONTACT_FREE, SYNCHRONOUS
 
 SETTLED = "settled"
@@ -109,23 +109,37 @@ class VariedSystem:
         Starts in the coordinates of the modes, and as a question keeps them.
     rtol : float
         Tolerance of a run.
+    arguments : mapping
+        The arguments of a question besides points and starts.
     """
+
+    speed: ClassVar[str] = SPEED
+    title: ClassVar[str] = "Rotor system"
+    behind: ClassVar[dict[str, tuple[str, ...]]] = {
+        **dict.fromkeys((*OF_CONTACT, "touched"), ("contact",)),
+        **dict.fromkeys(OF_NODE, ("node",)), "final_state": ("component",),
+    }  # fmt: skip
+    kept_columns: ClassVar[tuple[str, ...]] = (
+        "response", "period", "status", "radius_min", "radius_max", "largest_force", "touched",
+    )  # fmt: skip
+    is_compiled: ClassVar[bool] = True
 
     varied: Varied
     starts: list[Start]
     kept: list[Start]
     rtol: float
+    arguments: Mapping[str, Any]
 
     @classmethod
     def of(
-        cls, asked: Varied, starts: Sequence[Start | xr.Dataset], modes: int | None, rtol: float,
-        word: str = "starts",
+        cls, asked: Varied, starts: object, modes: int | None, rtol: float, word: str = "starts",
     ) -> VariedSystem:  # fmt: skip
         """Return a system in a number of modes; InputError for starts that it does not have."""
         tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
-        if modes is not None and any(isinstance(each, xr.Dataset) for each in starts):
+        given = _checked_starts(starts)
+        if modes is not None and any(isinstance(each, xr.Dataset) for each in given):
             raise InputError(f"{word} must be (q, velocity) with modes, got a result and {modes!r}")
-        taken = [in_modes(asked.base, modes, each) for each in starts]
+        taken = [in_modes(asked.base, modes, each) for each in given]
         first = []
         for system, start in taken:
             assembly = assemble(system)
@@ -133,8 +147,53 @@ class VariedSystem:
             if not isinstance(first[-1], str):  # before a study keeps it
                 start_of(assembly, first[-1], 1.0)
         kept = [end if isinstance(each, xr.Dataset) else each
-                for each, end in zip(starts, first, strict=True)]  # fmt: skip
-        return cls(replace(asked, system=taken[0][0]), first, kept, tolerance)
+                for each, end in zip(given, first, strict=True)]  # fmt: skip
+        arguments = {"rotor": asked.base, "modes": modes, "rtol": tolerance}
+        return cls(replace(asked, system=taken[0][0]), first, kept, tolerance, arguments)
+
+    @property
+    def attributes(self) -> dict[str, Any]:
+        """The attributes of a result that say how it was computed."""
+        return provenance({"method": "taylor", "rtol": self.rtol})
+
+    def coordinates(self, points: Varied) -> dict[str, Column]:
+        """Return the coordinates of a result besides its axes: its nodes and contacts."""
+        return places_of(points)
+
+    def initial_states(self, points: Varied) -> Values:
+        """Return q, velocity and speeds of races at each start; NaN where the speed sets them."""
+        problem, speed = Turnings(points, self.rtol).checked(), float(points.axes[SPEED][0])
+        states = []
+        for start in self.starts:
+            varies = isinstance(start, str) and start == SETTLED
+            state = start_of(problem.assembly, None if varies else start, speed)
+            states.append(np.append(state, problem.race_speeds))
+            if varies:
+                states[-1][:] = math.nan
+        return np.array(states)
+
+    def ramps(self, points: Varied, along: str) -> Ramps[Turning, Start | Values]:
+        """Return the ramps of all points, checked; warn where they take long."""
+        turnings = Turnings(points, self.rtol)
+        problem, speeds = turnings.checked(), points.axes[SPEED]
+        warn_if_long(problem, speeds, points.points // speeds.size)
+        answers: Answers[Turning, Start | Values] = Answers(answer_of_system, point_of(problem))
+        return Ramps(points, self.starts, answers, turnings.at, points.dims.index(along or SPEED))
+
+    @staticmethod
+    def motion(point: Turning, end: Values, stop: Stop) -> tuple[Flow, Values]:
+        """Return how the system at a point goes on from where a sweep has left it."""
+        flow = SystemFlow.at(*point, stop)
+        return flow, end / flow.scales
+
+    def labelled(self, dataset: xr.Dataset) -> xr.Dataset:
+        """Return a result with the units of its system."""
+        where = "distance of the contact from the centre of its stator over the final window"
+        for name, word in (("radius_min", "smallest"), ("radius_max", "largest")):
+            dataset[name].attrs["long_name"] = f"{word} {where}"
+        if "to" in dataset.coords:
+            dataset["to"].attrs["long_name"] = "spin speed at the end of the ramp"
+        return with_system_units(dataset, self.varied.base)
 
 
 def check_slowest(problem: SettlingProblem, speeds: Values) -> None:
@@ -168,7 +227,7 @@ def warn_if_long(problem: SettlingProblem, speeds: Values, times: int) -> None:
     )
 
 
-def checked_starts(starts: object) -> list[Start | xr.Dataset]:
+def _checked_starts(starts: object) -> list[Start | xr.Dataset]:
     """Return the starts, one or more; a result alone is one start, and at rest on the axis None."""
     if isinstance(starts, xr.Dataset):
         return [starts]
@@ -178,12 +237,6 @@ def checked_starts(starts: object) -> list[Start | xr.Dataset]:
             f"{shown(starts)}"
         )
     return [None if each is AT_REST else each for each in starts]
-
-
-def _initial_state(problem: SettlingProblem, start: Start, speed: float) -> Values:
-    """Return q, velocity and speeds of races at a start; NaN where they depend on the speed."""
-    state = np.append(start_of(problem.assembly, start, speed), problem.race_speeds)
-    return np.full_like(state, math.nan) if isinstance(start, str) and start == SETTLED else state
 
 
 def point_of(problem: SettlingProblem) -> np.dtype[np.void]:
@@ -204,7 +257,7 @@ def point_of(problem: SettlingProblem) -> np.dtype[np.void]:
     )
 
 
-def answer_at(point: Turning, start: Start | Values, stop: Stop) -> Answer:
+def answer_of_system(point: Turning, start: Start | Values, stop: Stop) -> Answer:
     """Return what a system settles on, from a start or from where another point ends."""
     flow = SystemFlow.at(*point, stop)
     begun = start if isinstance(start, np.ndarray) else started(point, start)
@@ -213,13 +266,8 @@ def answer_at(point: Turning, start: Start | Values, stop: Stop) -> Answer:
     return Answer(figures_of(settled, flow, last), settled.decision.message, end=last)
 
 
-def first_state(problem: SettlingProblem, start: Start | xr.Dataset, speed: float) -> Values:
-    """Return the state at a start, which may be the end of a result."""
-    return state_of_start(problem, state_at_end(problem.assembly, start), speed)
-
-
-def state_of_start(problem: SettlingProblem, start: Start, speed: float) -> Values:
-    """Return displacements, velocities and speeds of races at a start."""
+def state_of_start(problem: SettlingProblem, start: Start | xr.Dataset, speed: float) -> Values:
+    """Return displacements, velocities and speeds of races at a start, or where a result ends."""
     begun = start_of(problem.assembly, start, speed)
     moved = np.array([problem.found.to_y(each) for each in begun])
     return np.concatenate([moved.ravel(), problem.race_speeds])
@@ -270,40 +318,6 @@ def places_of(varied: Varied) -> dict[str, Column]:
     return found
 
 
-def sweep_of_system(
-    varied: Varied, starts: Sequence[Start], axis: int, rtol: float, question: Question,
-    told: Mapping[str, Any], jobs: Mapping[str, Any],
-) -> xr.Dataset:  # fmt: skip
-    """Return what a system settles on at each point, along ramps that lead along an axis."""
-    system, turnings = varied.base, Turnings(varied, rtol)
-    problem = turnings.checked()
-    warn_if_long(problem, varied.axes[SPEED], varied.points // varied.axes[SPEED].size)
-    plan: Ramps[Turning, Start | Values, Row] = Ramps(
-        varied, starts, Answers(answer_at, point_of(problem)), turnings.at, axis
-    )
-    columns = answered(plan, question, word="points of a sweep", **jobs)
-    attributes = {**provenance({"method": "taylor", "rtol": rtol}), **told}
-    behind = dict.fromkeys((*OF_CONTACT, "touched"), ("contact",))
-    behind |= dict.fromkeys(OF_NODE, ("node",)) | {"final_state": ("component",)}
-    speed = float(varied.axes[SPEED][0])
-    states = np.array([_initial_state(problem, each, speed) for each in starts])
-    coordinates: dict[str, Column] = varied.coordinates | places_of(varied) | {
-        "initial_state": (("start", "component"), states)
-    }  # fmt: skip
-    dataset = labelled_dataset(
-        "Rotor system: responses over a range of speeds",
-        labelled_points(varied, columns, behind), coordinates,
-        # as variables they would be columns of its table
-        attributes | {DESIGN: Question("sweep", {"rotor": system, "starts": starts}).text()},
-        kind="system_sweep",
-    )  # fmt: skip
-    for name, word in (("radius_min", "smallest"), ("radius_max", "largest")):
-        dataset[name].attrs["long_name"] = (
-            f"{word} distance of the contact from the centre of its stator over the final window"
-        )
-    return with_meanings(with_system_units(dataset, system), varied, attributes)
-
-
 def clearances_of(varied: Varied) -> dict[str, Column]:
     """Return the clearance of each contact; where it varies, beside that axis."""
     axis = varied.given.get("clearance")
@@ -320,14 +334,15 @@ def clearances_of(varied: Varied) -> dict[str, Column]:
 def with_meanings(
     dataset: xr.Dataset, varied: Varied, attributes: Mapping[str, Any] = {}
 ) -> xr.Dataset:
-    """Return a result of a system whose parameters, and the direction over them, say what they are.
+    """Return a result whose parameters, and the direction over them, say what they are.
 
-    One disc has parameters of the same names.
+    One disc and a system have parameters of the same names.
     """
-    for name in varied.parameters:
+    own: Mapping[str, Any] = OF_ROTOR if varied.system is None else PARAMETERS_OF_SYSTEM
+    for name in varied.parameters if varied.system is not None else ():
         if name in PARAMETERS_OF_SYSTEM:
             dataset[name].attrs["long_name"] = PARAMETERS_OF_SYSTEM[name].meaning
-    if way := attributes.get("along"):
-        words = f"direction in which the {PARAMETERS_OF_SYSTEM[way].label} is swept"
+    if (way := attributes.get("along", "omega")) != "omega":
+        words = f"direction in which the {own[way].label} is swept"
         dataset["direction"].attrs["long_name"] = words
     return dataset

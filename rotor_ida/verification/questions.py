@@ -23,7 +23,7 @@ from rotor_ida.results.archived_system import problem_of
 from rotor_ida.results.kinds import kind_of
 from rotor_ida.results.question import Question
 from rotor_ida.simulation.flow import DiscFlow
-from rotor_ida.steady.ramps import DIRECTIONS
+from rotor_ida.steady.grid import DIRECTIONS
 
 SOLVER = ("rtol", "atol", "method")
 # Attributes of the speed of a run-up.

@@ -32,7 +32,7 @@ from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
 from rotor_ida.simulation.systems.starts import start_of
 from rotor_ida.verification.verify import differences, rerun
 from tests.basins.lanes import WHIP
-from tests.systems.random_systems import random_system
+from tests.random_systems import random_system
 
 AXIS = np.linspace(-6.0, 6.0, 5)
 # Rotors of one disc, planes of starts, and the kinds of response on which these end.

@@ -241,6 +241,7 @@ MISTAKES = [
     ("simulate --omga 1", "unknown option '--omga'; did you mean '--omega'?"),
     (simulate() + " --smaples 3", "unknown option '--smaples'; did you mean '--samples'?"),
     (simulate(colour="red"), "unknown option '--colour'"),
+    ("bifurcation-diagram --node disc", "results have all nodes, plot FILE --node NODE draws one"),
     (simulate() + " --omega 2", "--omega specified multiple times"),
     (simulate() + " --json yes", "unexpected argument 'yes'"),
     ("doctor now", "unexpected argument 'now'"),

@@ -268,7 +268,7 @@ def test_defaults_are_those_of_the_library(command: Callable[..., object], libra
 
 
 def test_directions_are_those_of_the_library():
-    from rotor_ida.steady.ramps import Direction
+    from rotor_ida.steady.grid import Direction
 
     choices = {
         choice for kind in get_args(options_of(sweep)["direction"][0]) for choice in get_args(kind)

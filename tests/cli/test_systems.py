@@ -153,11 +153,12 @@ def test_run_ups_of_a_file_are_those_of_python_and_verify(program: Program, roto
     assert record["run_ups"][0]["excursion"] == float(expected.excursion.max())
     assert record["run_ups"][0]["first_touch_speed"] == float(expected.first_touch_speed.min())
     assert [row["contact_node"] for row in record["contacts"]] == ["seal", "disc"]
-    answer = program("run-ups", rotor, "--to", "4300rpm", "--rate", "2e4rpm/s", "--damping", 2,
-                     "--friction", 0, 0.2, "--out", "over.nc", "--figure", "over")  # fmt: skip
+    answer = program("run-ups", rotor, "--from", "4000rpm", "--to", "4300rpm", "--rate",
+                     "2e4rpm/s", "--damping", 2, "--friction", 0, 0.2, "--out", "over.nc",
+                     "--figure", "over")  # fmt: skip
     assert (answer.status, answer.err) == (0, "")
-    over = {"friction": [0.0, 0.2], "damping": 2.0}
-    expected = rotor_ida.run_ups(SYSTEM_OF_PYTHON, **around, **ramp, starts=["rest"], **over)
+    over = {"friction": [0.0, 0.2], "damping": 2.0, "speed": 4000 * RPM}
+    expected = rotor_ida.run_ups(SYSTEM_OF_PYTHON, **around, **ramp | over, starts=["rest"])
     assert rotor_ida.load("over.nc").equals(expected)
 
 
@@ -367,6 +368,7 @@ MISTAKES = [
     ("sweep rotor.toml", "speed must be given with --speed for a sweep of a rotor system"),
     ("run-ups rotor.toml --to 1 --rate 1 --method bdf", "method must be taylor for run-ups of a"),
     ("run-ups rotor.toml --to 1 --rate 1 --damping 3N*s/m", "damping must be a factor without"),
+    ("run-ups rotor.toml --from 2 --speed 3 --to 1 --rate 1", "speed must be left out with --from"),
     ("run-ups rotor.toml --to 0 --rate 1", "to must not be 0 in run-ups of a rotor system, got"),
     ("sweep rotor.toml --speed 0", "speed must not be 0 in a sweep of a rotor system, got 0.0"),
     ("sweep rotor.toml --speed 1 --omega 2", "omega must be left out with a rotor system"),

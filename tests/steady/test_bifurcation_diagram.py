@@ -16,10 +16,9 @@ from rotor_ida import (
 from rotor_ida.closed_forms import planar_period
 from rotor_ida.core.interface import STUCK
 from rotor_ida.core.runs import follow_run
-from rotor_ida.schema import RESPONSE, STATUS
+from rotor_ida.schema import RESPONSE
 from rotor_ida.simulation import extrema
 from rotor_ida.simulation.extrema import CONSTANT, MAXIMUM, MINIMUM, radius_extrema
-from rotor_ida.steady import bifurcation_diagram as bifurcation_module
 
 GO_ON = np.zeros(1, np.uint8)
 REST = (0.0, 0.0, 0.0, 0.0)
@@ -165,25 +164,6 @@ def test_any_parameter_of_a_machine_may_be_an_axis():
             number = next(numbers)
             part = both.extremum_radius.values[ends[number] - counts[number] : ends[number]]
             np.testing.assert_array_equal(part, alone.extremum_radius.values)
-
-
-def test_workers_leave_no_trace():
-    arguments = {"omega": [2.0, 3.0], "zeta": 0.07, "delta0": 2.0, "starts": 3}
-    one, two = (bifurcation_diagram(**arguments, workers=workers) for workers in (1, 2))
-    assert one.identical(two)
-
-
-def test_a_point_whose_motion_cannot_be_followed_on_has_failed(monkeypatch):
-    def stuck(rotor, start, duration, rtol, stop):
-        if rotor.omega == 2.0:
-            raise SimulationError("stuck", time=0.5, state=start)
-        return radius_extrema(rotor, start, duration, rtol, stop)
-
-    monkeypatch.setattr(bifurcation_module, "radius_extrema", stuck)
-    found = bifurcation_diagram(omega=[2.0, 3.0], zeta=0.5, delta0=0.0, starts=[REST])
-    assert found.status.values.ravel().tolist() == [STATUS["failed"], STATUS["done"]]
-    assert found.message.values.ravel()[0].startswith("stuck (at t = 0.5")
-    assert found.extremum_count.values.ravel().tolist() == [0, 1]
 
 
 def test_failure_says_where(monkeypatch):

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from rotor_ida import Rotor, SimulationError, bifurcation_diagram, folds, run_up
+from rotor_ida import Rotor, SimulationError, bifurcation_diagram, run_up
 from rotor_ida.closed_forms import late_jumps
 from rotor_ida.plot import plot_extrema
 from rotor_ida.schema import RESPONSE, STATUS
@@ -119,16 +119,6 @@ def test_what_the_rotor_does_near_a_speed_is_told_by_its_radius():
     ax = plot_extrema(found)
     drawn = np.concatenate([line.get_xdata() for line in ax.lines])
     assert set(np.round(found.extremum_speed.values, 9)) == set(np.round(drawn, 9))
-
-
-def test_quasi_static_diagrams_keep_the_direction():
-    given = {"omega": [1.0, 1.4, 2.0], **JUMPS, "starts": [REST], "method": "taylor"}
-    found = bifurcation_diagram(**given, direction="both")
-    up, down = (found.radius_max.isel(direction=place).values.ravel() for place in (0, 1))
-    assert found.direction.values.tolist() == [1, -1]
-    fold = folds(**JUMPS).fold_omega.values.ravel()
-    assert fold[2] < 1.4 < fold[3]
-    assert up[1] > 2.0 * down[1]
 
 
 def test_a_run_that_cannot_be_followed_has_failed(monkeypatch):

@@ -269,13 +269,12 @@ def test_dimensions_labels_and_archive(tmp_path):
     xr.testing.assert_identical(load(tmp_path / "run_ups.nc").drop_attrs(), found.drop_attrs())
 
 
-@pytest.mark.parametrize("executor", ["threads", "processes"])
-def test_whoever_does_the_work_finds_the_same_bits(executor):
+def test_processes_find_the_same_bits():
     given = {"omega": 0.3, "to": 1.6, "rate": [0.05, 0.1], **SHAFT, "starts": [REST, START]}
     calls = []
     alone = run_ups(**given, executor="serial")
     together = run_ups(
-        **given, executor=executor, workers=2,
+        **given, executor="processes", workers=2,
         progress=lambda done, total: calls.append((done, total)),
     )  # fmt: skip
     assert float(alone.largest_force.max()) > 0.0

@@ -19,7 +19,7 @@ from rotor_ida import (
 )
 from rotor_ida.schema import STATUS
 from rotor_ida.simulation.extrema import CONSTANT, MAXIMUM, MINIMUM
-from rotor_ida.steady import system_diagram
+from rotor_ida.steady import bifurcation_diagram as diagram_module
 from rotor_ida.verification.verify import differences, rerun
 from tests.kinds import MACHINE
 from tests.simulation.test_system_sections import LOADED, TOUCHING, chain, response, states
@@ -175,14 +175,14 @@ def test_a_stroboscopic_diagram_of_a_disc_is_a_study_that_verifies(tmp_path):
 
 @pytest.mark.parametrize("name", ["distance_extrema", "crossings_of_system"])
 def test_a_point_that_cannot_be_followed_on_has_failed(monkeypatch, name):
-    real = getattr(system_diagram, name)
+    real = getattr(diagram_module, name)
 
     def stuck(flow, *given):
         if flow.speed == 1.1:
             raise SimulationError("stuck", time=0.5, state=(0.0, 0.0, 0.0, 0.0))
         return real(flow, *given)
 
-    monkeypatch.setattr(system_diagram, name, stuck)
+    monkeypatch.setattr(diagram_module, name, stuck)
     at = "revolution" if name == "crossings_of_system" else "extrema"
     found = bifurcation_diagram(TOUCHING, speed=[1.0, 1.1], at=at, revolutions=3)
     assert found.status.values.ravel().tolist() == [STATUS["done"], STATUS["failed"]]

@@ -22,8 +22,9 @@ from rotor_ida import (
     synchronous_response,
 )
 from rotor_ida.schema import STABILITY
-from rotor_ida.steady import ramps, system_sweep
-from tests.systems.axisymmetric_systems import random_axisymmetric
+from rotor_ida.steady import sweep as sweep_module
+from rotor_ida.steady import system_sweep
+from tests.axisymmetric_systems import random_axisymmetric
 
 # ---- Against what is known ----
 
@@ -283,7 +284,7 @@ def test_a_sweep_that_takes_minutes_says_so_before_it_starts(monkeypatch):
         mass=np.eye(40), stiffness=1e6 * chain, damping=2.0 * np.eye(40), nodes={"end": (0, 1)}
     )
     stop = Contact(node="end", clearance=1e-3, stiffness=1e6)
-    monkeypatch.setattr(ramps, "run_study", lambda *_, **__: pytest.fail("it started"))
+    monkeypatch.setattr(sweep_module, "run_study", lambda *_, **__: pytest.fail("it started"))
     given = {"contacts": [stop], "speed": np.linspace(10.0, 20.0, 20)}
     with pytest.raises(
         UserWarning, match=r"takes some \d+ minutes .* as 40 .*: modes=16 takes less"

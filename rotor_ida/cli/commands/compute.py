@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from pathlib import Path
 from typing import Annotated, Any, Literal
 
@@ -107,6 +107,14 @@ Unbalances = Annotated[
         "kg m",
     ),
     IN_ROTOR,
+]
+InitialSpeeds = Annotated[
+    list[float] | None,
+    numbers_option(
+        "Initial speeds (SI: rad/s, or as 300rpm), in place of --omega or --speed.",
+        "rad s-1",
+        name="--from",
+    ),
 ]
 Shown = Annotated[
     Literal["extrema", "revolution"],
@@ -472,6 +480,7 @@ def run_ups(
     rotors: RotorsOptions = RotorsOptions(),
     to: ToSpeed,
     rate: Rates,
+    begin: InitialSpeeds = None,
     phase: Phases = [0.0],  # noqa: B006 - never changed
     start: options.StartsOfRunUps = None,
     stiffness: StiffnessFactors = None,
@@ -496,7 +505,8 @@ def run_ups(
 
     A rotor of any size with several contacts, from a system file:
 
-        rotor-ida run-ups rotor.toml --to 5000rpm --rate 5000rpm/s --out many.nc
+        rotor-ida run-ups rotor.toml --from 600rpm --to 5000rpm --rate 5000rpm/s \
+            --out many.nc
 
     That rotor with two frictions, and with its unbalance:
 
@@ -504,6 +514,12 @@ def run_ups(
             --unbalance 1e-3 2e-3 --figure frictions
     """
     axes = {"stiffness": stiffness, "unbalance": unbalance}
+    if begin is not None:
+        of_speed = "speed" if system is not None or rotors.in_si else "omega"
+        if of_speed in rotors.values:
+            raise InputError(f"{of_speed} must be left out with --from, got both")
+        initial: dict[str, Any] = {of_speed: begin}
+        rotors = replace(rotors, **initial)
     if system is not None:
         given = {"to": to, "rate": rate, "phase": phase, "study": study, **jobs.on_every_core()}
         return run_ups_file(system, rotors, axes, start, solver, output, given)

@@ -58,7 +58,7 @@ def system_dataset(
         **_standstill(followed),
         **_relative(assembly, q, event_q[:, 0], result.event_contacts),
         **_forces(followed),
-        **_episodes(followed),
+        **_episodes(assembly, followed),
         "excursion": ("contact", _excursions(assembly, q, followed)),
         **problem,
     }  # fmt: skip
@@ -150,17 +150,19 @@ def _excursions(assembly: Assembly, q: Values, followed: Followed) -> Values:
     return found
 
 
-def _episodes(followed: Followed) -> dict[str, Column]:
+def _episodes(assembly: Assembly, followed: Followed) -> dict[str, Column]:
     """Return the table of contacts: one row from each entry to its exit, by time of entry."""
     table = followed.result.episodes
     begun = np.where(np.isnan(table["entry"]), -1.0, table["entry"])
     table = table[np.argsort(begun, kind="stable")]
     number = table["contact"].astype(int)
     lasts = np.isnan(table["entry"]) | np.isnan(table["exit"])
+    damped = np.array([each.damping > 0.0 for each in assembly.contacts], bool)[number]
     columns = {
         "episode_contact": number.astype(np.int16), "peak_indentation": table["peak_root"] ** 2,
         "peak_force": table["largest_force"], "peak_force_time": table["force_time"],
-        "energy_lost": np.where(lasts, np.nan, table["work"]),
+        # without damping it is nothing but the rounding of the balance
+        "energy_lost": np.where(lasts, np.nan, np.where(damped, table["work"], 0.0)),
         "heat": table["heat"], "slip_distance": table["slip_distance"],
         "rolling_time": table["rolling_time"],
     }  # fmt: skip

@@ -6,8 +6,7 @@ import pytest
 from rotor_ida import sweep
 from rotor_ida.model.varied import varied_of
 from rotor_ida.simulation.options import Options
-from rotor_ida.steady.ramps import Ramps
-from rotor_ida.steady.sweep import DiscSettling
+from rotor_ida.steady.disc_sweep import VariedDisc
 
 VARIED = varied_of(
     sweep,
@@ -19,8 +18,7 @@ STARTS = [(0.0, 0.0, 0.0, 0.0), (1.0, 0.0, 0.0, 0.0)]
 
 def ramps_of(*directions, along="omega"):
     varied = VARIED.over(start=np.arange(2), direction=np.array(directions, np.int8))
-    settling, axis = DiscSettling(Options()), varied.dims.index(along)
-    return Ramps(varied, STARTS, settling, varied.rotor, axis)
+    return VariedDisc(VARIED, STARTS, Options()).ramps(varied, along)
 
 
 @pytest.mark.parametrize("along", ["omega", "zeta", "delta0"])

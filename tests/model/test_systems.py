@@ -31,8 +31,8 @@ from rotor_ida.cli.describe import describe
 from rotor_ida.core import systems as core_systems
 from rotor_ida.results.archived_system import problem_of
 from rotor_ida.simulation.systems import following
-from tests.systems.axisymmetric_systems import random_axisymmetric
-from tests.systems.random_systems import random_system
+from tests.axisymmetric_systems import random_axisymmetric
+from tests.random_systems import random_system
 
 PLAIN = {"mass": np.eye(4), "stiffness": 2.0 * np.eye(4), "nodes": {"disc": (0, 1), "end": (2, 3)}}
 TOUCH = {"node": "disc", "clearance": 0.1, "stiffness": 10.0}

@@ -19,8 +19,8 @@ from rotor_ida import (
     special_speeds,
     synchronous_response,
 )
-from tests.systems.axisymmetric_systems import beam, random_axisymmetric
-from tests.systems.test_synchronous import complex_matrices, responses, turned_forces
+from tests.axisymmetric_systems import beam, random_axisymmetric
+from tests.closed_forms.test_system_whirls import complex_matrices, responses, turned_forces
 
 DISCS = (
     {"zeta": 0.07, "delta0": 0.5, "friction": 0.1},

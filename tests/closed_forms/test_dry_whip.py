@@ -10,7 +10,7 @@ from rotor_ida import Contact, Rotor, RotorSystem, backward_whirl, simulate
 from rotor_ida.closed_forms.whirls.dry_whip import _edges, dry_whips
 from rotor_ida.model.assembly import assemble
 from rotor_ida.model.axisymmetric import forward_motions
-from tests.systems.axisymmetric_systems import QUARTER, random_axisymmetric
+from tests.axisymmetric_systems import QUARTER, random_axisymmetric
 
 
 def whips_of(system, contact, speed):

@@ -12,7 +12,7 @@ from rotor_ida import (
     campbell,
     synchronous_response,
 )
-from tests.systems.axisymmetric_systems import beam, random_axisymmetric
+from tests.axisymmetric_systems import beam, random_axisymmetric
 
 
 def overhung(**more):

@@ -20,7 +20,7 @@ from rotor_ida import (
     synchronous_response,
 )
 from rotor_ida.closed_forms.whirls.double_rubs import Pairs, double_rubs
-from tests.systems.axisymmetric_systems import beam, random_axisymmetric
+from tests.axisymmetric_systems import beam, random_axisymmetric
 
 
 def complex_matrices(system, contacts):

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from rotor_ida import Contact, InputError, RotorSystem, Stator, Unbalance, simulate
-from tests.systems.random_systems import random_system
+from tests.random_systems import random_system
 
 G = 9.81
 STILL = {"speed": 0.0, "gravity": (0.0, -G), "start": "rest", "duration": 0.2, "samples": 41}

@@ -17,7 +17,7 @@ from rotor_ida import (
     run_up,
     simulate,
 )
-from tests.systems.random_systems import followed, random_system
+from tests.random_systems import followed, random_system
 
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
 ENTRY, EXIT, ROLL, SLIP, REVERSE, PRESS, RELEASE = 1, -1, 2, -2, 3, 4, -4

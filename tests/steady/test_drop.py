@@ -1,6 +1,7 @@
 """Drops of rigid rotors against closed forms, and what the core does in long symmetric ones."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -415,6 +416,11 @@ def test_a_disc_as_a_system_drops_as_the_disc_itself(friction, damping, whips):
     assert (run.whirl_sense[0] < 0) == whips
     assert (run["mode"][-1, 0] == MODE["rolling"]) == whips
     assert run.rest_time.notnull().all()
+    elastic = [replace(system.contacts[0], damping=0.0)]
+    bounce = drop(system, contacts=elastic, speed=machine.speed, duration=0.03,
+                  start=([-shift, 0.0], [0.0, -shift * machine.speed]))  # fmt: skip
+    assert bounce.contact_count.item() > 0
+    assert bounce.total_contact_loss.item() == 0.0 < run.total_contact_loss.item()
 
 
 def test_a_drop_is_verified_and_loaded_as_it_was(tmp_path):

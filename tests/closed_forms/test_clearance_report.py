@@ -24,7 +24,7 @@ from rotor_ida.closed_forms.clearances.critical_speeds import (
 )
 from rotor_ida.model.assembly import assemble
 from rotor_ida.units import quantity
-from tests.systems.axisymmetric_systems import beam
+from tests.axisymmetric_systems import beam
 
 RPM = math.pi / 30.0
 MASS, STIFFNESS, DAMPING = 20.0, 4e6, 1800.0
