@@ -16,10 +16,12 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.checks import COMPONENTS
-from rotor_ida.cycles.branch_course import course_of, parameters_of, stable_ranges
-from rotor_ida.cycles.guess import Guess, as_start, as_start_of_system
+from rotor_ida.cycles.branch_course import VARIED, course_of, parameters_of, stable_ranges
+from rotor_ida.cycles.guess import CLOSING_RTOL, Guess, as_start, flow_at
+from rotor_ida.model.assembly import assemble
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
 from rotor_ida.results.archived_system import NEEDED, PROBLEM, problem_of
 from rotor_ida.results.kinds import kind_of
@@ -27,6 +29,7 @@ from rotor_ida.results.question import Question
 from rotor_ida.schema import RESPONSE
 from rotor_ida.schema.quantities import TOLERANCE, TOLERANCE_OF_KIND
 from rotor_ida.simulation.flow import DiscFlow
+from rotor_ida.simulation.systems.flow import SettlingProblem
 from rotor_ida.steady.ramps import DIRECTIONS
 from rotor_ida.verification.variables import OF_ONE_STRETCH, PERIODIC
 
@@ -178,32 +181,38 @@ def _cycle(dataset: xr.Dataset) -> Question:
     return Question("limit_cycle", {"rotor": rotor_in(dataset), **given})
 
 
-def _followed(dataset: xr.Dataset, parameters: tuple[str, ...], special: str) -> dict[str, Any]:
-    """Return the rotor and the start of a branch or curve."""
-    given, rotor = dataset.attrs, rotor_in(dataset, "start_")
-    guess = Guess(
-        DiscFlow(rotor), np.array(given["start"]), float(given["start_period"]), special,
-        float(given.get("start_slope", 1.0)),
-    )  # fmt: skip
-    return {"rotor": rotor, "start": as_start(guess, parameters), "points": int(given["points"])}
+def _followed(dataset: xr.Dataset, parameters: tuple[str, ...]) -> dict[str, Any]:
+    """Return the rotor, the start and the limits of a branch or curve."""
+    given, is_system = dataset.attrs, "contact_node" in dataset.variables
+    special, state = str(given.get("start_special", given.get("kind"))), np.array(given["start"])
+    told = (special, float(given.get("start_slope", 1.0)))
+    rotor: Rotor | RotorSystem
+    if is_system and "clearance" in parameters:
+        _lost(dataset)
+    if is_system:
+        rotor = problem_of(dataset)[0]
+        flow = flow_at(SettlingProblem.of(assemble(rotor), CLOSING_RTOL), given["start_speed"])
+        guess = Guess(flow, flow.given_state(state), float(given["start_period"]), *told)
+    else:
+        rotor = rotor_in(dataset, "start_")
+        guess = Guess(DiscFlow(rotor), state, float(given["start_period"]), *told)
+    limits = np.reshape(given["limits"], (-1, 2)).tolist()
+    return {
+        "rotor": rotor, "start": as_start(guess, parameters), "points": int(given["points"]),
+        "limits": tuple(map(tuple, limits)) if len(limits) > 1 else tuple(limits[0]),
+    }  # fmt: skip
 
 
 def _branch(dataset: xr.Dataset) -> Question:
-    given, (parameter,) = dataset.attrs, parameters_of("branch", dataset, "parameter", 1)
-    more = {
-        "parameter": parameter,
-        "limits": tuple(np.asarray(given["limits"]).tolist()),
-        "direction": str(given["direction"]),
-    }
-    special = str(given["start_special"])
-    return Question("continue_cycle", _followed(dataset, (parameter,), special) | more)
+    (parameter,) = parameters_of("branch", dataset, "parameter", 1)
+    more = {"parameter": parameter, "direction": str(dataset.attrs["direction"])}
+    return Question("continue_cycle", _followed(dataset, (parameter,)) | more)
 
 
 def _curve(dataset: xr.Dataset) -> Question:
-    given, names = dataset.attrs, tuple(parameters_of("curve", dataset, "parameters", 2))
-    limits = np.reshape(given["limits"], (2, 2))
-    more = {"kind": given["kind"], "parameters": names, "limits": limits}
-    return Question("bifurcation_curve", _followed(dataset, names, given["kind"]) | more)
+    names = tuple(parameters_of("curve", dataset, "parameters", 2))
+    more = {"kind": dataset.attrs["kind"], "parameters": names}
+    return Question("bifurcation_curve", _followed(dataset, names) | more)
 
 
 def _system_in(dataset: xr.Dataset, *names: str) -> dict[str, Any]:
@@ -281,14 +290,6 @@ def _system_cycle(dataset: xr.Dataset) -> Question:
     return Question("limit_cycle", given | {"start": start.drop_attrs()})
 
 
-def _system_branch(dataset: xr.Dataset) -> Question:
-    told = _told_in(dataset, "direction", "points")
-    told["limits"] = tuple(np.asarray(dataset.attrs["limits"]).tolist())
-    return Question(
-        "continue_cycle", _system_in(dataset) | told | {"start": as_start_of_system(dataset.attrs)}
-    )
-
-
 def _transients(_again: xr.Dataset, archived: xr.Dataset) -> Reasons:
     """Return why numbers of the way to a steady state are not compared."""
     names = ("event", "event_count", "event_row", *(f"end_{name}" for name in COMPONENTS))
@@ -342,9 +343,10 @@ def _ends(dataset: xr.Dataset) -> dict[str, Any]:
     for end, place in ends.items():
         found[end] = words[end]
         if words[end] in SHARP:
-            names = [name for name in ALL_PARAMETERS if name in dataset.variables]
+            at_end = dataset.isel(point=place)
+            names = dict.fromkeys(name for name in VARIED if name in dataset.coords)
             for name in (*names, "period", "radius_min", "radius_max"):
-                found[f"{name} at the {end}"] = float(dataset.isel(point=place)[name])
+                found[f"{name} at the {end}"] = (at_end[name].dims, at_end[name].values)
     if "parameter" in dataset.attrs and set(words.values()) <= set(SHARP):
         values = course_of(dataset).value
         found["extremes of the parameter"] = ("extreme", [values.min(), values.max()])
@@ -365,6 +367,7 @@ def tolerance_of_run(run: xr.Dataset) -> float:
 
 NUMBERS = ("amplitude", "phase_lag", "radius_min", "radius_max")
 _RANGES = tuple(f"range_{name}" for name in COMPONENTS)
+_BEGUN_OF_SYSTEM = ("start", "start_speed", "start_period", "start_special", "limits", "points")
 _BEGUN = ("start", "start_period", *(f"start_{name}" for name in PARAMETERS))
 _SYSTEM_RUN = Verification(
     _system_run, ("event_time", "event_time_error", "event_contact", "t", *NEEDED),
@@ -463,10 +466,12 @@ VERIFIED = {
         _system_cycle, ("period", "multiplier_real", "speed", "final_state", *PROBLEM)
     ),
     "system_branch": Verification(
-        _system_branch, ("special_kind", "special_speed", "special_period", *PROBLEM),
-        ("start", "start_speed", "start_period", "start_special", "start_slope", "limits",
-         "direction", "points"),
-        _steps,
+        _branch, ("special_kind", "special_value", "special_period", *PROBLEM),
+        ("parameter", "direction", *_BEGUN_OF_SYSTEM), _steps, also=_ends,
+    ),
+    "system_curve": Verification(
+        _curve, ("special_second_value", "special_value", "special_period", *PROBLEM),
+        ("kind", "parameters", *_BEGUN_OF_SYSTEM), _steps_of_curve, also=_ends,
     ),
     "campbell": Verification(
         _campbell, ("whirl_speed", "damping_ratio", "speed", "contact_stiffness", *PROBLEM)

@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -247,7 +248,8 @@ class SystemFlow:
         step = OF_PARAMETER * (1.0 if name in MAY_BE_ZERO else abs(value))
 
         def end(steps: float) -> Values:
-            return self.but(**{name: value + steps * step}).after(state, until)
+            changed: dict[str, Any] = {name: value + steps * step}
+            return self.but(**changed).after(state, until)
 
         if name in MAY_BE_ZERO and value < step:
             return (4.0 * end(1.0) - 3.0 * end(0.0) - end(2.0)) / (2.0 * step)
