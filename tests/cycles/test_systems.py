@@ -137,10 +137,13 @@ def test_the_bifurcations_of_a_branch_are_those_of_one_disc(bouncing, disc):
 
 
 @pytest.mark.parametrize(("name", "of_disc", "limits"), [
-    ("friction", "friction", (0.09, 0.12)), ("clearance", "delta0", (0.45, 0.55)),
+    ("friction", "friction", (0.08, 0.12)), ("clearance", "delta0", (0.45, 0.55)),
 ])  # fmt: skip
 def test_a_branch_over_a_parameter_is_that_of_one_disc(name, of_disc, limits):
-    """Derivatives by the parameter are differences of runs here, and integrals there."""
+    """Derivatives by the parameter are differences of runs here, and integrals there.
+
+    Over the friction it passes folds, a graze, and the corner where the disc begins to roll.
+    """
     start = (3.0, 1.0, 0.0, 0.0)
     exact = rotor_ida.continue_cycle(RUBBING, start=start, parameter=of_disc, limits=limits)
     branch = rotor_ida.continue_cycle(

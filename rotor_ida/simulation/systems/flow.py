@@ -39,9 +39,9 @@ APART = 1e-6
 UNDAMPED = 1e-9
 # A change that shrinks below this in a revolution is lost in rounding.
 LOST = 1e-12
-# Differences of a parameter are this long, in parts of it or, of one that may be 0, of 1; those of
-# time in revolutions.
-OF_PARAMETER, MAY_BE_ZERO, OF_TIME = 1e-6, ("friction",), 1e-5
+# Differences of a parameter are this long, in parts of it or, of one that may be 0, of 1: short
+# enough for a branch to pass a corner, where rolling begins. Those of time are in revolutions.
+OF_PARAMETER, MAY_BE_ZERO, OF_TIME = 1e-7, ("friction",), 1e-5
 # Samples of an orbit in a revolution, and at least.
 SAMPLES_A_REVOLUTION, FEWEST_SAMPLES = 64, 192
 
