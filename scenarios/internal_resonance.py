@@ -34,7 +34,7 @@ from rotor_ida import (
     sweep,
 )
 from rotor_ida.paper.scenario import Settings, progress_bar, run_script
-from rotor_ida.plot import mixed_panels, plot_system_branch, plot_system_cycle, plot_system_sweep
+from rotor_ida.plot import mixed_panels, plot_branch, plot_system_cycle, plot_system_sweep
 from rotor_ida.plot.appearance import GREY, drawing, legend_below, style
 
 # Each disc: mass, and moments of inertia about a diameter and about the axis. The shaft has bending
@@ -134,7 +134,7 @@ def draw(
     with drawing(None, width=7.2, height=4.2) as ax:
         plot_system_sweep(swept, ax=ax)
         for turns, branch in branches.items():
-            plot_system_branch(branch, ax=ax)
+            plot_branch(branch, ax=ax)
             ax.axvline(condition(system, turns)[0], color=GREY, lw=0.9, ls=":",
                        label="whole turns of two whirls")  # fmt: skip
         legend_below(ax, columns=3)

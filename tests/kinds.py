@@ -94,6 +94,15 @@ def a_system_branch() -> xr.Dataset:
     return rotor_ida.continue_cycle(system, start=a_system_cycle(), limits=(1.7, 2.1))
 
 
+def a_system_curve() -> xr.Dataset:
+    """Return the curve of that period doubling."""
+    system, special = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system(), a_system_branch()
+    return rotor_ida.bifurcation_curve(
+        system, start=special.isel(special=0), kind="period_doubling",
+        limits=[(1.7, 1.9), (1.9, 2.1)],
+    )  # fmt: skip
+
+
 def over_speed(function: str) -> xr.Dataset:
     """Return a result of a rotor system over its speed."""
     system = rotor_ida.RotorSystem(
@@ -162,6 +171,7 @@ KINDS: dict[str, Callable[[], xr.Dataset]] = {
     "system_run_ups": a_system_of_run_ups,
     "system_cycle": a_system_cycle,
     "system_branch": a_system_branch,
+    "system_curve": a_system_curve,
     "system_whirls": lambda: over_speed("synchronous_response"),
     "special_speeds": lambda: over_speed("special_speeds"),
     "campbell": lambda: over_speed("campbell"),

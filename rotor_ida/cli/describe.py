@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 import xarray as xr
@@ -20,21 +21,20 @@ from rotor_ida.cli.variables import (
     lines_of,
     parameters_in,
     rows_of,
-    rows_table,
     scalars_of,
     span,
     tabled,
 )
 from rotor_ida.cycles.branch_course import parameters_of, stable_ranges
 from rotor_ida.model.parameters import ALL_PARAMETERS, OF_MACHINE
-from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
+from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
 from rotor_ida.results.archived_system import clearance_of_contacts
 from rotor_ida.results.depths import beyond_model
 from rotor_ida.results.kinds import KINDS, OTHER, kind_of, loaded
 from rotor_ida.results.run import course_of
 from rotor_ida.results.si_units import MACHINE
 from rotor_ida.schema import ENDS_IN_WORDS, RESPONSE, words_of
-from rotor_ida.schema.quantities import UNITS
+from rotor_ida.schema.quantities import SPECIAL_VALUES, UNITS
 from rotor_ida.units import quantity
 
 EVENTS = Rows(
@@ -90,6 +90,19 @@ SECTION = Layout("Section", (Rows(
 FITTED = Rows(
     title="Unknown", key="unknown", lead="estimate",
     names=("unknown", "estimate", "standard_error", "lower", "upper", "first_guess", "unit"),
+)  # fmt: skip
+CONTACTS_OF_BRANCH = Rows(
+    title="Contacts", key="contacts", lead="radius_max",
+    names=("contact", "contact_node", "radius_min", "radius_max", "largest_force"),
+)  # fmt: skip
+_OF_CONTACT = ("contact_count", "radius_min", "radius_max", "largest_force", "touched")
+CONTACTS_OF_CYCLE = Rows(
+    title="Contacts", key="contacts", lead="radius_max",
+    names=("contact", "contact_node", "clearance", *_OF_CONTACT),
+)  # fmt: skip
+NODES_OF_CYCLE = Rows(
+    title="Nodes", key="nodes", lead="node_radius_max",
+    names=("node", "node_radius_min", "node_radius_max"),
 )  # fmt: skip
 OF_RUN = ("start", "duration")
 OF_SOLVER = ("method", "rtol", "modes", "more_modes")
@@ -317,15 +330,22 @@ def show_comparison(dataset: xr.Dataset, most: int | None) -> Description:
 
 
 def show_cycle(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return a limit cycle with its multipliers and strongest lines."""
-    record, parts = tabled(dataset, most, MULTIPLIERS, STRONGEST_LINES)
+    """Return a limit cycle with its multipliers, and its strongest lines or its contacts."""
+    is_system = "contact" in dataset.dims
+    rows = (CONTACTS_OF_CYCLE, NODES_OF_CYCLE) if is_system else (STRONGEST_LINES,)
+    record, parts = tabled(dataset, most, MULTIPLIERS, *rows)
     parameters = parameters_in(dataset) | {"start": record.pop("start", None)}
+    if is_system:
+        parameters = {SPEED: float(dataset[SPEED])}
+    else:
+        record["lines"] = rows_of(dataset, STRONGEST_LINES.names)  # to programs by frequency
     record["parameters"] = parameters
-    record["lines"] = rows_of(dataset, STRONGEST_LINES.names)  # to programs by frequency
     if dataset["period"].isnull():
-        told = lines_of(dataset, {**parameters, "response": record["response"]})
-        return record, [facts("No limit cycle", told)]
+        return record, [f"No limit cycle: the response is {record['response']}."]
     told = lines_of(dataset, parameters | scalars_of(dataset))
+    error = float(dataset["period_error"] / dataset["period"])
+    told = [replace(each, values=[error], unit="1", digits=1, note="of the period")
+            if each.name == "period error" else each for each in told]  # fmt: skip
     return record, [facts("Limit cycle", told), *parts]
 
 
@@ -342,9 +362,11 @@ def show_branch(dataset: xr.Dataset, most: int | None) -> Description:
     """Return the ends, special points and stable ranges of a branch."""
     varied = parameters_of("branch", dataset, "parameter", 1)
     record, parts = _followed("Branch of limit cycles", dataset, varied, most)
-    stable: list[Record] = [{"from": low, "to": high} for low, high in stable_ranges(dataset)]
-    record["stable_ranges"] = stable
-    return record, [*parts, *rows_table("Stable ranges", stable, ("from", "to"), most)]
+    ranges = stable_ranges(dataset)
+    record["stable_ranges"] = [{"from": low, "to": high} for low, high in ranges]
+    stable = [line_of(dataset, varied[0], [Range(each)]) for each in ranges]
+    title = counted("Stable ranges", len(ranges), most)
+    return record, [*parts, facts(title, stable[:most]) if ranges else title]
 
 
 def show_curve(dataset: xr.Dataset, most: int | None) -> Description:
@@ -358,16 +380,35 @@ def _followed(title: str, dataset: xr.Dataset, varied: list[str], most: int | No
     """Return the common description of a branch and a bifurcation curve."""
     plain = dataset.copy()
     plain.attrs = {RENAMED.get(str(name), str(name)): each for name, each in dataset.attrs.items()}
+    for name, value in zip(varied, SPECIAL_VALUES, strict=False):
+        if name == SPEED and plain[value].attrs.get("units") == UNITS["speed"]:
+            plain[value] = plain[value].assign_attrs(units="rad/s")  # read in rpm
     points = Rows(title="Points", key="points", lead=varied[0], names=tuple(varied))
     record, (_, specials) = tabled(plain, most, points, SPECIAL_POINTS)
-    record["parameters"] = held = parameters_in(dataset.drop_vars(varied))
+    own: tuple[str, ...] = ("period", "radius_min", "radius_max")
+    contacts: list[Sheet | str] = []
+    if is_system := "contact" in dataset.dims:
+        own = ("period",)
+        more, contacts = tabled(_over_points(dataset), most, CONTACTS_OF_BRANCH)
+        record["contacts"] = more["contacts"]
+    held = parameters_in(dataset.drop_vars(varied))
+    if is_system and SPEED not in varied:
+        held[SPEED] = float(dataset[SPEED])
+    record["parameters"] = held
     record |= {name: record.get(name, "") for name in ENDS_OF_BRANCH}
     record["closed"] = bool(record.get("closed", False))
     ranges: Record = {name: span(dataset[name].values)
-                      for name in (*varied, "period", "radius_min", "radius_max")}  # fmt: skip
+                      for name in (*varied, *own)}  # fmt: skip
     told = {name: record[name] for name in (*ENDS_OF_BRANCH, "closed") if record[name] != ""}
     summary = held | ranges | {"points": dataset.sizes["point"]} | told
-    return record, [facts(title, lines_of(dataset, summary)), specials]
+    return record, [facts(title, lines_of(dataset, summary)), specials, *contacts]
+
+
+def _over_points(dataset: xr.Dataset) -> xr.Dataset:
+    """Return the contacts of a branch or curve with the extremes of their numbers along it."""
+    largest = dataset[["radius_max", "largest_force"]].max("point", keep_attrs=True)
+    lowest = dataset["radius_min"].min("point", keep_attrs=True)
+    return largest.assign(radius_min=lowest, contact_node=dataset["contact_node"])
 
 
 def show_fit(dataset: xr.Dataset, most: int | None) -> Description:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import xarray as xr
 
-from rotor_ida.cli.describe import MULTIPLIERS
 from rotor_ida.cli.sheets import facts
 from rotor_ida.cli.variables import Description, Layout, Rows, lines_of, scalars_of, tabled
 from rotor_ida.model.parameters import ALL_PARAMETERS
@@ -68,36 +67,6 @@ EIGENVALUES = Layout(
             title="Eigenvalues", key="eigenvalues", lead="whirl_speed", gaps=True,
             names=("contact_stiffness", "speed", "eigenvalue", "whirl_speed", "damping_ratio",
                    "whirl_sense"),
-        ),
-    ),
-)  # fmt: skip
-_OF_CONTACT = ("contact_count", "radius_min", "radius_max", "largest_force", "touched")
-_OF_NODE = ("node_radius_min", "node_radius_max")
-_OF_CYCLE = ("period", "response", "stability", "residual")
-SYSTEM_CYCLE = Layout(
-    "Limit cycle",
-    (
-        MULTIPLIERS,
-        Rows(
-            title="Contacts", key="contacts", lead="radius_max",
-            names=("contact", "contact_node", "clearance", *_OF_CONTACT),
-        ),
-        Rows(title="Nodes", key="nodes", lead="node_radius_max", names=("node", *_OF_NODE)),
-    ),
-)  # fmt: skip
-SYSTEM_BRANCH = Layout(
-    "Branch of limit cycles",
-    (
-        Rows(
-            title="Special points", key="special_points", lead="special_kind", prefix="special_",
-            names=("special", "special_kind", "special_speed", "special_period", "special_point"),
-        ),
-        Rows(
-            title="Cycles", key="cycles", lead="period", names=("point", "speed", *_OF_CYCLE),
-        ),
-        Rows(
-            title="Contacts", key="contacts", lead="radius_max",
-            names=("point", "speed", "contact", *_OF_CONTACT),
         ),
     ),
 )  # fmt: skip

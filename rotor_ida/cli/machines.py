@@ -7,12 +7,11 @@ from pathlib import Path
 from typing import TYPE_CHECKING, TypeVar
 
 from rotor_ida.checks import State, listed
-from rotor_ida.cli.parsing import Quantity, refuse_units
+from rotor_ida.cli.parsing import Quantity
 from rotor_ida.errors import InputError
-from rotor_ida.model.data_sheet import check_keys, in_si, machine_from_data_sheet, overridden
+from rotor_ida.model.data_sheet import check_keys, machine_from_data_sheet, overridden
 from rotor_ida.model.parameters import MACHINE_PARAMETERS, OF_MACHINE, PARAMETERS
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
-from rotor_ida.model.scales import IS_OF_MACHINE
 
 if TYPE_CHECKING:
     pass
@@ -38,19 +37,6 @@ def begun(start: State | str | None, rotor: Rotor | DimensionalRotor) -> State:
     x, y, vx, vy = disc_starts.begun(word, rotor.rotor())
     length, velocity = rotor.length_scale, rotor.velocity_scale
     return x * length, y * length, vx * velocity, vy * velocity
-
-
-def check_limits(
-    rotor: Rotor | DimensionalRotor, names: Sequence[str], limits: Sequence[float]
-) -> None:
-    """Raise `InputError` unless the units of limits, two a parameter, are those of parameters."""
-    if isinstance(rotor, Rotor):
-        refuse_units({"limits": tuple(limits)})
-        return
-    for place, each in enumerate(limits):
-        if isinstance(each, Quantity) and each.word:
-            name = IS_OF_MACHINE.get(names[place // 2], names[place // 2])
-            in_si(name, each.word, OF_MACHINE[name].unit)
 
 
 def sheet_of(given: Mapping[str, object], file: Path | None) -> dict[str, object]:

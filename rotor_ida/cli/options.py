@@ -116,10 +116,10 @@ SolverBackend = Annotated[Backend, Parameter(help="Code that runs the solver."),
 RtolOrNone = Annotated[
     float | None, number_option("Relative tolerance. Default: chosen automatically."), IN_SOLVER
 ]
-# What can vary along a branch or a sweep, for a rotor or a machine.
+# What can vary along a branch or a sweep, of a rotor, a machine or a rotor system.
 OfRotor = Literal[
     "omega", "zeta", "delta0", "speed", "damping", "clearance", "shaft_stiffness",
-    "contact_damping", "load", "friction", "disc_radius",
+    "contact_damping", "load", "friction", "disc_radius", "stiffness", "unbalance",
 ]  # fmt: skip
 Workers = Annotated[
     int | None,

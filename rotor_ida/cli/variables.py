@@ -191,7 +191,7 @@ def tabled(dataset: xr.Dataset, most: int | None, *tables: Rows) -> Description:
 
 def line_of(dataset: xr.Dataset, name: str, values: Sequence[object], digits: int = 8) -> Line:
     """Return values of a variable as a line; parameters of machines in SI units."""
-    if name.endswith("_error"):
+    if name.endswith(("_error", "_defect", "residual")):
         digits = OF_ERROR
     known = si_of(dataset, name)
     if known is not None:

@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Literal
+from dataclasses import replace
+from typing import Any, Literal, Unpack
 
 import numpy as np
 import xarray as xr
@@ -14,15 +15,14 @@ from rotor_ida.checks import (
     Names,
     check_choice,
     check_count,
-    check_instance,
     check_progress,
     shown,
 )
 from rotor_ida.cycles.branch import Side, advance
-from rotor_ida.cycles.continue_cycle import CONTINUED, FORM, WAYS, check_limits, follow_sides
-from rotor_ida.cycles.dataset import branch_dataset, start_attributes
-from rotor_ida.cycles.guess import Guess, as_start
-from rotor_ida.cycles.limit_cycle import checked_guess, with_period
+from rotor_ida.cycles.continue_cycle import parameters_of
+from rotor_ida.cycles.followed_curves import WAYS, check_limits, followed_dataset, guess_for
+from rotor_ida.cycles.guess import Guess
+from rotor_ida.cycles.limit_cycle import with_period
 from rotor_ida.cycles.problems import (
     TESTS,
     TORUS,
@@ -31,13 +31,15 @@ from rotor_ida.cycles.problems import (
     may_have_tori,
 )
 from rotor_ida.errors import InputError
-from rotor_ida.model.rotor import Rotor
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.model.rotor_system import RotorSystem, SystemParameters
 from rotor_ida.parallel import Progress, shows_progress
-from rotor_ida.results.in_si import takes_si
-from rotor_ida.results.provenance import provenance
-from rotor_ida.results.question import Question
-from rotor_ida.results.studies.results import Folder, open_results
+from rotor_ida.results.in_si import takes_rotors
+from rotor_ida.results.studies.results import Folder
+from rotor_ida.simulation.flow import Flow
 from rotor_ida.simulation.starts import Start
+from rotor_ida.simulation.systems.flow import SystemFlow
+from rotor_ida.simulation.systems.starts import Start as SystemStart
 
 Kind = Literal["fold", "period_doubling", "torus"]
 
@@ -45,27 +47,35 @@ Kind = Literal["fold", "period_doubling", "torus"]
 MOST_POINTS_OF_BRANCH = 2000
 
 
-@takes_si
 @shows_progress
+@takes_rotors(
+    system=("modes",), needed=(),
+    defaults={
+        "start": (AT_REST, None), "parameters": (("omega", "delta0"), ("speed", "clearance")),
+    },
+)  # fmt: skip
 def bifurcation_curve(
-    rotor: Rotor,
+    rotor: Rotor | DimensionalRotor | RotorSystem,
     *,
-    start: Start = AT_REST,
+    start: Start | SystemStart = AT_REST,
     kind: Kind,
     parameters: tuple[str, str] = ("omega", "delta0"),
     limits: Mapping[str, tuple[float, float]] | Sequence[tuple[float, float]],
     points: int = 2000,
     study: Folder | None = None,
     progress: Progress | bool | None = None,
+    speed: float | None = None,
+    modes: int | None = None,
+    **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
     """Follow a fold, a period doubling or a torus point of limit cycles over two parameters.
 
     Parameters
     ----------
-    rotor : Rotor or DimensionalRotor
+    rotor : Rotor, DimensionalRotor or RotorSystem
         The rotor. For a `DimensionalRotor` numbers with a unit are in SI units, as for
-        `continue_cycle`.
-    start : array_like, shape (4,), "settled", "rest" or Dataset
+        `continue_cycle`. A system may not have stators without mass.
+    start : array_like, shape (4,), (q, velocity), "settled", "rest" or Dataset
         A special point of this kind of a branch, ``branch.isel(special=...)``. Or a limit cycle, a
         point of a branch, or a start ``(x, y, vx, vy)`` or word, as for `simulate`, that leads to a
         cycle [1], by default at rest on the axis; then the branch over the first parameter is
@@ -75,7 +85,7 @@ def bifurcation_curve(
     parameters : tuple of str
         The two parameters to vary, as for `continue_cycle`.
     limits : mapping of str to tuple, or two tuples
-        The smallest and the largest value of each [1].
+        The smallest and the largest value of each, [1] or in its SI unit.
     points : int
         The largest number of points each way.
     study : path-like, optional
@@ -83,6 +93,8 @@ def bifurcation_curve(
     progress : callable or bool, optional
         Called with the number of points found and the largest possible number; True shows a bar on
         standard error.
+    speed, modes, contacts, unbalance, supports, gravity, static_force
+        Of a `RotorSystem`, as for `continue_cycle`.
 
     Returns
     -------
@@ -115,47 +127,46 @@ def bifurcation_curve(
     >>> curve.omega.values[curve.delta0 == 0.5].round(8).item()
     2.53041892
     """
-    check_instance("rotor", rotor, Rotor)
     check_choice("kind", kind, tuple(TESTS))
-    first, second = _checked_parameters(parameters)
     count = check_count("points", points, minimum=2, maximum=MOST_NUMBERS)
-    progress = check_progress(progress)
-    guess = checked_guess(rotor, start)
-    if kind == TORUS and not may_have_tori(guess.flow):
+    reports = check_progress(progress)
+    guess, given = guess_for(bifurcation_curve, rotor, start, speed, modes, changed)
+    names = _checked_parameters(parameters, guess.flow)
+    _check_can_have(kind, guess.flow)
+    bounds = _checked_limits(names, limits, guess.flow)
+    if isinstance(start, xr.Dataset) and start.attrs.get("kind") == kind:  # a point of such a curve
+        guess = replace(guess, special=kind)
+    if guess.special != kind:
+        guess = _nearest(guess, kind, names[0], bounds[0])
+    told: dict[str, Any] = {"kind": kind, "points": count, "limits": bounds}
+    return followed_dataset(
+        guess, bifurcations_through(guess, kind, names, bounds, count), "bifurcation_curve", given,
+        told, names, WAYS["both"], study, reports,
+    )  # fmt: skip
+
+
+def _check_can_have(kind: str, flow: Flow) -> None:
+    """Raise InputError for a bifurcation that cycles cannot have, or that cannot be followed."""
+    if kind == TORUS and not may_have_tori(flow):
         raise InputError(
             "contact_damping, friction or load must be above 0 for a torus to be born, got a rotor "
             "with none"
         )
-    bounds = _checked_limits((first, second), limits, guess.rotor)
-    if guess.special != kind:
-        guess = _nearest(guess, kind, first, bounds[0])
-    curve = bifurcations_through(guess, kind, (first, second), bounds, count)
-    told = {"kind": kind, "points": count}
-    question = Question("bifurcation_curve", {
-        "rotor": guess.rotor, "start": as_start(guess, (first, second)), **told,
-        "parameters": (first, second), "limits": bounds,
-    })  # fmt: skip
-    ways = WAYS["both"]
-    with open_results(study, question.design(), len(ways) * (count - 1), FORM) as kept:
-        sides = follow_sides(curve, ways, kept, progress)
-    attributes = provenance({"method": "taylor", "flight": "exact"}) | {
-        **told,
-        "parameters": f"{first} {second}",
-        "limits": np.array(bounds).ravel(),
-        **start_attributes(guess),
-        **question.attribute(),
-    }
-    dataset = branch_dataset(sides, (first, second), "Bifurcation of limit cycles", kind="curve")
-    return dataset.assign_attrs(attributes)
+    if isinstance(flow, SystemFlow) and flow.request.massless:
+        raise InputError(
+            "stators must have a mass for their bifurcations to be followed, got one without: its "
+            "multipliers are differences of runs, too inexact for that"
+        )
 
 
-def _checked_parameters(parameters: object) -> tuple[str, str]:
+def _checked_parameters(parameters: object, flow: Flow) -> tuple[str, str]:
+    known = parameters_of(flow)
     names = list(parameters) if isinstance(parameters, (tuple, list)) else []
     if len(names) != 2 or not all(isinstance(name, str) for name in names):
         names = []
-    if len(set(names) & set(CONTINUED)) != 2:
+    if len(set(names) & set(known)) != 2:
         raise InputError(
-            "parameters must be two of {allowed}, got {given}", allowed=Names(tuple(CONTINUED)),
+            "parameters must be two of {allowed}, got {given}", allowed=Names(known),
             given=Names(tuple(names)) if names else shown(parameters),
         )  # fmt: skip
     first, second = names
@@ -163,7 +174,7 @@ def _checked_parameters(parameters: object) -> tuple[str, str]:
 
 
 def _checked_limits(
-    names: tuple[str, str], limits: object, rotor: Rotor
+    names: tuple[str, str], limits: object, flow: Flow
 ) -> tuple[tuple[float, float], tuple[float, float]]:
     pair = limits.tolist() if isinstance(limits, np.ndarray) and limits.shape == (2, 2) else limits
     if isinstance(limits, Mapping):
@@ -176,9 +187,7 @@ def _checked_limits(
         pair = [limits[name] for name in names]
     if not isinstance(pair, (tuple, list)) or len(pair) != 2:
         raise InputError(f"limits must be two pairs of numbers, got {shown(limits)}")
-    first, second = (
-        check_limits(name, each, rotor) for name, each in zip(names, pair, strict=True)
-    )
+    first, second = (check_limits(name, each, flow) for name, each in zip(names, pair, strict=True))
     return first, second
 
 

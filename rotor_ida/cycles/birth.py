@@ -20,6 +20,7 @@ from rotor_ida.closed_forms.whirls.branches import RubProblem, Touching
 from rotor_ida.closed_forms.whirls.turning_axes import normal_forces
 from rotor_ida.cycles.continuation import Point, Problem
 from rotor_ida.cycles.orbit import Orbit, disc_of
+from rotor_ida.errors import SimulationError
 from rotor_ida.model.assembly import Assembly, assemble
 from rotor_ida.model.axisymmetric import forward_motions
 from rotor_ida.simulation.flow import Flow
@@ -81,7 +82,7 @@ def _crossing(growth: Callable[[float], float], last: Point, point: Point) -> fl
     ends = max(guess - apart, 0.0), guess + apart
     try:
         return float(brentq(growth, *ends, xtol=FINEST * guess, rtol=4.0 * FINEST))
-    except (ValueError, RuntimeError):  # it does not cross there
+    except (ValueError, RuntimeError, SimulationError):  # it does not cross there
         return None
 
 

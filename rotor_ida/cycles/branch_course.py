@@ -13,8 +13,11 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS
+from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
 from rotor_ida.schema import words_of
 
+# What may vary along a branch or curve.
+VARIED = (*ALL_PARAMETERS, SPEED, *PARAMETERS_OF_SYSTEM)
 # Special points at which a cycle may gain or lose stability.
 CHANGES = ("fold", "period_doubling", "torus", "discontinuous")
 # Ends that are points of a branch, and at which its stability changes.
@@ -36,23 +39,28 @@ def parameters_of(name: str, dataset: xr.Dataset, attribute: str, number: int) -
     """Return the parameters that vary along a branch or curve, from one of its attributes."""
     varied = dataset.attrs.get(attribute, "")
     words = str(varied).split()
-    if len(words) != number or not set(words) <= set(ALL_PARAMETERS):
+    if len(words) != number or not set(words) <= set(VARIED):
         raise InputError(
             f"{name} must name what was varied in its attribute {attribute!r}, got {shown(varied)}"
         )
     return words
 
 
-def course_of(branch: xr.Dataset) -> Course:
-    """Return the course of a branch, as `rotor_ida.continue_cycle` returned it."""
+def course_of(branch: xr.Dataset, contact: int = 0) -> Course:
+    """Return the course of a branch as of `rotor_ida.continue_cycle`, with the radii at a contact.
+
+    One disc has one.
+    """
     (parameter,) = parameters_of("branch", branch, "parameter", 1)
+    if is_system := "contact" in branch.dims:
+        branch = branch.isel(contact=contact)
     inside, stability = _beside_halves(branch), words_of(branch["stability"])
     response, kinds = words_of(branch["response"]), words_of(inside["special_kind"])
     points, specials = branch.sizes["point"], inside.sizes["special"]
     places = np.concatenate([np.arange(points), inside["special_point"].values])
     order = np.argsort(places, kind="stable")  # a point comes before the special ones behind it
     value, low, high = (
-        np.concatenate([branch[name].values, inside[special].values])[order]
+        np.concatenate([branch[name].values, _at_specials(branch, inside, special, name)])[order]
         for name, special in (
             (parameter, "special_value"),
             ("radius_min", "special_radius_min"),
@@ -61,7 +69,7 @@ def course_of(branch: xr.Dataset) -> Course:
     )
     if specials < branch.sizes["special"]:
         stability = _of_neighbours(branch, stability)
-    several = bool({"contact_damping", "friction", "load"} & set(branch.coords))
+    several = is_system or bool({"contact_damping", "friction", "load"} & set(branch.coords))
     stable, touching = [], []
     for number in order.tolist():
         if number < points:
@@ -76,6 +84,12 @@ def course_of(branch: xr.Dataset) -> Course:
         stable.append(here)
         touching.append(kind)
     return Course(value, low, high, stable[:-1], touching[:-1])
+
+
+def _at_specials(branch: xr.Dataset, inside: xr.Dataset, special: str, name: str) -> Values:
+    """Return a number at special points; in old results at the points before them."""
+    there = inside[special] if special in inside else branch[name][inside["special_point"].values]
+    return np.asarray(there.values)
 
 
 def runs_of(words: Sequence[object]) -> list[tuple[int, int]]:

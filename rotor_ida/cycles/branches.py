@@ -12,7 +12,8 @@ from rotor_ida.checks import (
     check_instance,
     check_progress,
 )
-from rotor_ida.cycles.continue_cycle import branch_from, check_limits
+from rotor_ida.cycles.continue_cycle import branch_from
+from rotor_ida.cycles.followed_curves import check_limits
 from rotor_ida.cycles.guess import Guess
 from rotor_ida.cycles.shooting import close_orbit
 from rotor_ida.errors import InputError, SimulationError
@@ -91,8 +92,8 @@ def branches_through(
         if not any(holds_cycle(branch, rotor, period, radius) for branch in branches):
             state = np.array([here[f"end_{name}"] for name in COMPONENTS])
             guess = Guess(DiscFlow(rotor), state, period)
-            bounds = check_limits("omega", limits, rotor)
-            branches.append(branch_from(guess, "omega", bounds, "both", count))
+            bounds = check_limits("omega", limits, guess.flow)
+            branches.append(branch_from(guess, "omega", bounds, count, {}))
         if progress is not None:
             progress(number, len(places))
     return branches

@@ -25,8 +25,9 @@ from rotor_ida.cycles.orbit import Orbit, disc_of
 from rotor_ida.cycles.shooting import close_orbit, periods_of
 from rotor_ida.model.contact import contact_force
 from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
 from rotor_ida.model.whirl import steps_of_turning, whirl_over_spin
-from rotor_ida.results.archived_system import described_problem
+from rotor_ida.results.archived_system import OF_CONTACTS, described_problem
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.system_units import with_system_units
 from rotor_ida.schema import (
@@ -38,6 +39,7 @@ from rotor_ida.schema import (
     WHIRL_DIRECTION,
     labelled_dataset,
 )
+from rotor_ida.schema.quantities import SPECIAL_VALUES
 from rotor_ida.simulation.flow import RTOL, Flow
 from rotor_ida.simulation.systems.flow import SystemFlow
 from rotor_ida.steady.features import features_of_system
@@ -57,6 +59,8 @@ STANDS_STILL = 1e-9
 # Smallest spectral line that is reported, relative to the strongest.
 WEAKEST_LINE = 1e-6
 AXES = {True: "turning", False: "fixed"}
+# Title and kind of what is followed over one parameter, and over two.
+TITLES = {1: ("Branch of limit cycles", "branch"), 2: ("Bifurcation of limit cycles", "curve")}
 # Dimensions of the numbers of a cycle: of any, of one disc, and of a rotor system.
 OF_ANY = {
     "period": (), "response": (), "stability": (), "residual": (), "trivial_defect": (),
@@ -343,6 +347,8 @@ def dataset_of_system(
     """Return a dataset with what its system is, and with the words and units of its cycles."""
     assembly = flow.problem.assembly
     held: dict[str, Any] = dict(described_problem(assembly))
+    if OF_CONTACTS in variables:  # the clearance is what varies
+        del held["clearance"]
     coordinates |= {
         "node": ("node", np.array(list(assembly.system.nodes), str)),
         "multiplier": ("multiplier", np.arange(flow.scales.size)),
@@ -357,6 +363,7 @@ def in_words(dataset: xr.Dataset, system: RotorSystem) -> xr.Dataset:
     where = "distance of the contact from the centre of its stator"
     words = {
         "radius_min": f"smallest {where}", "radius_max": f"largest {where}",
+        "special_radius_min": f"smallest {where} at the special point",
         "special_radius_max": f"largest {where} at the special point",
         "node_radius_min": "smallest distance of the node from the axis",
         "node_radius_max": "largest distance of the node from the axis",
@@ -374,27 +381,29 @@ def in_words(dataset: xr.Dataset, system: RotorSystem) -> xr.Dataset:
 
 def start_attributes(guess: Guess) -> dict[str, object]:
     """Return, as attributes, the start from which a curve of cycles was followed."""
-    if isinstance(guess.flow, SystemFlow):
-        told, state = {"start_speed": guess.flow.speed}, guess.flow.in_q(guess.state)
+    flow, own = guess.flow, {"start_special": guess.special, "start_slope": guess.slope}
+    if isinstance(flow, SystemFlow):
+        told, state = {SPEED: flow.speed, **flow.given}, flow.in_q(guess.state)
+        own["rtol"] = CLOSING_RTOL
     else:
-        told = {f"start_{name}": value for name, value in guess.rotor.given.items()}
-        state = guess.state
-    return {"start": state, "start_period": guess.period or math.nan, **told}
+        told, state = guess.rotor.given, guess.state
+        own["flight"] = "exact"
+    told = {f"start_{name}": value for name, value in told.items()}
+    return {"start": state, "start_period": guess.period or math.nan, **told, **own}
 
 
-def branch_dataset(
-    sides: tuple[Side, Side], parameters: tuple[str, ...], title: str, *, kind: str
-) -> xr.Dataset:
+def branch_dataset(sides: tuple[Side, Side], parameters: tuple[str, ...]) -> xr.Dataset:
     """Return both sides, forward and backward, of a curve of cycles, from end to end.
 
-    `parameters` vary, in the order of the unknowns.
+    `parameters` vary, in the order of the unknowns. One gives a branch, two a curve of
+    bifurcations.
     """
     forward, backward = sides
     before = len(backward.points) - 1
     points = [point.reversed() for point in backward.points[:0:-1]] + forward.points
     specials = [SpecialBehind(before - place - 1, each) for place, each in backward.specials[::-1]]
     specials += [SpecialBehind(before + place, each) for place, each in forward.specials]
-    place, flow = -len(parameters), points[0].orbit.flow
+    place, flow = -len(parameters), forward.points[0].orbit.flow
     variables: dict[str, Any] = cycle_columns([point.orbit for point in points], "point")
     variables["slope"] = of_cycle("slope", "point", [point.tangent[place] for point in points])
     variables |= _special_columns(specials, parameters, flow)
@@ -410,15 +419,34 @@ def branch_dataset(
         "first_reason": backward.reason,
         "last_reason": forward.reason,
     }
-    if isinstance(flow, SystemFlow):
-        ends["axes"] = AXES[flow.period is None]
-        return dataset_of_system(title, flow, variables, coordinates, ends, kind=kind)
-    given = {name: ((), value) for name, value in disc_of(flow).given.items()}
-    coordinates = {
-        **{name: each for name, each in given.items() if name not in parameters},
-        **coordinates, "multiplier": ("multiplier", np.arange(4)),
-    }  # fmt: skip
-    return labelled_dataset(title, variables, coordinates, ends, kind=kind)
+    title, kind = TITLES[len(parameters)]
+    if not isinstance(flow, SystemFlow):
+        held = {name: ((), value) for name, value in disc_of(flow).given.items()}
+        coordinates = {name: each for name, each in held.items() if name not in parameters} | {
+            **coordinates, "multiplier": ("multiplier", np.arange(4)),
+        }  # fmt: skip
+        dataset = labelled_dataset(title, variables, coordinates, ends, kind=kind)
+        return _with_units_of_parameters(dataset, parameters)
+    ends["axes"] = AXES[flow.period is None]
+    if SPEED not in parameters:
+        coordinates = {SPEED: ((), flow.speed), **coordinates}
+    if "clearance" in parameters:
+        gaps = np.array([point.orbit.flow.clearances for point in points])
+        variables[OF_CONTACTS] = (("point", "contact"), gaps)
+    dataset = dataset_of_system(
+        f"{title} of a rotor system", flow, variables, coordinates, ends, kind=f"system_{kind}"
+    )
+    for name in PARAMETERS_OF_SYSTEM.keys() & {*parameters}:
+        dataset[name].attrs["long_name"] = PARAMETERS_OF_SYSTEM[name].meaning
+    return _with_units_of_parameters(dataset, parameters)
+
+
+def _with_units_of_parameters(dataset: xr.Dataset, parameters: Sequence[str]) -> xr.Dataset:
+    """Return a branch or curve whose special points have the words and units of what varies."""
+    for name, value in zip(parameters, SPECIAL_VALUES, strict=False):
+        words = f"{dataset[name].attrs['long_name']}, at the special point"
+        dataset[value].attrs |= {**dataset[name].attrs, "long_name": words}
+    return dataset
 
 
 def _special_columns(
@@ -436,15 +464,14 @@ def _special_columns(
         ("special", np.array([each.point.unknowns[place] for _, each in specials]))
         for place in range(-len(parameters), 0)
     ]
+    columns |= dict(zip(SPECIAL_VALUES, values, strict=False))
+    radii = {"special_radius_min": sizes[:, 0], "special_radius_max": sizes[:, 1]}
     if isinstance(flow, SystemFlow):
         states = np.array([flow.in_q(orbit.start) for orbit in orbits])
+        columns |= {name: (("special", "contact"), each) for name, each in radii.items()}
         return columns | {
-            "special_speed": values[0],
-            "special_radius_max": (("special", "contact"), sizes[:, 1]),
             "special_state": (("special", "component"), states.reshape(-1, flow.scales.size)),
         }
-    columns |= dict(zip(("special_value", "special_second_value"), values, strict=False))
-    columns |= {"special_radius_min": ("special", sizes[:, 0, 0]),
-                "special_radius_max": ("special", sizes[:, 1, 0])}  # fmt: skip
+    columns |= {name: ("special", each[:, 0]) for name, each in radii.items()}
     states = np.array([orbit.start for orbit in orbits]).reshape(-1, 4)
     return columns | state_columns(states, "special", "special_")

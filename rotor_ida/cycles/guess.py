@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, TypeGuard
 
@@ -15,21 +15,21 @@ from rotor_ida.checks import COMPONENTS, LARGEST_NUMBER, check_between, check_re
 from rotor_ida.core.runs import NO_STOP
 from rotor_ida.cycles.birth import RubNear
 from rotor_ida.cycles.orbit import disc_of
-from rotor_ida.errors import InputError
+from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.assembly import assemble
 from rotor_ida.model.few_modes import in_modes
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
 from rotor_ida.schema import RESULT_KIND, SPECIAL, by_number, check_as_computed
+from rotor_ida.schema.quantities import SPECIAL_VALUES
 from rotor_ida.simulation.flow import DiscFlow, Flow
 from rotor_ida.simulation.starts import state_of
 from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
 from rotor_ida.simulation.systems.starts import RUNS
 from rotor_ida.steady.system_sweep import check_slowest, state_of_start
 
-# What a special point says of the parameters that vary.
-VALUES = ("special_value", "special_second_value")
 DOUBLING, HOPF = "period_doubling", "hopf"
 NO_CYCLE = "start must be a limit cycle, got a result without one"
 # No cycle of one disc has a shorter period, and orbits over a longer time take too long to close;
@@ -103,22 +103,18 @@ def checked(period: object) -> float | None:
 def guess_in(start: xr.Dataset, rotor: Rotor | None = None) -> Guess:
     """Return the guess given by a cycle or one point of a branch, of this rotor if one is given."""
     check_as_computed("start", start)
-    if "special_value" in start and start["special_value"].ndim == 0:
-        return _of_special(rotor, start)
-    needed = ("period", *COMPONENTS, *PARAMETERS)
-    missing = [name for name in needed if name not in start.variables]
+    place, prefix = _place_in(start, ALL_PARAMETERS)
+    numbers = [f"{prefix}{name}" for name in ("period", *COMPONENTS)]
+    missing = [name for name in (*numbers, *PARAMETERS) if name not in start.variables]
     if missing:
         raise InputError(
             "start must be a state, a limit cycle or a point of a branch; as a dataset it lacks "
             f"{', '.join(missing)}"
         )
-    if any(start[name].ndim for name in ("period", *PARAMETERS)):
+    if start[numbers[0]].ndim or not place.keys() >= {*PARAMETERS}:
         raise InputError("start must be one point of a branch: choose it with isel(point=...)")
-    if any(not start[name].size for name in COMPONENTS):
-        raise InputError(NO_CYCLE)
-    state = np.array([float(start[name].values.flat[0]) for name in COMPONENTS])
-    flow = DiscFlow(_rotor_of(rotor, start))
-    return _checked(Guess(flow, state, float(start["period"]), slope=_slope_of(start)))
+    state = np.array([each for name in numbers[1:] for each in start[name].values.flat[:1]])
+    return _guess_at(DiscFlow(_rotor_at(rotor, place, start)), state, start, prefix)
 
 
 def _ends_a_run(start: xr.Dataset) -> bool:
@@ -127,27 +123,43 @@ def _ends_a_run(start: xr.Dataset) -> bool:
 
 
 def as_start(guess: Guess, parameters: Sequence[str]) -> xr.Dataset:
-    """Return a guess with its period as one point of a branch or curve, which `guess_of` reads."""
-    rotor, prefix = guess.rotor, "special_" if guess.special else ""
-    place = {name: each for name in ALL_PARAMETERS if (each := getattr(rotor, name)) is not None}
-    state = zip(COMPONENTS, guess.state.tolist(), strict=True)
-    held: dict[str, object] = {f"{prefix}{name}": each for name, each in state}
-    held[f"{prefix}period"] = guess.period
+    """Return a guess with its period as one point of a branch or curve over some parameters."""
+    flow, prefix = guess.flow, "special_" if guess.special else ""
+    held: dict[str, object] = {f"{prefix}period": guess.period}
+    if isinstance(flow, SystemFlow):
+        place = {SPEED: flow.speed, **flow.given}
+        state = "special_state" if prefix else "final_state"
+        held[state] = ("component", flow.in_q(guess.state))
+    else:
+        place = dict(guess.rotor.given)
+        numbers = zip(COMPONENTS, guess.state.tolist(), strict=True)
+        held |= {f"{prefix}{name}": each for name, each in numbers}
     if guess.special:
         held["special_kind"] = SPECIAL[guess.special]
-        held |= {value: place[name] for value, name in zip(VALUES, parameters, strict=False)}
+        varied = zip(SPECIAL_VALUES, parameters, strict=False)
+        held |= {value: flow.value_of(name) for value, name in varied}
     else:
         held["slope"] = guess.slope
     return xr.Dataset(held, place, {"parameters": " ".join(parameters)})
 
 
-def _of_special(rotor: Rotor | None, start: xr.Dataset) -> Guess:
-    state = np.array([float(start[f"special_{name}"]) for name in COMPONENTS])
-    place = start.assign_coords(
-        {name: start[value] for name, value in zip(_continued(start), VALUES, strict=False)}
-    )
-    flow = DiscFlow(_rotor_of(rotor, place))
-    return _checked(Guess(flow, state, float(start["special_period"]), _kind_of(start)))
+def _place_in(start: xr.Dataset, names: Sequence[str]) -> tuple[dict[str, Any], str]:
+    """Return the parameters at a point, and the beginning of the names of its state and period."""
+    place = {name: float(start[name]) for name in names if _is_number(start, name)}
+    if not _is_number(start, SPECIAL_VALUES[0]):
+        return place, ""
+    values = zip(_continued(start), SPECIAL_VALUES, strict=False)
+    return place | {name: float(start[value]) for name, value in values}, "special_"
+
+
+def _guess_at(flow: Flow, state: Values, start: xr.Dataset, prefix: str) -> Guess:
+    """Return the guess at a point that is a cycle, special or not."""
+    period = float(start[f"{prefix}period"])
+    if not period > 0.0 or not state.size or not np.isfinite(state).all():
+        raise InputError(NO_CYCLE)
+    if prefix:
+        return Guess(flow, state, period, by_number(SPECIAL)[int(start["special_kind"])])
+    return Guess(flow, state, period, slope=float(start["slope"]) if "slope" in start else 1.0)
 
 
 def _continued(start: xr.Dataset) -> list[str]:
@@ -155,9 +167,9 @@ def _continued(start: xr.Dataset) -> list[str]:
     return str(start.attrs.get("parameter", start.attrs.get("parameters", ""))).split()
 
 
-def _rotor_of(rotor: Rotor | None, start: xr.Dataset) -> Rotor:
-    """Return the rotor of a start, which may differ from `rotor` in what was continued."""
-    own = Rotor(**{name: float(start[name]) for name in ALL_PARAMETERS if name in start})
+def _rotor_at(rotor: Rotor | None, place: dict[str, Any], start: xr.Dataset) -> Rotor:
+    """Return the rotor at a point, which may differ from `rotor` in what was continued."""
+    own = Rotor(**place)
     for name in ALL_PARAMETERS if rotor is not None else ():
         here, given = getattr(own, name), getattr(rotor, name)
         if name not in _continued(start) and here != given:
@@ -168,31 +180,17 @@ def _rotor_of(rotor: Rotor | None, start: xr.Dataset) -> Rotor:
     return own
 
 
-def _checked(guess: Guess) -> Guess:
-    """Return the guess if it has a period."""
-    if guess.period is None or not guess.period > 0.0 or not np.isfinite(guess.state).all():
-        raise InputError(NO_CYCLE)
-    return guess
-
-
-def _slope_of(start: xr.Dataset) -> float:
-    return float(start["slope"]) if "slope" in start else 1.0
-
-
-def _kind_of(start: xr.Dataset) -> str:
-    return by_number(SPECIAL)[int(start["special_kind"])]
-
-
 # ---- Of a rotor system ----
 
 
 def guess_of_system(
     system: RotorSystem, start: object, speed: object, period: object = None,
-    modes: int | None = None,
+    modes: int | None = None, *, follows: bool = False,
 ) -> Guess:  # fmt: skip
     """Return the guess given by a start: a state, a cycle, or a point of something else.
 
-    A speed that is given replaces that of the start. A dataset is already in the modes.
+    A speed that is given replaces that of the start. A dataset is already in the modes. Where a
+    branch or curve is followed from a point, the other parameters of the system are those there.
     """
     taken, start = in_modes(system, modes, start)
     problem = SettlingProblem.of(assemble(taken), CLOSING_RTOL)
@@ -203,7 +201,7 @@ def guess_of_system(
     if isinstance(start, xr.Dataset) and start.attrs.get(RESULT_KIND) not in RUNS:
         if period is not None:
             raise InputError("period must be left out with a start that has one")
-        return _of_dataset(problem, start, speed)
+        return _of_dataset(problem, start, speed, follows)
     if speed is None:
         raise InputError("speed must be given for a limit cycle of a system, got None")
     flow = flow_at(problem, speed)
@@ -225,45 +223,31 @@ def flow_at(problem: SettlingProblem, speed: object) -> SystemFlow:
     return SystemFlow.at(problem, value, NO_STOP)
 
 
-def _of_dataset(problem: SettlingProblem, start: xr.Dataset, speed: object) -> Guess:
+def _of_dataset(problem: SettlingProblem, start: xr.Dataset, speed: object, follows: bool) -> Guess:
     """Return the guess of a cycle, or of one point of a branch, a sweep or special speeds."""
-    if _is_number(start, "special_speed") and speed is not None:
+    place, prefix = _place_in(start, (SPEED, *PARAMETERS_OF_SYSTEM))
+    if (prefix or _is_number(start, "special_speed")) and speed is not None:
         raise InputError(f"speed must be left out with a special point, got {shown(speed)}")
     if _is_number(start, "hopf_frequency"):
         return _of_hopf_point(problem, start)
-    prefix = "special_" if _is_number(start, "special_period") else ""
     state = "special_state" if prefix else "final_state"
-    names = [f"{prefix}speed", f"{prefix}period"]
-    if not all(_is_number(start, name) for name in names) or state not in start:
+    if SPEED not in place or not _is_number(start, f"{prefix}period") or state not in start:
         raise InputError(
             "start must be a state, a limit cycle, or one point of a branch, of a sweep or of "
             "special speeds of a rotor system, got a dataset of "
             f"{shown(list(map(str, start.data_vars)))}"
         )
-    here, period = (float(start[name]) for name in names)
-    if not period > 0.0 or start[state].ndim != 1:
+    here = place.pop(SPEED)
+    if not float(start[f"{prefix}period"]) > 0.0 or start[state].ndim != 1:
         raise InputError(NO_CYCLE)
     flow = flow_at(problem, here if speed is None else speed)
+    if follows and place:
+        try:
+            flow = flow.but(**place)
+        except SimulationError as error:
+            raise InputError(f"start must be of a rotor such as this: {error}") from error
     given = flow.given_state(np.asarray(start[state].values, float))
-    if prefix:
-        return Guess(flow, given, period, _kind_of(start))
-    return Guess(flow, given, period, slope=_slope_of(start))
-
-
-def as_start_of_system(begun: Mapping[str, Any]) -> xr.Dataset:
-    """Return where a branch began, from its attributes, as a dataset that `guess_of_system` reads.
-
-    They are ``start`` (q, velocity and speeds of races), ``start_speed``, ``start_period``,
-    ``start_special`` and ``start_slope``.
-    """
-    special = str(begun["start_special"])
-    prefix, state = ("special_", "special_state") if special else ("", "final_state")
-    held: dict[str, Any] = {
-        f"{prefix}{name}": float(begun[f"start_{name}"]) for name in ("speed", "period")
-    }
-    held[state] = ("coordinate", np.atleast_1d(begun["start"]))
-    slope = {"slope": float(begun["start_slope"])}
-    return xr.Dataset(held | ({"special_kind": SPECIAL[special]} if special else slope))
+    return _guess_at(flow, given, start, prefix)
 
 
 def _of_hopf_point(problem: SettlingProblem, start: xr.Dataset) -> Guess:

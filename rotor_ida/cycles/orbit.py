@@ -131,14 +131,19 @@ class Orbit:
         return float(self.sizes[len(self.radii) :].max())
 
     @cached_property
-    def nearest_gap(self) -> float:
-        """The extreme distance nearest to a stator, less the clearance, as measured in a state."""
+    def nearest(self) -> tuple[float, int]:
+        """The extreme distance nearest to a stator, less the clearance, and its contact."""
         gaps = [
-            radius - clearance
-            for radii, clearance in zip(self.radii, self.flow.clearances.tolist(), strict=True)
-            for radius in radii.tolist()
+            (radius - clearance, number)
+            for number, clearance in enumerate(self.flow.clearances.tolist())
+            for radius in self.radii[number].tolist()
         ]
-        return min(gaps, key=abs, default=math.inf) / self.flow.length
+        return min(gaps, key=lambda each: abs(each[0]), default=(math.inf, 0))
+
+    @property
+    def nearest_gap(self) -> float:
+        """That distance, as measured in a state."""
+        return self.nearest[0] / self.flow.length
 
     @property
     def touches(self) -> bool:

@@ -30,7 +30,7 @@ from rotor_ida.cycles.orbit import Orbit, followed
 from rotor_ida.cycles.shooting import checked_cycle, closes, failure, periods_of
 from rotor_ida.cycles.special_points import Count
 from rotor_ida.errors import SimulationError
-from rotor_ida.model.parameters import PARAMETERS
+from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
 from rotor_ida.simulation.flow import Flow
 
 FOLD, GRAZE, TORUS, SLIDING, CUSP = "fold", "graze", "torus", "sliding", "cusp"
@@ -45,9 +45,12 @@ COUNTS: dict[str, Count] = {
     SLIDING: Count(lambda orbit: orbit.sliding_changes, lambda _: math.inf),
 }
 # Names of the speed, on which the duration of a revolution depends.
-SPEEDS = ("omega", "speed")
-# A rotor at zero speed or without damping has no cycles; one without a load has different ones.
-NEVER_ZERO = ("omega", "zeta", "load")
+SPEEDS = ("omega", SPEED)
+# A rotor at zero speed or without damping has no cycles; one without a load has different ones. A
+# system without clearance, stiffness or unbalance is another one.
+NEVER_ZERO = ("omega", "zeta", "load", *set(PARAMETERS_OF_SYSTEM) - {"friction"})
+# Parameters of which an orbit below 0, where there is no rotor, is extrapolated.
+BELOW_ZERO = ("shaft_stiffness", "contact_damping", "friction", "disc_radius")
 # Size of the oscillation, relative to that of the whirl, with which a branch leaves a Hopf point.
 FIRST_SWING = 2e-2
 # If a curve of bifurcations ends this near a graze, relative to the clearance, that is the reason.
@@ -167,12 +170,13 @@ def bifurcations_through(
 
 def _corner_at_graze(orbit: Orbit) -> str:
     """Return that a curve of bifurcations has a corner where a linear contact is just touched."""
-    gap, rotor = orbit.nearest_gap, orbit.rotor
-    if rotor.contact_exponent != 1.0 or abs(gap) > NEAR_A_GRAZE * rotor.delta0:
+    (gap, number), flow = orbit.nearest, orbit.flow
+    part = abs(gap) / (float(flow.clearances[number]) or math.inf)
+    if flow.exponents[number] != 1.0 or part > NEAR_A_GRAZE:
         return ""
     return (
-        f"; the radius comes within {abs(gap):.2g} of the stator, and at a graze of a linear "
-        "contact the curve has a corner"
+        f"; the radius comes within {part:.2g} of the clearance of the stator, and at a graze of a "
+        "linear contact the curve has a corner"
     )
 
 
@@ -238,24 +242,26 @@ def closing_equations(
     return miss, matrix
 
 
-def orbit_of(flow: Flow, unknowns: Values, parameters: Sequence[str]) -> Orbit:
-    """Return the orbit for a state, a period and some parameters.
+def orbit_of(
+    flow: Flow, unknowns: Values, parameters: Sequence[str], *, differentiated: bool = True
+) -> Orbit:
+    """Return the orbit for a state, a period and some parameters, and its derivatives by these.
 
-    Below 0, where there is no rotor, the orbit of one disc is extrapolated by its derivative at 0,
-    so that a step may pass a limit there. SimulationError if a parameter is impossible or the orbit
-    fails.
+    Below 0, where there is no rotor, an orbit is extrapolated by its derivative at 0, so that a
+    step may pass a limit there. SimulationError if a parameter is impossible or the orbit fails.
     """
     n = unknowns.size - len(parameters) - 1
     values, below = dict[str, float](), dict[str, float]()
     for name, value in zip(parameters, unknowns[n + 1 :].tolist(), strict=True):
-        if value < 0.0 and name not in (*PARAMETERS, "speed"):
+        if value < 0.0 and name in BELOW_ZERO:
             below[name] = value
-        elif (value < 0.0 and name in PARAMETERS) or (value == 0.0 and name in NEVER_ZERO):
+        elif name != SPEED and (value < 0.0 or (value == 0.0 and name in NEVER_ZERO)):
             raise SimulationError(f"{name} falls to {value:.3g}")
         values[name] = 0.0 if name in below else value
-    orbit = followed(flow.but(**values), unknowns[:n], float(unknowns[n]), parameters)
+    by = parameters if differentiated else tuple(below)
+    orbit = followed(flow.but(**values), unknowns[:n], float(unknowns[n]), by)
     for name, value in below.items():
-        beside = orbit.end + value * orbit.piece.by[parameters.index(name)]
+        beside = orbit.end + value * orbit.piece.by[by.index(name)]
         orbit = replace(orbit, piece=orbit.piece._replace(end=beside))
     return orbit
 
@@ -299,10 +305,9 @@ def _problem(flow: Flow, kind: str, names: tuple[str, str], scale: Values) -> Pr
     """Return the bifurcations of a kind over two parameters of a flow."""
     test, revolutions = TESTS[kind], periods_of(flow, scale[-3])
 
-    def follow(unknowns: Values) -> Orbit:
-        return orbit_of(flow, unknowns, names)
-
-    gradient = _Gradient(lambda unknowns: test(follow(unknowns)), scale)
+    gradient = _Gradient(
+        lambda unknowns: test(orbit_of(flow, unknowns, names, differentiated=False)), scale
+    )
 
     def equations(unknowns: Values, orbit: Orbit, direction: Values) -> tuple[Values, Values]:
         miss, matrix = closing_equations(orbit, direction, names, revolutions)
@@ -310,7 +315,7 @@ def _problem(flow: Flow, kind: str, names: tuple[str, str], scale: Values) -> Pr
         return np.append(miss, -here), np.vstack([matrix, gradient.near(unknowns, here)])
 
     return Problem(
-        follow,
+        lambda unknowns: orbit_of(flow, unknowns, names),
         equations,
         _checked_torus if kind == TORUS else checked_cycle,
         {CUSP: _turning},

@@ -74,9 +74,7 @@ from rotor_ida.plot.signals import (
     plot_trace,
 )
 from rotor_ida.plot.system_cycles import (
-    plot_system_branch,
     plot_system_cycle,
-    system_branch_figure,
     system_cycle_figure,
 )
 from rotor_ida.plot.system_sweeps import plot_system_sweep, system_sweep_figure
@@ -174,7 +172,6 @@ __all__ = [
     "plot_spectrum",
     "plot_strobes",
     "plot_surface",
-    "plot_system_branch",
     "plot_system_cycle",
     "plot_system_sweep",
     "plot_system_whirls",
@@ -188,7 +185,6 @@ __all__ = [
     "shared_legend",
     "special_speeds_figure",
     "style",
-    "system_branch_figure",
     "system_cycle_figure",
     "system_figure",
     "system_sweep_figure",

@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import shown
-from rotor_ida.cycles.branch_course import Course, course_of, parameters_of, runs_of
+from rotor_ida.cycles.branch_course import VARIED, Course, course_of, parameters_of, runs_of
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
+from rotor_ida.model.parameters import PARAMETERS
+from rotor_ida.model.system_parameters import SPEED
 from rotor_ida.plot.appearance import (
     BLUE,
     BOUNCING_CYCLE,
@@ -39,18 +42,18 @@ from rotor_ida.plot.appearance import (
 )
 from rotor_ida.plot.datasets import check_dataset, hold_units, one_value
 from rotor_ida.plot.labels import (
-    LABELS,
     in_lines,
     label_axis,
-    label_parameter,
+    label_varied,
     parameter_text,
+    speed_text,
     title_of,
 )
+from rotor_ida.plot.system_whirls import at_contact, draw_clearance, speed_label, speeds_in
 from rotor_ida.schema import words_of
 
 SPECIALS = ("special_kind", "special_value", "special_point")
-BRANCH = (*PARAMETERS, "radius_min", "radius_max", "stability", "response", *SPECIALS,
-          "special_radius_min", "special_radius_max")  # fmt: skip
+BRANCH = ("radius_min", "radius_max", "stability", "response", *SPECIALS, "special_radius_max")
 # Opacity of a band and style of its edges, by stability.
 COVER = {"stable": 0.28, "unstable": 0.09}
 EDGES = {"stable": (STABLE_CYCLE, "-", 1.1), "unstable": (UNSTABLE_CYCLE, (0, (3.2, 1.8)), 0.9)}
@@ -89,20 +92,28 @@ CURVES = {
 COLOURS = (BLUE, ORANGE, PURPLE, RED, BROWN)
 
 
-def plot_branch(branch: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+def plot_branch(branch: xr.Dataset, *, contact: int = 0, ax: Axes | None = None) -> Axes:
     """Draw a branch of limit cycles: the range of the radius over the continued parameter.
 
     The edges of the band are the smallest and the largest radius of the cycles, solid where these
     are stable, dashed where not; its colour distinguishes bouncing from full
     contact. Special points, such as folds and grazes, are marked on the upper edge. Several
-    branches can share axes, also with `plot_amplitude`; the axes then keep their labels and title.
+    branches can share axes, also with `plot_amplitude` and `plot_system_sweep`; the axes then keep
+    their labels and title.
 
     Parameters
     ----------
     branch : Dataset
         Result of `rotor_ida.continue_cycle`.
+    contact : int
+        Number of the contact of a rotor system, whose clearance is a dashed line.
     ax : Axes, optional
         Axes to draw on and return; default: those of a new figure.
+
+    Raises
+    ------
+    InputError
+        If the dataset is of another kind, or has no such contact.
 
     Examples
     --------
@@ -111,23 +122,35 @@ def plot_branch(branch: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     >>> cycle = limit_cycle(rotor, start=(2.6, 0.75, 0.66, -1.65), period=4.5)
     >>> plot_branch(continue_cycle(rotor, start=cycle, limits=(1.9, 2.1))).get_ylabel()
     'radius $|z|$'
+
+    At a contact of a rotor system:
+
+    >>> branch = continue_cycle(rotor.system(), speed=2.0, limits=(1.9, 2.1))
+    >>> plot_branch(branch, contact=0).get_title()
+    'contact 0 at disc'
     """
     branch = check_dataset("branch", branch, BRANCH)
     parameter = parameters_of("branch", branch, "parameter", 1)[0]
-    course = course_of(branch)
+    is_system = "contact" in branch.dims
+    part = at_contact(branch if is_system else branch.expand_dims("contact"), contact)
+    course, across = course_of(branch, contact), _drawn(branch, parameter)
+    course = replace(course, value=across(course.value))
     with drawing(ax) as ax:
         fresh = not ax.has_data()
         hold_units(ax.yaxis, branch["radius_max"])
         if fresh:
-            others = [name for name in PARAMETERS if name != parameter]
-            label_parameter(ax.xaxis, parameter, branch)
-            ax.set_title(title_of("branch", branch, others))
+            _label(ax.xaxis, parameter, branch)
             label_axis(ax.yaxis, "radius", branch["radius_max"])
+        if fresh and is_system:
+            draw_clearance(ax, part, over=parameter)
+        elif fresh:
+            ax.set_title(title_of("branch", branch, [each for each in PARAMETERS
+                                                     if each != parameter]))  # fmt: skip
         _draw_bands(ax, course)
         _draw_edges(ax, course)
-        places = branch["special_value"].values, branch["special_radius_max"].values
-        draw_specials(ax, branch, *places, tuple(MARKS))
-        raise_limit(ax, float(branch["radius_max"].max()))
+        places = across(part["special_value"].values), part["special_radius_max"].values
+        draw_specials(ax, part, *places, tuple(MARKS))
+        raise_limit(ax, float(part["radius_max"].max()))
         own_legend(ax)
     return ax
 
@@ -171,8 +194,10 @@ def plot_curves(
     datasets = [curves] if isinstance(curves, xr.Dataset) else list(curves)
     if not datasets:
         raise InputError("curves must contain at least one bifurcation curve, got none")
+    needed = (*SPECIALS, "special_second_value")
+    datasets = [check_dataset("curves", each, needed) for each in datasets]
     across, up = _plane_of(datasets)
-    others = [name for name in ALL_PARAMETERS if name not in {across, up}]
+    others = [name for name in dict.fromkeys(VARIED) if name not in {across, up}]
     values = [
         {name: one_value("curves", curve, name) for name in others if name in curve.coords}
         for curve in datasets
@@ -181,29 +206,28 @@ def plot_curves(
         _check_folds(fold_points, {across, up}, values)
     several = any(each != values[0] for each in values)
     with drawing(ax) as ax:
-        ax.set(xlabel=LABELS[across], ylabel=LABELS[up])
+        for axis, name in ((ax.xaxis, across), (ax.yaxis, up)):
+            _label(axis, name, datasets[0])
         if fold_points is not None:
             _draw_folds_of_whirl(ax, fold_points, across)
         for curve, value in zip(datasets, values, strict=True):
             words, dashes = CURVES[_kind_of_curve(curve)]
-            label = f"{words}, {parameter_text(value)}" if several else words
-            colour = _colour_of(ax, label)
-            ax.plot(curve[across].values, curve[up].values, color=colour, ls=dashes, lw=1.2,
-                    label=label, zorder=2.5)  # fmt: skip
-            places = curve["special_value"].values, curve["special_second_value"].values
+            label = f"{words}, {_held_text(curve, value)}" if several else words
+            colour, place = _colour_of(ax, label), [_drawn(curve, each) for each in (across, up)]
+            ax.plot(place[0](curve[across].values), place[1](curve[up].values), color=colour,
+                    ls=dashes, lw=1.2, label=label, zorder=2.5)  # fmt: skip
+            marks = [curve["special_value"].values, curve["special_second_value"].values]
             if parameters_of("curves", curve, "parameters", 2)[0] != across:
-                places = places[::-1]
-            draw_specials(ax, curve, *places, ("cusp",))
+                marks.reverse()
+            draw_specials(ax, curve, place[0](marks[0]), place[1](marks[1]), ("cusp",))
         if not several:
-            ax.set_title(in_lines(parameter_text(values[0])))
+            ax.set_title(in_lines(_held_text(datasets[0], values[0])))
         own_legend(ax)
     return ax
 
 
 def _plane_of(curves: Sequence[xr.Dataset]) -> tuple[str, str]:
     """Return the two parameters that all curves are over."""
-    for curve in curves:
-        check_dataset("curves", curve, (*PARAMETERS, *SPECIALS, "special_second_value"))
     across, up = parameters_of("curves", curves[0], "parameters", 2)
     for curve in curves[1:]:
         names = parameters_of("curves", curve, "parameters", 2)
@@ -212,6 +236,28 @@ def _plane_of(curves: Sequence[xr.Dataset]) -> tuple[str, str]:
                 f"curves must all be over {across} and {up}, got {' and '.join(names)}"
             )
     return across, up
+
+
+def _drawn(dataset: xr.Dataset, name: str) -> Callable[[Values], Values]:
+    """Return how values of a parameter are drawn: spin speeds of a system in SI units in rpm."""
+    if name != SPEED:
+        return lambda values: values
+    return lambda values: speeds_in(xr.DataArray(values, attrs=dataset[SPEED].attrs))
+
+
+def _label(axis: Axis, name: str, dataset: xr.Dataset) -> None:
+    """Label the axis of what varies."""
+    if name == SPEED:
+        axis.set_label_text(speed_label(dataset))
+    else:
+        label_varied(axis, name, dataset)
+
+
+def _held_text(curve: xr.Dataset, values: Mapping[str, float]) -> str:
+    """Return what is the same along a curve: parameters of one disc, or the speed of a system."""
+    if "contact" in curve.dims:
+        return speed_text(curve[SPEED]) if SPEED in values else ""
+    return parameter_text(values)
 
 
 def _kind_of_curve(curve: xr.Dataset) -> str:

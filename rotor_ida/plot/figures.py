@@ -19,6 +19,7 @@ from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS
 from rotor_ida.plot.datasets import parameters_in, rotors_in
 from rotor_ida.plot.labels import label_parameter
 from rotor_ida.plot.run_up import has_many_turns
+from rotor_ida.plot.system_whirls import panels_of_contacts
 from rotor_ida.results.kinds import KINDS, kind_of, loaded, why_not
 from rotor_ida.results.run import is_of_system
 from rotor_ida.results.si_units import dimensionless, in_units_of
@@ -185,7 +186,12 @@ def _with_legend(draw: Callable[..., Axes], dataset: xr.Dataset) -> Figure:
 
 
 def figure_of_branch(dataset: xr.Dataset) -> Figure:
-    """Return the figure of a branch of limit cycles."""
+    """Return the figure of a branch of limit cycles: of a system a panel for each contact."""
+    if "contact" in dataset.dims:
+        return panels_of_contacts(
+            dataset.sizes["contact"],
+            lambda number, ax: plot.plot_branch(dataset, contact=number, ax=ax),
+        )
     figure, (ax,) = plot.panels(1, 1, width=ALONE[0], height=ALONE[1])
     plot.plot_branch(dataset, ax=ax)
     return figure

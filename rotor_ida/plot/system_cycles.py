@@ -1,4 +1,4 @@
-"""Limit cycles of rotor systems: the orbits of nodes, and branches over the speed."""
+"""Limit cycles of rotor systems: the orbits of nodes."""
 
 from __future__ import annotations
 
@@ -7,32 +7,22 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rotor_ida.arrays import Values
-from rotor_ida.cycles.branch_course import runs_of
 from rotor_ida.errors import InputError
 from rotor_ida.plot.appearance import (
     BLUE,
     draw_ring,
     drawing,
-    own_legend,
-    raise_limit,
 )
-from rotor_ida.plot.branches import EDGES, MARKS, draw_specials
+from rotor_ida.plot.branches import EDGES
 from rotor_ida.plot.datasets import at_node, check_dataset
 from rotor_ida.plot.labels import label_axis
 from rotor_ida.plot.system_whirls import (
-    at_contact,
-    draw_clearance,
-    label_speed,
     panels_of_contacts,
-    speeds_in,
 )
 from rotor_ida.schema import words_of
 from rotor_ida.texts import in_figure
 
 CYCLE = ("x", "y", "node", "clearance", "contact_node", "centre_x", "centre_y", "stability")
-BRANCH = ("speed", "stability", "radius_max", "clearance", "contact_node", "special_kind",
-          "special_speed", "special_radius_max", "special_point")  # fmt: skip
 
 
 def plot_system_cycle(
@@ -63,7 +53,7 @@ def plot_system_cycle(
     >>> system = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
     >>> cycle = limit_cycle(system, speed=2.0)
     >>> plot_system_cycle(cycle).get_title()
-    'disc, on turning axes'
+    'disc'
     """
     cycle = check_dataset("cycle", cycle, CYCLE)
     if not cycle.sizes["t"]:
@@ -78,12 +68,11 @@ def plot_system_cycle(
             contact = cycle.isel(contact=number)
             if contact["centre_x"].item() == contact["centre_y"].item() == 0.0:
                 draw_ring(ax, contact["clearance"].item())
-        label_axis(ax.xaxis, "x", cycle["x"])
-        label_axis(ax.yaxis, "y", cycle["y"])
+        turns = "rotating_" if cycle.attrs.get("axes", "turning") == "turning" else ""
+        label_axis(ax.xaxis, f"{turns}x", cycle["x"])
+        label_axis(ax.yaxis, f"{turns}y", cycle["y"])
         ax.set_aspect("equal", adjustable="datalim")
-        ax.set_title(
-            f"{in_figure(chosen)}, on {in_figure(cycle.attrs.get('axes', 'turning'))} axes"
-        )
+        ax.set_title(in_figure(chosen))
     return ax
 
 
@@ -112,103 +101,4 @@ def system_cycle_figure(cycle: xr.Dataset) -> Figure:
     nodes = list(dict.fromkeys(map(str, cycle["contact_node"].values)))
     return panels_of_contacts(
         len(nodes), lambda number, ax: plot_system_cycle(cycle, node=nodes[number], ax=ax)
-    )
-
-
-def plot_system_branch(branch: xr.Dataset, *, contact: int = 0, ax: Axes | None = None) -> Axes:
-    """Draw a branch of limit cycles of a rotor system: the largest distance over the speed.
-
-    Solid where the cycles are stable, dashed where not. Special points are marked. Several branches
-    can share axes, also with `plot_system_sweep`.
-
-    Parameters
-    ----------
-    branch : Dataset
-        Result of `rotor_ida.continue_cycle` for a rotor system.
-    contact : int
-        Number of the contact. Its clearance is a dashed line.
-    ax : Axes, optional
-        Axes to draw on and return; default: those of a new figure.
-
-    Raises
-    ------
-    InputError
-        If the dataset is of another kind, or has no such contact.
-
-    Examples
-    --------
-    >>> from rotor_ida import Rotor, continue_cycle
-    >>> system = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
-    >>> branch = continue_cycle(system, speed=2.0, limits=(1.9, 2.1))
-    >>> plot_system_branch(branch).get_title()
-    'contact 0 at disc'
-    """
-    branch = check_dataset("branch", branch, BRANCH)
-    part = at_contact(branch, contact)
-    with drawing(ax) as ax:
-        fresh = not ax.has_data()
-        if fresh:
-            label_speed(ax, branch)
-            label_axis(ax.yaxis, "radius", branch["radius_max"])
-            draw_clearance(ax, part)
-        speeds, radii, words = _course_of(part)
-        for first, last in runs_of(words):
-            label, dashes, width = EDGES[words[first]]
-            known = ax.get_legend_handles_labels()[1]
-            ax.plot(speeds[first : last + 1], radii[first : last + 1], color=BLUE, ls=dashes,
-                    lw=width, label="_" if label in known else label)  # fmt: skip
-        marked = speeds_in(part["special_speed"]), part["special_radius_max"].values
-        draw_specials(ax, part, *marked, tuple(MARKS))
-        raise_limit(ax, float(radii.max()))
-        own_legend(ax)
-    return ax
-
-
-def _course_of(part: xr.Dataset) -> tuple[Values, Values, list[str]]:
-    """Return speeds and radii with the special points in their places, and stability between.
-
-    Between a point and a special one the stability is that of the point.
-    """
-    count, stability = part.sizes["point"], words_of(part["stability"])
-    behind = part["special_point"].values
-    order = np.argsort(np.append(np.arange(count), behind), kind="stable")
-    speeds, radii = (
-        np.append(values, special)[order]
-        for values, special in (
-            (speeds_in(part["speed"]), speeds_in(part["special_speed"])),
-            (part["radius_max"].values, part["special_radius_max"].values),
-        )
-    )
-    words = [
-        stability[here if here < count else min(int(behind[here - count]) + 1, count - 1)]
-        for here in order[:-1].tolist()
-    ]
-    return speeds, radii, words
-
-
-def system_branch_figure(branch: xr.Dataset) -> Figure:
-    """Draw a branch of limit cycles of a rotor system: a panel for each contact.
-
-    Parameters
-    ----------
-    branch : Dataset
-        Result of `rotor_ida.continue_cycle` for a rotor system.
-
-    Raises
-    ------
-    InputError
-        If the dataset is of another kind.
-
-    Examples
-    --------
-    >>> from rotor_ida import Rotor, continue_cycle
-    >>> system = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
-    >>> branch = continue_cycle(system, speed=2.0, limits=(1.9, 2.1))
-    >>> len(system_branch_figure(branch).axes)
-    1
-    """
-    check_dataset("branch", branch, BRANCH)
-    return panels_of_contacts(
-        branch.sizes["contact"],
-        lambda number, ax: plot_system_branch(branch, contact=number, ax=ax),
     )

@@ -447,10 +447,13 @@ def _handles(senses: Values, springs: Values, unit: str) -> list[Line2D]:
 
 def label_speed(ax: Axes, dataset: xr.Dataset) -> Values:
     """Label the axis of the speed, in rpm for SI units, and return the speeds in that unit."""
-    ax.set_xlabel(
-        r"spin speed $\Omega$" if in_rpm(dataset["speed"]) is None else "spin speed [rpm]"
-    )
+    ax.set_xlabel(speed_label(dataset))
     return speeds_in(dataset["speed"])
+
+
+def speed_label(dataset: xr.Dataset) -> str:
+    """Return the label of an axis of the speed, in rpm for SI units."""
+    return r"spin speed $\Omega$" if in_rpm(dataset["speed"]) is None else "spin speed [rpm]"
 
 
 def speeds_in(speeds: xr.DataArray) -> Values:

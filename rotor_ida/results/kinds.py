@@ -110,6 +110,10 @@ _STATES = "rotating_x rotating_y rotating_vx rotating_vy "
 _STATES_OF_NODES = _STATES.replace(" ", "(crossing node) ")
 _STARTS = "start_x(start) start_y(start) start_vx(start) start_vy(start)"
 _BRANCH = "special_kind(special) period(point) radius_min(point) radius_max(point)"
+_BRANCH_OF_SYSTEM = (
+    "special_kind(special) special_value(special) multiplier_real(point multiplier) special_state "
+    "contact_clearance(point contact)? " + _CONTACTS.replace("clearance(contact)", "clearance")
+)
 _WINDOWS = " t(window) speed(window)? window_residual(window)?"
 _ORDERS = "order(order) window_residual(window) " + " ".join(
     f"{sense}_{what}(window order)"
@@ -186,16 +190,21 @@ KINDS = {
             shown=f"{_SHOWN}:show_run_ups", drawn="rotor_ida.plot:run_ups_figure",
         ),
         Kind(
-            name="system_branch", meaning="branch of limit cycles of a rotor system",
-            variables="multiplier_real(point multiplier) special_state " + _CONTACTS,
+            name="system_curve", meaning="bifurcation curve of a rotor system",
+            variables="special_second_value(special) " + _BRANCH_OF_SYSTEM,
             dims=("point", "contact", "special", "component"),
-            shown=f"{_SYSTEM_WHIRLS}:SYSTEM_BRANCH", drawn="rotor_ida.plot:system_branch_figure",
+            shown=f"{_SHOWN}:show_curve", drawn=f"{_DRAWN}:figure_of_curve",
+        ),
+        Kind(
+            name="system_branch", meaning="branch of limit cycles of a rotor system",
+            variables=_BRANCH_OF_SYSTEM, dims=("point", "contact", "special", "component"),
+            shown=f"{_SHOWN}:show_branch", drawn=f"{_DRAWN}:figure_of_branch",
         ),
         Kind(
             name="system_cycle", meaning="limit cycle of a rotor system",
             variables="multiplier_real(multiplier) node_radius_max(node) " + _CONTACTS,
             dims=("contact",),  # t is empty where there is no cycle
-            shown=f"{_SYSTEM_WHIRLS}:SYSTEM_CYCLE", drawn="rotor_ida.plot:system_cycle_figure",
+            shown=f"{_SHOWN}:show_cycle", drawn="rotor_ida.plot:system_cycle_figure",
         ),
         Kind(
             name="system_whirls", meaning="exact whirls of a rotor system",

@@ -15,7 +15,7 @@ from rotor_ida.model.rotor import DimensionalRotor
 from rotor_ida.model.scales import UNITS_OF_ARGUMENTS, unit_of_parameter
 from rotor_ida.model.scales import scale_of as scale_in
 from rotor_ida.schema import QUANTITIES, check_variables
-from rotor_ida.schema.quantities import UNITS
+from rotor_ida.schema.quantities import SPECIAL_VALUES, UNITS
 from rotor_ida.units import PREFIXES, SPEED_UNITS
 
 # Units of speed in rad/s; for UDUNITS a radian is 1, and Hz is 1/s too.
@@ -273,6 +273,8 @@ def in_suitable_units(dataset: xr.Dataset) -> xr.Dataset:
     converted = {}
     for name, variable in dataset.variables.items():
         kind = QUANTITIES[str(name)].scale if str(name) in QUANTITIES else ""
+        if name in SPECIAL_VALUES and variable.attrs.get("units") == UNITS["length"]:
+            kind = "length"
         plain = str(variable.attrs.get("units")) == UNITS.get(kind) and name not in LARGE_ONES
         if plain and prefixes.get(kind):
             parts, unit = PREFIXES[prefixes[kind]], f"{prefixes[kind]}{UNITS[kind]}"
@@ -280,7 +282,7 @@ def in_suitable_units(dataset: xr.Dataset) -> xr.Dataset:
             converted[name] = xr.Variable(variable.dims, parts * variable.data, attributes)
     if not converted:
         return dataset
-    kinds = {QUANTITIES[str(name)].scale for name in converted}
+    kinds = {QUANTITIES[str(name)].scale for name in converted} - {""}
     told = {
         f"{kind}_scale": PREFIXES[prefixes[kind]] * scale_of(dataset, kind)
         for kind in kinds

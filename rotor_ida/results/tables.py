@@ -15,8 +15,9 @@ import xarray as xr
 
 from rotor_ida.checks import check_instance, shown
 from rotor_ida.errors import InputError
+from rotor_ida.results.archived_system import NAMES, NEEDED
 from rotor_ida.results.files import already_there, check_target, file_to_write
-from rotor_ida.schema import words_of
+from rotor_ida.schema import RESULT_KIND, words_of
 
 # A pandas DataFrame; pandas has no annotations.
 Table = Any
@@ -30,6 +31,8 @@ PARTS = {
 }  # fmt: skip
 
 
+# Kinds of result that are one point, with what belongs to it.
+CYCLES = ("cycle", "system_cycle")
 # Dimension of the states of a stroboscopic diagram at a point.
 CROSSING = "crossing"
 
@@ -49,6 +52,7 @@ def to_dataframe(dataset: xr.Dataset) -> Table:
         Those that are on contacts or nodes too have a column for each, such as
         ``radius_max[seal]``, by the name of the node, or by the number of the contact where two
         are at one node; so have Lyapunov exponents and multipliers, by their numbers. A
+        limit cycle is one row, without its samples and its spectrum. A
         stroboscopic diagram has a row for each state at each point. Variables on
         other dimensions, such as those of events and of ``component``, are left out.
 
@@ -66,6 +70,10 @@ def to_dataframe(dataset: xr.Dataset) -> Table:
     (2, [1.326, 1.196], ['synchronous', 'synchronous'])
     """
     result = check_instance("dataset", dataset, xr.Dataset)
+    if result.attrs.get(RESULT_KIND) in CYCLES:
+        result = result.set_coords(["contact_node"] if "contact_node" in result else [])
+        own = {name for name, each in result.data_vars.items() if {*each.dims} <= {*PARTS}}
+        result = result[[name for name in result.data_vars if name in own - {*NEEDED, *NAMES}]]
     if not any({*each.dims} - {*PARTS, "component"} for each in result.data_vars.values()):
         result = result.assign({name: each.expand_dims("point")
                                 for name, each in result.data_vars.items()})  # fmt: skip

@@ -618,8 +618,8 @@ QUANTITIES: dict[str, Quantity] = {
     "special": Quantity("number of the special point, in order along the branch"),
     "special_speed": speed("spin speed at the special point"),
     "special_kind": Quantity("kind of the special point", flags=SPECIAL),
-    "special_value": Quantity("continued parameter at the special point"),
-    "special_second_value": Quantity("second continued parameter at the special point"),
+    "special_value": Quantity("continued parameter at the special point", ""),
+    "special_second_value": Quantity("second continued parameter at the special point", ""),
     "special_period": time("period at the special point"),
     "special_point": Quantity("number of the point of the branch before the special one"),
     "special_state": Quantity(
@@ -680,12 +680,15 @@ QUANTITIES |= {
 }
 
 
+# What a special point of a branch or curve says of the parameters that vary, in their units.
+SPECIAL_VALUES = ("special_value", "special_second_value")
 # Difference allowed between a number of an archive and the same computed on another processor,
 # relative to the largest number of its variable.
 TOLERANCE = 1e-6
 # The same for kinds of result whose numbers Newton's method or a polynomial gives.
 TOLERANCE_OF_KIND = dict.fromkeys(
-    ("cycle", "cycles", "branch", "curve", "system_cycle", "system_branch", "whirls", "folds",
+    ("cycle", "cycles", "branch", "curve", "system_cycle", "system_branch",
+     "system_curve", "whirls", "folds",
      "hopf_points", "system_whirls", "system_special_points", "campbell", "clearance_report"),
     1e-8,
 )  # fmt: skip

@@ -192,6 +192,10 @@ class Flow(Protocol):
         """Clearances of the contacts, shape (contact,)."""
 
     @property
+    def exponents(self) -> Values:
+        """Exponents of the laws of the contacts, shape (contact,)."""
+
+    @property
     def length(self) -> float:
         """Distance by which displacements in a state are measured."""
 
@@ -291,6 +295,11 @@ class DiscFlow:
     def clearances(self) -> Values:
         """The clearance, shape (1,) [1]."""
         return np.array([self.rotor.delta0])
+
+    @property
+    def exponents(self) -> Values:
+        """The exponent of its contact law, shape (1,) [1]."""
+        return np.array([self.rotor.contact_exponent])
 
     @property
     def length(self) -> float:

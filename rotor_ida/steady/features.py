@@ -11,10 +11,21 @@ from rotor_ida.arrays import ComplexValues, Flags, Values
 from rotor_ida.simulation.flow import Window
 from rotor_ida.simulation.systems.flow import SystemFlow
 from rotor_ida.steady.decision import Decision
-from rotor_ida.steady.response import CONTACT_FREE, Features, phase_lag_of, stays_backward
+from rotor_ida.steady.response import (
+    BOUNCING,
+    CONTACT_FREE,
+    FULL_CONTACT,
+    ROLLING,
+    Features,
+    phase_lag_of,
+    stays_backward,
+)
 
 # Turning points closer in time are the same: rounding shifts them less, and two lie farther apart.
 SAME_TURN = 1e-6
+# Samples of a period of one disc over which the part at the spin speed is the mean.
+SAMPLES = 1024
+CYCLES = (BOUNCING, FULL_CONTACT, ROLLING)
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -74,7 +85,12 @@ def features_of_disc(window: Window, decision: Decision) -> Features:
     if period is not None:
         since = float(window.times[-1]) - period - SAME_TURN
     place, extrema, last = window.places[0], window.extrema, window.times >= since
-    whirl = complex((place if window.flow.period is None else place[last])[:-1].mean())
+    turning = place if period is None or window.flow.period is None else place[last]
+    if period is not None and decision.kind in CYCLES and window.flow.period is None:
+        # its period is not one of revolutions, over which alone the other parts vanish
+        times = np.linspace(0.0, period, SAMPLES + 1)
+        turning = window.flow.places(window.flow.states(window.end, times))[0]
+    whirl = complex(turning[:-1].mean())
     low, high = extremes(np.abs(place[last]), [extrema["radius"][extrema["time"] >= since]])
     return Features(
         abs(whirl), phase_lag_of(whirl), float(low[0]), float(high[0]),

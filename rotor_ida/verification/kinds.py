@@ -14,7 +14,7 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.checks import COMPONENTS
-from rotor_ida.cycles.branch_course import course_of, stable_ranges
+from rotor_ida.cycles.branch_course import VARIED, course_of, stable_ranges
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.results.archived_system import NEEDED, PROBLEM
 from rotor_ida.results.kinds import kind_of
@@ -114,9 +114,10 @@ def _ends(dataset: xr.Dataset) -> dict[str, Any]:
     for end, place in ends.items():
         found[end] = words[end]
         if words[end] in SHARP:
-            names = [name for name in ALL_PARAMETERS if name in dataset.variables]
+            at_end = dataset.isel(point=place)
+            names = dict.fromkeys(name for name in VARIED if name in dataset.coords)
             for name in (*names, "period", "radius_min", "radius_max"):
-                found[f"{name} at the {end}"] = float(dataset.isel(point=place)[name])
+                found[f"{name} at the {end}"] = (at_end[name].dims, at_end[name].values)
     if "parameter" in dataset.attrs and set(words.values()) <= set(SHARP):
         values = course_of(dataset).value
         found["extremes of the parameter"] = ("extreme", [values.min(), values.max()])
@@ -137,6 +138,7 @@ def tolerance_of_run(run: xr.Dataset) -> float:
 
 NUMBERS = ("amplitude", "phase_lag", "radius_min", "radius_max")
 _RANGES = tuple(f"range_{name}" for name in COMPONENTS)
+_BEGUN_OF_SYSTEM = ("start", "start_speed", "start_period", "start_special", "limits", "points")
 _BEGUN = ("start", "start_period", *(f"start_{name}" for name in PARAMETERS))
 _SYSTEM_RUN = Verification(
     ("event_time", "event_time_error", "event_contact", "t", *NEEDED),
@@ -234,10 +236,12 @@ VERIFIED = {
         ("period", "multiplier_real", "speed", "final_state", *PROBLEM)
     ),
     "system_branch": Verification(
-        ("special_kind", "special_speed", "special_period", *PROBLEM),
-        ("start", "start_speed", "start_period", "start_special", "start_slope", "limits",
-         "direction", "points"),
-        _steps,
+        ("special_kind", "special_value", "special_period", *PROBLEM),
+        ("parameter", "direction", *_BEGUN_OF_SYSTEM), _steps, also=_ends,
+    ),
+    "system_curve": Verification(
+        ("special_second_value", "special_value", "special_period", *PROBLEM),
+        ("kind", "parameters", *_BEGUN_OF_SYSTEM), _steps_of_curve, also=_ends,
     ),
     "campbell": Verification(
         ("whirl_speed", "damping_ratio", "speed", "contact_stiffness", *PROBLEM)

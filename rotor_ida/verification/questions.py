@@ -15,14 +15,17 @@ import xarray as xr
 
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.cycles.branch_course import parameters_of
-from rotor_ida.cycles.guess import Guess, as_start, as_start_of_system
+from rotor_ida.cycles.guess import CLOSING_RTOL, Guess, as_start, flow_at
+from rotor_ida.model.assembly import assemble
 from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
 from rotor_ida.results.archived_system import problem_of
 from rotor_ida.results.kinds import kind_of
 from rotor_ida.results.question import Question
 from rotor_ida.simulation.flow import DiscFlow
+from rotor_ida.simulation.systems.flow import SettlingProblem
 from rotor_ida.steady.grid import DIRECTIONS
 
 SOLVER = ("rtol", "atol", "method")
@@ -141,32 +144,38 @@ def _cycle(dataset: xr.Dataset) -> Question:
     return Question("limit_cycle", {"rotor": rotor_in(dataset), **given})
 
 
-def _followed(dataset: xr.Dataset, parameters: tuple[str, ...], special: str) -> dict[str, Any]:
-    """Return the rotor and the start of a branch or curve."""
-    given, rotor = dataset.attrs, rotor_in(dataset, "start_")
-    guess = Guess(
-        DiscFlow(rotor), np.array(given["start"]), float(given["start_period"]), special,
-        float(given.get("start_slope", 1.0)),
-    )  # fmt: skip
-    return {"rotor": rotor, "start": as_start(guess, parameters), "points": int(given["points"])}
+def _followed(dataset: xr.Dataset, parameters: tuple[str, ...]) -> dict[str, Any]:
+    """Return the rotor, the start and the limits of a branch or curve."""
+    given, is_system = dataset.attrs, "contact_node" in dataset.variables
+    special, state = str(given.get("start_special", given.get("kind"))), np.array(given["start"])
+    told = (special, float(given.get("start_slope", 1.0)))
+    rotor: Rotor | RotorSystem
+    if is_system and "clearance" in parameters:
+        _lost(dataset)
+    if is_system:
+        rotor = problem_of(dataset)[0]
+        flow = flow_at(SettlingProblem.of(assemble(rotor), CLOSING_RTOL), given["start_speed"])
+        guess = Guess(flow, flow.given_state(state), float(given["start_period"]), *told)
+    else:
+        rotor = rotor_in(dataset, "start_")
+        guess = Guess(DiscFlow(rotor), state, float(given["start_period"]), *told)
+    limits = np.reshape(given["limits"], (-1, 2)).tolist()
+    return {
+        "rotor": rotor, "start": as_start(guess, parameters), "points": int(given["points"]),
+        "limits": tuple(map(tuple, limits)) if len(limits) > 1 else tuple(limits[0]),
+    }  # fmt: skip
 
 
 def _branch(dataset: xr.Dataset) -> Question:
-    given, (parameter,) = dataset.attrs, parameters_of("branch", dataset, "parameter", 1)
-    more = {
-        "parameter": parameter,
-        "limits": tuple(np.asarray(given["limits"]).tolist()),
-        "direction": str(given["direction"]),
-    }
-    special = str(given["start_special"])
-    return Question("continue_cycle", _followed(dataset, (parameter,), special) | more)
+    (parameter,) = parameters_of("branch", dataset, "parameter", 1)
+    more = {"parameter": parameter, "direction": str(dataset.attrs["direction"])}
+    return Question("continue_cycle", _followed(dataset, (parameter,)) | more)
 
 
 def _curve(dataset: xr.Dataset) -> Question:
-    given, names = dataset.attrs, tuple(parameters_of("curve", dataset, "parameters", 2))
-    limits = np.reshape(given["limits"], (2, 2))
-    more = {"kind": given["kind"], "parameters": names, "limits": limits}
-    return Question("bifurcation_curve", _followed(dataset, names, given["kind"]) | more)
+    names = tuple(parameters_of("curve", dataset, "parameters", 2))
+    more = {"kind": dataset.attrs["kind"], "parameters": names}
+    return Question("bifurcation_curve", _followed(dataset, names) | more)
 
 
 def _system_in(dataset: xr.Dataset, *names: str) -> dict[str, Any]:
@@ -239,14 +248,6 @@ def _system_cycle(dataset: xr.Dataset) -> Question:
     return Question("limit_cycle", given | {"start": start.drop_attrs()})
 
 
-def _system_branch(dataset: xr.Dataset) -> Question:
-    told = _told_in(dataset, "direction", "points")
-    told["limits"] = tuple(np.asarray(dataset.attrs["limits"]).tolist())
-    return Question(
-        "continue_cycle", _system_in(dataset) | told | {"start": as_start_of_system(dataset.attrs)}
-    )
-
-
 OF_KIND: dict[str, Callable[[xr.Dataset], Question]] = {
     "run": _run, "sweep": _sweep, "run_ups": _run_ups, "bifurcation_diagram": _diagram,
     "basin": _basin, "basin_fractions": _fractions, "atlas": _atlas,
@@ -254,7 +255,7 @@ OF_KIND: dict[str, Callable[[xr.Dataset], Question]] = {
     "hopf_points": partial(_over_grid, "hopf_points"), "cycle": _cycle, "branch": _branch,
     "curve": _curve, "system_run": _system_run, "drop": _system_run, "system_sweep": _system_sweep,
     "system_whirls": _system_whirls, "system_special_points": _special_speeds,
-    "system_cycle": _system_cycle, "system_branch": _system_branch, "campbell": _campbell,
+    "system_cycle": _system_cycle, "system_branch": _branch, "system_curve": _curve, "campbell": _campbell,
     "clearance_report": _clearance_report,
 }  # fmt: skip
 

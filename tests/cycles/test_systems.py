@@ -1,10 +1,23 @@
 """Limit cycles of rotor systems: beside those of one disc, their sweeps and their exact rubs."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import rotor_ida
-from rotor_ida import InputError, Rotor, SimulationError, decode_flags, special_speeds, sweep
+from rotor_ida import (
+    Contact,
+    InputError,
+    Rotor,
+    RotorSystem,
+    SimulationError,
+    Stator,
+    Unbalance,
+    decode_flags,
+    special_speeds,
+    sweep,
+)
 from rotor_ida.cycles.guess import guess_of_system
 from rotor_ida.cycles.multipliers import multipliers_of
 from rotor_ida.cycles.shooting import close_orbit
@@ -111,7 +124,7 @@ def test_the_bifurcations_of_a_branch_are_those_of_one_disc(bouncing, disc):
     branch = rotor_ida.continue_cycle(system, start=bouncing, limits=limits)
     exact = rotor_ida.continue_cycle(BOUNCING, start=disc, limits=limits)
     np.testing.assert_array_equal(branch.special_kind, exact.special_kind)
-    np.testing.assert_allclose(branch.special_speed, exact.special_value, rtol=1e-9)
+    np.testing.assert_allclose(branch.special_value, exact.special_value, rtol=1e-9)
     np.testing.assert_allclose(branch.special_period, exact.special_period, rtol=1e-9)
     for end in (0, -1):
         np.testing.assert_allclose(branch.period[end], exact.period[end], rtol=1e-10)
@@ -121,6 +134,134 @@ def test_the_bifurcations_of_a_branch_are_those_of_one_disc(bouncing, disc):
         system, start=branch.isel(special=0), limits=limits, points=4
     )
     np.testing.assert_allclose(doubled.period[0], 2.0 * branch.special_period[0], rtol=1e-2)
+
+
+@pytest.mark.parametrize(("name", "of_disc", "limits"), [
+    ("friction", "friction", (0.08, 0.12)), ("clearance", "delta0", (0.45, 0.55)),
+])  # fmt: skip
+def test_a_branch_over_a_parameter_is_that_of_one_disc(name, of_disc, limits):
+    """Derivatives by the parameter are differences of runs here, and integrals there.
+
+    Over the friction it passes folds, a graze, and the corner where the disc begins to roll.
+    """
+    start = (3.0, 1.0, 0.0, 0.0)
+    exact = rotor_ida.continue_cycle(RUBBING, start=start, parameter=of_disc, limits=limits)
+    branch = rotor_ida.continue_cycle(
+        RUBBING.system(), speed=1.2, start=(start[:2], start[2:]), parameter=name, limits=limits
+    )
+    assert branch[name].dims == ("point",)
+    assert branch.speed.item() == 1.2
+    np.testing.assert_array_equal(branch.special_kind, exact.special_kind)
+    np.testing.assert_allclose(branch.special_value, exact.special_value, rtol=1e-10)
+    np.testing.assert_allclose(branch.special_period, exact.special_period, rtol=1e-10)
+    for end, point in {"first_end": 0, "last_end": -1}.items():
+        assert branch.attrs[end] == exact.attrs[end]
+        if branch.attrs[end] != "limits":  # at a Hopf point the phase of the oscillation is free
+            continue
+        assert branch[name][point] == pytest.approx(exact[of_disc].values[point], rel=1e-10)
+        for number in ("period", "radius_max", "largest_force"):
+            np.testing.assert_allclose(branch[number][point], exact[number][point], rtol=1e-9)
+
+
+@pytest.mark.parametrize(("rotor", "start", "kind", "limits"), [
+    (BOUNCING, (0.0, 0.0, 0.0, 0.0), "period_doubling", [(1.7, 2.1), (1.9, 2.1)]),
+    (FULL, (3.0, 1.0, 0.0, 0.0), "fold", [(2.4, 3.2), (0.4, 0.6)]),
+])  # fmt: skip
+def test_a_curve_of_bifurcations_is_that_of_one_disc(rotor, start, kind, limits):
+    exact = rotor_ida.bifurcation_curve(rotor, start=start, kind=kind, limits=limits)
+    curve = rotor_ida.bifurcation_curve(
+        rotor.system(), speed=rotor.omega, start=(start[:2], start[2:]), kind=kind, limits=limits
+    )
+    ends = [0, -1]
+    np.testing.assert_allclose(curve.speed[ends], exact.omega[ends], rtol=1e-9)
+    np.testing.assert_allclose(curve.clearance[ends], exact.delta0[ends], rtol=1e-9)
+    np.testing.assert_allclose(curve.period[ends], exact.period[ends], rtol=1e-9)
+    np.testing.assert_array_equal(curve.contact_clearance.isel(contact=0), curve.clearance)
+    turned = -1.0 if kind == "period_doubling" else 1.0
+    assert np.sort(np.abs(multipliers(curve) - turned), axis=1)[:, 1 - (turned < 0)].max() < 1e-6
+
+
+def two_discs(clearance=(3.0, 0.8), friction=0.02):
+    """Return a system whose second disc rubs."""
+    chain = np.kron([[2.0, -1.0], [-1.0, 2.0]], np.eye(2))
+    law = {"stiffness": 3.0, "exponent": 1.0, "radius": 2.0}
+    contacts = [
+        Contact(node=node, clearance=gap, friction=part * friction, **law)
+        for node, gap, part in zip(("one", "two"), clearance, (0.5, 1.0), strict=True)
+    ]
+    return RotorSystem(
+        mass=np.eye(4), stiffness=chain, damping=0.1 * chain, contacts=contacts, units="1",
+        nodes={"one": (0, 1), "two": (2, 3)}, unbalance=[Unbalance(node="one", moment=0.4)],
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("name", "limits", "changed"), [
+    ("clearance", (2.9, 3.05), lambda value: two_discs((value, 0.8 / 3.0 * value))),
+    ("friction", (0.0, 0.04), lambda value: two_discs(friction=value)),
+])  # fmt: skip
+def test_points_of_a_branch_are_cycles_of_the_system_with_that_parameter(name, limits, changed):
+    """The contacts keep their ratios: the system is built anew with the numbers of each."""
+    branch = rotor_ida.continue_cycle(two_discs(), speed=1.5, parameter=name, limits=limits)
+    for place in (0, -1):
+        point = branch.isel(point=place)
+        assert point[name] in limits
+        again = rotor_ida.limit_cycle(changed(point[name].item()), speed=1.5, start=point)
+        for number in ("period", "radius_min", "radius_max", "largest_force"):
+            np.testing.assert_allclose(again[number], point[number], rtol=1e-9)
+        apart = np.abs(multipliers(again)[:, None] - multipliers(point))
+        assert apart.min(axis=0).max() < 1e-7
+    onwards = rotor_ida.continue_cycle(
+        two_discs(), start=branch.isel(point=-1), limits=(1.49, 1.51), points=2
+    )
+    middle = onwards.sel(point=onwards.speed == 1.5)  # with the parameter of its start
+    np.testing.assert_allclose(middle.period.values, branch.period.values[-1], rtol=1e-12)
+
+
+def test_a_parameter_changes_neither_the_scales_nor_the_coordinates_of_a_state():
+    flow = guess_of_system(two_discs(), None, 1.5).flow
+    state = np.linspace(-1.0, 1.0, flow.scales.size)
+    for name in ("clearance", "friction", "unbalance", "damping", "stiffness"):
+        other = flow.but(**{name: 1.25 * flow.value_of(name)}).but(speed=1.6)
+        assert other.value_of(name) == 1.25 * flow.value_of(name)
+        np.testing.assert_array_equal(other.in_q(state), flow.in_q(state))
+        back = other.but(**{name: flow.value_of(name)}, speed=1.5)
+        np.testing.assert_array_equal(back.after(state, 3.0), flow.after(state, 3.0))
+        assert np.abs(other.but(speed=1.5).after(state, 3.0) - flow.after(state, 3.0)).max() > 1e-4
+    with pytest.raises(SimulationError, match="clearance of the contact"):
+        flow.but(clearance=-1.0)
+
+
+@pytest.mark.parametrize(("given", "message"), [
+    ({"parameters": ("omega", "delta0")}, "parameters must be two of 'speed', 'damping'"),
+    ({"limits": {"speed": (1.9, 2.1), "clearance": (0.0, 3.0)}}, "limits of clearance must be abo"),
+    ({"parameters": ("speed", "friction"), "limits": [(1.9, 2.1), (0.0, 0.2)]},
+     "radius of the contact at 'disc' must be given with friction"),
+    ({"kind": "torus"}, "limits must contain a torus of the branch"),
+])  # fmt: skip
+def test_bad_arguments_of_a_curve_are_refused_in_one_line(bouncing, given, message):
+    whole = {"start": bouncing, "kind": "fold", "limits": [(1.98, 2.02), (1.9, 2.1)]} | given
+    with pytest.raises(InputError, match=message):
+        rotor_ida.bifurcation_curve(BOUNCING.system(), **whole)
+
+
+def test_curves_of_stators_without_mass_are_refused():
+    """Their multipliers are differences of runs, too inexact to be differentiated."""
+    stator = Stator(mass=0.0, stiffness=1.0, damping=1.0)
+    contacts = [replace(each, stator=stator) for each in two_discs().contacts[:1]]
+    system = replace(two_discs(), contacts=contacts)
+    with pytest.raises(InputError, match="stators must have a mass for their bifurcations"):
+        rotor_ida.bifurcation_curve(system, speed=1.5, kind="fold", limits=[(1.4, 1.6), (2.0, 4.0)])
+
+
+def test_the_part_at_the_spin_speed_is_the_mean_over_a_period():
+    """Of a cycle on turning axes; over whole revolutions its other parts do not vanish."""
+    cycle = rotor_ida.limit_cycle(BOUNCING)
+    mean = complex(cycle.x[:-1].mean(), cycle.y[:-1].mean())
+    disc = sweep(BOUNCING).squeeze()
+    system = sweep(BOUNCING.system(), speed=[2.0]).squeeze()
+    for found in (disc, system):
+        np.testing.assert_allclose(found.amplitude, abs(mean), rtol=1e-8)
+        np.testing.assert_allclose(found.phase_lag, -np.angle(mean), rtol=1e-8)
 
 
 def test_at_a_hopf_point_the_cycle_shrinks_to_the_rub_with_the_frequency_of_its_eigenvalue():
@@ -184,8 +325,8 @@ def test_bad_arguments_of_a_cycle_are_refused_in_one_line(bouncing, given, messa
 
 
 @pytest.mark.parametrize(("given", "message"), [
-    ({"limits": (2.5, 3.0)}, "limits must contain the speed of the start"),
-    ({"limits": (-1.0, 3.0)}, "limits must be two increasing speeds of the same sign"),
+    ({"limits": (2.5, 3.0)}, "limits of speed must contain that of the start, 2.0"),
+    ({"limits": (-1.0, 3.0)}, "limits of speed must be two increasing speeds of the same sign"),
     ({"direction": "up"}, "direction must be"),
     ({"start": "bouncing"}, "start must be"),
 ])  # fmt: skip

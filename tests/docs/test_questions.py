@@ -89,6 +89,12 @@ def doubling() -> xr.Dataset:
     return a_branch().isel(special=0)
 
 
+def fold_of_two_discs() -> xr.Dataset:
+    """Return a fold on a branch of two discs."""
+    branch = rotor_ida.continue_cycle(two_discs(), speed=1.5, limits=(1.47, 1.52), points=12)
+    return branch.isel(special=0)
+
+
 def signals(kind: str) -> xr.Dataset:
     """Return signals of a run-up of one disc."""
     if kind == "disc":
@@ -129,7 +135,8 @@ QUESTIONS = [
            "points": 3},
           {"start": doubling, "kind": "period_doubling", "parameters": ("speed", "clearance"),
            "limits": [(875.0, 925.0), (1.95e-6, 2.05e-6)], "points": 3},
-          refused=of_disc("bifurcation_curve", "no: its cycles are followed over the speed alone")),
+          {"start": fold_of_two_discs, "kind": "fold", "limits": [(1.4, 1.55), (2.9, 3.1)],
+           "points": 3}),
     Asked("synchronous_response", "every synchronous whirl", {}, {}, {"speed": [0.9, 1.1]}),
     Asked("special_speeds", "speeds at which whirls fold, begin to oscillate or graze",
           {"limits": (0.5, 2.5), "points": 20}, {"limits": (250.0, 1250.0), "points": 20},

@@ -90,7 +90,7 @@ _ALONG = Parameter(
     "clearance replace omega, zeta or delta0. Default: the speed, or else the only one with "
     "several values."
 )
-AlongEither = Annotated[options.OfRotor | Literal["stiffness", "unbalance"] | None, _ALONG]
+AlongEither = Annotated[options.OfRotor | None, _ALONG]
 StiffnessFactors = Annotated[
     list[float] | None,
     numbers_option(

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
@@ -9,28 +10,34 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 from cyclopts import Parameter
 
 import rotor_ida
-from rotor_ida.checks import COMPONENTS, MOST_NUMBERS, State, shown
+from rotor_ida.checks import MOST_NUMBERS, State, shown
 from rotor_ida.cli import options, parsing
-from rotor_ida.cli.machines import REST, check_limits
+from rotor_ida.cli.machines import REST
 from rotor_ida.cli.option_types import count_option, path_option, quantity_option
 from rotor_ida.cli.output import Output, answer, answer_whole, read, working
 from rotor_ida.cli.report import FIRST_ROWS, Report
 from rotor_ida.cli.rotor_options import RotorOptions
 from rotor_ida.cli.systems import cycle_case
 from rotor_ida.errors import InputError, SimulationError
-from rotor_ida.model.parameters import ALL_PARAMETERS, TABLE
+from rotor_ida.model.data_sheet import in_si
+from rotor_ida.model.parameters import OF_MACHINE, TABLE
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.model.scales import IS_OF_MACHINE
+from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
 
 if TYPE_CHECKING:
     import xarray as xr
 
-# Kinds of archive for `--from`.
+# Kinds of archive for `--from`, of one disc and of a rotor system.
 SOURCES = ("cycle", "branch", "curve")
+OF_SYSTEM = (*(f"system_{kind}" for kind in SOURCES), "system_special_points")
 
 
 def _limits(text: str, words: str) -> Parameter:
     """Return an option for values of a parameter, whose unit depends on the parameter."""
-    every = tuple({each.unit for each in TABLE if each.unit != "1"})
+    units = {each.unit for each in TABLE} | {each.unit for each in PARAMETERS_OF_SYSTEM.values()}
+    every = tuple(units - {"1"})
     reading = parsing.converter(
         lambda name, given: tuple(parsing.quantity(name, [word], *every) for word in given)
     )
@@ -62,13 +69,15 @@ OneParameter = Annotated[
     options.OfRotor,
     Parameter(
         help="Parameter to vary; for a machine speed, damping or clearance replace omega, "
-        "zeta or delta0."
+        "zeta or delta0. Of a rotor system speed (default), clearance, friction, unbalance, "
+        "damping or stiffness, as in sweep."
     ),
 ]
 TwoParameters = Annotated[
     tuple[options.OfRotor, options.OfRotor],
     Parameter(
-        help="The two parameters to vary, from the choices of continue-cycle.",
+        help="The two parameters to vary, from the choices of continue-cycle; of a rotor system "
+        "by default speed and clearance.",
         metavar="NAME NAME",
         negative=(),
         show_default=" ".join,
@@ -126,23 +135,38 @@ class Origin(RotorOptions):
         if not (self.given or self.machine):
             raise InputError("a rotor must be given, or a file with --from")
 
-    def guess(self, *, curve_kind: str | None = None) -> tuple[Any, State | str | xr.Dataset]:
-        """Return rotor and start of the continuation.
-
-        A point of a bifurcation curve of `curve_kind` starts exactly that bifurcation.
-        """
+    def begun(self) -> tuple[Rotor | DimensionalRotor, dict[str, Any]]:
+        """Return the rotor and the start of the continuation."""
         if self.from_ is not None:
-            from rotor_ida.results.si_units import (  # noqa: PLC0415 - heavy, not for --help
-                dimensionless,
-                machine_of,
-            )
+            from rotor_ida.cycles.guess import guess_in  # noqa: PLC0415 - heavy, not for --help
+            from rotor_ida.results.si_units import dimensionless, machine_of  # noqa: PLC0415
 
             archived = read(self.from_)
-            rotor, found = _in_archive(dimensionless(archived), self, curve_kind)
-            return machine_of(archived) or rotor, found
+            found = _in_archive(dimensionless(archived), self, SOURCES)
+            return machine_of(archived) or guess_in(found).rotor, {"start": found}
         chosen = self.chosen()
-        start = self.start or REST
-        return chosen, start if self.period is None else _closed(chosen, start, self.period)
+        start: Any = self.start or REST
+        return chosen, {"start": start if self.period is None
+                        else _closed(chosen, start, self.period)}  # fmt: skip
+
+    def begun_of_system(
+        self, file: Path, output: Output, *, without_gravity: bool
+    ) -> tuple[RotorSystem, dict[str, Any]]:
+        """Return the rotor system of a file, and the start of the continuation."""
+        if self.period is not None:
+            raise InputError(
+                "period must be left out with a rotor system: compute its cycle first, with "
+                "limit-cycle"
+            )
+        own, given = cycle_case(file, self, self.start, output, without_gravity=without_gravity)
+        if self.from_ is not None:
+            if self.start is not None:
+                raise InputError("start must be left out with --from")
+            given["start"] = _in_archive(read(self.from_), self, OF_SYSTEM)
+            given["speed"] = self.given.get("speed")  # else that of the archive
+        elif (self.point, self.special) != (None, None):
+            raise InputError("point and special must be left out without --from")
+        return own, given
 
 
 def limit_cycle(
@@ -172,7 +196,10 @@ def limit_cycle(
             --out bounce.nc
     """
     if system is not None:
-        return cycle_file(system, rotor, start, period, output, without_gravity=without_gravity)
+        own, given = cycle_case(system, rotor, start, output, without_gravity=without_gravity)
+        with working("cycle") as progress:
+            found = rotor_ida.limit_cycle(own, **given, period=period, progress=progress)
+        return _answered(found, output)
     if without_gravity:
         raise InputError("without_gravity must be left out without a rotor system")
     output.check()
@@ -214,45 +241,33 @@ def continue_cycle(
 
         rotor-ida continue-cycle --from branch.nc --special 1 --limits 1.7 2
 
-    That of a rotor of any size over the speed, from a system file:
+    That of a rotor of any size over the speed, and over the clearance, from a system file:
 
         rotor-ida continue-cycle rotor.toml --from bounce.nc --without-gravity \
             --limits 7950rpm 8050rpm
+
+        rotor-ida continue-cycle rotor.toml --from bounce.nc --without-gravity \
+            --parameter clearance --limits 145um 155um
     """
-    if system is not None:
-        given: dict[str, Any] = {
-            "limits": limits, "direction": direction, "points": points, "study": study
-        }  # fmt: skip
-        if parameter != "omega":
-            raise InputError(f"parameter must be left out with a rotor system, got {parameter}")
-        return branch_file(system, origin, output, given, without_gravity=without_gravity)
-    if without_gravity:
-        raise InputError("without_gravity must be left out without a rotor system")
-    origin.check()
-    output.check()
-    with working("points", study) as progress:
-        rotor, start = origin.guess()
-        check_limits(rotor, [parameter], limits)
-        branch = rotor_ida.continue_cycle(
-            rotor,
-            start=start,
-            parameter=parameter,
-            limits=limits,
-            direction=direction,
-            points=points,
-            study=study,
-            progress=progress,
-        )
-        return answer_whole(branch, output, study)
+    given: dict[str, Any] = {"direction": direction, "points": points}
+    if system is not None and parameter == "omega":
+        parameter = "speed"
+    return _followed(
+        rotor_ida.continue_cycle, system, origin, without_gravity, [parameter], limits,
+        given | {"parameter": parameter, "limits": limits}, study, output,
+    )  # fmt: skip
 
 
 def bifurcation_curve(
+    system: options.System = None,
+    /,
     *,
     origin: Origin = Origin(),
     kind: Bifurcation,
     limits: TwoLimits,
     parameters: TwoParameters = ("omega", "delta0"),
     points: PointCount = 2000,
+    without_gravity: options.WithoutGravity = False,
     study: options.Study = None,
     output: Output = Output(),
 ) -> Report:
@@ -262,84 +277,58 @@ def bifurcation_curve(
 
         rotor-ida bifurcation-curve --from branch.nc --special 1 \
             --kind period_doubling --limits 1.7 1.9 1.9 2.1 --out curve.nc
+
+    For a rotor of any size give its system file first, and an archive of its cycle or branch.
     """
-    origin.check()
-    output.check()
+    if system is not None and parameters == ("omega", "delta0"):
+        parameters = ("speed", "clearance")
+    given = {"kind": kind, "points": points, "parameters": parameters}
+    return _followed(
+        rotor_ida.bifurcation_curve, system, origin, without_gravity, parameters, limits,
+        given | {"limits": (limits[:2], limits[2:])}, study, output,
+    )  # fmt: skip
+
+
+def _followed(
+    verb: Callable[..., xr.Dataset],
+    system: Path | None,
+    origin: Origin,
+    without_gravity: bool,
+    names: Sequence[str],
+    limits: Sequence[float],
+    given: dict[str, Any],
+    study: Path | None,
+    output: Output,
+) -> Report:
+    """Follow a branch or a curve of any rotor."""
+    rotor: Rotor | DimensionalRotor | RotorSystem
+    if system is not None:
+        rotor, begun = origin.begun_of_system(system, output, without_gravity=without_gravity)
+    elif without_gravity:
+        raise InputError("without_gravity must be left out without a rotor system")
+    else:
+        origin.check()
+        output.check()
     with working("points", study) as progress:
-        rotor, start = origin.guess(curve_kind=kind)
-        check_limits(rotor, parameters, limits)
-        found = rotor_ida.bifurcation_curve(
-            rotor,
-            start=start,
-            kind=kind,
-            parameters=parameters,
-            limits=(limits[:2], limits[2:]),
-            points=points,
-            study=study,
-            progress=progress,
-        )
+        if system is None:
+            rotor, begun = origin.begun()
+        _check_units(rotor, names, limits)
+        found = verb(rotor, **begun, **given, study=study, progress=progress)
         return answer_whole(found, output, study)
 
 
-# ---- Of a rotor system ----
-
-
-def cycle_file(
-    file: Path,
-    rotor: RotorOptions,
-    start: State | str | None,
-    period: float | None,
-    output: Output,
-    *,
-    without_gravity: bool,
-) -> Report:
-    """Compute the limit cycle of the system of a file."""
-    own, given = cycle_case(file, rotor, start, output, without_gravity=without_gravity)
-    with working("cycle") as progress:
-        found = rotor_ida.limit_cycle(own, **given, period=period, progress=progress)
-    return _answered(found, output)
-
-
-def branch_file(
-    file: Path, origin: Origin, output: Output, how: dict[str, Any], *, without_gravity: bool
-) -> Report:
-    """Continue a limit cycle of the system of a file over the speed."""
-    if origin.period is not None:
-        raise InputError(
-            "period must be left out with a rotor system: compute its cycle first, with limit-cycle"
-        )
-    own, given = cycle_case(file, origin, origin.start, output, without_gravity=without_gravity)
-    if origin.from_ is not None:
-        if origin.start is not None:
-            raise InputError("start must be left out with --from")
-        given["start"] = _point_of_system(read(origin.from_), origin)
-        given["speed"] = origin.given.get("speed")  # else that of the archive
-    elif (origin.point, origin.special) != (None, None):
-        raise InputError("point and special must be left out without --from")
-    with working("points", how["study"]) as progress:
-        branch = rotor_ida.continue_cycle(own, **given, **how, progress=progress)
-        return answer_whole(branch, output, how["study"])
-
-
-def _point_of_system(dataset: xr.Dataset, origin: Origin) -> xr.Dataset:
-    """Return the cycle of a system in an archive, or one point of a branch or special speeds."""
-    from rotor_ida.results.kinds import kind_of  # noqa: PLC0415 - heavy, and not for --help
-
-    kind = kind_of(dataset)
-    if kind == "system_cycle":
-        if (origin.point, origin.special) != (None, None):
-            raise InputError(
-                f"point and special must be left out with a cycle, got {shown(origin.from_)}"
-            )
-        return dataset
-    if kind not in ("system_branch", "system_special_points"):
-        raise InputError(
-            "from must be a cycle, a branch or special speeds of a rotor system, got "
-            f"{shown(origin.from_)}, of the kind {kind}"
-        )
-    if kind == "system_special_points" and origin.special is None:
-        raise InputError("special must be given with special speeds")
-    return _at(dataset, kind, origin.point, origin.special)
+def _check_units(
+    rotor: Rotor | DimensionalRotor | RotorSystem, names: Sequence[str], limits: Sequence[float]
+) -> None:
+    """Raise `InputError` unless the units of limits, two a parameter, are those of parameters."""
+    if isinstance(rotor, Rotor) or (isinstance(rotor, RotorSystem) and rotor.units != "SI"):
+        parsing.refuse_units({"limits": tuple(limits)})
+    own = PARAMETERS_OF_SYSTEM if isinstance(rotor, RotorSystem) else OF_MACHINE
+    for place, each in enumerate(limits):
+        name, word = names[place // 2], getattr(each, "word", "")
+        name = IS_OF_MACHINE.get(name, name)
+        if word and (known := own.get(name, OF_MACHINE.get(name))):
+            in_si(name, word, known.unit)
 
 
 def _closed(rotor: Rotor | DimensionalRotor, start: State | str, period: float) -> xr.Dataset:
@@ -350,62 +339,35 @@ def _closed(rotor: Rotor | DimensionalRotor, start: State | str, period: float) 
         raise InputError(f"start and period must be near a limit cycle: {error}") from error
 
 
-def _in_archive(
-    dataset: xr.Dataset, origin: Origin, curve_kind: str | None
-) -> tuple[Rotor, xr.Dataset]:
-    """Return the cycle in an archive, or that at one point of a branch or curve, and its rotor."""
+def _in_archive(dataset: xr.Dataset, origin: Origin, sources: Sequence[str]) -> xr.Dataset:
+    """Return the cycle in an archive, or that at one point of a branch, a curve and so on."""
     from rotor_ida.results.kinds import kind_of  # noqa: PLC0415 - heavy, and not for --help
 
-    file, point, special = origin.from_, origin.point, origin.special
-    kind = kind_of(dataset)
-    if kind not in SOURCES:
+    file, kind = origin.from_, kind_of(dataset)
+    if kind not in sources:
+        also = ", or special speeds" if sources is OF_SYSTEM else ""
+        of = " of a rotor system" if sources is OF_SYSTEM else ""
         raise InputError(
-            f"from must be a cycle, a branch or a curve, got {shown(file)}, of the kind {kind}"
+            f"from must be a cycle, a branch or a curve{also}{of}, got {shown(file)}, of the kind "
+            f"{kind}"
         )
-    if kind != "cycle":
-        dataset = _at(dataset, kind, point, special)
-    elif point is not None or special is not None:
+    if not kind.endswith("cycle"):
+        return _at(dataset, kind, origin.point, origin.special)
+    if (origin.point, origin.special) != (None, None):
         raise InputError(f"point and special must be left out with a cycle, got {shown(file)}")
-    elif dataset["period"].isnull():
+    if dataset["period"].isnull():
         raise InputError(f"from must contain a limit cycle, got {shown(file)} without one")
-    if kind == "curve":
-        dataset = _of_curve(dataset, "special_" if point is None else "", curve_kind)
-    place = dataset
-    if kind == "branch" and special is not None:
-        place = dataset.assign_coords({dataset.attrs["parameter"]: dataset["special_value"]})
-    given = [name for name in ALL_PARAMETERS if name in place.coords]
-    return Rotor(**{name: place[name].item() for name in given}), dataset
+    return dataset
 
 
 def _at(dataset: xr.Dataset, kind: str, point: int | None, special: int | None) -> xr.Dataset:
-    """Return one point, or one special point, of a branch or curve."""
+    """Return one point, or one special point, of a branch, a curve or special speeds."""
+    kind = kind.removeprefix("system_").replace("_", " ")
     if point is None and special is None:
         raise InputError(f"point or special must be given with a {kind}")
     dim, number = ("point", point) if special is None else ("special", special)
-    size = dataset.sizes[dim]
+    size = dataset.sizes.get(dim, 0)
     if number is None or number >= size:
         have = f"from 0 to {size - 1}" if size else "left out: there is none"
         raise InputError(f"{dim} must be {have}, got {number}")
     return dataset.isel({dim: number})
-
-
-def _of_curve(at: xr.Dataset, prefix: str, curve_kind: str | None) -> xr.Dataset:
-    """Return a point of a bifurcation curve as a point of a branch over its first parameter.
-
-    It is a special point of that branch if exactly that bifurcation is to be continued.
-    """
-    import xarray as xr  # noqa: PLC0415 - heavy, and not for --help
-
-    from rotor_ida.schema import SPECIAL  # noqa: PLC0415
-
-    kind, (first, second) = at.attrs["kind"], at.attrs["parameters"].split()
-    held = [name for name in ALL_PARAMETERS if name in at.coords and name not in {first, second}]
-    names = ("special_value", "special_second_value") if prefix else (first, second)
-    values = {name: at[name].item() for name in held}
-    values |= {first: at[names[0]].item(), second: at[names[1]].item()}
-    numbers = {name: at[f"{prefix}{name}"].item() for name in (*COMPONENTS, "period")}
-    if kind != curve_kind:
-        return xr.Dataset(numbers, values, {"parameters": at.attrs["parameters"]})
-    told = {f"special_{name}": number for name, number in numbers.items()}
-    told |= {"special_kind": SPECIAL[kind], "special_value": values[first]}
-    return xr.Dataset(told, values, {"parameter": first})

@@ -22,7 +22,7 @@ from rotor_ida.results.archive.content import CHECKSUM, FORMAT, FORMAT_NUMBER, L
 from rotor_ida.results.archive.library import LOCK, what_is_no_variable
 from rotor_ida.results.files import check_path
 from rotor_ida.results.si_units import complete
-from rotor_ida.schema import with_flags_of_now
+from rotor_ida.schema import RESULT_KIND, with_flags_of_now
 
 if TYPE_CHECKING:
     import netCDF4
@@ -168,7 +168,14 @@ def _load(source: Path) -> xr.Dataset:
         dataset = _read(source, lambda _, stored: _values(stored, source), in_memory=True)
     _check_content(dataset, source)
     complete(dataset)
-    return with_flags_of_now(dataset)
+    return with_flags_of_now(_with_names_of_now(dataset))
+
+
+def _with_names_of_now(dataset: xr.Dataset) -> xr.Dataset:
+    """Return an old branch of a rotor system, which is over the speed, with the names of now."""
+    if dataset.attrs.get(RESULT_KIND) != "system_branch" or "special_speed" not in dataset:
+        return dataset
+    return dataset.rename(special_speed="special_value").assign_attrs(parameter="speed")
 
 
 def _open(source: Path, *, check: bool) -> xr.Dataset:
@@ -180,7 +187,7 @@ def _open(source: Path, *, check: bool) -> xr.Dataset:
         if check:
             _check_content(dataset, source)
         complete(dataset)
-        found = with_flags_of_now(dataset)
+        found = with_flags_of_now(_with_names_of_now(dataset))
     except BaseException:
         stored.close()
         raise

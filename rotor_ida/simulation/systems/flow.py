@@ -10,8 +10,9 @@ not depend on the angle, and a run begins anywhere.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, replace
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -21,8 +22,10 @@ from rotor_ida.checks import shown
 from rotor_ida.core.runs import NO_EXTREMA
 from rotor_ida.core.systems import SystemRequest, SystemResult
 from rotor_ida.errors import InputError, SimulationError
-from rotor_ida.model.assembly import Assembly, Canonical, canonical
+from rotor_ida.model.assembly import Assembly, Canonical, assemble, canonical
 from rotor_ida.model.axisymmetric import check_axisymmetric_parts, forward_motions
+from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.model.system_parameters import SPEED, parameter_of, with_parameters
 from rotor_ida.schema import MODE
 from rotor_ida.simulation.flow import STEADY, STEADY_TOLERANCES, Piece, Window
 from rotor_ida.simulation.orbit import ROLL
@@ -36,8 +39,9 @@ APART = 1e-6
 UNDAMPED = 1e-9
 # A change that shrinks below this in a revolution is lost in rounding.
 LOST = 1e-12
-# Central differences of a parameter are this long, in parts of it; those of time in revolutions.
-OF_PARAMETER, OF_TIME = 1e-6, 1e-5
+# Differences of a parameter are this long, in parts of it or, of one that may be 0, of 1: short
+# enough for a branch to pass a corner, where rolling begins. Those of time are in revolutions.
+OF_PARAMETER, MAY_BE_ZERO, OF_TIME = 1e-7, ("friction",), 1e-5
 # Samples of an orbit in a revolution, and at least.
 SAMPLES_A_REVOLUTION, FEWEST_SAMPLES = 64, 192
 
@@ -53,7 +57,7 @@ class SettlingProblem:
     assembly : Assembly
         The system with its stators, contacts and forces.
     found : Canonical
-        The same in coordinates with a unit mass matrix.
+        The same in coordinates with a unit mass matrix. No parameter changes the coordinates.
     forward : ndarray of complex, shape (N, n), or None
         The forward motions of an axisymmetric system.
     rtol : float
@@ -74,6 +78,14 @@ class SettlingProblem:
         except InputError:
             forward = None
         return cls(assembly, canonical(assembly), forward, rtol)
+
+    def of_parameters(self, base: RotorSystem, given: Mapping[str, float]) -> SettlingProblem:
+        """Return the problem of a system with these parameters, on the same axes."""
+        try:
+            assembly = assemble(with_parameters(base, given))
+        except InputError as error:
+            raise SimulationError(str(error)) from error
+        return replace(self, assembly=assembly, found=canonical(assembly))
 
     @property
     def with_race(self) -> Flags:
@@ -126,6 +138,10 @@ class SystemFlow:
         Scales of a state.
     stop : ndarray, shape (1,)
         Ends a run as soon as it is not 0.
+    base : RotorSystem
+        The system whose parameters are its own.
+    given : mapping of str to float
+        The parameters of the problem that are not.
     watch : list of callable, optional
         Receives functions that return the times reached by runs.
     """
@@ -135,6 +151,8 @@ class SystemFlow:
     request: SystemRequest
     scales: Values
     stop: Stop
+    base: RotorSystem
+    given: Mapping[str, float] = field(default_factory=dict)
     watch: Watch | None = None
 
     @classmethod
@@ -152,7 +170,7 @@ class SystemFlow:
         scales = np.repeat(
             [request.displacement, request.velocity, abs(speed)], [size, size, races]
         )
-        return cls(problem, speed, request, scales, stop)
+        return cls(problem, speed, request, scales, stop, problem.assembly.system)
 
     @property
     def revolution(self) -> float:
@@ -196,6 +214,11 @@ class SystemFlow:
         return np.array([each.clearance for each in self.problem.assembly.contacts])
 
     @property
+    def exponents(self) -> Values:
+        """Exponents of the laws of the contacts, shape (contact,)."""
+        return np.array([each.exponent for each in self.problem.assembly.contacts])
+
+    @property
     def length(self) -> float:
         """The displacement by which errors are measured."""
         return float(self.scales[0])
@@ -217,29 +240,45 @@ class SystemFlow:
         )  # fmt: skip
 
     def _by(self, name: str, state: Values, until: float) -> Values:
-        """Return the derivative of the state after a time by a parameter."""
+        """Return the derivative of the state after a time by a parameter.
+
+        It is a difference of second order: central, or forward where the parameter begins at 0.
+        """
         value = self.value_of(name)
-        step = OF_PARAMETER * abs(value)
-        ends = [self.but(speed=value + each).after(state, until) for each in (-step, step)]
-        return (ends[1] - ends[0]) / (2.0 * step)
+        step = OF_PARAMETER * (1.0 if name in MAY_BE_ZERO else abs(value))
+
+        def end(steps: float) -> Values:
+            changed: dict[str, Any] = {name: value + steps * step}
+            return self.but(**changed).after(state, until)
+
+        if name in MAY_BE_ZERO and value < step:
+            return (4.0 * end(1.0) - 3.0 * end(0.0) - end(2.0)) / (2.0 * step)
+        return (end(1.0) - end(-1.0)) / (2.0 * step)
 
     def value_of(self, name: str) -> float:
-        """Return a parameter: the speed alone, so far."""
-        if name != "speed":
-            raise ValueError(f"a system has no parameter {name}")
-        return self.speed
+        """Return the speed, or a parameter of the system."""
+        if name == SPEED:
+            return self.speed
+        return self.given[name] if name in self.given else parameter_of(self.base, name)
 
     def but(
         self, *, rtol: float | None = None, stop: Stop | None = None, watch: Watch | None = None,
         **parameters: float,
     ) -> SystemFlow:  # fmt: skip
-        """Return a flow at another speed, or with another tolerance, stop or watch: see `Flow`."""
-        speed = parameters.get("speed", self.speed)
+        """Return a flow with other parameters, or another tolerance, stop or watch: see `Flow`."""
+        speed = parameters.pop(SPEED, self.speed)
         if not speed * self.speed > 0.0:
             raise SimulationError(f"speed falls to {speed:.3g}")
-        problem = self.problem if rtol is None else replace(self.problem, rtol=rtol)
+        problem, given = self.problem, {**self.given, **parameters}
+        if parameters:
+            problem = problem.of_parameters(self.base, given)
+        if rtol is not None:
+            problem = replace(problem, rtol=rtol)
         own = SystemFlow.at(problem, speed, self.stop if stop is None else stop)
-        return replace(own, scales=self.scales, watch=self.watch if watch is None else watch)
+        return replace(
+            own, scales=self.scales, base=self.base, given=given,
+            watch=self.watch if watch is None else watch,
+        )  # fmt: skip
 
     @property
     def has_damping(self) -> bool:
