@@ -10,7 +10,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.linalg import block_diag, cholesky, solve_triangular
+from scipy.linalg import block_diag, cholesky
+from scipy.linalg.blas import dtrsm
 
 from rotor_ida.arrays import Values
 from rotor_ida.model.rotor_system import RotorSystem
@@ -129,16 +130,13 @@ class Canonical:
 
     def to_q(self, values: Values) -> Values:
         """Return q for rows of y, or its velocity."""
-        return np.asarray(
-            solve_triangular(
-                self.factor, values.reshape(-1, values.shape[-1]).T, lower=True, trans=1
-            ).T.reshape(values.shape)
-        )
+        columns = values.reshape(-1, values.shape[-1]).T
+        return _solved(self.factor, columns, transposed=True).T.reshape(values.shape)
 
     def rows_in_y(self, rows: Values) -> Values:
         """Return rows that apply to y for rows that apply to q, shape (..., n)."""
         flat = rows.reshape(-1, rows.shape[-1]).T
-        return np.asarray(solve_triangular(self.factor, flat, lower=True).T.reshape(rows.shape))
+        return _solved(self.factor, flat).T.reshape(rows.shape)
 
     def to_y(self, values: Values) -> Values:
         """Return y for q, or its velocity."""
@@ -191,11 +189,8 @@ def canonical(assembly: Assembly) -> Canonical:
         inert[-held:, -held:] = assembly.damping[-held:, -held:]
     factor = cholesky(inert, lower=True)
 
-    def forwards(values: Values) -> Values:
-        return np.asarray(solve_triangular(factor, values, lower=True))
-
     def of_matrix(matrix: Values | None) -> Values | None:
-        return None if matrix is None else forwards(forwards(matrix).T).T
+        return None if matrix is None else _solved(factor, _solved(factor, matrix).T).T
 
     stiffness = of_matrix(assembly.stiffness)
     assert stiffness is not None
@@ -207,10 +202,19 @@ def canonical(assembly: Assembly) -> Canonical:
         damping=of_matrix(assembly.damping),
         gyroscopic=of_matrix(assembly.gyroscopic),
         stiffness_rate=of_matrix(assembly.stiffness_rate),
-        rows=forwards(assembly.rows.reshape(-1, size).T).T.reshape(assembly.rows.shape),
-        unbalance=forwards(assembly.unbalance.T).T,
-        force=forwards(assembly.force),
+        rows=_solved(factor, assembly.rows.reshape(-1, size).T).T.reshape(assembly.rows.shape),
+        unbalance=_solved(factor, assembly.unbalance.T).T,
+        force=_solved(factor, assembly.force[:, np.newaxis])[:, 0],
     )
+
+
+def _solved(factor: Values, columns: Values, *, transposed: bool = False) -> Values:
+    """Return the solution with a lower triangular factor, shape (n, any).
+
+    The routine of LAPACK that checks for zeros starts threads even for two equations, which takes
+    thousands of times as long.
+    """
+    return np.asarray(dtrsm(1.0, factor, columns, lower=1, trans_a=int(transposed)))
 
 
 def _joined(system: RotorSystem, stators: Sequence[Stator], name: str) -> Values | None:
