@@ -31,7 +31,7 @@ from rotor_ida.model.parameters import OF_MACHINE, OF_ROTOR
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.scales import scale_of
-from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, parameter_of
+from rotor_ida.model.system_parameters import FITTED_OF_SYSTEM, parameter_of
 from rotor_ida.signals.record import lacks_mark
 from rotor_ida.signals.windows import fit_orders
 from rotor_ida.simulation.orbit import ENTRY, EXIT
@@ -137,15 +137,15 @@ def _by_node(signals: Any, machine: AnyRotor) -> dict[str, xr.Dataset]:
         return {"disc": signals}
     if isinstance(signals, Mapping) and not isinstance(signals, xr.Dataset):
         found = dict(signals)
-    elif isinstance(signals, xr.Dataset) and "node" in signals.coords:
+    elif isinstance(signals, xr.Dataset) and "node" in signals.coords and not signals["node"].ndim:
         found = {str(signals["node"].values): signals}
     else:
-        found = {next(iter(machine.nodes)): signals} if len(machine.nodes) == 1 else {}
+        found = dict.fromkeys(machine.nodes, signals) if len(machine.nodes) == 1 else {}
     if not found:
         nodes = ", ".join(map(repr, machine.nodes))
         raise InputError(
             f"signals must be given by the node at which probes look, {{node: signals}}, of {nodes}"
-            f", got {shown(signals)}"
+            ", got none"
         )
     for node in found:
         machine.rows(node)  # raises if it is unknown
@@ -176,14 +176,14 @@ def _unknowns(unknown: object, machine: AnyRotor) -> list[Unknown]:
         role = ROLES.get(name, name)
         guess = _guess_of(machine, name)
         least = -math.inf if name == ANGLE else LEAST * guess if role in POSITIVE else 0.0
-        found.append(Unknown(name, role, units[name], guess, least))
+        found.append(Unknown(name, role, units[name], guess, least, 1.0))
     return found
 
 
 def _units_of(machine: AnyRotor) -> dict[str, str]:
     """Return the parameters of a rotor that can be fitted, with their units."""
     if isinstance(machine, RotorSystem):
-        known = {name: each.unit for name, each in PARAMETERS_OF_SYSTEM.items()}
+        known = {name: each.unit for name, each in FITTED_OF_SYSTEM.items()}
         exponents = {each.exponent for each in machine.contacts}
     else:
         table = OF_MACHINE if isinstance(machine, DimensionalRotor) else OF_ROTOR
@@ -206,18 +206,19 @@ def _guess_of(machine: AnyRotor, name: str) -> float:
 
 
 def _with_size(unknown: Unknown, machine: AnyRotor, records: list[Measured]) -> Unknown:
-    """Return an unknown with its size where it is 0, and the angle with its guess."""
+    """Return an unknown with its size, and the angle with its guess."""
     if unknown.name == ANGLE:
         return replace(unknown, guess=_unbalance_angle(machine, records))
-    if isinstance(machine, DimensionalRotor) and not OF_MACHINE[unknown.name].positive:
+    if unknown.role in POSITIVE and unknown.guess > 0.0:
+        return replace(unknown, size=unknown.guess)
+    if isinstance(machine, DimensionalRotor):
         return replace(unknown, size=scale_of(machine, unknown.unit))
-    if isinstance(machine, RotorSystem):
-        size = max(each.largest for each in records)
-        speed = max(float(each.turning.speeds.max()) for each in records)
-        sizes = {"unbalance": float(machine.mass.max()) * size,
-                 "contact_damping": 1.0 / (size * speed or 1.0)}  # fmt: skip
-        return replace(unknown, size=sizes.get(unknown.name, 1.0))
-    return unknown
+    if isinstance(machine, Rotor):
+        return unknown
+    size = max(each.largest for each in records)
+    speed = max(float(each.turning.speeds.max()) for each in records)
+    sizes = {"unbalance": float(machine.mass.max()) * size, "contact_damping": 1.0 / (size * speed)}
+    return replace(unknown, size=sizes.get(unknown.name, 1.0))
 
 
 def _unbalance_angle(machine: AnyRotor, records: list[Measured]) -> float:

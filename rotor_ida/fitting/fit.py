@@ -14,10 +14,12 @@ import xarray as xr
 from rotor_ida.arrays import Stop, Values
 from rotor_ida.checks import check_between, check_positive, check_progress
 from rotor_ida.errors import RotorError
-from rotor_ida.fitting.arguments import AnyRotor, Signals, problem_of
+from rotor_ida.fitting.arguments import Signals, problem_of
 from rotor_ida.fitting.problem import MOST_TRIALS, FitProblem, SearchEnded
 from rotor_ida.fitting.records import noise_of
 from rotor_ida.fitting.result import CONVERGED, dataset_of
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.scales import errors_in_units
 from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.parallel.interruptible import interruptible
@@ -47,7 +49,7 @@ SAME, MUCH_MORE = 4.0, 100.0
 @shows_progress
 def fit(
     signals: Signals | Sequence[Signals],
-    machine: AnyRotor,
+    machine: Rotor | DimensionalRotor | RotorSystem,
     unknown: Sequence[str],
     *,
     orders: npt.ArrayLike = (1,),
@@ -65,17 +67,23 @@ def fit(
 
     Parameters
     ----------
-    signals : Dataset or sequence of Dataset
-        Signals of `rotor_ida.read_signals` or `rotor_ida.signals_of`, or runs: one record or
-        several of the same machine, of a run-up, a run-down or one speed.
-    machine : Rotor or DimensionalRotor
-        The known parameters, and first guesses of the unknown ones. Its speed is ignored. Use a
-        `Rotor` for dimensionless signals and a `DimensionalRotor` for signals in SI units.
+    signals : Dataset, mapping of str to Dataset, or sequence of them
+        Signals of `rotor_ida.read_signals` or `rotor_ida.signals_of`, or runs of one disc: one
+        record or several of the same machine, of a run-up, a run-down or one speed. A record of a
+        rotor system may have probes at several nodes, with the same times: a mapping by the names
+        of the nodes.
+    machine : Rotor, DimensionalRotor or RotorSystem
+        The known parameters, and first guesses of the unknown ones. The speed of one disc is
+        ignored. Use a `Rotor` for dimensionless signals and a `DimensionalRotor` for signals in SI
+        units, or a `RotorSystem` in the same units.
     unknown : sequence of str
         Parameters to fit. For a `DimensionalRotor`: ``mass``, ``damping``, ``eccentricity``,
         ``clearance``, ``shaft_stiffness``, ``contact_stiffness``, ``contact_damping``, ``load`` or
         ``friction``. For a `Rotor`: ``zeta``, ``delta0``, ``shaft_stiffness``,
-        ``contact_damping``, ``load`` or ``friction``. For both: ``unbalance_angle``, the angle by
+        ``contact_damping``, ``load`` or ``friction``. For a `RotorSystem`: ``damping`` and
+        ``stiffness``, factors of the matrices; ``clearance``, ``friction``, ``contact_stiffness``
+        and ``contact_damping``, the largest of the contacts, and ``unbalance``, the largest: all
+        others keep their ratios to it. For all: ``unbalance_angle``, the angle by
         which the unbalance leads the keyphasor mark [rad]; 0 if it is not fitted. Its first guess
         comes from the phase of the whirl before contact, or is 0 where that says nothing.
     orders : array_like, shape (k,)
@@ -83,8 +91,10 @@ def fit(
         0 is the mean position.
     revolutions : int, optional
         Length of the windows, as in `rotor_ida.orders`.
-    start : array_like, shape (4,) or (records, 4), optional
-        ``(x, y, vx, vy)`` at the beginning of each record, if known. By default it is fitted too.
+    start : array_like, "settled", "rest", or a sequence of them, optional
+        ``(x, y, vx, vy)`` at the beginning of each record, if known, or of a rotor system
+        ``(q, velocity)`` or a result that ends there. ``"settled"`` is the steady whirl without
+        contact, which follows from the unknowns. By default the first state is fitted too.
     entries, exits : array_like, shape (m,), or a sequence of them, optional
         Measured times at which contacts begin and end, in the time of the signals: for one record,
         or for each.
@@ -109,7 +119,8 @@ def fit(
         half of the value) and ``unit``; on (``unknown``, ``unknown_too``) ``covariance``. On
         ``window``, over all records, the compared tracks: measured ``forward_whirl_amplitude``,
         ``forward_phase_lag`` and so on, as in `rotor_ida.orders`, and fitted
-        ``fitted_forward_whirl_amplitude`` and so on; ``record``, ``t``, ``speed``. On ``touch``,
+        ``fitted_forward_whirl_amplitude`` and so on; ``record``, ``t``, ``speed``, and of a rotor
+        system ``node``. On ``touch``,
         where contact times are compared, ``measured_time``, ``fitted_time``, ``event_kind``,
         ``compared``. ``chi_square``, ``degrees_of_freedom`` and ``noise``. The attributes
         ``search``, ``identifiability``, ``remainder`` and ``contact_times`` state in words how the
@@ -151,7 +162,7 @@ def fit(
 
     Examples
     --------
-    >>> from rotor_ida import Rotor, run_up, signals_of
+    >>> from rotor_ida import run_up, signals_of
     >>> rotor = Rotor(omega=0.3, zeta=0.1, delta0=1.5, shaft_stiffness=1.0)
     >>> seen = signals_of(run_up(rotor, start=(0, 0, 0, 0), to=2.0, rate=0.01, samples=4001))
     >>> guess = Rotor(omega=0.3, zeta=0.08, delta0=1.8, shaft_stiffness=0.9)

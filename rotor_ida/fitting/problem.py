@@ -36,8 +36,6 @@ APART = 10.0
 # Derivatives are central differences of motions whose unknowns are this far apart, in parts of
 # their sizes. Motions that differ by less than that part of their size differ by rounding.
 STEP, SAME = 1e-6, 1e-12
-# A value counts as at least this part of its natural size.
-SMALL = 1e-3
 # Above this growth a motion is chaotic for a fit: rounding has replaced its start.
 LARGEST_GROWTH = 1e5
 
@@ -55,7 +53,7 @@ class Unknown:
     guess, least : float
         The first guess, and the smallest value allowed.
     size : float
-        Its natural size, where the guess is 0.
+        Its natural size, as the guess may be 0.
     """
 
     name: str
@@ -63,7 +61,7 @@ class Unknown:
     unit: str
     guess: float
     least: float
-    size: float = 1.0
+    size: float
 
 
 class SearchEnded(Exception):  # noqa: N818 - no error: the search ends with its best trial
@@ -468,7 +466,7 @@ class FitProblem:
         """
         sizes = np.ones(sought.size)
         sizes[: len(self.unknown)] = [
-            max(abs(value), SMALL * each.size)
+            max(abs(value), each.size)
             for value, each in zip(sought.tolist(), self.unknown, strict=False)
         ]
         low = np.maximum(sought - STEP * sizes, self.bounds()[0])

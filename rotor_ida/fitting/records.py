@@ -221,7 +221,10 @@ def measured(
 
 def _scale(unit: str, kind: str, in_si: bool) -> float:
     """Return a unit in SI units; 1 for dimensionless signals."""
-    wanted = "DimensionalRotor" if unit != "1" else "Rotor"
+    wanted = (
+        "DimensionalRotor, or a system in SI units,"
+        if unit != "1" else "Rotor, or a system without units,"
+    )  # fmt: skip
     if (unit != "1") != in_si:
         raise InputError(f"machine must be a {wanted} for signals with {kind} in {unit!r}")
     if not in_si:

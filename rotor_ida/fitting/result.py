@@ -28,6 +28,8 @@ from rotor_ida.schema import Column
 
 # How a search ends that has found a minimum.
 CONVERGED = "converged"
+# Values below this part of their size count as 0.
+NEARLY_0 = 1e-6
 
 
 def dataset_of(
@@ -61,13 +63,14 @@ def dataset_of(
     }
     if not isinstance(machine, RotorSystem):
         coordinates.pop("node")
+    where = _worst_node(problem, motions) if widening(chi_square, freedom) > 1.0 else ""
     words = [*told.words, *_at_bounds(problem, solution)]
     attributes = provenance({"method": "taylor"}) | {
         "machine": type(machine).__name__,
         **{f"given_{name}": value for name, value in getattr(machine, "given", {}).items()},
         "search": search,
         "identifiability": "; ".join(words),
-        "remainder": left_in_words(chi_square, freedom),
+        "remainder": left_in_words(chi_square, freedom) + where,
         "confidence": level,
         "evaluations": problem.evaluations,
     }
@@ -94,11 +97,25 @@ def _of_no_minimum(told: Identifiability, names: list[str]) -> Identifiability:
 
 
 def _scales(problem: FitProblem, solution: Values) -> Values:
-    """Return the scale of each unknown's error: its value, or 1 for an angle."""
+    """Return the scale of each unknown's error: its value, or its size where that is nearly 0."""
     return np.array([
-        abs(value) if value != 0.0 and each.name != ANGLE else 1.0
+        abs(value) if abs(value) > NEARLY_0 * each.size and each.name != ANGLE else each.size
         for each, value in zip(problem.unknown, solution.tolist(), strict=False)
     ])  # fmt: skip
+
+
+def _worst_node(problem: FitProblem, motions: list[Motion]) -> str:
+    """Return in words at which of several nodes the residuals are largest."""
+    squares: dict[str, list[float]] = {}
+    for each, motion in zip(problem.records, motions, strict=True):
+        left = each.tracks.weighed(motion.z - each.z) / problem.noise
+        for node, column in zip(each.nodes, left.T, strict=True):
+            squares.setdefault(node, []).append(float((column**2).mean()))
+    if len(squares) == 1:
+        return ""
+    worst = max(squares, key=lambda node: np.mean(squares[node]))
+    mean = np.mean(squares[worst])
+    return f"; most at node {worst!r}, where their mean square is {mean:.3g} of that of the noise"
 
 
 def _at_bounds(problem: FitProblem, solution: Values) -> list[str]:

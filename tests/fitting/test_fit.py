@@ -410,7 +410,10 @@ REFUSED = {
         {"machine": 3},
         r"machine must be a Rotor, a DimensionalRotor or a RotorSystem, got 3",
     ),
-    "units": ({"machine": MACHINE, "unknown": ["load"]}, r"machine must be a Rotor for signals"),
+    "units": (
+        {"machine": MACHINE, "unknown": ["load"]},
+        r"machine must be a Rotor, or .* for signals",
+    ),
     "always in contact": (
         {"machine": Rotor(omega=1, zeta=0.1, delta0=0)},
         r"machine must have a clearance above 0",
@@ -460,7 +463,7 @@ def test_a_clearance_is_chosen_again_where_others_misled(up):
 class TwoMinima:
     """Residuals of a contact stiffness k: 0 at k = 1.6, and a minimum above 0 near k = 1."""
 
-    unknown = (Unknown("contact_stiffness", "contact_stiffness", "1", 1.0, 0.0),)
+    unknown = (Unknown("contact_stiffness", "contact_stiffness", "1", 1.0, 0.0, 1.0),)
     left_work = 1e6
 
     def left(self, sought):
