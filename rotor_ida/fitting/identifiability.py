@@ -15,7 +15,7 @@ ANGLE = "unbalance_angle"
 # An unknown is identified if its error is at most this part of its value; an angle, of a radian.
 TOLD = 0.5
 # Singular values below this part of the largest are rounding.
-ROUNDING = 1e-7
+ROUNDING = 1e-10
 # Unknowns belong together if their part of the worst direction, or correlation, is at least this.
 SHARE, TOGETHER = 0.25, 0.95
 # A probability this small counts as none.

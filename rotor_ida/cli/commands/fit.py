@@ -20,7 +20,6 @@ from rotor_ida.cli.report import FAILED, Report
 from rotor_ida.cli.rotor_options import ANY_SPEED, RotorOptions
 from rotor_ida.cli.systems import system_to_fit
 from rotor_ida.errors import InputError
-from rotor_ida.results.run import is_of_system
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -50,7 +49,8 @@ StartOfRecord = Annotated[
 Nodes = Annotated[
     list[str] | None,
     Parameter(
-        help="Nodes of a rotor system at which the probes look, if --columns does not name them.",
+        help="Nodes of a rotor system at which the probes look, if --columns does not name them, "
+        "as by disc:x=A disc:y=B seal:x=C seal:y=D.",
         metavar="NAME",
         consume_multiple=True,
         negative=(),
@@ -107,10 +107,10 @@ def fit(
             --shaft-stiffness 500N/mm --eccentricity 1um \
             --unknown eccentricity unbalance_angle
 
-    A rotor system, by probes at two of its nodes; the file is the initial guess:
+    A rotor system, by probes at one of its nodes; its file is the initial guess:
 
-        rotor-ida fit pump.toml probes.csv --columns disc:x=A disc:y=B end:x=C end:y=D \
-            --units x=um y=um --start settled --unknown clearance damping unbalance
+        rotor-ida fit rotor.toml probes.csv --node disc --columns x=A y=B \
+            --units x=um y=um --start settled --unknown unbalance unbalance_angle
     """
     systems = [each for each in files if each.suffix == parsing.SYSTEM_ENDING]
     measured = [each for each in files if each not in systems]
@@ -175,6 +175,8 @@ def _signals(
         word.partition(":")[0] for word in columns if ":" in word.partition("=")[0]
     )
     if not named:
+        from rotor_ida.results.run import is_of_system  # noqa: PLC0415 - heavy
+
         signals = signals_in(file, reading, times)
         if is_of_system(signals):
             if nodes is None:
