@@ -228,6 +228,16 @@ def cycle_case(
     return system, {"start": course.start, "modes": course.modes, SPEED: speed}
 
 
+def system_to_fit(
+    file: Path, rotor: RotorOptions, start: State | str | None, output: Output
+) -> RotorSystem:
+    """Return the system of a file as a first guess."""
+    _checked(rotor.given, rotor.machine, options.SolverOptions(), output)
+    if start is not None:
+        _word(start)
+    return linear_case(file, rotor.given, without_gravity=False)[0]
+
+
 def _begun(course: Course, start: State | str | None) -> Course:
     """Return a course that begins as the option says, if it is given."""
     return course if start is None else replace(course, start=_word(start))

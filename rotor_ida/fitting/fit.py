@@ -14,11 +14,13 @@ import xarray as xr
 from rotor_ida.arrays import Stop, Values
 from rotor_ida.checks import check_between, check_positive, check_progress
 from rotor_ida.errors import RotorError
-from rotor_ida.fitting.arguments import problem_of
+from rotor_ida.fitting.arguments import Signals, problem_of
 from rotor_ida.fitting.problem import MOST_TRIALS, FitProblem, SearchEnded
 from rotor_ida.fitting.records import noise_of
 from rotor_ida.fitting.result import CONVERGED, dataset_of
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.model.scales import errors_in_units
 from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.parallel.interruptible import interruptible
 
@@ -46,13 +48,13 @@ SAME, MUCH_MORE = 4.0, 100.0
 
 @shows_progress
 def fit(
-    signals: xr.Dataset | Sequence[xr.Dataset],
-    machine: Rotor | DimensionalRotor,
+    signals: Signals | Sequence[Signals],
+    machine: Rotor | DimensionalRotor | RotorSystem,
     unknown: Sequence[str],
     *,
     orders: npt.ArrayLike = (1,),
     revolutions: int | None = None,
-    start: npt.ArrayLike | None = None,
+    start: Any = None,
     entries: Any = None,
     exits: Any = None,
     time_error: float | None = None,
@@ -65,17 +67,23 @@ def fit(
 
     Parameters
     ----------
-    signals : Dataset or sequence of Dataset
-        Signals of `rotor_ida.read_signals` or `rotor_ida.signals_of`, or runs: one record or
-        several of the same machine, of a run-up, a run-down or one speed.
-    machine : Rotor or DimensionalRotor
-        The known parameters, and first guesses of the unknown ones. Its speed is ignored. Use a
-        `Rotor` for dimensionless signals and a `DimensionalRotor` for signals in SI units.
+    signals : Dataset, mapping of str to Dataset, or sequence of them
+        Signals of `rotor_ida.read_signals` or `rotor_ida.signals_of`, or runs of one disc: one
+        record or several of the same machine, of a run-up, a run-down or one speed. A record of a
+        rotor system may have probes at several nodes, with the same times: a mapping by the names
+        of the nodes.
+    machine : Rotor, DimensionalRotor or RotorSystem
+        The known parameters, and first guesses of the unknown ones. The speed of one disc is
+        ignored. Use a `Rotor` for dimensionless signals and a `DimensionalRotor` for signals in SI
+        units, or a `RotorSystem` in the same units.
     unknown : sequence of str
         Parameters to fit. For a `DimensionalRotor`: ``mass``, ``damping``, ``eccentricity``,
         ``clearance``, ``shaft_stiffness``, ``contact_stiffness``, ``contact_damping``, ``load`` or
         ``friction``. For a `Rotor`: ``zeta``, ``delta0``, ``shaft_stiffness``,
-        ``contact_damping``, ``load`` or ``friction``. For both: ``unbalance_angle``, the angle by
+        ``contact_damping``, ``load`` or ``friction``. For a `RotorSystem`: ``damping`` and
+        ``stiffness``, factors of the matrices; ``clearance``, ``friction``, ``contact_stiffness``
+        and ``contact_damping``, the largest of the contacts, and ``unbalance``, the largest: all
+        others keep their ratios to it. For all: ``unbalance_angle``, the angle by
         which the unbalance leads the keyphasor mark [rad]; 0 if it is not fitted. Its first guess
         comes from the phase of the whirl before contact, or is 0 where that says nothing.
     orders : array_like, shape (k,)
@@ -83,8 +91,10 @@ def fit(
         0 is the mean position.
     revolutions : int, optional
         Length of the windows, as in `rotor_ida.orders`.
-    start : array_like, shape (4,) or (records, 4), optional
-        ``(x, y, vx, vy)`` at the beginning of each record, if known. By default it is fitted too.
+    start : array_like, "settled", "rest", or a sequence of them, optional
+        ``(x, y, vx, vy)`` at the beginning of each record, if known, or of a rotor system
+        ``(q, velocity)`` or a result that ends there. ``"settled"`` is the steady whirl without
+        contact, which follows from the unknowns. By default the first state is fitted too.
     entries, exits : array_like, shape (m,), or a sequence of them, optional
         Measured times at which contacts begin and end, in the time of the signals: for one record,
         or for each.
@@ -109,7 +119,8 @@ def fit(
         half of the value) and ``unit``; on (``unknown``, ``unknown_too``) ``covariance``. On
         ``window``, over all records, the compared tracks: measured ``forward_whirl_amplitude``,
         ``forward_phase_lag`` and so on, as in `rotor_ida.orders`, and fitted
-        ``fitted_forward_whirl_amplitude`` and so on; ``record``, ``t``, ``speed``. On ``touch``,
+        ``fitted_forward_whirl_amplitude`` and so on; ``record``, ``t``, ``speed``, and of a rotor
+        system ``node``. On ``touch``,
         where contact times are compared, ``measured_time``, ``fitted_time``, ``event_kind``,
         ``compared``. ``chi_square``, ``degrees_of_freedom`` and ``noise``. The attributes
         ``search``, ``identifiability``, ``remainder`` and ``contact_times`` state in words how the
@@ -121,7 +132,7 @@ def fit(
     ------
     InputError
         If an argument is invalid, the units do not match, the signals contain no angle, there are
-        more unknowns than numbers to compare, or the motion is chaotic or rolls on the stator.
+        more unknowns than numbers to compare, or the motion is chaotic.
     SimulationError
         If the first guess cannot be simulated.
 
@@ -135,9 +146,9 @@ def fit(
     ``sqrt(chi_square/degrees_of_freedom)``. The motion is integrated along the measured speed, so
     run-ups need not be slow. Measured and computed motion pass through the same least squares of
     `rotor_ida.orders`. The residuals of a window are decorrelated and divided by their standard
-    errors. The derivatives of the motion come from its variational equations. Those of contact
-    times are ``dt = (d(clearance) - (z/|z|) . dz)/r'``, which is unbounded at a graze: so contact
-    times count only if the events before and after are more than 10 of their errors away. The
+    errors. All derivatives are differences of motions, those by parameters central ones. Those of
+    contact times are unbounded at a graze: so contact times count only if the events before and
+    after are more than 10 of their errors away. The
     covariance is that of least squares, with the initial states fitted too. The angle by a
     keyphasor is a smooth curve through its pulses; the errors of that curve, from pulses with a
     standard error of ``step/sqrt(12)`` and a common one of ``step/10``, are part of the covariance
@@ -162,24 +173,25 @@ def fit(
     level = check_between("confidence", confidence, 0.5, 1.0 - 1e-9)
     progress = check_progress(progress)
     end = math.inf if limit is None else time.monotonic() + check_positive("limit", limit)
-    problem = problem_of(
-        signals, machine, unknown,
-        orders=orders, revolutions=revolutions, start=start, entries=entries,
-        exits=exits, time_error=time_error, noise=noise,
-    )  # fmt: skip
-    problem.deadline = end
+    with errors_in_units(getattr(machine, "units", "")):
+        problem = problem_of(
+            signals, machine, unknown,
+            orders=orders, revolutions=revolutions, start=start, entries=entries,
+            exits=exits, time_error=time_error, noise=noise,
+        )  # fmt: skip
+        problem.deadline = end
 
-    def work(stop: Stop) -> tuple[Values, str]:
-        problem.stop = stop
-        return _solved(problem, noise)
+        def work(stop: Stop) -> tuple[Values, str]:
+            problem.stop = stop
+            return _solved(problem, noise)
 
-    def told() -> None:
-        if progress is not None:
-            progress(problem.evaluations, MOST_TRIALS)
+        def told() -> None:
+            if progress is not None:
+                progress(problem.evaluations, MOST_TRIALS)
 
-    solution, how = interruptible(work, told=told)
-    problem.stop = None
-    return dataset_of(problem, machine, solution, how, level)
+        solution, how = interruptible(work, told=told)
+        problem.stop = None
+        return dataset_of(problem, machine, solution, how, level)
 
 
 def _solved(problem: FitProblem, noise: float | None) -> tuple[Values, str]:
@@ -224,14 +236,13 @@ def _without_contact(problem: FitProblem, solution: Values) -> Values:
 
     Slight touches may be fitted to noise, and then seem to determine the clearance.
     """
-    names = [each.field for each in problem.unknown]
+    names = [each.role for each in problem.unknown]
     best, _, motions = problem.at(solution)
-    if "clearance" not in names or not any(each.orbit.contacts.size for each in motions):
+    if "clearance" not in names or not any(each.touches_stator for each in motions):
         return solution
     place = names.index("clearance")
-    farthest = max(float(np.abs(each.z).max()) for each in motions)
     free = solution.copy()
-    free[place] = 2.0 * farthest / problem.unknown[place].factor
+    free[place] = 2.0 * max(each.reach for each in motions)
 
     def more(left: Values) -> float:
         return float((left @ left / (best @ best) - 1.0) * left.size)
@@ -268,20 +279,20 @@ def _with_clearance(problem: FitProblem, sought: Values) -> Values:
     return guesses[0] if len(guesses) == 1 else _best_first(problem, guesses)[0]
 
 
-def _scaled(problem: FitProblem, sought: Values, name: str) -> list[Values]:
+def _scaled(problem: FitProblem, sought: Values, role: str) -> list[Values]:
     """Return the guess with several clearances or dampings, if these are unknown.
 
     Clearances are parts of the largest displacement, dampings parts of the guessed damping.
     """
-    names = [each.field for each in problem.unknown]
-    if name not in names:
+    roles = [each.role for each in problem.unknown]
+    if role not in roles:
         return []
-    place = names.index(name)
+    place = roles.index(role)
     size = float(sought[place])
-    if name == "clearance":
-        size = max(float(np.abs(each.record.z).max()) for each in problem.records)
-    guesses = np.tile(sought, (len(PARTS[name]), 1))
-    guesses[:, place] = np.array(PARTS[name]) * size
+    if role == "clearance":
+        size = problem.reach
+    guesses = np.tile(sought, (len(PARTS[role]), 1))
+    guesses[:, place] = np.array(PARTS[role]) * size
     return list(guesses)
 
 
@@ -324,14 +335,14 @@ def _searched(problem: FitProblem, first: Values) -> Values:
 
 def _with_stiffness(problem: FitProblem, least: float, solution: Values) -> Values:
     """Return the solution, or a better one near another contact stiffness if that is unknown."""
-    names = [each.field for each in problem.unknown]
+    names = [each.role for each in problem.unknown]
     if "contact_stiffness" not in names:
         return solution
     place = names.index("contact_stiffness")
     begins = np.tile(solution, (len(STIFFER), 1))
     begins[:, place] *= STIFFER
-    kept = 0.5 * problem.left_panels  # for what refines the solution
-    problem.left_panels -= kept
+    kept = 0.5 * problem.left_work  # for what refines the solution
+    problem.left_work -= kept
     for begin in begins:
         try:
             other, converged = _least(problem, begin, SEARCH_TOLERANCE)
@@ -342,7 +353,7 @@ def _with_stiffness(problem: FitProblem, least: float, solution: Values) -> Valu
             break
         if converged and left < least:
             least, solution = left, other
-    problem.left_panels = kept + max(problem.left_panels, 0.0)
+    problem.left_work = kept + max(problem.left_work, 0.0)
     return solution
 
 

@@ -4,42 +4,40 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from typing import TypeAlias
+from typing import Any, TypeAlias
 
 import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Stop, Values
 from rotor_ida.errors import BudgetError, InputError, RotorError
-from rotor_ida.fitting.identifiability import ANGLE
-from rotor_ida.fitting.motion import (
-    ANY_WORK,
-    LARGEST_GROWTH,
-    Motion,
-    MotionRequest,
-    Turning,
-    Work,
-)
+from rotor_ida.fitting.identifiability import ANGLE, ROUNDING
+from rotor_ida.fitting.motion import ANY_WORK, Body, Motion, Turning, Word
 from rotor_ida.fitting.records import Measured
-from rotor_ida.model.rotor import DimensionalRotor
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.model.system_parameters import with_parameters
 from rotor_ida.simulation.orbit import ENTRY, EXIT
 
 Mask: TypeAlias = npt.NDArray[np.bool_]
 
-# Singular values below this part of the largest are rounding.
-RANK = 1e-10
 # A failed trial counts as this many times the largest residual of any other.
 FAR_OFF = 1e3
-# The largest work of a trial, in works of the first guess; the least that any trial is allowed;
-# and of a search the largest number of trials, and the largest work of their derivatives, in that
-# of the first guess.
-MOST_WORK, LEAST_BUDGET = 20, Work(steps=100_000, panels=20_000)
-MOST_TRIALS, MOST_OF_ALL = 200, 100
+# The largest work of a trial, in works of the first guess; the least that any trial is allowed
+# [rad]; and of a search the largest number of trials, and the largest work of their derivatives, in
+# that of the first guess.
+MOST_WORK, LEAST_BUDGET = 20.0, 1e5
+MOST_TRIALS, MOST_OF_ALL = 200, 100.0
 # Contact times count if no other event is nearer than this many of their standard errors. At a
 # graze two events merge, and their times no longer change linearly.
 APART = 10.0
+# Derivatives are central differences of motions whose unknowns are this far apart, in parts of
+# their sizes. Motions that differ by less than that part of their size differ by rounding.
+STEP, SAME = 1e-6, 1e-12
+# Above this growth a motion is chaotic for a fit: rounding has replaced its start.
+LARGEST_GROWTH = 1e5
 
 
 @dataclass(frozen=True)
@@ -48,19 +46,22 @@ class Unknown:
 
     Parameters
     ----------
-    name, field : str
-        Its name, and the name of the corresponding parameter in SI units.
-    factor : float
-        Value of that parameter for a value of 1 of this one.
+    name, role : str
+        Its name, and the name of the same parameter in SI units.
+    unit : str
+        Its unit.
     guess, least : float
         The first guess, and the smallest value allowed.
+    size : float
+        Its natural size, as the guess may be 0.
     """
 
     name: str
-    field: str
-    factor: float
+    role: str
+    unit: str
     guess: float
     least: float
+    size: float
 
 
 class SearchEnded(Exception):  # noqa: N818 - no error: the search ends with its best trial
@@ -114,30 +115,53 @@ class AngleErrors:
         return np.asarray(values - (self.directions * self.parts) @ (self.directions.T @ values))
 
 
+@dataclass(frozen=True)
+class Beginning:
+    """What is known of the state at the beginning of a record.
+
+    Parameters
+    ----------
+    mean : ndarray, shape (2 n,)
+        Displacements and velocities by the first samples.
+    root : ndarray, shape (2 n, 2 n)
+        Root of their covariance: what is sought are multiples of its columns.
+    """
+
+    mean: Values
+    root: Values
+
+    def state(self, sought: Values) -> Values:
+        """Return the state, shape (2, n)."""
+        return np.asarray((self.mean + self.root @ sought).reshape(2, -1))
+
+
 @dataclass
 class FitProblem:
     """The residuals to minimise.
 
     Parameters
     ----------
-    machine : DimensionalRotor
-        The machine with the first guesses.
+    rotor : Rotor, DimensionalRotor or RotorSystem
+        The rotor with the first guesses.
     unknown : list of Unknown
         The unknowns.
     records : list of Measured
         The measured records.
     noise : float
         Standard deviation of x and y [m].
+    starts : list
+        For each record what is known of its first state, which is then fitted too; or that state,
+        shape (2, n), or the word for it.
     time_error : float
         Standard error of a contact time [s]; infinity leaves contact times out.
-    starts : list of ndarray, optional
-        The initial states, if they are known; otherwise they are fitted too.
     evaluations : int
         Number of trials, of which the motions have been simulated.
-    budget : Work
-        What a trial may take for each record.
-    left_panels : float
-        Panels that all derivatives to come may take together.
+    budget : float
+        What a motion may take [rad].
+    left_work : float
+        What all derivatives to come may take together [rad].
+    reach : float
+        The clearance that the measured motion would just not reach, by the first guess [m].
     deadline : float
         When the search must end, as `time.monotonic` has it [s].
     stop : ndarray, shape (1,), optional
@@ -150,15 +174,16 @@ class FitProblem:
         The effect of errors of the measured angle.
     """
 
-    machine: DimensionalRotor
+    rotor: Rotor | DimensionalRotor | RotorSystem
     unknown: list[Unknown]
     records: list[Measured]
     noise: float
+    starts: Sequence[Beginning | Values | Word]
     time_error: float = math.inf
-    starts: list[Values] | None = None
     evaluations: int = 0
-    budget: Work = ANY_WORK
-    left_panels: float = math.inf
+    budget: float = ANY_WORK
+    left_work: float = math.inf
+    reach: float = 0.0
     deadline: float = math.inf
     stop: Stop | None = None
     part: float = 1.0
@@ -167,6 +192,7 @@ class FitProblem:
     _last: Trial | None = field(default=None, repr=False)
     _best: Trial | None = field(default=None, repr=False)
     _residuals: tuple[bytes, Values, Values] | None = field(default=None, repr=False)
+    _body: tuple[bytes, Body] | None = field(default=None, repr=False)
     _largest: float = 0.0
 
     def begin(self) -> Values:
@@ -184,12 +210,13 @@ class FitProblem:
             raise InputError(
                 f"signals must be shorter, or the machine softer, for a fit: {error.reason}"
             ) from error
-        panels = [each.derivatives.panels for each in motions]
-        self.budget = Work(
-            max(LEAST_BUDGET.steps, MOST_WORK * max(each.orbit.steps for each in motions)),
-            max(LEAST_BUDGET.panels, MOST_WORK * max(panels)),
+        works = [each.work for each in motions]
+        self.reach = max(
+            each.largest * motion.reach / max(float(np.abs(motion.z).max()), np.finfo(float).tiny)
+            for each, motion in zip(self.records, motions, strict=True)
         )
-        self.left_panels = MOST_OF_ALL * max(LEAST_BUDGET.panels, sum(panels))
+        self.budget = max(LEAST_BUDGET, MOST_WORK * max(works))
+        self.left_work = MOST_OF_ALL * max(LEAST_BUDGET, 2.0 * first.size * sum(works))
         return first
 
     def renew(self, **known: object) -> None:
@@ -208,7 +235,7 @@ class FitProblem:
 
     def _keep_better(self, trial: Trial) -> None:
         """Keep a trial if it is the best so far."""
-        trial = replace(trial, cost=float((self._left(trial) ** 2).sum()))
+        trial = replace(trial, cost=float((self.apart(trial) ** 2).sum()))
         if self._best is None or trial.cost < self._best.cost:
             self._best = trial
 
@@ -233,11 +260,18 @@ class FitProblem:
         }
 
     def first(self) -> Values:
-        """Return the first guess: the unknowns, then the initial states."""
-        held = [np.array([each.guess for each in self.unknown])]
-        if self.starts is None:
-            held += [each.start for each in self.records]
-        return np.concatenate(held)
+        """Return the first guess: the unknowns, then multiples of the errors of the first states.
+
+        These are 0.
+        """
+        values = np.zeros(len(self.unknown) + sum(map(self._freedom_of, self.starts)))
+        values[: len(self.unknown)] = [each.guess for each in self.unknown]
+        return values
+
+    @staticmethod
+    def _freedom_of(start: Beginning | Values | Word) -> int:
+        """Return how many numbers of a first state are sought."""
+        return start.mean.size if isinstance(start, Beginning) else 0
 
     def bounds(self) -> tuple[Values, Values]:
         """Return the least and the largest values allowed."""
@@ -245,14 +279,16 @@ class FitProblem:
         low[: len(self.unknown)] = [each.least for each in self.unknown]
         return low, np.full(low.size, math.inf)
 
-    def machine_of(self, sought: Values) -> tuple[DimensionalRotor, float]:
-        """Return the machine with these unknowns, and the angle of its unbalance."""
-        values = {
-            each.field: each.factor * value
-            for each, value in zip(self.unknown, sought.tolist(), strict=False)
-        }
-        ahead = values.pop(ANGLE, 0.0)
-        return replace(self.machine, **values), ahead
+    def values_of(self, sought: Values) -> dict[str, float]:
+        """Return the unknowns by name."""
+        return dict(zip((each.name for each in self.unknown), sought.tolist(), strict=False))
+
+    def body(self, sought: Values) -> Body:
+        """Return the rotor with these unknowns."""
+        key = sought[: len(self.unknown)].tobytes()
+        if self._body is None or self._body[0] != key:
+            self._body = key, body_of(self.rotor, self.values_of(sought))
+        return self._body[1]
 
     def motions(self, sought: Values) -> list[Motion]:
         """Return the motion for each record; raises as `trial` does."""
@@ -273,18 +309,9 @@ class FitProblem:
                 return known
         self._check_end()
         self.evaluations += 1
-        machine, ahead = self.machine_of(sought)
-        motions = [
-            self._motion(number, machine, ahead, sought, each.turning)
-            for number, each in enumerate(self.records)
-        ]
+        motions = [self._motion(number, sought) for number in range(len(self.records))]
         self._last = Trial(sought.copy(), motions)
         return self._last
-
-    @property
-    def count(self) -> int:
-        """Number of records."""
-        return len(self.records)
 
     def _check_end(self) -> None:
         """Raise `SearchEnded` if there must be no other trial."""
@@ -292,27 +319,26 @@ class FitProblem:
             raise SearchEnded("interrupted")
         if self.evaluations > 0 and time.monotonic() > self.deadline:
             raise SearchEnded("stopped by its limit")
-        if self.evaluations >= MOST_TRIALS or self.left_panels < 0.0:
+        if self.evaluations >= MOST_TRIALS or self.left_work < 0.0:
             raise SearchEnded(f"stopped after {self.evaluations} trials")
 
-    def start(self, sought: Values, number: int) -> Values:
-        """Return the initial state for a record."""
-        place = len(self.unknown) + 4 * number
-        return sought[place : place + 4] if self.starts is None else self.starts[number]
+    def _places(self, number: int) -> slice:
+        """Return where the numbers of the first state of a record are in what is sought."""
+        counts = [len(self.unknown), *map(self._freedom_of, self.starts)]
+        return slice(sum(counts[: number + 1]), sum(counts[: number + 2]))
 
     def _motion(
-        self,
-        number: int,
-        machine: DimensionalRotor,
-        ahead: float,
-        sought: Values,
-        turning: Turning,
-    ) -> Motion:
-        """Return the motion of a machine for one record."""
-        each, names = self.records[number], [unknown.field for unknown in self.unknown]
-        start = self.start(sought, number)
-        request = MotionRequest(machine, turning, start, ahead, self.budget, self.stop)
-        return request.motion(each.times, names)
+        self, number: int, sought: Values, turning: Turning | None = None,
+        start: Values | None = None,
+    ) -> Motion:  # fmt: skip
+        """Return the motion for one record; along another angle or from another state, if given."""
+        each, begun = self.records[number], self.starts[number] if start is None else start
+        if isinstance(begun, Beginning):
+            begun = begun.state(sought[self._places(number)])
+        return self.body(sought).motion(
+            each.turning if turning is None else turning, begun, each.times, each.nodes,
+            budget=self.budget, stop=self.stop,
+        )  # fmt: skip
 
     def at(self, sought: Values) -> tuple[Values, Values, list[Motion]]:
         """Return the residuals, their derivatives, and the motions; raises as `trial` does.
@@ -320,17 +346,15 @@ class FitProblem:
         Raises
         ------
         InputError
-            If the motion is chaotic, or the disc rolls or slips the other way on the stator.
+            If the motion is chaotic.
         """
         trial, key = self.trial(sought), sought.tobytes()
         if self._residuals is None or self._residuals[0] != key:
-            for motion in trial.motions:
-                _check_growth(motion)
-            self.left_panels -= sum(each.derivatives.panels for each in trial.motions)
-            left, kept = self._left(trial), self._kept()
+            left, kept = self.apart(trial), self._kept()
+            slopes = self._slopes(trial)
             self._keep_better(trial)
             self._largest = max(self._largest, float(np.abs(left).max()))
-            self._residuals = (key, left * kept, self._slopes(trial) * kept[:, None])
+            self._residuals = (key, left * kept, slopes * kept[:, None])
         return *self._residuals[1:], trial.motions
 
     def left(self, sought: Values) -> Values:
@@ -339,12 +363,11 @@ class FitProblem:
         A trial that least squares would accept must have derivatives too.
         """
         try:
-            left = self._left(self.trial(sought)) * self._kept()
+            left = self.apart(self.trial(sought)) * self._kept()
             if self._residuals is None or left @ left < self._residuals[1] @ self._residuals[1]:
                 self.at(sought)
         except RotorError:
-            size = sum(sum(self._sizes(number)) for number in range(self.count))
-            return np.full(size, FAR_OFF * (1.0 + self._largest))
+            return np.full(self._rows()[-1].stop, FAR_OFF * (1.0 + self._largest))
         return left
 
     def slopes(self, sought: Values) -> Values:
@@ -355,12 +378,17 @@ class FitProblem:
         """Return the numbers of residuals of a record: of tracks, of its start, of contacts."""
         each = self.records[number]
         return (
-            2 * each.tracks.orders.size * each.tracks.windows.times.size,
-            4 if self.starts is None else 0,
+            each.tracked,
+            self._freedom_of(self.starts[number]),
             sum(times.size for times in each.touches.values())
             if math.isfinite(self.time_error)
             else 0,
         )
+
+    def _rows(self) -> list[slice]:
+        """Return which residuals are those of each record."""
+        ends = np.cumsum([0, *(sum(self._sizes(each)) for each in range(len(self.records)))])
+        return [slice(*each) for each in zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True)]
 
     def freedom(self, sought: Values) -> int:
         """Return the degrees of freedom: numbers compared less unknowns that they determine.
@@ -369,14 +397,12 @@ class FitProblem:
         """
         _, slopes, motions = self.at(sought)
         measured = np.ones(len(slopes), dtype=bool)
-        row = 0
-        for number in range(self.count):
-            tracks, start, touches = self._sizes(number)
-            measured[row + tracks : row + tracks + start] = False
-            row += tracks + start + touches
+        for number, rows in enumerate(self._rows()):
+            tracks, start, _ = self._sizes(number)
+            measured[rows.start + tracks : rows.start + tracks + start] = False
         sizes = np.linalg.norm(slopes, axis=0)
         basis = np.linalg.svd(slopes / np.where(sizes > 0.0, sizes, 1.0), full_matrices=False)
-        kept = basis[0][:, basis[1] > RANK * basis[1].max(initial=0.0)]
+        kept = basis[0][:, basis[1] > ROUNDING * basis[1].max(initial=0.0)]
         used = float((kept[measured] ** 2).sum())
         lost = sum(
             int((~each.compared).sum())
@@ -387,77 +413,124 @@ class FitProblem:
 
     def errors_of_angle(self, sought: Values) -> AngleErrors | None:
         """Return the effect of errors of the measured angle; None if none are known."""
-        trial = self.trial(sought)
-        machine, ahead = self.machine_of(sought)
-        changes = []
+        trial, rows, changes = self.trial(sought), self._rows(), []
         for number, each in enumerate(self.records):
+            known = self._of_record(number, trial, trial.motions[number])
             for turning in each.other_turnings:
                 self._check_end()
-                motions = trial.motions.copy()
-                motions[number] = self._motion(number, machine, ahead, sought, turning)
-                changes.append(self._apart(Trial(sought, motions)) - self._apart(trial))
+                change = np.zeros(rows[-1].stop)
+                moved = self._motion(number, sought, turning)
+                change[rows[number]] = self._of_record(number, trial, moved) - known
+                changes.append(change)
         return AngleErrors.of(changes) if changes else None
 
     def independent(self, values: Values) -> Values:
         """Return residuals, or columns of their derivatives, with independent unit noise."""
         return values if self.angle_errors is None else self.angle_errors.independent(values)
 
-    def _left(self, trial: Trial) -> Values:
+    def apart(self, trial: Trial, *, matched_only: bool = False) -> Values:
         """Return the residuals of a trial, over all windows."""
-        return self.independent(self._apart(trial))
+        return self.independent(np.concatenate([
+            self._of_record(number, trial, motion, matched_only=matched_only)
+            for number, motion in enumerate(trial.motions)
+        ]))  # fmt: skip
 
-    def _apart(self, trial: Trial) -> Values:
-        """Return the residuals of a trial with the measured angle taken as exact."""
-        left = []
-        for number, (each, motion) in enumerate(zip(self.records, trial.motions, strict=True)):
-            apart = each.tracks.weighed((motion.z - each.record.z)[:, None])[:, 0]
-            left.append(apart / self.noise)
-            if self.starts is None:
-                left.append((self.start(trial.sought, number) - each.start) / each.spread)
-            left += [t.apart / self.time_error for t in self.touches(number, motion).values()]
+    def _of_record(
+        self, number: int, trial: Trial, motion: Motion, *, matched_only: bool = False
+    ) -> Values:
+        """Return the residuals of a record, with the measured angle taken as exact."""
+        each = self.records[number]
+        left = [each.tracks.weighed(motion.z - each.z).ravel() / self.noise,
+                trial.sought[self._places(number)]]  # fmt: skip
+        for found in self.touches(number, motion).values():
+            apart = np.where(found.compared, found.apart, 0.0) if matched_only else found.apart
+            left.append(apart / self.time_error)
         return np.concatenate(left)
 
     def _slopes(self, trial: Trial) -> Values:
-        """Return the derivatives of these residuals by all that is sought."""
-        slopes, count = [], len(self.unknown)
-        for number, (each, motion) in enumerate(zip(self.records, trial.motions, strict=True)):
-            own = [each.tracks.weighed(motion.derivatives.slopes) / self.noise]
-            if self.starts is None:
-                own.append(np.hstack([np.diag(1.0 / each.spread), np.zeros((4, count))]))
-            own += [
-                found.slopes(motion, kind) / self.time_error
-                for kind, found in self.touches(number, motion).items()
-            ]
-            slopes.append(self._by_sought(np.concatenate(own), number))
-        return self.independent(np.concatenate(slopes))
+        """Return the derivatives of the residuals by all that is sought, by central differences."""
+        rows, count = self._rows(), len(self.unknown)
+        slopes = np.zeros((rows[-1].stop, trial.sought.size))
+        for number in range(len(self.records)):
+            self._check_growth(number, trial)
+        for place, (low, high) in enumerate(self._around(trial.sought)):
+            for number, own in enumerate(self._places(each) for each in range(len(self.records))):
+                if place < count or own.start <= place < own.stop:
+                    slopes[rows[number], place] = self._slope(number, trial, place, low, high)
+        return self.independent(slopes)
+
+    def _around(self, sought: Values) -> list[tuple[float, float]]:
+        """Return values below and above each that is sought, within the bounds.
+
+        The motion depends almost linearly on its start, so that one difference is enough there.
+        """
+        sizes = np.ones(sought.size)
+        sizes[: len(self.unknown)] = [
+            max(abs(value), each.size)
+            for value, each in zip(sought.tolist(), self.unknown, strict=False)
+        ]
+        low = np.maximum(sought - STEP * sizes, self.bounds()[0])
+        low[len(self.unknown) :] = sought[len(self.unknown) :]
+        return list(zip(low.tolist(), (sought + STEP * sizes).tolist(), strict=True))
+
+    def _slope(self, number: int, trial: Trial, place: int, low: float, high: float) -> Values:
+        """Return the derivatives of the residuals of a record by one number that is sought."""
+        each, both = self.records[number], []
+        for value in (low, high):
+            sought = trial.sought.copy()
+            sought[place] = value
+            known = value == trial.sought[place]
+            both.append(trial.motions[number] if known else self._motion(number, sought))
+            self.left_work -= both[-1].work
+        before, after = both
+        moved = after.z - before.z
+        if np.abs(moved).max() < SAME * np.abs(trial.motions[number].z).max():
+            moved[:] = 0.0
+        own = self._places(number)
+        slope = [
+            each.tracks.weighed(moved).ravel() / self.noise,
+            (np.arange(own.start, own.stop) == place) * (high - low),
+            *(
+                (found.moved(after, kind) - found.moved(before, kind)) / self.time_error
+                for kind, found in self.touches(number, trial.motions[number]).items()
+            ),
+        ]
+        return np.concatenate(slope) / (high - low)
+
+    def _check_growth(self, number: int, trial: Trial) -> None:
+        """Raise `InputError` for a chaotic motion, by another from a start beside its own."""
+        each, states = self.records[number], trial.motions[number].states
+        scale = np.array([1.0, float(each.turning.speeds.max())])[:, None]
+        beside = states[0] + STEP * np.abs(states[:, 0]).max() * scale
+        start = self.body(trial.sought).found.to_q(beside)
+        apart = (self._motion(number, trial.sought, start=start).states - states) / scale
+        sizes = np.linalg.norm(apart, axis=(1, 2))
+        grown = sizes > LARGEST_GROWTH * sizes[0]
+        if grown.any():
+            raise InputError(
+                "signals must show a motion that its start determines, but by "
+                f"{each.times[grown.argmax()]:.6g} after the start small changes have grown by "
+                f"{LARGEST_GROWTH:g}: fit a part of them"
+            )
 
     def _kept(self) -> Values:
         """Return 1 for each residual in the part of the windows that is searched, else 0."""
         kept = []
         for number, each in enumerate(self.records):
             others = sum(self._sizes(number)[1:])
-            kept += [each.tracks.first(self.part), np.ones(others)]
+            kept += [each.first(self.part), np.ones(others)]
         return np.concatenate(kept)
 
-    def _by_sought(self, slopes: Values, number: int) -> Values:
-        """Return derivatives by all unknowns from those by one initial state and the parameters."""
-        count = len(self.unknown)
-        found = np.zeros((len(slopes), self.first().size))
-        found[:, :count] = slopes[:, 4:] * [each.factor for each in self.unknown]
-        if self.starts is None:
-            found[:, count + 4 * number : count + 4 * number + 4] = slopes[:, :4]
-        return found
 
-
-def _check_growth(motion: Motion) -> None:
-    """Raise `InputError` for a chaotic motion."""
-    found = motion.derivatives
-    if not found.growth <= LARGEST_GROWTH:
-        raise InputError(
-            "signals must show a motion that its start determines, but by "
-            f"{found.lost:.6g} after the start small changes "
-            f"have grown by {LARGEST_GROWTH:g}: fit a part of them"
-        )
+def body_of(rotor: Rotor | DimensionalRotor | RotorSystem, values: Mapping[str, float]) -> Body:
+    """Return a rotor with other values of some parameters."""
+    given: dict[str, Any] = dict(values)
+    ahead = given.pop(ANGLE, 0.0)
+    if isinstance(rotor, RotorSystem):
+        system = with_parameters(rotor, given)
+    else:
+        system = replace(rotor, **given).system()
+    return Body.of(system).turned(ahead)
 
 
 @dataclass(frozen=True)
@@ -470,8 +543,6 @@ class Touches:
         The measured times [s].
     apart : ndarray, shape (n,)
         Difference between the nearest computed time and each [s].
-    nearest : ndarray of int, shape (n,)
-        Number of that computed time; none if there is none.
     gaps : ndarray, shape (n,)
         Time between the nearest computed event and its neighbour [s].
     compared : ndarray of bool, shape (n,)
@@ -480,7 +551,6 @@ class Touches:
 
     times: Values
     apart: Values
-    nearest: npt.NDArray[np.intp]
     gaps: Values
     compared: Mask
 
@@ -491,13 +561,14 @@ class Touches:
         apart = np.where(clear, self.apart, 0.0)
         return replace(self, apart=apart, compared=self.compared & clear)
 
-    def slopes(self, motion: Motion, kind: int) -> Values:
-        """Return the derivatives of the differences, 0 where they are not compared."""
-        found = motion.derivatives
-        by = found.entry_slopes if kind > 0 else found.exit_slopes
-        slopes = np.zeros((self.times.size, by.shape[1]))
-        slopes[self.compared] = by[self.nearest[self.compared]]
-        return slopes
+    def moved(self, motion: Motion, kind: int) -> Values:
+        """Return the computed times in a motion nearby; 0 where they are not compared."""
+        moved, found = np.zeros(self.times.size), motion.touches(kind)
+        computed = (self.times + self.apart)[self.compared]
+        if found.size:
+            computed = found[np.abs(found[:, None] - computed).argmin(axis=0)]
+        moved[self.compared] = computed
+        return moved
 
 
 def matched(times: Values, motion: Motion, kind: int) -> Touches:
@@ -506,25 +577,23 @@ def matched(times: Values, motion: Motion, kind: int) -> Touches:
     Two match if each is the nearest of the other, no farther away than half the usual gap.
     A measured time without a match has a constant residual, whatever the unknowns.
     """
-    found, rise = motion.touches(kind)
+    found = motion.touches(kind)
     reach = 0.5 * float(np.median(np.diff(times))) if times.size > 1 else math.inf
     none = np.zeros(times.size)
     if not found.size:
         missed = none + min(reach, float(times[-1]))
-        return Touches(times, missed, none.astype(np.intp), none + math.inf, none.astype(bool))
+        return Touches(times, missed, none + math.inf, none.astype(bool))
     distances = np.abs(found[:, None] - times)
     nearest = distances.argmin(axis=0)
     apart = found[nearest] - times
-    alone = (np.abs(apart) >= reach) | (rise[nearest] == 0.0)
-    alone |= distances.argmin(axis=1)[nearest] != np.arange(times.size)
-    both = [motion.touches(each)[0] for each in (ENTRY, EXIT)]
+    alone = (np.abs(apart) >= reach) | (distances.argmin(axis=1)[nearest] != np.arange(times.size))
+    both = [motion.touches(each) for each in (ENTRY, EXIT)]
     events = np.sort(np.concatenate([[-math.inf], *both, [math.inf]]))
     gaps = np.diff(events)
     place = np.searchsorted(events, found[nearest])
     return Touches(
         times,
         np.where(alone, np.clip(apart, -reach, reach), apart),
-        nearest,
         np.minimum(gaps[place - 1], gaps[place]),
         ~alone,
     )

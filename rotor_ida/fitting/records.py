@@ -10,7 +10,7 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import ComplexValues, Values
-from rotor_ida.checks import check_increasing, check_vector
+from rotor_ida.checks import check_increasing, check_vector, shown
 from rotor_ida.errors import InputError
 from rotor_ida.fitting.measured_angle import angle_at_samples, angle_by_pulses
 from rotor_ida.fitting.motion import Turning
@@ -82,16 +82,18 @@ class Tracks:
         return np.tile(np.repeat(inside.astype(float), self.orders.size), 2)
 
     def left(self, z: ComplexValues) -> tuple[float, int]:
-        """Return the residual sum of squares of the orders, and its degrees of freedom.
+        """Return the residual sum of squares after all orders, and its degrees of freedom.
+
+        The residuals are those of the nodes, shape (n, node).
 
         The first of several windows is left out: a start that is forgotten within it is poorly
         constrained by its orders, and the error of that start is not noise.
         """
         inside = z[: self.samples].copy()
-        amplitudes = self.amplitudes(z[:, None])[:, :, 0]
+        amplitudes = self.amplitudes(z)
         counts = np.diff(self.windows.edges)
-        for each, amplitude in zip(self.basis, amplitudes.T, strict=True):
-            inside -= np.repeat(amplitude, counts) * each
+        for each, amplitude in zip(self.basis, np.moveaxis(amplitudes, 1, 0), strict=True):
+            inside -= np.repeat(amplitude, counts, axis=0) * each[:, None]
         skipped = min(counts.size - 1, 1)
         later = inside[counts[:skipped].sum() :]
         free = 2 * (later.size - amplitudes[skipped:].size)
@@ -105,7 +107,11 @@ class Measured:
     Parameters
     ----------
     record : Record
-        The signals.
+        The signals of the first node.
+    nodes : tuple of str
+        The nodes at which probes look.
+    z : ndarray of complex, shape (n, node)
+        Their displacements ``x + i y`` [m].
     times : ndarray, shape (n,)
         Times from the beginning of the signals [s].
     turning : Turning
@@ -114,8 +120,8 @@ class Measured:
         The same with each of its independent errors, one standard deviation; none without pulses.
     tracks : Tracks
         The projection on order tracks.
-    start, spread : ndarray, shape (4,)
-        A guess of the initial state, and its spread [m, m/s].
+    start, spread : ndarray, shape (4, node)
+        A guess of the first state ``(x, y, vx, vy)`` of each, and its spread [m, m/s].
     touches : mapping of int to ndarray
         Measured times at which contacts began (1) and ended (-1), from the beginning [s].
     begin : float
@@ -127,6 +133,8 @@ class Measured:
     """
 
     record: Record
+    nodes: tuple[str, ...]
+    z: ComplexValues
     times: Values
     turning: Turning
     other_turnings: list[Turning]
@@ -139,19 +147,32 @@ class Measured:
     second: float
     units: tuple[str, str]
 
+    @property
+    def tracked(self) -> int:
+        """How many numbers of tracks are compared."""
+        return 2 * self.tracks.orders.size * self.tracks.windows.times.size * len(self.nodes)
+
+    def first(self, part: float) -> Values:
+        """Return 1 for each of these numbers in the first part of the windows, else 0."""
+        return np.repeat(self.tracks.first(part), len(self.nodes))
+
+    @property
+    def largest(self) -> float:
+        """The largest displacement [m]."""
+        return float(np.abs(self.z).max())
+
 
 def noise_of(records: Sequence[Measured], motions: Sequence[ComplexValues] | None = None) -> float:
     """Return the standard deviation of x and y about motions, or about 0, after all orders."""
     about = [np.zeros(1, complex)] * len(records) if motions is None else motions
-    sums = [each.tracks.left(each.record.z - z) for each, z in zip(records, about, strict=True)]
+    sums = [each.tracks.left(each.z - z) for each, z in zip(records, about, strict=True)]
     squares, free = (sum(each) for each in zip(*sums, strict=True))
-    size = max(float(np.abs(each.record.z).max()) for each in records)
     # signals without noise are still rounded, and computed to a tolerance
-    return max(math.sqrt(squares / free), 1e-9 * size)
+    return max(math.sqrt(squares / free), 1e-9 * max(each.largest for each in records))
 
 
 def measured(
-    signals: xr.Dataset,
+    signals: Mapping[str, xr.Dataset],
     orders: Values,
     revolutions: int | None,
     touches: Mapping[int, object],
@@ -159,35 +180,51 @@ def measured(
     in_si: bool,
     with_mean: bool,
 ) -> Measured:
-    """Return signals as they are compared; raise `InputError` if they cannot be."""
-    given = record_of(signals)
-    given.known_angles()
-    length, time = _scale(given.length, "length", in_si), _scale(given.time, "time", in_si)
-    if given.times.size > MOST_SAMPLES:
+    """Return the signals at nodes as they are compared; raise `InputError` if they cannot be."""
+    nodes, given = tuple(signals), [record_of(each) for each in signals.values()]
+    first = given[0]
+    for node, each in zip(nodes, given, strict=True):
+        if not np.array_equal(each.times, first.times) or not np.array_equal(
+            each.known_angles(), first.known_angles()
+        ):
+            raise InputError(
+                f"signals of the nodes of a record must have the same times and angles, got others "
+                f"at {shown(node)}"
+            )
+        if (each.length, each.time) != (first.length, first.time):
+            raise InputError(
+                f"signals of the nodes of a record must have the same units, got {each.length} at "
+                f"{shown(node)}"
+            )
+    length, time = _scale(first.length, "length", in_si), _scale(first.time, "time", in_si)
+    if first.times.size > MOST_SAMPLES:
         raise InputError(
-            f"signals must have at most {MOST_SAMPLES} samples for a fit, got {given.times.size}: "
+            f"signals must have at most {MOST_SAMPLES} samples for a fit, got {first.times.size}: "
             "give a part, or resample them"
         )
-    begin = float(given.times[0])
-    z = given.z + given.mean if with_mean else given.z
-    record = replace(given, times=(given.times - begin) * time, z=z * length)
+    begin = float(first.times[0])
+    z = length * np.stack([each.z + each.mean if with_mean else each.z for each in given], axis=1)
+    record = replace(first, times=(first.times - begin) * time, z=z[:, 0])
     tracks = _tracks_of(record, orders, revolutions)
-    turning, other_turnings = _turnings(signals, record, begin, time)
+    turning, other_turnings = _turnings(signals[nodes[0]], record, begin, time)
     times = np.minimum(record.times, turning.ends[-1])
-    start, spread = _first_state(record, turning)
+    start, spread = _first_states(record, z, turning)
     return Measured(
-        record, times, turning, other_turnings, tracks, start, spread,
+        record, nodes, z, times, turning, other_turnings, tracks, start, spread,
         {
-            kind: (_times_within(kind, each, given) - begin) * time
+            kind: (_times_within(kind, each, first) - begin) * time
             for kind, each in touches.items() if each is not None
         },
-        begin, length, time, (given.length, given.time),
+        begin, length, time, (first.length, first.time),
     )  # fmt: skip
 
 
 def _scale(unit: str, kind: str, in_si: bool) -> float:
     """Return a unit in SI units; 1 for dimensionless signals."""
-    wanted = "DimensionalRotor" if unit != "1" else "Rotor"
+    wanted = (
+        "DimensionalRotor, or a system in SI units,"
+        if unit != "1" else "Rotor, or a system without units,"
+    )  # fmt: skip
     if (unit != "1") != in_si:
         raise InputError(f"machine must be a {wanted} for signals with {kind} in {unit!r}")
     if not in_si:
@@ -249,19 +286,20 @@ def _turnings(
     return angle_by_pulses(pulses, step * np.arange(float(pulses.size)), record.times)
 
 
-def _first_state(record: Record, turning: Turning) -> tuple[Values, Values]:
-    """Return a guess of the initial state, and its spread."""
+def _first_states(record: Record, z: ComplexValues, turning: Turning) -> tuple[Values, Values]:
+    """Return guesses of the first states, and their spread, shape (4, node)."""
     speed = float(turning.speeds[0])
     within = record.times <= FIRST_PART / speed
     count = max(int(within.sum()), FEWEST)
-    times, z = record.times[:count], record.z[:count]
+    times, z_first = record.times[:count], z[:count]
     basis = np.vander(times * speed, 4, increasing=True)
-    found, *_ = np.linalg.lstsq(basis, z)
-    noise = np.sqrt((np.abs(z - basis @ found) ** 2).sum() / (2.0 * max(count - 4, 1)))
-    errors = noise * np.sqrt(np.diag(np.linalg.inv(basis.T @ basis))[:2])
+    found, *_ = np.linalg.lstsq(basis, z_first)
+    squares = (np.abs(z_first - basis @ found) ** 2).sum(axis=0)
+    noise = np.sqrt(squares / (2.0 * max(count - 4, 1)))
+    errors = np.sqrt(np.diag(np.linalg.inv(basis.T @ basis))[:2])[:, None] * noise
     turned = record.known_angles() - record.known_angles()[0]
-    first_turn = record.z[turned <= 2.0 * np.pi]
-    size = LEAST_SPREAD * float(np.sqrt(np.mean(np.abs(first_turn) ** 2)))
-    spread = np.maximum(SPREAD * errors, size) * np.array([1.0, speed])
-    start = np.array([found[0].real, found[0].imag, found[1].real * speed, found[1].imag * speed])
-    return start, np.repeat(np.maximum(spread, np.finfo(float).tiny), 2)
+    size = LEAST_SPREAD * np.sqrt(np.mean(np.abs(z[turned <= 2.0 * np.pi]) ** 2, axis=0))
+    spread = np.maximum(SPREAD * errors, size) * np.array([[1.0], [speed]])
+    place, velocity = found[0], found[1] * speed
+    start = np.stack([place.real, place.imag, velocity.real, velocity.imag])
+    return start, np.repeat(np.maximum(spread, np.finfo(float).tiny), 2, axis=0)

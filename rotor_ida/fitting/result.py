@@ -5,12 +5,14 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.fitting.arguments import UNITS
+from rotor_ida.fitting.arguments import AnyRotor
 from rotor_ida.fitting.identifiability import (
     ANGLE,
     Identifiability,
@@ -19,33 +21,35 @@ from rotor_ida.fitting.identifiability import (
     widening,
 )
 from rotor_ida.fitting.motion import Motion
-from rotor_ida.fitting.problem import APART, FitProblem, matched
-from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.fitting.problem import APART, FitProblem, Trial, matched
+from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.results.provenance import provenance
 from rotor_ida.schema import Column
 
 # How a search ends that has found a minimum.
 CONVERGED = "converged"
+# Values below this part of their size count as 0.
+NEARLY_0 = 1e-6
 
 
 def dataset_of(
     problem: FitProblem,
-    machine: Rotor | DimensionalRotor,
+    machine: AnyRotor,
     solution: Values,
     search: str,
     level: float,
 ) -> xr.Dataset:
     """Return the solution as a dataset, with confidence intervals, and how its search ended."""
     _, slopes, motions = problem.at(solution)
-    chi_square, freedom = _left_over(problem, solution, motions), problem.freedom(solution)
+    matching = problem.apart(Trial(solution, motions), matched_only=True)
+    chi_square, freedom = float((matching**2).sum()), problem.freedom(solution)
     slopes = slopes / widening(chi_square, freedom)
     names = [each.name for each in problem.unknown]
     told = identify(slopes, _scales(problem, solution), names)
     if search != CONVERGED:
         told = _of_no_minimum(told, names)
-    in_si = isinstance(machine, DimensionalRotor)
     variables: dict[str, Column] = {
-        **_estimates(problem, solution, told, level, in_si=in_si),
+        **_estimates(problem, solution, told, level),
         **_tracks(problem, motions),
         **_touches(problem, motions),
         "chi_square": ((), chi_square),
@@ -55,15 +59,18 @@ def dataset_of(
     coordinates: dict[str, Column] = {
         "unknown": ("unknown", names),
         "unknown_too": ("unknown_too", names),
-        **{name: variables.pop(name) for name in ("t", "speed", "record", "order")},
+        **{name: variables.pop(name) for name in ("t", "speed", "record", "node", "order")},
     }
+    if not isinstance(machine, RotorSystem):
+        coordinates.pop("node")
+    where = _worst_node(problem, motions) if widening(chi_square, freedom) > 1.0 else ""
     words = [*told.words, *_at_bounds(problem, solution)]
     attributes = provenance({"method": "taylor"}) | {
         "machine": type(machine).__name__,
-        **{f"given_{name}": value for name, value in machine.given.items()},
+        **{f"given_{name}": value for name, value in getattr(machine, "given", {}).items()},
         "search": search,
         "identifiability": "; ".join(words),
-        "remainder": left_in_words(chi_square, freedom),
+        "remainder": left_in_words(chi_square, freedom) + where,
         "confidence": level,
         "evaluations": problem.evaluations,
     }
@@ -90,24 +97,25 @@ def _of_no_minimum(told: Identifiability, names: list[str]) -> Identifiability:
 
 
 def _scales(problem: FitProblem, solution: Values) -> Values:
-    """Return the scale of each unknown's error: its value, or 1 for an angle."""
+    """Return the scale of each unknown's error: its value, or its size where that is nearly 0."""
     return np.array([
-        abs(value) if value != 0.0 and each.name != ANGLE else 1.0
+        abs(value) if abs(value) > NEARLY_0 * each.size and each.name != ANGLE else each.size
         for each, value in zip(problem.unknown, solution.tolist(), strict=False)
     ])  # fmt: skip
 
 
-def _left_over(problem: FitProblem, solution: Values, motions: list[Motion]) -> float:
-    """Return chi-square of all residuals, including those of the guessed starts."""
-    parts = []
-    for number, (each, motion) in enumerate(zip(problem.records, motions, strict=True)):
-        parts.append(each.tracks.weighed((motion.z - each.record.z)[:, None])[:, 0] / problem.noise)
-        if problem.starts is None:
-            place = len(problem.unknown) + 4 * number
-            parts.append((solution[place : place + 4] - each.start) / each.spread)
-        for found in problem.touches(number, motion).values():
-            parts.append(np.where(found.compared, found.apart, 0.0) / problem.time_error)
-    return float((problem.independent(np.concatenate(parts)) ** 2).sum())
+def _worst_node(problem: FitProblem, motions: list[Motion]) -> str:
+    """Return in words at which of several nodes the residuals are largest."""
+    squares: dict[str, list[float]] = {}
+    for each, motion in zip(problem.records, motions, strict=True):
+        left = each.tracks.weighed(motion.z - each.z) / problem.noise
+        for node, column in zip(each.nodes, left.T, strict=True):
+            squares.setdefault(node, []).append(float((column**2).mean()))
+    if len(squares) == 1:
+        return ""
+    worst = max(squares, key=lambda node: np.mean(squares[node]))
+    mean = np.mean(squares[worst])
+    return f"; most at node {worst!r}, where their mean square is {mean:.3g} of that of the noise"
 
 
 def _at_bounds(problem: FitProblem, solution: Values) -> list[str]:
@@ -121,7 +129,7 @@ def _at_bounds(problem: FitProblem, solution: Values) -> list[str]:
 
 
 def _estimates(
-    problem: FitProblem, solution: Values, told: Identifiability, level: float, *, in_si: bool
+    problem: FitProblem, solution: Values, told: Identifiability, level: float
 ) -> dict[str, Column]:
     """Return the numbers of each unknown."""
     from scipy.stats import norm  # noqa: PLC0415 - takes long to import
@@ -131,9 +139,6 @@ def _estimates(
     values = solution[:count]
     errors = np.sqrt(np.diag(told.covariance))
     least = np.array([each.least for each in problem.unknown])
-    exponent = problem.machine.contact_exponent
-    units = [UNITS[each.name] if in_si else "1" for each in problem.unknown]
-    linear = [each if exponent > 1.0 else each.replace("m-1.5", "m-1") for each in units]
     return {
         "estimate": ("unknown", values),
         "standard_error": ("unknown", errors),
@@ -141,38 +146,40 @@ def _estimates(
         "upper": ("unknown", values + quantile * errors),
         "first_guess": ("unknown", [each.guess for each in problem.unknown]),
         "told": ("unknown", told.told.astype(np.int8)),
-        "unit": ("unknown", linear),
+        "unit": ("unknown", [each.unit for each in problem.unknown]),
         "covariance": (("unknown", "unknown_too"), told.covariance),
     }
 
 
 def _tracks(problem: FitProblem, motions: list[Motion]) -> dict[str, Column]:
-    """Return measured and fitted tracks of all records."""
-    found: dict[str, list[Values]] = {}
+    """Return measured and fitted tracks of all records and nodes."""
+    found: dict[str, list[npt.NDArray[Any]]] = {}
     for number, (each, motion) in enumerate(zip(problem.records, motions, strict=True)):
         tracks = each.tracks
-        both = tracks.amplitudes(np.column_stack([each.record.z, motion.z]))
         errors = problem.noise * np.sqrt(np.einsum("wkk->wk", tracks.inverse).real)
-        parts: dict[str, Values] = {
-            "record": np.full(tracks.windows.times.size, number),
-            "t": tracks.windows.times / each.second + each.begin,
-            "speed": tracks.windows.speeds * each.second,
-        }
         # the orders are symmetric about 0
         ahead = np.flatnonzero(tracks.orders >= 0.0)
         back = tracks.orders.size - 1 - ahead
-        for words, column in (("", 0), ("fitted_", 1)):
-            forward, backward = both[:, ahead, column], both[:, back, column]
-            parts |= {
-                f"{words}forward_whirl_amplitude": np.abs(forward) / each.metre,
-                f"{words}forward_phase_lag": np.angle(forward.conj()),
-                f"{words}backward_whirl_amplitude": np.abs(backward) / each.metre,
-                f"{words}backward_phase_lag": np.angle(backward),
+        for node, measured, fitted in zip(each.nodes, each.z.T, motion.z.T, strict=True):
+            parts: dict[str, npt.NDArray[Any]] = {
+                "record": np.full(tracks.windows.times.size, number),
+                "node": np.full(tracks.windows.times.size, node),
+                "t": tracks.windows.times / each.second + each.begin,
+                "speed": tracks.windows.speeds * each.second,
+                "forward_amplitude_error": errors[:, ahead] / each.metre,
+                "backward_amplitude_error": errors[:, back] / each.metre,
             }
-        parts["forward_amplitude_error"] = errors[:, ahead] / each.metre
-        parts["backward_amplitude_error"] = errors[:, back] / each.metre
-        for name, values in parts.items():
-            found.setdefault(name, []).append(values)
+            both = tracks.amplitudes(np.column_stack([measured, fitted]))
+            for words, column in (("", 0), ("fitted_", 1)):
+                forward, backward = both[:, ahead, column], both[:, back, column]
+                parts |= {
+                    f"{words}forward_whirl_amplitude": np.abs(forward) / each.metre,
+                    f"{words}forward_phase_lag": np.angle(forward.conj()),
+                    f"{words}backward_whirl_amplitude": np.abs(backward) / each.metre,
+                    f"{words}backward_phase_lag": np.angle(backward),
+                }
+            for name, values in parts.items():
+                found.setdefault(name, []).append(values)
     columns: dict[str, Column] = {
         name: (("window", "order") if values[0].ndim > 1 else "window", np.concatenate(values))
         for name, values in found.items()

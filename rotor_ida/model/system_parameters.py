@@ -66,6 +66,17 @@ PARAMETERS_OF_SYSTEM = {
         meaning="largest unbalance: mass times eccentricity", label="largest unbalance",
     ),
 }  # fmt: skip
+# The same and those that fits determine, but over which no study varies a system.
+FITTED_OF_SYSTEM = PARAMETERS_OF_SYSTEM | {
+    "contact_stiffness": SystemParameter(
+        parts=CONTACTS, number="stiffness", unit="N m-1.5",
+        meaning="largest stiffness of the contacts", label="largest contact stiffness",
+    ),
+    "contact_damping": SystemParameter(
+        parts=CONTACTS, number="damping", unit="s m-1",
+        meaning="largest contact damping", label="largest contact damping",
+    ),
+}  # fmt: skip
 
 
 class _OfSystem(TypedDict, total=False):
@@ -106,7 +117,7 @@ def parameter_of(system: RotorSystem, name: str) -> float:
     >>> parameter_of(system, "clearance"), parameter_of(system, "damping")
     (0.5, 1.0)
     """
-    known = PARAMETERS_OF_SYSTEM[name]
+    known = FITTED_OF_SYSTEM[name]
     if known.parts:
         values = [getattr(each, known.number) for each in getattr(system, known.parts)]
         if not values:
@@ -136,7 +147,7 @@ def with_parameters(system: RotorSystem, values: Mapping[str, float]) -> RotorSy
     2.0
     """
     for name, value in values.items():
-        known, own = PARAMETERS_OF_SYSTEM[name], parameter_of(system, name)
+        known, own = FITTED_OF_SYSTEM[name], parameter_of(system, name)
         if not known.parts:
             system = levitated_system(system)
             matrix = getattr(system, known.number)

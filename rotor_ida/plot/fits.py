@@ -13,11 +13,14 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from rotor_ida.arrays import Values
+from rotor_ida.checks import listed
 from rotor_ida.errors import InputError
+from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
 from rotor_ida.plot.appearance import BLUE, INK, ORANGE, drawing, new_figure, own_legend, style
 from rotor_ida.plot.datasets import check_dataset
 from rotor_ida.plot.labels import LABELS, label_axis, label_of, typeset
 from rotor_ida.plot.signals.units import Units, is_one_speed, units_of
+from rotor_ida.texts import in_figure
 from rotor_ida.units import quantity
 
 NEEDED = (
@@ -49,7 +52,8 @@ def fit_figure(dataset: xr.Dataset, *, order: float = 1.0) -> Figure:
     -------
     Figure
         Amplitude, phase lag and residuals of forward whirl over the speed, or over time if the
-        speed is constant; a fourth panel shows contact times, if these were compared.
+        speed is constant, in a column for each node of a rotor system; a fourth row shows contact
+        times, if these were compared.
 
     Raises
     ------
@@ -67,27 +71,38 @@ def fit_figure(dataset: xr.Dataset, *, order: float = 1.0) -> Figure:
     """
     dataset = check_dataset("dataset", dataset, NEEDED)
     rows = 4 if "measured_time" in dataset.variables else 3
+    nodes = _nodes_of(dataset)
     with style():
-        figure = new_figure(6.0, 1.4 + 1.55 * rows)
-        heights = [1.6, 1.2, 1.0, 1.0][:rows]
-        axes = list(np.atleast_1d(figure.subplots(rows, 1, height_ratios=heights)))
-    for ax in axes[1:3]:
-        ax.sharex(axes[0])
-    plot_fit(dataset, order=order, axes=axes[:2])
-    plot_fit_residuals(dataset, order=order, ax=axes[2])
-    for ax in axes[:2]:
-        ax.tick_params(labelbottom=False)
-        ax.set_xlabel("")
+        figure = new_figure(max(6.0, 3.6 * len(nodes)), 1.4 + 1.55 * rows)
+        grid = figure.add_gridspec(rows, len(nodes), height_ratios=[1.6, 1.2, 1.0, 1.0][:rows])
+    for column, node in enumerate(nodes):
+        axes = [figure.add_subplot(grid[0, column])]
+        axes += [figure.add_subplot(grid[row, column], sharex=axes[0]) for row in (1, 2)]
+        plot_fit(dataset, order=order, node=node, axes=axes[:2])
+        plot_fit_residuals(dataset, order=order, node=node, ax=axes[2])
+        for ax in axes[:2]:
+            ax.tick_params(labelbottom=False)
+            ax.set_xlabel("")
+        for ax in axes if column else []:
+            ax.set_ylabel("")
+        if len(nodes) > 1:
+            with style():
+                axes[0].set_title(in_figure(str(node)), fontsize=9.0)
     if rows > 3:
-        _plot_touches(dataset, axes[3])
+        _plot_touches(dataset, figure.add_subplot(grid[3, :]))
     with style():
-        axes[0].set_title(_estimates_in_words(dataset), fontsize=9.0, loc="left")
+        words = _estimates_in_words(dataset)
+        if len(nodes) > 1:
+            figure.suptitle(words, fontsize=9.0, x=0.01, ha="left")
+        else:
+            figure.axes[0].set_title(words, fontsize=9.0, loc="left")
     return figure
 
 
 def plot_fit(
-    dataset: xr.Dataset, *, order: float = 1.0, axes: Sequence[Axes] | None = None
-) -> Figure:
+    dataset: xr.Dataset, *, order: float = 1.0, node: str | None = None,
+    axes: Sequence[Axes] | None = None,
+) -> Figure:  # fmt: skip
     """Draw measured amplitude and phase lag of an order, with errors, over the fitted ones.
 
     Parameters
@@ -96,6 +111,8 @@ def plot_fit(
         Result of `rotor_ida.fit`.
     order : float
         Multiple of the speed that is shown [1].
+    node : str, optional
+        Node of a rotor system whose probes are shown; by default the first.
     axes : sequence of two Axes, optional
         Where to draw amplitude and phase lag; by default the axes of a new figure.
 
@@ -108,7 +125,7 @@ def plot_fit(
     'fitted'
     """
     dataset = check_dataset("dataset", dataset, NEEDED)
-    one, units, over = _order_of(dataset, order)
+    one, units, over = _order_of(dataset, order, node)
     with style():
         if axes is None:
             axes = new_figure(5.0, 4.4).subplots(2, 1, sharex=True)
@@ -126,7 +143,9 @@ def plot_fit(
     return cast(Figure, axes[0].figure)
 
 
-def plot_fit_residuals(dataset: xr.Dataset, *, order: float = 1.0, ax: Axes | None = None) -> Axes:
+def plot_fit_residuals(
+    dataset: xr.Dataset, *, order: float = 1.0, node: str | None = None, ax: Axes | None = None
+) -> Axes:
     """Draw the residuals of an order over their standard errors, in both components.
 
     Parameters
@@ -135,11 +154,13 @@ def plot_fit_residuals(dataset: xr.Dataset, *, order: float = 1.0, ax: Axes | No
         Result of `rotor_ida.fit`.
     order : float
         Multiple of the speed that is shown [1].
+    node : str, optional
+        Node of a rotor system whose probes are shown; by default the first.
     ax : Axes, optional
         Axes to draw on and return; default: those of a new figure.
     """
     dataset = check_dataset("dataset", dataset, NEEDED)
-    one, _, over = _order_of(dataset, order)
+    one, _, over = _order_of(dataset, order, node)
     left = (_complex(one, "") - _complex(one, "fitted_")) / one["forward_amplitude_error"].values
     with drawing(ax) as ax:
         ax.axhspan(-RARE, RARE, color=INK, alpha=0.08, lw=0.0)
@@ -157,8 +178,21 @@ def plot_fit_residuals(dataset: xr.Dataset, *, order: float = 1.0, ax: Axes | No
     return ax
 
 
-def _order_of(dataset: xr.Dataset, order: float) -> tuple[xr.Dataset, Units, xr.DataArray]:
-    """Return one order of a fit, the units, and the horizontal quantity with its label."""
+def _nodes_of(dataset: xr.Dataset) -> list[str | None]:
+    """Return the nodes at which probes look; None for one disc."""
+    return list(dict.fromkeys(dataset["node"].values.tolist())) if "node" in dataset else [None]
+
+
+def _order_of(
+    dataset: xr.Dataset, order: float, node: str | None
+) -> tuple[xr.Dataset, Units, xr.DataArray]:
+    """Return one order of a fit at a node, the units, and the abscissa with its label."""
+    known = _nodes_of(dataset)
+    if node is not None and node not in known:
+        allowed = listed([repr(each) for each in known if each] or ["left out"], "or")
+        raise InputError(f"node must be {allowed}, got {node!r}")
+    if known[0] is not None:
+        dataset = dataset.isel(window=dataset["node"].values == (node or known[0]))
     compared = dataset["order"].values
     if order not in compared:
         allowed = ", ".join(f"{each:g}" for each in compared)
@@ -237,5 +271,9 @@ def _estimates_in_words(dataset: xr.Dataset) -> str:
         dataset["unit"].values, strict=True,
     ):  # fmt: skip
         said = typeset(quantity(float(value), str(unit), error=float(error)))
-        words.append(f"{str(name).replace('_', ' ')} {said}")
+        is_factor = unit == "1" and dataset.attrs.get("machine") == "RotorSystem"
+        called = (
+            PARAMETERS_OF_SYSTEM[name].label if is_factor and name in PARAMETERS_OF_SYSTEM else name
+        )
+        words.append(f"{str(called).replace('_', ' ')} {said}")
     return "\n".join(";  ".join(words[n : n + 2]) for n in range(0, len(words), 2))

@@ -153,5 +153,84 @@ def test_a_machine_in_si_units_is_refused_for_signals_without(program: Program, 
                      "--damping", "70", "--eccentricity", "1e-5", "--clearance", "3e-5",
                      "--unknown", "damping")  # fmt: skip
     assert answer.status == 2
-    assert "machine must be a Rotor for signals" in answer.err
+    assert "machine must be a Rotor, or a system without units, for signals" in answer.err
     assert answer.err.count(os.linesep) == 1
+
+
+SYSTEM = """
+[system]
+mass = [8, 8, 3, 3]
+damping = [150, 150, 75, 75]
+stiffness = [[9e5, 0, -6e5, 0], [0, 9e5, 0, -6e5], [-6e5, 0, 8e5, 0], [0, -6e5, 0, 8e5]]
+
+[system.nodes]
+disc = [0, 1]
+end = [2, 3]
+
+[[contacts]]
+node = "disc"
+clearance = "150 um"
+stiffness = "5e6 N/m"
+
+[[unbalance]]
+node = "disc"
+moment = "200 g mm"
+"""
+
+
+@pytest.fixture
+def pump() -> None:
+    """Write the file of a system, and the probes of one with less clearance and damping."""
+    Path("pump.toml").write_text(SYSTEM)
+    damped = SYSTEM.replace("150, 150, 75, 75", "120, 120, 60, 60").replace("150 um", "120 um")
+    Path("true.toml").write_text(damped)
+    true = rotor_ida.load_system("true.toml")
+    run = rotor_ida.run_up(true, speed=60.0, to=340.0, rate=180.0, start="settled", samples=3001)
+    rotor_ida.save(run, "run.nc")
+    seen = [rotor_ida.signals_of(run, node=node) for node in ("disc", "end")]
+    columns = [1e6 * each[axis].values for each in seen for axis in "xy"]
+    table = np.stack([run["t"].values, *columns, seen[0]["angle"].values], axis=1)
+    np.savetxt("four.csv", table, delimiter=",", header="t_s,A,B,C,D,angle_rad", comments="")
+
+
+def test_probes_at_two_nodes_give_their_system_back(program: Program, pump: None):
+    columns = ("disc:x=A", "disc:y=B", "end:x=C", "end:y=D")
+    words = ("--start", "settled", "--unknown", "clearance", "damping")
+    answer = program("fit", "pump.toml", "four.csv", "--columns", *columns, "--units", "x=um",
+                     "y=um", *words, "--out", "found.nc", "--figure", "found")  # fmt: skip
+    assert (answer.status, answer.err) == (0, "")
+    found = rotor_ida.load("found.nc")
+    np.testing.assert_allclose(found["estimate"], [1.2e-4, 0.8], rtol=1e-5)
+    assert set(found["node"].values) == {"disc", "end"}
+    assert found["forward_whirl_amplitude"].attrs["units"] == "um"
+    assert program("show", "found.nc").status == 0
+    again = program("fit", "pump.toml", "run.nc", "--node", "end", *words, "--json")
+    (gap, damping) = (row["estimate"] for row in json.loads(again.out)["unknown"])
+    assert (gap, damping) == pytest.approx((1.2e-4, 0.8), rel=1e-5)
+
+
+@pytest.mark.parametrize(("words", "said"), [
+    (("run.nc",), "node must be 'disc' or 'end', got None"),
+    (("run.nc", "--node", "ends"), "node must be 'disc' or 'end', got 'ends'"),
+    (("run.nc", "--node", "disc", "--mass", "4"), "mass must be left out with a rotor system"),
+    (("four.csv", "--columns", "x=A", "y=B"), "signals must be given by the node"),
+    (("four.csv", "--node", "disc", "--columns", "disc:x=A", "disc:y=B"),
+     "node must be left out with columns of nodes"),
+    (("run.nc", "--node", "disc", "--start", "1", "0", "0", "0"),
+     "start must be settled or rest with a rotor system"),
+    (("pump.toml", "run.nc", "--node", "disc"), "FILE must be given with one rotor system at most"),
+    ((), "FILE must be given"),
+])  # fmt: skip
+def test_bad_probes_of_a_system_are_told_in_one_line(
+    program: Program, pump: None, words: tuple[str, ...], said: str
+):
+    answer = program("fit", "pump.toml", *words, "--unknown", "clearance")
+    assert answer.status == 2
+    assert said in answer.err
+    assert answer.err.count("\n") == 1
+
+
+def test_a_node_of_one_disc_is_refused(program: Program, folder: Path):
+    answer = program("fit", folder / "run_up.nc", *GUESS, *SOUGHT, "--node", "disc")
+    assert answer.status == 2
+    assert "node must be left out without a rotor system" in answer.err

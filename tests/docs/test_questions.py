@@ -96,7 +96,10 @@ def fold_of_two_discs() -> xr.Dataset:
 
 
 def signals(kind: str) -> xr.Dataset:
-    """Return signals of a run-up of one disc."""
+    """Return signals of a run-up."""
+    if kind == "system":
+        run = rotor_ida.run_up(two_discs(), speed=0.3, to=0.9, rate=0.005, samples=2001)
+        return rotor_ida.signals_of(run, node="two")
     if kind == "disc":
         run = rotor_ida.run_up(DISC, to=2.6, rate=0.01, samples=5001)
     else:
@@ -181,8 +184,7 @@ QUESTIONS = [
     Asked("fit", "parameters fitted to signals of probes",
           {"signals": lambda: signals("disc"), "unknown": ["zeta"]},
           {"signals": lambda: signals("machine"), "unknown": ["damping"]},
-          refused={"system": ("no: a fit follows one disc",
-                              "machine must be a Rotor or a DimensionalRotor")}),
+          {"signals": lambda: signals("system"), "unknown": ["damping"], "start": "rest"}),
     Asked("impact", "rebound from one contact", {"entry_speed": 1.0},
           refused={"machine": ("no: dimensionless only",
                                "rotor must be a Rotor, got DimensionalRotor"),

@@ -1,110 +1,69 @@
-"""The derivatives of a motion, against differences of motions and against the compiled core."""
+"""The derivatives of the residuals, against those that the kernel of one disc carries along."""
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 import numpy as np
-import pytest
 
-from rotor_ida import DimensionalRotor, InputError, Rotor
+from rotor_ida import Rotor, signals_of, simulate
 from rotor_ida.core.runs import COLUMNS
-from rotor_ida.fitting.arguments import UNITS
-from rotor_ida.fitting.identifiability import ANGLE
-from rotor_ida.fitting.motion import MotionRequest, Turning
+from rotor_ida.fitting.arguments import problem_of
 from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.orbit import ENTRY
 
-# Runs up at one rate, then at another, through contacts that end and that do not.
-TURNING = Turning(
-    np.array([0.0, 0.5, 1.0]),
-    np.array([0.0, 250.0]),
-    np.array([300.0, 700.0]),
-    np.array([800.0, 400.0]),
-)
-MACHINE = DimensionalRotor(
-    mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6, clearance=2e-6, speed=0.0,
-    shaft_stiffness=5e5, contact_damping=50.0, load=0.3, friction=0.1, disc_radius=1e-3,
-)  # fmt: skip
-LINEAR = replace(MACHINE, contact_stiffness=2e6, contact_exponent=1.0)
-START = np.array([1e-7, 0.0, 0.0, 1e-5])
-TIMES = np.linspace(0.0, 1.0, 2001)
-AHEAD = 0.3
-# What moves the disc hardly at all is changed by more.
-PARTS = {"contact_damping": 3e-3, "load": 1e-4}
+ROTOR = Rotor(omega=1.7, zeta=0.07, delta0=2.5, shaft_stiffness=0.25, contact_damping=0.1,
+              load=0.2)  # fmt: skip
+START = np.array([0.2, -0.1, 0.3, 2.9])
+UNKNOWN = ("zeta", "delta0", "shaft_stiffness", "contact_damping", "load")
 
 
-def moved(machine, start, ahead):
-    return MotionRequest(machine, TURNING, start, ahead).motion(TIMES, [])
-
-
-def difference(machine, name, step):
-    """Return the slope of the motion and of its entries by central differences."""
-    both = []
-    for way in (1.0, -1.0):
-        start, ahead, one = START.copy(), AHEAD, machine
-        if isinstance(name, int):
-            start[name] += way * step
-        elif name == ANGLE:
-            ahead += way * step
-        else:
-            one = replace(machine, **{name: getattr(machine, name) + way * step})
-        both.append(moved(one, start, ahead))
-    entries = [each.touches(ENTRY)[0] for each in both]
-    assert entries[0].size == entries[1].size > 0
-    return (
-        (both[0].z - both[1].z) / (2.0 * step),
-        (entries[0] - entries[1]) / (2.0 * step),
-    )
-
-
-@pytest.mark.parametrize("machine", [MACHINE, LINEAR], ids=["hertz", "linear"])
-def test_derivatives_are_those_of_the_motion(machine):
-    """A difference of two motions has an error of its step squared, and of rounding over it."""
-    names = list(UNITS)
-    found = MotionRequest(machine, TURNING, START, AHEAD).motion(TIMES, names).derivatives
-    assert found.growth < 1e3
-    steps = dict(enumerate([1e-10, 1e-10, 1e-7, 1e-7])) | {
-        name: 1e-6 if name == ANGLE else PARTS.get(name, 1e-6) * getattr(machine, name)
-        for name in names
-    }
-    for column, (name, step) in enumerate(steps.items()):
-        by_z, by_time = difference(machine, name, step)
-        error = np.abs(found.slopes[:, column] - by_z).max() / np.abs(by_z).max()
-        assert error < 1e-4, name
-        scale = np.abs(by_time).max()
-        assert np.abs(found.entry_slopes[:, column] - by_time).max() / scale < 1e-4, name
+def problem(**given):
+    run = simulate(ROTOR, start=START, duration=20.0, samples=201)
+    asked = dict.fromkeys(("revolutions", "entries", "exits", "time_error"))
+    return problem_of(
+        signals_of(run), ROTOR, UNKNOWN, **{**asked, "orders": (0, 1), "noise": 1.0, "start": START,
+                                            **given},
+    )  # fmt: skip
 
 
 def test_derivatives_are_those_of_the_core_at_one_speed():
-    """The core carries differences along by Taylor series, on axes that turn with the unbalance."""
-    rotor = Rotor(omega=1.7, zeta=0.07, delta0=2.5, shaft_stiffness=0.25, contact_damping=0.1,
-                  load=0.2)  # fmt: skip
-    start, end = np.array([0.2, -0.1, 0.3, 2.9]), 20.0
-    shot = DiscFlow(rotor).run(start, end, by=COLUMNS)
-    machine = DimensionalRotor(
-        mass=1.0, contact_stiffness=1.0, damping=0.14, eccentricity=1.0, clearance=2.5, speed=1.7,
-        shaft_stiffness=0.25, contact_damping=0.1, load=0.2,
-    )  # fmt: skip
-    turning = Turning(np.array([0.0, end]), np.zeros(1), np.array([1.7]), np.zeros(1))
-    names = ("damping", "clearance", "shaft_stiffness", "contact_damping", "load")
-    motion = MotionRequest(machine, turning, start).motion(np.array([0.0, end]), names)
-    slopes = motion.derivatives.slopes
-    turned = np.exp(1.7j * end)
-    exact = {name: shot.by[n] for n, name in enumerate(COLUMNS)}
-    exact |= {"damping": 0.5 * exact["zeta"], "clearance": exact["delta0"]}
-    by_start = (shot.tangents[0] + 1j * shot.tangents[1]) * turned
-    size = np.abs(by_start).max()
-    np.testing.assert_allclose(slopes[-1, :4], by_start, rtol=0, atol=2e-7 * size)
-    for column, name in enumerate(names, 4):
-        expected = (exact[name][0] + 1j * exact[name][1]) * turned
-        size = np.abs(slopes[:, column]).max()
-        assert abs(slopes[-1, column] - expected) < 2e-7 * max(size, 1.0), name
-    assert motion.touches(ENTRY)[0].size > 2
+    """The kernel of one disc has differences in its Taylor series, on axes that turn."""
+    sought = problem(start=None)
+    (record,) = sought.records
+    flow, turns = DiscFlow(ROTOR), np.exp(1.7j * record.times)
+    by = np.zeros((record.times.size, 4 + len(UNKNOWN)), complex)
+    by[0, :2] = 1.0, 1.0j
+    start = sought.starts[0].mean
+    for row, time in enumerate(record.times[1:], 1):
+        piece = flow.run(start, float(time), by=COLUMNS)
+        columns = [*piece.tangents.T, *(piece.by[COLUMNS.index(name)] for name in UNKNOWN)]
+        by[row] = [complex(x, y) * turns[row] for x, y, *_ in columns]
+    expected = record.tracks.weighed(by)
+    slopes = sought.slopes(sought.first())
+    tracks = slopes[: len(expected)]
+    for column, name in enumerate(UNKNOWN):
+        size = np.linalg.norm(expected[:, 4 + column])
+        assert np.linalg.norm(tracks[:, column] - expected[:, 4 + column]) < 1e-5 * size, name
+    by_start = expected[:, :4] @ sought.starts[0].root
+    for column, exact in enumerate(by_start.T, len(UNKNOWN)):
+        assert np.linalg.norm(tracks[:, column] - exact) < 1e-4 * np.linalg.norm(exact)
+    np.testing.assert_allclose(slopes[len(expected) :, len(UNKNOWN) :], np.eye(4), atol=1e-9)
 
 
-def test_a_disc_that_rolls_is_refused():
-    """Where sliding ends derivatives jump; a small disc in firm contact comes to roll."""
-    small = replace(MACHINE, friction=0.5, disc_radius=2e-6, load=0.0)
-    with pytest.raises(InputError, match=r"machine must slide one way on the stator.* fit without"):
-        _ = MotionRequest(small, TURNING, START).motion(TIMES, []).derivatives
+def test_derivatives_of_contact_times_follow_from_the_motion():
+    """From ``|z| = delta0``, ``dt = (d delta0 - z/|z| . dz)/r'`` with dz of the core."""
+    run = simulate(ROTOR, start=START, duration=20.0, samples=201)
+    enters = run.event_kind.values == ENTRY
+    times = run.event_time.values[enters]
+    sought = problem(entries=times, time_error=1e-3)
+    slopes = sought.slopes(sought.first())[-times.size :] * 1e-3
+    assert times.size > 2
+    for row, time in enumerate(times):
+        piece = DiscFlow(ROTOR).run(START, float(time), by=COLUMNS)
+        x, y, vx, vy = piece.end
+        # on turning axes velocities are those of the fixed ones, read along the turning
+        radius = np.hypot(x, y)
+        rise = (x * vx + y * vy) / radius
+        for column, name in enumerate(UNKNOWN):
+            moved = piece.by[COLUMNS.index(name)]
+            exact = ((name == "delta0") - (x * moved[0] + y * moved[1]) / radius) / rise
+            assert abs(slopes[row, column] - exact) < 1e-4 * max(abs(exact), 1.0), name

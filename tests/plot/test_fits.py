@@ -3,11 +3,22 @@
 from __future__ import annotations
 
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from rotor_ida import DimensionalRotor, InputError, Rotor, dimensional, fit, run_up, signals_of
+from rotor_ida import (
+    DimensionalRotor,
+    InputError,
+    Rotor,
+    RotorSystem,
+    Unbalance,
+    dimensional,
+    fit,
+    run_up,
+    signals_of,
+)
 from rotor_ida.plot import fit_figure, plot_fit, plot_fit_residuals
 from rotor_ida.units import SPEED_UNITS
 
@@ -94,3 +105,25 @@ def test_an_order_that_was_not_compared_is_refused(found):
 def test_another_dataset_is_refused(run):
     with pytest.raises(InputError, match="dataset"):
         fit_figure(run)
+
+
+def test_each_node_of_a_system_has_its_column(run, seen):
+    """Two probes of one disc stand for those of two nodes."""
+    both = {"inner": seen, "outer": seen}
+    body = ROTOR.system()
+    system = RotorSystem(
+        mass=np.eye(4), damping=0.2 * np.eye(4), stiffness=np.eye(4), units="1",
+        nodes={"inner": (0, 1), "outer": (2, 3)},
+        contacts=[replace(body.contacts[0], node=node) for node in ("inner", "outer")],
+        unbalance=[Unbalance(node=node, moment=1.0) for node in ("inner", "outer")],
+    )  # fmt: skip
+    found = fit(both, system, ["damping"], start="rest")
+    figure = fit_figure(found)
+    assert len(figure.axes) == 6
+    assert [ax.get_title() for ax in figure.axes[::3]] == ["inner", "outer"]
+    assert figure.get_suptitle().startswith("damping factor")
+    outer = found.isel(window=found.node.values == "outer").sel(order=1)
+    drawn = plot_fit(found, node="outer").axes[0].lines[0]
+    np.testing.assert_array_equal(drawn.get_ydata(), outer.fitted_forward_whirl_amplitude)
+    with pytest.raises(InputError, match=r"node must be 'inner' or 'outer', got 'disc'"):
+        plot_fit_residuals(found, node="disc")

@@ -2,6 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+from dataclasses import replace
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 from cyclopts import Parameter
@@ -15,25 +18,41 @@ from rotor_ida.cli.output import Output, answer, troubled, working
 from rotor_ida.cli.parsing import in_unit
 from rotor_ida.cli.report import FAILED, Report
 from rotor_ida.cli.rotor_options import ANY_SPEED, RotorOptions
+from rotor_ida.cli.systems import system_to_fit
 from rotor_ida.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
+
+    from rotor_ida.fitting.arguments import AnyRotor
 Unknowns = Annotated[
     list[str],
     Parameter(
-        help="Parameters to fit: names of rotor options, or unbalance_angle.",
+        help="Parameters to fit: names of rotor options, or unbalance_angle; of a rotor system "
+        "damping, stiffness, clearance, friction, unbalance, contact_stiffness, contact_damping.",
         metavar="NAME",
         consume_multiple=True,
         negative=(),
     ),
 ]
 StartOfRecord = Annotated[
-    State | None,
+    State | str | None,
     Parameter(
-        help="State at the beginning of the record. Default: it is fitted too.",
-        metavar="X Y VX VY",
-        converter=parsing.converter(parsing.state),
+        help="State at the beginning of the record; settled, the steady whirl without contact; or "
+        "rest. Default: it is fitted too.",
+        metavar="X Y VX VY|settled|rest",
+        converter=parsing.converter(parsing.start),
+        n_tokens=4,
+        negative=(),
+    ),
+]
+Nodes = Annotated[
+    list[str] | None,
+    Parameter(
+        help="Nodes of a rotor system at which the probes look, if --columns does not name them, "
+        "as by disc:x=A disc:y=B seal:x=C seal:y=D.",
+        metavar="NAME",
+        consume_multiple=True,
         negative=(),
     ),
 ]
@@ -61,6 +80,7 @@ SearchLimit = Annotated[
 def fit(
     *files: options.SignalFile,
     unknown: Unknowns,
+    node: Nodes = None,
     rotor: RotorOptions = RotorOptions(),
     orders: options.Orders = None,
     start: StartOfRecord = None,
@@ -86,23 +106,31 @@ def fit(
             --mass 4kg --contact-stiffness 3.2e7 --damping 100 --clearance 25um \
             --shaft-stiffness 500N/mm --eccentricity 1um \
             --unknown eccentricity unbalance_angle
+
+    A rotor system, by probes at one of its nodes; its file is the initial guess:
+
+        rotor-ida fit rotor.toml probes.csv --node disc --columns x=A y=B \
+            --units x=um y=um --start settled --unknown unbalance unbalance_angle
     """
-    if not files:
+    systems = [each for each in files if each.suffix == parsing.SYSTEM_ENDING]
+    measured = [each for each in files if each not in systems]
+    if not measured:
         raise InputError("FILE must be given")
+    if len(systems) > 1:
+        raise InputError("FILE must be given with one rotor system at most, got two")
     output.check()
-    given = rotor.given  # the speed is measured; this one is not used
-    known = {
-        speed: ANY_SPEED
-        for speed, other in (("omega", "zeta"), ("speed", "mass"))
-        if speed not in given and other in given
-    }
-    chosen = rotor.chosen(known)
-    signals: list[xr.Dataset] = [signals_in(each, reading, times) for each in files]
-    length, time = (str(signals[0][name].attrs.get("units", "1")) for name in "xt")
+    machine: AnyRotor = (
+        system_to_fit(systems[0], rotor, start, output) if systems else _one_disc(rotor, node)
+    )
+    signals = [_signals(each, reading, times, node) for each in measured]
+    each_node = [
+        each for one in signals for each in (one.values() if isinstance(one, dict) else [one])
+    ]
+    length, time = (str(each_node[0][name].attrs.get("units", "1")) for name in "xt")
     with working("trials") as progress:
         found = rotor_ida.fit(
             signals,
-            chosen,
+            machine,
             unknown,
             orders=(1.0,) if orders is None else orders,
             start=start,
@@ -114,12 +142,66 @@ def fit(
             progress=progress,
         )
     for name in OF_FILE:
-        if told := dict.fromkeys(str(each.attrs[name]) for each in signals if name in each.attrs):
+        if told := dict.fromkeys(str(each.attrs[name]) for each in each_node if name in each.attrs):
             found.attrs[name] = "; ".join(told)
     report = answer(found, output)
     if found.attrs["search"] == "converged":
         return report
     return troubled(report, f"search {found.attrs['search']}", FAILED)
+
+
+def _one_disc(rotor: RotorOptions, node: Sequence[str] | None) -> AnyRotor:
+    """Return the disc of the options; its speed is measured, so that this one is not used."""
+    if node:
+        raise InputError("node must be left out without a rotor system")
+    given = rotor.given
+    known = {
+        speed: ANY_SPEED
+        for speed, other in (("omega", "zeta"), ("speed", "mass"))
+        if speed not in given and other in given
+    }
+    return rotor.chosen(known)
+
+
+def _signals(
+    file: Path,
+    reading: options.ReadingOptions,
+    times: tuple[float, float] | None,
+    nodes: Sequence[str] | None,
+) -> xr.Dataset | dict[str, xr.Dataset]:
+    """Return the signals in a file, by node where nodes are chosen."""
+    columns = reading.columns or []
+    named = dict.fromkeys(
+        word.partition(":")[0] for word in columns if ":" in word.partition("=")[0]
+    )
+    if not named:
+        from rotor_ida.results.run import is_of_system  # noqa: PLC0415 - heavy
+
+        signals = signals_in(file, reading, times)
+        if is_of_system(signals):
+            if nodes is None:
+                return rotor_ida.signals_of(signals)  # which may have one node alone
+            return {node: rotor_ida.signals_of(signals, node=node) for node in nodes}
+        return signals if nodes is None else dict.fromkeys(nodes, signals)
+    if nodes is not None:
+        raise InputError("node must be left out with columns of nodes")
+    return {
+        node: signals_in(file, replace(reading, columns=_own(columns, node)), times)
+        for node in named
+    }
+
+
+def _own(columns: Sequence[str], node: str) -> list[str]:
+    """Return the columns of a node, and those of no node.
+
+    Examples
+    --------
+    >>> _own(["disc:x=A", "end:x=C", "keyphasor=K"], "end")
+    ['x=C', 'keyphasor=K']
+    """
+    plain = [(word, *word.partition(":")) for word in columns]
+    return [rest if colon and "=" not in first else word for word, first, colon, rest in plain
+            if first == node or not colon or "=" in first]  # fmt: skip
 
 
 def _all_in(name: str, values: list[float] | None, unit: str) -> list[float] | None:
