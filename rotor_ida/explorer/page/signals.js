@@ -7,7 +7,7 @@ import { roundUp, speedsShown } from "./state.js";
 import { addTools } from "./tools.js";
 import { labelled, shownIn, told } from "./units.js";
 
-const TITLES = { bode: "Bode: order 1", polar: "Polar: order 1", full: "Full spectrum", cascade: "Cascade" };
+const TITLES = { bode: "Bode: order 1", polar: "Polar: order 1", full: "Full spectrum", cascade: "Cascade", campbell: "Campbell diagram, contacts open" };
 const DEGREES = 180 / Math.PI;
 // Phase lags are told from a quarter turn ahead on.
 const LEAST_LAG = -90;
@@ -519,6 +519,44 @@ function readPoints(plot, lines, x, _y, distance, near) {
   return { text: `${found.name}: ${found.speed === undefined ? "" : `speed ω ${told(found.speed, 5)}, `}${plot.tell(found.place, plot.plot.axes[0].label ? [] : ["speed"])}`, at: found.place };
 }
 
+/** Whirl speeds without contacts over the speed of the rotor, with the line on which they are equal. */
+class Campbell extends Panel {
+  constructor(say) {
+    super("campbell", [["square"]], say);
+    this.plot = new Plot(this.areas[0], { x: "speed", y: "whirl speed", draw: (pen) => this.#draw(pen) });
+    this.plots = [this.plot];
+    this.tools();
+  }
+
+  show({ campbell, speed: { factor, unit }, now }) {
+    this.drawn = campbell?.arrays.speed && { ...campbell.arrays, factor, now: now * factor };
+    if (this.drawn) {
+      const { speed, whirl_speed: rates } = this.drawn;
+      const top = 2 * speed.at(-1) * factor;
+      this.plot.show({ x: [speed[0] * factor, speed.at(-1) * factor], y: [rates.some((each) => each < 0) ? -top : 0, top], labels: [labelled("speed", unit), labelled("whirl speed", unit)] });
+    } else this.plot.show({});
+    this.key([...(this.drawn ? [["dot", "damped"], ["dot growing", "growing"], ["line-key dashed", "speed of the rotor, ±1X"]] : []), ...(campbell?.facts.notes ?? []).map((each) => ["", each])]);
+    this.plot.say("Campbell diagram: whirl speeds over the speed, backward whirl below 0");
+  }
+
+  #draw(pen) {
+    if (!this.drawn) return;
+    const { speed, whirl_speed: rates, damping, factor, now } = this.drawn;
+    const xs = times(speed, factor);
+    rates.forEach((each, i) => {
+      const grows = damping[i] < 0;
+      pen.dots([xs[i % xs.length]], [each * factor], grows ? 4 : 3, { fill: colour(grows ? "contact" : "ink") });
+    });
+    for (const order of [-1, 1]) pen.line([xs[0], xs.at(-1)], [order * xs[0], order * xs.at(-1)], { stroke: colour("muted"), dash: [5, 4] });
+    pen.line([now, now], this.plot.shown.y, { stroke: colour("accent"), width: 1.5 });
+  }
+
+  table() {
+    const { speed, whirl_speed: rates, damping } = this.drawn ?? { speed: [], whirl_speed: [], damping: [] };
+    return { speed: Array.from(rates, (_, i) => speed[i % speed.length]), "whirl speed": Array.from(rates), "damping ratio": Array.from(damping) };
+  }
+}
+
 /** Return the height of the tallest line beside a place. */
 function heightAt(xs, ys, place) {
   let top = NaN;
@@ -532,13 +570,23 @@ function roundStep(about) {
   return ten * (TICKS.find((each) => each * ten >= about) ?? 10);
 }
 
-const KINDS = { bode: Bode, polar: Polar, full: Full, cascade: Cascade };
+const KINDS = { bode: Bode, polar: Polar, full: Full, cascade: Cascade, campbell: Campbell };
 /** Order 1 of what was never tracked. */
 export const NOTHING = { speed: [], amplitude: [], lag: [] };
 
 /** Return the spectra of a cascade one by one. */
 export const rowsOf = ({ cascade_speed: speeds, cascade_frequency: frequency, cascade_amplitude: heights }) =>
   Array.from(speeds, (speed, i) => ({ speed, frequency, amplitude: heights.slice(i * frequency.length, (i + 1) * frequency.length) }));
+
+/** Return order 1 and spectra of an answer of the program; none before it has come. */
+export function trackOf(answer) {
+  const { order_speed: speed, order_amplitude: amplitude, order_lag: lag, cascade_speed: rows } = answer?.arrays ?? {};
+  return { order: speed ? { speed, amplitude, lag } : NOTHING, rows: rows ? rowsOf(answer.arrays) : [] };
+}
+
+/** Return two pieces of order 1 as one, with a gap between them. */
+export const joined = (one, other) =>
+  one.speed.length ? Object.fromEntries(Object.keys(one).map((name) => [name, [...one[name], NaN, ...other[name]]])) : other;
 
 /** Return whether a source, of which it is a method, has something to show in a panel. */
 export function hasPanel(panel) {
@@ -557,8 +605,9 @@ export class Signals {
     return [...this.panels.values()].flatMap(({ plots }) => plots);
   }
 
-  get wantsLines() {
-    return this.panels.has("full");
+  /** Whether one of some panels is shown. */
+  has(names) {
+    return names.some((name) => this.panels.has(name));
   }
 
   /** Show the panels of some names, in the usual order. */
@@ -586,7 +635,7 @@ export class Signals {
   /** Draw all panels again. */
   show() {
     if (!this.panels.size) return;
-    const { rotors, scales, speed, measured } = this.view();
+    const { rotors, scales, speed, measured, campbell } = this.view();
     const sources = rotors.map(({ track, curve, lines, exact }, side) => ({
       name: rotors.length > 1 ? `${side ? "second" : "first"} rotor` : "the rotor",
       icon: side ? "line-key second" : "line-key passage thin",
@@ -603,7 +652,7 @@ export class Signals {
       curve?.omega.forEach((omega, i) => (top = omega <= fastest && curve.amplitude[i] > top ? curve.amplitude[i] : top));
     }
     const shown = {
-      sources, fastest, top, length: shownIn(scales, "length", top), speed: shownIn(scales, "rate", 1),
+      sources, fastest, top, campbell, now: speed, length: shownIn(scales, "length", top), speed: shownIn(scales, "rate", 1),
       missing: sources.some(({ order }) => order.speed.length) ? [] : [["", "Run the speed up or down to see the response."]],
     };
     for (const panel of this.panels.values()) panel.show(shown);
