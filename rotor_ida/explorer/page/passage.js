@@ -9,6 +9,8 @@ const WANTED = 60, MOST_TURNS = 200;
 const LARGEST_STEP = 1 / 320, FASTEST_SHOWN = 0.1;
 // Speed step over which the smallest and the largest radius are drawn.
 const WIDTH = 1 / 2000, MOST_POINTS = 12_000;
+// Milliseconds from one question about the track to the next while the speed changes.
+const TRACKED = 1000;
 // Decimals of a speed, at most.
 const FINEST = 14;
 
@@ -138,7 +140,7 @@ export class Passage {
   #begin(beginning) {
     if (!beginning) return false;
     const { speed, limits, range, starts } = beginning;
-    Object.assign(this, { begun: true, asked: new Set(), last: 0, speed, limits, range, from: speed, tracks: starts.map((start) => new Track(start, range)) });
+    Object.assign(this, { begun: true, asked: new Set(), tracked: -Infinity, isBehind: false, step: 0, last: 0, speed, limits, range, from: speed, tracks: starts.map((start) => new Track(start, range)) });
     return true;
   }
 
@@ -154,7 +156,8 @@ export class Passage {
     if (this.last && this.last !== way) for (const track of this.tracks) track.turnBack();
     this.last = way;
     const turn = (TURN * this.rate) / Math.max(speed, 1);
-    const step = Math.min(this.step || turn, LARGEST_STEP * this.range, MOST_TURNS * turn);
+    // a piece has a revolution at least: waiting for others must not make pieces ever shorter
+    const step = Math.min(Math.max(this.step, turn), LARGEST_STEP * this.range, MOST_TURNS * turn);
     // round as it is shown: to a tenth of the step or less
     const digits = Math.min(Math.max(4, Math.ceil(1 - Math.log10(step))), FINEST);
     const to = Number((speed + way * step).toFixed(digits));
@@ -171,7 +174,9 @@ export class Passage {
     if (this.waiting.size) return;
     const took = performance.now() - this.sent;
     const step = Math.abs(this.to - this.speed);
-    this.step = step * Math.min(Math.max(WANTED / took, 0.3), 3);
+    // a piece behind the answer of a track tells nothing of how long it takes itself
+    this.step = step * Math.min(Math.max(WANTED / took, this.isBehind ? 1 : 0.3), 3);
+    this.isBehind = false;
     this.speed = this.to;
     this.moved(this.speed);
     if (!this.running) this.#rest();
@@ -185,7 +190,10 @@ export class Passage {
 
   /** Ask for the tracks so far by `asks`; while the speed changes not before the last ones have come. */
   askTracks(asks) {
-    if (this.running && this.asked.size) return;
+    const now = performance.now();
+    if (this.running && (this.asked.size || now - this.tracked < TRACKED)) return;
+    this.tracked = now;
+    this.isBehind = true;
     this.asked = new Set(this.tracks.keys());
     this.tracks.forEach(({ start }, side) => asks({ number: this.number, side, start, speed: this.speed }));
   }
