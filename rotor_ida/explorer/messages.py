@@ -268,10 +268,8 @@ def _check_names(given: Mapping[str, object], names: list[str], what: str = "a q
         raise InputError(f"{what} must have {', '.join(names)}, got {which}")
 
 
-def _name(what: str, given: object) -> str:
-    if not isinstance(given, str) or len(given) > LONGEST_NAME:
-        raise InputError(f"{what}, got {shown(given)}")
-    return given
+def _is_name(given: object) -> bool:
+    return isinstance(given, str) and len(given) <= LONGEST_NAME
 
 
 def _number(given: Mapping[str, Any]) -> int:
@@ -285,10 +283,12 @@ def _side(given: Mapping[str, Any]) -> int:
 def _upload(given: Mapping[str, Any]) -> Upload:
     chosen = [name for name in ("columns", "gains", "probe_angles", "units") if name in given]
     _check_names(given, ["about", *chosen, "name", "number", "size"])
+    if not _is_name(given["name"]):
+        raise InputError(f"name must be the name of a file, got {shown(given['name'])}")
     return Upload(
         about=UPLOAD,
         number=_number(given),
-        name=_name("name must be the name of a file", given["name"]),
+        name=given["name"],
         size=check_count("size", given["size"], 0, LARGEST_FILE),
         probe_angles=_pair("probe_angles", given.get("probe_angles", [0.0, 90.0])),
         gains=_pair("gains", given.get("gains", [1.0, 1.0])),
@@ -330,6 +330,8 @@ def _of_system(given: Mapping[str, Any]) -> SystemQuestion:
     _check_names(given, ["about", "machine", "number", "revolutions", "side"])
     machine = given["machine"]
     _check_names(machine, ["changes", "contact", "node", "speed"], "machine")
+    if not _is_name(machine["node"]):
+        raise InputError(f"node must be the name of a node, got {shown(machine['node'])}")
     changes, speed = machine["changes"], machine["speed"]
     if not isinstance(changes, dict) or not set(changes) <= set(CHANGES):
         raise InputError(f"changes must be numbers by {', '.join(CHANGES)}, got {shown(changes)}")
@@ -337,7 +339,7 @@ def _of_system(given: Mapping[str, Any]) -> SystemQuestion:
         about=check_choice("about", given["about"], (*OF_SYSTEM, *FILES)),
         number=_number(given),
         side=_side(given),
-        node=_name("node must be the name of a node", machine["node"]),
+        node=machine["node"],
         contact=check_count("contact", machine["contact"], 0, MOST_CONTACTS),
         speed=None if speed is None else check_nonnegative("speed", speed),
         revolutions=check_count("revolutions", given["revolutions"], 1, MOST_REVOLUTIONS),

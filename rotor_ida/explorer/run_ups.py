@@ -276,7 +276,7 @@ def show_track(question: Question) -> Iterator[Answer]:
     """Yield order 1 and the cascade of the run-up that has ended in the state of the question."""
     record = _records.get((at_rest(question.rotor), question.start))
     if record is None:
-        raise InputError("the run-up is not known any more")
+        raise InputError("a run-up must be given from its beginning")
     signals = xr.Dataset(
         {"x": ("t", record.z.real), "y": ("t", record.z.imag), "angle": ("t", record.angles)},
         {"t": np.arange(record.z.size) * record.step},

@@ -514,7 +514,7 @@ def show_track(question: SystemQuestion) -> Iterator[Answer]:
     """Yield order 1 and the cascade of a run-up at the chosen node."""
     case = case_of(question)
     if not case.has_run_up:
-        raise InputError("what an archive or a drop plays has no run-up")
+        raise InputError("a run-up must be left out of an archive and a drop")
     run = _run_up(*_of_any_node(question))
     seat = seat_of(case, question)
     signals = at_node(run, seat.node)

@@ -190,7 +190,7 @@ def test_a_run_down_begins_another_track_and_the_summary_goes_on() -> None:
     assert back.facts["words"].startswith("From 2.4 to 2.44.")
     unknown = question("track", machine={**BOUNCING, "omega": 2.44}, start=list(BOUNCED))
     (answer,) = answer_to(unknown)
-    assert answer.facts["message"] == "the run-up is not known any more"
+    assert answer.facts["message"] == "a run-up must be given from its beginning"
 
 
 def test_a_slow_run_up_follows_the_exact_whirl_in_amplitude_and_phase() -> None:

@@ -20,7 +20,7 @@ from websockets.sync.client import ClientConnection
 from rotor_ida.errors import InputError
 from rotor_ida.explorer import server
 from rotor_ida.explorer.messages import LARGEST_FILE, Answer, Upload, packed
-from tests.explorer.asking import ROTOR, Message, asked, unpacked
+from tests.explorer.asking import OF_SYSTEM, ROTOR, Message, asked, unpacked
 from tests.explorer.conftest import PATIENCE, SHORT_VISIT, Program, wait_until
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
@@ -282,12 +282,6 @@ def test_who_may_not_ask_is_refused_at_once(served: Program):
             assert b"<html" not in body, sent[:200]
             assert b"import " not in body, sent[:200]
         assert time.monotonic() - since < server.LONGEST_VISIT, sent[:200]
-
-
-OF_SYSTEM = {
-    "about": "motion", "number": 1, "side": 0, "revolutions": 10,
-    "machine": {"node": "", "contact": 0, "speed": None, "changes": {}},
-}  # fmt: skip
 
 
 def announced(size: int = 3, **changes: object) -> str:

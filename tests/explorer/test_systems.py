@@ -146,8 +146,8 @@ def test_a_drop_is_that_of_its_file_and_its_archive_the_same(of_drop: Path) -> N
         np.testing.assert_array_equal(answer.arrays["y"], run["y"].values.ravel())
         np.testing.assert_array_equal(answer.arrays["peak_force"], run["peak_force"].values)
         assert answer.facts["is_drop"]
-        with pytest.raises(InputError, match="has no run-up"):
-            next(systems.show_run_up(question(path, "run_up")))
+        with pytest.raises(InputError, match="a run-up must be left out"):
+            next(systems.show_track(question(path, "track")))
     assert files.command_of(question(of_drop)).startswith(
         "rotor-ida drop drop.toml --speed 4800rpm"
     )
@@ -204,7 +204,7 @@ def test_the_command_writes_the_page_of_a_system(
 
 
 def test_a_file_without_a_run_up_has_one_over_the_speeds_shown(path: Path) -> None:
-    (answer,) = systems.show_run_up(question(path, "run_up"))
+    (answer,) = systems.show_track(question(path, "track"))
     system, course = read_system_file(path)
     speed = course.speed
     assert speed is not None

@@ -3,6 +3,7 @@
 import { Plot, colour } from "./plot.js";
 import { isSystem, roundUp, speedsShown } from "./state.js";
 import { SPECIAL, STABILITY, wordsOf } from "./tables.js";
+import { fillKey } from "./tools.js";
 import { labelled, shownIn } from "./units.js";
 
 // Dashes repeat the meaning of colours: lines and gaps in pixels.
@@ -142,13 +143,7 @@ export class Response {
     if (shown.some(({ passage }) => passage?.jumps.length)) parts.push(["mark jump", "half way of a jump"]);
     parts.push(["mark place", this.two ? "the first rotor" : "the rotor"]);
     if (this.two) parts.push(["mark square second", "the second rotor and its curves"]);
-    const items = parts.map(([className, textContent]) => {
-      const item = document.createElement("span");
-      item.append(Object.assign(document.createElement("i"), { className }), textContent);
-      return item;
-    });
-    const told = [...reasons].map((textContent) => Object.assign(document.createElement("span"), { className: "reason", textContent }));
-    document.getElementById("response-key").replaceChildren(...told, ...items);
+    fillKey(document.getElementById("response-key"), [...[...reasons].map((each) => ["", each]), ...parts]);
   }
 
   #draw(pen) {

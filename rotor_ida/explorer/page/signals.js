@@ -4,7 +4,7 @@
 import { Plot, colour } from "./plot.js";
 import { UNSTABLE, drawWhirls } from "./response.js";
 import { roundUp, speedsShown } from "./state.js";
-import { addTools } from "./tools.js";
+import { addTools, fillKey } from "./tools.js";
 import { labelled, shownIn, told } from "./units.js";
 
 const TITLES = { bode: "Bode: order 1", polar: "Polar: order 1", full: "Full spectrum", cascade: "Cascade", campbell: "Campbell diagram, contacts open" };
@@ -62,20 +62,6 @@ class Panel {
     addTools(this.card, this.plots, { name: () => this.name, told: () => this.told(), table: () => this.table() });
   }
 
-  /** Say what stands for what: pairs of a class and words, or words alone. */
-  key(parts) {
-    const text = JSON.stringify(parts);
-    if (text === this.keyed) return;
-    this.keyed = text;
-    this.keyBox.replaceChildren(...parts.map(([className, words]) => {
-      const item = document.createElement("span");
-      if (className) item.append(Object.assign(document.createElement("i"), { className }));
-      else item.className = "reason";
-      item.append(words);
-      return item;
-    }));
-  }
-
   /** Return the names and keys of the lines that are drawn. */
   keyOfSources({ sources, fastest }, { curve = false } = {}) {
     const parts = [];
@@ -119,7 +105,7 @@ class Bode extends Panel {
     const x = [0, view.fastest * view.speed.factor];
     this.amplitude.show({ x, y: [0, roundUp(1.05 * view.top * view.length.factor)], labels: ["", labelled("amplitude", view.length.unit)] });
     this.lag.show({ x, y: [low, high], labels: [labelled(view.speed.unit ? "speed" : "speed ω", view.speed.unit), "phase lag [°]"] });
-    this.key([...this.keyOfSources(view, { curve: true }), ...view.missing]);
+    fillKey(this.keyBox, [...this.keyOfSources(view, { curve: true }), ...view.missing]);
     const last = (values) => told(values.at(-1));
     const now = this.drawn.filter(({ speed }) => speed.length).map(({ source, speed, amplitude, lag }) => `${source.name}: at speed ${last(speed)} amplitude ${last(amplitude)}, phase lag ${last(lag)} degrees`).join("; ");
     this.amplitude.say(`Amplitude of order 1 over the speed. ${now}`);
@@ -205,7 +191,7 @@ class Polar extends Panel {
     const { unit } = view.length;
     this.plot.show({ x: [left - room, right + room], y: [low - room, high + room], labels: [labelled("along the unbalance", unit), labelled("across it", unit)] });
     this.top = top;
-    this.key([...this.keyOfSources(view, { curve: true }), ["dot", `speeds${view.speed.unit && ` [${view.speed.unit}]`}`], ...view.missing]);
+    fillKey(this.keyBox, [...this.keyOfSources(view, { curve: true }), ["dot", `speeds${view.speed.unit && ` [${view.speed.unit}]`}`], ...view.missing]);
     const now = this.drawn.filter(({ xs }) => xs.length).map(({ source, xs, ys }) => `${source.name}: ${told(xs.at(-1))} along the unbalance, ${told(ys.at(-1))} across it`).join("; ");
     this.plot.say(`Order 1 as a vector on axes that turn with the unbalance. ${now}`);
   }
@@ -295,7 +281,7 @@ class Full extends Panel {
     const parts = this.keyOfSources(view);
     if (this.drawn.some(({ exact }) => exact)) parts.push(["mark diamond open cycle", "settled response"]);
     for (const { source: { name, lines } } of this.drawn) if (lines.told) parts.push(["", this.drawn.length > 1 ? `${name}: ${lines.told}` : lines.told]);
-    this.key(parts);
+    fillKey(this.keyBox, parts);
     const now = this.drawn.map(({ source, xs, ys }) => `${source.name}: 1X ${told(heightAt(xs, ys, 1))}, −1X ${told(heightAt(xs, ys, -1))}`).join("; ");
     this.plot.say(`Full spectrum: amplitude over frequency, backward whirl on the left, forward on the right. ${now}`);
   }
@@ -382,7 +368,7 @@ class Cascade extends Panel {
     });
     const parts = this.drawn.map(({ source, top }) => [source.icon, `${source.name}, tallest line ${told(top * view.length.factor, 3)}${view.length.unit && ` ${view.length.unit}`}`]);
     if (!parts.length) parts.push(["", "No spectrum yet: run the speed up or down, further at a slow rate."]);
-    this.key(parts);
+    fillKey(this.keyBox, parts);
   }
 
   #reading(place, x, y) {
@@ -535,7 +521,7 @@ class Campbell extends Panel {
       const top = 2 * speed.at(-1) * factor;
       this.plot.show({ x: [speed[0] * factor, speed.at(-1) * factor], y: [rates.some((each) => each < 0) ? -top : 0, top], labels: [labelled("speed", unit), labelled("whirl speed", unit)] });
     } else this.plot.show({});
-    this.key([...(this.drawn ? [["dot", "damped"], ["dot growing", "growing"], ["line-key dashed", "speed of the rotor, ±1X"]] : []), ...(campbell?.facts.notes ?? []).map((each) => ["", each])]);
+    fillKey(this.keyBox, [...(this.drawn ? [["dot", "damped"], ["dot growing", "growing"], ["line-key dashed", "speed of the rotor, ±1X"]] : []), ...(campbell?.facts.notes ?? []).map((each) => ["", each])]);
     this.plot.say("Campbell diagram: whirl speeds over the speed, backward whirl below 0");
   }
 
