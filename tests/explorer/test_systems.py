@@ -333,6 +333,13 @@ def test_a_disc_is_shown_as_a_system_as_by_itself(tmp_path: Path) -> None:
     assert other.facts["words"] == one.facts["words"]
     curves = [each["curve"].arrays for each in (alone, of_system)]
     low, high = 0.1 * machine.speed, 1.5 * machine.speed
+    # a piece is one whirl from speed to speed, without a jump to another one
+    piece, omega, amplitude = (curves[1][name] for name in ("piece", "omega", "amplitude"))
+    goes_on = (piece[1:] == piece[:-1]) & (piece[1:] >= 0)
+    assert goes_on.sum() >= omega.max() / np.diff(omega).max() - 20
+    assert np.unique(piece[piece >= 0]).size < 10
+    assert np.diff(omega)[goes_on].min() > 0.0
+    assert np.abs(np.diff(amplitude)[goes_on]).max() < 0.2 * np.nanmax(amplitude)
     folds = [np.sort(arrays["fold_omega"]) for arrays in curves]
     folds[0] *= machine.reference_frequency
     folds[0] = folds[0][(low < folds[0]) & (folds[0] < high)]
