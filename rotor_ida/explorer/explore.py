@@ -26,7 +26,6 @@ from rotor_ida.parallel.progress import progress_bar
 LOOPBACK = "127.0.0.1"
 PORT = 8765
 LARGEST_PORT = 65_535
-SYSTEM_PAGE = "system.html"
 # A page that redirects to an address without a referrer.
 LEADING_ON = """\
 <!DOCTYPE html>
@@ -47,7 +46,7 @@ def explore(
     browser: bool = True,
     report: Callable[[str], None],
     longest_visit: float = LONGEST_VISIT,
-    system: Path | None = None,
+    file: Path | None = None,
 ) -> None:
     """Serve the explorer on this machine until it is interrupted.
 
@@ -63,8 +62,8 @@ def explore(
         Called with messages for the user: the address, once the page can be opened.
     longest_visit : float
         Longest time of a connection that has not shown the key [s].
-    system : Path, optional
-        File of a rotor system; its page is opened.
+    file : Path, optional
+        File of a rotor system or of a measurement, which the page may ask for.
 
     Raises
     ------
@@ -74,7 +73,7 @@ def explore(
         If the worker processes do not start.
     """
     with closing(_listen(port)) as listening:
-        asyncio.run(_serve(listening, state, browser, report, longest_visit, system))
+        asyncio.run(_serve(listening, state, browser, report, longest_visit, file))
 
 
 def _listen(port: int) -> socket.socket:
@@ -100,7 +99,7 @@ async def _serve(
     browser: bool,
     report: Callable[[str], None],
     longest_visit: float,
-    system: Path | None,
+    file: Path | None,
 ) -> None:
     ready, failed, stop = asyncio.Event(), asyncio.Event(), asyncio.Event()
     for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
@@ -123,7 +122,7 @@ async def _serve(
         if failed.is_set():
             raise RotorError("the processes that compute the panels do not start")
         if not stop.is_set():
-            await _let_in(listening, queues, state, browser, report, longest_visit, stop, system)
+            await _let_in(listening, queues, state, browser, report, longest_visit, stop, file)
     finally:
         await queues.close()
 
@@ -131,15 +130,14 @@ async def _serve(
 async def _let_in(
     listening: socket.socket, queues: Queues, state: Mapping[str, object], browser: bool,
     report: Callable[[str], None], longest_visit: float, stop: asyncio.Event,
-    system: Path | None,
+    file: Path | None,
 ) -> None:  # fmt: skip
     """Serve the page until `stop`."""
     key = secrets.token_hex(16)
-    server = server_of(application(queues, key, system), longest_visit)
+    server = server_of(application(queues, key, file), longest_visit)
     serving = asyncio.create_task(server.serve([listening]))
     port = listening.getsockname()[1]
-    page = "" if system is None else SYSTEM_PAGE
-    address = f"http://{LOOPBACK}:{port}/{page}#{urlencode({**state, 'key': key})}"
+    address = f"http://{LOOPBACK}:{port}/#{urlencode({**state, 'key': key})}"
     report(f"The explorer is at {address}")
     with _open_in_a_browser(address) if browser and can_show_a_page() else nullcontext():
         report("Ctrl-C ends it.")

@@ -16,18 +16,27 @@ import numpy.typing as npt
 from rotor_ida.arrays import Arrays
 from rotor_ida.checks import State, check_axis, check_increasing, shown
 from rotor_ida.errors import InputError
-from rotor_ida.explorer.messages import Answer, Question, largest_speed, packed, speeds_shown
+from rotor_ida.explorer import systems
+from rotor_ida.explorer.messages import (
+    Answer,
+    Question,
+    SystemQuestion,
+    packed,
+    speeds_shown,
+    state_of,
+)
 from rotor_ida.explorer.motion import METHOD, duration_of, run_of, show_motion
 from rotor_ida.explorer.page import page_files
 from rotor_ida.explorer.responses import show_responses
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.parallel import Progress
-from rotor_ida.plot import plot_machine, plot_run, save_figure
+from rotor_ida.plot import save_figure
 from rotor_ida.plot.appearance import without_pyplot
+from rotor_ida.plot.figures import figure_of
 from rotor_ida.results.archive import save
 from rotor_ida.results.question import Question as Asked
 from rotor_ida.results.question import written
-from rotor_ida.results.si_units import dimensional, is_in_si
+from rotor_ida.results.si_units import dimensional
 from rotor_ida.texts import in_page
 
 NAME = "run"
@@ -35,12 +44,13 @@ LINES = '''\
 """The run that the explorer showed: its archive and its figure."""
 
 from rotor_ida import {rotor}, save, simulate
-from rotor_ida.plot import {plot}, save_figure
+from rotor_ida.plot import save_figure
+from rotor_ida.plot.figures import figure_of
 
 machine = {machine}
 run = {call}
 save(run, "{name}.nc", overwrite=True)
-save_figure({plot}(run), "{name}", overwrite=True)
+save_figure(figure_of(run), "{name}", overwrite=True)
 '''
 
 # Order of the speeds: each from the start, or each from the end of the previous one.
@@ -50,7 +60,10 @@ MOST_SPEEDS = 500
 SPEEDS: npt.NDArray[np.float64] = np.linspace(0.075, 0.825, 61)
 # Number of last revolutions kept of each run.
 KEPT = 10
+# Parts of the page of a rotor system that are the same at all its nodes.
+SHARED = ("shape", "campbell")
 TIMES = ("t", "event_time", "exit_time")
+PAGE, MAIN = "index.html", "main.js"
 SCRIPT = '<script type="module" src="{}"></script>'
 RECORDED = '<script type="application/json" id="recorded">{}</script>'
 LINKS = re.compile(r'<link rel="(?:icon|stylesheet)"[^>]*>\n')
@@ -66,11 +79,14 @@ POLICY = (
 )
 
 
-def show_file(question: Question) -> Iterator[Answer]:
+def show_file(question: Question | SystemQuestion) -> Iterator[Answer]:
     """Yield a complete file with its name; for a page, yield its progress first."""
     contents = b""
     if question.about == "html":
-        steps = _recording(question)
+        steps = (
+            recording_of_nodes(question) if isinstance(question, SystemQuestion)
+            else _recording(question)
+        )  # fmt: skip
         while not contents:
             try:
                 done, total = next(steps)
@@ -87,16 +103,13 @@ def show_file(question: Question) -> Iterator[Answer]:
 def _recording(question: Question) -> Generator[tuple[int, int], None, str]:
     """Record the page over the default speeds, and at the one shown."""
     machine = question.machine
-    speed, rate = question.rotor.omega, 1.0
-    if isinstance(machine, DimensionalRotor):
-        speed, rate = machine.speed, machine.reference_frequency
-    low, high = (limit * rate for limit in speeds_shown(machine))
-    own = {speed} if low <= speed <= high else set()
+    low, high = _limits(machine)
+    own = {_speed(machine)} if low <= _speed(machine) <= high else set()
     speeds = sorted({*check_speeds(machine, None), *own})
     return recording(machine, start=question.start, revolutions=question.revolutions, speeds=speeds)
 
 
-def command_of(question: Question) -> str:
+def command_of(question: Question | SystemQuestion) -> str:
     """Return the command line that reproduces archive and figure, for a machine in SI units.
 
     Examples
@@ -105,6 +118,8 @@ def command_of(question: Question) -> str:
     >>> command_of(example("sh", (1.7, 0.07, 0.5))).partition(" --start")[0]
     'rotor-ida simulate --omega 1.7 --zeta 0.07 --delta0 0.5'
     """
+    if isinstance(question, SystemQuestion):
+        return systems.command_of(question)
     return f"{asked_in(question).command()} --out {NAME}.nc --figure {NAME}"
 
 
@@ -122,32 +137,32 @@ def asked_in(question: Question) -> Asked:
     })  # fmt: skip
 
 
-def lines_of(question: Question) -> str:
+def lines_of(question: Question | SystemQuestion) -> str:
     """Return the Python script that reproduces archive and figure.
 
     Examples
     --------
     >>> from rotor_ida.explorer.workers import example
-    >>> print(lines_of(example("py", (1.7, 0.07, 0.5))).splitlines()[5])
+    >>> print(lines_of(example("py", (1.7, 0.07, 0.5))).splitlines()[6])
     machine = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
     """
-    in_si = isinstance(question.machine, DimensionalRotor)
+    if isinstance(question, SystemQuestion):
+        return systems.lines_of(question)
     return LINES.format(
-        rotor="DimensionalRotor" if in_si else "Rotor",
-        plot="plot_machine" if in_si else "plot_run",
+        rotor=type(question.machine).__name__,
         machine=written(question.machine),
         call=asked_in(question).python("machine"),
         name=NAME,
     )
 
 
-def _contents(question: Question) -> bytes:
+def _contents(question: Question | SystemQuestion) -> bytes:
     if question.about == "py":
         return lines_of(question).encode()
     if question.about == "sh":
         return f"{command_of(question)}\n".encode()
-    run = run_of(question)
-    if isinstance(question.machine, DimensionalRotor):
+    run = systems.run_of(question) if isinstance(question, SystemQuestion) else run_of(question)
+    if isinstance(question, Question) and isinstance(question.machine, DimensionalRotor):
         run = dimensional(run, question.machine)
     with TemporaryDirectory() as folder:
         place = Path(folder) / NAME
@@ -155,19 +170,27 @@ def _contents(question: Question) -> bytes:
             save(run, place.with_suffix(".nc"))
         else:
             with without_pyplot():
-                save_figure((plot_machine if is_in_si(run) else plot_run)(run), place)
+                save_figure(figure_of(run), place)
         return place.with_suffix(f".{question.about}").read_bytes()
 
 
-def record(
-    machine: Rotor | DimensionalRotor,
-    *,
-    start: State,
-    revolutions: int,
-    speeds: Sequence[float],
-    progress: Progress | None = None,
+def finished(
+    recording: Generator[tuple[int, int], None, str], progress: Progress | None = None
 ) -> str:
-    """Return a page that shows a rotor at a set of speeds.
+    """Return a page once it is recorded; `progress` is called with runs done and their total."""
+    while True:
+        try:
+            done, total = next(recording)
+        except StopIteration as end:
+            return str(end.value)
+        if progress is not None:
+            progress(done, total)
+
+
+def recording(
+    machine: Rotor | DimensionalRotor, *, start: State, revolutions: int, speeds: Sequence[float]
+) -> Generator[tuple[int, int], None, str]:
+    """Yield the number of completed runs and their total after each run; return the page.
 
     Parameters
     ----------
@@ -179,23 +202,7 @@ def record(
         Length of each run.
     speeds : sequence of float
         Speeds in the unit of the machine, from `check_speeds`.
-    progress : callable, optional
-        Called with the number of runs done and their total.
     """
-    steps = recording(machine, start=start, revolutions=revolutions, speeds=speeds)
-    while True:
-        try:
-            done, total = next(steps)
-        except StopIteration as end:
-            return str(end.value)
-        if progress is not None:
-            progress(done, total)
-
-
-def recording(
-    machine: Rotor | DimensionalRotor, *, start: State, revolutions: int, speeds: Sequence[float]
-) -> Generator[tuple[int, int], None, str]:
-    """Yield the number of completed runs and their total after each run; return the page."""
     beginning = Question(
         about="motion", number=0, side=0, machine=machine, start=start,
         revolutions=revolutions, speeds=speeds_shown(machine), reach=1.0,
@@ -216,13 +223,33 @@ def recording(
             done = sum(map(bool, frames)) + len(courses) * len(speeds)
             yield done, len(COURSES) * len(speeds)
         courses[course] = frames
-    recorded = {
-        "speeds": list(speeds), "speed": _speed(machine), "courses": courses,
+    return page_with({
+        "places": list(speeds), "place": _speed(machine), "courses": courses,
         "common": [base64.b64encode(each).decode() for each in common.values()],
-        "state": {**machine.given, **dict(zip(("x", "y", "vx", "vy"), start, strict=True))},
-        "fastest": largest_speed(machine) if isinstance(machine, DimensionalRotor) else None,
-    }  # fmt: skip
-    return page_with(recorded)
+        "state": state_of(machine, start, revolutions),
+    })  # fmt: skip
+
+
+def recording_of_nodes(question: SystemQuestion) -> Generator[tuple[int, int], None, str]:
+    """Yield the number of nodes done and their total; return the page, to be seen at each node."""
+    case = systems.case_of(question)
+    nodes, shared, frames = list(case.system.nodes), dict[str, str](), list[list[str]]()
+    for node in nodes:
+        own = []
+        for show in systems.SHOWN if case.has_run_up else systems.SHOWN[:-1]:
+            for answer in show(replace(question, node=node)):
+                if answer.part in SHARED:
+                    shared.setdefault(answer.part, as_text(in_single(answer)))
+                else:
+                    own.append(as_text(in_single(answer)))
+        frames.append(own)
+        yield len(frames), len(nodes)
+    seat = systems.seat_of(case, question)
+    return page_with({
+        "places": nodes, "place": seat.node, "courses": {"nodes": frames},
+        "common": list(shared.values()),
+        "state": {"node": seat.node, "contact": question.contact, **dict(question.changes)},
+    })  # fmt: skip
 
 
 def check_speeds(machine: Rotor | DimensionalRotor, speeds: Sequence[float] | None) -> list[float]:
@@ -233,8 +260,7 @@ def check_speeds(machine: Rotor | DimensionalRotor, speeds: Sequence[float] | No
     >>> check_speeds(Rotor(omega=2.0, zeta=0.07, delta0=2.0), [1.9, 2.0])
     [1.9, 2.0]
     """
-    rate = machine.reference_frequency if isinstance(machine, DimensionalRotor) else 1.0
-    low, high = (limit * rate for limit in speeds_shown(machine))
+    low, high = _limits(machine)
     given: list[float] = (SPEEDS * high).tolist()
     if speeds is not None:
         given = check_increasing("speeds", check_axis("speeds", speeds)).tolist()
@@ -243,6 +269,13 @@ def check_speeds(machine: Rotor | DimensionalRotor, speeds: Sequence[float] | No
     if given[0] < low or given[-1] > high:
         raise InputError(f"speeds must lie from {low:g} to {high:g}, got {shown(given)}")
     return given
+
+
+def _limits(machine: Rotor | DimensionalRotor) -> tuple[float, float]:
+    """Return the lowest and the highest speed shown, in the unit of the machine."""
+    rate = machine.reference_frequency if isinstance(machine, DimensionalRotor) else 1.0
+    low, high = speeds_shown(machine)
+    return low * rate, high * rate
 
 
 def _motion(question: Question) -> Iterator[Answer]:
@@ -303,7 +336,7 @@ def as_text(answer: Answer) -> str:
     return base64.b64encode(packed(answer)).decode()
 
 
-def page_with(recorded: object, *, page: str = "index.html", script: str = "main.js") -> str:
+def page_with(recorded: object) -> str:
     """Return a page with all its files and the recorded results."""
     results = RECORDED.format(in_page(recorded))
     files = {name: contents.decode() for name, contents in page_files().items()}
@@ -314,7 +347,7 @@ def page_with(recorded: object, *, page: str = "index.html", script: str = "main
         if name.endswith(".js")
     }
     # a digest of the page: nothing in the results can contain it
-    nonce = hashlib.sha256("".join([results, files[page], styles, *modules.values()]).encode())
+    nonce = hashlib.sha256("".join([results, files[PAGE], styles, *modules.values()]).encode())
     own = f'nonce="{nonce.hexdigest()}"'
     head = "\n".join([
         POLICY.format(nonce=nonce.hexdigest()),
@@ -322,9 +355,9 @@ def page_with(recorded: object, *, page: str = "index.html", script: str = "main
         f"<style {own}>{styles}</style>",
         f'<script type="importmap" {own}>{in_page({"imports": modules})}</script>',
         results,
-        f'<script type="module" {own}>import "{MODULES}{script}";</script>',
+        f'<script type="module" {own}>import "{MODULES}{MAIN}";</script>',
     ])  # fmt: skip
-    return LINKS.sub("", files[page]).replace(SCRIPT.format(script), head)
+    return LINKS.sub("", files[PAGE]).replace(SCRIPT.format(MAIN), head)
 
 
 def _data(kind: str, text: str) -> str:

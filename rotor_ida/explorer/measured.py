@@ -12,7 +12,7 @@ import xarray as xr
 from rotor_ida.arrays import Arrays, Values
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
-from rotor_ida.explorer.messages import Answer, Measurement
+from rotor_ida.explorer.messages import Answer, Upload
 from rotor_ida.signals.files.columns import Table
 from rotor_ida.signals.guessing import columns_of, rate_in
 from rotor_ida.signals.orders import orders
@@ -25,6 +25,8 @@ from rotor_ida.signals.spectra import full_spectrum, one_speed, spectrogram
 FEWEST, MOST = 128, 4096
 # The lowest and the highest speed are means over one of this many parts of a record.
 PARTS = 256
+# Order 1 is known if the rest of the motion is at most this many times as large: not in dry whip.
+MOST_BESIDE = 4.0
 # Highest frequency of lines, over the speed.
 ORDERS = 5.0
 # Largest numbers sent to a page for a long file: more are not distinguishable on a screen.
@@ -32,7 +34,7 @@ MOST_ROWS, MOST_LINES, MOST_REVOLUTIONS = 240, 2**17, 2**18
 NO_ANGLE = "there is no column for keyphasor, angle or speed, so neither speed nor phase is known"
 
 
-def show_measured(measurement: Measurement) -> Iterator[Answer]:
+def show_measured(measurement: Upload) -> Iterator[Answer]:
     """Yield the panels of a file; anything that cannot be analysed becomes a note."""
     path = measurement.path
     assert path is not None
@@ -70,7 +72,7 @@ def show_measured(measurement: Measurement) -> Iterator[Answer]:
     yield Answer("measured", facts, arrays)
 
 
-def _signals(table: Table, measurement: Measurement) -> xr.Dataset:
+def _signals(table: Table, measurement: Upload) -> xr.Dataset:
     """Return the signals in a table, as the user says it is to be read."""
     return read_signals(
         table,
@@ -94,9 +96,16 @@ def _panels(signals: xr.Dataset, record: Record, notes: list[str]) -> Arrays:
     )
 
 
-def _renamed(message: str, measurement: Measurement) -> str:
+def _renamed(message: str, measurement: Upload) -> str:
     """Return a message with the name of the file on the page."""
     return message.replace(shown(measurement.path), shown(measurement.name))
+
+
+def track_of(signals: xr.Dataset, notes: list[str]) -> Arrays:
+    """Return order 1 and cascade of a run-up, and add a note for each that is impossible."""
+    record = record_of(signals)
+    arrays = unless_impossible(order_rows, signals, record, notes)
+    return arrays | unless_impossible(cascade_rows, signals, record, notes)
 
 
 def segment_for(rate: float, step: float) -> int:
@@ -124,13 +133,16 @@ def unless_impossible(
 
 
 def order_rows(signals: xr.Dataset, _record: Record) -> Arrays:
-    """Return order 1 in each revolution."""
+    """Return order 1 in each revolution; NaN where much larger other motion hides it."""
     tracked = orders(signals).isel(order=0)
-    every = math.ceil(tracked.sizes["window"] / MOST_REVOLUTIONS)
-    names = {
-        "speed": "speed", "amplitude": "forward_whirl_amplitude", "lag": "forward_phase_lag"
-    }  # fmt: skip
-    return {f"order_{short}": tracked[name].values[::every] for short, name in names.items()}
+    every = slice(None, None, math.ceil(tracked.sizes["window"] / MOST_REVOLUTIONS))
+    amplitude = tracked["forward_whirl_amplitude"].values
+    is_hidden = tracked["window_residual"].values > MOST_BESIDE * amplitude
+    return {
+        "order_speed": tracked["speed"].values[every],
+        "order_amplitude": np.where(is_hidden, np.nan, amplitude)[every],
+        "order_lag": tracked["forward_phase_lag"].values[every],
+    }
 
 
 def full_lines(signals: xr.Dataset, record: Record) -> Arrays:

@@ -7,12 +7,13 @@ import math
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any, ClassVar, Literal, cast, get_args
+from typing import Any, cast
 
 import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.checks import (
+    COMPONENTS,
     State,
     check_between,
     check_choice,
@@ -23,7 +24,6 @@ from rotor_ida.checks import (
     shown,
 )
 from rotor_ida.errors import InputError
-from rotor_ida.explorer.system_questions import READERS, SystemQuestion, SystemUpload
 from rotor_ida.model.data_sheet import KEYS, check_keys, implausible, machine_from_data_sheet
 from rotor_ida.model.parameters import MACHINE_PARAMETERS, OPTIONAL, PARAMETERS
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
@@ -31,16 +31,26 @@ from rotor_ida.signals.files.columns import ENDINGS
 from rotor_ida.simulation.options import LARGEST, check_can_be_followed
 from rotor_ida.units import SPEED_UNITS
 
-About = Literal[
-    "motion", "run_up", "lines", "responses", "starts", "nc", "png", "svg", "py", "sh", "html"
-]
-
 # Files of a run: the archive, two figures, the Python script and the command that reproduce them,
-# and the page with its results over the speed.
-FILES: tuple[About, ...] = ("nc", "png", "svg", "py", "sh", "html")
+# and the page with its results.
+FILES = ("nc", "png", "svg", "py", "sh", "html")
+# The panels of a rotor system, and those of one disc.
+OF_SYSTEM = ("motion", "lines", "responses", "campbell", "track")
+OF_DISC = ("motion", "run_up", *OF_SYSTEM[1:], "starts")
+UPLOAD, DATA_SHEET = "upload", "machine"
+# Endings of the files of a rotor, and of measured files that are no text.
+ROTOR_ENDINGS = (".toml", ".nc")
+MEASURED_ENDINGS = tuple(each for format_ in ENDINGS.values() for each in format_)
 
 LARGEST_FILE = 2**28
 LONGEST_NAME = 255
+MOST_CONTACTS = 1000
+# What a page may change of a system: the chosen contact, by names of a disc, and all unbalance.
+OF_CONTACT = {
+    "clearance": "clearance", "contact_stiffness": "stiffness", "contact_damping": "damping",
+    "friction": "friction",
+}  # fmt: skip
+CHANGES = (*OF_CONTACT, "unbalance_factor")
 
 # Most characters of a question; a page sends about three hundred.
 LONGEST_QUESTION = 4096
@@ -60,19 +70,39 @@ ALIGNED = 8
 KINDS = {np.dtype(kind): kind for kind in ("f8", "f4", "i1")}
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Question:
-    """A checked question of a page.
+@dataclass(frozen=True, kw_only=True)
+class Asked:
+    """What every question has.
 
     Parameters
     ----------
-    about : {"motion", "run_up", "lines", "responses", "starts", or the ending of a file}
-        The panels to fill: one run; a piece of a run-up; the full spectrum of a run; the response
-        curve and the settled response; the basins. Or the file to write, one of `FILES`.
+    about : str
+        The panels to fill, the file to write, or what the question is.
     number : int
         Number of the question, repeated in its answers.
     side : int
         Number of the rotor, of two side by side.
+    """
+
+    about: str
+    number: int
+    side: int = 0
+
+    @property
+    def ticket(self) -> dict[str, object]:
+        """Data repeated in its answers, by which the page identifies the question."""
+        return {"about": self.about, "number": self.number, "side": self.side}
+
+
+@dataclass(frozen=True, kw_only=True)
+class Question(Asked):
+    """A checked question about one disc.
+
+    It is about one run; a piece of a run-up; the full spectrum of a run; the response curve and the
+    settled response; or the basins. Or it asks for a file, one of `FILES`.
+
+    Parameters
+    ----------
     machine : Rotor or DimensionalRotor
         The rotor on the page.
     start : tuple of float
@@ -90,9 +120,6 @@ class Question:
         point along the unbalance.
     """
 
-    about: About
-    number: int
-    side: int
     machine: Rotor | DimensionalRotor
     start: State
     revolutions: int
@@ -107,76 +134,81 @@ class Question:
         """The rotor without dimensions."""
         return self.machine if isinstance(self.machine, Rotor) else self.machine.rotor()
 
-    @property
-    def ticket(self) -> dict[str, object]:
-        """Data repeated in its answers, by which the page identifies the question."""
-        return {"about": self.about, "number": self.number, "side": self.side}
 
+@dataclass(frozen=True, kw_only=True)
+class SystemQuestion(Asked):
+    """A checked question about the rotor system in a file: the same as about one disc.
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Measurement:
-    """A measured file to analyse.
+    Of a system the whole run-up is asked for at once, and there are no basins.
 
     Parameters
     ----------
-    number : int
-        Number of the question, repeated in its answer.
+    node : str
+        Node whose motion is shown; empty for that of the first contact.
+    contact : int
+        Number of the contact that is shown, and that `changes` are of.
+    speed : float, optional
+        Running speed; default: that of the file.
+    revolutions : int
+        Length of the run.
+    changes : tuple of (str, float)
+        Values in place of the file's, by the names of `CHANGES`.
+    path : Path, optional
+        Path of the file, set by the server.
+    """
+
+    node: str = ""
+    contact: int = 0
+    speed: float | None = None
+    revolutions: int = 60
+    changes: tuple[tuple[str, float], ...] = ()
+    path: Path | None = None
+
+
+@dataclass(frozen=True, kw_only=True)
+class Upload(Asked):
+    """A file that the page sends: of a rotor system, an archive, or a measurement to analyse.
+
+    Parameters
+    ----------
     name : str
         Name of the file on the page.
     size : int
         Number of bytes of the file.
     probe_angles, gains : tuple of float
-        As in `rotor_ida.read_signals`, which checks them.
+        Of a measurement, as in `rotor_ida.read_signals`, which checks them.
     columns, units : mapping of str to str
         Choices of the user on the page, as in `rotor_ida.read_signals`.
     path : Path, optional
-        Path of the file until it is read.
+        Path of the file, set by the server.
     """
 
-    number: int
     name: str
     size: int
-    probe_angles: tuple[float, float]
-    gains: tuple[float, float]
+    probe_angles: tuple[float, float] = (0.0, 90.0)
+    gains: tuple[float, float] = (1.0, 1.0)
     columns: Mapping[str, str] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
     path: Path | None = None
-    about: ClassVar[Literal["measured"]] = "measured"
-    side: ClassVar[int] = 0
 
     @property
     def ending(self) -> str:
         """The ending that decides the reader."""
         ending = Path(self.name).suffix.lower()
-        return ending if any(ending in each for each in ENDINGS.values()) else ".csv"
-
-    @property
-    def ticket(self) -> dict[str, object]:
-        """Data repeated in its answer, by which the page identifies the question."""
-        return {"about": self.about, "number": self.number, "side": self.side}
+        return ending if ending in (*ROTOR_ENDINGS, *MEASURED_ENDINGS) else ".csv"
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class DataSheet:
+@dataclass(frozen=True, kw_only=True)
+class DataSheet(Asked):
     """The data sheet of a machine, as entered in the form of the page.
 
     Parameters
     ----------
-    number : int
-        Number of the question, repeated in its answer.
     quantities : dict of str
         Values with units by the names of `machine_from_data_sheet`; none is empty.
     """
 
-    number: int
     quantities: dict[str, str]
-    about: ClassVar[Literal["machine"]] = "machine"
-    side: ClassVar[int] = 0
-
-    @property
-    def ticket(self) -> dict[str, object]:
-        """Data repeated in its answer, by which the page identifies the question."""
-        return {"about": self.about, "number": self.number, "side": self.side}
 
     def machine(self) -> DimensionalRotor:
         """Return the machine, or raise `InputError` for missing or wrong quantities."""
@@ -184,9 +216,7 @@ class DataSheet:
         return machine_from_data_sheet(**cast(dict[str, Any], self.quantities))
 
 
-def read_question(
-    text: str,
-) -> Question | Measurement | DataSheet | SystemQuestion | SystemUpload:
+def read_question(text: str) -> Asked:
     """Return a checked question, or raise `InputError`.
 
     Examples
@@ -196,6 +226,9 @@ def read_question(
     ...     '"speeds": [0.05, 3], "reach": 8}')
     >>> asked.rotor
     Rotor(omega=1.7, zeta=0.07, delta0=0.5)
+    >>> read_question('{"about": "motion", "number": 1, "side": 0, "revolutions": 60, "machine": '
+    ...     '{"node": "disc", "contact": 0, "speed": 450, "changes": {"friction": 0.2}}}').changes
+    (('friction', 0.2),)
     >>> read_question('{"about": "weather"}')
     Traceback (most recent call last):
     ...
@@ -210,46 +243,55 @@ def read_question(
         given = json.loads(text)
     except (ValueError, RecursionError):
         raise InputError(f"a question must be JSON, got {shown(text)}") from None
-    if isinstance(given, dict) and given.get("about") == Measurement.about:
-        return _measurement(given)
-    if isinstance(given, dict) and given.get("about") == DataSheet.about:
-        return _data_sheet(given)
-    if (
-        isinstance(given, dict)
-        and isinstance(given.get("about"), str)
-        and given["about"] in READERS
-    ):
-        return READERS[given["about"]](given)
+    if isinstance(given, dict):
+        if given.get("about") == UPLOAD:
+            return _upload(given)
+        if given.get("about") == DATA_SHEET:
+            return _data_sheet(given)
+        if isinstance(given.get("machine"), dict) and "node" in given["machine"]:
+            return _of_system(given)
     names = sorted(set(Question.__dataclass_fields__).difference(OF_RUN_UP))
     if not isinstance(given, dict):
         raise InputError(f"a question must have {', '.join(names)}, got {shown(given)}")
     if given.get("about") == "run_up":
         names += OF_RUN_UP
     _check_names(given, names)
-    return _checked(given)
+    return _of_disc(given)
 
 
-def _check_names(given: Mapping[str, object], names: list[str]) -> None:
+def _check_names(given: Mapping[str, object], names: list[str], what: str = "a question") -> None:
     """Raise `InputError` unless a question has these names and no others."""
     missing = [name for name in names if name not in given]
     other = [name for name in given if name not in names]
     if missing or other:
         which = f"not {shown(missing)}" if missing else f"also {shown(other)}"
-        raise InputError(f"a question must have {', '.join(names)}, got {which}")
+        raise InputError(f"{what} must have {', '.join(names)}, got {which}")
 
 
-def _measurement(given: Mapping[str, Any]) -> Measurement:
-    chosen = [name for name in ("columns", "units") if name in given]
-    _check_names(given, ["about", *chosen, "gains", "name", "number", "probe_angles", "size"])
-    name = given["name"]
-    if not isinstance(name, str) or len(name) > LONGEST_NAME:
-        raise InputError(f"name must be the name of a file, got {shown(name)}")
-    return Measurement(
-        number=check_count("number", given["number"], 0, LARGEST_NUMBER_OF_QUESTION),
-        name=name,
+def _is_name(given: object) -> bool:
+    return isinstance(given, str) and len(given) <= LONGEST_NAME
+
+
+def _number(given: Mapping[str, Any]) -> int:
+    return check_count("number", given["number"], 0, LARGEST_NUMBER_OF_QUESTION)
+
+
+def _side(given: Mapping[str, Any]) -> int:
+    return check_count("side", given["side"], 0, SIDES - 1)
+
+
+def _upload(given: Mapping[str, Any]) -> Upload:
+    chosen = [name for name in ("columns", "gains", "probe_angles", "units") if name in given]
+    _check_names(given, ["about", *chosen, "name", "number", "size"])
+    if not _is_name(given["name"]):
+        raise InputError(f"name must be the name of a file, got {shown(given['name'])}")
+    return Upload(
+        about=UPLOAD,
+        number=_number(given),
+        name=given["name"],
         size=check_count("size", given["size"], 0, LARGEST_FILE),
-        probe_angles=_pair("probe_angles", given["probe_angles"]),
-        gains=_pair("gains", given["gains"]),
+        probe_angles=_pair("probe_angles", given.get("probe_angles", [0.0, 90.0])),
+        gains=_pair("gains", given.get("gains", [1.0, 1.0])),
         columns=_mapping("columns", given.get("columns", {})),
         units=_mapping("units", given.get("units", {})),
     )
@@ -270,7 +312,8 @@ def _data_sheet(given: Mapping[str, Any]) -> DataSheet:
     ):
         raise InputError(f"quantities must be words by {', '.join(KEYS)}, got {shown(quantities)}")
     return DataSheet(
-        number=check_count("number", given["number"], 0, LARGEST_NUMBER_OF_QUESTION),
+        about=DATA_SHEET,
+        number=_number(given),
         quantities={name: words.strip() for name, words in quantities.items() if words.strip()},
     )
 
@@ -283,13 +326,49 @@ def _pair(name: str, given: object) -> tuple[float, float]:
     return one, other
 
 
+def _of_system(given: Mapping[str, Any]) -> SystemQuestion:
+    _check_names(given, ["about", "machine", "number", "revolutions", "side"])
+    machine = given["machine"]
+    _check_names(machine, ["changes", "contact", "node", "speed"], "machine")
+    if not _is_name(machine["node"]):
+        raise InputError(f"node must be the name of a node, got {shown(machine['node'])}")
+    changes, speed = machine["changes"], machine["speed"]
+    if not isinstance(changes, dict) or not set(changes) <= set(CHANGES):
+        raise InputError(f"changes must be numbers by {', '.join(CHANGES)}, got {shown(changes)}")
+    return SystemQuestion(
+        about=check_choice("about", given["about"], (*OF_SYSTEM, *FILES)),
+        number=_number(given),
+        side=_side(given),
+        node=machine["node"],
+        contact=check_count("contact", machine["contact"], 0, MOST_CONTACTS),
+        speed=None if speed is None else check_nonnegative("speed", speed),
+        revolutions=check_count("revolutions", given["revolutions"], 1, MOST_REVOLUTIONS),
+        changes=tuple((name, check_nonnegative(name, changes[name])) for name in sorted(changes)),
+    )
+
+
 def show_machine(sheet: DataSheet) -> Iterator[Answer]:
     """Yield the machine of a data sheet, with its warnings."""
     machine = sheet.machine()
-    facts: dict[str, object] = {
-        "machine": machine.given, "fastest": largest_speed(machine), "notes": implausible(machine)
-    }  # fmt: skip
-    yield Answer("machine", facts)
+    yield Answer("machine", {"state": state_of(machine), "notes": implausible(machine)})
+
+
+def state_of(
+    machine: Rotor | DimensionalRotor, start: State | None = None, revolutions: int | None = None
+) -> dict[str, object]:
+    """Return the state of the page, as in its address; without a start it hangs at rest.
+
+    Examples
+    --------
+    >>> state_of(Rotor(omega=2.0, zeta=0.07, delta0=2.0), (0.5, 0.0, 0.0, 0.0), 60)["x"]
+    0.5
+    """
+    told: dict[str, object] = dict(machine.given)
+    if start is not None:
+        told |= zip(COMPONENTS, start, strict=True)
+    if revolutions is not None:
+        told["revolutions"] = revolutions
+    return told if isinstance(machine, Rotor) else told | {"fastest": largest_speed(machine)}
 
 
 def largest_speed(machine: DimensionalRotor) -> float:
@@ -334,7 +413,7 @@ def machine_of(given: object) -> Rotor | DimensionalRotor:
     )
 
 
-def _checked(given: Mapping[str, Any]) -> Question:
+def _of_disc(given: Mapping[str, Any]) -> Question:
     machine = machine_of(given["machine"])
     rotor = machine if isinstance(machine, Rotor) else machine.rotor()
     from rotor_ida.model.disc_starts import hanging  # noqa: PLC0415 - heavy, and not for --help
@@ -349,9 +428,9 @@ def _checked(given: Mapping[str, Any]) -> Question:
         raise InputError(f"speeds must be two increasing numbers, got {(low, high)}")
     reach = check_real("reach", given["reach"])
     return Question(
-        about=cast(About, check_choice("about", given["about"], get_args(About))),
-        number=check_count("number", given["number"], 0, LARGEST_NUMBER_OF_QUESTION),
-        side=check_count("side", given["side"], 0, SIDES - 1),
+        about=check_choice("about", given["about"], (*OF_DISC, *FILES)),
+        number=_number(given),
+        side=_side(given),
         machine=machine,
         start=start,
         revolutions=check_count("revolutions", given["revolutions"], 1, MOST_REVOLUTIONS),

@@ -23,6 +23,7 @@ from rotor_ida.simulation.options import Method
 from rotor_ida.simulation.simulate import simulate
 
 Values = dict[str, npt.NDArray[Any]]
+FloatArray = npt.NDArray[np.float64]
 
 SAMPLES_PER_REVOLUTION = 48
 # A longer run is drawn with fewer samples per revolution, but enough for the spectrum.
@@ -48,34 +49,45 @@ LEAST = 1e-9
 
 def show_motion(question: Question) -> Iterator[Answer]:
     """Yield the panels of one run."""
-    omega = question.rotor.omega
-    run = values_of(run_of(question))
-    run |= {
-        "radius": np.hypot(run["x"], run["y"]),
-        "force": power_in_contact(run, question.rotor).normal_force,
-    }
-    run["event_radius"] = np.hypot(run["event_x"], run["event_y"])
-    rotating = rotated(states_of(run, ""), -omega * run["t"])
-    run |= {"rotating_x": rotating[:, 0], "rotating_y": rotating[:, 1]}
-    event_places = rotated(states_of(run, "event_"), -omega * run["event_time"])
-    run |= {"event_rotating_x": event_places[:, 0], "event_rotating_y": event_places[:, 1]}
-    each = (run["t"].size - 1) // question.revolutions
-    summary = ending(run, question.rotor)
+    rotor = question.rotor
+    run = forced(run_of(question), rotor)
+    summary = ending(run, rotor)
+    end = rotated(states_of(run)[-1], -rotor.omega * run["t"][-1])
     facts: dict[str, object] = {
         **facts_of(question),
-        "end": rotating[-1].tolist(),
+        "end": end.tolist(),
         "ending": summary,
         "words": words_of_run(question.machine, summary),
         "horizon": float(run["horizon"]),
-        "samples_per_revolution": each,
-        "orders": _orders_shown(run, omega),
     }
+    each = (run["t"].size - 1) // question.revolutions
+    angles = (rotor.omega * run["t"], rotor.omega * run["event_time"])
+    yield drawn(run, facts, angles, rotor.omega, each)
+
+
+def drawn(
+    run: Values, facts: dict[str, object], angles: tuple[FloatArray, FloatArray], omega: float,
+    each: float,
+) -> Answer:  # fmt: skip
+    """Return what is drawn of a run with so many samples a revolution.
+
+    `angles` are those of the unbalance at the samples and at the events. There is a section only
+    where a revolution has a whole number of samples.
+    """
+    run["radius"] = np.hypot(run["x"], run["y"])
+    run["event_radius"] = np.hypot(run["event_x"], run["event_y"])
+    for prefix, angle in zip(("", "event_"), angles, strict=True):
+        x, y, cosine, sine = run[f"{prefix}x"], run[f"{prefix}y"], np.cos(-angle), np.sin(-angle)
+        run[f"{prefix}rotating_x"] = cosine * x - sine * y
+        run[f"{prefix}rotating_y"] = sine * x + cosine * y
+    facts |= {"samples_per_revolution": each, "orders": _orders_shown(run, omega)}
     arrays: Arrays = {name: run[name] for name in DRAWN}
     arrays["event_kind"] = run["event_kind"].astype(np.int8)
     if "mode" in run:
         arrays |= {"mode": run["mode"].astype(np.int8), "slip_speed": run["slip_speed"]}
-    arrays |= {f"section_{axis}": run[f"rotating_{axis}"][::each] for axis in ("x", "y")}
-    yield Answer("motion", facts, arrays | _lines(run, omega))
+    every = slice(None, None, each) if isinstance(each, int) else slice(0)
+    arrays |= {f"section_{axis}": run[f"rotating_{axis}"][every] for axis in ("x", "y")}
+    return Answer("motion", facts, arrays | _lines(run, omega))
 
 
 def _orders_shown(run: Values, omega: float) -> float:
@@ -85,7 +97,7 @@ def _orders_shown(run: Values, omega: float) -> float:
 
 def run_of(question: Question) -> xr.Dataset:
     """Return the run that is drawn and saved."""
-    run = _sampled(question, each := _samples_per_revolution(question.revolutions))
+    run = _sampled(question, each := samples_per_revolution(question.revolutions))
     finer = min(
         math.ceil(PER_WHIRL * whirls_per_revolution(values_of(run), question.rotor.omega)),
         MOST_SAMPLES_OF_WHIRLS // question.revolutions,
@@ -123,7 +135,8 @@ def duration_of(question: Question) -> float:
     return question.revolutions * 2.0 * math.pi / (question.rotor.omega or 1.0)
 
 
-def _samples_per_revolution(revolutions: int) -> int:
+def samples_per_revolution(revolutions: int) -> int:
+    """Return the number of samples per revolution of a run of so many."""
     return max(min(SAMPLES_PER_REVOLUTION, MOST_SAMPLES // revolutions), FEWEST_PER_REVOLUTION)
 
 
@@ -146,57 +159,84 @@ def values_of(run: xr.Dataset) -> Values:
     return {str(name): variable.values for name, variable in run.variables.items()}
 
 
+def forced(run: xr.Dataset, rotor: Rotor) -> Values:
+    """Return the values of a run of one disc, with the contact force."""
+    values = values_of(run)
+    return values | {"force": power_in_contact(values, rotor).normal_force}
+
+
 def ending(run: Values, rotor: Rotor) -> dict[str, float]:
-    """Summarize the last half of a run: contacts, their peak force, extreme radii.
+    """Summarize the last half of a run of one disc: see `ending_of`.
 
     With contact damping, add the mean energy loss of contacts that end there, the loss per
-    revolution, and how often the force falls to zero before the rotor leaves the stator. With
-    friction, add the fractions of contact time with slip and rolling, and the heat.
+    revolution, and how often the force falls to zero before the rotor leaves the stator; with
+    friction the heat.
     """
-    end = float(run["t"][-1])
-    begin = LAST * end
+    found = ending_of(run, rotor.omega)
+    begin = LAST * float(run["t"][-1])
     late = {name: run[name][run["t"] >= begin] for name in OF_ENDING if name in run}
     power = power_in_contact(late, rotor)
-    radius = np.hypot(late["x"], late["y"])
-    peaks = run["peak_force"][run["peak_time"] >= begin]
-    revolutions = (end - begin) * rotor.omega / (2.0 * math.pi)
-    entry = np.maximum(np.nan_to_num(run["entry_time"], nan=0.0), begin)
-    leaving = np.nan_to_num(run["exit_time"], nan=end)
+    revolutions = _revolutions(run, rotor.omega)
 
-    def events(kind: int) -> float:
-        return float(((run["event_kind"] == kind) & (run["event_time"] >= begin)).sum())
-
-    def per_revolution(rate: npt.NDArray[np.float64]) -> float:
+    def per_revolution(rate: FloatArray) -> float:
         # over whole periods of a periodic motion it is as exact as the samples
         return float(np.trapezoid(rate, late["t"])) / revolutions if revolutions else math.nan
 
+    if rotor.contact_damping > 0.0:
+        losses = run["contact_loss"][run["exit_time"] >= begin]
+        found["loss_per_contact"] = float(losses.mean()) if losses.size else math.nan
+        found["releases"] = _events(run, DAMPED_EVENT_KIND["release"])
+        found["loss_per_revolution"] = per_revolution(power.damping)
+    if rotor.friction > 0.0:
+        found["heat_per_revolution"] = per_revolution(power.friction)
+    return found
+
+
+def ending_of(run: Values, omega: float) -> dict[str, float]:
+    """Summarize the last half of a run: contacts, their peak force, extreme radii.
+
+    With friction, add the fractions of contact time with slip and rolling.
+    """
+    end = float(run["t"][-1])
+    begin = LAST * end
+    late = run["t"] >= begin
+    radius = np.hypot(run["x"], run["y"])[late]
+    peaks = run["peak_force"][run["peak_time"] >= begin]
+    revolutions = _revolutions(run, omega)
+    entry = np.maximum(np.nan_to_num(run["entry_time"], nan=0.0), begin)
+    leaving = np.nan_to_num(run["exit_time"], nan=end)
     found = {
         "contacts_per_revolution": (
-            events(EVENT_KIND["entry"]) / revolutions if revolutions else math.nan
+            _events(run, EVENT_KIND["entry"]) / revolutions if revolutions else math.nan
         ),
         "contact_fraction": float(np.maximum(leaving - entry, 0.0).sum()) / (end - begin),
-        "largest_force": max(float(power.normal_force.max()), float(peaks.max(initial=0.0))),
+        "largest_force": max(float(run["force"][late].max()), float(peaks.max(initial=0.0))),
         "radius_min": float(radius.min()),
         "radius_max": float(radius.max()),
         "contacts_in_all": float(run["peak_time"].size),
     }
-    if rotor.contact_damping > 0.0:
-        losses = run["contact_loss"][run["exit_time"] >= begin]
-        found["loss_per_contact"] = float(losses.mean()) if losses.size else math.nan
-        found["releases"] = events(DAMPED_EVENT_KIND["release"])
-        found["loss_per_revolution"] = per_revolution(power.damping)
-    if rotor.friction > 0.0:
-        mode = late["mode"]
+    if "mode" in run:
+        mode = run["mode"][late]
         touching = max(int(np.count_nonzero(mode != MODE["flight"])), 1)
-        found["heat_per_revolution"] = per_revolution(power.friction)
         for name in ("slipping_forward", "slipping_backward", "rolling"):
             found[f"{name}_fraction"] = int(np.count_nonzero(mode == MODE[name])) / touching
     return found
 
 
-def states_of(run: Values, prefix: str) -> npt.NDArray[np.float64]:
-    """Return the states of a run, or with the prefix ``event_`` those at its events."""
-    return np.stack([run[prefix + name] for name in COMPONENTS], axis=-1)
+def _revolutions(run: Values, omega: float) -> float:
+    """Return the number of revolutions in the last half of a run."""
+    return (1.0 - LAST) * float(run["t"][-1]) * omega / (2.0 * math.pi)
+
+
+def _events(run: Values, kind: int) -> float:
+    """Return the number of events of a kind in the last half of a run."""
+    late = run["event_time"] >= LAST * run["t"][-1]
+    return float(((run["event_kind"] == kind) & late).sum())
+
+
+def states_of(run: Values) -> FloatArray:
+    """Return the states of a run."""
+    return np.stack([run[name] for name in COMPONENTS], axis=-1)
 
 
 def _lines(run: Values, omega: float) -> Arrays:
@@ -212,18 +252,20 @@ def _lines(run: Values, omega: float) -> Arrays:
 
 def show_lines(question: Question) -> Iterator[Answer]:
     """Yield the full spectrum of the last half of a run, over the spin speed."""
-    omega = question.rotor.omega or 1.0
-    run = run_of(question)
+    yield lines_answer(run_of(question), question.rotor.omega or 1.0, facts_of(question))
+
+
+def lines_answer(run: xr.Dataset, omega: float, facts: dict[str, object]) -> Answer:
+    """Return the full spectrum of the last half of a run, over the spin speed."""
     lines = full_spectrum(run.isel(t=slice((run.sizes["t"] - 1) // 2, -1)))
     over = lines["frequency"].values / omega
-    orders = _orders_shown(values_of(run), question.rotor.omega)
+    orders = _orders_shown(values_of(run), omega)
     shown = np.abs(over) <= orders
-    bandwidth = float(lines["bandwidth"]) / omega
-    facts = {**facts_of(question), "bandwidth_over_omega": bandwidth, "orders": orders}
     arrays: Arrays = {
         "line_over_omega": over[shown], "line_amplitude": lines["whirl_amplitude"].values[shown]
     }  # fmt: skip
-    yield Answer("lines", facts, arrays)
+    bandwidth = float(lines["bandwidth"]) / omega
+    return Answer("lines", facts | {"bandwidth_over_omega": bandwidth, "orders": orders}, arrays)
 
 
 def exact_lines(
@@ -242,7 +284,7 @@ def exact_lines(
     period = float(str(settled["exact_period"]))
     times = np.linspace(0.0, period, SAMPLES, endpoint=False)
     run = values_of(simulate(rotor, start=end, duration=period, samples=times, method=METHOD))
-    rotating = rotated(states_of(run, ""), -rotor.omega * run["t"])
+    rotating = rotated(states_of(run), -rotor.omega * run["t"])
     heights = np.abs(np.fft.fft(rotating[:, 0] + 1j * rotating[:, 1])) / SAMPLES
     orders = 1.0 + np.fft.fftfreq(SAMPLES, 1.0 / SAMPLES) * 2.0 * math.pi / (period * rotor.omega)
     kept = (heights > LEAST * heights.max()) & (np.abs(orders) <= FASTEST_LINE)

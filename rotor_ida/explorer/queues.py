@@ -11,14 +11,12 @@ from dataclasses import dataclass
 from functools import partial
 from itertools import count
 
-from rotor_ida.explorer.messages import FILES, Answer, DataSheet, Measurement, packed
-from rotor_ida.explorer.system_questions import SYSTEM_FILES, SystemUpload
+from rotor_ida.explorer.messages import FILES, Answer, Asked, packed
 from rotor_ida.explorer.workers import (
     FIRST_MACHINE,
     FIRST_ROTOR,
     LENGTH,
     SHOWN_BY,
-    Asked,
     Order,
     example,
 )
@@ -37,21 +35,9 @@ AGAIN = 0.5
 AT_A_TIME = 2**20
 # For each queue: its questions, pause, patience and rest in seconds, and niceness.
 PLANS: tuple[tuple[tuple[str, ...], float, float, float, int], ...] = (
-    (
-        ("motion", "run_up", "lines", DataSheet.about, "system_run", SystemUpload.about),
-        0.0,
-        0.25,
-        0.0,
-        0,
-    ),
-    (
-        ("responses", Measurement.about, *FILES, "system_map", *SYSTEM_FILES),
-        0.0,
-        0.25,
-        0.15,
-        0,
-    ),
-    (("starts", "system_run_up"), 0.08, 0.0, 0.0, 10),
+    (("motion", "run_up", "lines", "track", "machine"), 0.0, 0.25, 0.0, 0),
+    (("responses", "campbell", "upload", *FILES), 0.0, 0.25, 0.15, 0),
+    (("starts",), 0.08, 0.0, 0.0, 10),
 )
 DIED = "The process that computes this ended unexpectedly; it is being restarted."
 
@@ -266,7 +252,7 @@ class Queue:
         """Cancel an answer that is not complete."""
         if self._begun.get(pending.place) is not pending:
             return
-        if pending.question.about in (*FILES, *SYSTEM_FILES):
+        if pending.question.about in FILES:
             pending.deliver = _nowhere  # drawing is not interrupted: it imports modules as it goes
             return
         del self._begun[pending.place]

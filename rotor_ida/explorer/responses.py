@@ -25,8 +25,8 @@ from rotor_ida.explorer.motion import (
     ending,
     exact_lines,
     facts_of,
+    forced,
     run_of,
-    values_of,
 )
 from rotor_ida.explorer.words import (
     NO_CURVE,
@@ -188,7 +188,7 @@ def _settled(question: Question, settled: dict[str, object], swept: xr.Dataset) 
             rotor, start=_end(swept), duration=2.0 * _watched(rotor, settled),
             samples=2 * REVOLUTIONS * SAMPLES + 1, method=METHOD,
         )  # fmt: skip
-        facts |= ending(values_of(run), rotor)
+        facts |= ending(forced(run, rotor), rotor)
         facts |= {name: settled[name] for name in ("radius_min", "radius_max")}
         facts["end"] = _end(swept)
     words = words_of_response(question.machine, facts)
@@ -225,7 +225,8 @@ def _is_repeated(settled: Mapping[str, object]) -> bool:
 
 def _is_under_way(question: Question, settled: Mapping[str, Any]) -> bool:
     """Return whether the drawn run ends before it reaches the settled response."""
-    drawn = ending(values_of(run_of(question)), question.rotor)
+    rotor = question.rotor
+    drawn = ending(forced(run_of(question), rotor), rotor)
     if (drawn["contact_fraction"] > 0.0) != (settled["contact_fraction"] > 0.0):
         return True
     near = NEAR * max(settled["radius_max"], SMALL)

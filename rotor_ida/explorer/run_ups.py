@@ -1,8 +1,7 @@
-"""Pieces of a run-up or run-down: motion, folds on the way, order 1 and a cascade.
+"""Pieces of a run-up or run-down: motion, folds on the way, and the track of all of it.
 
-Each piece continues a record. Only the end of the record is kept, from the start of the next
-revolution window and of the next spectrum. Windows and spectra are therefore those of the
-complete record.
+Each piece continues a record of equally spaced samples, from which order 1 and the cascade are
+those of the whole run-up since it last turned back.
 """
 
 from __future__ import annotations
@@ -16,15 +15,14 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-import scipy.signal  # noqa: F401 - here, as nobody waits for it while the speed changes
 import xarray as xr
 
-from rotor_ida.arrays import Arrays, Stop, Values
+from rotor_ida.arrays import Stop, Values
 from rotor_ida.checks import State
 from rotor_ida.closed_forms.folds import folds
 from rotor_ida.closed_forms.synchronous import synchronous_response
 from rotor_ida.errors import InputError
-from rotor_ida.explorer.measured import segment_for
+from rotor_ida.explorer.measured import track_of
 from rotor_ida.explorer.messages import Answer, Question
 from rotor_ida.explorer.motion import facts_of
 from rotor_ida.explorer.responses import MOST_KEPT, at_rest
@@ -34,10 +32,6 @@ from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import interruptible
 from rotor_ida.results.contact_facts import run_up_facts
 from rotor_ida.schema import MODE, STABILITY
-from rotor_ida.signals.orders import fit
-from rotor_ida.signals.record import Record
-from rotor_ida.signals.spectra import spectrogram
-from rotor_ida.signals.windows import EDGE, windows_of
 from rotor_ida.simulation.dataset import arrays_of
 from rotor_ida.simulation.options import Method, Options
 from rotor_ida.simulation.orbit import Orbit
@@ -57,11 +51,6 @@ LEAST_JUMP = 0.2
 
 # Equally spaced samples: number per revolution at the highest speed shown.
 PER_REVOLUTION = 32
-OVERLAP = 0.5
-# Order 1 is known if the rest of the motion is at most this many times as large.
-MOST_BESIDE = 4.0
-# Highest frequency of lines, over the highest speed.
-FURTHEST = 2.5
 # The state at the end of a piece is judged over this last part of it.
 LAST = 0.75
 # Number of record ends kept, and samples of one.
@@ -80,7 +69,7 @@ def show_run_up(question: Question) -> Iterator[Answer]:
     duration = (to - rotor.omega) / rate
     turns = max(0.5 * (rotor.omega + to), 1.0) * duration / (2.0 * math.pi)
     drawn = np.linspace(0.0, duration, min(max(math.ceil(SAMPLES * turns), 2), MOST_SAMPLES) + 1)
-    record = tail_of(question)
+    record = _record_of(question)
     sampled = record.times_until(duration)
     times = np.union1d(drawn, sampled)
     orbit, held = interruptible(lambda stop: _piece(question, times, stop))
@@ -88,12 +77,13 @@ def show_run_up(question: Question) -> Iterator[Answer]:
     angle = run["angle"] - question.angle
     end = rotated(orbit.end, -run["angle"][-1])
     seen = np.searchsorted(times, sampled)
-    z = (run["x"][seen] + 1j * run["y"][seen]) * np.exp(-1j * question.angle)
-    record, signals = tracked(
-        record, duration, float(run["speed"][-1]), float(angle[-1]), angle[seen], z
-    )
-    record = replace(record, passed=followed(record.passed, run, rotor))
-    keep_tail(question, tuple(end.tolist()), record)
+    record = replace(
+        record, time=record.time + duration, angle=record.angle + float(angle[-1]),
+        speed=float(run["speed"][-1]), way=rate, passed=followed(record.passed, run, rotor),
+        angles=np.concatenate([record.angles, record.angle + angle[seen]]),
+        z=np.concatenate([record.z, run["x"][seen] + 1j * run["y"][seen]]),
+    )  # fmt: skip
+    _keep(question, tuple(end.tolist()), record)
     facts: dict[str, object] = {
         **facts_of(question),
         "end": end.tolist(),
@@ -108,7 +98,7 @@ def show_run_up(question: Question) -> Iterator[Answer]:
     here = np.searchsorted(times, drawn)
     arrays = {
         "speed": run["speed"][here], "angle": angle[here],
-        "radius": np.hypot(run["x"], run["y"])[here], **signals,
+        "radius": np.hypot(run["x"], run["y"])[here],
     }  # fmt: skip
     yield Answer("run_up", facts, arrays)
 
@@ -219,166 +209,76 @@ def _whirls_at(rotor: Rotor, omega: float) -> tuple[int, list[float]]:
     return int(np.isfinite(radii).sum()), radii[held].tolist()
 
 
-@dataclass(frozen=True, slots=True)
-class Tail:
-    """The end of a record, which the next piece continues.
+@dataclass(frozen=True, slots=True, kw_only=True)
+class Record:
+    """Samples of a run-up since it last turned back.
 
     Parameters
     ----------
     step : float
         Step of the samples [1].
-    segment : int
-        Number of samples in a spectrum.
-    furthest : float
-        Highest frequency of a spectrum [1].
     time, angle, speed : float
         Time and angle since the beginning of the record, and the speed, at its end.
-    first, due : int
-        Index of the first sample kept, and of the first one of the next spectrum.
-    begin : float
-        Angle at which the next window of a revolution begins.
+    way : float
+        Positive for a run-up, negative for a run-down.
     passed : Passed
-        Summary since the record began.
+        Summary since the speed began to change.
     angles, z : ndarray
-        Samples: angles since the beginning, displacements on fixed axes.
+        Samples: angles of the unbalance, displacements on fixed axes.
     """
 
     step: float
-    segment: int
-    furthest: float
-    time: float
+    time: float = 0.0
     angle: float
     speed: float
-    first: int
-    due: int
-    begin: float
+    way: float
     passed: Passed
     angles: Values
     z: npt.NDArray[np.complex128]
 
     def times_until(self, duration: float) -> Values:
         """Return the times of the samples that a piece adds, from the beginning of the piece."""
-        first = self.first + self.z.size
         end = math.floor((self.time + duration) / self.step)
-        times = np.arange(first, end + 1) * self.step - self.time
+        times = np.arange(self.z.size, end + 1) * self.step - self.time
         return np.asarray(np.clip(times, 0.0, duration), dtype=np.float64)
 
 
-_ends: OrderedDict[tuple[Rotor, State], Tail] = OrderedDict()
+_records: OrderedDict[tuple[Rotor, State], Record] = OrderedDict()
 
 
-def tail_of(question: Question) -> Tail:
+def _record_of(question: Question) -> Record:
     """Return the record that ends at the beginning of a piece, or a new one."""
     rotor, rate = question.rotor, question.rate
     assert rate is not None
-    found = _ends.get((at_rest(rotor), question.start))
+    found = _records.get((at_rest(rotor), question.start))
+    passed = Passed(begin=rotor.omega, end=rotor.omega)
     if found is not None and math.isclose(found.speed, rotor.omega, rel_tol=1e-9, abs_tol=1e-12):
-        return found
-    top = question.speeds[1]
-    step = math.tau / (PER_REVOLUTION * top)
-    return Tail(
-        step=step,
-        segment=segment_for(abs(rate), step),
-        furthest=FURTHEST * top,
-        time=0.0, angle=question.angle, speed=rotor.omega, first=0, due=0, begin=question.angle,
-        passed=Passed(begin=rotor.omega, end=rotor.omega),
+        if found.way * rate > 0.0:
+            return found
+        passed = found.passed
+    return Record(
+        step=math.tau / (PER_REVOLUTION * question.speeds[1]), angle=question.angle,
+        speed=rotor.omega, way=rate, passed=passed,
         angles=np.empty(0), z=np.empty(0, np.complex128),
     )  # fmt: skip
 
 
-def tracked(
-    tail: Tail, duration: float, speed: float, turned: float, angles: Values, z: npt.ArrayLike
-) -> tuple[Tail, Arrays]:
-    """Return a record with a piece added, and the new results.
-
-    Parameters
-    ----------
-    tail : Tail
-        The record so far.
-    duration, speed, turned : float
-        Duration of the piece, the speed at its end, and its angle of rotation.
-    angles, z : ndarray
-        Angles and displacements at the samples of the piece.
-
-    Returns
-    -------
-    tail : Tail
-        The record.
-    arrays : dict
-        ``order_speed``, ``order_amplitude`` and ``order_lag`` of each newly complete revolution;
-        for each spectrum ``cascade_speed`` and, concatenated, ``cascade_amplitude`` at each
-        ``cascade_frequency``.
-    """
-    longer = replace(
-        tail,
-        time=tail.time + duration,
-        angle=tail.angle + turned,
-        speed=speed,
-        angles=np.concatenate([tail.angles, tail.angle + angles]),
-        z=np.concatenate([tail.z, np.asarray(z) * np.exp(1j * tail.angle)]),
-    )
-    whole, orders = _orders(longer)
-    known, cascade = _cascade(whole)
-    keep = min(_first_of(known), known.due - known.first)
-    shorter = replace(known, first=known.first + keep, angles=known.angles[keep:], z=known.z[keep:])
-    return shorter, orders | cascade
-
-
-def keep_tail(question: Question, end: State, tail: Tail) -> None:
+def _keep(question: Question, end: State, record: Record) -> None:
     """Keep a record for the piece that continues from the state at its end."""
-    if tail.z.size > MOST_SAMPLES_KEPT:
+    if record.z.size > MOST_SAMPLES_KEPT:
         return
-    _ends[at_rest(question.rotor), end] = tail
-    while len(_ends) > MOST_ENDS:
-        _ends.popitem(last=False)
+    _records[at_rest(question.rotor), end] = record
+    while len(_records) > MOST_ENDS:
+        _records.popitem(last=False)
 
 
-def _orders(tail: Tail) -> tuple[Tail, Arrays]:
-    """Return order 1 in each complete revolution, as `orders` does."""
-    first = _first_of(tail)
-    last = tail.angles[-1] if tail.angles.size else 0.0
-    count = math.floor((last - tail.begin) / math.tau + EDGE)
-    if count < 1:
-        names = ("order_speed", "order_amplitude", "order_lag")
-        return tail, dict.fromkeys(names, np.empty(0))
-    # with the sample after the last window, which marks its end
-    end = int(np.searchsorted(tail.angles, tail.begin + (count - EDGE) * math.tau)) + 1
-    z, angles = tail.z[first:end], tail.angles[first:end]
-    times = np.asarray((tail.first + first + np.arange(z.size)) * tail.step, dtype=np.float64)
-    record = Record(times, z, angles, "1", "1", {}, {})
-    windows = windows_of(record, 1, begin=tail.begin)
-    found = fit(record, windows, np.ones(1))
-    ahead = found.amplitudes[:, 0]
-    # a revolution with much larger other motion, as in dry whip, has no order 1: the line breaks
-    ahead = np.where(found.residual > MOST_BESIDE * np.abs(ahead), np.nan, ahead)
-    return replace(tail, begin=tail.begin + math.tau * windows.times.size), {
-        "order_speed": windows.speeds,
-        "order_amplitude": np.abs(ahead),
-        "order_lag": np.angle(ahead.conj()),
-    }
-
-
-def _first_of(tail: Tail) -> int:
-    """Return the index of the first sample of the next window."""
-    return int(np.searchsorted(tail.angles, tail.begin - EDGE * math.tau))
-
-
-def _cascade(tail: Tail) -> tuple[Tail, Arrays]:
-    """Return the complete spectra, as `spectrogram` does."""
-    late = slice(tail.due - tail.first, None)
-    z, angles = tail.z[late], tail.angles[late]
-    if z.size < tail.segment:
-        names = ("cascade_speed", "cascade_frequency", "cascade_amplitude")
-        return tail, dict.fromkeys(names, np.empty(0))
+def show_track(question: Question) -> Iterator[Answer]:
+    """Yield order 1 and the cascade of the run-up that has ended in the state of the question."""
+    record = _records.get((at_rest(question.rotor), question.start))
+    if record is None:
+        raise InputError("a run-up must be given from its beginning")
     signals = xr.Dataset(
-        {"x": ("t", z.real), "y": ("t", z.imag), "angle": ("t", angles)},
-        {"t": (tail.due + np.arange(z.size)) * tail.step},
+        {"x": ("t", record.z.real), "y": ("t", record.z.imag), "angle": ("t", record.angles)},
+        {"t": np.arange(record.z.size) * record.step},
     )
-    seen = spectrogram(signals, window="hann", segment=tail.segment, overlap=OVERLAP)
-    shown = np.abs(seen["frequency"].values) <= tail.furthest
-    hop = round(tail.segment * (1.0 - OVERLAP))
-    return replace(tail, due=tail.due + hop * seen.sizes["window"]), {
-        "cascade_speed": seen["speed"].values,
-        "cascade_frequency": seen["frequency"].values[shown],
-        "cascade_amplitude": seen["whirl_amplitude"].values[:, shown].ravel(),
-    }
+    yield Answer("track", facts_of(question), track_of(signals, []))

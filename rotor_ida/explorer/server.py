@@ -35,15 +35,15 @@ from websockets.protocol import State
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.messages import (
     Answer,
-    Measurement,
+    Asked,
+    SystemQuestion,
+    Upload,
     packed,
     part_of,
     read_question,
 )
 from rotor_ida.explorer.page import TYPES, page_files
 from rotor_ida.explorer.queues import Deliver, Queues
-from rotor_ida.explorer.system_questions import SystemQuestion, SystemUpload
-from rotor_ida.explorer.workers import Asked
 
 HOSTS = ("127.0.0.1", "localhost", "[::1]")
 # WebSocket protocol of a page; the text after the dot is its key.
@@ -52,7 +52,9 @@ MOST_PAGES = 16
 # Largest message in bytes; larger ones are not read.
 LARGEST_MESSAGE = 65_536
 MOST_FRAGMENTS = 1024
-# Characters kept of the name of a file of a system.
+# The part of an answer that says that a file is of a rotor system.
+SYSTEM = "system"
+# Characters kept of the name of a file.
 LONGEST_STEM = 60
 # Bytes of answers waiting to be read by a page.
 MOST_UNREAD = 2**25
@@ -82,10 +84,10 @@ HEADERS = {
 TOO_MANY_PAGES, TOO_SLOW = 4429, 4408
 
 
-def application(queues: Queues, key: str, system: Path | None = None) -> ASGIApp:
+def application(queues: Queues, key: str, file: Path | None = None) -> ASGIApp:
     """Return the application that serves the pages, and answers to those with the key.
 
-    `system` is the file that the page of a rotor system shows first.
+    `file` is that given to the command, of a rotor system or a measurement.
     """
     contents, numbers, pages = page_files(), count(1), set[int]()
 
@@ -110,7 +112,7 @@ def application(queues: Queues, key: str, system: Path | None = None) -> ASGIApp
                 return
             pages.add(number)
             try:
-                await _converse(socket, queues, number, system)
+                await _converse(socket, queues, number, file)
             finally:
                 pages.discard(number)
                 queues.forget(number)
@@ -121,9 +123,7 @@ def application(queues: Queues, key: str, system: Path | None = None) -> ASGIApp
     return _only_from_here(Starlette(routes=routes))
 
 
-async def _converse(
-    socket: WebSocket, queues: Queues, page: int, system: Path | None = None
-) -> None:
+async def _converse(socket: WebSocket, queues: Queues, page: int, file: Path | None = None) -> None:
     """Accept the questions of a page and send the answers, until it disconnects."""
     unread, held = asyncio.Queue[bytes](), 0
 
@@ -142,7 +142,7 @@ async def _converse(
             held -= len(answer)
 
     async def take() -> None:
-        with closing(Inbox(partial(queues.ask, page), deliver, system)) as inbox:
+        with closing(Inbox(partial(queues.ask, page), deliver, file)) as inbox:
             while (message := await socket.receive())["type"] != "websocket.disconnect":
                 try:
                     inbox.take(message.get("text") or "", message.get("bytes"))
@@ -165,19 +165,19 @@ async def _converse(
 class Inbox:
     """Input from a page: questions, and a file in pieces after its question.
 
-    A measured file is kept in a temporary folder until it is analysed, the file of a system until
-    the page sends another one that can be read, or disconnects.
+    A file is kept in a temporary folder until it is read, that of a rotor system until the page
+    sends another one that can be read, or disconnects.
     """
 
     def __init__(
-        self, ask: Callable[[Asked, Deliver], None], deliver: Deliver, system: Path | None = None
+        self, ask: Callable[[Asked, Deliver], None], deliver: Deliver, file: Path | None = None
     ) -> None:
         self._ask = ask
         self._deliver = deliver
-        self._system = system
+        self._given = self._system = file
         self._folder_of_system: TemporaryDirectory[str] | None = None
         self._folder: TemporaryDirectory[str] | None = None
-        self._coming: Measurement | SystemUpload | None = None
+        self._coming: Upload | None = None
         self._left = 0
 
     def take(self, text: str, piece: bytes | None) -> None:
@@ -187,21 +187,22 @@ class Inbox:
             return
         question = read_question(text)
         if isinstance(question, SystemQuestion):
-            self._ask(replace(question, path=self._system), self._deliver)
-            return
-        if not isinstance(question, Measurement | SystemUpload):
+            question = replace(question, path=self._system)
+        if not isinstance(question, Upload):
             self._ask(question, self._deliver)
             return
         self._forget()
+        if not question.size and self._given is not None and question.name == self._given.name:
+            self._ask(replace(question, path=self._given), self._deliver)
+            return
         self._folder = TemporaryDirectory(prefix="rotor-ida-")
-        # its own name of a system is in messages, and in the lines that compute it again
-        name = "measured" if isinstance(question, Measurement) else safe_stem(question.name)
-        path = Path(self._folder.name, f"{name}{question.ending}")
+        # its own name is in messages, and in the lines that compute a system again
+        path = Path(self._folder.name, f"{safe_stem(question.name)}{question.ending}")
         self._coming, self._left = replace(question, path=path), question.size
         self._add(b"")
 
     def _add(self, piece: bytes) -> None:
-        """Add a piece to the file; analyse it when it is complete."""
+        """Add a piece to the file; have it read when it is complete."""
         coming = self._coming
         assert coming is not None
         assert coming.path is not None
@@ -213,24 +214,19 @@ class Inbox:
         self._left -= len(piece)
         if not self._left:
             self._coming = None
-            is_system = isinstance(coming, SystemUpload)
-            answered = partial(self._kept, coming.path) if is_system else self._answered
-            self._ask(coming, partial(answered, self._folder))
+            self._ask(coming, partial(self._read, coming.path, self._folder))
 
-    def _answered(self, folder: TemporaryDirectory[str] | None, answer: bytes) -> None:
-        if folder is not None:
-            folder.cleanup()
-        self._deliver(answer)
-
-    def _kept(self, path: Path, folder: TemporaryDirectory[str] | None, answer: bytes) -> None:
-        """Take a file as that of the system, if it could be read; else the one before stays."""
-        if folder is not self._folder:
+    def _read(self, path: Path, folder: TemporaryDirectory[str] | None, answer: bytes) -> None:
+        """Keep a file if it is of a rotor system, and remove it otherwise."""
+        is_system = part_of(answer) == SYSTEM
+        if is_system and folder is not self._folder:
             return  # another file came meanwhile
-        if part_of(answer) == SystemUpload.about:
+        if is_system:
             if self._folder_of_system is not None:
                 self._folder_of_system.cleanup()
             self._folder_of_system, self._folder, self._system = folder, None, path
-        self._forget()
+        elif folder is not None:
+            folder.cleanup()
         self._deliver(answer)
 
     def close(self) -> None:
@@ -257,7 +253,7 @@ def safe_stem(name: str) -> str:
     'my pump'
     """
     stem = Path(name.replace("\\", "/")).stem
-    return re.sub(r"[^\w .-]", "_", stem)[:LONGEST_STEM].lstrip(".") or "system"
+    return re.sub(r"[^\w .-]", "_", stem)[:LONGEST_STEM].lstrip(".") or "file"
 
 
 def _only_from_here(app: ASGIApp) -> ASGIApp:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.explorer.system_touches import titled
@@ -24,15 +25,31 @@ def verdict(run: xr.Dataset) -> str:
     return f"{_verdict_of_run(run)} {beyond_model(run)}".rstrip()
 
 
+def level_of(run: xr.Dataset) -> str:
+    """Return the severity of a run: "rub" where it touches at its end, or drops, else "clear"."""
+    return "rub" if kind_of(run) == "drop" or _late_contacts(run).any() else "clear"
+
+
+def _late_contacts(run: xr.Dataset) -> npt.NDArray[np.bool_]:
+    """Return which episodes of contact last into the last revolutions."""
+    ends = run["exit_time"].values
+    return np.asarray(np.isnan(ends) | (ends >= _begin(run)))
+
+
+def _begin(run: xr.Dataset) -> float:
+    """Return the time at which the last revolutions begin."""
+    speed, last = _last_speed(run), float(run["t"].values[-1])
+    return last - 2.0 * math.pi * LAST / speed if speed > 0.0 else 0.0
+
+
+def _last_speed(run: xr.Dataset) -> float:
+    return float(run["speed"].values[-1]) if "speed" in run else float(run.attrs["speed"])
+
+
 def _verdict_of_run(run: xr.Dataset) -> str:
     nodes, peaks = run["contact_node"].values.tolist(), run["peak_force"].values
     owners, unit = run["episode_contact"].values, str(run["normal_force"].attrs.get("units", ""))
-    speed = float(run["speed"].values[-1]) if "speed" in run else float(run.attrs["speed"])
-    told = _speed(run, speed)
-    last = float(run["t"].values[-1])
-    begin = last - 2.0 * math.pi * LAST / speed if speed > 0.0 else 0.0
-    ends = run["exit_time"].values
-    late = np.isnan(ends) | (ends >= begin)
+    told, begin, late = _speed(run, _last_speed(run)), _begin(run), _late_contacts(run)
     parts, clear = [], []
     for i, node in enumerate(nodes):
         mine = late & (owners == i)

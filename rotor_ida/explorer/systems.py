@@ -5,30 +5,29 @@ from __future__ import annotations
 import math
 import os
 from collections.abc import Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Arrays
-from rotor_ida.checks import shown
+from rotor_ida.arrays import Arrays, Values
+from rotor_ida.checks import COMPONENTS, shown
 from rotor_ida.closed_forms.campbell import campbell
 from rotor_ida.closed_forms.whirls.special_speeds import special_speeds
 from rotor_ida.closed_forms.whirls.synchronous import whirls_of_system
 from rotor_ida.errors import InputError
-from rotor_ida.explorer.measured import cascade_rows, full_lines, order_rows, unless_impossible
-from rotor_ida.explorer.messages import Answer
-from rotor_ida.explorer.system_questions import (
-    OF_CONTACT,
-    SYSTEM_RUNS,
-    SystemQuestion,
-    SystemUpload,
-)
+from rotor_ida.explorer.measured import track_of
+from rotor_ida.explorer.messages import OF_CONTACT, Answer, Question, SystemQuestion
+from rotor_ida.explorer.motion import drawn, ending_of, lines_answer, samples_per_revolution
+from rotor_ida.explorer.responses import NO_WHIRLS
 from rotor_ida.explorer.system_touches import bands_in_words, clear_whirl, why_without_whirls
-from rotor_ida.explorer.system_verdicts import touched_on_the_way, verdict
+from rotor_ida.explorer.system_verdicts import level_of, touched_on_the_way, verdict
+from rotor_ida.explorer.words import InUnits, words_of_run
 from rotor_ida.model.assembly import Assembly, assemble
 from rotor_ida.model.data_sheet import GRAVITY
 from rotor_ida.model.few_modes import in_modes
@@ -37,19 +36,22 @@ from rotor_ida.model.system_parts import Contact, Support
 from rotor_ida.results.archive import load
 from rotor_ida.results.archived_system import problem_of
 from rotor_ida.results.kinds import kind_of
-from rotor_ida.results.question import Question
+from rotor_ida.results.question import Question as Asked
 from rotor_ida.results.system_file import Course, read_system_file
 from rotor_ida.schema import SPECIAL, STABILITY
 from rotor_ida.signals.nodes import at_node
-from rotor_ida.signals.record import record_of
 from rotor_ida.simulation.run_up import run_up
 from rotor_ida.simulation.simulate import simulate
 from rotor_ida.steady.drop import drop
 from rotor_ida.texts import brief, in_python
-from rotor_ida.units import written
+from rotor_ida.units import quantity, written
 
-# Samples that are sent of a run, and speeds of the exact response and of the Campbell diagram.
-MOST_SAMPLES, SPEEDS, FEW_SPEEDS = 6000, 160, 60
+# Kinds of results that are played.
+SYSTEM_RUNS = ("system_run", "drop")
+# Samples that are sent of an archive, and speeds of the exact response and of the Campbell diagram.
+MOST_SAMPLES, SPEEDS, FEW_SPEEDS = 16_384, 160, 60
+# A step of a branch of whirls by this part of the height of the diagram may be to another whirl.
+JUMP = 0.05
 # Eigenvalues of a Campbell diagram.
 MOST_EIGENVALUES = 16
 # Range of speeds over that of the file, and revolutions of a run-up that the file does not give.
@@ -83,6 +85,11 @@ class Case:
         return self.course is not None and "duration" in self.course.fall
 
     @property
+    def has_run_up(self) -> bool:
+        """Whether its speed may be run up: it is not played, and does not drop."""
+        return self.run is None and not self.drops
+
+    @property
     def levitated(self) -> RotorSystem:
         """The system with its magnetic bearings, of a drop with those before it.
 
@@ -104,33 +111,34 @@ def case_of(question: SystemQuestion) -> Case:
     """Return the case of a question, from its file and its changes."""
     if question.path is None:
         raise InputError("a system file or an archive of one must be given: drop it on the page")
-    found = _case_in(question.path)
+    found = case_in(question.path)
     contacts = list(found.system.contacts)
     changes: dict[str, Any] = dict(question.changes)
     factor = changes.pop("unbalance_factor", 1.0)
     if changes:
         if question.contact >= len(contacts):
             raise InputError(f"contact must be below {len(contacts)}, got {question.contact}")
-        contacts[question.contact] = replace(contacts[question.contact], **changes)
+        of_file = {OF_CONTACT[name]: value for name, value in changes.items()}
+        contacts[question.contact] = replace(contacts[question.contact], **of_file)
     unbalance = [replace(each, moment=factor * each.moment) for each in found.system.unbalance]
     speed = found.speed if question.speed is None else question.speed
     system = replace(found.system, contacts=contacts, unbalance=unbalance)
     return replace(found, system=system, speed=speed)
 
 
-def _case_in(path: Path) -> Case:
+def case_in(path: Path) -> Case:
     """Return the case of a file, whose folder is of no interest, or a temporary one."""
-    try:
+    with named(path):
         return _read(path, path.stat().st_mtime_ns)
+
+
+@contextmanager
+def named(path: Path) -> Iterator[None]:
+    """Tell a file by its name alone in errors."""
+    try:
+        yield
     except InputError as error:
         raise InputError(str(error).replace(f"{path.parent}{os.sep}", "")) from error
-
-
-def show_opened_file(upload: SystemUpload) -> Iterator[Answer]:
-    """Yield the name of a file that can be shown."""
-    assert upload.path is not None
-    _case_in(upload.path)
-    yield Answer("system_file", {"name": upload.name})
 
 
 @lru_cache(maxsize=2)
@@ -142,16 +150,22 @@ def _read(path: Path, _changed: int) -> Case:
         if speed is None:
             raise InputError(f"{path.name}: speed must be given")
         return Case(system=system, speed=speed, course=course)
+    run = loaded(path)
+    fastest = float(run["speed"].max()) if "speed" in run else float(run.attrs["speed"])
+    return Case(system=problem_of(run)[0], speed=fastest, run=run)
+
+
+def loaded(path: Path) -> xr.Dataset:
+    """Return the run in an archive, of one disc or of a rotor system."""
     try:
         run = load(path)
     except (OSError, ValueError) as error:
         raise InputError(f"{path.name}: {error}") from error
-    if kind_of(run) not in SYSTEM_RUNS:
+    if kind_of(run) not in (*SYSTEM_RUNS, "run"):
         raise InputError(
-            f"{path.name}: a run or a drop of a rotor system must be given, got {kind_of(run)!r}"
+            f"{path.name}: file must be an archive of a run, got one of kind {kind_of(run)!r}"
         )
-    fastest = float(run["speed"].max()) if "speed" in run else float(run.attrs["speed"])
-    return Case(system=problem_of(run)[0], speed=fastest, run=run)
+    return run
 
 
 @lru_cache(maxsize=2)
@@ -159,57 +173,141 @@ def _computed(question: SystemQuestion, _changed: int) -> xr.Dataset:
     """Return the run of a question; the last ones are kept, since another node needs the same."""
     case = case_of(question)
     if case.run is not None:
-        return case.run
+        return case.run.isel(t=slice(None, None, math.ceil(case.run.sizes["t"] / MOST_SAMPLES)))
     assert case.course is not None
     if case.drops:
         return drop(case.system, **case.course.drop | {"speed": case.speed})
-    return simulate(case.system, **case.course.motion, speed=case.speed,
-                    duration=_duration(case, question.revolutions))  # fmt: skip
+    return simulate(case.system, **case.course.motion, **_length(case, question.revolutions))
 
 
-def _duration(case: Case, revolutions: int) -> float:
+def _length(case: Case, revolutions: int) -> dict[str, Any]:
+    """Return speed, duration and samples of a run of some revolutions."""
     if not case.speed > 0.0:
         raise InputError(f"speed must be positive, got {case.speed!r}")
-    return 2.0 * math.pi * revolutions / case.speed
+    samples = samples_per_revolution(revolutions) * revolutions + 1
+    return {
+        "speed": case.speed, "duration": 2.0 * math.pi * revolutions / case.speed,
+        "samples": samples,
+    }  # fmt: skip
 
 
-def run_of_system(question: SystemQuestion) -> xr.Dataset:
+def run_of(question: SystemQuestion) -> xr.Dataset:
     """Return the run that a question is about: of its archive, or computed."""
     case_of(question)  # without a file there is none
-    assert question.path is not None
     return _computed(*_of_any_node(question))
 
 
 def _of_any_node(question: SystemQuestion) -> tuple[SystemQuestion, int]:
     """Return the question whose answer holds for all nodes, and when its file was changed."""
-    same = replace(question, about="system_run", number=0, node="")
+    same = replace(question, about="motion", number=0, side=0, node="", contact=_changed(question))
     return same, 0 if question.path is None else question.path.stat().st_mtime_ns
 
 
-def show_system_run(question: SystemQuestion) -> Iterator[Answer]:
-    """Yield the sketch of the rotor, then its run."""
-    case = case_of(question)
-    yield Answer("sketch", _sketch(case, question))
-    run = run_of_system(question)
-    node = node_of(case, question)
-    every = slice(None, None, math.ceil(run.sizes["t"] / MOST_SAMPLES))
-    names = ("x", "y", "contact_x", "contact_y", "normal_force", "tangential_force")
-    arrays: Arrays = {"t": run["t"].values[every]}
-    arrays |= {name: np.ascontiguousarray(run[name].values[every].T).ravel() for name in names}
-    if "speed" in run:
-        arrays["speed"] = run["speed"].values[every]
-    arrays["peak_time"], arrays["peak_force"] = run["peak_time"].values, run["peak_force"].values
-    arrays["peak_contact"] = run["episode_contact"].values.astype(float)
-    notes = _notes_of(case)
-    signals = at_node(run, node)
-    arrays |= unless_impossible(full_lines, signals, record_of(signals), notes)
-    facts = {
-        "node": node, "speed": case.speed, "notes": notes, "verdict": verdict(run),
-        "bands": _bands(*_of_any_node(question)),
-        "drop": kind_of(run) == "drop", "python": lines_of(question),
-        "command": command_of(question),
+def _changed(question: SystemQuestion) -> int:
+    """Return the number of the contact that is changed; without changes all are the same."""
+    return question.contact if any(name in OF_CONTACT for name, _ in question.changes) else 0
+
+
+class Seat(NamedTuple):
+    """Where the motion is shown: at a node, relative to the stator of a contact if it has one."""
+
+    node: str
+    contact: int | None
+
+
+def seat_of(case: Case, question: SystemQuestion) -> Seat:
+    """Return the node of a question, or else that of its contact, and the contact there."""
+    nodes, contacts = list(case.system.nodes), case.system.contacts
+    if question.node and question.node not in nodes:
+        raise InputError(f"node must be one of {', '.join(nodes)}, got {shown(question.node)}")
+    chosen = contacts[question.contact] if question.contact < len(contacts) else None
+    node = question.node or (chosen.node if chosen else nodes[0])
+    if chosen and chosen.node == node:
+        return Seat(node, question.contact)
+    return Seat(node, next((i for i, each in enumerate(contacts) if each.node == node), None))
+
+
+def facts_of(case: Case, seat: Seat) -> dict[str, object]:
+    """Return the facts about the rotor in an answer, by the names of those of one disc."""
+    si = case.system.units == "SI"
+    kinds = ("length", "time", "velocity", "force", "energy", "rate")
+    at = "" if seat.contact is None else f", contact {seat.contact}"
+    rotor: dict[str, object] = {"omega": case.speed, "delta0": 0.0}
+    if seat.contact is not None:
+        contact = case.system.contacts[seat.contact]
+        rotor = {
+            "omega": case.speed, "delta0": contact.clearance, "friction": contact.friction,
+            "contact_damping": contact.damping,
+        }  # fmt: skip
+    return {
+        "rotor": rotor, "scales": dict.fromkeys(kinds, 1.0) if si else {}, "start": None,
+        "told": f"node {seat.node}{at}, speed {quantity(case.speed, 'rad/s' if si else '1')}",
     }  # fmt: skip
-    yield Answer("run", facts, arrays)
+
+
+def show_motion(question: SystemQuestion) -> Iterator[Answer]:
+    """Yield the sketch of the rotor, the shape of its shaft, its run at a node, and the verdict."""
+    case = case_of(question)
+    seat = seat_of(case, question)
+    yield Answer("sketch", _sketch(case, seat, question))
+    run = run_of(question)
+    arrays: Arrays = {
+        f"shape_{axis}": np.ascontiguousarray(run[axis].values.T).ravel() for axis in "xy"
+    }
+    yield Answer("shape", {}, arrays)
+    yield _motion(case, seat, run)
+    words, bands = verdict(run), _bands(*_of_any_node(question))
+    yield Answer("settled", facts_of(case, seat) | {
+        "verdict": f"{words} {bands}".rstrip(), "level": level_of(run),
+        "words": [*filter(None, [words, bands, *_notes_of(case)])],
+    })  # fmt: skip
+
+
+def _motion(case: Case, seat: Seat, run: xr.Dataset) -> Answer:
+    """Return the panels of a run at a node."""
+    values = _at(run, seat)
+    angle = at_node(run, seat.node)["angle"].values
+    at_events = np.interp(values["event_time"], values["t"], angle)
+    step = float(values["t"][1] - values["t"][0]) * case.speed / math.tau
+    each = 1.0 / step if step > 0.0 and "speed" not in run else float(values["t"].size)
+    each = round(each) if math.isclose(each, round(each), rel_tol=1e-9) else each
+    summary = ending_of(values, case.speed)
+    machine = InUnits(case.speed) if case.system.units == "SI" else None
+    facts = facts_of(case, seat) | {
+        "ending": summary, "words": words_of_run(machine, summary),
+        "horizon": float(run["horizon"]), "is_drop": kind_of(run) == "drop",
+    }  # fmt: skip
+    return drawn(values, facts, (angle, at_events), case.speed, each)
+
+
+def _at(run: xr.Dataset, seat: Seat) -> dict[str, npt.NDArray[Any]]:
+    """Return the motion at a node, or in its contact, by the names of a run of one disc."""
+    here = run.sel(node=seat.node)
+    found = {name: here[name].values for name in ("t", *COMPONENTS)}
+    number = -1 if seat.contact is None else seat.contact
+    is_mine = run["event_contact"].values == number
+    events = {f"event_{name}": run[f"event_{name}"].values[is_mine]
+              for name in ("time", "time_error", "kind")}  # fmt: skip
+    events |= {f"event_{axis}": run[f"event_contact_{axis}"].values[is_mine] for axis in "xy"}
+    is_here = run["episode_contact"].values == number
+    names = {name: name for name in ("entry_time", "exit_time", "peak_force")}
+    episodes = {short: run[name].values[is_here]
+                for short, name in (names | {"peak_time": "peak_force_time"}).items()}  # fmt: skip
+    found |= {"force": np.zeros(run.sizes["t"]), **events, **episodes}
+    if seat.contact is None:
+        return found
+    part = run.isel(contact=seat.contact)
+    of_contact = {"x": "contact_x", "y": "contact_y", "force": "normal_force"}
+    if float(part["law_friction"]) > 0.0:
+        of_contact |= {"mode": "mode", "slip_speed": "slip_speed"}
+    return found | {short: part[name].values for short, name in of_contact.items()}
+
+
+def show_lines(question: SystemQuestion) -> Iterator[Answer]:
+    """Yield the full spectrum of the last half of the run at a node, over the spin speed."""
+    case = case_of(question)
+    seat = seat_of(case, question)
+    yield lines_answer(at_node(run_of(question), seat.node), case.speed, facts_of(case, seat))
 
 
 def _assembly(case: Case) -> Assembly:
@@ -225,11 +323,7 @@ def _bands(question: SystemQuestion, _changed: int) -> str:
     Before a drop the rotor levitates: what holds it then is not in the system.
     """
     case = case_of(question)
-    if (
-        case.drops
-        or (case.run is not None and kind_of(case.run) == "drop")
-        or (not case.system.contacts)
-    ):
+    if case.drops or _is_drop(case) or not case.system.contacts:
         return ""
     try:
         return bands_in_words(_assembly(case), np.linspace(0.0, HIGH * case.speed, SPEEDS)[1:])
@@ -237,37 +331,44 @@ def _bands(question: SystemQuestion, _changed: int) -> str:
         return ""
 
 
-def node_of(case: Case, question: SystemQuestion) -> str:
-    """Return the node of a question: its own, or else that of the first contact."""
-    nodes = list(case.system.nodes)
-    if question.node and question.node not in nodes:
-        raise InputError(f"node must be one of {', '.join(nodes)}, got {shown(question.node)}")
-    contacts = case.system.contacts
-    return question.node or (contacts[0].node if contacts else nodes[0])
-
-
-def _sketch(case: Case, question: SystemQuestion) -> dict[str, object]:
+def _sketch(case: Case, seat: Seat, question: SystemQuestion) -> dict[str, object]:
     """Return what a sketch of the rotor shows, and where sliders start."""
     places = case.system.positions or {n: float(i) for i, n in enumerate(case.system.nodes)}
-    contacts = [
-        {"node": each.node, "centre": each.centre, "on_stator": each.stator is not None}
-        | {name: getattr(each, name) for name in OF_CONTACT}
-        for each in case.system.contacts
-    ]
-    file = _read(question.path, question.path.stat().st_mtime_ns) if question.path else case
+    assert question.path is not None
+    file = _read(question.path, question.path.stat().st_mtime_ns)
     return {
         "nodes": list(places), "positions": list(places.values()),
         "has_positions": case.system.positions is not None, "units": case.system.units,
-        "contacts": contacts, "supports": [each.node for each in case.system.supports],
+        "contacts": [{"node": each.node, "centre": each.centre, "clearance": each.clearance}
+                     for each in case.system.contacts],
+        "supports": [each.node for each in case.system.supports],
         "masses": [_mass(case.system, node) for node in case.system.nodes],
-        "unbalance": [each.node for each in case.system.unbalance], "node": node_of(case, question),
-        "speed": case.speed, "file_speed": file.speed, "is_archive": case.run is not None,
-        "is_drop": case.drops,
-        "from_file": [
-            {name: getattr(each, name) for name in OF_CONTACT} | {"rubs": each.radius is not None}
+        "unbalance": [each.node for each in case.system.unbalance],
+        "node": seat.node, "contact": question.contact, "about": _about(case),
+        "is_archive": case.run is not None, "is_drop": case.drops or _is_drop(case),
+        "has_run_up": case.has_run_up,
+        "given": {"speed": file.speed, "unbalance_factor": 1.0},
+        "given_contacts": [
+            {name: getattr(each, of_file) for name, of_file in OF_CONTACT.items()
+             if name != "friction" or each.radius is not None}
+            | {"contact_exponent": each.exponent}
             for each in file.system.contacts
         ],
     }  # fmt: skip
+
+
+def _about(case: Case) -> str:
+    """Return in words what is shown."""
+    what = "A drop, from its system file" if case.drops else "A system file"
+    if case.run is not None:
+        what = "Archive: what is played is in the file"
+    counts = [f"{count} {word}{'' if count == 1 else 's'}" for count, word in (
+        (len(case.system.nodes), "node"), (len(case.system.contacts), "contact"))]  # fmt: skip
+    return f"{what}; {', '.join(counts)}."
+
+
+def _is_drop(case: Case) -> bool:
+    return case.run is not None and kind_of(case.run) == "drop"
 
 
 def _mass(system: RotorSystem, node: str) -> float:
@@ -276,53 +377,101 @@ def _mass(system: RotorSystem, node: str) -> float:
     return float(row @ system.mass @ row)
 
 
-def show_system_map(question: SystemQuestion) -> Iterator[Answer]:
-    """Yield the exact whirls over the speed, then the Campbell diagram."""
+def show_responses(question: SystemQuestion) -> Iterator[Answer]:
+    """Yield the exact whirls over the speed."""
     case = case_of(question)
-    node = node_of(case, question)
-    place = list(case.system.nodes).index(node)
-    facts: dict[str, object] = {"node": node, "notes": _left_out(case)}
-    arrays: Arrays = {}
+    seat = seat_of(case, question)
+    notes = _left_out(case)
     try:
-        whirls, points = _whirls(*_of_any_node(question))
-        arrays |= _branches(whirls, place)
-        if points is not None:
-            kinds = {number: word for word, number in SPECIAL.items()}
-            facts["kinds"] = [kinds[int(each)] for each in points["special_kind"].values]
-            arrays["special_speed"] = points["special_speed"].values
+        arrays = _curve(*_whirls(*_of_any_node(question)), seat)
     except InputError as error:
-        facts["notes"], arrays = _without_contact(case, place, error)
-        facts["free"] = bool(arrays)
-    yield Answer("map", facts, arrays)
-    yield _campbell(case)
+        notes, arrays = _without_contact(case, seat, error)
+    why = "; ".join(notes)
+    facts = facts_of(case, seat) | ({"why": why[:1].upper() + why[1:]} if why else {})
+    yield Answer("curve", facts, NO_WHIRLS | arrays)
 
 
-def _without_contact(case: Case, place: int, error: InputError) -> tuple[list[str], Arrays]:
-    """Return the whirl without contact at a node, and why the exact whirls are not drawn."""
-    assembly, speeds = _assembly(case), np.linspace(LOW * case.speed, HIGH * case.speed, SPEEDS)
-    why = why_without_whirls(assembly, error)
-    try:
-        amplitude = clear_whirl(assembly, place, speeds)
-    except InputError:
-        return [f"not drawn, as {why}"], {}
-    stability = np.where(np.isnan(amplitude), STABILITY["absent"], STABILITY["stable"])
-    return [f"without whirls in contact, as {why}"], {
-        "speed": speeds, "amplitude": amplitude, "stability": stability.astype(float)
+def _curve(whirls: xr.Dataset, points: xr.Dataset | None, seat: Seat) -> Arrays:
+    """Return the whirls at a node, or in its contact, branch by branch, and their folds."""
+    along = {"node": whirls.get_index("node").get_loc(seat.node)}
+    prefix = "node_"
+    if seat.contact is not None:
+        along, prefix = {"contact": seat.contact}, ""
+    amplitude, lag = (
+        whirls[prefix + name].isel(along).transpose("branch", "speed").values
+        for name in ("amplitude", "phase_lag")
+    )
+    stability = whirls["stability"].transpose("branch", "speed").values
+    touches = whirls["in_contact"].any("contact").transpose("branch", "speed").values
+    arrays = _in_pieces(whirls["speed"].values, amplitude, lag, stability, touches)
+    if points is None or seat.contact is None:
+        return arrays
+    radii = points["amplitude"].isel(contact=seat.contact).values
+    for word in ("fold", "hopf", "graze"):
+        here = points["special_kind"].values == SPECIAL[word]
+        arrays |= {f"{word}_omega": points["special_speed"].values[here],
+                   f"{word}_amplitude": radii[here]}  # fmt: skip
+    return arrays
+
+
+def _in_pieces(
+    speeds: Values, amplitude: Values, lag: Values, stability: npt.NDArray[Any],
+    touches: npt.NDArray[Any],
+) -> Arrays:  # fmt: skip
+    """Return whirls of shape (branch, speed) as one line, with the number of its piece.
+
+    Whirls are in the order of their amplitudes: where some end, another one may take their place.
+    """
+    is_there = np.isfinite(amplitude)
+    count, high = is_there.sum(axis=0), float(np.nanmax(amplitude, initial=0.0))
+    step = np.abs(np.diff(np.nan_to_num(amplitude), axis=1, prepend=0.0))
+    begins = (np.diff(count, prepend=-1) != 0) & (step > JUMP * high)
+    begins[:, 1:] |= ~is_there[:, :-1]
+    begins[:, 0] = True
+    piece = np.where(is_there, np.cumsum(begins).reshape(begins.shape), -1)
+    return {
+        "omega": np.tile(speeds, len(amplitude)), "amplitude": amplitude.ravel(),
+        "phase_lag": lag.ravel(), "stability": stability.astype(np.int8).ravel(),
+        "in_contact": touches.astype(np.int8).ravel(),
+        "piece": piece.astype(np.float64).ravel(),
     }  # fmt: skip
 
 
-def _campbell(case: Case) -> Answer:
-    """Return the Campbell diagram."""
-    speeds = np.linspace(LOW * case.speed, HIGH * case.speed, FEW_SPEEDS)
+def _without_contact(case: Case, seat: Seat, error: InputError) -> tuple[list[str], Arrays]:
+    """Return the whirl without contact at a node, and why the exact whirls are not drawn."""
+    assembly, speeds = _assembly(case), np.linspace(LOW * case.speed, HIGH * case.speed, SPEEDS)
+    why = why_without_whirls(assembly, error)
+    place = list(case.system.nodes).index(seat.node)
     try:
-        found = campbell(
-            case.levitated, speed=speeds, modes=min(MOST_EIGENVALUES, case.system.size)
-        ).isel(contact_stiffness=0)  # fmt: skip
+        amplitude = clear_whirl(assembly, place, speeds)[np.newaxis]
+    except InputError:
+        return [f"no exact curve, as {why}"], {}
+    stability = np.where(np.isnan(amplitude), STABILITY["absent"], STABILITY["stable"])
+    nothing = np.zeros_like(stability)
+    return [f"without whirls in contact, as {why}; the largest radius about the mean place"], (
+        _in_pieces(speeds, amplitude, np.full_like(amplitude, np.nan), stability, nothing)
+    )
+
+
+def show_campbell(question: Question | SystemQuestion) -> Iterator[Answer]:
+    """Yield the Campbell diagram of any rotor."""
+    notes: list[str] = []
+    if isinstance(question, Question):
+        system, (low, high) = question.rotor.system(), question.speeds
+    else:
+        case = case_of(question)
+        system, low, high = case.levitated, LOW * case.speed, HIGH * case.speed
+        notes = _levitation(case) + _notes_of(case)
+    speeds = np.linspace(low, high, FEW_SPEEDS)
+    modes = min(MOST_EIGENVALUES, system.size)
+    try:
+        found = campbell(system, speed=speeds, modes=modes).isel(contact_stiffness=0)
     except InputError as error:
-        return Answer("campbell", {"notes": [str(error)]})
+        yield Answer("campbell", {"notes": [str(error)]})
+        return
     rates = found["whirl_speed"].transpose("eigenvalue", "speed").values
     damping = found["damping_ratio"].transpose("eigenvalue", "speed").values
-    return Answer("campbell", {"notes": _levitation(case) + _notes_of(case)}, {
+    yield Answer("campbell", {"notes": notes}, {
         "speed": found["speed"].values, "whirl_speed": rates.ravel(), "damping": damping.ravel(),
     })  # fmt: skip
 
@@ -352,7 +501,7 @@ def _left_out(case: Case) -> list[str]:
 
 def _levitation(case: Case) -> list[str]:
     """Return a note on the magnetic bearings of a drop, which its run lacks."""
-    if case.drops or (case.run is not None and kind_of(case.run) == "drop"):
+    if case.drops or _is_drop(case):
         return ["with the magnetic bearings, as before the drop"]
     return []
 
@@ -361,34 +510,18 @@ def _notes_of(case: Case) -> list[str]:
     return [case.system.note] if case.system.note else []
 
 
-def _branches(whirls: xr.Dataset, place: int) -> Arrays:
-    """Return amplitude and stability of the whirls at a node, by branch."""
-    amplitude = whirls["node_amplitude"].isel(node=place).transpose("branch", "speed").values
-    stability = whirls["stability"].transpose("branch", "speed").values.astype(float)
-    return {
-        "speed": whirls["speed"].values,
-        "amplitude": np.ascontiguousarray(amplitude).ravel(),
-        "stability": np.ascontiguousarray(stability).ravel(),
-    }
-
-
-def show_system_run_up(question: SystemQuestion) -> Iterator[Answer]:
+def show_track(question: SystemQuestion) -> Iterator[Answer]:
     """Yield order 1 and the cascade of a run-up at the chosen node."""
     case = case_of(question)
-    if case.run is not None or case.drops:  # the page has no panel of a run-up then
-        yield Answer("run_up", {"notes": []})
-        return
+    if not case.has_run_up:
+        raise InputError("a run-up must be left out of an archive and a drop")
     run = _run_up(*_of_any_node(question))
-    signals = at_node(run, node_of(case, question))
+    seat = seat_of(case, question)
+    signals = at_node(run, seat.node)
     notes = _notes_of(case)
-    record = record_of(signals)
-    arrays = unless_impossible(order_rows, signals, record, notes)
-    arrays |= unless_impossible(cascade_rows, signals, record, notes)
-    facts: dict[str, object] = {
-        "notes": notes, "node": node_of(case, question),
-        "touches": touched_on_the_way(run) if case.system.contacts else "",
-    }  # fmt: skip
-    yield Answer("run_up", facts, arrays)
+    arrays = track_of(signals, notes)
+    touches = touched_on_the_way(run) if case.system.contacts else ""
+    yield Answer("track", facts_of(case, seat) | {"words": " ".join([touches, *notes])}, arrays)
 
 
 @lru_cache(maxsize=2)
@@ -418,7 +551,7 @@ def lines_of(question: SystemQuestion) -> str:
     factor = changes.pop("unbalance_factor", 1.0)
     changed = []
     if changes:
-        words = ", ".join(f"{name}={value!r}" for name, value in changes.items())
+        words = ", ".join(f"{OF_CONTACT[name]}={value!r}" for name, value in changes.items())
         number = question.contact
         lines += ["contacts = list(system.contacts)",
                   f"contacts[{number}] = replace(contacts[{number}], {words})"]  # fmt: skip
@@ -435,8 +568,8 @@ def lines_of(question: SystemQuestion) -> str:
     told: dict[str, object] = {"rotor": path}
     others = f'**course.drop | {{"speed": {case.speed!r}}}' if case.drops else "**course.motion"
     if not case.drops:
-        told |= {"speed": case.speed, "duration": _duration(case, question.revolutions)}
-    call = Question(verb, told).python("system", others)
+        told |= _length(case, question.revolutions)
+    call = Asked(verb, told).python("system", others)
     return "\n".join([*lines, f"run = {call}"]) + "\n"
 
 
@@ -448,7 +581,7 @@ def command_of(question: SystemQuestion) -> str:
     case, path = case_of(question), question.path
     assert path is not None
     if case.run is not None:
-        return Question("show", {"rotor": Path(path.name)}).command()
+        return Asked("show", {"rotor": Path(path.name)}).command()
 
     def told(value: float, unit: str) -> str:
         return written(value, unit) if case.system.units == "SI" and unit else repr(value)
@@ -456,7 +589,8 @@ def command_of(question: SystemQuestion) -> str:
     changes = dict(question.changes)
     factor = changes.pop("unbalance_factor", 1.0)
     first = []
-    for name, value in changes.items():
+    for changed, value in changes.items():
+        name = OF_CONTACT[changed]
         number = told(value, _unit(name, case.system.contacts[question.contact]))
         quoted = number if number == repr(value) else f'"{number}"'
         first.append(f"set {name} = {quoted} in contact {question.contact}")
@@ -464,12 +598,17 @@ def command_of(question: SystemQuestion) -> str:
     said = f"# first, in {brief(path.name)}: {'; '.join(first)}\n" if first else ""
     asked: dict[str, object] = {"rotor": Path(path.name), "speed": told(case.speed, "rpm")}
     if case.drops:
-        return said + Question("drop", {**asked, "out": "report"}).command()
-    asked["duration"] = told(_duration(case, question.revolutions), "s")
-    return said + Question("simulate", {**asked, "out": "run.nc", "figure": "run"}).command()
+        return said + Asked("drop", {**asked, "out": "report"}).command()
+    length = _length(case, question.revolutions)
+    asked |= {"duration": told(length["duration"], "s"), "samples": length["samples"]}
+    return said + Asked("simulate", {**asked, "out": "run.nc", "figure": "run"}).command()
 
 
 def _unit(name: str, contact: Contact) -> str:
     """Return the unit in which a system file gives a number of a contact; empty if it has none."""
     stiffness = "N/m" if contact.exponent == 1.0 else "N/m^1.5"
     return {"clearance": "um", "stiffness": stiffness, "damping": "s/m"}.get(name, "")
+
+
+# What fills the page, the run-up last.
+SHOWN = (show_motion, show_lines, show_responses, show_campbell, show_track)

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from functools import partial
-from typing import Any
+from typing import Any, NamedTuple
 
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.steady.response import CONTACT_FREE
@@ -34,7 +34,21 @@ STILL = "does not slide"
 STEADY = 1e-6
 
 
-def words_of_run(machine: Rotor | DimensionalRotor, facts: Mapping[str, float]) -> list[str]:
+class InUnits(NamedTuple):
+    """The scales of a rotor system, whose numbers are in SI units; and its speed."""
+
+    speed: float
+    length_scale: float = 1.0
+    time_scale: float = 1.0
+    force_scale: float = 1.0
+    reference_frequency: float = 1.0
+
+
+# A rotor, or the scales of a rotor system; None for one without dimensions.
+Scaled = Rotor | DimensionalRotor | InUnits | None
+
+
+def words_of_run(machine: Scaled, facts: Mapping[str, float]) -> list[str]:
     """Describe the last half of a run, in sentences."""
     if not facts["contacts_in_all"]:
         return ["It never touches the stator."]
@@ -234,7 +248,7 @@ def _at_rest(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> lis
     return ["It comes to rest inside the clearance.", _radii(machine, facts)]
 
 
-def _damped(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> list[str]:
+def _damped(machine: Scaled, facts: Mapping[str, Any]) -> list[str]:
     """Return the energy lost to contact damping, in words, if any.
 
     The loss is per contact or, if no contact ends, per revolution, if the radius varies.
@@ -249,11 +263,11 @@ def _damped(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> list
     return [f"A contact loses {_energy(machine, loss)} in the mean{loose}."]
 
 
-def _rubbing(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> list[str]:
+def _rubbing(machine: Scaled, facts: Mapping[str, Any]) -> list[str]:
     """Return the fractions of contact time with slip and rolling, and the friction heat."""
     if "rolling_fraction" not in facts:
         return []
-    turns = machine.omega if isinstance(machine, Rotor) else machine.speed
+    turns = machine.omega if isinstance(machine, Rotor) else machine.speed if machine else 1.0
     rolls = "rolls" if turns > 0.0 else STILL
     ways = [
         (facts["rolling_fraction"], rolls),
@@ -268,7 +282,7 @@ def _rubbing(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> lis
     else:
         parts = [f"{word} {100.0 * part:.3g} %" for part, word in seen]
         share = f"Of the time in contact it {', '.join(parts[:-1])} and {parts[-1]}"
-    heat = facts["heat_per_revolution"]
+    heat = facts.get("heat_per_revolution", math.nan)
     if math.isnan(heat) or all(word == rolls for _, word in seen):
         return [f"{share}."]
     return [f"{share}, with a heat of {_energy(machine, heat)} a revolution."]
@@ -313,9 +327,9 @@ def _contact(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> str
     )
 
 
-def _said(machine: Rotor | DimensionalRotor, value: float, scale: str, unit: str) -> str:
+def _said(machine: Scaled, value: float, scale: str, unit: str) -> str:
     """Return a dimensionless number; for a machine as the quantity that has this scale."""
-    if isinstance(machine, Rotor):
+    if isinstance(machine, Rotor | None):
         return quantity(value)
     return quantity(value * float(getattr(machine, scale)), unit).replace(" u", " µ")
 
@@ -326,6 +340,6 @@ _force = partial(_said, scale="force_scale", unit="N")
 _rate = partial(_said, scale="reference_frequency", unit="rad/s")
 
 
-def _energy(machine: Rotor | DimensionalRotor, value: float) -> str:
-    length = 1.0 if isinstance(machine, Rotor) else machine.length_scale
+def _energy(machine: Scaled, value: float) -> str:
+    length = 1.0 if isinstance(machine, Rotor | None) else machine.length_scale
     return _said(machine, length * value, "force_scale", "J")

@@ -21,35 +21,29 @@ from typing import BinaryIO, Literal, cast
 
 from rotor_ida.errors import RotorError
 from rotor_ida.explorer.messages import (
+    OF_SYSTEM,
     Answer,
-    DataSheet,
-    Measurement,
+    Asked,
     Question,
+    SystemQuestion,
     packed,
     read_question,
-    show_machine,
 )
-from rotor_ida.explorer.system_questions import SystemQuestion, SystemUpload
 
 # Orders about a numbered answer: compute its first part, continue, or cancel it.
-Asked = Question | Measurement | DataSheet | SystemQuestion | SystemUpload
 Order = tuple[int, Asked | Literal["next", "drop"]]
 
 # Rotor of the warm-up question, before a page may connect.
 FIRST_ROTOR = (2.0, 0.07, 2.0)
 # Further parameters of a machine, for which a separate library computes.
 FIRST_MACHINE = {"shaft_stiffness": 0.25, "contact_exponent": 1.0, "contact_damping": 0.5}
-# Module and function that answer each kind of question; all others are files.
+# Modules with the function ``show_...`` for each question about one disc.
 SHOWN_BY = {
-    "motion": ("motion", "show_motion"),
-    "run_up": ("run_ups", "show_run_up"),
-    "lines": ("motion", "show_lines"),
-    "responses": ("responses", "show_responses"),
-    "starts": ("starts", "show_starts"),
-}
-OF_SYSTEMS = {
-    about: ("systems", f"show_{about}") for about in ("system_run", "system_map", "system_run_up")
-} | {SystemUpload.about: ("systems", "show_opened_file")}
+    "motion": "motion", "lines": "motion", "run_up": "run_ups", "track": "run_ups",
+    "responses": "responses", "starts": "starts",
+}  # fmt: skip
+# And for the other questions; all else are files.
+ELSE_SHOWN_BY = {"upload": "opening", "machine": "messages", "campbell": "systems"}
 # Seconds after which a part is interrupted again, and again.
 SOON = 0.01
 # Bytes of the length of an answer, little-endian.
@@ -164,18 +158,12 @@ def _why(error: Exception) -> str:
 
 def _show(question: Asked) -> Iterator[Answer]:
     """Answer a question; each process imports only what it needs."""
-    if isinstance(question, Measurement):
-        from rotor_ida.explorer.measured import show_measured  # noqa: PLC0415
-
-        return show_measured(question)
-    if isinstance(question, DataSheet):
-        return show_machine(question)
-    if isinstance(question, SystemQuestion | SystemUpload):
-        place = OF_SYSTEMS.get(question.about, ("system_files", "show_system_file"))
-    else:
-        place = SHOWN_BY.get(question.about, ("files", "show_file"))
-    module, function = place
-    show = getattr(import_module(f"rotor_ida.explorer.{module}"), function)
+    about = question.about
+    module = (SHOWN_BY | ELSE_SHOWN_BY).get(about, "files")
+    if isinstance(question, SystemQuestion) and about in OF_SYSTEM:
+        module = "systems"
+    name = f"show_{'file' if module == 'files' else about}"
+    show = getattr(import_module(f"rotor_ida.explorer.{module}"), name)
     return cast(Iterator[Answer], show(question))
 
 

@@ -38,6 +38,11 @@ WHIPPED = (5.0, 0.0, 0.0, -6.3)
 CHATTER = {"omega": 1.2, "zeta": 0.07, "delta0": 0.5, "friction": 0.3, "disc_radius": 0.6}
 # Its basin takes minutes.
 SLOW = {"omega": 1.38, "zeta": 0.07, "delta0": 1.0}
+# What a page asks of a rotor system, whose file the program has.
+OF_SYSTEM = {
+    "about": "motion", "number": 1, "side": 0, "revolutions": 10,
+    "machine": {"node": "", "contact": 0, "speed": None, "changes": {}},
+}  # fmt: skip
 KINDS = {"f8": "<f8", "f4": "<f4", "i1": "i1"}
 HEADER = 4
 

@@ -139,6 +139,20 @@ def traffic_of(driver):
     return found
 
 
+def copied(page, button, said):
+    """Press a button that copies something; return that, once the page has said so."""
+    allowed = {
+        "permissions": ["clipboardReadWrite", "clipboardSanitizedWrite"],
+        "origin": page.run("return location.origin"),
+    }
+    page.driver.execute_cdp_cmd("Browser.grantPermissions", allowed)
+    page.find(button).click()
+    page.until("document.getElementById('connection').textContent === arguments[0]", said)
+    return page.driver.execute_async_script(
+        "navigator.clipboard.readText().then(arguments[arguments.length - 1])"
+    )
+
+
 # Before the page's own scripts run; a basin takes longer than all else, and few look at it.
 NO_BASIN = """
 document.addEventListener("readystatechange", () => {

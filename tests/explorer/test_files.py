@@ -94,8 +94,8 @@ def test_the_page_is_recorded_step_by_step_and_has_the_speed_that_is_shown(
     rate = rate or question(machine=machine).machine.reference_frequency
     own = machine.get("omega", machine.get("speed"))
     part = rate * files.speeds_shown(question(machine=machine).machine)[1] / 4.0
-    assert told["speeds"] == pytest.approx(sorted([1.9 * part, 2.1 * part, own]))
-    assert told["speed"] == own
+    assert told["places"] == pytest.approx(sorted([1.9 * part, 2.1 * part, own]))
+    assert told["place"] == own
 
 
 @pytest.mark.parametrize("machine", [ROTOR, WHOLE_IN_SI])

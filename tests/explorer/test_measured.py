@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from rotor_ida.explorer import measured
-from rotor_ida.explorer.messages import Measurement
+from rotor_ida.explorer.messages import Upload
 from rotor_ida.signals.orders import orders
 from rotor_ida.signals.reading import NO_UNIT, read_signals
 from rotor_ida.signals.spectra import full_spectrum, spectrogram
@@ -31,7 +31,7 @@ def written(path: Path, rate: float, *, angle: bool = True, size: int = 6000) ->
 def analysed(path: Path, **changes: object) -> Message:
     given = {"number": 1, "name": "probes.csv", "size": 1, "probe_angles": (0.0, 90.0),
              "gains": (1.0, 1.0), "path": path} | changes  # fmt: skip
-    (message,) = answer_to(Measurement(**given))  # type: ignore[arg-type]
+    (message,) = answer_to(Upload(about="upload", **given))  # type: ignore[arg-type]
     return message
 
 
@@ -102,8 +102,8 @@ def test_what_cannot_be_analysed_is_a_note(tmp_path: Path):
 
 
 def test_a_file_that_is_refused_has_the_name_that_the_page_knows(tmp_path: Path):
-    (tmp_path / "measured.wav").write_bytes(b"RIFF")
-    found = analysed(tmp_path / "measured.wav", name="probes.wav")
+    (tmp_path / "probes.wav").write_bytes(b"RIFF")
+    found = analysed(tmp_path / "probes.wav", name="probes.wav")
     assert found.part == "trouble"
     assert found.facts["message"].startswith("'probes.wav' must be a WAV file")
 

@@ -20,6 +20,7 @@ from tests.explorer.asking import (
     BEYOND_IN_SI,
     HEADER,
     MACHINE,
+    OF_SYSTEM,
     ROTOR,
     RUB,
     RUB_IN_SI,
@@ -147,6 +148,31 @@ def message_of(text: str) -> str:
 @pytest.mark.parametrize(("changes", "told"), MISTAKES, ids=lambda value: str(value)[:60])
 def test_a_mistake_gets_one_line_that_names_it(changes: dict[str, object], told: str):
     assert told in message_of(json.dumps(asked(**changes)))
+
+
+@pytest.mark.parametrize(
+    ("changes", "machine", "told"),
+    [({"about": "starts"}, {}, "about must be one of 'motion', 'lines', 'responses', 'campbell'"),
+     ({"about": "run_up"}, {}, "about must be one of"),
+     ({"start": [0, 0, 0, 0]}, {}, "revolutions, side, got also ['start']"),
+     ({"path": "/etc/passwd"}, {}, "got also ['path']"),
+     ({"revolutions": 2001}, {}, "revolutions must be at most 2000"),
+     ({}, {"node": 7}, "node must be the name of a node, got 7"),
+     ({}, {"node": "a" * 256}, "node must be the name of a node, got 'aaa"),
+     ({}, {"path": "x"}, "machine must have changes, contact, node, speed, got also ['path']"),
+     ({}, {"contact": -1}, "contact must be at least 0"),
+     ({}, {"contact": 1001}, "contact must be at most 1000"),
+     ({}, {"speed": -1.0}, "speed must be zero or positive"),
+     ({}, {"changes": {"mass": 1.0}}, "changes must be numbers by clearance, contact_stiffness"),
+     ({}, {"changes": [1.0]}, "changes must be numbers by"),
+     ({}, {"changes": {"friction": NAN}}, f"friction {FINITE} nan")],
+    ids=str,
+)  # fmt: skip
+def test_a_mistake_about_a_system_gets_one_line_that_names_it(
+    changes: dict[str, object], machine: dict[str, object], told: str
+):
+    whole = {**OF_SYSTEM["machine"], **machine}  # type: ignore[dict-item]
+    assert told in message_of(json.dumps(OF_SYSTEM | {"machine": whole} | changes))
 
 
 @pytest.mark.parametrize(("text", "told"), TEXTS, ids=lambda value: str(value)[:30])

@@ -27,6 +27,7 @@ from tests.explorer.asking import CHATTER, RUB, WHIP, answer_to, question
 from tests.explorer.browser import (
     WINDOW,
     Page,
+    copied,
     downloaded,
     ended,
     errors_of,
@@ -794,20 +795,6 @@ def test_what_makes_the_run_again_is_copied(page, address, whole):
         assert ("load" in text) == whole
 
 
-def copied(page, button, said):
-    """Press a button that copies something; return that, once the page has said so."""
-    allowed = {
-        "permissions": ["clipboardReadWrite", "clipboardSanitizedWrite"],
-        "origin": page.run("return location.origin"),
-    }
-    page.driver.execute_cdp_cmd("Browser.grantPermissions", allowed)
-    page.find(button).click()
-    page.until("document.getElementById('connection').textContent === arguments[0]", said)
-    return page.driver.execute_async_script(
-        "navigator.clipboard.readText().then(arguments[arguments.length - 1])"
-    )
-
-
 LISTEN = """
 window.said = [];
 const telling = document.getElementById("connection");
@@ -1003,8 +990,8 @@ def test_nothing_is_cut_off_in_dark_and_light_and_all_has_a_name(page):
         with sized(page.driver, width):
             time.sleep(0.5)
             assert page.run("return document.documentElement.scrollWidth") <= width
-            wide = "Array.from(document.querySelectorAll('canvas'), (each) => each.clientWidth)"
-            assert min(page.run(f"return {wide}")) >= 180
+            seen = "[...document.querySelectorAll('canvas')].filter((each) => each.offsetParent)"
+            assert min(page.run(f"return {seen}.map((each) => each.clientWidth)")) >= 180
     paper = "getComputedStyle(document.body).backgroundColor"
     before = page.run(f"return {paper}")
     page.find("#theme").click()

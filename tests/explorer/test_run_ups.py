@@ -9,9 +9,10 @@ import numpy as np
 import pytest
 
 from rotor_ida import Rotor, folds, run_up, simulate, synchronous_response
-from rotor_ida.explorer.run_ups import FURTHEST, PER_REVOLUTION, RTOL
-from rotor_ida.signals.orders import orders
-from rotor_ida.signals.spectra import full_spectrum, spectrogram
+from rotor_ida.explorer.measured import cascade_rows, order_rows
+from rotor_ida.explorer.run_ups import PER_REVOLUTION, RTOL
+from rotor_ida.signals.record import record_of
+from rotor_ida.signals.spectra import full_spectrum
 from tests.explorer.asking import CHATTER, MACHINE, Message, answer_to, first_part, question
 
 UP = {"omega": 1.2, "zeta": 0.07, "delta0": 0.5}
@@ -44,6 +45,18 @@ def pieces(
         found.append(piece({**rotor, name: scale * here}, start, to, rate, angle))
         start, angle = found[-1].facts["end"], found[-1].facts["angle"]
     return found
+
+
+def track(rotor: dict[str, float], last: Message) -> Message:
+    """Return the track of the run-up that a piece has ended."""
+    name, scale = ("speed", 500.0) if "mass" in rotor else ("omega", 1.0)
+    asking = question(
+        "track", machine={**rotor, name: scale * last.facts["speed"]}, start=last.facts["end"],
+        speeds=[0.05, TOP],
+    )  # fmt: skip
+    (answer,) = answer_to(asking)
+    assert answer.part == "track", answer.facts
+    return answer
 
 
 def joined(answers: list[Message], name: str) -> np.ndarray:
@@ -151,33 +164,33 @@ def test_windows_and_spectra_do_not_tell_where_a_piece_ends(
     rotor: dict[str, float], start: tuple[float, ...], stops: tuple[float, ...], rate: float
 ) -> None:
     """In and out of contact, over stops at any place of a revolution."""
-    found = pieces(rotor, start, stops, rate)
+    found = track(rotor, pieces(rotor, start, stops, rate)[-1]).arrays
     step = 2.0 * np.pi / (PER_REVOLUTION * TOP)
     times = step * np.arange(int((stops[-1] - stops[0]) / rate / step) + 1)
     whole = run_up(Rotor(**rotor), start=start, to=stops[-1], rate=rate, samples=times, rtol=1e-10)
-    exact = orders(whole).isel(order=0)
-    assert exact.sizes["window"] >= 8
     assert whole.sizes["event"] >= 8
-    speeds = joined(found, "order_speed")
-    # the library also takes a last window that would end before the next sample
-    assert exact.sizes["window"] - speeds.size in {0, 1}
-    exact = exact.isel(window=slice(speeds.size))
-    assert speeds == pytest.approx(exact.speed.values, abs=1e-8)
-    amplitudes = joined(found, "order_amplitude")
-    assert amplitudes == pytest.approx(exact.forward_whirl_amplitude.values, abs=1e-6)
-    turned = joined(found, "order_lag") - exact.forward_phase_lag.values
+    exact = order_rows(whole, record_of(whole)) | cascade_rows(whole, record_of(whole))
+    assert exact["order_speed"].size >= 8
+    assert exact["cascade_speed"].size >= 2
+    assert np.isfinite(exact["order_amplitude"]).any()
+    turned = found.pop("order_lag") - exact.pop("order_lag")
     assert np.abs(np.exp(1j * turned) - 1.0).max() < 1e-6
-    (size,) = {len(each.arrays["cascade_frequency"]) for each in found if
-               len(each.arrays["cascade_frequency"])}  # fmt: skip
-    lines = next(each.arrays["cascade_frequency"] for each in found if
-                 len(each.arrays["cascade_frequency"]))  # fmt: skip
-    fine = spectrogram(whole, segment=round(2.0 * np.pi / step / (lines[1] - lines[0])))
-    shown = fine.sel(frequency=slice(-FURTHEST * TOP, FURTHEST * TOP))
-    assert shown.sizes["window"] >= 2
-    assert lines == pytest.approx(shown.frequency.values, abs=1e-9)
-    assert joined(found, "cascade_speed") == pytest.approx(shown.speed.values, abs=1e-8)
-    heights = joined(found, "cascade_amplitude").reshape(-1, size)
-    assert heights == pytest.approx(shown.whirl_amplitude.values, abs=1e-6)
+    assert found.keys() == exact.keys()
+    for name, values in exact.items():
+        np.testing.assert_allclose(found[name], values, rtol=0.0, atol=1e-6, err_msg=name)
+
+
+def test_a_run_down_begins_another_track_and_the_summary_goes_on() -> None:
+    last = pieces(BOUNCING, BOUNCED, (2.4, 2.52), 0.01)[-1]
+    back = piece({**BOUNCING, "omega": 2.52}, last.facts["end"], 2.44, -0.01, last.facts["angle"])
+    speeds = track(BOUNCING, back).arrays["order_speed"]
+    assert speeds.size >= 2
+    assert np.all(np.diff(speeds) < 0.0)
+    assert speeds.max() < 2.52
+    assert back.facts["words"].startswith("From 2.4 to 2.44.")
+    unknown = question("track", machine={**BOUNCING, "omega": 2.44}, start=list(BOUNCED))
+    (answer,) = answer_to(unknown)
+    assert answer.facts["message"] == "a run-up must be given from its beginning"
 
 
 def test_a_slow_run_up_follows_the_exact_whirl_in_amplitude_and_phase() -> None:
@@ -188,10 +201,10 @@ def test_a_slow_run_up_follows_the_exact_whirl_in_amplitude_and_phase() -> None:
     start = (z.real, z.imag, (0.7j * z).real, (0.7j * z).imag)
     off = []
     for rate in (0.001, 0.00025):
-        found = pieces(rotor, start, (0.7, 0.9, 1.1, 1.3), rate)
-        speeds = joined(found, "order_speed")
+        found = track(rotor, pieces(rotor, start, (0.7, 0.9, 1.1, 1.3), rate)[-1]).arrays
+        speeds = found["order_speed"]
         exact = synchronous_response(**{**rotor, "omega": speeds}).isel(zeta=0, delta0=0, branch=0)
-        tracked = joined(found, "order_amplitude") * np.exp(-1j * joined(found, "order_lag"))
+        tracked = found["order_amplitude"] * np.exp(-1j * found["order_lag"])
         off.append(np.abs(tracked - exact.amplitude * np.exp(-1j * exact.phase_lag)).max().item())
     assert off[1] < 0.01
     assert off[0] / off[1] == pytest.approx(4.0, rel=0.1)
@@ -202,18 +215,20 @@ def test_a_machine_in_si_units_runs_up_as_its_rotor_does() -> None:
     stops = (2.0, 2.013, 2.05, 2.1)
     rotor = {"omega": 2.0, "zeta": 0.07, "delta0": 2.0}
     ours, other = (pieces(each, BOUNCED, stops, 0.004) for each in (MACHINE, rotor))
-    assert joined(ours, "order_speed").size == 8
     assert joined(ours, "radius") == pytest.approx(joined(other, "radius"), abs=1e-6)
     assert ours[0].facts["scales"]["rate"] == pytest.approx(500.0)
+    tracks = [track(*each).arrays for each in ((MACHINE, ours[-1]), (rotor, other[-1]))]
+    assert tracks[0]["order_speed"].size == 8
     for name in ("order_speed", "order_amplitude", "order_lag"):
-        assert joined(ours, name) == pytest.approx(joined(other, name), abs=1e-5)
+        assert tracks[0][name] == pytest.approx(tracks[1][name], abs=1e-5)
 
 
 def test_another_state_begins_another_record() -> None:
     first = pieces(BOUNCING, BOUNCED, (2.4, 2.44), 0.01)
     again = pieces({**BOUNCING, "omega": 2.44}, BOUNCED, (2.44, 2.48), 0.01)
-    assert joined(again, "order_speed")[0] > 2.44
-    assert joined(first, "order_speed").size == joined(again, "order_speed").size == 1
+    one, other = (track(BOUNCING, each[-1]).arrays["order_speed"] for each in (first, again))
+    assert other[0] > 2.44
+    assert one.size == other.size == 1
 
 
 def test_the_curve_has_the_phase_lag_of_every_whirl() -> None:

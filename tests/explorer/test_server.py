@@ -11,6 +11,7 @@ import sys
 import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
+from typing import Any
 
 import pytest
 from websockets.exceptions import ConnectionClosed
@@ -18,8 +19,8 @@ from websockets.sync.client import ClientConnection
 
 from rotor_ida.errors import InputError
 from rotor_ida.explorer import server
-from rotor_ida.explorer.messages import LARGEST_FILE, Measurement
-from tests.explorer.asking import ROTOR, Message, asked, unpacked
+from rotor_ida.explorer.messages import LARGEST_FILE, Answer, Upload, packed
+from tests.explorer.asking import OF_SYSTEM, ROTOR, Message, asked, unpacked
 from tests.explorer.conftest import PATIENCE, SHORT_VISIT, Program, wait_until
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
@@ -286,7 +287,7 @@ def test_who_may_not_ask_is_refused_at_once(served: Program):
 def announced(size: int = 3, **changes: object) -> str:
     """Return the question about a file, behind which its pieces come."""
     return json.dumps({
-        "about": "measured", "number": 1, "name": "probes.csv", "size": size,
+        "about": "upload", "number": 1, "name": "probes.csv", "size": size,
         "probe_angles": [0, 90], "gains": [1, 1],
     } | changes)  # fmt: skip
 
@@ -307,7 +308,7 @@ def test_a_file_in_pieces_is_analysed_and_questions_are_answered_meanwhile(serve
         found = heard(talk)
     assert (found.part, found.header["about"], found.header["number"]) == (
         "measured",
-        "measured",
+        "upload",
         1,
     )
     assert found.facts["samples"] == 20_000
@@ -345,7 +346,7 @@ def test_a_mistake_gets_one_line_and_the_page_lives_on(served: Program):
 def test_what_is_kept_of_a_file_is_removed(tmp_path: Path, monkeypatch: pytest.MonkeyPatch):
     """When it is analysed, another one comes, it is longer than announced, or the page goes."""
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
-    asked_: list[tuple[Measurement, Callable[[bytes], None]]] = []
+    asked_: list[tuple[Upload, Callable[[bytes], None]]] = []
     answers: list[bytes] = []
     inbox = server.Inbox(lambda *asking: asked_.append(asking), answers.append)
     inbox.take(announced(6, name="../probes.WAV"), None)
@@ -353,10 +354,11 @@ def test_what_is_kept_of_a_file_is_removed(tmp_path: Path, monkeypatch: pytest.M
     assert not asked_
     inbox.take("", b"def")
     (measurement, deliver), (folder,) = asked_.pop(), tmp_path.iterdir()
-    assert measurement.path == folder / "measured.wav"
+    assert measurement.path == folder / "probes.wav"
     assert measurement.path.read_bytes() == b"abcdef"
-    deliver(b"answer")
-    assert answers == [b"answer"]
+    answer = packed(Answer("measured"))
+    deliver(answer)
+    assert answers == [answer]
     assert not list(tmp_path.iterdir())
     for _ in range(2):
         inbox.take(announced(6), None)
@@ -368,6 +370,46 @@ def test_what_is_kept_of_a_file_is_removed(tmp_path: Path, monkeypatch: pytest.M
     inbox.close()
     assert not list(tmp_path.iterdir())
     assert not asked_
+
+
+def test_the_file_of_a_system_stays_until_another_can_be_read_and_no_name_leads_elsewhere(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    asked_: list[tuple[Any, Callable[[bytes], None]]] = []
+    given = tmp_path / "given.toml"
+    inbox = server.Inbox(lambda *asking: asked_.append(asking), lambda _: None, given)
+
+    def path_of_system() -> Path | None:
+        inbox.take(json.dumps(OF_SYSTEM), None)
+        found: Path | None = asked_.pop()[0].path
+        return found
+
+    def sent(name: str, part: str) -> Path:
+        inbox.take(announced(3, name=name), None)
+        inbox.take("", b"abc")
+        upload, deliver = asked_.pop()
+        deliver(packed(Answer(part)))
+        found: Path = upload.path
+        return found
+
+    assert path_of_system() == given
+    one = sent("../../one.toml", "system")
+    assert path_of_system() == one
+    assert one.parent.parent == tmp_path
+    assert not sent("two.toml", "trouble").exists()
+    assert not sent("probes.csv", "measured").exists()
+    assert path_of_system() == one
+    other = sent("other.nc", "system")
+    assert path_of_system() == other
+    assert not one.exists()
+    # only the file of the command is read without being sent, by its name
+    inbox.take(announced(0, name="given.toml"), None)
+    assert asked_.pop()[0].path == given
+    inbox.take(announced(0, name="passwd.toml"), None)
+    assert asked_.pop()[0].path.parent.parent == tmp_path
+    inbox.close()
+    assert not list(tmp_path.iterdir())
 
 
 @pytest.mark.usefixtures("unharmed")

@@ -2,27 +2,35 @@
 
 from __future__ import annotations
 
+import time
 from dataclasses import replace
 
 import numpy as np
-import pytest
 
 from rotor_ida import load_course, load_system, simulate
-from tests.explorer.browser import Page, downloaded, ended, errors_of, needs_browser, served
+from tests.explorer.browser import (
+    Page,
+    copied,
+    downloaded,
+    ended,
+    errors_of,
+    needs_browser,
+    served,
+    sized,
+)
 
 pytestmark = needs_browser
 
 DROPPED = """
 const files = new DataTransfer();
-files.items.add(new File([arguments[0]], "bad.toml"));
-dispatchEvent(new DragEvent("drop", { dataTransfer: files, cancelable: true }));
+files.items.add(new File([arguments[0]], arguments[1]));
+const told = { dataTransfer: files, bubbles: true, cancelable: true };
+document.body.dispatchEvent(new DragEvent("drop", told));
 """
-
-
 SET = """
 const field = document.getElementById(arguments[0]);
 field.value = arguments[1];
-field.dispatchEvent(new Event("change"));
+field.dispatchEvent(new Event(arguments[2] ?? "change"));
 """
 TWO_NODES = """
 speed = "2000 rpm"
@@ -41,6 +49,39 @@ moment = "100 g mm"
 """
 
 
+PUMP = """
+mass = "12 kg"
+shaft_stiffness = "4 MN/m"
+damping = "415.7 N s/m"
+clearance = "150 um"
+eccentricity = "16.7 um"
+speed = "3600 rpm"
+contact_stiffness = "1e8 N/m"
+"""
+FALLING = """
+speed = "4800 rpm"
+drop = { duration = "10 ms" }
+[system]
+mass = [20, 20, 20, 20]
+stiffness = [[2e6, 0, -2e6, 0], [0, 2e6, 0, -2e6], [-2e6, 0, 2e6, 0], [0, -2e6, 0, 2e6]]
+nodes = { left = [0, 1], right = [2, 3] }
+[[supports]]
+node = "left"
+stiffness = "2e6 N/m"
+damping = "2e3 N s/m"
+[[supports]]
+node = "right"
+stiffness = "2e6 N/m"
+damping = "2e3 N s/m"
+[[contacts]]
+node = "left"
+clearance = "0.2 mm"
+stiffness = "2e9 N/m^1.5"
+[[contacts]]
+node = "right"
+clearance = "0.2 mm"
+stiffness = "2e9 N/m^1.5"
+"""
 SEAL = "</script><script>window.ran = 1</script>"
 
 
@@ -48,8 +89,12 @@ class SystemPage(Page):
     """The page of a system: it has settled when all panels are there."""
 
     def settle(self):
-        for part in ("run", "map", "campbell", "runUp"):
-            self.until("window.rotorIda && rotorIda[arguments[0]]", part)
+        for part in ("motion", "curve", "settled", "lines", "campbell", "track"):
+            self.until(
+                "window.rotorIda?.shown[0]?.[arguments[0]] && (location.protocol === 'file:' || "
+                "rotorIda.shown[0][arguments[0]].number === rotorIda.asked)", part,
+            )  # fmt: skip
+        self.until("rotorIda.hasAllDrawn()")
 
 
 def test_a_system_is_shown_and_played_and_one_page_shows_every_node_without_the_program(
@@ -61,14 +106,15 @@ def test_a_system_is_shown_and_played_and_one_page_shows_every_node_without_the_
     (chromium.folder / "run.html").unlink(missing_ok=True)
     try:
         page = SystemPage(chromium, address)
-        check_played(page)
+        check_drawn_and_played(page)
         check_bad_file_refused(page)  # and what is shown can still be changed
-        command = check_state_in_the_address(page)
+        check_state_in_the_address(page)
         page.find('[data-file="html"]').click()
         file = downloaded(chromium.folder / "run.html")
+        check_another_rotor_and_back(page)
         assert errors_of(chromium) == []
         ended(process)
-        check_alone(SystemPage(chromium, file.as_uri()), command, path)
+        check_alone(SystemPage(chromium, file.as_uri()), path)
         # the first page has no server any more
         assert [each for each in errors_of(chromium) if "connection.js" not in each] == []
     finally:
@@ -76,50 +122,114 @@ def test_a_system_is_shown_and_played_and_one_page_shows_every_node_without_the_
         ended(process)
 
 
-def check_played(page):
+def check_drawn_and_played(page):
     assert "rotor" in page.find("#verdict").text
-    page.run("document.getElementById('play').click()")
-    page.until("rotorIda.time > 0 && rotorIda.time < 1")
+    assert all(page.pictures())
+    for width in (390, 1400):
+        with sized(page.driver, width):
+            assert page.run("return document.documentElement.scrollWidth") <= width
+    before = page.pictures()
+    page.run("document.querySelector('[data-play]').click()")
+    page.until("document.querySelector('[data-time]').valueAsNumber > 0.01")
+    page.run("document.querySelector('[data-play]').click()")
+    shape = page.run(
+        "return [...document.querySelectorAll('canvas')].filter((each) => each.offsetParent)"
+        ".findIndex((each) => each.closest('[data-panel=\"shape\"]'))"
+    )
+    assert page.pictures()[shape] != before[shape]
 
 
 def check_bad_file_refused(page):
-    page.run(DROPPED, "speed = 3")
-    page.until("rotorIda.errors.length")
-    assert page.find("#trouble").text.startswith("bad.toml: system must be given")
+    page.run(DROPPED, "speed = 3", "bad.toml")
+    page.until("document.getElementById('measured-said').textContent.startsWith('bad.toml is')")
+    assert "system must be given" in page.find("#measured-said").text
 
 
 def check_state_in_the_address(page):
-    """Change the clearance, go back and forward, and load again; return the command shown."""
-    page.run(SET, "number-clearance", 47)
-    page.until("document.getElementById('command').textContent.includes('\"47um\"')")
+    """Change the clearance, choose a node in the sketch, go back and forward, and load again."""
+    page.run(SET, "field-clearance", 47, "input")
     page.until("location.hash.includes('clearance=0.000047')")
-    command = page.find("#command").text
+    command = copied(page, '[data-copy="sh"]', "The command line is copied.")
+    assert '"47um"' in command
     assert "'my two.toml' --speed 2000rpm" in command
+    time.sleep(1.1)  # changes in one movement are undone together
+    over = page.find('[data-panel="sketch"] .u-over')
+    page.pointer_on(over, across=0.42 * over.rect["width"]).click().perform()
+    page.until("rotorIda.state.node !== 'disc' && location.hash.includes('script')")
+    page.settle()
+    assert page.facts("motion")["told"].startswith("node </script>")
     page.find("#undo").click()
-    page.until("document.getElementById('number-clearance').value === '60'")
+    page.until("rotorIda.state.node === 'disc'")
+    page.find("#undo").click()
+    page.until("document.getElementById('field-clearance').value === '60'")
     page.find("#redo").click()
-    page.until("document.getElementById('number-clearance').value === '47'")
+    page.until("document.getElementById('field-clearance').value === '47'")
     page.driver.refresh()
     page.settle()
-    page.until("document.getElementById('number-clearance').value === '47'")
-    assert page.find("#command").text == command
-    return command
+    assert page.facts("motion")["rotor"]["delta0"] == 47e-6
 
 
-def check_alone(page, command, path):
+def check_another_rotor_and_back(page):
+    """A machine is opened in the place of the system, and the system is gone back to."""
+    page.run(DROPPED, PUMP, "pump.toml")
+    page.until("rotorIda.state.mass === 12")
+    Page.settle(page, "settled")
+    assert page.find("#verdict").text.startswith("No contact")
+    assert not page.find('[data-panel="sketch"]').is_displayed()
+    page.find("#undo").click()
+    page.until("rotorIda.state.node === 'disc'")
+    page.settle()
+    assert "contact 0 (disc)" in page.find("#verdict").text
+    assert page.facts("motion")["rotor"]["delta0"] == 47e-6
+
+
+def check_alone(page, path):
     """Check the page that needs no program."""
-    assert page.find("#command").text == command
     assert not page.find("#undo").is_displayed()
-    force = page.run("return Math.max(...rotorIda.run.normal_force)")
-    assert force == pytest.approx(float(run_of(path, 47e-6)["normal_force"].max()), rel=1e-6)
+    peaks = run_of(path, 47e-6)["peak_force"].values
+    np.testing.assert_allclose(page.array("motion", "peak_force"), peaks, rtol=1e-6)
     assert page.run("return window.ran") is None
     page.run(SET, "node", SEAL)
-    page.until("[rotorIda.run, rotorIda.map].every((e) => e.facts.node === arguments[0])", SEAL)
-    page.run("document.getElementById('play').click()")
-    page.until("rotorIda.time > 0 && rotorIda.time < 1")
+    page.until("rotorIda.shown[0].motion.facts.told.startsWith(`node ${arguments[0]}`)", SEAL)
+    page.until("rotorIda.shown[0].curve.facts.told.startsWith(`node ${arguments[0]}`)", SEAL)
     resources = page.run("return performance.getEntriesByType('resource').map((e) => e.name)")
     assert [name for name in resources if not name.startswith("data:")] == []
-    assert page.run("return rotorIda.errors") == []
+
+
+def test_a_drop_is_shown_in_two_bearings_and_a_measurement_of_the_command_beside_a_rotor(
+    chromium, tmp_path
+):
+    """Both without a run-up: what is not there is not offered."""
+    place = tmp_path / "drop.toml"
+    place.write_text(FALLING)
+    turn = np.arange(0.0, 60.0, 0.05)
+    table = np.stack([turn, 2.0 * np.cos(turn), 2.0 * np.sin(turn), turn], axis=1)
+    np.savetxt(tmp_path / "probes.csv", table, delimiter=",", header="t,x,y,angle", comments="")
+    for file in (place, tmp_path / "probes.csv"):
+        process, address = served(str(file))
+        try:
+            if file is place:
+                page = DropPage(chromium, address)
+                named = "node {}, contact {}, speed 4,800 rpm"
+                told = [page.facts("motion", side)["told"] for side in (0, 1)]
+                assert told == [named.format(*each) for each in (("left", 0), ("right", 1))]
+                assert not page.find('[name="signals"][value="bode"]').is_displayed()
+            else:
+                page = Page(chromium, address)
+                page.until("rotorIda.measured.found?.samples === arguments[0]", len(table))
+            assert errors_of(chromium) == []
+        finally:
+            chromium.get("about:blank")
+            ended(process)
+
+
+class DropPage(Page):
+    """The page of a drop, with two bearings."""
+
+    def settle(self):
+        for side in (0, 1):
+            self.until("window.rotorIda?.shown[arguments[0]]?.motion", side)
+        self.until("rotorIda.hasAllDrawn()")
 
 
 def run_of(path, clearance):

@@ -5,20 +5,35 @@ from __future__ import annotations
 import json
 from dataclasses import replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
 
-from rotor_ida import drop, load, load_course, load_system, run_up, save, simulate
+import rotor_ida
+from rotor_ida import (
+    DimensionalRotor,
+    drop,
+    load,
+    load_course,
+    load_system,
+    run_up,
+    save,
+    save_machine,
+    simulate,
+)
 from rotor_ida.cli import main
 from rotor_ida.errors import InputError
-from rotor_ida.explorer import system_files, system_touches, systems
-from rotor_ida.explorer.messages import Answer, read_question
-from rotor_ida.explorer.system_questions import SystemQuestion
+from rotor_ida.explorer import files, system_touches, systems
+from rotor_ida.explorer.messages import Answer, SystemQuestion, read_question
+from rotor_ida.explorer.opening import state_in
 from rotor_ida.explorer.system_verdicts import verdict
 from rotor_ida.model.assembly import assemble
+from rotor_ida.model.data_sheet import implausible
 from rotor_ida.results.system_file import read_system_file
 from rotor_ida.units import quantity
+from tests.explorer.asking import Message, answer_to
+from tests.explorer.asking import question as asking
 
 DISC = """
 speed = "2000 rpm"
@@ -40,10 +55,16 @@ radius = "30 mm"
 duration = "16 ms"
 """
 RPM = np.pi / 30.0
-ASKED = {
-    "about": "system_run", "number": 1, "node": "", "contact": 0, "speed": None, "revolutions": 10,
-    "changes": {},
+# A disc by itself, and the same as a system.
+DISC_ALONE = {
+    "mass": 4.0, "contact_stiffness": 1e7, "damping": 80.0, "eccentricity": 25e-6,
+    "clearance": 60e-6, "speed": 200.0, "shaft_stiffness": 1e5, "contact_exponent": 1.0,
 }  # fmt: skip
+ALONE = DISC.replace("2000 rpm", "200 rad/s")
+SPEEDS_ALONE = [0.01, 3.0]
+LENGTHS = ("x", "y", "radius", "event_x", "event_y", "rotating_x", "section_y")
+MACHINE = {"node": "", "contact": 0, "speed": None, "changes": {}}
+ASKED = {"about": "motion", "number": 1, "side": 0, "revolutions": 10}
 
 
 @pytest.fixture
@@ -60,23 +81,33 @@ def of_drop(tmp_path: Path) -> Path:
     return place
 
 
-def question(path: Path, **changes: object) -> SystemQuestion:
-    found = read_question(json.dumps(ASKED | changes))
+def question(path: Path, about: str = "motion", **changes: object) -> SystemQuestion:
+    beside = {"about": about, "revolutions": changes.pop("revolutions", 10)}
+    found = read_question(json.dumps(ASKED | beside | {"machine": MACHINE | changes}))
     assert isinstance(found, SystemQuestion)
     return replace(found, path=path)
 
 
+def parts_of(asked: SystemQuestion) -> dict[str, Answer]:
+    shows = (systems.show_motion, systems.show_responses, systems.show_campbell)
+    return {each.part: each for show in shows for each in show(asked)}
+
+
+def shown(asked: Any) -> dict[str, Message]:
+    return {each.part: each for each in answer_to(asked)}
+
+
 def run_of(asked: SystemQuestion) -> Answer:
-    return list(systems.show_system_run(asked))[-1]
+    return {each.part: each for each in systems.show_motion(asked)}["motion"]
 
 
 def test_a_run_is_that_of_its_python_lines(path: Path) -> None:
-    answer = run_of(question(path, changes={"clearance": 5e-5}))
-    lines = str(answer.facts["python"]).replace("disc.toml", str(path))
-    there: dict[str, object] = {}
+    asked = question(path, changes={"clearance": 5e-5})
+    lines = files.lines_of(asked).replace("disc.toml", str(path))
+    there: dict[str, Any] = {}
     exec(lines, there)
-    np.testing.assert_array_equal(answer.arrays["x"], there["run"]["x"].values.ravel())  # type: ignore[index]
-    assert str(answer.facts["command"]).startswith(
+    np.testing.assert_array_equal(run_of(asked).arrays["x"], there["run"]["contact_x"][:, 0])
+    assert files.command_of(asked).startswith(
         '# first, in disc.toml: set clearance = "50um" in contact 0\n'
         "rotor-ida simulate disc.toml --speed 2000rpm --duration "
     )
@@ -84,7 +115,7 @@ def test_a_run_is_that_of_its_python_lines(path: Path) -> None:
 
 def test_the_command_is_in_the_units_of_the_page_and_gives_the_run_shown(path: Path) -> None:
     asked = question(path, speed=2345.6 * np.pi / 30.0, changes={"clearance": 4.7e-5})
-    said, command = str(run_of(asked).facts["command"]).splitlines()
+    said, command = files.command_of(asked).splitlines()
     assert said == '# first, in disc.toml: set clearance = "47um" in contact 0'
     assert "--speed 2345.6rpm" in command
     path.write_text(DISC.replace("60 um", "47um"))
@@ -92,7 +123,7 @@ def test_the_command_is_in_the_units_of_the_page_and_gives_the_run_shown(path: P
     words = command.split()[1:-2]
     words[1], words[-1] = str(path), str(archive)
     assert main(words) == 0
-    again, shown = load(archive), systems.run_of_system(asked)
+    again, shown = load(archive), systems.run_of(asked)
     np.testing.assert_array_equal(again["event_time"], shown["event_time"])
 
 
@@ -102,7 +133,7 @@ def test_an_archive_is_played_as_it_is(path: Path, tmp_path: Path) -> None:
     archive = tmp_path / "run.nc"
     save(run, archive)
     np.testing.assert_array_equal(
-        run_of(question(archive)).arrays["normal_force"], run["normal_force"].values.ravel()
+        run_of(question(archive)).arrays["force"], run["normal_force"].values.ravel()
     )
 
 
@@ -114,10 +145,10 @@ def test_a_drop_is_that_of_its_file_and_its_archive_the_same(of_drop: Path) -> N
         answer = run_of(question(path))
         np.testing.assert_array_equal(answer.arrays["y"], run["y"].values.ravel())
         np.testing.assert_array_equal(answer.arrays["peak_force"], run["peak_force"].values)
-        assert answer.facts["drop"]
-        rest = list(systems.show_system_run_up(question(path, about="system_run_up")))
-        assert not rest[0].arrays
-    assert str(run_of(question(of_drop)).facts["command"]).startswith(
+        assert answer.facts["is_drop"]
+        with pytest.raises(InputError, match="a run-up must be left out"):
+            next(systems.show_track(question(path, "track")))
+    assert files.command_of(question(of_drop)).startswith(
         "rotor-ida drop drop.toml --speed 4800rpm"
     )
 
@@ -149,15 +180,15 @@ def test_a_drop_is_told_by_its_figures(of_drop: Path) -> None:
     ],
 )
 def test_the_run_shown_is_written_to_a_file(path: Path, ending: str, begin: bytes) -> None:
-    asked = question(path, about=f"system_{ending}")
-    (answer,) = system_files.show_system_file(asked)
+    asked = question(path, ending)
+    *_, answer = files.show_file(asked)
     contents = answer.arrays["contents"].tobytes()
     assert str(answer.facts["name"]).endswith(f".{ending}")
     assert contents.startswith(begin)
     if ending == "nc":
         again = path.with_suffix(".nc")
         again.write_bytes(contents)
-        assert load(again).equals(systems.run_of_system(asked))
+        assert load(again).equals(systems.run_of(asked))
 
 
 def test_the_command_writes_the_page_of_a_system(
@@ -165,15 +196,15 @@ def test_the_command_writes_the_page_of_a_system(
 ) -> None:
     place = path.with_name("page.html")
     assert main(["explore", str(path), "--export", str(place)]) == 0
-    assert place.read_text() == system_files.recorded_page(question(path, revolutions=60))
+    recording = files.recording_of_nodes(question(path, "html", revolutions=60))
+    assert place.read_text() == files.finished(recording)
     assert main(["explore", str(path), "--export", str(place), "--speeds", "1"]) == 2
     said = capfd.readouterr().err
     assert said.endswith("rotor-ida: speeds must be left out with a rotor system\n")
 
 
 def test_a_file_without_a_run_up_has_one_over_the_speeds_shown(path: Path) -> None:
-    (answer,) = systems.show_system_run_up(question(path, about="system_run_up"))
-    assert answer.facts["notes"] == []
+    (answer,) = systems.show_track(question(path, "track"))
     system, course = read_system_file(path)
     speed = course.speed
     assert speed is not None
@@ -181,7 +212,7 @@ def test_a_file_without_a_run_up_has_one_over_the_speeds_shown(path: Path) -> No
                 ramp_time=2.0 * np.pi * 300 / (0.8 * speed))  # fmt: skip
     left = up.exit_time.fillna(up.t[-1]).max()
     first, last = (np.interp(time, up.t, up.speed) / RPM for time in (up.entry_time.min(), left))
-    assert answer.facts["touches"] == (
+    assert str(answer.facts["words"]).rstrip() == (
         f"The run-up touches contact 0 (disc) between {first:,.0f} rpm and {last:,.0f} rpm."
     )
     assert answer.arrays["order_speed"].min() < speed < answer.arrays["order_speed"].max()
@@ -190,18 +221,15 @@ def test_a_file_without_a_run_up_has_one_over_the_speeds_shown(path: Path) -> No
 def test_what_the_exact_whirls_leave_out_is_told(path: Path, of_drop: Path) -> None:
     with_gravity = path.with_name("gravity.toml")
     with_gravity.write_text('gravity = ["0", "-9.81 m/s2"]\n' + DISC)
-    told = [
-        next(systems.show_system_map(question(each, about="system_map"))).facts["notes"]
-        for each in (path, with_gravity, of_drop)
-    ]
+    told = [curve_of(question(each)).facts.get("why") for each in (path, with_gravity, of_drop)]
     assert told == [
-        [], ["without gravity and static forces"],
-        ["without gravity and static forces", "with the magnetic bearings, as before the drop"],
+        None, "Without gravity and static forces",
+        "Without gravity and static forces; with the magnetic bearings, as before the drop",
     ]  # fmt: skip
 
 
-def of_map(asked: SystemQuestion) -> Answer:
-    return next(systems.show_system_map(replace(asked, about="system_map")))
+def curve_of(asked: SystemQuestion) -> Answer:
+    return next(systems.show_responses(replace(asked, about="responses")))
 
 
 def test_a_verdict_is_of_the_speed_held_and_names_the_speeds_at_which_it_would_touch(
@@ -210,14 +238,15 @@ def test_a_verdict_is_of_the_speed_held_and_names_the_speeds_at_which_it_would_t
     """As the exact whirls have them: where the whirl without contact grazes the stator."""
     path.write_text('start = "settled"\n' + DISC)
     asked = question(path, speed=3000 * RPM)
-    facts = run_of(asked).facts
-    assert facts["verdict"] == (
-        "At 3,000 rpm the rotor runs clear of all contacts in the last 10 revolutions."
-    )
-    low, high = of_map(asked).arrays["special_speed"] / RPM
-    assert facts["bands"] == (
+    facts = parts_of(asked)["settled"].facts
+    arrays = curve_of(asked).arrays
+    low, high = arrays["graze_omega"] / RPM
+    np.testing.assert_allclose(arrays["graze_amplitude"], 60e-6, rtol=1e-9)
+    assert (facts["level"], facts["verdict"]) == (
+        "clear",
+        "At 3,000 rpm the rotor runs clear of all contacts in the last 10 revolutions. "
         f"Held elsewhere it touches contact 0 (disc) from {low:,.0f} to {high:,.0f} rpm; "
-        "a rub that began there may go on beyond."
+        "a rub that began there may go on beyond.",
     )
 
 
@@ -253,10 +282,11 @@ def test_where_whirls_are_not_known_the_page_says_why_and_shows_the_one_without_
 ) -> None:
     path.write_text(DISC.replace(old, new))
     asked = question(path, speed=3000 * RPM)
-    answer = of_map(asked)
-    assert answer.facts["notes"] == [f"without whirls in contact, as {why}"]
-    amplitude, speed = answer.arrays["amplitude"], answer.arrays["speed"]
+    answer = curve_of(asked)
+    assert str(answer.facts["why"]).startswith(f"Without whirls in contact, as {why};")
+    amplitude, speed = answer.arrays["amplitude"], answer.arrays["omega"]
     shown = np.isfinite(amplitude)
+    np.testing.assert_array_equal(answer.arrays["piece"] >= 0, shown)
     assert 0 < shown.sum() < shown.size
     stiff = np.array([1e5, 2e5 if "[1e5, 2e5]" in new else 1e5])
     exact = 1e-4 * speed[shown, np.newaxis] ** 2 / (
@@ -276,18 +306,44 @@ def test_the_whirls_of_a_drop_are_those_on_its_magnetic_bearings(of_drop: Path) 
     natural, ratio = np.sqrt(2e6 / 20.0), 2e3 / (2.0 * np.sqrt(2e6 * 20.0))
     damped = natural * np.sqrt(1.0 - ratio**2)
     for each in (of_drop, archive, weighed):
-        sent = {one.part: one for one in systems.show_system_map(question(each))}
+        sent = parts_of(question(each))
         rates = np.abs(sent["campbell"].arrays["whirl_speed"])
         np.testing.assert_allclose(rates[np.isfinite(rates)], damped, rtol=1e-9)
-        assert "amplitude" in sent["map"].arrays
+        assert np.isfinite(sent["curve"].arrays["amplitude"]).any()
 
 
-def test_the_map_and_the_campbell_diagram_are_sent(path: Path) -> None:
-    parts = {
-        each.part: each for each in systems.show_system_map(question(path, about="system_map"))
-    }
-    assert set(parts) == {"map", "campbell"}
-    assert np.isfinite(parts["map"].arrays["amplitude"]).any()
+def test_a_disc_is_shown_as_a_system_as_by_itself(tmp_path: Path) -> None:
+    """The panels of one kernel have the numbers of the other: motion, curve, verdict and lines."""
+    machine = DimensionalRotor(**DISC_ALONE)
+    path = tmp_path / "alone.toml"
+    path.write_text(ALONE)
+    alone = shown(asking("motion", machine=DISC_ALONE, speeds=SPEEDS_ALONE, revolutions=20))
+    alone |= shown(asking("responses", machine=DISC_ALONE, speeds=SPEEDS_ALONE, revolutions=20))
+    of_system = parts_of(question(path, revolutions=20))
+    one, other = alone["motion"], of_system["motion"]
+    scales = dict.fromkeys(LENGTHS, machine.length_scale) | {
+        "t": machine.time_scale, "event_time": machine.time_scale, "force": machine.force_scale,
+        "peak_force": machine.force_scale, "exit_time": machine.time_scale,
+    }  # fmt: skip
+    for name, scale in scales.items():
+        given = one.arrays[name] * scale
+        largest = np.nanmax(np.abs(given))
+        np.testing.assert_allclose(other.arrays[name], given, rtol=0.0, atol=1e-7 * largest,
+                                   err_msg=name)  # fmt: skip
+    assert other.facts["words"] == one.facts["words"]
+    curves = [each["curve"].arrays for each in (alone, of_system)]
+    low, high = 0.1 * machine.speed, 1.5 * machine.speed
+    # a piece is one whirl from speed to speed, without a jump to another one
+    piece, omega, amplitude = (curves[1][name] for name in ("piece", "omega", "amplitude"))
+    goes_on = (piece[1:] == piece[:-1]) & (piece[1:] >= 0)
+    assert goes_on.sum() >= omega.max() / np.diff(omega).max() - 20
+    assert np.unique(piece[piece >= 0]).size < 10
+    assert np.diff(omega)[goes_on].min() > 0.0
+    assert np.abs(np.diff(amplitude)[goes_on]).max() < 0.2 * np.nanmax(amplitude)
+    folds = [np.sort(arrays["fold_omega"]) for arrays in curves]
+    folds[0] *= machine.reference_frequency
+    folds[0] = folds[0][(low < folds[0]) & (folds[0] < high)]
+    np.testing.assert_allclose(folds[1], folds[0], rtol=1e-6)
 
 
 @pytest.mark.parametrize(
@@ -307,6 +363,25 @@ def test_a_bad_file_is_told_by_its_name_alone_and_one_of_another_kind_refused(pa
     path.write_text("speed = 3")
     with pytest.raises(InputError, match=r"^disc\.toml: system must be given"):
         run_of(question(path))
-    asked = {"about": "system_file", "number": 1, "name": "rotor.csv", "size": 3}
-    with pytest.raises(InputError, match="ending of the file must be"):
-        read_question(json.dumps(asked))
+    folds = path.with_name("folds.nc")
+    save(rotor_ida.folds(zeta=0.07, delta0=0.5), folds)
+    with pytest.raises(InputError, match=r"^folds\.nc: file must be an archive of a run, got one"):
+        state_in(folds)
+
+
+def test_any_file_opens_as_what_it_is(path: Path, of_drop: Path) -> None:
+    pump = path.with_name("pump.toml")
+    machine = DimensionalRotor(**DISC_ALONE)
+    save_machine(machine, pump)
+    archives = [path.with_name(f"{name}.nc") for name in ("disc", "drop", "alone")]
+    system = load_system(path)
+    save(simulate(system, speed=200.0, duration=0.05), archives[0])
+    save(drop(load_system(of_drop), **load_course(of_drop).drop), archives[1])
+    save(simulate(machine, duration=0.05, start=(1e-5, 0.0, 0.0, 0.0)), archives[2])
+    of_system = [state_in(each)[0] for each in (path, of_drop, *archives[:2])]
+    assert of_system == [{"node": ""}] * 4
+    (state, notes), (archived, _) = (state_in(each) for each in (pump, archives[2]))
+    assert machine.given.items() <= state.items()
+    assert notes == implausible(machine)
+    assert (machine.given | {"y": 0.0}).items() <= archived.items()
+    assert archived["x"] == pytest.approx(1e-5 / machine.length_scale)

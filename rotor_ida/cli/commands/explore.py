@@ -2,14 +2,13 @@
 
 from __future__ import annotations
 
-import math
 import sys
 from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
 
-from rotor_ida.checks import COMPONENTS, State, shown
+from rotor_ida.checks import COMPONENTS, State, check_state, shown
 from rotor_ida.cli import options
 from rotor_ida.cli.machines import begun
 from rotor_ida.cli.option_types import (
@@ -19,11 +18,11 @@ from rotor_ida.cli.option_types import (
     numbers_option,
     path_option,
 )
-from rotor_ida.cli.output import FORCED, read, working
+from rotor_ida.cli.output import FORCED, working
 from rotor_ida.cli.rotor_options import RotorOptions
 from rotor_ida.errors import InputError
-from rotor_ida.explorer.messages import MOST_REVOLUTIONS, largest_speed
-from rotor_ida.explorer.system_questions import ENDINGS, SYSTEM_RUNS
+from rotor_ida.explorer.messages import ROTOR_ENDINGS, SystemQuestion, machine_of, state_of
+from rotor_ida.model.parameters import MACHINE_PARAMETERS, OPTIONAL, PARAMETERS
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.simulation.options import check_can_be_followed
 from rotor_ida.texts import printable
@@ -34,7 +33,8 @@ FIRST = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 REVOLUTIONS = 60
 PAGE = ".html"
 FileToExplore = Annotated[
-    Path | None, path_option("Archived run shown first, or a rotor system as TOML or .nc.")
+    Path | None,
+    path_option("Shown first: a machine, a rotor system, an archived run or a measurement."),
 ]
 Port = Annotated[int, count_option("Port on this computer; 0 picks a free one.", 0, 65_535)]
 NoBrowser = Annotated[bool, flag_option("Print the address without opening a browser.")]
@@ -71,39 +71,31 @@ def explore(
             --eccentricity 2e-5 --clearance 1e-4 --speed 700 --shaft-stiffness 2e6 \
             --contact-exponent 1 --contact-damping 7.5 --load 78.5
 
-    From the rotor and initial state of an archived run:
+    Any file: a machine or a rotor system, as TOML; an archived run or drop, played or as rotor
+    and initial state; or a measurement, beside a rotor:
 
+        rotor-ida explore pump.toml
         rotor-ida explore run.nc
-
-    A rotor system, or the playback of a drop, from a system file or from an archive:
-
-        rotor-ida explore rotor.toml
+        rotor-ida explore probes.csv
 
     As a page that needs no server, with a slider over the speeds of one disc:
 
         rotor-ida explore --omega 2 --zeta 0.07 --delta0 2 --export page.html \
             --speeds 1.9:2.1:3
     """
-    system = _system(file, rotor, start)
-    if system is not None:
+    state, served = _beginning(rotor, start, file)
+    if speeds is not None and "node" in state:
+        raise InputError("speeds must be left out with a rotor system")
+    if export is None:
         if speeds is not None:
-            raise InputError("speeds must be left out with a rotor system")
-        if export is not None:
-            return _export_system(export, system, force)
-        _serve({}, port, not no_browser, system)
+            raise InputError("speeds must be left out without --export")
+        _serve(state, port, not no_browser, served)
         return 0
-    chosen, first, revolutions = _beginning(rotor, start, file)
-    if export is not None:
-        return _export(export, chosen, first, revolutions, speeds, force)
-    if speeds is not None:
-        raise InputError("speeds must be left out without --export")
-    _serve(_state(chosen, first, revolutions), port, not no_browser)
-    return 0
+    _check_page(export, force)
+    return _write(export, _recorded(state, served, speeds), force)
 
 
-def _serve(
-    state: Mapping[str, object], port: int, browser: bool, system: Path | None = None
-) -> None:
+def _serve(state: Mapping[str, object], port: int, browser: bool, file: Path | None) -> None:
     missing = [name for name in NEEDED if find_spec(name) is None]
     if missing:
         raise InputError(
@@ -111,50 +103,27 @@ def _serve(
         )
     from rotor_ida.explorer.explore import explore as serve  # noqa: PLC0415 - not for --help
 
-    serve(state, port=port, browser=browser, report=_say, system=system)
-
-
-def _system(file: Path | None, rotor: RotorOptions, start: State | str | None) -> Path | None:
-    """Return the file if it is of a rotor system that can be read; None for one disc."""
-    from rotor_ida.results.kinds import kind_of  # noqa: PLC0415 - heavy, and not for --help
-    from rotor_ida.results.system_file import load_system  # noqa: PLC0415
-
-    if file is None or file.suffix.lower() not in ENDINGS:
-        return None
-    is_toml = file.suffix.lower() == ".toml"
-    if not is_toml and kind_of(read(file)) not in SYSTEM_RUNS:
-        return None
-    if rotor.machine is not None or rotor.given or start is not None:
-        raise InputError("file must be given alone: it contains the rotor and the start")
-    if is_toml:
-        load_system(file)
-    return file.resolve()
+    serve(state, port=port, browser=browser, report=_say, file=file)
 
 
 def _beginning(
     rotor: RotorOptions, start: State | str | None, file: Path | None
-) -> tuple[Rotor | DimensionalRotor, State | None, int]:
-    """Return the initial machine, its start, if given, and the number of revolutions."""
+) -> tuple[dict[str, object], Path | None]:
+    """Return the initial state of the page, and the file that it needs."""
     given = rotor.machine is not None or bool(rotor.given)
-    if file is None:
+    if file is not None and not file.is_file():
+        raise InputError(f"file must be a file that exists, got {shown(file)}")
+    if file is None or file.suffix.lower() not in ROTOR_ENDINGS:
         chosen = rotor.chosen() if given else FIRST
         first = _checked_start(chosen, begun(start, chosen))
-        return chosen, None if start is None else first, REVOLUTIONS
+        state = state_of(chosen, None if start is None else first, REVOLUTIONS)
+        return (state, None) if file is None else (state | {"measured": file.name}, file.resolve())
     if given or start is not None:
-        raise InputError("file must be given alone: the archive contains the rotor and the start")
-    from rotor_ida.results.run import check_one_speed, rotor_of  # noqa: PLC0415 - heavy, and not for --help
-    from rotor_ida.results.si_units import dimensionless, machine_of  # noqa: PLC0415
+        raise InputError("file must be given alone: it contains the rotor and the start")
+    from rotor_ida.explorer.opening import state_in  # noqa: PLC0415 - heavy, and not for --help
 
-    archived = read(file)
-    if "event_time" not in archived or "duration" not in archived.attrs:
-        raise InputError(f"file must be an archive of a run, got {shown(file)}")
-    run = dimensionless(archived)
-    check_one_speed(run, "the explorer")
-    found = rotor_of(run)
-    x, y, vx, vy = map(float, run.attrs["start"])
-    turns = float(run.attrs["duration"]) * (found.omega or 1.0) / (2.0 * math.pi)
-    revolutions = min(max(round(turns), 1), MOST_REVOLUTIONS)
-    return machine_of(archived) or found, (x, y, vx, vy), revolutions
+    state, _ = state_in(file.resolve())
+    return state, file.resolve() if "node" in state else None
 
 
 def _checked_start(rotor: Rotor | DimensionalRotor, start: State) -> State:
@@ -172,38 +141,27 @@ def _checked_start(rotor: Rotor | DimensionalRotor, start: State) -> State:
     return x, y, vx, vy
 
 
-def _state(
-    machine: Rotor | DimensionalRotor, start: State | None, revolutions: int
-) -> Mapping[str, object]:
-    """Return the state of the page, as in its address; without a start it hangs at rest."""
-    from_start = {} if start is None else dict(zip(COMPONENTS, start, strict=True))
-    shown = {} if isinstance(machine, Rotor) else {"fastest": largest_speed(machine)}
-    return {**machine.given, **from_start, "revolutions": revolutions, **shown}
-
-
-def _export(
-    place: Path, machine: Rotor | DimensionalRotor, start: State | None, revolutions: int,
-    speeds: list[float] | None, force: bool,
-) -> int:  # fmt: skip
-    from rotor_ida.explorer.files import check_speeds, record  # noqa: PLC0415
+def _recorded(state: Mapping[str, object], served: Path | None, speeds: list[float] | None) -> str:
+    """Return a page that needs no server."""
+    from rotor_ida.explorer import files  # noqa: PLC0415 - heavy, and not for --help
     from rotor_ida.model.disc_starts import hanging  # noqa: PLC0415
 
-    _check_page(place, force)
-    chosen = check_speeds(machine, speeds)
-    first = start or hanging(machine if isinstance(machine, Rotor) else machine.rotor())
+    if "node" in state:
+        steps = files.recording_of_nodes(SystemQuestion(about="html", number=0, path=served))
+    elif served is not None:
+        raise InputError("export must be of a rotor: a page without a program reads no measurement")
+    else:
+        names = (*PARAMETERS, *MACHINE_PARAMETERS, *OPTIONAL)
+        machine = machine_of({name: state[name] for name in names if name in state})
+        rotor = machine if isinstance(machine, Rotor) else machine.rotor()
+        first = [float(str(state[name])) for name in COMPONENTS if name in state]
+        steps = files.recording(
+            machine, start=check_state("start", first) if first else hanging(rotor),
+            revolutions=int(str(state.get("revolutions", REVOLUTIONS))),
+            speeds=files.check_speeds(machine, speeds),
+        )  # fmt: skip
     with working("recording") as told:
-        page = record(machine, start=first, revolutions=revolutions, speeds=chosen, progress=told)
-    return _write(place, page, force)
-
-
-def _export_system(place: Path, system: Path, force: bool) -> int:
-    from rotor_ida.explorer.system_files import recorded_page  # noqa: PLC0415 - heavy
-    from rotor_ida.explorer.system_questions import SystemQuestion  # noqa: PLC0415
-
-    _check_page(place, force)
-    with working("recording"):
-        page = recorded_page(SystemQuestion(about="system_html", number=0, path=system))
-    return _write(place, page, force)
+        return files.finished(steps, told)
 
 
 def _check_page(place: Path, force: bool) -> None:

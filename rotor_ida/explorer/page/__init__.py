@@ -8,7 +8,6 @@ from unicodedata import lookup
 
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.explorer.messages import LARGEST_FILE, LEAST_SPEED, ROOM
-from rotor_ida.explorer.system_questions import ENDINGS
 from rotor_ida.model.data_sheet import ALTERNATIVES, GRAVITY
 from rotor_ida.model.parameters import DEFAULTS, MACHINE_PARAMETERS, PARAMETERS, TABLE
 from rotor_ida.schema import (
@@ -56,9 +55,8 @@ def page_files() -> dict[str, bytes]:
         for each in place.iterdir():
             if each.name.rpartition(".")[2] in TYPES:
                 found[prefix + each.name] = each.read_bytes()
-    for name in ("index.html", "system.html"):
-        page = found[name].decode()
-        found[name] = page.replace(TABLES.format("{}"), TABLES.format(_tables())).encode()
+    page = found["index.html"].decode()
+    found["index.html"] = page.replace(TABLES.format("{}"), TABLES.format(_tables())).encode()
     return found
 
 
@@ -74,9 +72,13 @@ def _tables() -> str:
         }
         for each in TABLE
     }
+    words = "unbalance, of the file's"
+    meaning = "factor of all unbalance in the file"
+    parameters["unbalance_factor"] = {
+        "words": words, "symbol": "", "meaning": meaning, "si_meaning": meaning, "unit": ""
+    }  # fmt: skip
     tables = {
         "largest_file": LARGEST_FILE,
-        "system_endings": ENDINGS,
         "parameters": parameters,
         "room": ROOM,
         "least_speed": LEAST_SPEED,

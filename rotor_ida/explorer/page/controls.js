@@ -1,6 +1,6 @@
 // Sliders and number fields for the parameters of the state.
 
-import { changeExponent, inSI, namesBeyond, roundUp, scalesBeyond, state } from "./state.js";
+import { SYSTEM, changeExponent, file, inSI, isSystem, namesBeyond, roundUp, scalesBeyond, state } from "./state.js";
 import { GRAVITY, PARAMETERS, ROOM, SPEED_UNITS } from "./tables.js";
 import { prefixed, told } from "./units.js";
 
@@ -54,8 +54,13 @@ const SLIDERS = {
     load: around("load", () => TIMES * state.mass * GRAVITY),
     friction: () => linear(0, 0.5, 0.005),
     disc_radius: decades("disc_radius"),
+    unbalance_factor: () => linear(0, 4, 0.01),
   },
 };
+/** Return the sliders of the rotor shown. */
+const slidersShown = () => SLIDERS[inSI() || isSystem() ? "si" : "none"];
+/** Whether sliders lie around the values of a machine. */
+const isGiven = () => inSI() || isSystem();
 const FOLDED = ["shaft_stiffness", "contact_damping", "load", "friction", "disc_radius"];
 /** Return a number for its field: short, with a power of ten where that helps. */
 export function written(value) {
@@ -92,7 +97,7 @@ function control(key, parameter, changed, unitChanged) {
   const box = Object.assign(document.createElement("div"), { className: "control" });
   box.title = parameter.meaning;
   const { name, unit, units } = parameter;
-  const sliderOf = () => (inSI() ? parameter.slider() : parameter.slider);
+  const sliderOf = () => (isGiven() ? parameter.slider() : parameter.slider);
   let slider = sliderOf();
   const shown = () => (units ? units[state.speedIn] : parameter.factor);
   let typed = null; // what was typed, as long as it holds
@@ -109,12 +114,12 @@ function control(key, parameter, changed, unitChanged) {
   box.append(head, field, range);
   const write = () => {
     const value = state[key] * shown();
-    field.value = written(typed?.value === state[key] && typed.shown === shown() ? typed.text : inSI() ? Number(value.toPrecision(4)) : value);
+    field.value = written(typed?.value === state[key] && typed.shown === shown() ? typed.text : isGiven() ? Number(value.toPrecision(4)) : value);
   };
   const place = () => {
     // a value past the slider's end becomes its new centre
-    if (inSI() && !(slider.toSlider(state[key]) <= slider.max * 1.0001 && slider.toSlider(state[key]) >= slider.min - 1e-9)) given[key] = state[key];
-    if (inSI()) slider = sliderOf();
+    if (isGiven() && !(slider.toSlider(state[key]) <= slider.max * 1.0001 && slider.toSlider(state[key]) >= slider.min - 1e-9)) given[key] = state[key];
+    if (isGiven()) slider = sliderOf();
     Object.assign(range, { min: slider.min, max: slider.max, step: slider.step });
     range.value = slider.toSlider(state[key]);
     range.setAttribute("aria-valuetext", `${field.value} ${units ? state.speedIn : unit}`.trim());
@@ -170,9 +175,12 @@ function parameterOf(key) {
   const shown = inSI() ? prefixed(unitOf(key), given[key] || state[key]) : { unit: "", factor: 1 };
   return {
     name, meaning: inSI() ? meaningInSI : meaning, ...shown,
-    units: key === "speed" ? SPEED_UNITS : null, slider: SLIDERS[inSI() ? "si" : "none"][key],
+    units: key === "speed" && inSI() ? SPEED_UNITS : null, slider: slidersShown()[key],
   };
 }
+
+/** Return what may be changed of a rotor system: nothing of one that is played from an archive, or not known yet. */
+const namesOfSystem = () => (file && !file.is_archive && !document.getElementById("recorded") ? SYSTEM.filter((name) => state[name] !== undefined) : []);
 
 export class Controls {
   constructor(changed, unitChanged) {
@@ -202,11 +210,16 @@ export class Controls {
 
   /** Build the sliders in the units of the state, around its values. */
   build() {
-    given = inSI() ? { ...state } : {};
-    const names = Object.keys(SLIDERS[inSI() ? "si" : "none"]).filter((name) => !FOLDED.includes(name));
+    given = isGiven() ? { ...state } : {};
+    const names = isSystem() ? namesOfSystem() : Object.keys(slidersShown()).filter((name) => !FOLDED.includes(name) && name !== "unbalance_factor");
     const own = names.map((name) => control(name, parameterOf(name), this.changed, this.unitChanged));
-    own[0].box.classList.add("first");
+    own[0]?.box.classList.add("first");
     document.getElementById("sliders").replaceChildren(...own.map(({ box }) => box));
+    this.controls = own;
+    if (isSystem()) {
+      this.show();
+      return;
+    }
     const beyond = FOLDED.map((name) => control(name, parameterOf(name), this.changed));
     beyond.forEach(({ box }, place) => document.getElementById(`beyond-${place}`).replaceChildren(box));
     document.getElementById("weight").hidden = !inSI();
@@ -219,13 +232,14 @@ export class Controls {
 
   /** Unfold the further parameters if any is set. */
   unfold() {
-    if (namesBeyond().length) this.machine.open = true;
+    if (!isSystem() && namesBeyond().length) this.machine.open = true;
   }
 
   /** Show the state. */
   show() {
     for (const radio of document.querySelectorAll('[name="exponent"]')) radio.checked = Number(radio.value) === state.contact_exponent;
     for (const each of this.controls) each.show();
+    if (isSystem()) return;
     this.second.box.hidden = state.second === null;
     if (state.second !== null) this.second.show();
   }

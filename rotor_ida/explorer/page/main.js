@@ -7,19 +7,22 @@ import { Measured } from "./measured.js";
 import { Passage } from "./passage.js";
 import { forgetColours } from "./plot.js";
 import { Response } from "./response.js";
+import { Shape, Sketch } from "./shaft.js";
 import { DataSheetForm } from "./sheet.js";
 import { Side } from "./side.js";
-import { Signals } from "./signals.js";
+import { Signals, trackOf } from "./signals.js";
 import {
-  SECOND_START, address, inSI, machine, ramp, readAddress, referenceFrequency, roundUp, setMachine, speedOf, speedsShown, state, tellsOfRotor,
-  toDimensionless, toSI,
+  SECOND_START, SIGNALS, address, chooseContact, file, inSI, isSystem, machine, ramp, readAddress, referenceFrequency, roundUp, setRotor, speedName, speedOf, speedsShown,
+  state, tellFile, tellsOfRotor, toDimensionless, toSI,
 } from "./state.js";
 import { EVENTS, PARAMETERS, SPEED_UNITS, START } from "./tables.js";
 import { addTools, copy, keep } from "./tools.js";
 import { prefixed, told, withUnit } from "./units.js";
 
 const $ = (id) => document.getElementById(id);
+// The panels of a rotor, and what panels of signals need beside: of the run, and of a system its whole run-up.
 const PANELS = ["motion", "responses", "starts"];
+const OF_SIGNALS = { lines: ["full"], campbell: ["campbell"], track: ["bode", "polar", "cascade"] };
 const FILES = { nc: "application/x-netcdf", png: "image/png", svg: "image/svg+xml", py: "text/x-python", html: "text/html" };
 // No start lies further from the axis.
 const FURTHEST = 1e6;
@@ -48,7 +51,7 @@ const moved = new Map(); // number of the question, to when it was moved and wha
 
 // Sets the speed when the response curve is dragged.
 let moveTo = (speed) => {
-  state[inSI() ? "speed" : "omega"] = speed;
+  state[speedName()] = speed;
   controls.show();
   ask();
 };
@@ -65,6 +68,8 @@ const controls = new Controls((name, event) => ask({ event, name }), () => {
 });
 const signals = new Signals($("signal-panels"), { view: viewOfSignals, told: () => sides.map((_, place) => parametersOf(place)).join("; ") });
 const measured = (page.measured = new Measured({ send: (...given) => connection.send(...given), scales: scalesShown, changed: showMeasured, listens: !recorded }));
+const sketch = new Sketch(document.querySelector('[data-panel="sketch"]'), () => parametersOf(0), choosePart);
+const shape = new Shape(document.querySelector('[data-panel="shape"]'), () => parametersOf(0));
 let connection = null;
 const kept = recorded ? null : new Address({ told: () => address(starts, hanging[0]), show: goBack, undo: $("undo"), redo: $("redo") });
 // The last run-up: its tracks, kept after other changes, and their rotors.
@@ -86,7 +91,7 @@ function ask({ event, again = false } = {}) {
       hanging[side] = !begun;
       starts[side] = begun ?? starts[side];
     }
-    const wanted = PANELS.filter((about) => about !== "starts" || sides[side].wantsBasin);
+    const wanted = PANELS.filter((about) => (about === "starts" ? sides[side].wantsBasin && !isSystem() : about === "motion" || !isSystem() || !side));
     sides[side].forget();
     if (recorded) connection.ask({ number }, recorded.course, recorded.place);
     else connection.ask(question(side), wanted);
@@ -98,6 +103,7 @@ function ask({ event, again = false } = {}) {
 }
 
 function question(side) {
+  if (isSystem()) return { number, side, machine: machine(side), revolutions: state.revolutions };
   return {
     number, side, machine: machine(side), start: hanging[side] ? null : starts[side],
     revolutions: state.revolutions, speeds: speedsShown(), reach: reach(side),
@@ -106,7 +112,8 @@ function question(side) {
 
 /** Return the parameters of the rotor shown, for the subtitle of a picture. */
 function parametersOf(place) {
-  const { rotor, scales } = page.shown[place].motion.facts;
+  const { rotor, scales, told: words } = page.shown[place].motion?.facts ?? { rotor: {}, scales: {} };
+  if (words) return words;
   const si = scales.length ? `, clearance ${withUnit(scales, "length", rotor.delta0)}, speed ${withUnit(scales, "rate", rotor.omega)}` : "";
   const given = Object.keys(PARAMETERS).filter((name) => name in rotor).map((name) => `${PARAMETERS[name].symbol} = ${told(rotor[name], 6)}`);
   return given.join(", ") + si;
@@ -115,11 +122,13 @@ function parametersOf(place) {
 /** Return the start of the next run of a side: the initial state, nothing if it hangs at rest, or the end of the last run. */
 function startOf(side) {
   const last = page.shown[side].motion;
+  if (isSystem()) return null;
   return state.from === "here" && last && !released ? last.facts.end : state.hangs ? null : START.map((name) => state[name]);
 }
 let released = true; // whether the start itself was moved, so that all begin there
 
 function reach(side) {
+  if (isSystem()) return 1;
   const delta0 = inSI() ? machine(side).clearance / machine(side).eccentricity : machine(side).delta0;
   const start = Math.max(...START.map((name) => Math.abs(state[name])));
   return Math.min(roundUp(Math.max(8, 2.5 * delta0, 1.2 * start)), FURTHEST);
@@ -141,8 +150,8 @@ function answered(answer) {
     keepFile(answer);
     return;
   }
-  if (answer.part === "machine") {
-    takeMachine(answer.facts);
+  if (answer.part === "machine" || answer.part === "system") {
+    takeRotor(answer);
     return;
   }
   if (answer.part === "measured") {
@@ -153,9 +162,24 @@ function answered(answer) {
     passage.take(answer);
     return;
   }
-  if (answer.part === "lines") {
-    if (answer.number >= (page.shown[answer.side].lines?.number ?? 0)) page.shown[answer.side].lines = answer;
-    signals.show();
+  if (["lines", "campbell", "track"].includes(answer.part)) {
+    const shown = page.shown[answer.side];
+    if (answer.part === "track" && !isSystem()) {
+      passage.takeTrack(answer);
+      showSignals();
+      return;
+    }
+    if (answer.number >= Math.max(shown[answer.part]?.number ?? 0, since)) shown[answer.part] = answer;
+    showSignals();
+    return;
+  }
+  if (answer.number < since) return; // of another rotor
+  if (answer.part === "sketch") {
+    takeSketch(answer);
+    return;
+  }
+  if (answer.part === "shape") {
+    if (!answer.side) shape.take(answer);
     return;
   }
   if (!sides[answer.side]) return;
@@ -168,11 +192,82 @@ function answered(answer) {
     if (unitsChanged) measured.refresh();
     unitsChanged = false;
     if (state.from === "here") released = false;
-    if (hanging[answer.side] && answer.number === number) takeStart(answer);
+    if (hanging[answer.side] && answer.number === number && !isSystem()) takeStart(answer);
   }
   sides[answer.side].take(answer);
   response.take(answer);
   drawSoon(`${answer.side} ${answer.part}`);
+}
+
+let since = 0; // number of the first question about the rotor shown
+
+/** Show the rotor that the program has found in a file or a data sheet. */
+function takeRotor(answer) {
+  const { facts: { state: told, notes }, about } = answer;
+  if (about === "upload" && !measured.isOfRotor(answer)) return;
+  forgetRotor();
+  setRotor(told);
+  sheet.close();
+  showState();
+  ask();
+  $("sheet-notes").textContent = notes.length ? `Please check: ${notes.join("; ")}.` : "";
+}
+
+/** Forget all that is shown of another rotor. */
+function forgetRotor() {
+  since = number + 1;
+  released = true;
+  passage.forget();
+  response.forgetTrail();
+  lastTracks = [];
+  tellFile(null);
+  sketch.drawn = shape.drawn = shape.x = null;
+  for (const place of page.shown.keys()) page.shown[place] = {};
+}
+
+/** Take what is in the file of a rotor system; the sliders begin there. */
+function takeSketch({ side, facts }) {
+  if (side) return;
+  const isNew = !file;
+  tellFile(facts);
+  Object.assign(state, { node: facts.node });
+  if (isNew) {
+    const others = facts.contacts.map((_, i) => i).filter((i) => i !== state.contact);
+    if (facts.is_drop && others.length) state.second ??= others[0];
+    showState();
+    if (state.second !== null) ask({ again: true });
+  }
+  showSystem();
+  keepAddress();
+}
+
+/** Show sketch, node and contact of a rotor system. */
+function showSystem() {
+  document.body.classList.toggle("shows-system", isSystem());
+  for (const panel of ["sketch", "shape"]) document.querySelector(`[data-panel="${panel}"]`).hidden = !isSystem() || !(file?.nodes.length > 1);
+  $("revolutions").closest(".row").hidden = isSystem() && !file?.has_run_up;
+  if (!isSystem() || !file) return;
+  const offer = (id, pairs, value) => {
+    $(id).replaceChildren(...pairs.map(([each, text]) => new Option(text, each)));
+    $(id).value = value;
+  };
+  offer("node", file.nodes.map((node) => [node, node]), state.node);
+  offer("contact", file.contacts.map(({ node }, i) => [i, `${i} at ${node}`]), state.contact);
+  $("of-contact").hidden = !file.contacts.length;
+  $("about").textContent = recorded ? "A run, recorded at each node." : file.about;
+  sketch.show();
+}
+
+/** Choose a node, or a contact and its node. */
+function choosePart({ node, contact }) {
+  if (contact !== undefined && contact !== state.contact) {
+    chooseContact(contact);
+    if (state.second === contact) state.second = file.contacts.findIndex((_, i) => i !== contact);
+    controls.build();
+  }
+  state.node = node ?? file.contacts[contact].node;
+  if (recorded) moveTo(state.node);
+  else ask();
 }
 
 /** Show where a rotor hangs at rest. */
@@ -185,8 +280,10 @@ function takeStart({ side, facts: { start } }) {
 /** Handle an error in a whole answer or one of its parts. */
 function refused({ part, about, side, number: asked = number, facts: { message } }) {
   if (about === "machine") sheet.fail(message);
-  else if (about === "measured") measured.fail(message.replace(/\.$/, ""), asked);
+  else if (about === "upload") measured.fail(message.replace(/\.$/, ""), asked);
   else if (about === "starts") sides[side]?.noBasin(message);
+  else if (about === "track" && isSystem()) $("of-run-up").textContent = message;
+  else if (["campbell", "lines", "track"].includes(about)) passage.asked.clear();
   else if (about === "run_up" || (part === "mistake" && passage.waiting.size)) {
     passage.fail();
     $("passed").textContent += ` It could not be followed further: ${message}.`;
@@ -236,6 +333,7 @@ function draw(parts) {
 /** Return whether curve and run of a side are answers to the same question. */
 function isWhole(place) {
   const { motion, curve } = page.shown[place];
+  if (isSystem() && place) return true; // the curve is of the first contact
   return motion?.number === curve?.number;
 }
 
@@ -244,11 +342,11 @@ function drawRest() {
   const has = (place, ...names) => names.some((name) => later.has(`${place} ${name}`));
   sides.forEach((side, place) => {
     if (has(place, "motion", "section")) side.drawRest();
-    if (has(place, "motion")) side.drawStarts(starts[place], reach(place));
+    if (has(place, "motion") && !isSystem()) side.drawStarts(starts[place], reach(place));
   });
   if (sides.some((_, place) => has(place, "motion", "settled", "note"))) showWords();
   if (sides.some((_, place) => has(place, "motion", "settled", "curve"))) {
-    askLines();
+    askSignals();
     showSignals();
   }
   later.clear();
@@ -301,24 +399,26 @@ function measure(parts) {
 
 // panels of signals
 
-/** Request the lines of the drawn runs, if needed and missing. */
-function askLines() {
-  if (!signals.wantsLines || recorded || passage.running) return;
-  sides.forEach((_, side) => {
-    const { motion, lines } = page.shown[side];
-    if (motion?.number === number && lines?.number !== number && linesAsked[side] !== number) {
-      linesAsked[side] = number;
-      connection.ask(question(side), ["lines"]);
-    }
-  });
+/** Request what the panels of signals show, if needed and missing. */
+function askSignals() {
+  if (recorded || passage.running) return;
+  for (const [about, names] of Object.entries(OF_SIGNALS)) {
+    if (!signals.has(names) || (about === "track" && !(isSystem() && file?.has_run_up))) continue;
+    sides.forEach((_, side) => {
+      const { motion } = page.shown[side], key = `${side} ${about}`;
+      if ((side && about !== "lines") || motion?.number !== number || askedFor.get(key) === number) return;
+      askedFor.set(key, number);
+      connection.ask(question(side), [about]);
+    });
+  }
 }
-const linesAsked = [0, 0];
+const askedFor = new Map(); // of a side and what is asked of it: the number of the last question
 
 /** Return the data of the signal panels: last run-up, exact curve and lines of each rotor. */
 function viewOfSignals() {
   const rotors = sides.map((_, side) => {
     const { motion, lines, settled } = page.shown[side];
-    const track = lastTracks[side];
+    const track = isSystem() ? trackOf(page.shown[side].track) : lastTracks[side];
     const row = passage.running && track?.rows.at(-1);
     const now = row
       ? { over: row.frequency.map((each) => each / row.speed), amplitude: row.amplitude, told: "while the speed changes, Hann window" }
@@ -328,7 +428,7 @@ function viewOfSignals() {
   });
   const { motion } = page.shown[0];
   const [scales, speed] = [motion?.facts.scales, passage.running ? passage.speed : motion?.facts.rotor.omega];
-  return { rotors, scales, speed, measured: measured.source(scales, speed) };
+  return { rotors, scales, speed, measured: measured.source(scales, speed), campbell: page.shown[0].campbell };
 }
 
 /** Return the scales of the machine shown, if it is one. */
@@ -352,6 +452,10 @@ function showSignals() {
     lastRotors = rotorsOf();
   }
   signals.show();
+  if (isSystem()) {
+    $("of-run-up").textContent = page.shown[0].track?.facts.words ?? "";
+    return;
+  }
   const other = state.panels && lastTracks.some(({ order }) => order.speed.length) && lastRotors !== rotorsOf();
   $("of-run-up").textContent = other ? `The last run-up was of another rotor: ${lastRotors}.` : "";
 }
@@ -362,9 +466,11 @@ const rotorsOf = () => sides.map((_, place) => (page.shown[place].motion ? param
 /** Show the panels named in the state. */
 function chooseSignals() {
   for (const box of document.querySelectorAll('[name="signals"]')) box.checked = state.panels.split(",").includes(box.value);
-  signals.choose(recorded ? [] : state.panels.split(",").filter(Boolean));
+  const lacks = isSystem() ? (file?.has_run_up ? [] : OF_SIGNALS.track) : recorded ? SIGNALS : [];
+  for (const box of document.querySelectorAll('[name="signals"]')) box.closest("label").hidden = lacks.includes(box.value);
+  signals.choose(state.panels.split(",").filter((name) => name && !lacks.includes(name)));
   if (page.shown[0].motion) {
-    askLines();
+    askSignals();
     showSignals();
   }
 }
@@ -378,12 +484,13 @@ function showWords() {
   sides.forEach((_, place) => {
     const { motion, settled, note, unsettled } = page.shown[place];
     if (!motion) return;
-    const { rotor } = motion.facts;
-    const clearance = `Clearance ${withUnit(motion.facts.scales, "length", rotor.delta0)}`;
+    const { rotor, told: words } = motion.facts;
+    const clearance = words ?? `Clearance ${withUnit(motion.facts.scales, "length", rotor.delta0)}`;
     $("sides").children[place].firstElementChild.textContent = clearance;
     parts.push(["h2", sides.length > 1 ? clearance : "What it does", ""]);
     const fresh = settled && settled.number === motion.number;
-    if (fresh) settled.facts.words.forEach((text, line) => parts.push(["p", text, line ? "" : "lead"]));
+    if (isSystem() && place) parts.push(["p", "", ""]);
+    else if (fresh) settled.facts.words.forEach((text, line) => parts.push(["p", text, line ? "" : "lead"]));
     else if (unsettled?.number === motion.number) parts.push(["p", `The settled response is not known: ${unsettled.message.replace(/\.$/, "")}.`, ""]);
     else if (rotor.zeta === 0) parts.push(["p", "Without damping nothing settles.", "lead"]);
     else parts.push(["p", "Simulating until it settles …", "waiting"]);
@@ -425,9 +532,9 @@ function errorOf(motion) {
 
 /** Show the verdict in bold: for the current or last run-up, and for the speed held. */
 function showVerdict() {
-  const lines = sides.map((_, place) => {
+  const lines = sides.slice(0, isSystem() ? 1 : 2).map((_, place) => {
     const { motion, settled, unsettled } = page.shown[place];
-    const which = sides.length > 1 ? `${place ? "Second" : "First"} clearance. ` : "";
+    const which = sides.length > 1 && !isSystem() ? `${place ? "Second" : "First"} clearance. ` : "";
     const track = passage.begun && passage.tracks[place];
     if (track && (passage.running || passage.waiting.size)) return [track.now, which + (track.words || "Running up …")];
     const run = track && track.words ? `${track.words} ` : "";
@@ -467,8 +574,10 @@ function keepAddress() {
 function goBack() {
   if (!tellsOfRotor(location.hash)) return false;
   if (running) run(running.direction);
-  passage.forget();
+  const wasSystem = isSystem();
+  if (wasSystem !== /[#&]node=/.test(location.hash)) forgetRotor();
   readAddress(location.hash);
+  passage.forget();
   response.forgetTrail();
   showState();
   showTheme();
@@ -561,12 +670,23 @@ function showPiece(speed) {
   controls.show();
   response.pass(passage.tracks, speed);
   response.show();
+  askTracks();
   showSignals();
   showPassed();
 }
 
+/** Request order 1 and spectra of a run-up so far, if they are shown. */
+function askTracks() {
+  if (!signals.has([...OF_SIGNALS.track, "full"])) return;
+  passage.askTracks(({ number: piece, side, start, speed }) => {
+    const here = { [speedName()]: inSI() ? speed * referenceFrequency() : speed };
+    connection.ask({ ...question(side), number: piece, machine: { ...machine(side), ...here }, start }, ["track"]);
+  });
+}
+
 /** Hold the current speed of a run-up, and show the response there. */
 function restPassage() {
+  askTracks();
   passage.tracks.forEach(({ held }, side) => {
     if (!held) return;
     hanging[side] = false;
@@ -604,6 +724,7 @@ function showPassed() {
 
 /** Show rate and step of the speed in the units of the page. */
 function showRamp() {
+  if (isSystem()) return;
   const { unit, factor, step } = rampShown();
   $("ramp-name").textContent = unit ? `${unit}/s` : "rate";
   $("ramp").value = written(Number((ramp() * factor).toPrecision(4)));
@@ -625,18 +746,7 @@ function rampShown() {
 
 // a machine by its data sheet
 
-const sheet = new DataSheetForm({ ask: (quantities) => connection.ask({ number, quantities }, ["machine"]), given: () => (inSI() ? machine(0) : {}) });
-
-/** Show the machine that the program computed from a data sheet. */
-function takeMachine({ machine: given, fastest, notes }) {
-  setMachine(given, fastest);
-  sheet.close();
-  released = true;
-  response.forgetTrail();
-  showState();
-  ask();
-  $("sheet-notes").textContent = notes.length ? `Please check: ${notes.join("; ")}.` : "";
-}
+const sheet = new DataSheetForm({ ask: (quantities) => connection.ask({ number, quantities }, ["machine"]), given: () => (inSI() && !isSystem() ? machine(0) : {}) });
 
 // controls beside the sliders
 
@@ -646,6 +756,7 @@ function choose(name, value) {
 }
 
 function showStart() {
+  if (isSystem()) return;
   for (const name of START) {
     const field = $(`start-${name}`);
     if (document.activeElement !== field) field.value = writtenStart(name);
@@ -681,14 +792,15 @@ function buildSides() {
     const element = Object.assign(document.createElement("div"), { className: "side" });
     element.append(document.createElement("h2"));
     $("sides").append(element);
-    sides.push(new Side(element, sides.length, { moved: moveStart, asked: () => ask({ again: true }), told: ({ number: place }) => parametersOf(place) }));
+    const isFirst = !sides.length;
+    sides.push(new Side(element, sides.length, { moved: moveStart, asked: () => ask({ again: true }), told: ({ number: place }) => parametersOf(place), shown: (part) => isFirst && isSystem() && shape.show(part) }));
   }
   $("sides").classList.toggle("two", two);
   response.two = two;
 }
 
 function moveStart({ x, y, velocity }) {
-  if (recorded) return;
+  if (recorded || isSystem()) return;
   const round = (value) => Number(value.toPrecision(4));
   if (velocity) Object.assign(state, { vx: round(x - state.x), vy: round(y - state.y) });
   else Object.assign(state, { x: round(x), y: round(y) });
@@ -719,6 +831,7 @@ function listen() {
     state.hangs = true;
     release();
   });
+  for (const id of ["node", "contact"]) $(id).addEventListener("change", () => choosePart({ [id]: id === "node" ? $(id).value : Number($(id).value) }));
   for (const name of ["revolutions", "step", "rate"]) {
     $(name).addEventListener("change", () => {
       if (!(($(name).valueAsNumber) > 0)) return;
@@ -814,10 +927,11 @@ function showTheme() {
     if (side.basin) side.take(side.basin);
     side.drawMotion();
     side.drawRest();
-    side.drawStarts(starts[place], reach(place));
+    if (!isSystem()) side.drawStarts(starts[place], reach(place));
   });
   response.show();
   signals.show();
+  if (isSystem() && file) sketch.show();
 }
 dark.addEventListener("change", showTheme);
 $("theme").addEventListener("click", () => {
@@ -831,13 +945,17 @@ $("theme").addEventListener("click", () => {
 function begin() {
   document.body.classList.toggle("is-recorded", Boolean(recorded));
   const key = readAddress(location.hash);
+  const opened = new URLSearchParams(location.hash.slice(1)).get("measured");
   listen();
   showState();
   showTheme();
   if (recorded) beginRecorded();
   else {
     kept.begin();
-    connection = new Live(keyKept(key), { answered, opened: () => ask({ again: true }), said });
+    connection = new Live(keyKept(key), { answered, opened: () => {
+      ask({ again: true });
+      if (opened && !measured.found) measured.read(new File([], opened)); // the program has it
+    }, said });
   }
 }
 
@@ -846,6 +964,7 @@ function showState() {
   choose("from", state.from);
   for (const radio of document.querySelectorAll('input[name="units"]')) radio.checked = (radio.value === "si") === inSI();
   $("beside").checked = state.second !== null;
+  showSystem();
   for (const name of ["revolutions", "rate"]) $(name).value = state[name];
   starts = [START, SECOND_START].map((names) => names.map((name, i) => state[name] ?? state[START[i]]));
   hanging = [state.hangs, state.hangs];
@@ -866,12 +985,23 @@ function said(text) {
   if (text && number) lose(number + 1);
 }
 
-/** Offer the recorded speeds and courses, and show the requested one. */
+/** Offer the recorded speeds and courses, or the nodes, and show the requested one. */
 function beginRecorded() {
-  const { speeds, speed, courses, fastest } = recorded;
-  Object.assign(recorded, { course: "start", place: nearest(speeds, speed) });
-  if (fastest) setMachine(recorded.state, fastest);
-  Object.assign(state, recorded.state);
+  const { places, place, courses, state: rotorShown } = recorded;
+  setRotor(rotorShown);
+  connection = new Recorded(recorded, { answered });
+  if (isSystem()) {
+    recorded.course = "nodes";
+    moveTo = (node) => {
+      recorded.place = places.indexOf(node);
+      ask();
+    };
+    showState();
+    moveTo(place);
+    return;
+  }
+  const speeds = places;
+  Object.assign(recorded, { course: "start", place: nearest(speeds, place) });
   const box = $("courses");
   const names = { start: "each speed from the start", up: "running up", down: "running down" };
   const choice = Object.assign(document.createElement("div"), { className: "choice" });
@@ -890,7 +1020,7 @@ function beginRecorded() {
   }
   const label = Object.assign(document.createElement("label"), { htmlFor: "recorded-speed" });
   const range = Object.assign(document.createElement("input"), { type: "range", id: "recorded-speed", min: 0, max: speeds.length - 1, step: 1, value: recorded.place });
-  const given = Object.entries(recorded.state).filter(([name]) => ![...START, "omega", "speed"].includes(name));
+  const given = Object.entries(rotorShown).filter(([name]) => name in PARAMETERS && !["omega", "speed"].includes(name));
   const rest = given.map(([name, value]) => parameterShown(name, value)).join(", ");
   const rotor = Object.assign(document.createElement("p"), { className: "quiet", textContent: rest });
   const show = () => {
@@ -910,7 +1040,6 @@ function beginRecorded() {
     show();
     ask();
   };
-  connection = new Recorded(recorded, { answered });
   ask();
 }
 

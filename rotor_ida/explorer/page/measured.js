@@ -2,7 +2,7 @@
 
 import { colour } from "./plot.js";
 import { NOTHING, hasPanel, rowsOf } from "./signals.js";
-import { LARGEST_FILE, SYSTEM_ENDINGS } from "./tables.js";
+import { LARGEST_FILE } from "./tables.js";
 import { told, withUnit } from "./units.js";
 
 // Default probes: along x and y, with readings as displacements.
@@ -18,13 +18,6 @@ const FIELDS = { angles: ["measured-angle-x", "measured-angle-y"], gains: ["meas
 const TURNS = ["keyphasor", "angle", "speed"];
 const COLUMNS = ["t", "x", "y", "turn"], UNITS = ["t", "length", "turn"];
 const $ = (id) => document.getElementById(id);
-
-/** Open the page of a rotor system with a file, which waits for it in a cache of this origin. */
-async function openSystem(file) {
-  const cache = await caches.open("rotor-ida-key");
-  await cache.put("/system-file", new Response(file, { headers: { "x-name": encodeURIComponent(file.name) } }));
-  location.assign("system.html");
-}
 
 export class Measured {
   /**
@@ -65,8 +58,7 @@ export class Measured {
   /** Read a file, or the two of a COMTRADE record. */
   #readOne(files) {
     const file = files.length > 1 ? combined(files) : files[0];
-    if (file && SYSTEM_ENDINGS.some((ending) => file.name.toLowerCase().endsWith(ending))) openSystem(file);
-    else if (file) this.read(file);
+    if (file) this.read(file);
     else if (files.length) this.#say(`One file at a time, or the .cfg and the .dat of a COMTRADE record: of ${files.length} none is read.`, true);
   }
 
@@ -90,7 +82,7 @@ export class Measured {
     const number = (this.number += 1);
     this.reading = { file, probes, number };
     this.#say(`Reading ${file.name} …`);
-    this.send({ about: "measured", number, probe_angles: probes.angles, gains: probes.gains, columns, units }, file, () => this.reading?.number === number)
+    this.send({ about: "upload", number, probe_angles: probes.angles, gains: probes.gains, columns, units }, file, () => this.reading?.number === number)
       .catch(({ message }) => this.fail(message, number));
   }
 
@@ -100,6 +92,14 @@ export class Measured {
     const { name } = this.reading.file;
     this.reading = null;
     this.#say(`${name} is not shown: ${message}.${this.found ? ` ${this.found.name} stays.` : ""}`, true);
+  }
+
+  /** The file was of a rotor, which the page shows. */
+  isOfRotor({ number }) {
+    if (number !== this.reading?.number) return false;
+    this.reading = null;
+    this.#say(this.found ? this.said : "");
+    return true;
   }
 
   /** Take what the program has found in a file. */
@@ -180,7 +180,7 @@ export class Measured {
     const asked = isMachine ? "enter the µm per volt" : "enter the scale of the page, or choose SI units for it";
     const isOpen = this.#units(scales()) ? "" : ` To draw it, ${asked}.`;
     const guessed = [time === "1" && isMachine ? "times are assumed to be in s" : "", length === "1" && isMachine ? "lengths in the unit chosen below" : ""].filter(Boolean).join(" and ");
-    this.#say(`${name}: ${samples.toLocaleString("en")} samples${by ? `, turned by ${by}` : ""}${speeds}${guessed ? `; ${guessed}` : ""}. It stays on the machine of the program.${isOpen}${notes.map((each) => ` Note: ${each}.`).join("")}`);
+    this.#say(this.said = `${name}: ${samples.toLocaleString("en")} samples${by ? `, turned by ${by}` : ""}${speeds}${guessed ? `; ${guessed}` : ""}. It stays on the machine of the program.${isOpen}${notes.map((each) => ` Note: ${each}.`).join("")}`);
   }
 
   #speeds(scales) {

@@ -1,6 +1,6 @@
 // A run-up or run-down at a rate: pieces of a ramp, each continuing the last one.
 
-import { rowsOf } from "./signals.js";
+import { NOTHING, joined, trackOf } from "./signals.js";
 
 const TURN = 2 * Math.PI;
 // Milliseconds to answer a piece, and its most revolutions for good sampling.
@@ -9,8 +9,8 @@ const WANTED = 60, MOST_TURNS = 200;
 const LARGEST_STEP = 1 / 320, FASTEST_SHOWN = 0.1;
 // Speed step over which the smallest and the largest radius are drawn.
 const WIDTH = 1 / 2000, MOST_POINTS = 12_000;
-// Revolutions kept, and the least difference of speed between two spectra.
-const MOST_REVOLUTIONS = 400_000, CLOSEST_ROWS = 1 / 400;
+// Milliseconds from one question about the track to the next while the speed changes.
+const TRACKED = 1000;
 // Decimals of a speed, at most.
 const FINEST = 14;
 
@@ -18,8 +18,8 @@ const FINEST = 14;
 class Track {
   constructor(start, range) {
     Object.assign(this, { start, held: start, turned: 0, range, words: "", now: "clear", omega: [], low: [], high: [], jumps: [], falling: [], folds: [], scales: {} });
-    // order 1 of each revolution, and spectra one after the other, as the program has them
-    Object.assign(this, { order: { speed: [], amplitude: [], lag: [] }, rows: [] });
+    // order 1 of each revolution before it last turned back and since, and the spectra since, as the program has them
+    Object.assign(this, { legs: NOTHING, ...trackOf() });
     this.turn = []; // the samples of the last revolution, as angle, speed and radius
     this.sum = this.angle = 0;
   }
@@ -31,8 +31,7 @@ class Track {
     this.sum = 0;
     this.before = undefined;
     for (const name of ["omega", "low", "high"]) this[name].push(NaN);
-    for (const column of Object.values(this.order)) column.push(NaN);
-    this.rows = [];
+    this.legs = this.order;
   }
 
   take({ arrays, facts }, way) {
@@ -45,22 +44,12 @@ class Track {
       this.#watch(this.angle + angle[i], speed[i], radius[i], way);
     }
     this.angle += angle.at(-1);
-    this.#follow(arrays);
   }
 
-  /** Add the signals of probes. */
-  #follow(arrays) {
-    const { order_speed: speeds, order_amplitude: amplitudes, order_lag: lags } = arrays;
-    const { speed, amplitude, lag } = this.order;
-    for (let i = 0; i < speeds.length; i++) {
-      speed.push(speeds[i]);
-      amplitude.push(amplitudes[i]);
-      lag.push(lags[i]);
-    }
-    if (speed.length > MOST_REVOLUTIONS) for (const column of Object.values(this.order)) column.splice(0, speed.length - MOST_REVOLUTIONS);
-    for (const row of rowsOf(arrays)) {
-      if (Math.abs(row.speed - (this.rows.at(-1)?.speed ?? Infinity)) >= CLOSEST_ROWS * this.range) this.rows.push(row);
-    }
+  /** Take order 1 and spectra since it last turned back. */
+  takeTrack(answer) {
+    const { order, rows } = trackOf(answer);
+    Object.assign(this, { order: joined(this.legs, order), rows });
   }
 
   #draw(omega, radius) {
@@ -118,7 +107,7 @@ export class Passage {
    * to rest, and `changed` when it has begun, has stopped or is discarded.
    */
   constructor({ begin, ask, moved, rested, changed }) {
-    Object.assign(this, { begin, ask, moved, rested, changed, way: 0, number: 0, begun: false, tracks: [], waiting: new Set() });
+    Object.assign(this, { begin, ask, moved, rested, changed, way: 0, number: 0, begun: false, tracks: [], waiting: new Set(), asked: new Set() });
   }
 
   get running() {
@@ -151,7 +140,7 @@ export class Passage {
   #begin(beginning) {
     if (!beginning) return false;
     const { speed, limits, range, starts } = beginning;
-    Object.assign(this, { begun: true, last: 0, speed, limits, range, from: speed, tracks: starts.map((start) => new Track(start, range)) });
+    Object.assign(this, { begun: true, asked: new Set(), tracked: -Infinity, isBehind: false, step: 0, last: 0, speed, limits, range, from: speed, tracks: starts.map((start) => new Track(start, range)) });
     return true;
   }
 
@@ -167,7 +156,8 @@ export class Passage {
     if (this.last && this.last !== way) for (const track of this.tracks) track.turnBack();
     this.last = way;
     const turn = (TURN * this.rate) / Math.max(speed, 1);
-    const step = Math.min(this.step || turn, LARGEST_STEP * this.range, MOST_TURNS * turn);
+    // a piece has a revolution at least: waiting for others must not make pieces ever shorter
+    const step = Math.min(Math.max(this.step, turn), LARGEST_STEP * this.range, MOST_TURNS * turn);
     // round as it is shown: to a tenth of the step or less
     const digits = Math.min(Math.max(4, Math.ceil(1 - Math.log10(step))), FINEST);
     const to = Number((speed + way * step).toFixed(digits));
@@ -184,7 +174,9 @@ export class Passage {
     if (this.waiting.size) return;
     const took = performance.now() - this.sent;
     const step = Math.abs(this.to - this.speed);
-    this.step = step * Math.min(Math.max(WANTED / took, 0.3), 3);
+    // a piece behind the answer of a track tells nothing of how long it takes itself
+    this.step = step * Math.min(Math.max(WANTED / took, this.isBehind ? 1 : 0.3), 3);
+    this.isBehind = false;
     this.speed = this.to;
     this.moved(this.speed);
     if (!this.running) this.#rest();
@@ -194,6 +186,22 @@ export class Passage {
         this.#next();
       }, Math.max((1000 * step) / (FASTEST_SHOWN * this.range) - took, 0));
     }
+  }
+
+  /** Ask for the tracks so far by `asks`; while the speed changes not before the last ones have come. */
+  askTracks(asks) {
+    const now = performance.now();
+    if (this.running && (this.asked.size || now - this.tracked < TRACKED)) return;
+    this.tracked = now;
+    this.isBehind = true;
+    this.asked = new Set(this.tracks.keys());
+    this.tracks.forEach(({ start }, side) => asks({ number: this.number, side, start, speed: this.speed }));
+  }
+
+  takeTrack(answer) {
+    if (!this.begun || answer.number > this.number) return;
+    this.asked.delete(answer.side);
+    this.tracks[answer.side].takeTrack(answer);
   }
 
   /** Come to rest after the piece being computed, if any. */

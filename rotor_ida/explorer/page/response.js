@@ -1,8 +1,9 @@
 // The response curve: exact whirls with their folds and Hopf points, branches of limit cycles, and the rotors.
 
 import { Plot, colour } from "./plot.js";
-import { roundUp, speedsShown } from "./state.js";
+import { isSystem, roundUp, speedsShown } from "./state.js";
 import { SPECIAL, STABILITY, wordsOf } from "./tables.js";
+import { fillKey } from "./tools.js";
 import { labelled, shownIn } from "./units.js";
 
 // Dashes repeat the meaning of colours: lines and gaps in pixels.
@@ -93,7 +94,7 @@ export class Response {
     const shown = this.sides.slice(0, this.two ? 2 : 1).filter((side) => side.curve);
     if (!shown.length) return;
     const scales = shown[0].place?.scales;
-    let top = 1, [, last] = speedsShown();
+    let top = isSystem() ? 0 : 1, [, last] = speedsShown();
     for (const { curve, place, branches, passage } of shown) {
       for (const each of curve.arrays.omega) if (each > last) last = each;
       for (const each of curve.arrays.amplitude) if (each > top) top = each;
@@ -124,6 +125,7 @@ export class Response {
       parts.push(["line-key", "exact whirl in contact"], ["line-key dashed", "unstable"], ["mark diamond", "fold"]);
     }
     if (shown.some(({ curve }) => curve.arrays.hopf_omega.length)) parts.push(["mark open", "Hopf point"]);
+    if (shown.some(({ curve }) => curve.arrays.graze_omega?.length)) parts.push(["mark up", "graze"]);
     if (shown.some(({ curve }) => curve.arrays.in_contact.includes(0))) parts.push(["line-key free", "contact-free whirl"]);
     if (shown.some(({ curve }) => curve.arrays.whip_omega?.length)) {
       parts.push(["line-key whip", "dry whip without unbalance"], ["line-key saddle", "slipping backward whirl, a saddle"]);
@@ -141,13 +143,7 @@ export class Response {
     if (shown.some(({ passage }) => passage?.jumps.length)) parts.push(["mark jump", "half way of a jump"]);
     parts.push(["mark place", this.two ? "the first rotor" : "the rotor"]);
     if (this.two) parts.push(["mark square second", "the second rotor and its curves"]);
-    const items = parts.map(([className, textContent]) => {
-      const item = document.createElement("span");
-      item.append(Object.assign(document.createElement("i"), { className }), textContent);
-      return item;
-    });
-    const told = [...reasons].map((textContent) => Object.assign(document.createElement("span"), { className: "reason", textContent }));
-    document.getElementById("response-key").replaceChildren(...told, ...items);
+    fillKey(document.getElementById("response-key"), [...[...reasons].map((each) => ["", each]), ...parts]);
   }
 
   #draw(pen) {
@@ -204,6 +200,7 @@ export class Response {
       if (radii.length) pen.line(arrays.whip_omega.map((each) => each * this.speed.factor), radii, { stroke: colour("rolling"), ...look });
     }
     folds.forEach((each, i) => pen.mark(each * this.speed.factor, heights[i] * this.length.factor, 8, { shape: "diamond", fill: ink }));
+    arrays.graze_omega?.forEach((each, i) => pen.mark(each * this.speed.factor, arrays.graze_amplitude[i] * this.length.factor, 8, { shape: "up", fill: ink }));
     arrays.hopf_omega.forEach((each, i) => {
       pen.mark(each * this.speed.factor, arrays.hopf_amplitude[i] * this.length.factor, 8, { fill: colour("card"), stroke: ink });
     });
@@ -280,6 +277,7 @@ export function drawWhirls(pen, xs, ys, { omega, stability, piece, in_contact: c
 function readCurve(arrays, speed, of, points, lines) {
   const { omega, amplitude, stability, piece, in_contact: contact } = arrays;
   arrays.fold_omega.forEach((each, i) => points.push([`fold${of}`, each, arrays.fold_amplitude[i]]));
+  arrays.graze_omega?.forEach((each, i) => points.push([`graze${of}`, each, arrays.graze_amplitude[i]]));
   arrays.hopf_omega.forEach((each, i) => points.push([`Hopf point${of}`, each, arrays.hopf_amplitude[i]]));
   for (const [name, key] of WHIRLS) {
     for (let i = 1; i < (arrays[key]?.length ?? 0); i++) addCrossing(lines, name + of, speed, arrays.whip_omega, arrays[key], i);

@@ -45,9 +45,9 @@ const PLAYED = 1;
 
 export class Side {
   /** Build the panels in `element`; `moved` receives the start dragged on the plane. */
-  constructor(element, number, { moved, asked, told }) {
+  constructor(element, number, { moved, asked, told, shown }) {
     element.append(document.getElementById("side").content.cloneNode(true));
-    Object.assign(this, { element, number, moved, asked, motion: null, settled: null, basin: null, sectionOf: null });
+    Object.assign(this, { element, number, moved, asked, shown, motion: null, settled: null, basin: null, sectionOf: null });
     this.time = 1;
     this.window = 8;
     for (const radio of element.querySelectorAll('[type="radio"]')) radio.name = `drag${number}`;
@@ -100,6 +100,12 @@ export class Side {
     });
   }
 
+  /** Show so many revolutions; all of the run if 0. */
+  #showWindow(count) {
+    this.window = count;
+    this.element.querySelector("[data-window]").value = count;
+  }
+
   #goTo(part) {
     this.time = part;
     this.slider.value = part;
@@ -133,7 +139,10 @@ export class Side {
   // answers received
 
   take(answer) {
-    if (answer.part === "motion") this.motion = answer;
+    if (answer.part === "motion") {
+      if (answer.facts.is_drop && !this.motion?.facts.is_drop) this.#showWindow(0);
+      this.motion = answer;
+    }
     else if (answer.part === "settled") this.settled = answer;
     else if (answer.part === "section") this.sectionOf = answer;
     else if (answer.part === "basin") this.#takeBasin(answer);
@@ -192,13 +201,16 @@ export class Side {
     const each = facts.samples_per_revolution;
     const last = arrays.t.length - 1;
     const now = Math.round(this.time * last);
-    this.view = { from: this.window ? Math.max(0, Math.min(now, last) - this.window * each) : 0, to: now, now };
-    if (this.window && now < this.window * each) this.view.to = Math.min(last, this.window * each);
+    const wide = Math.round(this.window * each);
+    this.view = { from: wide ? Math.max(0, Math.min(now, last) - wide) : 0, to: now, now };
+    if (wide && now < wide) this.view.to = Math.min(last, wide);
+    this.shown(this.time);
     const top = facts.ending.radius_max;
     const drawn = Math.max(top, facts.rotor.delta0, maximum(arrays.radius, this.view.from, this.view.to));
     this.length = this.#scale("length", drawn);
     const reach = roundUp(1.08 * drawn * this.length.factor);
     this.plane = { x: [-reach, reach], y: [-reach, reach] };
+    this.panels.section.hidden = Boolean(facts.is_drop); // what falls settles nowhere
     const rubs = Boolean(arrays.mode);
     for (const [name, hides] of Object.entries({ damped: !facts.rotor.contact_damping, friction: !rubs, frictionless: rubs })) {
       for (const each of this.element.querySelectorAll(`[data-${name}]`)) each.hidden = hides;
@@ -322,7 +334,7 @@ export class Side {
     pen.circle(0, 0, facts.rotor.delta0 * factor, { stroke: colour("muted"), dash: [5, 4], width: 1.2 });
     const { now, from } = this.view;
     const inside = (i) => arrays.radius[i] <= facts.rotor.delta0;
-    const before = Math.max(0, from - EARLIER * facts.samples_per_revolution);
+    const before = Math.max(0, from - Math.round(EARLIER * facts.samples_per_revolution));
     pen.line(xs, ys, { from: before, to: from + 1, stroke: colour("muted"), width: 0.6, alpha: 0.35 });
     const stretch = { from, to: now + 1 };
     if (arrays.mode) drawModes(pen, xs, ys, arrays.mode, stretch);
@@ -331,16 +343,21 @@ export class Side {
       pen.line(xs, ys, { ...stretch, stroke: colour("contact"), width: 1.9, gap: (i) => inside(i) && inside(Math.max(i - 1, 0)) });
     }
     this.#drawEvents(pen, axes);
-    const turn = facts.samples_per_revolution;
-    for (let i = Math.ceil(from / turn) * turn; i <= now; i += turn) {
+    for (const i of this.#turns(from, now)) {
       pen.mark(xs[i], ys[i], 8, { shape: "diamond", fill: colour("keyphasor"), stroke: colour("card"), width: 1 });
     }
     const [x, y] = [xs[now], ys[now]];
-    if (!axes) {
-      const angle = facts.rotor.omega * arrays.t[now];
-      pen.arrow(x, y, factor * Math.cos(angle), factor * Math.sin(angle), { stroke: colour("ink") });
-    } else pen.arrow(x, y, factor, 0, { stroke: colour("ink") });
+    // of a node of a system no mass centre is known
+    const angle = axes ? 0 : facts.rotor.omega * arrays.t[now];
+    if (!facts.told) pen.arrow(x, y, factor * Math.cos(angle), factor * Math.sin(angle), { stroke: colour("ink") });
     pen.mark(x, y, 9, { fill: colour("accent"), stroke: colour("card") });
+  }
+
+  /** Return the samples once a revolution; none where a revolution is no whole number of them. */
+  #turns(from, to) {
+    const turn = this.motion.facts.samples_per_revolution;
+    const first = Math.ceil(from / turn) * turn;
+    return Number.isInteger(turn) && first <= to ? Array.from({ length: Math.floor((to - first) / turn) + 1 }, (_, i) => first + i * turn) : [];
   }
 
   #drawEvents(pen, axes) {
@@ -356,13 +373,14 @@ export class Side {
 
   #drawSectionPlot() {
     const { xs, ys } = this.#sectionPoints();
-    let reach = this.motion.facts.rotor.delta0 * 0;
+    let reach = 0;
     for (let i = 0; i < xs.length; i++) reach = Math.max(reach, Math.abs(xs[i]), Math.abs(ys[i]));
     const { factor, unit } = this.length;
-    const all = roundUp(1.15 * reach) * factor;
+    const all = roundUp(1.15 * reach || this.motion.facts.rotor.delta0) * factor;
     this.section.show({ x: [-all, all], y: [-all, all], labels: [labelled("along the unbalance", unit), labelled("across it", unit)] });
     const key = this.panels.section.querySelector("[data-key]");
-    key.textContent = this.sectionOf ? `settled: ${xs.length} points, once a revolution` : "the last half of the run, once a revolution";
+    const drawn = xs.length ? "the last half of the run, once a revolution" : "none: a revolution of this run is no whole number of its samples";
+    key.textContent = this.sectionOf ? `settled: ${xs.length} points, once a revolution` : drawn;
   }
 
   #sectionPoints() {
@@ -467,7 +485,7 @@ export class Side {
 
   #readOrbit(axes, x, y, distance, near) {
     if (!this.length) return null;
-    const { arrays, facts } = this.motion;
+    const { arrays } = this.motion;
     const { t, event_time: times, event_kind: kinds } = arrays;
     const { factor } = this.length;
     const found = { away: near };
@@ -478,8 +496,7 @@ export class Side {
     };
     const [low, high] = [t[this.view.from], t[this.view.now]];
     const [xs, ys] = [arrays[`${axes}x`], arrays[`${axes}y`]];
-    const turn = facts.samples_per_revolution;
-    for (let i = Math.ceil(this.view.from / turn) * turn; i <= this.view.now; i += turn) look("once a revolution", [xs[i], ys[i]], t[i]);
+    for (const i of this.#turns(this.view.from, this.view.now)) look("once a revolution", [xs[i], ys[i]], t[i]);
     times.forEach((time, i) => {
       if (time >= low && time <= high) look(EVENT_WORDS[kinds[i]], [arrays[`event_${axes}x`][i], arrays[`event_${axes}y`][i]], time);
     });

@@ -4,10 +4,10 @@
 import { Plot, colour } from "./plot.js";
 import { UNSTABLE, drawWhirls } from "./response.js";
 import { roundUp, speedsShown } from "./state.js";
-import { addTools } from "./tools.js";
+import { addTools, fillKey } from "./tools.js";
 import { labelled, shownIn, told } from "./units.js";
 
-const TITLES = { bode: "Bode: order 1", polar: "Polar: order 1", full: "Full spectrum", cascade: "Cascade" };
+const TITLES = { bode: "Bode: order 1", polar: "Polar: order 1", full: "Full spectrum", cascade: "Cascade", campbell: "Campbell diagram, contacts open" };
 const DEGREES = 180 / Math.PI;
 // Phase lags are told from a quarter turn ahead on.
 const LEAST_LAG = -90;
@@ -62,20 +62,6 @@ class Panel {
     addTools(this.card, this.plots, { name: () => this.name, told: () => this.told(), table: () => this.table() });
   }
 
-  /** Say what stands for what: pairs of a class and words, or words alone. */
-  key(parts) {
-    const text = JSON.stringify(parts);
-    if (text === this.keyed) return;
-    this.keyed = text;
-    this.keyBox.replaceChildren(...parts.map(([className, words]) => {
-      const item = document.createElement("span");
-      if (className) item.append(Object.assign(document.createElement("i"), { className }));
-      else item.className = "reason";
-      item.append(words);
-      return item;
-    }));
-  }
-
   /** Return the names and keys of the lines that are drawn. */
   keyOfSources({ sources, fastest }, { curve = false } = {}) {
     const parts = [];
@@ -119,7 +105,7 @@ class Bode extends Panel {
     const x = [0, view.fastest * view.speed.factor];
     this.amplitude.show({ x, y: [0, roundUp(1.05 * view.top * view.length.factor)], labels: ["", labelled("amplitude", view.length.unit)] });
     this.lag.show({ x, y: [low, high], labels: [labelled(view.speed.unit ? "speed" : "speed ω", view.speed.unit), "phase lag [°]"] });
-    this.key([...this.keyOfSources(view, { curve: true }), ...view.missing]);
+    fillKey(this.keyBox, [...this.keyOfSources(view, { curve: true }), ...view.missing]);
     const last = (values) => told(values.at(-1));
     const now = this.drawn.filter(({ speed }) => speed.length).map(({ source, speed, amplitude, lag }) => `${source.name}: at speed ${last(speed)} amplitude ${last(amplitude)}, phase lag ${last(lag)} degrees`).join("; ");
     this.amplitude.say(`Amplitude of order 1 over the speed. ${now}`);
@@ -205,7 +191,7 @@ class Polar extends Panel {
     const { unit } = view.length;
     this.plot.show({ x: [left - room, right + room], y: [low - room, high + room], labels: [labelled("along the unbalance", unit), labelled("across it", unit)] });
     this.top = top;
-    this.key([...this.keyOfSources(view, { curve: true }), ["dot", `speeds${view.speed.unit && ` [${view.speed.unit}]`}`], ...view.missing]);
+    fillKey(this.keyBox, [...this.keyOfSources(view, { curve: true }), ["dot", `speeds${view.speed.unit && ` [${view.speed.unit}]`}`], ...view.missing]);
     const now = this.drawn.filter(({ xs }) => xs.length).map(({ source, xs, ys }) => `${source.name}: ${told(xs.at(-1))} along the unbalance, ${told(ys.at(-1))} across it`).join("; ");
     this.plot.say(`Order 1 as a vector on axes that turn with the unbalance. ${now}`);
   }
@@ -295,7 +281,7 @@ class Full extends Panel {
     const parts = this.keyOfSources(view);
     if (this.drawn.some(({ exact }) => exact)) parts.push(["mark diamond open cycle", "settled response"]);
     for (const { source: { name, lines } } of this.drawn) if (lines.told) parts.push(["", this.drawn.length > 1 ? `${name}: ${lines.told}` : lines.told]);
-    this.key(parts);
+    fillKey(this.keyBox, parts);
     const now = this.drawn.map(({ source, xs, ys }) => `${source.name}: 1X ${told(heightAt(xs, ys, 1))}, −1X ${told(heightAt(xs, ys, -1))}`).join("; ");
     this.plot.say(`Full spectrum: amplitude over frequency, backward whirl on the left, forward on the right. ${now}`);
   }
@@ -382,7 +368,7 @@ class Cascade extends Panel {
     });
     const parts = this.drawn.map(({ source, top }) => [source.icon, `${source.name}, tallest line ${told(top * view.length.factor, 3)}${view.length.unit && ` ${view.length.unit}`}`]);
     if (!parts.length) parts.push(["", "No spectrum yet: run the speed up or down, further at a slow rate."]);
-    this.key(parts);
+    fillKey(this.keyBox, parts);
   }
 
   #reading(place, x, y) {
@@ -519,6 +505,44 @@ function readPoints(plot, lines, x, _y, distance, near) {
   return { text: `${found.name}: ${found.speed === undefined ? "" : `speed ω ${told(found.speed, 5)}, `}${plot.tell(found.place, plot.plot.axes[0].label ? [] : ["speed"])}`, at: found.place };
 }
 
+/** Whirl speeds without contacts over the speed of the rotor, with the line on which they are equal. */
+class Campbell extends Panel {
+  constructor(say) {
+    super("campbell", [["square"]], say);
+    this.plot = new Plot(this.areas[0], { x: "speed", y: "whirl speed", draw: (pen) => this.#draw(pen) });
+    this.plots = [this.plot];
+    this.tools();
+  }
+
+  show({ campbell, speed: { factor, unit }, now }) {
+    this.drawn = campbell?.arrays.speed && { ...campbell.arrays, factor, now: now * factor };
+    if (this.drawn) {
+      const { speed, whirl_speed: rates } = this.drawn;
+      const top = 2 * speed.at(-1) * factor;
+      this.plot.show({ x: [speed[0] * factor, speed.at(-1) * factor], y: [rates.some((each) => each < 0) ? -top : 0, top], labels: [labelled("speed", unit), labelled("whirl speed", unit)] });
+    } else this.plot.show({});
+    fillKey(this.keyBox, [...(this.drawn ? [["dot", "damped"], ["dot growing", "growing"], ["line-key dashed", "speed of the rotor, ±1X"]] : []), ...(campbell?.facts.notes ?? []).map((each) => ["", each])]);
+    this.plot.say("Campbell diagram: whirl speeds over the speed, backward whirl below 0");
+  }
+
+  #draw(pen) {
+    if (!this.drawn) return;
+    const { speed, whirl_speed: rates, damping, factor, now } = this.drawn;
+    const xs = times(speed, factor);
+    rates.forEach((each, i) => {
+      const grows = damping[i] < 0;
+      pen.dots([xs[i % xs.length]], [each * factor], grows ? 4 : 3, { fill: colour(grows ? "contact" : "ink") });
+    });
+    for (const order of [-1, 1]) pen.line([xs[0], xs.at(-1)], [order * xs[0], order * xs.at(-1)], { stroke: colour("muted"), dash: [5, 4] });
+    pen.line([now, now], this.plot.shown.y, { stroke: colour("accent"), width: 1.5 });
+  }
+
+  table() {
+    const { speed, whirl_speed: rates, damping } = this.drawn ?? { speed: [], whirl_speed: [], damping: [] };
+    return { speed: Array.from(rates, (_, i) => speed[i % speed.length]), "whirl speed": Array.from(rates), "damping ratio": Array.from(damping) };
+  }
+}
+
 /** Return the height of the tallest line beside a place. */
 function heightAt(xs, ys, place) {
   let top = NaN;
@@ -532,13 +556,23 @@ function roundStep(about) {
   return ten * (TICKS.find((each) => each * ten >= about) ?? 10);
 }
 
-const KINDS = { bode: Bode, polar: Polar, full: Full, cascade: Cascade };
+const KINDS = { bode: Bode, polar: Polar, full: Full, cascade: Cascade, campbell: Campbell };
 /** Order 1 of what was never tracked. */
 export const NOTHING = { speed: [], amplitude: [], lag: [] };
 
 /** Return the spectra of a cascade one by one. */
 export const rowsOf = ({ cascade_speed: speeds, cascade_frequency: frequency, cascade_amplitude: heights }) =>
   Array.from(speeds, (speed, i) => ({ speed, frequency, amplitude: heights.slice(i * frequency.length, (i + 1) * frequency.length) }));
+
+/** Return order 1 and spectra of an answer of the program; none before it has come. */
+export function trackOf(answer) {
+  const { order_speed: speed, order_amplitude: amplitude, order_lag: lag, cascade_speed: rows } = answer?.arrays ?? {};
+  return { order: speed ? { speed, amplitude, lag } : NOTHING, rows: rows ? rowsOf(answer.arrays) : [] };
+}
+
+/** Return two pieces of order 1 as one, with a gap between them. */
+export const joined = (one, other) =>
+  one.speed.length ? Object.fromEntries(Object.keys(one).map((name) => [name, [...one[name], NaN, ...other[name]]])) : other;
 
 /** Return whether a source, of which it is a method, has something to show in a panel. */
 export function hasPanel(panel) {
@@ -557,8 +591,9 @@ export class Signals {
     return [...this.panels.values()].flatMap(({ plots }) => plots);
   }
 
-  get wantsLines() {
-    return this.panels.has("full");
+  /** Whether one of some panels is shown. */
+  has(names) {
+    return names.some((name) => this.panels.has(name));
   }
 
   /** Show the panels of some names, in the usual order. */
@@ -586,7 +621,7 @@ export class Signals {
   /** Draw all panels again. */
   show() {
     if (!this.panels.size) return;
-    const { rotors, scales, speed, measured } = this.view();
+    const { rotors, scales, speed, measured, campbell } = this.view();
     const sources = rotors.map(({ track, curve, lines, exact }, side) => ({
       name: rotors.length > 1 ? `${side ? "second" : "first"} rotor` : "the rotor",
       icon: side ? "line-key second" : "line-key passage thin",
@@ -603,7 +638,7 @@ export class Signals {
       curve?.omega.forEach((omega, i) => (top = omega <= fastest && curve.amplitude[i] > top ? curve.amplitude[i] : top));
     }
     const shown = {
-      sources, fastest, top, length: shownIn(scales, "length", top), speed: shownIn(scales, "rate", 1),
+      sources, fastest, top, campbell, now: speed, length: shownIn(scales, "length", top), speed: shownIn(scales, "rate", 1),
       missing: sources.some(({ order }) => order.speed.length) ? [] : [["", "Run the speed up or down to see the response."]],
     };
     for (const panel of this.panels.values()) panel.show(shown);

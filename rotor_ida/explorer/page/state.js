@@ -7,11 +7,16 @@ const { disc_radius: _, ...BEYOND } = OPTIONAL;
 // Default disc radius with friction, in eccentricities.
 const DISC_RADIUS = 10;
 // Panels of signals that may be chosen.
-export const SIGNALS = ["bode", "polar", "full", "cascade"];
+export const SIGNALS = ["bode", "polar", "full", "cascade", "campbell"];
+// Those that a rotor system begins with.
+const OF_SYSTEM = "bode,full,cascade,campbell";
+// What sliders change of a rotor system: all of it, and the chosen contact.
+const OF_ALL = ["speed", "unbalance_factor"], OF_CONTACT = ["clearance", "contact_stiffness", "contact_damping", "friction"];
+export const SYSTEM = [...OF_ALL, ...OF_CONTACT];
 const WORDS = { from: ["start", "here"], theme: ["", "light", "dark"], speedIn: ["rad/s", "rpm", "Hz"] };
 // Start of the second run, if it differs.
 export const SECOND_START = START.map((name) => `${name}2`);
-const NUMBERS = [...SECOND_START, ...DIMENSIONLESS, ...MACHINE, ...Object.keys(BEYOND), "disc_radius", ...START, "revolutions", "second", "step", "rate", "ramp", "fastest", "seconds"];
+const NUMBERS = ["unbalance_factor", ...SECOND_START, ...DIMENSIONLESS, ...MACHINE, ...Object.keys(BEYOND), "disc_radius", ...START, "revolutions", "second", "step", "rate", "ramp", "fastest", "seconds"];
 
 const DEFAULTS = {
   omega: 2, zeta: 0.07, delta0: 2,
@@ -27,8 +32,46 @@ const SECONDS = 20;
 const SPEEDS = [0.05, 4], FASTEST = 1e6;
 export const state = { ...DEFAULTS, disc_radius: DISC_RADIUS };
 
-/** Whether the rotor is given as a machine in SI units. */
-export const inSI = () => state.mass !== undefined;
+/** Whether the rotor is a system of some nodes, in a file that the program has. */
+export const isSystem = () => state.node !== undefined;
+
+/** What the program has told of that file; nothing before the first answer. */
+export let file = null;
+
+/** Whether the rotor is given as a machine in SI units, or is a system in these. */
+export const inSI = () => (isSystem() ? file?.units === "SI" : state.mass !== undefined);
+
+/** Return the name of the speed in the state. */
+export const speedName = () => (isSystem() || inSI() ? "speed" : "omega");
+
+/** Take what the program has told of the file of a system; another file forgets all changes. */
+export function tellFile(facts) {
+  file = facts;
+  if (facts) suitSystem();
+}
+
+/** Choose a contact: changes are of one, and the other one is again as in the file. */
+export function chooseContact(contact) {
+  state.contact = contact;
+  for (const name of OF_CONTACT) delete state[name];
+  suitSystem();
+}
+
+const givenOfSystem = () => ({ ...file?.given, ...file?.given_contacts[state.contact] });
+
+/** Fill in what is as in the file. */
+function suitSystem() {
+  if (!file) return;
+  for (const [name, value] of Object.entries(givenOfSystem())) state[name] ??= value;
+  state.contact_exponent = givenOfSystem().contact_exponent ?? state.contact_exponent;
+  state.fastest = Math.max(file.given.speed, state.speed / ROOM);
+}
+
+/** Return what differs from the file. */
+function changesOfSystem() {
+  const given = givenOfSystem();
+  return Object.fromEntries(SYSTEM.filter((name) => state[name] !== undefined && state[name] !== given[name]).map((name) => [name, state[name]]));
+}
 
 /** Return the names of the further parameters; the disc radius only with friction. */
 export const namesBeyond = () => [...Object.keys(BEYOND).filter((name) => state[name] !== BEYOND[name]), ...(state.friction ? ["disc_radius"] : [])];
@@ -38,32 +81,44 @@ const usualRadius = () => DISC_RADIUS * (inSI() ? state.eccentricity : 1);
 /** Read the state from an address; return its key, if any. Missing entries get defaults. */
 export function readAddress(hash) {
   const given = new URLSearchParams(hash.replace(/^#/, ""));
-  const names = MACHINE.every((name) => given.has(name)) ? MACHINE : DIMENSIONLESS;
+  const isOfFile = given.has("node");
+  const names = isOfFile ? SYSTEM : MACHINE.every((name) => given.has(name)) ? MACHINE : DIMENSIONLESS;
   for (const name of Object.keys(state)) delete state[name];
   Object.assign(state, DEFAULTS);
+  if (isOfFile) {
+    for (const name of [...DIMENSIONLESS, ...OF_CONTACT]) delete state[name];
+    Object.assign(state, { node: given.get("node"), contact: Number(given.get("contact")) || 0 });
+  }
   if (names === MACHINE) for (const name of DIMENSIONLESS) delete state[name];
   for (const name of NUMBERS) {
-    if ([...DIMENSIONLESS, ...MACHINE].includes(name) && !names.includes(name)) continue;
+    if ([...DIMENSIONLESS, ...MACHINE, ...(isOfFile ? Object.keys(BEYOND) : ["unbalance_factor"])].includes(name) && !names.includes(name)) continue;
     const text = given.get(name);
     if (text !== null && text !== "" && Number.isFinite(Number(text))) state[name] = Number(text);
   }
   state.hangs = !START.some((name) => given.has(name));
   state.disc_radius ??= usualRadius();
-  if (inSI()) suitMachine();
+  if (isOfFile) suitSystem();
+  else if (inSI()) suitMachine();
   for (const [name, words] of Object.entries(WORDS)) {
     if (words.includes(given.get(name))) state[name] = given.get(name);
   }
-  const panels = (given.get("panels") ?? "").split(",");
+  const panels = (given.get("panels") ?? (isOfFile ? OF_SYSTEM : "")).split(",");
   state.panels = SIGNALS.filter((name) => panels.includes(name)).join();
   return given.get("key");
 }
 
 /** Whether an address contains a rotor. */
-export const tellsOfRotor = (hash) => /[#&](omega|mass)=/.test(hash);
+export const tellsOfRotor = (hash) => /[#&](omega|mass|node)=/.test(hash);
 
 /** Return the address entries for the state and for the starts of the runs; a first one that hangs at rest has none. */
 export function address([first, second], hangs) {
   const told = new URLSearchParams();
+  if (isSystem()) {
+    for (const [name, value] of Object.entries({ node: state.node, contact: state.contact, revolutions: state.revolutions, ...changesOfSystem(), panels: state.panels })) told.set(name, value);
+    for (const name of ["second", "theme"]) if (state[name] !== null && state[name] !== "") told.set(name, state[name]);
+    if (state.speedIn !== DEFAULTS.speedIn) told.set("speedIn", state.speedIn);
+    return `#${told}`;
+  }
   for (const name of [...(inSI() ? MACHINE : DIMENSIONLESS), ...namesBeyond()]) told.set(name, state[name]);
   if (!hangs) START.forEach((name, place) => told.set(name, first[place]));
   if (state.second !== null && state.from === "here") {
@@ -80,8 +135,12 @@ export function address([first, second], hangs) {
   return `#${told}`;
 }
 
-/** Return the machine of one side, for a question. */
+/** Return the machine of one side, for a question; of a system the node, what is changed, and the contact. */
 export function machine(side) {
+  if (isSystem()) {
+    const { speed = null, ...changes } = changesOfSystem();
+    return side ? { node: "", contact: state.second, speed, changes: changes.unbalance_factor === undefined ? {} : { unbalance_factor: changes.unbalance_factor } } : { node: state.node, contact: state.contact, speed, changes };
+  }
   const names = [...(inSI() ? MACHINE : DIMENSIONLESS), ...namesBeyond()];
   const given = Object.fromEntries(names.map((name) => [name, state[name]]));
   if (side === 1) given[inSI() ? "clearance" : "delta0"] = state.second;
@@ -96,7 +155,7 @@ export function roundUp(value) {
 }
 
 /** Return the reference frequency in rad/s, the rate of a dimensionless 1. */
-export const referenceFrequency = () => Math.sqrt((state.contact_stiffness * slopeScale()) / state.mass);
+export const referenceFrequency = () => isSystem() ? 1 : Math.sqrt((state.contact_stiffness * slopeScale()) / state.mass);
 
 /** Return the factor from the contact stiffness to that of a spring, in N/m. */
 const slopeScale = () => (state.contact_exponent > 1 ? Math.sqrt(state.eccentricity) : 1);
@@ -153,20 +212,20 @@ function suitMachine() {
   state.seconds ??= state.ramp === DEFAULTS.ramp && state.shaft_stiffness ? SECONDS : Number((state.fastest / (state.ramp * rate ** 2)).toPrecision(6));
 }
 
-/** Show another machine, at rest; its speeds reach to `fastest`. */
-export function setMachine(given, fastest) {
-  for (const name of DIMENSIONLESS) delete state[name];
-  Object.assign(state, BEYOND, { disc_radius: null }, given, { fastest, second: null, seconds: state.seconds ?? SECONDS });
-  for (const name of START) state[name] = 0;
-  state.hangs = true;
-  state.disc_radius ??= usualRadius();
+/** Show another rotor, of which the address would tell so much; what is chosen beside it stays. */
+export function setRotor(told) {
+  const { theme, speedIn, seconds } = state;
+  const panels = isSystem() === "node" in told ? { panels: state.panels } : {};
+  const kept = { theme, speedIn, ...panels, ...(inSI() && !isSystem() ? { seconds } : {}) };
+  readAddress(`#${new URLSearchParams({ ...kept, ...told })}`);
 }
 
 /** Return the dimensionless speed shown. */
-export const speedOf = () => (inSI() ? state.speed / referenceFrequency() : state.omega);
+export const speedOf = () => (speedName() === "speed" ? state.speed / referenceFrequency() : state.omega);
 
 /** Return the speeds over which to show the response: those of the machine, or the usual ones, and the rotor's own. */
 export function speedsShown() {
+  if (isSystem()) return [0.1 * state.speed, ROOM * state.speed];
   if (inSI()) {
     const top = (ROOM * Math.max(state.fastest, state.speed / ROOM)) / referenceFrequency();
     return [LEAST_SPEED * top, top];

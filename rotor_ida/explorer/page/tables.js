@@ -3,8 +3,6 @@
 export const {
   /** Bytes of a file that can be read. */
   largest_file: LARGEST_FILE,
-  /** Endings of files of rotor systems. */
-  system_endings: SYSTEM_ENDINGS,
   /** Of each parameter, by its name: words, symbol, meaning without dimensions and in SI units, and its SI unit. */
   parameters: PARAMETERS,
   /** Range of speeds of a machine, as multiples of its largest one. */

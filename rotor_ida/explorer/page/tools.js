@@ -85,6 +85,19 @@ function saveMenu(panel, plots, title, { name, told, table }) {
   return menu;
 }
 
+/** Say what stands for what: pairs of a class and words, or of nothing and words alone. */
+export function fillKey(box, parts) {
+  const text = JSON.stringify(parts);
+  if (text === box.filled) return;
+  box.filled = text;
+  box.replaceChildren(...parts.map(([className, words]) => {
+    const item = Object.assign(document.createElement("span"), { className: className ? "" : "reason" });
+    if (className) item.append(Object.assign(document.createElement("i"), { className }));
+    item.append(words);
+    return item;
+  }));
+}
+
 /** Return the words of a panel's key, each with the element before it. */
 function keyOf(panel) {
   const spans = [...panel.querySelectorAll(".key span:not([hidden])")];
