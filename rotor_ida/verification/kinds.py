@@ -15,7 +15,7 @@ import xarray as xr
 
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.cycles.branch_course import VARIED, course_of, stable_ranges
-from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
+from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.results.archived_system import NEEDED, PROBLEM
 from rotor_ida.results.kinds import kind_of
 from rotor_ida.schema import RESPONSE

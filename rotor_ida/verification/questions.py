@@ -255,7 +255,8 @@ OF_KIND: dict[str, Callable[[xr.Dataset], Question]] = {
     "hopf_points": partial(_over_grid, "hopf_points"), "cycle": _cycle, "branch": _branch,
     "curve": _curve, "system_run": _system_run, "drop": _system_run, "system_sweep": _system_sweep,
     "system_whirls": _system_whirls, "system_special_points": _special_speeds,
-    "system_cycle": _system_cycle, "system_branch": _branch, "system_curve": _curve, "campbell": _campbell,
+    "system_cycle": _system_cycle, "system_branch": _branch, "system_curve": _curve,
+    "campbell": _campbell,
     "clearance_report": _clearance_report,
 }  # fmt: skip
 
