@@ -26,9 +26,9 @@ from rotor_ida.fitting.problem import FitProblem, Unknown
 from rotor_ida.fitting.records import Measured, measured, noise_of
 from rotor_ida.model.parameters import OF_MACHINE, OPTIONAL
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.schema.flags import ENTRY, EXIT
 from rotor_ida.signals.record import lacks_mark
 from rotor_ida.signals.windows import fit_orders
-from rotor_ida.simulation.orbit import ENTRY, EXIT
 
 # Parameters that can be fitted: their units for a machine; for a dimensionless rotor, the machine's
 # parameter and the factor between the two.

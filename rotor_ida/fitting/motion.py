@@ -24,15 +24,9 @@ from rotor_ida.fitting.variation import (
 )
 from rotor_ida.model.parameters import OF_ROTOR
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.schema.flags import ENTRY, EXIT, OF_FRICTION, PRESS, ROLLS
 from rotor_ida.simulation.options import Options, check_can_be_followed
-from rotor_ida.simulation.orbit import (
-    ENTRY,
-    EXIT,
-    OF_FRICTION,
-    PRESS,
-    ROLLS,
-    Orbit,
-)
+from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.run import run
 from rotor_ida.simulation.spin import Ramp, SpeedProfile
 

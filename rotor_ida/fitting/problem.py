@@ -24,7 +24,7 @@ from rotor_ida.fitting.motion import (
 )
 from rotor_ida.fitting.records import Measured
 from rotor_ida.model.rotor import DimensionalRotor
-from rotor_ida.simulation.orbit import ENTRY, EXIT
+from rotor_ida.schema.flags import ENTRY, EXIT
 
 Mask: TypeAlias = npt.NDArray[np.bool_]
 

@@ -24,12 +24,8 @@ from rotor_ida.schema import (
     labelled_dataset,
     origin_of,
 )
-from rotor_ida.simulation.orbit import (
-    ENTRY,
-    EXIT,
-    Orbit,
-    stretches_of_rolling,
-)
+from rotor_ida.schema.flags import ENTRY, EXIT
+from rotor_ida.simulation.orbit import Orbit, stretches_of_rolling
 
 # Below this fraction of radius times speed, angular momentum is rounding: there is no whirl.
 NO_WHIRL = 1e-12

@@ -18,9 +18,10 @@ from rotor_ida.schema import (
     Column,
     labelled_dataset,
 )
+from rotor_ida.schema.flags import FLIES, IS_LOOSE, ROLLS
 from rotor_ida.simulation.contact_table import contact_columns
 from rotor_ida.simulation.event_errors import EventErrors
-from rotor_ida.simulation.orbit import FLIES, IS_LOOSE, ROLLS, Orbit
+from rotor_ida.simulation.orbit import Orbit
 
 
 def run_dataset(

@@ -34,8 +34,9 @@ from rotor_ida.errors import SimulationError
 from rotor_ida.model.contact import damping_factor, spring_force, spring_slope
 from rotor_ida.model.forces import Moment, accelerations, with_values
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.schema.flags import ENTRY, OF_FRICTION, PRESS, ROLLS, SLIP
 from rotor_ida.simulation.options import LOOSEST_RTOL_OF_TAYLOR, Options
-from rotor_ida.simulation.orbit import ENTRY, OF_FRICTION, PRESS, ROLLS, SLIP, Orbit
+from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.run import run
 
 Kinds = npt.NDArray[np.integer[Any]]

@@ -35,14 +35,9 @@ from rotor_ida.errors import SimulationError
 from rotor_ida.model.equations import push_over_radius, rotated, rotating_field
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.schema.flags import ENTRY, ROLLS, SLIDES_BACKWARDS, SLIDES_FORWARDS
 from rotor_ida.simulation.options import Options
-from rotor_ida.simulation.orbit import (
-    ENTRY,
-    ROLLS,
-    SLIDES_BACKWARDS,
-    SLIDES_FORWARDS,
-    stretches_of_rolling,
-)
+from rotor_ida.simulation.orbit import stretches_of_rolling
 from rotor_ida.simulation.run import run
 
 MAXIMUM = 1.0  # the kind of an extremum

@@ -12,16 +12,10 @@ from rotor_ida.core.faults import FAULTS, FIRST_OF_SAMPLES, OF_CONTACTS, Events,
 from rotor_ida.core.runs import CONTACT, Rows
 from rotor_ida.errors import InvariantError
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.schema.flags import OF_FRICTION, ROLLS, SLIDES_BACKWARDS, SLIDES_FORWARDS
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.spin import SpeedProfile
 
-ENTRY = 1
-EXIT = -1
-PRESS, RELEASE = 4, -4
-ROLL, SLIP, REVERSE = 2, -2, 3
-# How a rotor with friction moves.
-FLIES, SLIDES_FORWARDS, SLIDES_BACKWARDS, ROLLS, IS_LOOSE = 0, 1, -1, 2, 3
-OF_FRICTION = (ROLL, SLIP, REVERSE)
 # A contact of an orbit is one of the core, with the largest indentation instead of its root.
 ORBIT_CONTACT = np.dtype(
     [

@@ -40,10 +40,10 @@ from rotor_ida.results.question import Question
 from rotor_ida.results.run import parameter_coordinates
 from rotor_ida.results.system_units import with_system_units
 from rotor_ida.schema import Column, labelled_dataset
+from rotor_ida.schema.flags import ENTRY, EXIT, REVERSE, ROLL, SLIP
 from rotor_ida.simulation.course import MOST_RADIANS
 from rotor_ida.simulation.extrema import MAXIMUM, check_knots, radius_extrema
 from rotor_ida.simulation.options import Method, Options, check_can_be_followed
-from rotor_ida.simulation.orbit import ENTRY, EXIT, REVERSE, ROLL, SLIP
 from rotor_ida.simulation.run import run
 from rotor_ida.simulation.starts import Start, state_of
 from rotor_ida.simulation.systems.crossings import (

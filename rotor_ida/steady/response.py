@@ -33,8 +33,8 @@ from rotor_ida.closed_forms.contact_free import complex_amplitude, touch_fading
 from rotor_ida.closed_forms.rest import rest
 from rotor_ida.model.contact import contact_force, secant_stiffness
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.schema.flags import ENTRY
 from rotor_ida.simulation.flow import DiscFlow, Window
-from rotor_ida.simulation.orbit import ENTRY
 
 CONTACT_FREE = "contact_free"
 SYNCHRONOUS = "synchronous"

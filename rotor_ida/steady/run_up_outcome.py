@@ -25,10 +25,11 @@ from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.results.contact_facts import columns_of_contact, run_up_facts
 from rotor_ida.schema import ENDING, RESPONSE
+from rotor_ida.schema.flags import ENTRY
 from rotor_ida.simulation.course import SYSTEM_LIMITS, course_of, ramp_of
 from rotor_ida.simulation.dataset import arrays_of
 from rotor_ida.simulation.options import Options
-from rotor_ida.simulation.orbit import ENTRY, Orbit
+from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.run import run
 from rotor_ida.simulation.spin import Ramp, SpeedProfile
 from rotor_ida.simulation.starts import GivenStart

@@ -12,8 +12,8 @@ from rotor_ida.core.runs import COLUMNS
 from rotor_ida.fitting.arguments import UNITS
 from rotor_ida.fitting.identifiability import ANGLE
 from rotor_ida.fitting.motion import MotionRequest, Turning
+from rotor_ida.schema.flags import ENTRY
 from rotor_ida.simulation.flow import DiscFlow
-from rotor_ida.simulation.orbit import ENTRY
 
 # Runs up at one rate, then at another, through contacts that end and that do not.
 TURNING = Turning(

@@ -9,8 +9,9 @@ import pytest
 from rotor_ida import Rotor, synchronous_response
 from rotor_ida.closed_forms import touch_fading
 from rotor_ida.core.runs import EXTREMUM
+from rotor_ida.schema.flags import ENTRY, EXIT
 from rotor_ida.simulation.flow import DiscFlow, Window
-from rotor_ida.simulation.orbit import ENTRY, EXIT, ORBIT_CONTACT
+from rotor_ida.simulation.orbit import ORBIT_CONTACT
 from rotor_ida.steady.decision import Decision
 from rotor_ida.steady.features import features_of_disc
 from rotor_ida.steady.response import (

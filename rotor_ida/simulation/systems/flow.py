@@ -24,8 +24,8 @@ from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.assembly import Assembly, Canonical, canonical
 from rotor_ida.model.axisymmetric import check_axisymmetric_parts, forward_motions
 from rotor_ida.schema import MODE
+from rotor_ida.schema.flags import ROLL
 from rotor_ida.simulation.flow import STEADY, STEADY_TOLERANCES, Piece, Window
-from rotor_ida.simulation.orbit import ROLL
 from rotor_ida.simulation.spin import steady
 from rotor_ida.simulation.systems.following import follow_system_again, request_of
 

@@ -10,7 +10,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.core.systems import SystemRequest, SystemResult
 from rotor_ida.errors import InvariantError
 from rotor_ida.model.assembly import Assembly, Canonical
-from rotor_ida.simulation.orbit import ENTRY
+from rotor_ida.schema.flags import ENTRY
 
 # Forces beyond their limits, and energy that is missing, in parts of their size: rounding, and what
 # the tolerance allows. The energy of 300 random systems was missing by at most 4.2e-11 at rtol

@@ -16,16 +16,9 @@ from rotor_ida.core.runs import EXTREMUM
 from rotor_ida.model.contact import contact_potential
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.schema.flags import ENTRY, EXIT, FLIES, IS_LOOSE
 from rotor_ida.simulation.options import LARGEST, Options
-from rotor_ida.simulation.orbit import (
-    ENTRY,
-    EXIT,
-    FLIES,
-    IS_LOOSE,
-    ORBIT_CONTACT,
-    Orbit,
-    SpeedRecord,
-)
+from rotor_ida.simulation.orbit import ORBIT_CONTACT, Orbit, SpeedRecord
 from rotor_ida.simulation.spin import Driven, SpeedProfile, Spin, steady
 from rotor_ida.simulation.witness.bodies import GAINED, HEAT, IMPULSE, LOST, SLID, Disc
 from rotor_ida.simulation.witness.events import LOOKS

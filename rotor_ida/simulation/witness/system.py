@@ -23,7 +23,7 @@ from rotor_ida.core.systems import (
 )
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.contact import HERTZ_EXPONENT
-from rotor_ida.simulation.orbit import ENTRY, EXIT, FLIES
+from rotor_ida.schema.flags import ENTRY, EXIT, FLIES
 from rotor_ida.simulation.spin import SpeedProfile
 from rotor_ida.simulation.witness.bodies import Coordinates, Law
 from rotor_ida.simulation.witness.events import LOOKS
