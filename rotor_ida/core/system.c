@@ -146,7 +146,7 @@ void begin_terms(struct work *work)
         each->series.terms[0][ELEMENT_RACE] = each->touch->race;
         each->is_edge = is_touching(each) && root < EDGE * sqrt(each->law->clearance);
         edges += each->is_edge;
-        if (each->touch->way == ROLLS && each->stator_mobility == 0.0)
+        if (each->touch->mode == ROLLS && each->stator_mobility == 0.0)
             work->rolling[work->rolls++] = (int)i;
     }
     work->moves = edges > 0;
@@ -189,7 +189,7 @@ static void ask_contacts(struct work *work, int n)
             continue;
         if (each->stator_mobility > 0.0) {
             push_massless(work, each, n);
-        } else if (each->touch->way == ROLLS) {
+        } else if (each->touch->mode == ROLLS) {
             rolling_order(&each->element, &each->series, n, each->answers[n]);
             each->drag[n] = 0.0; /* until what is implicit is known */
         } else {
@@ -475,7 +475,7 @@ static void add_implicit(struct work *work, int n)
                   - convolved_later(work->sine, 1, &work->swung[0][0], 2, n);
         for (int64_t i = 0; i < run->contact_count; i++) {
             const struct touching *each = &work->touching[i];
-            if (pushes(each) && (each->touch->way != ROLLS || each->stator_mobility > 0.0))
+            if (pushes(each) && (each->touch->mode != ROLLS || each->stator_mobility > 0.0))
                 torque -= each->law->radius * each->drag[n];
         }
         right[work->rolls] = torque;
@@ -570,7 +570,7 @@ static void go_on(struct work *work, int n)
             }
             terms[ELEMENT_RACE] = rate * law->inverse_race_inertia * share;
         }
-        if (each->touch->way == ROLLS) {
+        if (each->touch->mode == ROLLS) {
             const double *row = row_of(work, work->acceleration, n);
             each->pull[n][0] = sum_of_products(each->rows, row, stride);
             each->pull[n][1] = sum_of_products(each->rows + stride, row, stride);
@@ -785,7 +785,7 @@ static void keep_episode(struct work *work, struct touching *each, double span)
         power[n] = convolved(each->drag, 1, rim, 1, n);
     }
     run->ledger.tangential -= integral_of(work, power, 1);
-    if (each->touch->way == ROLLS) {
+    if (each->touch->mode == ROLLS) {
         episode->rolling_time += span;
         return;
     }

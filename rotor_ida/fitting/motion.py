@@ -300,14 +300,14 @@ class _Stretches:
 def _stretches_of(orbit: Orbit, machine: DimensionalRotor, turning: Turning) -> _Stretches:
     """Return the stretches of an orbit."""
     kinds, times = orbit.event_kinds, orbit.event_times / machine.reference_frequency
-    rolls = orbit.ways is not None and bool((orbit.ways == ROLLS).any())
+    rolls = orbit.modes is not None and bool((orbit.modes == ROLLS).any())
     if rolls or np.isin(kinds, OF_FRICTION).any():
         raise InputError(
             "machine must slide one way on the stator in the fitted motion, but the disc rolls or "
             "slips back: fit without friction, or fit another part"
         )
     presses = np.array([orbit.starts_in_contact, *np.isin(kinds, (ENTRY, PRESS))], dtype=float)
-    slides = np.zeros(presses.size) if orbit.ways is None else orbit.ways.astype(float)
+    slides = np.zeros(presses.size) if orbit.modes is None else orbit.modes.astype(float)
     whole = np.unique(np.concatenate([turning.ends, times]))
     whole = whole[np.append(np.diff(whole) > np.spacing(whole[-1]), True)]
     number = np.searchsorted(times, 0.5 * (whole[1:] + whole[:-1]))

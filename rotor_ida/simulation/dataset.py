@@ -87,20 +87,20 @@ def arrays_of(orbit: Orbit) -> dict[str, npt.NDArray[Any]]:
 
 def _friction(orbit: Orbit) -> dict[str, Column]:
     """Return how the rotor moves at each sample, its slip speed and its normal force."""
-    if orbit.ways is None:
+    if orbit.modes is None:
         return {}
     rotor, (x, y, vx, vy) = orbit.rotor, orbit.states.T
-    ways = orbit.ways[np.searchsorted(orbit.event_times, orbit.times, side="right")]
+    modes = orbit.modes[np.searchsorted(orbit.event_times, orbit.times, side="right")]
     radius = np.hypot(x, y)
     along, across = (
         np.divide(part, radius, out=np.zeros_like(radius), where=radius > 0.0)
         for part in (x * vx + y * vy, x * vy - y * vx)
     )
     spring = contact_force(radius, rotor.delta0, rotor.contact_exponent)
-    pushes = (ways != FLIES) & (ways != IS_LOOSE)
+    pushes = (modes != FLIES) & (modes != IS_LOOSE)
     force = np.where(pushes, spring * clipped_factor(along, rotor.contact_damping), 0.0)
-    slip = np.where(ways == ROLLS, 0.0, across + (rotor.disc_radius or 0.0) * orbit.speeds)
-    return {"mode": ("t", ways), "slip_speed": ("t", slip), "normal_force": ("t", force)}
+    slip = np.where(modes == ROLLS, 0.0, across + (rotor.disc_radius or 0.0) * orbit.speeds)
+    return {"mode": ("t", modes), "slip_speed": ("t", slip), "normal_force": ("t", force)}
 
 
 def _spins(orbit: Orbit) -> dict[str, Column]:

@@ -342,8 +342,8 @@ def _guards_of_friction(orbit: Orbit) -> tuple[Values, Values]:
     normal = spring * factor
     hold = square * np.sin(lag) - rotor.load * np.cos(turn)
     hold += rim * (2.0 * rotor.zeta + rise / radius)
-    assert orbit.ways is not None
-    before = orbit.ways[:-1]
+    assert orbit.modes is not None
+    before = orbit.modes[:-1]
     faster, lever = _quickening(orbit, hold, normal)
     hold = hold + faster * lever
     slowing = np.abs(hold - rotor.friction * before * normal)
@@ -376,9 +376,9 @@ def _quickening(orbit: Orbit, hold: Values, normal: Values) -> tuple[Values, Val
     angle, speed = orbit.speed_record.events["angle"], orbit.speed_record.events["speed"]
     cos, sin, radius = np.cos(angle), np.sin(angle), np.hypot(x, y)
     lever = (rotor.disc_radius or 0.0) - (cos * x + sin * y) / radius
-    ways = orbit.event_kinds * 0 if orbit.ways is None else orbit.ways[:-1]
-    rolls = ways == ROLLS
-    across = np.where(rolls, hold, rotor.friction * ways * normal)
+    modes = orbit.event_kinds * 0 if orbit.modes is None else orbit.modes[:-1]
+    rolls = modes == ROLLS
+    across = np.where(rolls, hold, rotor.friction * modes * normal)
     stiffness = rotor.shaft_stiffness + normal / radius
     resisted = -2.0 * rotor.zeta * (cos * vy - sin * vx) - stiffness * (cos * y - sin * x)
     faster = orbit.speed_record.profile.accelerations(

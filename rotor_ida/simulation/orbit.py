@@ -86,7 +86,7 @@ class Orbit:
         Evaluations of the right-hand side.
     steps : int
         Steps of compiled code, where a flight in closed form is one.
-    ways : ndarray, shape (m + 1,), optional
+    modes : ndarray, shape (m + 1,), optional
         With friction, the mode from the start, and from each event on: flight (0),
         sliding forwards (1) or backwards (-1), rolling (2) or loose (3).
     extrema : ndarray of `rotor_ida.core.runs.EXTREMUM`, optional
@@ -108,7 +108,7 @@ class Orbit:
     end: Values
     evaluations: int
     steps: int
-    ways: npt.NDArray[np.int8] | None = None
+    modes: npt.NDArray[np.int8] | None = None
     extrema: Rows | None = None
     speed_record: SpeedRecord | None = None
 
@@ -132,9 +132,9 @@ class Orbit:
 
 def stretches_of_rolling(orbit: Orbit) -> Values:
     """Return when the disc begins and ceases to roll on the stator, shape (n, 2) [1]."""
-    if orbit.ways is None:
+    if orbit.modes is None:
         return np.empty((0, 2))
-    rolls = orbit.ways == ROLLS
+    rolls = orbit.modes == ROLLS
     began = np.concatenate([[0.0], orbit.event_times])
     ended = np.concatenate([orbit.event_times, [orbit.duration]])
     return np.column_stack([began[rolls], ended[rolls]])
@@ -153,7 +153,7 @@ def check_orbit(orbit: Orbit) -> None:
         orbit.contacts,
         began=orbit.starts_in_contact,
         allowed=allowed,
-        ways=orbit.ways if orbit.speed_record is None else None,
+        modes=orbit.modes if orbit.speed_record is None else None,
     )
     if fault:
         time, state = event_times, event_states
@@ -171,7 +171,7 @@ def _check_speed_record(orbit: Orbit, record: SpeedRecord, allowed: float) -> No
     """Raise `InvariantError` where energy does not balance, or the sense of sliding is wrong."""
     if record.energies is not None:
         _check_energies(orbit, record, record.energies)
-    if orbit.ways is None:
+    if orbit.modes is None:
         return
     speed = np.hypot(orbit.states[:, 2], orbit.states[:, 3])
     rim = (orbit.rotor.disc_radius or 0.0) * record.samples["speed"]
@@ -179,10 +179,10 @@ def _check_speed_record(orbit: Orbit, record: SpeedRecord, allowed: float) -> No
     radius = np.maximum(np.hypot(orbit.states[:, 0], orbit.states[:, 1]), np.finfo(float).tiny)
     across = orbit.states[:, 0] * orbit.states[:, 3] - orbit.states[:, 1] * orbit.states[:, 2]
     slip = across / radius + rim
-    ways = orbit.ways[np.searchsorted(orbit.event_times, orbit.times, side="right")]
-    slides = np.isin(ways, (SLIDES_FORWARDS, SLIDES_BACKWARDS))
-    astray = slides & (ways * slip < -more)
-    for wrong, fault in ((astray, 8), ((ways == ROLLS) & (np.abs(slip) > more), 9)):
+    modes = orbit.modes[np.searchsorted(orbit.event_times, orbit.times, side="right")]
+    slides = np.isin(modes, (SLIDES_FORWARDS, SLIDES_BACKWARDS))
+    astray = slides & (modes * slip < -more)
+    for wrong, fault in ((astray, 8), ((modes == ROLLS) & (np.abs(slip) > more), 9)):
         if wrong.any():
             row = int(np.argmax(wrong))
             x, y, vx, vy = orbit.states[row].tolist()

@@ -166,7 +166,7 @@ def _compiled(
         end=np.array(result.state),
         evaluations=result.evaluations,
         steps=result.steps,
-        ways=result.ways,
+        modes=result.modes,
         extrema=result.extrema if request.extrema else None,
         speed_record=record,
     )

@@ -420,7 +420,7 @@ def test_a_run_that_contradicts_itself_raises():
     """Senses change at events only; while the disc rolls it does not slip, and is held."""
 
     def backwards(orbit):
-        orbit.ways[orbit.ways == 1] = -1
+        orbit.modes[orbit.modes == 1] = -1
 
     def early(orbit):
         orbit.event_times[2] -= 0.1  # a roll

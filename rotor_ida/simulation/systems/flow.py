@@ -208,7 +208,7 @@ class SystemFlow:
         changes = np.eye(state.size) if tangents is None else tangents
         run, moved = self._changed(state, changes, until)
         end = self.end_of(run)
-        rolls = run.touches["way"] == MODE["rolling"]
+        rolls = run.touches["mode"] == MODE["rolling"]
         rolls[run.event_contacts[run.event_kinds == ROLL]] = True
         return Piece(
             state, end, until, moved.T, [self._by(name, state, until) for name in by],
@@ -263,7 +263,7 @@ class SystemFlow:
             rolling.append(np.column_stack([edges[:-1][rolls], edges[1:][rolls]]))
         return Window(
             self, state, self.end_of(run), times, self.samples_of(run, times),
-            modes != MODE["flight"], run.touches["way"] != MODE["flight"],
+            modes != MODE["flight"], run.touches["mode"] != MODE["flight"],
             run.event_times, run.event_kinds, run.event_contacts, rolling, run.episodes,
             forces=run.forces[:, :, 0],
         )  # fmt: skip

@@ -220,7 +220,7 @@ def _orbit_of(records: _Records, start: State, options: Options) -> Orbit:
         end=run.state[:IMPULSE],
         evaluations=run.evaluations,
         steps=0,
-        ways=np.array(modes, np.int8) if rotor.friction > 0.0 else None,
+        modes=np.array(modes, np.int8) if rotor.friction > 0.0 else None,
         extrema=extrema,
         speed_record=record,
     )
