@@ -153,7 +153,8 @@ class RunResult:
     event_times, event_kinds, event_states : ndarray
         The events.
     modes : ndarray, shape (m + 1,), optional
-        Mode from the start, and from each event on, as in `enum contact_mode`; None without friction.
+        Mode from the start, and from each event on, as in `enum contact_mode`; None without
+        friction.
     contacts : ndarray of `CONTACT`
         The contacts [1].
     extrema : ndarray of `EXTREMUM`

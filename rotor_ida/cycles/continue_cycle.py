@@ -47,7 +47,6 @@ from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import Form, Results, open_results
 from rotor_ida.schema import SPECIAL, by_number
 from rotor_ida.simulation.starts import Start
-from rotor_ida.simulation.systems.starts import Start as SystemStart
 
 Parameter = Literal[
     "omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "load", "friction",
@@ -77,7 +76,7 @@ FORM: Form[Arrays] = Form(
 def continue_cycle(
     rotor: Rotor | DimensionalRotor | RotorSystem,
     *,
-    start: Start | SystemStart = AT_REST,
+    start: Start = AT_REST,
     parameter: Parameter = "omega",
     limits: tuple[float, float],
     direction: Direction = "both",

@@ -28,9 +28,8 @@ from rotor_ida.simulation.options import Backend, Flight, Method, Options, check
 from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.run import run
 from rotor_ida.simulation.sampling import FEWEST, sample_times
-from rotor_ida.simulation.starts import Start, state_of
+from rotor_ida.simulation.starts import Start, start_of
 from rotor_ida.simulation.systems.simulate import run_of_system
-from rotor_ida.simulation.systems.starts import Start as SystemStart
 
 # Arguments that only one disc, or only a rotor system, takes, and defaults that differ.
 OF_DISC, OF_SYSTEM = ("atol", "backend"), ("modes", "more_modes")
@@ -48,7 +47,7 @@ def simulate(
     rotor: Rotor | DimensionalRotor | RotorSystem,
     *,
     speed: float | None = None,
-    start: Start | SystemStart = AT_REST,
+    start: Start = AT_REST,
     duration: float,
     samples: int | npt.ArrayLike | None = None,
     modes: int | None = None,
@@ -204,7 +203,7 @@ def simulate(
     assert isinstance(rotor, Rotor)
     assert method is not None
     progress = check_progress(progress)
-    first = state_of("start", start, rotor)
+    first = start_of(rotor, start)
     check_can_be_followed(rotor, first)
     end = check_duration("duration", duration, rotor.omega)
     options = Options(rtol=rtol, atol=atol, method=method, flight=flight, backend=backend)

@@ -57,7 +57,6 @@ from rotor_ida.simulation.sections import (
     crossings_of_disc,
 )
 from rotor_ida.simulation.starts import GivenStart, Starts, box_of, drawn_from, states_of
-from rotor_ida.simulation.systems.starts import Start as SystemStart
 from rotor_ida.steady.follow import FAILED, SettledResponse
 from rotor_ida.steady.grid import (
     EXPECTED,
@@ -116,7 +115,7 @@ def bifurcation_diagram(
     y: npt.ArrayLike | None = None,
     vx: npt.ArrayLike | None = None,
     vy: npt.ArrayLike | None = None,
-    starts: int | Starts | Sequence[SystemStart | xr.Dataset] | None = None,
+    starts: int | Starts | None = None,
     seed: int = 0,
     extrema_time: float | None = None,
     direction: Direction | None = None,

@@ -36,9 +36,8 @@ from rotor_ida.simulation.options import (
     check_can_be_followed,
     options_of_study,
 )
-from rotor_ida.simulation.starts import GivenStart, Starts, states_of
+from rotor_ida.simulation.starts import GivenStart, Starts, start_of, states_of
 from rotor_ida.simulation.systems.flow import SettlingProblem
-from rotor_ida.simulation.systems.starts import Start, start_of
 from rotor_ida.steady.grid import (
     Array,
     check_size,
@@ -90,7 +89,7 @@ def run_ups(
     to: float,
     rate: npt.ArrayLike,
     phase: npt.ArrayLike = 0.0,
-    starts: Starts | Sequence[Start | xr.Dataset] = (AT_REST,),
+    starts: Starts = (AT_REST,),
     modes: int | None = None,
     rtol: float = 1e-10,
     atol: float = 1e-12,

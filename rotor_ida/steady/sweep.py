@@ -16,7 +16,6 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.checks import AT_REST, check_flag, check_progress
-from rotor_ida.model.disc_starts import begun
 from rotor_ida.model.parameters import OF_ROTOR
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem
@@ -38,8 +37,7 @@ from rotor_ida.simulation.options import (
     check_can_be_followed,
     options_of_study,
 )
-from rotor_ida.simulation.starts import GivenStart, Starts, states_of
-from rotor_ida.simulation.systems.starts import Start
+from rotor_ida.simulation.starts import GivenStart, Starts, start_of, states_of
 from rotor_ida.steady.follow import FAILED, SettledResponse, failed, follow_to_steady_state
 from rotor_ida.steady.grid import (
     NO_COLUMNS,
@@ -92,7 +90,7 @@ def sweep(
     rotor: Rotor | DimensionalRotor | RotorSystem | None = None,
     *,
     speed: npt.ArrayLike | None = None,
-    starts: Starts | Sequence[Start | xr.Dataset] = (AT_REST,),
+    starts: Starts = (AT_REST,),
     direction: Direction | None = None,
     along: str | None = None,
     events: bool = False,
@@ -401,11 +399,11 @@ class DiscSettling:
 
     def settle(self, rotor: Rotor, start: GivenStart, stop: Stop) -> SettledResponse:
         """Return the response on which a rotor settles."""
-        return follow_to_steady_state(rotor, begun(start, rotor), self.options, stop=stop)
+        return follow_to_steady_state(rotor, start_of(rotor, start), self.options, stop=stop)
 
     def failed(self, rotor: Rotor, start: GivenStart, reason: str) -> SettledResponse:
         """Return the response of a rotor that could not be followed."""
-        return failed(rotor, begun(start, rotor), self.options, reason)
+        return failed(rotor, start_of(rotor, start), self.options, reason)
 
     def end(self, settled: SettledResponse) -> GivenStart | None:
         """Return the state at the end."""

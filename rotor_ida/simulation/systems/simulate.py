@@ -24,6 +24,7 @@ from rotor_ida.results.growth_words import NOT_HELD, RATE, WHIRL_SPEED, stabilit
 from rotor_ida.simulation.course import MOST_RADIANS, Course
 from rotor_ida.simulation.event_errors import shifts_of
 from rotor_ida.simulation.sampling import FEWEST, times_of
+from rotor_ida.simulation.starts import Start, start_of
 from rotor_ida.simulation.systems.dataset import fastest_whirl, system_dataset
 from rotor_ida.simulation.systems.following import (
     Followed,
@@ -34,7 +35,6 @@ from rotor_ida.simulation.systems.following import (
     with_errors,
 )
 from rotor_ida.simulation.systems.invariants import check_run
-from rotor_ida.simulation.systems.starts import Start, start_of
 
 SystemMethod = Literal["taylor", "adams", "bdf"]
 METHODS = ("taylor", "adams", "bdf")
