@@ -334,7 +334,7 @@ def _longest_panels(
     speeds = np.abs(turning.at(turning.ends[1:], "left")[1])
     fastest = max(float(speeds.max()), float(turning.speeds.max()), machine.damping / machine.mass)
     flight = fastest + math.sqrt(machine.shaft_stiffness / machine.mass)
-    found = orbit.contacts["peak_indentation"]
+    found = orbit.contacts["peak_root"] ** 2
     depth = float(np.nanmax(found)) if np.isfinite(found).any() else 0.0
     deepest = depth * machine.length_scale
     exponent = machine.contact_exponent

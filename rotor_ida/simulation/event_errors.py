@@ -243,7 +243,7 @@ def _fastest(orbit: Orbit) -> float:
     omega = float(np.max(orbit.speeds, initial=rotor.omega))
     squares = orbit.states[:, 0] ** 2 + orbit.states[:, 1] ** 2
     farthest = float(np.sqrt(squares.max(initial=delta0**2)))
-    depth = max(farthest - delta0, float(orbit.contacts["peak_indentation"].max(initial=0.0)))
+    depth = max(farthest - delta0, float(orbit.contacts["peak_root"].max(initial=0.0)) ** 2)
     exponent = rotor.contact_exponent
     stiffness = spring_slope(depth, exponent) + rotor.shaft_stiffness
     decay = 2.0 * zeta + rotor.contact_damping * spring_force(depth, exponent)

@@ -9,20 +9,13 @@ import numpy.typing as npt
 
 from rotor_ida.arrays import Values
 from rotor_ida.core.faults import FAULTS, FIRST_OF_SAMPLES, OF_CONTACTS, Events, Samples, fault_of
-from rotor_ida.core.runs import CONTACT, Rows
+from rotor_ida.core.runs import Rows
 from rotor_ida.errors import InvariantError
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema.flags import OF_FRICTION, ROLLS, SLIDES_BACKWARDS, SLIDES_FORWARDS
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.spin import SpeedProfile
 
-# A contact of an orbit is one of the core, with the largest indentation instead of its root.
-ORBIT_CONTACT = np.dtype(
-    [
-        ("peak_indentation" if name == "peak_root" else name, np.float64)
-        for name in CONTACT.names or ()
-    ]
-)
 # Allowed imbalance of energy of a run whose speed changes, in tolerances per radian.
 UNBALANCED_BY = 1e2
 # Allowed distance of a sample on the wrong side of the stator, in tolerances.
@@ -76,7 +69,7 @@ class Orbit:
         reverses its sliding (3) [1].
     event_states : ndarray, shape (m, 4)
         ``(x, y, vx, vy)`` at the events, fixed frame [1].
-    contacts : ndarray of `ORBIT_CONTACT`
+    contacts : ndarray of `rotor_ida.core.runs.CONTACT`
         The contacts [1]: angular momentum at the peak, loss and largest force with contact damping,
         and heat of sliding. Entry or exit is NaN where the run began or ended inside the contact;
         the impulse is NaN without clearance.

@@ -194,8 +194,7 @@ def run_ups(
     of that contact, shortly after the largest force.
 
     A largest radius of a `RotorSystem` without contact is that of the samples, 32 in each
-    revolution, and its ``total_contact_loss`` is that of complete contacts. It ends in ``whip`` if
-    a contact with friction stays closed and whirls backwards.
+    revolution. It ends in ``whip`` if a contact with friction stays closed and whirls backwards.
 
     The events of the ramps are not kept; use `run_up` for those of a single one. Torques and
     piecewise speeds are available only in `run_up`.

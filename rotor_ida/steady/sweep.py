@@ -26,7 +26,7 @@ from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
 from rotor_ida.results.rows import counted
-from rotor_ida.results.run import event_columns
+from rotor_ida.results.run import event_columns, kinds_of_events
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import RESPONSE, STATUS, labelled, labelled_dataset
 from rotor_ida.simulation.options import (
@@ -363,7 +363,9 @@ def _dataset(
         table = columns.events
         variables |= counted("event_count", variables["event_count"], "event")
         variables |= {name: labelled(name, "event", column) for name, column in table.items()}
-        variables |= event_columns(table["event_time"], table["event_kind"], *varied.extremes())
+        variables |= event_columns(
+            table["event_time"], table["event_kind"], kinds_of_events(*varied.extremes())
+        )
     return labelled_dataset(
         "Rotor in a clearance: responses over a range of speeds", variables,
         varied.coordinates | start_coordinates(starts), attributes, kind="sweep",

@@ -19,13 +19,12 @@ from rotor_ida.model.few_modes import check_modes, in_modes
 from rotor_ida.model.growth import growth_of, nothing_holds
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.parallel import Progress, interruptible, run_with_progress
-from rotor_ida.results.archived_system import problem_variables
 from rotor_ida.results.growth_words import NOT_HELD, RATE, WHIRL_SPEED, stability_words
 from rotor_ida.simulation.course import MOST_RADIANS, Course
+from rotor_ida.simulation.dataset import fastest_whirl, system_dataset
 from rotor_ida.simulation.event_errors import shifts_of
 from rotor_ida.simulation.sampling import FEWEST, times_of
 from rotor_ida.simulation.starts import Start, start_of
-from rotor_ida.simulation.systems.dataset import fastest_whirl, system_dataset
 from rotor_ida.simulation.systems.following import (
     Followed,
     bare,
@@ -124,10 +123,8 @@ def run_of_cases(
         told |= {RATE: growth.rate, WHIRL_SPEED: growth.whirl_speed}
     if nothing_holds(first.found):
         told[NOT_HELD] = 1
-    more = problem_variables(first.assembly, first.begun)
-    if shifts:
-        more["event_time_shift"] = ("event", shifts[0])
-    return system_dataset(first.assembly, first.found, followed, times, more, told)
+    shift = shifts[0] if shifts else None
+    return system_dataset(first.assembly, first.found, followed, first.begun, times, told, shift)
 
 
 def _prepared(
