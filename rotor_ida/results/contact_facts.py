@@ -101,9 +101,7 @@ def run_up_facts(run: Mapping[Any, Any], clearance: float) -> dict[str, float]:
 def columns_of_contact(run: xr.Dataset, number: int) -> dict[str, Values]:
     """Return the columns of one contact of a rotor system, by their names of one disc."""
     own, mine = (run[name].values == number for name in ("episode_contact", "event_contact"))
-    found: dict[str, Values] = {
-        name: run[name].values[own] for name in OF_EPISODES if name in run
-    }
+    found: dict[str, Values] = {name: run[name].values[own] for name in OF_EPISODES if name in run}
     found |= {
         name: run[name].values[mine]
         for name in ("event_time", "event_kind", "event_speed") if name in run

@@ -66,7 +66,9 @@ def episode_columns(assembly: Assembly, table: Rows, start: Values, end: Values)
     """
     begun = np.where(np.isnan(table["entry"]), -1.0, table["entry"])
     table = table[np.argsort(begun, kind="stable")]
-    number, work = table["contact"].astype(int), table["work"]
+    number = table["contact"].astype(int)
+    damped = np.array([each.damping > 0.0 for each in assembly.contacts], bool)
+    work = np.where(damped[number], table["work"], 0.0)  # without damping it is rounding
     begins, lasts = np.isnan(table["entry"]), np.isnan(table["exit"])
     columns = {
         "episode_contact": number.astype(np.int16), "peak_force": table["largest_force"],
@@ -74,9 +76,9 @@ def episode_columns(assembly: Assembly, table: Rows, start: Values, end: Values)
         "energy_lost": np.where(begins | lasts, np.nan, work), "heat": table["heat"],
         "slip_distance": table["slip_distance"], "rolling_time": table["rolling_time"],
     }  # fmt: skip
-    if any(each.damping > 0.0 for each in assembly.contacts):
-        before, after = (_elastic_energies(assembly, q)[number] for q in (start, end))
-        columns["contact_loss"] = work + np.where(begins, before, 0.0) - np.where(lasts, after, 0.0)
+    if damped.any():
+        before, after = ((damped * _elastic_energies(assembly, q))[number] for q in (start, end))
+        columns["contact_loss"] = work + begins * before - lasts * after
     return _table_of(table, "episode", columns)
 
 

@@ -24,7 +24,7 @@ from rotor_ida.schema.flags import FLIES, IS_LOOSE, ROLLS
 from rotor_ida.simulation.contact_table import Columns, contact_columns, episode_columns
 from rotor_ida.simulation.event_errors import EventErrors
 from rotor_ida.simulation.orbit import Orbit
-from rotor_ida.simulation.systems.following import Followed
+from rotor_ida.simulation.system_run import Followed
 
 # Part of the clearance beyond which a rotor goes round a stator.
 AROUND = 0.5

@@ -17,8 +17,9 @@ from rotor_ida.core.runs import RunRequest, RunResult, follow_run
 from rotor_ida.errors import BudgetError, InstallationError, InvariantError, SimulationError
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.simulation.invariants import check_orbit
 from rotor_ida.simulation.options import Options
-from rotor_ida.simulation.orbit import Orbit, SpeedRecord, check_orbit
+from rotor_ida.simulation.orbit import Orbit, SpeedRecord
 from rotor_ida.simulation.spin import SpeedProfile
 
 # Errors for the ends of a run in the core that are more than a failure of its solver.

@@ -16,9 +16,9 @@ from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.simulation.course import DISC_LIMITS, SYSTEM_LIMITS, check_can_wait, course_of
 from rotor_ida.simulation.options import Backend, Method, Options, check_can_be_followed
-from rotor_ida.simulation.simulate import DEFAULTS, OF_DISC, OF_SYSTEM, run_of_disc
+from rotor_ida.simulation.runs import run_of_disc, run_of_system
+from rotor_ida.simulation.simulate import DEFAULTS, OF_DISC, OF_SYSTEM
 from rotor_ida.simulation.starts import Start, start_of
-from rotor_ida.simulation.systems.simulate import run_of_system
 
 
 @shows_progress

@@ -42,11 +42,7 @@ from rotor_ida.results.system_units import with_system_units
 from rotor_ida.schema import Column, labelled_dataset
 from rotor_ida.schema.flags import ENTRY, EXIT, REVERSE, ROLL, SLIP
 from rotor_ida.simulation.course import MOST_RADIANS
-from rotor_ida.simulation.extrema import MAXIMUM, check_knots, radius_extrema
-from rotor_ida.simulation.options import Method, Options, check_can_be_followed
-from rotor_ida.simulation.run import run
-from rotor_ida.simulation.starts import Start, start_of, state_at_end
-from rotor_ida.simulation.systems.crossings import (
+from rotor_ida.simulation.crossings import (
     Crossings,
     at_events,
     at_peaks,
@@ -54,12 +50,16 @@ from rotor_ida.simulation.systems.crossings import (
     once_a_revolution,
     times_of_revolutions,
 )
+from rotor_ida.simulation.extrema import MAXIMUM, check_knots, radius_extrema
+from rotor_ida.simulation.options import Method, Options, check_can_be_followed
+from rotor_ida.simulation.run import run
+from rotor_ida.simulation.runs import LOOSEST_RTOL, TIGHTEST_RTOL
+from rotor_ida.simulation.starts import Start, start_of, state_at_end
 from rotor_ida.simulation.systems.flow import (
     SAMPLES_A_REVOLUTION,
     SettlingProblem,
     SystemFlow,
 )
-from rotor_ida.simulation.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL
 
 At = Literal["revolution", "entry", "exit", "peak", "roll", "slip", "reverse"]
 

@@ -24,8 +24,8 @@ from rotor_ida.results.in_si import takes_system
 from rotor_ida.results.system_units import with_system_units
 from rotor_ida.schema import labelled
 from rotor_ida.simulation.course import MOST_RADIANS, SYSTEM_LIMITS, Course, course_of, held
+from rotor_ida.simulation.runs import SystemMethod, run_of_cases
 from rotor_ida.simulation.starts import Start, state_at_end
-from rotor_ida.simulation.systems.simulate import SystemMethod, run_of_cases
 from rotor_ida.steady.drop_figures import figures_of_drop
 from rotor_ida.steady.levitation import Levitated, check_failing, levitated
 

@@ -30,10 +30,10 @@ from rotor_ida.simulation.dataset import arrays_of
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.run import run
+from rotor_ida.simulation.runs import run_of_cases
 from rotor_ida.simulation.spin import Ramp, SpeedProfile
 from rotor_ida.simulation.starts import GivenStart, Start, start_of
 from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
-from rotor_ida.simulation.systems.simulate import run_of_cases
 from rotor_ida.steady.drop import with_unbalance_at
 from rotor_ida.steady.follow import FAILED, SettledSystem, durations, follow_to_steady_state, settle
 from rotor_ida.steady.grid import EXPECTED, reason_of

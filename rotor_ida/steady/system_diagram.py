@@ -24,9 +24,9 @@ from rotor_ida.results.rows import counted
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.results.system_units import with_system_units
 from rotor_ida.schema import STATUS, labelled, labelled_dataset
+from rotor_ida.simulation.crossings import distance_extrema
 from rotor_ida.simulation.sections import NAMES, checked_angle, crossings_of_system
 from rotor_ida.simulation.starts import Start
-from rotor_ida.simulation.systems.crossings import distance_extrema
 from rotor_ida.simulation.systems.flow import SystemFlow
 from rotor_ida.steady.grid import (
     EXPECTED,

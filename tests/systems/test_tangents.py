@@ -20,7 +20,7 @@ from rotor_ida.core.systems import follow_system
 from rotor_ida.model.assembly import assemble, canonical
 from rotor_ida.schema import MODE
 from rotor_ida.simulation.spin import steady
-from rotor_ida.simulation.systems.following import request_of
+from rotor_ida.simulation.system_run import request_of
 from tests.systems.random_systems import random_system
 
 SPEED, DURATION = 1.1, 12.0

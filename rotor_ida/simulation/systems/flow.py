@@ -27,7 +27,7 @@ from rotor_ida.schema import MODE
 from rotor_ida.schema.flags import ROLL
 from rotor_ida.simulation.flow import STEADY, STEADY_TOLERANCES, Piece, Window
 from rotor_ida.simulation.spin import steady
-from rotor_ida.simulation.systems.following import follow_system_again, request_of
+from rotor_ida.simulation.system_run import request_of, run_to_end
 
 # Runs whose differences stand for derivatives are this far apart, in scaled coordinates: errors of
 # the runs stay far below, and so does the curvature.
@@ -345,7 +345,7 @@ class SystemFlow:
             duration=end, pieces=steady(self.speed, end).pieces(), only_events=only_events,
             columns=columns,
         )  # fmt: skip
-        return follow_system_again(request, self.stop, self.watch)
+        return run_to_end(request, self.stop, self.watch)
 
     def end_of(self, run: SystemResult) -> Values:
         """Return the state at the end of a run, with the axes turned back."""
