@@ -28,7 +28,7 @@ from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import open_results
 from rotor_ida.simulation.options import Options, check_can_be_followed
-from rotor_ida.simulation.systems.starts import Start
+from rotor_ida.simulation.starts import Start
 
 # Range of the error per step [1].
 TIGHTEST, LOOSEST = 1e-12, 1e-4

@@ -272,7 +272,7 @@ def _fades(rotor: Rotor, state: Values, growth: float, stop: Stop) -> bool:
         orbit = run(rotor, (x, y, vx, vy), duration, np.empty(0), HOW, stop=stop)
     except SimulationError:
         return False
-    times, depths = orbit.contacts["peak_time"], orbit.contacts["peak_indentation"]
+    times, depths = orbit.contacts["peak_time"], orbit.contacts["peak_root"] ** 2
     if depths.size < LAST_TOUCHES or times[-1] < duration - 2.0 * revolution:
         return False
     revolutions = np.diff(times[-LAST_TOUCHES:]) / revolution

@@ -24,9 +24,9 @@ from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import Folder, open_results
 from rotor_ida.results.system_units import with_system_units
 from rotor_ida.schema import RESPONSE, by_number
+from rotor_ida.simulation.runs import LOOSEST_RTOL, TIGHTEST_RTOL
+from rotor_ida.simulation.starts import Start, state_at_end
 from rotor_ida.simulation.systems.flow import SettlingProblem
-from rotor_ida.simulation.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL
-from rotor_ida.simulation.systems.starts import Start, state_at_end
 from rotor_ida.steady.system_sweep import OF_CONTACT, OF_NODE, check_slowest
 
 # Tolerance of the runs by default.

@@ -10,8 +10,8 @@ from scipy.linalg import null_space
 
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
+from rotor_ida.simulation.starts import Start
 from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
-from rotor_ida.simulation.systems.starts import Start
 from rotor_ida.steady.system_sweep import state_of_start
 
 # Below this part of the stiffest motion a motion is held by nothing but rounding.

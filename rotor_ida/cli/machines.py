@@ -29,12 +29,12 @@ def begun(start: State | str | None, rotor: Rotor | DimensionalRotor) -> State:
     """Return a start as a state; without one it is where the load holds the rotor."""
     if start is not None and not isinstance(start, str):
         return start
-    from rotor_ida.model import disc_starts  # noqa: PLC0415 - not for --help
+    from rotor_ida.simulation.starts import start_of  # noqa: PLC0415 - not for --help
 
     word = start or REST
     if isinstance(rotor, Rotor):
-        return disc_starts.begun(word, rotor)
-    x, y, vx, vy = disc_starts.begun(word, rotor.rotor())
+        return start_of(rotor, word)
+    x, y, vx, vy = start_of(rotor.rotor(), word)
     length, velocity = rotor.length_scale, rotor.velocity_scale
     return x * length, y * length, vx * velocity, vy * velocity
 

@@ -21,8 +21,8 @@ double lost_of(const struct motion *motion, const double *start, const double *v
     const struct parameters *m = &motion->model;
     if (m->contact_damping == 0.0)
         return 0.0;
-    return values[CONTACT_WORK] - spring_energy(m, values[CONTACT_Q])
-           + spring_energy(m, start[CONTACT_Q]);
+    return values[CONTACT_WORK] - energy_of_root(m, values[CONTACT_Q])
+           + energy_of_root(m, start[CONTACT_Q]);
 }
 
 /* What the motion has of the energy on the rotating axes, but for the ring: there the unbalance
@@ -59,8 +59,8 @@ int is_balanced(const struct motion *motion, double absolute, const double *star
     energy_of(motion, deepest, &scale);
     scale += fabs(deepest[CONTACT_WORK]) + fabs(deepest[CONTACT_SPENT])
              + fabs(reached[CONTACT_WORK]) + fabs(reached[CONTACT_SPENT])
-             + fabs(heat_of(motion, reached)) + spring_energy(m, start[CONTACT_Q])
-             + spring_energy(m, reached[CONTACT_Q]);
+             + fabs(heat_of(motion, reached)) + energy_of_root(m, start[CONTACT_Q])
+             + energy_of_root(m, reached[CONTACT_Q]);
     const double before = energy_of(motion, start, &scale);
     const double after = energy_of(motion, reached, &scale);
     const double missing = after - before + reached[CONTACT_WORK] - start[CONTACT_WORK]

@@ -5,7 +5,7 @@
 /* Internal steps without progress in time after which a contact counts as stuck. */
 enum { PATIENCE = 10000 };
 
-/* Record that the contact goes on in another way, and begin it there. */
+/* Record that the contact goes on in another mode, and begin it there. */
 static int change_mode(struct run *run, struct motion *motion, const struct change *change,
                        double *start, const double *atol, double *reached)
 {
@@ -13,7 +13,7 @@ static int change_mode(struct run *run, struct motion *motion, const struct chan
     const int began = change->point <= motion->low
                       && (motion->low == 0.0 || motion->mode == &contact_mode);
     const double sense = motion->mode == &rub_mode ? motion->model.sigma : 0.0;
-    const int kind = change_way(motion, change->guard, reached);
+    const int kind = pass_guard(motion, change->guard, reached);
     if (run->event_room > 0) {
         if (run->events + EVENTS_A_CONTACT > run->event_room)
             return FULL_INSIDE;
@@ -133,7 +133,7 @@ static void add_spent(struct motion *motion, double end, double *reached)
         motion->values[CONTACT_WORK] = reached[CONTACT_WORK];
 }
 
-/* End a step sooner, where the contact goes on in another way from there: say whether it does. */
+/* End a step sooner, where the contact goes on in another mode from there: say whether it does. */
 static int ends_by_change(struct motion *motion, double *end, double *reached, int *left,
                           struct change *change)
 {

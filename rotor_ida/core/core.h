@@ -94,8 +94,14 @@ enum where { UNDECIDED = -1, IN_FLIGHT = 0, IN_CONTACT = 1 };
 /* At EXIT the surfaces part; at RELEASE they overlap still, but contact damping has brought the
  * force to 0 and they are loose, until PRESS. */
 enum event { ENTRY = 1, EXIT = -1, ROLL = 2, SLIP = -2, REVERSE = 3, PRESS = 4, RELEASE = -4 };
-/* How a rotor with friction moves: sliding, by the sense in which it does, 1 or -1, or else. */
-enum way { FLIES = 0, SLIDES_FORWARDS = 1, SLIDES_BACKWARDS = -1, ROLLS = 2, IS_LOOSE = 3 };
+/* The mode of a contact: sliding, by its sense, 1 or -1, or else. */
+enum contact_mode {
+    FLIES = 0,
+    SLIDES_FORWARDS = 1,
+    SLIDES_BACKWARDS = -1,
+    ROLLS = 2,
+    IS_LOOSE = 3
+};
 
 /* One contact; NaN where it began with the run, or has no end by its end. */
 struct contact {
@@ -139,7 +145,7 @@ struct run {
     int64_t sample_count, sampled;
     double *event_times, *event_states; /* rows of 4 */
     int8_t *event_kinds;
-    int8_t *event_ways; /* with friction: how it moves from each event on */
+    int8_t *event_modes; /* with friction: how it moves from each event on */
     int64_t event_room, events;
     struct contact *contacts;
     int64_t contact_room, contact_count;
@@ -147,7 +153,7 @@ struct run {
     int64_t extremum_room, extremum_count;
     int64_t evaluations;
     int64_t steps, most_steps; /* of the solver, and flights in closed form; 0 for any number */
-    int32_t way_began;         /* with friction: how it moved at its start: written */
+    int32_t mode_began;        /* with friction: how it moved at its start: written */
     int32_t flattened;         /* whether rolling has taken a dimension from the bundle: written */
     double volume_lost;        /* logarithm of what reversals have left of its volume: written */
 

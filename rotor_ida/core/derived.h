@@ -24,7 +24,7 @@ static inline int is_plain(const struct parameters *m)
 /* The law of contact, by the root q of the indentation and the radial velocity. */
 
 /* The elastic force. */
-static inline double spring_force(const struct parameters *m, double q)
+static inline double spring_of_root(const struct parameters *m, double q)
 {
     (void)m;
     const double w0 = q * q;
@@ -32,14 +32,14 @@ static inline double spring_force(const struct parameters *m, double q)
 }
 
 /* Its slope by the indentation. */
-static inline double spring_stiffness(const struct parameters *m, double q)
+static inline double slope_of_root(const struct parameters *m, double q)
 {
     (void)m;
     return 1.5 * q;
 }
 
 /* The elastic energy. */
-static inline double spring_energy(const struct parameters *m, double q)
+static inline double energy_of_root(const struct parameters *m, double q)
 {
     (void)m;
     const double w0 = q * q;

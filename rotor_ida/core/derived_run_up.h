@@ -24,20 +24,20 @@ static inline int is_plain(const struct parameters *m)
 /* The law of contact, by the root q of the indentation and the radial velocity. */
 
 /* The elastic force. */
-static inline double spring_force(const struct parameters *m, double q)
+static inline double spring_of_root(const struct parameters *m, double q)
 {
     const double w0 = q * q;
     return (m->hertz * q + m->linear) * w0;
 }
 
 /* Its slope by the indentation. */
-static inline double spring_stiffness(const struct parameters *m, double q)
+static inline double slope_of_root(const struct parameters *m, double q)
 {
     return 1.5 * m->hertz * q + m->linear;
 }
 
 /* The elastic energy. */
-static inline double spring_energy(const struct parameters *m, double q)
+static inline double energy_of_root(const struct parameters *m, double q)
 {
     const double w0 = q * q;
     const double w1 = w0 * w0;

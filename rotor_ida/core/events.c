@@ -116,7 +116,7 @@ static int follow_contact(struct run *run, struct motion *motion, double entry)
     begin_with_friction(motion, start, atol);
     if (SPEED_CHANGES && motion->model.contact_damping == 0.0)
         /* then the work on the ring is what it holds */
-        start[CONTACT_WORK] = spring_energy(&motion->model, start[CONTACT_Q]);
+        start[CONTACT_WORK] = energy_of_root(&motion->model, start[CONTACT_Q]);
     begin_differences(motion, start, atol);
     if (run->differences > 0 && start[CONTACT_T] > 0.0)
         fly_differences(run->bundle, run->differences, start[CONTACT_T], &run->rotor);
@@ -129,7 +129,7 @@ static int follow_contact(struct run *run, struct motion *motion, double entry)
         settle_friction(motion, start);
         observe_jump(run, motion, 0.0, start);
         if (run->event_room > 0)
-            record_way(run, motion);
+            record_mode(run, motion);
         if (left <= 0.0)
             return DONE;
     }
@@ -146,8 +146,8 @@ static int follow_contact(struct run *run, struct motion *motion, double entry)
             take_back(run);
         if (run->event_room > 0)
             record_event(run, EXIT);
-        if (run->event_room > 0 && run->event_ways != NULL)
-            run->event_ways[run->events - 1] = FLIES;
+        if (run->event_room > 0 && run->event_modes != NULL)
+            run->event_modes[run->events - 1] = FLIES;
     }
     add_contact(run, (struct contact){
                          .entry = entry,

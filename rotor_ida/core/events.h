@@ -1,5 +1,5 @@
 /* The event loop and its parts: how it begins (start.c), what it integrates (contact_phase.c and
- * free_phase.c), what changes the way in which a contact goes on (guards.c finds the place,
+ * free_phase.c), what changes the mode of a contact (guards.c finds the place,
  * friction.c says what follows, also at a release and a press), whether a speed can be followed
  * (speed_limits.c), whether a contact balances (balance.c), and the loop itself (events.c). */
 #ifndef ROTOR_IDA_EVENTS_H
@@ -52,7 +52,7 @@ int is_balanced(const struct motion *motion, double absolute, const double *star
                 const double *deepest, const double *reached, int64_t steps);
 /* The heat of sliding in a contact. */
 double heat_of(const struct motion *motion, const double *values);
-/* A change of the way in which a contact goes on: where in the last step, and what says so. */
+/* A change of the mode of a contact: where in the last step, and what says so. */
 struct change {
     double point;
     enum guard guard;
@@ -65,14 +65,14 @@ struct change change_in_step(struct motion *motion, double end);
 double hidden_slip(const struct motion *motion, const double *values);
 
 /* Go on as follows from what happened; return what it is called, or 0 (friction.c). */
-int change_way(struct motion *motion, enum guard guard, double *values);
+int pass_guard(struct motion *motion, enum guard guard, double *values);
 /* Begin a contact with friction, if there is any; and decide how it goes on. */
 void begin_with_friction(struct motion *motion, double *start, double *atol);
 void settle_friction(struct motion *motion, double *values);
-enum way way_of(const struct motion *motion);
+enum contact_mode contact_mode_of(const struct motion *motion);
 /* Write down how a contact goes on from the last event, or from the start; and with it what has
- * happened. A way that ends as it begins was none. */
-void record_way(struct run *run, const struct motion *motion);
+ * happened. A mode that ends as it begins was none. */
+void record_mode(struct run *run, const struct motion *motion);
 void record_change(struct run *run, const struct motion *motion, int kind, int began,
                    const double *values);
 int integrate_contact(struct run *run, struct motion *motion, const double *start,

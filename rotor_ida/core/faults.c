@@ -9,7 +9,7 @@ static const double SLIP_ROUNDING = 256.0 * ROUNDING;
 
 static double radius_at(const double *state) { return length((struct vector){state[0], state[1]}); }
 
-/* Whether what happens with friction, and what follows, fits the way in which the rotor moved. */
+/* Whether what happens with friction, and what follows, fits the mode in which the rotor moved. */
 static int is_in_turn(int kind, int before, int now)
 {
     const int slides = now == SLIDES_FORWARDS || now == SLIDES_BACKWARDS;
@@ -37,9 +37,9 @@ static int is_in_turn(int kind, int before, int now)
 static int is_of_friction(int kind) { return kind == ROLL || kind == SLIP || kind == REVERSE; }
 
 /* How the rotor moves from an event on; before all with friction as at the start. */
-static int way_from(const struct run *run, int64_t event)
+static int mode_from(const struct run *run, int64_t event)
 {
-    return event < 0 ? run->way_began : run->event_ways[event];
+    return event < 0 ? run->mode_began : run->event_modes[event];
 }
 
 /* What of the order of events is known so far. */
@@ -52,7 +52,7 @@ struct order {
 static int follows(struct order *order, int kind, const struct run *run)
 {
     if (is_of_friction(kind))
-        return order->in_contact && run->event_ways != NULL;
+        return order->in_contact && run->event_modes != NULL;
     if (kind == PRESS || kind == RELEASE) {
         const int repeats = kind == order->last
                             || (order->last == 0 && kind == PRESS && order->entered);
@@ -76,8 +76,8 @@ static enum fault fault_of_events(const struct run *run, int64_t *row)
         if (*row > 0 && !(time[0] > time[-1]))
             return BACKWARDS;
         const int kind = run->event_kinds[*row];
-        if (run->event_ways != NULL
-            && !is_in_turn(kind, way_from(run, *row - 1), way_from(run, *row)))
+        if (run->event_modes != NULL
+            && !is_in_turn(kind, mode_from(run, *row - 1), mode_from(run, *row)))
             return NOT_IN_TURN;
         if (!follows(&order, kind, run))
             return NOT_IN_TURN;
@@ -118,17 +118,17 @@ static double hold_at(const struct rotor *rotor, const double *state, double tim
            + rim * (2.0 * rotor->zeta + dot(z, v) / (radius * radius));
 }
 
-/* What a sample says against the way in which surfaces slide, or the disc rolls. */
-static enum fault fault_of_way(const struct run *run, const double *state, double time, int way,
-                               double allowed)
+/* What a sample says against the mode, in which surfaces slide or the disc rolls. */
+static enum fault fault_of_mode(const struct run *run, const double *state, double time, int mode,
+                                double allowed)
 {
     const struct rotor *rotor = &run->rotor;
     const struct vector z = {state[0], state[1]}, v = {state[2], state[3]};
     const double radius = length(z), rim = rotor->disc_radius * rotor->omega;
     const double slip = cross(z, v) / radius + rim, depth = larger(radius - rotor->delta0, 0.0);
     const double more = allowed * (1.0 + (length(v) + rim) / rotor->delta0);
-    if (way != ROLLS)
-        return way != IS_LOOSE && way != FLIES && way * slip < -more ? SLIDES_ASTRAY : SOUND;
+    if (mode != ROLLS)
+        return mode != IS_LOOSE && mode != FLIES && mode * slip < -more ? SLIDES_ASTRAY : SOUND;
     if (!(fabs(slip) <= SLIP_ROUNDING * (length(v) + rim)))
         return SLIPS_WHILE_ROLLING;
     const double spring = pow(depth, rotor->contact_exponent);
@@ -164,9 +164,9 @@ static enum fault fault_of_samples(const struct run *run, double allowed, int64_
         if (outwards > 0.0 && known && run->rotor.contact_damping > 0.0
             && is_tensile(run, state, loose, allowed))
             return TENSILE;
-        if (run->event_ways != NULL) {
-            const enum fault fault = fault_of_way(run, state, run->sample_times[*row],
-                                                  way_from(run, passed - 1), allowed);
+        if (run->event_modes != NULL) {
+            const enum fault fault = fault_of_mode(run, state, run->sample_times[*row],
+                                                   mode_from(run, passed - 1), allowed);
             if (fault != SOUND)
                 return fault;
         }

@@ -56,7 +56,7 @@ def fault_of(
     *,
     began: int,
     allowed: float,
-    ways: npt.NDArray[np.int8] | None = None,
+    modes: npt.NDArray[np.int8] | None = None,
 ) -> tuple[int, int]:
     """Return the first contradiction of a run to the mechanics, by `FAULTS`, and its row.
 
@@ -72,7 +72,7 @@ def fault_of(
         Whether it began in contact.
     allowed : float
         How far a sample may lie on the wrong side of the stator [1].
-    ways : ndarray, shape (m + 1,), optional
+    modes : ndarray, shape (m + 1,), optional
         With friction, the mode from the start, and from each event on.
     """
     run, row = RunStruct(rotor=RotorStruct.of(rotor), began=began), c_int64(0)
@@ -87,10 +87,10 @@ def fault_of(
     }
     if contacts.dtype.itemsize != CONTACT.itemsize:
         raise ValueError(f"contacts must be rows of {CONTACT}, got {contacts.dtype}")
-    if ways is not None:
-        ways = _table(ways, np.int8, (happened + 1,))
-        run.way_began = int(ways[0])
-        tables["event_ways"] = np.append(ways[1:], np.int8(0))
+    if modes is not None:
+        modes = _table(modes, np.int8, (happened + 1,))
+        run.mode_began = int(modes[0])
+        tables["event_modes"] = np.append(modes[1:], np.int8(0))
     for name, table in tables.items():
         setattr(run, name, address(table))
     run.sampled, run.events, run.contact_count = sampled, happened, len(contacts)

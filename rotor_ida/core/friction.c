@@ -1,11 +1,11 @@
-/* The ways of a contact: how it begins to slide, to roll, to come loose or to press again, and what
- * follows from what (`change_way`).
+/* The modes of a contact: how it begins to slide, to roll, to come loose or to press again, and
+ * what follows from what (`pass_guard`).
  *
  * Where the slip speed is 0 the disc rolls as long as friction can hold it; else it slides in the
  * sense in which the force drives it that rolling would need. */
 #include "events.h"
 
-enum way way_of(const struct motion *motion)
+enum contact_mode contact_mode_of(const struct motion *motion)
 {
     if (is_loose(motion))
         return IS_LOOSE;
@@ -73,14 +73,14 @@ double heat_of(const struct motion *motion, const double *values)
     return is_rubbing(motion) ? values[RUB_HEAT] : 0.0;
 }
 
-void record_way(struct run *run, const struct motion *motion)
+void record_mode(struct run *run, const struct motion *motion)
 {
     if (!is_rubbing(motion))
         return;
     if (run->events > 0)
-        run->event_ways[run->events - 1] = (int8_t)way_of(motion);
+        run->event_modes[run->events - 1] = (int8_t)contact_mode_of(motion);
     else
-        run->way_began = (int)way_of(motion);
+        run->mode_began = (int)contact_mode_of(motion);
 }
 
 /* Take back the last event, as another comes at the same time: what rounding hid then is put right.
@@ -97,8 +97,8 @@ static int put_right(struct run *run, const struct motion *motion, int kind)
         return kind;
     if (kind != SLIP)
         return 0;
-    const int way = run->events > 0 ? run->event_ways[run->events - 1] : run->way_began;
-    return way != (int)way_of(motion) ? REVERSE : 0;
+    const int mode = run->events > 0 ? run->event_modes[run->events - 1] : run->mode_began;
+    return mode != (int)contact_mode_of(motion) ? REVERSE : 0;
 }
 
 void record_change(struct run *run, const struct motion *motion, int kind, int began,
@@ -112,7 +112,7 @@ void record_change(struct run *run, const struct motion *motion, int kind, int b
         kind = 0;
     if (kind != 0)
         record_event_inside(run, (enum event)kind, since, centre_of(motion, values));
-    record_way(run, motion);
+    record_mode(run, motion);
 }
 
 /* What a change of friction is called, and what follows; 0 where a margin was touched only. */
@@ -133,7 +133,7 @@ static int change_of_friction(struct motion *motion, enum guard guard, double *v
     return force * sense < 0.0 ? REVERSE : 0;
 }
 
-int change_way(struct motion *motion, enum guard guard, double *values)
+int pass_guard(struct motion *motion, enum guard guard, double *values)
 {
     if (guard != LOOSENS)
         return change_of_friction(motion, guard, values);

@@ -152,8 +152,9 @@ class RunResult:
         States at the sample times up to the end.
     event_times, event_kinds, event_states : ndarray
         The events.
-    ways : ndarray, shape (m + 1,), optional
-        Mode from the start, and from each event on, as in `enum way`; None without friction.
+    modes : ndarray, shape (m + 1,), optional
+        Mode from the start, and from each event on, as in `enum contact_mode`; None without
+        friction.
     contacts : ndarray of `CONTACT`
         The contacts [1].
     extrema : ndarray of `EXTREMUM`
@@ -177,7 +178,7 @@ class RunResult:
     event_times: Values
     event_kinds: npt.NDArray[np.int8]
     event_states: Values
-    ways: npt.NDArray[np.int8] | None
+    modes: npt.NDArray[np.int8] | None
     contacts: Rows
     extrema: Rows
     evaluations: int
@@ -199,7 +200,7 @@ class _Tables:
         self.run = run = _struct_of(request)
         self.samples = self.event_states = _NO_STATES
         self.event_times, self.event_kinds = _NO_TIMES, _NO_KINDS
-        self.event_ways = _NO_KINDS
+        self.event_modes = _NO_KINDS
         varied = request.bundle is not None and len(request.bundle) > DIFFERENCES
         self.slides = request.rotor.friction > 0.0 or (varied and bool(request.rotor.disc_radius))
         self.contacts, self.extrema = _NO_CONTACTS, NO_EXTREMA
@@ -233,8 +234,8 @@ class _Tables:
         self.contacts = _longer(self.contacts, room // 2 + 1)
         run.event_room, run.contact_room = room, len(self.contacts)
         if self.slides:
-            self.event_ways = _longer(self.event_ways, room)
-            run.event_ways = address(self.event_ways)
+            self.event_modes = _longer(self.event_modes, room)
+            run.event_modes = address(self.event_modes)
         if self.turns:
             self.event_spins = _longer(self.event_spins, room)
             run.event_turns = address(self.event_spins)
@@ -258,7 +259,7 @@ class _Tables:
             self.event_times[: run.events],
             self.event_kinds[: run.events],
             self.event_states[: run.events],
-            self._ways(),
+            self._modes(),
             self.contacts[: run.contact_count],
             self.extrema[: run.extremum_count],
             run.evaluations,
@@ -268,12 +269,12 @@ class _Tables:
             self.event_spins[: run.events],
         )
 
-    def _ways(self) -> npt.NDArray[np.int8] | None:
+    def _modes(self) -> npt.NDArray[np.int8] | None:
         """Return the mode from the start, and from each event on."""
-        if not self.event_ways.size:
+        if not self.event_modes.size:
             return None
-        began = np.array([self.run.way_began], np.int8)
-        return np.concatenate([began, self.event_ways[: self.run.events]])
+        began = np.array([self.run.mode_began], np.int8)
+        return np.concatenate([began, self.event_modes[: self.run.events]])
 
 
 def follow_run(request: RunRequest) -> RunResult:

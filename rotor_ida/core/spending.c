@@ -31,7 +31,7 @@ void spend(struct motion *motion, double end, double *reached)
     else if (is_plain(m)) {
         mode->spent_plain(m, &taylor->series, taylor->order, parts, rate);
         /* there the series has no work, which is what the ring holds */
-        reached[CONTACT_WORK] = spring_energy(m, reached[CONTACT_Q]);
+        reached[CONTACT_WORK] = energy_of_root(m, reached[CONTACT_Q]);
     } else
         mode->spent_prescribed(m, &taylor->series, taylor->order, parts, rate);
     for (int v = 0; v < AT_ONCE; v++) {

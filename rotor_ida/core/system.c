@@ -151,7 +151,7 @@ void begin_terms(struct work *work)
         each->inverse_root = inverse(root);
         if (each->is_edge)
             work->edges[work->edge_count++] = (int)i;
-        if (each->touch->way == ROLLS && each->stator_mobility == 0.0)
+        if (each->touch->mode == ROLLS && each->stator_mobility == 0.0)
             work->rolling[work->rolls++] = (int)i;
     }
     work->moves = work->edge_count > 0;
@@ -196,7 +196,7 @@ COMPILED void ask_contacts(struct work *work, int n, struct shape shape)
             each->drag[n] = element_drag(&each->element, each->answers[n][ELEMENT_PUSH]);
         } else if (each->stator_mobility > 0.0) {
             push_massless(work, each, n);
-        } else if (each->touch->way == ROLLS) {
+        } else if (each->touch->mode == ROLLS) {
             rolling_order(&each->element, &each->series, n, each->answers[n]);
             each->drag[n] = 0.0; /* until what is implicit is known */
         } else {
@@ -497,7 +497,7 @@ static void add_implicit(struct work *work, int n)
                   - convolved_later(work->sine, 1, &work->swung[0][0], 2, n);
         for (int64_t i = 0; i < run->contact_count; i++) {
             const struct touching *each = &work->touching[i];
-            if (pushes(each) && (each->touch->way != ROLLS || each->stator_mobility > 0.0))
+            if (pushes(each) && (each->touch->mode != ROLLS || each->stator_mobility > 0.0))
                 torque -= each->law->radius * each->drag[n];
         }
         right[work->rolls] = torque;
@@ -596,7 +596,7 @@ COMPILED void go_on(struct work *work, int n, struct shape shape)
             }
             terms[ELEMENT_RACE] = rate * law->inverse_race_inertia * share;
         }
-        if (each->touch->way == ROLLS) {
+        if (each->touch->mode == ROLLS) {
             const double *row = row_of(work, work->acceleration, n);
             each->pull[n][0] = sum_of_products(each->rows, row, stride);
             each->pull[n][1] = sum_of_products(each->rows + stride, row, stride);

@@ -20,11 +20,11 @@ struct system_law {
     int64_t race; /* the same number for contacts that share a race */
 };
 
-/* How a contact goes on: `way` as in core.h, the root of its indentation, the speed of its race,
+/* How a contact goes on: `mode` as in core.h, the root of its indentation, the speed of its race,
  * and the sense in which surfaces slide. */
 struct system_touch {
     double root, race, sense;
-    int32_t way;
+    int32_t mode;
     int32_t zeros[3]; /* known zeros of its guards at this point: see system_contact.c */
 };
 
@@ -89,11 +89,11 @@ struct system_run {
     double *state;                  /* two rows: y and y' */
     struct ledger ledger;
     struct standstill standstill;
-    int32_t began; /* whether the ways of the contacts are decided */
+    int32_t began; /* whether the modes of the contacts are decided */
 
     const double *sample_times;
     double *samples;       /* two rows each */
-    double *sample_forces; /* 4 a contact: normal, tangential, slip, way; NULL if not wanted */
+    double *sample_forces; /* 4 a contact: normal, tangential, slip, mode; NULL if not wanted */
     double *sample_turns;  /* 2 each: angle and speed */
     int64_t sample_count, sampled;
     double *event_times, *event_states, *event_turns; /* with 2 rows and the races; 2 */

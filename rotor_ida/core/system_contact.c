@@ -1,4 +1,4 @@
-/* The contacts of a rotor system: what ends the way in which one goes on, and what follows. */
+/* The contacts of a rotor system: what ends the mode of one, and what follows. */
 #include "system_work.h"
 
 /* Where contacts enter together, or without a radial velocity, flight goes on to an indentation of
@@ -27,7 +27,8 @@ enum { MOST_SWEEPS = 500, MOST_NEWTON = 200, GAP_TERMS = 2 * ORDERS };
 void set_element(struct touching *each)
 {
     const struct system_law *law = each->law;
-    const int slides = each->touch->way == SLIDES_FORWARDS || each->touch->way == SLIDES_BACKWARDS;
+    const int slides = each->touch->mode == SLIDES_FORWARDS
+                       || each->touch->mode == SLIDES_BACKWARDS;
     each->element = (struct element){
         .clearance = law->clearance,
         .hertz = law->hertz,
@@ -39,7 +40,7 @@ void set_element(struct touching *each)
         .radius = law->radius,
         .race_radius = law->race_radius,
         .mobility = each->stator_mobility,
-        .holding = each->touch->way == ROLLS ? inverse(each->stator_mobility) : 0.0,
+        .holding = each->touch->mode == ROLLS ? inverse(each->stator_mobility) : 0.0,
     };
 }
 
@@ -185,7 +186,7 @@ static double guard_of_force(const struct work *work, const struct touching *eac
 static double guard_of_slip(const struct work *work, const struct touching *each, double step)
 {
     double left[ORDERS];
-    if (each->touch->way != ROLLS) {
+    if (each->touch->mode != ROLLS) {
         for (int n = 0; n <= work->order; n++)
             left[n] = each->touch->sense * each->answers[n][ELEMENT_SLIP];
         return first_fall(left, 1, work->order, step, each->touch->zeros[OF_SLIP]);
@@ -356,7 +357,7 @@ int settle(struct work *work)
         if (is_held)
             continue;
         each->touch->sense = (grip[i] > 0.0 ? force[i] : left) > 0.0 ? 1.0 : -1.0;
-        each->touch->way = each->touch->sense > 0.0 ? SLIDES_FORWARDS : SLIDES_BACKWARDS;
+        each->touch->mode = each->touch->sense > 0.0 ? SLIDES_FORWARDS : SLIDES_BACKWARDS;
         each->touch->zeros[OF_SLIP] = 1;
     }
     return DONE;
@@ -368,10 +369,10 @@ static int settle_others(struct work *work, int but)
     struct system_run *run = work->run;
     int rolled[MOST_CONTACTS];
     for (int i = 0; i < (int)run->contact_count; i++)
-        rolled[i] = i != but && run->touches[i].way == ROLLS;
+        rolled[i] = i != but && run->touches[i].mode == ROLLS;
     const int status = settle(work);
     for (int i = 0; i < (int)run->contact_count; i++) {
-        if (rolled[i] && run->touches[i].way != ROLLS)
+        if (rolled[i] && run->touches[i].mode != ROLLS)
             record_system_event(run, SLIP, i);
     }
     return status;
@@ -386,9 +387,9 @@ static void slide(const struct work *work, struct touching *each, const double *
     const int is_still = fabs(slip) <= fmax(hidden, followed);
     each->hidden = ratio(hidden, each->stator_mobility);
     each->touch->sense = slip < 0.0 ? -1.0 : 1.0;
-    each->touch->way = slip < 0.0 ? SLIDES_BACKWARDS : SLIDES_FORWARDS;
+    each->touch->mode = slip < 0.0 ? SLIDES_BACKWARDS : SLIDES_FORWARDS;
     if (is_still && each->law->friction > 0.0)
-        each->touch->way = ROLLS; /* until `settle` says */
+        each->touch->mode = ROLLS; /* until `settle` says */
 }
 
 /* ---- What happens ---- */
@@ -494,7 +495,7 @@ static void leave_contact(struct work *work, int contact)
 {
     struct system_run *run = work->run;
     struct touching *each = &work->touching[contact];
-    each->touch->way = FLIES;
+    each->touch->mode = FLIES;
     each->touch->root = 0.0;
     each->touch->zeros[OF_ROOT] = 1;
     run->open[contact].exit = run->time;
@@ -540,7 +541,7 @@ static int happens_to_force(struct work *work, int contact)
     struct touching *each = &work->touching[contact];
     const int loosens = pushes(each);
     if (loosens) {
-        each->touch->way = IS_LOOSE;
+        each->touch->mode = IS_LOOSE;
     } else {
         double answers[ELEMENT_ANSWERS];
         values_of_touch(work, each, answers);
@@ -556,20 +557,20 @@ static int happens_to_slip(struct work *work, int contact)
 {
     struct touching *each = &work->touching[contact];
     struct system_touch *touch = each->touch;
-    if (touch->way == ROLLS) {
+    if (touch->mode == ROLLS) {
         const double drag = polynomial(each->drag, 1, work->order - 1, work->step);
         touch->sense = drag > 0.0 ? 1.0 : -1.0;
-        touch->way = drag > 0.0 ? SLIDES_FORWARDS : SLIDES_BACKWARDS;
+        touch->mode = drag > 0.0 ? SLIDES_FORWARDS : SLIDES_BACKWARDS;
         /* its rate is 0 as well, but for a stator without mass */
         each->touch->zeros[OF_SLIP] = each->stator_mobility > 0.0 ? 1 : 2;
         record_system_event(work->run, SLIP, contact);
         return DONE;
     }
     const double sense = touch->sense;
-    touch->way = ROLLS;
+    touch->mode = ROLLS;
     touch->zeros[OF_SLIP] = each->stator_mobility > 0.0 ? 1 : 0;
     const int status = settle_others(work, contact);
-    if (touch->way == ROLLS)
+    if (touch->mode == ROLLS)
         record_system_event(work->run, ROLL, contact);
     else if (touch->sense != sense)
         record_system_event(work->run, REVERSE, contact);
@@ -597,17 +598,17 @@ int begin_contacts(struct work *work)
         double answers[ELEMENT_ANSWERS];
         const double clearance = each->law->clearance;
         const double depth = radius_of_touch(work, each) - clearance;
-        each->touch->way = FLIES;
+        each->touch->mode = FLIES;
         each->touch->root = 0.0;
         if (depth < -SIDE * clearance)
             continue;
-        each->touch->way = SLIDES_FORWARDS;
+        each->touch->mode = SLIDES_FORWARDS;
         each->touch->root = depth > SIDE * clearance ? sqrt(depth) : 0.0;
         set_element(each);
         values_of_touch(work, each, answers);
         if (each->touch->root == 0.0) {
             const double approach = answers[ELEMENT_APPROACH];
-            each->touch->way = FLIES;
+            each->touch->mode = FLIES;
             each->touch->zeros[OF_ROOT] = fabs(approach) <= STILL * run->velocity ? 2 : 1;
             on_edge += approach >= -STILL * run->velocity;
             continue;
@@ -615,7 +616,7 @@ int begin_contacts(struct work *work)
         const double factor = element_factor(&each->element, 0, answers[ELEMENT_APPROACH]);
         slide(work, each, answers);
         if (factor < 0.0)
-            each->touch->way = IS_LOOSE;
+            each->touch->mode = IS_LOOSE;
         open_episode(work, i, NAN);
     }
     int status = settle(work);

@@ -159,7 +159,7 @@ static void keep_episode(const struct work *work, const struct points *points,
                  - each->law->race_radius * each->series.terms[n][ELEMENT_RACE];
     const struct values drag = times_each(points->weight, read(points, each->drag, 1, work->order));
     run->ledger.tangential -= summed(drag, read(points, rim, 1, work->order));
-    if (each->touch->way == ROLLS) {
+    if (each->touch->mode == ROLLS) {
         episode->rolling_time += span;
         return;
     }

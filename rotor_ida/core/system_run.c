@@ -78,7 +78,7 @@ static void sample(struct work *work, double point)
         const double *answers = each->answers[0];
         forces[0] = forces[1] = 0.0;
         forces[2] = NAN;
-        forces[3] = each->touch->way;
+        forces[3] = each->touch->mode;
         if (!is_touching(each))
             continue;
         forces[2] = polynomial(&answers[ELEMENT_SLIP], ELEMENT_ANSWERS, work->order, point);
@@ -167,10 +167,10 @@ static int pass_system_piece(struct work *work)
     begin_system_piece(work);
     int rolled[MOST_CONTACTS];
     for (int64_t i = 0; i < run->contact_count; i++)
-        rolled[i] = run->touches[i].way == ROLLS;
+        rolled[i] = run->touches[i].mode == ROLLS;
     const int status = settle(work);
     for (int64_t i = 0; i < run->contact_count; i++) {
-        if (rolled[i] && run->touches[i].way != ROLLS)
+        if (rolled[i] && run->touches[i].mode != ROLLS)
             record_system_event(run, SLIP, (int)i);
     }
     return status;

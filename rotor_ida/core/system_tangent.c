@@ -154,7 +154,7 @@ static void set_slopes(const struct touching *each, struct column_touch *touch, 
     here[SLOPE_PUSH] = answers[ELEMENT_PUSH];
     here[SLOPE_DRAG] = each->drag[n];
     here[SLOPE_PULL] = 0.0;
-    if (each->touch->way == ROLLS)
+    if (each->touch->mode == ROLLS)
         here[SLOPE_PULL] = convolved(&each->answers[0][ELEMENT_NORMAL_X], ELEMENT_ANSWERS,
                                      &each->pull[0][0], 2, n)
                            + convolved(&each->answers[0][ELEMENT_NORMAL_Y], ELEMENT_ANSWERS,
@@ -425,7 +425,7 @@ int change_with_columns(struct work *work, struct happening what)
 {
     struct system_run *run = work->run;
     const int contact = what.contact;
-    if (run->column_count == 0 || what.guard != OF_SLIP || run->touches[contact].way == ROLLS)
+    if (run->column_count == 0 || what.guard != OF_SLIP || run->touches[contact].mode == ROLLS)
         return change_contact(work, what);
     struct columns *columns = columns_of(work);
     const int64_t count = columns->count, size = run->size;

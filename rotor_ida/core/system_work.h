@@ -152,10 +152,10 @@ static inline double drift_of(const struct system_run *run, const double *y, dou
     return force - run->stiffness[i * (run->stride + 1)] * y[i];
 }
 
-static inline int is_touching(const struct touching *each) { return each->touch->way != FLIES; }
+static inline int is_touching(const struct touching *each) { return each->touch->mode != FLIES; }
 static inline int pushes(const struct touching *each)
 {
-    return each->touch->way != FLIES && each->touch->way != IS_LOOSE;
+    return each->touch->mode != FLIES && each->touch->mode != IS_LOOSE;
 }
 /* Coefficient n of the largest tangential force that friction allows. */
 static inline double grip_of(const struct touching *each, int n)

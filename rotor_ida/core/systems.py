@@ -40,7 +40,7 @@ LAW = np.dtype(
 TOUCH = np.dtype(
     [
         *((name, np.float64) for name in ("root", "race", "sense")),
-        ("way", np.int32),
+        ("mode", np.int32),
         ("zeros", np.int32, 3),
     ]
 )
@@ -417,7 +417,7 @@ class _Run:
         """Return the result of the run."""
         run, held, size = self.struct, self.tables.arrays, self.size
         events, ledger = run.events, dict(zip(LEDGER, run.ledger, strict=True))
-        lasting = self.opened[self.touches["way"] != 0] if status == DONE else self.opened[:0]
+        lasting = self.opened[self.touches["mode"] != 0] if status == DONE else self.opened[:0]
         states, races = np.split(held["event_states"][:events], [2 * self.stride], axis=1)
         return SystemResult(
             status=status, time=run.time, state=self.state[:, :size], touches=self.touches,

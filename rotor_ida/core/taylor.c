@@ -174,8 +174,8 @@ static double rate_of_contact(const struct taylor *taylor)
     const double stiffening = damping_factor(model, fabs(taylor->series.terms[0][CONTACT_P]));
     return q
            * (speed_of(&taylor->motion, taylor->motion.before) + 2.0 * model->zeta
-              + model->contact_damping * spring_force(model, q)
-              + sqrt(model->shaft_stiffness + spring_stiffness(model, q) * stiffening));
+              + model->contact_damping * spring_of_root(model, q)
+              + sqrt(model->shaft_stiffness + slope_of_root(model, q) * stiffening));
 }
 
 /* A step, cut so that the contact is released, or presses again, inside it at most once. */
@@ -280,7 +280,7 @@ static double cartesian_step(struct taylor *taylor, double inner)
     const struct parameters *model = &taylor->motion.model;
     const double radius = length((struct vector){state[CARTESIAN_X], state[CARTESIAN_Y]});
     const double speed = length((struct vector){state[CARTESIAN_VX], state[CARTESIAN_VY]});
-    const double slope = spring_stiffness(model, sqrt(radius));
+    const double slope = slope_of_root(model, sqrt(radius));
     const double rate = speed_of(&taylor->motion, state) + 2.0 * model->zeta
                         + sqrt(model->shaft_stiffness + slope);
     const double more = model->load + model->shaft_stiffness * radius

@@ -38,8 +38,8 @@ from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.simulation.flow import Flow
 from rotor_ida.simulation.starts import Start
+from rotor_ida.simulation.starts import Start as SystemStart
 from rotor_ida.simulation.systems.flow import SystemFlow
-from rotor_ida.simulation.systems.starts import Start as SystemStart
 
 Kind = Literal["fold", "period_doubling", "torus"]
 

@@ -20,7 +20,6 @@ from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.simulation.flow import DiscFlow, Flow
 from rotor_ida.simulation.starts import Start
-from rotor_ida.simulation.systems.starts import Start as SystemStart
 
 Parameter = Literal[
     "omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "load", "friction",
@@ -44,7 +43,7 @@ def parameters_of(flow: Flow) -> tuple[str, ...]:
 def continue_cycle(
     rotor: Rotor | DimensionalRotor | RotorSystem,
     *,
-    start: Start | SystemStart = AT_REST,
+    start: Start = AT_REST,
     parameter: Parameter = "omega",
     limits: tuple[float, float],
     direction: Direction = "both",

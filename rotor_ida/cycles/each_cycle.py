@@ -31,7 +31,6 @@ from rotor_ida.cycles.search import (
 )
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.assembly import assemble
-from rotor_ida.model.disc_starts import begun
 from rotor_ida.model.few_modes import in_modes
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.system_parameters import SPEED
@@ -43,9 +42,8 @@ from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import RESULT_KIND, labelled_dataset
 from rotor_ida.simulation.flow import RTOL, DiscFlow, Flow
 from rotor_ida.simulation.options import check_can_be_followed
-from rotor_ida.simulation.starts import GivenStart, given_start
+from rotor_ida.simulation.starts import RUNS, GivenStart, Start, given_start, start_of, state_at_end
 from rotor_ida.simulation.systems.flow import SystemFlow
-from rotor_ida.simulation.systems.starts import RUNS, Start, state_at_end
 from rotor_ida.steady.follow import FAILED
 from rotor_ida.steady.grid import answers_at_each
 from rotor_ida.steady.system_sweep import (
@@ -84,7 +82,7 @@ def cycles_of_disc(varied: Varied, start: object, period: object, jobs: Jobs) ->
         first = given_start("start", start, loaded=bool(varied.values("load").any()))
     near = checked(period)
     for each in varied.extremes():
-        check_can_be_followed(each, begun(first, each), settling=True)
+        check_can_be_followed(each, start_of(each, first), settling=True)
     one = varied.rotor((0,) * len(varied.dims))
     axes = {name: each.tolist() for name, each in varied.axes.items()}
     told = {} if near is None else {"period": near}
@@ -102,7 +100,7 @@ def _of_disc(
 ) -> Mapping[str, Any]:
     """Return the numbers of the cycle of a rotor."""
     try:
-        guess = Guess(DiscFlow(rotor), np.array(begun(first, rotor)), period)
+        guess = Guess(DiscFlow(rotor), np.array(start_of(rotor, first)), period)
         check_revolutions(guess)
     except InputError as error:  # a resonance has no settled whirl
         raise SimulationError(str(error)) from error

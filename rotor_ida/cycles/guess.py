@@ -25,9 +25,8 @@ from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
 from rotor_ida.schema import RESULT_KIND, SPECIAL, by_number, check_as_computed
 from rotor_ida.schema.quantities import SPECIAL_VALUES
 from rotor_ida.simulation.flow import DiscFlow, Flow
-from rotor_ida.simulation.starts import state_of
+from rotor_ida.simulation.starts import RUNS, start_of
 from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
-from rotor_ida.simulation.systems.starts import RUNS
 from rotor_ida.steady.system_sweep import check_slowest, state_of_start
 
 DOUBLING, HOPF = "period_doubling", "hopf"
@@ -80,7 +79,7 @@ def guess_of(rotor: Rotor, start: object, period: object = None) -> Guess:
     only the given period. InputError if it is none of these, or of another rotor.
     """
     if not has_period(start, period):
-        return Guess(DiscFlow(rotor), np.array(state_of("start", start, rotor)), checked(period))
+        return Guess(DiscFlow(rotor), np.array(start_of(rotor, start)), checked(period))
     return guess_in(start, rotor)
 
 

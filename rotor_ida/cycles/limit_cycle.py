@@ -35,7 +35,6 @@ from rotor_ida.results.studies.results import Folder
 from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.options import check_can_be_followed
 from rotor_ida.simulation.starts import Start
-from rotor_ida.simulation.systems.starts import Start as SystemStart
 from rotor_ida.steady.follow import limits_of
 from rotor_ida.steady.system_sweep import turning_speeds
 
@@ -45,7 +44,7 @@ from rotor_ida.steady.system_sweep import turning_speeds
 def limit_cycle(
     rotor: Rotor | DimensionalRotor | RotorSystem,
     *,
-    start: Start | SystemStart = AT_REST,
+    start: Start = AT_REST,
     period: float | None = None,
     speed: npt.ArrayLike | None = None,
     modes: int | None = None,

@@ -12,8 +12,8 @@ import numpy as np
 from rotor_ida.arrays import Values
 from rotor_ida.model.contact import contact_force
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.schema.flags import ENTRY, EXIT, REVERSE, ROLL
 from rotor_ida.simulation.flow import DiscFlow, Flow, Piece
-from rotor_ida.simulation.orbit import ENTRY, EXIT, REVERSE, ROLL
 
 # Samples on which the sense of a whirl is seen.
 SAMPLES = 1024

@@ -18,7 +18,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.assembly import Assembly
 from rotor_ida.model.axisymmetric import forward_motions
 from rotor_ida.model.system_parts import Contact, Stator
-from rotor_ida.simulation.systems.starts import settled
+from rotor_ida.simulation.starts import settled
 from rotor_ida.units import quantity
 
 # Points of a revolution among which the largest distance from a stator is found, to 4e-5 of it.

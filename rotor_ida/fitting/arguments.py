@@ -32,10 +32,10 @@ from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.scales import scale_of
 from rotor_ida.model.system_parameters import FITTED_OF_SYSTEM, parameter_of
+from rotor_ida.schema.flags import ENTRY, EXIT
 from rotor_ida.signals.record import lacks_mark
 from rotor_ida.signals.windows import fit_orders
-from rotor_ida.simulation.orbit import ENTRY, EXIT
-from rotor_ida.simulation.systems.starts import settled, start_of
+from rotor_ida.simulation.starts import settled, start_of
 
 AnyRotor: TypeAlias = Rotor | DimensionalRotor | RotorSystem
 # Signals of one record: of one node, or of several by name.

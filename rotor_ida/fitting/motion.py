@@ -19,8 +19,8 @@ from rotor_ida.errors import BudgetError
 from rotor_ida.model.assembly import Assembly, Canonical, assemble, canonical
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.simulation.spin import Ramp, SpeedProfile
-from rotor_ida.simulation.systems.following import follow_system_again, request_of
-from rotor_ida.simulation.systems.starts import start_of
+from rotor_ida.simulation.starts import start_of
+from rotor_ida.simulation.system_run import request_of, run_to_end
 
 Word = Literal["settled", "rest"]
 RTOL = 1e-11
@@ -178,9 +178,7 @@ class Body:
             raise BudgetError(
                 f"{work:.3g} radians of its fastest motion are more than {budget:.3g}"
             )
-        run = follow_system_again(
-            replace(request, only_events=True), NO_STOP if stop is None else stop
-        )
+        run = run_to_end(replace(request, only_events=True), NO_STOP if stop is None else stop)
         rows = found.rows_in_y(body.rows(nodes))
         return Motion(
             run.samples, _places(rows, run.samples), run.event_times, run.event_kinds,

@@ -19,7 +19,7 @@ from rotor_ida.fitting.records import Measured
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parameters import with_parameters
-from rotor_ida.simulation.orbit import ENTRY, EXIT
+from rotor_ida.schema.flags import ENTRY, EXIT
 
 Mask: TypeAlias = npt.NDArray[np.bool_]
 

@@ -1,6 +1,6 @@
 """Where one disc may begin: at rest under its load, or settled on the whirl without contact.
 
-`rotor_ida.simulation.systems.starts` states the same of rotor systems.
+`rotor_ida.simulation.starts` asks it, and finds the same of rotor systems.
 """
 
 from __future__ import annotations
@@ -16,16 +16,6 @@ from rotor_ida.model.contact import HERTZ_EXPONENT, force_at_depth
 
 if TYPE_CHECKING:
     from rotor_ida.model.rotor import Rotor
-
-
-def begun(start: State | str, rotor: Rotor, phase: float = 0.0) -> State:
-    """Return a start of a rotor as a state [1]; a word is "settled" or "rest".
-
-    The unbalance is at an angle `phase` [rad].
-    """
-    if isinstance(start, str):
-        return settled(rotor, phase) if start == "settled" else hanging(rotor)
-    return start
 
 
 def settled(rotor: Rotor, phase: float = 0.0) -> State:

@@ -63,9 +63,9 @@ ABSENT = "/* of other models */"
 OF_LAW = ("hertz", "linear", "contact_damping", "loose", "friction", "sigma")
 GIVEN_LAW = ("q", "approach", "push", "of_q", "of_approach")
 OF_DISC = {
-    "the elastic force": ("spring_force", "q"),
-    "its slope by the indentation": ("spring_stiffness", "q"),
-    "the elastic energy": ("spring_energy", "q"),
+    "the elastic force": ("spring_of_root", "q"),
+    "its slope by the indentation": ("slope_of_root", "q"),
+    "the elastic energy": ("energy_of_root", "q"),
     "the factor of contact damping, not clipped at 0": ("damping_factor", "approach"),
     "the radial velocity of a release": ("release_velocity",),
     "the normal force, not clipped at 0": ("normal_force", "q", "approach"),

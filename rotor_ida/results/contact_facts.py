@@ -19,11 +19,13 @@ from rotor_ida.schema import MODE, OF_FRICTION_EVENT_KIND
 OCCUR = ("first_touch", "last_exit", "largest_radius", "largest_force", "first_roll")
 OF_EPISODES = (
     "entry_time", "exit_time", "peak_time", "peak_indentation", "peak_force", "peak_force_time",
-    "impulse", "heat",
+    "impulse", "heat", "contact_loss",
 )  # fmt: skip
 
 
-def contact_facts(run: Mapping[Any, Any], clearance: float) -> dict[str, float]:
+def contact_facts(
+    run: Mapping[Any, Any], clearance: float, until: float | None = None
+) -> dict[str, float]:
     """Return touches, the largest radius and force, and losses, with the times of `OCCUR`.
 
     Parameters
@@ -35,6 +37,8 @@ def contact_facts(run: Mapping[Any, Any], clearance: float) -> dict[str, float]:
         and ``extremum_radius``.
     clearance : float
         The clearance.
+    until : float, optional
+        The end of the run; default: the last sample.
 
     Examples
     --------
@@ -47,7 +51,8 @@ def contact_facts(run: Mapping[Any, Any], clearance: float) -> dict[str, float]:
     times, entries, exits, peaks = (
         np.asarray(run[name], float) for name in ("t", "entry_time", "exit_time", "peak_time")
     )
-    begins, ends = np.nan_to_num(entries, nan=0.0), np.nan_to_num(exits, nan=float(times[-1]))
+    end = float(times[-1]) if until is None else until
+    begins, ends = np.nan_to_num(entries, nan=0.0), np.nan_to_num(exits, nan=end)
     rolls = np.asarray(run["event_time"])[
         np.asarray(run["event_kind"]) == OF_FRICTION_EVENT_KIND["roll"]
     ]
@@ -96,8 +101,7 @@ def run_up_facts(run: Mapping[Any, Any], clearance: float) -> dict[str, float]:
 def columns_of_contact(run: xr.Dataset, number: int) -> dict[str, Values]:
     """Return the columns of one contact of a rotor system, by their names of one disc."""
     own, mine = (run[name].values == number for name in ("episode_contact", "event_contact"))
-    found: dict[str, Values] = {name: run[name].values[own] for name in OF_EPISODES}
-    found["contact_loss"] = run["energy_lost"].values[own]
+    found: dict[str, Values] = {name: run[name].values[own] for name in OF_EPISODES if name in run}
     found |= {
         name: run[name].values[mine]
         for name in ("event_time", "event_kind", "event_speed") if name in run

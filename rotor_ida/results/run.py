@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import numpy.typing as npt
@@ -157,27 +157,32 @@ def parameter_coordinates(rotor: Rotor) -> dict[str, Column]:
     return {name: ((), value) for name, value in rotor.given.items()}
 
 
-def event_columns(
-    times: npt.ArrayLike, kinds: npt.ArrayLike, *rotors: Rotor
-) -> dict[str, xr.Variable]:
-    """Return times and kinds of events; contact damping and friction add kinds.
+def kinds_of_events(*rotors: Rotor) -> dict[str, int]:
+    """Return the kinds of events of some discs; contact damping and friction add kinds.
 
     Examples
     --------
     >>> rubbing = Rotor(omega=1.0, zeta=0.1, delta0=0.5, friction=0.1, disc_radius=1.0)
-    >>> event_columns([0.5], [2], rubbing)["event_kind"].attrs["flag_meanings"]
-    'exit entry roll slip reverse'
+    >>> list(kinds_of_events(rubbing))
+    ['exit', 'entry', 'roll', 'slip', 'reverse']
     """
     flags = EVENT_KIND
     if any(rotor.friction > 0.0 for rotor in rotors):
         flags = flags | OF_FRICTION_EVENT_KIND
     if any(rotor.contact_damping > 0.0 for rotor in rotors):
         flags = flags | {name: DAMPED_EVENT_KIND[name] for name in ("press", "release")}
+    return flags
+
+
+def event_columns(
+    times: npt.ArrayLike, kinds: npt.ArrayLike, flags: Mapping[str, int]
+) -> dict[str, xr.Variable]:
+    """Return times and kinds of events, of which some are possible."""
     columns = {
         "event_time": labelled("event_time", "event", times),
         "event_kind": labelled("event_kind", "event", kinds),
     }
-    if flags is not EVENT_KIND:
+    if flags != EVENT_KIND:
         columns["event_time"].attrs["long_name"] = "time of the contact event"
         kind = Quantity(columns["event_kind"].attrs["long_name"], flags=flags)
         columns["event_kind"].attrs = kind.attributes()

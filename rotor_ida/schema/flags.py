@@ -25,12 +25,20 @@ RESPONSE = {
     "rolling": 9,
     "failed": -1,
 }
-EVENT_KIND = {"exit": -1, "entry": 1}
+# Events and modes of a contact, as in ``core/core.h``.
+EXIT, ENTRY = -1, 1
+PRESS, RELEASE = 4, -4
+ROLL, SLIP, REVERSE = OF_FRICTION = (2, -2, 3)
+EVENT_KIND = {"exit": EXIT, "entry": ENTRY}
 # Added by contact damping: the force falls to zero while surfaces overlap, or rises from zero.
-DAMPED_EVENT_KIND = EVENT_KIND | {"press": 4, "release": -4}
+DAMPED_EVENT_KIND = EVENT_KIND | {"press": PRESS, "release": RELEASE}
 # Added by friction: the disc begins to roll or to slip, or reverses its sliding.
-OF_FRICTION_EVENT_KIND = {"roll": 2, "slip": -2, "reverse": 3}
-MODE = {"flight": 0, "slipping_forward": 1, "slipping_backward": -1, "rolling": 2, "loose": 3}
+OF_FRICTION_EVENT_KIND = {"roll": ROLL, "slip": SLIP, "reverse": REVERSE}
+FLIES, SLIDES_FORWARDS, SLIDES_BACKWARDS, ROLLS, IS_LOOSE = 0, 1, -1, 2, 3
+MODE = {
+    "flight": FLIES, "slipping_forward": SLIDES_FORWARDS, "slipping_backward": SLIDES_BACKWARDS,
+    "rolling": ROLLS, "loose": IS_LOOSE,
+}  # fmt: skip
 # Labels of a start besides the numbers of the attractors and the kinds of response.
 FATE = {"not_computed": -2, "undecided": -1}
 # Evidence for the trapping region of an attractor: a proof that no orbit leaves it, orbits that

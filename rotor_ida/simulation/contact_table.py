@@ -1,4 +1,4 @@
-"""The table of contacts: one row for each contact of the rotor with the stator."""
+"""The table of contacts: one row for each contact of the rotor with a stator."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import check_instance
 from rotor_ida.core.runs import Rows
 from rotor_ida.errors import InputError
-from rotor_ida.model.contact import contact_force
+from rotor_ida.model.assembly import Assembly
+from rotor_ida.model.contact import contact_force, contact_potential
 from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.results.in_si import keeps_si
 from rotor_ida.results.run import is_of_system
@@ -24,18 +25,15 @@ from rotor_ida.schema import (
     labelled_dataset,
     origin_of,
 )
-from rotor_ida.simulation.orbit import (
-    ENTRY,
-    EXIT,
-    Orbit,
-    stretches_of_rolling,
-)
+from rotor_ida.schema.flags import ENTRY, EXIT
+from rotor_ida.simulation.orbit import Orbit, stretches_of_rolling
 
+Columns = dict[str, Column]
 # Below this fraction of radius times speed, angular momentum is rounding: there is no whirl.
 NO_WHIRL = 1e-12
 
 
-def contact_columns(orbit: Orbit) -> dict[str, Column]:
+def contact_columns(orbit: Orbit) -> Columns:
     """Return the contacts of an orbit as columns on the dimension ``contact``."""
     rotor, contacts = orbit.rotor, orbit.contacts
     at_entry = _states_at(orbit, contacts["entry"], ENTRY)
@@ -43,14 +41,11 @@ def contact_columns(orbit: Orbit) -> dict[str, Column]:
     speed = np.hypot(at_entry[:, 2], at_entry[:, 3])
     left_with = np.hypot(at_exit[:, 2], at_exit[:, 3])
     columns = {
-        "peak_indentation": contacts["peak_indentation"],
         "peak_force": peak_forces(orbit),
         "entry_speed": speed,
         "entry_angle": _angle_of_incidence(at_entry),
         "energy_lost": 0.5 * (speed**2 - left_with**2),
-        "whirl_direction": _whirl_direction(
-            orbit, contacts["momentum"], contacts["peak_indentation"]
-        ),
+        "whirl_direction": _whirl_direction(orbit),
     }
     if rotor.contact_damping > 0.0:
         columns["contact_loss"] = contacts["lost"]
@@ -58,14 +53,51 @@ def contact_columns(orbit: Orbit) -> dict[str, Column]:
         columns["heat"] = contacts["heat"]
         columns["slip_distance"] = contacts["slip_distance"]
         columns["rolling_time"] = rolling_times(orbit)
-    return table_of(contacts, "contact", columns)
+    found = _table_of(contacts, "contact", columns)
+    if rotor.delta0 > 0.0:  # one that begins at the very end has no impulse yet
+        found["impulse"] = ("contact", np.nan_to_num(contacts["impulse"]))
+    return found
 
 
-def table_of(contacts: Rows, dim: str, others: Mapping[str, Values]) -> dict[str, Column]:
-    """Return times and impulses of contacts, and other columns, along a dimension."""
+def episode_columns(assembly: Assembly, table: Rows, start: Values, end: Values) -> Columns:
+    """Return the contacts of a rotor system along ``episode``, by time of entry.
+
+    `start` and `end` are the displacements at both ends of the run.
+    """
+    begun = np.where(np.isnan(table["entry"]), -1.0, table["entry"])
+    table = table[np.argsort(begun, kind="stable")]
+    number = table["contact"].astype(int)
+    damped = np.array([each.damping > 0.0 for each in assembly.contacts], bool)
+    work = np.where(damped[number], table["work"], 0.0)  # without damping it is rounding
+    begins, lasts = np.isnan(table["entry"]), np.isnan(table["exit"])
+    columns = {
+        "episode_contact": number.astype(np.int16), "peak_force": table["largest_force"],
+        "peak_force_time": table["force_time"],
+        "energy_lost": np.where(begins | lasts, np.nan, work), "heat": table["heat"],
+        "slip_distance": table["slip_distance"], "rolling_time": table["rolling_time"],
+    }  # fmt: skip
+    if damped.any():
+        before, after = ((damped * _elastic_energies(assembly, q))[number] for q in (start, end))
+        columns["contact_loss"] = work + begins * before - lasts * after
+    return _table_of(table, "episode", columns)
+
+
+def _elastic_energies(assembly: Assembly, q: Values) -> Values:
+    """Return the elastic energy of each contact at some displacement."""
+    energies = [0.0] * len(assembly.contacts)
+    for number, (contact, rows) in enumerate(zip(assembly.contacts, assembly.rows, strict=True)):
+        radius = np.hypot(*(rows @ q - contact.centre))
+        energy = contact_potential(radius, contact.clearance, contact.exponent)
+        energies[number] = contact.stiffness * float(energy)
+    return np.array(energies)
+
+
+def _table_of(contacts: Rows, dim: str, others: Mapping[str, Values]) -> Columns:
+    """Return times, depths and impulses of contacts, and other columns, along a dimension."""
     columns = {
         "entry_time": contacts["entry"], "exit_time": contacts["exit"],
-        "peak_time": contacts["peak_time"], "impulse": contacts["impulse"],
+        "peak_time": contacts["peak_time"], "peak_indentation": contacts["peak_root"] ** 2,
+        "impulse": contacts["impulse"],
         "contact_duration": contacts["exit"] - contacts["entry"], **others,
     }  # fmt: skip
     return {name: (dim, np.ascontiguousarray(column)) for name, column in columns.items()}
@@ -76,7 +108,7 @@ def peak_forces(orbit: Orbit) -> Values:
     rotor = orbit.rotor
     if rotor.contact_damping > 0.0:  # the force peaks before the indentation
         return np.ascontiguousarray(orbit.contacts["largest_force"])
-    depth = orbit.contacts["peak_indentation"]
+    depth = orbit.contacts["peak_root"] ** 2
     return np.asarray(contact_force(depth, 0.0, rotor.contact_exponent))
 
 
@@ -160,7 +192,7 @@ def contact_summary(run: xr.Dataset) -> xr.Dataset:
             "total_slip_distance": float(run["slip_distance"].sum(skipna=False)),
             "rolling_fraction": rolled / contact if contact > 0.0 else math.nan,
         }
-    columns: dict[str, Column] = {name: ((), value) for name, value in values.items()}
+    columns: Columns = {name: ((), value) for name, value in values.items()}
     coordinates = {name: run[name].variable for name in ALL_PARAMETERS if name in run.variables}
     title = "Contacts of one simulated run, summarised"
     return labelled_dataset(title, columns, coordinates, origin_of(run), kind="contact_summary")
@@ -179,12 +211,13 @@ def _angle_of_incidence(states: Values) -> Values:
     return np.asarray(np.arctan2(x * vy - y * vx, x * vx + y * vy))
 
 
-def _whirl_direction(orbit: Orbit, moment: Values, indentation: Values) -> npt.NDArray[np.int8]:
+def _whirl_direction(orbit: Orbit) -> npt.NDArray[np.int8]:
     """Return the sense of the whirl about the bearing axis at the peaks."""
+    moment = orbit.contacts["momentum"]
     if not moment.size:
         return np.empty(0, dtype=np.int8)
     fastest = np.abs(orbit.states[:, 2:]).max(initial=1.0)
-    scale = (orbit.rotor.delta0 + indentation) * fastest
+    scale = (orbit.rotor.delta0 + orbit.contacts["peak_root"] ** 2) * fastest
     turning = np.where(np.abs(moment) > NO_WHIRL * scale, np.sign(moment), 0.0)
     return turning.astype(np.int8)
 

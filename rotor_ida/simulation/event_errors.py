@@ -34,8 +34,9 @@ from rotor_ida.errors import SimulationError
 from rotor_ida.model.contact import damping_factor, spring_force, spring_slope
 from rotor_ida.model.forces import Moment, accelerations, with_values
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.schema.flags import ENTRY, OF_FRICTION, PRESS, ROLLS, SLIP
 from rotor_ida.simulation.options import LOOSEST_RTOL_OF_TAYLOR, Options
-from rotor_ida.simulation.orbit import ENTRY, OF_FRICTION, PRESS, ROLLS, SLIP, Orbit
+from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.run import run
 
 Kinds = npt.NDArray[np.integer[Any]]
@@ -242,7 +243,7 @@ def _fastest(orbit: Orbit) -> float:
     omega = float(np.max(orbit.speeds, initial=rotor.omega))
     squares = orbit.states[:, 0] ** 2 + orbit.states[:, 1] ** 2
     farthest = float(np.sqrt(squares.max(initial=delta0**2)))
-    depth = max(farthest - delta0, float(orbit.contacts["peak_indentation"].max(initial=0.0)))
+    depth = max(farthest - delta0, float(orbit.contacts["peak_root"].max(initial=0.0)) ** 2)
     exponent = rotor.contact_exponent
     stiffness = spring_slope(depth, exponent) + rotor.shaft_stiffness
     decay = 2.0 * zeta + rotor.contact_damping * spring_force(depth, exponent)
@@ -341,8 +342,8 @@ def _guards_of_friction(orbit: Orbit) -> tuple[Values, Values]:
     normal = spring * factor
     hold = square * np.sin(lag) - rotor.load * np.cos(turn)
     hold += rim * (2.0 * rotor.zeta + rise / radius)
-    assert orbit.ways is not None
-    before = orbit.ways[:-1]
+    assert orbit.modes is not None
+    before = orbit.modes[:-1]
     faster, lever = _quickening(orbit, hold, normal)
     hold = hold + faster * lever
     slowing = np.abs(hold - rotor.friction * before * normal)
@@ -375,9 +376,9 @@ def _quickening(orbit: Orbit, hold: Values, normal: Values) -> tuple[Values, Val
     angle, speed = orbit.speed_record.events["angle"], orbit.speed_record.events["speed"]
     cos, sin, radius = np.cos(angle), np.sin(angle), np.hypot(x, y)
     lever = (rotor.disc_radius or 0.0) - (cos * x + sin * y) / radius
-    ways = orbit.event_kinds * 0 if orbit.ways is None else orbit.ways[:-1]
-    rolls = ways == ROLLS
-    across = np.where(rolls, hold, rotor.friction * ways * normal)
+    modes = orbit.event_kinds * 0 if orbit.modes is None else orbit.modes[:-1]
+    rolls = modes == ROLLS
+    across = np.where(rolls, hold, rotor.friction * modes * normal)
     stiffness = rotor.shaft_stiffness + normal / radius
     resisted = -2.0 * rotor.zeta * (cos * vy - sin * vx) - stiffness * (cos * y - sin * x)
     faster = orbit.speed_record.profile.accelerations(

@@ -35,14 +35,9 @@ from rotor_ida.errors import SimulationError
 from rotor_ida.model.equations import push_over_radius, rotated, rotating_field
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.schema.flags import ENTRY, ROLLS, SLIDES_BACKWARDS, SLIDES_FORWARDS
 from rotor_ida.simulation.options import Options
-from rotor_ida.simulation.orbit import (
-    ENTRY,
-    ROLLS,
-    SLIDES_BACKWARDS,
-    SLIDES_FORWARDS,
-    stretches_of_rolling,
-)
+from rotor_ida.simulation.orbit import stretches_of_rolling
 from rotor_ida.simulation.run import run
 
 MAXIMUM = 1.0  # the kind of an extremum
@@ -348,23 +343,23 @@ class DiscFlow:
             bundle[:DIFFERENCES] = 0.0
             bundle[: len(tangents)] = tangents
         result = self._followed(start, until, events=True, extrema=True, bundle=bundle, whole=whole)
-        end, ways = np.array(result.state), result.ways
+        end, modes = np.array(result.state), result.modes
         if not math.isfinite(sum(bundle.ravel().tolist()) + sum(result.state)):
             raise _failed(STUCK, start)
-        first, last = (0, 0) if ways is None else (int(ways[0]), int(ways[-1]))
+        first, last = (0, 0) if modes is None else (int(modes[0]), int(modes[-1]))
         count = DIFFERENCES if tangents is None else len(tangents)
         return Piece(
             start, end, until, bundle[:count].T,
             [bundle[DIFFERENCES + COLUMNS.index(name)] for name in by],
             self.rate(start, 0.0, first), self.rate(end, until, last),
             result.event_kinds, np.zeros(result.event_kinds.size, np.int8),
-            np.array([ways is not None and bool((ways == ROLLS).any())]),
+            np.array([modes is not None and bool((modes == ROLLS).any())]),
             result.contacts, result.extrema,
         )  # fmt: skip
 
-    def rate(self, state: Values, time: float = 0.0, way: int = 0) -> Values:
-        """Return the rate of a state; `way` is the mode of its contact, as the core has it [1]."""
-        return rotating_field(state, self.rotor, time) + _friction_at(state, self.rotor, time, way)
+    def rate(self, state: Values, time: float = 0.0, mode: int = 0) -> Values:
+        """Return the rate of a state; `mode` is that of its contact, as the core has it [1]."""
+        return rotating_field(state, self.rotor, time) + _friction_at(state, self.rotor, time, mode)
 
     def after(self, state: Values, duration: float) -> Values:
         """Return the state after a time [1]."""
@@ -458,18 +453,18 @@ def put_on_rolling(rotor: Rotor, state: Values) -> Values:
     return np.array([x, y, vx + slip * y / radius, vy - slip * x / radius])
 
 
-def _friction_at(state: Values, rotor: Rotor, time: float, way: int) -> Values:
+def _friction_at(state: Values, rotor: Rotor, time: float, mode: int) -> Values:
     """Return the contribution of the tangential force to the rates on the rotating axes."""
-    if way not in {SLIDES_FORWARDS, SLIDES_BACKWARDS, ROLLS}:
+    if mode not in {SLIDES_FORWARDS, SLIDES_BACKWARDS, ROLLS}:
         return np.zeros(4)
     x, y, vx, vy = state.tolist()
     radius = math.hypot(x, y)
-    if way == ROLLS:
+    if mode == ROLLS:
         turned = rotor.omega * time
         down = -rotor.load * (x * math.cos(turned) - y * math.sin(turned)) / radius
         force = -(rotor.omega**2) * y / radius + down
         rise = (x * vx + y * vy) / radius
         force += (rotor.disc_radius or 0.0) * rotor.omega * (2.0 * rotor.zeta + rise / radius)
     else:
-        force = way * rotor.friction * radius * push_over_radius((x, y, vx, vy), rotor)
+        force = mode * rotor.friction * radius * push_over_radius((x, y, vx, vy), rotor)
     return np.array([0.0, 0.0, force * y / radius, -force * x / radius])

@@ -1,4 +1,4 @@
-"""One simulated motion, and its invariants: a run that violates one raises an error."""
+"""One simulated motion of a disc: samples, events and contacts."""
 
 from __future__ import annotations
 
@@ -8,31 +8,11 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Values
-from rotor_ida.core.faults import FAULTS, FIRST_OF_SAMPLES, OF_CONTACTS, Events, Samples, fault_of
-from rotor_ida.core.runs import CONTACT, Rows
-from rotor_ida.errors import InvariantError
+from rotor_ida.core.runs import Rows
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.schema.flags import ROLLS
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.spin import SpeedProfile
-
-ENTRY = 1
-EXIT = -1
-PRESS, RELEASE = 4, -4
-ROLL, SLIP, REVERSE = 2, -2, 3
-# How a rotor with friction moves.
-FLIES, SLIDES_FORWARDS, SLIDES_BACKWARDS, ROLLS, IS_LOOSE = 0, 1, -1, 2, 3
-OF_FRICTION = (ROLL, SLIP, REVERSE)
-# A contact of an orbit is one of the core, with the largest indentation instead of its root.
-ORBIT_CONTACT = np.dtype(
-    [
-        ("peak_indentation" if name == "peak_root" else name, np.float64)
-        for name in CONTACT.names or ()
-    ]
-)
-# Allowed imbalance of energy of a run whose speed changes, in tolerances per radian.
-UNBALANCED_BY = 1e2
-# Allowed distance of a sample on the wrong side of the stator, in tolerances.
-WRONG_SIDE = 1e3
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +62,7 @@ class Orbit:
         reverses its sliding (3) [1].
     event_states : ndarray, shape (m, 4)
         ``(x, y, vx, vy)`` at the events, fixed frame [1].
-    contacts : ndarray of `ORBIT_CONTACT`
+    contacts : ndarray of `rotor_ida.core.runs.CONTACT`
         The contacts [1]: angular momentum at the peak, loss and largest force with contact damping,
         and heat of sliding. Entry or exit is NaN where the run began or ended inside the contact;
         the impulse is NaN without clearance.
@@ -92,7 +72,7 @@ class Orbit:
         Evaluations of the right-hand side.
     steps : int
         Steps of compiled code, where a flight in closed form is one.
-    ways : ndarray, shape (m + 1,), optional
+    modes : ndarray, shape (m + 1,), optional
         With friction, the mode from the start, and from each event on: flight (0),
         sliding forwards (1) or backwards (-1), rolling (2) or loose (3).
     extrema : ndarray of `rotor_ida.core.runs.EXTREMUM`, optional
@@ -114,7 +94,7 @@ class Orbit:
     end: Values
     evaluations: int
     steps: int
-    ways: npt.NDArray[np.int8] | None = None
+    modes: npt.NDArray[np.int8] | None = None
     extrema: Rows | None = None
     speed_record: SpeedRecord | None = None
 
@@ -138,76 +118,9 @@ class Orbit:
 
 def stretches_of_rolling(orbit: Orbit) -> Values:
     """Return when the disc begins and ceases to roll on the stator, shape (n, 2) [1]."""
-    if orbit.ways is None:
+    if orbit.modes is None:
         return np.empty((0, 2))
-    rolls = orbit.ways == ROLLS
+    rolls = orbit.modes == ROLLS
     began = np.concatenate([[0.0], orbit.event_times])
     ended = np.concatenate([orbit.event_times, [orbit.duration]])
     return np.column_stack([began[rolls], ended[rolls]])
-
-
-def check_orbit(orbit: Orbit) -> None:
-    """Raise `InvariantError` at the first contradiction of an orbit to the mechanics."""
-    options = orbit.options
-    allowed = WRONG_SIDE * (options.rtol * orbit.rotor.delta0 + options.atol)
-    kept = slice(None) if orbit.speed_record is None else ~np.isin(orbit.event_kinds, OF_FRICTION)
-    event_times, event_states = orbit.event_times[kept], orbit.event_states[kept]
-    fault, row = fault_of(
-        orbit.rotor,
-        Samples(orbit.times, orbit.states),
-        Events(event_times, orbit.event_kinds[kept], event_states),
-        orbit.contacts,
-        began=orbit.starts_in_contact,
-        allowed=allowed,
-        ways=orbit.ways if orbit.speed_record is None else None,
-    )
-    if fault:
-        time, state = event_times, event_states
-        if fault == OF_CONTACTS:
-            time, state = orbit.contacts["peak_time"], np.tile(orbit.end, (len(orbit.contacts), 1))
-        elif fault >= FIRST_OF_SAMPLES:
-            time, state = orbit.times, orbit.states
-        x, y, vx, vy = state[row].tolist()
-        raise InvariantError(FAULTS[fault], time=float(time[row]), state=(x, y, vx, vy))
-    if orbit.speed_record is not None:
-        _check_speed_record(orbit, orbit.speed_record, allowed)
-
-
-def _check_speed_record(orbit: Orbit, record: SpeedRecord, allowed: float) -> None:
-    """Raise `InvariantError` where energy does not balance, or the sense of sliding is wrong."""
-    if record.energies is not None:
-        _check_energies(orbit, record, record.energies)
-    if orbit.ways is None:
-        return
-    speed = np.hypot(orbit.states[:, 2], orbit.states[:, 3])
-    rim = (orbit.rotor.disc_radius or 0.0) * record.samples["speed"]
-    more = allowed * (1.0 + (speed + rim) / orbit.rotor.delta0)
-    radius = np.maximum(np.hypot(orbit.states[:, 0], orbit.states[:, 1]), np.finfo(float).tiny)
-    across = orbit.states[:, 0] * orbit.states[:, 3] - orbit.states[:, 1] * orbit.states[:, 2]
-    slip = across / radius + rim
-    ways = orbit.ways[np.searchsorted(orbit.event_times, orbit.times, side="right")]
-    slides = np.isin(ways, (SLIDES_FORWARDS, SLIDES_BACKWARDS))
-    astray = slides & (ways * slip < -more)
-    for wrong, fault in ((astray, 8), ((ways == ROLLS) & (np.abs(slip) > more), 9)):
-        if wrong.any():
-            row = int(np.argmax(wrong))
-            x, y, vx, vy = orbit.states[row].tolist()
-            raise InvariantError(FAULTS[fault], time=float(orbit.times[row]), state=(x, y, vx, vy))
-
-
-def _check_energies(
-    orbit: Orbit, record: SpeedRecord, energies: tuple[float, float, float]
-) -> None:
-    """Raise `InvariantError` where energy does not balance."""
-    x, y, vx, vy = orbit.end.tolist()
-    begun, ended, gained = energies
-    size = 1.0 + max(abs(begun), abs(ended), abs(gained))
-    revolved = 1.0 + float(record.end["angle"])
-    most = UNBALANCED_BY * (orbit.options.rtol + orbit.options.atol) * size * revolved
-    if not abs(ended - begun - gained) <= most:
-        raise InvariantError(
-            f"the energy does not balance: it changed by {ended - begun:.9g}, and "
-            f"{gained:.9g} was given",
-            time=orbit.duration,
-            state=(x, y, vx, vy),
-        )

@@ -13,12 +13,13 @@ import numpy as np
 from rotor_ida.arrays import Stop, Values, Watch
 from rotor_ida.checks import State
 from rotor_ida.core.interface import DONE, IN_CONTACT, SPENT, UNBALANCED, message_of
-from rotor_ida.core.runs import Rows, RunRequest, RunResult, follow_run
+from rotor_ida.core.runs import RunRequest, RunResult, follow_run
 from rotor_ida.errors import BudgetError, InstallationError, InvariantError, SimulationError
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.simulation.invariants import check_orbit
 from rotor_ida.simulation.options import Options
-from rotor_ida.simulation.orbit import ORBIT_CONTACT, Orbit, SpeedRecord, check_orbit
+from rotor_ida.simulation.orbit import Orbit, SpeedRecord
 from rotor_ida.simulation.spin import SpeedProfile
 
 # Errors for the ends of a run in the core that are more than a failure of its solver.
@@ -162,11 +163,11 @@ def _compiled(
         event_times=result.event_times,
         event_kinds=result.event_kinds,
         event_states=result.event_states,
-        contacts=_contacts_of(result.contacts, request.rotor),
+        contacts=result.contacts,
         end=np.array(result.state),
         evaluations=result.evaluations,
         steps=result.steps,
-        ways=result.ways,
+        modes=result.modes,
         extrema=result.extrema if request.extrema else None,
         speed_record=record,
     )
@@ -184,12 +185,3 @@ def _speed_record_of(result: RunResult, request: RunRequest, profile: SpeedProfi
         )
         end = end[0]
     return SpeedRecord(profile=profile, samples=samples, events=events, end=end, energies=None)
-
-
-def _contacts_of(rows: Rows, rotor: Rotor) -> Rows:
-    """Return contacts with their largest indentation."""
-    contacts = rows.astype(ORBIT_CONTACT)
-    contacts["peak_indentation"] = rows["peak_root"] ** 2
-    if rotor.delta0 > 0.0:  # one that begins at the very end has none yet
-        contacts["impulse"][np.isnan(rows["impulse"])] = 0.0
-    return contacts

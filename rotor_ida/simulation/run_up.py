@@ -16,10 +16,9 @@ from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.simulation.course import DISC_LIMITS, SYSTEM_LIMITS, check_can_wait, course_of
 from rotor_ida.simulation.options import Backend, Method, Options, check_can_be_followed
-from rotor_ida.simulation.simulate import DEFAULTS, OF_DISC, OF_SYSTEM, run_of_disc
-from rotor_ida.simulation.starts import Start, state_of
-from rotor_ida.simulation.systems.simulate import run_of_system
-from rotor_ida.simulation.systems.starts import Start as SystemStart
+from rotor_ida.simulation.runs import run_of_disc, run_of_system
+from rotor_ida.simulation.simulate import DEFAULTS, OF_DISC, OF_SYSTEM
+from rotor_ida.simulation.starts import Start, start_of
 
 
 @shows_progress
@@ -28,7 +27,7 @@ def run_up(
     rotor: Rotor | DimensionalRotor | RotorSystem,
     *,
     speed: float | None = None,
-    start: Start | SystemStart = AT_REST,
+    start: Start = AT_REST,
     to: float | None = None,
     rate: float | None = None,
     ramp_time: float | None = None,
@@ -183,6 +182,6 @@ def run_up(
     check_can_wait(course, rotor, options.backend)
     if course.speed != rotor.omega:
         rotor = replace(rotor, omega=course.speed)
-    first = state_of("start", start, rotor)
+    first = start_of(rotor, start)
     check_can_be_followed(rotor, first)
     return run_of_disc(rotor, first, course.end, samples, options, progress, course)

@@ -40,13 +40,9 @@ from rotor_ida.results.question import Question
 from rotor_ida.results.run import parameter_coordinates
 from rotor_ida.results.system_units import with_system_units
 from rotor_ida.schema import Column, labelled_dataset
+from rotor_ida.schema.flags import ENTRY, EXIT, REVERSE, ROLL, SLIP
 from rotor_ida.simulation.course import MOST_RADIANS
-from rotor_ida.simulation.extrema import MAXIMUM, check_knots, radius_extrema
-from rotor_ida.simulation.options import Method, Options, check_can_be_followed
-from rotor_ida.simulation.orbit import ENTRY, EXIT, REVERSE, ROLL, SLIP
-from rotor_ida.simulation.run import run
-from rotor_ida.simulation.starts import Start, state_of
-from rotor_ida.simulation.systems.crossings import (
+from rotor_ida.simulation.crossings import (
     Crossings,
     at_events,
     at_peaks,
@@ -54,14 +50,16 @@ from rotor_ida.simulation.systems.crossings import (
     once_a_revolution,
     times_of_revolutions,
 )
+from rotor_ida.simulation.extrema import MAXIMUM, check_knots, radius_extrema
+from rotor_ida.simulation.options import Method, Options, check_can_be_followed
+from rotor_ida.simulation.run import run
+from rotor_ida.simulation.runs import LOOSEST_RTOL, TIGHTEST_RTOL
+from rotor_ida.simulation.starts import Start, start_of, state_at_end
 from rotor_ida.simulation.systems.flow import (
     SAMPLES_A_REVOLUTION,
     SettlingProblem,
     SystemFlow,
 )
-from rotor_ida.simulation.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL
-from rotor_ida.simulation.systems.starts import Start as SystemStart
-from rotor_ida.simulation.systems.starts import start_of, state_at_end
 
 At = Literal["revolution", "entry", "exit", "peak", "roll", "slip", "reverse"]
 
@@ -83,7 +81,7 @@ def poincare_section(
     rotor: Rotor | DimensionalRotor | RotorSystem,
     *,
     speed: float | None = None,
-    start: Start | SystemStart = AT_REST,
+    start: Start = AT_REST,
     revolutions: int,
     skip: int = 0,
     at: At = "revolution",
@@ -227,7 +225,7 @@ def _section_of_disc(
 ) -> xr.Dataset:  # fmt: skip
     """Return a section through a motion of one disc: see `poincare_section`."""
     progress = check_progress(progress)
-    first = state_of("start", start, rotor)
+    first = start_of(rotor, start)
     check_can_be_followed(rotor, first)
     if rotor.omega == 0.0:
         raise InputError(

@@ -4,14 +4,11 @@ from __future__ import annotations
 
 from typing import Unpack
 
-import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Stop, Values, Watch
 from rotor_ida.checks import (
     AT_REST,
-    State,
     check_duration,
     check_positive,
     check_progress,
@@ -19,27 +16,16 @@ from rotor_ida.checks import (
 )
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
-from rotor_ida.parallel import Progress, run_with_progress, shows_progress
+from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.results.in_si import takes_rotors
-from rotor_ida.simulation.course import Course, held
-from rotor_ida.simulation.dataset import run_dataset
-from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors
+from rotor_ida.simulation.course import held
 from rotor_ida.simulation.options import Backend, Flight, Method, Options, check_can_be_followed
-from rotor_ida.simulation.orbit import Orbit
-from rotor_ida.simulation.run import run
-from rotor_ida.simulation.sampling import FEWEST, sample_times
-from rotor_ida.simulation.starts import Start, state_of
-from rotor_ida.simulation.systems.simulate import run_of_system
-from rotor_ida.simulation.systems.starts import Start as SystemStart
+from rotor_ida.simulation.runs import run_of_disc, run_of_system
+from rotor_ida.simulation.starts import Start, start_of
 
 # Arguments that only one disc, or only a rotor system, takes, and defaults that differ.
 OF_DISC, OF_SYSTEM = ("atol", "backend"), ("modes", "more_modes")
 DEFAULTS = {"start": (AT_REST, None), "method": ("adams", "taylor")}
-# An event this many tolerances after the end of a run counts as part of the run.
-END_SLACK = 100.0
-MOST_SLACK = 1e-8
-# Samples plus radians of spin, decay and contact that Taylor series cover in about 20 ms.
-SOON_PASSED = 1e4
 
 
 @shows_progress
@@ -48,7 +34,7 @@ def simulate(
     rotor: Rotor | DimensionalRotor | RotorSystem,
     *,
     speed: float | None = None,
-    start: Start | SystemStart = AT_REST,
+    start: Start = AT_REST,
     duration: float,
     samples: int | npt.ArrayLike | None = None,
     modes: int | None = None,
@@ -204,44 +190,8 @@ def simulate(
     assert isinstance(rotor, Rotor)
     assert method is not None
     progress = check_progress(progress)
-    first = state_of("start", start, rotor)
+    first = start_of(rotor, start)
     check_can_be_followed(rotor, first)
     end = check_duration("duration", duration, rotor.omega)
     options = Options(rtol=rtol, atol=atol, method=method, flight=flight, backend=backend)
     return run_of_disc(rotor, first, end, samples, options, progress)
-
-
-def run_of_disc(
-    rotor: Rotor, start: State, end: float, samples: object, options: Options,
-    progress: Progress | None, course: Course | None = None,
-) -> xr.Dataset:  # fmt: skip
-    """Return the run of one disc at a constant speed, or along a course of its speed."""
-    slack = min(END_SLACK * options.rtol, MOST_SLACK) * end
-    profile = None if course is None else course.profile
-    fastest = rotor.omega if course is None else course.largest_speed
-    times = sample_times(samples, end, rotor, fastest)
-    # with a torque a first run finds the largest speed
-    is_unknown = samples is None and profile is not None and profile.is_driven
-
-    def follow(times: Values, stop: Stop, watch: Watch) -> Orbit:
-        return run(
-            rotor, start, end, times, options, slack=slack, stop=stop, profile=profile, watch=watch
-        )
-
-    def run_twice(stop: Stop, watch: Watch) -> tuple[Orbit, EventErrors]:
-        at = times
-        if is_unknown:
-            seen = follow(sample_times(FEWEST, end, rotor, fastest), stop, watch)
-            at = sample_times(None, end, rotor, max(fastest, float(np.max(seen.speeds))))
-            watch.clear()
-        orbit = follow(at, stop, watch)
-        return orbit, estimate_event_errors(orbit, start, slack=slack, stop=stop, watch=watch)
-
-    # a thread costs 0.2 ms, half as much as a short run: Ctrl-C may wait until a short run ends
-    rate = 1.0 + rotor.omega + rotor.zeta + max(map(abs, start))
-    soon = rate * end + times.size <= SOON_PASSED
-    orbit, errors = run_with_progress(
-        run_twice, 2.0 * end, progress,
-        at_once=soon and profile is None and options.method == "taylor",
-    )  # fmt: skip
-    return run_dataset(orbit, start, errors, {} if course is None else course.told)

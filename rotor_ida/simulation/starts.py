@@ -1,10 +1,10 @@
-"""The states that begin motions of one disc: as given, where results end, or drawn from a box."""
+"""Where a motion begins: in a given state, where a result ends, settled, at rest, or in a box."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Literal
+from typing import Any, Literal, overload
 
 import numpy as np
 import numpy.typing as npt
@@ -15,63 +15,109 @@ from rotor_ida.checks import (
     COMPONENTS,
     STARTS,
     State,
+    check_array,
     check_choice,
     check_state,
     check_states,
     check_vector,
     is_scalar,
     listed,
+    shown,
 )
 from rotor_ida.errors import InputError
-from rotor_ida.model.disc_starts import begun
+from rotor_ida.model import disc_starts
+from rotor_ida.model.assembly import Assembly, canonical
+from rotor_ida.model.axisymmetric import check_axisymmetric_parts, forward_motions
+from rotor_ida.model.contact import spring_force, spring_slope
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.results.kinds import KINDS, kind_of
 from rotor_ida.results.si_units import dimensionless
 from rotor_ida.simulation.options import LARGEST
 
-# Several starts: rows of states, results that end in one, or one such result.
-Starts = npt.ArrayLike | xr.Dataset | Sequence[npt.ArrayLike | xr.Dataset]
-# One start, as functions take it: a state, a word, or a result that ends in a state.
-Start = npt.ArrayLike | Literal["settled", "rest"] | xr.Dataset
-# A start of any rotor: a state, or the word for one that depends on the rotor.
+# One start, as functions take it: a state, of a rotor system (q, velocity), a word, or a result
+# that ends in a state. Several are rows of states, or a sequence.
+Start = (
+    npt.ArrayLike | tuple[npt.ArrayLike, npt.ArrayLike] | Literal["settled", "rest"] | xr.Dataset
+    | None
+)  # fmt: skip
+Starts = npt.ArrayLike | xr.Dataset | Sequence[Start]
+# A start of any disc: a state, or the word for one that depends on the rotor.
 GivenStart = State | str
-# Under a load the unbalance must be where it is at time 0, to this part of a radian.
+# Where turning back is not possible, the unbalance must be where it is at time 0, to this part of a
+# radian.
 IN_STEP = 1e-6
+# Kinds of results of systems that end at any angle of the unbalance; in others it is at angle 0.
+RUNS = ("system_run", "drop")
+# Forces at rest balance to this part of the largest; steps of Newton's method that refine them.
+BALANCED, REFINEMENTS = 1e-9, 20
+FRICTION_STEPS = np.linspace(0.0, 1.0, 5)
+QUARTER_TURN = np.array([[0.0, -1.0], [1.0, 0.0]])
 
 
-def state_of(name: str, start: object, rotor: Rotor) -> State:
-    """Return a start of a rotor, ``(x, y, vx, vy)`` with the unbalance along x.
-
-    Raise `InputError` if there is none.
+@overload
+def start_of(rotor: Rotor, start: object, *, phase: float = 0.0, name: str = "start") -> State: ...
+@overload
+def start_of(rotor: Assembly, start: object, speed: float) -> Values: ...
+def start_of(
+    rotor: Rotor | Assembly, start: object, speed: float = 0.0, *, phase: float = 0.0,
+    name: str = "start",
+) -> State | Values:  # fmt: skip
+    """Return the state in which a rotor starts, with the unbalance along x, or raise `InputError`.
 
     Parameters
     ----------
+    rotor : Rotor or Assembly
+        One disc, or the assembled matrices of a rotor system.
+    start : array_like, shape (4,), (q, velocity), "settled", "rest", Dataset or None
+        A state; a word: on the whirl without contact, or where supports, contacts and shaft hold
+        the rotor against its constant forces; or a result that ends in a state: a run, one point of
+        a sweep or of many run-ups, a limit cycle, or one point of a branch. A system without a
+        start is at rest on the axis.
+    speed : float
+        The speed at time 0 of a rotor system.
+    phase : float
+        Angle of the unbalance of one disc that starts by a word [rad].
     name : str
         The argument, for messages.
-    start : array_like, shape (4,), "settled", "rest" or Dataset
-        The state; a word, as `rotor_ida.model.disc_starts` states it; or a result that ends in
-        one: a run or run-up, one point of a sweep or of many run-ups, a limit cycle, or one point
-        of a branch.
+
+    Returns
+    -------
+    tuple of float, or ndarray of shape (2, n)
+        ``(x, y, vx, vy)`` of one disc; displacement and velocity of a system and its stators.
 
     Notes
     -----
-    A run ends with its last sample, at some angle of the unbalance. The state is turned back by
-    this angle, as the equations are the same along all axes; under a load they are not.
+    A run ends with the unbalance at some angle. The state is turned back by this angle, as the
+    equations are the same along all axes; under a load, or in a system that is not the same in all
+    directions, they are not, and the run must end after whole revolutions.
 
     Examples
     --------
     >>> from rotor_ida import Rotor, simulate
     >>> rotor = Rotor(omega=2.0, zeta=0.1, delta0=3.0)
     >>> run = simulate(rotor, start=(0, 0, 0, 0), duration=math.pi / 2.0)
-    >>> x, y, vx, vy = state_of("start", run, rotor)
+    >>> x, y, vx, vy = start_of(rotor, run)
     >>> abs(x + run.x[-1].item()) < 1e-12, abs(vy + run.vy[-1].item()) < 1e-12
     (True, True)
     """
-    return begun(given_start(name, start, loaded=rotor.load > 0.0), rotor)
+    if isinstance(rotor, Rotor):
+        given = given_start(name, start, loaded=rotor.load > 0.0)
+        if isinstance(given, str):
+            settles = given == "settled"
+            return disc_starts.settled(rotor, phase) if settles else disc_starts.hanging(rotor)
+        return given
+    given = state_at_end(rotor, start)
+    if isinstance(given, str):
+        chosen = check_choice(name, given, STARTS)
+        return settled(rotor, speed) if chosen == "settled" else rest(rotor, speed)
+    return _checked_motion(rotor, given)
+
+
+# ---- Of one disc ----
 
 
 def given_start(name: str, start: object, *, loaded: bool) -> GivenStart:
-    """Return a start as `state_of` takes it, as a state or a word, or raise `InputError`."""
+    """Return a start of one disc as a state or a word: see `start_of`."""
     if isinstance(start, str):
         return str(check_choice(name, start, STARTS))
     if not isinstance(start, xr.Dataset):
@@ -90,30 +136,20 @@ def given_start(name: str, start: object, *, loaded: bool) -> GivenStart:
     if dims:
         raise InputError(f"{name} must be one point of a result, got all over {listed(dims)}")
     # a cycle is stored from its start on, with the unbalance along x
-    last = 0 if "period" in found else -1
-    x, y, vx, vy = (float(found[each].values.flat[last]) for each in names)
-    turn = np.exp(-1j * _angle_in(name, found, prefix, last, loaded=loaded))
-    place, velocity = complex(x, y) * turn, complex(vx, vy) * turn
-    return check_state(name, (place.real, place.imag, velocity.real, velocity.imag))
-
-
-def _angle_in(name: str, found: xr.Dataset, prefix: str, last: int, *, loaded: bool) -> float:
-    """Return the angle of the unbalance at the end of a result, less whole revolutions."""
-    if f"{prefix}angle" in found:
-        angle = float(found[f"{prefix}angle"].values.flat[last])
-    elif prefix or "period" in found:  # on axes that turn with the unbalance
-        return 0.0
-    else:
-        angle = float(found["omega"]) * float(found["t"].values.flat[last])
-    angle = math.remainder(angle, math.tau)
+    is_cycle, angle = "period" in found, 0.0
+    x, y, vx, vy = (float(found[each].values.flat[0 if is_cycle else -1]) for each in names)
+    if "end_angle" in found or not (prefix or is_cycle):
+        angle = _angle_at_end(found, "omega", "t")
     if loaded or ("load" in found and float(found["load"]) != 0.0):
         if abs(angle) > IN_STEP:
             raise InputError(
                 f"{name} must end after whole revolutions under a load, got a run that ends with "
                 f"the unbalance at {angle:.6g} rad"
             )
-        return 0.0
-    return angle
+        return x, y, vx, vy
+    turn = np.exp(-1j * angle)
+    place, velocity = complex(x, y) * turn, complex(vx, vy) * turn
+    return check_state(name, (place.real, place.imag, velocity.real, velocity.imag))
 
 
 def states_of(name: str, starts: object, *, loaded: bool = False) -> list[GivenStart]:
@@ -125,6 +161,213 @@ def states_of(name: str, starts: object, *, loaded: bool = False) -> list[GivenS
     ):
         return [given_start("start", each, loaded=loaded) for each in starts]
     return [*check_states(name, starts)]
+
+
+def _angle_at_end(end: xr.Dataset, speed: str, time: str) -> float:
+    """Return the angle of the unbalance where a run ends, less whole revolutions.
+
+    `speed` and `time` are the names of a constant speed and of the time of the end.
+    """
+    if "end_angle" in end:  # one of many run-ups
+        angle = float(end["end_angle"])
+    elif "angle" in end:
+        angle = float(end["angle"].values.flat[-1])
+    else:
+        held, until = ((end if each in end else end.attrs)[each] for each in (speed, time))
+        angle = float(np.ravel(held)[-1] * np.ravel(until)[-1])
+    return math.remainder(angle, math.tau)
+
+
+# ---- Of a rotor system ----
+
+
+def _checked_motion(assembly: Assembly, start: object) -> Values:
+    """Return displacement and velocity as given, with those of stators that are left out at 0."""
+    state = np.zeros((2, assembly.size))
+    if start is None:
+        return state
+    if not isinstance(start, tuple | list) or len(start) != 2:
+        raise InputError(f'start must be (q, velocity), "settled" or "rest", got {shown(start)}')
+    own = assembly.system.size
+    for row, given, name in zip(state, start, ("displacement", "velocity"), strict=True):
+        values = check_array(f"{name} of the start", given)
+        if values.shape not in {(own,), (assembly.size,)}:
+            raise InputError(
+                f"{name} of the start must have the shape {(own,)}, got {values.shape}"
+            )
+        row[: values.size] = values
+    return state
+
+
+def state_at_end(assembly: Assembly, start: Any) -> Any:
+    """Return a start of a system as given, or displacement and velocity at the end of a result."""
+    if not isinstance(start, xr.Dataset):
+        return start
+    if "final_state" not in start or start["final_state"].ndim != 1:
+        raise InputError(
+            'start must be (q, velocity), "settled", "rest", or end as a run, a limit cycle or one '
+            f"point of a sweep of a rotor system does, got: {KINDS[kind_of(start)].meaning}"
+        )
+    in_si = "t" in start and start["t"].attrs.get("units") == "s"
+    if "t" in start and in_si != (assembly.system.units == "SI"):
+        units = "SI units" if assembly.system.units == "SI" else "no units"
+        raise InputError(f"start must have {units}, as the system has, got one in others")
+    speeds = [each.speed for each in dict.fromkeys(assembly.races) if each is not None]
+    values, size = np.asarray(start["final_state"].values, float), assembly.size
+    if values.size != 2 * size + len(speeds) or not np.isfinite(values).all():
+        raise InputError(
+            f"start must end in {2 * size + len(speeds)} finite numbers, as this system has, got "
+            f"{values.size}"
+        )
+    if not np.array_equal(values[2 * size :], speeds):
+        raise InputError(
+            "start must end with the races at their speeds at time 0, {speed}, got {value}: give "
+            "these to each Race",
+            name="speed", speed=speeds, value=values[2 * size :].tolist(),
+        )  # fmt: skip
+    motion, angle = values[: 2 * size].reshape(2, size), 0.0
+    if "end_angle" in start or kind_of(start) in RUNS:
+        if "angle" in start and float(start["t"][-1]) != start.attrs["duration"]:
+            raise InputError(
+                "start must have a sample at its end, {duration}, got the last at {time}",
+                duration=float(start.attrs["duration"]), time=float(start["t"][-1]),
+            )  # fmt: skip
+        phase = 0.0 if "end_angle" in start else start.attrs.get("phase", 0.0)
+        angle = math.remainder(_angle_at_end(start, "speed", "duration") + phase, math.tau)
+    moved = _turned_back(assembly, motion, angle)
+    return moved[0], moved[1]
+
+
+def _turned_back(assembly: Assembly, motion: Values, angle: float) -> Values:
+    """Return displacement and velocity turned back by an angle, shape (2, n)."""
+    if abs(angle) <= IN_STEP or not assembly.unbalance.any():
+        return motion
+    try:
+        check_axisymmetric_parts(assembly)
+        shapes, found = forward_motions(assembly).basis, canonical(assembly)
+    except InputError as error:
+        raise InputError(
+            "start must end after whole revolutions, as the system is not the same in all "
+            f"directions, got the unbalance at {angle:.6g} rad"
+        ) from error
+    moved = np.array([found.to_y(each) for each in motion])
+    turn = np.exp(-1j * angle) - 1.0
+    return found.to_q(moved + 2.0 * ((turn * (moved @ shapes.conj())) @ shapes.T).real)
+
+
+def settled(assembly: Assembly, speed: float) -> Values:
+    """Return the steady state without contact at time 0: static deflection and whirl."""
+    size = assembly.size
+    resisted = np.zeros((size, size)) if assembly.damping is None else assembly.damping
+    if assembly.gyroscopic is not None:
+        resisted = resisted + speed * assembly.gyroscopic
+    dynamic = assembly.stiffness - speed**2 * assembly.mass + 1j * speed * resisted
+    force = speed**2 * (assembly.unbalance[0] - 1j * assembly.unbalance[1])
+    whirl = np.zeros(size, complex)
+    try:
+        if force.any():
+            whirl = np.linalg.solve(dynamic, force)
+    except np.linalg.LinAlgError as error:
+        raise InputError(
+            "start cannot be settled, as the stiffness is singular at this speed"
+        ) from error
+    return np.array([_deflected(assembly) + whirl.real, (1j * speed * whirl).real])
+
+
+def _deflected(assembly: Assembly) -> Values:
+    """Return the static deflection; motions that nothing holds and nothing drives stay at 0."""
+    try:
+        return np.asarray(np.linalg.solve(assembly.stiffness, assembly.force))
+    except np.linalg.LinAlgError as error:
+        found = np.linalg.lstsq(assembly.stiffness, assembly.force)[0]
+        left = np.abs(assembly.stiffness @ found - assembly.force).max()
+        if left > BALANCED * float(np.abs(assembly.force).max()):
+            raise InputError(
+                "start cannot be settled, as the stiffness is singular and does not hold the "
+                "system against its constant forces"
+            ) from error
+        return np.asarray(found)
+
+
+def rest(assembly: Assembly, speed: float = 0.0) -> Values:
+    """Return the equilibrium under the constant forces, in supports and contacts, at rest.
+
+    Notes
+    -----
+    Without friction it is the minimum of ``q' K q/2 - f q + sum k d**(n + 1)/(n + 1)``, which is
+    convex for ``n >= 1``. Newton's method refines it, with the part of K that has no potential,
+    and then with friction, which grows in steps: a rotor that spins slides, and climbs its stator.
+    """
+    from scipy.optimize import minimize  # noqa: PLC0415 - takes long to import
+
+    size, unit = assembly.size, assembly.smallest_clearance
+    laws = [each.stiffness * unit ** (each.exponent - 1.0) for each in assembly.contacts]
+    scale = unit**2 * (max(float(np.abs(assembly.stiffness).max()), *laws, 0.0) or 1.0)
+
+    def potential(q: Values) -> float:
+        energy = 0.5 * q @ assembly.stiffness @ q - assembly.force @ q
+        for number, contact in enumerate(assembly.contacts):
+            indented = max(_indentation(assembly, number, q)[0], 0.0)
+            energy += (
+                contact.stiffness * indented ** (contact.exponent + 1.0) / (contact.exponent + 1.0)
+            )
+        return float(energy) / scale
+
+    found = minimize(
+        lambda s: potential(s * unit), np.zeros(size), method="trust-exact",
+        jac=lambda s: unit / scale * _imbalance(assembly, s * unit, symmetric=True)[0],
+        hess=lambda s: unit**2 / scale * _imbalance(assembly, s * unit, symmetric=True)[1],
+        options={"gtol": BALANCED},
+    )  # fmt: skip
+    q = np.asarray(found.x * unit)
+    slides = speed != 0.0 and any(each.friction > 0.0 for each in assembly.contacts)
+    for sliding in np.sign(speed) * FRICTION_STEPS if slides else (0.0,):
+        for _ in range(REFINEMENTS):
+            left, slopes = _imbalance(assembly, q, sliding=sliding)
+            q = q - np.linalg.lstsq(slopes, left)[0]
+        left = _imbalance(assembly, q, sliding=sliding)[0]
+    if not np.abs(left).max() <= BALANCED * float(np.abs(assembly.force).max()):
+        raise InputError(
+            "start cannot be at rest, as neither supports nor contacts hold the system against its "
+            "constant forces"
+        )
+    return np.array([q, np.zeros(size)])
+
+
+def _indentation(assembly: Assembly, number: int, q: Values) -> tuple[float, Values, float]:
+    """Return how far a contact is pressed in, the direction of its displacement, and its size."""
+    contact = assembly.contacts[number]
+    u = assembly.rows[number] @ q - np.array(contact.centre)
+    radius = float(np.hypot(*u))
+    return radius - contact.clearance, u / radius if radius > 0.0 else u, radius
+
+
+def _imbalance(
+    assembly: Assembly, q: Values, *, symmetric: bool = False, sliding: float = 0.0
+) -> tuple[Values, Values]:
+    """Return the forces that do not balance at rest, and their derivatives by q.
+
+    Friction is multiplied by `sliding`, which is negative where the rotor spins backwards.
+    """
+    matrix = assembly.stiffness
+    matrix = 0.5 * (matrix + matrix.T) if symmetric else matrix
+    left, slopes = matrix @ q - assembly.force, matrix.copy()
+    for number, contact in enumerate(assembly.contacts):
+        indented, along, radius = _indentation(assembly, number, q)
+        if indented <= 0.0 or radius == 0.0:
+            continue
+        rows, n = assembly.rows[number], contact.exponent
+        force = contact.stiffness * spring_force(indented, n)
+        stiff = contact.stiffness * spring_slope(indented, n) * np.outer(along, along)
+        stiff += force / radius * (np.eye(2) - np.outer(along, along))
+        rubbing = np.eye(2) + sliding * contact.friction * QUARTER_TURN
+        stiff = rubbing @ stiff
+        left += rows.T @ (rubbing @ (force * along))
+        slopes += rows.T @ stiff @ rows
+    return left, slopes
+
+
+# ---- Drawn from a box ----
 
 
 def drawn_from(box: Values, seed: int, first: int, last: int) -> Values:

@@ -7,7 +7,7 @@ the motion settles at each, or one disc may pass them on a run-up or run-down at
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 from functools import partial
 from typing import Any, Literal, Unpack
@@ -45,6 +45,7 @@ from rotor_ida.results.rows import counted
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import labelled
 from rotor_ida.simulation.course import MOST_RADIANS
+from rotor_ida.simulation.crossings import distance_extrema
 from rotor_ida.simulation.extrema import check_knots, radius_extrema
 from rotor_ida.simulation.flow import DiscFlow, Flow
 from rotor_ida.simulation.options import Method
@@ -57,9 +58,7 @@ from rotor_ida.simulation.sections import (
     crossings_of_system,
 )
 from rotor_ida.simulation.starts import GivenStart, Starts, box_of, drawn_from
-from rotor_ida.simulation.systems.crossings import distance_extrema
 from rotor_ida.simulation.systems.flow import SystemFlow
-from rotor_ida.simulation.systems.starts import Start as SystemStart
 from rotor_ida.steady.disc_sweep import VariedDisc
 from rotor_ida.steady.grid import (
     EXPECTED,
@@ -111,7 +110,7 @@ def bifurcation_diagram(
     y: npt.ArrayLike | None = None,
     vx: npt.ArrayLike | None = None,
     vy: npt.ArrayLike | None = None,
-    starts: int | Starts | Sequence[SystemStart | xr.Dataset] | None = None,
+    starts: int | Starts | None = None,
     seed: int = 0,
     extrema_time: float | None = None,
     direction: Direction | None = None,

@@ -13,14 +13,13 @@ import xarray as xr
 
 from rotor_ida.arrays import Column, Stop, Values
 from rotor_ida.checks import AT_REST, COMPONENTS, State
-from rotor_ida.model.disc_starts import begun
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.varied import Varied
 from rotor_ida.results.provenance import provenance
 from rotor_ida.schema import RESPONSE
 from rotor_ida.simulation.flow import DiscFlow, Flow
 from rotor_ida.simulation.options import Options, check_can_be_followed, options_of_study
-from rotor_ida.simulation.starts import GivenStart, states_of
+from rotor_ida.simulation.starts import GivenStart, start_of, states_of
 from rotor_ida.steady.follow import FAILED, follow_to_steady_state
 from rotor_ida.steady.grid import Answer, Answers, Ramps
 from rotor_ida.steady.response import Features
@@ -127,7 +126,7 @@ def answer_of_disc(
     options: Options, rotor: Rotor, start: GivenStart, stop: Stop, *, events: bool = False
 ) -> Answer:
     """Return what one disc settles on, from a start, with the events on the way if wanted."""
-    settled = follow_to_steady_state(rotor, begun(start, rotor), options, stop=stop)
+    settled = follow_to_steady_state(rotor, start_of(rotor, start), options, stop=stop)
     failed = settled.response == FAILED
     features, table = settled.features, None
     if events:

@@ -37,8 +37,8 @@ from rotor_ida.results.in_si import takes_system
 from rotor_ida.results.system_units import with_system_units
 from rotor_ida.schema import labelled
 from rotor_ida.simulation.course import MOST_RADIANS, SYSTEM_LIMITS, Course, course_of, held
-from rotor_ida.simulation.systems.simulate import SystemMethod, run_of_cases
-from rotor_ida.simulation.systems.starts import Start, state_at_end
+from rotor_ida.simulation.runs import SystemMethod, run_of_cases
+from rotor_ida.simulation.starts import Start, state_at_end
 from rotor_ida.steady.drop_figures import figures_of_drop
 
 TITLE = "Rotor system: drop on its touchdown bearings"
@@ -177,7 +177,7 @@ def drop(
             raise InputError(f"start must be (q, velocity) with modes, got a result and {modes!r}")
         if turned:
             raise InputError(f"phase must be left out with a result as the start, got {phase!r}")
-        start = state_at_end(assemble(free), start)  # type: ignore[assignment]
+        start = state_at_end(assemble(free), start)
     all_modes = [modes] if more_modes is None else [modes, more_modes]
     cases = [_released(*in_modes(free, number, start), system.supports, fails, omega)
              for number in all_modes]  # fmt: skip

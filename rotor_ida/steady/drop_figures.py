@@ -11,7 +11,7 @@ import xarray as xr
 from rotor_ida.arrays import Column, Values
 from rotor_ida.results.contact_facts import columns_of_contact, contact_facts
 from rotor_ida.schema import OF_BEARING
-from rotor_ida.simulation.systems.dataset import AROUND
+from rotor_ida.simulation.dataset import AROUND
 
 # Turns in one sense, without a return below half of the clearance, that make a whirl.
 FEWEST_TURNS = 3.0
@@ -72,12 +72,12 @@ def touched_clearances(drops: xr.Dataset) -> list[str]:
 
 def _of_contact(run: xr.Dataset, number: int) -> dict[str, float]:
     """Return the figures of one contact."""
-    own = columns_of_contact(run, number)
-    facts = contact_facts(own, float(run["clearance"][number]))
+    own, end = columns_of_contact(run, number), float(run.attrs["duration"])
+    facts = contact_facts(own, float(run["clearance"][number]), end)
     impulses, lasting = own["impulse"], facts["contact_time"]
     complete = impulses[~np.isnan(own["exit_time"])]
     begins = np.nan_to_num(own["entry_time"], nan=0.0)  # in contact from the start
-    lengths = np.nan_to_num(own["exit_time"], nan=float(own["t"][-1])) - begins
+    lengths = np.nan_to_num(own["exit_time"], nan=end) - begins
     race, race_time = _race(run, number)
     turns, rate = _whirl(run, number)
     sense = 0 if abs(turns) < FEWEST_TURNS else 1 if turns > 0.0 else -1
@@ -92,7 +92,7 @@ def _of_contact(run: xr.Dataset, number: int) -> dict[str, float]:
         "whirl_turns": turns,
         "whirl_speed": rate if sense else math.nan,
         "whirl_sense": sense,
-        "rest_time": _rest(own),
+        "rest_time": _rest(own, end),
     }
 
 
@@ -135,9 +135,8 @@ def _farthest_apart(angles: Values) -> tuple[int, int]:
     return min(low, high), max(low, high)
 
 
-def _rest(own: Mapping[str, Values]) -> float:
+def _rest(own: Mapping[str, Values], end: float) -> float:
     """Return the time of the last entry, if the contact lasts from it to the end; else NaN."""
     lasts = np.isnan(own["exit_time"])
-    end = float(own["t"][-1])
     last = float(np.fmax.reduce(own["entry_time"][lasts], initial=math.nan))
     return last if end - last >= LASTING * end else math.nan

@@ -24,7 +24,6 @@ from rotor_ida.checks import (
 )
 from rotor_ida.core import sundials
 from rotor_ida.errors import InputError
-from rotor_ida.model.disc_starts import begun
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parameters import AnyAxes, SystemAxes
@@ -50,10 +49,8 @@ from rotor_ida.simulation.lyapunov import (
     stretches_of,
 )
 from rotor_ida.simulation.options import check_can_be_followed, check_rtol
-from rotor_ida.simulation.starts import Start as DiscStart
-from rotor_ida.simulation.starts import given_start
+from rotor_ida.simulation.starts import Start, given_start, start_of
 from rotor_ida.simulation.systems.flow import SystemFlow
-from rotor_ida.simulation.systems.starts import Start
 from rotor_ida.steady.grid import answers_at_each
 from rotor_ida.steady.system_sweep import (
     Turning,
@@ -109,7 +106,7 @@ def lyapunov_exponent(
     rotor: Rotor | DimensionalRotor | RotorSystem | None = None,
     *,
     speed: npt.ArrayLike | None = None,
-    start: DiscStart | Start = AT_REST,
+    start: Start = AT_REST,
     transient: float | None = None,
     duration: float = 5000.0,
     revolutions: int = 2000,
@@ -336,9 +333,9 @@ def _case_of_disc(
     """Return what is asked of one disc, checked."""
     first = given_start("start", start, loaded=bool(asked.values("load").any()))
     if not asked.dims:
-        first = begun(first, asked.rotor(()))
+        first = start_of(asked.rotor(()), first)
     for each in asked.extremes():
-        check_can_be_followed(each, begun(first, each))
+        check_can_be_followed(each, start_of(each, first))
     lead = check_positive("transient", transient, LONGEST)
     length = check_positive("duration", duration, LONGEST)
     check_duration("transient + duration", lead + length, float(asked.values("omega").max()))
@@ -367,8 +364,8 @@ def _case_of_disc(
 def exponents_of_disc(run: Run, rotor: Rotor, stop: Stop) -> Exponents:
     """Return the exponents of the motion of one disc."""
     stretches = stretches_of(
-        rotor, begun(run.start, rotor), run.lead, run.batches * run.each, run.span, run.rtol, stop,
-        run.method,
+        rotor, start_of(rotor, run.start), run.lead, run.batches * run.each, run.span, run.rtol,
+        stop, run.method,
     )  # fmt: skip
     rates = stretches / run.span
     exponents, errors, divergence = means_of(rates, run.batches, divergence_of(rotor))

@@ -33,8 +33,8 @@ from rotor_ida.closed_forms.contact_free import complex_amplitude, touch_fading
 from rotor_ida.closed_forms.rest import rest
 from rotor_ida.model.contact import contact_force, secant_stiffness
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.schema.flags import ENTRY
 from rotor_ida.simulation.flow import DiscFlow, Window
-from rotor_ida.simulation.orbit import ENTRY
 
 CONTACT_FREE = "contact_free"
 SYNCHRONOUS = "synchronous"
@@ -253,7 +253,7 @@ def _touches_softly(window: Window) -> bool:
     Then they hardly change that whirl, and on the whole they push its centre inwards.
     """
     rotor = _rotor_of(window)
-    deepest = float(np.nanmax(window.contacts["peak_indentation"]))
+    deepest = float(np.nanmax(window.contacts["peak_root"]) ** 2)
     stiffness = rotor.contact_exponent * deepest ** (rotor.contact_exponent - 1.0)
     return bool(stiffness <= SOFT * rotor.omega * math.hypot(rotor.omega, 2.0 * rotor.zeta))
 
@@ -275,7 +275,7 @@ def _growth_from_touch_to_touch(window: Window) -> Values | None:
     if not isinstance(window.flow, DiscFlow):
         return None
     contacts = window.contacts
-    entry, leaving, depth = (contacts[name] for name in ("entry", "exit", "peak_indentation"))
+    entry, leaving, depth = contacts["entry"], contacts["exit"], contacts["peak_root"] ** 2
     whole = np.isfinite(entry) & np.isfinite(leaving) & (depth > 0.0)
     if whole.sum() < FEWEST_TOUCHES:
         return None

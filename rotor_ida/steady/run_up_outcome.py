@@ -19,7 +19,6 @@ from rotor_ida.arrays import Stop, Values
 from rotor_ida.checks import COMPONENTS, State
 from rotor_ida.errors import InputError
 from rotor_ida.model.assembly import assemble
-from rotor_ida.model.disc_starts import begun
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.rotor_system import RotorSystem
@@ -30,11 +29,10 @@ from rotor_ida.simulation.dataset import arrays_of
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.run import run
+from rotor_ida.simulation.runs import run_of_cases
 from rotor_ida.simulation.spin import Ramp, SpeedProfile
-from rotor_ida.simulation.starts import GivenStart
+from rotor_ida.simulation.starts import GivenStart, Start, start_of
 from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
-from rotor_ida.simulation.systems.simulate import run_of_cases
-from rotor_ida.simulation.systems.starts import Start
 from rotor_ida.steady.drop import with_unbalance_at
 from rotor_ida.steady.follow import FAILED, follow_to_steady_state, settle
 from rotor_ida.steady.grid import EXPECTED, Answer, reason_of
@@ -122,7 +120,7 @@ def follow_run_up(options: Options, run_up: RunUp, start: GivenStart, stop: Stop
     """Follow one disc along its ramp, and on at the last speed until it has settled."""
     rotor, course, facts = run_up.rotor, run_up.course, dict[str, float]()
     assert isinstance(rotor, Rotor)
-    state = begun(start, rotor, run_up.phase)
+    state = start_of(rotor, start, phase=run_up.phase)
     try:
         orbit = run(
             rotor, state, course.ends[-1], np.array([0.0, course.ends[-1]]), options,

@@ -27,9 +27,8 @@ from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import ENDING, ENDS_IN_WORDS, labelled
 from rotor_ida.simulation.course import SYSTEM_LIMITS, course_of, ramp_of
 from rotor_ida.simulation.options import LARGEST, Backend, Method, check_can_be_followed
-from rotor_ida.simulation.starts import Starts
+from rotor_ida.simulation.starts import Starts, start_of
 from rotor_ida.simulation.systems.flow import SettlingProblem
-from rotor_ida.simulation.systems.starts import Start, start_of
 from rotor_ida.steady.disc_sweep import FEATURES, VariedDisc, check_varied_can_be_followed
 from rotor_ida.steady.grid import Answers, Array, Ramps, check_size, labelled_points, run_study
 from rotor_ida.steady.run_up_outcome import (
@@ -70,7 +69,7 @@ def run_ups(
     to: float,
     rate: npt.ArrayLike,
     phase: npt.ArrayLike = 0.0,
-    starts: Starts | Sequence[Start | xr.Dataset] = (AT_REST,),
+    starts: Starts = (AT_REST,),
     modes: int | None = None,
     rtol: float = 1e-10,
     atol: float = 1e-12,
@@ -175,8 +174,7 @@ def run_ups(
     of that contact, shortly after the largest force.
 
     A largest radius of a `RotorSystem` without contact is that of the samples, 32 in each
-    revolution, and its ``total_contact_loss`` is that of complete contacts. It ends in ``whip`` if
-    a contact with friction stays closed and whirls backwards.
+    revolution. It ends in ``whip`` if a contact with friction stays closed and whirls backwards.
 
     The events of the ramps are not kept; use `run_up` for those of a single one. Torques and
     piecewise speeds are available only in `run_up`.

@@ -7,7 +7,7 @@ point is a separate ramp.
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import replace
 from functools import partial
 from typing import Any, Unpack
@@ -25,12 +25,11 @@ from rotor_ida.parallel import Progress, choose, shows_progress
 from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.results.question import DESIGN, Question
 from rotor_ida.results.rows import counted
-from rotor_ida.results.run import event_columns
+from rotor_ida.results.run import event_columns, kinds_of_events
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import labelled, labelled_dataset
 from rotor_ida.simulation.options import Backend, Flight, Method
 from rotor_ida.simulation.starts import Starts
-from rotor_ida.simulation.systems.starts import Start
 from rotor_ida.steady.disc_sweep import EVENT, VariedDisc, answer_of_disc
 from rotor_ida.steady.grid import (
     Columns,
@@ -56,7 +55,7 @@ def sweep(
     rotor: Rotor | DimensionalRotor | RotorSystem | None = None,
     *,
     speed: npt.ArrayLike | None = None,
-    starts: Starts | Sequence[Start | xr.Dataset] = (AT_REST,),
+    starts: Starts = (AT_REST,),
     direction: Direction | None = None,
     along: str | None = None,
     events: bool = False,
@@ -308,7 +307,9 @@ def _dataset(
     if table:
         variables |= counted("event_count", variables["event_count"], "event")
         variables |= {name: labelled(name, "event", column) for name, column in table.items()}
-        variables |= event_columns(table["event_time"], table["event_kind"], *points.extremes())
+        variables |= event_columns(
+            table["event_time"], table["event_kind"], kinds_of_events(*points.extremes())
+        )
     coordinates, key = asked.coordinates(points), question.attribute()
     if isinstance(asked, VariedSystem):
         coordinates |= {"initial_state": (("start", "component"), asked.initial_states(points))}

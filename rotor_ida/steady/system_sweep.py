@@ -26,9 +26,9 @@ from rotor_ida.results.provenance import provenance
 from rotor_ida.results.system_units import with_system_units
 from rotor_ida.schema import RESPONSE
 from rotor_ida.simulation.flow import Flow
+from rotor_ida.simulation.runs import LOOSEST_RTOL, TIGHTEST_RTOL
+from rotor_ida.simulation.starts import Start, start_of, state_at_end
 from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
-from rotor_ida.simulation.systems.simulate import LOOSEST_RTOL, TIGHTEST_RTOL
-from rotor_ida.simulation.systems.starts import Start, start_of, state_at_end
 from rotor_ida.steady.follow import SettledSystem, settle
 from rotor_ida.steady.grid import Answer, Answers, Ramps
 from rotor_ida.steady.response import CONTACT_FREE, SYNCHRONOUS

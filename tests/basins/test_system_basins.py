@@ -28,8 +28,8 @@ from rotor_ida.basins.system_starts import KnockedSystem, pulled_shapes
 from rotor_ida.core.runs import NO_STOP
 from rotor_ida.model.assembly import assemble
 from rotor_ida.schema import FATE
+from rotor_ida.simulation.starts import start_of
 from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
-from rotor_ida.simulation.systems.starts import start_of
 from rotor_ida.verification.verify import differences, rerun
 from tests.basins.lanes import WHIP
 from tests.random_systems import random_system

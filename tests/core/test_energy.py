@@ -17,8 +17,8 @@ from rotor_ida.core import interface, runs
 from rotor_ida.core.interface import DONE, UNBALANCED
 from rotor_ida.core.runs import RunRequest, follow_run
 from rotor_ida.errors import InvariantError
+from rotor_ida.simulation.invariants import check_orbit
 from rotor_ida.simulation.options import Options
-from rotor_ida.simulation.orbit import check_orbit
 from rotor_ida.simulation.run import run
 
 HOW = {"rtol": 1e-12, "atol": 1e-14}

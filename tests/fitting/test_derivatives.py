@@ -7,8 +7,8 @@ import numpy as np
 from rotor_ida import Rotor, signals_of, simulate
 from rotor_ida.core.runs import COLUMNS
 from rotor_ida.fitting.arguments import problem_of
+from rotor_ida.schema.flags import ENTRY
 from rotor_ida.simulation.flow import DiscFlow
-from rotor_ida.simulation.orbit import ENTRY
 
 ROTOR = Rotor(omega=1.7, zeta=0.07, delta0=2.5, shaft_stiffness=0.25, contact_damping=0.1,
               load=0.2)  # fmt: skip

@@ -10,7 +10,7 @@ from rotor_ida import Rotor
 from rotor_ida.model.contact import contact_potential
 from rotor_ida.model.derivation import derive
 from rotor_ida.model.spinning import RUN_UP
-from rotor_ida.simulation.orbit import FLIES, ROLLS, SLIDES_BACKWARDS, SLIDES_FORWARDS
+from rotor_ida.schema.flags import FLIES, ROLLS, SLIDES_BACKWARDS, SLIDES_FORWARDS
 from rotor_ida.simulation.spin import SPEED, Driven, Ramp
 from rotor_ida.simulation.witness.bodies import Disc
 from rotor_ida.simulation.witness.mechanics import Machine

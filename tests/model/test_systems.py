@@ -30,7 +30,7 @@ from rotor_ida import (
 from rotor_ida.cli.describe import describe
 from rotor_ida.core import systems as core_systems
 from rotor_ida.results.archived_system import problem_of
-from rotor_ida.simulation.systems import following
+from rotor_ida.simulation import system_run
 from tests.axisymmetric_systems import random_axisymmetric
 from tests.random_systems import random_system
 
@@ -422,10 +422,10 @@ def test_the_second_run_of_chaos_ends_early_and_says_the_same(monkeypatch):
         ends.append(result.time)
         return result
 
-    monkeypatch.setattr(following, "follow_system", follow)
+    monkeypatch.setattr(system_run, "follow_system", follow)
     runs = []
-    for enough in (following.ENOUGH, np.inf):
-        monkeypatch.setattr(following, "ENOUGH", enough)
+    for enough in (system_run.ENOUGH, np.inf):
+        monkeypatch.setattr(system_run, "ENOUGH", enough)
         runs.append(simulate(
             system, contacts=[Contact(node="disc", clearance=0.3, stiffness=1000.0)],
             unbalance=[Unbalance(node="disc", moment=2.0)], speed=1.5, duration=600.0, samples=11,

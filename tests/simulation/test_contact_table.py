@@ -16,7 +16,6 @@ from rotor_ida import (
     simulate,
     synchronous_response,
 )
-from rotor_ida.model.contact import contact_force
 from tests.rotors import MOTIONS, ROTORS, RUBBING, WAYS
 from tests.witness import ROLLS, Disc, flown
 
@@ -53,26 +52,6 @@ def test_whirl_direction_and_angle_follow_the_angular_momentum(vy, direction):
     assert (run.whirl_direction == direction).all()
     angle = run.entry_angle.values[0]
     assert np.sin(angle) * run.entry_speed.values[0] == pytest.approx(0.5 * vy, rel=1e-12)
-
-
-def test_impulse_is_the_integral_of_the_force():
-    run = simulate(BOUNCING, start=REST, duration=12.0, rtol=1e-12, atol=1e-14)
-    entry, leaving = run.entry_time.values[0], run.exit_time.values[0]
-    nodes, weights = np.polynomial.legendre.leggauss(60)
-    half = 0.5 * (leaving - entry)
-    # sin(pi x / 2) spreads the nodes so that the force is smooth in x at entry and exit.
-    spread, slope = np.sin(0.5 * np.pi * nodes), 0.5 * np.pi * np.cos(0.5 * np.pi * nodes)
-    inside = simulate(
-        BOUNCING,
-        start=REST,
-        duration=12.0,
-        samples=entry + half * (1 + spread),
-        rtol=1e-12,
-        atol=1e-14,
-    )
-    force = contact_force(np.hypot(inside.x.values, inside.y.values), 2.0)
-    integral = half * float((weights * slope * force).sum())
-    assert run.impulse.values[0] == pytest.approx(integral, rel=1e-9)
 
 
 def test_open_contacts_are_nan_where_an_end_is_missing():

@@ -11,8 +11,8 @@ from rotor_ida import InputError, Rotor, simulate
 from rotor_ida.core import runs
 from rotor_ida.errors import InvariantError
 from rotor_ida.model import modes
+from rotor_ida.simulation.invariants import check_orbit
 from rotor_ida.simulation.options import Options
-from rotor_ida.simulation.orbit import check_orbit
 from rotor_ida.simulation.run import run
 from tests.rotors import KNOCKED, MOTIONS, WAYS, WHIP
 from tests.witness import ROLLS, Disc, flown
@@ -420,7 +420,7 @@ def test_a_run_that_contradicts_itself_raises():
     """Senses change at events only; while the disc rolls it does not slip, and is held."""
 
     def backwards(orbit):
-        orbit.ways[orbit.ways == 1] = -1
+        orbit.modes[orbit.modes == 1] = -1
 
     def early(orbit):
         orbit.event_times[2] -= 0.1  # a roll

@@ -13,7 +13,7 @@ import pytest
 from rotor_ida import Rotor, backward_whirl, limit_cycle, lyapunov_exponent, simulate
 from rotor_ida.core.interface import DONE
 from rotor_ida.core.runs import COLUMNS, DIFFERENCES, RunRequest, follow_run
-from rotor_ida.simulation.orbit import ENTRY, EXIT, PRESS, RELEASE, REVERSE, ROLL, SLIP
+from rotor_ida.schema.flags import ENTRY, EXIT, PRESS, RELEASE, REVERSE, ROLL, SLIP
 from tests.rotors import WHIP
 
 MACHINE = Rotor(

@@ -6,8 +6,9 @@ import numpy as np
 import pytest
 
 from rotor_ida import InvariantError, Rotor
+from rotor_ida.simulation.invariants import check_orbit
 from rotor_ida.simulation.options import Options
-from rotor_ida.simulation.orbit import Orbit, check_orbit
+from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.run import run
 
 DURATION = 30.0

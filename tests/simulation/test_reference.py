@@ -9,8 +9,8 @@ from numpy.lib.recfunctions import structured_to_unstructured
 from scipy.optimize import brentq
 
 from rotor_ida import Rotor, SimulationError, simulate
+from rotor_ida.schema.flags import FLIES, SLIDES_FORWARDS
 from rotor_ida.simulation.options import Options
-from rotor_ida.simulation.orbit import FLIES, SLIDES_FORWARDS
 from rotor_ida.simulation.run import run
 from rotor_ida.simulation.spin import Steady
 from rotor_ida.simulation.witness import integration

@@ -29,8 +29,8 @@ from rotor_ida.closed_forms import ramp_flight
 from rotor_ida.plot import plot_rotating_orbit
 from rotor_ida.simulation import run as run_module
 from rotor_ida.simulation.event_errors import _guards_of_friction
+from rotor_ida.simulation.invariants import check_orbit
 from rotor_ida.simulation.options import Options
-from rotor_ida.simulation.orbit import check_orbit
 from rotor_ida.simulation.spin import driven, through
 from rotor_ida.verification.verify import differences, rerun
 from tests.witness import Disc, followed

@@ -19,7 +19,7 @@ from rotor_ida.core.systems import follow_system
 from rotor_ida.model.assembly import assemble, canonical
 from rotor_ida.results.archived_system import problem_of
 from rotor_ida.simulation.spin import steady
-from rotor_ida.simulation.systems.following import request_of
+from rotor_ida.simulation.system_run import request_of
 
 SYSTEM = RotorSystem(
     mass=np.kron([[2.0, 0.1], [0.1, 1.0]], np.eye(2)), damping=0.1 * np.eye(4),

@@ -24,8 +24,7 @@ from rotor_ida import (
     synchronous_response,
 )
 from rotor_ida.model.assembly import assemble
-from rotor_ida.simulation.starts import state_of
-from rotor_ida.simulation.systems.starts import start_of
+from rotor_ida.simulation.starts import start_of
 from rotor_ida.verification.verify import question_of
 
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
@@ -167,7 +166,7 @@ OF_WORDS = [
 def test_words_are_the_starts_of_the_same_rotor_as_a_system(rotor, word):
     """Which solves linear equations, and finds rest as the minimum of a potential."""
     of_system = start_of(assemble(rotor.system()), word, rotor.omega).ravel()
-    np.testing.assert_allclose(state_of("start", word, rotor), of_system, rtol=1e-9, atol=1e-12)
+    np.testing.assert_allclose(start_of(rotor, word), of_system, rtol=1e-9, atol=1e-12)
 
 
 def test_settled_the_rotor_stays_on_its_whirl_in_si_too():
@@ -188,7 +187,7 @@ def test_settled_the_rotor_stays_on_its_whirl_in_si_too():
 
 def test_every_verb_of_a_start_takes_the_words():
     rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
-    state = state_of("start", "settled", rotor)
+    state = start_of(rotor, "settled")
     asked = {
         poincare_section: {"revolutions": 3},
         lyapunov_exponent: {"transient": 10.0, "duration": 100.0, "batches": 4},
@@ -211,7 +210,7 @@ def test_over_the_speed_a_word_is_the_start_at_each(verb, tmp_path):
                  study=tmp_path / "study")  # fmt: skip
     assert np.isnan(found.start_x.values).tolist() == [True, False]
     for number, omega in enumerate((0.8, 2.0)):
-        state = state_of("start", "settled", Rotor(omega=omega, **given))
+        state = start_of(Rotor(omega=omega, **given), "settled")
         alone = verb(omega=omega, **given, starts=[state])
         assert alone.radius_max.item() == found.radius_max[number, 0, 0, 0]
     assert resume(tmp_path / "study").identical(found)

@@ -20,7 +20,7 @@ from rotor_ida.core.systems import follow_system
 from rotor_ida.model.assembly import assemble, canonical
 from rotor_ida.schema import MODE
 from rotor_ida.simulation.spin import steady
-from rotor_ida.simulation.systems.following import request_of
+from rotor_ida.simulation.system_run import request_of
 from tests.random_systems import random_system
 
 SPEED, DURATION = 1.1, 12.0
@@ -102,7 +102,7 @@ def test_a_change_of_a_start_that_rolls_has_no_slip_left():
     request = rolling_request()
     run = follow_system(replace(request, columns=np.eye(5)))
     assert run.event_kinds.size == 0
-    assert run.touches["way"].tolist() == [MODE["rolling"]]
+    assert run.touches["mode"].tolist() == [MODE["rolling"]]
     scales = np.array([1e-3, 1e-3, 0.25, 0.25, 250.0])
     for change, moved in zip(np.diag(scales), run.columns, strict=True):
         ends = []

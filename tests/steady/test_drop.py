@@ -64,6 +64,15 @@ def test_a_balanced_rotor_falls_freely_on_both_bearings():
     np.testing.assert_allclose(run.support_load[0, 1], at_a, rtol=1e-12)
 
 
+def test_what_lasts_to_the_end_does_so_whatever_is_sampled():
+    given = {"contacts": [bearing("a"), bearing("b")], "speed": 1500.0, "duration": 0.0066}
+    told, early = (drop(rigid(), **given, supports=SUPPORTS, samples=each)
+                   for each in (2, [0.0, 0.0065]))  # fmt: skip
+    assert np.isnan(told.exit_time.values[-1])
+    for name in ("total_contact_time", "longest_contact_time", "mean_contact_force"):
+        np.testing.assert_array_equal(early[name], told[name], err_msg=name)
+
+
 @pytest.mark.parametrize("phase", [0.3, 2.5, 5.0])
 def test_an_unbalanced_rotor_first_touches_where_the_free_motion_says(phase):
     """Without gyroscopic moments translation and tilt are forced free bodies."""

@@ -64,10 +64,10 @@ def test_contacts_peak_at_turning_points():
     rotor, start = Rotor(omega=2.0, zeta=0.07, delta0=2.0), (0.3, 0.2, 0.1, -0.4)
     motion = observed(rotor, start, Options())
     contacts, found = motion.contacts, turning_points(motion)
-    for time, depth in contacts[["peak_time", "peak_indentation"]][:-1].tolist():
+    for time, root in contacts[["peak_time", "peak_root"]][:-1].tolist():
         place = np.abs(found["time"] - time).argmin()
         assert found["time"][place] == pytest.approx(time, abs=1e-9)
-        assert found["radius"][place] == pytest.approx(2.0 + depth, rel=1e-11)
+        assert found["radius"][place] == pytest.approx(2.0 + root**2, rel=1e-11)
 
 
 @pytest.mark.parametrize("options", METHODS)

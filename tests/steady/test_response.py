@@ -8,9 +8,9 @@ import pytest
 
 from rotor_ida import Rotor, synchronous_response
 from rotor_ida.closed_forms import touch_fading
-from rotor_ida.core.runs import EXTREMUM
+from rotor_ida.core.runs import CONTACT, EXTREMUM
+from rotor_ida.schema.flags import ENTRY, EXIT
 from rotor_ida.simulation.flow import DiscFlow, Window
-from rotor_ida.simulation.orbit import ENTRY, EXIT, ORBIT_CONTACT
 from rotor_ida.steady.decision import Decision
 from rotor_ida.steady.features import features_of_disc
 from rotor_ida.steady.response import (
@@ -36,7 +36,7 @@ def seen(rotor, times, states, contacts=None, *, touches=0, in_contact=False, ro
         DiscFlow(rotor), states[0], states[-1], times, states, closed, closed,
         events.astype(float), np.where(events % 2, EXIT, ENTRY), 0 * events,
         [np.array(rolling, dtype=float).reshape(-1, 2)],
-        np.empty(0, ORBIT_CONTACT) if contacts is None else contacts,
+        np.empty(0, CONTACT) if contacts is None else contacts,
     )  # fmt: skip
 
 
@@ -109,9 +109,9 @@ def touches(growth, revolutions=1.0, first=1e-3, count=6):
     """Return contacts whose 1/h grows by so much, in parts of the law, from one to the next."""
     depth = 1.0 / (1.0 / first + growth * LAW * np.arange(count))
     peak = 1.0 + revolutions * np.pi * np.arange(count)
-    contacts = np.zeros(count, ORBIT_CONTACT)
+    contacts = np.zeros(count, CONTACT)
     contacts["entry"], contacts["peak_time"], contacts["exit"] = peak - 0.05, peak, peak + 0.05
-    contacts["peak_indentation"] = depth
+    contacts["peak_root"] = np.sqrt(depth)
     return contacts
 
 
@@ -146,14 +146,14 @@ def test_two_touches_are_too_few_and_one_off_the_law_is_enough_to_deny_it():
     still = 0.9 * np.exp(1j * OMEGA * TIMES)
     assert not touches_fade(window(still, FADING, touches(1.0, count=2)))
     table = touches(1.0)
-    table["peak_indentation"][3] *= 1.01
+    table["peak_root"][3] *= 1.01**0.5
     assert not touches_fade(window(still, FADING, table))
 
 
 def test_a_contact_cut_off_by_the_window_does_not_count():
     still = 0.9 * np.exp(1j * OMEGA * TIMES)
     table = touches(1.0)
-    table["entry"][0], table["peak_indentation"][0] = np.nan, 1e-7
+    table["entry"][0], table["peak_root"][0] = np.nan, 1e-7**0.5
     assert touches_fade(window(still, FADING, table))
 
 

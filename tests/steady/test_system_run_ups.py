@@ -40,7 +40,7 @@ LOADED = Rotor(
 SAME = (
     "largest_radius", "largest_radius_speed", "largest_force", "first_touch_speed",
     "last_exit_speed", "first_roll_speed", "contact_count", "contact_time", "total_heat",
-    "end_angle", "radius_min", "radius_max", "period",
+    "total_contact_loss", "end_angle", "radius_min", "radius_max", "period",
 )  # fmt: skip
 TOUCH = {"stiffness": 4.0, "exponent": 1.0, "friction": 0.1, "radius": 3.0}
 TWO = RotorSystem(
@@ -214,10 +214,14 @@ def test_one_that_fails_is_labelled_and_what_happened_on_its_ramp_is_kept(monkey
 
 
 def test_facts_of_a_contact_that_begins_and_ends_with_the_run():
-    """The whole run is one contact, of which the losses at its end are not known yet."""
-    rotor = replace(SHAFT, delta0=0.5, omega=2.0)
+    """The whole run is one contact; what its damping takes is that of the same disc."""
+    rotor = replace(SHAFT, delta0=0.5, omega=2.0, contact_damping=0.5)
     run = simulate(rotor.system(), speed=2.0, start=((3.0, 0.0), (0.0, 6.0)), duration=0.2)
     facts = contact_facts(columns_of_contact(run, 0), 0.5)
+    alone = simulate(rotor, start=(3.0, 0.0, 0.0, 6.0), duration=0.2)
+    assert facts["total_contact_loss"] == pytest.approx(alone.contact_loss.item(), rel=1e-9)
+    assert facts["total_contact_loss"] > 0.1
+    assert np.isnan(run.energy_lost.item())
     assert facts["contact_count"] == 1
     assert facts["contact_time"] == 0.2
     assert facts["first_touch_time"] == 0.0

@@ -18,9 +18,9 @@ from rotor_ida.cycles.orbit import Orbit
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.whirl import forward_and_backward, steps_of_turning, whirl_over_spin
+from rotor_ida.schema.flags import ENTRY
 from rotor_ida.signals.forces import contact_forces
 from rotor_ida.simulation.contact_table import contact_summary
-from rotor_ida.simulation.orbit import ENTRY
 from rotor_ida.simulation.simulate import simulate
 from rotor_ida.steady import response
 from rotor_ida.steady.follow import follow_to_steady_state

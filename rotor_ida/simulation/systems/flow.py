@@ -27,10 +27,10 @@ from rotor_ida.model.axisymmetric import check_axisymmetric_parts, forward_motio
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parameters import SPEED, parameter_of, with_parameters
 from rotor_ida.schema import MODE
+from rotor_ida.schema.flags import ROLL
 from rotor_ida.simulation.flow import STEADY, STEADY_TOLERANCES, Piece, Window
-from rotor_ida.simulation.orbit import ROLL
 from rotor_ida.simulation.spin import steady
-from rotor_ida.simulation.systems.following import follow_system_again, request_of
+from rotor_ida.simulation.system_run import request_of, run_to_end
 
 # Runs whose differences stand for derivatives are this far apart, in scaled coordinates: errors of
 # the runs stay far below, and so does the curvature.
@@ -231,7 +231,7 @@ class SystemFlow:
         changes = np.eye(state.size) if tangents is None else tangents
         run, moved = self._changed(state, changes, until)
         end = self.end_of(run)
-        rolls = run.touches["way"] == MODE["rolling"]
+        rolls = run.touches["mode"] == MODE["rolling"]
         rolls[run.event_contacts[run.event_kinds == ROLL]] = True
         return Piece(
             state, end, until, moved.T, [self._by(name, state, until) for name in by],
@@ -302,7 +302,7 @@ class SystemFlow:
             rolling.append(np.column_stack([edges[:-1][rolls], edges[1:][rolls]]))
         return Window(
             self, state, self.end_of(run), times, self.samples_of(run, times),
-            modes != MODE["flight"], run.touches["way"] != MODE["flight"],
+            modes != MODE["flight"], run.touches["mode"] != MODE["flight"],
             run.event_times, run.event_kinds, run.event_contacts, rolling, run.episodes,
             forces=run.forces[:, :, 0],
         )  # fmt: skip
@@ -384,7 +384,7 @@ class SystemFlow:
             duration=end, pieces=steady(self.speed, end).pieces(), only_events=only_events,
             columns=columns,
         )  # fmt: skip
-        return follow_system_again(request, self.stop, self.watch)
+        return run_to_end(request, self.stop, self.watch)
 
     def end_of(self, run: SystemResult) -> Values:
         """Return the state at the end of a run, with the axes turned back."""

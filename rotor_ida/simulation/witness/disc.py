@@ -12,20 +12,13 @@ from scipy.optimize import minimize_scalar
 from rotor_ida.arrays import Stop, Values
 from rotor_ida.checks import State
 from rotor_ida.core.interface import MESSAGES, RUNAWAY, STALLED
-from rotor_ida.core.runs import EXTREMUM
+from rotor_ida.core.runs import CONTACT, EXTREMUM
 from rotor_ida.model.contact import contact_potential
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.schema.flags import ENTRY, EXIT, FLIES, IS_LOOSE
 from rotor_ida.simulation.options import LARGEST, Options
-from rotor_ida.simulation.orbit import (
-    ENTRY,
-    EXIT,
-    FLIES,
-    IS_LOOSE,
-    ORBIT_CONTACT,
-    Orbit,
-    SpeedRecord,
-)
+from rotor_ida.simulation.orbit import Orbit, SpeedRecord
 from rotor_ida.simulation.spin import Driven, SpeedProfile, Spin, steady
 from rotor_ida.simulation.witness.bodies import GAINED, HEAT, IMPULSE, LOST, SLID, Disc
 from rotor_ida.simulation.witness.events import LOOKS
@@ -118,13 +111,13 @@ class _Records:
         """Record a contact; without clearance its impulse is not known."""
         contact, peak = self.contact, self.contact.state
         moment = float(peak[0] * peak[3] - peak[1] * peak[2])
-        depth = max(contact.radius - self.rotor.delta0, 0.0)
+        root = math.sqrt(max(contact.radius - self.rotor.delta0, 0.0))
         impulse = float(end[IMPULSE]) if self.rotor.delta0 > 0.0 else math.nan
         lost, heat, slid = (
             float(end[each]) if end.size > each else 0.0 for each in (LOST, HEAT, SLID)
         )
         self.contacts.append(
-            (contact.entry, leaving, contact.time, depth, impulse, moment, lost, contact.force,
+            (contact.entry, leaving, contact.time, root, impulse, moment, lost, contact.force,
              heat, slid)
         )  # fmt: skip
 
@@ -223,11 +216,11 @@ def _orbit_of(records: _Records, start: State, options: Options) -> Orbit:
         event_times=event_times,
         event_kinds=np.array([each.kind for each in run.events], dtype=np.int8),
         event_states=np.ascontiguousarray(events[:, :IMPULSE]),
-        contacts=np.array(records.contacts, ORBIT_CONTACT),
+        contacts=np.array(records.contacts, CONTACT),
         end=run.state[:IMPULSE],
         evaluations=run.evaluations,
         steps=0,
-        ways=np.array(modes, np.int8) if rotor.friction > 0.0 else None,
+        modes=np.array(modes, np.int8) if rotor.friction > 0.0 else None,
         extrema=extrema,
         speed_record=record,
     )

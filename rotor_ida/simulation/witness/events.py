@@ -12,17 +12,7 @@ import math
 from itertools import pairwise
 from typing import NamedTuple
 
-from rotor_ida.simulation.orbit import (
-    ENTRY,
-    EXIT,
-    FLIES,
-    IS_LOOSE,
-    PRESS,
-    RELEASE,
-    ROLL,
-    ROLLS,
-    SLIP,
-)
+from rotor_ida.schema.flags import ENTRY, EXIT, FLIES, IS_LOOSE, PRESS, RELEASE, ROLL, ROLLS, SLIP
 from rotor_ida.simulation.witness.bodies import HIDDEN
 from rotor_ida.simulation.witness.integration import Function, Integration
 from rotor_ida.simulation.witness.mechanics import SLIDES, Machine

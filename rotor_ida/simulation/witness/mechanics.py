@@ -31,13 +31,7 @@ import numpy as np
 from rotor_ida.arrays import Values
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.contact import damping_factor, spring_force
-from rotor_ida.simulation.orbit import (
-    FLIES,
-    IS_LOOSE,
-    ROLLS,
-    SLIDES_BACKWARDS,
-    SLIDES_FORWARDS,
-)
+from rotor_ida.schema.flags import FLIES, IS_LOOSE, ROLLS, SLIDES_BACKWARDS, SLIDES_FORWARDS
 from rotor_ida.simulation.spin import Driven, Spin
 from rotor_ida.simulation.witness.bodies import GAINED, HIDDEN, Coordinates, Touch, Touches
 

@@ -16,7 +16,7 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from rotor_ida.arrays import Stop, Values
-from rotor_ida.simulation.orbit import (
+from rotor_ida.schema.flags import (
     ENTRY,
     EXIT,
     FLIES,

@@ -23,7 +23,7 @@ from rotor_ida.core.systems import (
 )
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.contact import HERTZ_EXPONENT
-from rotor_ida.simulation.orbit import ENTRY, EXIT, FLIES
+from rotor_ida.schema.flags import ENTRY, EXIT, FLIES
 from rotor_ida.simulation.spin import SpeedProfile
 from rotor_ida.simulation.witness.bodies import Coordinates, Law
 from rotor_ida.simulation.witness.events import LOOKS
@@ -160,7 +160,7 @@ def _result_of(records: _Records) -> SystemResult:
     samples = np.array(records.samples).reshape(-1, len(state))
     event_times = np.array([each.time for each in run.events])
     touches = np.zeros(count, TOUCH)
-    touches["way"], touches["race"] = machine.modes, state[of_races]
+    touches["mode"], touches["race"] = machine.modes, state[of_races]
     episodes = [*records.episodes, *((i, entry, np.nan) for i, entry in records.entries.items())]
     table = np.full(len(episodes), np.nan, EPISODE)
     for row, each in zip(table, episodes, strict=True):

@@ -1,4 +1,4 @@
-"""Run a rotor system at a constant or a changing speed."""
+"""One run of any rotor: followed, measured by a second run, checked, and labelled."""
 
 from __future__ import annotations
 
@@ -11,30 +11,45 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Stop, Values, Watch
-from rotor_ida.checks import SAMPLES_A_REVOLUTION, check_between, check_choice, check_progress
+from rotor_ida.checks import (
+    SAMPLES_A_REVOLUTION,
+    State,
+    check_between,
+    check_choice,
+    check_progress,
+)
 from rotor_ida.core.systems import SystemRequest, SystemResult
 from rotor_ida.errors import InputError, InstallationError, warn
 from rotor_ida.model.assembly import Assembly, Canonical, assemble, canonical
 from rotor_ida.model.few_modes import check_modes, in_modes
 from rotor_ida.model.growth import growth_of, nothing_holds
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.parallel import Progress, interruptible, run_with_progress
-from rotor_ida.results.archived_system import problem_variables
 from rotor_ida.results.growth_words import NOT_HELD, RATE, WHIRL_SPEED, stability_words
 from rotor_ida.simulation.course import MOST_RADIANS, Course
-from rotor_ida.simulation.event_errors import shifts_of
-from rotor_ida.simulation.sampling import FEWEST, times_of
-from rotor_ida.simulation.systems.dataset import fastest_whirl, system_dataset
-from rotor_ida.simulation.systems.following import (
+from rotor_ida.simulation.dataset import fastest_whirl, run_dataset, system_dataset
+from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors, shifts_of
+from rotor_ida.simulation.invariants import check_run
+from rotor_ida.simulation.options import Options
+from rotor_ida.simulation.orbit import Orbit
+from rotor_ida.simulation.run import run
+from rotor_ida.simulation.sampling import FEWEST, sample_times, times_of
+from rotor_ida.simulation.starts import Start, start_of
+from rotor_ida.simulation.system_run import (
     Followed,
     bare,
-    follow_system_again,
     inertia_of,
     request_of,
+    run_to_end,
     with_errors,
 )
-from rotor_ida.simulation.systems.invariants import check_run
-from rotor_ida.simulation.systems.starts import Start, start_of
+
+# An event this many tolerances after the end of a run counts as part of the run.
+END_SLACK = 100.0
+MOST_SLACK = 1e-8
+# Samples plus radians of spin, decay and contact that Taylor series cover in about 20 ms.
+SOON_PASSED = 1e4
 
 SystemMethod = Literal["taylor", "adams", "bdf"]
 METHODS = ("taylor", "adams", "bdf")
@@ -42,6 +57,48 @@ TIGHTEST_RTOL, LOOSEST_RTOL = 1e-14, 1e-4
 MOST_SAMPLES = 200_000
 # Radians by which a whirl in a contact turns from a sample to the next, in a drop: its sense shows.
 MOST_TURNED = 0.8
+
+
+# ---- Of one disc ----
+
+
+def run_of_disc(
+    rotor: Rotor, start: State, end: float, samples: object, options: Options,
+    progress: Progress | None, course: Course | None = None,
+) -> xr.Dataset:  # fmt: skip
+    """Return the run of one disc at a constant speed, or along a course of its speed."""
+    slack = min(END_SLACK * options.rtol, MOST_SLACK) * end
+    profile = None if course is None else course.profile
+    fastest = rotor.omega if course is None else course.largest_speed
+    times = sample_times(samples, end, rotor, fastest)
+    # with a torque a first run finds the largest speed
+    is_unknown = samples is None and profile is not None and profile.is_driven
+
+    def follow(times: Values, stop: Stop, watch: Watch) -> Orbit:
+        return run(
+            rotor, start, end, times, options, slack=slack, stop=stop, profile=profile, watch=watch
+        )
+
+    def run_twice(stop: Stop, watch: Watch) -> tuple[Orbit, EventErrors]:
+        at = times
+        if is_unknown:
+            seen = follow(sample_times(FEWEST, end, rotor, fastest), stop, watch)
+            at = sample_times(None, end, rotor, max(fastest, float(np.max(seen.speeds))))
+            watch.clear()
+        orbit = follow(at, stop, watch)
+        return orbit, estimate_event_errors(orbit, start, slack=slack, stop=stop, watch=watch)
+
+    # a thread costs 0.2 ms, half as much as a short run: Ctrl-C may wait until a short run ends
+    rate = 1.0 + rotor.omega + rotor.zeta + max(map(abs, start))
+    soon = rate * end + times.size <= SOON_PASSED
+    orbit, errors = run_with_progress(
+        run_twice, 2.0 * end, progress,
+        at_once=soon and profile is None and options.method == "taylor",
+    )  # fmt: skip
+    return run_dataset(orbit, start, errors, {} if course is None else course.told)
+
+
+# ---- Of a rotor system ----
 
 
 class _Prepared(NamedTuple):
@@ -101,21 +158,21 @@ def run_of_cases(
     times = times_of(samples, course.end, int(min(max(count, FEWEST), MOST_SAMPLES)))
     first, *second = [_prepared(*each, course, times, tolerance) for each in cases]
 
-    def run(request: SystemRequest, stop: Stop, watch: Watch) -> SystemResult:
+    def followed_by(request: SystemRequest, stop: Stop, watch: Watch) -> SystemResult:
         if method == "taylor":
-            return follow_system_again(request, stop, watch)
+            return run_to_end(request, stop, watch)
         return _by_cvode(method)(request, course.profile, tolerance, method, stop, watch)
 
     def follow(stop: Stop, watch: Watch) -> tuple[Followed, list[Values]]:
-        result = run(first.request, stop, watch)
+        result = followed_by(first.request, stop, watch)
         followed = with_errors(result, first.request, method == "taylor", stop, watch)
-        moved = (follow_system_again(bare(each.request), stop, watch) for each in second)
+        moved = (run_to_end(bare(each.request), stop, watch) for each in second)
         return followed, [shifts_of(result, each, len(first.request.laws)) for each in moved]
 
     followed, shifts = run_with_progress(follow, (2 + len(second)) * course.end, progress)
     if whirls and samples is None and (finer := _finer(first, followed.result, times)) is not None:
         times, request = finer, replace(first.request, times=finer)
-        result = interruptible(lambda stop: run(request, stop, []))
+        result = interruptible(lambda stop: followed_by(request, stop, []))
         followed = replace(followed, result=result)
     check_run(first.assembly, first.found, first.request, followed.result, tolerance)
     told = {"method": method, "rtol": tolerance, "duration": course.end, **course.told}
@@ -124,10 +181,8 @@ def run_of_cases(
         told |= {RATE: growth.rate, WHIRL_SPEED: growth.whirl_speed}
     if nothing_holds(first.found):
         told[NOT_HELD] = 1
-    more = problem_variables(first.assembly, first.begun)
-    if shifts:
-        more["event_time_shift"] = ("event", shifts[0])
-    return system_dataset(first.assembly, first.found, followed, times, more, told)
+    shift = shifts[0] if shifts else None
+    return system_dataset(first.assembly, first.found, followed, first.begun, times, told, shift)
 
 
 def _prepared(

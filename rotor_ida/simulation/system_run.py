@@ -181,7 +181,7 @@ def standstill_of(result: SystemResult) -> float:
     return since if lasts > max(longest, passing) else math.nan
 
 
-def follow_system_again(
+def run_to_end(
     request: SystemRequest, stop: Stop = NO_STOP, watch: Watch | None = None
 ) -> SystemResult:
     """Return a run by Taylor series that has reached its end."""
