@@ -406,8 +406,8 @@ VERIFIED = {
         ("labelling_rtol", "starts"), lambda _, __: {"target": "shocks are not computed again"},
     ),
     "system_atlas": Verification(
-        _lost, ("missed_fraction", "count", "kind", "speed", *NUMBERS), ("labelling_rtol", "starts"),
-        lambda _, __: {"final_state": TRANSIENT},
+        _lost, ("missed_fraction", "count", "kind", "speed", *NUMBERS),
+        ("labelling_rtol", "starts"), lambda _, __: {"final_state": TRANSIENT},
     ),
     **dict.fromkeys(("touchdown", "system_touchdown"), Verification(
         _lost, ("missed_fraction", "fraction", "kind", *NUMBERS), ("labelling_rtol", "starts"),

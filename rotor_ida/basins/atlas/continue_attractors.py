@@ -208,9 +208,10 @@ def continue_attractors(
             continue_attractors, rotor, varied,
             turning_speeds(speed, "for a basin of a rotor system"),
         )  # fmt: skip
-        how = {"start": start, "modes": modes, "rtol": rtol}
-        return _atlas_of_system(_check_grid(asked), check_name("node", node), states, drawn,
-                                tried, jobs, **how)  # fmt: skip
+        return _atlas_of_system(
+            _check_grid(asked), check_name("node", node), states, drawn, tried, jobs,
+            start=start, modes=modes, rtol=rtol,
+        )  # fmt: skip
     grid = _check_grid(varied_of(continue_attractors, rotor, varied))
     rotors = list(grid.rotors())
     for each in rotors:

@@ -198,17 +198,15 @@ def successor_in_system(
     of the neighbour ends on is added to it.
     """
     row = member.attractor.row
-    if member.attractor.kind in CONTACT_FREE_FAMILY:
-        alike = [each for each in there.members if each.attractor.kind == member.attractor.kind]
-        return alike[0] if alike else None
     flows = [SystemFlow.at(each.problem, each.speed, stop) for each in (here, there.rotor)]
     found = _led_to(row, flows[1])
     if found is None or not _may_continue(row, found):
         return None
-    back, begun = _led_to(found, flows[0]), Attractors(flows[0])
-    begun.rows.append(row)
-    if back is None or begun.find(back) is None:
-        return None
+    if member.attractor.kind not in CONTACT_FREE_FAMILY:  # of which there is one
+        back, begun = _led_to(found, flows[0]), Attractors(flows[0])
+        begun.rows.append(row)
+        if back is None or begun.find(back) is None:
+            return None
     number = _met(there, flows[1]).find(found)
     if number is None:
         there.members.append(Member(SettledAttractor(found), 0, NEVER, np.full(4, np.nan)))
@@ -247,26 +245,30 @@ def numbers_of_system(row: np.void, knocked: KnockedSystem) -> dict[str, Any]:
     table, count = run.episodes, len(contacts)
 
     def summed(values: Values) -> Values:
-        return np.bincount(table["contact"].astype(np.int64), values, minlength=count)
+        own = np.bincount(table["contact"].astype(np.int64), values, minlength=count)
+        return own.astype(np.float64)  # of no episodes it has whole numbers
 
     closed = summed(np.nan_to_num(table["exit"], nan=duration) - np.nan_to_num(table["entry"]))
     entries = run.event_contacts[run.event_kinds == ENTRY]
     heat, damped = summed(table["heat"]) / turns, [each.damping > 0.0 for each in contacts]
     loss = np.where(damped, summed(table["work"]) / turns, 0.0)
+    of_friction = {
+        "heat_per_revolution": heat,
+        "slip_distance_per_revolution": summed(table["slip_distance"]) / turns,
+        "rolling_fraction": summed(table["rolling_time"]) / np.where(closed > 0.0, closed, 1.0),
+    } if any(each.friction > 0.0 for each in contacts) else {}  # fmt: skip
     return {
         "excursion": row["radius_max"] / flow.clearances,
         "mean_force": summed(table["impulse"]) / duration,
         "contacts_per_revolution": np.bincount(entries, minlength=count) / turns,
         "contact_fraction": closed / duration,
         "dissipation_per_revolution": run.ledger["damping"] / turns + float((heat + loss).sum()),
-        "contact_loss_per_revolution": loss, "heat_per_revolution": heat,
-        "slip_distance_per_revolution": summed(table["slip_distance"]) / turns,
-        "rolling_fraction": summed(table["rolling_time"]) / np.where(closed > 0.0, closed, 1.0),
+        **({"contact_loss_per_revolution": loss} if any(damped) else {}), **of_friction,
         **_whirls(flow, run, times),
     }  # fmt: skip
 
 
-def _whirls(flow: SystemFlow, run: SystemResult, times: Values) -> dict[str, Values]:
+def _whirls(flow: SystemFlow, run: SystemResult, times: Values) -> dict[str, Any]:
     """Return sense and speed of the whirl of each node, and its strongest line other than 1X."""
     size, way = 2 * flow.problem.assembly.size, math.copysign(1.0, flow.speed)
     states = run.samples.reshape(len(times), -1) / flow.scales[:size]

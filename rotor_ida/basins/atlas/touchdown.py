@@ -230,8 +230,9 @@ def touchdown_report(
     which takes some milliseconds, for example where it may cause dry whip.
 
     A `RotorSystem` is followed as by `rotor_ida.basin`. A shock of velocity is a blow at the node,
-    a shock of displacement pulls it aside, and the rest of the rotor goes with it as with a start. If the system is axisymmetric, shocks are given at any phase of the motion, otherwise
-    after whole revolutions. The smallest has been followed again with a tighter tolerance.
+    a shock of displacement pulls it aside, and the rest of the rotor goes with it as with a start.
+    If the system is axisymmetric, shocks are given at any phase of the motion, otherwise after
+    whole revolutions. The smallest has been followed again with a tighter tolerance.
 
     References
     ----------
@@ -307,7 +308,9 @@ def _report_of_system(
         for each in cell.members
     ]
     how = {**provenance(how_labelled(varied.rtol)), "shocks": shocks, "knocked_node": node}
-    found = _dataset(cell, rows, coordinates_of(varied.varied.base, knocked.speed), how | drawn)
+    found = _dataset(
+        cell, rows, coordinates_of(varied.varied.base, knocked.speed), {**how, **drawn}
+    )
     return with_system_units(found, system)
 
 
