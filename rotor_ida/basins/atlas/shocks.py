@@ -81,7 +81,7 @@ class Effort(NamedTuple):
 
 SIDE_BY_SIDE = Effort()
 # Where each shock is followed by itself.
-ONE_BY_ONE = Effort(rounds=8, least=4, leading=2, neighbours=8, turns=16)
+ONE_BY_ONE = Effort(rounds=8, least=4, leading=2, neighbours=4, turns=16)
 
 
 @dataclass(frozen=True, slots=True)

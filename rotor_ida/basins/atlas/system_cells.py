@@ -237,7 +237,8 @@ def numbers_of_system(row: np.void, knocked: KnockedSystem) -> dict[str, Any]:
     """Return the forces and losses of an attractor, from a period of it or many revolutions."""
     flow = SystemFlow.at(knocked.problem, knocked.speed, NO_STOP)
     turns = REVOLUTIONS if math.isnan(row["period"]) else float(row["period"]) / flow.revolution
-    if _KIND[int(row["response"])] in AT_THE_SPIN:
+    kind = _KIND[int(row["response"])]
+    if kind in AT_THE_SPIN:
         turns = 1.0
     duration, contacts = turns * flow.revolution, flow.problem.assembly.contacts
     times = np.linspace(0.0, duration, math.ceil(SAMPLES * turns) + 1)
@@ -248,7 +249,11 @@ def numbers_of_system(row: np.void, knocked: KnockedSystem) -> dict[str, Any]:
         own = np.bincount(table["contact"].astype(np.int64), values, minlength=count)
         return own.astype(np.float64)  # of no episodes it has whole numbers
 
-    closed = summed(np.nan_to_num(table["exit"], nan=duration) - np.nan_to_num(table["entry"]))
+    # touches that fade last for no time in the limit
+    lasting = 0.0 if kind in CONTACT_FREE_FAMILY else 1.0
+    closed = lasting * summed(
+        np.nan_to_num(table["exit"], nan=duration) - np.nan_to_num(table["entry"])
+    )
     entries = run.event_contacts[run.event_kinds == ENTRY]
     heat, damped = summed(table["heat"]) / turns, [each.damping > 0.0 for each in contacts]
     loss = np.where(damped, summed(table["work"]) / turns, 0.0)
@@ -259,22 +264,24 @@ def numbers_of_system(row: np.void, knocked: KnockedSystem) -> dict[str, Any]:
     } if any(each.friction > 0.0 for each in contacts) else {}  # fmt: skip
     return {
         "excursion": row["radius_max"] / flow.clearances,
-        "mean_force": summed(table["impulse"]) / duration,
+        "mean_force": lasting * summed(table["impulse"]) / duration,
         "contacts_per_revolution": np.bincount(entries, minlength=count) / turns,
         "contact_fraction": closed / duration,
         "dissipation_per_revolution": run.ledger["damping"] / turns + float((heat + loss).sum()),
         **({"contact_loss_per_revolution": loss} if any(damped) else {}), **of_friction,
-        **_whirls(flow, run, times),
+        **_whirls(flow, run, times, at_the_spin=kind in AT_THE_SPIN),
     }  # fmt: skip
 
 
-def _whirls(flow: SystemFlow, run: SystemResult, times: Values) -> dict[str, Any]:
+def _whirls(
+    flow: SystemFlow, run: SystemResult, times: Values, *, at_the_spin: bool
+) -> dict[str, Any]:
     """Return sense and speed of the whirl of each node, and its strongest line other than 1X."""
     size, way = 2 * flow.problem.assembly.size, math.copysign(1.0, flow.speed)
     states = run.samples.reshape(len(times), -1) / flow.scales[:size]
     places = flow.places(states, nodes=True)[0, :, flow.clearances.size :]
     places = places if way > 0.0 else places.conj()  # lines of forward whirls are positive
-    if flow.period is not None:  # a stationary line is no whirl
+    if at_the_spin or flow.period is not None:  # a stationary line is no whirl
         places = places - places[:-1].mean(axis=0)
     angles = abs(flow.speed) * times
     sizes = np.abs(np.fft.fft((places * np.exp(-1j * angles)[:, np.newaxis])[:-1], axis=0))
@@ -284,7 +291,8 @@ def _whirls(flow: SystemFlow, run: SystemResult, times: Values) -> dict[str, Any
     turned = np.array([steps_of_turning(each).sum() for each in places.T])
     ratio, sense = whirl_over_spin(turned, angles[-1], forward, backward)
     largest = sizes.max(axis=0)
-    sizes[0] = 0.0  # 1X
+    sizes[0] = 0.0  # 1X, which is all of a motion that stands still on turning axes
+    sizes *= not (at_the_spin and flow.period is None)
     strongest = np.where(sizes.max(axis=0) > NO_LINE * largest, orders[sizes.argmax(axis=0)], nan)
     return {"whirl_over_spin": ratio, "whirl_sense": sense, "side_line_over_spin": strongest}
 

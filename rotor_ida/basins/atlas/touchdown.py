@@ -151,8 +151,8 @@ def touchdown_report(
     shocks : int, optional
         Approximate number of shocks of velocity and of displacement applied to each attractor, to
         find the smallest one that leads to each other attractor; with 0 there are no such results.
-        Default: 4096, and 0 under a load, where no more are possible. Of a `RotorSystem` 64; about
-        four times as many are followed, each by itself.
+        Default: 4096, and 0 under a load, where no more are possible. Of a `RotorSystem` 64; up to
+        three times as many are followed, each by itself.
     start, modes
         As for `rotor_ida.basin`.
     workers : int, optional
