@@ -58,8 +58,8 @@ def test_shocks_of_one_disc_are_found_as_a_system_too():
         size, true = (float(each[f"{kind}_shock"][1, 0]) for each in (many, one))
         scatter = float(many[f"{kind}_shock_scatter"][1, 0])
         assert true * (1.0 - 1e-4) <= size <= true * (1.0 + max(3.0 * scatter, 0.02))
-        largest = f"{kind}_shock_largest"
-        assert float(many[largest]) == pytest.approx(float(one[largest]), rel=1e-9)
+    largest = (float(each.displacement_shock_largest) for each in (many, one))
+    assert next(largest) == pytest.approx(next(largest), rel=1e-9)
     assert "velocity_shock_bound" not in many  # there are no trapping regions
 
 
@@ -83,12 +83,14 @@ def test_forces_losses_and_whirl_are_those_of_one_disc(rotor, box):
         each = many.isel(attractor=number)
         assert float(each.fraction) == float(own.fraction)
         # a motion without a period is a mean over many revolutions, from another state
-        rough = kind == "rolling" and math.isnan(float(own.period))
+        rough = 0.05 if kind == "rolling" and math.isnan(float(own.period)) else 2e-6
+        if kind == "touching":  # of touches that have not quite faded
+            rough = 1e-5
         for name in names:
             if name == "excursion" and kind == "contact_free":
                 continue  # depends on the start
             value = each[name].values.item()
-            assert value == pytest.approx(float(own[name]), rel=0.05 if rough else 2e-6, abs=1e-9,
+            assert value == pytest.approx(float(own[name]), rel=rough, abs=1e-9,
                                           nan_ok=True), (kind, name)  # fmt: skip
 
 
@@ -103,7 +105,7 @@ def test_touches_that_fade_are_told_by_the_law_of_one_disc():
     limit, own = (each.isel(attractor=int(np.argmax(each.kind.values == touching)))
                   for each in (many, one))  # fmt: skip
     for name in ("radius_min", "radius_max", "amplitude"):
-        assert float(limit[name][0]) == pytest.approx(float(own[name]), rel=1e-5)
+        assert float(limit[name][0]) == pytest.approx(float(own[name]), abs=1e-5)
     assert float(limit.largest_force[0]) == 0.0
 
 
@@ -135,9 +137,11 @@ def test_a_shock_leads_from_one_motion_to_the_other_and_a_smaller_one_does_not(t
 
 
 def test_an_archive_verifies_and_has_a_table(two_nodes, tmp_path):
-    archived = load(save(two_nodes, tmp_path / "report.nc"))
+    few = touchdown_report(SYSTEM, speed=SPEED, **NEAR, starts=12, shocks=0)
+    np.testing.assert_array_equal(few["mean_force"], two_nodes["mean_force"])
+    archived = load(save(few, tmp_path / "report.nc"))
     again = rerun(archived)
-    assert again.drop_attrs().identical(two_nodes.drop_attrs())
+    assert again.drop_attrs().identical(few.drop_attrs())
     assert differences(again, archived)["agrees"]
     table = to_dataframe(archived)
     assert len(table) == 2
