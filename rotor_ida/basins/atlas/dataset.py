@@ -86,9 +86,12 @@ def atlas_dataset(
         dims = (*grid.dims, *over[: len(own) - len(behind)], *behind)
         variables[name] = (dims, column.reshape(*grid.shape, *own))
     variables["missed_fraction"] = ((), missed_fraction(starts))
-    what, kind = ("Rotor system", "system_atlas") if places else ("Rotor in a clearance", "atlas")
-    title = f"{what}: attractors and the fractions of starts on each"
-    return labelled_dataset(title, variables, coordinates, _flat(attributes), kind=kind)
+    title, told = "attractors and the fractions of starts on each", _flat(attributes)
+    if places:
+        title = f"Rotor system: {title}"
+        return labelled_dataset(title, variables, coordinates, told, kind="system_atlas")
+    title = f"Rotor in a clearance: {title}"
+    return labelled_dataset(title, variables, coordinates, told, kind="atlas")
 
 
 def how_computed(tolerance: float, shocks: int, rotor: Rotor) -> dict[str, object]:

@@ -372,8 +372,10 @@ def _dataset(
         {"target": np.arange(len(rows))} if tried else {}
     )
     coordinates = {**coordinates, **{name: (name, each) for name, each in along.items()}}
-    title, kind = "Touchdown report", "system_touchdown" if is_system else "touchdown"
-    return labelled_dataset(title, variables, coordinates, attributes, kind=kind)
+    title = "Touchdown report"
+    if is_system:
+        return labelled_dataset(title, variables, coordinates, attributes, kind="system_touchdown")
+    return labelled_dataset(title, variables, coordinates, attributes, kind="touchdown")
 
 
 def _shocks_to_try(rotor: Rotor | RotorSystem, shocks: object) -> int:

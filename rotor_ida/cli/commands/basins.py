@@ -42,13 +42,6 @@ ShocksOrNone = Annotated[
         0, MOST_SHOCKS,
     ),
 ]  # fmt: skip
-StartsOrNone = Annotated[
-    int | None,
-    count_option(
-        "Number of random initial states. Default: 1000; of a rotor system 100.",
-        1, parsing.MOST_POINTS_OF_STUDY,
-    ),
-]  # fmt: skip
 NodeOrNone = Annotated[
     str | None,
     Parameter(help="Node of a rotor system whose initial states these are.", metavar="NAME"),
@@ -73,7 +66,7 @@ class DrawnOptions:
     y: options.Range = 0.0
     vx: options.Range = 0.0
     vy: options.Range = 0.0
-    starts: StartsOrNone = None
+    starts: options.StartCount = 1000
     seed: options.Seed = 0
     rtol: options.RtolOrNone = None
 
@@ -202,8 +195,8 @@ def continue_attractors(
 
     A rotor of any size with several contacts, from a system file, by the states of a node:
 
-        rotor-ida continue-attractors rotor.toml --speed 3900rpm:4500rpm:3 --node disc \
-            --x=-300um:300um --y=-300um:300um --starts 8 --figure speeds
+        rotor-ida continue-attractors rotor.toml --speed 3900rpm:4500rpm:3 \
+            --node disc --x=-300um:300um --y=-300um:300um --starts 4
     """
     output.check()
     if output.figure is not None:
