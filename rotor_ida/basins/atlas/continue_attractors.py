@@ -198,7 +198,7 @@ def continue_attractors(
     >>> found = continue_attractors(system, speed=[0.7, 0.72], node="disc", x=(-1.5, 0), y=(-2, -1),
     ...                             starts=8)
     >>> found["count"].values.tolist()
-    [[2, 6], [3, 5]]
+    [[2, 6], [5, 3]]
     """
     states, drawn = _states({"x": x, "y": y, "vx": vx, "vy": vy}, starts, seed)
     tried = check_count("shocks", shocks, minimum=0, maximum=MOST_SHOCKS)
