@@ -13,6 +13,7 @@ from rotor_ida import DimensionalRotor, Rotor, decode_flags
 from rotor_ida.schema import labelled
 
 CENTRED = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
+HELD = Rotor(omega=0.7, zeta=0.1, delta0=1.5, shaft_stiffness=0.1)
 REST = (0.0, 0.0, 0.0, 0.0)
 MACHINE = DimensionalRotor(
     mass=4.0,
@@ -203,6 +204,12 @@ KINDS: dict[str, Callable[[], xr.Dataset]] = {
     ),
     "atlas": lambda: rotor_ida.continue_attractors(
         omega=[1.6, 1.7], zeta=0.07, delta0=0.0, x=(-5, 5), y=(-5, 5), starts=20, workers=1
+    ),
+    "system_atlas": lambda: rotor_ida.continue_attractors(
+        HELD.system(), speed=[0.7, 0.9], node="disc", x=(-3, 3), y=(-3, 3), starts=4, workers=1
+    ),
+    "system_touchdown": lambda: rotor_ida.touchdown_report(
+        HELD.system(), speed=0.7, node="disc", x=(-3, 3), y=(-3, 3), starts=4, shocks=0, workers=1
     ),
     "contact_summary": lambda: rotor_ida.contact_summary(a_run()),
     "rotating": lambda: rotor_ida.rotating(a_run()),

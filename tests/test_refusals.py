@@ -355,7 +355,8 @@ REFUSED = [
     ]),
     (lambda given: touchdown_report(**{"rotor": Rotor(omega=2.0, zeta=0.07, delta0=2.0), **BOX,
         **given}), [
-        ({"rotor": "mine"}, r"touchdown_report takes a Rotor or DimensionalRotor first, as in "),
+        ({"rotor": "mine"},
+         "touchdown_report takes a Rotor, DimensionalRotor or RotorSystem first, as in "),
         ({"rotor": Rotor(omega=0.0, zeta=0.1, delta0=1.0)}, "omega must be above 0 .* got 0.0"),
         ({"rotor": Rotor(omega=1.0, zeta=0.0, delta0=1.0)}, "zeta must be above 0"),
         ({"starts": -1}, "starts must be at least 1, got -1"),

@@ -18,6 +18,7 @@ from rotor_ida.basins.starts import Starts, stretches
 from rotor_ida.checks import State
 from rotor_ida.cycles.orbit import Orbit
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.schema import RESPONSE, TRAPPING
 from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady import response
@@ -79,6 +80,12 @@ class Attractor:
     lifetime: float = math.inf
     lifetime_low: float = math.inf
     confirmed: bool = False
+
+    @property
+    def numbers(self) -> dict[str, float]:
+        """What is reported of it, by name."""
+        own = {name: getattr(self, name) for name in NUMBERS}
+        return own | {"kind": RESPONSE[self.kind], "trapping": TRAPPING[self.trapping]}
 
 
 def attractors_of(followed: FollowedStarts) -> list[Attractor]:

@@ -16,10 +16,12 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Flags, Stop, Values
+from rotor_ida.basins.attractors import CONTACT_FREE_FAMILY
 from rotor_ida.basins.following import (
     Ended,
     follow_in_batches,
     rechecked_of_batch,
+    rechecked_of_rotor,
     size_of_batch,
     spread_evenly,
     tighter_than,
@@ -35,7 +37,12 @@ from rotor_ida.schema import RESPONSE
 from rotor_ida.simulation.systems.flow import SystemFlow
 from rotor_ida.steady.follow import settle
 from rotor_ida.steady.grid import EXPECTED, Table, reason_of
-from rotor_ida.steady.response import CONTACT_FREE, ROLLING, SYNCHRONOUS, UNRESOLVED
+from rotor_ida.steady.response import (
+    ROLLING,
+    SYNCHRONOUS,
+    TOUCHING,
+    UNRESOLVED,
+)
 from rotor_ida.steady.system_sweep import figures_of, point_of
 
 # Two motions are on one attractor if their radii and periods, or their states, agree to this part.
@@ -43,6 +50,18 @@ SAME = 1e-5
 RADII = (("radius_min", "node_radius_min"), ("radius_max", "node_radius_max"))
 # The smallest batch: every start is followed by itself.
 SMALLEST = 4
+LABELLING = (
+    "every start followed separately by Taylor series, as in a sweep with labelling_rtol; motions "
+    "matched by kind, period, radii and state; some starts labelled again with agreement_rtol"
+)
+
+
+def how_labelled(rtol: float) -> dict[str, object]:
+    """Return, as attributes, the method that labelled starts with a tolerance of runs."""
+    return {
+        "labelling": LABELLING, "labelling_method": "taylor", "labelling_rtol": rtol,
+        "agreement_rtol": tighter_than(rtol),
+    }  # fmt: skip
 
 
 class Attractors:
@@ -72,13 +91,13 @@ class Attractors:
     def _is_on(self, number: int, row: np.void) -> bool:
         """Return whether a settled response is on a known attractor.
 
-        All contact-free motions are on one, and so are all motions without a period of one kind,
-        but for those that roll in different contacts.
+        All contact-free motions are on one, all touches that fade on one, and so are all motions
+        without a period of one kind, but for those that roll in different contacts.
         """
         known = self.rows[number]
         if known["response"] != row["response"]:
             return False
-        if _is(row, CONTACT_FREE):
+        if _is(row, *CONTACT_FREE_FAMILY):
             return True
         if _is(row, SYNCHRONOUS):
             return self._has_state(number, row)
@@ -109,8 +128,8 @@ class Attractors:
         return np.array(states)
 
 
-def _is(row: np.void, kind: str) -> bool:
-    return bool(row["response"] == RESPONSE[kind])
+def _is(row: np.void, *kinds: str) -> bool:
+    return any(row["response"] == RESPONSE[kind] for kind in kinds)
 
 
 def _radii(row: np.void) -> Values:
@@ -133,7 +152,7 @@ def _joined(known: np.void, row: np.void) -> np.void:
         return known
     if not math.isnan(known["period"]):
         return min(known, row, key=itemgetter("period"))
-    if _is(row, CONTACT_FREE):
+    if _is(row, *CONTACT_FREE_FAMILY):
         radii = np.where(_differing(known, row), math.nan, _radii(known))
     else:
         (low, high), (lower, higher) = _radii(known), _radii(row)
@@ -243,6 +262,15 @@ def follow_starts_of_system(
     return _gathered(knocked, count, kept, ended)
 
 
+def follow_system_here(knocked: KnockedSystem, states: Values, stop: Stop) -> FollowedSystem:
+    """Follow starts of a node, shape (4, n), in this process."""
+    kept: Results[SystemBatch] = Results()
+    count = states.shape[1]
+    batch = _follow(_Job(knocked, 0, states, rechecked_of_rotor(count)), stop)
+    kept.keep(0, batch, count)
+    return _gathered(knocked, count, kept, Ended(reason=batch.reason))
+
+
 def _gathered(
     knocked: KnockedSystem, count: int, kept: Results[SystemBatch], ended: Ended
 ) -> FollowedSystem:
@@ -272,7 +300,7 @@ def _follow(job: _Job, stop: Stop) -> SystemBatch:
     labels, times = np.full(count, NOT_COMPUTED, np.int16), np.full(count, math.nan, np.float32)
     for number, state in enumerate(states):
         try:
-            row = _settled(flow, state)
+            row = settled_row(flow, state)
             labels[number] = UNDECIDED if _is(row, UNRESOLVED) else met.label_of(row)
         except EXPECTED as error:
             if stop[0]:
@@ -285,13 +313,17 @@ def _follow(job: _Job, stop: Stop) -> SystemBatch:
     return SystemBatch(job.first, labels, times, rows, rechecked, reason)
 
 
-def _settled(flow: SystemFlow, state: Values) -> np.void:
+def settled_row(flow: SystemFlow, state: Values) -> np.void:
     """Return the response on which a flow settles, as a row."""
     settled = settle(flow, state)
     row: np.void = np.zeros(1, point_of(flow.problem))[0]
     figures = figures_of(settled, flow, settled.state * flow.scales)
     for name, figure in figures.items():
         row[name] = figure
+    if _is(row, TOUCHING):  # in the limit it just touches
+        touched, gaps = row["touched"] == 1, flow.clearances
+        row["largest_force"][touched], row["radius_max"][touched] = 0.0, gaps[touched]
+        row["radius_min"][touched] = np.abs(gaps - 2.0 * row["amplitude"])[touched]
     return row
 
 
@@ -305,7 +337,7 @@ def _count_agreeing(
         if labels[number] < 0 or met.flow.stop[0]:
             continue
         try:
-            found = met.find(_settled(closely, states[number]))
+            found = met.find(settled_row(closely, states[number]))
         except EXPECTED:
             continue
         again += 1
@@ -323,6 +355,6 @@ def _renumbered(labels: Labels, numbers: Sequence[int]) -> Labels:
 def _place(met: Attractors, row: np.void) -> tuple[int, float]:
     """Return the place of an attractor among all."""
     has_period = not math.isnan(row["period"])
-    kinds = [_is(row, SYNCHRONOUS), _is(row, CONTACT_FREE), has_period, True]
+    kinds = [_is(row, SYNCHRONOUS), _is(row, *CONTACT_FREE_FAMILY), has_period, True]
     share = row["radius_max"] / met.flow.clearances
     return kinds.index(True), float(np.nanmax(share, initial=0.0))

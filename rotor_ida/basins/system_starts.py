@@ -6,13 +6,24 @@ from dataclasses import dataclass
 from typing import Self
 
 import numpy as np
+import xarray as xr
 from scipy.linalg import null_space
 
 from rotor_ida.arrays import Values
+from rotor_ida.checks import check_real
 from rotor_ida.errors import InputError
+from rotor_ida.model.varied import Varied
 from rotor_ida.simulation.starts import Start
 from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
-from rotor_ida.steady.system_sweep import state_of_start
+from rotor_ida.steady.system_sweep import (
+    Turnings,
+    VariedSystem,
+    state_of_start,
+    turning_speeds,
+)
+
+# Tolerance of the runs by default.
+RTOL = 1e-10
 
 # Below this part of the stiffest motion a motion is held by nothing but rounding.
 HELD = 1e-13
@@ -58,6 +69,28 @@ class KnockedSystem:
     def states(self, flow: SystemFlow, starts: Values) -> Values:
         """Return the states of a flow for starts of the node, shapes (4, m) and (m, n)."""
         return (self.base + starts.T @ self.shapes.T) / flow.scales
+
+
+def knocked_systems(
+    asked: Varied, node: str, start: Start | xr.Dataset, modes: int | None, rtol: float | None
+) -> tuple[VariedSystem, list[KnockedSystem]]:
+    """Return a system whose speed and parameters vary, and its node knocked at each point."""
+    system = VariedSystem.of(asked, [start], modes, RTOL if rtol is None else rtol, "start")
+    turnings = Turnings(system.varied, system.rtol)
+    problem = turnings.checked()
+    if not problem.assembly.contacts:
+        raise InputError("contacts must be at least one for a basin of a rotor system, got none")
+    if not problem.has_damping:
+        raise InputError(
+            "damping must be above 0 for a basin: without damping there are no attractors, got none"
+        )
+    points = [turnings.at(place) for place in np.ndindex(system.varied.shape)]
+    return system, [KnockedSystem.at(*each, node, system.starts[0]) for each in points]
+
+
+def one_speed(speed: object) -> Values:
+    """Return a spin speed at which a system can be followed, shape (1,)."""
+    return turning_speeds(check_real("speed", speed), "for a basin of a rotor system")
 
 
 def pulled_shapes(stiffness: Values, rows: Values) -> Values:

@@ -27,6 +27,7 @@ from rotor_ida.cli.variables import (
     value_of,
 )
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
+from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
 from rotor_ida.schema import by_number, flags_of
 
 ATTRACTORS = Rows(
@@ -49,9 +50,14 @@ DONE_TO_MACHINE = (
     *("velocity_shock_bound", "displacement_shock_bound"),
 )
 OF_MACHINE = (
-    *(*ALL_PARAMETERS, "undecided_fraction", "missed_fraction", "basin_entropy"),
+    *(SPEED, *ALL_PARAMETERS, "undecided_fraction", "missed_fraction", "basin_entropy"),
     *("agreement", "agreement_count"),
 )
+# Losses of all contacts of a rotor system are added, of other numbers the largest is shown.
+SUMMED = ("contact_loss_per_revolution", "heat_per_revolution", "slip_distance_per_revolution")
+OF_CONTACT = (
+    *("mean_force", "contacts_per_revolution", "contact_fraction", "rolling_fraction"), *SUMMED,
+)  # fmt: skip
 SHOCK = ("velocity_shock", "displacement_shock")
 ENDS = {"low": "from", "high": "to"}
 
@@ -73,12 +79,17 @@ def show_attractors(dataset: xr.Dataset, most: int | None) -> Description:
 def show_atlas(dataset: xr.Dataset, most: int | None) -> Description:
     """Return each attractor with its range of existence and its basin fraction."""
     words = by_number(flags_of(dataset["kind"]))
-    varied = [name for name in parameters_in(dataset) if dataset[name].size > 1]
+    contacts: Record = {}
+    if "contact" in dataset.dims:
+        dataset, contacts = worst_of_contacts(dataset)
+    known = dict.fromkeys((SPEED, *ALL_PARAMETERS, *PARAMETERS_OF_SYSTEM))
+    varied = [name for name in known if name in dataset.dims and dataset.sizes[name] > 1]
     owns = [dataset.isel(attractor=number) for number in range(dataset.sizes["attractor"])]
     places = [(own, own["fraction"].notnull()) for own in owns]
     kinds = [", ".join(sorted({words[kind] for kind in own["kind"].values[here].tolist()}))
              for own, here in places]  # fmt: skip
-    names = [*varied, "fraction", "radius_max", *([SHOCK[0]] if SHOCK[0] in dataset else [])]
+    size = "radius_max" if "radius_max" in dataset else "excursion"
+    names = [*varied, "fraction", size, *([SHOCK[0]] if SHOCK[0] in dataset else [])]
     lines = [
         Line("attractor", list(range(len(owns)))),
         Line("kind", kinds),
@@ -91,7 +102,7 @@ def show_atlas(dataset: xr.Dataset, most: int | None) -> Description:
     }
     if {"agreement", "agreement_count"} <= dataset.keys():
         scalars |= _agreement(dataset)
-    record, _ = tabled(dataset, most)
+    record = tabled(dataset, most)[0] | contacts
     if isinstance(given := record.get("starts"), list):  # the archive contains them, row by row
         record["starts"] = len(given) // len(COMPONENTS)
     rows = [
@@ -118,9 +129,12 @@ def _agreement(dataset: xr.Dataset) -> Record:
 
 def show_touchdown(dataset: xr.Dataset, most: int | None) -> Description:
     """Return the properties of each attractor, a column for each, and the smallest shocks."""
+    contacts: Record = {}
+    if "contact" in dataset.dims:
+        dataset, contacts = _of_system(dataset)
     rows = rows_of(dataset, names_on(dataset, "attractor"))
     scalars = parameters_in(dataset) | scalars_of(dataset)
-    record: Record = tabled(dataset, most)[0] | scalars | {"attractors": rows}
+    record: Record = tabled(dataset, most)[0] | scalars | {"attractors": rows} | contacts
     heads = [f"{number} {row['kind']}" for number, row in enumerate(rows)]
     lines = [
         line_of(dataset, name, [row[name] for row in rows], 5)
@@ -153,6 +167,19 @@ def show_touchdown(dataset: xr.Dataset, most: int | None) -> Description:
         parts.append(Sheet(title, columns) if told else title)
     machine = {name: scalars[name] for name in OF_MACHINE if name in scalars}
     return record, [*parts, facts("Machine", lines_of(dataset, machine))]
+
+
+def _of_system(dataset: xr.Dataset) -> tuple[xr.Dataset, Record]:
+    """Return a report on a rotor system with the worst of its contacts, or the sum of all."""
+    told, contacts = worst_of_contacts(dataset.drop_dims("component"))
+    for name in [each for each in OF_CONTACT if each in dataset]:
+        own = dataset[name]
+        each = own.sum("contact") if name in SUMMED else own.max("contact")
+        told[name] = each.assign_attrs(own.attrs)
+    node = dataset["node"].values.tolist().index(dataset.attrs["knocked_node"])
+    for name in ("whirl_over_spin", "whirl_sense", "side_line_over_spin"):
+        told[name] = dataset[name].isel(node=node, drop=True)
+    return told, contacts
 
 
 def _shocks(dataset: xr.Dataset) -> dict[tuple[int, int], Record]:

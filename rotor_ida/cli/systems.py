@@ -184,12 +184,12 @@ def basin_file(
         nodes = listed([repr(each) for each in system.nodes], "or")
         raise InputError(f"node must be given with --node for a rotor system: {nodes}")
     chosen = {name: each for name, each in given.items() if name != "rtol" or each is not None}
-    with working(verb.__name__, given["study"]) as progress:
+    with working(verb.__name__, given.get("study")) as progress:
         dataset = verb(
             system, speed=speed, node=node, start=_begun(course, start).start, modes=course.modes,
             **chosen, progress=progress,
         )  # fmt: skip
-        return answer_whole(dataset, output, given["study"])
+        return answer_whole(dataset, output, given.get("study"))
 
 
 def _refuse_units_of_factors(varied: Mapping[str, list[float]]) -> None:

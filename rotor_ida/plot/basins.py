@@ -11,6 +11,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.axis import Axis
 from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm
 from matplotlib.patches import Patch
 
@@ -19,6 +20,7 @@ from rotor_ida.checks import COMPONENTS, check_choice
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import HERTZ_EXPONENT, contact_force
 from rotor_ida.model.parameters import PARAMETERS
+from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
 from rotor_ida.plot.appearance import (
     INK,
     KIND_SHADES,
@@ -37,6 +39,7 @@ from rotor_ida.plot.labels import (
     title_of,
     unit_of,
 )
+from rotor_ida.results.si_units import in_rpm
 from rotor_ida.schema import FATE, QUANTITIES, RESPONSE, check_as_computed, flags_of, words_of
 from rotor_ida.signals.nodes import Ring
 
@@ -221,7 +224,7 @@ def plot_attractors(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     >>> plot_attractors(found).get_ylabel()
     'fraction of starts'
     """
-    dataset = check_dataset("dataset", dataset, (*PARAMETERS, "attractor", "fraction", "kind"))
+    dataset = _checked(dataset, ("attractor", "fraction", "kind"), (SPEED,))
     varying, line = _varying_part(dataset, 1, "one parameter to be drawn")
     (name,) = varying
     families = {kind: cycle(family) for kind, family in KIND_SHADES.items()}
@@ -235,11 +238,10 @@ def plot_attractors(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
             shares.append((share, next(families[kind]), KIND_WORDS[kind]))
     alone = ax is None
     with drawing(ax) as ax:
-        places = line[name].values
+        places = _label(ax.xaxis, name, dataset)
         top = _draw_shares(ax, places, shares)
         if (top < 1.0 - ROUNDING).any():
             ax.fill_between(places, top, 1.0, color=UNDECIDED, lw=0.0, label="undecided")
-        label_axis(ax.xaxis, name, dataset[name])
         ax.set_title(_title_of_part(line, varying))
         if alone:
             legend_below(ax)
@@ -273,24 +275,21 @@ def plot_attractor_map(dataset: xr.Dataset, *, by: str = "kind", ax: Axes | None
     >>> plot_attractor_map(found).get_ylabel()
     'clearance $\\delta_0$'
     """
-    dataset = check_dataset(
-        "dataset", dataset, (*PARAMETERS, "attractor", "fraction", "kind", "radius_max")
-    )
+    dataset = _checked(dataset, ("attractor", "fraction", "kind", "radius_max"), (SPEED,))
     check_choice("by", by, ("kind", "force", "shock"))
     if by == "shock" and "velocity_shock" not in dataset:
         raise InputError("dataset must have been computed with shocks to be mapped by them")
     check_as_computed("dataset", dataset)
     varying, plane = _varying_part(dataset, 2, "two parameters to be mapped")
     right, upwards = varying
-    places, alone = (plane[right].values, plane[upwards].values), ax is None
+    alone = ax is None
     with drawing(ax, width=5.0, height=4.4) as ax:
         ax.grid(visible=False)
+        places = _label(ax.xaxis, right, dataset), _label(ax.yaxis, upwards, dataset)
         if by == "kind":
             _colour_by_kind(ax, places, plane)
         else:
             _colour_by_number(ax, places, plane, by)
-        label_axis(ax.xaxis, right, dataset[right])
-        label_axis(ax.yaxis, upwards, dataset[upwards])
         ax.set_title(_title_of_part(plane, varying))
         if alone and ax.get_legend_handles_labels()[1]:
             legend_below(ax)
@@ -322,8 +321,21 @@ def _varying_part(dataset: xr.Dataset, number: int, what: str) -> tuple[list[str
     return varying, part.transpose(*reversed(varying), ..., "attractor")
 
 
+def _label(axis: Axis, name: str, dataset: xr.Dataset) -> Values:
+    """Label an axis with a parameter, and return its values; speeds of a system in rpm."""
+    turns = in_rpm(dataset[name]) if name == SPEED else None
+    if turns is not None:
+        axis.set_label_text("spin speed [rpm]")
+        return np.asarray(turns)
+    known = PARAMETERS_OF_SYSTEM.get(name) if "contact_node" in dataset.variables else None
+    label_axis(axis, name, dataset[name], words=None if known is None else known.label)
+    return np.asarray(dataset[name].values)
+
+
 def _title_of_part(part: xr.Dataset, varying: Sequence[str]) -> str:
     """Return the parameters that do not vary as a title."""
+    if "contact_node" in part.variables:
+        return _title(part)
     return title_of("dataset", part, [name for name in PARAMETERS if name not in varying])
 
 
@@ -368,6 +380,8 @@ def _colour_by_number(ax: Axes, places: tuple[Values, Values], plane: xr.Dataset
 
 def _largest_force(attractors: xr.Dataset) -> Values:
     """Return the largest contact force of attractors; 0 where there is none."""
+    if "largest_force" in attractors:  # of each contact of a rotor system
+        return np.asarray(attractors["largest_force"].max("contact").fillna(0.0).values)
     exponent = float(attractors.get("contact_exponent", HERTZ_EXPONENT))
     force = contact_force(attractors["radius_max"], attractors["delta0"], exponent)
     return np.nan_to_num(force)
@@ -382,10 +396,12 @@ def _directions(label: xr.DataArray) -> tuple[str, str]:
     return horizontal, vertical
 
 
-def _checked(dataset: xr.Dataset, needed: Sequence[str]) -> xr.Dataset:
+def _checked(
+    dataset: xr.Dataset, needed: Sequence[str], of_system: Sequence[str] = OF_CONTACTS
+) -> xr.Dataset:
     """Return a result of one disc or of a rotor system; refuse another."""
     is_system = isinstance(dataset, xr.Dataset) and "contact_node" in dataset.variables
-    return check_dataset("dataset", dataset, (*(OF_CONTACTS if is_system else PARAMETERS), *needed))
+    return check_dataset("dataset", dataset, (*(of_system if is_system else PARAMETERS), *needed))
 
 
 def _at_one_contact(dataset: xr.Dataset) -> xr.Dataset:
@@ -422,7 +438,7 @@ def _title(dataset: xr.Dataset) -> str:
     """Return the parameters, or node and speed, and the fixed start coordinates, as a title."""
     if "contact_node" in dataset.variables:
         node = Ring(str(dataset.attrs.get("knocked_node", "")), "", []).title
-        words = [f"{node},  {speed_text(dataset['speed'])}"]
+        words = [node, *([speed_text(dataset["speed"])] if dataset["speed"].size == 1 else [])]
     else:
         words = [title_of("dataset", dataset)]
     for name in COMPONENTS:

@@ -12,6 +12,7 @@ from matplotlib.axis import Axis
 from rotor_ida.checks import listed, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS, OPTIONAL
+from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
 from rotor_ida.results.run import refuse_system
 from rotor_ida.results.si_units import in_suitable_units, scale_of
 from rotor_ida.schema import QUANTITIES, check_variables
@@ -99,8 +100,13 @@ def touching_nodes(dataset: xr.Dataset) -> list[str]:
 
 
 def parameters_in(dataset: xr.Dataset) -> list[str]:
-    """Return the rotor parameters of a dataset."""
-    return [name for name in ALL_PARAMETERS if name in dataset.variables]
+    """Return the speed and parameters of a dataset that are numbers or axes."""
+    if "contact_node" not in dataset.variables:
+        return [name for name in ALL_PARAMETERS if name in dataset.variables]
+    return [
+        name for name in (SPEED, *PARAMETERS_OF_SYSTEM)
+        if name in dataset.variables and dataset[name].dims in {(), (name,)}
+    ]  # fmt: skip
 
 
 def rotors_in(

@@ -263,6 +263,18 @@ KINDS = {
             shown=f"{_SHOWN}_basins:show_touchdown",
         ),
         Kind(
+            name="system_atlas", meaning="atlas of a rotor system",
+            variables="missed_fraction() undecided_fraction kind fraction " + _OF_CONTACTS,
+            dims=("speed", "attractor", "contact"),
+            shown=f"{_SHOWN}_basins:show_atlas", drawn=f"{_DRAWN}:figure_of_atlas",
+        ),
+        Kind(
+            name="system_touchdown", meaning="report on touching of a rotor system",
+            variables="missed_fraction excursion(attractor contact) kind(attractor) " + _CONTACTS,
+            dims=("attractor", "contact"),
+            shown=f"{_SHOWN}_basins:show_touchdown",
+        ),
+        Kind(
             name="bifurcation_diagram", meaning="bifurcation diagram",
             variables="extremum_radius(extremum) response " + _STARTS,
             dims=("omega", "zeta", "delta0", "start"),

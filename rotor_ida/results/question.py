@@ -34,9 +34,9 @@ VALUES = {
 # The functions that can be asked again: those of the results that are verified or studies.
 VERBS = frozenset({
     "simulate", "run_up", "drop", "drop_ensemble", "sweep", "run_ups", "bifurcation_diagram",
-    "basin", "basin_fractions", "continue_attractors", "limit_cycle", "continue_cycle",
-    "bifurcation_curve", "synchronous_response", "folds", "hopf_points", "special_speeds",
-    "campbell", "clearance_report", "lyapunov_exponent", "poincare_section",
+    "basin", "basin_fractions", "continue_attractors", "touchdown_report", "limit_cycle",
+    "continue_cycle", "bifurcation_curve", "synchronous_response", "folds", "hopf_points",
+    "special_speeds", "campbell", "clearance_report", "lyapunov_exponent", "poincare_section",
 })  # fmt: skip
 # The entry of plain values that says of what type they are, and one of these types.
 TYPE, DATASET = "type", "Dataset"

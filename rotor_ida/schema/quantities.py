@@ -568,6 +568,13 @@ QUANTITIES: dict[str, Quantity] = {
         for name in ("x", "y", "vx", "vy")
     },
     **{
+        f"{kind}_shock_{when}": Quantity(
+            f"displacement and velocity of all coordinates {when} the {kind} shock"
+        )
+        for kind in ("velocity", "displacement")
+        for when in ("before", "after")
+    },
+    **{
         f"{name}_{side}": Quantity(f"{side}est {name} at which the attractor exists")
         for name in WITH_EXTENTS
         for side in ("low", "high")

@@ -35,6 +35,7 @@ from rotor_ida.model.contact import contact_force, secant_stiffness
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema.flags import ENTRY
 from rotor_ida.simulation.flow import DiscFlow, Window
+from rotor_ida.simulation.systems.flow import SystemFlow
 
 CONTACT_FREE = "contact_free"
 SYNCHRONOUS = "synchronous"
@@ -239,6 +240,10 @@ def touches_fade(window: Window) -> bool:
     growth = _growth_from_touch_to_touch(window)
     if growth is None:
         return False
+    if isinstance(window.flow, SystemFlow):
+        number = int(window.contacts["contact"][0])
+        law = window.flow.touch_fading(number, abs(complex(window.places[0, :-1, number].mean())))
+        return bool((np.abs(growth / law - 1.0) <= LIKE_THE_LAW).all())
     rotor = _rotor_of(window)
     if rotor.shaft_stiffness > 0.0 or rotor.load > 0.0:
         return False
@@ -270,19 +275,25 @@ def touches_grow_slighter(window: Window) -> bool:
 def _growth_from_touch_to_touch(window: Window) -> Values | None:
     """Return the growth of 1/h, h the indentation; None unless it touches once a revolution.
 
-    With a linear contact it is the growth of ``1/sqrt(h)``. None for a rotor system.
+    With a linear contact it is the growth of ``1/sqrt(h)``. None for a rotor system that touches
+    in several contacts.
     """
-    if not isinstance(window.flow, DiscFlow):
-        return None
     contacts = window.contacts
-    entry, leaving, depth = contacts["entry"], contacts["exit"], contacts["peak_root"] ** 2
-    whole = np.isfinite(entry) & np.isfinite(leaving) & (depth > 0.0)
+    if isinstance(window.flow, SystemFlow):
+        numbers = np.unique(contacts["contact"]).astype(int)
+        if numbers.size != 1:
+            return None
+        exponent = window.flow.problem.assembly.contacts[numbers[0]].exponent
+    else:
+        exponent = _rotor_of(window).contact_exponent
+    depth = contacts["peak_root"] ** 2
+    whole = np.isfinite(contacts["entry"]) & np.isfinite(contacts["exit"]) & (depth > 0.0)
     if whole.sum() < FEWEST_TOUCHES:
         return None
     revolutions = np.diff(contacts["peak_time"][whole]) / window.flow.revolution
     if (np.abs(revolutions - 1.0) > ONCE_A_REVOLUTION).any():
         return None
-    growth: Values = np.diff(depth[whole] ** (0.5 - window.flow.rotor.contact_exponent))
+    growth: Values = np.diff(depth[whole] ** (0.5 - exponent))
     return growth
 
 

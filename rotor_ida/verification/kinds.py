@@ -179,6 +179,14 @@ VERIFIED = {
         ("missed_fraction", "count", "kind", *PARAMETERS, *NUMBERS),
         ("labelling_rtol", "starts"), lambda _, __: {"target": "shocks are not computed again"},
     ),
+    "system_atlas": Verification(
+        ("missed_fraction", "count", "kind", "speed", *NUMBERS), ("labelling_rtol", "starts"),
+        _ends_of_attractors,
+    ),
+    **dict.fromkeys(("touchdown", "system_touchdown"), Verification(
+        ("missed_fraction", "fraction", "kind", *NUMBERS[2:]), ("labelling_rtol", "starts"),
+        _ends_of_attractors,
+    )),
     "whirls": Verification(
         ("amplitude", *PARAMETERS)
     ),

@@ -170,7 +170,7 @@ def test_copies_of_a_cycle_of_two_revolutions_are_one_attractor():
     flow = SystemFlow.at(SettlingProblem.of(assemble(system), 1e-10), 1.7, NO_STOP)
     starts = Box.of(12, 2, x=(-2, 2), y=(-2, 2), vx=0.0, vy=0.0).starts(0, 12)
     knocked = KnockedSystem.at(flow.problem, 1.7, "disc", None)
-    rows = [system_labels._settled(flow, state) for state in knocked.states(flow, starts)]
+    rows = [system_labels.settled_row(flow, state) for state in knocked.states(flow, starts)]
     apart = [np.abs(row["final_state"] - rows[0]["final_state"]).max() for row in rows]
     assert max(apart) > 0.1
     met = Attractors(flow)
@@ -180,7 +180,7 @@ def test_copies_of_a_cycle_of_two_revolutions_are_one_attractor():
 def test_motions_that_differ_are_not_taken_for_one():
     """Of a pair that only its sense of offset tells apart radii are equal, and states are not."""
     flow = SystemFlow.at(SettlingProblem.of(assemble(LOADED.system()), 1e-10), 1.7, NO_STOP)
-    row = system_labels._settled(flow, np.array([0.3, 0.0, 0.0, 0.0]))
+    row = system_labels.settled_row(flow, np.array([0.3, 0.0, 0.0, 0.0]))
     mirrored, longer, wider = row.copy(), row.copy(), row.copy()
     mirrored["final_state"] *= -1.0
     longer["period"] *= 1.01

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from operator import attrgetter
+from typing import Any, Generic, Protocol, TypeVar
 
 import numpy as np
 import numpy.typing as npt
@@ -32,9 +34,9 @@ from rotor_ida.schema import RESPONSE, TRAPPING, by_number
 
 # Most starts of one rotor, so that its labels fit into memory many times.
 MOST_STARTS = 1_000_000
-# Quantiles of the times after which starts are decided: the median, and 95 %.
 # Parameters of the rotor in an archived cell: the paper's, the general ones, and the disc radius.
 OF_MACHINES = (*PARAMETERS, *FRICTIONLESS)
+# Quantiles of the times after which starts are decided: the median, and 95 %.
 QUANTILES = (0.5, 0.95)
 # Their values without any start.
 NEVER = np.full(2, np.nan)
@@ -43,11 +45,27 @@ _KIND = by_number(RESPONSE)
 _TRAPPING = by_number(TRAPPING)
 
 
+class Described(Protocol):
+    """An attractor with what is reported of it."""
+
+    @property
+    def kind(self) -> str:
+        """One of the kinds of `rotor_ida.steady.response`."""
+
+    @property
+    def numbers(self) -> Mapping[str, Any]:
+        """Numbers by name; of a rotor system also arrays over its contacts, nodes and state."""
+
+
+Found = TypeVar("Found", bound=Described)
+Turned = TypeVar("Turned")
+
+
 @dataclass(slots=True)
-class Member:
+class Member(Generic[Found]):
     """An attractor of one rotor, with the starts that end on it."""
 
-    attractor: Attractor
+    attractor: Found
     count: int  # number of these starts
     settling: Values  # median and 95 % of the times after which they are decided [1]; NaN if none
     # on the rotating axes, of a limit cycle or of a torus, or of rolling without a period [1];
@@ -58,11 +76,11 @@ class Member:
 
 
 @dataclass(slots=True)
-class Cell:
-    """One rotor with its attractors."""
+class Cell(Generic[Turned, Found]):
+    """One rotor, or a rotor system at a speed, with its attractors."""
 
-    rotor: Rotor
-    members: list[Member] = field(default_factory=list)
+    rotor: Turned
+    members: list[Member[Found]] = field(default_factory=list)
     undecided: int = 0  # number of starts, as the next one
     not_computed: int = 0
     entropies: tuple[float, float] = (math.nan, math.nan)  # of the basins and of their boundary
@@ -70,6 +88,9 @@ class Cell:
     rechecked: npt.NDArray[np.int64] = field(default_factory=lambda: np.zeros(2, dtype=np.int64))
     # the largest change of velocity and of position that was tried [1]
     largest_shocks: tuple[float, float] = (math.nan, math.nan)
+
+
+DiscCell = Cell[Rotor, Attractor]
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,7 +103,7 @@ class CellJob:
     shocks: int = 0
 
 
-def fill_cell(job: CellJob, stop: Stop) -> Cell:
+def fill_cell(job: CellJob, stop: Stop) -> DiscCell:
     """Follow all starts of a rotor, count them by attractor, and try shocks."""
     cell, search = counted_cell(job, stop)
     if search is not None:
@@ -93,25 +114,17 @@ def fill_cell(job: CellJob, stop: Stop) -> Cell:
 
 def counted_cell(
     job: CellJob, stop: Stop, watch: Watch | None = None
-) -> tuple[Cell, Search | None]:
+) -> tuple[DiscCell, Search | None]:
     """Follow all starts of a rotor, and count them by attractor; return the search for shocks.
 
     `watch` is as for `follow_here`.
     """
     known = known_from_closed_forms(job.rotor, stop)
     followed = follow_here(known, job.states, job.tolerance, stop, watch)
-    cell, attractors = Cell(job.rotor), attractors_of(followed)
-    cell.undecided = int((followed.labels == UNDECIDED).sum())
-    cell.not_computed = int((followed.labels == NOT_COMPUTED).sum())
-    cell.rechecked = followed.rechecked
-    family = family_of([each.kind for each in attractors])
-    cell.entropies = sample_entropy(job.states, followed.labels, family)
-    for number, attractor in enumerate(attractors):
-        own = followed.labels == number
-        times = followed.times[own]
-        settling = np.quantile(times, QUANTILES) if times.size else NEVER
-        state = _state_on(job, followed, number, attractor)
-        cell.members.append(Member(attractor, int(own.sum()), settling, state))
+    attractors = attractors_of(followed)
+    cell = cell_of(job.rotor, attractors, job.states, followed)
+    for number, member in enumerate(cell.members):
+        member.state = _state_on(job, followed, number, member.attractor)
     if not job.shocks or stop[0]:
         return cell, None
     search = _search_among(job, followed, attractors, stop)
@@ -119,7 +132,39 @@ def counted_cell(
     return cell, search
 
 
-def fills_of(cell: Cell, search: Search) -> list[Fill]:
+class Followed(Protocol):
+    """Starts that were followed."""
+
+    @property
+    def labels(self) -> npt.NDArray[np.int16]:
+        """Number of the attractor of each, or a fate."""
+
+    @property
+    def times(self) -> npt.NDArray[np.float32]:
+        """When each was decided."""
+
+    @property
+    def rechecked(self) -> npt.NDArray[np.int64]:
+        """How many were labelled again, and how many of them alike."""
+
+
+def cell_of(
+    rotor: Turned, attractors: Sequence[Found], states: Values, followed: Followed
+) -> Cell[Turned, Found]:
+    """Return a cell with the starts, shape (4, n), counted by attractor."""
+    labels, cell = followed.labels, Cell[Turned, Found](rotor)
+    cell.undecided = int((labels == UNDECIDED).sum())
+    cell.not_computed = int((labels == NOT_COMPUTED).sum())
+    cell.rechecked = followed.rechecked
+    cell.entropies = sample_entropy(states, labels, family_of([each.kind for each in attractors]))
+    for number, attractor in enumerate(attractors):
+        times = followed.times[labels == number]
+        settling = np.quantile(times, QUANTILES) if times.size else NEVER
+        cell.members.append(Member(attractor, times.size, settling, np.full(4, np.nan)))
+    return cell
+
+
+def fills_of(cell: DiscCell, search: Search) -> list[Fill]:
     """Return independent jobs that find how far each attractor of a cell is from being left."""
     resilience, fills = resilience_of(search)
     for member, each in zip(cell.members, resilience, strict=True):
@@ -167,16 +212,11 @@ def _cycle_of(followed: FollowedStarts, attractor: Attractor) -> Orbit | None:
     return next((each for each in cycles if (each.duration, each.radius_max) == known), None)
 
 
-def _as_arrays(cell: Cell) -> Arrays:
-    members, names = cell.members, OF_MACHINES if cell.rotor.beyond else PARAMETERS
-    names = names if cell.rotor.disc_radius is None else ALL_PARAMETERS
-    attractors = [each.attractor for each in members]
+def arrays_of(cell: Cell[Any, Any]) -> Arrays:
+    """Return what is stored of a cell besides its rotor and its attractors."""
+    members = cell.members
     arrays = {
-        "rotor": np.array([getattr(cell.rotor, name) for name in names]),
         "left": np.array([cell.undecided, cell.not_computed]),
-        "kind": np.array([RESPONSE[each.kind] for each in attractors], dtype=np.int8),
-        "trapping": np.array([TRAPPING[each.trapping] for each in attractors], dtype=np.int8),
-        "numbers": np.array([[getattr(each, name) for name in NUMBERS] for each in attractors]),
         "count": np.array([each.count for each in members], dtype=np.int64),
         "settling": np.array([each.settling for each in members]),
         "state": np.array([each.state for each in members]),
@@ -190,19 +230,16 @@ def _as_arrays(cell: Cell) -> Arrays:
     return arrays
 
 
-def _from_arrays(arrays: Arrays) -> Cell:
-    # parameters after the paper's are absent where they are the default
-    given = zip(ALL_PARAMETERS, arrays["rotor"].tolist(), strict=False)
-    cell = Cell(Rotor(**dict(given)))
+def cell_from(rotor: Turned, attractors: Sequence[Found], arrays: Arrays) -> Cell[Turned, Found]:
+    """Return a stored cell: the inverse of `arrays_of`."""
+    cell = Cell[Turned, Found](rotor)
     cell.undecided, cell.not_computed = arrays["left"].tolist()
     cell.entropies = tuple(arrays["entropies"].tolist())
     cell.rechecked = arrays.get("rechecked", cell.rechecked)  # absent in old files
     cell.largest_shocks = tuple(arrays["largest_shocks"].tolist())
-    for place, (kind, trapping, count) in enumerate(
-        zip(*(arrays[name].tolist() for name in ("kind", "trapping", "count")), strict=True)
+    for place, (attractor, count) in enumerate(
+        zip(attractors, arrays["count"].tolist(), strict=True)
     ):
-        numbers = dict(zip(NUMBERS, arrays["numbers"][place].tolist(), strict=True))
-        attractor = Attractor(_KIND[kind], trapping=_TRAPPING[trapping], **numbers)
         member = Member(attractor, count, arrays["settling"][place], arrays["state"][place])
         if "sizes" in arrays:
             kept = {name: arrays[name][place] for name in RESILIENCE if name in arrays}
@@ -210,6 +247,31 @@ def _from_arrays(arrays: Arrays) -> Cell:
             member.resilience = Resilience(**kept)
         cell.members.append(member)
     return cell
+
+
+def _as_arrays(cell: DiscCell) -> Arrays:
+    names = OF_MACHINES if cell.rotor.beyond else PARAMETERS
+    names = names if cell.rotor.disc_radius is None else ALL_PARAMETERS
+    attractors = [each.attractor for each in cell.members]
+    return arrays_of(cell) | {
+        "rotor": np.array([getattr(cell.rotor, name) for name in names]),
+        "kind": np.array([RESPONSE[each.kind] for each in attractors], dtype=np.int8),
+        "trapping": np.array([TRAPPING[each.trapping] for each in attractors], dtype=np.int8),
+        "numbers": np.array([[getattr(each, name) for name in NUMBERS] for each in attractors]),
+    }
+
+
+def _from_arrays(arrays: Arrays) -> DiscCell:
+    # parameters after the paper's are absent where they are the default
+    given = zip(ALL_PARAMETERS, arrays["rotor"].tolist(), strict=False)
+    attractors = [
+        Attractor(_KIND[kind], trapping=_TRAPPING[trapping],
+                  **dict(zip(NUMBERS, numbers, strict=True)))
+        for kind, trapping, numbers in zip(
+            *(arrays[name].tolist() for name in ("kind", "trapping", "numbers")), strict=True
+        )
+    ]  # fmt: skip
+    return cell_from(Rotor(**dict(given)), attractors, arrays)
 
 
 FORM = Form("cell of an atlas", _as_arrays, _from_arrays)

@@ -3,21 +3,37 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import closing
 from operator import attrgetter
-from typing import Unpack
+from typing import Any, Unpack
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.basins.atlas.cells import FORM, MOST_STARTS, Cell, CellJob, fill_cell
+from rotor_ida.basins.atlas.cells import (
+    FORM,
+    MOST_STARTS,
+    Cell,
+    CellJob,
+    Found,
+    Turned,
+    fill_cell,
+)
 from rotor_ida.basins.atlas.dataset import atlas_dataset, how_computed
-from rotor_ida.basins.atlas.identities import identify
+from rotor_ida.basins.atlas.identities import identify, successor_of_disc
+from rotor_ida.basins.atlas.system_cells import (
+    SystemCellJob,
+    fill_system_cell,
+    successor_in_system,
+    system_form,
+)
 from rotor_ida.basins.basin import LOOSEST, TIGHTEST, check_rotor
 from rotor_ida.basins.following import RTOL
+from rotor_ida.basins.system_labels import how_labelled
+from rotor_ida.basins.system_starts import knocked_systems
 from rotor_ida.checks import (
     COMPONENTS,
     MOST_SHOCKS,
@@ -26,61 +42,91 @@ from rotor_ida.checks import (
     check_between,
     check_count,
     check_increasing,
+    check_name,
     check_progress,
     check_seed,
     is_scalar,
     shown,
 )
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import Parameters
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
-from rotor_ida.model.varied import Varied, varied_of
-from rotor_ida.parallel import FailedJob, Progress, choose, interruptible, run_all, shows_progress
-from rotor_ida.results.in_si import varies_in_si
+from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.model.system_parameters import AnyAxes
+from rotor_ida.model.varied import Varied, varied_of, varied_system_of
+from rotor_ida.parallel import (
+    FailedJob,
+    Progress,
+    Stop,
+    Workers,
+    choose,
+    interruptible,
+    run_all,
+    shows_progress,
+)
+from rotor_ida.parallel.jobs import Job
+from rotor_ida.results.in_si import takes_rotors
+from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
-from rotor_ida.results.studies.results import Results, open_results
+from rotor_ida.results.studies.results import Form, Results, open_results
+from rotor_ida.results.system_units import with_system_units
 from rotor_ida.simulation.options import LARGEST
-from rotor_ida.simulation.starts import box_of, drawn_from, range_of
+from rotor_ida.simulation.starts import Start, box_of, drawn_from, range_of
+from rotor_ida.steady.system_sweep import places_of, turning_speeds, with_meanings
 
 # The atlas is drawn over a line or a plane.
 MOST_AXES = 2
 # At the end all rotors and their attractors are in memory.
 MOST_ROTORS = 100_000
+# How points are followed: by whom, what reports the progress, and the study.
+Jobs = tuple[Workers, Progress | None, str | os.PathLike[str] | None]
 
 
-@varies_in_si
+@takes_rotors(
+    system=("node", "start", "modes"), needed=("speed", "node"),
+    defaults={"starts": (1000, 100)}, varies=True,
+)  # fmt: skip
 @shows_progress
 def continue_attractors(
-    rotor: Rotor | DimensionalRotor | None = None,
+    rotor: Rotor | DimensionalRotor | RotorSystem | None = None,
     *,
+    speed: npt.ArrayLike | None = None,
+    node: str | None = None,
     x: npt.ArrayLike = 0.0,
     y: npt.ArrayLike = 0.0,
     vx: npt.ArrayLike = 0.0,
     vy: npt.ArrayLike = 0.0,
-    starts: int | npt.ArrayLike = 1000,
+    starts: int | npt.ArrayLike | None = None,
     seed: int = 0,
+    start: Start | xr.Dataset = None,
+    modes: int | None = None,
     rtol: float | None = None,
     shocks: int = 0,
     workers: int | None = None,
     executor: str = "auto",
     study: str | os.PathLike[str] | None = None,
     progress: Progress | bool | None = None,
-    **varied: Unpack[Parameters],
+    **varied: Unpack[AnyAxes],
 ) -> xr.Dataset:
     """Compute the attractors over speed, damping or clearance, and their basin fractions.
 
     Parameters
     ----------
-    rotor : Rotor or DimensionalRotor, optional
+    rotor : Rotor, DimensionalRotor or RotorSystem, optional
         The rotor. Without it, ``omega``, ``zeta`` and ``delta0`` must be given.
+    speed, node
+        Spin speeds of a `RotorSystem`, not 0, and the node whose starts these are, as for
+        `rotor_ida.basin`. The speeds of a `DimensionalRotor` are a parameter of it.
     x, y, vx, vy : float or array_like, shape (2,)
         Components of the start [1]: numbers, or ranges ``(low, high)`` from which they are drawn
         independently and uniformly.
     starts : int or array_like, shape (n, 4)
-        Number of starts, the same for all rotors; or the starts themselves, ``(x, y, vx, vy)`` [1],
-        drawn from any distribution; the ranges must then be left out.
+        Number of starts, the same for all rotors, by default 1000 and of a `RotorSystem` 100; or
+        the starts themselves, ``(x, y, vx, vy)`` [1], drawn from any distribution; the ranges must
+        then be left out.
     seed : int
         Seed of the random numbers: the same seed gives the same starts.
+    start, modes
+        Of a `RotorSystem`, as for `rotor_ida.basin`.
     shocks : int
         Number of shocks of velocity and of displacement tried to each attractor of each rotor, as
         for `rotor_ida.touchdown_report`; with 0 none.
@@ -92,7 +138,9 @@ def continue_attractors(
         Parameters of `Rotor` by name [1], in place of those of `rotor`. In total one or two
         are increasing arrays, the others numbers. An array becomes a dimension; a number other
         than the default becomes a coordinate. ``zeta`` must be above 0, and ``load`` must be 0:
-        under a load there is no synchronous whirl.
+        under a load there is no synchronous whirl. Of a `RotorSystem` the speed or one of
+        ``damping``, ``stiffness``, ``clearance``, ``friction`` and ``unbalance``, as for
+        `rotor_ida.sweep`, besides its fields.
 
     Returns
     -------
@@ -106,7 +154,9 @@ def continue_attractors(
         With `shocks`, as in `rotor_ida.touchdown_report`: ``velocity_shock`` and
         ``displacement_shock`` on ``attractor`` and ``target``, their bounds and the extents of the
         attractor on ``attractor``. The scalar ``missed_fraction``: the sample misses an attractor
-        with this fraction of all starts with a probability of 5 %.
+        with this fraction of all starts with a probability of 5 %. Of a `RotorSystem` the numbers
+        of an attractor are those of `rotor_ida.basin`, on contacts and nodes, and there are no
+        bounds of shocks and no extents.
 
     Raises
     ------
@@ -125,6 +175,10 @@ def continue_attractors(
     rotor ends on a followed attractor, it is listed there with the fraction 0: its basin is too
     small for the sample. Where a period doubles, the cycle of twice the period is a new attractor.
 
+    Attractors of a `RotorSystem` at neighbouring points have one number if each leads to the other
+    where the system is followed from it at the other point, so that a step must not be so large
+    that an attractor leaves its basin. All contact-free motions count as one attractor.
+
     References
     ----------
     G. Datseris, K. Luiz Rossi, A. Wagemakers, "Framework for global stability analysis of dynamical
@@ -138,37 +192,90 @@ def continue_attractors(
     array([1., 1.])
     >>> found.amplitude.squeeze().sel(omega=1.7).values.round(4)
     array([1.8796, 9.4872])
+
+    >>> system = Rotor(omega=1.0, zeta=0.1, delta0=1.5, shaft_stiffness=0.1).system()
+    >>> found = continue_attractors(system, speed=[0.7, 0.72], node="disc", x=(-1.5, 0), y=(-2, -1),
+    ...                             starts=8)
+    >>> found["count"].values.tolist()
+    [[2, 6], [5, 3]]
     """
+    states, drawn = _states({"x": x, "y": y, "vx": vx, "vy": vy}, starts, seed)
+    tried = check_count("shocks", shocks, minimum=0, maximum=MOST_SHOCKS)
+    jobs = choose(executor, workers, compiled=True), check_progress(progress), study
+    if isinstance(rotor, RotorSystem):
+        asked = varied_system_of(
+            continue_attractors, rotor, varied,
+            turning_speeds(speed, "for a basin of a rotor system"),
+        )  # fmt: skip
+        return _atlas_of_system(
+            _check_grid(asked), check_name("node", node), states, drawn, tried, jobs,
+            start=start, modes=modes, rtol=rtol,
+        )  # fmt: skip
     grid = _check_grid(varied_of(continue_attractors, rotor, varied))
     rotors = list(grid.rotors())
     for each in rotors:
         check_rotor(each, "an atlas")
-    progress = check_progress(progress)
-    states, drawn = _states({"x": x, "y": y, "vx": vx, "vy": vy}, starts, seed)
     tolerance = RTOL if rtol is None else check_between("rtol", rtol, TIGHTEST, LOOSEST)
-    tried = check_count("shocks", shocks, minimum=0, maximum=MOST_SHOCKS)
-    place, several = choose(executor, workers, compiled=True)
-    asked = {**grid.design, **drawn, "rtol": tolerance, "shocks": tried}
-    question = Question("continue_attractors", asked)
-    with open_results(study, question.design(), len(rotors), FORM) as kept:
-        jobs = [CellJob(each, states, tolerance, tried) for each in rotors]
-        reason = _fill(jobs, kept, place, several, progress)
-        cells = [Cell(each, not_computed=states.shape[1]) for each in rotors]
-        for number, cell in kept.results():
-            cells[number] = cell
-    interruptible(lambda stop: identify(cells, _lines(grid), stop))
-    description = {f"range_{each}" if each in COMPONENTS else each: drawn[each] for each in drawn}
-    rubs_most = max(rotors, key=attrgetter("friction"))
-    attributes = {**how_computed(tolerance, tried, rubs_most), **description}
-    attributes |= question.attribute()
-    if reason:
-        attributes["not_computed_reason"] = reason
+    asked_of = {**grid.design, **drawn, "rtol": tolerance, "shocks": tried}
+    question = Question("continue_attractors", asked_of)
+    cells, reason = _filled(
+        [CellJob(each, states, tolerance, tried) for each in rotors], rotors, states.shape[1],
+        question, FORM, fill_cell, *jobs,
+    )  # fmt: skip
+    interruptible(lambda stop: identify(cells, _lines(grid), successor_of_disc, stop))
+    how = how_computed(tolerance, tried, max(rotors, key=attrgetter("friction")))
+    attributes = how | _described(drawn, reason) | question.attribute()
     return atlas_dataset(grid, cells, states.shape[1], attributes)
 
 
+def _atlas_of_system(
+    grid: Varied, node: str, states: Values, drawn: Mapping[str, object], shocks: int, jobs: Jobs,
+    **given: Any,
+) -> xr.Dataset:  # fmt: skip
+    """Return the attractors of a rotor system over its speed and its parameters."""
+    varied, knocked = knocked_systems(grid, node, **given)
+    question = Question("continue_attractors", {
+        "rotor": grid.base, **grid.design, **drawn, "node": node, "start": varied.kept[0],
+        "modes": given["modes"], "rtol": varied.rtol, "shocks": shocks,
+    })  # fmt: skip
+    cells, reason = _filled(
+        [SystemCellJob(each, states, shocks) for each in knocked], knocked, states.shape[1],
+        question, system_form(knocked[0]), fill_system_cell, *jobs,
+    )  # fmt: skip
+    for cell, each in zip(cells, knocked, strict=True):
+        cell.rotor = each
+    interruptible(lambda stop: identify(cells, _lines(grid), successor_in_system, stop))
+    how = {**provenance(how_labelled(varied.rtol)), "shocks": shocks, "knocked_node": node}
+    attributes = how | _described(drawn, reason) | question.attribute()
+    found = atlas_dataset(
+        varied.varied, cells, states.shape[1], attributes, places_of(varied.varied)
+    )
+    return with_meanings(with_system_units(found, grid.base), grid)
+
+
+def _described(drawn: Mapping[str, object], reason: str) -> dict[str, object]:
+    """Return attributes that describe the starts, and why some were not followed."""
+    told = {f"range_{each}" if each in COMPONENTS else each: drawn[each] for each in drawn}
+    return told | ({"not_computed_reason": reason} if reason else {})
+
+
+def _filled(
+    jobs: Sequence[Job], rotors: Sequence[Turned], starts: int, question: Question,
+    form: Form[Cell[Turned, Found]], fill: Callable[[Job, Stop], Cell[Turned, Found]],
+    workers: Workers, progress: Progress | None, study: str | os.PathLike[str] | None,
+) -> tuple[list[Cell[Turned, Found]], str]:  # fmt: skip
+    """Return the cell of each rotor, and why one failed, or nothing."""
+    with open_results(study, question.design(), len(rotors), form) as kept:
+        reason = _fill(jobs, kept, fill, workers, progress)
+        cells = [Cell[Turned, Found](each, not_computed=starts) for each in rotors]
+        for number, cell in kept.results():
+            cells[number] = cell
+    return cells, reason
+
+
 def _fill(
-    jobs: list[CellJob], kept: Results[Cell], executor: str, workers: int | None,
-    progress: Progress | None,
+    jobs: Sequence[Job], kept: Results[Cell[Turned, Found]],
+    fill: Callable[[Job, Stop], Cell[Turned, Found]], workers: Workers, progress: Progress | None,
 ) -> str:  # fmt: skip
     """Follow the starts of each rotor that is not stored; return why one failed, or nothing."""
     due = [number for number in range(len(jobs)) if number not in kept.done]
@@ -178,7 +285,8 @@ def _fill(
     if not due:
         return reason
     chosen = (jobs[number] for number in due)
-    with closing(run_all(fill_cell, chosen, workers=workers, executor=executor)) as ended:
+    ran = run_all(fill, chosen, workers=workers.number, executor=workers.executor)
+    with closing(ran) as ended:
         for turn, cell in ended:
             if isinstance(cell, FailedJob):
                 reason = cell.reason

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -13,7 +14,6 @@ from rotor_ida.basins.atlas.cells import Cell, Member
 from rotor_ida.basins.atlas.extents import varied
 from rotor_ida.basins.atlas.resilience import Resilience, witness_options
 from rotor_ida.basins.atlas.shocks import KINDS
-from rotor_ida.basins.attractors import NUMBERS
 from rotor_ida.basins.dataset import ENTROPIES, agreement_of, followed_by, labelled_how
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.varied import Varied
@@ -27,13 +27,24 @@ from rotor_ida.schema import (
     Column,
     labelled_dataset,
 )
+from rotor_ida.steady.system_sweep import OF_CONTACT, OF_NODE
 
 # Largest probability that the sample misses an attractor with more than `missed_fraction`.
 RISK = 0.05
 # Lower and upper end of the values of a parameter at which an attractor exists.
 SIDES = ("low", "high")
+# Dimensions of the numbers of an attractor of a rotor system besides the attractor.
+BEHIND = {
+    **dict.fromkeys((*OF_CONTACT, "touched", "excursion", "mean_force"), ("contact",)),
+    **dict.fromkeys(("contacts_per_revolution", "contact_fraction"), ("contact",)),
+    **dict.fromkeys(("contact_loss_per_revolution", "heat_per_revolution"), ("contact",)),
+    **dict.fromkeys(("slip_distance_per_revolution", "rolling_fraction"), ("contact",)),
+    **dict.fromkeys((*OF_NODE, "whirl_over_spin", "whirl_sense"), ("node",)),
+    "side_line_over_spin": ("node",), "final_state": ("component",),
+}  # fmt: skip
 # Fill values where there is no such attractor; other columns use NaN.
 FLAGS = {
+    "touched": 0,
     "whirl_sense": WHIRL_DIRECTION["none"],
     "kind": RESPONSE["not_found"],
     "trapping": TRAPPING["none"],
@@ -42,17 +53,21 @@ FLAGS = {
 
 
 def atlas_dataset(
-    grid: Varied, cells: Sequence[Cell], starts: int, attributes: Mapping[str, object]
-) -> xr.Dataset:
-    """Return the attractors over the parameters; `starts` is the number of starts of each rotor."""
+    grid: Varied, cells: Sequence[Cell[Any, Any]], starts: int, attributes: Mapping[str, object],
+    places: Mapping[str, Column] = {},
+) -> xr.Dataset:  # fmt: skip
+    """Return the attractors over the parameters; `starts` is the number of starts of each rotor.
+
+    `places` are the contacts and nodes of a rotor system.
+    """
     members = [each for cell in cells for each in cell.members]
     count = 1 + max((each.identity for each in members), default=-1)
     columns = _columns(cells, count, starts)
-    coordinates = {**grid.coordinates, "attractor": ("attractor", np.arange(count))}
+    coordinates = {**grid.coordinates, **places, "attractor": ("attractor", np.arange(count))}
     if any(each.resilience is not None for each in members):
         columns |= _shocks(cells, count)
         coordinates["target"] = ("target", np.arange(count))
-    over = (*grid.dims, "attractor", "target")
+    over = ("attractor", "target")
     of_cell: dict[str, npt.ArrayLike] = {
         "undecided_fraction": [
             each.undecided / max(starts - each.not_computed, 1) for each in cells
@@ -67,11 +82,16 @@ def atlas_dataset(
     variables: dict[str, Column] = {}
     for name, column in columns.items():
         own = column.shape[1:]  # along the attractors, and of shocks along their targets
-        dims = over[: len(grid.dims) + len(own)]
+        behind = BEHIND.get(name, ()) if places else ()
+        dims = (*grid.dims, *over[: len(own) - len(behind)], *behind)
         variables[name] = (dims, column.reshape(*grid.shape, *own))
     variables["missed_fraction"] = ((), missed_fraction(starts))
-    title = "Rotor in a clearance: attractors and the fractions of starts on each"
-    return labelled_dataset(title, variables, coordinates, _flat(attributes), kind="atlas")
+    title, told = "attractors and the fractions of starts on each", _flat(attributes)
+    if places:
+        title = f"Rotor system: {title}"
+        return labelled_dataset(title, variables, coordinates, told, kind="system_atlas")
+    title = f"Rotor in a clearance: {title}"
+    return labelled_dataset(title, variables, coordinates, told, kind="atlas")
 
 
 def how_computed(tolerance: float, shocks: int, rotor: Rotor) -> dict[str, object]:
@@ -87,16 +107,14 @@ def missed_fraction(starts: int) -> float:
     return float(1.0 - RISK ** (1.0 / starts))
 
 
-def member_row(rotor: Rotor, member: Member, computed: int) -> dict[str, float]:
+def member_row(rotor: object, member: Member[Any], computed: int) -> dict[str, Any]:
     """Return the numbers of an attractor by name; `computed` is the number of computed starts."""
-    attractor = member.attractor
-    row = {name: getattr(attractor, name) for name in NUMBERS}
-    row |= {"kind": RESPONSE[attractor.kind], "trapping": TRAPPING[attractor.trapping]}
+    row = dict(member.attractor.numbers)
     part = member.count / computed if computed else math.nan
     error = math.sqrt(part * (1.0 - part) / computed) if computed else math.nan
     row |= {"count": member.count, "fraction": part, "fraction_error": error}
     row["settling_median"], row["settling_95"] = member.settling.tolist()
-    if member.resilience is not None:
+    if member.resilience is not None and isinstance(rotor, Rotor):
         row |= _resilience_row(rotor, member.resilience)
     return row
 
@@ -112,13 +130,15 @@ def _resilience_row(rotor: Rotor, told: Resilience) -> dict[str, float]:
 
 
 def column_of(name: str, shape: tuple[int, ...]) -> npt.NDArray[np.generic]:
-    """Return an empty column."""
+    """Return an empty column: of these numbers, with those of a contact or node behind."""
     if name in FLAGS:
         return np.full(shape, FLAGS[name], dtype=np.int8)
     return np.zeros(shape, dtype=np.int64) if name == "count" else np.full(shape, np.nan)
 
 
-def _columns(cells: Sequence[Cell], count: int, starts: int) -> dict[str, npt.NDArray[np.generic]]:
+def _columns(
+    cells: Sequence[Cell[Any, Any]], count: int, starts: int
+) -> dict[str, npt.NDArray[np.generic]]:
     """Return the numbers of each attractor of each rotor, shape (cells, count)."""
     columns: dict[str, npt.NDArray[np.generic]] = {}
     for place, cell in enumerate(cells):
@@ -126,12 +146,12 @@ def _columns(cells: Sequence[Cell], count: int, starts: int) -> dict[str, npt.ND
             row = member_row(cell.rotor, each, starts - cell.not_computed)
             for name, value in row.items():
                 if name not in columns:
-                    columns[name] = column_of(name, (len(cells), count))
+                    columns[name] = column_of(name, (len(cells), count, *np.shape(value)))
                 columns[name][place, each.identity] = value
     return columns
 
 
-def _shocks(cells: Sequence[Cell], count: int) -> dict[str, npt.NDArray[np.generic]]:
+def _shocks(cells: Sequence[Cell[Any, Any]], count: int) -> dict[str, npt.NDArray[np.generic]]:
     """Return the smallest shocks from each attractor to each, shape (cells, count, count)."""
     names = [f"{kind}_shock{what}" for what in ("", "_scatter") for kind in KINDS]
     columns = {name: np.full((len(cells), count, count), np.nan) for name in names}

@@ -1,5 +1,7 @@
 """Identify attractors of neighbouring rotors by following each from rotor to rotor.
 
+This module has one disc; `rotor_ida.basins.atlas.system_cells` follows those of a rotor system.
+
 A limit cycle is followed along its branch by pseudo-arclength, a whirl along its exact response
 curve. If it reaches the neighbour stable, it is an attractor there, even if no start ended on it:
 this finds basins that no start has hit. The contact-free family, its touching edge, chaos and
@@ -9,15 +11,16 @@ motions with friction that have no period continue if both neighbours have them.
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from itertools import pairwise
+from typing import Any
 
 import numpy as np
 
 from rotor_ida.arrays import Stop
-from rotor_ida.basins.atlas.cells import NEVER, Cell, Member
+from rotor_ida.basins.atlas.cells import NEVER, Cell, DiscCell, Found, Member, Turned
 from rotor_ida.basins.atlas.extents import amplitudes_along
-from rotor_ida.basins.attractors import CONTACT_FREE_FAMILY, attractor_of_cycle
+from rotor_ida.basins.attractors import CONTACT_FREE_FAMILY, Attractor, attractor_of_cycle
 from rotor_ida.basins.cycle_sections import cycle_section
 from rotor_ida.basins.fates import APERIODIC
 from rotor_ida.basins.known import may_roll, same_numbers
@@ -42,6 +45,7 @@ STEPS = 64
 SAME_WHIRL = 1e-9
 # A rotor has at most one attractor of each of these kinds, the same as its neighbour's.
 SHARED = (response.CONTACT_FREE, response.TOUCHING, response.CHAOTIC)
+Successor = Callable[[Member[Found], Turned, Cell[Turned, Found], Stop], Member[Found] | None]
 # Attractors are numbered in this order of their kinds.
 KINDS = (
     response.CONTACT_FREE,
@@ -55,13 +59,17 @@ KINDS = (
 )
 
 
-def identify(cells: Sequence[Cell], lines: Sequence[Sequence[int]], stop: Stop) -> int:
+def identify(
+    cells: Sequence[Cell[Turned, Found]], lines: Sequence[Sequence[int]],
+    successor: Successor[Found, Turned], stop: Stop,
+) -> int:  # fmt: skip
     """Assign numbers to the attractors of all cells; return how many there are.
 
     `lines` contains the numbers of the cells along each line of the grid, one parameter rising.
-    Attractors that are found by following others are added to the cells.
+    `successor` returns the attractor of a cell that continues one of another, if there is one: it
+    may add it to the cell.
     """
-    links: list[tuple[Member, Member]] = []
+    links: list[tuple[Member[Found], Member[Found]]] = []
     joined: set[tuple[int, int]] = set()  # an attractor, and the neighbour in which it was found
     for line in lines:
         for way in (list(line), list(reversed(line))):
@@ -71,7 +79,7 @@ def identify(cells: Sequence[Cell], lines: Sequence[Sequence[int]], stop: Stop) 
                 for member in list(cells[here].members):
                     if (id(member), there) in joined:
                         continue
-                    other = _successor(member, cells[here].rotor, cells[there], stop)
+                    other = successor(member, cells[here].rotor, cells[there], stop)
                     if other is not None:
                         links.append((member, other))
                         joined |= {(id(member), there), (id(other), here)}
@@ -81,8 +89,10 @@ def identify(cells: Sequence[Cell], lines: Sequence[Sequence[int]], stop: Stop) 
     return _numbered(cells, links)
 
 
-def _successor(member: Member, rotor: Rotor, there: Cell, stop: Stop) -> Member | None:
-    """Return the attractor of a neighbouring cell that continues an attractor of a rotor."""
+def successor_of_disc(
+    member: Member[Attractor], rotor: Rotor, there: DiscCell, stop: Stop
+) -> Member[Attractor] | None:
+    """Return the attractor of a neighbouring cell that continues an attractor of one disc."""
     kind = member.attractor.kind
     lasting = kind in APERIODIC and math.isnan(member.attractor.period)
     if kind in SHARED or (may_roll(rotor) and lasting):
@@ -107,13 +117,15 @@ def _successor(member: Member, rotor: Rotor, there: Cell, stop: Stop) -> Member 
     return added
 
 
-def _of_kind(there: Cell, kind: str) -> Member | None:
+def _of_kind(there: DiscCell, kind: str) -> Member[Attractor] | None:
     """Return the attractor that is identified by its kind alone, if there is one."""
     alike = [each for each in there.members if each.attractor.kind == kind]
     return next((each for each in alike if math.isnan(each.attractor.period)), None)
 
 
-def followed_cycle(member: Member, here: Rotor, there: Rotor, stop: Stop) -> Orbit | None:
+def followed_cycle(
+    member: Member[Attractor], here: Rotor, there: Rotor, stop: Stop
+) -> Orbit | None:
     """Return the stable limit cycle that one becomes as a parameter changes; None if it ends."""
     name = _changed(here, there)
     begin, end = getattr(here, name), getattr(there, name)
@@ -153,14 +165,16 @@ def _changed(here: Rotor, there: Rotor) -> str:
     return next(each for each in ALL_PARAMETERS if getattr(here, each) != getattr(there, each))
 
 
-def _numbered(cells: Sequence[Cell], links: Sequence[tuple[Member, Member]]) -> int:
+def _numbered(
+    cells: Sequence[Cell[Turned, Found]], links: Sequence[tuple[Member[Found], Member[Found]]]
+) -> int:
     """Give linked attractors one number, and no two of one cell the same."""
     members = [each for cell in cells for each in cell.members]
     place = {id(each): number for number, each in enumerate(members)}
     within = [{number} for number, cell in enumerate(cells) for _ in cell.members]  # its cells
     above = list(range(len(members)))  # each group is a tree below its first member
 
-    def first_of(member: Member) -> int:
+    def first_of(member: Member[Found]) -> int:
         number = place[id(member)]
         while above[number] != number:
             above[number] = above[above[number]]
@@ -180,7 +194,7 @@ def _numbered(cells: Sequence[Cell], links: Sequence[tuple[Member, Member]]) -> 
     return len(order)
 
 
-def _ordered(members: Sequence[tuple[int, Member]]) -> dict[int, int]:
+def _ordered(members: Sequence[tuple[int, Member[Any]]]) -> dict[int, int]:
     """Return the number of each group: by kind of response, then in order of occurrence."""
     kinds: dict[int, list[int]] = {}
     for group, each in members:

@@ -25,7 +25,9 @@ from rotor_ida.basins.atlas.extents import (
 )
 from rotor_ida.basins.atlas.rubbing import states_of_rub
 from rotor_ida.basins.atlas.shocks import (
+    CHANGES,
     KINDS,
+    Blows,
     Shocks,
     Source,
     bound_of_cycle,
@@ -170,9 +172,8 @@ def _fill_shocks(resilience: Resilience, search: Search, subject: Subject, stop:
     for row, (kind, largest) in enumerate(zip(KINDS, search.largest(), strict=True)):
         bound = _proven_bound(known, subject, kind)
         sizes = max(bound, SMALLEST * largest), largest
-        tried, scatter = try_shocks(
-            source, subject.label, kind, sizes, search.shocks, search.ends, seed=row
-        )
+        blows = Blows(source, CHANGES[kind], search.ends)
+        tried, scatter = try_shocks(blows, subject.label, sizes, search.shocks, seed=row)
         for place, target in enumerate(search.subjects):
             if target.label not in (subject.label, UNDECIDED):
                 _keep_smallest(search, resilience, (row, place), tried)

@@ -17,6 +17,7 @@ import math
 from bisect import bisect_left
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -30,12 +31,10 @@ from rotor_ida.model.rotor import Rotor
 
 # Kinds of shock, each with the first of the two coordinates that it changes.
 KINDS = {"velocity": 2, "displacement": 0}
-# Number of rounds among which shocks are divided.
-ROUNDS = 16
-# The first takes the share of this number, to cover all states, directions and sizes.
+# How each number of a disc's state changes by a shock of either kind.
+CHANGES = {kind: np.eye(4)[:, first : first + 2] for kind, first in KINDS.items()}
+# The first round takes the share of this number, to cover all states, directions and sizes.
 EXPLORING = 4
-# Number of the smallest shocks to an attractor, apart from each other, that the search continues.
-LEADING = 8
 # Others are sought around these within this fraction of all states and directions,
 AROUND = 0.1
 # reduced by this factor in each round: to a thousandth in the last.
@@ -43,16 +42,13 @@ CLOSER = 0.7
 # They are smaller by these fractions, spread evenly on a logarithmic scale.
 LESS_BY = (1e-4, 0.5)
 
-# Number of neighbours tried at a time in the descent, with sizes reduced as above,
-NEIGHBOURS = 32
-# first within this fraction of all states and directions;
+# Neighbours are tried in the descent, with sizes reduced as above, first within this fraction of
+# all states and directions;
 BESIDE = 0.1
 # if none is smaller, within this fraction of that,
 NEARER = 0.6
 # down to this fraction of all, where the smooth edge has fallen by less than 1e-5 of the size.
 NEAREST = 1e-3
-# Largest number of turns of the descent.
-MOST_TURNS = 60
 
 # For its bound, a limit cycle is shocked at this number of states,
 PHASES = 32
@@ -69,8 +65,23 @@ SIZES = 127
 # Safety factor on the size at which all shocks return, for those that were not tried.
 CAUTION = 0.8
 
-# States of an attractor, shape (4, n), at places in the unit square, shape (2, n).
+# States of an attractor, shape (m, n), at places in the unit square, shape (2, n).
 Source = Callable[[Values], Values]
+
+
+class Effort(NamedTuple):
+    """How much a search for the smallest shocks tries."""
+
+    rounds: int = 16  # among which shocks are divided
+    least: int = 8  # shocks of a round
+    leading: int = 8  # smallest shocks to an attractor, apart from each other, that go on
+    neighbours: int = 32  # tried at a time in the descent
+    turns: int = 60  # of the descent at most
+
+
+SIDE_BY_SIDE = Effort()
+# Where each shock is followed by itself.
+ONE_BY_ONE = Effort(rounds=8, least=4, leading=2, neighbours=4, turns=16)
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,7 +89,7 @@ class Shocks:
     """Shocks that were followed, n of them."""
 
     sizes: Values
-    before: Values  # states on the rotating axes just before them, shape (4, n) [1]
+    before: Values  # states on the rotating axes just before them, shape (m, n) [1]
     after: Values  # and just after
     labels: Labels  # of the attractors to which they lead
 
@@ -95,6 +106,31 @@ class Shocks:
         places = np.searchsorted(sizes, sizes[0] * (1.0 + np.array(larger)))
         chosen: list[int] = numbers[np.unique(places[places < sizes.size])].tolist()
         return chosen
+
+
+@dataclass(frozen=True, slots=True)
+class Blows:
+    """What gives shocks of one kind to an attractor.
+
+    Parameters
+    ----------
+    source : callable
+        Returns states of the attractor.
+    changes : ndarray, shape (m, 2)
+        How a state changes by shocks of size 1 along x and along y.
+    ends : callable
+        Returns the label of the attractor to which each of several states leads.
+    """
+
+    source: Source
+    changes: Values
+    ends: Callable[[Values], Labels]
+
+    def followed(self, places: Values, sizes: Values) -> Shocks:
+        """Follow shocks at places of the unit cube, whose last coordinate is the direction."""
+        before, angle = self.source(places[:2]), 2.0 * math.pi * places[2]
+        after = before + self.changes @ (sizes * np.stack([np.cos(angle), np.sin(angle)]))
+        return Shocks(sizes, before, after, self.ends(after))
 
 
 @dataclass(frozen=True, slots=True)
@@ -129,8 +165,8 @@ def ends_of(known: Known, states: Values, tolerance: float, stop: Stop) -> Label
 
 
 def try_shocks(
-    source: Source, own: int, kind: str, sizes: tuple[float, float], count: int,
-    ends: Callable[[Values], Labels], seed: int,
+    blows: Blows, own: int, sizes: tuple[float, float], count: int, seed: int,
+    effort: Effort = SIDE_BY_SIDE,
 ) -> tuple[Shocks, dict[int, float]]:  # fmt: skip
     """Return followed shocks of one kind, ever smaller ones to each other attractor.
 
@@ -141,24 +177,23 @@ def try_shocks(
     from scipy.stats import qmc  # noqa: PLC0415 - takes long to import
 
     random = np.random.default_rng(seed)
-    each = max(count // ROUNDS, 8)
+    each = max(count // effort.rounds, effort.least)
     spread = qmc.Sobol(4, seed=random).random_base2(max(2, round(math.log2(EXPLORING * each)))).T
     places, drawn = spread[:3], _between(*sizes, spread[3])
     rounds: list[Shocks] = []
     tried_at: list[Values] = []
     leading: dict[int, _Leading] = {}
-    for turn in range(ROUNDS - EXPLORING + 1):
+    for turn in range(effort.rounds - EXPLORING + 1):
         reach = AROUND * CLOSER**turn
-        rounds.append(_followed(source, places, drawn, kind, ends))
+        rounds.append(blows.followed(places, drawn))
         tried_at.append(places)
-        leading = _led(leading, own, rounds[-1], places, reach)
+        leading = _led(leading, own, rounds[-1], places, reach, effort.leading)
         places, drawn = _smaller(random, leading, each, sizes, reach)
     # those that lie well apart, as the smallest may all lie in one hollow of the edge
-    leading = _led({}, own, _joined(rounds), np.concatenate(tried_at, axis=1), BESIDE)
+    tried = np.concatenate(tried_at, axis=1)
+    leading = _led({}, own, _joined(rounds), tried, BESIDE, effort.leading)
     descents = _descents_from(leading)
-    rounds += _downhill(
-        descents, lambda places, sizes: _followed(source, places, sizes, kind, ends), random
-    )
+    rounds += _downhill(descents, blows, random, effort)
     scatter = {label: _scatter(descents.sizes[descents.labels == label]) for label in leading}
     return _joined(rounds), scatter
 
@@ -183,23 +218,23 @@ def _descents_from(leading: dict[int, _Leading]) -> _Descents:
 
 
 def _downhill(
-    descents: _Descents, followed: Callable[[Values, Values], Shocks], random: np.random.Generator
+    descents: _Descents, blows: Blows, random: np.random.Generator, effort: Effort
 ) -> list[Shocks]:
     """Descend along the edges of the basins until no neighbour is smaller; return all tries."""
     rounds: list[Shocks] = []
-    for _ in range(MOST_TURNS):
+    for _ in range(effort.turns):
         going = np.flatnonzero(descents.reach > NEAREST)
         if not going.size:
             break
-        chosen = np.repeat(going, NEIGHBOURS)
+        chosen = np.repeat(going, effort.neighbours)
         aside = random.standard_normal((3, chosen.size)) * descents.reach[chosen]
         places = (descents.places[:, chosen] + aside) % 1.0
         sizes = descents.sizes[chosen] * (1.0 - _between(*LESS_BY, random.random(chosen.size)))
-        shots = followed(places, sizes)
+        shots = blows.followed(places, sizes)
         rounds.append(shots)
         there = shots.labels == descents.labels[chosen]
-        reached = np.where(there, sizes, np.inf).reshape(-1, NEIGHBOURS)
-        best = reached.argmin(axis=1) + NEIGHBOURS * np.arange(going.size)
+        reached = np.where(there, sizes, np.inf).reshape(-1, effort.neighbours)
+        best = reached.argmin(axis=1) + effort.neighbours * np.arange(going.size)
         smaller = np.isfinite(reached.min(axis=1))
         descents.sizes[going[smaller]] = sizes[best[smaller]]
         descents.places[:, going[smaller]] = places[:, best[smaller]]
@@ -214,7 +249,7 @@ def _scatter(sizes: Values) -> float:
 
 
 def _led(
-    leading: dict[int, _Leading], own: int, shots: Shocks, places: Values, apart: float
+    leading: dict[int, _Leading], own: int, shots: Shocks, places: Values, apart: float, most: int
 ) -> dict[int, _Leading]:
     """Return the smallest shocks to each attractor, from those before and those of a round."""
     led = {}
@@ -230,7 +265,7 @@ def _led(
             away = np.abs(where[:, chosen] - where[:, number, None])
             if (np.minimum(away, 1.0 - away).max(axis=0) > apart).all():
                 chosen.append(number)
-            if len(chosen) == LEADING:
+            if len(chosen) == most:
                 break
         led[label] = _Leading(sizes[chosen], where[:, chosen])
     return led
@@ -260,18 +295,6 @@ def _smaller(
 def _between(low: float, high: float, part: Values) -> Values:
     """Return sizes at fractions of the way between two on a logarithmic scale."""
     return low * (high / low) ** part
-
-
-def _followed(
-    source: Source, places: Values, sizes: Values, kind: str, ends: Callable[[Values], Labels]
-) -> Shocks:
-    """Follow shocks at places of the unit cube, whose last coordinate is the direction."""
-    before = source(places[:2])
-    after, first = before.copy(), KINDS[kind]
-    angle = 2.0 * math.pi * places[2]
-    after[first] += sizes * np.cos(angle)
-    after[first + 1] += sizes * np.sin(angle)
-    return Shocks(sizes, before, after, ends(after))
 
 
 def bound_of_whirl(region: TrappingRegion, kind: str) -> float:
@@ -315,11 +338,12 @@ def bound_of_cycle(
         )  # fmt: skip
         return (values <= 1.0).astype(np.int16)
 
+    blows = Blows(source, CHANGES[kind], returns)
+
     def all_return(size: float) -> bool:
         sizes = np.full(phase.size, size)
         return all(
-            not stop[0]
-            and bool(_followed(source, places, part * sizes, kind, returns).labels.all())
+            not stop[0] and bool(blows.followed(places, part * sizes).labels.all())
             for part in SHELLS
         )
 

@@ -5,14 +5,29 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from contextlib import closing
+from typing import Any, Unpack
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Watch
-from rotor_ida.basins.atlas.cells import MOST_STARTS, Cell, CellJob, Member, counted_cell, fills_of
-from rotor_ida.basins.atlas.dataset import column_of, how_computed, member_row, missed_fraction
+from rotor_ida.arrays import Values, Watch
+from rotor_ida.basins.atlas.cells import (
+    MOST_STARTS,
+    Cell,
+    CellJob,
+    DiscCell,
+    Member,
+    counted_cell,
+    fills_of,
+)
+from rotor_ida.basins.atlas.dataset import (
+    BEHIND,
+    column_of,
+    how_computed,
+    member_row,
+    missed_fraction,
+)
 from rotor_ida.basins.atlas.resilience import Fill
 from rotor_ida.basins.atlas.rubbing import (
     needs_run,
@@ -21,17 +36,27 @@ from rotor_ida.basins.atlas.rubbing import (
     numbers_of_whirl,
 )
 from rotor_ida.basins.atlas.shocks import KINDS
+from rotor_ida.basins.atlas.system_cells import (
+    SystemCellJob,
+    counted_system_cell,
+    numbers_of_system,
+    system_fills_of,
+)
+from rotor_ida.basins.attractors import Attractor
 from rotor_ida.basins.basin import LOOSEST, TIGHTEST, check_rotor
 from rotor_ida.basins.dataset import ENTROPIES, agreement_of
 from rotor_ida.basins.fates import ALONE
 from rotor_ida.basins.following import RTOL
 from rotor_ida.basins.known import followed_alone
+from rotor_ida.basins.system_basin import coordinates_of
+from rotor_ida.basins.system_labels import SystemBatch, follow_starts_of_system, how_labelled
+from rotor_ida.basins.system_starts import knocked_systems, one_speed
 from rotor_ida.checks import (
     COMPONENTS,
     MOST_SHOCKS,
     check_between,
     check_count,
-    check_instance,
+    check_name,
     check_progress,
     check_seed,
 )
@@ -40,7 +65,10 @@ from rotor_ida.cycles.orbit import Orbit
 from rotor_ida.cycles.shooting import close_orbit
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import contact_force
-from rotor_ida.model.rotor import Rotor
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
+from rotor_ida.model.system_parameters import SPEED
+from rotor_ida.model.varied import Varied
 from rotor_ida.parallel import (
     Progress,
     Stop,
@@ -50,15 +78,18 @@ from rotor_ida.parallel import (
     run_all,
     shows_progress,
 )
-from rotor_ida.results.in_si import takes_si
+from rotor_ida.results.in_si import takes_rotors
+from rotor_ida.results.provenance import provenance
 from rotor_ida.results.run import parameter_coordinates
+from rotor_ida.results.studies.results import Results
+from rotor_ida.results.system_units import with_system_units
 from rotor_ida.schema import WHIRL_DIRECTION, Column, labelled_dataset
 from rotor_ida.simulation.flow import DiscFlow
-from rotor_ida.simulation.starts import box_of, drawn_from
+from rotor_ida.simulation.starts import Start, box_of, drawn_from
 from rotor_ida.steady import response
 
 # Number of shocks of each kind, unless told otherwise.
-SHOCKS = 4096
+SHOCKS, SHOCKS_OF_SYSTEM = 4096, 64
 # Samples of one period of a limit cycle, for its mean force, its power and its whirl.
 SAMPLES = 2048
 # Numbers of an attractor that add nothing here.
@@ -74,33 +105,43 @@ AT_THE_SPIN = (response.SYNCHRONOUS, response.CONTACT_FREE, response.TOUCHING)
 OF_FRICTION = ("heat_per_revolution", "slip_distance_per_revolution", "rolling_fraction")
 
 
-@takes_si
+@takes_rotors(
+    system=("node", "start", "modes"), needed=("speed", "node"), defaults={"starts": (1000, 100)}
+)
 @shows_progress
 def touchdown_report(
-    rotor: Rotor,
+    rotor: Rotor | DimensionalRotor | RotorSystem,
     *,
+    speed: float | None = None,
+    node: str | None = None,
     x: npt.ArrayLike = 0.0,
     y: npt.ArrayLike = 0.0,
     vx: npt.ArrayLike = 0.0,
     vy: npt.ArrayLike = 0.0,
-    starts: int = 1000,
+    starts: int | None = None,
     seed: int = 0,
+    start: Start | xr.Dataset = None,
+    modes: int | None = None,
     rtol: float | None = None,
     shocks: int | None = None,
     workers: int | None = None,
     progress: Progress | bool | None = None,
+    **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
     """Compute the effects of each attractor on a machine, and its basin fraction.
 
     Parameters
     ----------
-    rotor : Rotor or DimensionalRotor
+    rotor : Rotor, DimensionalRotor or RotorSystem
         The rotor. For a `DimensionalRotor` starts and results are in SI units.
+    speed, node
+        Of a `RotorSystem`, as for `rotor_ida.basin`: starts are those of the node, and shocks are
+        given to it.
     x, y, vx, vy : float or array_like, shape (2,)
         Components of the start [m], [m/s] or [1]: numbers, or ranges ``(low, high)`` from which
         they are drawn independently and uniformly.
     starts : int
-        Number of starts.
+        Number of starts, by default 1000 and of a `RotorSystem` 100.
     seed : int
         Seed of the random numbers: the same seed gives the same starts.
     rtol : float, optional
@@ -109,12 +150,17 @@ def touchdown_report(
     shocks : int, optional
         Approximate number of shocks of velocity and of displacement applied to each attractor, to
         find the smallest one that leads to each other attractor; with 0 there are no such results.
-        Default: 4096, and 0 under a load, where no more are possible.
+        Default: 4096, and 0 under a load, where no more are possible. Of a `RotorSystem` 64; up to
+        three times as many are followed, each by itself.
+    start, modes
+        As for `rotor_ida.basin`.
     workers : int, optional
         Number of attractors to which shocks are applied at a time; default: one for each core.
     progress : callable or bool, optional
         Called with the number of starts and shocks followed and their total, to which shocks are
         added once the attractors are known; True shows a bar on standard error.
+    contacts, unbalance, supports, gravity, static_force : optional
+        In place of those of a `RotorSystem`, as in `simulate`.
 
     Returns
     -------
@@ -147,6 +193,11 @@ def touchdown_report(
         in which the attractor exists, with the way it ends there, ``omega_low_end`` and so on, as a
         flag.
 
+        Of a `RotorSystem` forces, contacts and losses are on ``(attractor, contact)``, the sense of
+        the whirl on ``(attractor, node)``, the states before and after a shock on ``component``, as
+        ``velocity_shock_before`` and so on: displacements, then velocities. It has no bounds, which
+        are those of trapping regions, and no ranges of existence.
+
     Raises
     ------
     InputError
@@ -177,6 +228,11 @@ def touchdown_report(
     motion, followed over many revolutions. A shock that enters no region is followed separately,
     which takes some milliseconds, for example where it may cause dry whip.
 
+    A `RotorSystem` is followed as by `rotor_ida.basin`. A shock of velocity is a blow at the node,
+    a shock of displacement pulls it aside, and the rest of the rotor goes with it as with a start.
+    If the system is axisymmetric, shocks are given at any phase of the motion, otherwise after
+    whole revolutions. The smallest has been followed again with a tighter tolerance.
+
     References
     ----------
     L. Halekotte, U. Feudel, "Minimal fatal shocks in multistable complex networks", Scientific
@@ -194,27 +250,70 @@ def touchdown_report(
     (('attractor',), 'N')
     >>> bool((report.velocity_shock_bound <= report.velocity_shock.min("target")).all())
     True
+
+    >>> system = Rotor(omega=1.0, zeta=0.1, delta0=1.5, shaft_stiffness=0.1).system()
+    >>> report = touchdown_report(system, speed=0.7, node="disc", x=(-1.5, 0), y=(-2, -1), starts=8,
+    ...                           shocks=0)
+    >>> report.contact_fraction.values.tolist()
+    [[1.0], [0.0]]
     """
-    check_rotor(check_instance("rotor", rotor, Rotor), "a touchdown report", one_by_one=True)
+    count, chosen = check_count("starts", starts, maximum=MOST_STARTS), check_seed(seed)
+    box = box_of({"x": x, "y": y, "vx": vx, "vy": vy}, count)
+    ranges = {f"range_{name}": ends for name, ends in zip(COMPONENTS, box, strict=True)}
+    drawn = {"starts": count, "seed": chosen, **ranges}
+    how = choose("threads", workers, compiled=True), check_progress(progress)
+    if isinstance(rotor, RotorSystem):
+        return _report_of_system(
+            changed_system(touchdown_report, rotor, changed), box, drawn, check_name("node", node),
+            _shocks_to_try(rotor, shocks), *how, speed=speed, start=start, modes=modes, rtol=rtol,
+        )  # fmt: skip
+    assert isinstance(rotor, Rotor)
+    check_rotor(rotor, "a touchdown report", one_by_one=True)
     if rotor.omega == 0.0:
         raise InputError(
             "{name} must be above 0 for a touchdown report, got {value}", name="omega", value=0.0
         )
-    count = check_count("starts", starts, maximum=MOST_STARTS)
-    chosen = check_seed(seed)
     tolerance = ALONE.rtol if followed_alone(rotor) else RTOL
     if rtol is not None:
         tolerance = check_between("rtol", rtol, TIGHTEST, LOOSEST)
-    box = box_of({"x": x, "y": y, "vx": vx, "vy": vy}, count)
     tried = _shocks_to_try(rotor, shocks)
-    job = CellJob(rotor, drawn_from(box, chosen, 0, count), tolerance, tried)
-    cell = _filled(job, choose("threads", workers, compiled=True), check_progress(progress))
-    how = {**how_computed(tolerance, tried, rotor), "starts": count, "seed": chosen}
-    ranges = {f"range_{name}": ends for name, ends in zip(COMPONENTS, box, strict=True)}
-    return _dataset(cell, count, {**how, **ranges})
+    cell = _filled(CellJob(rotor, drawn_from(box, chosen, 0, count), tolerance, tried), *how)
+    rows = [member_row(rotor, each, count) | _numbers(rotor, each) for each in cell.members]
+    return _dataset(
+        cell, rows, parameter_coordinates(rotor),
+        {**how_computed(tolerance, tried, rotor), **drawn, **rotor.given},
+    )  # fmt: skip
 
 
-def _filled(job: CellJob, workers: Workers, progress: Progress | None) -> Cell:
+def _report_of_system(
+    system: RotorSystem, box: Values, drawn: Mapping[str, Any], node: str, shocks: int,
+    chosen: Workers, progress: Progress | None, **given: Any,
+) -> xr.Dataset:  # fmt: skip
+    """Return the effects of each attractor of a rotor system."""
+    asked = Varied({SPEED: one_speed(given.pop("speed"))}, system)
+    varied, (knocked,) = knocked_systems(asked, node, **given)
+    count = int(drawn["starts"])
+    job = SystemCellJob(knocked, drawn_from(box, drawn["seed"], 0, count), shocks)
+    kept: Results[SystemBatch] = Results()
+    followed = follow_starts_of_system(
+        knocked, lambda first, last: job.states[:, first:last], count, kept,
+        workers=chosen.number, executor=chosen.executor, progress=progress,
+    )  # fmt: skip
+    cell = counted_system_cell(job, followed)
+    _try_shocks(system_fills_of(cell, shocks), count, shocks, chosen, progress)
+    rows = [
+        member_row(knocked, each, count - cell.not_computed)
+        | numbers_of_system(each.attractor.row, knocked)
+        for each in cell.members
+    ]
+    how = {**provenance(how_labelled(varied.rtol)), "shocks": shocks, "knocked_node": node}
+    found = _dataset(
+        cell, rows, coordinates_of(varied.varied.base, knocked.speed), {**how, **drawn}
+    )
+    return with_system_units(found, system)
+
+
+def _filled(job: CellJob, workers: Workers, progress: Progress | None) -> DiscCell:
     """Follow the starts, then apply shocks to several attractors at a time."""
     watch: Watch = []
     starts = job.states.shape[1]
@@ -229,60 +328,70 @@ def _filled(job: CellJob, workers: Workers, progress: Progress | None) -> Cell:
     )
     fills = [] if search is None else fills_of(cell, search)
     # half of the jobs try shocks, of two kinds
-    total = starts + job.shocks * len(fills)
-    tell(starts, total)
+    _try_shocks(fills, starts, job.shocks, workers, progress)
+    return cell
+
+
+def _try_shocks(
+    fills: list[Fill], starts: int, each: int, workers: Workers, progress: Progress | None
+) -> None:
+    """Do jobs that try shocks, so many each, after a number of starts."""
+    total = starts + each * len(fills)
+    if progress is not None:
+        progress(starts, total)
     ran = run_all(_fill, fills, workers=workers.number, executor=workers.executor)
     with closing(ran) as ended:
         for done, _ in enumerate(ended, start=1):
-            tell(starts + job.shocks * done, total)
-    return cell
+            if progress is not None:
+                progress(starts + each * done, total)
 
 
 def _fill(fill: Fill, stop: Stop) -> None:
     fill(stop)
 
 
-def _dataset(cell: Cell, starts: int, attributes: Mapping[str, object]) -> xr.Dataset:
-    """Return the dimensionless numbers of each attractor as a labelled dataset."""
-    rows = []
-    for each in cell.members:
-        own = _numbers(cell.rotor, each)
-        row = {**member_row(cell.rotor, each, starts), **own}
-        rows.append({name: value for name, value in row.items() if name not in LEFT_OUT})
+def _dataset(
+    cell: Cell[Any, Any], rows: list[dict[str, Any]], coordinates: Mapping[str, Column],
+    attributes: Mapping[str, object],
+) -> xr.Dataset:  # fmt: skip
+    """Return the numbers of each attractor as a labelled dataset."""
+    is_system = not isinstance(cell.rotor, Rotor)
     variables: dict[str, Column] = {}
-    for name in rows[0] if rows else ():
-        column = column_of(name, (len(rows),))
+    for name in [each for each in (rows[0] if rows else ()) if each not in LEFT_OUT]:
+        column = column_of(name, (len(rows), *np.shape(rows[0][name])))
         column[:] = [row[name] for row in rows]
-        variables[name] = ("attractor", column)
+        variables[name] = (("attractor", *(BEHIND.get(name, ()) if is_system else ())), column)
     variables |= (tried := _shocks(cell))
+    starts = int(str(attributes["starts"]))
     variables |= {name: ((), one) for name, one in zip(ENTROPIES, cell.entropies, strict=True)}
     variables |= {name: ((), one) for name, one in agreement_of(cell.rechecked).items()}
-    variables["undecided_fraction"] = ((), cell.undecided / starts)
+    variables["undecided_fraction"] = ((), cell.undecided / max(starts - cell.not_computed, 1))
     variables["missed_fraction"] = ((), missed_fraction(starts))
-    coordinates = parameter_coordinates(cell.rotor)
-    numbers = np.arange(len(rows))
-    coordinates["attractor"] = ("attractor", numbers)
-    if tried:
-        coordinates["target"] = ("target", numbers)
-    attributes = {**attributes, **cell.rotor.given}
-    return labelled_dataset(
-        "Touchdown report", variables, coordinates, attributes, kind="touchdown"
+    along = {"attractor": np.arange(len(rows))} | (
+        {"target": np.arange(len(rows))} if tried else {}
     )
+    coordinates = {**coordinates, **{name: (name, each) for name, each in along.items()}}
+    title = "Touchdown report"
+    if is_system:
+        return labelled_dataset(title, variables, coordinates, attributes, kind="system_touchdown")
+    return labelled_dataset(title, variables, coordinates, attributes, kind="touchdown")
 
 
-def _shocks_to_try(rotor: Rotor, shocks: object) -> int:
+def _shocks_to_try(rotor: Rotor | RotorSystem, shocks: object) -> int:
     """Return the number of shocks to try: none under a load, which rotates on the rotating axes."""
+    is_loaded = isinstance(rotor, Rotor) and rotor.load > 0.0
     if shocks is None:
-        return 0 if rotor.load > 0.0 else SHOCKS
+        usual = SHOCKS if isinstance(rotor, Rotor) else SHOCKS_OF_SYSTEM
+        return 0 if is_loaded else usual
     tried = check_count("shocks", shocks, minimum=0, maximum=MOST_SHOCKS)
-    if tried and rotor.load > 0.0:
+    if tried and isinstance(rotor, Rotor) and is_loaded:
         raise InputError(
             "shocks must be 0 under a load, got {tried} with {load=}", tried=tried, load=rotor.load
         )
     return tried
 
 
-def _shocks(cell: Cell) -> dict[str, Column]:
+def _shocks(cell: Cell[Any, Any]) -> dict[str, Column]:
     """Return the smallest shocks from each attractor to each, with the states before and after."""
     shocked = [each.resilience for each in cell.members if each.resilience is not None]
     variables: dict[str, Column] = {}
@@ -294,12 +403,15 @@ def _shocks(cell: Cell) -> dict[str, Column]:
         variables[f"{kind}_shock_largest"] = ((), cell.largest_shocks[place])
         for when in ("before", "after"):
             states = np.array([getattr(each, when)[place] for each in shocked])
-            for column, name in enumerate(COMPONENTS):
-                variables[f"{kind}_shock_{when}_{name}"] = (over, states[..., column])
+            if isinstance(cell.rotor, Rotor):
+                for column, name in enumerate(COMPONENTS):
+                    variables[f"{kind}_shock_{when}_{name}"] = (over, states[..., column])
+            else:
+                variables[f"{kind}_shock_{when}"] = ((*over, "component"), states)
     return variables
 
 
-def _numbers(rotor: Rotor, member: Member) -> dict[str, float]:
+def _numbers(rotor: Rotor, member: Member[Attractor]) -> dict[str, float]:
     """Return the dimensionless numbers of one attractor."""
     attractor = member.attractor
     numbers, at_the_spin = dict.fromkeys(NUMBERS, math.nan), attractor.kind in AT_THE_SPIN
@@ -343,7 +455,7 @@ def _numbers(rotor: Rotor, member: Member) -> dict[str, float]:
     return numbers
 
 
-def _of_cycle(rotor: Rotor, member: Member) -> dict[str, float]:
+def _of_cycle(rotor: Rotor, member: Member[Attractor]) -> dict[str, float]:
     """Return the numbers of a limit cycle, from one period of it."""
     cycle = close_orbit(DiscFlow(rotor), member.state, member.attractor.period)
     states = cycle.flow.states(cycle.start, cycle.duration / SAMPLES * np.arange(SAMPLES + 1.0))

@@ -3,20 +3,23 @@
 from __future__ import annotations
 
 from dataclasses import asdict, dataclass
+from functools import partial
+from pathlib import Path
 from typing import Annotated, Any
 
 from cyclopts import Parameter
 
 import rotor_ida
-from rotor_ida.checks import MOST_SHOCKS, State
+from rotor_ida.checks import MOST_SHOCKS, State, listed, shown
 from rotor_ida.cli import options, parsing
 from rotor_ida.cli.option_types import STUDY, count_option
 from rotor_ida.cli.output import Output, answer, answer_whole, check_varies, working
 from rotor_ida.cli.parsing import MOST_POINTS, check_points
 from rotor_ida.cli.report import Report
 from rotor_ida.cli.rotor_options import RotorOptions, RotorsOptions
-from rotor_ida.cli.systems import basin_file
+from rotor_ida.cli.systems import basin_file, case_of
 from rotor_ida.errors import InputError
+from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
 
 Component = Annotated[
     float | list[float],
@@ -34,7 +37,8 @@ ShockCount = Annotated[
 ShocksOrNone = Annotated[
     int | None,
     count_option(
-        "Number of shocks of each kind to apply to each attractor. Default: 4096; under a load 0.",
+        "Number of shocks of each kind to apply to each attractor. Default: 4096; under a load 0; "
+        "of a rotor system 64.",
         0, MOST_SHOCKS,
     ),
 ]  # fmt: skip
@@ -170,8 +174,12 @@ def _refuse_parts_of_system(node: str | None, start: State | str | None) -> None
 
 
 def continue_attractors(
+    system: options.System = None,
+    /,
     *,
     rotors: RotorsOptions = RotorsOptions(),
+    node: NodeOrNone = None,
+    start: StartOfOthers = None,
     drawn: DrawnOptions = DrawnOptions(),
     shocks: ShockCount = 0,
     jobs: options.JobOptions = options.JobOptions(),
@@ -184,27 +192,56 @@ def continue_attractors(
 
         rotor-ida continue-attractors --omega 0.2:3:8 --zeta 0.07 --delta0 2 \
             --x=-15:15 --y=-15:15 --starts 200 --out atlas.nc --figure atlas
+
+    A rotor of any size with several contacts, from a system file, by the states of a node:
+
+        rotor-ida continue-attractors rotor.toml --speed 3900rpm:4500rpm:3 \
+            --node disc --x=-300um:300um --y=-300um:300um --starts 4
     """
     output.check()
     if output.figure is not None:
         check_varies(rotors.panels())
-    rotor, given = rotors.asked()
+    asked = {**asdict(drawn), "shocks": shocks, **asdict(jobs), "study": study}
+    if system is None:
+        _refuse_parts_of_system(node, start)
+        rotor, given = rotors.asked()
+        verb = partial(rotor_ida.continue_attractors, rotor, **given)
+    else:
+        verb = partial(rotor_ida.continue_attractors, **_varied(system, rotors, node, start))
     with working("atlas", study) as progress:
-        dataset = rotor_ida.continue_attractors(
-            rotor,
-            **given,
-            **asdict(drawn),
-            shocks=shocks,
-            **asdict(jobs),
-            study=study,
-            progress=progress,
-        )
-        return answer_whole(dataset, output, study)
+        return answer_whole(verb(**_given(asked), progress=progress), output, study)
+
+
+def _varied(
+    file: Path, rotors: RotorsOptions, node: str | None, start: State | str | None
+) -> dict[str, Any]:
+    """Return the system of a file, its node, and what varies of it."""
+    system, course = case_of(file, rotors.values)
+    values: dict[str, Any] = {SPEED: course.speed, **rotors.values}
+    for name, each in {**values, "machine": rotors.machine}.items():
+        if name not in (SPEED, *PARAMETERS_OF_SYSTEM) and each is not None:
+            raise InputError(f"{name} must be left out with a rotor system, got {shown(each)}")
+    if values[SPEED] is None:
+        raise InputError(f"speed must be given with --speed or in {file}")
+    begun = {"start": course.start if start is None else start, "modes": course.modes}
+    if node is None:
+        nodes = listed([repr(each) for each in system.nodes], "or")
+        raise InputError(f"node must be given with --node for a rotor system: {nodes}")
+    return {"rotor": system, "node": node, **begun, **values}
+
+
+def _given(options_: dict[str, Any]) -> dict[str, Any]:
+    """Return options without a tolerance that is not given."""
+    return {name: each for name, each in options_.items() if name != "rtol" or each is not None}
 
 
 def touchdown_report(
+    system: options.System = None,
+    /,
     *,
     rotor: RotorOptions = RotorOptions(),
+    node: NodeOrNone = None,
+    start: StartOfOthers = None,
     drawn: DrawnOptions = DrawnOptions(),
     shocks: ShocksOrNone = None,
     output: Output = Output(),
@@ -226,7 +263,16 @@ def touchdown_report(
 
         rotor-ida touchdown-report --omega 2 --zeta 0.05 --delta0 1 \
             --shaft-stiffness 0.25 --load 0.6 --x=-1:1 --y=-1:1 --starts 50
+
+    A rotor of any size with several contacts, from a system file, by the states of a node:
+
+        rotor-ida touchdown-report rotor.toml --speed 4300rpm --node disc \
+            --x=-300um:300um --y=-300um:300um --starts 8 --shocks 0
     """
+    if system is not None:
+        given = {**asdict(drawn), "shocks": shocks}
+        return basin_file(rotor_ida.touchdown_report, system, rotor, node, start, output, given)
+    _refuse_parts_of_system(node, start)
     chosen = rotor.chosen()
     output.check()
     with working("touchdown") as progress:

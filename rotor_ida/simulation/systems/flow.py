@@ -16,6 +16,7 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
+from scipy.linalg import null_space
 
 from rotor_ida.arrays import ComplexValues, Flags, Stop, Values, Watch
 from rotor_ida.checks import shown
@@ -37,6 +38,8 @@ from rotor_ida.simulation.system_run import request_of, run_to_end
 APART = 1e-6
 # A decay slower than this part of its eigenvalue is rounding.
 UNDAMPED = 1e-9
+# Resistances to free motions that differ by more than this factor: one of them has none.
+MOST_UNEQUAL = 1e12
 # A change that shrinks below this in a revolution is lost in rounding.
 LOST = 1e-12
 # Differences of a parameter are this long, in parts of it or, of one that may be 0, of 1: short
@@ -448,6 +451,31 @@ class SystemFlow:
             return run, (np.array(ends) - image) / APART
         moved = run.columns[:, np.concatenate([np.ones(size, bool), races])] / self.scales
         return run, self.turned_back(moved, run.time)
+
+    def touch_fading(self, number: int, amplitude: float) -> float:
+        """Return by how much 1/h grows from one ever slighter touch of a contact to the next.
+
+        As `rotor_ida.closed_forms.touch_fading` of one disc: ``h**(1/2 - n)`` grows by
+        ``(n - 1/2) k g sqrt(2/kappa)`` times the integral of ``(1 - s**2)**n`` from -1 to 1, where
+        an impulse of 1 moves the contact by g for ever. NaN where nothing returns without a force
+        or the amplitude of the whirl does not fit.
+        """
+        found, contact = self.problem.found, self.problem.assembly.contacts[number]
+        room = contact.clearance - amplitude
+        free, across = null_space(found.stiffness), null_space(found.stiffness.T)
+        if not free.size or not 0.0 < room < contact.clearance or self.period is not None:
+            return math.nan
+        resisted = np.zeros_like(found.stiffness) if found.damping is None else found.damping
+        if found.gyroscopic is not None:
+            resisted = resisted + self.speed * found.gyroscopic
+        rows, slowed = found.rows[number], across.T @ resisted @ free
+        if np.linalg.cond(slowed) > MOST_UNEQUAL:
+            return math.nan
+        moved = rows @ free @ np.linalg.solve(slowed, across.T @ rows.T)
+        curvature = self.speed**2 * amplitude * room / contact.clearance
+        n, g = contact.exponent, float(moved.trace()) / 2.0
+        shape = math.sqrt(math.pi) * math.gamma(n + 1.0) / math.gamma(n + 1.5)
+        return (n - 0.5) * contact.stiffness * g * math.sqrt(2.0 / curvature) * shape
 
     def monodromy(self, state: Values, period: float) -> Values:
         """Return the derivative of the state after a period by that before."""

@@ -12,7 +12,12 @@ from rotor_ida import (
     synchronous_response,
 )
 from rotor_ida.basins.atlas.cells import NEVER, Cell, Member
-from rotor_ida.basins.atlas.identities import followed_cycle, followed_whirl, identify
+from rotor_ida.basins.atlas.identities import (
+    followed_cycle,
+    followed_whirl,
+    identify,
+    successor_of_disc,
+)
 from rotor_ida.basins.attractors import Attractor, attractor_of_cycle
 from rotor_ida.cycles.guess import guess_of
 from rotor_ida.cycles.limit_cycle import cycle_from
@@ -38,7 +43,7 @@ def test_whirls_are_joined_along_the_response_curve():
     speeds = (low - 0.1, low + 0.05, high - 0.05, high + 0.1)
     cells = [cell_of(omega, *whirls_at(omega)) for omega in speeds]
     assert [len(cell.members) for cell in cells] == [1, 2, 2, 1]
-    assert identify(cells, [[0, 1, 2, 3]], GO_ON) == 2
+    assert identify(cells, [[0, 1, 2, 3]], successor_of_disc, GO_ON) == 2
     large = cells[0].members[0].identity
     assert [each.identity for each in cells[1].members] == [1 - large, large]
     assert [each.identity for each in cells[2].members] == [1 - large, large]
@@ -67,7 +72,7 @@ def test_fading_touches_are_one_attractor_over_a_gap():
     for place in (0, 2):
         touching = Attractor("touching", 1.0, 3.0, 0.0, 2.0)
         cells[place].members.append(Member(touching, 1, NEVER, np.full(4, np.nan)))
-    assert identify(cells, [[0, 1, 2]], GO_ON) == 1
+    assert identify(cells, [[0, 1, 2]], successor_of_disc, GO_ON) == 1
 
 
 def member_at(omega, delta0, start):
@@ -101,7 +106,7 @@ def test_an_attractor_that_no_start_hit_is_found_from_its_neighbour():
     """All starts lie close to rest; a neighbour knows the cycle that exists here too."""
     rotor, member = member_at(2.0, 2.0, (0.0, 0.0, 0.0, 0.0))
     cells = [Cell(rotor, [member]), Cell(Rotor(omega=2.1, zeta=0.07, delta0=2.0))]
-    assert identify(cells, [[0, 1]], GO_ON) == 1
+    assert identify(cells, [[0, 1]], successor_of_disc, GO_ON) == 1
     (found,) = cells[1].members
     assert found.count == 0
     assert found.identity == member.identity

@@ -2,6 +2,7 @@
 
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
@@ -17,8 +18,8 @@ from rotor_ida import (
     synchronous_response,
     touchdown_report,
 )
-from rotor_ida.basins.atlas import resilience, shocks
-from rotor_ida.basins.atlas.shocks import KINDS, bound_of_whirl, try_shocks
+from rotor_ida.basins.atlas import resilience
+from rotor_ida.basins.atlas.shocks import CHANGES, KINDS, Blows, Effort, bound_of_whirl, try_shocks
 from rotor_ida.basins.trapping_regions import trapping_regions
 from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.schema import END, RESPONSE
@@ -66,7 +67,7 @@ def test_a_straight_border_is_met_where_it_is_nearest(kind):
         along = states[first] * math.cos(1.0) + states[first + 1] * math.sin(1.0)
         return (along > 3.0).astype(np.int16)
 
-    tried, scatter = try_shocks(source, 0, kind, (1e-3, 50.0), 512, ends, seed=0)
+    tried, scatter = try_shocks(Blows(source, CHANGES[kind], ends), 0, (1e-3, 50.0), 512, seed=0)
     (best,) = tried.smallest(1, (0.0,))
     assert 2.0 <= tried.sizes[best] < 2.0 * 1.0005
     assert 0.0 <= scatter[1] < 1e-3
@@ -83,10 +84,8 @@ def test_of_two_borders_the_nearer_is_found_though_it_is_narrow():
         narrow = np.abs(angle - 0.7) < 0.01 * np.pi
         return (size > np.where(narrow, 1.0, 2.0)).astype(np.int16)
 
-    tried, _ = try_shocks(
-        lambda places: np.zeros((4, places.shape[1])), 0, "velocity", (1e-3, 50.0), 4096, ends,
-        seed=0,
-    )  # fmt: skip
+    blows = Blows(lambda places: np.zeros((4, places.shape[1])), CHANGES["velocity"], ends)
+    tried, _ = try_shocks(blows, 0, (1e-3, 50.0), 4096, seed=0)
     assert 1.0 <= tried.sizes[tried.smallest(1, (0.0,))[0]] < 1.01
 
 
@@ -261,8 +260,8 @@ def test_no_shock_below_the_bound_drives_a_held_whirl_to_the_ring(zeta, kappa):
 def test_a_knock_into_whip_is_followed_there_and_the_bound_is_below_it(monkeypatch):
     """And friction at which the rub loses its stability, at a Hopf point, ends its extent."""
     rotor = replace(WHIP, delta0=0.9)
-    for name, few in {"MOST_TURNS": 2, "LEADING": 2, "NEIGHBOURS": 4}.items():
-        monkeypatch.setattr(shocks, name, few)
+    few = partial(try_shocks, effort=Effort(leading=2, neighbours=4, turns=2))
+    monkeypatch.setattr(resilience, "try_shocks", few)
     report = touchdown_report(rotor, **WIDE, starts=10, shocks=32)
     rub, whip = of_kind(report, "synchronous"), of_kind(report, "rolling")
     target = int(whip.attractor)
