@@ -22,12 +22,12 @@ from rotor_ida.explorer.page import page_files
 from rotor_ida.explorer.responses import show_responses
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.parallel import Progress
-from rotor_ida.plot import plot_machine, plot_run, save_figure
+from rotor_ida.plot import plot_run, save_figure
 from rotor_ida.plot.appearance import without_pyplot
 from rotor_ida.results.archive import save
 from rotor_ida.results.question import Question as Asked
 from rotor_ida.results.question import written
-from rotor_ida.results.si_units import dimensional, is_in_si
+from rotor_ida.results.si_units import dimensional
 from rotor_ida.texts import in_page
 
 NAME = "run"
@@ -134,7 +134,7 @@ def lines_of(question: Question) -> str:
     in_si = isinstance(question.machine, DimensionalRotor)
     return LINES.format(
         rotor="DimensionalRotor" if in_si else "Rotor",
-        plot="plot_machine" if in_si else "plot_run",
+        plot="plot_run",
         machine=written(question.machine),
         call=asked_in(question).python("machine"),
         name=NAME,
@@ -155,7 +155,7 @@ def _contents(question: Question) -> bytes:
             save(run, place.with_suffix(".nc"))
         else:
             with without_pyplot():
-                save_figure((plot_machine if is_in_si(run) else plot_run)(run), place)
+                save_figure(plot_run(run), place)
         return place.with_suffix(f".{question.about}").read_bytes()
 
 

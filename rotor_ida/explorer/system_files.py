@@ -13,7 +13,7 @@ from rotor_ida.explorer import systems
 from rotor_ida.explorer.files import NAME, as_text, in_single, page_with
 from rotor_ida.explorer.messages import Answer
 from rotor_ida.explorer.system_questions import SystemQuestion
-from rotor_ida.plot import drop_figure, save_figure, system_figure
+from rotor_ida.plot import plot_drop, plot_run, save_figure
 from rotor_ida.plot.appearance import without_pyplot
 from rotor_ida.results.archive import save
 from rotor_ida.results.kinds import kind_of
@@ -36,7 +36,7 @@ def show_system_file(question: SystemQuestion) -> Iterator[Answer]:
                 save(run, place.with_suffix(".nc"))
             else:
                 with without_pyplot():
-                    draw = drop_figure if kind_of(run) == "drop" else system_figure
+                    draw = plot_drop if kind_of(run) == "drop" else plot_run
                     save_figure(draw(run), place)
             contents = place.with_suffix(f".{ending}").read_bytes()
     yield Answer("file", {"name": f"{NAME}.{ending}"},

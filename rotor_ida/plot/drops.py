@@ -47,7 +47,7 @@ RPM = 60.0 / math.tau
 ENDINGS = (".gif", ".mp4")
 
 
-def drop_figure(run: xr.Dataset) -> Figure:
+def plot_drop(run: xr.Dataset) -> Figure:
     """Draw a drop over time: radius and force in each bearing, and the speeds of rotor and races.
 
     Parameters
@@ -67,7 +67,7 @@ def drop_figure(run: xr.Dataset) -> Figure:
     >>> system = RotorSystem(mass=20.0 * np.eye(2), stiffness=np.zeros((2, 2)),
     ...                      nodes={"disc": (0, 1)}, contacts=[bearing])
     >>> run = drop(system, speed=500.0, duration=0.1)
-    >>> [ax.get_ylabel() for ax in drop_figure(run).axes]
+    >>> [ax.get_ylabel() for ax in plot_drop(run).axes]
     ['radius over clearance', 'normal force $N$ [N]']
     """
     run = in_suitable_units(check_system_run(run))
@@ -137,7 +137,7 @@ def _draw_speeds(ax: Axes, run: xr.Dataset) -> None:
     ax.axhline(0.0, color=GREY, lw=0.6)
 
 
-def drops_figure(drops: xr.Dataset) -> Figure:
+def plot_drops(drops: xr.Dataset) -> Figure:
     """Draw many drops: the fraction of them below a value, by bearing; or a grid of drops.
 
     Of a grid: ranges over the axis with most values besides the phase, with means (dots), and the
@@ -161,7 +161,7 @@ def drops_figure(drops: xr.Dataset) -> Figure:
     ...                      nodes={"disc": (0, 1)}, contacts=[bearing])
     >>> drops = drop_ensemble(system, speed=500.0, duration=0.05, drops=4,
     ...                       workers=1)
-    >>> len(drops_figure(drops).axes)
+    >>> len(plot_drops(drops).axes)
     4
     """
     drops = check_instance("drops", drops, xr.Dataset)

@@ -14,25 +14,25 @@ from rotor_ida.plot.appearance import (
     BLUE,
     draw_ring,
     drawing,
+    in_panels,
     own_legend,
     raise_limit,
 )
 from rotor_ida.plot.branches import EDGES, MARKS, draw_specials
-from rotor_ida.plot.datasets import at_node, check_dataset
-from rotor_ida.plot.labels import label_axis
-from rotor_ida.plot.system_whirls import (
-    at_contact,
-    draw_clearance,
-    label_speed,
-    panels_of_contacts,
-    speeds_in,
-)
+from rotor_ida.plot.datasets import at_contact, at_node, check_dataset
+from rotor_ida.plot.labels import label_axis, label_parameter, speeds_in
+from rotor_ida.plot.motion import title_of_contact
+from rotor_ida.plot.responses import draw_clearance
 from rotor_ida.schema import words_of
 from rotor_ida.texts import in_figure
 
 CYCLE = ("x", "y", "node", "clearance", "contact_node", "centre_x", "centre_y", "stability")
 BRANCH = ("speed", "stability", "radius_max", "clearance", "contact_node", "special_kind",
           "special_speed", "special_radius_max", "special_point")  # fmt: skip
+
+
+# Axes on which a cycle closes, as they are called in figures.
+AXES = {"turning": "rotating", "fixed": "fixed"}
 
 
 def plot_system_cycle(
@@ -63,7 +63,7 @@ def plot_system_cycle(
     >>> system = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
     >>> cycle = limit_cycle(system, speed=2.0)
     >>> plot_system_cycle(cycle).get_title()
-    'disc, on turning axes'
+    'disc, on rotating axes'
     """
     cycle = check_dataset("cycle", cycle, CYCLE)
     if not cycle.sizes["t"]:
@@ -82,7 +82,7 @@ def plot_system_cycle(
         label_axis(ax.yaxis, "y", cycle["y"])
         ax.set_aspect("equal", adjustable="datalim")
         ax.set_title(
-            f"{in_figure(chosen)}, on {in_figure(cycle.attrs.get('axes', 'turning'))} axes"
+            f"{in_figure(chosen)}, on {AXES[str(cycle.attrs.get('axes', 'turning'))]} axes"
         )
     return ax
 
@@ -110,7 +110,7 @@ def system_cycle_figure(cycle: xr.Dataset) -> Figure:
     """
     check_dataset("cycle", cycle, CYCLE)
     nodes = list(dict.fromkeys(map(str, cycle["contact_node"].values)))
-    return panels_of_contacts(
+    return in_panels(
         len(nodes), lambda number, ax: plot_system_cycle(cycle, node=nodes[number], ax=ax)
     )
 
@@ -148,16 +148,17 @@ def plot_system_branch(branch: xr.Dataset, *, contact: int = 0, ax: Axes | None 
     with drawing(ax) as ax:
         fresh = not ax.has_data()
         if fresh:
-            label_speed(ax, branch)
+            label_parameter(ax.xaxis, "speed", branch)
             label_axis(ax.yaxis, "radius", branch["radius_max"])
             draw_clearance(ax, part)
+            ax.set_title(title_of_contact(branch, part["contact"].item()))
         speeds, radii, words = _course_of(part)
         for first, last in runs_of(words):
             label, dashes, width = EDGES[words[first]]
             known = ax.get_legend_handles_labels()[1]
             ax.plot(speeds[first : last + 1], radii[first : last + 1], color=BLUE, ls=dashes,
                     lw=width, label="_" if label in known else label)  # fmt: skip
-        marked = speeds_in(part["special_speed"]), part["special_radius_max"].values
+        marked = speeds_in(part["special_speed"]).values, part["special_radius_max"].values
         draw_specials(ax, part, *marked, tuple(MARKS))
         raise_limit(ax, float(radii.max()))
         own_legend(ax)
@@ -175,7 +176,7 @@ def _course_of(part: xr.Dataset) -> tuple[Values, Values, list[str]]:
     speeds, radii = (
         np.append(values, special)[order]
         for values, special in (
-            (speeds_in(part["speed"]), speeds_in(part["special_speed"])),
+            (speeds_in(part["speed"]).values, speeds_in(part["special_speed"]).values),
             (part["radius_max"].values, part["special_radius_max"].values),
         )
     )
@@ -208,7 +209,7 @@ def system_branch_figure(branch: xr.Dataset) -> Figure:
     1
     """
     check_dataset("branch", branch, BRANCH)
-    return panels_of_contacts(
+    return in_panels(
         branch.sizes["contact"],
         lambda number, ax: plot_system_branch(branch, contact=number, ax=ax),
     )
