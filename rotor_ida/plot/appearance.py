@@ -281,7 +281,7 @@ def mixed_panels(
 def in_panels(
     count: int, draw: Callable[[int, Axes | None], Axes], *, shared: bool = False
 ) -> Figure:
-    """Draw panels with one legend, which may have the same axes; a single one has its own figure."""
+    """Draw panels with one legend, perhaps of the same axes; a single one has its own figure."""
     if check_panels(count) < 2:
         return cast(Figure, draw(0, None).figure)
     columns = math.ceil(math.sqrt(count))
@@ -396,20 +396,6 @@ def drawing(ax: Axes | None, *, width: float = 5.0, height: float = 3.6) -> Iter
             ax = new_figure(width, height).subplots()
         if not isinstance(ax, Axes):
             raise InputError(f"ax must be matplotlib Axes, got {type(ax).__name__}")
-        yield ax
-
-
-@contextmanager
-def solid_drawing(ax: Axes | None) -> Iterator[Any]:
-    """Draw in the style of this package on three-dimensional axes, by default of a new figure."""
-    with style():
-        if ax is None:
-            figure = new_figure(4.2, 3.6)
-            ax = figure.add_subplot(projection="3d")
-        if getattr(ax, "name", "") != "3d":
-            raise InputError(
-                "ax must be three-dimensional: mixed_panels(..., solid=[...]) makes them"
-            )
         yield ax
 
 

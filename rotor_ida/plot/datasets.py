@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from itertools import product
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -132,6 +131,8 @@ def parameters_in(dataset: xr.Dataset) -> list[str]:
     """Return the speed and parameters of a dataset that are numbers or axes."""
     if is_of_disc(dataset):
         return [name for name in ALL_PARAMETERS if name in dataset.variables]
+    if "contact_node" not in dataset.variables:  # signals at a node
+        return []
     return [
         name for name in (SPEED, *PARAMETERS_OF_SYSTEM)
         if name in dataset.variables and dataset[name].dims in {(), (name,)}
@@ -146,17 +147,6 @@ def drawn_over(name: str, dataset: xr.Dataset) -> tuple[str, dict[str, float]]:
     along = str(dataset.attrs.get("along", first))
     over = varied[0] if varied and along not in varied else along
     return over, {each: one_value(name, dataset, each) for each in names if each != over}
-
-
-def rotors_in(
-    dataset: xr.Dataset, *, but: Sequence[str] = ()
-) -> Iterator[tuple[dict[str, float], xr.Dataset]]:
-    """Yield the parts with one value of each parameter, and the values of those that vary."""
-    names = [name for name in parameters_in(dataset) if name in dataset.dims and name not in but]
-    varied = [name for name in names if dataset.sizes[name] > 1]
-    for places in product(*(range(dataset.sizes[name]) for name in names)):
-        part = dataset.isel({name: [at] for name, at in zip(names, places, strict=True)})
-        yield {name: part[name].item() for name in varied}, part
 
 
 def clearance_of(dataset: xr.Dataset, name: str = "run") -> float:
