@@ -43,7 +43,6 @@ from rotor_ida.plot import (
     plot_shape,
     save_figure,
     save_orbit_film,
-    system_cycle_figure,
 )
 from rotor_ida.plot.appearance import panels
 from rotor_ida.texts import (
@@ -293,7 +292,7 @@ def results():
         (plot_node_orbits, run), (plot_shape, run), (plot_run, run),
         (figure_of, drop(rotor, **one)),
         (lambda run: plot_forces(run).figure, run), (figure_of, drops),
-        (system_cycle_figure, limit_cycle(system, speed=2.0)),
+        (figure_of, limit_cycle(system, speed=2.0)),
         (figure_of, drop_ensemble(rotor, **given, phase=[0.0, 1.0])),
     ]  # fmt: skip
 

@@ -84,5 +84,3 @@ from rotor_ida.plot.signals import plot_spectrum as plot_spectrum
 from rotor_ida.plot.signals import plot_trace as plot_trace
 from rotor_ida.plot.system_cycles import plot_system_branch as plot_system_branch
 from rotor_ida.plot.system_cycles import plot_system_cycle as plot_system_cycle
-from rotor_ida.plot.system_cycles import system_branch_figure as system_branch_figure
-from rotor_ida.plot.system_cycles import system_cycle_figure as system_cycle_figure

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from rotor_ida.arrays import Values
 from rotor_ida.cycles.branch_course import runs_of
@@ -14,7 +13,6 @@ from rotor_ida.plot.appearance import (
     BLUE,
     draw_ring,
     drawing,
-    in_panels,
     own_legend,
     raise_limit,
 )
@@ -87,46 +85,20 @@ def plot_system_cycle(
     return ax
 
 
-def system_cycle_figure(cycle: xr.Dataset) -> Figure:
-    """Draw a limit cycle of a rotor system: a panel for each node that touches a stator.
-
-    Parameters
-    ----------
-    cycle : Dataset
-        Result of `rotor_ida.limit_cycle` for a rotor system.
-
-    Raises
-    ------
-    InputError
-        If the dataset is of another kind, or without a cycle.
-
-    Examples
-    --------
-    >>> from rotor_ida import Rotor, limit_cycle
-    >>> system = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
-    >>> cycle = limit_cycle(system, speed=2.0)
-    >>> len(system_cycle_figure(cycle).axes)
-    1
-    """
-    check_dataset("cycle", cycle, CYCLE)
-    nodes = list(dict.fromkeys(map(str, cycle["contact_node"].values)))
-    return in_panels(
-        len(nodes), lambda number, ax: plot_system_cycle(cycle, node=nodes[number], ax=ax)
-    )
-
-
-def plot_system_branch(branch: xr.Dataset, *, contact: int = 0, ax: Axes | None = None) -> Axes:
+def plot_system_branch(
+    branch: xr.Dataset, *, contact: int | str = 0, ax: Axes | None = None
+) -> Axes:
     """Draw a branch of limit cycles of a rotor system: the largest distance over the speed.
 
     Solid where the cycles are stable, dashed where not. Special points are marked. Several branches
-    can share axes, also with `plot_system_sweep`.
+    can share axes, also with `plot_amplitude`.
 
     Parameters
     ----------
     branch : Dataset
         Result of `rotor_ida.continue_cycle` for a rotor system.
-    contact : int
-        Number of the contact. Its clearance is a dashed line.
+    contact : int or str
+        The contact, by its number or its node. Its clearance is a dashed line.
     ax : Axes, optional
         Axes to draw on and return; default: those of a new figure.
 
@@ -185,31 +157,3 @@ def _course_of(part: xr.Dataset) -> tuple[Values, Values, list[str]]:
         for here in order[:-1].tolist()
     ]
     return speeds, radii, words
-
-
-def system_branch_figure(branch: xr.Dataset) -> Figure:
-    """Draw a branch of limit cycles of a rotor system: a panel for each contact.
-
-    Parameters
-    ----------
-    branch : Dataset
-        Result of `rotor_ida.continue_cycle` for a rotor system.
-
-    Raises
-    ------
-    InputError
-        If the dataset is of another kind.
-
-    Examples
-    --------
-    >>> from rotor_ida import Rotor, continue_cycle
-    >>> system = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
-    >>> branch = continue_cycle(system, speed=2.0, limits=(1.9, 2.1))
-    >>> len(system_branch_figure(branch).axes)
-    1
-    """
-    check_dataset("branch", branch, BRANCH)
-    return in_panels(
-        branch.sizes["contact"],
-        lambda number, ax: plot_system_branch(branch, contact=number, ax=ax),
-    )

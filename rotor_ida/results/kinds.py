@@ -189,13 +189,13 @@ KINDS = {
             name="system_branch", meaning="branch of limit cycles of a rotor system",
             variables="multiplier_real(point multiplier) special_state " + _CONTACTS,
             dims=("point", "contact", "special", "component"),
-            shown=f"{_SYSTEM_WHIRLS}:SYSTEM_BRANCH", drawn="rotor_ida.plot:system_branch_figure",
+            shown=f"{_SYSTEM_WHIRLS}:SYSTEM_BRANCH", drawn="rotor_ida.plot:plot_system_branch",
         ),
         Kind(
             name="system_cycle", meaning="limit cycle of a rotor system",
             variables="multiplier_real(multiplier) node_radius_max(node) " + _CONTACTS,
             dims=("contact",),  # t is empty where there is no cycle
-            shown=f"{_SYSTEM_WHIRLS}:SYSTEM_CYCLE", drawn="rotor_ida.plot:system_cycle_figure",
+            shown=f"{_SYSTEM_WHIRLS}:SYSTEM_CYCLE", drawn="rotor_ida.plot:plot_system_cycle",
         ),
         Kind(
             name="system_whirls", meaning="exact whirls of a rotor system",
