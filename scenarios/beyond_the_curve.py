@@ -30,11 +30,11 @@ from rotor_ida.plot import (
     plot_exponents,
     plot_force_peaks,
     plot_forces,
-    plot_history,
     plot_orbit,
     plot_rotating_orbit,
     plot_section,
     plot_spectrum,
+    plot_trace,
     shared_legend,
 )
 from rotor_ida.units import with_error
@@ -132,7 +132,7 @@ def draw(results, events):
     if results["forces"].sizes["contact"] > 1:
         plot_force_peaks(results["forces"], ax=axes[7])
     else:
-        plot_history(results["run"], "radius", ax=axes[7])
+        plot_trace(results["run"], names=("radius",), ax=axes[7])
         axes[7].set_ylim(bottom=0.0)
     return figure
 

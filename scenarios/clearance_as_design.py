@@ -21,11 +21,12 @@ from rotor_ida.paper.scenario import Settings, progress_bar, run_script
 from rotor_ida.plot import (
     mixed_panels,
     parameter_text,
-    plot_by_clearance,
-    plot_over_clearance,
+    plot_amplitude,
     shared_legend,
     style,
 )
+from rotor_ida.plot.appearance import look, own_legend
+from rotor_ida.plot.labels import LABELS
 from rotor_ida.schema import RESPONSE
 
 ZETA = 0.07
@@ -59,7 +60,9 @@ def draw_design(design: xr.Dataset, settings: Settings) -> None:
         (axes[1], {"peak_omega": "peak", "fold_omega": "folds"}, r"spin speed $\omega$"),
         (axes[2], {"peak_contact_force": "peak"}, "contact force $f$ at the peak"),
     ):
-        plot_by_clearance(design, names, label=label, ax=ax)
+        with style():
+            draw_over_clearance(ax, design, names)
+            ax.set_ylabel(label)
     for ax in (axes[0], axes[2]):
         ax.set_ylim(bottom=0.0)
     with style():
@@ -78,10 +81,25 @@ def draw_design(design: xr.Dataset, settings: Settings) -> None:
     )  # fmt: skip
 
 
+def draw_over_clearance(ax, table: xr.Dataset, names: dict[str, str]) -> None:
+    """Draw quantities over the clearance; those that do not exist at each as points."""
+    for number, (name, words) in enumerate(names.items()):
+        colour, line = look(number)
+        column = table[name].transpose("delta0", ...).values.reshape(table.delta0.size, -1)
+        if column.shape[1] == 1:
+            ax.plot(table.delta0, column, color=colour, ls=line, label=words, zorder=2.6)
+            continue
+        ax.plot(np.repeat(table.delta0, column.shape[1]), column.ravel(), ls="", marker=".",
+                ms=2.8, mew=0.0, color=colour, label=words)  # fmt: skip
+    ax.set_xlabel(LABELS["delta0"])
+    if len(names) > 1:
+        own_legend(ax)
+
+
 def draw_responses(exact: xr.Dataset, simulated: xr.Dataset, settings: Settings) -> None:
     figure, axes = mixed_panels(2, 2, height=5.8)
     for ax, omega in zip(axes, SPEEDS, strict=True):
-        plot_over_clearance(exact.sel(omega=omega), simulated=simulated.sel(omega=omega), ax=ax)
+        plot_amplitude(exact.sel(omega=omega), simulated=simulated.sel(omega=omega), ax=ax)
     shared_legend(figure, axes, columns=3, outer=False)
     slow = synchronous_response(omega=1.2, zeta=ZETA, delta0=[0.0, 0.5, 1.0, 2.0])
     rising = ", ".join(f"{value:.3f}" for value in slow.amplitude.max("branch").values.ravel())

@@ -19,7 +19,7 @@ import xarray as xr
 from rotor_ida import DimensionalRotor, contact_summary, dimensional, simulate
 from rotor_ida.paper.errata import check_scaling, deviations
 from rotor_ida.paper.scenario import Settings, run_script, scientific
-from rotor_ida.plot import mixed_panels, plot_machine, style
+from rotor_ida.plot import mixed_panels, plot_run, style
 
 MACHINE = DimensionalRotor(
     mass=4.0,  # kg
@@ -41,7 +41,7 @@ def main(settings: Settings) -> None:
     settings.keep(machine, "machine")
     force = float(contact_summary(run).largest_force) * MACHINE.force_scale
     settings.show(
-        plot_machine(machine), "machine", archives=["machine", "run"],
+        plot_run(machine), "machine", archives=["machine", "run"],
         shows=f"A disc of {MACHINE.mass:g} kg from rest at 3,000 rpm: orbit, radius and contact "
         "force.",
         found=f"ω = {rotor.omega:.4g}, ζ = {rotor.zeta:.4g}, δ₀ = {rotor.delta0:.4g}: "

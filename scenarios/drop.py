@@ -43,7 +43,7 @@ from rotor_ida import (
 )
 from rotor_ida.paper.scenario import Settings, progress_bar, run_script
 from rotor_ida.paper.whip import is_whip
-from rotor_ida.plot import mixed_panels, plot_history, plot_orbit, shared_legend, style
+from rotor_ida.plot import mixed_panels, plot_orbit, plot_trace, shared_legend, style
 from rotor_ida.plot.appearance import BLUE, DASHES, GREY, INK, RED, look
 
 GRAVITY = 9.80665  # m/s^2
@@ -269,7 +269,7 @@ def draw_drops(runs: Mapping[str, xr.Dataset], settings: Settings) -> None:
         plot_orbit(run, ax=orbit)
         orbit.set_aspect("equal", adjustable="box")
         orbit.set(xlim=(-0.32, 0.32), ylim=(-0.32, 0.24))
-        plot_history(run, "y", ax=height)
+        plot_trace(run, names=("y",), ax=height)
         draw_bounces(height, run)
         with style():
             force.plot(run.t, run.force, color=RED, lw=0.8, label="contact")

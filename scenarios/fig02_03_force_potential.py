@@ -19,7 +19,9 @@ from rotor_ida.closed_forms import restoring_field
 from rotor_ida.model.equations import energy
 from rotor_ida.paper.printed import hamiltonian
 from rotor_ida.paper.scenario import Settings, run_script, scientific
-from rotor_ida.plot import mixed_panels, plot_cuts, plot_surface, style
+from rotor_ida.plot import mixed_panels, parameter_text, style
+from rotor_ida.plot.appearance import finish_solid, look, own_legend
+from rotor_ida.plot.labels import LABELS
 
 CLEARANCES = (0.0, 0.5)
 START, DURATION = (2.0, 0.0, 0.3, 0.25), 40.0
@@ -55,9 +57,9 @@ def draw_force(field: xr.Dataset, settings: Settings) -> None:
     figure, axes = mixed_panels(2, 3, height=5.2, solid=[0, 1, 3, 4])
     for row, delta0 in enumerate(CLEARANCES):
         here = field.sel(delta0=delta0)
-        plot_surface(here, "restoring_x", ax=axes[3 * row])
-        plot_surface(here, "restoring_y", ax=axes[3 * row + 1])
-        plot_cuts(here, "restoring_x", at=[0.0, 1.0, 2.0], ax=axes[3 * row + 2])
+        draw_surface(axes[3 * row], here, "restoring_x")
+        draw_surface(axes[3 * row + 1], here, "restoring_y")
+        draw_cuts(axes[3 * row + 2], here, "restoring_x")
     one, two = (restoring_field(x=1.0, y=y, delta0=0.5).restoring_x.item() for y in (0.0, 2.0))
     settings.show(
         figure, "fig02_force", archives=["field"],
@@ -73,8 +75,8 @@ def draw_potential(field: xr.Dataset, settings: Settings) -> None:
     figure, axes = mixed_panels(2, 2, height=5.4, solid=[0, 2])
     for row, delta0 in enumerate(CLEARANCES):
         here = field.sel(delta0=delta0)
-        plot_surface(here, "potential", ax=axes[2 * row])
-        plot_cuts(here, "potential", at=[0.0, 1.0, 2.0], ax=axes[2 * row + 1])
+        draw_surface(axes[2 * row], here, "potential")
+        draw_cuts(axes[2 * row + 1], here, "potential")
     settings.show(
         figure, "fig03_potential", archives=["field"],
         shows="The energy stored in the contact, over the plane and along x.",
@@ -83,6 +85,34 @@ def draw_potential(field: xr.Dataset, settings: Settings) -> None:
         found="They are convex: the curvatures f(r)/r and 1.5 √(r − δ₀) are never negative. "
         "Inside the clearance the potential is flat.",
     )  # fmt: skip
+
+
+def draw_surface(ax, field: xr.Dataset, name: str) -> None:
+    """Draw a component of the force, or the potential, as a surface over the plane."""
+    with style():
+        across, up = np.meshgrid(field.x, field.y)
+        ax.plot_surface(
+            across, up, field[name].transpose("y", "x").values, cmap="cividis", rcount=31,
+            ccount=31, linewidth=0.15, edgecolor="#3a3a3a", antialiased=True,
+        )  # fmt: skip
+        ax.set(xlabel=LABELS["x_alone"], ylabel=LABELS["y_alone"])
+        ax.xaxis.labelpad = ax.yaxis.labelpad = -6
+        # view in which the surface rises
+        ax.view_init(elev=26, azim=-148 if name == "restoring_x" else -58)
+        finish_solid(ax)
+        ax.set_title(f"{LABELS[name]},  {parameter_text({'delta0': field.delta0.item()})}", y=0.98)
+
+
+def draw_cuts(ax, field: xr.Dataset, name: str) -> None:
+    """Draw cuts along x, at a few y, through a component of the force or the potential."""
+    with style():
+        for number, y in enumerate((0, 1, 2)):
+            colour, line = look(number)
+            cut = field[name].sel(y=y, method="nearest")
+            ax.plot(field.x, cut, color=colour, ls=line, label=f"$y = {y}$")
+        ax.set(xlabel=LABELS["x"], ylabel=LABELS[name])
+        ax.set_title(parameter_text({"delta0": field.delta0.item()}))
+        own_legend(ax)
 
 
 def draw_energy(run: xr.Dataset, settings: Settings) -> None:

@@ -28,11 +28,11 @@ from rotor_ida.paper.scenario import Settings, run_script, scientific
 from rotor_ida.plot import (
     mixed_panels,
     parameter_text,
-    plot_periods,
-    plot_portrait,
     shared_legend,
     style,
 )
+from rotor_ida.plot.appearance import BLUE, ORANGE, draw_marks, look, own_legend
+from rotor_ida.plot.labels import LABELS
 from rotor_ida.schema import labelled
 
 CLEARANCES = (0.0, 0.5)
@@ -108,8 +108,8 @@ def draw_periods(exact: xr.Dataset, simulated: xr.Dataset, settings: Settings) -
     figure, axes = mixed_panels(2, 2, height=5.6)
     for row, delta0 in enumerate(CLEARANCES):
         here, beside = exact.sel(delta0=delta0), simulated.sel(delta0=delta0)
-        plot_periods(here, simulated=beside, over="natural", ax=axes[2 * row])
-        plot_periods(here, simulated=beside, over="period", ax=axes[2 * row + 1])
+        draw_free(axes[2 * row], here, beside, "natural")
+        draw_free(axes[2 * row + 1], here, beside, "period")
         axes[2 * row].set_xlim(0.0, 1.9)
         axes[2 * row + 1].set_xlim(3.0, 15.0)
     shared_legend(figure, axes, outer=False)
@@ -130,14 +130,53 @@ def draw_periods(exact: xr.Dataset, simulated: xr.Dataset, settings: Settings) -
     )  # fmt: skip
 
 
+def draw_free(ax, exact: xr.Dataset, simulated: xr.Dataset, over: str) -> None:
+    """Draw amplitude over period, or over natural frequency."""
+    with style():
+        for name, words, colour, line, marker in (
+            ("circular_period", "on a circle", BLUE, "-", "o"),
+            ("planar_period", "on a line", ORANGE, (0, (5, 1.8)), "s"),
+        ):
+            across, marks = (
+                each[name] if over == "period" else 2.0 * np.pi / each[name]
+                for each in (exact, simulated)
+            )
+            ax.plot(across, exact.amplitude, color=colour, ls=line, label=f"{words}, exact")
+            draw_marks(ax, marks, simulated.amplitude, marker, colour, size=4.2, face="white",
+                       label=f"{words}, simulated")  # fmt: skip
+        ax.set(xlabel=LABELS[over], ylabel=LABELS["amplitude"])
+        ax.set_ylim(bottom=0.0)
+        ax.set_title(parameter_text({"delta0": exact.delta0.item()}))
+        own_legend(ax)
+
+
+def draw_portrait(ax, runs: xr.Dataset, along: str) -> None:
+    """Draw velocity over displacement along one axis, for several starts, with their periods."""
+    with style():
+        ax.set(xlabel=LABELS[along], ylabel=LABELS[f"v{along}"])
+        for number in range(runs.sizes["start"]):
+            run = runs.isel(start=number)
+            colour, line = look(number)
+            if run.amplitude <= 0.0:
+                draw_marks(ax, 0.0, 0.0, "o", colour, size=3.0)
+                continue
+            ax.plot(run[along], run[f"v{along}"], color=colour, ls=line)
+            ax.annotate(
+                f"$T = {run.period.item():.2f}$", (0.0, -float(abs(run[f"v{along}"]).max())),
+                xytext=(0.0, -2.5), textcoords="offset points", ha="center", va="top",
+                fontsize=8.0,
+            )  # fmt: skip
+        ax.margins(y=0.11)
+
+
 def draw_portraits(portraits: xr.Dataset, settings: Settings) -> None:
     longer = 100.0 * (planar_period(1.0) / circular_period(1.0) - 1.0)
     figure, axes = mixed_panels(2, 2, height=6.4)
     half = len(SIZES)
     for row, delta0 in enumerate(CLEARANCES):
         here = portraits.sel(delta0=delta0)
-        plot_portrait(here.isel(start=slice(0, half)), along="x", ax=axes[2 * row])
-        plot_portrait(here.isel(start=slice(half, None)), along="y", ax=axes[2 * row + 1])
+        draw_portrait(axes[2 * row], here.isel(start=slice(0, half)), "x")
+        draw_portrait(axes[2 * row + 1], here.isel(start=slice(half, None)), "y")
         with style():
             words = parameter_text({"delta0": delta0})
             axes[2 * row].set_title(f"{words},  from rest at $x_0$")

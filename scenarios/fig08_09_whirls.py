@@ -17,12 +17,15 @@ from rotor_ida.paper.scenario import Settings, run_script
 from rotor_ida.plot import (
     mixed_panels,
     parameter_text,
-    plot_drawn_out,
-    plot_history,
     plot_orbit,
+    plot_trace,
     shared_legend,
     style,
 )
+from rotor_ida.plot.appearance import finish_solid
+from rotor_ida.plot.labels import LABELS
+from rotor_ida.plot.motion import draw_motion
+from rotor_ida.signals.path import path_of
 
 ROTOR = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
@@ -69,16 +72,27 @@ def follow(rotor: Rotor, start: tuple[float, float, float, float], duration: flo
 def draw(name: str, run: xr.Dataset, archive: str, settings: Settings, **texts: str) -> None:
     shown = run.sel(t=slice(0.0, DRAWN))
     figure, axes = mixed_panels(2, 2, height=6.0, solid=[0])
-    plot_drawn_out(shown, ax=axes[0])
+    draw_over_time(axes[0], shown)
     plot_orbit(shown, ax=axes[1])
     axes[1].set_title("")
-    plot_history(shown, "x", ax=axes[2])
-    plot_history(shown, "y", ax=axes[3])
+    for ax, along in zip(axes[2:], "xy", strict=True):
+        plot_trace(shown, names=(along,), ax=ax)
     shared_legend(figure, axes, columns=6, outer=False)
     with style():
         parameters = {each: float(run[each]) for each in ("omega", "zeta", "delta0")}
         figure.suptitle(parameter_text(parameters), fontsize=10.0)
     settings.show(figure, name, archives=[archive], **texts)
+
+
+def draw_over_time(ax, run: xr.Dataset) -> None:
+    """Draw the orbit over time in three dimensions, with contact and flight in colour."""
+    path = path_of(run)
+    with style():
+        draw_motion(ax, path, path.time, path.x, path.y, width=0.7)
+        ax.set(xlabel=LABELS["t"], ylabel=LABELS["x_alone"], zlabel=LABELS["y_alone"])
+        ax.xaxis.labelpad, ax.yaxis.labelpad, ax.zaxis.labelpad = -4, -6, -6
+        ax.view_init(elev=22, azim=-58)
+        finish_solid(ax, zoom=1.12)
 
 
 if __name__ == "__main__":

@@ -38,7 +38,6 @@ from rotor_ida.paper.scenario import Settings, progress_bar, run_script, scienti
 from rotor_ida.plot import (
     panels,
     plot_amplitude,
-    plot_backbone,
     plot_branch,
     plot_phase,
     shared_legend,
@@ -114,7 +113,9 @@ def draw(
             for branch in of_clearance(branches, delta0) if quantity == "amplitude" else ():
                 plot_branch(of_kinds(branch, "fold", "period_doubling"), ax=ax)
             if backbone is not None and quantity == "amplitude":
-                plot_backbone(backbone.sel(delta0=delta0), ax=ax)
+                free = backbone.sel(delta0=delta0)
+                ax.plot(2.0 * np.pi / free.circular_period, free.amplitude, color="#6b7673", lw=0.9,
+                        ls=(0, (1, 2)), label="backbone", zorder=2.2)  # fmt: skip
         shared_legend(figure, axes, columns=5 if simulated is None else 4)
         ending = "" if quantity == "amplitude" else "_phase"
         texts = (

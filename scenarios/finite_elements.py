@@ -36,13 +36,13 @@ from rotor_ida import (
 )
 from rotor_ida.paper.scenario import Settings, run_script
 from rotor_ida.plot import (
+    figure_of,
     plot_bode,
     plot_campbell,
     plot_cascade,
+    plot_run,
     plot_shape,
     plot_whirl_shapes,
-    system_figure,
-    system_sweep_figure,
 )
 from rotor_ida.schema import SPECIAL
 
@@ -146,7 +146,7 @@ def draw_constant(run: xr.Dataset, settings: Settings) -> None:
     aside = [run[each].sel(node="retainer") - run[f"contact_{each}"][:, 1] for each in ("x", "y")]
     moved = 1e6 * float(np.hypot(*aside).max())
     settings.show(
-        system_figure(run), "orbits", archives=["constant"],
+        plot_run(run), "orbits", archives=["constant"],
         shows="A finite-element rotor from rest at 4070 rpm: the orbits of its nodes with the "
         "clearances, that in the retainer relative to it, and the forces of both contacts.",
         found=f"{run.sizes['event']} events; the first is at the {name} after "
@@ -193,7 +193,7 @@ def draw_speed_map(system: RotorSystem, settings: Settings) -> None:
     touched = swept.touched.any("contact").squeeze("start")
     last = [float(swept.speed.where(touched.sel(direction=way)).max()) / RPM for way in (1, -1)]
     settings.show(
-        system_sweep_figure(swept), "speed_map", archives=["speed_map"],
+        figure_of(swept), "speed_map", archives=["speed_map"],
         shows="Settled responses at both stops with the speed going up and down, simulated, over "
         "all exact synchronous whirls, in the coordinates of few modes.",
         found=f"Going up the rotor rubs up to {last[0]:.0f} rpm; the exact fold is at "

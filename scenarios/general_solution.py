@@ -25,11 +25,11 @@ from rotor_ida.paper.scenario import Settings, run_script
 from rotor_ida.plot import (
     mixed_panels,
     parameter_text,
-    plot_deviation,
-    plot_solutions,
     shared_legend,
     style,
 )
+from rotor_ida.plot.appearance import INK, look
+from rotor_ida.plot.labels import LABELS
 from rotor_ida.schema import labelled
 
 ROTOR = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
@@ -100,6 +100,25 @@ def linear_motion(time, start, whirl) -> np.ndarray:
     return states[:, 0] + 1j * states[:, 1]
 
 
+def draw_solutions(ax, compared: xr.Dataset) -> None:
+    """Draw x over time, simulated and from each formula."""
+    ax.plot(compared.t, compared.x, color=INK, lw=1.4, label="simulated")
+    for number, name in enumerate(compared.solution.values.tolist(), start=1):
+        colour, line = look(number)
+        ax.plot(compared.t, compared.solution_x.sel(solution=name), color=colour, ls=line, lw=1.0,
+                label=name)  # fmt: skip
+    ax.set(xlabel=LABELS["t"], ylabel=LABELS["x"], xlim=compared.t.values[[0, -1]])
+
+
+def draw_errors(ax, error: xr.DataArray) -> None:
+    """Draw the distance of each formula from the simulated motion over time."""
+    for number, name in enumerate(error.solution.values.tolist(), start=1):
+        colour, line = look(number)
+        shown = error.sel(solution=name)
+        ax.semilogy(error.t, shown.where(shown > 0.0), color=colour, ls=line, lw=1.1, label=name)
+    ax.set(xlabel=LABELS["t"], ylabel=LABELS["deviation"], xlim=error.t.values[[0, -1]])
+
+
 def draw(compared: xr.Dataset, name: str, words: str, settings: Settings) -> None:
     error = np.hypot(compared.solution_x - compared.x, compared.solution_y - compared.y)
     at_five = error.sel(t=5.0)
@@ -108,8 +127,9 @@ def draw(compared: xr.Dataset, name: str, words: str, settings: Settings) -> Non
         for each in FORMULAS
     }
     figure, axes = mixed_panels(2, 1, height=4.8)
-    plot_solutions(compared.sel(t=slice(0.0, 30.0)), ax=axes[0])
-    plot_deviation(compared, ax=axes[1])
+    with style():
+        draw_solutions(axes[0], compared.sel(t=slice(0.0, 30.0)))
+        draw_errors(axes[1], error)
     axes[1].set_ylim(max(1e-6, 0.5 * float(error.where(error > 0.0)[:, 20:].min())), 100.0)
     with style():
         parameters = {each: float(compared[each]) for each in PARAMETERS}

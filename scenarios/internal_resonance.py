@@ -34,7 +34,7 @@ from rotor_ida import (
     sweep,
 )
 from rotor_ida.paper.scenario import Settings, progress_bar, run_script
-from rotor_ida.plot import mixed_panels, plot_branch, plot_system_cycle, plot_system_sweep
+from rotor_ida.plot import mixed_panels, plot_amplitude, plot_branch, plot_system_cycle
 from rotor_ida.plot.appearance import GREY, drawing, legend_below, style
 
 # Each disc: mass, and moments of inertia about a diameter and about the axis. The shaft has bending
@@ -132,7 +132,7 @@ def draw(
     system: RotorSystem, branches: dict, cycles: dict, swept: xr.Dataset, settings: Settings
 ) -> None:
     with drawing(None, width=7.2, height=4.2) as ax:
-        plot_system_sweep(swept, ax=ax)
+        plot_amplitude(None, simulated=swept, ax=ax)
         for turns, branch in branches.items():
             plot_branch(branch, ax=ax)
             ax.axvline(condition(system, turns)[0], color=GREY, lw=0.9, ls=":",

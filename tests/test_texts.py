@@ -20,6 +20,7 @@ from rotor_ida import (
     Contact,
     Rotor,
     RotorSystem,
+    drop,
     drop_ensemble,
     limit_cycle,
     load,
@@ -35,15 +36,13 @@ from rotor_ida.explorer import systems
 from rotor_ida.explorer.files import finished, recording_of_nodes
 from rotor_ida.explorer.messages import SystemQuestion
 from rotor_ida.plot import (
-    drop_figure,
-    drops_figure,
-    plot_contact_forces,
-    plot_node_history,
+    figure_of,
+    plot_forces,
     plot_node_orbits,
+    plot_run,
     plot_shape,
     save_figure,
     save_orbit_film,
-    system_cycle_figure,
 )
 from rotor_ida.plot.appearance import panels
 from rotor_ida.texts import (
@@ -286,13 +285,15 @@ def results():
     bearing = Contact(node="disc", clearance=2e-4, stiffness=2e9, damping=1.0)
     rotor = RotorSystem(mass=20.0 * np.eye(2), stiffness=np.zeros((2, 2)), nodes={"disc": (0, 1)},
                         contacts=[bearing])  # fmt: skip
-    given = {"speed": 500.0, "duration": 0.02, "workers": 1}
+    one = {"speed": 500.0, "duration": 0.02}
+    given = one | {"workers": 1}
     drops = drop_ensemble(rotor, **given, drops=2)
     return [
-        (plot_node_orbits, run), (plot_shape, run), (plot_contact_forces, run), (drop_figure, run),
-        (lambda run: plot_node_history(run, node=str(run["node"].values[0])), run),
-        (system_cycle_figure, limit_cycle(system, speed=2.0)), (drops_figure, drops),
-        (drops_figure, drop_ensemble(rotor, **given, phase=[0.0, 1.0])),
+        (plot_node_orbits, run), (plot_shape, run), (plot_run, run),
+        (figure_of, drop(rotor, **one)),
+        (lambda run: plot_forces(run).figure, run), (figure_of, drops),
+        (figure_of, limit_cycle(system, speed=2.0)),
+        (figure_of, drop_ensemble(rotor, **given, phase=[0.0, 1.0])),
     ]  # fmt: skip
 
 

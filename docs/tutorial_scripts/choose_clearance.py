@@ -35,11 +35,11 @@ machine.rotor()
 # ---------------
 
 from rotor_ida import contact_summary, dimensional, simulate
-from rotor_ida.plot import plot_machine
+from rotor_ida.plot import plot_run
 
 run = simulate(machine.rotor(), start=(0, 0, 0, 0), duration=80.0, samples=4001)
 in_si = dimensional(run, machine, units={"length": "µm", "time": "ms"})
-figure = plot_machine(in_si)
+figure = plot_run(in_si)
 figure
 
 # %%

@@ -1,15 +1,17 @@
 """Plots of datasets, in one style that stays legible in grey and with colour blindness.
 
-The functions read labelled datasets only, so an archive can be plotted without a solver. They
-show nothing. One that draws a single picture draws on `ax`, by default that of a new figure, and
-returns these axes; one that draws several returns their figure, whose ``axes`` they are. All raise
-`rotor_ida.InputError` for data that they
-cannot draw: a Dataset that lacks a variable or has several values of a parameter that must have
-one, axes of another kind, or other units.
+`figure_of` draws the figure of any result. Each function ``plot_...`` draws one thing, of one disc
+and of rotor systems alike; of a system a node or a contact is chosen by name or number. The
+functions read labelled datasets only, so an archive can be plotted without a solver. They show
+nothing. One that draws a single picture draws on `ax`, by default that of a new figure, and returns
+these axes; one that draws several returns their figure, whose ``axes`` they are. All raise
+`rotor_ida.InputError` for data that they cannot draw: a Dataset that lacks a variable or has
+several values of a parameter that must have one, axes of another kind, or other units.
 
-A new plot is exported here and drawn in ``tests/plot/pictures.py``; `rotor_ida.results.kinds` names
-it if it is the figure of a kind of result, and `rotor_ida.cli.commands.plot` if the command offers
-it.
+A new plot is a function ``plot_...`` in the module of its question, exported here and drawn in
+``tests/plot/pictures.py``. `rotor_ida.results.kinds` names it if it is the figure of a kind of
+result: then `figure_of` draws it, of a rotor system with a panel for each node or contact if it
+takes one of these. `rotor_ida.cli.commands.plot` names it if the command offers it.
 """
 
 import os
@@ -24,169 +26,60 @@ except ValueError as _error:
         f"got {os.environ.get('MPLBACKEND')!r}"
     ) from _error
 
-from rotor_ida.plot.appearance import mixed_panels, panels, shared_legend, style
-from rotor_ida.plot.basins import (
-    plot_attractor_fractions,
-    plot_attractor_map,
-    plot_attractors,
-    plot_basin,
-    plot_basin_fractions,
-)
-from rotor_ida.plot.branches import plot_branch, plot_curves
-from rotor_ida.plot.clearance_reports import clearance_report_figure, plot_clearance
-from rotor_ida.plot.closed_forms import (
-    plot_cuts,
-    plot_deviation,
-    plot_periods,
-    plot_portrait,
-    plot_solutions,
-    plot_surface,
-)
-from rotor_ida.plot.cycles import cycle_figure, plot_cycle, plot_lines, plot_multipliers
-from rotor_ida.plot.cycles_over import cycles_figure
-from rotor_ida.plot.diagrams import diagram_figure, plot_extrema, plot_strobes
-from rotor_ida.plot.drops import drop_figure, drops_figure, save_orbit_film
-from rotor_ida.plot.dynamics import plot_exponents, plot_section, section_figure
-from rotor_ida.plot.fits import fit_figure, plot_fit, plot_fit_residuals
-from rotor_ida.plot.forces import plot_force_peaks, plot_forces
-from rotor_ida.plot.labels import parameter_text
-from rotor_ida.plot.responses import plot_along, plot_amplitude, plot_over_clearance, plot_phase
-from rotor_ida.plot.run_up import plot_run_up
-from rotor_ida.plot.run_ups import plot_endings, plot_largest_force, run_ups_figure
-from rotor_ida.plot.runs import (
-    plot_drawn_out,
-    plot_history,
-    plot_machine,
-    plot_rotating_orbit,
-    plot_run,
-)
-from rotor_ida.plot.saving import save_figure
-from rotor_ida.plot.signals import (
-    plot_bode,
-    plot_cascade,
-    plot_centre_line,
-    plot_full_spectrum,
-    plot_orbit,
-    plot_orders,
-    plot_polar,
-    plot_spectrogram,
-    plot_spectrum,
-    plot_trace,
-)
-from rotor_ida.plot.system_cycles import (
-    plot_system_cycle,
-    system_cycle_figure,
-)
-from rotor_ida.plot.system_sweeps import plot_system_sweep, system_sweep_figure
-from rotor_ida.plot.system_whirls import (
-    plot_campbell,
-    plot_special_speeds,
-    plot_system_whirls,
-    plot_unbalance_response,
-    plot_whirl_shapes,
-    special_speeds_figure,
-    system_whirls_figure,
-)
-from rotor_ida.plot.systems import (
-    plot_contact_forces,
-    plot_node_history,
-    plot_node_orbits,
-    plot_shape,
-    system_figure,
-)
-from rotor_ida.plot.whirls import (
-    plot_backbone,
-    plot_backward_whirl,
-    plot_by_clearance,
-    plot_by_damping,
-    plot_cusp,
-    plot_jumps,
-)
-
-__all__ = [
-    "clearance_report_figure",
-    "cycle_figure",
-    "cycles_figure",
-    "diagram_figure",
-    "drop_figure",
-    "drops_figure",
-    "fit_figure",
-    "mixed_panels",
-    "panels",
-    "parameter_text",
-    "plot_along",
-    "plot_amplitude",
-    "plot_attractor_fractions",
-    "plot_attractor_map",
-    "plot_attractors",
-    "plot_backbone",
-    "plot_backward_whirl",
-    "plot_basin",
-    "plot_basin_fractions",
-    "plot_bode",
-    "plot_branch",
-    "plot_by_clearance",
-    "plot_by_damping",
-    "plot_campbell",
-    "plot_cascade",
-    "plot_centre_line",
-    "plot_clearance",
-    "plot_contact_forces",
-    "plot_curves",
-    "plot_cusp",
-    "plot_cuts",
-    "plot_cycle",
-    "plot_deviation",
-    "plot_drawn_out",
-    "plot_endings",
-    "plot_exponents",
-    "plot_extrema",
-    "plot_fit",
-    "plot_fit_residuals",
-    "plot_force_peaks",
-    "plot_forces",
-    "plot_full_spectrum",
-    "plot_history",
-    "plot_jumps",
-    "plot_largest_force",
-    "plot_lines",
-    "plot_machine",
-    "plot_multipliers",
-    "plot_node_history",
-    "plot_node_orbits",
-    "plot_orbit",
-    "plot_orders",
-    "plot_over_clearance",
-    "plot_periods",
-    "plot_phase",
-    "plot_polar",
-    "plot_portrait",
-    "plot_rotating_orbit",
-    "plot_run",
-    "plot_run_up",
-    "plot_section",
-    "plot_shape",
-    "plot_solutions",
-    "plot_special_speeds",
-    "plot_spectrogram",
-    "plot_spectrum",
-    "plot_strobes",
-    "plot_surface",
-    "plot_system_cycle",
-    "plot_system_sweep",
-    "plot_system_whirls",
-    "plot_trace",
-    "plot_unbalance_response",
-    "plot_whirl_shapes",
-    "run_ups_figure",
-    "save_figure",
-    "save_orbit_film",
-    "section_figure",
-    "shared_legend",
-    "special_speeds_figure",
-    "style",
-    "system_cycle_figure",
-    "system_figure",
-    "system_sweep_figure",
-    "system_whirls_figure",
-]
+from rotor_ida.plot.appearance import mixed_panels as mixed_panels
+from rotor_ida.plot.appearance import panels as panels
+from rotor_ida.plot.appearance import shared_legend as shared_legend
+from rotor_ida.plot.appearance import style as style
+from rotor_ida.plot.backward_whirls import plot_backward_whirl as plot_backward_whirl
+from rotor_ida.plot.basins import plot_attractor_fractions as plot_attractor_fractions
+from rotor_ida.plot.basins import plot_attractor_map as plot_attractor_map
+from rotor_ida.plot.basins import plot_attractors as plot_attractors
+from rotor_ida.plot.basins import plot_basin as plot_basin
+from rotor_ida.plot.basins import plot_basin_fractions as plot_basin_fractions
+from rotor_ida.plot.branches import plot_branch as plot_branch
+from rotor_ida.plot.branches import plot_curves as plot_curves
+from rotor_ida.plot.campbell import plot_campbell as plot_campbell
+from rotor_ida.plot.clearance_reports import plot_clearance as plot_clearance
+from rotor_ida.plot.cycles import cycle_figure as cycle_figure
+from rotor_ida.plot.cycles import plot_cycle as plot_cycle
+from rotor_ida.plot.cycles import plot_lines as plot_lines
+from rotor_ida.plot.cycles import plot_multipliers as plot_multipliers
+from rotor_ida.plot.cycles_over import cycles_figure as cycles_figure
+from rotor_ida.plot.diagrams import plot_extrema as plot_extrema
+from rotor_ida.plot.diagrams import plot_strobes as plot_strobes
+from rotor_ida.plot.drops import plot_drop as plot_drop
+from rotor_ida.plot.drops import plot_drops as plot_drops
+from rotor_ida.plot.drops import save_orbit_film as save_orbit_film
+from rotor_ida.plot.dynamics import plot_exponents as plot_exponents
+from rotor_ida.plot.dynamics import plot_section as plot_section
+from rotor_ida.plot.figures import figure_of as figure_of
+from rotor_ida.plot.fits import fit_figure as fit_figure
+from rotor_ida.plot.fits import plot_fit as plot_fit
+from rotor_ida.plot.fits import plot_fit_residuals as plot_fit_residuals
+from rotor_ida.plot.forces import plot_force_peaks as plot_force_peaks
+from rotor_ida.plot.forces import plot_forces as plot_forces
+from rotor_ida.plot.labels import parameter_text as parameter_text
+from rotor_ida.plot.responses import plot_amplitude as plot_amplitude
+from rotor_ida.plot.responses import plot_phase as plot_phase
+from rotor_ida.plot.responses import plot_unbalance_response as plot_unbalance_response
+from rotor_ida.plot.run_up import plot_run_up as plot_run_up
+from rotor_ida.plot.run_ups import plot_endings as plot_endings
+from rotor_ida.plot.run_ups import plot_largest_force as plot_largest_force
+from rotor_ida.plot.run_ups import plot_run_ups as plot_run_ups
+from rotor_ida.plot.runs import plot_node_orbits as plot_node_orbits
+from rotor_ida.plot.runs import plot_rotating_orbit as plot_rotating_orbit
+from rotor_ida.plot.runs import plot_run as plot_run
+from rotor_ida.plot.saving import save_figure as save_figure
+from rotor_ida.plot.shapes import plot_shape as plot_shape
+from rotor_ida.plot.shapes import plot_whirl_shapes as plot_whirl_shapes
+from rotor_ida.plot.signals import plot_bode as plot_bode
+from rotor_ida.plot.signals import plot_cascade as plot_cascade
+from rotor_ida.plot.signals import plot_centre_line as plot_centre_line
+from rotor_ida.plot.signals import plot_full_spectrum as plot_full_spectrum
+from rotor_ida.plot.signals import plot_orbit as plot_orbit
+from rotor_ida.plot.signals import plot_orders as plot_orders
+from rotor_ida.plot.signals import plot_polar as plot_polar
+from rotor_ida.plot.signals import plot_spectrogram as plot_spectrogram
+from rotor_ida.plot.signals import plot_spectrum as plot_spectrum
+from rotor_ida.plot.signals import plot_trace as plot_trace
+from rotor_ida.plot.system_cycles import plot_system_cycle as plot_system_cycle

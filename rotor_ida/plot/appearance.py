@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import Any
+from typing import Any, cast
 
 import matplotlib as mpl
 import numpy as np
@@ -17,10 +17,11 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
 from matplotlib.legend import Legend
+from matplotlib.lines import Line2D
 from matplotlib.transforms import Bbox, ScaledTranslation
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_count
+from rotor_ida.checks import check_count, check_panels
 from rotor_ida.errors import InputError
 from rotor_ida.plot.labels import KIND_WORDS
 
@@ -32,8 +33,8 @@ INK = "#1a1a1a"
 DASHES = (0, (4, 2))
 # Where a legend under the axes begins, clear of ticks and label [point].
 BELOW = 36.0
-# Longest legend inside the axes.
-MOST_INSIDE = 4
+# Longest legend inside the axes, and size of the least mark in one [point].
+MOST_INSIDE, LEGIBLE = 4, 3.0
 SHADE = "#ffe3c4"
 PALE_SHADE = "#fff0df"
 # Colour and dashes, so that the curves are distinguishable without colour too.
@@ -277,6 +278,28 @@ def mixed_panels(
     return figure, axes
 
 
+def in_panels(
+    count: int, draw: Callable[[int, Axes | None], Axes], *, shared: bool = False
+) -> Figure:
+    """Draw panels with one legend, perhaps of the same axes; a single one has its own figure."""
+    if check_panels(count) < 2:
+        return cast(Figure, draw(0, None).figure)
+    columns = math.ceil(math.sqrt(count))
+    rows = math.ceil(count / columns)
+    arrange = panels if shared else mixed_panels
+    figure, axes = arrange(rows, columns, width=2.0 + 2.8 * columns, height=1.6 + 2.2 * rows)
+    for number, ax in enumerate(axes[:count]):
+        draw(number, ax)
+    for ax in axes[count:]:
+        ax.remove()
+    words = axes[0].get_xlabel()
+    shared_legend(figure, axes[:count], outer=shared)
+    for ax in axes[max(0, count - columns) : count] if shared else ():
+        ax.tick_params(labelbottom=True)
+        ax.set_xlabel(words)
+    return figure
+
+
 def _letter(axes: Sequence[Axes]) -> None:
     for number, ax in enumerate(axes if len(axes) > 1 else ()):
         ax.set_title(chr(ord("a") + number), loc="left", fontweight="bold")
@@ -313,7 +336,7 @@ def shared_legend(
                 own.remove()
             if outer:
                 ax.label_outer()
-    return legend
+    return _legible(legend)
 
 
 def _fitting_legend(figure: Figure | SubFigure, axes: Sequence[Axes], columns: int) -> Legend:
@@ -335,7 +358,7 @@ def own_legend(ax: Axes, *, inside: bool = False) -> Legend:
     """
     handles, labels = _entries([ax])
     if inside or len(handles) <= MOST_INSIDE:
-        return ax.legend(handles, labels, handlelength=2.4)
+        return _legible(ax.legend(handles, labels, handlelength=2.4))
     place = ax.get_subplotspec()
     room = ax.figure.bbox.width / (place.get_gridspec().ncols if place else 1)
     for columns in (3, 2, 1):
@@ -351,10 +374,18 @@ def legend_below(ax: Axes, *, columns: int = 3, handles: Sequence[Artist] | None
     if handles is not None:
         shown, labels = list(handles), [str(handle.get_label()) for handle in handles]
     below = ScaledTranslation(0.0, -BELOW / 72.0, ax.figure.dpi_scale_trans)
-    return ax.legend(
+    return _legible(ax.legend(
         shown, labels, loc="upper center", bbox_to_anchor=(0.5, 0.0),
         bbox_transform=ax.transAxes + below, ncols=columns, handlelength=2.0, borderaxespad=0.0,
-    )  # fmt: skip
+    ))  # fmt: skip
+
+
+def _legible(legend: Legend) -> Legend:
+    """Show dots that are read as lines larger in a legend."""
+    for handle in legend.legend_handles:
+        if isinstance(handle, Line2D) and handle.get_markersize() < LEGIBLE:
+            handle.set_markersize(LEGIBLE)
+    return legend
 
 
 @contextmanager
@@ -365,20 +396,6 @@ def drawing(ax: Axes | None, *, width: float = 5.0, height: float = 3.6) -> Iter
             ax = new_figure(width, height).subplots()
         if not isinstance(ax, Axes):
             raise InputError(f"ax must be matplotlib Axes, got {type(ax).__name__}")
-        yield ax
-
-
-@contextmanager
-def solid_drawing(ax: Axes | None) -> Iterator[Any]:
-    """Draw in the style of this package on three-dimensional axes, by default of a new figure."""
-    with style():
-        if ax is None:
-            figure = new_figure(4.2, 3.6)
-            ax = figure.add_subplot(projection="3d")
-        if getattr(ax, "name", "") != "3d":
-            raise InputError(
-                "ax must be three-dimensional: mixed_panels(..., solid=[...]) makes them"
-            )
         yield ax
 
 
@@ -419,6 +436,12 @@ def draw_marks(
 def say_in_middle(ax: Axes, words: str) -> None:
     """Write in the middle of empty axes why they are empty."""
     ax.text(0.5, 0.5, words, transform=ax.transAxes, ha="center", va="center")
+
+
+def say_nothing(ax: Axes, words: str) -> None:
+    """Write in the middle of axes over time why they are empty."""
+    say_in_middle(ax, words)
+    ax.set_yticks([])
 
 
 def raise_limit(ax: Axes, highest: float) -> None:

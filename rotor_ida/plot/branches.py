@@ -9,7 +9,6 @@ from typing import NamedTuple
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.axis import Axis
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import shown
@@ -40,16 +39,18 @@ from rotor_ida.plot.appearance import (
     own_legend,
     raise_limit,
 )
-from rotor_ida.plot.datasets import check_dataset, hold_units, one_value
+from rotor_ida.plot.datasets import at_contact, check_dataset, contact_in, hold_units, one_value
 from rotor_ida.plot.labels import (
     in_lines,
     label_axis,
-    label_varied,
+    label_parameter,
     parameter_text,
     speed_text,
+    speeds_in,
     title_of,
 )
-from rotor_ida.plot.system_whirls import at_contact, draw_clearance, speed_label, speeds_in
+from rotor_ida.plot.motion import title_of_contact
+from rotor_ida.plot.responses import draw_clearance
 from rotor_ida.schema import words_of
 
 SPECIALS = ("special_kind", "special_value", "special_point")
@@ -92,21 +93,21 @@ CURVES = {
 COLOURS = (BLUE, ORANGE, PURPLE, RED, BROWN)
 
 
-def plot_branch(branch: xr.Dataset, *, contact: int = 0, ax: Axes | None = None) -> Axes:
+def plot_branch(branch: xr.Dataset, *, contact: int | str = 0, ax: Axes | None = None) -> Axes:
     """Draw a branch of limit cycles: the range of the radius over the continued parameter.
 
     The edges of the band are the smallest and the largest radius of the cycles, solid where these
     are stable, dashed where not; its colour distinguishes bouncing from full
     contact. Special points, such as folds and grazes, are marked on the upper edge. Several
-    branches can share axes, also with `plot_amplitude` and `plot_system_sweep`; the axes then keep
+    branches can share axes, also with `plot_amplitude`; the axes then keep
     their labels and title.
 
     Parameters
     ----------
     branch : Dataset
         Result of `rotor_ida.continue_cycle`.
-    contact : int
-        Number of the contact of a rotor system, whose clearance is a dashed line.
+    contact : int or str
+        The contact of a rotor system, by its number or its node. Its clearance is a dashed line.
     ax : Axes, optional
         Axes to draw on and return; default: those of a new figure.
 
@@ -132,17 +133,19 @@ def plot_branch(branch: xr.Dataset, *, contact: int = 0, ax: Axes | None = None)
     branch = check_dataset("branch", branch, BRANCH)
     parameter = parameters_of("branch", branch, "parameter", 1)[0]
     is_system = "contact" in branch.dims
-    part = at_contact(branch if is_system else branch.expand_dims("contact"), contact)
-    course, across = course_of(branch, contact), _drawn(branch, parameter)
+    number = contact_in(branch, contact) if is_system else 0
+    part = at_contact(branch, number) if is_system else branch
+    course, across = course_of(branch, number), _drawn(branch, parameter)
     course = replace(course, value=across(course.value))
     with drawing(ax) as ax:
         fresh = not ax.has_data()
         hold_units(ax.yaxis, branch["radius_max"])
         if fresh:
-            _label(ax.xaxis, parameter, branch)
+            label_parameter(ax.xaxis, parameter, branch)
             label_axis(ax.yaxis, "radius", branch["radius_max"])
         if fresh and is_system:
             draw_clearance(ax, part, over=parameter)
+            ax.set_title(title_of_contact(branch, number))
         elif fresh:
             ax.set_title(title_of("branch", branch, [each for each in PARAMETERS
                                                      if each != parameter]))  # fmt: skip
@@ -207,7 +210,7 @@ def plot_curves(
     several = any(each != values[0] for each in values)
     with drawing(ax) as ax:
         for axis, name in ((ax.xaxis, across), (ax.yaxis, up)):
-            _label(axis, name, datasets[0])
+            label_parameter(axis, name, datasets[0])
         if fold_points is not None:
             _draw_folds_of_whirl(ax, fold_points, across)
         for curve, value in zip(datasets, values, strict=True):
@@ -242,15 +245,9 @@ def _drawn(dataset: xr.Dataset, name: str) -> Callable[[Values], Values]:
     """Return how values of a parameter are drawn: spin speeds of a system in SI units in rpm."""
     if name != SPEED:
         return lambda values: values
-    return lambda values: speeds_in(xr.DataArray(values, attrs=dataset[SPEED].attrs))
-
-
-def _label(axis: Axis, name: str, dataset: xr.Dataset) -> None:
-    """Label the axis of what varies."""
-    if name == SPEED:
-        axis.set_label_text(speed_label(dataset))
-    else:
-        label_varied(axis, name, dataset)
+    return lambda values: np.asarray(
+        speeds_in(xr.DataArray(values, attrs=dataset[SPEED].attrs)).values
+    )
 
 
 def _held_text(curve: xr.Dataset, values: Mapping[str, float]) -> str:

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
+from rotor_ida.model.system_parameters import SPEED
 from rotor_ida.plot.appearance import (
     DASHES,
     GREY,
@@ -16,8 +16,8 @@ from rotor_ida.plot.appearance import (
     legend_below,
     look,
 )
-from rotor_ida.plot.datasets import check_dataset, units_in
-from rotor_ida.plot.system_whirls import at_contact, label_speed, panels_of_contacts
+from rotor_ida.plot.datasets import at_contact, check_dataset
+from rotor_ida.plot.labels import label_axis, label_parameter
 from rotor_ida.schema import words_of
 from rotor_ida.signals.nodes import Ring
 
@@ -25,21 +25,21 @@ NEEDED = (
     "speed", "major_axis", "scale_factor", "clearance", "contact_node", "clearance_verdict",
     "critical_speed",
 )  # fmt: skip
-ALLOWED = 0.75
+ALLOWED, ORBIT = 0.75, "scaled orbit, peak to peak"
 # Lowest and highest part of a diametral clearance that is shown, unless the orbits are larger.
 LOWEST, HIGHEST, ROOM = 1e-3, 2.0, 1.5
 
 
-def plot_clearance(report: xr.Dataset, *, contact: int = 0, ax: Axes | None = None) -> Axes:
+def plot_clearance(report: xr.Dataset, *, contact: int | str = 0, ax: Axes | None = None) -> Axes:
     """Draw the scaled orbits at a close clearance over the spin speed, from peak to peak.
 
     Parameters
     ----------
     report : Dataset
         Result of `rotor_ida.clearance_report`.
-    contact : int
-        Number of the contact. Its diametral clearance is a line, and 75 per cent of it dashed;
-        critical speeds are dotted, and the continuous speeds shaded.
+    contact : int or str
+        The contact, by its number or its node. Its diametral clearance is a line, and 75 per cent
+        of it dashed; critical speeds are dotted, and the continuous speeds shaded.
     ax : Axes, optional
         Axes to draw on and return; default: those of a new figure.
 
@@ -62,11 +62,9 @@ def plot_clearance(report: xr.Dataset, *, contact: int = 0, ax: Axes | None = No
     diameter = 2.0 * own["clearance"].item()
     scaled = (own["major_axis"] * own["scale_factor"]).transpose("case", "speed").values
     with drawing(ax) as ax:
-        speeds = label_speed(ax, report)
+        speeds = label_parameter(ax.xaxis, SPEED, report)
         factor = float(speeds[-1] / report["speed"].values[-1])
-        unit = units_in(report["major_axis"])
-        ax.set_ylabel("scaled orbit, peak to peak" + ("" if unit == "1" else f" [{unit}]".replace(
-            "um]", "µm]")))  # fmt: skip
+        label_axis(ax.yaxis, "major_axis", report["major_axis"], words=ORBIT)
         running = factor * np.asarray(report.attrs["running_speeds"])
         ax.axvspan(running[0], running[1], color=SHADE, lw=0.0, zorder=0.5,
                    label="continuous speeds")  # fmt: skip
@@ -85,30 +83,6 @@ def plot_clearance(report: xr.Dataset, *, contact: int = 0, ax: Axes | None = No
         ax.set_ylim(max(LOWEST * diameter, 0.5 * float(scaled.min())), top)
         verdict = words_of(own["clearance_verdict"])[0]
         node = Ring(own["contact_node"].item(), "", []).title
-        ax.set_title(f"contact {contact} at {node}: {verdict}")
+        ax.set_title(f"contact {own['contact'].item()} at {node}: {verdict}")
         legend_below(ax, columns=3)
     return ax
-
-
-def clearance_report_figure(report: xr.Dataset) -> Figure:
-    """Draw a report on close clearances: a panel for each.
-
-    Parameters
-    ----------
-    report : Dataset
-        Result of `rotor_ida.clearance_report`.
-
-    Examples
-    --------
-    >>> from rotor_ida import Contact, Rotor, clearance_report
-    >>> system = Rotor(omega=1.0, zeta=0.07, delta0=5.0).system()
-    >>> report = clearance_report(system, speed=(2.0, 3.0),
-    ...                           probes=["disc"], vibration_limit=1.0)
-    >>> len(clearance_report_figure(report).axes)
-    1
-    """
-    report = check_dataset("report", report, NEEDED)
-    return panels_of_contacts(
-        report.sizes["contact"],
-        lambda number, ax: plot_clearance(report, contact=number, ax=ax),
-    )

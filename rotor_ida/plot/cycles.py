@@ -32,7 +32,7 @@ from rotor_ida.plot.appearance import (
 )
 from rotor_ida.plot.datasets import check_dataset, clearance_of, one_value
 from rotor_ida.plot.labels import LABELS, label_axis, title_of
-from rotor_ida.plot.runs import WAYS, draw_motion
+from rotor_ida.plot.motion import WAYS, draw_motion
 from rotor_ida.results.run import rotor_of
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import MODE, flags_of

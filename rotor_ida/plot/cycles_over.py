@@ -21,7 +21,7 @@ from rotor_ida.plot.appearance import (
     style,
 )
 from rotor_ida.plot.datasets import along_one, check_dataset
-from rotor_ida.plot.labels import label_axis, label_varied
+from rotor_ida.plot.labels import label_axis, label_parameter
 from rotor_ida.schema import words_of
 from rotor_ida.texts import in_figure
 
@@ -73,7 +73,7 @@ def cycles_figure(cycles: xr.Dataset) -> Figure:
             for radii in (low, high):
                 _draw(lower, part[over].values, radii, is_stable, colour)
         label_axis(lower.yaxis, "radius", part["radius_max"])
-        label_varied(lower.xaxis, over, cycles)
+        label_parameter(lower.xaxis, over, cycles)
         first, last = part[over].values[[0, -1]].tolist()
         if first < last:  # points without a cycle too
             lower.set_xlim(first - ROOM * (last - first), last + ROOM * (last - first))

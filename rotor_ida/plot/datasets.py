@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping, Sequence
-from itertools import product
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 import xarray as xr
 from matplotlib.axis import Axis
 
-from rotor_ida.checks import listed, shown
+from rotor_ida.checks import check_count, listed, shown
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS, OPTIONAL
+from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
 from rotor_ida.results.run import refuse_system
 from rotor_ida.results.si_units import in_suitable_units, scale_of
@@ -99,25 +98,55 @@ def touching_nodes(dataset: xr.Dataset) -> list[str]:
     return nodes or list(map(str, dataset["node"].values[:1]))
 
 
+def contact_in(dataset: xr.Dataset, contact: int | str) -> int:
+    """Return the number of a contact, given by it or by the name of its node."""
+    nodes = list(map(str, np.atleast_1d(dataset["contact_node"].values)))
+    if isinstance(contact, str):
+        here = [number for number, node in enumerate(nodes) if node == contact]
+        if len(here) != 1:
+            one = ", ".join(shown(node) for node in dict.fromkeys(nodes) if nodes.count(node) == 1)
+            raise InputError(
+                f"contact must be a number, or the only one at its node: {one or 'none'}, "
+                f"got {shown(contact)}"
+            )
+        return here[0]
+    if check_count("contact", contact, minimum=0) >= len(nodes):
+        allowed = f"0 to {len(nodes) - 1}" if nodes else "none: there is no contact"
+        raise InputError(f"contact must be one of {allowed}, got {contact}")
+    return int(contact)
+
+
+def at_contact(dataset: xr.Dataset, contact: int | str) -> xr.Dataset:
+    """Return the part of a dataset at a contact; refuse one that it has not."""
+    number = contact_in(dataset, contact)
+    return dataset.isel(contact=number).assign(contact=number)
+
+
+def is_of_disc(dataset: xr.Dataset) -> bool:
+    """Return whether a result is of one disc, and of no rotor system."""
+    return "contact_node" not in dataset.variables and "node" not in dataset.variables
+
+
 def parameters_in(dataset: xr.Dataset) -> list[str]:
     """Return the speed and parameters of a dataset that are numbers or axes."""
-    if "contact_node" not in dataset.variables:
+    if is_of_disc(dataset):
         return [name for name in ALL_PARAMETERS if name in dataset.variables]
+    if "contact_node" not in dataset.variables:  # signals at a node
+        return []
     return [
         name for name in (SPEED, *PARAMETERS_OF_SYSTEM)
         if name in dataset.variables and dataset[name].dims in {(), (name,)}
     ]  # fmt: skip
 
 
-def rotors_in(
-    dataset: xr.Dataset, *, but: Sequence[str] = ()
-) -> Iterator[tuple[dict[str, float], xr.Dataset]]:
-    """Yield the parts with one value of each parameter, and the values of those that vary."""
-    names = [name for name in parameters_in(dataset) if name in dataset.dims and name not in but]
-    varied = [name for name in names if dataset.sizes[name] > 1]
-    for places in product(*(range(dataset.sizes[name]) for name in names)):
-        part = dataset.isel({name: [at] for name, at in zip(names, places, strict=True)})
-        yield {name: part[name].item() for name in varied}, part
+def drawn_over(name: str, dataset: xr.Dataset) -> tuple[str, dict[str, float]]:
+    """Return the parameter over which a result is drawn, and the one value of each other."""
+    names = parameters_in(dataset)
+    first = next(iter(names), SPEED)
+    varied = [each for each in names if dataset[each].size > 1]
+    along = str(dataset.attrs.get("along", first))
+    over = varied[0] if varied and along not in varied else along
+    return over, {each: one_value(name, dataset, each) for each in names if each != over}
 
 
 def clearance_of(dataset: xr.Dataset, name: str = "run") -> float:
@@ -148,14 +177,6 @@ def hold_units(axis: Axis, variable: xr.DataArray) -> None:
         ax.dataLim.set(limits)
 
 
-def fixed_parameters(
-    name: str, dataset: xr.Dataset, of_all: Sequence[str] = ("zeta", "delta0")
-) -> dict[str, float]:
-    """Return the parameters that are not on the axis; each has one value."""
-    names = (*of_all, *(each for each in OPTIONAL if each in dataset.variables))
-    return {each: one_value(name, dataset, each) for each in names}
-
-
 def check_same_parameters(name: str, here: Mapping[str, float], there: Mapping[str, float]) -> None:
     """Refuse parameters that differ from those of the exact curve."""
     papers = {**FRICTIONLESS, "friction": 0.0}
@@ -163,7 +184,7 @@ def check_same_parameters(name: str, here: Mapping[str, float], there: Mapping[s
     for parameter, value in of_exact.items():
         # contact damping moves no fold
         skipped = (name, parameter) == ("fold_points", "contact_damping")
-        if of_this[parameter] != value and not skipped:
+        if of_this.get(parameter, value) != value and not skipped:
             raise InputError(
                 f"{name} must have the {parameter} of exact, {value!r}, got {of_this[parameter]!r}"
             )

@@ -3,22 +3,24 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_choice, check_instance
+from rotor_ida.checks import check_choice
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import PARAMETERS
+from rotor_ida.model.contact import SMALL_INDENTATION
+from rotor_ida.model.parameters import OPTIONAL, PARAMETERS
 from rotor_ida.plot.appearance import (
     BLUE,
+    DASHES,
     GREY,
+    INK,
     ORANGE,
     PURPLE,
     draw_marks,
@@ -31,22 +33,29 @@ from rotor_ida.plot.datasets import (
     check_dataset,
     check_same_parameters,
     check_same_units,
-    fixed_parameters,
+    drawn_over,
+    is_of_disc,
     one_value,
-    parameters_in,
-    touching_nodes,
+    units_in,
 )
-from rotor_ida.plot.labels import SEPARATOR, in_lines, label_axis, label_parameter, parameter_text
+from rotor_ida.plot.labels import (
+    SEPARATOR,
+    in_lines,
+    label_axis,
+    label_parameter,
+    text_of,
+    unit_of,
+)
 from rotor_ida.plot.responses import plot_amplitude
-from rotor_ida.plot.system_sweeps import held_in, label_over, text_of_system
-from rotor_ida.plot.system_whirls import panels_of_contacts
+from rotor_ida.results.archived_system import clearance_of_contacts
 from rotor_ida.results.rows import own_rows
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import flags_of
 from rotor_ida.texts import in_figure
+from rotor_ida.units import number
 
 # Parts of a bifurcation diagram.
-FREE = "extremum, contact-free or unresolved"
+FREE = "extremum, free or unresolved"
 FREE_KINDS = ("contact_free", "touching", "unresolved")
 EXTREMA = {
     "constant": ("constant radius", BLUE),
@@ -91,6 +100,12 @@ def plot_extrema(
     ax : Axes, optional
         Axes to draw on and return; default: those of a new figure.
 
+    Notes
+    -----
+    The clearance is a dashed line. Extrema that are pressed into the stator by more than the
+    contact law can predict (more than a tenth of the radius of the rotor there or, of a machine,
+    more than the clearance) do not set the scale: they are arrows at the upper edge.
+
     Examples
     --------
     >>> from rotor_ida import bifurcation_diagram
@@ -98,24 +113,21 @@ def plot_extrema(
     >>> plot_extrema(found).get_ylabel()
     'radius $|z|$'
     """
-    is_system = isinstance(found, xr.Dataset) and "node" in found.variables
-    needed = OF_SYSTEM if is_system else PARAMETERS
-    found = at_node(check_dataset("found", found, (*needed, *WITH_EXTREMA)), node)
-    if is_system and exact is not None:
-        raise InputError("exact must be left out for a rotor system")
-    over, held = held_in(found) if is_system else _varied(found, exact)
-    delta0 = None if over == "delta0" else held.get("delta0")
-    with drawing(ax) as ax:
-        places = label_over(ax, found, over)
-        extrema = _extrema_of(found, found[over].copy(data=places), delta0)
-        if is_system:
-            _title_node(ax, found, held)
-        elif exact is None:
-            ax.set_title(in_lines(parameter_text(held)))
-        else:
+    found = _checked(found, node, WITH_EXTREMA)
+    if exact is not None:
+        found = _on_curve(found, exact)
+    over, held = drawn_over("found", found)
+    gaps, limit = _clearances(found), _limit_of_model(found)
+    with drawing(ax, width=5.6, height=4.2) as ax:
+        if exact is not None:
             plot_amplitude(exact, fold_points=fold_points, ax=ax)
-        size = 2.6 if extrema.here.sum() < FEW_EXTREMA else 1.2
-        for words, (colour, chosen) in extrema.groups.items():
+        places = label_parameter(ax.xaxis, over, found)
+        label_axis(ax.yaxis, "radius", found["extremum_radius"])
+        extrema = _extrema_of(found, found[over].copy(data=places))
+        within = extrema.radius <= limit
+        size = 2.6 if extrema.radius.size < FEW_EXTREMA else 1.2
+        for words, (colour, of_kind) in extrema.groups.items():
+            chosen = of_kind & within
             if not chosen.any():
                 continue
             steady = words == EXTREMA["constant"][0]
@@ -126,50 +138,114 @@ def plot_extrema(
                 rasterized=True, zorder=2.4 if words == FREE else 3.0,
             )  # fmt: skip
             draw_marks(ax, [], [], "o", colour, size=3.4, face=face, edge=0.7, label=words)
-        if exact is not None:  # whose amplitudes may be the smaller
-            highest = extrema.radius[extrema.here].max(initial=0.0)
-            ax.set_ylim(top=max(ax.get_ylim()[1], HEADROOM * highest))
-        if exact is not None:  # which has labelled it otherwise
-            label_parameter(ax.xaxis, over, found)
-        label_axis(ax.yaxis, "radius", found["extremum_radius"])
+        for gap in gaps:
+            ax.plot(places, np.broadcast_to(gap, places.shape), color=INK, lw=0.9, ls=DASHES,
+                    marker="" if places.size > 1 else "_", label="clearance",
+                    zorder=2.3)  # fmt: skip
+        highest = [extrema.radius[within].max(initial=0.0), *(gap.max() for gap in gaps)]
+        highest += [] if exact is None else [min(float(exact["amplitude"].max()), limit)]
+        ax.set_ylim(bottom=min(0.0, ax.get_ylim()[0]), top=HEADROOM * max(highest))
+        _mark_beyond(ax, extrema, ~within, found["extremum_radius"])
+        ax.set_title(_title(found, held))
         own_legend(ax)
     return ax
 
 
 class _Extrema(NamedTuple):
-    """The extrema of a diagram as flat arrays: which are shown, and each kind."""
+    """The extrema of a diagram as flat arrays, and which are of each kind."""
 
     across: Values
     radius: Values
-    here: npt.NDArray[np.bool_]
     groups: dict[str, tuple[str, npt.NDArray[np.bool_]]]
 
 
-def _extrema_of(found: xr.Dataset, over: xr.DataArray, delta0: float | None) -> _Extrema:
-    """Return the extrema over a parameter, for one clearance or all."""
+def _checked(found: object, node: str | None, needed: tuple[str, ...]) -> xr.Dataset:
+    """Return a diagram of a disc, or at a node of a system."""
+    is_system = isinstance(found, xr.Dataset) and "node" in found.variables
+    own = OF_SYSTEM if is_system else PARAMETERS
+    return at_node(check_dataset("found", found, (*own, *needed)), node)
+
+
+def _on_curve(found: xr.Dataset, exact: xr.Dataset) -> xr.Dataset:
+    """Return the part of a diagram for the clearance of an exact curve of the same disc."""
+    if not is_of_disc(found):
+        raise InputError("exact must be left out for a rotor system")
+    exact = check_dataset("exact", exact, ("omega", "amplitude", "zeta", "delta0"))
+    check_same_units("exact", exact, found)
+    delta0 = one_value("exact", exact, "delta0")
+    if delta0 not in found["delta0"].values:
+        raise InputError(f"found must contain the delta0 of exact, {delta0!r}, it does not")
+    found = found.sel(delta0=[delta0])
+    own, there = (
+        {each: one_value(name, dataset, each) for each in ("zeta", *OPTIONAL)
+         if each in dataset.variables}
+        for name, dataset in (("found", found), ("exact", exact))
+    )  # fmt: skip
+    check_same_parameters("found", own, there)
+    return found
+
+
+def _clearances(found: xr.Dataset) -> list[Values]:
+    """Return the clearances of the contacts that are shown: numbers, or along the axis."""
+    if is_of_disc(found):
+        return [np.asarray(found["delta0"].values, float) * scale_of(found, "length")]
+    node, gaps = str(found["node"].values), clearance_of_contacts(found)
+    here = np.flatnonzero(found["contact_node"].values == node).tolist()
+    return [np.atleast_1d(gaps.isel(contact=number).squeeze().values) for number in here]
+
+
+def _limit_of_model(found: xr.Dataset) -> float:
+    """Return the largest radius at which the law of a contact holds, as far as that is known."""
+    gaps = _clearances(found)
+    in_si = units_in(found["extremum_radius"]) != "1"
+    depths = [gap.max() for gap in gaps if in_si and gap.max() > 0.0]
+    if "disc_radius" in found.variables:
+        radius = float(np.max(found["disc_radius"].values)) * scale_of(found, "length")
+        depths.append(SMALL_INDENTATION * radius)
+    return max(float(gap.max()) for gap in gaps) + min(depths) if depths else math.inf
+
+
+def _mark_beyond(
+    ax: Axes, extrema: _Extrema, beyond: npt.NDArray[np.bool_], radius: xr.DataArray
+) -> None:
+    """Mark extrema beyond the model at the upper edge, and tell the largest."""
+    if beyond.any():
+        largest = f"{number(extrema.radius[beyond].max(), 3)} {unit_of(radius)}".rstrip()
+        across = np.unique(extrema.across[beyond])
+        draw_marks(ax, across, np.full(across.size, 0.985 * ax.get_ylim()[1]), "^", INK, size=3.4,
+                   face="white", edge=0.7, label=f"beyond the model, up to {largest}",
+                   level=3.2)  # fmt: skip
+
+
+def _title(found: xr.Dataset, held: Mapping[str, float], words: str = "") -> str:
+    """Return the node of a system, and the parameters that do not vary."""
+    node = [] if is_of_disc(found) else [f"node {in_figure(str(found['node'].values))}"]
+    told = SEPARATOR.join([*node, *([text_of(found, held)] if held else [])])
+    return f"{in_lines(told)}\n{words}".strip()
+
+
+def _extrema_of(found: xr.Dataset, over: xr.DataArray) -> _Extrema:
+    """Return the extrema over a parameter."""
     found = own_rows(found)
     counts = found["extremum_count"]
-    clearances = found["delta0"] if "delta0" in found.variables else xr.DataArray(np.nan)
-    places = xr.broadcast(over, clearances, found["response"], counts)
-    across, clearance, response = (
+    across, response = (
         np.repeat(place.transpose(*counts.dims).values.ravel(), counts.values.ravel())
-        for place in places[:3]
+        for place in xr.broadcast(over, found["response"], counts)[:2]
     )
     if over.name == "omega" and "extremum_speed" in found.variables:
         across = found["extremum_speed"].values / scale_of(found, "speed")
-    here = np.full(clearance.shape, True) if delta0 is None else clearance == delta0
     # the extrema of an unresolved motion may not last
     free = _is_of(response, found["response"], FREE_KINDS)
     of_kind = {
-        kind: here & _is_of(found["extremum_kind"].values, found["extremum_kind"], (kind,))
+        kind: _is_of(found["extremum_kind"].values, found["extremum_kind"], (kind,))
         for kind in EXTREMA
     }
     swinging = free & ~of_kind["constant"]
     groups = {
         words: (colour, of_kind[kind] & ~swinging) for kind, (words, colour) in EXTREMA.items()
     }
-    groups[FREE] = (GREY, here & swinging)
-    return _Extrema(across, found["extremum_radius"].values, here, groups)
+    groups[FREE] = (GREY, swinging)
+    return _Extrema(across, found["extremum_radius"].values, groups)
 
 
 def _is_of(
@@ -178,24 +254,6 @@ def _is_of(
     """Return a mask of the flags that are of some kinds."""
     flags = flags_of(variable)
     return np.isin(numbers, [flags[kind] for kind in kinds if kind in flags])
-
-
-def _varied(found: xr.Dataset, exact: xr.Dataset | None) -> tuple[str, dict[str, float]]:
-    """Return the varying parameter of a diagram, and the values of the others."""
-    names = parameters_in(found)
-    if exact is None:
-        varied = [name for name in names if found[name].size > 1]
-        over = varied[0] if len(varied) == 1 else "omega"
-        others = {name: one_value("found", found, name) for name in names if name != over}
-        return over, others
-    exact = check_dataset("exact", exact, ("omega", "amplitude"))
-    check_same_units("exact", exact, found)
-    others = {name: one_value("found", found, name) for name in names[1:] if name != "delta0"}
-    check_same_parameters("found", others, fixed_parameters("exact", exact, ("zeta",)))
-    delta0 = one_value("exact", exact, "delta0")
-    if delta0 not in found["delta0"].values:
-        raise InputError(f"found must contain the delta0 of exact, {delta0!r}, it does not")
-    return "omega", others | {"delta0": delta0}
 
 
 def plot_strobes(
@@ -229,13 +287,11 @@ def plot_strobes(
     'once a revolution'
     """
     name = f"rotating_{check_choice('axis', axis, ('x', 'y'))}"
-    is_system = isinstance(found, xr.Dataset) and "node" in found.variables
-    needed = OF_SYSTEM if is_system else PARAMETERS
-    found = at_node(check_dataset("found", found, (*needed, "response", name)), node)
-    over, held = held_in(found) if is_system else _varied(found, None)
+    found = _checked(found, node, ("response", name))
+    over, held = drawn_over("found", found)
     ways = found["direction"].values.ravel().tolist() if "direction" in found.variables else [0]
     with drawing(ax) as ax:
-        places = found[over].copy(data=label_over(ax, found, over))
+        places = found[over].copy(data=label_parameter(ax.xaxis, over, found))
         places, values, response = xr.broadcast(places, found[name], found["response"])
         size = 2.6 if values.size < FEW_EXTREMA else 1.2
         edge = BENEATH if len(ways) > 1 else 1.0
@@ -256,39 +312,7 @@ def plot_strobes(
         label_axis(ax.yaxis, name, found[name])
         phase = float(found.attrs.get("phase", 0.0))
         words = f"unbalance at {math.degrees(phase):.4g}°" if phase else "once a revolution"
-        if is_system:
-            _title_node(ax, found, held, words)
-        else:
-            ax.set_title(f"{in_lines(parameter_text(held))}\n{words}")
+        ax.set_title(_title(found, held, words))
         if ax.get_legend_handles_labels()[1]:
             legend_below(ax)  # points fill the axes
     return ax
-
-
-def _title_node(ax: Axes, found: xr.Dataset, held: Mapping[str, float], words: str = "") -> None:
-    """Name the node, and the values of the parameters that do not vary."""
-    named = [f"node {in_figure(str(found['node'].values))}", text_of_system(found, held)]
-    ax.set_title("\n".join(filter(None, [SEPARATOR.join(filter(None, named)), words])))
-
-
-def diagram_figure(found: xr.Dataset) -> Figure:
-    """Draw a bifurcation diagram of a rotor system: a panel for each node that touches a stator.
-
-    Parameters
-    ----------
-    found : Dataset
-        Result of `rotor_ida.bifurcation_diagram` for a rotor system.
-
-    Examples
-    --------
-    >>> from rotor_ida import Rotor, bifurcation_diagram
-    >>> system = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
-    >>> found = bifurcation_diagram(system, speed=[0.5, 1.0], revolutions=8)
-    >>> len(diagram_figure(found).axes)
-    1
-    """
-    found = check_instance("found", found, xr.Dataset)
-    draw: Callable[..., Axes] = plot_strobes if "rotating_x" in found.variables else plot_extrema
-    check_dataset("found", found, OF_SYSTEM)
-    nodes = touching_nodes(found)
-    return panels_of_contacts(len(nodes), lambda number, ax: draw(found, node=nodes[number], ax=ax))

@@ -19,7 +19,7 @@ RANGES = {
 }  # fmt: skip
 
 
-def grid_figure(drops: xr.Dataset) -> Figure:
+def plot_grid(drops: xr.Dataset) -> Figure:
     """Draw ranges and means over what varies most, and the share of drops that whirl backwards."""
     drops = drops.isel(drop=drops["status"].values == 0)
     # by number of values, the phase last unless it alone varies

@@ -28,8 +28,10 @@ from rotor_ida.plot.appearance import (
     style,
 )
 from rotor_ida.plot.decimation import kept_in_columns
-from rotor_ida.plot.drop_grids import grid_figure
+from rotor_ida.plot.drop_grids import RANGES, plot_grid
+from rotor_ida.plot.forces import forces_in
 from rotor_ida.plot.labels import label_axis
+from rotor_ida.plot.motion import in_contact
 from rotor_ida.results.files import check_target, file_to_write
 from rotor_ida.results.run import check_system_run
 from rotor_ida.results.si_units import in_suitable_units
@@ -37,17 +39,14 @@ from rotor_ida.texts import in_figure
 
 WIDTH, ROW = 7.2, 1.7
 # Figures of a bearing in many drops, and samples of an orbit behind the rotor in a film.
-WORDS = {
-    "largest_force": "largest force", "excursion": "largest radius over clearance",
-    "total_heat": "heat of friction", "largest_race_speed": "largest speed of the race",
-}  # fmt: skip
+WORDS = RANGES | {"largest_race_speed": "largest speed of the race"}
 TRAIL, MOST_FRAMES = 60, 5000
 EXTREMES = ("min", "max")
 RPM = 60.0 / math.tau
 ENDINGS = (".gif", ".mp4")
 
 
-def drop_figure(run: xr.Dataset) -> Figure:
+def plot_drop(run: xr.Dataset) -> Figure:
     """Draw a drop over time: radius and force in each bearing, and the speeds of rotor and races.
 
     Parameters
@@ -67,7 +66,7 @@ def drop_figure(run: xr.Dataset) -> Figure:
     >>> system = RotorSystem(mass=20.0 * np.eye(2), stiffness=np.zeros((2, 2)),
     ...                      nodes={"disc": (0, 1)}, contacts=[bearing])
     >>> run = drop(system, speed=500.0, duration=0.1)
-    >>> [ax.get_ylabel() for ax in drop_figure(run).axes]
+    >>> [ax.get_ylabel() for ax in plot_drop(run).axes]
     ['radius over clearance', 'normal force $N$ [N]']
     """
     run = in_suitable_units(check_system_run(run))
@@ -96,20 +95,14 @@ def drop_figure(run: xr.Dataset) -> Figure:
 def _draw_bearing(above: Axes, below: Axes, run: xr.Dataset, number: int) -> None:
     """Draw radius and force of one bearing."""
     colour, dashes = look(1 + number)
-    time, node = run["t"].values, in_figure(run["contact_node"].values[number])
-    x, y = run["contact_x"].values[:, number], run["contact_y"].values[:, number]
-    radius = np.hypot(x, y) / float(run["clearance"][number])
-    kept = kept_in_columns(time, radius)
-    above.plot(time[kept], radius[kept], color=colour, ls=dashes, lw=0.8, label=node)
-    own = run.isel(episode=run["episode_contact"].values == number)
-    force = run["normal_force"].values[:, number]
-    at = np.concatenate([time, own["peak_force_time"].values])
-    values = np.concatenate([force, own["peak_force"].values])
-    known = np.isfinite(at) & np.isfinite(values)
-    order = np.argsort(at[known], kind="stable")
-    at, values = at[known][order], values[known][order]
-    kept = kept_in_columns(at, values)
-    below.plot(at[kept], values[kept], color=colour, ls=dashes, lw=0.8, label=node)
+    own = in_contact(run, number)
+    node, forces = in_figure(own["contact_node"].item()), forces_in(own)
+    radius = np.hypot(own["contact_x"].values, own["contact_y"].values) / float(own["clearance"])
+    for ax, times, values in (
+        (above, own["t"].values, radius), (below, forces.time, forces.normal),
+    ):  # fmt: skip
+        kept = kept_in_columns(times, values)
+        ax.plot(times[kept], values[kept], color=colour, ls=dashes, lw=0.8, label=node)
 
 
 def _draw_speeds(ax: Axes, run: xr.Dataset) -> None:
@@ -137,7 +130,7 @@ def _draw_speeds(ax: Axes, run: xr.Dataset) -> None:
     ax.axhline(0.0, color=GREY, lw=0.6)
 
 
-def drops_figure(drops: xr.Dataset) -> Figure:
+def plot_drops(drops: xr.Dataset) -> Figure:
     """Draw many drops: the fraction of them below a value, by bearing; or a grid of drops.
 
     Of a grid: ranges over the axis with most values besides the phase, with means (dots), and the
@@ -161,7 +154,7 @@ def drops_figure(drops: xr.Dataset) -> Figure:
     ...                      nodes={"disc": (0, 1)}, contacts=[bearing])
     >>> drops = drop_ensemble(system, speed=500.0, duration=0.05, drops=4,
     ...                       workers=1)
-    >>> len(drops_figure(drops).axes)
+    >>> len(plot_drops(drops).axes)
     4
     """
     drops = check_instance("drops", drops, xr.Dataset)
@@ -171,7 +164,7 @@ def drops_figure(drops: xr.Dataset) -> Figure:
         raise InputError(f"drops must be a result of drop_ensemble; it lacks {missing[0]}")
     drops = in_suitable_units(drops)
     if "cell" in drops.sizes:
-        return grid_figure(drops)
+        return plot_grid(drops)
     with style():
         figure = new_figure(WIDTH, 5.0)
         axes = figure.subplots(2, 2).ravel().tolist()

@@ -8,7 +8,6 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from rotor_ida.arrays import ComplexValues, Flags
 from rotor_ida.model.parameters import PARAMETERS
@@ -28,16 +27,13 @@ from rotor_ida.plot.datasets import (
     at_node,
     check_dataset,
     clearance_of,
-    touching_nodes,
 )
 from rotor_ida.plot.labels import (
     LABELS,
     label_axis,
-    label_varied,
+    label_parameter,
     title_of,
-    title_of_node,
 )
-from rotor_ida.plot.system_whirls import panels_of_contacts
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.units import with_error
 
@@ -110,32 +106,8 @@ def plot_section(section: xr.Dataset, *, node: str | None = None, ax: Axes | Non
         words = WORDS.get(at, "")
         if phase := float(section.attrs.get("phase", 0.0)):
             words = f"unbalance at {math.degrees(phase):.4g}°"
-        head = title_of_node(section) if is_system else title_of("section", section)
-        ax.set_title(f"{head}\n{words}{_counted(z)}".removesuffix("\n"))
+        ax.set_title(f"{title_of('section', section)}\n{words}{_counted(z)}".removesuffix("\n"))
     return ax
-
-
-def section_figure(section: xr.Dataset) -> Figure:
-    """Draw a section through a motion of a rotor system: a panel for each node with a contact.
-
-    Parameters
-    ----------
-    section : Dataset
-        Result of `rotor_ida.poincare_section` for a rotor system.
-
-    Examples
-    --------
-    >>> from rotor_ida import Rotor, poincare_section
-    >>> system = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
-    >>> section = poincare_section(system, speed=1.0, revolutions=8)
-    >>> len(section_figure(section).axes)
-    1
-    """
-    check_dataset("section", section, (*OF_SYSTEM, *STATES))
-    nodes = touching_nodes(section)
-    return panels_of_contacts(
-        len(nodes), lambda number, ax: plot_section(section, node=nodes[number], ax=ax)
-    )
 
 
 def _order(section: xr.Dataset, kind: str, values: ComplexValues) -> float:
@@ -228,7 +200,7 @@ def _plot_exponents_over(found: xr.Dataset, ax: Axes | None) -> Axes:
             ax.errorbar(own[over].values, own["lyapunov_exponent"], own["lyapunov_error"],
                         color=colour, ls=dashes, lw=1.1, marker="o", ms=2.5, capsize=2.0,
                         label=f"$\\lambda_{number + 1}$")  # fmt: skip
-        label_varied(ax.xaxis, over, found)
+        label_parameter(ax.xaxis, over, found)
         legend_below(ax, columns=4)
     return ax
 

@@ -1,9 +1,11 @@
-"""Choose the figure for each kind of dataset; sweeps and whirls include the exact curve."""
+"""Choose the figure of each kind of dataset; sweeps and whirls include the exact curve."""
 
 from __future__ import annotations
 
+import inspect
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from itertools import product
 from typing import Any, cast
 
 import numpy as np
@@ -11,17 +13,35 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rotor_ida import plot
-from rotor_ida.checks import check_one_varies, check_panels
-from rotor_ida.closed_forms import folds, hopf_points, response_curve, synchronous_response
+from rotor_ida.checks import check_one_varies
+from rotor_ida.closed_forms import (
+    clearance_curve,
+    folds,
+    hopf_points,
+    response_curve,
+    synchronous_response,
+)
+from rotor_ida.closed_forms.whirls.synchronous import whirls_of_system
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS
-from rotor_ida.plot.datasets import parameters_in, rotors_in
-from rotor_ida.plot.labels import label_parameter
-from rotor_ida.plot.run_up import has_many_turns
-from rotor_ida.plot.system_whirls import panels_of_contacts
+from rotor_ida.model.parameters import FRICTIONLESS
+from rotor_ida.model.system_parameters import SPEED, with_parameters
+from rotor_ida.plot.appearance import in_panels, panels, shared_legend
+from rotor_ida.plot.basins import (
+    plot_attractor_fractions,
+    plot_attractor_map,
+    plot_attractors,
+    plot_basin_fractions,
+)
+from rotor_ida.plot.branches import plot_branch, plot_curves
+from rotor_ida.plot.datasets import is_of_disc, parameters_in, touching_nodes
+from rotor_ida.plot.diagrams import plot_extrema, plot_strobes
+from rotor_ida.plot.responses import plot_amplitude, plot_unbalance_response
+from rotor_ida.plot.run_up import has_many_turns, plot_run_up
+from rotor_ida.plot.runs import plot_run
+from rotor_ida.plot.signals import plot_bode, plot_orbit
+from rotor_ida.results.archived_system import problem_of
+from rotor_ida.results.concat import concat
 from rotor_ida.results.kinds import KINDS, kind_of, loaded, why_not
-from rotor_ida.results.run import is_of_system
 from rotor_ida.results.si_units import dimensionless, in_units_of
 from rotor_ida.signals.record import Record, record_of
 
@@ -29,8 +49,9 @@ from rotor_ida.signals.record import Record, record_of
 FEW_SPEEDS = 30
 # Number of clearances at which folds of the whirl are shown beside those of cycles.
 CLEARANCES = 41
-# Number of values of a parameter other than the speed at which whirls are shown.
-ALONG = 401
+# Number of values of a parameter at which whirls are shown: of a disc, and of a system over its
+# speed at least, and over another one.
+ALONG, FEWEST_SPEEDS, VALUES = 401, 500, 80
 # Folds and Hopf points are shown over these speeds, or to a margin past the last of them.
 MARKED, USUAL, MARGIN = ("fold_omega", "hopf_omega"), (0.05, 3.0), 1.2
 # Fewest revolutions of a Bode plot, samples between which speeds are compared, and the part by
@@ -40,113 +61,180 @@ FEW_TURNS, SPEEDS, WANDERS = 16, 17, 0.1
 BESIDE = 0.03
 # Width and height of a single panel [inch].
 ALONE = (5.6, 4.2)
+# What exact whirls over another parameter than the speed keep.
+WHIRLS_ALONG = ("amplitude", "stability", "in_contact")
 
 
 def figure_of(dataset: xr.Dataset) -> Figure:
-    """Return the figure of a dataset; for a sweep with the exact curve."""
+    """Draw the figure of any result, measured signals included.
+
+    A result of a rotor system has a panel for each contact, or each node with one, where its
+    picture shows one of them.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        A result; its kind decides on the figure. Sweeps and whirls are drawn with the exact curve.
+
+    Returns
+    -------
+    Figure
+        The figure.
+
+    Raises
+    ------
+    InputError
+        If results of this kind have no figure.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, sweep
+    >>> system = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
+    >>> [ax.get_title() for ax in figure_of(sweep(system, speed=[0.5, 1.0])).axes]
+    ['contact 0 at disc']
+    """
     kind = kind_of(dataset)
     drawn = KINDS[kind].drawn
     if not drawn:
         able = ", ".join(name for name, each in KINDS.items() if each.drawn)
         got = f"{kind!r}{why_not(dataset)}"
         raise InputError(f"figure must be of one of the kinds {able}, got {got}")
-    made: Axes | Figure = loaded(drawn)(dataset)
+    draw = loaded(drawn)
+    takes = inspect.signature(draw).parameters
+    of_system = not is_of_disc(dataset)
+    if of_system and "contact" in takes and dataset.sizes.get("contact", 0) > 1:
+        return in_panels(dataset.sizes["contact"], lambda at, ax: draw(dataset, contact=at, ax=ax))
+    if of_system and {"node", "ax"} <= takes.keys():
+        nodes = touching_nodes(dataset)
+        return in_panels(len(nodes), lambda at, ax: draw(dataset, node=nodes[at], ax=ax))
+    made: Axes | Figure = draw(dataset)
     return made if isinstance(made, Figure) else cast(Figure, made.figure)
 
 
 def figure_of_run(run: xr.Dataset) -> Figure:
     """Return the figure of a run: over the speed if that changes, in bands if it is long."""
-    if has_many_turns(run):
-        return plot.plot_run_up(run)
-    return plot.system_figure(run) if is_of_system(run) else plot.plot_run(run)
+    return plot_run_up(run) if has_many_turns(run) else plot_run(run)
 
 
-def figure_of_whirls(dataset: xr.Dataset) -> Figure:
-    """Return the figure of exact curves with the points of a dataset; a panel for each.
+def figure_of_responses(dataset: xr.Dataset) -> Figure:
+    """Return the figure of whirls and settled responses over the exact whirls.
 
-    A sweep along another parameter than the speed is drawn over that.
+    There is a panel for each rotor and contact, over the speed or another parameter that varies.
     """
-    over = str(dataset.attrs.get("along", "omega"))
-    parts = [part for _, part in rotors_in(dataset, but=(over,))]
-    columns = math.ceil(math.sqrt(check_panels(len(parts))))
-    rows = math.ceil(len(parts) / columns)
-    figure, axes = plot.panels(rows, columns, width=2.4 + 2.4 * columns, height=1.6 + 2.0 * rows)
-    for ax, part in zip(axes, parts, strict=False):
-        if over != "omega":
-            plot.plot_along(part, whirls=_whirls_along(part, over), ax=ax)
-            continue
-        few = "branch" in part.dims and part.sizes["omega"] <= FEW_SPEEDS
-        curve, fold_points, hopf = _exact_beside(part)
-        plot.plot_amplitude(
-            curve,
-            whirls=part if few else None,
-            simulated=part if "response" in part else None,
-            fold_points=fold_points,
-            hopf_points=hopf,
-            ax=ax,
-        )
-    shown = axes[: len(parts)]
-    for ax in axes[len(parts) :]:
-        ax.remove()
-    plot.shared_legend(figure, shown)
-    with plot.style():
-        for ax in shown[max(0, len(parts) - columns) :]:
-            ax.tick_params(labelbottom=True)
-            label_parameter(ax.xaxis, over, dataset)
-    return figure
+    if "node_amplitude" in dataset and not dataset.sizes["contact"]:
+        return cast(Figure, plot_unbalance_response(dataset).figure)
+    over = _axis_of(dataset)
+    beside = [(part, _exact_beside(part, over)) for part in _parts(dataset, over)]
+    contacts = dataset.sizes.get("contact", 1)
+
+    def draw(number: int, ax: Axes | None) -> Axes:
+        place, contact = divmod(number, contacts)
+        part, exact = beside[place]
+        return plot_amplitude(**exact, **_shown(part, over), contact=contact, ax=ax)
+
+    return in_panels(contacts * len(beside), draw, shared=is_of_disc(dataset))
 
 
-def _whirls_along(part: xr.Dataset, over: str) -> xr.Dataset | None:
-    """Return the exact whirls over a parameter; None where none lie beneath the responses."""
+def _axis_of(dataset: xr.Dataset) -> str:
+    """Return the parameter over which responses are drawn: the speed, unless another varies."""
+    names = parameters_in(dataset)
+    speed = "omega" if is_of_disc(dataset) else SPEED
+    varied = [name for name in names if dataset[name].size > 1]
+    along = str(dataset.attrs.get("along", speed))
+    return varied[0] if along not in varied and len(varied) == 1 and speed in names else along
+
+
+def _parts(dataset: xr.Dataset, over: str) -> Iterator[xr.Dataset]:
+    """Yield the parts of a result with one value of each parameter but one."""
+    names = [name for name in parameters_in(dataset) if name != over and dataset[name].ndim == 1]
+    names = [name for name in names if name in dataset.dims]
+    for places in product(*(range(dataset.sizes[name]) for name in names)):
+        yield dataset.isel({name: [at] for name, at in zip(names, places, strict=True)})
+
+
+def _shown(part: xr.Dataset, over: str) -> dict[str, xr.Dataset]:
+    """Return what a part of a result is drawn as."""
+    if "response" in part:
+        return {"simulated": part}
+    few = "branch" in part.dims and part.sizes.get(over, 0) <= FEW_SPEEDS
+    return {"whirls": part} if few and is_of_disc(part) else {}
+
+
+def _exact_beside(part: xr.Dataset, over: str) -> dict[str, xr.Dataset | None]:
+    """Return the exact whirls for a part of a result, with the points that mark them."""
+    if not is_of_disc(part):
+        return {"exact": _whirls_of_system(part, over) if "response" in part else part}
     given = {name: part[name].item() for name in parameters_in(part) if name != over}
-    if over in {"load", "contact_exponent", "disc_radius"} or given.get("load", 0.0) > 0.0:
+    under_load = given.get("load", 0.0) > 0.0
+    if over != "omega":
+        if under_load or over in {"load", "contact_exponent", "disc_radius"}:
+            return {"exact": None}
+        ends = float(part[over].min()), float(part[over].max())
+        if over == "delta0":
+            return {"exact": in_units_of(clearance_curve(**given, limits=ends), part)}
+        asked: dict[str, Any] = {**given, over: np.linspace(*ends, ALONG)}
+        return {"exact": in_units_of(synchronous_response(**asked), part)}
+    given.pop("load", None)
+    if under_load:
+        return {"exact": None}
+    found = {
+        "exact": response_curve(**given, limits=_limits_of(part)), "fold_points": folds(**given),
+    }  # fmt: skip
+    if given.get("friction") or given.get("contact_damping"):
+        found["hopf_points"] = hopf_points(**given)
+    return {name: in_units_of(each, part) for name, each in found.items()}
+
+
+def _whirls_of_system(part: xr.Dataset, over: str) -> xr.Dataset | None:
+    """Return the exact whirls of the system of a sweep; None where there are none."""
+    names = [name for name in parameters_in(part) if name not in {SPEED, over}]
+    try:
+        system, _ = problem_of(part)
+        system = with_parameters(system, {name: part[name].item() for name in names})
+        values = part[over].values
+        if over == SPEED:
+            if values.size > 1:
+                count = max(FEWEST_SPEEDS, values.size)
+                values = np.linspace(values.min(), values.max(), count)
+            return whirls_of_system(system, values)
+        found = []
+        for value in np.linspace(values.min(), values.max(), VALUES).tolist():
+            own = with_parameters(system, {over: value})
+            whirls = whirls_of_system(own, part[SPEED].item())
+            found.append(whirls[[*WHIRLS_ALONG]].isel(speed=0, drop=True).reset_coords(drop=True))
+            found[-1] = found[-1].assign_coords({over: ((), value, part[over].attrs)})
+        speed, nodes = part[SPEED].squeeze(drop=True), part["contact_node"]
+        return concat(found, over).assign_coords({SPEED: speed, "contact_node": nodes})
+    except InputError:  # not axisymmetric, under a constant force, or a part of a sweep
         return None
-    ends = float(part[over].min()), float(part[over].max())
-    asked: dict[str, Any] = {**given, over: np.linspace(*ends, ALONG)}
-    return in_units_of(synchronous_response(**asked), part)
-
-
-def _exact_beside(part: xr.Dataset) -> tuple[xr.Dataset | None, ...]:
-    """Return the exact curve for a part, its folds and Hopf points; None under a load."""
-    given = {name: part[name].item() for name in ALL_PARAMETERS[1:] if name in part.variables}
-    if given.pop("load", 0.0) > 0.0:
-        return None, None, None
-    curve = response_curve(**given, limits=_limits_of(part))
-    has_hopf_points = given.get("friction") or given.get("contact_damping")
-    exact = [curve, folds(**given), hopf_points(**given) if has_hopf_points else None]
-    return tuple(each if each is None else in_units_of(each, part) for each in exact)
 
 
 def figure_of_diagram(dataset: xr.Dataset) -> Figure:
     """Return the figure of a bifurcation diagram over one parameter; over speeds on the curve."""
+    if not is_of_disc(dataset):
+        nodes = touching_nodes(dataset)
+        draw = plot_strobes if "rotating_x" in dataset.variables else plot_extrema
+        return in_panels(len(nodes), lambda at, ax: draw(dataset, node=nodes[at], ax=ax))
     varied = [name for name in parameters_in(dataset) if dataset[name].size > 1]
     check_one_varies(varied)
-    exact, fold_points = None, None
+    if "rotating_x" in dataset.variables:
+        return _alone(plot_strobes, dataset)
+    exact: dict[str, Any] = {}
     if varied in ([], ["omega"]):
-        exact, fold_points, _ = _exact_beside(dataset)
-    figure, (ax,) = plot.panels(1, 1, width=ALONE[0], height=ALONE[1])
-    plot.plot_extrema(dataset, exact=exact, fold_points=fold_points, ax=ax)
+        exact = _exact_beside(dataset, "omega")
+        exact.pop("hopf_points", None)
+    figure = _alone(plot_extrema, dataset, **exact)
     if varied == ["omega"]:
         lowest, highest = float(dataset["omega"].min()), float(dataset["omega"].max())
-        ax.set_xlim(lowest - BESIDE * (highest - lowest), highest + BESIDE * (highest - lowest))
-    plot.shared_legend(figure, [ax])
-    return figure
-
-
-def figure_of_strobes(dataset: xr.Dataset) -> Figure:
-    """Return the figure of a stroboscopic diagram of one disc over one parameter."""
-    check_one_varies([name for name in parameters_in(dataset) if dataset[name].size > 1])
-    figure, (ax,) = plot.panels(1, 1, width=ALONE[0], height=ALONE[1])
-    plot.plot_strobes(dataset, ax=ax)
+        room = BESIDE * (highest - lowest)
+        figure.axes[0].set_xlim(lowest - room, highest + room)
     return figure
 
 
 def figure_of_signals(dataset: xr.Dataset) -> Figure:
     """Return the figure of signals: a Bode plot while the speed changes, else the orbit."""
     of_run_up = plot_of_signals(dataset) == "bode"
-    if of_run_up:
-        return plot.plot_bode(dataset)
-    return cast(Figure, plot.plot_orbit(dataset).figure)
+    return plot_bode(dataset) if of_run_up else cast(Figure, plot_orbit(dataset).figure)
 
 
 def plot_of_signals(dataset: xr.Dataset) -> str:
@@ -167,40 +255,38 @@ def _is_run_up(record: Record) -> bool:
 def figure_of_atlas(dataset: xr.Dataset) -> Figure:
     """Return the figure of an atlas: fractions over one parameter, or a map over two."""
     line = sum(dataset[name].size > 1 for name in parameters_in(dataset)) == 1
-    return _with_legend(plot.plot_attractors if line else plot.plot_attractor_map, dataset)
+    return _alone(plot_attractors if line else plot_attractor_map, dataset)
 
 
 def figure_of_fractions(dataset: xr.Dataset) -> Figure:
     """Return the figure of basin fractions: by attractor, or over the speed by kind."""
     if "omega" in dataset.variables and dataset["omega"].size > 1:
-        return _with_legend(plot.plot_basin_fractions, dataset)
-    return cast(Figure, plot.plot_attractor_fractions(dataset).figure)
-
-
-def _with_legend(draw: Callable[..., Axes], dataset: xr.Dataset) -> Figure:
-    """Return a figure with its legend under it."""
-    figure, (ax,) = plot.panels(1, 1, width=ALONE[0], height=ALONE[1])
-    draw(dataset, ax=ax)
-    plot.shared_legend(figure, [ax])
-    return figure
+        return _alone(plot_basin_fractions, dataset)
+    return cast(Figure, plot_attractor_fractions(dataset).figure)
 
 
 def figure_of_branch(dataset: xr.Dataset) -> Figure:
     """Return the figure of a branch of limit cycles: of a system a panel for each contact."""
     if "contact" in dataset.dims:
-        return panels_of_contacts(
-            dataset.sizes["contact"],
-            lambda number, ax: plot.plot_branch(dataset, contact=number, ax=ax),
+        return in_panels(
+            dataset.sizes["contact"], lambda at, ax: plot_branch(dataset, contact=at, ax=ax)
         )
-    figure, (ax,) = plot.panels(1, 1, width=ALONE[0], height=ALONE[1])
-    plot.plot_branch(dataset, ax=ax)
-    return figure
+    return _alone(plot_branch, dataset, legend=False)
 
 
 def figure_of_curve(dataset: xr.Dataset) -> Figure:
     """Return the figure of a bifurcation curve, beside the folds of the whirl."""
-    figure, (ax,) = plot.panels(1, 1, width=ALONE[0], height=ALONE[1])
-    plot.plot_curves(dataset, fold_points=_whirls_beside(dataset), ax=ax)
+    return _alone(plot_curves, dataset, fold_points=_whirls_beside(dataset), legend=False)
+
+
+def _alone(
+    draw: Callable[..., Axes], dataset: xr.Dataset, *, legend: bool = True, **beside: Any
+) -> Figure:
+    """Return a figure of one panel, with its legend under it."""
+    figure, (ax,) = panels(1, 1, width=ALONE[0], height=ALONE[1])
+    draw(dataset, ax=ax, **beside)
+    if legend and ax.get_legend_handles_labels()[1]:
+        shared_legend(figure, [ax])
     return figure
 
 
@@ -224,6 +310,6 @@ def _limits_of(part: xr.Dataset) -> tuple[float, float]:
         marks = np.concatenate([part[name].values.ravel() for name in MARKED if name in part])
         return USUAL[0], max(USUAL[1], MARGIN * float(np.nan_to_num(marks).max(initial=0.0)))
     lowest, highest = float(part["omega"].min()), float(part["omega"].max())
-    if part.sizes["omega"] < 3:
+    if part["omega"].size < 3:
         lowest, highest = 0.5 * lowest, 1.2 * highest
     return lowest, highest or 1.0

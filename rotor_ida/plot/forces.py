@@ -1,6 +1,8 @@
-"""The contacts of a run and their forces."""
+"""Plots of contact forces: over time, and the distribution of their peaks."""
 
 from __future__ import annotations
+
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -18,9 +20,14 @@ from rotor_ida.plot.appearance import (
     legend_below,
     own_legend,
     say_in_middle,
+    say_nothing,
 )
-from rotor_ida.plot.datasets import check_dataset
+from rotor_ida.plot.datasets import check_dataset, contact_in
+from rotor_ida.plot.decimation import kept_in_columns
 from rotor_ida.plot.labels import LABELS, label_axis
+from rotor_ida.plot.motion import checked_run, in_contact, place_of_disc, title_of_contact
+from rotor_ida.results.run import is_of_system
+from rotor_ida.signals.path import Path, force_along
 
 PEAK = "peak of a contact"
 CUT = "contact cut off by the run: at least"
@@ -28,11 +35,21 @@ IN_AND_OUT = "in and out of contact"
 # Contacts are drawn apart if the gap between them is at least the time shown over this number:
 # half a point of a panel.
 DRAWN_APART = 400
-# A peak of the force is on the curve of its samples from this part of it on.
-ON_CURVE = 0.98
 
 
-def plot_forces(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+class Forces(NamedTuple):
+    """The forces of a contact over time, and times and forces of its peaks."""
+
+    time: Values
+    normal: Values
+    peaks: tuple[Values, Values]
+    unit: xr.DataArray
+    name: str = "contact_force"
+    # on the times of samples; without friction there is none
+    tangential: tuple[Values, Values] | None = None
+
+
+def plot_forces(forces: xr.Dataset, *, contact: int | str = 0, ax: Axes | None = None) -> Axes:
     """Draw the contact force over time, with the peak of each contact.
 
     With friction, draw the normal force and the force along the stator.
@@ -40,7 +57,9 @@ def plot_forces(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     Parameters
     ----------
     forces : Dataset
-        Result of `rotor_ida.contact_forces`.
+        Result of `rotor_ida.contact_forces`, or a run of any rotor.
+    contact : int or str
+        Contact of a rotor system, by its number or its node.
     ax : Axes, optional
         Axes to draw on and return; default: those of a new figure.
 
@@ -51,25 +70,103 @@ def plot_forces(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     >>> plot_forces(contact_forces(run)).get_ylabel()
     'contact force $f$'
     """
-    forces = check_dataset("forces", forces, ("t", "force", "peak_time", "peak_force"))
-    time, lowest = forces["t"].values, 0.0
-    rubs = "tangential_force" in forces
-    normal = forces["normal_force" if rubs else "force"].values
-    with drawing(ax) as ax:
-        label_axis(ax.xaxis, "t", forces["t"])
-        label_axis(ax.yaxis, "force", forces["force"])
-        ax.plot(time, normal, color=BLUE, lw=0.9, label="normal force" if rubs else "force")
-        if rubs:
-            along = forces["tangential_force"].values
-            ax.plot(time, along, color=ORANGE, lw=0.9, label="force along the stator")
-            lowest = min(lowest, 1.1 * float(along.min(initial=0.0)))
-        peaks = peaks_on(forces, time, normal)
-        draw_marks(ax, *peaks, "o", RED, size=2.8, face="white", edge=0.8, label=PEAK)
-        ax.set_xlim(float(time[0]), float(time[-1]))
-        ax.set_ylim(bottom=lowest)
-        if rubs:
-            legend_below(ax, columns=3)
+    title, dataset = "", forces
+    if isinstance(forces, xr.Dataset) and "force" in forces.variables:
+        dataset = check_dataset("forces", forces, ("t", "force", "peak_time", "peak_force"))
+        found = _of_table(dataset)
+    else:
+        run = checked_run(forces)
+        if is_of_system(run):
+            number = contact_in(run, contact)
+            dataset, title = in_contact(run, number), title_of_contact(run, number)
+            found = forces_in(dataset)
+        else:
+            place = place_of_disc(run)
+            dataset, found = run, forces_in(run, place.path)
+    with drawing(ax, width=7.0, height=2.6) as ax:
+        label_axis(ax.xaxis, "t", dataset["t"])
+        draw_forces(ax, found)
+        shade_contacts(ax, dataset)
+        ax.set_xlim(*dataset["t"].values[[0, -1]])
+        ax.set_title(title)
+        legend_below(ax, columns=5)
     return ax
+
+
+def draw_forces(ax: Axes, forces: Forces) -> None:
+    """Draw the forces of a contact over time, through their peaks."""
+    lowest = 0.0
+    for words, values, colour in (
+        ("normal force", (forces.time, forces.normal), BLUE),
+        ("force along the stator", forces.tangential, ORANGE),
+    ):
+        if values is not None:
+            kept = kept_in_columns(*values)
+            lowest = min(lowest, 1.1 * float(values[1].min(initial=0.0)))
+            ax.plot(*(each[kept] for each in values), color=colour, lw=0.9, label=words)
+    if forces.peaks[0].size:
+        draw_marks(ax, *forces.peaks, "o", RED, size=2.8, face="white", edge=0.8, label=PEAK)
+    label_axis(ax.yaxis, forces.name, forces.unit)
+    if not forces.normal.any():
+        say_nothing(ax, "no contact")
+        return
+    ax.set_ylim(lowest, 1.12 * float(forces.normal.max()))
+
+
+def forces_in(run: xr.Dataset, path: Path | None = None) -> Forces:
+    """Return the forces in a run of one disc along its path, or at a contact of a system."""
+    if path is not None and "zeta" in run.variables:
+        peaks = _peaks_on_curve(run, path.time, force := force_along(run, path))
+        name = "contact_force" if path.mode is None else "normal_force"
+        return Forces(*_with_peaks(path.time, force, peaks), peaks, run["peak_force"], name)
+    times = run["t"].values
+    peaks = _within(times, run["peak_force_time"].values, run["peak_force"].values)
+    curve = _with_peaks(times, run["normal_force"].values, peaks)
+    along = run["tangential_force"].values
+    return Forces(*curve, peaks, run["normal_force"], "normal_force",
+                  (times, along) if along.any() else None)  # fmt: skip
+
+
+def _of_table(forces: xr.Dataset) -> Forces:
+    """Return the forces in a result of `contact_forces`."""
+    times, rubs = forces["t"].values, "tangential_force" in forces
+    normal = forces["normal_force" if rubs else "force"].values
+    peaks = _peaks_on_curve(forces, times, normal)
+    along = (times, forces["tangential_force"].values) if rubs else None
+    return Forces(*_with_peaks(times, normal, peaks), peaks, forces["force"], tangential=along)
+
+
+def _with_peaks(
+    times: Values, force: Values, peaks: tuple[Values, Values]
+) -> tuple[Values, Values]:
+    """Return a force over time with its peaks among the samples."""
+    times, force = np.append(times, peaks[0]), np.append(force, peaks[1])
+    order = np.argsort(times, kind="stable")
+    return times[order], force[order]
+
+
+def _within(samples: Values, times: Values, forces: Values) -> tuple[Values, Values]:
+    """Return the peaks within a run: one at its begin or end may be part of a larger contact."""
+    inside = (times > samples[0]) & (times < samples[-1])
+    return times[inside], forces[inside]
+
+
+def _peaks_on_curve(run: xr.Dataset, time: Values, force: Values) -> tuple[Values, Values]:
+    """Return times and forces of contact peaks, on the curve of the force over time.
+
+    With contact damping the force peaks before the indentation, whose time is stored.
+    """
+    times, peaks = _within(run["t"].values, run["peak_time"].values, run["peak_force"].values)
+    if "contact_damping" not in run.variables:
+        return times, peaks
+    free = np.flatnonzero(force == 0.0)
+    first = np.append(-1, free)[np.searchsorted(time[free], times, side="right")] + 1
+    last = np.append(free, time.size)[np.searchsorted(time[free], times, side="right")]
+    places = [
+        one + int(np.argmax(force[one:other])) if other > one else one
+        for one, other in zip(first.tolist(), last.tolist(), strict=True)
+    ]
+    return time[np.minimum(places, time.size - 1).astype(int)], peaks
 
 
 def plot_force_peaks(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
@@ -144,47 +241,3 @@ def _shade(ax: Axes, begins: Values, ends: Values, words: str, colour: str) -> N
         bars = list(zip(begins, ends - begins, strict=True))
         ax.broken_barh(bars, (0.0, 1.0), label=words, transform=ax.get_xaxis_transform(),
                        facecolor=colour, edgecolor=colour, linewidth=0.5, zorder=0.5)  # fmt: skip
-
-
-def peaks_of(dataset: xr.Dataset) -> tuple[Values, Values]:
-    """Return times and forces of the peaks of contacts.
-
-    The largest force is not a peak if a run begins or ends inside that contact.
-    """
-    times, first, last = dataset["peak_time"].values, *dataset["t"].values[[0, -1]]
-    inside = (times > first) & (times < last)
-    return times[inside], dataset["peak_force"].values[inside]
-
-
-def peaks_on(dataset: xr.Dataset, time: Values, force: Values) -> tuple[Values, Values]:
-    """Return times and forces of contact peaks, on the curve of the force over time.
-
-    With contact damping the force peaks before the indentation, whose time is stored.
-    """
-    times, peaks = peaks_of(dataset)
-    if "contact_damping" not in dataset.variables:
-        return times, peaks
-    free = np.flatnonzero(force == 0.0)
-    first = np.append(-1, free)[np.searchsorted(time[free], times, side="right")] + 1
-    last = np.append(free, time.size)[np.searchsorted(time[free], times, side="right")]
-    places = [
-        one + int(np.argmax(force[one:other])) if other > one else one
-        for one, other in zip(first.tolist(), last.tolist(), strict=True)
-    ]
-    return time[np.minimum(places, time.size - 1).astype(int)], peaks
-
-
-def peaks_on_curve(part: xr.Dataset, time: Values, normal: Values) -> tuple[Values, Values]:
-    """Return times and forces of the peaks of one contact of a rotor system, on its curve.
-
-    With contact damping the force peaks before the indentation, whose time is stored.
-    """
-    times, peaks = peaks_of(part)
-    for place in np.flatnonzero(np.interp(times, time, normal) < ON_CURVE * peaks):
-        of_episode = int(np.flatnonzero(part["peak_time"].values == times[place])[0])
-        begin, end = (part[f"{edge}_time"].values[of_episode] for edge in ("entry", "exit"))
-        # a comparison with NaN is false: a contact at the begin or the end of the run has no edge
-        inside = np.flatnonzero(~((time < begin) | (time > end)))
-        if inside.size:
-            times[place] = time[inside[np.argmax(normal[inside])]]
-    return times, peaks

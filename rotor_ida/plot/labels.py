@@ -7,18 +7,20 @@ units without a prefix get one.
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from itertools import groupby
 from typing import Any
 
 import numpy as np
 import xarray as xr
 from matplotlib.axis import Axis
-from matplotlib.ticker import FuncFormatter, MaxNLocator
+from matplotlib.ticker import FuncFormatter, MaxNLocator, ScalarFormatter
 
 from rotor_ida import schema
+from rotor_ida.arrays import Values
 from rotor_ida.model.parameters import OF_ROTOR, OPTIONAL, PARAMETERS
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
-from rotor_ida.plot.datasets import hold_units, one_value, units_in
+from rotor_ida.plot.datasets import hold_units, is_of_disc, one_value, units_in
 from rotor_ida.results.run import course_of
 from rotor_ida.results.si_units import in_rpm, machine_of, scale_of, si_of
 from rotor_ida.texts import in_figure
@@ -129,13 +131,16 @@ def typeset(said: str) -> str:
 
     Examples
     --------
-    >>> typeset("16.9 um"), typeset("4.12(2)e+06 N/m")
-    ('$16.9$ µm', '$4.12(2) \\times 10^{6}$ N/m')
+    >>> typeset("16.9 um"), typeset("4.12(2)e+06 N/m"), typeset("6,112 rpm")
+    ('$16.9$ µm', '$4.12(2) \\times 10^{6}$ N/m', '6,112 rpm')
     """
     number, _, unit = said.partition(" ")
     digits, _, power = number.partition("e")
+    unit = re.sub("^u", "µ", unit)
+    if "," in digits:  # mathematics would put a space after it
+        return f"{digits} {unit}".rstrip()
     ten = rf" \times 10^{{{int(power)}}}" if power else ""
-    return f"${digits}{ten}$ {re.sub('^u', 'µ', unit)}".rstrip()
+    return f"${digits}{ten}$ {unit}".rstrip()
 
 
 def unit_of(variable: xr.DataArray | xr.Variable) -> str:
@@ -178,29 +183,33 @@ def label_axis(axis: Axis, name: str, variable: xr.DataArray, *, words: str | No
     axis.set_label_text(label_of(name, variable, words=words))
 
 
-def label_parameter(axis: Axis, name: str, dataset: xr.Dataset) -> None:
-    """Label an axis of a parameter; spin speeds of a result in SI units are shown in rpm.
+def label_parameter(axis: Axis, name: str, dataset: xr.Dataset) -> Values:
+    """Label an axis of a parameter of any rotor, and return its values as they are drawn there.
 
-    The plotted data stay dimensionless.
+    Spin speeds of a result in SI units are shown in rpm. Those of one disc stay dimensionless as
+    they are drawn, and the ticks are in rpm.
     """
-    if name != "omega" or "rate_scale" not in dataset.attrs:
+    if name == SPEED:
+        speeds = speeds_in(dataset[name])
+        label_axis(axis, name, speeds)
+        return np.asarray(speeds.values)
+    if name in PARAMETERS_OF_SYSTEM and not is_of_disc(dataset):
+        label_axis(axis, name, dataset[name], words=PARAMETERS_OF_SYSTEM[name].label)
+        axis.set_major_formatter(ScalarFormatter(useMathText=True))  # an unbalance has many digits
+    elif name != "omega" or "rate_scale" not in dataset.attrs:
         axis.set_label_text(LABELS[name])
-        return
-    in_turns = scale_of(dataset, "rate") / SPEED_UNITS["rpm"]
-    axis.set_major_locator(_ScaledLocator(in_turns))
-    axis.set_major_formatter(FuncFormatter(lambda omega, _: f"{omega * in_turns:.6g}"))
-    axis.set_label_text("spin speed [rpm]")
-
-
-def label_varied(axis: Axis, name: str, dataset: xr.Dataset) -> None:
-    """Label an axis of a parameter of one disc or of a rotor system, as it varies."""
-    if name in PARAMETERS_OF_SYSTEM:
-        words = PARAMETERS_OF_SYSTEM[name].label
-        label_axis(axis, name, dataset[name], words=words)
-    elif name == SPEED:
-        label_axis(axis, name, dataset[name])
     else:
-        label_parameter(axis, name, dataset)
+        in_turns = scale_of(dataset, "rate") / SPEED_UNITS["rpm"]
+        axis.set_major_locator(_ScaledLocator(in_turns))
+        axis.set_major_formatter(FuncFormatter(lambda omega, _: f"{omega * in_turns:.6g}"))
+        axis.set_label_text("spin speed [rpm]")
+    return np.asarray(dataset[name].values) if name in dataset.variables else np.empty(0)
+
+
+def speeds_in(speeds: xr.DataArray) -> xr.DataArray:
+    """Return speeds in rpm, or as they are where they have no unit."""
+    turns = in_rpm(speeds)
+    return speeds if turns is None else speeds.copy(data=turns).assign_attrs(units="rpm")
 
 
 class _ScaledLocator(MaxNLocator):
@@ -218,8 +227,12 @@ class _ScaledLocator(MaxNLocator):
 def title_of(name: str, dataset: xr.Dataset, parameters: Sequence[str] = PARAMETERS) -> str:
     """Return the parameters of a dataset, with one value of each, as a title.
 
-    It has two lines if one is too long.
+    It has two lines if one is too long. Of a result of a rotor system it is the node, if there is
+    only one, and the speed, if that is known.
     """
+    if not is_of_disc(dataset):
+        node = [f"node {in_figure(str(dataset['node'].values))}"] * _has_one_node(dataset)
+        return SEPARATOR.join([*node, *_speed_of_system(dataset)])
     # what varies along a branch is on its axis
     optional = [each for each in OPTIONAL if each in dataset.variables and not dataset[each].ndim]
     values = {each: one_value(name, dataset, each) for each in (*parameters, *optional)}
@@ -227,51 +240,74 @@ def title_of(name: str, dataset: xr.Dataset, parameters: Sequence[str] = PARAMET
         return in_lines(text_of(dataset, values))
     if (speeds := in_rpm(dataset["speed"])) is not None:  # omega is only the first
         del values["omega"]
-        turns = " to ".join(map(number, course_of(speeds)))
-        return _wrapped([f"{turns} rpm", *_in_si(dataset, values)])
+        turns = speed_text(xr.DataArray(course_of(speeds), attrs={"units": "rpm"}))
+        return _wrapped([turns, *_in_si(dataset, values)])
     last = float(dataset["speed"][-1]) / scale_of(dataset, "speed")
     text = text_of(dataset, values).replace("$,", rf" \ldots {last:.4g}$,", 1)
     return in_lines(text)
 
 
-def title_of_node(dataset: xr.Dataset) -> str:
-    """Return the node of signals of a rotor system, and the speed if it is constant."""
-    return SEPARATOR.join(
-        [f"node {in_figure(str(dataset['node'].values))}", *_speed_of_system(dataset)]
-    )
-
-
-def title_of_system(run: xr.Dataset) -> str:
-    """Return the speed of a run of a rotor system; the first and the last if it changes."""
-    return "".join(_speed_of_system(run))
+def _has_one_node(dataset: xr.Dataset) -> bool:
+    return "node" in dataset.coords and not dataset["node"].ndim
 
 
 def _speed_of_system(dataset: xr.Dataset) -> list[str]:
-    speeds = [dataset.attrs["speed"]] if "speed" in dataset.attrs else []
-    units = dataset.attrs.get("speed_units", "1")
     if "event_speed" in dataset.variables:
-        speeds, units = course_of(dataset["speed"].values).tolist(), units_in(dataset["speed"])
-    return [speed_text(xr.DataArray(speeds, attrs={"units": units}))] if speeds else []
+        speeds = course_of(dataset["speed"].values)
+        return [speed_text(xr.DataArray(speeds, attrs=dataset["speed"].attrs))]
+    units = dataset.attrs.get("speed_units", "1")
+    speed = dataset.attrs.get("speed")
+    return [] if speed is None else [speed_text(xr.DataArray(speed, attrs={"units": units}))]
 
 
 def speed_text(speeds: xr.DataArray) -> str:
-    """Return the speed of a rotor system, or its course, in rpm or without a unit.
+    """Return a speed as in a title, or its course, in rpm or without a unit.
 
     Examples
     --------
-    >>> speed_text(xr.DataArray(1.35)), speed_text(xr.DataArray(314.16, attrs={"units": "s-1"}))
-    ('speed 1.35', '3000 rpm')
+    >>> speed_text(xr.DataArray(1.35))
+    'speed 1.35'
+    >>> speed_text(xr.DataArray([314.16, 628.32], attrs={"units": "s-1"}))
+    '3,000 to 6,000 rpm'
     """
-    turns = in_rpm(speeds)
-    words = " to ".join(map(number, np.ravel(speeds if turns is None else turns).tolist()))
-    return f"speed {words}" if turns is None else f"{words} rpm"
+    turns, rpm = in_rpm(speeds), SPEED_UNITS["rpm"]
+    if turns is None:
+        return f"speed {span_text(np.ravel(speeds).tolist())}"
+    said = [quantity(each * rpm, "rad/s").removesuffix(" rpm") for each in np.ravel(turns).tolist()]
+    return f"{_joined(said)} rpm"
+
+
+def span_text(values: Sequence[float]) -> str:
+    """Return numbers that follow each other, as far as they differ as written.
+
+    Examples
+    --------
+    >>> span_text([0.0014671, 0.0014673]), span_text([0.0, 2.0, 0.0])
+    ('0.001467', '0 to 2 to 0')
+    """
+    return _joined(map(number, values))
+
+
+def _joined(said: Iterable[str]) -> str:
+    return " to ".join(each for each, _ in groupby(said))
 
 
 def text_of(dataset: xr.Dataset, values: Mapping[str, float]) -> str:
     """Return parameters as a title: dimensionless, or in SI units if the dataset has a machine."""
+    if not is_of_disc(dataset):
+        return SEPARATOR.join(_of_system(dataset, name, value) for name, value in values.items())
     if machine_of(dataset) is None:
         return parameter_text(values)
     return _wrapped(_in_si(dataset, values))
+
+
+def _of_system(dataset: xr.Dataset, name: str, value: float) -> str:
+    """Return the words of a parameter of a rotor system with its value and unit."""
+    attributes = dataset[name].attrs
+    if name == SPEED:
+        return speed_text(xr.DataArray(value, attrs=attributes))
+    words = PARAMETERS_OF_SYSTEM[name].label if name in PARAMETERS_OF_SYSTEM else name
+    return f"{words} {number(value)} {unit_of(dataset[name])}".rstrip()
 
 
 def _in_si(dataset: xr.Dataset, values: Mapping[str, float]) -> list[str]:

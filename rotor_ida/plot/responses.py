@@ -1,10 +1,11 @@
-"""Response curves over spin speed or clearance, with simulated responses."""
+"""Whirls and settled responses of any rotor over its speed or another parameter."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -14,9 +15,10 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import OF_ROTOR, OPTIONAL, PARAMETERS
-from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
+from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
 from rotor_ida.plot.appearance import (
     BLUE,
+    BROWN,
     CONTACT_FREE,
     DARK_BROWN,
     FOLD,
@@ -25,55 +27,69 @@ from rotor_ida.plot.appearance import (
     FROM_WHIRL,
     GOING_DOWN,
     GOING_UP,
-    GREEN,
+    GRAZE,
     GREY,
     HOPF,
     INK,
+    KIND_SHADES,
     NEUTRAL,
-    ORANGE,
-    PURPLE,
-    RED,
     STABLE,
     UNSTABLE,
     draw_marks,
     drawing,
+    legend_below,
+    look,
     own_legend,
     raise_limit,
 )
 from rotor_ida.plot.datasets import (
+    at_contact,
     check_dataset,
     check_same_parameters,
     check_same_units,
-    fixed_parameters,
+    drawn_over,
+    is_of_disc,
     one_value,
-    parameters_in,
 )
 from rotor_ida.plot.labels import (
     KIND_WORDS,
-    LABELS,
     in_lines,
     label_axis,
     label_parameter,
-    parameter_text,
+    speeds_in,
+    text_of,
 )
+from rotor_ida.results.archived_system import clearance_of_contacts
 from rotor_ida.results.si_units import scale_of
-from rotor_ida.schema import flags_of
+from rotor_ida.schema import SPECIAL, flags_of
+from rotor_ida.signals.nodes import Ring
+from rotor_ida.texts import in_figure
 
+# Whirls by their stability: their words, line and width on a curve, and colour of points.
 LINES = {
-    "stable": (STABLE, "-", 1.3),
-    "unstable": (UNSTABLE, (0, (4, 2)), 1.0),
-    "neutral": (NEUTRAL, (0, (7, 1.6, 1.2, 1.6)), 1.0),
+    "stable": (STABLE, "-", 1.3, INK),
+    "unstable": (UNSTABLE, (0, (4, 2)), 1.0, GREY),
+    "neutral": (NEUTRAL, (0, (7, 1.6, 1.2, 1.6)), 1.0, BROWN),
 }
+SPECIALS = {"fold": (FOLD, "D", 4.0), "hopf": (HOPF, "o", 4.6), "graze": (GRAZE, "s", 4.0)}
 CURVE = ("omega", "zeta", "delta0", "amplitude", "phase_lag", "stability", "in_contact", "piece")
 NO_CURVE = "no exact curve"
 SIMULATED = ("response", "amplitude", "phase_lag", "radius_min", "radius_max", "direction")
-# Results drawn beside a curve, and the variables that they need.
-BESIDE = {
-    "whirls": (*PARAMETERS, "amplitude", "phase_lag"),
-    "simulated": (*PARAMETERS, *SIMULATED),
-    "fold_points": ("zeta", "delta0", "fold_omega", "fold_amplitude"),
-    "hopf_points": ("zeta", "delta0", "hopf_omega", "hopf_amplitude"),
+# Whirls of more points than this are dots that are read as lines, of fewer points are marks.
+FEW_POINTS = 120
+# The whirls of a result of special speeds, by their names in one of whirls.
+BRANCHES = {"branch_amplitude": "amplitude", "branch_stability": "stability"}
+# Results drawn together, and the variables that they need, for one disc beside its parameters.
+NEEDED = {
+    "exact": ("stability",),
+    "whirls": ("stability",),
+    "simulated": SIMULATED,
+    "fold_points": ("fold_omega", "fold_amplitude"),
+    "hopf_points": ("hopf_omega", "hopf_amplitude"),
+    "special": ("special_speed", "special_kind", "amplitude"),
 }
+# Nodes of an unbalance response that are drawn at most.
+MOST_NODES = 5
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,18 +108,26 @@ class _Look:
 
 
 DOTS, LONG = (0, (1, 1.6)), (0, (4, 1.4))
+_SHADE = {kind: shades[0] for kind, shades in KIND_SHADES.items()}
 KINDS = {
-    "synchronous": _Look(BLUE, True, False),
-    "contact_free": _Look(BLUE, False, False),
-    "bouncing": _Look(ORANGE, False, True),
-    "full_contact": _Look(PURPLE, True, True),
+    "synchronous": _Look(_SHADE["synchronous"], True, False),
+    "contact_free": _Look(_SHADE["synchronous"], False, False),
+    "bouncing": _Look(_SHADE["bouncing"], False, True),
+    "full_contact": _Look(_SHADE["full_contact"], True, True),
     "rolling": _Look(DARK_BROWN, True, True, LONG),
     "touching": _Look(INK, False, False),
-    "quasi_periodic": _Look(GREEN, False, True),
-    "chaotic": _Look(RED, True, True, DOTS),
+    "quasi_periodic": _Look(_SHADE["quasi_periodic"], False, True),
+    "chaotic": _Look(_SHADE["chaotic"], True, True, DOTS),
     "unresolved": _Look(GREY, False, True, DOTS),
 }
 DIRECTIONS = {0: ("o", 4.2), 1: ("^", 3.4), -1: ("v", 3.4)}
+
+
+class _Axis(NamedTuple):
+    """The parameter over which results are drawn, and the values of the others."""
+
+    over: str
+    held: dict[str, float]
 
 
 def plot_amplitude(
@@ -113,27 +137,32 @@ def plot_amplitude(
     simulated: xr.Dataset | None = None,
     fold_points: xr.Dataset | None = None,
     hopf_points: xr.Dataset | None = None,
+    special: xr.Dataset | None = None,
+    contact: int | str = 0,
     ax: Axes | None = None,
 ) -> Axes:
-    """Draw the amplitude of every whirl over the spin speed.
+    """Draw the amplitude of whirls and settled responses over the parameter that varies.
 
     Parameters
     ----------
     exact : Dataset or None
-        Result of `rotor_ida.closed_forms.response_curve`, for one ``zeta``, one ``delta0``
-        and one of each other parameter. None for `simulated` alone, where no curve exists: under
-        a load.
+        The exact whirls: a curve of `rotor_ida.closed_forms.response_curve` or
+        `rotor_ida.closed_forms.clearance_curve`, or points of `rotor_ida.synchronous_response` or
+        `rotor_ida.special_speeds`, for one value of each parameter but one. None for `simulated`
+        alone.
     whirls : Dataset, optional
-        Result of `rotor_ida.synchronous_response`, for the same parameters: the whirls at
-        its speeds are marked.
+        Result of `rotor_ida.synchronous_response` for the same rotor: its whirls are marked.
     simulated : Dataset, optional
-        Result of `rotor_ida.sweep`, for the same parameters. Synchronous, contact-free and
-        touching responses are marks at their amplitude, by direction of the sweep. All others
-        are bars over the range of the distance from the bearing axis.
-    fold_points : Dataset, optional
-        Result of `rotor_ida.folds`, for the same parameters: the folds are marked.
-    hopf_points : Dataset, optional
-        Result of `rotor_ida.hopf_points`, for the same parameters: they are marked.
+        Result of `rotor_ida.sweep`, for the same rotor. Synchronous, contact-free and touching
+        responses are marks at their amplitude, by direction of the sweep. All others are bars over
+        the range of the distance from the centre of the stator.
+    fold_points, hopf_points : Dataset, optional
+        Results of `rotor_ida.folds` and `rotor_ida.hopf_points` for the same disc.
+    special : Dataset, optional
+        Result of `rotor_ida.special_speeds`, for the same system: its folds, Hopf points and grazes
+        are marked.
+    contact : int or str
+        Contact of a rotor system, by its number or its node. Its clearance is a dashed line.
     ax : Axes, optional
         Axes to draw on and return; default: those of a new figure.
 
@@ -141,7 +170,7 @@ def plot_amplitude(
     ------
     InputError
         If a dataset is of another kind, has several values of a parameter, or values other than
-        `exact`; if there is nothing to draw.
+        `exact`; if it has no such contact; if there is nothing to draw.
 
     Examples
     --------
@@ -154,9 +183,9 @@ def plot_amplitude(
     >>> ax.get_ylabel()
     'amplitude $A$'
     """
-    beside = {"whirls": whirls, "simulated": simulated, "fold_points": fold_points,
-              "hopf_points": hopf_points}  # fmt: skip
-    return _plot_over_speed("amplitude", exact, beside, ax)
+    given = {"exact": exact, "whirls": whirls, "simulated": simulated, "fold_points": fold_points,
+             "hopf_points": hopf_points, "special": special}  # fmt: skip
+    return _plot("amplitude", given, contact, ax)
 
 
 def plot_phase(
@@ -165,13 +194,14 @@ def plot_phase(
     whirls: xr.Dataset | None = None,
     simulated: xr.Dataset | None = None,
     fold_points: xr.Dataset | None = None,
+    contact: int | str = 0,
     ax: Axes | None = None,
 ) -> Axes:
     r"""Draw the phase by which every whirl lags the unbalance over the spin speed.
 
     Parameters
     ----------
-    exact, whirls, simulated, fold_points, ax
+    exact, whirls, simulated, fold_points, contact, ax
         As for `plot_amplitude`. For a simulated response that is neither synchronous nor
         contact-free, the mark is the phase of the component at the spin speed.
 
@@ -182,190 +212,172 @@ def plot_phase(
     >>> ax.get_ylabel()
     'phase lag $\\theta$'
     """
-    beside = {"whirls": whirls, "simulated": simulated, "fold_points": fold_points}
-    return _plot_over_speed("phase_lag", exact, beside, ax)
+    given = {"exact": exact, "whirls": whirls, "simulated": simulated, "fold_points": fold_points}
+    return _plot("phase_lag", given, contact, ax)
 
 
-def plot_over_clearance(
-    exact: xr.Dataset, *, simulated: xr.Dataset | None = None, ax: Axes | None = None
+def _plot(
+    quantity: str, given: dict[str, xr.Dataset | None], contact: int | str, ax: Axes | None
 ) -> Axes:
-    r"""Draw the whirls at one speed over the clearance, with simulated responses.
-
-    Parameters
-    ----------
-    exact : Dataset
-        Result of `rotor_ida.closed_forms.clearance_curve`, for one ``omega`` and one
-        ``zeta``.
-    simulated : Dataset, optional
-        Result of `rotor_ida.sweep` at the same speed and damping. Responses on a whirl are
-        marks, by direction of the sweep, all others bars over the range of the distance from the
-        bearing axis.
-    ax : Axes, optional
-        Axes to draw on and return; default: those of a new figure.
-
-    Examples
-    --------
-    >>> from rotor_ida.closed_forms import clearance_curve
-    >>> exact = clearance_curve(omega=1.2, zeta=0.07, limits=(0.0, 3.0))
-    >>> plot_over_clearance(exact).get_xlabel()
-    'clearance $\\delta_0$'
-    """
-    exact = check_dataset("exact", exact, CURVE)
-    parameters = fixed_parameters("exact", exact, ("omega", "zeta"))
-    if simulated is not None:
-        simulated = check_dataset("simulated", simulated, ("delta0", *SIMULATED))
-        optional = {name: value for name, value in parameters.items() if name in OPTIONAL}
-        check_same_parameters("simulated", fixed_parameters("simulated", simulated, ()), optional)
-        check_same_units("simulated", simulated, exact)
+    """Draw amplitude or phase of results over the parameter that varies."""
+    found, axis = _checked(quantity, given, contact)
+    shown = next(iter(found.values()))
+    simulated, of_disc = found.get("simulated"), is_of_disc(shown)
     with drawing(ax) as ax:
-        draw_curve(ax, exact, over="delta0", quantity="amplitude")
-        if simulated is not None:
-            draw_simulated(ax, simulated, "amplitude", over="delta0")
-        ax.set_xlabel(LABELS["delta0"])
-        label_axis(ax.yaxis, "amplitude", exact["amplitude"])
-        ax.set_ylim(bottom=0.0)
-        ax.set_title(in_lines(parameter_text(parameters)))
-        own_legend(ax)
-    return ax
-
-
-def plot_along(
-    simulated: xr.Dataset, *, whirls: xr.Dataset | None = None, ax: Axes | None = None
-) -> Axes:
-    r"""Draw the responses of a sweep up or down over the parameter that rises and falls.
-
-    Parameters
-    ----------
-    simulated : Dataset
-        Result of `rotor_ida.sweep` with a direction, for one value of each other parameter. The
-        attribute ``along`` names the parameter on the axis. Responses on a whirl are marks at their
-        amplitude, by direction; all others are bars over the range of the distance from the bearing
-        axis.
-    whirls : Dataset, optional
-        Result of `rotor_ida.synchronous_response` over many values of that parameter, which are
-        drawn as dots.
-    ax : Axes, optional
-        Axes to draw on and return; default: those of a new figure.
-
-    Examples
-    --------
-    >>> from rotor_ida import sweep
-    >>> both = sweep(omega=1.5, zeta=0.5, delta0=[0.5, 1.0], direction="both")
-    >>> plot_along(both).get_xlabel()
-    'clearance $\\delta_0$'
-    """
-    simulated = check_dataset("simulated", simulated, (*PARAMETERS, *SIMULATED))
-    over = str(simulated.attrs.get("along", "omega"))
-    names = [name for name in parameters_in(simulated) if name != over]
-    held = {name: one_value("simulated", simulated, name) for name in names}
-    with drawing(ax) as ax:
-        if whirls is not None:
-            whirls = check_dataset("whirls", whirls, (over, "amplitude", "stability"))
-            check_same_units("whirls", whirls, simulated)
-            draw_beneath(ax, whirls[over], whirls)
-        draw_simulated(ax, simulated, "amplitude", over=over)
-        label_parameter(ax.xaxis, over, simulated)
-        label_axis(ax.yaxis, "amplitude", simulated["amplitude"])
-        ax.set_ylim(bottom=0.0)
-        ax.set_title(in_lines(parameter_text(held)))
-        own_legend(ax)
-    return ax
-
-
-def draw_beneath(ax: Axes, across: xr.DataArray, whirls: xr.Dataset) -> None:
-    """Draw exact whirls as small dots by their stability, close enough to be read as lines."""
-    same = xr.broadcast(across, whirls["amplitude"], whirls["stability"])
-    places, heights, stability = (each.values.ravel() for each in same)
-    for word, (label, *_) in LINES.items():
-        chosen = (stability == flags_of(whirls["stability"])[word]) & np.isfinite(heights)
-        if chosen.any():
-            colour = GREY if word == "unstable" else INK
-            draw_marks(ax, places[chosen], heights[chosen], "o", colour, size=1.5, edge=0.0,
-                       label=f"exact, {label}", level=2.5)  # fmt: skip
-
-
-def _plot_over_speed(
-    quantity: str,
-    exact: xr.Dataset | None,
-    beside: Mapping[str, xr.Dataset | None],
-    ax: Axes | None,
-) -> Axes:
-    """Draw amplitude or phase of a curve over the speed, with the other results."""
-    given = {
-        name: check_dataset(name, dataset, BESIDE[name])
-        for name, dataset in beside.items()
-        if dataset is not None
-    }
-    simulated = given.get("simulated")
-    if exact is not None:
-        shown = exact = check_dataset("exact", exact, CURVE)
-    elif simulated is not None:
-        shown = simulated
-    else:
-        raise InputError("exact must be a Dataset, or None beside simulated, got neither")
-    parameters = fixed_parameters("simulated" if exact is None else "exact", shown)
-    for name, dataset in given.items():
-        check_same_parameters(name, fixed_parameters(name, dataset), parameters)
-        check_same_units(name, dataset, shown)
-    with drawing(ax) as ax:
-        if exact is not None:
-            draw_curve(ax, exact, over="omega", quantity=quantity)
-        _draw_points(ax, quantity, given, shown, parameters["zeta"])
-        if simulated is not None:
-            draw_simulated(ax, simulated, quantity)
-        label_parameter(ax.xaxis, "omega", shown)
+        label_parameter(ax.xaxis, axis.over, shown)
         label_axis(ax.yaxis, quantity, shown[quantity])
-        ax.set_xlim(0.0, 1.02 * float(shown["omega"].max()))
+        if not of_disc and quantity == "amplitude":
+            draw_clearance(ax, found.get("simulated", shown), over=axis.over)
+        for name in ("exact", "whirls"):
+            if name in found:
+                _draw_whirls(ax, found[name], axis.over, quantity, given=name == "whirls")
+        _draw_specials(ax, found, quantity, axis)
+        if simulated is not None:
+            draw_simulated(
+                ax, simulated, quantity, over=axis.over, reach="|z|" if of_disc else "|u|"
+            )
+        if of_disc and axis.over == "omega":
+            ax.set_xlim(0.0, 1.02 * float(shown["omega"].max()))
         if quantity == "amplitude":
-            heights = [shown["amplitude"]]
-            heights += [] if simulated is None else [simulated["radius_max"]]
-            raise_limit(ax, max(float(each.max()) for each in heights))
+            raise_limit(ax, _highest(found))
         else:
             ax.set_ylim(0.0, 1.06 * math.pi)
             ax.set_yticks([0.0, 0.5 * math.pi, math.pi], ["0", r"$\pi/2$", r"$\pi$"])
-        ax.set_title(
-            _without_curve(parameters) if exact is None else in_lines(parameter_text(parameters))
-        )
+        ax.set_title(_title(shown, axis, "exact" in found))
         own_legend(ax)
     return ax
 
 
-def _without_curve(parameters: Mapping[str, float]) -> str:
-    """Return the title of a panel without a curve, with the reason."""
-    last = {name: value for name, value in parameters.items() if name == "load"}
-    before = {name: value for name, value in parameters.items() if name != "load"}
-    reason = f"{parameter_text(last)}: {NO_CURVE} under a load" if last else NO_CURVE
-    return f"{parameter_text(before)}\n{reason}"
+def _checked(
+    quantity: str, given: Mapping[str, xr.Dataset | None], contact: int | str
+) -> tuple[dict[str, xr.Dataset], _Axis]:
+    """Return results of one rotor at a contact, the exact ones first, and what varies in them."""
+    given = dict(given)
+    exact = given.get("exact")
+    if isinstance(exact, xr.Dataset) and "special_speed" in exact.variables:
+        given["special"] = exact
+        exact = check_dataset("special", exact, (*NEEDED["special"], *BRANCHES))
+        exact = exact.drop_vars(["amplitude", "stability"], errors="ignore").rename(BRANCHES)
+        given["exact"] = exact
+    found: dict[str, xr.Dataset] = {}
+    for name, dataset in given.items():
+        if dataset is None:
+            continue
+        of_system = isinstance(dataset, xr.Dataset) and not is_of_disc(dataset)
+        alone = name in ("fold_points", "hopf_points")
+        own = ("contact_node",) if of_system else PARAMETERS[1:] if alone else PARAMETERS
+        drawn = () if alone or name == "special" else (quantity,)
+        found[name] = check_dataset(name, dataset, (*own, *NEEDED[name], *drawn))
+    if not {"exact", "simulated", "whirls"} & set(found):
+        raise InputError("exact must be a Dataset, or None beside simulated, got neither")
+    first, shown = next(iter(found.items()))
+    axis = _Axis(*drawn_over(first, shown))
+    for name, dataset in found.items():
+        check_same_units(name, dataset, shown)
+        if is_of_disc(shown):
+            _check_parameters(name, dataset, axis)
+    if not is_of_disc(shown):
+        found = {name: at_contact(dataset, contact) for name, dataset in found.items()}
+    elif "simulated" in found:  # whirls without friction have no radius of the disc
+        held = drawn_over("simulated", found["simulated"].assign_attrs(along=axis.over))[1]
+        axis.held.update({name: held[name] for name in held if name in OPTIONAL})
+    return found, axis
 
 
-def _draw_points(
-    ax: Axes, quantity: str, given: Mapping[str, xr.Dataset], shown: xr.Dataset, zeta: float
-) -> None:
-    """Mark the whirls at given speeds, folds and Hopf points, if any."""
-    if "whirls" in given:
-        whirls = given["whirls"]
-        across, up = xr.broadcast(whirls["omega"], whirls[quantity])
-        draw_marks(ax, across.values.ravel(), up.values.ravel(), "o", BLUE, size=3.6,
-                   label="whirl at a given speed", level=3.1)  # fmt: skip
-    if "fold_points" in given:
-        folds = given["fold_points"]
-        omega, height = _special_points(folds, "fold", shown)
-        if quantity == "phase_lag":
-            # A = omega sin(theta)/(2 zeta), and at every fold the lag is beyond a quarter turn
-            sine = 2.0 * zeta * height / scale_of(folds, "length") / omega
-            height = math.pi - np.arcsin(np.minimum(sine, 1.0))
-        if omega.size:
-            draw_marks(ax, omega, height, "D", INK, size=4.0, face="white", label=FOLD, level=3.7)
-    if "hopf_points" in given:
-        omega, height = _special_points(given["hopf_points"], "hopf", shown)
-        if omega.size:
-            draw_marks(ax, omega, height, "o", INK, size=4.6, face="white", label=HOPF, level=3.7)
+def _check_parameters(name: str, dataset: xr.Dataset, axis: _Axis) -> None:
+    """Refuse a result of another disc than that of the results that it is drawn with."""
+    special = name in ("fold_points", "hopf_points")
+    names = [each for each in PARAMETERS[special:] if each != axis.over]
+    names += [each for each in OPTIONAL if each in dataset.variables and each != axis.over]
+    here = {each: one_value(name, dataset, each) for each in names}
+    there = {each: value for each, value in axis.held.items() if each in {*names, *OPTIONAL}}
+    check_same_parameters(name, here, there)
+
+
+def _highest(found: Mapping[str, xr.Dataset]) -> float:
+    """Return the largest amplitude or radius, and at least the clearance of a system."""
+    shown = [found[name]["amplitude"] for name in ("exact", "whirls", "simulated") if name in found]
+    first = next(iter(found.values()))
+    shown += [found["simulated"]["radius_max"]] if "simulated" in found else []
+    shown += [] if is_of_disc(first) else [clearance_of_contacts(found.get("simulated", first))]
+    return max(float(np.nanmax(each.values, initial=0.0)) for each in shown) or 1.0
+
+
+def _title(shown: xr.Dataset, axis: _Axis, has_curve: bool) -> str:
+    """Return the contact of a system, and the parameters that are held."""
+    held = text_of(shown, axis.held) if axis.held else ""
+    if not is_of_disc(shown):
+        node = Ring(str(shown["contact_node"].item()), "", []).title
+        return f"contact {shown['contact'].item()} at {node}\n{held}".rstrip()
+    if has_curve or axis.over != "omega" or "load" not in axis.held:
+        return in_lines(held)
+    before = {name: value for name, value in axis.held.items() if name != "load"}
+    last = text_of(shown, {"load": axis.held["load"]})
+    return f"{text_of(shown, before)}\n{last}: {NO_CURVE} under a load"
+
+
+def draw_clearance(ax: Axes, part: xr.Dataset, *, over: str = SPEED) -> None:
+    """Draw the clearance of a contact over a parameter."""
+    line: Any = {"color": GREY, "lw": 0.9, "ls": "--", "zorder": 1.5, "label": "clearance"}
+    if over in ("clearance", "delta0"):
+        ax.plot(part[over].values, clearance_of_contacts(part).values, **line)
+    else:
+        ax.axhline(clearance_of_contacts(part).item(), **line)
+
+
+def _draw_whirls(ax: Axes, whirls: xr.Dataset, over: str, quantity: str, *, given: bool) -> None:
+    """Draw exact whirls: the lines of a curve, points by their stability, or marks beside these."""
+    if "piece" in whirls.variables:
+        draw_curve(ax, whirls, over=over, quantity=quantity)
+        return
+    values = speeds_in(whirls[over]) if over == SPEED else whirls[over]
+    same = xr.broadcast(values, whirls[quantity], whirls["stability"])
+    places, heights, stability = (each.values.ravel() for each in same)
+    if given:
+        draw_marks(ax, places, heights, "o", BLUE, size=3.6, label="whirl at a given speed",
+                   level=3.1)  # fmt: skip
+        return
+    size = 1.5 if values.size > FEW_POINTS else 3.0
+    touches = whirls.get("in_contact")
+    is_free = touches is not None and "special" not in touches.dims and not touches.values.any()
+    for word, (label, _, _, colour) in LINES.items():
+        chosen = (stability == flags_of(whirls["stability"])[word]) & np.isfinite(heights)
+        if chosen.any():
+            draw_marks(ax, places[chosen], heights[chosen], "o", colour, size=size, edge=0.0,
+                       label=CONTACT_FREE if is_free and word == "neutral" else label,
+                       level=2.5)  # fmt: skip
+
+
+def _draw_specials(ax: Axes, found: Mapping[str, xr.Dataset], quantity: str, axis: _Axis) -> None:
+    """Mark folds, Hopf points and grazes, if any are given."""
+    for word, (label, mark, size) in SPECIALS.items():
+        if f"{word}_points" in found:
+            points = found[f"{word}_points"]
+            speeds, heights = _special_points(points, word, found.get("exact", points))
+            if quantity == "phase_lag":
+                # A = omega sin(theta)/(2 zeta), and at every fold the lag is beyond a quarter turn
+                sine = 2.0 * axis.held["zeta"] * heights / scale_of(points, "length") / speeds
+                heights = math.pi - np.arcsin(np.minimum(sine, 1.0))
+        elif "special" in found:
+            special = found["special"]
+            chosen = special["special_kind"].values == SPECIAL[word]
+            if word == "graze" and "grazed_contact" in special:  # archives had none at first
+                chosen &= special["grazed_contact"].values == special["contact"].item()
+            speeds = speeds_in(special["special_speed"]).values[chosen]
+            heights = special["amplitude"].values[chosen]
+        else:
+            continue
+        if speeds.size:
+            draw_marks(ax, speeds, heights, mark, INK, size=size, face="white", label=label,
+                       level=3.7)  # fmt: skip
 
 
 def _special_points(dataset: xr.Dataset, name: str, exact: xr.Dataset) -> tuple[Values, Values]:
     """Return speed and amplitude of folds or Hopf points within the range of the curve."""
     omega = dataset[f"{name}_omega"].values.ravel()
-    here = (omega >= float(exact["omega"].min())) & (omega <= float(exact["omega"].max()))
+    here = np.isfinite(omega)
+    if "omega" in exact.variables:
+        here &= (omega >= float(exact["omega"].min())) & (omega <= float(exact["omega"].max()))
     return omega[here], dataset[f"{name}_amplitude"].values.ravel()[here]
 
 
@@ -383,7 +395,7 @@ def draw_curve(ax: Axes, curve: xr.Dataset, *, over: str, quantity: str) -> None
             first -= 1  # the fold, where the line before ends
         line = np.stack([x[first : last + 1], y[first : last + 1]])
         lines.setdefault(int(stability[last]), []).extend((line, np.full((2, 1), math.nan)))
-    for word, (label, dashes, width) in LINES.items():
+    for word, (label, dashes, width, _) in LINES.items():
         flag = flags[word]
         if flag not in lines:
             continue
@@ -400,11 +412,11 @@ def _of_each_kind(
     same = xr.broadcast(*(simulated[name] for name in ("response", *names)))
     response, *columns = (each.values.ravel() for each in same)
     flags = flags_of(simulated["response"])
-    for kind, look in KINDS.items():
+    for kind, drawn in KINDS.items():
         of_kind = response == flags.get(kind)
         if of_kind.any():
             points = zip(names, columns, strict=True)
-            yield kind, look, {name: values[of_kind] for name, values in points}
+            yield kind, drawn, {name: values[of_kind] for name, values in points}
 
 
 def _range_words(kind: str, reach: str = "|z|") -> str:
@@ -418,18 +430,20 @@ def draw_simulated(
 
     `reach` is the symbol of the distance whose range is drawn.
     """
-    for kind, look, points in _of_each_kind(simulated, (over, *SIMULATED[1:])):
-        if look.is_range and quantity == "amplitude":
+    if over == SPEED:
+        simulated = simulated.assign_coords({over: speeds_in(simulated[over])})
+    for kind, drawn, points in _of_each_kind(simulated, (over, *SIMULATED[1:])):
+        if drawn.is_range and quantity == "amplitude":
             ax.vlines(
-                points[over], points["radius_min"], points["radius_max"], color=look.colour,
-                lw=1.8 if look.filled else 0.9, ls=look.dashes, zorder=3.0,
+                points[over], points["radius_min"], points["radius_max"], color=drawn.colour,
+                lw=1.8 if drawn.filled else 0.9, ls=drawn.dashes, zorder=3.0,
                 label=_range_words(kind, reach),
             )  # fmt: skip
             for end in ("radius_min", "radius_max"):
-                _draw_by_direction(ax, look, points, over, points[end], 0.75)
+                _draw_by_direction(ax, drawn, points, over, points[end], 0.75)
             continue
-        _draw_by_direction(ax, look, points, over, points[quantity], 1.0)
-        draw_marks(ax, [], [], "s", look.colour, size=4.5, face=look.face, edge=0.9,
+        _draw_by_direction(ax, drawn, points, over, points[quantity], 1.0)
+        draw_marks(ax, [], [], "s", drawn.colour, size=4.5, face=drawn.face, edge=0.9,
                    label=KIND_WORDS[kind])  # fmt: skip
     along = str(simulated.attrs.get("along", "omega"))
     words = {
@@ -470,3 +484,42 @@ def _start_words(simulated: xr.Dataset) -> str:
     starts = of_system or [f"start_{name}" for name in COMPONENTS]
     at_rest = all(name in simulated and not simulated[name].values.any() for name in starts)
     return FROM_REST if at_rest else FROM_START
+
+
+def plot_unbalance_response(whirls: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+    """Draw the amplitude of the contact-free whirl at each node over the spin speed.
+
+    Parameters
+    ----------
+    whirls : Dataset
+        Result of `rotor_ida.synchronous_response` for a rotor system. Of more than five nodes,
+        those with the largest amplitudes are drawn.
+    ax : Axes, optional
+        Axes to draw on and return; default: those of a new figure.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, synchronous_response
+    >>> system = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
+    >>> whirls = synchronous_response(system, contacts=[], speed=[0.5, 1.0, 1.5])
+    >>> plot_unbalance_response(whirls).lines[0].get_label()
+    'disc'
+    """
+    whirls = check_dataset("whirls", whirls, ("speed", "in_contact", "node_amplitude", "node"))
+    free = ~(whirls["in_contact"].values == 1).any(axis=2)
+    amplitude = np.where(free[:, :, np.newaxis], whirls["node_amplitude"].values, np.nan)[:, 0]
+    names = whirls["node"].values
+    largest = np.nanmax(np.where(np.isnan(amplitude), -1.0, amplitude), axis=0, initial=-1.0)
+    chosen = np.sort(np.argsort(-largest, kind="stable")[:MOST_NODES])
+    with drawing(ax) as ax:
+        speeds = label_parameter(ax.xaxis, SPEED, whirls)
+        label_axis(ax.yaxis, "amplitude", whirls["node_amplitude"])
+        for number, node in enumerate(chosen):
+            colour, dashes = look(number)
+            ax.plot(
+                speeds, amplitude[:, node], color=colour, ls=dashes, label=in_figure(names[node])
+            )
+        ax.set_yscale("log")
+        ax.set_title("contact-free whirl by node")
+        legend_below(ax, columns=4)
+    return ax

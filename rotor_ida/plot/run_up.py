@@ -19,7 +19,6 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_instance
 from rotor_ida.plot.appearance import (
     BLUE,
     DASHES,
@@ -28,18 +27,30 @@ from rotor_ida.plot.appearance import (
     draw_ring,
     look,
     new_figure,
-    say_in_middle,
+    say_nothing,
     shared_legend,
     style,
 )
-from rotor_ida.plot.datasets import check_dataset, clearance_of
-from rotor_ida.plot.forces import shade_contacts
-from rotor_ida.plot.labels import label_axis, label_of, title_of, title_of_system, unit_of
-from rotor_ida.plot.runs import WITH_PEAKS, draw_motion
-from rotor_ida.results.run import check_system_run, is_of_system, nodes_in
-from rotor_ida.results.si_units import in_rpm, in_suitable_units, scale_of
-from rotor_ida.signals.nodes import Ring, path_in, rings_of
-from rotor_ida.signals.path import Path, force_along, path_of
+from rotor_ida.plot.forces import forces_in, shade_contacts
+from rotor_ida.plot.labels import (
+    label_axis,
+    label_of,
+    span_text,
+    speed_text,
+    speeds_in,
+    title_of,
+    unit_of,
+)
+from rotor_ida.plot.motion import (
+    Place,
+    checked_run,
+    draw_motion,
+    place_of_disc,
+    places_in,
+    square,
+)
+from rotor_ida.results.run import is_of_system, nodes_in
+from rotor_ida.results.si_units import scale_of
 
 # Revolutions of an orbit, and of a run from which on it is drawn as bands.
 FEW_TURNS, MANY_TURNS = 3.0, 60.0
@@ -51,26 +62,6 @@ MOST_CONTACTS = 5
 # at least this fraction of a uniform change.
 PARTS, LEAST_CHANGE = 20, 0.05
 WIDTH, ROW, SIDE = 7.2, 1.65, 2.7
-
-
-class Place(NamedTuple):
-    """Where a rotor is seen: the disc, or a node of a system in one contact."""
-
-    title: str
-    path: Path
-    centre: complex
-    # 0 where there is no stator
-    clearance: float
-    # the force over time, through the peaks of the contacts
-    force_time: Values
-    force: Values
-    entries: Values
-    exits: Values
-
-    @property
-    def radius(self) -> Values:
-        """Distance from the centre of the stator."""
-        return np.abs(self.path.x + 1j * self.path.y - self.centre)
 
 
 class Course(NamedTuple):
@@ -116,13 +107,9 @@ def plot_run_up(run: xr.Dataset) -> Figure:
     >>> [ax.get_ylabel() for ax in plot_run_up(up).axes[:2]]
     ['radius $|z|$', 'contact force $f$']
     """
-    of_system = is_of_system(check_instance("run", run, xr.Dataset))
-    if of_system:
-        run = in_suitable_units(check_system_run(run))
-    else:
-        run = check_dataset("run", run, WITH_PEAKS)
+    run = checked_run(run)
     course = _course_of(run)
-    places = _places_in_system(run) if of_system else [_place_of_disc(run)]
+    places = _places_in_system(run) if is_of_system(run) else [place_of_disc(run)]
     orbits = list(_orbits_of(places, course))
     has_speed = "speed" in run.variables and not course.over_speed
     rows = 3 if has_speed else 2
@@ -136,14 +123,14 @@ def plot_run_up(run: xr.Dataset) -> Figure:
             panels[0].plot(course.time, course.speed, color=INK, lw=1.0)
             label_axis(panels[0].yaxis, "speed", course.speed)
         _draw_radius(panels[-2], run, places, course)
-        _draw_force(panels[-1], run, places, course)
+        _draw_force(panels[-1], places, course)
         _finish_panels(panels, run, places, course)
         for ax, orbit in zip(below.subplots(1, len(orbits), squeeze=False)[0], orbits, strict=True):
             _draw_orbit(ax, run, course, *orbit)
         below.axes[0].set_ylabel(label_of("y", run["y"]))
         above.align_ylabels(panels)
         shared_legend(below, [*panels, *below.axes], columns=7, outer=False)
-        above.suptitle(title_of_system(run) if of_system else title_of("run", run), fontsize=10.0)
+        above.suptitle(title_of("run", run), fontsize=10.0)
     return figure
 
 
@@ -160,24 +147,11 @@ def _course_of(run: xr.Dataset) -> Course:
         turns = abs(speed) / scale_of(run, "time") * (time - time[0]) / (2.0 * math.pi)
         return Course(time, run["t"], turns, over_speed=False)
     turned = np.abs(np.diff(run["angle"].values, prepend=run["angle"].values[0]))
-    speed, rpm = run["speed"], in_rpm(run["speed"])
-    if rpm is not None:
-        speed = xr.DataArray(rpm, attrs={"units": "rpm"})
+    speed = speeds_in(run["speed"])
     parts = np.diff(np.interp(np.linspace(time[0], time[-1], PARTS + 1), time, speed))
     changes = parts / (parts.sum() or math.inf)
     over_speed = bool((changes >= LEAST_CHANGE / PARTS).all())
     return Course(time, speed, np.cumsum(turned) / (2.0 * math.pi), over_speed)
-
-
-def _place_of_disc(run: xr.Dataset) -> Place:
-    """Return the disc in its stator."""
-    path = path_of(run)
-    times = np.append(path.time, run["peak_time"].values)
-    forces = np.append(force_along(run, path), run["peak_force"].values)
-    return Place(
-        "", path, 0j, clearance_of(run), *_in_order(times, forces),
-        run["entry_time"].values, run["exit_time"].values,
-    )  # fmt: skip
 
 
 def _places_in_system(run: xr.Dataset) -> list[Place]:
@@ -185,44 +159,24 @@ def _places_in_system(run: xr.Dataset) -> list[Place]:
 
     Of a system without contacts it is the node that moves farthest.
     """
-    rings = [
-        ring._replace(contacts=[number])
-        for ring in rings_of(run, nodes_in(run))
-        for number in ring.contacts
-    ]
-    places = [_place_at(run, ring) for ring in rings]
+    names = nodes_in(run)
+    places = [place for place in places_in(run, names) if place.has_stator]
     touched = sorted(
-        (each for each in places if each.entries.size), key=lambda each: -each.force.max()
+        (each for each in places if each.entries.size),
+        key=lambda each: -forces_in(each.run).normal.max(),
     )
     if touched:
         return touched[:MOST_CONTACTS]
     if places:
         return [max(places, key=lambda each: each.radius.max() / each.clearance)]
     farthest = np.hypot(run["x"].values, run["y"].values).max(axis=0).argmax()
-    return [_place_at(run, Ring(nodes_in(run)[int(farthest)], "", []))]
+    return places_in(run, [names[int(farthest)]])
 
 
-def _place_at(run: xr.Dataset, ring: Ring) -> Place:
-    """Return a node of a system in one contact, or in none."""
-    path = path_in(run, ring)
-    if not ring.contacts:
-        nothing = np.zeros(0)
-        return Place(ring.title, path, 0j, 0.0, path.time, 0.0 * path.time, nothing, nothing)
-    part = run.isel(contact=ring.contacts[0])
-    own = run.isel(episode=run["episode_contact"].values == ring.contacts[0])
-    times = np.append(run["t"].values, own["peak_force_time"].values)
-    forces = np.append(part["normal_force"].values, own["peak_force"].values)
-    return Place(
-        ring.title, path, complex(part["centre_x"], part["centre_y"]), float(part["clearance"]),
-        *_in_order(times, forces), own["entry_time"].values, own["exit_time"].values,
-    )  # fmt: skip
-
-
-def _in_order(times: Values, values: Values) -> tuple[Values, Values]:
-    """Return values in the order of their times, without unknown ones."""
-    known = np.isfinite(times) & np.isfinite(values)
-    order = np.argsort(times[known], kind="stable")
-    return times[known][order], values[known][order]
+def _largest_force(place: Place) -> float:
+    """Return the time of the largest force."""
+    forces = forces_in(place.run, place.path)
+    return float(forces.time[forces.normal.argmax()])
 
 
 def _orbits_of(places: Sequence[Place], course: Course) -> Iterator[tuple[str, Place, list[float]]]:
@@ -232,7 +186,7 @@ def _orbits_of(places: Sequence[Place], course: Course) -> Iterator[tuple[str, P
     if touched:
         begins = [float(np.nan_to_num(each.entries, nan=course.time[0]).min()) for each in touched]
         first = int(np.argmin(begins))
-        hard = float(hardest.force_time[hardest.force.argmax()])
+        hard = _largest_force(hardest)
         wanted = [
             ("first touch", touched[first], [begins[first]]),
             ("largest force", hardest, [hard]),
@@ -300,19 +254,16 @@ def _draw_radius(ax: Axes, run: xr.Dataset, places: Sequence[Place], course: Cou
     ax.set_title(places[0].title)
 
 
-def _draw_force(ax: Axes, run: xr.Dataset, places: Sequence[Place], course: Course) -> None:
+def _draw_force(ax: Axes, places: Sequence[Place], course: Course) -> None:
     """Draw the contact force in each place."""
-    of_disc = "normal_force" not in run.variables
-    force = run["peak_force"] if of_disc else run["normal_force"]
-    label_axis(ax.yaxis, "contact_force" if of_disc else "normal_force", force)
-    if not any(place.force.any() for place in places):
-        say_in_middle(ax, "no contact")
-        ax.set_yticks([])
-        return
-    for number, place in enumerate(places):
+    forces = [forces_in(each.run, each.path) for each in places if each.has_stator]
+    for number, each in enumerate(forces):
+        label_axis(ax.yaxis, each.name, each.unit)
         colour = _colour(number, RED)
-        _draw_band(ax, course, place.force_time, place.force, colour, _name(places, number))
+        _draw_band(ax, course, each.time, each.normal, colour, _name(places, number))
     ax.set_ylim(bottom=0.0)
+    if not any(each.normal.any() for each in forces):
+        say_nothing(ax, "no contact")
 
 
 def _colour(number: int, alone: str) -> str:
@@ -332,7 +283,8 @@ def _finish_panels(
     ends = np.sort(course.across(course.time[[0, -1]]))
     for ax in panels:
         ax.grid(visible=False, axis="x")
-        shade_contacts(ax, _contacts_across(places, course))
+        if any(place.has_stator for place in places):
+            shade_contacts(ax, _contacts_across(places, course))
     panels[0].set_xlim(*ends)
     if not course.over_speed:
         label_axis(panels[-1].xaxis, "t", run["t"])
@@ -351,10 +303,12 @@ def _finish_panels(
 
 def _contacts_across(places: Sequence[Place], course: Course) -> xr.Dataset:
     """Return the intervals of contact along the horizontal axis."""
-    first, last = course.time[[0, -1]]
-    entries = np.concatenate([np.nan_to_num(each.entries, nan=first) for each in places])
-    exits = np.concatenate([np.nan_to_num(each.exits, nan=last) for each in places])
-    ends = np.sort(course.across(np.stack([entries, exits])), axis=0)
+    runs = [place.run for place in places if place.has_stator]
+    spans = [
+        np.concatenate([np.nan_to_num(run[name].values, nan=course.time[end]) for run in runs])
+        for name, end in (("entry_time", 0), ("exit_time", -1))
+    ]
+    ends = np.sort(course.across(np.stack(spans)), axis=0)
     columns = {"entry_time": ("contact", ends[0]), "exit_time": ("contact", ends[1])}
     return xr.Dataset(columns, {"t": np.sort(course.across(course.time[[0, -1]]))})
 
@@ -375,22 +329,11 @@ def _draw_orbit(
     few = replace(path, radial_speed=None, **columns)
     draw_ring(ax, place.clearance, place.centre)
     draw_motion(ax, few, few.x, few.y, width=0.9, heavier=1.2)
-    ax.set_aspect("equal", adjustable="datalim")
-    ax.set_box_aspect(1.0)
-    ax.tick_params(labelsize=8.0)
-    for axis in (ax.xaxis, ax.yaxis):
-        axis.set_major_locator(MaxNLocator(nbins=4, steps=[1, 2, 5, 10]))
+    square(ax)
     ax.set_xlabel(label_of("x", run["x"]))
-    spans = [f"{label_of('t', run['t']).split()[1]} {_span(times)} {unit_of(run['t'])}".rstrip()]
+    ends = [times[0], times[-1]]
+    spans = [f"{label_of('t', run['t']).split()[1]} {span_text(ends)} {unit_of(run['t'])}".rstrip()]
     if "speed" in run.variables:
-        speeds = np.interp(times, course.time, course.speed).tolist()
-        in_turns = course.speed.attrs["units"] == "rpm"
-        span = _span([float(round(each)) for each in speeds] if in_turns else speeds)
-        spans.insert(0, f"{span} rpm" if in_turns else rf"$\omega$ {span}")
-    ax.set_title("\n".join(filter(None, [words, place.title, ", ".join(spans)])), fontsize=9.0)
-
-
-def _span(values: Sequence[float]) -> str:
-    """Return a value, or the first and the last if they differ as written."""
-    ends = dict.fromkeys(f"{each:.4g}" for each in (values[0], values[-1]))
-    return " to ".join(ends)
+        speeds = np.interp(ends, course.time, course.speed)
+        spans.insert(0, speed_text(xr.DataArray(speeds, attrs=course.speed.attrs)))
+    ax.set_title("\n".join(filter(None, [words, place.title, ",  ".join(spans)])), fontsize=9.0)

@@ -1,10 +1,11 @@
-"""Plots of many run-ups: largest force and outcome over the rate."""
+"""Plots of many run-ups: largest force and outcome over the rate or another parameter."""
 
 from __future__ import annotations
 
 import math
 
 import numpy as np
+import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -12,7 +13,7 @@ from matplotlib.figure import Figure
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import PARAMETERS
-from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
+from rotor_ida.model.system_parameters import SPEED
 from rotor_ida.plot.appearance import (
     GREY,
     KIND_SHADES,
@@ -24,10 +25,9 @@ from rotor_ida.plot.appearance import (
     shared_legend,
     style,
 )
-from rotor_ida.plot.datasets import check_dataset, rotors_in
-from rotor_ida.plot.labels import LABELS, label_of, parameter_text
-from rotor_ida.plot.system_whirls import speeds_in
-from rotor_ida.results.si_units import in_rpm, scale_of
+from rotor_ida.plot.datasets import check_dataset, parameters_in
+from rotor_ida.plot.labels import LABELS, label_axis, label_parameter, text_of
+from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import ENDS_IN_WORDS
 from rotor_ida.texts import in_figure
 from rotor_ida.units import SPEED_UNITS, number
@@ -43,15 +43,17 @@ ENDING_WORDS = {
     "unresolved": "undecided",
 }  # fmt: skip
 NEEDED = ("rate", "to", "largest_force", *(f"{word}_fraction" for word in ENDS_IN_WORDS))
-FORCE = "largest normal force"
+RATE, FORCE = "rate", "largest normal force"
 # If there are more rates, only this many are labelled under the bars.
 MOST_TICKS = 7
 # Fewer bars are not wider.
 FEWEST_BARS = 3
 
 
-def run_ups_figure(dataset: xr.Dataset) -> Figure:
+def plot_run_ups(dataset: xr.Dataset) -> Figure:
     """Draw run-ups: the largest forces over the rate, and outcomes in a panel for each rotor.
+
+    With one rate, both are over the parameter that varies.
 
     Parameters
     ----------
@@ -63,7 +65,7 @@ def run_ups_figure(dataset: xr.Dataset) -> Figure:
     >>> from rotor_ida import run_ups
     >>> found = run_ups(omega=0.3, to=1.6, rate=[0.01, 0.3], zeta=0.1, delta0=[1.0, 2.0],
     ...                 shaft_stiffness=1.0)
-    >>> [ax.get_ylabel() for ax in run_ups_figure(found).axes]
+    >>> [ax.get_ylabel() for ax in plot_run_ups(found).axes]
     ['largest normal force', 'fraction of run-ups', 'fraction of run-ups']
     """
     dataset = _checked(dataset)
@@ -79,14 +81,15 @@ def run_ups_figure(dataset: xr.Dataset) -> Figure:
                 ax.set_title(words)
     for ax in axes[1 + len(rotors) :]:
         ax.remove()
-    shared_legend(figure, axes[1 : 1 + len(rotors)], outer=False)
+    shared_legend(figure, axes[: 1 + len(rotors)], outer=False)
     return figure
 
 
 def plot_largest_force(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
-    """Draw the largest normal force of run-ups over the rate, a curve for each rotor.
+    """Draw the largest normal force of run-ups over the rate, a curve for each rotor and contact.
 
-    The curve is the largest over phases and starts; bars reach down to the smallest.
+    The curve is the largest over phases and starts; bars reach down to the smallest. With one rate
+    it is over the parameter that varies.
 
     Parameters
     ----------
@@ -103,26 +106,30 @@ def plot_largest_force(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     'rate $a$'
     """
     dataset = _checked(dataset)
-    size = np.abs(_rates_of(dataset))
-    order = np.argsort(size)
-    highest = 0.0
+    over, highest = _over(dataset), 0.0
     with drawing(ax) as ax:
-        for number, (words, one) in enumerate(_parts(dataset, "contact")):
-            colour, dashes = look(number)
-            force = one["largest_force"].transpose("rate", ...).values
-            force = force.reshape(size.size, -1)[order]
+        for count, (words, one) in enumerate(_parts(dataset, "contact")):
+            colour, dashes = look(count)
+            across, order = _along(ax, one, over)
+            force = one["largest_force"].transpose(over, ...).values
+            force = force.reshape(order.size, -1)[order]
             top = np.fmax.reduce(force, axis=1)
             down = np.stack([top - np.fmin.reduce(force, axis=1), np.zeros_like(top)])
             highest = max(highest, float(np.nan_to_num(top).max()))
             ax.errorbar(
-                size[order], top, down if force.shape[1] > 1 else None, color=colour, ls=dashes,
+                across, top, down if force.shape[1] > 1 else None, color=colour, ls=dashes,
                 marker=".", ms=4.0, elinewidth=0.8, capsize=2.0,
                 label=words or None,
             )  # fmt: skip
-        ax.set_xscale("log")
+        if over == RATE:
+            falls = bool((dataset[RATE] < 0.0).any())
+            ax.set_xscale("log")
+            step = math.ceil(across.size / MOST_TICKS)
+            ax.set_xticks(across[::step], [number(each, 3) for each in across[::step].tolist()])
+            ax.minorticks_off()
+            _label_rate(ax, dataset, r"rate of the run-down $|a|$" if falls else LABELS[RATE])
         ax.set_ylim(0.0, 1.08 * highest or 1.0)
-        ax.set_xlabel(_rate_label(dataset))
-        ax.set_ylabel(label_of("normal_force", dataset["largest_force"], words=FORCE))
+        label_axis(ax.yaxis, "normal_force", dataset["largest_force"], words=FORCE)
         if ax.get_legend_handles_labels()[1]:
             own_legend(ax)
     return ax
@@ -130,6 +137,8 @@ def plot_largest_force(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
 
 def plot_endings(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     """Draw the fractions of outcomes of one rotor's run-ups, stacked, for each rate.
+
+    With one rate they are over the parameter that varies.
 
     Parameters
     ----------
@@ -147,25 +156,28 @@ def plot_endings(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     ['ends contact-free', 'ends in a rub']
     """
     dataset = _checked(dataset)
+    over, alone = _over(dataset), ax is None
     _, one = _parts(dataset)[0]
-    rates = _rates_of(one)
-    order = np.argsort(np.abs(rates))
-    places, alone = np.arange(rates.size), ax is None
     with drawing(ax) as ax:
-        base = np.zeros(rates.size)
+        across, order = _along(ax, one, over)
+        places, base = np.arange(across.size), np.zeros(across.size)
         for word, colour in ENDING_COLOURS.items():
             share = np.nan_to_num(one[f"{word}_fraction"].values.ravel()[order])
             if share.any():
                 ax.bar(places, share, bottom=base, width=0.9, color=colour, lw=0.0,
                        label=ENDING_WORDS[word])  # fmt: skip
             base = base + share
-        step = math.ceil(rates.size / MOST_TICKS)
-        ax.set_xticks(places[::step], [number(rate, 3) for rate in rates[order][::step].tolist()])
-        margin = max(0.1, 0.5 * (FEWEST_BARS - rates.size))
-        ax.set_xlim(-0.5 - margin, rates.size - 0.5 + margin)
+        if over == RATE:
+            across = _rates_of(one)[order]
+            _label_rate(ax, dataset, LABELS[RATE])
+        elif over == "omega":
+            across = across * (scale_of(one, "rate") / SPEED_UNITS["rpm"] if _is_in_si(one) else 1)
+        step = math.ceil(across.size / MOST_TICKS)
+        ax.set_xticks(places[::step], [number(each, 3) for each in across[::step].tolist()])
+        margin = max(0.1, 0.5 * (FEWEST_BARS - across.size))
+        ax.set_xlim(-0.5 - margin, across.size - 0.5 + margin)
         ax.set_ylim(0.0, 1.0)
         ax.grid(visible=False)
-        ax.set_xlabel(LABELS["rate"] + _unit_of_rate(dataset))
         ax.set_ylabel("fraction of run-ups")
         if alone:
             legend_below(ax)
@@ -179,24 +191,31 @@ def _checked(dataset: object) -> xr.Dataset:
     return check_dataset("dataset", dataset, (*own, *NEEDED))
 
 
+def _over(dataset: xr.Dataset) -> str:
+    """Return what run-ups are drawn over: the rate, or the one parameter that varies."""
+    varied = [name for name in parameters_in(dataset) if dataset[name].size > 1]
+    return varied[0] if len(varied) == 1 and dataset.sizes[RATE] == 1 else RATE
+
+
+def _along(ax: Axes, one: xr.Dataset, over: str) -> tuple[Values, npt.NDArray[np.intp]]:
+    """Return rising values along the axis, and the order that makes them rise."""
+    values = np.abs(_rates_of(one)) if over == RATE else label_parameter(ax.xaxis, over, one)
+    order = np.argsort(values)
+    return values[order], order
+
+
 def _parts(dataset: xr.Dataset, *others: str) -> list[tuple[str, xr.Dataset]]:
-    """Return the run-ups of each rotor, or by first speed and `others`, with words for each."""
-    if "contact_node" not in dataset.variables:
-        return [(parameter_text(values) if values else "", one)
-                for values, one in rotors_in(dataset)]  # fmt: skip
-    names = [name for name in ("speed", *PARAMETERS_OF_SYSTEM, *others) if name in dataset.dims]
+    """Return the run-ups of each rotor, and by `others`, with words for each."""
+    over = _over(dataset)
+    own = [name for name in parameters_in(dataset) if name in dataset.dims and name != over]
+    names = [*own, *(name for name in others if name in dataset.dims)]
     found = []
     for places in np.ndindex(*(dataset.sizes[name] for name in names)):
         part = dataset.isel({name: [at] for name, at in zip(names, places, strict=True)})
-        told = []
-        if "speed" in names and dataset.sizes["speed"] > 1:
-            unit = "" if in_rpm(part["speed"]) is None else " rpm"
-            told.append(f"from {speeds_in(part['speed'])[0]:.5g}{unit}")
-        told += [f"{PARAMETERS_OF_SYSTEM[name].label} {part[name].item():.5g}" for name in names
-                 if name in PARAMETERS_OF_SYSTEM and dataset.sizes[name] > 1]  # fmt: skip
+        varied = {name: part[name].item() for name in own if dataset.sizes[name] > 1}
+        told = [f"{'from ' if SPEED in varied else ''}{text_of(part, varied)}"] if varied else []
         if "contact" in names and dataset.sizes["contact"] > 1:
-            node = in_figure(part["contact_node"].values[0])
-            told.append(f"contact {places[-1]} at {node}")
+            told.append(f"contact {places[-1]} at {in_figure(part['contact_node'].values[0])}")
         found.append((", ".join(told), part))
     if not found:
         raise InputError("dataset must have a contact, got run-ups of a rotor system without")
@@ -205,20 +224,16 @@ def _parts(dataset: xr.Dataset, *others: str) -> list[tuple[str, xr.Dataset]]:
 
 def _rates_of(dataset: xr.Dataset) -> Values:
     """Return the rates of run-ups, in rpm/s for a machine."""
-    rates = np.asarray(dataset["rate"].values)
-    if dataset["rate"].attrs.get("units") == "s-2":
-        return rates / SPEED_UNITS["rpm"]
-    if "rate_scale" not in dataset.attrs:
+    rates = np.asarray(dataset[RATE].values)
+    if not _is_in_si(dataset):
         return rates
-    return rates * scale_of(dataset, "rate") ** 2 / SPEED_UNITS["rpm"]
+    scale = 1.0 if dataset[RATE].attrs.get("units") == "s-2" else scale_of(dataset, RATE) ** 2
+    return rates * scale / SPEED_UNITS["rpm"]
 
 
-def _unit_of_rate(dataset: xr.Dataset) -> str:
-    in_si = "rate_scale" in dataset.attrs or dataset["rate"].attrs.get("units") == "s-2"
-    return " [rpm/s]" if in_si else ""
+def _is_in_si(dataset: xr.Dataset) -> bool:
+    return "rate_scale" in dataset.attrs or dataset[RATE].attrs.get("units") == "s-2"
 
 
-def _rate_label(dataset: xr.Dataset) -> str:
-    falls = bool((dataset["rate"] < 0.0).any())
-    words = r"rate of the run-down $|a|$" if falls else LABELS["rate"]
-    return words + _unit_of_rate(dataset)
+def _label_rate(ax: Axes, dataset: xr.Dataset, words: str) -> None:
+    ax.set_xlabel(f"{words} [rpm/s]" if _is_in_si(dataset) else words)

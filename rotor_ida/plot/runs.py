@@ -1,97 +1,85 @@
-"""Plots of one run: its motion over time, its orbit and its events."""
+"""Plots of one run of any rotor: its motion over time, its forces, its orbits."""
 
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import replace
-from typing import Any, cast
+from itertools import pairwise
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
-from matplotlib.patheffects import Stroke
+from matplotlib.figure import Figure, SubFigure
 
-from rotor_ida.arrays import Values
-from rotor_ida.checks import check_choice
+from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.plot.appearance import (
-    BLUE,
-    DARK_BROWN,
     DASHES,
     INK,
-    PURPLE,
+    ORANGE,
     RED,
     SettledLayout,
-    draw_marks,
+    circle,
     draw_ring,
     drawing,
-    finish_solid,
     legend_below,
     new_figure,
-    say_in_middle,
+    say_nothing,
     shared_legend,
-    solid_drawing,
     style,
 )
-from rotor_ida.plot.datasets import check_dataset, clearance_of, one_value
-from rotor_ida.plot.decimation import draw_path
-from rotor_ida.plot.forces import PEAK, peaks_of, peaks_on, shade_contacts
-from rotor_ida.plot.labels import label_axis, label_of, title_of, unit_of
-from rotor_ida.results.si_units import scale_of
-from rotor_ida.schema import MODE, flags_of
-from rotor_ida.signals.path import Path, force_along, largest_speed, path_of, rotated_back
-
-NEEDED = (*PARAMETERS, "t", "x", "y", "vx", "vy", "starts_in_contact", "event_time",
-          "event_kind", "event_x", "event_y", "event_vx", "event_vy", "entry_time",
-          "exit_time")  # fmt: skip
-WITH_PEAKS = (*NEEDED, "peak_time", "peak_force")
-HISTORIES = ("x", "y", "radius")
-# Above these numbers of events their marks get smaller, and then are left out: they would hide
-# the motion, and the colours of contact and flight show the same.
-FEW_EVENTS, MANY_EVENTS = 40, 120
-# An orbit of more points is thinned.
-DENSE = 200_000
-# Events: the mark of each, its colour, and whether it is filled.
-MARKS = {
-    "entry": ("^", RED, True),
-    "exit": ("v", RED, False),
-    "roll": ("o", DARK_BROWN, True),
-    "slip": ("o", DARK_BROWN, False),
-    "reverse": ("x", PURPLE, True),
-    "press": ("s", INK, True),
-    "release": ("s", INK, False),
-}
-# With friction each kind of motion has a colour, a line and a width. Flight counts as slip, at no
-# normal force.
-WAYS: tuple[tuple[tuple[str, ...], str, str, object, float], ...] = (
-    (("flight",), "flight", BLUE, "-", 1.0),
-    (("slipping_forward", "loose"), "slips forwards", RED, "-", 1.2),
-    (("slipping_backward",), "slips backwards", PURPLE, (0, (1.2, 0.7)), 1.7),
-    (("rolling",), "rolls", DARK_BROWN, "-", 3.0),
+from rotor_ida.plot.datasets import check_dataset, one_value
+from rotor_ida.plot.forces import draw_forces, forces_in, shade_contacts
+from rotor_ida.plot.labels import label_axis, label_of, title_of
+from rotor_ida.plot.motion import (
+    NEEDED,
+    Place,
+    checked_run,
+    draw_motion,
+    draw_orbit,
+    draw_over_time,
+    draw_radius,
+    in_contact,
+    line_width,
+    place_of_disc,
+    places_in,
+    square,
+    title_of_contact,
 )
-# Rolling is a double line, so that it differs from the others without colour too.
-CORE = "#f3e9e4"
+from rotor_ida.results.run import check_system_run, is_of_system, nodes_in
+from rotor_ida.results.si_units import scale_of
+from rotor_ida.schema import MODE
+from rotor_ida.signals.nodes import Ring, check_node, path_in, rings_of
+from rotor_ida.signals.path import rotated_back
+
+# Panels in a row, nodes of the figure of a run that shows all of them, and panels of one figure.
+COLUMNS, FEW_NODES, MOST_ORBITS = 4, 12, 100
+# Width of a figure, size of a panel of an orbit, at most, and height of one over time [inch].
+WIDTH, SIDE, ROW = 7.2, 3.0, 1.3
+# Columns of the legend under all panels.
+ENTRIES = 6
 
 
-def plot_run(run: xr.Dataset) -> Figure:
-    """Draw one run: displacements, radius, contact forces and orbit.
+def plot_run(run: xr.Dataset, *, node: str | None = None) -> Figure:
+    """Draw one run: displacements, radius, contact force and orbit; of a system all its nodes.
 
     Parameters
     ----------
     run : Dataset
-        Result of `rotor_ida.simulate`.
+        Result of `rotor_ida.simulate` or `rotor_ida.run_up`, of any rotor.
+    node : str, optional
+        Name of a node of a rotor system.
 
     Returns
     -------
     Figure
-        The figure. Its axes are x, y, radius and peak force over time, and the orbit. Contact
-        is shaded, paler where contacts are too close to tell apart. Events are marked unless they
-        are too many. With friction the figure adds the slip speed, shows the normal force over
-        time, and colours orbit and radius by forward slip, backward slip and rolling.
+        The figure. Of one disc, or at a node, its axes are the displacements over time; at each
+        contact the radius with the clearance and the events, and the force with its peaks; with
+        friction the slip speed; and the orbits. Contact is shaded, paler where contacts are too
+        close to tell apart. Of a system with several nodes the axes are the orbits of its nodes
+        and the forces of its contacts; of more than 12 nodes those with contacts and close
+        clearances are shown.
 
     Examples
     --------
@@ -99,36 +87,203 @@ def plot_run(run: xr.Dataset) -> Figure:
     >>> rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
     >>> figure = plot_run(simulate(rotor, start=(0, 0, 0, 0), duration=20, samples=401))
     >>> [ax.get_ylabel() for ax in figure.axes][:2]
-    ['displacement $x$', 'displacement $y$']
+    ['displacement $z$', 'radius $|z|$']
     """
-    run = check_dataset("run", run, WITH_PEAKS)
-    path, rubs = path_of(run), "mode" in run.variables
-    rows = 5 if rubs else 4
+    run = checked_run(run)
+    if not is_of_system(run):
+        if node is not None:
+            raise InputError(f"node must be left out for a run of one disc, got {shown(node)}")
+        return _history(run, [place_of_disc(run)], title_of("run", run))
+    names = nodes_in(run)
+    if node is None and len(names) != 1:
+        return _overview(run)
+    name = names[0] if node is None else check_node(run, node)
+    here = run.sel(node=name)
+    return _history(here, places_in(run, [name]), title_of("run", here))
+
+
+def _history(run: xr.Dataset, places: Sequence[Place], title: str) -> Figure:
+    """Draw the motion of a disc or node over time, in each of its contacts, beside its orbits."""
+    rows: list[tuple[Callable[[Axes, Place], None], Place]] = [(_draw_displacements, places[0])]
+    rows += [(_draw_radius, place) for place in places]
+    rows += [(_draw_force, place) for place in places]
+    rows += [(_draw_slip, place) for place in places if place.rubs]
     with style():
         layout = SettledLayout(h_pad=0.03, hspace=0.0)
-        figure = new_figure(7.2, 1.2 * rows, layout=layout)
-        grid = figure.add_gridspec(rows, 2, width_ratios=(1.0, 1.0))
+        figure = new_figure(WIDTH, 0.6 + ROW * len(rows), layout=layout)
+        grid = figure.add_gridspec(len(rows), 2)
         first = figure.add_subplot(grid[0, 0])
         history = [first]
-        history += [figure.add_subplot(grid[row, 0], sharex=first) for row in range(1, rows)]
-        for ax in history:
-            ax.grid(visible=False, axis="x")
-            shade_contacts(ax, run)
-        _draw_histories(history, run, path)
-        _draw_forces(history[3], run)
-        if rubs:
-            _draw_slip(history[4], run)
-        first.set_xlim(float(path.time[0]), float(path.time[-1]))
-        for ax in history[:-1]:
-            ax.tick_params(labelbottom=False)
-        history[-1].set_xlabel(label_of("t", run["t"]))
-        figure.align_ylabels(history)
-        orbit = figure.add_subplot(grid[:, 1])
-        orbit.set(xlabel=label_of("x", run["x"]), ylabel=label_of("y", run["y"]))
-        draw_orbit(orbit, run, path)
-        shared_legend(figure, [history[2], orbit], columns=7, outer=False)
+        history += [figure.add_subplot(grid[row, 0], sharex=first) for row in range(1, len(rows))]
+        for ax, (draw, place) in zip(history, rows, strict=True):
+            draw(ax, place)
+            shade_contacts(ax, place.run)
+            if len(places) > 1 and ax is not first:
+                ax.set_title(place.title, fontsize=9.0)
+        _finish_rows(figure, run, history)
+        orbits = []
+        for part, place in zip(_cut(len(rows), len(places)), places, strict=True):
+            orbits.append(figure.add_subplot(grid[part, 1]))
+            draw_orbit(orbits[-1], place)
+            _draw_close_clearance(orbits[-1], run)
+            orbits[-1].set_box_aspect(1.0)
+            orbits[-1].set(xlabel=label_of("x", run["x"]), ylabel=label_of("y", run["y"]))
+        shared_legend(figure, [*history, *orbits], columns=ENTRIES, outer=False)
+        figure.suptitle(title, fontsize=10.0)
+    return figure
+
+
+def _cut(rows: int, parts: int) -> list[slice]:
+    """Return rows of a grid cut into equal parts."""
+    ends = np.linspace(0, rows, parts + 1).round().astype(int).tolist()
+    return [slice(begin, end) for begin, end in pairwise(ends)]
+
+
+def _overview(run: xr.Dataset) -> Figure:
+    """Draw the orbits of the nodes of a system, and the forces of its contacts."""
+    names = nodes_in(run)
+    if len(names) > FEW_NODES:
+        touched = set(run["contact_node"].values.tolist())
+        if "node_clearance" in run.variables:
+            touched |= set(run["node"].values[np.isfinite(run["node_clearance"].values)].tolist())
+        names = [name for name in names if name in touched] or names[:FEW_NODES]
+    rings = rings_of(run, names)
+    contacts = run.sizes["contact"]
+    heights = _height_of_orbits(rings), 0.7 + ROW * max(contacts, 1)
+    with style():
+        figure = new_figure(WIDTH, sum(heights))
+        above, below = figure.subfigures(2, 1, squeeze=False, height_ratios=heights)[:, 0]
+        _draw_orbits(above, run, rings)
+        axes = below.subplots(max(contacts, 1), 1, sharex=True, squeeze=False)[:, 0].tolist()
+        for number, ax in enumerate(axes[:contacts]):
+            own = in_contact(run, number)
+            draw_forces(ax, forces_in(own))
+            shade_contacts(ax, own)
+            ax.set_title(title_of_contact(run, number))
+        if not contacts:
+            say_nothing(axes[0], "no contacts")
+        _finish_rows(below, run, axes)
+        if any(ax.get_legend_handles_labels()[1] for ax in axes):
+            shared_legend(below, axes, columns=ENTRIES, outer=False)
+        above.suptitle(title_of("run", run), fontsize=10.0)
+    return figure
+
+
+def _finish_rows(figure: Figure | SubFigure, run: xr.Dataset, axes: Sequence[Axes]) -> None:
+    """Label the time below rows of panels that share it."""
+    for ax in axes:
+        ax.grid(visible=False, axis="x")
+    for ax in axes[:-1]:
+        ax.tick_params(labelbottom=False)
+    axes[0].set_xlim(*run["t"].values[[0, -1]])
+    label_axis(axes[-1].xaxis, "t", run["t"])
+    figure.align_ylabels(axes)
+
+
+def _draw_displacements(ax: Axes, place: Place) -> None:
+    """Draw the displacements over time."""
+    path = place.path
+    for name, values, colour in (("x", path.x, INK), ("y", path.y, ORANGE)):
+        draw_over_time(ax, path.time, values, colour=colour, width=0.8, label=f"${name}$")
+    label_axis(ax.yaxis, "displacement", place.run["x"])
+
+
+def _draw_radius(ax: Axes, place: Place) -> None:
+    """Draw the radius over time."""
+    draw_radius(ax, place)
+    label_axis(ax.yaxis, "radius", place.run["x"])
+
+
+def _draw_force(ax: Axes, place: Place) -> None:
+    """Draw the forces of a contact over time."""
+    if place.has_stator:
+        draw_forces(ax, forces_in(place.run, place.path))
+    else:
+        say_nothing(ax, "no contacts")
+
+
+def _draw_slip(ax: Axes, place: Place) -> None:
+    """Draw the slip speed over time, in contact."""
+    run = place.run
+    slip = np.where(run["mode"].values == MODE["flight"], np.nan, run["slip_speed"].values)
+    ax.axhline(0.0, color=INK, lw=0.7, ls=DASHES)
+    ax.plot(run["t"].values, slip, color=INK, lw=line_width(run))
+    label_axis(ax.yaxis, "slip_speed", run["slip_speed"])
+
+
+def plot_node_orbits(run: xr.Dataset, *, nodes: Sequence[str] | None = None) -> Figure:
+    """Draw the orbit of each node in a panel, with the clearance circles of its contacts.
+
+    Parameters
+    ----------
+    run : Dataset
+        Result of `rotor_ida.simulate` or `rotor_ida.run_up` for a `rotor_ida.RotorSystem`.
+    nodes : sequence of str, optional
+        Nodes to draw; default: all.
+
+    Returns
+    -------
+    Figure
+        The figure. In a stator that moves the orbit is that relative to the stator. Where friction
+        acts, colours show slip and rolling.
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, simulate
+    >>> system = Rotor(omega=1.7, zeta=0.07, delta0=0.5).system()
+    >>> run = simulate(system, speed=1.7, duration=20)
+    >>> [ax.get_title() for ax in plot_node_orbits(run).axes]
+    ['disc']
+    """
+    run = checked_run(check_system_run(run))
+    if isinstance(nodes, str) or not isinstance(nodes, Sequence | None):
+        raise InputError(f"nodes must be a list of names of nodes, got {shown(nodes)}")
+    names = nodes_in(run) if nodes is None else [check_node(run, node) for node in nodes]
+    rings = rings_of(run, names)
+    if not 0 < len(rings) <= MOST_ORBITS:
+        raise InputError(f"nodes must have 1 to {MOST_ORBITS} orbits, got {len(rings)}")
+    with style():
+        figure = new_figure(WIDTH, _height_of_orbits(rings))
+        _draw_orbits(figure, run, rings)
         figure.suptitle(title_of("run", run), fontsize=10.0)
     return figure
+
+
+def _height_of_orbits(rings: Sequence[Ring]) -> float:
+    """Return the height of the panels of orbits, with title and legend [inch]."""
+    columns = min(len(rings), COLUMNS) or 1
+    return 0.9 + math.ceil(len(rings) / columns) * min(WIDTH / columns, SIDE)
+
+
+def _draw_orbits(figure: Figure | SubFigure, run: xr.Dataset, rings: Sequence[Ring]) -> None:
+    """Draw an orbit in each panel of a figure."""
+    columns = min(len(rings), COLUMNS) or 1
+    rows = math.ceil(len(rings) / columns) or 1
+    axes = figure.subplots(rows, columns, squeeze=False).ravel().tolist()
+    for place, (ax, ring) in enumerate(zip(axes, rings, strict=False)):
+        path = path_in(run, ring)
+        for number in ring.contacts:
+            part = run.isel(contact=number)
+            draw_ring(ax, float(part["clearance"]), complex(part["centre_x"], part["centre_y"]))
+        if not ring.stator:
+            _draw_close_clearance(ax, run.sel(node=ring.node))
+        draw_motion(ax, path, path.x, path.y, width=line_width(run))
+        ax.set_title(ring.title)
+        square(ax)
+        if place // columns == rows - 1:
+            label_axis(ax.xaxis, "x_alone", run["x"])
+        if place % columns == 0:
+            label_axis(ax.yaxis, "y_alone", run["y"])
+    for ax in axes[len(rings) :]:
+        ax.remove()
+    shared_legend(figure, axes[: len(rings)], columns=ENTRIES, outer=False)
+
+
+def _draw_close_clearance(ax: Axes, run: xr.Dataset) -> None:
+    """Draw the clearance of a node that has no contact, if it has one."""
+    clearance = float(run.get("node_clearance", np.nan))
+    if np.isfinite(clearance):
+        ax.plot(*circle(clearance), color=RED, lw=0.9, ls=":", label="close clearance", zorder=2.6)
 
 
 def plot_rotating_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
@@ -154,253 +309,15 @@ def plot_rotating_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     if "speed" in run.variables:
         raise InputError("run must be at one speed for axes that turn, got a run of run_up")
     omega = one_value("run", run, "omega") / scale_of(run, "time")
-    path = path_of(run)
-    x, y = rotated_back(path.x, path.y, omega * path.time)
+    place = place_of_disc(run)
+    x, y = rotated_back(place.path.x, place.path.y, omega * place.path.time)
     angle = omega * run["event_time"].values
     event_x, event_y = rotated_back(run["event_x"].values, run["event_y"].values, angle)
-    turned = run.assign(event_x=("event", event_x), event_y=("event", event_y))
+    rotated = run.assign(event_x=("event", event_x), event_y=("event", event_y))
     with drawing(ax, width=4.0, height=4.9) as ax:
         label_axis(ax.xaxis, "rotating_x", run["x"])
         label_axis(ax.yaxis, "rotating_y", run["y"])
-        draw_orbit(ax, turned, replace(path, x=x, y=y))
+        draw_orbit(ax, place._replace(run=rotated, path=replace(place.path, x=x, y=y)))
         legend_below(ax)
         ax.set_title(title_of("run", run))
     return ax
-
-
-def plot_history(run: xr.Dataset, name: str, *, ax: Axes | None = None) -> Axes:
-    """Draw a displacement or the radius over time, with contact and flight in colour.
-
-    Parameters
-    ----------
-    run : Dataset
-        Result of `rotor_ida.simulate`.
-    name : {"x", "y", "radius"}
-        Quantity to draw.
-    ax : Axes, optional
-        Axes to draw on and return; default: those of a new figure.
-
-    Examples
-    --------
-    >>> from rotor_ida import Rotor, simulate
-    >>> rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
-    >>> plot_history(simulate(rotor, start=(0, 0, 0, 0), duration=20), "x").get_ylabel()
-    'displacement $x$'
-    """
-    run = check_dataset("run", run, NEEDED)
-    check_choice("name", name, HISTORIES)
-    path = path_of(run)
-    with drawing(ax, width=7.0, height=2.4) as ax:
-        label_axis(ax.xaxis, "t", run["t"])
-        label_axis(ax.yaxis, name, run["x"])
-        draw_motion(ax, path, path.time, getattr(path, name), width=0.9)
-        ax.set_xlim(float(path.time[0]), float(path.time[-1]))
-    return ax
-
-
-def plot_drawn_out(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
-    """Draw the orbit over time in three dimensions, with contact and flight in colour.
-
-    Parameters
-    ----------
-    run : Dataset
-        Result of `rotor_ida.simulate`.
-    ax : Axes, optional
-        Three-dimensional axes to draw on and return; default: those of a new figure.
-
-    Examples
-    --------
-    >>> from rotor_ida import Rotor, simulate
-    >>> rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
-    >>> plot_drawn_out(simulate(rotor, start=(0, 0, 0, 0), duration=20)).get_xlabel()
-    'time $t$'
-    """
-    run = check_dataset("run", run, NEEDED)
-    path, alone = path_of(run), ax is None
-    with solid_drawing(ax) as solid:
-        draw_motion(solid, path, path.time, path.x, path.y, width=0.7)
-        label_axis(solid.xaxis, "t", run["t"])
-        label_axis(solid.yaxis, "x_alone", run["x"])
-        label_axis(solid.zaxis, "y_alone", run["y"])
-        solid.xaxis.labelpad, solid.yaxis.labelpad, solid.zaxis.labelpad = -4, -6, -6
-        solid.view_init(elev=22, azim=-58)
-        finish_solid(solid, zoom=1.0 if alone else 1.12)
-    return cast(Axes, solid)
-
-
-def plot_machine(run: xr.Dataset) -> Figure:
-    """Draw a run in SI units: orbit, distance from the bearing axis, and contact force.
-
-    Parameters
-    ----------
-    run : Dataset
-        Result of `rotor_ida.dimensional` for a run.
-
-    Returns
-    -------
-    Figure
-        The figure: the orbit, the radius over time with the stator, and the contact force with
-        the peak of each contact.
-
-    Examples
-    --------
-    >>> from rotor_ida import DimensionalRotor, dimensional, simulate
-    >>> machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0,
-    ...                            eccentricity=1e-6, clearance=2e-6, speed=600.0)
-    >>> run = dimensional(simulate(machine.rotor(), start=(0, 0, 0, 0), duration=40.0), machine)
-    >>> [ax.get_ylabel() for ax in plot_machine(run).axes][2]
-    'contact force $F$ [N]'
-    """
-    run = check_dataset("run", run, WITH_PEAKS)
-    if "length_scale" not in run.attrs:
-        raise InputError("run must be in SI units: rotor_ida.dimensional makes it so")
-    ring, path = clearance_of(run), path_of(run)
-    with style():
-        figure = new_figure(7.2, 3.9)
-        grid = figure.add_gridspec(2, 2, width_ratios=(1.0, 1.25))
-        orbit, history = figure.add_subplot(grid[:, 0]), figure.add_subplot(grid[0, 1])
-        force = figure.add_subplot(grid[1, 1], sharex=history)
-        draw_motion(orbit, path, path.x, path.y, width=0.8)
-        draw_ring(orbit, ring)
-        orbit.set_aspect("equal", adjustable="datalim")
-        orbit.set(xlabel=label_of("x", run["x"]), ylabel=label_of("y", run["y"]))
-        above = 1.12 if path.mode is None else 1.18
-        orbit.legend(loc="upper center", bbox_to_anchor=(0.5, above), ncols=3, handlelength=1.6,
-                     columnspacing=1.0)  # fmt: skip
-        _draw_radius(history, path, ring, 0.8)
-        history.tick_params(labelbottom=False)
-        history.set(ylabel=label_of("radius", run["x"]))
-        history.set_title(title_of("run", run))
-        forces = force_along(run, path)
-        force.plot(path.time, forces, color=RED, lw=0.8)
-        draw_marks(force, *peaks_on(run, path.time, forces), "o", INK, size=2.4, label=PEAK)
-        words = "contact_force" if path.mode is None else "normal_force"
-        # room for the legend
-        force.set(xlabel=label_of("t", run["t"]), ylim=(0.0, 1.25 * float(forces.max()) or 1.0),
-                  ylabel=label_of(words, run["peak_force"]))  # fmt: skip
-        force.set_xlim(float(path.time[0]), float(path.time[-1]))
-        force.legend(loc="upper right")
-    return figure
-
-
-def draw_orbit(ax: Axes, run: xr.Dataset, path: Path) -> None:
-    """Draw the orbit of a run along a path, with the stator, the events and the start."""
-    draw_ring(ax, clearance_of(run))
-    draw_motion(ax, path, path.x, path.y, width=_line_width(run), heavier=1.2)
-    mark_events(ax, run, run["event_x"].values, run["event_y"].values)
-    draw_marks(ax, path.x[0], path.y[0], "s", INK, size=4.5, label="start", level=3.1)
-    ax.set_aspect("equal", adjustable="datalim")
-    ax.autoscale_view()
-
-
-def draw_motion(ax: Any, path: Path, *columns: Values, width: float, heavier: float = 1.0) -> None:
-    """Draw flight and contact in colour, contact wider by a factor.
-
-    With friction, forward slip, backward slip and rolling have separate styles.
-    """
-    if path.mode is not None:
-        _draw_ways(ax, path, path.mode, columns, width)
-        return
-    for chosen, colour, lw, label in (
-        (~path.in_contact, BLUE, width, "flight"),
-        (path.in_contact, RED, heavier * width, "contact"),
-    ):
-        if not chosen[:-1].any():
-            continue
-        if path.time.size > DENSE and len(columns) == 2 and columns[0] is path.x:
-            draw_path(ax, *path.stretches(chosen, *columns), colour=colour, width=lw, words=label)
-            continue
-        ax.plot(*path.stretches(chosen, *columns), color=colour, lw=lw, label=label)
-
-
-def _draw_ways(
-    ax: Any, path: Path, ways: npt.NDArray[np.int8], columns: Sequence[Values], width: float
-) -> None:
-    """Draw flight, slip and rolling."""
-    for modes, label, colour, dashes, heavier in WAYS:
-        chosen = np.isin(ways, [MODE[mode] for mode in modes])
-        if not chosen[:-1].any():
-            continue
-        line: Any = {"color": colour, "lw": heavier * width, "ls": dashes, "label": label}
-        if label == "rolls":
-            line["solid_capstyle"] = "butt"
-            line["path_effects"] = [Stroke(), Stroke(linewidth=width, foreground=CORE)]
-        ax.plot(*path.stretches(chosen, *columns), **line)
-
-
-def _draw_histories(history: Sequence[Axes], run: xr.Dataset, path: Path) -> None:
-    """Draw displacements and radius over time, the latter with the events."""
-    clearance, width = clearance_of(run), _line_width(run)
-    history[0].plot(path.time, path.x, color=INK, lw=width)
-    history[1].plot(path.time, path.y, color=INK, lw=width)
-    _draw_radius(history[2], path, clearance, width)
-    for ax, name in zip(history, HISTORIES, strict=False):
-        ax.set_ylabel(_row_label(name, run["x"]))
-    radius = np.hypot(run["event_x"].values, run["event_y"].values)
-    on_ring = np.isin(run["event_kind"].values, (1, -1))
-    mark_events(history[2], run, run["event_time"].values, np.where(on_ring, clearance, radius))
-
-
-def _draw_radius(ax: Axes, path: Path, clearance: float, width: float) -> None:
-    """Draw the radius over time, with friction in the colours of the motion, and the stator."""
-    if path.mode is None:
-        ax.plot(path.time, path.radius, color=INK, lw=width)
-    else:
-        draw_motion(ax, path, path.time, path.radius, width=width)
-    ax.axhline(clearance, color=INK, lw=0.7, ls=DASHES, zorder=2.6)
-    ax.set_ylim(bottom=0.0)
-
-
-def mark_events(ax: Axes, run: xr.Dataset, across: Values, up: Values) -> None:
-    """Mark events on the orbit, unless they are too many."""
-    kinds, flags = run["event_kind"].values, flags_of(run["event_kind"])
-    if kinds.size > MANY_EVENTS:
-        return
-    for name, (marker, colour, filled) in MARKS.items():
-        of_kind = kinds == flags.get(name)
-        if of_kind.any():
-            draw_marks(
-                ax, across[of_kind], up[of_kind], marker, colour, size=_mark_size(run),
-                face="" if filled else "white", edge=0.7, label=name, level=3.0,
-            )  # fmt: skip
-
-
-def _row_label(name: str, variable: xr.DataArray) -> str:
-    """Return the label of a low panel, where name, symbol and unit do not all fit."""
-    label = label_of(name, variable)
-    return label.partition(" ")[2] if unit_of(variable) else label
-
-
-def _draw_forces(ax: Axes, run: xr.Dataset) -> None:
-    """Draw the peaks of the contacts; with friction on the normal force over time."""
-    times, forces = peaks_of(run)
-    highest, name = float(forces.max(initial=0.0)), "peak_force"
-    if "normal_force" in run.variables:
-        normal, name = run["normal_force"].values, "normal_force"
-        ax.plot(run["t"].values, normal, color=RED, lw=0.8)
-        highest = max(highest, float(normal.max(initial=0.0)))
-    else:
-        ax.vlines(times, 0.0, forces, color=RED, lw=0.8)
-    draw_marks(ax, times, forces, "o", RED, size=max(2.0, 0.7 * _mark_size(run)))
-    ax.set_ylim(0.0, 1.12 * highest or 1.0)
-    ax.set_ylabel(_row_label(name, run["peak_force"]))
-    if not run.sizes["contact"]:
-        say_in_middle(ax, "no contact")
-
-
-def _draw_slip(ax: Axes, run: xr.Dataset) -> None:
-    """Draw the slip speed over time, in contact."""
-    slip = np.where(run["mode"].values == MODE["flight"], np.nan, run["slip_speed"].values)
-    ax.axhline(0.0, color=INK, lw=0.7, ls=DASHES)
-    ax.plot(run["t"].values, slip, color=INK, lw=_line_width(run))
-    ax.set_ylabel(_row_label("slip_speed", run["slip_speed"]))
-
-
-def _line_width(run: xr.Dataset) -> float:
-    duration = float(run["t"].values[-1] - run["t"].values[0]) / scale_of(run, "time")
-    revolutions = duration * max(1.0, largest_speed(run)) / (2.0 * math.pi)
-    return 1.1 if revolutions < 15 else 0.7 if revolutions < 60 else 0.45
-
-
-def _mark_size(run: xr.Dataset) -> float:
-    return 4.0 if run.sizes["event"] <= FEW_EVENTS else 2.2

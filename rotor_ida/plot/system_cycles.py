@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure
 
 from rotor_ida.errors import InputError
 from rotor_ida.plot.appearance import (
@@ -16,9 +15,6 @@ from rotor_ida.plot.appearance import (
 from rotor_ida.plot.branches import EDGES
 from rotor_ida.plot.datasets import at_node, check_dataset
 from rotor_ida.plot.labels import label_axis
-from rotor_ida.plot.system_whirls import (
-    panels_of_contacts,
-)
 from rotor_ida.schema import words_of
 from rotor_ida.texts import in_figure
 
@@ -74,31 +70,3 @@ def plot_system_cycle(
         ax.set_aspect("equal", adjustable="datalim")
         ax.set_title(in_figure(chosen))
     return ax
-
-
-def system_cycle_figure(cycle: xr.Dataset) -> Figure:
-    """Draw a limit cycle of a rotor system: a panel for each node that touches a stator.
-
-    Parameters
-    ----------
-    cycle : Dataset
-        Result of `rotor_ida.limit_cycle` for a rotor system.
-
-    Raises
-    ------
-    InputError
-        If the dataset is of another kind, or without a cycle.
-
-    Examples
-    --------
-    >>> from rotor_ida import Rotor, limit_cycle
-    >>> system = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
-    >>> cycle = limit_cycle(system, speed=2.0)
-    >>> len(system_cycle_figure(cycle).axes)
-    1
-    """
-    check_dataset("cycle", cycle, CYCLE)
-    nodes = list(dict.fromkeys(map(str, cycle["contact_node"].values)))
-    return panels_of_contacts(
-        len(nodes), lambda number, ax: plot_system_cycle(cycle, node=nodes[number], ax=ax)
-    )

@@ -89,7 +89,7 @@ _FILLED = frozenset(
     (*PARAMETERS, "t", "speed", "start", "direction", "rate", "phase", "window", "order", "point",
      "frequency")
 )  # fmt: skip
-_WHIRLS = "rotor_ida.plot.figures:figure_of_whirls"
+_RESPONSES = "rotor_ida.plot.figures:figure_of_responses"
 _SHOWN = "rotor_ida.cli.describe"
 _SIGNALS = "rotor_ida.cli.describe_signals"
 _SYSTEM_WHIRLS = "rotor_ida.cli.describe_whirls"
@@ -130,7 +130,7 @@ KINDS = {
             variables=_SYSTEM_RUN + " whirl_turns(contact) standstill_time()",
             dims=("t", "node", "contact", "event", "episode", "coordinate"),
             shown="rotor_ida.cli.describe_systems:show_drop",
-            drawn="rotor_ida.plot:drop_figure",
+            drawn="rotor_ida.plot:plot_drop",
         ),
         Kind(
             name="drop_ensemble", meaning="many drops of a rotor system",
@@ -140,7 +140,7 @@ KINDS = {
             ),
             dims=("drop", "contact"),
             shown="rotor_ida.cli.describe_systems:show_drops",
-            drawn="rotor_ida.plot:drops_figure",
+            drawn="rotor_ida.plot:plot_drops",
         ),
         Kind(
             name="system_run", meaning="run of a rotor system",
@@ -157,14 +157,14 @@ KINDS = {
             ),
             dims=("speed", "start", "direction", "contact", "node"),
             shown="rotor_ida.cli.describe_systems:show_system_sweep",
-            drawn="rotor_ida.plot:system_sweep_figure",
+            drawn=_RESPONSES,
         ),
         Kind(
             name="system_diagram", meaning="bifurcation diagram of a rotor system",
             variables="extremum_radius(extremum) response " + _OF_CONTACTS,
             dims=("speed", "start", "node", "contact"),
             shown="rotor_ida.cli.describe_systems:show_system_sweep",
-            drawn="rotor_ida.plot:diagram_figure",
+            drawn=f"{_DRAWN}:figure_of_diagram",
         ),
         Kind(
             name="system_stroboscopic_diagram",
@@ -172,13 +172,13 @@ KINDS = {
             variables=_STATES + "response " + _OF_CONTACTS,
             dims=("speed", "start", "crossing", "node", "contact"),
             shown="rotor_ida.cli.describe_systems:show_system_sweep",
-            drawn="rotor_ida.plot:diagram_figure",
+            drawn=f"{_DRAWN}:figure_of_diagram",
         ),
         Kind(
             name="system_section", meaning="section of a rotor system",
             variables="crossing_time(crossing) " + _STATES_OF_NODES + _CONTACTS,
             dims=("crossing", "node", "contact"),
-            shown=f"{_SHOWN}:SECTION", drawn="rotor_ida.plot:section_figure",
+            shown=f"{_SHOWN}:SECTION", drawn="rotor_ida.plot:plot_section",
         ),
         Kind(
             name="system_run_ups", meaning="run-ups of a rotor system",
@@ -187,7 +187,7 @@ KINDS = {
                 "contact_node(contact) law_radius(contact)?"
             ),
             dims=("speed", "rate", "phase", "start", "contact", "node"),
-            shown=f"{_SHOWN}:show_run_ups", drawn="rotor_ida.plot:run_ups_figure",
+            shown=f"{_SHOWN}:show_run_ups", drawn="rotor_ida.plot:plot_run_ups",
         ),
         Kind(
             name="system_curve", meaning="bifurcation curve of a rotor system",
@@ -204,19 +204,19 @@ KINDS = {
             name="system_cycle", meaning="limit cycle of a rotor system",
             variables="multiplier_real(multiplier) node_radius_max(node) " + _CONTACTS,
             dims=("contact",),  # t is empty where there is no cycle
-            shown=f"{_SHOWN}:show_cycle", drawn="rotor_ida.plot:system_cycle_figure",
+            shown=f"{_SHOWN}:show_cycle", drawn="rotor_ida.plot:plot_system_cycle",
         ),
         Kind(
             name="system_whirls", meaning="exact whirls of a rotor system",
             variables="amplitude node_amplitude " + _CONTACTS,
             dims=("speed", "branch", "contact", "node"),
-            shown=f"{_SYSTEM_WHIRLS}:WHIRLS_OF_SYSTEM", drawn="rotor_ida.plot:system_whirls_figure",
+            shown=f"{_SYSTEM_WHIRLS}:WHIRLS_OF_SYSTEM", drawn=_RESPONSES,
         ),
         Kind(
             name="system_special_points", meaning="special speeds of a rotor system",
             variables="special_speed " + _CONTACTS, dims=("special", "contact"),
             shown=f"{_SYSTEM_WHIRLS}:SPECIAL_SPEEDS",
-            drawn="rotor_ida.plot:special_speeds_figure",
+            drawn=_RESPONSES,
         ),
         Kind(
             name="campbell", meaning="eigenvalues over the speed",
@@ -229,7 +229,7 @@ KINDS = {
             variables="running_share clearance_verdict law_stiffness law_exponent " + _CONTACTS,
             dims=("case", "contact"),
             shown=f"{_SYSTEM_WHIRLS}:show_clearance_report",
-            drawn="rotor_ida.plot:clearance_report_figure",
+            drawn="rotor_ida.plot:plot_clearance",
         ),
         Kind(
             name="comparison", meaning="comparison",
@@ -285,19 +285,19 @@ KINDS = {
             name="stroboscopic_diagram", meaning="stroboscopic diagram",
             variables=_STATES + "response " + _STARTS,
             dims=("omega", "zeta", "delta0", "start", "crossing"),
-            shown=f"{_SHOWN}:show_sweep", drawn=f"{_DRAWN}:figure_of_strobes",
+            shown=f"{_SHOWN}:show_sweep", drawn=f"{_DRAWN}:figure_of_diagram",
         ),
         Kind(
             name="run_ups", meaning="run-ups",
             variables="ending rate(rate) to() largest_force failed_count " + _STARTS,
             dims=("rate", "phase", "start"),
-            shown=f"{_SHOWN}:show_run_ups", drawn="rotor_ida.plot:run_ups_figure",
+            shown=f"{_SHOWN}:show_run_ups", drawn="rotor_ida.plot:plot_run_ups",
         ),
         Kind(
             name="sweep", meaning="sweep",
             variables="response " + _STARTS,
             dims=("omega", "zeta", "delta0", "start", "direction"),
-            shown=f"{_SHOWN}:show_sweep", drawn=_WHIRLS,
+            shown=f"{_SHOWN}:show_sweep", drawn=_RESPONSES,
         ),
         Kind(
             name="run", meaning="run",
@@ -311,17 +311,17 @@ KINDS = {
         Kind(
             name="whirls", meaning="exact whirls",
             variables="amplitude omega zeta delta0", dims=("branch",),
-            shown=f"{_SHOWN}_whirls:WHIRLS", drawn=_WHIRLS,
+            shown=f"{_SHOWN}_whirls:WHIRLS", drawn=_RESPONSES,
         ),
         Kind(
             name="folds", meaning="folds",
             variables="fold_omega zeta delta0", dims=("fold",),
-            shown=f"{_SHOWN}_whirls:FOLDS", drawn=_WHIRLS,
+            shown=f"{_SHOWN}_whirls:FOLDS", drawn=_RESPONSES,
         ),
         Kind(
             name="hopf_points", meaning="Hopf points",
             variables="hopf_omega zeta delta0", dims=("hopf",),
-            shown=f"{_SHOWN}_whirls:HOPF_POINTS", drawn=_WHIRLS,
+            shown=f"{_SHOWN}_whirls:HOPF_POINTS", drawn=_RESPONSES,
         ),
         Kind(
             name="backward_whirl", meaning="backward whirls",
@@ -405,7 +405,8 @@ KINDS = {
             shown=f"{_SIGNALS}:show_signals", drawn=f"{_DRAWN}:figure_of_signals",
         ),
         Kind(
-            name="late_jumps", meaning="late jumps", shown=f"{_SHOWN}_whirls:FOLDS", drawn=_WHIRLS,
+            name="late_jumps", meaning="late jumps",
+            shown=f"{_SHOWN}_whirls:FOLDS", drawn=_RESPONSES,
         ),
         Kind(
             name="run_up_summary", meaning="summary of a run-up",
@@ -413,15 +414,24 @@ KINDS = {
             shown=f"{_SHOWN}:show_run_up_summary",
         ),
         Kind(name="contact_summary", meaning="summary of contacts"),
-        Kind(name="contact_forces", meaning="contact forces"),
-        Kind(name="spectrum", meaning="spectrum of a run"),
+        Kind(
+            name="contact_forces", meaning="contact forces", drawn="rotor_ida.plot:plot_forces"
+        ),
+        Kind(
+            name="spectrum", meaning="spectrum of a run", drawn="rotor_ida.plot:plot_spectrum"
+        ),
         Kind(
             name="section", meaning="section",
             variables="crossing_time(crossing) " + _STATES, dims=("crossing",),
             shown=f"{_SHOWN}:SECTION", drawn="rotor_ida.plot:plot_section",
         ),
-        Kind(name="lyapunov_exponent", meaning="Lyapunov exponents"),
-        Kind(name="response_curve", meaning="response curve"),
+        Kind(
+            name="lyapunov_exponent", meaning="Lyapunov exponents",
+            drawn="rotor_ida.plot:plot_exponents",
+        ),
+        Kind(
+            name="response_curve", meaning="response curve", drawn="rotor_ida.plot:plot_amplitude"
+        ),
         Kind(name="torque_curve", meaning="Sommerfeld's curve"),
         Kind(name="cusps", meaning="cusps"),
         Kind(name="peaks", meaning="largest whirls"),

@@ -16,7 +16,7 @@ from rotor_ida.model.scales import UNITS_OF_ARGUMENTS, unit_of_parameter
 from rotor_ida.model.scales import scale_of as scale_in
 from rotor_ida.schema import QUANTITIES, check_variables
 from rotor_ida.schema.quantities import SPECIAL_VALUES, UNITS
-from rotor_ida.units import PREFIXES, SPEED_UNITS
+from rotor_ida.units import PREFIXES, SPEED_UNITS, read_in
 
 # Units of speed in rad/s; for UDUNITS a radian is 1, and Hz is 1/s too.
 OF_SPEED = {UNITS["speed"]: 1.0, "rpm": SPEED_UNITS["rpm"]}
@@ -25,8 +25,8 @@ MACHINE, EXACT = "machine_", "dimensionless"
 # Inputs of a result that are stored to the last bit; longer axes are divided by their scale.
 INPUTS = (*COMPONENTS, *(f"start_{name}" for name in COMPONENTS), "to", "rate")
 LONGEST_INPUT = 4096
-# A dimensionless 1 below and above these has the prefixes m and k in figures and summaries.
-SMALL, LARGE = 0.1, 1000.0
+# Units of figures by kind; those without one are read in the unit that suits the largest.
+SUITABLE = {"length": "um", "velocity": "mm s-1", "force": "", "impulse": "", "energy": ""}
 # Not small: the rim of the disc is far faster than its centre, and a shaft is long.
 LARGE_ONES = ("slip_speed", "axial_position")
 # Dimensionless ones in some unit; that of a moment of inertia is a product of two.
@@ -264,31 +264,29 @@ def _units_in(dataset: xr.Dataset) -> dict[str, str]:
 def in_suitable_units(dataset: xr.Dataset) -> xr.Dataset:
     """Return a result in m, m/s, N, N s or J in µm, mm/s, kN and so on; in other units as it is.
 
-    The scales of the machine decide on the prefixes, so that all its results have the same.
+    Forces, impulses and energies are in the unit in which the largest of them is read.
     """
-    prefixes = {"length": "u", "velocity": "m"}
-    for kind in ("force", "impulse", "energy"):
-        scale = scale_of(dataset, kind)
-        prefixes[kind] = "m" if scale < SMALL else "k" if scale >= LARGE else ""
-    converted = {}
+    of_kind: dict[str, list[str]] = {}
     for name, variable in dataset.variables.items():
         kind = QUANTITIES[str(name)].scale if str(name) in QUANTITIES else ""
         if name in SPECIAL_VALUES and variable.attrs.get("units") == UNITS["length"]:
             kind = "length"
         plain = str(variable.attrs.get("units")) == UNITS.get(kind) and name not in LARGE_ONES
-        if plain and prefixes.get(kind):
-            parts, unit = PREFIXES[prefixes[kind]], f"{prefixes[kind]}{UNITS[kind]}"
+        if plain and kind in SUITABLE:
+            of_kind.setdefault(kind, []).append(str(name))
+    converted, told = {}, {}
+    for kind, names in of_kind.items():
+        values = [dataset[name].values for name in names]
+        sizes = [np.abs(each[np.isfinite(each)]).max(initial=0.0) for each in values]
+        unit = SUITABLE[kind] or read_in(UNITS[kind], sizes)[0]
+        parts = PREFIXES[unit[0] if len(unit) > len(UNITS[kind]) else ""]
+        for name in names:
+            variable = dataset.variables[name]
             attributes = {**variable.attrs, "units": unit}
             converted[name] = xr.Variable(variable.dims, parts * variable.data, attributes)
-    if not converted:
-        return dataset
-    kinds = {QUANTITIES[str(name)].scale for name in converted} - {""}
-    told = {
-        f"{kind}_scale": PREFIXES[prefixes[kind]] * scale_of(dataset, kind)
-        for kind in kinds
-        if f"{kind}_scale" in dataset.attrs
-    }
-    return dataset.assign(converted).assign_attrs(told)
+        if f"{kind}_scale" in dataset.attrs:
+            told[f"{kind}_scale"] = parts * scale_of(dataset, kind)
+    return dataset.assign(converted).assign_attrs(told) if converted else dataset
 
 
 def si_of(dataset: xr.Dataset, name: str) -> tuple[str, float] | None:

@@ -358,8 +358,7 @@ def test_a_run_of_a_system_is_drawn_whole_or_at_a_node(
     [
         (["--kind", "bode"], "node must be 'disc' or 'seal', got None"),
         (["--kind", "bode", "--node", "sael"], "got 'sael'; did you mean 'seal'?"),
-        (["--kind", "history"], "node must be 'disc' or 'seal', got None"),
-        (["--kind", "forces", "--contact", "4"], "contact must be at most 0, got 4"),
+        (["--kind", "forces", "--contact", "4"], "contact must be one of 0 to 0, got 4"),
         (["--kind", "orbit", "--node", "seal", "--contact", "0"], "contact must be left out with"),
         (["--kind", "orbits", "--node", "seal"], "node must be left out with --kind orbits"),
         (["--kind", "orbits", "--exact"], "exact must be left out with --kind orbits"),

@@ -30,7 +30,7 @@ from rotor_ida import (
     sweep,
     synchronous_response,
 )
-from rotor_ida.closed_forms import clearance_curve, free_periods, response_curve, restoring_field
+from rotor_ida.closed_forms import clearance_curve, response_curve
 
 REST = (0.0, 0.0, 0.0, 0.0)
 MACHINE = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=418.0, eccentricity=5e-6,
@@ -39,19 +39,13 @@ ROTOR = MACHINE.rotor()
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 WHIPPED = Rotor(omega=0.63, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0)
 OF_CURVE = {"zeta": ROTOR.zeta, "delta0": 0.5}
+WIDE = {"zeta": ROTOR.zeta, "delta0": 2.0}
 PLANE = np.linspace(-3.0, 3.0, 4)
 
 
-def _solutions() -> xr.Dataset:
-    line, table = ("t", [0.5, 0.5, 0.5]), (("solution", "t"), [[0.0, 1.0, 2.0]])
-    return xr.Dataset(
-        {"x": line, "y": line, "solution_x": table, "solution_y": table},
-        {"t": [0.0, 20.0, 40.0], "solution": ["as printed"]},
-    )
-
-
 def _starts() -> dict[str, object]:
-    return {"omega": [0.4, 0.8], "starts": [REST]} | OF_CURVE
+    # nothing that is beyond the model in SI units
+    return {"omega": [0.4, 0.8], "starts": [REST]} | WIDE
 
 
 _MAKERS: dict[str, Callable[[], xr.Dataset]] = {
@@ -64,6 +58,8 @@ _MAKERS: dict[str, Callable[[], xr.Dataset]] = {
     "extrema": lambda: bifurcation_diagram(**_starts()),
     "curve": lambda: response_curve(**OF_CURVE, limits=(0.1, 2.0)),
     "folds": lambda: folds(**OF_CURVE),
+    "wide_curve": lambda: response_curve(**WIDE, limits=(0.1, 2.0)),
+    "wide_folds": lambda: folds(**WIDE),
     "whirls": lambda: synchronous_response(omega=[0.4, 0.8], **OF_CURVE),
     "sweep": lambda: sweep(omega=[0.4, 0.8], **OF_CURVE),
     "over_clearance": lambda: clearance_curve(omega=0.8, zeta=ROTOR.zeta, limits=(0.0, 1.0)),
@@ -74,10 +70,6 @@ _MAKERS: dict[str, Callable[[], xr.Dataset]] = {
     "whirls_of_friction": lambda: synchronous_response(
         WHIPPED, friction=np.linspace(0.0, 0.1, 11), zeta=0.5
     ),
-    "backbone": lambda: free_periods(amplitude=np.linspace(0.6, 20.0, 50), delta0=0.5),
-    "by_clearance": lambda: folds(zeta=0.07, delta0=[0.5, 1.0]),
-    "field": lambda: restoring_field(x=[-1, 0, 1], y=[0, 2], delta0=0.5),
-    "solutions": _solutions,
     "basin": lambda: basin(ROTOR, x=PLANE, y=PLANE),
     "backward": lambda: backward_whirl(WHIPPED),
     "cycle": lambda: limit_cycle(BOUNCING, start=(2.6, 0.75, 0.66, -1.65), period=4.5),
@@ -150,8 +142,6 @@ ON_CURVE = {"fold_points": "folds", "simulated": "sweep", "whirls": "whirls"}
 PICTURES = (
     Picture(plot.plot_orbit, "run", X, Y),
     Picture(plot.plot_rotating_orbit, "run", ALONG, ACROSS),
-    Picture(plot.plot_history, "run", T, X, options={"name": "x"}),
-    Picture(plot.plot_history, "run", T, RADIUS, options={"name": "radius"}),
     Picture(plot.plot_forces, "forces", T, ("force", "force")),
     Picture(plot.plot_force_peaks, "forces", ("peak_force", "force"), ("peak_fraction", NUMBER)),
     Picture(plot.plot_spectrum, "spectrum", ("frequency_over_omega", NUMBER),
@@ -161,24 +151,13 @@ PICTURES = (
     Picture(plot.plot_exponents, "exponents", T, ("running_exponent", "rate")),
     Picture(plot.plot_extrema, "extrema", SPEED, RADIUS),
     Picture(plot.plot_extrema, "extrema", SPEED, RADIUS,
-            {"exact": "curve", "fold_points": "folds"}),
+            {"exact": "wide_curve", "fold_points": "wide_folds"}),
     Picture(plot.plot_amplitude, "curve", SPEED, AMPLITUDE, ON_CURVE),
     Picture(plot.plot_phase, "curve", SPEED, LAG, ON_CURVE),
-    Picture(plot.plot_over_clearance, "over_clearance", ("delta0", NUMBER), AMPLITUDE,
+    Picture(plot.plot_amplitude, "over_clearance", ("delta0", NUMBER), AMPLITUDE,
             {"simulated": "at_clearance"}),
-    Picture(plot.plot_along, "along_friction", ("friction", NUMBER), AMPLITUDE,
-            {"whirls": "whirls_of_friction"}),
-    Picture(plot.plot_backbone, "backbone", SPEED, AMPLITUDE),
-    Picture(plot.plot_by_clearance, "by_clearance", ("delta0", NUMBER), AMPLITUDE,
-            options={"names": {"fold_amplitude": "folds"}, "label": "amplitude $A$"}),
-    Picture(plot.plot_periods, "backbone", ("period", TIME), AMPLITUDE,
-            {"simulated": "backbone"}),
-    Picture(plot.plot_periods, "backbone", ("natural", "natural"), AMPLITUDE,
-            options={"over": "natural"}),
-    Picture(plot.plot_cuts, "field", X, ("restoring_x", "force"),
-            options={"name": "restoring_x", "at": [0.0]}),
-    Picture(plot.plot_solutions, "solutions", T, X),
-    Picture(plot.plot_deviation, "solutions", T, ("deviation", LENGTH)),
+    Picture(plot.plot_amplitude, "whirls_of_friction", ("friction", NUMBER), AMPLITUDE,
+            {"simulated": "along_friction"}),
     Picture(plot.plot_basin, "basin", X, Y),
     Picture(plot.plot_backward_whirl, "backward", X, Y),
     Picture(plot.plot_cycle, "cycle", ALONG, ACROSS),

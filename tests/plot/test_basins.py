@@ -242,7 +242,7 @@ def test_a_basin_of_a_rotor_system_has_its_units_its_node_and_the_circle_of_that
     found, _ = of_system
     ax = plot_basin(found)
     assert ax.get_xlabel() == "displacement $X$ [µm]"
-    assert ax.get_title() == "seal,  10982 rpm"
+    assert ax.get_title() == "seal,  10,982 rpm"
     named = [f"$A = {1e6 * size:#.3g}$ µm" for size in found.amplitude.values[:, 1]]
     assert [each.split(", ")[1] for each in words_of(ax)[:-1]] == named
     assert words_of(ax)[-1] == "clearance"
@@ -263,7 +263,7 @@ def test_a_circle_beyond_the_starts_is_not_drawn(of_system):
 def test_fractions_of_a_rotor_system_are_bars_with_the_amplitudes_of_its_node(of_system):
     _, fractions = of_system
     ax = plot_attractor_fractions(fractions)
-    assert ax.get_title() == "seal,  10982 rpm"
+    assert ax.get_title() == "seal,  10,982 rpm"
     assert all(text.get_text().endswith("µm") for text in ax.get_yticklabels())
     figure = figure_of(fractions)
     assert figure.axes[0].get_title() == ax.get_title()

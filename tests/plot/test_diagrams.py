@@ -5,7 +5,16 @@ import math
 import numpy as np
 import pytest
 
-from rotor_ida import Contact, InputError, Rotor, bifurcation_diagram, plot, poincare_section
+from rotor_ida import (
+    Contact,
+    DimensionalRotor,
+    InputError,
+    Rotor,
+    bifurcation_diagram,
+    dimensional,
+    plot,
+    poincare_section,
+)
 from rotor_ida.plot.figures import figure_of
 from rotor_ida.units import SPEED_UNITS
 from tests.plot.test_system_sweeps import two_discs
@@ -36,7 +45,7 @@ def test_extrema_at_a_node_are_those_of_the_node():
                     for radius in diagram.extremum_radius.values[row : row + count]]  # fmt: skip
         assert sorted(drawn(ax).tolist()) == sorted(expected)
         assert ax.get_title() == f"node {name}"
-        assert ax.get_xlabel() == r"spin speed $\Omega$"
+        assert ax.get_xlabel() == r"spin speed $\omega$"
     assert plot.plot_extrema(diagram).get_title() == "node one"  # of the first contact
     with pytest.raises(InputError, match="node must be one of 'one', 'two', got 'three'"):
         plot.plot_extrema(diagram, node="three")
@@ -139,3 +148,33 @@ def test_in_si_units_speeds_are_in_rpm():
     turns = np.unique(drawn(ax)[:, 0])
     np.testing.assert_allclose(turns, np.array([300.0, 400.0]) / SPEED_UNITS["rpm"])
     assert "[" in ax.get_ylabel()
+
+
+def test_extrema_beyond_the_model_do_not_set_the_scale_and_are_told():
+    """In SI units no contact is known beyond an indentation by the clearance."""
+    plain = bifurcation_diagram(DISC, omega=[1.8, 2.0], starts=[REST])
+    gap = 2.0
+    assert float(plain.extremum_radius.max()) > 2.0 * gap
+    (ax,) = plot.plot_extrema(plain).figure.axes
+    assert drawn(ax)[:, 1].max() == plain.extremum_radius.max()
+    assert ax.get_ylim()[1] > float(plain.extremum_radius.max())
+    machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=418.0, eccentricity=5e-6,
+                               clearance=1e-5, speed=1495.0)  # fmt: skip
+    ax = plot.plot_extrema(dimensional(plain, machine))
+    lines = {line.get_label(): line for line in ax.lines}
+    np.testing.assert_allclose(lines["clearance"].get_ydata(), 10.0)
+    assert drawn(ax)[:, 1].max() <= 20.0
+    assert 20.0 * 0.9 < ax.get_ylim()[1] < 20.0 * 1.2
+    largest = 5.0 * plain.extremum_radius.max().item()
+    (words,) = [label for label in lines if "beyond the model" in label]
+    assert words == f"beyond the model, up to {largest:.3g} µm"
+
+
+def test_the_clearance_is_a_line_over_whatever_varies():
+    over = bifurcation_diagram(omega=1.2, zeta=0.2, delta0=[0.5, 1.0], starts=[REST])
+    lines = {line.get_label(): line for line in plot.plot_extrema(over).lines}
+    assert lines["clearance"].get_xydata().tolist() == [[0.5, 0.5], [1.0, 1.0]]
+    at_nodes = {name: plot.plot_extrema(found("extrema"), node=name) for name in ("one", "two")}
+    for name, gap in (("one", 3.0), ("two", 0.8)):
+        lines = {line.get_label(): line for line in at_nodes[name].lines}
+        assert set(lines["clearance"].get_ydata()) == {gap}

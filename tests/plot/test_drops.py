@@ -8,7 +8,7 @@ from matplotlib.animation import FFMpegWriter
 from PIL import Image
 
 from rotor_ida import Contact, InputError, Race, RotorSystem, drop, drop_ensemble
-from rotor_ida.plot import drop_figure, drops_figure, save_orbit_film, system_figure
+from rotor_ida.plot import plot_drop, plot_drops, plot_run, save_orbit_film
 
 DISC = RotorSystem(mass=20.0 * np.eye(2), stiffness=np.zeros((2, 2)), nodes={"disc": (0, 1)})
 GIVEN = {
@@ -20,10 +20,10 @@ GIVEN = {
 
 def test_a_figure_of_a_drop_has_radius_force_and_speeds():
     run = drop(DISC, **GIVEN)
-    radius, force, speeds = drop_figure(run).axes
+    radius, force, speeds = plot_drop(run).axes
     drawn = max(float(np.max(line.get_ydata())) for line in radius.lines if line.get_lw() < 1.0)
     np.testing.assert_allclose(drawn, run.excursion[0], rtol=1e-3)
-    np.testing.assert_allclose(force.lines[0].get_ydata().max(), run.largest_force[0])
+    np.testing.assert_allclose(force.lines[0].get_ydata().max(), 1e-3 * run.largest_force[0])  # kN
     rotor, race = speeds.lines[:2]
     rpm = 60.0 / math.tau
     np.testing.assert_allclose(rotor.get_ydata(), rpm * run.speed)
@@ -35,40 +35,40 @@ def test_a_figure_of_a_drop_has_radius_force_and_speeds():
 
 def test_distributions_rise_to_1():
     many = drop_ensemble(DISC, **GIVEN, drops=5, workers=1)
-    for ax in drops_figure(many).axes:
+    for ax in plot_drops(many).axes:
         assert ax.lines[0].get_ydata()[-1] == 1.0
     with pytest.raises(InputError, match="it lacks largest_force"):
-        drops_figure(many.drop_vars("largest_force"))
+        plot_drops(many.drop_vars("largest_force"))
 
 
 def test_a_grid_is_drawn_as_ranges_means_and_shares():
     frictions = [0.05, 0.1, 0.3]
     given = {"friction": frictions, "phase": np.arange(4) * np.pi / 2, "workers": 1}
     many = drop_ensemble(DISC, **GIVEN, **given)
-    force, _, _, share = drops_figure(many).axes
-    values = many.largest_force.values.reshape(4, 3)
+    force, _, _, share = plot_drops(many).axes
+    values = 1e-3 * many.largest_force.values.reshape(4, 3)  # kN
     np.testing.assert_allclose(force.lines[0].get_ydata(), values.mean(axis=0))
     drawn = force.collections[0].get_paths()[0].vertices[:, 1]
     np.testing.assert_allclose([drawn.min(), drawn.max()], [values.min(), values.max()])
     cells = many.cell_backward_whirl_fraction[:, 0]
     np.testing.assert_allclose(share.lines[0].get_ydata(), cells)
-    alone = drops_figure(drop_ensemble(DISC, **GIVEN, friction=[0.1], phase=[0.0, 1.0], workers=1))
+    alone = plot_drops(drop_ensemble(DISC, **GIVEN, friction=[0.1], phase=[0.0, 1.0], workers=1))
     assert alone.axes[0].get_xlabel() == "angle of the rotor [rad]"
-    one = drops_figure(drop_ensemble(DISC, **GIVEN, friction=[0.1], workers=1))
+    one = plot_drops(drop_ensemble(DISC, **GIVEN, friction=[0.1], workers=1))
     assert one.axes[0].lines[0].get_ydata().size == 1
     both = drop_ensemble(DISC, **GIVEN, **given, unbalance_factor=[1.0, 2.0])
-    figure = drops_figure(both)
+    figure = plot_drops(both)
     shares = figure.axes[3].collections[0].get_array()
     np.testing.assert_allclose(shares.T.ravel(), both.cell_backward_whirl_fraction[:, 0])
 
 
 def test_orbits_are_drawn_with_other_close_clearances():
     run = drop(DISC, **GIVEN, clearances={"disc": 4e-4})
-    labels = system_figure(run).axes[0].get_legend_handles_labels()[1]
+    labels = plot_run(run).axes[-1].get_legend_handles_labels()[1]
     assert "close clearance" in labels
     assert (
         "close clearance"
-        not in system_figure(drop(DISC, **GIVEN)).axes[0].get_legend_handles_labels()[1]
+        not in plot_run(drop(DISC, **GIVEN)).axes[-1].get_legend_handles_labels()[1]
     )
 
 

@@ -50,7 +50,7 @@ def test_extrema_of_unresolved_motion_are_not_told_as_lasting():
     unresolved = found.assign(response=found.response * 0)
     unresolved.response.attrs = found.response.attrs
     words = plot_extrema(unresolved).get_legend_handles_labels()[1]
-    assert words == ["extremum, contact-free or unresolved"]
+    assert words == ["extremum, free or unresolved", "clearance"]
 
 
 def test_exponents_are_named_with_value_and_error():
@@ -88,7 +88,7 @@ def test_extrema_are_drawn_over_whatever_varies():
         assert set(across) == {0.1, 0.3}
     both = {**machine, "delta0": [0.5, 1.0], "load": [0.1, 0.3]}
     found = bifurcation_diagram(**both, method="taylor")
-    with pytest.raises(InputError, match="found must contain one delta0, got 2"):
+    with pytest.raises(InputError, match="found must contain one load, got 2"):
         plot_extrema(found)
 
 

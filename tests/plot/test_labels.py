@@ -8,24 +8,18 @@ import xarray as xr
 from matplotlib.figure import Figure
 
 from rotor_ida import DimensionalRotor, InputError, dimensional, run_ups, sweep
-from rotor_ida.closed_forms import jumps
 from rotor_ida.plot import (
     plot_amplitude,
     plot_basin,
-    plot_cuts,
-    plot_drawn_out,
-    plot_history,
-    plot_jumps,
     plot_largest_force,
-    plot_machine,
     plot_orbit,
     plot_run,
     plot_section,
-    plot_surface,
+    plot_trace,
 )
 from rotor_ida.plot.figures import figure_of
 from rotor_ida.plot.labels import IN_UNITS, LABELS, label_of, number_text, unit_of
-from tests.plot.pictures import MACHINE, OF_CURVE, made
+from tests.plot.pictures import MACHINE, made
 
 UNITS = {"length": "µm", "time": "ms", "velocity": "mm/s"}
 
@@ -46,11 +40,11 @@ def machine(plain):
 
 def test_every_panel_of_a_run_has_its_unit(plain, machine):
     si, bare = plot_run(machine).axes, plot_run(plain).axes
-    assert [ax.get_ylabel().rpartition("[")[2] for ax in si] == ["µm]", "µm]", "µm]", "N]", "µm]"]
-    shade, other = (axes[2].collections[0].get_paths()[0].vertices[:, 0] for axes in (si, bare))
+    assert [ax.get_ylabel().rpartition("[")[2] for ax in si] == ["µm]", "µm]", "N]", "µm]"]
+    shade, other = (axes[1].collections[0].get_paths()[0].vertices[:, 0] for axes in (si, bare))
     np.testing.assert_allclose(shade, other * 1e3 * MACHINE.time_scale)
-    peaks, bare_peaks = (axes[3].lines[0].get_ydata() for axes in (si, bare))
-    np.testing.assert_allclose(peaks, bare_peaks * MACHINE.force_scale)
+    peaks, bare_peaks = (axes[2].lines[0].get_ydata() for axes in (si, bare))
+    np.testing.assert_allclose(peaks, bare_peaks * MACHINE.force_scale, atol=1e-12)
 
 
 def test_si_units_have_the_prefix_of_a_machine(plain):
@@ -58,9 +52,9 @@ def test_si_units_have_the_prefix_of_a_machine(plain):
     assert ax.get_xlabel().endswith("[µm]")
     lengths = 1e6 * MACHINE.length_scale * np.array(plot_orbit(plain).dataLim.bounds)
     np.testing.assert_allclose(ax.dataLim.bounds, lengths)
-    figure = plot_machine(dimensional(plain, replace(MACHINE, contact_stiffness=1e15)))
+    figure = plot_run(dimensional(plain, replace(MACHINE, contact_stiffness=1e12)))
     found = [ax.get_ylabel().rpartition("[")[2] for ax in figure.axes]
-    assert found == ["µm]", "µm]", "kN]"]
+    assert found == ["µm]", "µm]", "kN]", "µm]"]
 
 
 def test_units_that_were_chosen_stay(plain):
@@ -77,15 +71,7 @@ def test_other_prefixes_of_one_machine_share_axes(plain):
     np.testing.assert_allclose(first, second)
 
 
-def test_units_stand_in_the_third_dimension_in_titles_and_in_legends(machine):
-    solid = plot_drawn_out(machine)
-    assert [axis.get_label_text()[-5:].lstrip("$ ") for axis in (solid.xaxis, solid.zaxis)] == [
-        "[ms]", "[µm]",
-    ]  # fmt: skip
-    field = in_units(made("field"))
-    labels = [line.get_label() for line in plot_cuts(field, "restoring_x", at=[0.0, 10.0]).lines]
-    assert labels == ["$y = 0$ µm", "$y = 10$ µm"]
-    assert "[N]" in plot_surface(field, "restoring_x").get_title()
+def test_units_stand_in_legends():
     legend = plot_basin(in_units(made("basin"))).get_legend()
     assert legend.get_texts()[0].get_text().endswith(" µm")
 
@@ -99,14 +85,6 @@ def test_limits_of_a_section_are_those_without_units():
     np.testing.assert_allclose(
         si.get_ylim(), 1e6 * MACHINE.length_scale * np.array(bare.get_ylim())
     )
-
-
-def test_jumps_take_the_units_of_the_curve():
-    exact, jumped = made("curve"), jumps(**OF_CURVE)
-    bare = plot_jumps(jumped, ax=plot_amplitude(exact))
-    si = plot_jumps(in_units(jumped), ax=plot_amplitude(in_units(exact)))
-    for arrow, other in zip(si.texts, bare.texts, strict=True):
-        np.testing.assert_allclose(arrow.xy[1], other.xy[1] * 1e6 * MACHINE.length_scale)
 
 
 def test_datasets_of_one_picture_have_the_same_units_and_scale():
@@ -132,9 +110,9 @@ def test_what_is_drawn_on_the_same_axes_has_the_same_units(plain, machine):
         with pytest.raises(InputError, match=rf"must have its units, 'um' .*, got '{units}'$"):
             plot_orbit(other, ax=ax)
     left, right = Figure().subplots(1, 2, sharey=True)
-    plot_history(machine, "x", ax=left)
+    plot_trace(machine, ax=left)
     with pytest.raises(InputError, match="must have its units"):
-        plot_history(plain, "y", ax=right)
+        plot_trace(plain, ax=right)
 
 
 def test_labels_tell_whether_a_quantity_has_a_unit(plain, machine):
@@ -182,6 +160,6 @@ def test_a_sweep_of_a_machine_has_the_exact_curve_behind_it(units):
     rotor = MACHINE.rotor()
     found = sweep(omega=[0.5, 1.0, 1.5], zeta=rotor.zeta, delta0=rotor.delta0, method="taylor")
     (ax,) = figure_of(dimensional(found, MACHINE, units=units)).axes
-    words = [text.get_text() for text in ax.figure.legends[0].get_texts()]
+    words = [text.get_text() for text in ax.get_legend().get_texts()]
     assert "stable whirl" in words
     assert ax.get_ylabel().endswith("[mm]" if units else "[µm]")

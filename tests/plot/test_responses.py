@@ -6,7 +6,7 @@ from matplotlib.colors import to_rgba
 
 from rotor_ida import InputError, Rotor, folds, hopf_points, sweep, synchronous_response
 from rotor_ida.closed_forms import clearance_curve, response_curve
-from rotor_ida.plot import panels, plot_amplitude, plot_over_clearance, plot_phase, shared_legend
+from rotor_ida.plot import panels, plot_amplitude, plot_phase, shared_legend
 from rotor_ida.plot.figures import figure_of
 from rotor_ida.plot.labels import KIND_WORDS
 from rotor_ida.plot.responses import DOTS, KINDS
@@ -184,7 +184,7 @@ def whirls_over_clearance():
 
 
 def test_over_clearance_every_whirl_is_on_a_line_of_its_stability(whirls_over_clearance):
-    ax = plot_over_clearance(whirls_over_clearance)
+    ax = plot_amplitude(whirls_over_clearance)
     lines = {}
     for line in ax.lines:
         lines.setdefault(line.get_label(), []).append(line.get_ydata())
@@ -194,9 +194,10 @@ def test_over_clearance_every_whirl_is_on_a_line_of_its_stability(whirls_over_cl
 
 
 def test_over_clearance_responses_off_the_whirls_are_bars(whirls_over_clearance, simulated):
-    here = simulated.isel(omega=slice(0, 3), direction=[0])
-    moved = here.assign_coords(omega=[1.2, 1.2, 1.2])
-    ax = plot_over_clearance(whirls_over_clearance, simulated=moved)
+    here = simulated.isel(omega=slice(0, 3), delta0=0, direction=[0], drop=True)
+    moved = here.rename(omega="delta0").assign_coords(delta0=[0.4, 0.5, 0.6])
+    moved = moved.expand_dims(omega=[1.2])
+    ax = plot_amplitude(whirls_over_clearance, simulated=moved)
     (bars,) = ax.collections
     np.testing.assert_allclose(bars.get_segments()[0][:, 1], [0.2, 2.2])
     marks = [line for line in ax.lines if line.get_marker() == "s"]
@@ -208,17 +209,15 @@ def test_over_clearance_responses_off_the_whirls_are_bars(whirls_over_clearance,
 def test_bars_that_reach_beyond_the_whirls_are_in_view(simulated):
     low = clearance_curve(omega=2.5, zeta=0.07, limits=(0.0, 3.0))
     here = simulated.isel(omega=[2], direction=[0]).assign_coords(omega=[2.5])
-    ax = plot_over_clearance(low, simulated=here)
+    ax = plot_amplitude(low, simulated=here)
     (bars,) = ax.collections
     assert ax.get_ylim()[1] > max(bars.get_segments()[0][:, 1]) > float(low.amplitude.max())
 
 
 def test_over_clearance_one_speed_is_drawn(whirls_over_clearance):
-    with pytest.raises(InputError, match="exact must contain one omega, got"):
-        plot_over_clearance(response_curve(zeta=0.07, delta0=0.5, limits=(0.05, 3.0)))
     several = clearance_curve(omega=[1.2, 1.3], zeta=0.07, limits=(0.0, 1.0))
-    with pytest.raises(InputError, match="exact must contain one omega, got 2"):
-        plot_over_clearance(several)
+    with pytest.raises(InputError, match="exact must contain one delta0, got"):
+        plot_amplitude(several)
 
 
 @pytest.fixture(scope="module")
@@ -230,11 +229,11 @@ def test_the_title_has_the_parameters_beyond_the_papers(shafted):
     ax = plot_amplitude(shafted, fold_points=folds(**SHAFT))
     assert ax.get_title() == r"$\zeta = 0.2$,  $\delta_0 = 1$,  $\kappa = 0.25$"
     over = clearance_curve(omega=1.2, zeta=0.2, limits=(0.0, 2.0), shaft_stiffness=0.25)
-    title = plot_over_clearance(over).get_title()
+    title = plot_amplitude(over).get_title()
     assert title == r"$\omega = 1.2$,  $\zeta = 0.2$,  $\kappa = 0.25$"
     other = sweep(omega=1.2, zeta=0.2, delta0=[0.5, 1.0], method="taylor")
     with pytest.raises(InputError, match="simulated must have the shaft_stiffness of exact"):
-        plot_over_clearance(over, simulated=other)
+        plot_amplitude(over, simulated=other)
 
 
 @pytest.mark.parametrize("draw", [plot_amplitude, plot_phase])

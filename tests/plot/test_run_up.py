@@ -114,7 +114,7 @@ def test_a_machine_is_drawn_over_revolutions_per_minute():
     force, first = figure_of(up).axes[1:3]
     assert force.get_xlabel() == "spin speed [rpm]"
     np.testing.assert_allclose(force.get_xlim(), (300.0, 2500.0), rtol=1e-4)
-    assert " rpm, $T$ " in first.get_title()
+    assert " rpm,  $T$ " in first.get_title()
 
 
 def test_of_a_system_the_contacts_that_are_touched_are_drawn_by_name():
@@ -127,9 +127,12 @@ def test_of_a_system_the_contacts_that_are_touched_are_drawn_by_name():
     radius, force, *orbits = figure_of(up).axes
     assert radius.get_ylabel() == "radius over clearance"
     drawn = {each.get_label() for each in force.collections if each.get_alpha()}
-    assert drawn == {"near", "far"}
-    first = up.contact_node.values[up.episode_contact.values[up.entry_time.values.argmin()]]
-    assert orbits[0].get_title().split("\n")[:2] == ["first touch", first]
+    assert drawn == {"contact 0 at near", "contact 1 at far"}
+    first = up.episode_contact.values[up.entry_time.values.argmin()]
+    assert orbits[0].get_title().split("\n")[:2] == [
+        "first touch",
+        f"contact {first} at {up.contact_node.values[first]}",
+    ]
 
 
 def test_a_long_run_at_one_speed_is_drawn_in_bands_and_a_short_one_as_it_is():
@@ -137,7 +140,7 @@ def test_a_long_run_at_one_speed_is_drawn_in_bands_and_a_short_one_as_it_is():
     long = figure_of(simulate(bouncing, start=REST, duration=200.0))
     assert long.axes[0].get_ylabel() == "radius $|z|$"
     assert figure_of(simulate(bouncing, start=REST, duration=20.0)).axes[0].get_ylabel() == (
-        "displacement $x$"
+        "displacement $z$"
     )
-    with pytest.raises(InputError, match="run must be a Dataset, got 3"):
+    with pytest.raises(InputError, match="run must be a Dataset, got int"):
         plot_run_up(3)

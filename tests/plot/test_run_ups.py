@@ -3,10 +3,18 @@
 import numpy as np
 import pytest
 
-from rotor_ida import Contact, InputError, RotorSystem, Unbalance, run_ups
-from rotor_ida.plot import plot_endings, plot_largest_force, run_ups_figure
+from rotor_ida import (
+    Contact,
+    DimensionalRotor,
+    InputError,
+    Rotor,
+    RotorSystem,
+    Unbalance,
+    run_ups,
+)
+from rotor_ida.plot import plot_endings, plot_largest_force, plot_run_ups
 from rotor_ida.plot.run_ups import ENDING_WORDS
-from rotor_ida.units import SPEED_UNITS
+from rotor_ida.units import SPEED_UNITS, quantity
 from tests.plot.pictures import words_of
 
 
@@ -43,7 +51,7 @@ def test_bars_are_the_fractions_and_fill_the_panel(found):
 
 
 def test_a_figure_has_a_panel_of_forces_and_one_of_endings_for_each_rotor(found):
-    figure = run_ups_figure(found)
+    figure = plot_run_ups(found)
     titles = [ax.get_title() for ax in figure.axes]
     assert titles == ["", r"$\delta_0 = 1$", r"$\delta_0 = 2$"]
     (legend,) = figure.legends
@@ -73,7 +81,7 @@ def test_of_a_rotor_system_there_is_a_curve_for_each_contact_and_a_panel_for_eac
     rpm = SPEED_UNITS["rpm"]
     found = run_ups(system, speed=[50 * rpm, 100 * rpm], to=4000 * rpm, rate=[9e3 * rpm, 9e4 * rpm],
                     workers=1)  # fmt: skip
-    forces, *endings = run_ups_figure(found).axes
+    forces, *endings = plot_run_ups(found).axes
     assert (found.largest_force.isel(contact=0, rate=0) > 0.0).all()
     assert [line.get_ydata().tolist() for line, *_ in forces.containers] == [
         found.largest_force[speed, :, 0, 0, contact].values.tolist()
@@ -81,8 +89,37 @@ def test_of_a_rotor_system_there_is_a_curve_for_each_contact_and_a_panel_for_eac
     ]  # fmt: skip
     assert forces.get_xlabel() == "rate $a$ [rpm/s]"
     assert forces.get_ylabel() == "largest normal force [N]"
-    labels = words_of(forces)
+    labels = forces.get_legend_handles_labels()[1]
     assert labels[1] == "from 50 rpm, contact 1 at seal"
     assert [ax.get_title() for ax in endings] == ["from 50 rpm", "from 100 rpm"]
     with pytest.raises(InputError, match="must have a contact, got run-ups of a rotor system"):
         plot_largest_force(found.isel(contact=[]))
+
+
+def test_with_one_rate_forces_and_outcomes_are_over_the_parameter_that_varies():
+    rotor = Rotor(omega=0.3, zeta=0.1, delta0=1.0, shaft_stiffness=1.0, friction=0.1,
+                  disc_radius=10.0)  # fmt: skip
+    frictions = [0.2, 0.0, 0.1]
+    found = run_ups(rotor, to=1.6, rate=0.05, friction=frictions)
+    forces, endings = plot_run_ups(found).axes
+    order = np.argsort(frictions)
+    (line, *_) = forces.containers[0]
+    np.testing.assert_array_equal(line.get_xdata(), np.sort(frictions))
+    np.testing.assert_array_equal(line.get_ydata(), found.largest_force.values.ravel()[order])
+    assert (forces.get_xscale(), forces.get_xlabel()) == ("linear", r"friction $\mu$")
+    assert endings.get_xlabel() == r"friction $\mu$"
+    assert [text.get_text() for text in endings.get_xticklabels()] == ["0", "0.1", "0.2"]
+    heights = sum(np.array([bar.get_height() for bar in bars]) for bars in endings.containers)
+    np.testing.assert_allclose(heights, 1.0)
+
+
+def test_forces_are_in_the_unit_in_which_the_table_of_the_command_reads_them():
+    machine = DimensionalRotor(mass=400.0, contact_stiffness=1e10, damping=4000.0,
+                               eccentricity=5e-5, clearance=1e-4, speed=300.0)  # fmt: skip
+    found = run_ups(machine, to=600.0, rate=2000.0)
+    ax = plot_largest_force(found)
+    largest = float(found.largest_force.max())
+    said, unit = quantity(largest, "N").split()
+    assert unit == "kN"
+    assert ax.get_ylabel().endswith(f"[{unit}]")
+    assert f"{ax.containers[0][0].get_ydata().max():.4g}" == said

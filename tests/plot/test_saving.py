@@ -10,8 +10,8 @@ from rotor_ida.closed_forms import response_curve
 from rotor_ida.plot import (
     panels,
     plot_amplitude,
-    plot_history,
     plot_run,
+    plot_trace,
     save_figure,
     shared_legend,
     style,
@@ -135,9 +135,7 @@ def test_formats_are_those_asked_for(tmp_path):
         save_figure(figure, tmp_path / "two", formats="gif")
 
 
-@pytest.mark.parametrize(
-    "draw", [plot_run, lambda run: plot_history(run, "x"), lambda run: panels(1, 1)]
-)
+@pytest.mark.parametrize("draw", [plot_run, plot_trace, lambda run: panels(1, 1)])
 def test_pyplot_knows_a_figure_that_a_user_makes(run, draw):
     from matplotlib import pyplot
 
@@ -149,7 +147,7 @@ def test_pyplot_knows_a_figure_that_a_user_makes(run, draw):
 def test_pyplot_saves_a_figure_in_its_own_style(tmp_path, run):
     from matplotlib import pyplot
 
-    ax = plot_history(run, "x")
+    ax = plot_trace(run)
     with mpl.rc_context({"xtick.labelsize": 30.0, "font.family": "monospace"}):
         pyplot.savefig(tmp_path / "by_pyplot.pdf")
     assert (tmp_path / "by_pyplot.pdf").stat().st_size > 5000

@@ -33,7 +33,7 @@ def whirls():
 
 
 def test_every_whirl_is_a_mark_at_its_amplitude_in_rpm_and_micrometres(whirls):
-    ax = plot.plot_system_whirls(whirls, contact=1)
+    ax = plot.plot_amplitude(whirls, contact=1)
     assert ax.get_xlabel() == "spin speed [rpm]"
     assert ax.get_ylabel() == "amplitude $A$ [µm]"
     clearance, *marks = ax.lines
@@ -43,8 +43,8 @@ def test_every_whirl_is_a_mark_at_its_amplitude_in_rpm_and_micrometres(whirls):
     np.testing.assert_allclose(shown, 1e6 * np.sort(amplitude[np.isfinite(amplitude)]))
     assert [line.get_label() for line in marks] == ["stable whirl"]
     with pytest.raises(InputError, match="contact must be one of 0 to 1, got 2"):
-        plot.plot_system_whirls(whirls, contact=2)
-    earlier = plot.plot_system_whirls(in_the_numbers_of_an_earlier_version(whirls), contact=1)
+        plot.plot_amplitude(whirls, contact=2)
+    earlier = plot.plot_amplitude(in_the_numbers_of_an_earlier_version(whirls), contact=1)
     assert [line.get_label() for line in earlier.lines] == ["clearance", "stable whirl"]
 
 
@@ -52,8 +52,8 @@ def test_folds_and_hopf_points_are_marked_on_the_whirls():
     system = Rotor(omega=1.0, zeta=0.07, delta0=0.5, friction=0.1, disc_radius=5.0).system()
     special = special_speeds(system, limits=(0.9, 1.6))
     found = synchronous_response(system, speed=np.linspace(0.9, 1.6, 36))
-    ax = plot.plot_system_whirls(found, special=special)
-    assert ax.get_xlabel() == r"spin speed $\Omega$"
+    ax = plot.plot_amplitude(found, special=special)
+    assert ax.get_xlabel() == r"spin speed $\omega$"
     marks = {line.get_label(): line for line in ax.lines}
     for label, kind in (("fold", SPECIAL["fold"]), ("Hopf point", SPECIAL["hopf"])):
         chosen = special.isel(special=(special.special_kind == kind).values)
@@ -70,7 +70,7 @@ def test_each_contact_has_a_panel_and_without_any_the_nodes_are_drawn(whirls):
     drawn = next(line for line in ax.lines if line.get_label() == "3")
     np.testing.assert_allclose(drawn.get_ydata(), 1e6 * free.node_amplitude.sel(node="3")[:, 0])
     with pytest.raises(InputError, match="there is no contact"):
-        plot.plot_system_whirls(free)
+        plot.plot_amplitude(free)
 
 
 def test_a_campbell_diagram_has_forward_and_backward_whirls():
@@ -122,8 +122,8 @@ def test_special_speeds_are_drawn_on_their_whirls_at_each_contact():
         np.testing.assert_allclose(np.sort(shown), 1e6 * np.sort(branches[np.isfinite(branches)]))
     older = figure_of(special.drop_vars("grazed_contact")).axes
     assert [ax.get_title() for ax in older] == [ax.get_title() for ax in axes]
-    with pytest.raises(InputError, match="special must contain branch_amplitude"):
-        plot.plot_special_speeds(special.drop_vars("branch_amplitude"))
+    with pytest.raises(InputError, match="it lacks branch_amplitude"):
+        plot.plot_amplitude(special.drop_vars("branch_amplitude"))
 
 
 def test_a_clearance_report_is_drawn_with_its_limits_and_critical_speeds():
@@ -157,7 +157,7 @@ def test_the_shapes_of_whirls_are_those_of_their_nodes(whirls):
     """Along the direction of the node that moves most; the speed is the nearest."""
     ax = plot.plot_whirl_shapes(whirls, speed=451.0)
     row = int(np.argmin(np.abs(SPEEDS - 451.0)))
-    assert ax.get_title() == f"spin speed {SPEEDS[row] * 30 / np.pi:.6g} rpm"
+    assert ax.get_title() == f"{SPEEDS[row] * 30 / np.pi:,.0f} rpm"
     here = whirls.isel(speed=row)
     lines = [line for line in ax.lines if len(line.get_ydata()) == 11]
     assert len(lines) == int((here.stability >= 0).sum())

@@ -169,10 +169,6 @@ OF_RUN = {
     "contact_forces": (rotor_ida.contact_forces, ("t", "x", "vy")),
     "signals_of": (rotor_ida.signals_of, ("t", "x", "vx")),
     "plot_run": (plot.plot_run, ("t", "x", "vx", "event_time", "event_x", "event_kind")),
-    "plot_history": (
-        lambda run: plot.plot_history(run, "x"),
-        ("t", "x", "vx", "event_time", "event_vx"),
-    ),
 }
 
 

@@ -117,7 +117,7 @@ def test_what_the_rotor_does_near_a_speed_is_told_by_its_radius():
     assert (words[:, 0] == RESPONSE["contact_free"]).all()
     assert words[-1, 1] == RESPONSE["bouncing"]
     ax = plot_extrema(found)
-    drawn = np.concatenate([line.get_xdata() for line in ax.lines])
+    drawn = np.concatenate([line.get_xdata() for line in ax.lines if line.get_rasterized()])
     assert set(np.round(found.extremum_speed.values, 9)) == set(np.round(drawn, 9))
 
 

@@ -138,12 +138,12 @@ def test_it_is_resumed_and_joined_to_the_same(grid, tmp_path):
 
 def test_the_clearance_of_each_contact_is_drawn_over_that_which_varies():
     found = sweep(RUB, speed=SPEED, clearance=[2.0, 4.0])
-    ax = plot.plot_system_sweep(found, contact=1)
+    ax = plot.plot_amplitude(None, simulated=found, contact=1)
     (line,) = [each for each in ax.lines if each.get_label() == "clearance"]
     assert line.get_xydata().tolist() == [[2.0, 0.5], [4.0, 1.0]]
     several = sweep(RUB, speed=SPEED, clearance=[2.0, 4.0], friction=[0.0, 0.1])
-    with pytest.raises(InputError, match="sweep must contain one friction, got 2"):
-        plot.plot_system_sweep(several)
+    with pytest.raises(InputError, match="simulated must contain one friction, got 2"):
+        plot.plot_amplitude(None, simulated=several)
 
 
 def test_a_factor_of_the_stiffness_is_of_the_supports_too():

@@ -152,7 +152,7 @@ def test_a_grid_is_archived_shown_drawn_joined_and_computed_again(tmp_path):
         (gap, friction) for gap in (0.8, 1.6) for friction in (0.0, 0.1)
     }
     titles = [ax.get_title() for ax in figure_of(archived).axes]
-    assert "largest clearance 0.8, largest friction 0.1" in titles
+    assert "largest clearance 0.8,  largest friction 0.1" in titles
 
 
 def test_a_run_goes_on_from_the_end_of_one():

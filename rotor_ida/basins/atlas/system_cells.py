@@ -34,7 +34,7 @@ from rotor_ida.core.systems import SystemResult
 from rotor_ida.model.whirl import steps_of_turning, whirl_over_spin
 from rotor_ida.results.studies.results import Form
 from rotor_ida.schema import RESPONSE, by_number
-from rotor_ida.simulation.orbit import ENTRY
+from rotor_ida.schema.flags import ENTRY
 from rotor_ida.simulation.systems.flow import SystemFlow
 from rotor_ida.steady.grid import EXPECTED
 from rotor_ida.steady.response import SYNCHRONOUS

@@ -31,7 +31,6 @@ from rotor_ida.errors import InputError, RotorError
 
 if TYPE_CHECKING:
     import xarray as xr
-    from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
 # Attributes of measured signals that describe how the file was read.
@@ -50,8 +49,8 @@ FUNCTIONS = {
 # Those of a whole rotor system, and the option for an argument by another name.
 OF_SYSTEM = {
     "orbits": "plot_node_orbits",
-    "forces": "plot_contact_forces",
-    "history": "plot_node_history",
+    "forces": "plot_forces",
+    "history": "plot_run",
     "shape": "plot_shape",
 }
 # Those of sections and diagrams, at a node of a rotor system.
@@ -302,10 +301,7 @@ def _of_kind(kind: KindOfPlot, dataset: xr.Dataset, chosen: dict[str, Any]) -> F
         is_strobed = kind == "diagram" and "rotating_x" in dataset.variables
         name = "plot_strobes" if is_strobed else DRAWN_BY[kind]
         drawn = getattr(plots, name)(dataset, **chosen)
-    if kind in OF_SYSTEM:
-        return cast("Figure", drawn)
-    ax: Axes = drawn[0] if isinstance(drawn, list) else drawn
-    return cast("Figure", ax.figure)
+    return cast("Figure", drawn.figure)
 
 
 def _written(

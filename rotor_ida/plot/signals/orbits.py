@@ -28,7 +28,7 @@ from rotor_ida.plot.datasets import check_dataset, clearance_of
 from rotor_ida.plot.decimation import draw_path, kept_in_columns, thinned
 from rotor_ida.plot.forces import shade_contacts
 from rotor_ida.plot.labels import label_axis, label_of, title_of
-from rotor_ida.plot.runs import NEEDED, draw_orbit
+from rotor_ida.plot.motion import NEEDED, draw_orbit, place_of_disc
 from rotor_ida.plot.signals.beneath import Beneath
 from rotor_ida.plot.signals.exact_motion import Orbit, Trace, centres_of, orbits_of, traces_of
 from rotor_ida.plot.signals.orders import tracks_of
@@ -36,7 +36,6 @@ from rotor_ida.plot.signals.speeds import mark_speeds, title_about_mean, title_o
 from rotor_ida.plot.signals.units import is_one_speed, length_text, units_of
 from rotor_ida.results.run import check_columns, samples_in
 from rotor_ida.schema import flags_of
-from rotor_ida.signals.path import path_of
 from rotor_ida.signals.record import MEAN, Record, mean_of, record_of
 from rotor_ida.signals.sampling import check_run_sampling
 
@@ -105,11 +104,11 @@ def plot_orbit(
         label_axis(ax.yaxis, "y", given["y"])
         _draw_exact_orbits(ax, exact, given, _ring_of(given, clearance))
         if is_run:
-            path = path_of(given)
-            draw_orbit(ax, given, path)
+            place = place_of_disc(given)
+            draw_orbit(ax, place)
             ax.set_title(title_of("run", given))
             if keyphasor and record is not None:
-                _draw_pulses(ax, record, path.time, path.x, path.y)
+                _draw_pulses(ax, record, place.path.time, place.path.x, place.path.y)
         elif record is not None:
             draw_ring(ax, _ring_of(given, clearance) or 0.0)
             marked = record.has_mark if keyphasor is None else keyphasor

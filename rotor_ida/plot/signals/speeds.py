@@ -13,7 +13,7 @@ from matplotlib.ticker import MaxNLocator
 from rotor_ida.arrays import Values
 from rotor_ida.plot.appearance import BLUE, GOING_DOWN, GOING_UP, INK, ORANGE, draw_marks
 from rotor_ida.plot.datasets import parameters_in
-from rotor_ida.plot.labels import in_lines, text_of, title_of_node
+from rotor_ida.plot.labels import in_lines, text_of, title_of
 from rotor_ida.plot.signals.units import is_one_speed, length_text
 from rotor_ida.signals.record import MEAN
 
@@ -35,7 +35,7 @@ class Leg(NamedTuple):
 def title_of_signals(dataset: xr.Dataset, *, one_speed: bool) -> str:
     """Return the parameters in a dataset, without a speed that changes; of a system its node."""
     if "node" in dataset.coords:
-        return title_of_node(dataset)
+        return title_of("signals", dataset)
     known = {
         name: float(dataset[name])
         for name in parameters_in(dataset)

@@ -1,0 +1,255 @@
+"""How a motion is drawn: where it is seen, its modes in colour, its events, its orbit."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from typing import Any, NamedTuple
+
+import numpy as np
+import numpy.typing as npt
+import xarray as xr
+from matplotlib.axes import Axes
+from matplotlib.patheffects import Stroke
+from matplotlib.ticker import MaxNLocator
+
+from rotor_ida.arrays import Values
+from rotor_ida.model.parameters import PARAMETERS
+from rotor_ida.plot.appearance import (
+    BLUE,
+    DARK_BROWN,
+    DASHES,
+    INK,
+    PURPLE,
+    RED,
+    draw_marks,
+    draw_ring,
+)
+from rotor_ida.plot.datasets import check_dataset, clearance_of
+from rotor_ida.plot.decimation import draw_path, kept_in_columns
+from rotor_ida.results.run import check_system_run, is_of_system
+from rotor_ida.results.si_units import in_suitable_units, scale_of
+from rotor_ida.schema import MODE, flags_of
+from rotor_ida.signals.nodes import Ring, path_in, rings_of
+from rotor_ida.signals.path import Path, largest_speed, path_of
+
+NEEDED = (*PARAMETERS, "t", "x", "y", "vx", "vy", "starts_in_contact", "event_time",
+          "event_kind", "event_x", "event_y", "event_vx", "event_vy", "entry_time",
+          "exit_time")  # fmt: skip
+WITH_PEAKS = (*NEEDED, "peak_time", "peak_force")
+# Above these numbers of events their marks get smaller, and then are left out: they would hide
+# the motion, and the colours of contact and flight show the same.
+FEW_EVENTS, MANY_EVENTS = 40, 120
+# An orbit of more points is thinned.
+DENSE = 200_000
+# Events: the mark of each, its colour, and whether it is filled.
+MARKS = {
+    "entry": ("^", RED, True),
+    "exit": ("v", RED, False),
+    "roll": ("o", DARK_BROWN, True),
+    "slip": ("o", DARK_BROWN, False),
+    "reverse": ("x", PURPLE, True),
+    "press": ("s", INK, True),
+    "release": ("s", INK, False),
+}
+# With friction each kind of motion has a colour, a line and a width. Flight counts as slip, at no
+# normal force.
+WAYS: tuple[tuple[tuple[str, ...], str, str, object, float], ...] = (
+    (("flight",), "flight", BLUE, "-", 1.0),
+    (("slipping_forward", "loose"), "slips forwards", RED, "-", 1.2),
+    (("slipping_backward",), "slips backwards", PURPLE, (0, (1.2, 0.7)), 1.7),
+    (("rolling",), "rolls", DARK_BROWN, "-", 3.0),
+)
+# Rolling is a double line, so that it differs from the others without colour too.
+CORE = "#f3e9e4"
+
+
+class Place(NamedTuple):
+    """Where a rotor is seen: the disc, or a node of a system, in one contact.
+
+    `run` has the events and episodes of that contact alone. Without a stator the clearance is 0.
+    """
+
+    title: str
+    run: xr.Dataset
+    path: Path
+    clearance: float
+    centre: complex = 0j
+
+    @property
+    def radius(self) -> Values:
+        """Distance from the centre of the stator."""
+        return np.abs(self.path.x + 1j * self.path.y - self.centre)
+
+    @property
+    def rubs(self) -> bool:
+        """Whether friction acts."""
+        force = self.run.get("tangential_force")
+        return self.path.mode is not None and (force is None or bool(force.values.any()))
+
+    @property
+    def has_stator(self) -> bool:
+        """Whether there is a contact."""
+        return "entry_time" in self.run.variables
+
+    @property
+    def entries(self) -> Values:
+        """Times at which contacts begin; NaN where one lasts from the start of the run."""
+        return np.asarray(self.run["entry_time"].values) if self.has_stator else np.empty(0)
+
+    @property
+    def event_radius(self) -> Values:
+        """Distance from the centre of the stator at the events; on it at entries and exits."""
+        z = self.run["event_x"].values + 1j * self.run["event_y"].values
+        on_ring = np.isin(self.run["event_kind"].values, (1, -1))
+        return np.where(on_ring, self.clearance, np.abs(z - self.centre))
+
+
+def checked_run(run: object, needed: Sequence[str] = WITH_PEAKS) -> xr.Dataset:
+    """Return a run of any rotor in suitable units, of a system with the events it shows."""
+    if not isinstance(run, xr.Dataset) or not is_of_system(run):
+        return check_dataset("run", run, needed)
+    found = in_suitable_units(check_system_run(run))
+    times, events = found["t"].values, found["event_time"].values
+    return found.isel(event=(events >= times[0]) & (events <= times[-1]))
+
+
+def place_of_disc(run: xr.Dataset) -> Place:
+    """Return the disc in its stator."""
+    return Place("", run, path_of(run), clearance_of(run))
+
+
+def places_in(run: xr.Dataset, nodes: Sequence[str]) -> list[Place]:
+    """Return the contacts at some nodes of a run of a system; nodes without any in space."""
+    return [
+        place_at(run, ring._replace(contacts=contacts))
+        for ring in rings_of(run, nodes)
+        for contacts in [[number] for number in ring.contacts] or [[]]
+    ]
+
+
+def place_at(run: xr.Dataset, ring: Ring) -> Place:
+    """Return a node of a system in one contact, or in none."""
+    path = path_in(run, ring)
+    if not ring.contacts:
+        own = run.isel(event=slice(0, 0), episode=slice(0, 0))
+        return Place(ring.title, own.drop_vars(("entry_time", "exit_time")), path, 0.0)
+    own = in_contact(run, ring.contacts[0])
+    centre = complex(own["centre_x"], own["centre_y"])
+    title = title_of_contact(run, ring.contacts[0])
+    return Place(title, own, path, float(own["clearance"]), centre)
+
+
+def in_contact(run: xr.Dataset, number: int) -> xr.Dataset:
+    """Return one contact in a run of a system, with its events as in a run of one disc."""
+    own = run.isel(
+        contact=number, event=run["event_contact"].values == number,
+        episode=run["episode_contact"].values == number,
+    )  # fmt: skip
+    aside = {f"event_{axis}": own[f"event_contact_{axis}"] + own[f"centre_{axis}"] for axis in "xy"}
+    return own.assign(aside)
+
+
+def title_of_contact(run: xr.Dataset, number: int) -> str:
+    """Return the number of a contact, and its node and stator."""
+    node, stator = (str(run[f"contact_{each}"].values[number]) for each in ("node", "stator"))
+    return f"contact {number} at {Ring(node, stator, []).title}"
+
+
+def draw_orbit(ax: Axes, place: Place) -> None:
+    """Draw the orbit of a rotor, with the stator, the events and the start."""
+    path = place.path
+    draw_ring(ax, place.clearance, place.centre)
+    draw_motion(ax, path, path.x, path.y, width=line_width(place.run), heavier=1.2)
+    if "event_x" in place.run.variables:
+        mark_events(ax, place.run, place.run["event_x"].values, place.run["event_y"].values)
+    draw_marks(ax, path.x[0], path.y[0], "s", INK, size=4.5, label="start", level=3.1)
+    ax.set_aspect("equal", adjustable="datalim")
+    ax.autoscale_view()
+
+
+def square(ax: Axes) -> None:
+    """Make a small panel of an orbit square, with few ticks."""
+    ax.set_aspect("equal", adjustable="datalim")
+    ax.set_box_aspect(1.0)
+    ax.tick_params(labelsize=8.0)
+    for axis in (ax.xaxis, ax.yaxis):
+        axis.set_major_locator(MaxNLocator(nbins=4, steps=[1, 2, 5, 10]))
+
+
+def draw_radius(ax: Axes, place: Place) -> None:
+    """Draw the radius over time, with flight and contact in colour, the stator and the events."""
+    width = line_width(place.run)
+    draw_motion(ax, place.path, place.path.time, place.radius, width=width)
+    if place.clearance > 0.0:
+        ax.axhline(place.clearance, color=INK, lw=0.7, ls=DASHES, zorder=2.6, label="clearance")
+    if "event_x" in place.run.variables:
+        mark_events(ax, place.run, place.run["event_time"].values, place.event_radius)
+    ax.set_ylim(bottom=0.0)
+
+
+def draw_motion(ax: Any, path: Path, *columns: Values, width: float, heavier: float = 1.0) -> None:
+    """Draw flight and contact in colour, contact wider by a factor.
+
+    With friction, forward slip, backward slip and rolling have separate styles.
+    """
+    if path.mode is not None:
+        _draw_ways(ax, path, path.mode, columns, width)
+        return
+    for chosen, colour, lw, label in (
+        (~path.in_contact, BLUE, width, "flight"),
+        (path.in_contact, RED, heavier * width, "contact"),
+    ):
+        if not chosen[:-1].any():
+            continue
+        if path.time.size > DENSE and len(columns) == 2 and columns[0] is path.x:
+            draw_path(ax, *path.stretches(chosen, *columns), colour=colour, width=lw, words=label)
+            continue
+        ax.plot(*path.stretches(chosen, *columns), color=colour, lw=lw, label=label)
+
+
+def _draw_ways(
+    ax: Any, path: Path, ways: npt.NDArray[np.int8], columns: Sequence[Values], width: float
+) -> None:
+    """Draw flight, slip and rolling."""
+    for modes, label, colour, dashes, heavier in WAYS:
+        chosen = np.isin(ways, [MODE[mode] for mode in modes])
+        if not chosen[:-1].any():
+            continue
+        line: Any = {"color": colour, "lw": heavier * width, "ls": dashes, "label": label}
+        if label == "rolls":
+            line["solid_capstyle"] = "butt"
+            line["path_effects"] = [Stroke(), Stroke(linewidth=width, foreground=CORE)]
+        ax.plot(*path.stretches(chosen, *columns), **line)
+
+
+def mark_events(ax: Axes, run: xr.Dataset, across: Values, up: Values) -> None:
+    """Mark events, unless they are too many."""
+    kinds, flags = run["event_kind"].values, flags_of(run["event_kind"])
+    if kinds.size > MANY_EVENTS:
+        return
+    size = 4.0 if kinds.size <= FEW_EVENTS else 2.2
+    for name, (marker, colour, filled) in MARKS.items():
+        of_kind = kinds == flags.get(name)
+        if of_kind.any():
+            draw_marks(ax, across[of_kind], up[of_kind], marker, colour, size=size,
+                       face="" if filled else "white", edge=0.7, label=name,
+                       level=3.0)  # fmt: skip
+
+
+def draw_over_time(
+    ax: Axes, times: Values, values: Values, *, colour: str, width: float, label: str
+) -> None:
+    """Draw a line over time, of many samples those that make a difference in print."""
+    kept = kept_in_columns(times, values)
+    ax.plot(times[kept], values[kept], color=colour, lw=width, label=label)
+
+
+def line_width(run: xr.Dataset) -> float:
+    """Return the width of an orbit: thin if it has many turns."""
+    turns = float(run["t"].values[-1] - run["t"].values[0]) / (2.0 * math.pi)
+    if "zeta" in run.variables:
+        turns *= max(1.0, largest_speed(run)) / scale_of(run, "time")
+    else:
+        turns *= np.abs(run["speed"] if "speed" in run.variables else run.attrs["speed"]).max()
+    return 1.1 if turns < 15 else 0.7 if turns < 60 else 0.45
