@@ -35,21 +35,29 @@ MARKED, USUAL, MARGIN = ("fold_omega", "hopf_omega"), (0.05, 3.0), 1.2
 # Fewest revolutions of a Bode plot, samples between which speeds are compared, and the part by
 # which the speed of a machine may change that does not run up.
 FEW_TURNS, SPEEDS, WANDERS = 16, 17, 0.1
+# Functions that draw a result of a rotor system at one of its nodes.
+AT_NODE = {
+    "system_section": "rotor_ida.plot:plot_section",
+    "system_diagram": "rotor_ida.plot:plot_extrema",
+    "system_stroboscopic_diagram": "rotor_ida.plot:plot_strobes",
+}
 # Margin beside the speeds of a bifurcation diagram, by their range.
 BESIDE = 0.03
 # Width and height of a single panel [inch].
 ALONE = (5.6, 4.2)
 
 
-def figure_of(dataset: xr.Dataset) -> Figure:
-    """Return the figure of a dataset; for a sweep with the exact curve."""
+def figure_of(dataset: xr.Dataset, node: str | None = None) -> Figure:
+    """Return the figure of a dataset, at a node if one is given; a sweep with the exact curve."""
     kind = kind_of(dataset)
     drawn = KINDS[kind].drawn
     if not drawn:
         able = ", ".join(name for name, each in KINDS.items() if each.drawn)
         got = f"{kind!r}{why_not(dataset)}"
         raise InputError(f"figure must be of one of the kinds {able}, got {got}")
-    made: Axes | Figure = loaded(drawn)(dataset)
+    made: Axes | Figure = (
+        loaded(drawn)(dataset) if node is None else loaded(AT_NODE[kind])(dataset, node=node)
+    )
     return made if isinstance(made, Figure) else cast(Figure, made.figure)
 
 
