@@ -175,14 +175,15 @@ def application(word: str = "") -> App:
     )
     for name, commands in COMMANDS.items():
         for place, (command, short) in enumerate(commands.items()):
-            own = (name_of(command), short)
+            name_of_it = name_of(command)
+            is_asked = word in {"", name_of_it, short}
             app.command(
-                _with_options(command) if word in {"", *own} else _listed(command),
-                name=own[0],
+                _with_options(command) if is_asked else _listed(command),
+                name=name_of_it,
                 group=groups[name],
                 sort_key=place,
                 alias=short or None,
-                usage=_usage(command),
+                usage=_usage(command) if is_asked else None,
                 group_parameters=STUDY if name in COMPUTING else OPTIONS,
             )
     app.register_install_completion_command(

@@ -9,7 +9,6 @@ from __future__ import annotations
 import ast
 import inspect
 import re
-from collections.abc import Iterator
 from functools import cache
 from pathlib import Path
 from typing import NamedTuple
@@ -55,8 +54,10 @@ def arguments_of(verb: str) -> dict[str, Argument]:
     for each, default in zip(found.args.kwonlyargs, found.args.kw_defaults, strict=True):
         assert each.annotation is not None
         value = NEEDED if default is None else _value(place, default)
+        has_words = each.arg not in {"start", "starts", "progress"}
         told[each.arg] = Argument(
-            each.arg, ast.unparse(each.annotation), _choices(place, each.annotation), value,
+            each.arg, ast.unparse(each.annotation),
+            _choices(place, each.annotation) if has_words else (), value,
             texts.get(each.arg, ""),
         )  # fmt: skip
     if found.args.kwarg is not None and found.args.kwarg.annotation is not None:
@@ -113,24 +114,29 @@ def _definition(module: str, name: str) -> tuple[str, ast.AST]:
             targets = node.targets if isinstance(node, ast.Assign) else [node.target]
             if any(isinstance(each, ast.Name) and each.id == name for each in targets):
                 return module, node.value
-    for node in _imports(module):
-        for alias in node.names:
-            if name == (alias.asname or alias.name) and node.module is not None:
-                above = f"{module}." if node.level else ""
-                return _definition(f"{above}{node.module}", alias.name)
-    raise LookupError(f"{module} does not define {name}")
+    imported = _imports(module).get(name)
+    if imported is None:
+        raise LookupError(f"{module} does not define {name}")
+    return _definition(*imported)
 
 
-def _imports(module: str) -> Iterator[ast.ImportFrom]:
-    for node in ast.walk(_tree(module)):
-        if isinstance(node, ast.ImportFrom) and (
-            node.level or (node.module or "").startswith("rotor_ida")
-        ):
-            yield node
+@cache
+def _imports(module: str) -> dict[str, tuple[str, str]]:
+    """Return what a module imports from the package: for each name, module and name there."""
+    body = _tree(module).body
+    body = body + [node for each in body if isinstance(each, ast.If) for node in each.body]
+    return {
+        alias.asname or alias.name: (f"{module}.{of}" if node.level else of, alias.name)
+        for node in body
+        if isinstance(node, ast.ImportFrom)
+        and ((of := node.module or "").startswith(PACKAGE.name) or node.level)
+        for alias in node.names
+    }
 
 
 def _choices(module: str, annotation: ast.AST) -> tuple[str, ...]:
     """Return the words of a Literal in an annotation, or of one that it names."""
+    annotation = annotation.left if isinstance(annotation, ast.BinOp) else annotation  # X | None
     for node in ast.walk(annotation):
         if isinstance(node, ast.Name):
             if node.id == "Literal":
