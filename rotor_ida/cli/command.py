@@ -17,7 +17,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal
 
 import rotor_ida
-from rotor_ida.checks import check_choice, shown
+from rotor_ida.checks import check_choice, listed, shown
 from rotor_ida.cli import options
 from rotor_ida.cli.machines import of_sheet, sheet_of
 from rotor_ida.cli.output import Output, answer, answer_whole, working
@@ -106,7 +106,8 @@ class Case:
     @property
     def rotor_values(self) -> dict[str, Any]:
         """The given parameters of one disc, or of several."""
-        return dict(self.rotors.values)
+        rotors = self.rotors
+        return dict(rotors.given if isinstance(rotors, RotorOptions) else rotors.values)
 
     def varied(self) -> list[str]:
         """Return the parameters of one disc that have several values."""
@@ -190,7 +191,7 @@ class Case:
             rotor = self.rotors.chosen(self.known)
             self.output.check(panels=self.panels)
             return [rotor], given
-        starts = given.get("start") or range(given.get("starts", 1))
+        starts = given.get("start") or range(given.get("starts", 1) if self.of.starts else 1)
         axes = [given[name] for name in ("rate", "phase") if isinstance(given.get(name), list)]
         check_points(*self.rotors.axes(), *axes, starts, in_study=given.get("study") is not None)
         self.output.check(panels=self.panels)
@@ -229,6 +230,9 @@ class Case:
         self._check_words(given.get("start"))
         if SPEED in known and SPEED not in given and "speeds" not in given:
             raise InputError(f"speed must be given with --speed or in {self.file}")
+        if "node" in self.of.arguments and "node" not in given:
+            nodes = listed([repr(each) for each in system.nodes], "or")
+            raise InputError(f"node must be given with --node for a rotor system: {nodes}")
         return [system], given
 
     def _values_of_system(self) -> dict[str, Any]:

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from rotor_ida.checks import LARGEST_SEED, MOST_NUMBERS, MOST_WORKERS, State
+from rotor_ida.checks import MOST_NUMBERS, MOST_WORKERS, State
 from rotor_ida.cli import parsing
 from rotor_ida.cli.option_types import (
     IN_OUTPUT,
@@ -65,10 +65,6 @@ RangeOrNone = Annotated[
         negative=(),
     ),
 ]
-StartCount = Annotated[
-    int, count_option("Number of random initial states.", 1, parsing.MOST_POINTS_OF_STUDY)
-]
-Seed = Annotated[int, count_option("Seed of the random numbers.", 0, LARGEST_SEED)]
 RtolOrNone = Annotated[
     float | None, number_option("Relative tolerance. Default: chosen automatically."), IN_SOLVER
 ]

@@ -66,6 +66,8 @@ from rotor_ida.cli.output import Output
 from rotor_ida.cli.parsing import SYSTEM_ENDING, as_given, readable, refuse_units
 from rotor_ida.cli.report import FAILED, INTERRUPTED, Report, console_on, text_of
 from rotor_ida.cli.streams import results_only
+from rotor_ida.cli.verb_options import PAIRS
+from rotor_ida.cli.verbs import NEEDED
 from rotor_ida.errors import InputError, RotorError, SimulationError
 from rotor_ida.texts import in_shell, printable
 
@@ -217,8 +219,13 @@ def _listed(command: Command | Callable[..., object]) -> Callable[..., object]:
 
 def _usage(command: Command | Callable[..., object]) -> str | None:
     if isinstance(command, Command):
-        ends = " [SYSTEM]" if command.takes_systems else ""
-        return f"Usage: rotor-ida {name_of(command)} [OPTIONS]{ends}"
+        needed = [
+            f"--{name} {PAIRS.get(name, name.upper())}"
+            for name, each in command.arguments.items()
+            if each.default is NEEDED
+        ]
+        ends = ["[OPTIONS]", *(["[SYSTEM]"] if command.takes_systems else [])]
+        return " ".join(["Usage: rotor-ida", name_of(command), *needed, *ends])
     return USAGE.get(command)
 
 

@@ -100,11 +100,9 @@ class RotorOptions:
         return self.machine is not None or bool(self.given.keys() & set(MACHINE_PARAMETERS))
 
     @property
-    def values(self) -> dict[str, float]:
+    def given(self) -> dict[str, float]:
         """The given quantities."""
         return {name: getattr(self, name) for name in ONE if getattr(self, name) is not None}
-
-    given = values
 
     def chosen(self, known: Mapping[str, float] = {}) -> Rotor | DimensionalRotor:
         """Return the rotor, dimensionless or in SI units, from the given and `known` quantities."""

@@ -1,53 +1,23 @@
-"""Basins and cycles of the rotor system of a file."""
+"""Cycles of the rotor system of a file."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from rotor_ida.checks import State, listed, shown
-from rotor_ida.cli.output import Output, answer_whole, working
+from rotor_ida.checks import State, shown
+from rotor_ida.cli.output import Output
 from rotor_ida.cli.parsing import refuse_units
-from rotor_ida.cli.report import Report
 from rotor_ida.cli.rotor_options import RotorOptions
 from rotor_ida.errors import InputError
 
 if TYPE_CHECKING:
-    import xarray as xr
-
     from rotor_ida.model.rotor_system import RotorSystem
     from rotor_ida.results.system_file import Course
 
 SPEED = "speed"
-
-
-def basin_file(
-    verb: Callable[..., xr.Dataset],
-    file: Path,
-    rotor: RotorOptions,
-    node: str | None,
-    start: State | str | None,
-    output: Output,
-    given: Mapping[str, Any],
-) -> Report:
-    """Compute basins of the system of a file, or their fractions, over the states of a node."""
-    _check(rotor, output)
-    system, course = case_of(file, {**rotor.given, **given})
-    speed = rotor.given.get(SPEED, course.speed)
-    if speed is None:
-        raise InputError(f"speed must be given with --speed or in {file}")
-    if node is None:
-        nodes = listed([repr(each) for each in system.nodes], "or")
-        raise InputError(f"node must be given with --node for a rotor system: {nodes}")
-    chosen = {name: each for name, each in given.items() if name != "rtol" or each is not None}
-    with working(verb.__name__, given["study"]) as progress:
-        dataset = verb(
-            system, speed=speed, node=node, start=_begun(course, start).start, modes=course.modes,
-            **chosen, progress=progress,
-        )  # fmt: skip
-        return answer_whole(dataset, output, given["study"])
 
 
 def cycle_case(
@@ -82,7 +52,7 @@ def _word(start: State | str) -> str:
 
 def _check(rotor: RotorOptions, output: Output) -> None:
     """Refuse what is of one disc only, and bad paths."""
-    for name, value in {**rotor.values, "machine": rotor.machine}.items():
+    for name, value in {**rotor.given, "machine": rotor.machine}.items():
         if value is not None and name != SPEED:
             raise InputError(f"{name} must be left out with a rotor system, got {shown(value)}")
     output.check()

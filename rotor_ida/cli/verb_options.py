@@ -43,6 +43,13 @@ TEXTS = {
     "events": "Keep the contact events of all runs, in one table.",
     "torque": "Drive torque at standstill, and its decrease with the speed.",
     "vibration_limit": "Vibration limit, from peak to peak. Default: by the speed.",
+    "node": "Node of a rotor system whose initial states these are.",
+    "bifurcation_diagram starts": "Number of random initial states of one disc. Default: 8.",
+    "bifurcation_diagram rate": "Rate of change of the speed, with --direction. Default: the rotor "
+    "settles at each speed.",
+    "extrema_time": "Time over which extrema are found. Default: 100 / reference frequency.",
+    "seed": "Seed of the random numbers.",
+    "shocks": "Number of shocks of each kind to apply to each attractor.",
     "stiffness": "Factors of the stiffness of a rotor system with its supports, as --damping is of "
     "its damping.",
     "unbalance": "Largest unbalance of a rotor system, to which all others keep their ratios, as "
@@ -83,6 +90,32 @@ APART: dict[str, Any] = {
     "executor": options.Executor,
     **dict.fromkeys(COMPONENTS, options.RangeOrNone),
 }
+# A component of the starts of a basin, and how other nodes than the one that is placed start.
+GRID = Annotated[
+    float | list[float],
+    Parameter(
+        help="Component of the initial states: a number or a range.",
+        metavar="FLOAT|START:STOP:COUNT",
+        converter=parsing.converter(parsing.component_or_range),
+        negative=(),
+    ),
+]
+OF_OTHERS = Annotated[
+    State | str | None,
+    options.START,
+    Parameter(
+        help="How the other nodes of a rotor system start: settled (steady whirl without contact) "
+        "or rest (in equilibrium with the load). Default: what its file says.",
+        metavar="settled|rest",
+    ),
+]
+STARTS_OF = {
+    "bifurcation_diagram": "Initial states, one or more, instead of random ones; also settled "
+    "(steady whirl without contact) and rest (in equilibrium with the load).",
+    "run_ups": "Initial states, one or more, or the words settled (steady whirl without contact) "
+    "and rest (in equilibrium with the load) for those of each rotor. Default: rest, or what a "
+    "system file says.",
+}
 SEVERAL_STARTS = Annotated[list[State | str] | None, options.STARTS]
 # Those of `run_up` in a group of their own, and of the others in groups of all commands.
 OF_CHANGE = {"to", "rate", "ramp_time", "speeds", "torque", "inertia", "duration"}
@@ -99,18 +132,28 @@ def options_of(verb: str, arguments: Mapping[str, Argument]) -> Iterator[Option]
     is_study = "study" in arguments
     for name, each in arguments.items():
         if name == "starts" and "Starts" in each.kind:
-            yield "start", SEVERAL_STARTS, None
+            told = [Parameter(help=STARTS_OF[verb])] if verb in STARTS_OF else []
+            yield "start", Annotated[SEVERAL_STARTS, *told], None
             if "int" not in each.kind:
                 continue
         if name in APART:
-            yield name, APART[name], each.default if name == "executor" else None
+            has_default = name == "executor" or name in COMPONENTS
+            kind = OF_OTHERS if name == "start" and "node" in arguments else APART[name]
+            if name in COMPONENTS and each.default is not None:
+                kind = GRID if verb == "basin" else options.Range
+            kind = Annotated[kind, IN_CHANGE] if name == "speeds" else kind
+            yield name, kind, each.default if has_default else None
             continue
-        text = TEXTS.get(f"{name} of a study" if is_study else name) or TEXTS.get(name)
+        known = (f"{verb} {name}", f"{name} of a study" if is_study else name, name)
+        text = next((TEXTS[key] for key in known if key in TEXTS), "")
         group = IN_CHANGE if verb == "run_up" and name in OF_CHANGE else GROUPS.get(name)
         made = _annotated(each, text or short_text(each.text))
         default = each.default
         if _is_axis(each) and isinstance(default, float):
+            made = Annotated[made, Parameter(show_default=lambda values: f"{values[0]:g}")]
             default = [default]
+        if name == "rtol" and default is None:
+            made = options.RtolOrNone
         yield name, made if group is None else Annotated[made, group], default
 
 
@@ -131,7 +174,7 @@ def _annotated(argument: Argument, text: str) -> Any:
     """Return the type of an option with its help, by the annotation of an argument."""
     name, kind = argument.name, argument.kind
     units = UNITS_OF_ARGUMENTS.get(name) or tuple(filter(None, [_unit(name)]))
-    if units and name != "samples":
+    if units and name not in {"samples", "starts"}:
         told = ", ".join(readable(each) for each in units)
         text = _before_the_end(text, f" (SI: {told}{ALSO_AS.get(units[0], '')})")
     made: Any

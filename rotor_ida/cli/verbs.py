@@ -21,7 +21,7 @@ DEFAULT = re.compile(r"[Dd]efault\b|By default\b")
 # Words of Python and of formulas, and those of the command line for them.
 MARKUP = (
     (r" \[rad\]", ", in radians"), (r" \[(?:1|s|m)\](?=[ ,.;:])", ""), (r"``|\*\*", ""),
-    (r"`rotor_ida\.(\w+)`", r"\1"), (r"`(\w+)`", r"\1"), (r"RotorSystem", "rotor system"),
+    (r"`(\w+)`", r"\1"), (r"RotorSystem", "rotor system"),
 )  # fmt: skip
 
 
@@ -75,6 +75,7 @@ def short_text(text: str) -> str:
     >>> short_text("Time to simulate [1]. It is long. Default: ``100``.")
     'Time to simulate. Default: 100.'
     """
+    text = re.sub(r"`rotor_ida\.(\w+)`", lambda named: named[1].replace("_", "-"), text)
     for markup, plain in MARKUP:
         text = re.sub(markup, plain, text)
     first, *others = re.split(r"(?<=\.) (?=[A-Z])", text)

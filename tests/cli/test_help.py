@@ -17,12 +17,6 @@ import pytest
 
 import rotor_ida
 from rotor_ida.checks import AT_REST
-from rotor_ida.cli.commands.basins import (
-    basin,
-    basin_fractions,
-    continue_attractors,
-    touchdown_report,
-)
 from rotor_ida.cli.commands.cycles import bifurcation_curve, continue_cycle, limit_cycle
 from rotor_ida.cli.program import COMMANDS as BY_GROUP
 from rotor_ida.model.parameters import DEFAULTS, OPTIONAL
@@ -232,10 +226,6 @@ def options_of(command: Callable[..., object]) -> dict[str, tuple[object, object
 @pytest.mark.parametrize(
     ("command", "library"),
     [
-        (basin, "basin"),
-        (basin_fractions, "basin_fractions"),
-        (continue_attractors, "continue_attractors"),
-        (touchdown_report, "touchdown_report"),
         (limit_cycle, "limit_cycle"),
         (continue_cycle, "continue_cycle"),
         (bifurcation_curve, "bifurcation_curve"),
