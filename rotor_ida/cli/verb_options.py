@@ -132,8 +132,8 @@ def options_of(verb: str, arguments: Mapping[str, Argument]) -> Iterator[Option]
     is_study = "study" in arguments
     for name, each in arguments.items():
         if name == "starts" and "Starts" in each.kind:
-            told = [Parameter(help=STARTS_OF[verb])] if verb in STARTS_OF else []
-            yield "start", Annotated[SEVERAL_STARTS, *told], None
+            told = Parameter(help=STARTS_OF.get(verb, options.STARTS.help))
+            yield "start", Annotated[SEVERAL_STARTS, told], None
             if "int" not in each.kind:
                 continue
         if name in APART:
