@@ -239,7 +239,7 @@ def _rough_pictures(monkeypatch):
 def folder(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
     monkeypatch.delenv("COLUMNS", raising=False)
-    monkeypatch.setattr("rotor_ida.cli.drop_report.RESOLUTION", 30)
+    monkeypatch.setattr("rotor_ida.cli.pages.RESOLUTION", 30)
     return tmp_path
 
 

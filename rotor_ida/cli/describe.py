@@ -82,7 +82,7 @@ SPECIAL_POINTS = Rows(
     names=("special", "special_kind", "special_value", "special_second_value", "special_period",
            "special_radius_min", "special_radius_max", "special_point"),
 )  # fmt: skip
-SECTION = Layout("Section", (Rows(
+_SECTION = Layout("Section", (Rows(
     title="Crossings", key="crossings", lead="rotating_x",
     names=("crossing", "crossing_time", "node", "rotating_x", "rotating_y", "rotating_vx",
            "rotating_vy"),
@@ -104,6 +104,9 @@ NODES_OF_CYCLE = Rows(
     title="Nodes", key="nodes", lead="node_radius_max",
     names=("node", "node_radius_min", "node_radius_max"),
 )  # fmt: skip
+# The points of a section: one of them and several, and how near to each other they are one.
+CROSSINGS = {"entry": ("entry", "entries")}
+WITHIN = 1e-3
 OF_RUN = ("start", "duration")
 OF_SOLVER = ("method", "rtol", "modes", "more_modes")
 STARTS = ("start_x", "start_y", "start_vx", "start_vy")
@@ -314,6 +317,47 @@ def range_of(name: str, places: Sequence[tuple[xr.Dataset, xr.DataArray]]) -> Li
         mask = here.broadcast_like(values).transpose(*values.dims)
         found.append(span(values.values[mask.values]))
     return line_of(places[0][0], name, found, 6)
+
+
+def show_section(dataset: xr.Dataset, most: int | None) -> Description:
+    """Return the points of a section, first whether they repeat."""
+    record, parts = _SECTION(dataset, most)
+    count, places = dataset.sizes["crossing"], places_of_section(dataset)
+    at = str(dataset.attrs.get("section", "revolution"))
+    one, many = CROSSINGS.get(at, (at, f"{at}s"))
+    same = f"to {100.0 * WITHIN:g} %: the motion repeats"
+    if count < 2:
+        first = "One point" if count else "No points"
+        said = f"{first}: too few to tell whether the motion repeats."
+    elif places == 1:
+        said = f"{count} points in one place, {same} at every {one}."
+    elif places:
+        said = f"{count} points in {places} places, {same} after {places} {many}."
+    else:
+        said = (
+            f"{count} points that do not repeat after up to {count // 2} {many}: the motion has "
+            "not settled, or is quasi-periodic or chaotic."
+        )
+    return {**record, "places": places}, [said, *parts]
+
+
+def places_of_section(dataset: xr.Dataset) -> int:
+    """Return after how many points those of a section repeat; 0 if they do not.
+
+    Displacements and velocities are compared with their largest value at any point and node.
+    """
+    states = []
+    if dataset.sizes["crossing"] < 2:
+        return 0
+    for pair in (("rotating_x", "rotating_y"), ("rotating_vx", "rotating_vy")):
+        both = np.stack([dataset[name].transpose("crossing", ...).values for name in pair], axis=-1)
+        largest = np.linalg.norm(both, axis=-1).max(initial=0.0)
+        states.append(both.reshape(len(both), -1) / (largest or 1.0))
+    points = np.concatenate(states, axis=1)
+    for lag in range(1, len(points) // 2 + 1):
+        if np.abs(points[lag:] - points[:-lag]).max() <= WITHIN:
+            return lag
+    return 0
 
 
 def show_comparison(dataset: xr.Dataset, most: int | None) -> Description:

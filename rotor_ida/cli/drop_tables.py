@@ -5,34 +5,52 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
+from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
 
+from rotor_ida.cli.given import contacts_sheet, supports_sheet
+from rotor_ida.cli.pages import LINEAR, PLANE
 from rotor_ida.cli.sheets import Interval, Line, Sheet, facts
 from rotor_ida.cli.variables import line_of
 from rotor_ida.schema import OF_BEARING, OF_DROP, WHIRL_DIRECTION
-from rotor_ida.steady.drop_words import cells_in, count_of, place_of, places_in, varying
+from rotor_ida.steady.drop_words import (
+    NOT_ACTING,
+    cells_in,
+    count_of,
+    place_of,
+    places_in,
+    varying,
+)
 from rotor_ida.units import number, quantity
 
-# Parameters of the bearings and their mounts, with their SI units.
-OF_CONTACTS = {
-    "clearance": ("clearance", "m"), "law_stiffness": ("contact stiffness", "N/m^exponent"),
-    "law_exponent": ("exponent", "1"), "law_damping": ("contact damping", "s/m"),
-    "law_friction": ("friction", "1"), "law_radius": ("radius of the rotor", "m"),
-    "load_capacity": ("load capacity", "N"), "race_radius": ("radius of the race", "m"),
-    "race_inertia": ("inertia of the race", "kg m2"),
-    "race_drag": ("drag torque of the race over speed", "N m s"),
-}  # fmt: skip
-OF_STATORS = {
-    "stator_mass": ("mass of the mount", "kg"),
-    "stator_stiffness": ("stiffness of the mount", "N/m"),
-    "stator_damping": ("damping of the mount", "N s/m"),
-}  # fmt: skip
-OF_SUPPORTS = {
-    "support_stiffness": ("stiffness", "N/m"), "support_damping": ("damping", "N s/m"),
-    "support_load": ("static load", "N"),
-}  # fmt: skip
+if TYPE_CHECKING:
+    from rotor_ida.model.rotor_system import RotorSystem
+
+TITLE = "Drop on touchdown bearings"
+ASSUMPTIONS = (
+    LINEAR,
+    "Before the drop each magnetic bearing is a linear spring and damper about the centre of its "
+    "node and carries the static load; at the drop the failing ones are gone at once.",
+    "A touchdown bearing is a ring with a clearance: a normal force by its stiffness and contact "
+    "damping, Coulomb friction of constant coefficient, an inner race with inertia and drag. "
+    "Balls, cage and lubricant are not modelled, nor does the bearing warm up or wear.",
+    "After the drop no drive acts: where an inertia is given, drag and friction decelerate the "
+    "rotor; otherwise its speed is held.",
+    PLANE,
+    f"Other close clearances are compared with the motion; {NOT_ACTING}.",
+)
+SCOPE = (
+    "The published scope of ISO 14839-5:2022 on touch-down bearings names contact events, load "
+    "requirements, sizing, simulation for the validation of a design, and acceptance tests. Of "
+    "these this report states contact events (number, duration), loads (largest and mean force, "
+    "impulse, energy), whirl, race speed, coast-down and the gap left at each clearance that was "
+    "given, of simulated drops.",
+    "It does not state: life, wear and temperature of the bearings, loads along the axis, the "
+    "number of drops that a bearing survives, or measurements. It is no statement of conformity "
+    "with any standard.",
+)
 SHARES = {
     "backward_whirl": "with a backward whirl of three turns", "rest": "in contact at the end",
     "decided": "whose largest force comes before the horizon",
@@ -42,12 +60,22 @@ SHARES = {
 MOST_CELLS, DIGITS = 200, 4
 
 
-def given_tables(run: xr.Dataset, drops: xr.Dataset | None) -> list[Sheet]:
+def given_tables(rotor: RotorSystem, run: xr.Dataset, drops: xr.Dataset | None) -> list[Sheet]:
     """Return what the drops were computed from: conditions, supports, bearings and what varies."""
     found = [_conditions(run)]
-    if run.sizes["support"]:
-        found.append(_supports(run))
-    found.append(_bearings(run))
+    if rotor.supports:
+        loads = run["support_load"].values
+        noise = 1e-9 * float(np.abs(loads).max(initial=0.0))
+        more = [
+            Line(f"static load {axis}", [0.0 if abs(each) <= noise else each for each in values],
+                 "N", DIGITS)
+            for axis, values in zip("xy", loads.T.tolist(), strict=True)
+        ]  # fmt: skip
+        more.append(Line("fails", run["support_fails"].values.astype(bool).tolist()))
+        found.append(supports_sheet(rotor, "Magnetic bearings", more))
+    allowed = [Line("load capacity", run["load_capacity"].values.tolist(), "N", DIGITS)
+               for _ in range("load_capacity" in run.variables)]  # fmt: skip
+    found.append(contacts_sheet(rotor, "Touchdown bearings", allowed))
     if drops is not None:
         found.append(_varied(drops))
     return found
@@ -69,30 +97,6 @@ def _conditions(run: xr.Dataset) -> Sheet:
         turned = quantity(round(float(angle), 9) + 0.0, "radian")
         lines.append(Line(f"unbalance at {node!s}", [float(moment)], "kg m", note=f"at {turned}"))
     return facts("Conditions", lines)
-
-
-def _supports(run: xr.Dataset) -> Sheet:
-    """Return the magnetic bearings."""
-    loads = run["support_load"].values
-    noise = 1e-9 * float(np.abs(loads).max(initial=0.0))
-    lines = [Line(f"{words} {axis}", [each if abs(each) > noise else 0.0 for each in values],
-                  unit, DIGITS)
-             for name, (words, unit) in OF_SUPPORTS.items()
-             for axis, values in zip("xy", run[name].values.T.tolist(), strict=True)]  # fmt: skip
-    lines.append(Line("fails", run["support_fails"].values.astype(bool).tolist()))
-    return Sheet("Magnetic bearings", lines, _names(run["support_node"]))
-
-
-def _bearings(run: xr.Dataset) -> Sheet:
-    """Return the touchdown bearings."""
-    lines = [Line(words, run[name].values.tolist(), unit, DIGITS)
-             for name, (words, unit) in OF_CONTACTS.items()
-             if name in run.variables and np.isfinite(run[name].values).any()]  # fmt: skip
-    places = run["stator_number"].values
-    for name, (words, unit) in OF_STATORS.items() if (places >= 0).any() else ():
-        values = [*run[name].values.reshape(run.sizes["stator"], -1)[:, 0].tolist(), math.nan]
-        lines.append(Line(words, [values[each] for each in places], unit, DIGITS))  # -1 is the last
-    return Sheet("Touchdown bearings", lines, _names(run["contact_node"]))
 
 
 def _varied(drops: xr.Dataset) -> Sheet:

@@ -16,7 +16,9 @@ STUDY, OPTIONS = Group("Study", sort_key=3), Group("Options", sort_key=3)
 READING = Group("Measured files", sort_key=4)
 SOLVER = Group("Solver", sort_key=5)
 OUTPUT = Group("Output", sort_key=6)
-IN_ROTOR, IN_SOLVER, IN_OUTPUT = (Parameter(group=each) for each in (ROTOR, SOLVER, OUTPUT))
+IN_ROTOR, IN_CHANGE, IN_SOLVER, IN_OUTPUT = (
+    Parameter(group=each) for each in (ROTOR, SPEED, SOLVER, OUTPUT)
+)
 
 
 def number_option(text: str) -> Parameter:
@@ -52,7 +54,7 @@ def count_option(text: str, lowest: int, highest: int) -> Parameter:
     return Parameter(help=text, converter=reading, validator=Number(gte=lowest, lte=highest))
 
 
-def path_option(text: str, *, name: str | None = None) -> Parameter:
+def path_option(text: str, *, name: str | Sequence[str] | None = None) -> Parameter:
     """Return an option for a path."""
     return Parameter(name=name, help=text, converter=parsing.converter(parsing.path))
 

@@ -8,7 +8,7 @@ from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
 
-from rotor_ida.checks import LARGEST_SEED, MOST_NUMBERS, MOST_WORKERS, State
+from rotor_ida.checks import MOST_NUMBERS, MOST_WORKERS, State
 from rotor_ida.cli import parsing
 from rotor_ida.cli.option_types import (
     IN_OUTPUT,
@@ -16,20 +16,14 @@ from rotor_ida.cli.option_types import (
     IN_SOLVER,
     READING,
     SOLVER,
-    SPEED,
     count_option,
     flag_option,
     number_option,
     numbers_option,
     path_option,
-    quantity_option,
     several_numbers_option,
     words_option,
 )
-from rotor_ida.cli.rotor_options import RotorOptions
-from rotor_ida.errors import InputError
-from rotor_ida.model.rotor import DimensionalRotor, Rotor
-from rotor_ida.simulation.options import Backend, Flight, Method
 
 START = Parameter(
     help="Initial state: displacements and velocities; settled, the steady whirl without contact; "
@@ -52,24 +46,6 @@ STARTS = Parameter(
     negative=(),
     show_default=False,
 )
-Starts = Annotated[list[State | str], STARTS]
-StartsOfRunUps = Annotated[
-    list[State | str] | None,
-    STARTS,
-    Parameter(
-        help="Initial states, one or more, or the words settled (steady whirl without contact) and "
-        "rest (in equilibrium with the load) for those of each rotor. Default: rest, or what a "
-        "system file says."
-    ),
-]
-StartsOrNone = Annotated[
-    list[State | str] | None,
-    STARTS,
-    Parameter(
-        help="Initial states, one or more, instead of random ones; also settled (steady whirl "
-        "without contact) and rest (in equilibrium with the load)."
-    ),
-]
 Range = Annotated[
     float | tuple[float, float],
     Parameter(
@@ -89,30 +65,6 @@ RangeOrNone = Annotated[
         negative=(),
     ),
 ]
-StartCount = Annotated[
-    int, count_option("Number of random initial states.", 1, parsing.MOST_POINTS_OF_STUDY)
-]
-Seed = Annotated[int, count_option("Seed of the random numbers.", 0, LARGEST_SEED)]
-Rtol = Annotated[float, number_option("Relative tolerance."), IN_SOLVER]
-Atol = Annotated[float, number_option("Absolute tolerance."), IN_SOLVER]
-ContactMethod = Annotated[Method, Parameter(help="Solver of the contact phases."), IN_SOLVER]
-MethodOfAny = Annotated[
-    Method | None,
-    Parameter(
-        help="Solver of the contact phases. Default: adams; of a rotor system, taylor.",
-        show_default=False,
-    ),
-    IN_SOLVER,
-]
-MethodOfStudy = Annotated[
-    Method | None,
-    Parameter(
-        help="Solver of the contact phases. Default: taylor, or adams where taylor cannot be used.",
-        show_default=False,
-    ),
-    IN_SOLVER,
-]
-SolverBackend = Annotated[Backend, Parameter(help="Code that runs the solver."), IN_SOLVER]
 RtolOrNone = Annotated[
     float | None, number_option("Relative tolerance. Default: chosen automatically."), IN_SOLVER
 ]
@@ -124,6 +76,15 @@ OfRotor = Literal[
 Workers = Annotated[
     int | None,
     count_option("Number of parallel jobs. Default: one per core.", 1, MOST_WORKERS),
+    IN_SOLVER,
+]
+Executor = Annotated[
+    str,
+    Parameter(
+        help="Executor of the jobs: auto, serial, threads, processes, dask, or the address of a "
+        "dask scheduler.",
+        metavar="NAME|ADDRESS",
+    ),
     IN_SOLVER,
 ]
 System = Annotated[
@@ -143,6 +104,15 @@ SystemFile = Annotated[
     ),
     IN_ROTOR,
 ]  # fmt: skip
+OR_MACHINE = Parameter(help="Rotor system from a TOML file, or a machine with --machine.")
+NodeOfFigure = Annotated[
+    str | None,
+    Parameter(
+        help="Node of a rotor system at which the figure is drawn. Default: that of a contact.",
+        metavar="NAME",
+    ),
+    IN_OUTPUT,
+]
 WithoutGravity = Annotated[
     bool, flag_option("Leave out the gravity of the system's file: whirls have none."), IN_ROTOR
 ]
@@ -172,6 +142,14 @@ Csv = Annotated[
     ),
     IN_OUTPUT,
 ]
+ReportFolder = Annotated[
+    Path | None,
+    path_option(
+        "Write a report to this folder as HTML and PDF: answer, rotor, figure, assumptions, "
+        "versions, and the lines that compute it again, with the archive."
+    ),
+    IN_OUTPUT,
+]
 Orders = Annotated[
     list[float] | None,
     numbers_option("Orders to track, or to mark in a cascade or spectrogram."),
@@ -187,173 +165,13 @@ AsJson = Annotated[bool, flag_option("Print JSON instead of tables.", name="--js
 Force = Annotated[bool, flag_option("Overwrite existing files."), IN_OUTPUT]
 
 
-@Parameter(name="*", group=SPEED)
-@dataclass(frozen=True, kw_only=True)
-class ChangeOptions:
-    """Options for the course of the speed."""
-
-    to: Annotated[
-        float | None,
-        quantity_option(
-            "Final speed of a ramp (SI: rad/s, or as 3000rpm).",
-            "rad s-1",
-        ),
-    ] = None
-    rate: Annotated[
-        float | None,
-        quantity_option(
-            "Rate of change of the speed on a ramp (SI: rad/s2, or as 100rpm/s).",
-            "rad s-2",
-        ),
-    ] = None
-    speeds: Annotated[
-        list[tuple[float, float]] | None,
-        Parameter(
-            help="Speeds at given times, the first at time 0, linear in between (SI: s and "
-            "rad/s, or as 20:3000rpm).",
-            metavar="TIME:SPEED",
-            converter=parsing.converter(parsing.speeds),
-            n_tokens=1,
-            consume_multiple=True,
-            negative=(),
-        ),
-    ] = None
-    torque: Annotated[
-        tuple[float, float] | None,
-        several_numbers_option(
-            "Drive torque at standstill, and its decrease with the speed (SI: N m, N m s).",
-            "TAU0 SLOPE",
-            "N m",
-            "N m s",
-        ),
-    ] = None
-    inertia: Annotated[
-        float | None,
-        quantity_option(
-            "Moment of inertia of the rotor and drive, divided by mass times eccentricity "
-            "squared (SI: kg m2).",
-            "kg m2",
-        ),
-    ] = None
-    duration: Annotated[
-        float | None,
-        quantity_option(
-            "Time to simulate (SI: s). Required with a torque; default: as long as the speed "
-            "changes.",
-            "s",
-        ),
-    ] = None
-
-    ramp_time: Annotated[
-        float | None,
-        quantity_option(
-            "Duration of a ramp, instead of its rate (SI: s).",
-            "s",
-            name=("--ramp-time", "--in"),
-        ),
-    ] = None
-    begin: Annotated[
-        float | None,
-        quantity_option(
-            "Initial speed (SI: rad/s, or as 300rpm). Default: --omega or --speed, or 0 with "
-            "--machine.",
-            "rad s-1",
-            name="--from",
-        ),
-    ] = None
-
-    def beginning(self, rotor: RotorOptions) -> Rotor | DimensionalRotor:
-        """Return a rotor at its initial speed: a file contains the running speed."""
-        speed, given = "speed" if rotor.in_si else "omega", rotor.given
-        if self.begin is None:
-            at_rest = rotor.machine is not None and speed not in given and self.speeds is None
-            return rotor.chosen({speed: 0.0} if at_rest else {})
-        if speed in given:
-            raise InputError(f"{speed} must be left out with --from, got both")
-        return rotor.chosen({speed: self.begin})
-
-    def given(self) -> dict[str, Any]:
-        """Return the arguments for `run_up`."""
-        return {name: each for name, each in asdict(self).items() if name != "begin"}
-
-
-@Parameter(name="*", group=SOLVER)
-@dataclass(frozen=True, kw_only=True)
-class SolverOptions:
-    """Options for the computation of one motion."""
-
-    rtol: Rtol = 1e-10
-    atol: Atol = 1e-12
-    method: ContactMethod = "adams"
-    flight: Annotated[Flight, Parameter(help="Method for the motion inside the clearance.")] = (
-        "exact"
-    )
-    backend: SolverBackend = "auto"
-
-
-@Parameter(name="*", group=SOLVER)
-@dataclass(frozen=True, kw_only=True)
-class RunUpSolverOptions:
-    """Options for the computation of one motion at a changing speed."""
-
-    rtol: Rtol = 1e-10
-    atol: Atol = 1e-12
-    method: ContactMethod = "adams"
-    backend: SolverBackend = "auto"
-
-
-@Parameter(name="*", group=SOLVER)
-@dataclass(frozen=True, kw_only=True)
-class AnySolverOptions(SolverOptions):
-    """Options for the computation of one motion, of one disc or a rotor system."""
-
-    method: MethodOfAny = None  # type: ignore[assignment]
-
-
-@Parameter(name="*", group=SOLVER)
-@dataclass(frozen=True, kw_only=True)
-class AnyRunUpSolverOptions(RunUpSolverOptions):
-    """Options for the computation of one motion at a changing speed, of either."""
-
-    method: MethodOfAny = None  # type: ignore[assignment]
-
-
-@Parameter(name="*", group=SOLVER)
-@dataclass(frozen=True, kw_only=True)
-class SweepSolverOptions(SolverOptions):
-    """Options for the computation of each motion of a sweep."""
-
-    method: MethodOfStudy = None  # type: ignore[assignment]
-
-
-@Parameter(name="*", group=SOLVER)
-@dataclass(frozen=True, kw_only=True)
-class RunUpsSolverOptions(RunUpSolverOptions):
-    """Options for the computation of each of many run-ups."""
-
-    method: MethodOfStudy = None  # type: ignore[assignment]
-
-
-def of_disc(solver: SolverOptions | RunUpSolverOptions) -> dict[str, Any]:
-    """Return options of the solver for one disc, whose default method is not that of a system."""
-    chosen = asdict(solver)
-    return chosen | {"method": chosen["method"] or SolverOptions.method}
-
-
 @Parameter(name="*", group=SOLVER)
 @dataclass(frozen=True, kw_only=True)
 class JobOptions:
     """Options for the executor of many motions."""
 
     workers: Workers = None
-    executor: Annotated[
-        str,
-        Parameter(
-            help="Executor of the jobs: auto, serial, threads, processes, dask, or the address "
-            "of a dask scheduler.",
-            metavar="NAME|ADDRESS",
-        ),
-    ] = "auto"
+    executor: Executor = "auto"
 
     def on_every_core(self) -> dict[str, Any]:
         """Return it, with all cores by default: the program guards its main part."""

@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager, nullcontext
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, nullcontext, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Annotated, Any
 
 from cyclopts import Parameter
 
@@ -16,8 +16,10 @@ from rotor_ida.checks import check_panels, shown
 from rotor_ida.cli import options
 from rotor_ida.cli.option_types import OUTPUT
 from rotor_ida.cli.report import FAILED, INTERRUPTED, Report
+from rotor_ida.cli.sheets import Parts
 from rotor_ida.errors import ArchiveError, InputError, RotorError, SimulationError
 from rotor_ida.texts import in_shell
+from rotor_ida.units import UnitSystem
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -29,6 +31,8 @@ OUT_ENDING = ".nc"
 PICTURES = (".png", ".svg")
 PDF = ".pdf"
 FORCED = "--force is given"
+# Rows of a table in a report; the archive beside it has all.
+MOST_IN_REPORT = 20
 
 
 @Parameter(name="*", group=OUTPUT)
@@ -39,9 +43,18 @@ class Output:
     out: options.Out = None
     figure: options.Figure = None
     csv: options.Csv = None
+    report: options.ReportFolder = None
     inch: options.Inch = False
     as_json: options.AsJson = False
     force: options.Force = False
+    # The node of a figure, and the line that was typed, for a report.
+    node: Annotated[str | None, Parameter(parse=False)] = None
+    line: Annotated[str, Parameter(parse=False)] = ""
+
+    @property
+    def system(self) -> UnitSystem:
+        """The system of units of tables."""
+        return "inch" if self.inch else "metric"
 
     def check(self, *, panels: int = 1) -> None:
         """Refuse files that cannot be written, so that no result is lost."""
@@ -55,6 +68,10 @@ class Output:
             from rotor_ida.results.tables import check_tables  # noqa: PLC0415 - takes a moment
 
             check_tables("csv", self.csv, overwrite=self.force, permission=FORCED)
+        if self.report is not None:
+            from rotor_ida.cli.pages import check_folder  # noqa: PLC0415 - heavy
+
+            check_folder("report", self.report, overwrite=self.force, permission=FORCED)
         if self.figure is not None:
             check_panels(panels)
             if self.figure.suffix not in {"", *PICTURES, PDF} or self.figure.name in {"", ".."}:
@@ -79,77 +96,136 @@ def write_figure(drawn: Figure, figure: Path, *, overwrite: bool) -> list[Path]:
 
 
 def answer(
-    dataset: xr.Dataset, output: Output, *, most: int | None = None, result: Path | None = None
+    dataset: xr.Dataset,
+    output: Output,
+    *,
+    most: int | None = None,
+    result: Path | None = None,
+    summary: xr.Dataset | None = None,
+    rotor: Any = None,
+    files: Sequence[Path] = (),
 ) -> Report:
-    """Return the report on a dataset, and write its files.
+    """Return the answer with a dataset, and write its files.
 
-    A file that cannot be written becomes the trouble of the report, so that the result is printed
-    even then. Tables have `most` rows; `result` is the file of a study, which may be replaced.
+    A file that cannot be written becomes the trouble of the answer, so that the result is printed
+    even then. Tables have `most` rows; `result` is the file of a study, which may be replaced. The
+    answer begins with the `summary` of a run-up. A report has the `rotor` and its `files`.
     """
-    from rotor_ida.cli.describe import describe  # noqa: PLC0415 - heavy, and not for --help
+    record, parts = _described(dataset, summary, most)
+    written: list[str] = []
+    failures: list[str] = []
 
-    written, failures = [], []
-    for path, overwrite in ((output.out, output.force), (result, True)):
-        if path is not None:
-            try:
-                rotor_ida.save(dataset, path, overwrite=overwrite)
-                written.append(f"wrote {path}")
-            except (RotorError, OSError) as error:
-                failures.append(str(error))
-    if output.csv is not None:
-        from rotor_ida.results.tables import save_tables  # noqa: PLC0415 - takes a moment
+    def write(*files: Path) -> None:
+        written.extend(f"wrote {each}" for each in files)
 
-        try:
-            tables = save_tables(dataset, output.csv, overwrite=output.force)
-            written += [f"wrote {file}" for file in tables]
-        except (RotorError, OSError) as error:
-            failures.append(str(error))
-    if output.figure is not None:
-        from rotor_ida.plot.appearance import without_pyplot  # noqa: PLC0415
-        from rotor_ida.plot.figures import figure_of  # noqa: PLC0415 - only who draws needs it
+    with _noting(failures):
+        if output.out is not None:
+            write(Path(rotor_ida.save(dataset, output.out, overwrite=output.force)))
+    with _noting(failures):
+        if result is not None:
+            write(Path(rotor_ida.save(dataset, result, overwrite=True)))
+    with _noting(failures):
+        if output.csv is not None:
+            from rotor_ida.results.tables import save_tables  # noqa: PLC0415 - takes a moment
 
-        with without_pyplot():
-            drawn = figure_of(dataset)
-        try:
-            files = write_figure(drawn, output.figure, overwrite=output.force)
-            written += [f"wrote {file}" for file in files]
-        except OSError as error:
-            failures.append(f"cannot write {output.figure}: {error.strerror or error}")
-    record, parts = describe(dataset, most=most)
+            write(*save_tables(dataset, output.csv, overwrite=output.force))
+    drawn = None if output.figure is None else _figure(dataset, output)
+    with _noting(failures, f"cannot write {output.figure}: "):
+        if drawn is not None and output.figure is not None:
+            write(*write_figure(drawn, output.figure, overwrite=output.force))
+    with _noting(failures):
+        if output.report is not None:
+            told = _described(dataset, summary, MOST_IN_REPORT)[1]
+            write(*_write_report(dataset, output, told, drawn, rotor, files))
     return Report(
         record=record,
         parts=[*parts, *written],
         as_json=output.as_json,
         trouble="; ".join(failures),
-        system="inch" if output.inch else "metric",
+        system=output.system,
     )
 
 
-def summarised(summary: xr.Dataset, report: Report) -> Report:
-    """Return a report that begins with a summary of its result."""
+@contextmanager
+def _noting(failures: list[str], before: str = "") -> Iterator[None]:
+    """Keep the message of an error of a file instead of raising it."""
+    try:
+        yield
+    except (RotorError, OSError) as error:
+        said = getattr(error, "strerror", None) if before else None
+        failures.append(f"{before}{said or error}" if said else str(error))
+
+
+def _described(
+    dataset: xr.Dataset, summary: xr.Dataset | None, most: int | None
+) -> tuple[dict[str, object], Parts]:
+    """Return the record and the parts of a dataset, after those of its summary, if it has one."""
     from rotor_ida.cli.describe import describe  # noqa: PLC0415 - heavy, and not for --help
 
-    record, parts = describe(summary)
-    told = {"summary": record | {"sentence": summary.attrs["sentence"]}}
-    return replace(report, record=told | dict(report.record), parts=[*parts, *report.parts])
+    record, parts = describe(dataset, most=most)
+    if summary is None:
+        return record, parts
+    first, before = describe(summary)
+    told = {"summary": first | {"sentence": summary.attrs["sentence"]}}
+    return told | record, [*before, *parts]
 
 
-def answer_whole(dataset: xr.Dataset, output: Output, study: Path | None) -> Report:
-    """Return the report on a sweep, basin, sample or branch, with trouble if it is incomplete."""
+def _figure(dataset: xr.Dataset, output: Output) -> Figure:
+    """Return the figure of a dataset, at a node if one is given."""
+    from rotor_ida.plot.appearance import without_pyplot  # noqa: PLC0415
+    from rotor_ida.plot.figures import figure_of  # noqa: PLC0415 - only who draws needs it
+
+    with without_pyplot():
+        return figure_of(dataset, node=output.node)
+
+
+def _write_report(
+    dataset: xr.Dataset,
+    output: Output,
+    parts: Parts,
+    drawn: Figure | None,
+    rotor: Any,
+    files: Sequence[Path],
+) -> list[Path]:
+    """Write a report with its archive into a folder; a result without a figure has none."""
+    from rotor_ida.cli.pages import RESULT as ARCHIVE  # noqa: PLC0415 - heavy
+    from rotor_ida.cli.pages import pages_of  # noqa: PLC0415
+    from rotor_ida.results.question import VERBS, Question  # noqa: PLC0415
+
+    folder = output.report
+    assert folder is not None
+    folder.mkdir(exist_ok=True)
+    figures = [] if drawn is None else [("Figure", drawn)]
+    if drawn is None:
+        with suppress(InputError):
+            figures = [("Figure", _figure(dataset, output))]
+    archive = rotor_ida.save(dataset, folder / ARCHIVE, overwrite=output.force)
+    question = Question.of_result(dataset)
+    can_be_checked = question is not None and question.verb in VERBS
+    check = [f"rotor-ida verify {in_shell(archive)}"] if can_be_checked else []
+    pages = pages_of(
+        dataset, parts, rotor=rotor, files=files, commands=[output.line, *check], figures=figures,
+        system=output.system,
+    )  # fmt: skip
+    return [Path(archive), *pages.write(folder, overwrite=output.force)]
+
+
+def answer_whole(dataset: xr.Dataset, output: Output, study: Path | None, **more: Any) -> Report:
+    """Return the answer with a sweep, basin, sample or branch, with trouble if it is incomplete."""
     in_study = None if study is None or output.out is not None else study / RESULT
     if "status" in dataset:
-        report = answer(dataset, output, result=in_study)
+        report = answer(dataset, output, result=in_study, **more)
         return troubled(report, _failures(dataset), FAILED)
     if "special_kind" in dataset:
-        return answer(dataset, output, result=in_study)
+        return answer(dataset, output, result=in_study, **more)
     if "missed_fraction" in dataset:
         reason = dataset.attrs.get("not_computed_reason", "")
-        report = answer(dataset, output, result=None if reason else in_study)
+        report = answer(dataset, output, result=None if reason else in_study, **more)
         return troubled(report, f"not all was computed: {reason}", FAILED) if reason else report
     missing = int(dataset["not_computed_count"])
     interrupted = bool(dataset.attrs["interrupted"])
     if not missing and not interrupted:
-        return answer(dataset, output, result=in_study)
+        return answer(dataset, output, result=in_study, **more)
     # a study can continue, and has a result when complete
     report = answer(dataset, output if study is None else Output(as_json=output.as_json))
     trouble = f"{_reason(dataset, missing)}{going_on(study)}"

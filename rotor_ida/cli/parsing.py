@@ -411,6 +411,17 @@ def starts(name: str, words: Sequence[str]) -> list[State | str]:
     return [start(name, words[first : first + 4]) for first in range(0, len(words), 4)]
 
 
+def number_or_name(_name: str, words: Sequence[str]) -> int | str:
+    """Return a word that counts contacts as a number, any other word unchanged.
+
+    Examples
+    --------
+    >>> number_or_name("contact", ["1"]), number_or_name("contact", ["seal"])
+    (1, 'seal')
+    """
+    return int(words[0]) if words[0].isdecimal() else words[0]
+
+
 def path(name: str, words: Sequence[str]) -> Path:
     """Return a word as a path."""
     if not words[0]:  # which pathlib reads as the current folder

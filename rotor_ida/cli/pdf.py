@@ -12,6 +12,7 @@ from rich.console import Console
 
 from rotor_ida.cli.sheets import Sheet
 from rotor_ida.texts import printable
+from rotor_ida.units import UnitSystem
 
 # Size of a page and its margin [point]; letters in a line, lines on a page, size of letters.
 WIDTH, HEIGHT, MARGIN = 595.0, 842.0, 42.0
@@ -19,10 +20,11 @@ COLUMNS, LINES, SIZE = 146, 98, 5.8
 
 
 def write_pdf(
-    path: Path, foot: str, parts: Sequence[str | Sheet], figures: Sequence[Figure]
-) -> None:
+    path: Path, foot: str, parts: Sequence[str | Sheet], figures: Sequence[Figure],
+    system: UnitSystem = "metric",
+) -> None:  # fmt: skip
     """Write pages of A4 with text and sheets, and then the figures, each on a page of its size."""
-    lines = [line for part in parts for line in [*_lines(part), ""]]
+    lines = [line for part in parts for line in [*_lines(part, system), ""]]
     texts = [lines[first : first + LINES] for first in range(0, len(lines), LINES)]
     with PdfPages(path) as pages:
         for number, text in enumerate(texts, 1):
@@ -41,7 +43,7 @@ def page_of(lines: Sequence[str], foot: str) -> Figure:
     return page
 
 
-def _lines(part: str | Sheet) -> list[str]:
+def _lines(part: str | Sheet, system: UnitSystem) -> list[str]:
     """Return text or a sheet as lines that fit."""
     if isinstance(part, str):
         wrapped = [textwrap.wrap(line, COLUMNS, drop_whitespace=False) or [""]
@@ -49,5 +51,5 @@ def _lines(part: str | Sheet) -> list[str]:
         return [line for lines in wrapped for line in lines]
     console = Console(width=COLUMNS, color_system=None, markup=False, emoji=False)
     with console.capture() as shown:
-        console.print(part.text(COLUMNS))
+        console.print(part.text(COLUMNS, system))
     return [line.rstrip() for line in shown.get().splitlines()]

@@ -6,7 +6,7 @@ import errno
 import sys
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import is_dataclass
+from dataclasses import is_dataclass, replace
 from functools import cache
 from importlib.metadata import version
 from inspect import BoundArguments
@@ -27,6 +27,7 @@ from cyclopts import (
 )
 
 from rotor_ida.checks import did_you_mean, listed, shown
+from rotor_ida.cli.command import Command
 from rotor_ida.cli.commands.basins import (
     basin,
     basin_fractions,
@@ -50,15 +51,25 @@ from rotor_ida.cli.commands.fit import fit
 from rotor_ida.cli.commands.machine import machine
 from rotor_ida.cli.commands.plot import plot
 from rotor_ida.cli.commands.stored import compare, resume, show, status, verify
-from rotor_ida.cli.commands.systems import campbell, clearance_report, special_speeds
-from rotor_ida.cli.commands.whirls import backward_whirl, folds, hopf_points, synchronous_response
+from rotor_ida.cli.commands.whirls import (
+    backward_whirl,
+    campbell,
+    clearance_report,
+    folds,
+    hopf_points,
+    special_speeds,
+    synchronous_response,
+)
 from rotor_ida.cli.machines import missing
 from rotor_ida.cli.option_types import OPTIONS, STUDY
+from rotor_ida.cli.output import Output
 from rotor_ida.cli.parsing import SYSTEM_ENDING, as_given, readable, refuse_units
 from rotor_ida.cli.report import FAILED, INTERRUPTED, Report, console_on, text_of
 from rotor_ida.cli.streams import results_only
+from rotor_ida.cli.verb_options import PAIRS
+from rotor_ida.cli.verbs import NEEDED
 from rotor_ida.errors import InputError, RotorError, SimulationError
-from rotor_ida.texts import printable
+from rotor_ida.texts import in_shell, printable
 
 HELP = """Simulate rotors that touch their stators, and compare with exact results.
 
@@ -69,7 +80,7 @@ Results go to standard output, everything else to standard error.
 Exit status: 0 done, 1 the run or the check failed, 2 bad input.
 """
 # The commands in the groups of the help, in order; some have a short name too.
-COMMANDS: dict[str, dict[Callable[..., object], str]] = {
+COMMANDS: dict[str, dict[Command | Callable[..., object], str]] = {
     "Simulate": {
         machine: "",
         simulate: "",
@@ -103,14 +114,6 @@ COMMANDS: dict[str, dict[Callable[..., object], str]] = {
 }
 # Usage of commands whose files cyclopts does not name.
 USAGE: dict[Callable[..., object], str] = {
-    simulate: "Usage: rotor-ida simulate [OPTIONS] [SYSTEM]",
-    run_up: "Usage: rotor-ida run-up [OPTIONS] [SYSTEM]",
-    bifurcation_diagram: "Usage: rotor-ida bifurcation-diagram [OPTIONS] [SYSTEM]",
-    poincare_section: "Usage: rotor-ida poincare-section --revolutions INT [OPTIONS] [SYSTEM]",
-    synchronous_response: "Usage: rotor-ida synchronous-response [OPTIONS] [SYSTEM]",
-    special_speeds: "Usage: rotor-ida special-speeds --limits LOW HIGH [OPTIONS] SYSTEM",
-    campbell: "Usage: rotor-ida campbell --speed SPEED... [OPTIONS] SYSTEM",
-    clearance_report: "Usage: rotor-ida clearance-report --speed SPEED... [OPTIONS] SYSTEM",
     fit: "Usage: rotor-ida fit --unknown NAME [OPTIONS] FILE...",
     explore: "Usage: rotor-ida explore [OPTIONS] [FILE]",
 }
@@ -118,6 +121,8 @@ USAGE: dict[Callable[..., object], str] = {
 COMPUTING = ("Simulate", "Exact whirls", "Limit cycles", "Explore")
 DONE, BAD_INPUT, PIPE_CLOSED = 0, 2, 141
 STANDARD_OUTPUT = "standard output"
+# The option whose answer has the options of all commands.
+COMPLETION = "--install-completion"
 
 
 def main(words: Sequence[str] | None = None) -> int:
@@ -160,8 +165,8 @@ def main(words: Sequence[str] | None = None) -> int:
 
 
 @cache
-def application() -> App:
-    """Return the commands."""
+def application(word: str = "") -> App:
+    """Return the commands; without a word all have their options, else only the one it names."""
     groups = {name: Group(name, sort_key=place) for place, name in enumerate(COMMANDS)}
     app = App(
         name="rotor-ida",
@@ -172,12 +177,15 @@ def application() -> App:
     )
     for name, commands in COMMANDS.items():
         for place, (command, short) in enumerate(commands.items()):
+            name_of_it = name_of(command)
+            is_asked = word in {"", name_of_it, short}
             app.command(
-                command,
+                _with_options(command) if is_asked else _listed(command),
+                name=name_of_it,
                 group=groups[name],
                 sort_key=place,
                 alias=short or None,
-                usage=USAGE.get(command),
+                usage=_usage(command) if is_asked else None,
                 group_parameters=STUDY if name in COMPUTING else OPTIONS,
             )
     app.register_install_completion_command(
@@ -186,12 +194,52 @@ def application() -> App:
     return app
 
 
+def name_of(command: Command | Callable[..., object]) -> str:
+    """Return the name of a command."""
+    function = command.body if isinstance(command, Command) else command
+    return function.__name__.replace("_", "-")
+
+
+def _with_options(command: Command | Callable[..., object]) -> Callable[..., object]:
+    return command.function() if isinstance(command, Command) else command
+
+
+def _listed(command: Command | Callable[..., object]) -> Callable[..., object]:
+    """Return a function without options for a command that another one is asked beside.
+
+    The options of one command take as long to make as all the rest.
+    """
+    of = command.body if isinstance(command, Command) else command
+
+    def listed(*_words: str) -> None: ...
+
+    listed.__doc__ = of.__doc__
+    return listed
+
+
+def _usage(command: Command | Callable[..., object]) -> str | None:
+    if isinstance(command, Command):
+        needed = [
+            f"--{name} {PAIRS.get(name, name.upper())}"
+            for name, each in command.arguments.items()
+            if each.default is NEEDED
+        ]
+        ends = ["[OPTIONS]", *(["[SYSTEM]"] if command.takes_systems else [])]
+        return " ".join(["Usage: rotor-ida", name_of(command), *needed, *ends])
+    return USAGE.get(command)
+
+
 def _run(words: list[str], results: TextIO) -> int:
     console = console_on(results)
-    command, bound = application().parse_args(
+    first = next(iter(words), "--help")
+    command, bound = application("" if first == COMPLETION else first).parse_args(
         readable(words), console=console, print_error=False, exit_on_error=False
     )[:2]
     _refuse_units(bound.arguments)
+    line = " ".join(map(in_shell, ["rotor-ida", *words]))
+    for name, value in bound.arguments.items():
+        if isinstance(value, Output):
+            bound.arguments[name] = replace(value, line=line)
     with console.capture() as help_text:
         answer = _answer(command, bound)
     if not isinstance(answer, Report):
@@ -274,10 +322,9 @@ def misread(error: CycloptsError) -> str:
 
 def _unknown_option(word: str, known: Iterable[Argument]) -> str:
     """Return a message about an unknown option in one line, with a suggestion."""
-    names = [name for each in known for name in each.names]
-    if word == "--node":
-        return "unknown option '--node': results have all nodes, plot FILE --node NODE draws one"
-    return f"unknown option {shown(word)}{did_you_mean(word, names)}"
+    names = [name.lstrip("-") for each in known for name in each.names]
+    meant = did_you_mean(word.lstrip("-"), names).replace("'", "'--", 1)  # dashes are all alike
+    return f"unknown option {shown(word)}{meant}"
 
 
 def _missing(error: MissingArgumentError, option: str) -> str:

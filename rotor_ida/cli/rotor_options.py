@@ -19,6 +19,7 @@ from rotor_ida.cli.option_types import (
     path_option,
     quantity_option,
 )
+from rotor_ida.errors import InputError
 from rotor_ida.model.data_sheet import units_of
 from rotor_ida.model.parameters import MACHINE_PARAMETERS, OPTIONAL, TABLE
 from rotor_ida.model.parameters import Parameter as Quantity
@@ -27,6 +28,8 @@ from rotor_ida.model.scales import BECOMES
 
 # Placeholder where a speed is required but not used.
 ANY_SPEED = 1.0
+# The speed of a rotor, without dimensions and in SI units.
+SPEEDS = ("omega", "speed")
 MachineFile = Annotated[
     Path | None,
     path_option("Machine in SI units, as written by rotor-ida machine; other options override it."),
@@ -151,3 +154,28 @@ class RotorsOptions:
         return math.prod(
             len(each) for name, each in self.values.items() if BECOMES.get(name, name) != over
         )
+
+
+@Parameter(name="*", group=ROTOR)
+@dataclass(frozen=True, kw_only=True)
+@with_parameters(
+    {name: Annotated[SEVERAL[name], Parameter(show=False)] for name in SPEEDS},
+    dict.fromkeys(SPEEDS),
+)
+class AllSpeedsOptions(RotorsOptions):
+    """Rotors for lists of folds or Hopf points, which are found at all speeds."""
+
+    def asked(
+        self, known: Mapping[str, list[float]] = {}
+    ) -> tuple[DimensionalRotor | None, dict[str, Any]]:
+        """Return the machine, if it is one, and the given parameters that affect these points."""
+        for name in SPEEDS:
+            if name in self.values:
+                raise InputError(f"{name} must be left out: all speeds are searched")
+        speed = "speed" if self.in_si else "omega"
+        if self.machine is None:
+            machines.check_complete(self.values, OPTIONAL, known=(speed,))
+        at_any = {speed: [ANY_SPEED]} if self.machine is None else {}
+        machine, given = super().asked({**known, **at_any})
+        given.pop("omega", None)
+        return machine, given

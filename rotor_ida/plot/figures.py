@@ -65,7 +65,7 @@ ALONE = (5.6, 4.2)
 WHIRLS_ALONG = ("amplitude", "stability", "in_contact")
 
 
-def figure_of(dataset: xr.Dataset) -> Figure:
+def figure_of(dataset: xr.Dataset, *, node: str | None = None) -> Figure:
     """Draw the figure of any result, measured signals included.
 
     A result of a rotor system has a panel for each contact, or each node with one, where its
@@ -75,6 +75,8 @@ def figure_of(dataset: xr.Dataset) -> Figure:
     ----------
     dataset : Dataset
         A result; its kind decides on the figure. Sweeps and whirls are drawn with the exact curve.
+    node : str, optional
+        The node of a rotor system that is drawn alone.
 
     Returns
     -------
@@ -84,7 +86,7 @@ def figure_of(dataset: xr.Dataset) -> Figure:
     Raises
     ------
     InputError
-        If results of this kind have no figure.
+        If results of this kind have no figure, or none of a node.
 
     Examples
     --------
@@ -102,12 +104,14 @@ def figure_of(dataset: xr.Dataset) -> Figure:
     draw = loaded(drawn)
     takes = inspect.signature(draw).parameters
     of_system = not is_of_disc(dataset)
+    if node is not None and "node" not in takes:
+        raise InputError(f"node must be left out for results of the kind {kind!r}")
     if of_system and "contact" in takes and dataset.sizes.get("contact", 0) > 1:
         return in_panels(dataset.sizes["contact"], lambda at, ax: draw(dataset, contact=at, ax=ax))
-    if of_system and {"node", "ax"} <= takes.keys():
+    if of_system and node is None and {"node", "ax"} <= takes.keys():
         nodes = touching_nodes(dataset)
         return in_panels(len(nodes), lambda at, ax: draw(dataset, node=nodes[at], ax=ax))
-    made: Axes | Figure = draw(dataset)
+    made: Axes | Figure = draw(dataset) if node is None else draw(dataset, node=node)
     return made if isinstance(made, Figure) else cast(Figure, made.figure)
 
 
@@ -209,10 +213,10 @@ def _whirls_of_system(part: xr.Dataset, over: str) -> xr.Dataset | None:
         return None
 
 
-def figure_of_diagram(dataset: xr.Dataset) -> Figure:
+def figure_of_diagram(dataset: xr.Dataset, *, node: str | None = None) -> Figure:
     """Return the figure of a bifurcation diagram over one parameter; over speeds on the curve."""
     if not is_of_disc(dataset):
-        nodes = touching_nodes(dataset)
+        nodes = touching_nodes(dataset) if node is None else [node]
         draw = plot_strobes if "rotating_x" in dataset.variables else plot_extrema
         return in_panels(len(nodes), lambda at, ax: draw(dataset, node=nodes[at], ax=ax))
     varied = [name for name in parameters_in(dataset) if dataset[name].size > 1]

@@ -178,7 +178,7 @@ KINDS = {
             name="system_section", meaning="section of a rotor system",
             variables="crossing_time(crossing) " + _STATES_OF_NODES + _CONTACTS,
             dims=("crossing", "node", "contact"),
-            shown=f"{_SHOWN}:SECTION", drawn="rotor_ida.plot:plot_section",
+            shown=f"{_SHOWN}:show_section", drawn="rotor_ida.plot:plot_section",
         ),
         Kind(
             name="system_run_ups", meaning="run-ups of a rotor system",
@@ -423,7 +423,7 @@ KINDS = {
         Kind(
             name="section", meaning="section",
             variables="crossing_time(crossing) " + _STATES, dims=("crossing",),
-            shown=f"{_SHOWN}:SECTION", drawn="rotor_ida.plot:plot_section",
+            shown=f"{_SHOWN}:show_section", drawn="rotor_ida.plot:plot_section",
         ),
         Kind(
             name="lyapunov_exponent", meaning="Lyapunov exponents",

@@ -175,7 +175,7 @@ def test_a_system_file_has_basins_and_fractions(program: Program):
         ),
         (
             ("--omega", 1, "--zeta", 1, "--delta0", 1, "--node", "a", "--x=0:1:2"),
-            "node must be of a",
+            "node must be left out with one disc",
         ),
     ],
 )

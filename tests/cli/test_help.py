@@ -16,16 +16,8 @@ import numpy as np
 import pytest
 
 import rotor_ida
-from rotor_ida.checks import AT_REST, COMPONENTS
-from rotor_ida.cli.commands.basins import (
-    basin,
-    basin_fractions,
-    continue_attractors,
-    touchdown_report,
-)
-from rotor_ida.cli.commands.compute import bifurcation_diagram, run_ups, simulate, sweep
+from rotor_ida.checks import AT_REST
 from rotor_ida.cli.commands.cycles import bifurcation_curve, continue_cycle, limit_cycle
-from rotor_ida.cli.options import SolverOptions
 from rotor_ida.cli.program import COMMANDS as BY_GROUP
 from rotor_ida.model.parameters import DEFAULTS, OPTIONAL
 from rotor_ida.results import system_file
@@ -234,14 +226,6 @@ def options_of(command: Callable[..., object]) -> dict[str, tuple[object, object
 @pytest.mark.parametrize(
     ("command", "library"),
     [
-        (simulate, "simulate"),
-        (sweep, "sweep"),
-        (run_ups, "run_ups"),
-        (bifurcation_diagram, "bifurcation_diagram"),
-        (basin, "basin"),
-        (basin_fractions, "basin_fractions"),
-        (continue_attractors, "continue_attractors"),
-        (touchdown_report, "touchdown_report"),
         (limit_cycle, "limit_cycle"),
         (continue_cycle, "continue_cycle"),
         (bifurcation_curve, "bifurcation_curve"),
@@ -256,24 +240,9 @@ def test_defaults_are_those_of_the_library(command: Callable[..., object], libra
                 default = DEFAULTS[name]
             if default is None and name == "start" and parameter.default:  # or left out with --from
                 default = AT_REST
-            if (
-                default is None and name == "method" and parameter.default
-            ):  # it depends on the rotor
-                default = SolverOptions.method
-            if default is None and name in {*COMPONENTS, "extrema_time"}:  # SI units of the machine
-                continue
             theirs = getattr(parameter.default, "disc", parameter.default)
             # an axis of one number is that number
             assert default in (theirs, [theirs]), name
-
-
-def test_directions_are_those_of_the_library():
-    from rotor_ida.steady.grid import Direction
-
-    choices = {
-        choice for kind in get_args(options_of(sweep)["direction"][0]) for choice in get_args(kind)
-    }
-    assert choices == set(get_args(Direction))
 
 
 def test_choices_of_branches_are_those_of_the_library():

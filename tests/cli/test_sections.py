@@ -12,6 +12,7 @@ import pytest
 
 import rotor_ida
 from rotor_ida import DimensionalRotor, Rotor
+from rotor_ida.cli.describe import places_of_section
 
 Program = Callable[..., Any]
 FILE = """
@@ -70,6 +71,59 @@ def test_a_section_of_a_machine_is_in_si_units(program: Program):
     found = rotor_ida.load("section.nc")
     assert found.equals(same)
     assert found.rotating_x.attrs["units"] == "m"
+
+
+@pytest.mark.parametrize(
+    ("line", "said"),
+    [
+        ("--omega 1.2 --zeta 0.5 --delta0 0.5 --revolutions 4 --skip 60",
+         "5 points in one place, to 0.1 %: the motion repeats at every revolution."),
+        ("--omega 2 --zeta 0.07 --delta0 2 --revolutions 60 --skip 300",
+         "61 points that do not repeat after up to 30 revolutions"),
+        ("--omega 2 --zeta 0.07 --delta0 2 --revolutions 40 --skip 300 --at entry",
+         "points in one place, to 0.1 %: the motion repeats at every entry."),
+        ("--omega 1.2 --zeta 0.5 --delta0 0.5 --revolutions 4 --at entry",
+         "One point: too few to tell whether the motion repeats."),
+        ("--omega 1.2 --zeta 0.5 --delta0 2 --revolutions 4 --at entry",
+         "No points: too few to tell whether the motion repeats."),
+    ],
+)  # fmt: skip
+def test_the_answer_begins_with_whether_the_points_repeat(program: Program, line: str, said: str):
+    """A synchronous whirl stands still on turning axes; a bouncing cycle has its own period."""
+    answer = program("poincare-section", *line.split())
+    assert (answer.status, answer.err) == (0, "")
+    assert said in answer.out.splitlines()[0]
+
+
+@pytest.mark.parametrize("places", [1, 2, 3, 5])
+def test_a_motion_of_several_revolutions_is_in_as_many_places(places: int):
+    """Of a section made of a closed form: a sum of the whirl and a subharmonic of it."""
+    section = rotor_ida.poincare_section(
+        Rotor(omega=1.2, zeta=0.5, delta0=0.5), revolutions=23, skip=60
+    )
+    turn = np.exp(2j * np.pi * np.arange(24) / places)
+    moved = section.copy(deep=True)
+    for name, part in (("rotating_x", turn.real), ("rotating_y", turn.imag)):
+        moved[name] = section[name] + 0.1 * part
+    assert places_of_section(moved) == places
+    jitter = 1.0 + 2e-2 * np.random.default_rng(1).random(24)
+    assert places_of_section(moved.assign(rotating_x=moved.rotating_x * jitter)) == 0
+
+
+def test_a_figure_is_drawn_at_a_node(program: Program, rotor: str):
+    words = ("poincare-section", rotor, "--revolutions", 5, "--figure", "at")
+    assert program(*words, "--node", "two").status == 0
+    whole = program(*words, "--force")
+    assert whole.status == 0
+    wrong = program(*words, "--node", "six", "--force")
+    assert (wrong.status, wrong.out) == (2, "")
+    assert "node must be one of 'one', 'two', got 'six'" in wrong.err
+    diagram = ("diagram", rotor, "--speed", 1.0, 1.1, "--node", "two", "--figure", "diagram")
+    assert program(*diagram).status == 0
+    assert Path("diagram.png").exists()
+    disc = ("--omega", 2, "--zeta", 0.1, "--delta0", 1, "--revolutions", 3)
+    refused = program("section", *disc, "--node", "one")
+    assert "node must be left out with one disc, got 'one'" in refused.err
 
 
 @pytest.mark.parametrize(("contact", "number"), [("two", 1), ("1", 1), ("one", 0)])
@@ -139,14 +193,13 @@ def test_a_stroboscopic_diagram_of_one_disc_is_that_of_the_library(program: Prog
         ("poincare-section rotor.toml --revolutions 3 --atol 1e-9", "atol must be left out with"),
         ("poincare-section rotor.toml --revolutions 3 --start 0 0 0 0", "start must be settled or"),
         ("poincare-section --omega 2 --zeta 0.1 --delta0 1 --revolutions 3 --contact 0",
-         "contact must be of a rotor system, got no system file"),
-        ("bifurcation-diagram rotor.toml", "speed must be given with --speed for a diagram of a"),
+         "contact must be left out with one disc, got 0"),
         ("bifurcation-diagram rotor.toml --speed 1 --starts 4", "starts must be left out with a"),
         ("bifurcation-diagram rotor.toml --speed 1 --x 1", "x must be left out with a rotor"),
         ("bifurcation-diagram rotor.toml --speed 1 --seed 1", "seed must be left out with a rotor"),
-        ("bifurcation-diagram rotor.toml --speed 1 --method bdf", "method must be taylor for a"),
+        ("bifurcation-diagram rotor.toml --speed 1 --method bdf", "method must be"),
         ("bifurcation-diagram --omega 1 --zeta 0.1 --delta0 1 --unbalance 2",
-         "unbalance must be of a rotor system, got no system file"),
+         "unbalance must be left out with one disc, got [2.0]"),
     ],
 )  # fmt: skip
 def test_what_does_not_go_together_is_refused_in_one_line(

@@ -14,9 +14,14 @@ from rotor_ida.cli import options
 from rotor_ida.cli.option_types import IN_OUTPUT, count_option, path_option, quantity_option
 from rotor_ida.cli.output import FORCED, working
 from rotor_ida.cli.report import Report
+from rotor_ida.cli.sheets import facts
 from rotor_ida.errors import InputError
 
 if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+    from rotor_ida.cli.pages import Pages
     from rotor_ida.model.rotor_system import RotorSystem
     from rotor_ida.results.system_file import Course
 
@@ -24,9 +29,13 @@ if TYPE_CHECKING:
 NOT_OF_MANY = {"phase", "more_modes"}
 # The study of many drops in the folder of their report, until all of this is written.
 UNFINISHED = "unfinished"
-# Endings of files, which no folder of a report should have.
-OF_FILES = (".html", ".pdf", ".nc", ".csv", ".toml")
-ReportFolder = Annotated[Path, path_option("Folder of the report, which is made."), IN_OUTPUT]
+# The archives of a report, of one drop and of many.
+ONE, MANY = "drop.nc", "drops.nc"
+ReportFolder = Annotated[
+    Path,
+    path_option("Folder of the report, which is made.", name=("--out", "--report")),
+    IN_OUTPUT,
+]
 DropSpeed = Annotated[
     float | None,
     quantity_option(
@@ -74,7 +83,7 @@ def drop(
     Until then they are in report/unfinished, or in the folder of --study, which stays.
     """
     from rotor_ida.cli.describe import describe  # noqa: PLC0415 - heavy, and not for --help
-    from rotor_ida.cli.drop_report import report_files, write_report  # noqa: PLC0415
+    from rotor_ida.cli.pages import HTML, PDF  # noqa: PLC0415
     from rotor_ida.plot.drops import check_film  # noqa: PLC0415
     from rotor_ida.results.files import check_target  # noqa: PLC0415
     from rotor_ida.results.system_file import read_system_file  # noqa: PLC0415
@@ -92,10 +101,10 @@ def drop(
     overwrite = force or (many and unfinished.is_dir())
     if film is not None:
         check_film(film, overwrite=overwrite, permission=FORCED)
-    files = report_files(out, many=many)
+    archives = [out / ONE, *([out / MANY] if many else [])]
     made = _make(out)
     try:
-        for path in files:
+        for path in (*archives, out / HTML, out / PDF):
             check_target("out", path, overwrite=overwrite, permission=FORCED)
         with working("drop [%]") as progress:
             run = rotor_ida.drop(rotor, **given, progress=progress)
@@ -110,11 +119,10 @@ def drop(
         before = _saved_before(kept)
         everything = _many(rotor, given, vary, jobs, kept)
         unfinished.mkdir(exist_ok=True)
-        rotor_ida.save(everything, files[1], overwrite=overwrite)
-    rotor_ida.save(run, files[0], overwrite=overwrite)
-    asked = {name: repr(value) for name, value in told.items() if value is not None}
-    pages = write_report(out, system, run, everything, asked, overwrite=overwrite)
-    written = [*files[:-2], *pages]
+        rotor_ida.save(everything, out / MANY, overwrite=overwrite)
+    rotor_ida.save(run, out / ONE, overwrite=overwrite)
+    pages = _pages(rotor, system, out, run, everything, told).write(out, overwrite=overwrite)
+    written = [*archives, *pages]
     if film is not None:
         from rotor_ida.plot import save_orbit_film  # noqa: PLC0415 - heavy
 
@@ -127,6 +135,52 @@ def drop(
         record |= {"drops": describe(everything, most=0)[0]}
     parts += [*filter(None, [before]), *(f"wrote {each}" for each in written)]
     return Report(record=record, parts=parts, as_json=as_json)
+
+
+def _pages(
+    rotor: RotorSystem, system: Path, folder: Path, run: xr.Dataset, drops: xr.Dataset | None,
+    options: Mapping[str, object],
+) -> Pages:  # fmt: skip
+    """Return the report on drops, computed with options."""
+    from rotor_ida.cli import drop_tables, pages  # noqa: PLC0415 - heavy
+    from rotor_ida.results.question import Question  # noqa: PLC0415
+    from rotor_ida.steady.drop_words import sentence_of  # noqa: PLC0415
+
+    allowed = drop_tables.acceptance(run, drops)
+    many = [] if drops is None else drop_tables.drops_tables(drops)
+    given = {name: repr(value) for name, value in options.items() if value is not None}
+    asked = Question("drop", {"rotor": system, "out": folder, **given})
+    return pages.Pages(
+        title=drop_tables.TITLE,
+        head=pages.head_of(run, [system]),
+        summary=[sentence_of(run, drops)],
+        answers=[allowed] if allowed else [],
+        tables=[*drop_tables.run_tables(run), *many, *drop_tables.given_tables(rotor, run, drops)],
+        figures=_figures(run, drops),
+        assumptions=drop_tables.ASSUMPTIONS,
+        scope=drop_tables.SCOPE,
+        commands=[asked.command(), Question("verify", {"rotor": folder / ONE}).command()],
+        versions=facts("Versions", pages.versions_of(run) | pages.digest_of(system)),
+        sources=pages.sources_of([system]),
+    )
+
+
+def _figures(run: xr.Dataset, drops: xr.Dataset | None) -> list[tuple[str, Figure]]:
+    """Return the figures with their titles."""
+    from rotor_ida.plot import drop_figure, drops_figure, system_figure  # noqa: PLC0415 - heavy
+    from rotor_ida.plot.appearance import without_pyplot  # noqa: PLC0415
+
+    with without_pyplot():
+        found = [("One drop: radius, force and speeds", drop_figure(run)),
+                 ("One drop: orbits and forces", system_figure(run))]  # fmt: skip
+        if drops is not None:
+            words = (
+                "Grid: ranges (shaded) and means (dots)"
+                if "cell" in drops.sizes
+                else "Distributions over many drops"
+            )
+            found.append((words, drops_figure(drops)))
+    return found
 
 
 def _asked(
@@ -162,6 +216,8 @@ def _asked(
 
 def _make(folder: Path) -> list[Path]:
     """Make the folder of the report, and return the new folders, the innermost first."""
+    from rotor_ida.cli.pages import OF_FILES  # noqa: PLC0415 - heavy
+
     if folder.suffix in OF_FILES:
         raise InputError(f"out must be a folder, got the name of a file, {shown(str(folder))}")
     new = [each for each in (folder, *folder.parents) if not each.exists()]

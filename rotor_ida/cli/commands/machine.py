@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Any
@@ -11,6 +10,7 @@ from cyclopts import Parameter
 
 from rotor_ida.checks import shown
 from rotor_ida.cli import machines, options, parsing
+from rotor_ida.cli.given import facts_of_machine
 from rotor_ida.cli.option_types import IN_OUTPUT, ROTOR, path_option
 from rotor_ida.cli.output import FORCED
 from rotor_ida.cli.report import Report
@@ -18,8 +18,7 @@ from rotor_ida.cli.rotor_options import with_parameters
 from rotor_ida.cli.sheets import Line, Parts, facts
 from rotor_ida.errors import InputError
 from rotor_ida.model.data_sheet import check_keys, implausible
-from rotor_ida.model.rotor import DimensionalRotor
-from rotor_ida.units import SPEED_UNITS, read_in
+from rotor_ida.units import read_in
 
 ENDING = ".toml"
 MachineOut = Annotated[Path | None, path_option("Write the machine to this TOML file."), IN_OUTPUT]
@@ -96,7 +95,7 @@ def machine(
     found = machines.of_sheet(given, None)
     from rotor_ida.results.machine_file import machine_text, save_machine  # noqa: PLC0415
 
-    lines, warnings = _facts(found), implausible(found)
+    lines, warnings = facts_of_machine(found), implausible(found)
     numbers = {name: float(f"{each:.6g}") for name, each in found.rotor().given.items()}
     parts: Parts = [
         facts("Machine", lines),
@@ -119,23 +118,6 @@ def _checked(out: Path, force: bool) -> Path:
     if out.suffix != ENDING:
         raise InputError(f"out must end in {ENDING}, got {shown(out)}")
     return check_target("out", out, overwrite=force, permission=FORCED)
-
-
-def _facts(machine: DimensionalRotor) -> list[Line]:
-    """Return the engineering data of a machine."""
-    eccentricity, speed, ratio = machine.eccentricity, machine.speed, machine.damping_ratio
-    resonance = eccentricity / (2.0 * ratio) if ratio > 0.0 else math.nan
-    return [
-        Line("running speed", [speed], "rad/s"),
-        Line("critical speed", [machine.critical_speed or math.nan], "rad/s"),
-        Line("damping ratio at the critical speed", [ratio], digits=6),
-        Line("eccentricity", [eccentricity], "m"),
-        Line("unbalance", [machine.mass * eccentricity], "kg m"),
-        Line("balance grade at the running speed", [eccentricity * speed], "m/s"),
-        Line("clearance", [machine.clearance], "m"),
-        Line("amplitude at the critical speed without contact", [resonance], "m"),
-        Line("reference frequency", [machine.reference_frequency / SPEED_UNITS["Hz"]], "Hz"),
-    ]
 
 
 def _usual(line: Line) -> tuple[str, float]:

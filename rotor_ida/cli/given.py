@@ -1,0 +1,186 @@
+"""Sheets of what a result was computed from: the rotor, its contacts, unbalance and supports."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rotor_ida.cli.sheets import Line, Sheet, facts
+from rotor_ida.errors import InputError
+from rotor_ida.model.parameters import OF_MACHINE
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.model.system_parts import Contact, Stator
+from rotor_ida.units import SPEED_UNITS
+
+if TYPE_CHECKING:
+    from rotor_ida.model.rotor_system import RotorSystem
+
+DIGITS = 6
+LINEAR, HERTZ = 1.0, 1.5
+# The numbers of contacts, their stators and races: words, SI unit, and the value of one contact.
+Read = Callable[[Contact], Any]
+OF_CONTACT: dict[str, tuple[str, Read]] = {
+    "clearance": ("m", lambda each: each.clearance),
+    "stiffness of the linear contact": (
+        "N/m", lambda each: each.stiffness if each.exponent == LINEAR else math.nan,
+    ),
+    "stiffness of the Hertz contact": (
+        "N/m^1.5", lambda each: each.stiffness if each.exponent == HERTZ else math.nan,
+    ),
+    "contact damping": ("s/m", lambda each: each.damping),
+    "friction": ("1", lambda each: each.friction),
+    "radius of the rotor": ("m", lambda each: _or_none(each.radius)),
+    "offset of the centre x": ("m", lambda each: each.centre[0]),
+    "offset of the centre y": ("m", lambda each: each.centre[1]),
+    "mass of the mount": ("kg", lambda each: _of_stator(each, "mass")),
+    "stiffness of the mount": ("N/m", lambda each: _of_stator(each, "stiffness")),
+    "damping of the mount": ("N s/m", lambda each: _of_stator(each, "damping")),
+    "radius of the race": ("m", lambda each: _of_race(each, "radius")),
+    "inertia of the race": ("kg m2", lambda each: _of_race(each, "inertia")),
+    "drag torque of the race over speed": ("N m s", lambda each: _of_race(each, "drag")),
+}  # fmt: skip
+
+
+def sheets_of_rotor(
+    rotor: Rotor | DimensionalRotor | RotorSystem, speed: float | None = None
+) -> list[Sheet]:
+    """Return what is known of a rotor, at a speed of a system, before anything is computed.
+
+    Examples
+    --------
+    >>> [each.title for each in sheets_of_rotor(Rotor(omega=2.0, zeta=0.07, delta0=0.5))]
+    ['Rotor without dimensions']
+    """
+    if isinstance(rotor, DimensionalRotor):
+        known = facts_of_machine(rotor)
+        names = {"speed", *(each.name for each in known)}
+        given = [each for each in _numbers(rotor) if each.name not in names]
+        return [facts("Machine", [*given, *known])]
+    if isinstance(rotor, Rotor):
+        numbers = {name: each for name, each in rotor.given.items() if each is not None}
+        return [facts("Rotor without dimensions", numbers)]
+    return _sheets_of_system(rotor, speed)
+
+
+def _numbers(machine: DimensionalRotor) -> list[Line]:
+    """Return the given numbers of a machine."""
+    is_linear = machine.contact_exponent == LINEAR
+    lines = []
+    for name, value in machine.given.items():
+        unit = OF_MACHINE[name].shown_unit
+        unit = unit.replace("m^1.5", "m") if is_linear else unit
+        lines.append(Line(name.replace("_", " "), [value], unit, DIGITS))
+    return lines
+
+
+def facts_of_machine(machine: DimensionalRotor) -> list[Line]:
+    """Return what follows from the numbers of a machine."""
+    eccentricity, speed, ratio = machine.eccentricity, machine.speed, machine.damping_ratio
+    resonance = eccentricity / (2.0 * ratio) if ratio > 0.0 else math.nan
+    return [
+        Line("running speed", [speed], "rad/s"),
+        Line("critical speed", [machine.critical_speed or math.nan], "rad/s"),
+        Line("damping ratio at the critical speed", [ratio], digits=6),
+        Line("eccentricity", [eccentricity], "m"),
+        Line("unbalance", [machine.mass * eccentricity], "kg m"),
+        Line("balance grade at the running speed", [eccentricity * speed], "m/s"),
+        Line("clearance", [machine.clearance], "m"),
+        Line("amplitude at the critical speed without contact", [resonance], "m"),
+        Line("reference frequency", [machine.reference_frequency / SPEED_UNITS["Hz"]], "Hz"),
+    ]
+
+
+def _sheets_of_system(system: RotorSystem, speed: float | None) -> list[Sheet]:
+    found = [facts("Rotor system", _of_whole(system, speed))]
+    if system.contacts:
+        found.append(contacts_sheet(system, "Given contacts"))
+    if system.unbalance:
+        lines = [
+            Line("unbalance", [each.moment for each in system.unbalance], _si(system, "kg m")),
+            Line("angle from x", [each.phase for each in system.unbalance], "radian"),
+        ]
+        found.append(Sheet("Unbalance", lines, [each.node for each in system.unbalance]))
+    if system.supports:
+        found.append(supports_sheet(system, "Supports"))
+    return found
+
+
+def supports_sheet(system: RotorSystem, title: str, more: Sequence[Line] = ()) -> Sheet:
+    """Return the supports of a system, a column for each."""
+    lines = [
+        Line(f"{name} {axis}", [getattr(each, name)[place] for each in system.supports],
+             _si(system, unit), DIGITS)
+        for name, unit in (("stiffness", "N/m"), ("damping", "N s/m"))
+        for place, axis in enumerate("xy")
+    ]  # fmt: skip
+    return Sheet(title, [*lines, *more], [each.node for each in system.supports])
+
+
+def contacts_sheet(system: RotorSystem, title: str, more: Sequence[Line] = ()) -> Sheet:
+    """Return the contacts of a system, a column for each."""
+    lines = []
+    for name, (unit, read) in OF_CONTACT.items():
+        values = [read(each) for each in system.contacts]
+        if any(np.nan_to_num(value).any() for value in values):
+            lines.append(Line(name, values, _si(system, unit), DIGITS))
+    nodes = [each.stator if isinstance(each.stator, str) else "" for each in system.contacts]
+    if any(nodes):
+        lines.append(Line("node of the stator", nodes))
+    return Sheet(title, [*lines, *more], [each.node for each in system.contacts])
+
+
+def _of_whole(system: RotorSystem, speed: float | None) -> list[Line]:
+    """Return size, mass, unbalance and constant forces of a system."""
+    lines = [
+        Line("degrees of freedom", [system.size]),
+        Line("nodes", [", ".join(system.nodes)]),
+    ]
+    moment = sum(each.moment for each in system.unbalance)
+    mass = _mass(system)
+    if mass is not None:
+        lines.append(Line("mass", [mass], _si(system, "kg"), DIGITS))
+    lines.append(Line("unbalance of all nodes", [moment], _si(system, "kg m"), DIGITS))
+    if speed is not None:
+        lines.append(Line("speed", [abs(speed)], _si(system, "rad/s")))
+        if mass:
+            lines.append(Line("balance grade at this speed", [moment / mass * abs(speed)],
+                              _si(system, "m/s"), DIGITS))  # fmt: skip
+    if system.gravity is not None:
+        lines.append(Line("gravity", [list(system.gravity)], _si(system, "m/s2"), DIGITS))
+    if system.static_force is not None:
+        largest = float(abs(system.static_force).max())
+        lines.append(Line("largest static force", [largest], _si(system, "N"), DIGITS))
+    return lines
+
+
+def _mass(system: RotorSystem) -> float | None:
+    """Return the mass that moves where all nodes do, if the nodes tell it."""
+    try:
+        return float(system.unit_translations()[:, 0] @ system.weight((1.0, 0.0)))
+    except InputError:
+        return None
+
+
+def _si(system: RotorSystem, unit: str) -> str:
+    return unit if system.units == "SI" or unit == "1" else "1"
+
+
+def _or_none(value: float | None) -> float:
+    return math.nan if value is None else value
+
+
+def _of_stator(contact: Contact, name: str) -> float | tuple[float, ...]:
+    """Return a number of a stator that moves; those along x and y where they differ."""
+    if not isinstance(contact.stator, Stator):
+        return math.nan
+    value = getattr(contact.stator, name)
+    both = value if isinstance(value, tuple) else (value,)
+    return both if len({*both}) > 1 else float(both[0])
+
+
+def _of_race(contact: Contact, name: str) -> float:
+    race = contact.race or (contact.stator.race if isinstance(contact.stator, Stator) else None)
+    return math.nan if race is None else float(getattr(race, name))

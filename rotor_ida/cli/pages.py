@@ -1,0 +1,243 @@
+"""Reports that one hands on: a page of HTML and a PDF, with figures, and how to repeat them."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+import io
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from rotor_ida.checks import shown
+from rotor_ida.cli.given import sheets_of_rotor
+from rotor_ida.cli.pdf import write_pdf
+from rotor_ida.cli.sheets import Parts, Sheet, facts
+from rotor_ida.errors import InputError
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.results.files import check_target, file_to_write
+from rotor_ida.results.kinds import KINDS, kind_of
+from rotor_ida.results.provenance import versions
+from rotor_ida.results.question import Question
+from rotor_ida.results.toml_files import read_toml
+from rotor_ida.texts import printable
+from rotor_ida.units import UnitSystem
+
+if TYPE_CHECKING:
+    import xarray as xr
+    from matplotlib.figure import Figure
+
+LINEAR = "The rotor is linear. All that is not linear happens in the contacts."
+CONTACTS = (
+    "Each contact is a ring with a clearance: a normal force by its stiffness and contact damping, "
+    "and Coulomb friction of constant coefficient, the same at rest and sliding. Nothing wears or "
+    "warms up."
+)
+PLANE = (
+    "The motion is plane at each contact; axial and torsional motion act only as far as they are "
+    "in the matrices."
+)
+# What is assumed of one disc, of a rotor system, and by what is asked of either.
+OF_DISC = (
+    "The rotor is one disc in the middle of a shaft without mass. It moves across its axis; there "
+    "are no gyroscopic moments.",
+    "The stator is rigid and centred on the axis of the shaft.",
+    CONTACTS,
+)
+OF_SYSTEM = (LINEAR, CONTACTS, PLANE)
+OF_VERB = {
+    "simulate": ("The speed is constant, whatever torque that needs.",),
+    "sweep": ("Responses are those reached from the given starts. There may be others.",),
+    "clearance_report": (
+        "Clearances are compared with the linear response to unbalance; a static deflection and an "
+        "offset of the centres are not counted.",
+        "The formulas are those of public statements of API 617 and API RP 684. This is no "
+        "statement of conformity with any standard.",
+    ),
+    "fit": (
+        "The machine is the model of one disc; what the model lacks goes into the residuals.",
+        "The noise of the probes is independent from sample to sample.",
+    ),
+}
+VERSIONS = ("rotor_ida_version", "python_version", "numpy_version",
+            "scipy_version", "xarray_version", "sundials_version", "core_compiler", "core_level",
+            "method", "rtol")  # fmt: skip
+# Longest file that is printed [characters], and resolution of pictures [1/inch].
+LONGEST_FILE, RESOLUTION = 20_000, 180
+# Endings of files, which no folder of a report should have.
+OF_FILES = (".html", ".pdf", ".nc", ".csv", ".toml")
+RESULT, HTML, PDF = "result.nc", "report.html", "report.pdf"
+
+
+@dataclass(frozen=True, kw_only=True)
+class Pages:
+    """The contents of a report.
+
+    Parameters
+    ----------
+    title, head : str
+        The title, and from what, when and with what the result was computed.
+    summary : sequence of str
+        The answer in words.
+    answers, tables : sequence of str or Sheet
+        What stands before the figures, and after them.
+    figures : sequence of (str, Figure)
+        Figures with their titles.
+    assumptions, scope : sequence of str
+        What is assumed, and what is stated and what not.
+    commands : sequence of str
+        The lines that compute the result again, and check it.
+    versions : Sheet
+        What computed the result.
+    sources : mapping of str to str
+        The files of the rotor, with their texts.
+    system : str
+        The system of units.
+    """
+
+    title: str
+    head: str
+    summary: Sequence[str]
+    answers: Sequence[str | Sheet] = ()
+    tables: Sequence[str | Sheet]
+    figures: Sequence[tuple[str, Figure]]
+    assumptions: Sequence[str]
+    scope: Sequence[str] = ()
+    commands: Sequence[str]
+    versions: Sheet
+    sources: Mapping[str, str]
+    system: UnitSystem = "metric"
+
+    def write(self, folder: Path, *, overwrite: bool) -> list[Path]:
+        """Write the page and the PDF into a folder; return them."""
+        from rotor_ida.plot.appearance import boxes_for_letters  # noqa: PLC0415 - heavy
+
+        html, pdf = folder / HTML, folder / PDF
+        with file_to_write("report", html, overwrite=overwrite) as part:
+            part.write_text(self._html(), encoding="utf-8")
+        with file_to_write("report", pdf, overwrite=overwrite) as part, boxes_for_letters():
+            figures = [figure for _, figure in self.figures]
+            write_pdf(part, self.title, self._in_order(), figures, self.system)
+        return [html, pdf]
+
+    def _html(self) -> str:
+        """Return the report as HTML that needs no other file."""
+        from jinja2 import Environment, PackageLoader, StrictUndefined  # noqa: PLC0415 - heavy
+
+        environment = Environment(
+            loader=PackageLoader("rotor_ida", "cli"), undefined=StrictUndefined, autoescape=True,
+            finalize=lambda value: printable(value) if isinstance(value, str) else value,
+        )  # fmt: skip
+        drawn = [{"title": title, "png": _png(figure)} for title, figure in self.figures]
+        template = environment.get_template("report.html.jinja")
+        return template.render(**vars(self) | {"figures": drawn})
+
+    def _in_order(self) -> list[str | Sheet]:
+        """Return the parts of the report in the order of its pages on paper."""
+        scope = ["What is reported", *self.scope] if self.scope else []
+        files = [part for file, text in self.sources.items() for part in (f"File {file}", text)]
+        return [
+            self.title, self.head, *self.summary, *self.answers, *self.tables,
+            "What is assumed", *(f"- {each}" for each in self.assumptions), *scope,
+            "Compute it again", *self.commands, self.versions, *files,
+        ]  # fmt: skip
+
+
+def check_folder(name: str, folder: Path, *, overwrite: bool, permission: str) -> None:
+    """Refuse a folder for a report that is a file, or has one already."""
+    if folder.suffix in OF_FILES or (folder.exists() and not folder.is_dir()):
+        raise InputError(f"{name} must be a folder, got {shown(folder)}")
+    if not folder.parent.is_dir():
+        raise InputError(f"{name} must be in a folder that exists, got {shown(folder)}")
+    for each in (RESULT, HTML, PDF) if folder.is_dir() else ():
+        check_target(name, folder / each, overwrite=overwrite, permission=permission)
+
+
+def pages_of(
+    dataset: xr.Dataset,
+    parts: Parts,
+    *,
+    rotor: Any = None,
+    files: Sequence[Path] = (),
+    commands: Sequence[str],
+    figures: Sequence[tuple[str, Figure]],
+    system: UnitSystem = "metric",
+) -> Pages:
+    """Return the report on a result, from the parts of its answer."""
+    question = Question.of_result(dataset)
+    verb = question.verb if question else ""
+    found = rotor if rotor is not None else _rotor_of(dataset, question)
+    first = next((place for place, each in enumerate(parts) if isinstance(each, Sheet)), len(parts))
+    speed = dataset.attrs.get("speed")
+    given = [] if found is None else sheets_of_rotor(found, speed)
+    is_system = isinstance(found, RotorSystem)
+    return Pages(
+        title=KINDS[kind_of(dataset)].meaning.capitalize(),
+        head=head_of(dataset, files),
+        summary=[str(each) for each in parts[:first]],
+        answers=parts[first : first + 1],
+        tables=[*given, *parts[first + 1 :]],
+        figures=figures,
+        assumptions=[*(OF_SYSTEM if is_system else OF_DISC), *OF_VERB.get(verb, ())],
+        commands=commands,
+        versions=facts("Versions", versions_of(dataset)),
+        sources=sources_of(files),
+        system=system,
+    )
+
+
+def _rotor_of(dataset: xr.Dataset, question: Question | None) -> Any:
+    """Return the rotor of a result, if the result has it."""
+    from rotor_ida.results.si_units import machine_of  # noqa: PLC0415 - heavy
+
+    machine = machine_of(dataset)
+    if machine is not None:
+        return machine
+    asked = question.arguments.get("rotor") if question else None
+    return asked if isinstance(asked, Rotor | DimensionalRotor | RotorSystem) else None
+
+
+def head_of(dataset: xr.Dataset, files: Sequence[Path]) -> str:
+    """Return from which files, when and with what a result was computed."""
+    told = [*map(str, files), f"computed with rotor_ida {versions_of(dataset)['rotor_ida']}"]
+    return f"{', '.join(told)}, report of {datetime.now(UTC):%Y-%m-%d %H:%M} UTC"
+
+
+def versions_of(dataset: xr.Dataset) -> dict[str, object]:
+    """Return what computed a result: a closed form keeps no versions, and is of this program."""
+    known = {**versions(), **dataset.attrs}
+    return {name.removesuffix("_version"): np.asarray(known[name]).item()
+            for name in VERSIONS if name in known}  # fmt: skip
+
+
+def digest_of(system: Path) -> dict[str, object]:
+    """Return name and digest of the file from which a system file takes the rotor, if it does."""
+    table = read_toml("system", system).get("system") if system.is_file() else None
+    name = table.get("file") if isinstance(table, Mapping) else None
+    path = system.parent / str(name)
+    if name is None or not path.is_file():  # matrices may be files in a folder
+        return {}
+    return {f"SHA-256 of {name}": hashlib.sha256(path.read_bytes()).hexdigest()}
+
+
+def sources_of(files: Sequence[Path]) -> dict[str, str]:
+    """Return the texts of files, without which a reader cannot compute a result again."""
+    found = {}
+    for file in files:
+        text = file.read_text(encoding="utf-8") if file.is_file() else ""
+        if text:
+            is_short = len(text) <= LONGEST_FILE
+            found[str(file)] = text if is_short else f"{text[:LONGEST_FILE]}\n..."
+    return found
+
+
+def _png(figure: Figure) -> str:
+    """Return a figure as a picture in a page."""
+    written = io.BytesIO()
+    figure.savefig(written, format="png", dpi=RESOLUTION)
+    return base64.b64encode(written.getvalue()).decode()

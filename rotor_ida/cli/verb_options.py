@@ -1,0 +1,214 @@
+"""Options for the arguments of the functions of the package: types, units, choices and help.
+
+They follow from signatures, docstrings and tables (`rotor_ida.cli.verbs`). Only what a terminal
+reads or says in another way than Python stands here.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Mapping
+from typing import Annotated, Any, Literal
+
+from cyclopts import Parameter
+
+from rotor_ida.checks import COMPONENTS, State
+from rotor_ida.cli import options, parsing
+from rotor_ida.cli.option_types import (
+    IN_CHANGE,
+    IN_ROTOR,
+    IN_SOLVER,
+    flag_option,
+    number_option,
+    numbers_option,
+    quantity_option,
+    several_numbers_option,
+    words_option,
+)
+from rotor_ida.cli.verbs import Argument, short_text
+from rotor_ida.errors import readable
+from rotor_ida.model.scales import UNITS_OF_ARGUMENTS, unit_in_system
+from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
+
+# Words where those of a docstring are for Python, and others of the functions that make studies.
+TEXTS = {
+    "samples": "Number of output times. Default: at least 32 per revolution.",
+    "rtol": "Relative tolerance.",
+    "atol": "Absolute tolerance.",
+    "method": "Solver of the contact phases. Default: adams; of a rotor system, taylor.",
+    "method of a study": "Solver of the contact phases. Default: taylor, or adams where taylor "
+    "cannot be used.",
+    "flight": "Method for the motion inside the clearance.",
+    "backend": "Code that runs the solver.",
+    "direction": "Quasi-static sweep: start each speed where the one before ended.",
+    "events": "Keep the contact events of all runs, in one table.",
+    "torque": "Drive torque at standstill, and its decrease with the speed.",
+    "vibration_limit": "Vibration limit, from peak to peak. Default: by the speed.",
+    "node": "Node of a rotor system whose initial states these are.",
+    "bifurcation_diagram starts": "Number of random initial states of one disc. Default: 8.",
+    "bifurcation_diagram rate": "Rate of change of the speed, with --direction. Default: the rotor "
+    "settles at each speed.",
+    "extrema_time": "Time over which extrema are found. Default: 100 / reference frequency.",
+    "seed": "Seed of the random numbers.",
+    "shocks": "Number of shocks of each kind to apply to each attractor.",
+    "stiffness": "Factors of the stiffness of a rotor system with its supports, as --damping is of "
+    "its damping.",
+    "unbalance": "Largest unbalance of a rotor system, to which all others keep their ratios, as "
+    "--clearance and --friction are of its contacts.",
+}
+# How a quantity may be given beside its SI unit, and how several numbers are.
+ALSO_AS = {"rad s-1": ", or as 3000rpm", "rad s-2": ", or as 100rpm/s"}
+SEVERAL = ": numbers, or START:STOP:COUNT"
+NAMES = {"ramp_time": ("--ramp-time", "--in")}
+PAIRS = {"torque": "TAU0 SLOPE", "limits": "LOW HIGH"}
+ALONG = Parameter(
+    help="Parameter that rises or falls with --direction; for a machine speed, damping or "
+    "clearance replace omega, zeta or delta0. Default: the speed, or else the only one with "
+    "several values."
+)
+SPEEDS_OF_RUN = Parameter(
+    help="Speeds at given times, the first at time 0, linear in between (SI: s and rad/s, or as "
+    "20:3000rpm).",
+    metavar="TIME:SPEED",
+    converter=parsing.converter(parsing.speeds),
+    n_tokens=1,
+    consume_multiple=True,
+    negative=(),
+)
+CONTACT = Parameter(
+    help="Contact of a rotor system whose events or peaks are meant: number or node.",
+    metavar="NUMBER|NODE",
+    converter=parsing.converter(parsing.number_or_name),
+)
+# Options that are read in ways of their own.
+APART: dict[str, Any] = {
+    "start": options.StartOrNone,
+    "speeds": Annotated[list[tuple[float, float]] | None, SPEEDS_OF_RUN],
+    "along": Annotated[options.OfRotor | Literal["stiffness", "unbalance"] | None, ALONG],
+    "contact": Annotated[int | str | None, CONTACT],
+    "study": options.Study,
+    "workers": options.Workers,
+    "executor": options.Executor,
+    **dict.fromkeys(COMPONENTS, options.RangeOrNone),
+}
+# A component of the starts of a basin, and how other nodes than the one that is placed start.
+GRID = Annotated[
+    float | list[float],
+    Parameter(
+        help="Component of the initial states: a number or a range.",
+        metavar="FLOAT|START:STOP:COUNT",
+        converter=parsing.converter(parsing.component_or_range),
+        negative=(),
+    ),
+]
+OF_OTHERS = Annotated[
+    State | str | None,
+    options.START,
+    Parameter(
+        help="How the other nodes of a rotor system start: settled (steady whirl without contact) "
+        "or rest (in equilibrium with the load). Default: what its file says.",
+        metavar="settled|rest",
+    ),
+]
+STARTS_OF = {
+    "bifurcation_diagram": "Initial states, one or more, instead of random ones; also settled "
+    "(steady whirl without contact) and rest (in equilibrium with the load).",
+    "run_ups": "Initial states, one or more, or the words settled (steady whirl without contact) "
+    "and rest (in equilibrium with the load) for those of each rotor. Default: rest, or what a "
+    "system file says.",
+}
+SEVERAL_STARTS = Annotated[list[State | str] | None, options.STARTS]
+# Those of `run_up` in a group of their own, and of the others in groups of all commands.
+OF_CHANGE = {"to", "rate", "ramp_time", "speeds", "torque", "inertia", "duration"}
+GROUPS = {
+    **dict.fromkeys(("rtol", "atol", "method", "flight", "backend"), IN_SOLVER),
+    **dict.fromkeys((*PARAMETERS_OF_SYSTEM, "speed"), IN_ROTOR),
+}
+
+Option = tuple[str, Any, object]
+
+
+def options_of(verb: str, arguments: Mapping[str, Argument]) -> Iterator[Option]:
+    """Yield name, annotated type and default of the options for arguments of a function."""
+    is_study = "study" in arguments
+    for name, each in arguments.items():
+        if name == "starts" and "Starts" in each.kind:
+            told = Parameter(help=STARTS_OF.get(verb, options.STARTS.help))
+            yield "start", Annotated[SEVERAL_STARTS, told], None
+            if "int" not in each.kind:
+                continue
+        if name in APART:
+            has_default = name == "executor" or name in COMPONENTS
+            kind = OF_OTHERS if name == "start" and "node" in arguments else APART[name]
+            if name in COMPONENTS and each.default is not None:
+                kind = GRID if verb == "basin" else options.Range
+            kind = Annotated[kind, IN_CHANGE] if name == "speeds" else kind
+            yield name, kind, each.default if has_default else None
+            continue
+        known = (f"{verb} {name}", f"{name} of a study" if is_study else name, name)
+        text = next((TEXTS[key] for key in known if key in TEXTS), "")
+        group = IN_CHANGE if verb == "run_up" and name in OF_CHANGE else GROUPS.get(name)
+        made = _annotated(each, text or short_text(each.text))
+        default = each.default
+        if _is_axis(each) and isinstance(default, float):
+            made = Annotated[made, Parameter(show_default=lambda values: f"{values[0]:g}")]
+            default = [default]
+        if name == "rtol" and default is None:
+            made = options.RtolOrNone
+        yield name, made if group is None else Annotated[made, group], default
+
+
+def system_axes() -> Iterator[Option]:
+    """Yield the options for parameters of a rotor system that one disc does not have."""
+    for name in ("stiffness", "unbalance"):
+        axis = Argument(name, "npt.ArrayLike", (), None, "")
+        yield name, Annotated[_annotated(axis, TEXTS[name]), IN_ROTOR], None
+
+
+def _is_axis(argument: Argument) -> bool:
+    return argument.name != "samples" and (
+        "Array" in argument.kind or argument.kind == "Sequence[float]"
+    )
+
+
+def _annotated(argument: Argument, text: str) -> Any:
+    """Return the type of an option with its help, by the annotation of an argument."""
+    name, kind = argument.name, argument.kind
+    units = UNITS_OF_ARGUMENTS.get(name) or tuple(filter(None, [_unit(name)]))
+    if units and name not in {"samples", "starts"}:
+        told = ", ".join(readable(each) for each in units)
+        text = _before_the_end(text, f" (SI: {told}{ALSO_AS.get(units[0], '')})")
+    made: Any
+    if argument.choices:
+        made, option = Literal[argument.choices], Parameter(help=text)
+    elif kind == "bool":
+        return Annotated[bool, flag_option(text)]
+    elif name in {"samples", "starts"} or kind.startswith("int"):
+        reading = parsing.converter(parsing.whole_number)
+        made, option = int, Parameter(help=text, converter=reading)
+    elif kind.startswith("tuple"):
+        both = units * 2 if len(units) == 1 else units
+        made, option = tuple[float, float], several_numbers_option(text, PAIRS[name], *both)
+    elif _is_axis(argument):
+        several = SEVERAL if "Array" in kind else ""
+        made, option = list[float], numbers_option(_before_the_end(text, several), *units)
+    elif kind.startswith("float"):
+        quantity = quantity_option(text, *units, name=NAMES.get(name))
+        made, option = float, quantity if units else number_option(text)
+    elif kind.startswith("Sequence[str]"):
+        made, option = list[str], words_option(text, "NAME")
+    else:
+        made, option = str, Parameter(help=text, metavar="NAME")
+    return Annotated[made | None if argument.default is None else made, option]
+
+
+def _unit(name: str) -> str:
+    """Return the unit of an argument of functions of a rotor system; empty if it has none."""
+    return (name in PARAMETERS_OF_SYSTEM and PARAMETERS_OF_SYSTEM[name].unit.replace("1", "")) or (
+        unit_in_system(name) or ""
+    )
+
+
+def _before_the_end(text: str, more: str) -> str:
+    """Return a text with more before the end of its first sentence."""
+    first, point, others = text.partition(". ")
+    return f"{first}{more}{point}{others}" if point else f"{text.removesuffix('.')}{more}."
