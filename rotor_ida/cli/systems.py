@@ -1,4 +1,4 @@
-"""Cycles of the rotor system of a file."""
+"""Cycles and fits of the rotor system of a file."""
 
 from __future__ import annotations
 
@@ -42,10 +42,13 @@ def system_to_fit(
     file: Path, rotor: RotorOptions, start: State | str | None, output: Output
 ) -> RotorSystem:
     """Return the system of a file as a first guess."""
-    _checked(rotor.given, rotor.machine, options.SolverOptions(), output)
+    from rotor_ida.model.few_modes import in_modes  # noqa: PLC0415 - heavy
+
+    _check(rotor, output)
     if start is not None:
         _word(start)
-    return linear_case(file, rotor.given, without_gravity=False)[0]
+    system, course = case_of(file, rotor.given)
+    return in_modes(system, course.modes, None)[0]
 
 
 def _begun(course: Course, start: State | str | None) -> Course:

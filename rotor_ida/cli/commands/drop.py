@@ -167,19 +167,19 @@ def _pages(
 
 def _figures(run: xr.Dataset, drops: xr.Dataset | None) -> list[tuple[str, Figure]]:
     """Return the figures with their titles."""
-    from rotor_ida.plot import drop_figure, drops_figure, system_figure  # noqa: PLC0415 - heavy
+    from rotor_ida.plot import plot_drop, plot_drops, plot_run  # noqa: PLC0415 - heavy
     from rotor_ida.plot.appearance import without_pyplot  # noqa: PLC0415
 
     with without_pyplot():
-        found = [("One drop: radius, force and speeds", drop_figure(run)),
-                 ("One drop: orbits and forces", system_figure(run))]  # fmt: skip
+        found = [("One drop: radius, force and speeds", plot_drop(run)),
+                 ("One drop: orbits and forces", plot_run(run))]  # fmt: skip
         if drops is not None:
             words = (
                 "Grid: ranges (shaded) and means (dots)"
                 if "cell" in drops.sizes
                 else "Distributions over many drops"
             )
-            found.append((words, drops_figure(drops)))
+            found.append((words, plot_drops(drops)))
     return found
 
 
