@@ -38,7 +38,6 @@ from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.simulation.flow import Flow
 from rotor_ida.simulation.starts import Start
-from rotor_ida.simulation.starts import Start as SystemStart
 from rotor_ida.simulation.systems.flow import SystemFlow
 
 Kind = Literal["fold", "period_doubling", "torus"]
@@ -57,7 +56,7 @@ MOST_POINTS_OF_BRANCH = 2000
 def bifurcation_curve(
     rotor: Rotor | DimensionalRotor | RotorSystem,
     *,
-    start: Start | SystemStart = AT_REST,
+    start: Start = AT_REST,
     kind: Kind,
     parameters: tuple[str, str] = ("omega", "delta0"),
     limits: Mapping[str, tuple[float, float]] | Sequence[tuple[float, float]],

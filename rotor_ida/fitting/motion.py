@@ -182,7 +182,7 @@ class Body:
         rows = found.rows_in_y(body.rows(nodes))
         return Motion(
             run.samples, _places(rows, run.samples), run.event_times, run.event_kinds,
-            bool(run.event_times.size or (run.touches["way"] != 0).any()),
+            bool(run.event_times.size or (run.touches["mode"] != 0).any()),
             _reach(request, run), work,
         )  # fmt: skip
 

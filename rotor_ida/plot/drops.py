@@ -67,7 +67,7 @@ def plot_drop(run: xr.Dataset) -> Figure:
     ...                      nodes={"disc": (0, 1)}, contacts=[bearing])
     >>> run = drop(system, speed=500.0, duration=0.1)
     >>> [ax.get_ylabel() for ax in plot_drop(run).axes]
-    ['radius over clearance', 'normal force $N$ [N]']
+    ['radius over clearance', 'normal force $N$ [kN]']
     """
     run = in_suitable_units(check_system_run(run))
     has_speeds = "speed" in run.variables or "event_race_speed" in run.variables

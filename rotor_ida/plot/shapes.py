@@ -115,7 +115,7 @@ def plot_whirl_shapes(
     >>> system = Rotor(omega=1.0, zeta=0.07, delta0=0.5).system()
     >>> whirls = synchronous_response(system, speed=[0.5, 1.0, 1.5])
     >>> plot_whirl_shapes(whirls, speed=1.5).get_title()
-    'spin speed 1.5'
+    'speed 1.5'
     """
     whirls = check_dataset("whirls", whirls, WHIRLS)
     here = whirls.isel(speed=_row_at(whirls, speed))

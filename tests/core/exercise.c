@@ -342,7 +342,7 @@ static void furnish(struct run *run, struct room room)
     run->event_states = room_for(room.events, 4 * sizeof(double));
     run->event_kinds = room_for(room.events, 1);
     if (run->rotor.friction > 0.0)
-        run->event_ways = room_for(room.events, 1);
+        run->event_modes = room_for(room.events, 1);
     run->event_room = room.events;
     if (SPEED_CHANGES) {
         run->sample_turns = room_for(room.samples, 2 * sizeof(double));
@@ -365,7 +365,7 @@ static void clear(struct run *run)
                       run->event_times,
                       run->event_states,
                       run->event_kinds,
-                      run->event_ways,
+                      run->event_modes,
                       run->contacts,
                       run->extrema,
                       run->bundle,

@@ -87,7 +87,9 @@ def test_each_is_the_run_of_run_up_and_settles_as_a_sweep_does():
         for number in range(2):
             mine = alone.episode_contact.values == number
             forces = alone.peak_force.values[mine]
-            assert float(one.largest_force[number]) == forces.max(initial=0.0)
+            # a sample at the peak may be rounded otherwise than the peak
+            largest = pytest.approx(forces.max(initial=0.0), rel=1e-15)
+            assert float(one.largest_force[number]) == largest
             assert int(one.contact_count[number]) == mine.sum()
         ended = sweep(TWO, speed=[1.4], starts=[one]).squeeze()
         assert int(ended.response) == int(one.response)
