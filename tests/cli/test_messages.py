@@ -85,7 +85,7 @@ OF_SYSTEM = {
     "clearance-report --speed 1rpm 2rpm 3rpm --vibration-limit -5um":
         "vibration_limit must be positive, got -5 um",
     "continue-cycle --limits 5000rpm 6000rpm":
-        "limits must contain the speed of the start, 2000 rpm, got (5000 rpm, 6000 rpm)",
+        "limits of speed must contain that of the start, 2000 rpm, got (5000 rpm, 6000 rpm)",
     "limit-cycle --speed 0": "speed must not be 0, and at most 1e+15, for a limit cycle, got 0.0",
 }  # fmt: skip
 

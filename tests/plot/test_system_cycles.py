@@ -50,7 +50,7 @@ def test_a_curve_is_drawn_over_its_two_parameters():
     (line,) = lines(ax, "period doubling")
     np.testing.assert_array_equal(line.get_xdata(), curve.speed)
     np.testing.assert_array_equal(line.get_ydata(), curve.clearance)
-    assert (ax.get_xlabel(), ax.get_ylabel()) == (r"spin speed $\Omega$", "largest clearance")
+    assert (ax.get_xlabel(), ax.get_ylabel()) == (r"spin speed $\omega$", "largest clearance")
     curve.clearance.attrs["units"] = curve.special_second_value.attrs["units"] = "m"
     (line,) = lines(plot.plot_curves(curve), "period doubling")
     np.testing.assert_allclose(line.get_ydata(), 1e6 * curve.clearance)

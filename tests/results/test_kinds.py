@@ -14,10 +14,15 @@ from rotor_ida.verification.kinds import VERIFIED
 PACKAGE = Path(rotor_ida.__file__).parent
 # They hand the kind on that they are given.
 HANDED_ON = {
-    "signals/record.py", "cycles/dataset.py", "cycles/followed_curves.py", "steady/run_ups.py"
+    "signals/record.py", "cycles/dataset.py", "cycles/followed_curves.py", "steady/sweep.py"
 }  # fmt: skip
 # One function builds branches and curves, of one disc and of systems.
 OF_CURVES = {f"{of}{kind}" for _, kind in TITLES.values() for of in ("", "system_")}
+# Another builds studies of both.
+OF_STUDIES = {
+    "sweep", "run_ups", "bifurcation_diagram", "stroboscopic_diagram",
+    "system_sweep", "system_run_ups", "system_diagram", "system_stroboscopic_diagram",
+}  # fmt: skip
 BUILDERS = {
     "labelled_dataset", "dataset", "branch_dataset", "dataset_of_system", "labelled_run_ups"
 }  # fmt: skip
@@ -48,7 +53,7 @@ def test_each_dataset_that_the_package_builds_states_a_kind_of_the_registry():
     without = {place for place, kind in stated.items() if kind is None}
     assert {file for file, _ in without} <= HANDED_ON, without
     told = {kind for kind in stated.values() if kind is not None}
-    assert told | OF_CURVES == KINDS.keys() - {"other"}
+    assert told | OF_CURVES | OF_STUDIES == KINDS.keys() - {"other"}
     assert VERIFIED.keys() < KINDS.keys()
 
 
