@@ -1,4 +1,4 @@
-"""The Hertz and the linear contact law over arrays, and the restoring law of one rotor."""
+"""The contact law of `rotor_ida.model.contact` over arrays, and the restoring law of one rotor."""
 
 from __future__ import annotations
 

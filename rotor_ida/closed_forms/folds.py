@@ -48,7 +48,7 @@ _HUMP = (0.5, 0.8)
 def folds(
     rotor: Rotor | DimensionalRotor | None = None, **varied: Unpack[Parameters]
 ) -> xr.Dataset:
-    """Compute all folds of the contacting whirls.
+    """Compute the folds of the contacting whirls.
 
     Parameters
     ----------
@@ -86,7 +86,8 @@ def folds(
     applies with a shaft or a linear contact. A linear contact has folds only with clearance and
     damping, or with friction. With friction the folds are roots of a polynomial in
     ``u = sqrt(A - delta0)``, isolated in exact arithmetic: see `curve_polynomials`. So the list is
-    complete with friction; without, it is the result of a search that is tested, not proven (see
+    complete with friction, but for two folds so near to each other that they count as none (see
+    `curve_polynomials`); without, it is the result of a search that is tested, not proven (see
     `fold_locus`).
 
     References
@@ -114,7 +115,7 @@ def folds_of(asked: Varied) -> xr.Dataset:
         {"fold_omega": (dims, table[..., 0]), "fold_amplitude": (dims, table[..., 1])},
         asked.coordinates | {"fold": ("fold", np.arange(most))},
         {
-            "source": "rotor_ida closed forms: crossings of the damping along the locus of folds",
+            "source": "rotor_ida closed forms: folds of the synchronous whirls",
             "references": "Mechanika 25(6), 2019, Fig. 6",
         },
         kind="folds",

@@ -23,7 +23,7 @@ static inline int asked_to_stop(const stop_flag *stop)
     return atomic_load_explicit(stop, memory_order_relaxed) != 0;
 }
 
-/* How a call ended; the flags of SUNDIALS are negative. */
+/* How a call ended; the flags of SUNDIALS are negative. At FULL and FULL_INSIDE a run goes on. */
 enum status {
     DONE = 0,           /* so far without trouble; of a run that has returned: to its end */
     NOT_FINITE = 1001,  /* a number is NaN or infinite */
@@ -92,7 +92,7 @@ struct sundials {
 enum method { TAYLOR = 0, ADAMS = 1, BDF = 2 };
 enum where { UNDECIDED = -1, IN_FLIGHT = 0, IN_CONTACT = 1 };
 /* At EXIT the surfaces part; at RELEASE they overlap still, but contact damping has brought the
- * force to 0 and they are loose, until PRESS. */
+ * force to 0 and they are loose, until PRESS or EXIT. */
 enum event { ENTRY = 1, EXIT = -1, ROLL = 2, SLIP = -2, REVERSE = 3, PRESS = 4, RELEASE = -4 };
 /* The mode of a contact: sliding, by its sense, 1 or -1, or else. */
 enum contact_mode {

@@ -5,8 +5,8 @@ archives of bifurcation curves it names the bifurcation.) Older archives are rec
 variables and dimensions.
 
 Functions are named here as ``module:name`` and imported when needed, so this module depends on
-none of those that compute and draw. A new kind has a row here, its variables in
-`rotor_ida.schema.quantities`, and is made by `rotor_ida.schema.labelled_dataset`.
+none of those that compute and draw. CONTRIBUTING.md ("A kind of result") lists what a new kind
+needs besides a row here.
 """
 
 from __future__ import annotations

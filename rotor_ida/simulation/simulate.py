@@ -128,7 +128,7 @@ def simulate(
     InputError
         If an argument cannot be used.
     SimulationError
-        If the solver gives up; reports time and state.
+        If the solver gives up; reports time and state. `rotor_ida.core.interface` lists why.
     InvariantError
         If the result contradicts the mechanics; reports time and state.
 

@@ -180,8 +180,9 @@ def sweep(
     600,000; for a weak shaft with strong damping, 60 of its longer decay times). The response is,
     in this order,
 
-    - ``synchronous`` or ``contact_free`` if it whirls steadily in contact, or has left the stator
-      for good: both follow from one state;
+    - ``touching`` if it is on the contact-free whirl and that reaches the stator to within 1e-9 of
+      the clearance; ``synchronous`` or ``contact_free`` if it whirls steadily in contact, or has
+      left the stator for good: all three follow from one state;
     - ``bouncing`` or ``full_contact`` if the states of largest radius recur throughout a window of
       at least three periods, and their differences and the cycle's slowest multiplier show that it
       is within 1e-9 of the cycle;
@@ -189,13 +190,14 @@ def sweep(
       stator at some time in each period; or in each revolution, if it has no period on the rotating
       axes and could be ``chaotic``;
     - ``touching`` if it touches once a revolution and 1/h, h the indentation, grows from touch to
-      touch as `rotor_ida.closed_forms.touch_fading` predicts, to 10 %; or if it is on the
-      contact-free whirl and that reaches the stator to within 1e-9 of the clearance. Within 1e-6
-      Taylor series follow it with every compiled `method`: contacts there have hardly any depth;
+      touch as `rotor_ida.closed_forms.touch_fading` predicts, to 10 %. Within 1e-6 of a whirl that
+      just reaches the stator Taylor series follow it with every compiled `method`: contacts there
+      have hardly any depth;
     - ``chaotic`` if it has not settled after 3,000 and 20/zeta, and its largest Lyapunov exponent,
       over a further 20,000 or more, exceeds five of its standard errors and stretches small
-      differences by more than ``exp(20)``. Chaos that lasts longer may still
-      be a transient;
+      differences by more than ``exp(20)``. Chaos that lasts longer may still be a transient;
+    - ``quasi_periodic``, on a torus, if that exponent is zero instead, under a load or with
+      friction or contact damping;
     - ``unresolved`` if it is none of these: then ``message`` gives for how long it was followed,
       and what still moved. Without damping nothing settles, and only the first window is observed.
 

@@ -46,7 +46,7 @@ FUNCTIONS = {
     "centreline": "plot_centre_line",
     "trace": "plot_trace",
 }
-# Those of a whole rotor system, and the option for an argument by another name.
+# Those of a whole rotor system.
 OF_SYSTEM = {
     "orbits": "plot_node_orbits",
     "forces": "plot_forces",
@@ -56,6 +56,7 @@ OF_SYSTEM = {
 # Those of sections and diagrams, at a node of a rotor system.
 OF_RESULTS = {"section": "plot_section", "diagram": "plot_extrema"}
 DRAWN_BY = FUNCTIONS | OF_SYSTEM | OF_RESULTS
+# Options of arguments by another name.
 OPTIONS = {"t": "at"}
 # Dimensions besides time that have times, the first and last of each.
 OF_TIMES = (
