@@ -19,6 +19,8 @@ from rotor_ida.units import UnitSystem, number, read_in
 # Digits of a quantity with a unit; times of events are known better, and angles in rad are exact.
 OF_FIELD = 6
 Record = Mapping[str, object]
+# The widest cell of a sheet without heads: longer texts are wrapped, also without a terminal.
+WIDEST = 100
 
 
 class Range(tuple[float, ...]):
@@ -118,6 +120,7 @@ class Sheet:
             drawn.add_row(*row)
         for column in drawn.columns:
             column.overflow = "fold"
+            column.max_width = None if heads else WIDEST
         return Group(drawn, *filter(None, [self.note]))
 
     def html(self, system: UnitSystem = "metric") -> str:
