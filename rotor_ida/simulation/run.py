@@ -1,8 +1,8 @@
 """Run a rotor from a start: prepare the run, call the event loop, and check the result.
 
 The loop is in ``core/events.c``; ``enum status`` of ``core/core.h`` lists how it may end, and
-`rotor_ida.core.interface` says that in words. Afterwards `rotor_ida.simulation.invariants` may still
-refuse the result.
+`rotor_ida.core.interface` says that in words. Afterwards `rotor_ida.simulation.invariants` may
+still refuse the result.
 """
 
 from __future__ import annotations

@@ -27,7 +27,8 @@ def test_it_is_loaded_shown_drawn_and_computed_again(file, tmp_path):
     if kind.drawn:
         assert figure_of(archived).axes
         plt.close("all")
-    if kind.name in {"drop_ensemble", "section", "touchdown"}:  # these did not say from what they were computed
+    # these did not say from what they were computed
+    if kind.name in {"drop_ensemble", "section", "touchdown"}:
         with pytest.raises(InputError, match=f"this {kind.name} cannot be verified: it lacks"):
             rerun(archived)
     elif kind.name in VERIFIED:
