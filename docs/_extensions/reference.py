@@ -86,7 +86,7 @@ def write_commands():
     found = re.sub(r"## Table of Contents\n\n(?:- .*\n)+\n", "", found)
     for commands in COMMANDS.values():
         for command, short in commands.items():
-            name = command.__name__.replace("_", "-")
+            name = getattr(command, "verb", getattr(command, "__name__", "")).replace("_", "-")
             link = f"[`{name}`](#rotor-ida-{name})"
             found = found.replace(link, f"{link} (`{short}`)" if short else link)
     write(HERE / "command_line.md", found.replace("# rotor-ida\n", "# The command line\n", 1))
