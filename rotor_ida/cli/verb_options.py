@@ -83,7 +83,7 @@ CONTACT = Parameter(
 APART: dict[str, Any] = {
     "start": options.StartOrNone,
     "speeds": Annotated[list[tuple[float, float]] | None, SPEEDS_OF_RUN],
-    "along": Annotated[options.OfRotor | Literal["stiffness", "unbalance"] | None, ALONG],
+    "along": Annotated[options.OfRotor | None, ALONG],
     "contact": Annotated[int | str | None, CONTACT],
     "study": options.Study,
     "workers": options.Workers,

@@ -29,8 +29,8 @@ from rotor_ida.plot.datasets import (
     clearance_of,
 )
 from rotor_ida.plot.labels import (
-    LABELS,
     label_axis,
+    label_of,
     label_parameter,
     title_of,
 )
@@ -90,7 +90,7 @@ def plot_section(section: xr.Dataset, *, node: str | None = None, ax: Axes | Non
             w = section["rotating_vx"].values + 1j * section["rotating_vy"].values
             across, up = _together(np.angle(z)), (w * z.conj()).real / np.abs(z)
             scales = (1.0, _order(section, "velocity", w))
-            ax.set_xlabel(LABELS["angle"])
+            ax.set_xlabel(label_of("angle", section["rotating_x"].drop_attrs()))
             label_axis(ax.yaxis, "radial_velocity", section["rotating_vx"])
         else:
             across, up, scales = z.real, z.imag, (_order(section, "length", z),) * 2

@@ -170,11 +170,12 @@ def label_of(name: str, variable: xr.DataArray, *, words: str | None = None) -> 
     'whirl speed $\\Omega$ [rad/s]'
     """
     unit = unit_of(variable)
-    if not unit:
-        return words or LABELS[name]
+    label = words or (IN_UNITS if unit else LABELS)[name]
+    if "node" in variable.coords:  # the phases of a system's unbalance are counted from its mark
+        label = label.replace(" the unbalance", " the mark")
     if schema.unit_of(name, units_in(variable)) == "rad/s":
-        unit = "rad/s"
-    return f"{words or IN_UNITS[name]} [{unit}]"
+        unit = "rad/s" if unit else ""
+    return f"{label} [{unit}]" if unit else label
 
 
 def label_axis(axis: Axis, name: str, variable: xr.DataArray, *, words: str | None = None) -> None:

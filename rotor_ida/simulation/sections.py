@@ -120,8 +120,9 @@ def poincare_section(
         Of a `RotorSystem` the contact whose events or peaks are meant: its number from 0 on, or the
         name of its node. It must be given where there are several.
     phase : float
-        Angle of the unbalance from x at the section by revolutions, below 2 pi [rad]. Under a load
-        the section depends on it.
+        Angle of the unbalance from x at the section by revolutions, below 2 pi [rad]; of a
+        `RotorSystem` that of the mark from which the phases of its unbalance are counted. Under a
+        load the section depends on it.
     modes : int, optional
         Of a `RotorSystem`, as in `simulate`.
     rtol, atol : float

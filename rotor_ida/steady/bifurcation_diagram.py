@@ -141,7 +141,8 @@ def bifurcation_diagram(
         Number of revolutions, after the rotor has settled, of a section; default: 64. Of a
         `RotorSystem` extrema too are found over this number of revolutions.
     phase : float
-        Angle of the unbalance from x in the section, below 2 pi [rad].
+        Angle of the unbalance from x in the section, below 2 pi [rad]; of a `RotorSystem` that of
+        the mark from which the phases of its unbalance are counted.
     x, y, vx, vy : float or array_like, shape (2,), optional
         Components of random starts of one disc [1]: numbers, or ranges ``(low, high)`` from which
         they are drawn independently and uniformly, as for `rotor_ida.basin_fractions`. Default:

@@ -135,7 +135,7 @@ def _with_disturbances(decision: Decision, count: int) -> Decision:
     return replace(decision, message=decision.message + told)
 
 
-def _decision(motion: Motion, approach: _Approach) -> Decision:
+def _decision(motion: Motion, approach: _Approach, *, again: bool = False) -> Decision:
     """Return the kind of a motion, as its last window shows it."""
     kind = kind_of_state(motion.window)
     if kind is not None:
@@ -150,7 +150,11 @@ def _decision(motion: Motion, approach: _Approach) -> Decision:
     if unsettled and motion.may_be_chaotic(motion.time - approach.since):
         if rolls_backwards(motion.window):
             return Decision(ROLLING)
-        kind, exponent, error = _kind_by_exponent(motion.exponents())
+        found = motion.exponents()
+        kind, exponent, error = _kind_by_exponent(found)
+        if kind == QUASI_PERIODIC and not again and not motion.lasts(found.duration):
+            motion.observe(1)  # it was on the way to another motion, whose exponents these are
+            return _decision(motion, approach, again=True)
     message = ""
     if kind == UNRESOLVED:
         message = _what_was_tried(motion, approach, exponent)

@@ -66,6 +66,8 @@ COST, FREE_TRIES, LIKELY, POSSIBLE = 2.0, 12.0, 6.0, 1.5
 # Revolutions at the end of a wait that are examined, and samples of each.
 LOOKED_BACK, SAMPLES_OF_WAIT = 2 * MOST_REVOLUTIONS, 32
 WINDOW_REVOLUTIONS = 4
+# Motions whose largest radii differ by this factor are different motions.
+LARGER = 2.0
 
 
 class Limits(NamedTuple):
@@ -242,6 +244,20 @@ class Motion:
         """Return whether the whirl on which it stands was not where it began."""
         apart = float(np.abs(self.begun - self.state).max())
         return apart > FAR * float(np.abs(self.state).max())
+
+    def lasts(self, duration: float) -> bool:
+        """Return whether the motion is as large a time later; if it is not, go on from there."""
+        if self.flow.period is not None:
+            duration = self.flow.period * math.ceil(duration / self.flow.period)
+        state, time = self.state, self.time
+        self._extend(np.array([duration]))
+        later = self.flow.observed(self.state, self.window.times)
+        before, after = (np.abs(each.places[0]).max(axis=0) for each in (self.window, later))
+        if not ((after <= LARGER * before) & (before <= LARGER * after)).all():
+            return False
+        self.events.pop()
+        self.state, self.time = state, time
+        return True
 
     # ---- What the window shows ----
 

@@ -197,7 +197,7 @@ def sweep(
       over a further 20,000 or more, exceeds five of its standard errors and stretches small
       differences by more than ``exp(20)``. Chaos that lasts longer may still be a transient;
     - ``quasi_periodic``, on a torus, if that exponent is zero instead, under a load or with
-      friction or contact damping;
+      friction or contact damping, and the motion is as large at the end of that time;
     - ``unresolved`` if it is none of these: then ``message`` gives for how long it was followed,
       and what still moved. Without damping nothing settles, and only the first window is observed.
 

@@ -18,7 +18,8 @@ from rotor_ida.schema import RESPONSE
 from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady import motion
-from rotor_ida.steady.follow import LATE, follow_to_steady_state
+from rotor_ida.steady.follow import LATE, follow_to_steady_state, limits_of
+from rotor_ida.steady.motion import Motion
 from tests.steady.following import LOADED, REST, followed, of_paper
 
 TAYLOR = Options(method="taylor")
@@ -183,3 +184,17 @@ def test_exponents_add_up_to_the_divergence_also_under_a_load():
     exact = synchronous_response(omega=1.2, zeta=0.07, delta0=0.5, contact_damping=0.5)
     slowest = float(exact.growth_rate.max())
     assert found.lyapunov_exponent.values[0] == pytest.approx(slowest, abs=2e-3)
+
+
+def test_a_torus_is_one_only_where_the_motion_lasts():
+    """A free vibration that dies out is another motion later; the whirl that is left lasts."""
+    rotor = Rotor(omega=1.7, zeta=0.05, delta0=50.0, shaft_stiffness=0.25)
+    flow = DiscFlow(rotor)
+    motion = Motion(flow, limits_of(flow), np.array([20.0, 0.0, 0.0, 0.0]))
+    motion.observe(1)
+    assert not motion.lasts(1000.0)
+    assert motion.time > 1000.0  # it goes on from there
+    motion.observe(1)
+    state, time, events = motion.state, motion.time, len(motion.events)
+    assert motion.lasts(1000.0)
+    assert (motion.state is state, motion.time, len(motion.events)) == (True, time, events)

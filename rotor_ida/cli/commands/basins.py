@@ -96,4 +96,6 @@ def touchdown_report(case: Case) -> Report:
         rotor-ida touchdown-report rotor.toml --speed 4300rpm --node disc \
             --x=-300um:300um --y=-300um:300um --starts 8 --shocks 0
     """
+    if case.output.figure is not None:
+        raise InputError("figure must be left out: a touchdown report has none")
     return case.answer()
