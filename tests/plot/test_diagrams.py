@@ -114,8 +114,8 @@ def test_a_section_shows_the_ring_of_the_node_and_says_what_it_is():
     assert len(figure_of(section).axes) == 2
     entries = poincare_section(system, **around, **given, at="entry", contact="two")
     own, other = (plot.plot_section(entries, node=name) for name in ("two", "one"))
-    assert own.get_xlabel().startswith("angle from the unbalance")
-    assert other.get_xlabel().startswith("along the unbalance")
+    assert own.get_xlabel().startswith("angle from the mark")
+    assert other.get_xlabel().startswith("along the mark")
     assert plot.plot_section(entries).get_title().startswith("node two")  # of that contact
     angle = own.lines[-1].get_xdata()
     at_two = entries.sel(node="two")
@@ -132,7 +132,7 @@ def test_a_stator_aside_has_no_ring_on_turning_axes():
         system, contacts=aside, speed=1.5, revolutions=20, at="entry", start="settled"
     )
     ax = plot.plot_section(entries)
-    assert ax.get_xlabel().startswith("along the unbalance")
+    assert ax.get_xlabel().startswith("along the mark")
     assert "clearance" not in [line.get_label() for line in ax.lines]
 
 
