@@ -205,7 +205,7 @@ def _with_options(command: Command | Callable[..., object]) -> Callable[..., obj
 
 
 def _listed(command: Command | Callable[..., object]) -> Callable[..., object]:
-    """Return a function without options for a command that another one is asked beside.
+    """Return a function without options that stands for a command where only its help is listed.
 
     The options of one command take as long to make as all the rest.
     """

@@ -2,7 +2,8 @@
 #include "system_work.h"
 
 /* Places and weights of Gauss's quadrature of twelve points on [0, 1], four to a vector. A product
- * of two series is a polynomial beyond its degree by terms that the tolerance of a step hides. */
+ * of two series has terms beyond the degree for which this is exact, which are smaller than the
+ * tolerance of a step. */
 enum { VECTORS = 3, POINTS = 4 * VECTORS };
 static const double PLACES[POINTS] = {
     0.009219682876640378, 0.0479413718147626,  0.11504866290284765, 0.20634102285669126,

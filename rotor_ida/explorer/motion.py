@@ -69,7 +69,7 @@ def drawn(
     run: Values, facts: dict[str, object], angles: tuple[FloatArray, FloatArray], omega: float,
     each: float,
 ) -> Answer:  # fmt: skip
-    """Return what is drawn of a run with so many samples a revolution.
+    """Return what is drawn of a run, with the given number of samples a revolution.
 
     `angles` are those of the unbalance at the samples and at the events. There is a section only
     where a revolution has a whole number of samples.
@@ -136,7 +136,7 @@ def duration_of(question: Question) -> float:
 
 
 def samples_per_revolution(revolutions: int) -> int:
-    """Return the number of samples per revolution of a run of so many."""
+    """Return the number of samples per revolution of a run of a number of revolutions."""
     return max(min(SAMPLES_PER_REVOLUTION, MOST_SAMPLES // revolutions), FEWEST_PER_REVOLUTION)
 
 

@@ -45,7 +45,7 @@ class Exact:
     """Displacement and velocity on axes that stand still, in 200 digits."""
 
     def __init__(self, rotor, z0, w0, *, omega=0, zeta=0):
-        """Of a rotor whose speed and damping differ by so much."""
+        """Of a rotor whose speed and damping are changed by the given amounts."""
         with mpmath.workdps(200):
             aside = mpmath.mpf(10) ** -60
             self.omega = omega = mpmath.mpf(rotor.omega) + aside / 3 + omega

@@ -18,6 +18,7 @@ from rotor_ida.schema import RESPONSE
 from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady import motion
+from rotor_ida.steady.decision import decide
 from rotor_ida.steady.follow import LATE, follow_to_steady_state, limits_of
 from rotor_ida.steady.motion import Motion
 from tests.steady.following import LOADED, REST, followed, of_paper
@@ -198,3 +199,14 @@ def test_a_torus_is_one_only_where_the_motion_lasts():
     state, time, events = motion.state, motion.time, len(motion.events)
     assert motion.lasts(1000.0)
     assert (motion.state is state, motion.time, len(motion.events)) == (True, time, events)
+
+
+def test_zero_exponents_of_a_later_motion_make_no_torus(monkeypatch):
+    """What is called a torus while it dies out is decided anew from where it has come."""
+    flow = DiscFlow(Rotor(omega=1.7, zeta=0.05, delta0=50.0, shaft_stiffness=0.25))
+    zero = motion.Exponents(np.zeros(1), np.zeros(1), duration=1000.0, zeros=1)
+    monkeypatch.setattr(Motion, "exponents", lambda _: zero)
+    monkeypatch.setattr(Motion, "may_be_chaotic", lambda *_: True)
+    # the first window comes before the free vibration has died out
+    limits = limits_of(flow)._replace(wait=1.0, longest=10.0)
+    assert decide(Motion(flow, limits, np.array([20.0, 0.0, 0.0, 0.0]))).kind == "contact_free"

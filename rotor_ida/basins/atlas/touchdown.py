@@ -335,7 +335,7 @@ def _filled(job: CellJob, workers: Workers, progress: Progress | None) -> DiscCe
 def _try_shocks(
     fills: list[Fill], starts: int, each: int, workers: Workers, progress: Progress | None
 ) -> None:
-    """Do jobs that try shocks, so many each, after a number of starts."""
+    """Run jobs that try the given number of shocks each; the starts are done already."""
     total = starts + each * len(fills)
     if progress is not None:
         progress(starts, total)

@@ -100,7 +100,7 @@ export class Side {
     });
   }
 
-  /** Show so many revolutions; all of the run if 0. */
+  /** Show a number of revolutions, or the whole run if it is 0. */
   #showWindow(count) {
     this.window = count;
     this.element.querySelector("[data-window]").value = count;

@@ -35,7 +35,7 @@ export const state = { ...DEFAULTS, disc_radius: DISC_RADIUS };
 /** Whether the rotor is a system of some nodes, in a file that the program has. */
 export const isSystem = () => state.node !== undefined;
 
-/** What the program has told of that file; nothing before the first answer. */
+/** What the program has answered about that file; null before the first answer. */
 export let file = null;
 
 /** Whether the rotor is given as a machine in SI units, or is a system in these. */
@@ -44,7 +44,7 @@ export const inSI = () => (isSystem() ? file?.units === "SI" : state.mass !== un
 /** Return the name of the speed in the state. */
 export const speedName = () => (isSystem() || inSI() ? "speed" : "omega");
 
-/** Take what the program has told of the file of a system; another file forgets all changes. */
+/** Take the answer about the file of a system; changes of another file are dropped. */
 export function tellFile(facts) {
   file = facts;
   if (facts) suitSystem();
@@ -212,7 +212,7 @@ function suitMachine() {
   state.seconds ??= state.ramp === DEFAULTS.ramp && state.shaft_stiffness ? SECONDS : Number((state.fastest / (state.ramp * rate ** 2)).toPrecision(6));
 }
 
-/** Show another rotor, of which the address would tell so much; what is chosen beside it stays. */
+/** Show another rotor, given as it stands in the address; all other choices stay. */
 export function setRotor(told) {
   const { theme, speedIn, seconds } = state;
   const panels = isSystem() === "node" in told ? { panels: state.panels } : {};

@@ -85,7 +85,7 @@ function saveMenu(panel, plots, title, { name, told, table }) {
   return menu;
 }
 
-/** Say what stands for what: pairs of a class and words, or of nothing and words alone. */
+/** Show a legend: pairs of a class and its words; the class may be empty. */
 export function fillKey(box, parts) {
   const text = JSON.stringify(parts);
   if (text === box.filled) return;
