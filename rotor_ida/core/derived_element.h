@@ -33,7 +33,7 @@ static inline double element_drag(const struct element *m, double push)
 enum { ELEMENT_ROOT, ELEMENT_X, ELEMENT_Y, ELEMENT_VX, ELEMENT_VY, ELEMENT_SPIN, ELEMENT_RACE, ELEMENT_GIVEN };
 enum { ELEMENT_NORMAL_X, ELEMENT_NORMAL_Y, ELEMENT_APPROACH, ELEMENT_SLIP, ELEMENT_PUSH, ELEMENT_FORCE_X, ELEMENT_FORCE_Y, ELEMENT_TURNING, ELEMENT_DRAG, ELEMENT_ANSWERS };
 enum { SLOPE_ROOT, SLOPE_APPROACH, SLOPE_ACROSS, SLOPE_PUSH, SLOPE_DRAG, SLOPE_PULL, SLOPE_GIVEN };
-enum { SLOPE_BY_ALONG, SLOPE_BY_ASIDE, SLOPE_BY_RATE, SLOPE_BY_PUSH_SHARE, SLOPE_BY_DRAG_SHARE, SLOPE_BY_APPROACH_SHARE, SLOPE_BY_ACROSS_SHARE, SLOPE_BY_DIFFERENCE, SLOPE_BY_PRODUCT, SLOPE_BY_PULL_SHARE, SLOPES };
+enum { SLOPE_BY_ALONG, SLOPE_BY_ASIDE, SLOPE_BY_RATE, SLOPE_BY_PUSH_SHARE, SLOPE_BY_DRAG_SHARE, SLOPE_BY_APPROACH_SHARE, SLOPE_BY_ACROSS_SHARE, SLOPE_BY_DIFFERENCE, SLOPE_BY_PRODUCT, SLOPE_BY_PULL_SHARE, SLOPE_BY_CONTACT_DAMPING, SLOPES };
 
 /* Coefficient n of what a contact answers, from those up to n of what it is given:
  * 11 lanes, which must be empty at n = 0. */
@@ -278,15 +278,15 @@ static inline __attribute__((always_inline)) void massless_values(
 }
 
 /* Coefficient n of what a contact that is moved a little answers, from those up to n of what it is given:
- * 12 lanes, which must be empty at n = 0. */
+ * 13 lanes, which must be empty at n = 0. */
 static inline __attribute__((always_inline)) void slope_order(
     const struct element *m, struct series *series, int n, double *answers)
 {
-    _Static_assert(6 <= WIDTH && 12 <= LANES, "no room");
+    _Static_assert(6 <= WIDTH && 13 <= LANES, "no room");
     const double *here = series->terms[n], one = n == 0 ? 1.0 : 0.0;
     const double root_first = series->terms[0][SLOPE_ROOT];
     const double inverse_radius = inverse(m->clearance + root_first * root_first);
-    sum_known(series, n, 3);
+    sum_known(series, n, 4);
     const double root = here[SLOPE_ROOT];
     const double approach = here[SLOPE_APPROACH];
     const double across = here[SLOPE_ACROSS];
@@ -297,12 +297,12 @@ static inline __attribute__((always_inline)) void slope_order(
     const double along = times(series, 0, n, 1.5 * m->hertz * root + one * m->linear, one * 1.0 + m->contact_damping * approach);
     const double w1 = times(series, 1, n, root, root); /* root * root */
     /* (hertz * root + linear) * w1 */
-    const double w2 = times(series, 2, n, m->hertz * root + one * m->linear, w1);
+    const double spring = times(series, 2, n, m->hertz * root + one * m->linear, w1);
     const double radius = one * m->clearance + w1;
     /* across / radius */
     const double across_share = over(series, 3, n, across, radius, inverse_radius);
-    const double w5 = times(series, 4, n, w2, across_share); /* w2 * across_share */
-    const double resisted = m->contact_damping * w2;
+    const double w5 = times(series, 4, n, spring, across_share); /* spring * across_share */
+    const double resisted = m->contact_damping * spring;
     const double w7 = over(series, 5, n, push, radius, inverse_radius); /* push / radius */
     const double w8 = over(series, 6, n, drag, radius, inverse_radius); /* drag / radius */
     /* approach / radius */
@@ -314,6 +314,7 @@ static inline __attribute__((always_inline)) void slope_order(
     /* approach_share * across_share */
     const double w12 = times(series, 10, n, approach_share, across_share);
     const double w13 = over(series, 11, n, pull, radius, inverse_radius); /* pull / radius */
+    const double w14 = times(series, 12, n, spring, approach); /* spring * approach */
     answers[SLOPE_BY_ALONG] = along;
     answers[SLOPE_BY_ASIDE] = m->contact_damping * w5;
     answers[SLOPE_BY_RATE] = resisted;
@@ -324,6 +325,7 @@ static inline __attribute__((always_inline)) void slope_order(
     answers[SLOPE_BY_DIFFERENCE] = w10 - w11;
     answers[SLOPE_BY_PRODUCT] = w12;
     answers[SLOPE_BY_PULL_SHARE] = w13;
+    answers[SLOPE_BY_CONTACT_DAMPING] = w14;
 }
 
 #endif

@@ -60,6 +60,19 @@ struct ledger {
     double unbalance, damping, stiffness_rate, normal, tangential;
 };
 
+/* By how much the parts of a contact change with a parameter; its stiffness in parts of itself. */
+struct law_change {
+    double clearance, stiffness, contact_damping, friction;
+};
+
+/* By how much a system changes with a parameter. */
+struct parameter {
+    double speed;
+    const double *stiffness, *damping; /* or NULL */
+    const double *unbalance;           /* 2 rows; or NULL */
+    const struct law_change *laws;     /* one a contact */
+};
+
 struct system_run {
     int64_t size, stride, contact_count;
     /* how many of the coordinates, the last, are of stators without mass: y' = -K y + contacts */
@@ -105,10 +118,13 @@ struct system_run {
     int64_t episode_room, episode_count;
     int64_t steps;
     double *room; /* to work in */
-    /* small changes of the start, side by side, and room for them: y, y' and races, a row each */
-    int64_t
-        column_count; /* a multiple of four; at a constant speed, without stators without mass */
+    /* small changes of the start, side by side, and room for them: y, y' and races, a row each;
+     * a multiple of four; at a constant speed, without stators without mass */
+    int64_t column_count;
     double *columns, *column_room;
+    /* what parameters change besides, one a column from the first of these on */
+    const struct parameter *parameters;
+    int64_t parameter_count, first_of_parameters;
 };
 
 /* How many doubles a run needs to work in. */

@@ -1,4 +1,4 @@
-/* Small changes of a motion of a rotor system: columns, as the start would change.
+/* Small changes of a motion of a rotor system: columns, as the start or a parameter would change.
  *
  * Between events they solve the linearised equations, by series in the same variable as the motion
  * itself. Columns stand side by side, so that one sum serves four. Displacement, velocity and the
@@ -23,6 +23,7 @@ struct columns {
     double *y, *v, *acceleration;
     double *right;  /* MOST_CONTACTS rows */
     double *before; /* accelerations of the motion before they jump */
+    double *forced; /* accelerations by a parameter */
     struct column_touch touching[MOST_CONTACTS];
 };
 
@@ -32,8 +33,9 @@ enum { BLOCK = 4, SERIES_OF_TOUCH = 15, ALIGNMENT = 64 };
 int64_t core_system_column_room(int64_t size, int64_t contacts, int64_t columns)
 {
     const int64_t rows = 3 * ORDERS * size + contacts * SERIES_OF_TOUCH * ORDERS + MOST_CONTACTS;
-    return (int64_t)((sizeof(struct columns) + ALIGNMENT) / sizeof(double)) + rows * columns + size
-           + 4;
+    const int64_t stride = (size + 3) / 4 * 4;
+    return (int64_t)((sizeof(struct columns) + ALIGNMENT) / sizeof(double)) + rows * columns
+           + 2 * stride;
 }
 
 static double *taken(double **room, int64_t count)
@@ -63,6 +65,7 @@ void open_columns(struct work *work)
     columns->acceleration = taken(&room, series * run->size);
     columns->right = taken(&room, MOST_CONTACTS * run->column_count);
     columns->before = taken(&room, run->stride);
+    columns->forced = taken(&room, run->stride);
     for (int64_t i = 0; i < run->contact_count; i++) {
         struct column_touch *each = &columns->touching[i];
         each->moved = taken(&room, 2 * series);
@@ -175,6 +178,27 @@ static void turn_along(const struct touching *each, const double *pair, int64_t 
     add_product(-1.0, y, ELEMENT_ANSWERS, pair, 2 * count, n, aside, count);
 }
 
+/* What a parameter changes of a contact. */
+static inline const struct law_change *change_of(const struct work *work,
+                                                 const struct touching *each, int64_t parameter)
+{
+    return &work->run->parameters[parameter].laws[each - work->touching];
+}
+
+/* Add what parameters change of the normal force of a contact. */
+static void push_by_parameters(const struct work *work, const struct touching *each,
+                               const struct column_touch *touch, int n, double *push)
+{
+    const struct system_run *run = work->run;
+    for (int64_t k = 0; k < run->parameter_count; k++) {
+        const struct law_change *change = change_of(work, each, k);
+        push[run->first_of_parameters + k] +=
+            change->stiffness * each->answers[n][ELEMENT_PUSH]
+            + change->contact_damping * touch->slopes[n][SLOPE_BY_CONTACT_DAMPING]
+            - change->clearance * touch->slopes[n][SLOPE_BY_ALONG];
+    }
+}
+
 /* Let the force of a contact, whose coefficients up to n are known, act. */
 static void answer_columns(const struct work *work, const struct touching *each,
                            struct column_touch *touch, int n)
@@ -200,10 +224,14 @@ static void answer_columns(const struct work *work, const struct touching *each,
         add_product(1.0, &slopes[SLOPE_BY_ASIDE], SLOPES, touch->aside, count, n, push, count);
         add_product(1.0, &slopes[SLOPE_BY_RATE], SLOPES, touch->rate_along, count, n, push, count);
     }
+    push_by_parameters(work, each, touch, n, push);
     memcpy(radial, push, sizeof(double) * (size_t)count);
     add_product(-1.0, &slopes[SLOPE_BY_DRAG_SHARE], SLOPES, touch->aside, count, n, radial, count);
     memset(drag, 0, sizeof(double) * (size_t)count); /* of one that rolls not known yet */
     add_scaled(element_drag(&each->element, 1.0), push, drag, count);
+    for (int64_t k = 0; k < run->parameter_count; k++)
+        drag[run->first_of_parameters + k] +=
+            each->element.sigma * change_of(work, each, k)->friction * each->answers[n][ELEMENT_PUSH];
     memcpy(tangential, drag, sizeof(double) * (size_t)count);
     add_product(1.0, &slopes[SLOPE_BY_PUSH_SHARE], SLOPES, touch->aside, count, n, tangential,
                 count);
@@ -299,6 +327,39 @@ static void hold_columns(struct work *work, int n)
     }
 }
 
+/* Let what a parameter changes but for the contacts accelerate the coordinates of its column. */
+static void force_by_parameter(const struct work *work, const struct parameter *parameter, int n,
+                               double *to)
+{
+    const struct system_run *run = work->run;
+    const int64_t size = run->size, stride = work->stride;
+    const double *y = row_of(work, work->y, n), *v = row_of(work, work->v, n);
+    double *forced = columns_of(work)->forced;
+    memset(forced, 0, sizeof(double) * (size_t)stride);
+    if (parameter->stiffness != NULL)
+        multiply(parameter->stiffness, y, -1.0, size, stride, forced);
+    if (parameter->damping != NULL)
+        multiply(parameter->damping, v, -1.0, size, stride, forced);
+    if (parameter->unbalance != NULL) {
+        add_scaled(work->by_cosine[n], parameter->unbalance, forced, stride);
+        add_scaled(work->by_sine[n], parameter->unbalance + stride, forced, stride);
+    }
+    if (parameter->speed != 0.0) { /* of Omega^2 cos(Omega t), with its angle */
+        const double speed = run->speed, *cosine = work->cosine, *sine = work->sine;
+        const double later = convolved(work->time, 1, cosine, 1, n);
+        const double earlier = -convolved(work->time, 1, sine, 1, n);
+        add_scaled(speed * (2.0 * cosine[n] + speed * earlier), run->unbalance, forced, stride);
+        add_scaled(speed * (2.0 * sine[n] + speed * later), run->unbalance + stride, forced,
+                   stride);
+        if (run->gyroscopic != NULL)
+            multiply(run->gyroscopic, v, -1.0, size, stride, forced);
+        for (int64_t i = 0; i < size; i++)
+            forced[i] *= parameter->speed;
+    }
+    for (int64_t i = 0; i < size; i++)
+        to[i * run->column_count] += forced[i];
+}
+
 /* ---- A step ---- */
 
 /* Write coefficient n + 1: the pace times a rate, integrated. */
@@ -324,6 +385,8 @@ static void expand_columns(struct work *work)
         add_matrix(run, run->stiffness, -1.0, &columns->y[n * apart], to);
         if (resistance != NULL)
             add_matrix(run, resistance, -1.0, &columns->v[n * apart], to);
+        for (int64_t k = 0; k < run->parameter_count; k++)
+            force_by_parameter(work, &run->parameters[k], n, to + run->first_of_parameters + k);
         for (int64_t i = 0; i < run->contact_count; i++) {
             if (pushes(&work->touching[i])) {
                 set_slopes(&work->touching[i], &columns->touching[i], n);
@@ -402,9 +465,10 @@ static void find_rates(struct work *work, double *races)
     }
 }
 
-/* The change of the slip of a contact with a change of the state, whose numbers are `apart`. */
+/* The change of the slip of a contact with a change of the state, whose numbers are `apart`, and of
+ * the speed. */
 static double change_of_slip(const struct work *work, int contact, const double *y, const double *v,
-                             double race, int64_t apart)
+                             double race, double speed, int64_t apart)
 {
     const struct touching *each = &work->touching[contact];
     const double *answers = each->answers[0];
@@ -418,7 +482,19 @@ static double change_of_slip(const struct work *work, int contact, const double 
             faster += across[j] * row[i] * v[i * apart];
         }
     }
-    return faster - answers[ELEMENT_APPROACH] * moved / radius - each->law->race_radius * race;
+    return faster - answers[ELEMENT_APPROACH] * moved / radius + each->law->radius * speed
+           - each->law->race_radius * race;
+}
+
+/* The change of the slip of a contact in a column. */
+static double slip_in_column(const struct work *work, int contact, int64_t column)
+{
+    const struct system_run *run = work->run;
+    const int64_t count = run->column_count, first = run->first_of_parameters;
+    const double *y = run->columns, *v = y + run->size * count, *races = v + run->size * count;
+    const int is_by_parameter = column >= first && column < first + run->parameter_count;
+    return change_of_slip(work, contact, y + column, v + column, races[contact * count + column],
+                          is_by_parameter ? run->parameters[column - first].speed : 0.0, count);
 }
 
 int change_with_columns(struct work *work, struct happening what)
@@ -429,17 +505,14 @@ int change_with_columns(struct work *work, struct happening what)
         return change_contact(work, what);
     struct columns *columns = columns_of(work);
     const int64_t count = columns->count, size = run->size;
-    double *y = run->columns, *v = y + size * count, *races = v + size * count;
+    double *v = run->columns + size * count, *races = v + size * count;
     double before[MOST_CONTACTS], after[MOST_CONTACTS], *later = columns->right;
     find_rates(work, before);
     memcpy(columns->before, work->acceleration, sizeof(double) * (size_t)work->stride);
     const double rate = change_of_slip(work, contact, run->state + work->stride, columns->before,
-                                       before[contact], 1);
-    for (int64_t c = 0; c < count; c++) {
-        const double slip = change_of_slip(work, contact, y + c, v + c, races[contact * count + c],
-                                           count);
-        later[c] = -ratio(slip, rate);
-    }
+                                       before[contact], 0.0, 1);
+    for (int64_t c = 0; c < count; c++)
+        later[c] = -ratio(slip_in_column(work, contact, c), rate);
     const int status = change_contact(work, what);
     if (status != DONE)
         return status;
@@ -459,14 +532,11 @@ void begin_columns(struct work *work)
     begin_terms(work);
     expand_system(work, 1);
     const int64_t count = run->column_count, size = run->size;
-    double *y = run->columns, *v = y + size * count, *races = v + size * count;
+    double *v = run->columns + size * count, *races = v + size * count;
     for (int64_t c = 0; c < count && work->rolls > 0; c++) {
         double held[MOST_CONTACTS + 1];
-        for (int j = 0; j < work->rolls; j++) {
-            const int contact = work->rolling[j];
-            held[j] = change_of_slip(work, contact, y + c, v + c, races[contact * count + c],
-                                     count);
-        }
+        for (int j = 0; j < work->rolls; j++)
+            held[j] = slip_in_column(work, work->rolling[j], c);
         solve_implicit(work, work->rolls, held);
         for (int j = 0; j < work->rolls; j++) {
             const struct touching *each = &work->touching[work->rolling[j]];

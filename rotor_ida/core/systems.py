@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import ctypes
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from ctypes import Structure, byref, c_double, c_int, c_int32, c_int64, c_void_p
 from dataclasses import dataclass, field
 from functools import cache
@@ -37,6 +37,9 @@ LAW = np.dtype(
         ("race", np.int64),
     ]
 )  # fmt: skip
+LAW_CHANGE = np.dtype(
+    [(name, np.float64) for name in ("clearance", "stiffness", "contact_damping", "friction")]
+)
 TOUCH = np.dtype(
     [
         *((name, np.float64) for name in ("root", "race", "sense")),
@@ -112,8 +115,41 @@ class SystemRunStruct(Structure):
         *((name, c_int64) for name in ("episode_room", "episode_count", "steps")),
         ("room", c_void_p),
         ("column_count", c_int64),
-        *((name, c_void_p) for name in ("columns", "column_room")),
+        *((name, c_void_p) for name in ("columns", "column_room", "parameters")),
+        *((name, c_int64) for name in ("parameter_count", "first_of_parameters")),
     ]  # fmt: skip
+
+
+class _ParameterStruct(Structure):
+    """``struct parameter``."""
+
+    _fields_ = [
+        ("speed", c_double),
+        *((name, c_void_p) for name in ("stiffness", "damping", "unbalance", "laws")),
+    ]
+
+
+@dataclass(frozen=True, slots=True, kw_only=True)
+class ByParameter:
+    """The derivatives of a system by one parameter, in coordinates with a unit mass matrix.
+
+    Parameters
+    ----------
+    speed : float
+        Of the speed.
+    stiffness, damping : ndarray, shape (n, n)
+        Of the matrices; None where they stay as they are.
+    unbalance : ndarray, shape (2, n), or None
+        Of the unbalance.
+    laws : ndarray of LAW_CHANGE, shape (contact,)
+        Of the contacts; that of a stiffness in parts of it.
+    """
+
+    speed: float = 0.0
+    stiffness: Values | None = None
+    damping: Values | None = None
+    unbalance: Values | None = None
+    laws: Rows
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -164,6 +200,8 @@ class SystemRequest:
     columns : ndarray, shape (column, 2 n + contact), optional
         Small changes of the start, whose course is wanted: of displacements, velocities and speeds
         of races. At a constant speed, and without stators without mass.
+    parameters : sequence of ByParameter
+        Parameters that change beside, each alone with one of the last columns.
     """
 
     stiffness: Values
@@ -191,6 +229,7 @@ class SystemRequest:
     duration: float
     massless: int = 0
     columns: Values | None = None
+    parameters: Sequence[ByParameter] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -411,7 +450,26 @@ class _Run:
             wanted = core.core_system_column_room(self.size, count, beside.shape[1])
             self.struct.column_count, self.struct.columns = beside.shape[1], self.filled(beside)
             self.struct.column_room = self.filled(np.zeros(wanted))
+            self.struct.parameter_count = len(request.parameters)
+            self.struct.first_of_parameters = len(changes) - len(request.parameters)
+            self.kept_structs = (_ParameterStruct * len(request.parameters))(
+                *map(self.parameter, request.parameters)
+            )
+            self.struct.parameters = ctypes.cast(self.kept_structs, c_void_p)
         return beside[:, : len(changes)]
+
+    def parameter(self, by: ByParameter) -> _ParameterStruct:
+        """Return what a parameter changes, in the form that the core expects."""
+        rows = {
+            "stiffness": None if by.stiffness is None else by.stiffness.T,
+            "damping": None if by.damping is None else by.damping.T,
+            "unbalance": by.unbalance,
+        }
+        return _ParameterStruct(
+            speed=by.speed, laws=self.read(by.laws),
+            **{name: None if each is None else self.read(self.wide(each))
+               for name, each in rows.items()},
+        )  # fmt: skip
 
     def result(self, status: int) -> SystemResult:
         """Return the result of the run."""

@@ -57,7 +57,7 @@ MASSLESS_ANSWERS = (*ANSWERS, "drag")
 SLOPE_GIVEN = ("root", "approach", "across", "push", "drag", "pull")
 SLOPES = (
     "along", "aside", "rate", "push_share", "drag_share",
-    "approach_share", "across_share", "difference", "product", "pull_share",
+    "approach_share", "across_share", "difference", "product", "pull_share", "contact_damping",
 )  # fmt: skip
 
 
@@ -111,18 +111,20 @@ def slopes_of(given: Numbers, contact: Any) -> list[Number]:
     """Return what a small change of the motion is multiplied by: see `SLOPES`.
 
     They are N_d, N_t, N_v, and N, T, d', u'.t and e.u'' over r; with the last, of the squares of
-    ``u'.t/r`` and ``d'/r`` the difference, and of them the product.
+    ``u'.t/r`` and ``d'/r`` the difference, and of them the product; and the derivative of N by the
+    contact damping. That by the clearance is -N_d.
     """
     root, approach, across, push, drag, pull = given
     radius = contact.clearance + root * root
-    resisted = contact.contact_damping * spring_of_root(root, contact)
+    spring = spring_of_root(root, contact)
+    resisted = contact.contact_damping * spring
     along = slope_of_root(root, contact) * damping_factor(approach, contact.contact_damping)
     approach_share, across_share = approach / radius, across / radius
     return [
         along, resisted * across_share, resisted, push / radius, drag / radius,
         approach_share, across_share,
         across_share * across_share - approach_share * approach_share,
-        approach_share * across_share, pull / radius,
+        approach_share * across_share, pull / radius, spring * approach,
     ]  # fmt: skip
 
 

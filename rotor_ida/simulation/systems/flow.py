@@ -21,7 +21,7 @@ from scipy.linalg import null_space
 from rotor_ida.arrays import ComplexValues, Flags, Stop, Values, Watch
 from rotor_ida.checks import shown
 from rotor_ida.core.runs import NO_EXTREMA
-from rotor_ida.core.systems import SystemRequest, SystemResult
+from rotor_ida.core.systems import LAW_CHANGE, ByParameter, SystemRequest, SystemResult
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.assembly import Assembly, Canonical, assemble, canonical
 from rotor_ida.model.axisymmetric import check_axisymmetric_parts, forward_motions
@@ -232,17 +232,42 @@ class SystemFlow:
     ) -> Piece:  # fmt: skip
         """Return the motion from a state: see `rotor_ida.simulation.flow.Flow`."""
         changes = np.eye(state.size) if tangents is None else tangents
-        run, moved = self._changed(state, changes, until)
+        run, moved, ends = self._changed(state, changes, until, by)
         end = self.end_of(run)
         rolls = run.touches["mode"] == MODE["rolling"]
         rolls[run.event_contacts[run.event_kinds == ROLL]] = True
         return Piece(
-            state, end, until, moved.T, [self._by(name, state, until) for name in by],
+            state, end, until, moved.T, list(ends),
             self.rate(state), self.rate(end), run.event_kinds, run.event_contacts, rolls,
             run.episodes, NO_EXTREMA,
         )  # fmt: skip
 
-    def _by(self, name: str, state: Values, until: float) -> Values:
+    def _by(self, name: str) -> ByParameter:
+        """Return the derivatives of the system by a parameter, of which it is a linear function."""
+        if name == SPEED:
+            return ByParameter(speed=1.0, laws=np.zeros(len(self.request.laws), LAW_CHANGE))
+        value = self.value_of(name)
+        changed: dict[str, Any] = {name: 2.0 * value if value else 1.0}
+        step, here = changed[name] - value, self.request
+        other = self.but(**changed).request
+        laws = np.zeros(len(here.laws), LAW_CHANGE)
+        for each in ("clearance", "contact_damping", "friction"):
+            laws[each] = (other.laws[each] - here.laws[each]) / step
+        own, theirs = (each.laws["hertz"] + each.laws["linear"] for each in (here, other))
+        laws["stiffness"] = (theirs / own - 1.0) / step
+
+        def change_of(number: str) -> Values | None:
+            before, after = getattr(here, number), getattr(other, number)
+            return None if before is None or after is before else (after - before) / step
+
+        return ByParameter(
+            stiffness=change_of("stiffness") if name == "stiffness" else None,
+            damping=change_of("damping") if name == "damping" else None,
+            unbalance=change_of("unbalance") if name == "unbalance" else None,
+            laws=laws,
+        )  # fmt: skip
+
+    def _by_difference(self, name: str, state: Values, until: float) -> Values:
         """Return the derivative of the state after a time by a parameter.
 
         It is a difference of second order: central, or forward where the parameter begins at 0.
@@ -377,6 +402,7 @@ class SystemFlow:
         *,
         only_events: bool = False,
         columns: Values | None = None,
+        parameters: Sequence[ByParameter] = (),
     ) -> SystemResult:
         """Return a run from a state to the last of some times, with small changes of its start."""
         races = np.zeros(len(self.request.laws))
@@ -385,7 +411,7 @@ class SystemFlow:
         request = replace(
             self.request, start=motion, races=races[self.request.laws["race"]], times=times,
             duration=end, pieces=steady(self.speed, end).pieces(), only_events=only_events,
-            columns=columns,
+            columns=columns, parameters=parameters,
         )  # fmt: skip
         return run_to_end(request, self.stop, self.watch)
 
@@ -426,31 +452,58 @@ class SystemFlow:
 
     def changes(self, state: Values, changes: Values, duration: float) -> tuple[Values, Values]:
         """Return the state after a time, and what small changes of it become, a row each."""
-        run, moved = self._changed(state, changes, duration)
+        run, moved, _ = self._changed(state, changes, duration)
         return self.end_of(run), moved
 
     def _changed(
-        self, state: Values, changes: Values, duration: float
-    ) -> tuple[SystemResult, Values]:
-        """Return a run, and what small changes of its start have become, a row each.
+        self, state: Values, changes: Values, duration: float, by: Sequence[str] = ()
+    ) -> tuple[SystemResult, Values, Values]:
+        """Return a run, and what small changes of its start and parameters have become, in rows.
 
-        The core follows the changes, by the linearised motion and its jumps at events; those of a
-        system that has stators without mass are differences of runs.
+        The core follows the changes, by the linearised motion and its jumps at events. Differences
+        of runs stand for them in a system that has stators without mass, and for a friction of 0,
+        with which no sense of sliding is known.
         """
         size, races = 2 * self.problem.assembly.size, self.problem.with_race
-        columns = np.zeros((len(changes), size + races.size))
-        columns[:, np.concatenate([np.ones(size, bool), races])] = changes * self.scales
+        apart = [each for each in by if self._needs_differences(each)]
+        own = [each for each in by if each not in apart]
+        columns = np.zeros((len(changes) + len(own), size + races.size))
+        known = np.concatenate([np.ones(size, bool), races])
+        columns[: len(changes), known] = changes * self.scales
         columns[:, size:] = columns[:, size + self.request.laws["race"]]
         run = self.sampled(
             state, np.array([duration]), only_events=True,
             columns=None if self.request.massless else columns,
+            parameters=[self._by(each) for each in own],
         )  # fmt: skip
         if self.request.massless:
             image = self.end_of(run)
             ends = [self.after(state + APART * change, duration) for change in changes]
-            return run, (np.array(ends) - image) / APART
-        moved = run.columns[:, np.concatenate([np.ones(size, bool), races])] / self.scales
-        return run, self.turned_back(moved, run.time)
+            moved = (np.array(ends) - image) / APART
+        else:
+            moved = self.turned_back(run.columns[:, known] / self.scales, run.time)
+        ends_by = dict(zip(own, moved[len(changes) :], strict=True))
+        if SPEED in ends_by:  # by which the axes turn, too
+            ends_by[SPEED] = ends_by[SPEED] + self._turning_back(self.end_of(run)) * run.time
+        found = [
+            self._by_difference(each, state, duration) if each in apart else ends_by[each]
+            for each in by
+        ]
+        return run, moved[: len(changes)], np.array(found)
+
+    def _needs_differences(self, name: str) -> bool:
+        """Whether the core cannot follow what changes by a parameter."""
+        return bool(self.request.massless) or (
+            name in MAY_BE_ZERO and not self.request.laws[name].any()
+        )
+
+    def _turning_back(self, state: Values) -> Values:
+        """Return the rate at which a state on turning axes changes by their angle alone."""
+        forward = self.problem.forward
+        rate, size = np.zeros_like(state), self.problem.assembly.size
+        for part in (slice(size), slice(size, 2 * size)) if forward is not None else ():
+            rate[part] = 2.0 * (-1j * (state[part] @ forward.conj()) @ forward.T).real
+        return rate
 
     def touch_fading(self, number: int, amplitude: float) -> float:
         """Return by how much 1/h grows from one ever slighter touch of a contact to the next.
