@@ -104,18 +104,11 @@ struct shape {
     int is_plain;
 };
 
-/* Coefficient n of a product of a series with rows, in four columns. */
-COMPILED vec4 convolved_rows(const double *series, const double *rows, int n, int64_t stride)
+/* Add coefficient n of a product of a series with rows. What was written last is read last. */
+COMPILED void add_convolved(double scale, const double *series, const double *rows, int n,
+                            int64_t stride, double *to)
 {
-    vec4 even = spread(0.0), odd = spread(0.0);
-    int k = 0;
-    for (; k < n; k += 2) {
-        even = fma4(spread(series[k]), load(&rows[(n - k) * stride]), even);
-        odd = fma4(spread(series[k + 1]), load(&rows[(n - k - 1) * stride]), odd);
-    }
-    if (k == n)
-        even = fma4(spread(series[n]), load(rows), even);
-    return even + odd;
+    add_sums(scale, &series[n], -1, rows, n + 1, stride, to);
 }
 
 /* A displacement or velocity of a contact by the coordinates. */
@@ -295,9 +288,7 @@ COMPILED void accelerate(struct work *work, int n, struct shape shape)
         double *turned = row_of(work, work->turned, n);
         memset(turned, 0, bytes);
         multiply(run->gyroscopic, v, 1.0, size, stride, turned);
-        for (int64_t i = 0; i < stride; i += 4)
-            store(&resisted[i],
-                  load(&resisted[i]) + convolved_rows(work->spin, &work->turned[i], n, stride));
+        add_convolved(1.0, work->spin, work->turned, n, stride, resisted);
     }
     add_scaled(-1.0, resisted, to, stride);
     if (run->stiffness_rate != NULL && has_rate) {
@@ -554,12 +545,12 @@ COMPILED void go_on(struct work *work, int n, struct shape shape)
     const double share = 1.0 / (n + 1);
     const int has_rate = !shape.is_plain && work->has_rate;
     double *y = &work->y[(n + 1) * stride], *v = &work->v[(n + 1) * stride];
+    const size_t bytes = sizeof(double) * (size_t)stride;
     if (work->moves) {
-        for (int64_t i = 0; i < stride; i += 4) {
-            store(&y[i], spread(share) * convolved_rows(work->pace, &work->v[i], n, stride));
-            store(&v[i],
-                  spread(share) * convolved_rows(work->pace, &work->acceleration[i], n, stride));
-        }
+        memset(y, 0, bytes);
+        memset(v, 0, bytes);
+        add_convolved(share, work->pace, work->v, n, stride, y);
+        add_convolved(share, work->pace, work->acceleration, n, stride, v);
     } else {
         const double *velocity = &work->v[n * stride];
         const double *acceleration = &work->acceleration[n * stride];

@@ -230,8 +230,9 @@ static void answer_columns(const struct work *work, const struct touching *each,
     memset(drag, 0, sizeof(double) * (size_t)count); /* of one that rolls not known yet */
     add_scaled(element_drag(&each->element, 1.0), push, drag, count);
     for (int64_t k = 0; k < run->parameter_count; k++)
-        drag[run->first_of_parameters + k] +=
-            each->element.sigma * change_of(work, each, k)->friction * each->answers[n][ELEMENT_PUSH];
+        drag[run->first_of_parameters + k] += each->element.sigma
+                                              * change_of(work, each, k)->friction
+                                              * each->answers[n][ELEMENT_PUSH];
     memcpy(tangential, drag, sizeof(double) * (size_t)count);
     add_product(1.0, &slopes[SLOPE_BY_PUSH_SHARE], SLOPES, touch->aside, count, n, tangential,
                 count);

@@ -79,35 +79,79 @@ static inline void add_scaled(double factor, const double *row, double *to, int6
         store(&to[i], fma4(by, load(&row[i]), load(&to[i])));
 }
 
-/* Add a matrix times a row, or take it away: eight vectors of rows at a time. */
+/* Eight columns of rows. */
+typedef double vec8 __attribute__((vector_size(64)));
+
+static inline vec8 load8(const double *from)
+{
+    vec8 row;
+    memcpy(&row, from, sizeof row);
+    return row;
+}
+
+static inline void store8(double *to, vec8 row) { memcpy(to, &row, sizeof row); }
+
+static inline vec8 fma8(double by, vec8 b, vec8 c)
+{
+    return (vec8){fma(by, b[0], c[0]), fma(by, b[1], c[1]), fma(by, b[2], c[2]),
+                  fma(by, b[3], c[3]), fma(by, b[4], c[4]), fma(by, b[5], c[5]),
+                  fma(by, b[6], c[6]), fma(by, b[7], c[7])};
+}
+
+/* Add rows, each times a factor, to a row, in some vectors of eight columns. As each sum waits for
+ * itself, there are two of each column. */
+COMPILED void add_eights(const int eights, double scale, const double *factors, int factor_apart,
+                         const double *rows, int64_t many, int64_t stride, double *to)
+{
+    enum { MOST = 2 };
+    vec8 even[MOST], odd[MOST];
+    for (int e = 0; e < eights; e++) {
+        even[e] = load8(&to[8 * e]);
+        odd[e] = (vec8){0.0};
+    }
+    int64_t k = 0;
+    for (; k + 1 < many; k += 2, rows += 2 * stride) {
+        const double first = scale * factors[k * factor_apart];
+        const double second = scale * factors[(k + 1) * factor_apart];
+        for (int e = 0; e < eights; e++) {
+            even[e] = fma8(first, load8(&rows[8 * e]), even[e]);
+            odd[e] = fma8(second, load8(&rows[stride + 8 * e]), odd[e]);
+        }
+    }
+    for (int e = 0; e < eights && k < many; e++)
+        even[e] = fma8(scale * factors[k * factor_apart], load8(&rows[8 * e]), even[e]);
+    for (int e = 0; e < eights; e++)
+        store8(&to[8 * e], even[e] + odd[e]);
+}
+
+/* The same of all columns. */
+COMPILED void add_sums(double scale, const double *factors, int factor_apart, const double *rows,
+                       int64_t many, int64_t stride, double *to)
+{
+    int64_t i = 0;
+    for (; i + 16 <= stride; i += 16)
+        add_eights(2, scale, factors, factor_apart, &rows[i], many, stride, &to[i]);
+    for (; i + 8 <= stride; i += 8)
+        add_eights(1, scale, factors, factor_apart, &rows[i], many, stride, &to[i]);
+    if (i == stride)
+        return;
+    vec4 even = load(&to[i]), odd = spread(0.0);
+    const double *row = &rows[i];
+    int64_t k = 0;
+    for (; k + 1 < many; k += 2, row += 2 * stride) {
+        even = fma4(spread(scale * factors[k * factor_apart]), load(row), even);
+        odd = fma4(spread(scale * factors[(k + 1) * factor_apart]), load(row + stride), odd);
+    }
+    if (k < many)
+        even = fma4(spread(scale * factors[k * factor_apart]), load(row), even);
+    store(&to[i], even + odd);
+}
+
+/* Add a matrix times a row, or take it away. */
 COMPILED void multiply(const double *matrix, const double *row, double sign, int64_t size,
                        int64_t stride, double *to)
 {
-    enum { BLOCK = 8 };
-    int64_t first = 0;
-    for (; first + 4 * BLOCK <= stride; first += 4 * BLOCK) {
-        vec4 sums[BLOCK];
-        for (int v = 0; v < BLOCK; v++)
-            sums[v] = load(&to[first + 4 * v]);
-        for (int64_t k = 0; k < size; k++) {
-            const vec4 by = spread(sign * row[k]);
-            for (int v = 0; v < BLOCK; v++)
-                sums[v] = fma4(load(&matrix[k * stride + first + 4 * v]), by, sums[v]);
-        }
-        for (int v = 0; v < BLOCK; v++)
-            store(&to[first + 4 * v], sums[v]);
-    }
-    for (; first < stride; first += 4) {
-        vec4 even = load(&to[first]), odd = spread(0.0);
-        int64_t k = 0;
-        for (; k + 1 < size; k += 2) {
-            even = fma4(load(&matrix[k * stride + first]), spread(sign * row[k]), even);
-            odd = fma4(load(&matrix[(k + 1) * stride + first]), spread(sign * row[k + 1]), odd);
-        }
-        if (k < size)
-            even = fma4(load(&matrix[k * stride + first]), spread(sign * row[k]), even);
-        store(&to[first], even + odd);
-    }
+    add_sums(sign, row, 1, matrix, size, stride, to);
 }
 
 /* Coefficient n of a product, from terms that are so far apart in memory, without the first terms

@@ -1,4 +1,4 @@
-"""What parameters add over a stretch, against differences of whole stretches."""
+"""Derivatives of a system's motion by its parameters, against one disc's own and against runs."""
 
 from dataclasses import replace
 
@@ -6,70 +6,76 @@ import numpy as np
 import pytest
 
 from rotor_ida import Rotor
-from rotor_ida.core.interface import DONE
-from rotor_ida.core.runs import COLUMNS, RunRequest, follow_run
+from rotor_ida.core.runs import NO_STOP
+from rotor_ida.model.assembly import assemble
 from rotor_ida.simulation.flow import DiscFlow
+from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
+from tests.random_systems import random_system
 
-START = (1.2, 0.3, -0.2, 0.9)
-CONTACT = Rotor(omega=1.2, zeta=0.07, delta0=0.5)
-FREE = Rotor(omega=1.2, zeta=0.07, delta0=0.0)
-FLIGHT = Rotor(omega=1.2, zeta=0.07, delta0=9.0)
-
-
-def followed(rotor, duration, bundle=None):
-    asked = RunRequest(
-        rotor=rotor, start=START, duration=duration, rtol=1e-15, atol=1e-17, bundle=bundle
-    )
-    seen = follow_run(asked)
-    assert seen.status == DONE
-    return np.array(seen.state)
-
-
-@pytest.mark.parametrize("duration", [0.05, 0.4])
-@pytest.mark.parametrize("rotor", [CONTACT, FREE, FLIGHT], ids=["contact", "free", "flight"])
-def test_parameters_add_the_differences_of_neighbouring_rotors(rotor, duration):
-    """Central differences of the state at one time, within one phase."""
-    h, bundle = 1e-5, np.zeros((7, 4))
-    end = followed(rotor, duration, bundle)
-    np.testing.assert_array_equal(bundle[:4], 0.0)
-    np.testing.assert_allclose(end, followed(rotor, duration), rtol=0.0, atol=1e-14)
-    for name, added in zip(("omega", "zeta", "delta0"), bundle[4:], strict=True):
-        if name == "delta0" and rotor is not CONTACT:
-            assert not added.any()
-            continue
-        value = getattr(rotor, name)
-        ahead, behind = (
-            followed(replace(rotor, **{name: value + sign * h}), duration) for sign in (1, -1)
-        )
-        np.testing.assert_allclose(added, (ahead - behind) / (2.0 * h), rtol=0, atol=1e-9)
+# Of one disc, and what they are of it as a system; the last is a factor of the damping.
+SAME = {
+    "omega": "speed", "delta0": "clearance", "friction": "friction",
+    "contact_damping": "contact_damping", "zeta": "damping",
+}  # fmt: skip
+OF_SYSTEMS = (
+    "speed", "clearance", "friction", "unbalance", "damping", "stiffness",
+    "contact_stiffness", "contact_damping",
+)  # fmt: skip
+# Between them, seeds whose contacts enter, leave, roll, slip and reverse, damped and undamped, with
+# races and stators.
+SEEDS = (2, 5, 10, 17, 19)
 
 
-def test_what_is_added_comes_on_top_of_what_there_was():
-    """Rows begin where they are and are carried by the flow like any difference."""
-    rows = np.random.default_rng(0).normal(size=(7, 4))
-    bundle, alone, matrix = rows.copy(), np.zeros((7, 4)), np.eye(4)
-    for each in (bundle, alone, matrix):
-        followed(CONTACT, 3.0, each)
-    np.testing.assert_allclose(bundle, rows @ matrix + alone, rtol=0.0, atol=1e-12)
+def flow_of(system, speed):
+    return SystemFlow.at(SettlingProblem.of(assemble(system), 1e-13), speed, NO_STOP)
 
 
-@pytest.mark.parametrize("delta0", [2.0, 0.0], ids=["bouncing", "free"])
-def test_a_load_that_turns_faster_adds_to_what_the_speed_does(delta0):
-    """Central differences over two revolutions, with entries and exits."""
-    rotor = Rotor(omega=1.6, zeta=0.07, delta0=delta0, load=0.3)
-    start, duration, h = np.array([2.1, 0.3, 0.5, -0.4]), 4.0 * np.pi / 1.6, 1e-6
-    shot = DiscFlow(rotor).run(start, duration, by=COLUMNS)
-    for name in ("omega", "zeta", "delta0", "load"):
-        value = getattr(rotor, name)
-        if value == 0.0:
-            continue
-        ends = [
-            DiscFlow(replace(rotor, **{name: value + sign * h}))
-            .run(start, duration, by=COLUMNS)
-            .end
-            for sign in (1, -1)
-        ]
-        column = shot.by[COLUMNS.index(name)]
-        np.testing.assert_allclose(column, (ends[0] - ends[1]) / (2.0 * h), rtol=0, atol=1e-7)
-    ends = [DiscFlow(rotor).run(start, duration + sign * h).end for sign in (1, -1)]
-    np.testing.assert_allclose(shot.end_rate, (ends[0] - ends[1]) / (2.0 * h), rtol=0, atol=1e-7)
+@pytest.mark.parametrize("friction", [0.1, 0.4])
+@pytest.mark.parametrize("contact_damping", [0.1, 0.5])
+def test_derivatives_are_those_of_one_disc(friction, contact_damping):
+    """Both kernels derive them from the same law in different coordinates and scales."""
+    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0, shaft_stiffness=0.1, friction=friction,
+                  disc_radius=3.0, contact_damping=contact_damping)  # fmt: skip
+    flow, state = flow_of(rotor.system(), rotor.omega), np.array([3.0, 1.0, 0.0, 0.0])
+    piece = flow.run(flow.given_state(state), 15.0, by=tuple(SAME.values()))
+    own = DiscFlow(rotor).run(state, 15.0, by=tuple(SAME))
+    np.testing.assert_array_equal(piece.event_kinds, own.event_kinds)
+    assert {-1, 1} <= set(piece.event_kinds.tolist())
+    for name, found, known in zip(SAME, piece.by, own.by, strict=True):
+        factor = rotor.zeta if name == "zeta" else 1.0
+        np.testing.assert_allclose(
+            flow.in_q(found), factor * known, rtol=0.0, atol=1e-10 * np.abs(known).max(),
+            err_msg=name,
+        )  # fmt: skip
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_derivatives_are_differences_of_runs(seed):
+    """Central differences; at an entry the third derivative is infinite."""
+    system, around = random_system(seed)
+    begun = around.pop("start")
+    flow = flow_of(replace(system, **around), 1.1)
+    problem = flow.problem
+    start = np.zeros((2, problem.assembly.size))
+    start[:, : system.size] = begun
+    state = flow.state_of(start @ problem.found.factor, problem.race_speeds)
+    names = [each for each in OF_SYSTEMS if each == "speed" or flow.value_of(each) > 0.0]
+    piece = flow.run(state, 12.0, by=names)
+    assert {-1, 1} < set(piece.event_kinds.tolist())
+    for name, found in zip(names, piece.by, strict=True):
+        step = 1e-6 * flow.value_of(name)
+        ends = [flow.but(**{name: flow.value_of(name) + each}).after(state, 12.0)
+                for each in (step, -step)]  # fmt: skip
+        np.testing.assert_allclose(
+            found, (ends[0] - ends[1]) / (2.0 * step), rtol=0.0, err_msg=name,
+            atol=5e-7 * np.abs(found).max(),
+        )  # fmt: skip
+
+
+def test_the_derivative_by_a_friction_of_0_is_one_to_its_right():
+    """No sense of sliding is known there; sliding contacts decide it with the least friction."""
+    rotor = Rotor(omega=1.2, zeta=0.07, delta0=0.5, friction=0.0, disc_radius=3.0)
+    flow, state = flow_of(rotor.system(), 1.2), np.array([1.0, 0.3, -0.2, 0.5])
+    found = flow.run(flow.given_state(state), 15.0, by=("friction",)).by[0]
+    own = DiscFlow(replace(rotor, friction=1e-9)).run(state, 15.0, by=("friction",)).by[0]
+    np.testing.assert_allclose(flow.in_q(found), own, rtol=0.0, atol=1e-6 * np.abs(own).max())
