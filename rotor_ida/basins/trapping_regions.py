@@ -56,7 +56,7 @@ import numpy.typing as npt
 from rotor_ida.arrays import Values
 from rotor_ida.basins.kernel import REGION, Rows
 from rotor_ida.closed_forms import synchronous_response
-from rotor_ida.closed_forms.contact_laws import force, stiffnesses
+from rotor_ida.closed_forms.restoring_law import force, stiffnesses
 from rotor_ida.model.equations import rotating_jacobian
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema import STABILITY

@@ -27,7 +27,7 @@ from rotor_ida.closed_forms.peaks import backbone, peak_amplitude, peaks, speeds
 from rotor_ida.closed_forms.ramp_flight import ramp_flight
 from rotor_ida.closed_forms.response_curve import response_curve
 from rotor_ida.closed_forms.rest import rest
-from rotor_ida.closed_forms.restoring import restoring_field
+from rotor_ida.closed_forms.restoring_field import restoring_field
 from rotor_ida.closed_forms.sommerfeld import sommerfeld_curve, whirl_torque
 from rotor_ida.closed_forms.stability import eigenvalues, stability_determinant
 from rotor_ida.closed_forms.synchronous import synchronous_response

@@ -13,7 +13,6 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import LARGEST_NUMBER, check_count, check_positive
 from rotor_ida.closed_forms.contact_free import complex_amplitude
-from rotor_ida.closed_forms.contact_laws import force
 from rotor_ida.closed_forms.contacting_whirls import root_between
 from rotor_ida.closed_forms.curve_tracing import (
     MOST_POINTS,
@@ -30,6 +29,7 @@ from rotor_ida.closed_forms.curve_tracing import (
     traced,
 )
 from rotor_ida.closed_forms.peaks import SMALLEST_DAMPING
+from rotor_ida.closed_forms.restoring_law import force
 from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
 from rotor_ida.closed_forms.synchronous import SMALLEST_SPEED, whirls_in_contact
 from rotor_ida.model.contact import HERTZ_EXPONENT

@@ -43,7 +43,6 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Values
-from rotor_ida.closed_forms.contact_laws import RestoringLaw
 from rotor_ida.closed_forms.contacting_whirls import Rows, bracketed_newton
 from rotor_ida.closed_forms.double_double import DoubleDouble
 from rotor_ida.closed_forms.exact_polynomials import (
@@ -54,6 +53,7 @@ from rotor_ida.closed_forms.exact_polynomials import (
     constant,
     positive_roots,
 )
+from rotor_ida.closed_forms.restoring_law import RestoringLaw
 from rotor_ida.closed_forms.rotor_columns import RotorColumns
 
 # Coefficients by powers of the speed, the lowest first.

@@ -22,7 +22,7 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import LARGEST_NUMBER, check_axis, shown
-from rotor_ida.closed_forms.contact_laws import stiffnesses
+from rotor_ida.closed_forms.restoring_law import stiffnesses
 from rotor_ida.closed_forms.rotor_columns import RotorColumns
 from rotor_ida.closed_forms.stability import eigenvalues
 from rotor_ida.errors import InputError

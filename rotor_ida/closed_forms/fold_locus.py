@@ -36,9 +36,9 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Flags, Values
-from rotor_ida.closed_forms.contact_laws import RestoringLaw
 from rotor_ida.closed_forms.curve_polynomials import Fold
 from rotor_ida.closed_forms.double_double import DoubleDouble
+from rotor_ida.closed_forms.restoring_law import RestoringLaw
 
 _NODES_PER_DECADE = 24
 _NODES_BETWEEN = 65

@@ -20,8 +20,8 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Values
-from rotor_ida.closed_forms.contact_laws import RestoringLaw
 from rotor_ida.closed_forms.fold_locus import NO_CUSP, Cusp
+from rotor_ida.closed_forms.restoring_law import RestoringLaw
 
 _NODES = 8000
 # Smallest value, as 4 zeta**2, of the largest damping that is sought.

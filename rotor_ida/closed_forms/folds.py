@@ -11,7 +11,6 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import listed
-from rotor_ida.closed_forms.contact_laws import RestoringLaw
 from rotor_ida.closed_forms.curve_polynomials import CurveEquations, Fold, exact_folds
 from rotor_ida.closed_forms.fold_locus import (
     Cusp,
@@ -22,6 +21,7 @@ from rotor_ida.closed_forms.fold_locus import (
     undamped_folds,
 )
 from rotor_ida.closed_forms.fold_locus_with_friction import friction_cusp
+from rotor_ida.closed_forms.restoring_law import RestoringLaw
 from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
 from rotor_ida.closed_forms.synchronous import synchronous_response
 from rotor_ida.errors import InputError

@@ -21,8 +21,8 @@ from rotor_ida.checks import (
     check_points,
     check_real,
 )
-from rotor_ida.closed_forms.contact_laws import RestoringLaw
 from rotor_ida.closed_forms.contacting_whirls import root_between
+from rotor_ida.closed_forms.restoring_law import RestoringLaw
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import HERTZ_EXPONENT
 from rotor_ida.schema import labelled, labelled_dataset

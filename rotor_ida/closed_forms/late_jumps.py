@@ -32,8 +32,8 @@ import xarray as xr
 
 from rotor_ida.arrays import ROUNDING, Values
 from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_distinct, is_scalar
-from rotor_ida.closed_forms.contact_laws import force, stiffnesses
 from rotor_ida.closed_forms.folds import ALL_SPEEDS, RANGES, folds_of
+from rotor_ida.closed_forms.restoring_law import force, stiffnesses
 from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
 from rotor_ida.closed_forms.stability import eigenvalues_of
 from rotor_ida.errors import InputError

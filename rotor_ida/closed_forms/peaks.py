@@ -12,10 +12,10 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_nonnegative, check_positive
-from rotor_ida.closed_forms.contact_laws import RestoringLaw, force
 from rotor_ida.closed_forms.contacting_whirls import root_between
 from rotor_ida.closed_forms.curve_polynomials import CurveEquations, Tip, exact_tips, flanks
 from rotor_ida.closed_forms.fold_locus import positive_roots
+from rotor_ida.closed_forms.restoring_law import RestoringLaw, force
 from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
 from rotor_ida.model.contact import HERTZ_EXPONENT
 from rotor_ida.model.parameters import Parameters

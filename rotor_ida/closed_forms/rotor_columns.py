@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import LARGEST_NUMBER, shown
-from rotor_ida.closed_forms.contact_laws import RestoringLaw
+from rotor_ida.closed_forms.restoring_law import RestoringLaw
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import DEFAULTS, Parameters
 from rotor_ida.model.rotor import DimensionalRotor, Rotor

@@ -33,9 +33,9 @@ from rotor_ida.checks import (
     check_nonnegative,
     check_real,
 )
-from rotor_ida.closed_forms.contact_laws import force, stiffnesses
 from rotor_ida.closed_forms.folds import RANGES
 from rotor_ida.closed_forms.response_curve import BETWEEN_LIMITS, curve_over_speed
+from rotor_ida.closed_forms.restoring_law import force, stiffnesses
 from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, Parameters, check_exponent

@@ -12,7 +12,7 @@ import numpy.typing as npt
 
 from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.checks import LARGEST_NUMBER, check_array, check_axis
-from rotor_ida.closed_forms.contact_laws import force, stiffnesses
+from rotor_ida.closed_forms.restoring_law import force, stiffnesses
 from rotor_ida.closed_forms.rotor_columns import RotorColumns
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import check_clearance_needed, check_exponent

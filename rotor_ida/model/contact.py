@@ -9,7 +9,7 @@ basins.
 The core integrates the law in these smooth variables: by the functions at the end of this module,
 over symbols, for one disc and for the contacts of rotor systems (`rotor_ida.model.element`). These
 functions are also written to C as they are, for code that is not derived from the model.
-`rotor_ida.closed_forms.contact_laws` applies the law to arrays. The paragraph above and
+`rotor_ida.closed_forms.restoring_law` applies the law to arrays. The paragraph above and
 CONTRIBUTING.md ("A force") say what a new law touches.
 
 References

@@ -23,8 +23,8 @@ from rotor_ida.closed_forms import (
     synchronous_response,
     touch_speeds,
 )
-from rotor_ida.closed_forms.contact_laws import RestoringLaw
 from rotor_ida.closed_forms.fold_locus_with_friction import friction_locus
+from rotor_ida.closed_forms.restoring_law import RestoringLaw
 from rotor_ida.errors import InputError
 from rotor_ida.schema import STABILITY
 from tests.closed_forms.scanning import scanned

@@ -32,9 +32,9 @@ from rotor_ida.closed_forms import (
     touch_speeds,
 )
 from rotor_ida.closed_forms.contact_free import complex_amplitude
-from rotor_ida.closed_forms.contact_laws import RestoringLaw
 from rotor_ida.closed_forms.contacting_whirls import contacting_whirls
 from rotor_ida.closed_forms.fold_locus import LocusSide, fold_locus, locus_points
+from rotor_ida.closed_forms.restoring_law import RestoringLaw
 from rotor_ida.closed_forms.rotor_columns import RotorColumns
 from rotor_ida.closed_forms.stability import eigenvalues_of
 from rotor_ida.cycles.branch import BORN, CONTACT_FREE, HALVED, LIMITS, Side, advance

@@ -7,7 +7,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_points, check_vector
-from rotor_ida.closed_forms.contact_laws import RestoringLaw
+from rotor_ida.closed_forms.restoring_law import RestoringLaw
 from rotor_ida.model.contact import HERTZ_EXPONENT, contact_potential, secant_stiffness
 from rotor_ida.schema import labelled_dataset
 
