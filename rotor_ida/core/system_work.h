@@ -63,7 +63,7 @@ static inline double *row_of(const struct work *work, double *rows, int n)
     return &rows[n * work->stride];
 }
 
-static inline double sum_of_products(const double *a, const double *b, int64_t size)
+COMPILED double sum_of_products(const double *a, const double *b, int64_t size)
 {
     vec4 sum = spread(0.0);
     for (int64_t i = 0; i < size; i += 4)
@@ -72,7 +72,7 @@ static inline double sum_of_products(const double *a, const double *b, int64_t s
 }
 
 /* Add a row, scaled, to another. */
-static inline void add_scaled(double factor, const double *row, double *to, int64_t size)
+COMPILED void add_scaled(double factor, const double *row, double *to, int64_t size)
 {
     const vec4 by = spread(factor);
     for (int64_t i = 0; i < size; i += 4)
@@ -82,16 +82,16 @@ static inline void add_scaled(double factor, const double *row, double *to, int6
 /* Eight columns of rows. */
 typedef double vec8 __attribute__((vector_size(64)));
 
-static inline vec8 load8(const double *from)
+COMPILED vec8 load8(const double *from)
 {
     vec8 row;
     memcpy(&row, from, sizeof row);
     return row;
 }
 
-static inline void store8(double *to, vec8 row) { memcpy(to, &row, sizeof row); }
+COMPILED void store8(double *to, vec8 row) { memcpy(to, &row, sizeof row); }
 
-static inline vec8 fma8(double by, vec8 b, vec8 c)
+COMPILED vec8 fma8(double by, vec8 b, vec8 c)
 {
     return (vec8){fma(by, b[0], c[0]), fma(by, b[1], c[1]), fma(by, b[2], c[2]),
                   fma(by, b[3], c[3]), fma(by, b[4], c[4]), fma(by, b[5], c[5]),
@@ -156,8 +156,8 @@ COMPILED void multiply(const double *matrix, const double *row, double sign, int
 
 /* Coefficient n of a product, from terms that are so far apart in memory, without the first terms
  * of its first factor. Two sums side by side, as each waits for itself. */
-static inline double convolved_from(int first, const double *a, int a_apart, const double *b,
-                                    int b_apart, int n)
+COMPILED double convolved_from(int first, const double *a, int a_apart, const double *b,
+                               int b_apart, int n)
 {
     double even = 0.0, odd = 0.0;
     int k = first;
@@ -169,19 +169,18 @@ static inline double convolved_from(int first, const double *a, int a_apart, con
 }
 
 /* Coefficient n of a product. */
-static inline double convolved(const double *a, int a_apart, const double *b, int b_apart, int n)
+COMPILED double convolved(const double *a, int a_apart, const double *b, int b_apart, int n)
 {
     return convolved_from(0, a, a_apart, b, b_apart, n);
 }
 
 /* The same without a_0. */
-static inline double convolved_later(const double *a, int a_apart, const double *b, int b_apart,
-                                     int n)
+COMPILED double convolved_later(const double *a, int a_apart, const double *b, int b_apart, int n)
 {
     return convolved_from(1, a, a_apart, b, b_apart, n);
 }
 
-static inline double polynomial(const double *terms, int apart, int order, double point)
+COMPILED double polynomial(const double *terms, int apart, int order, double point)
 {
     double value = terms[order * apart];
     for (int n = order - 1; n >= 0; n--)

@@ -220,6 +220,8 @@ def _solved(factor: Values, columns: Values, *, transposed: bool = False) -> Val
 def _joined(system: RotorSystem, stators: Sequence[Stator], name: str) -> Values | None:
     """Return a matrix of rotor and stators; None where it is of neither."""
     own = getattr(system, name)
+    if not stators:
+        return None if own is None else np.asarray(own, float)
     mounts = [np.zeros((2, 2)) for _ in stators]
     if name in {"mass", "stiffness", "damping"}:
         mounts = [np.diag(np.broadcast_to(getattr(each, name), 2)) for each in stators]

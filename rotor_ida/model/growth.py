@@ -26,14 +26,12 @@ class Growth(NamedTuple):
 def rates_of(found: Canonical, speed: float) -> ComplexValues:
     """Return the eigenvalues of the motion without contact at a speed."""
     inert = len(found.stiffness) - found.massless
-    resisted = np.zeros((inert, inert))
+    first_order = np.eye(2 * inert, k=inert)
+    first_order[inert:, :inert] = -found.stiffness[:inert, :inert]
     if found.damping is not None:
-        resisted = resisted + found.damping[:inert, :inert]
+        first_order[inert:, inert:] -= found.damping[:inert, :inert]
     if found.gyroscopic is not None:
-        resisted = resisted + speed * found.gyroscopic[:inert, :inert]
-    first_order = np.block(
-        [[np.zeros((inert, inert)), np.eye(inert)], [-found.stiffness[:inert, :inert], -resisted]]
-    )
+        first_order[inert:, inert:] -= speed * found.gyroscopic[:inert, :inert]
     relaxing = -np.diag(found.stiffness)[inert:]  # stators without mass
     return np.concatenate([np.linalg.eigvals(first_order), relaxing])
 
