@@ -138,16 +138,6 @@ def test_forward_is_the_sense_of_the_spin():
     np.testing.assert_allclose(found.whirl_speed[0], found.whirl_speed[1], rtol=1e-12)
 
 
-def test_damping_ratios_are_those_of_a_damped_oscillator():
-    system = RotorSystem(mass=np.eye(2), stiffness=4 * np.eye(2), damping=0.4 * np.eye(2),
-                         nodes={"d": (0, 1)}, units="1")  # fmt: skip
-    found = campbell(system, speed=3.0)
-    np.testing.assert_allclose(found.damping_ratio.values.ravel(), [0.1, 0.1])
-    np.testing.assert_allclose(
-        found.whirl_speed.values.ravel(), [-2 * np.sqrt(0.99), 2 * np.sqrt(0.99)]
-    )
-
-
 def test_unequal_bearings_make_ellipses():
     """At rest lines along x and y; with rotation a forward and a backward whirl of each pair."""
     system = overhung(stiffness=np.diag([4.0, 4.5, 8.0, 9.0]))

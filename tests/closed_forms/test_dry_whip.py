@@ -130,36 +130,6 @@ def test_a_small_difference_from_dry_whip_decays_at_the_growth_rate():
     assert np.log(late / early) / 50.0 == pytest.approx(whip.growth_rate, rel=0.05)
 
 
-def test_a_hard_knock_ends_in_dry_whip_where_friction_can_hold_it():
-    """From a fast backward start the run settles on it; with a tenth of the friction it leaves."""
-    system, contact = two_discs()
-    (whip, *_) = whips_of(system, contact, 0.7)
-    start = ([0.0, 0.0, 0.5, 0.0], [0.0, -1.5, 0.3, -6.0])
-    run = simulate(system, contacts=[contact], speed=0.7, start=start, duration=200.0, samples=201)
-    assert np.hypot(run.x, run.y).values[-1, 1] == pytest.approx(whip.amplitude, rel=1e-6)
-    slippery = Contact(node="outer", clearance=0.5, stiffness=20.0, exponent=1.0, friction=0.04,
-                       radius=6.0, damping=0.1)  # fmt: skip
-    assert not whips_of(system, slippery, 0.7)
-    run = simulate(system, contacts=[slippery], speed=0.7, start=start, duration=200.0,
-                   samples=201)  # fmt: skip
-    assert np.hypot(run.x, run.y).values[-1, 1] < 0.5
-
-
-def test_the_whip_approaches_the_eigenfrequency_with_the_contact_closed():
-    """As the rotor spins faster, the whirl speed tends to that with the contact's stiffness."""
-    system, contact = two_discs()
-    closed = np.array([[2.0, -1.0], [-1.0, 21.5]])
-    moment = np.diag([0.1, 0.3])
-    for speed, apart in ((2.0, 0.1), (20.0, 0.01)):
-        whips = whips_of(system, contact, speed)
-        # p'' - i Omega G p' + K p = 0: w**2 - Omega G w - K is singular
-        companion = np.block([[np.zeros((2, 2)), np.eye(2)], [closed, speed * moment]])
-        values = np.linalg.eigvals(companion).real
-        for whip in whips:
-            assert np.abs(values / whip.whirl_speed - 1.0).min() < apart
-        assert whips
-
-
 def test_without_friction_or_a_radius_there_is_none():
     system, contact = two_discs()
     for missing in ({"friction": 0.0}, {"friction": 0.0, "radius": None}):
