@@ -8,9 +8,7 @@ from rotor_ida import (
     InputError,
     RotorSystem,
     Stator,
-    Unbalance,
     campbell,
-    synchronous_response,
 )
 from tests.axisymmetric_systems import beam, random_axisymmetric
 
@@ -185,19 +183,6 @@ def test_springs_at_contacts_are_stiffness_there():
     for number, each in enumerate((system, other)):
         exact = campbell(each, speed=300.0, modes=8)
         np.testing.assert_allclose(found.whirl_speed[number], exact.whirl_speed[0], rtol=1e-8)
-
-
-def test_the_unbalance_response_peaks_where_a_forward_whirl_meets_the_speed():
-    system = beam()
-    speeds = np.linspace(400.0, 500.0, 401)
-    found = campbell(system, speed=speeds, modes=2).squeeze("contact_stiffness")
-    forward = found.whirl_speed.where(found.whirl_sense == 1).max("eigenvalue").values
-    meets = np.interp(0.0, speeds - forward, speeds)
-    response = synchronous_response(
-        system, unbalance=[Unbalance(node="3", moment=2e-4)], speed=speeds
-    )
-    peak = speeds[response.node_amplitude.sel(node="3").values.argmax()]
-    assert peak == pytest.approx(meets, abs=0.5)
 
 
 def test_what_moves_no_node_is_left_out():

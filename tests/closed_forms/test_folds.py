@@ -16,13 +16,10 @@ from rotor_ida.closed_forms import (
     eigenvalues,
     folds,
     jumps,
-    peak_amplitude,
     stability_determinant,
     synchronous_response,
     touch_speeds,
 )
-from rotor_ida.closed_forms.contact_laws import RestoringLaw
-from rotor_ida.closed_forms.fold_locus_with_friction import friction_locus
 from rotor_ida.errors import InputError
 from rotor_ida.schema import STABILITY
 from tests.closed_forms.scanning import scanned
@@ -193,29 +190,6 @@ def test_at_a_fold_with_friction_two_whirls_merge(rotor):
         assert two.min() < amplitude < two.max()
 
 
-def test_folds_lie_on_the_locus():
-    """Where speed and damping are eliminated by hand, the fold has the damping that it was for."""
-    draw, count = np.random.default_rng(5), 0
-    for _ in range(60):
-        zeta, d = 10 ** draw.uniform(-2.5, -0.7), 10 ** draw.uniform(-1.0, 0.5)
-        kappa = float(draw.choice([0.0, 10 ** draw.uniform(-2.0, 0.5)]))
-        mu, exponent = 10 ** draw.uniform(-3.0, -0.5), 1.5 if draw.random() < 0.6 else 1.0
-        for omega, amplitude in found_at(zeta, d, kappa, exponent, mu):
-            lag, damping = friction_locus(
-                np.array([math.sqrt(amplitude - d)]), RestoringLaw(d, kappa, exponent, mu)
-            )
-            place = int(np.nanargmin(np.abs(damping - zeta)))
-            # the locus is steep where it begins
-            assert damping.ravel()[place] == pytest.approx(zeta, rel=1e-8)
-            f = (amplitude - d) ** exponent
-            across = 2.0 * zeta * omega * amplitude + mu * f
-            along = (kappa - omega**2) * amplitude + f
-            assert lag.ravel()[place] == pytest.approx(math.atan2(across, along), abs=1e-6)
-            assert math.hypot(across, along) == pytest.approx(omega**2, rel=1e-10)
-            count += 1
-    assert count > 60
-
-
 def test_folds_move_continuously_from_those_without_friction():
     """Twice the friction moves them twice as far, as long as both are small."""
     without = folds(zeta=0.07, delta0=0.5).fold_omega.values.ravel()
@@ -275,17 +249,6 @@ def test_number_of_folds_need_not_fall_with_the_damping():
     found = folds(zeta=np.linspace(0.05, 0.26, 1500), delta0=0.7237)
     counts = found.fold_omega.notnull().sum("fold").values.ravel()
     assert [4, *counts[1:][np.diff(counts) != 0]] == [4, 2, 4, 2, 0]
-
-
-@pytest.mark.parametrize("delta0", [1.0, 1.5, 3.0, 50.0])
-def test_peak_of_an_isola_vanishes_with_its_folds(delta0):
-    critical = cusp_zeta(delta0)
-    just_below = peak_amplitude(zeta=critical * (1.0 - 1e-10), delta0=delta0)
-    (_, low), (_, high) = found_at(critical * (1.0 - 1e-10), delta0)
-    # the isola has shrunk to 1e-5, the root of 1e-10
-    assert just_below == pytest.approx(low, rel=1e-4)
-    assert just_below == pytest.approx(high, rel=1e-4)
-    assert np.isnan(peak_amplitude(zeta=critical * (1.0 + 1e-10), delta0=delta0))
 
 
 # Without clearance the two folds merge at A = 12/sqrt(10), a = 2/sqrt(10), b = sqrt(10), where

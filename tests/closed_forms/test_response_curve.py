@@ -10,7 +10,6 @@ from hypothesis import strategies as st
 from rotor_ida import folds, synchronous_response
 from rotor_ida.closed_forms import (
     clearance_curve,
-    cusp_zeta,
     peak_amplitude,
     response_curve,
     touch_speeds,
@@ -217,13 +216,6 @@ def test_isola_is_closed_and_stays_one_piece_where_a_limit_cuts_it(delta0):
     assert set(cut["piece"]) == {0, 1}
     ends = cut["omega"][cut["piece"] == 1][[0, -1]]
     np.testing.assert_array_equal(ends, [1.2, 1.2])
-
-
-def test_isola_is_there_up_to_the_cusp():
-    cusp = cusp_zeta(2.0)
-    for factor, pieces in ((1.0 - 1e-6, {0, 1}), (1.0 + 1e-6, {0})):
-        found = response_curve(zeta=cusp * factor, delta0=2.0, limits=(0.05, 3.0))
-        assert set(columns(found)["piece"]) == pieces
 
 
 def test_contact_begins_where_the_contact_free_whirl_ends():

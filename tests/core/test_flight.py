@@ -322,17 +322,6 @@ def test_a_whirl_about_the_axis_has_no_extrema():
     assert len(near) == pytest.approx(200.0 * 1.7 / np.pi, abs=1.0)
 
 
-def test_maxima_and_minima_of_the_radius_alternate_across_contacts():
-    rotor = Rotor(omega=3.325646323894685, zeta=0.0, delta0=1.0173030142969024)
-    seen = runs.follow_run(
-        runs.RunRequest(
-            rotor=rotor, start=(0, 0, 0, 0), duration=30.0, extrema=True, events=True, **HOW
-        )
-    )
-    kinds = seen.extrema["kind"]
-    assert (kinds[1:] != kinds[:-1]).all()
-
-
 def unbalance_whirl(omega, zeta):
     """The complex amplitude of the contact-free whirl on the rotating axes."""
     return -omega / complex(omega, -2.0 * zeta)
@@ -418,11 +407,3 @@ def test_what_the_parameters_add_to_flight_is_the_derivative(omega, zeta):
         found = bundle[4:6].reshape(4, 2) @ [1.0, 1.0j]
         size = (1.0 + tau) ** 2 * (1.0 + omega)
         np.testing.assert_allclose(found, expected, rtol=0, atol=1e-14 * size)
-
-
-def test_a_start_may_be_given_once_for_many_flights():
-    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
-    start, spans = (0.3, 0.2, 0.1, -0.4), [0.5, 1.0, 2.0]
-    together = flight.fly(rotor, start, spans)
-    apart = [flight.fly(rotor, start, span)[0] for span in spans]
-    np.testing.assert_array_equal(together, apart)

@@ -329,27 +329,6 @@ class Motion:
         return (a - 8.0 * b + 8.0 * c - d) / (12.0 * h)
 
 
-@pytest.mark.parametrize("more", [None, *MORE])
-def test_the_series_solves_the_equations_of_contact(probes, more):
-    model = PAPER if more is None else WHOLE
-    motion = Motion(probes[model.name], start_of(model, "contact", IN_CONTACT), more=more)
-    motion.advance()
-    rotor = SimpleNamespace(**model.constants, **parameters_of(model, ROTOR, more))
-    for part in (0.3, 0.7):
-        point = part * motion.point
-        rate = model.modes[0].rates(motion.at(point).tolist(), rotor)
-        np.testing.assert_allclose(motion.slope(point), rate, rtol=0, atol=1e-9)
-
-
-def test_the_series_solves_the_equations_without_clearance(probe):
-    rotor = Rotor(omega=1.2, zeta=0.07, delta0=0.0)
-    motion = Motion(probe, ANYWHERE, rotor=(1.2, 0.07, 0.0))
-    motion.advance()
-    point = 0.5 * motion.point
-    expected = rotating_field(motion.at(point), rotor)
-    np.testing.assert_allclose(motion.slope(point), expected, rtol=0, atol=1e-9)
-
-
 @pytest.mark.parametrize("rtol", [1e-5, 1e-8, 1e-11, 1e-14])
 def test_a_step_keeps_its_tolerance(probe, rtol):
     """Against steps of a tenth of the length at the tightest tolerance."""

@@ -298,18 +298,6 @@ def test_energy_on_the_rotating_axes_is_spent_on_damping_the_load_and_the_ring()
         assert np.dot(total.parts, rates) == pytest.approx(0.0, abs=1e-12 * (1.0 + parts.max()))
 
 
-def test_without_more_than_the_paper_s_the_whole_model_moves_alike():
-    zeros = dict.fromkeys(("shaft_stiffness", "contact_damping", "load", "linear"), 0.0)
-    for states, whole, paper in zip(
-        (contact_states, cartesian_states), WHOLE.modes[:2], PAPER.modes, strict=True
-    ):
-        for state, rotor in states(WHOLE, **zeros, hertz=1.0, loose=0.0):
-            rates = dict(zip(whole.state, whole.rates(state, rotor), strict=True))
-            named = dict(zip(whole.state, state, strict=True))
-            fewer = paper.rates([named[name] for name in paper.state], rotor)
-            assert [rates[name] for name in paper.state] == pytest.approx(fewer, rel=1e-14)
-
-
 @pytest.mark.parametrize(("mode", "states"), [(RUB, rub_states), (ROLLING, rolling_states)])
 def test_with_friction_it_slides_and_rolls_by_the_equation(mode, states):
     """By the chain rule, of z = r e and w = (p + i h/r) e with h = slip - V r: friction acts along

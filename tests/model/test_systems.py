@@ -13,7 +13,6 @@ import xarray as xr
 
 from rotor_ida import (
     Contact,
-    DimensionalRotor,
     InputError,
     Race,
     Rotor,
@@ -72,27 +71,6 @@ def test_a_stator_without_mass_and_damping_is_refused():
         campbell(system, contacts=contacts[:1], speed=1.0)
     with pytest.raises(InputError, match="inertia of a race must"):
         Race(radius=1.0, inertia=0.0)
-
-
-@pytest.mark.parametrize("kind", [".npz", ".mat", "folder"])
-def test_a_system_is_read_from_a_file(tmp_path, kind):
-    system, _ = random_system(4)
-    arrays = {"M": system.mass, "K": system.stiffness, "C": system.damping}
-    arrays |= {"gyroscopic": system.gyroscopic}
-    nodes = {f"node_{name}": np.array(pair) for name, pair in system.nodes.items()}
-    path = tmp_path / f"rotor{kind}"
-    if kind == ".npz":
-        np.savez(path, **arrays, **nodes)
-    elif kind == ".mat":
-        scipy.io.savemat(path, arrays | nodes)
-    else:
-        path.mkdir()
-        for name, values in (arrays | {n: v.reshape(1, 2) for n, v in nodes.items()}).items():
-            scipy.io.mmwrite(path / f"{name}.mtx", scipy.sparse.coo_matrix(values))
-    again = RotorSystem.from_file(path)
-    for name in ("mass", "stiffness", "damping", "gyroscopic"):
-        np.testing.assert_allclose(getattr(again, name), getattr(system, name), rtol=1e-14)
-    assert {name: tuple(pair) for name, pair in again.nodes.items()} == dict(system.nodes)
 
 
 def test_a_file_that_cannot_be_read_is_refused(tmp_path):
@@ -247,20 +225,6 @@ def test_static_flexibility_makes_few_modes_enough():
         apart = abs(second(system.reduced(modes=count)) - exact)
         kept = abs(second(system, modes=count) - exact)
         assert kept < 0.01 * apart
-
-
-def test_one_disc_in_si_is_the_machine():
-    machine = DimensionalRotor(
-        mass=12.0, contact_stiffness=1e8, damping=500.0, eccentricity=5e-5, clearance=6e-5,
-        speed=400.0, shaft_stiffness=4e6, contact_exponent=1.0, load=117.0,
-    )  # fmt: skip
-    system = machine.system()
-    run = simulate(system, speed=400.0, duration=0.1)
-    one = simulate(machine.rotor(), duration=0.1 / machine.time_scale, method="taylor")
-    assert run.x.attrs["units"] == "m"
-    assert run.event_time.attrs["units"] == "s"
-    np.testing.assert_array_equal(run.event_kind, one.event_kind)
-    np.testing.assert_allclose(run.event_time, one.event_time * machine.time_scale, rtol=1e-9)
 
 
 def test_a_rotor_without_clearance_is_no_system():

@@ -11,8 +11,6 @@ from rotor_ida import (
     Rotor,
     backward_whirl,
     limit_cycle,
-    load,
-    save,
     simulate,
     touchdown_report,
     whirl_ratio,
@@ -185,14 +183,3 @@ def test_no_cycle_has_no_whirl():
     none = limit_cycle(Rotor(omega=1.2, zeta=0.5, delta0=0.5), start=(0, 0, 0, 0))
     assert math.isnan(float(none.whirl_over_spin))
     assert int(none.whirl_sense) == NONE
-
-
-def test_an_archive_with_the_older_names_still_loads(tmp_path):
-    cycle = limit_cycle(Rotor(omega=2.0, zeta=0.07, delta0=2.0), start=(0, 0, 0, 0))
-    older = cycle.drop_vars(["whirl_over_spin", "whirl_sense", "side_line_over_spin"]).assign(
-        whirl_ratio=labelled("whirl_ratio", (), 0.31),
-        whirl_direction=labelled("whirl_direction", (), np.int8(FORWARD)),
-    )
-    back = load(save(older, tmp_path / "cycle.nc"))
-    assert float(back.whirl_ratio) == 0.31
-    assert "line" in back.whirl_ratio.attrs["long_name"]

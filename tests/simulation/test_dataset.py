@@ -8,7 +8,6 @@ from rotor_ida import InputError, Rotor, load, rotating, save, simulate, spectru
 from rotor_ida.model.parameters import FRICTIONLESS
 from rotor_ida.results.run import check_run, rotor_of
 from rotor_ida.schema import DAMPED_EVENT_KIND, EVENT_KIND, QUANTITIES, flags_of, labelled
-from rotor_ida.signals.forces import contact_forces
 
 REST = (0.0, 0.0, 0.0, 0.0)
 PLAIN = Rotor(omega=1.2, zeta=0.07, delta0=0.5)
@@ -90,12 +89,3 @@ def test_a_run_has_one_value_of_each_parameter(whole: xr.Dataset):
 def test_what_only_reads_the_motion_passes_the_rotor_on(whole: xr.Dataset):
     assert rotor_of(rotating(whole)) == WHOLE
     assert rotor_of(spectrum(whole)) == WHOLE
-
-
-def test_contact_forces_know_shaft_and_load(whole: xr.Dataset):
-    run = run_of(Rotor(**{**PLAIN.given, "load": 0.125, "shaft_stiffness": 0.25}))
-    forces = contact_forces(run)
-    depth = np.maximum(np.hypot(run.x, run.y) - 0.5, 0.0)
-    np.testing.assert_allclose(forces.force.values, depth.values**1.5, rtol=1e-12)
-    assert rotor_of(forces) == rotor_of(run)
-    assert rotor_of(contact_forces(whole)) == rotor_of(whole)

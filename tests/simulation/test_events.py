@@ -1,7 +1,6 @@
 """Events of every kind of rotor: by another integrator, by other methods, and at borders."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +9,6 @@ from scipy.integrate import solve_ivp
 from rotor_ida import InputError, Rotor, simulate
 from rotor_ida.core import runs
 from rotor_ida.errors import InvariantError
-from rotor_ida.model import modes
 from rotor_ida.simulation.invariants import check_orbit
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
@@ -50,31 +48,6 @@ def test_the_whip_rolls_as_often_as_was_derived():
     """DESIGN section 3: 38 rolls in 120 time units."""
     found = simulate(WHIP, start=KNOCKED, duration=120.0, method="taylor")
     assert (found.event_kind.values == 2).sum() == 38
-
-
-def steady(rim, **more):
-    """A machine of DESIGN section 3 without unbalance, as `equations` can be asked for it."""
-    return SimpleNamespace(
-        omega=0.0, zeta=0.1, delta0=1.0, shaft_stiffness=0.0, contact_damping=0.0, load=0.0,
-        hertz=1.0, linear=0.0, loose=0.0, friction=0.2, rim=rim, **more,
-    )  # fmt: skip
-
-
-def test_without_unbalance_whip_and_saddle_are_where_they_were_derived():
-    """zeta 0.1, mu 0.2, delta0 1, rho 10: a slipping whirl at -1 with r 3.147899036, born as
-    rolling whip at omega 0.314789904; at twice that the whip has r 4.984177749."""
-    slipping, born, whip = 3.147899036, 0.314789904, 4.984177749
-    saddle = steady(10.0 * born + 0.5, sigma=1.0)
-    slip = slipping * (saddle.rim - slipping)
-    state = [np.sqrt(slipping - 1.0), 0.0, slip, 1.0, 0.0, 0.0, 0.0]
-    rates = modes.rub_rates(state, saddle)
-    assert np.abs(rates[1:3]).max() < 1e-7
-    for radius, rim in ((slipping, 10.0 * born), (whip, 20.0 * born)):
-        state = [np.sqrt(radius - 1.0), 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
-        assert abs(modes.rolling_rates(state, steady(rim, sigma=0.0))[1]) < 1e-7
-        grip, hold = modes.grip_and_hold(state, steady(rim, sigma=0.0))
-        assert abs(hold) <= grip + 1e-8
-        assert (abs(abs(hold) - grip) < 1e-8) == (radius == slipping)
 
 
 def smoothed(rotor, start, duration, width):
@@ -444,13 +417,6 @@ def test_a_run_that_contradicts_itself_raises():
         orbit = tampered(MOTIONS[name], change)
         with pytest.raises(InvariantError, match=message):
             check_orbit(orbit)
-
-
-def test_what_cannot_be_a_rotor_is_refused_in_one_line():
-    with pytest.raises(InputError, match=r"contact_exponent must be 1.5 or 1, got 2.0"):
-        Rotor(omega=1.0, zeta=0.1, delta0=1.0, contact_exponent=2.0)
-    with pytest.raises(InputError, match="contact_damping must be 0 without clearance"):
-        Rotor(omega=1.0, zeta=0.1, delta0=0.0, contact_damping=0.1)
 
 
 @pytest.mark.parametrize("name", ["shaft_stiffness", "contact_damping", "load"])

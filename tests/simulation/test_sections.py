@@ -9,7 +9,6 @@ from tests.rotors import WHIP
 
 REST = (0.0, 0.0, 0.0, 0.0)
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
-FULL_CONTACT = Rotor(omega=3.0, zeta=0.07, delta0=0.5)
 
 
 def states(section):
@@ -36,38 +35,12 @@ def test_skipping_changes_neither_times_nor_states():
         np.testing.assert_allclose(states(late), states(long)[-last:], atol=1e-7)
 
 
-def test_entries_and_exits_are_the_events_of_the_simulation():
-    duration = 2.0 * math.pi / 2.0 * 20
-    run = simulate(BOUNCING, start=REST, duration=duration, samples=2)
-    for at, kind, sign in (("entry", 1, 1.0), ("exit", -1, -1.0)):
-        section = poincare_section(BOUNCING, start=REST, revolutions=20, at=at)
-        chosen = run.event_kind.values == kind
-        np.testing.assert_allclose(section.crossing_time, run.event_time[chosen], atol=1e-9)
-        fixed = rotated(states(section), 2.0 * section.crossing_time.values)
-        np.testing.assert_allclose(fixed[:, 0], run.event_x[chosen], atol=1e-9)
-        x, y, vx, vy = states(section).T
-        np.testing.assert_allclose(np.hypot(x, y), 2.0, rtol=1e-14)
-        assert (sign * (x * vx + y * vy) > 0.0).all()
-
-
 def test_a_limit_cycle_is_a_curve_by_revolutions_and_one_point_by_entries():
     by_revolution = poincare_section(BOUNCING, start=REST, revolutions=40, skip=120)
     assert np.ptp(by_revolution.rotating_x.values) > 3.0
     by_entry = poincare_section(BOUNCING, start=REST, revolutions=40, skip=120, at="entry")
     assert by_entry.sizes["crossing"] > 20
     assert np.ptp(states(by_entry), axis=0).max() < 1e-7
-
-
-def test_full_contact_has_no_entries_but_two_peaks_a_cycle():
-    entries = poincare_section(FULL_CONTACT, start=REST, revolutions=40, skip=120, at="entry")
-    assert entries.sizes["crossing"] == 0
-    peaks = poincare_section(FULL_CONTACT, start=REST, revolutions=40, skip=200, at="peak")
-    x, y, vx, vy = states(peaks).T
-    assert np.abs(x * vx + y * vy).max() < 1e-6
-    radius = np.hypot(x, y)
-    assert np.ptp(radius[::2]) < 1e-8
-    assert np.ptp(radius[1::2]) < 1e-8
-    assert abs(radius[1] - radius[0]) > 0.5
 
 
 LOADED = Rotor(omega=2.0, zeta=0.05, delta0=1.0, shaft_stiffness=0.25, load=0.6)
@@ -95,18 +68,6 @@ def test_under_a_load_the_stroboscopic_section_is_at_the_angle_that_is_named(pha
     fixed = np.stack([run[name].values for name in ("x", "y", "vx", "vy")], axis=-1)
     there = fixed[np.searchsorted(run.t.values, times)]
     np.testing.assert_allclose(points[:4], rotated(there, np.full(4, -phase)), atol=1e-8)
-
-
-def test_sections_of_a_torus_under_a_load_never_come_again():
-    """By revolutions they are a closed curve; without load the same motion is one too."""
-    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0, load=0.01)
-    section = poincare_section(rotor, start=REST, revolutions=600, skip=400, method="taylor")
-    points = states(section)
-    apart = np.abs(points[1:] - points[0]).max(axis=1)
-    assert 1e-6 < apart.min() < 0.2
-    # as dense as a curve is: the nearest of 600 points is some 2 pi/600 of its size away
-    gaps = np.abs(points[:, None] - points[None, :]).max(axis=2) + 9.0 * np.eye(len(points))
-    assert gaps.min(axis=1).max() < 0.1
 
 
 @pytest.mark.parametrize(

@@ -45,43 +45,6 @@ def test_planar_vibration_turns_back_at_its_amplitude_every_half_period():
     assert late.sum() == int(20.0 / half)
 
 
-def test_contact_free_whirl_about_another_centre():
-    """|z| runs between ||c| - A| and |c| + A once a revolution."""
-    rotor = Rotor(omega=1.3, zeta=0.0, delta0=5.0)
-    found = radius_extrema(rotor, (-1.0 + 0.4, 0.3, 0.0, -1.3), 100.0, 1e-11, GO_ON)
-    revolutions = 100.0 * 1.3 / (2.0 * math.pi)
-    for kind, radius in ((MAXIMUM, 1.5), (MINIMUM, 0.5)):
-        chosen = found.kinds == kind
-        np.testing.assert_allclose(found.radii[chosen], radius, rtol=1e-11)
-        assert chosen.sum() in (int(revolutions), int(revolutions) + 1)
-        np.testing.assert_allclose(np.diff(found.times[chosen]), 2.0 * math.pi / 1.3, atol=1e-9)
-
-
-def test_largest_radii_of_contacts_are_those_of_the_simulation():
-    """The table of contacts has them from another method, in regularised variables."""
-    run = simulate(BOUNCING, start=(4.0, 0, 0, 0), duration=60.0, samples=2, rtol=1e-12, atol=1e-14)
-    found = radius_extrema(BOUNCING, (4.0, 0, 0, 0), 60.0, 1e-12, GO_ON)
-    # the first and the last contact may peak where the run begins or ends
-    for time, depth in zip(
-        run.peak_time.values[1:-1], run.peak_indentation.values[1:-1], strict=True
-    ):
-        nearest = np.abs(found.times - time).argmin()
-        assert found.kinds[nearest] == MAXIMUM
-        assert found.radii[nearest] == pytest.approx(2.0 + depth, rel=1e-10)
-        assert found.times[nearest] == pytest.approx(time, abs=1e-8)
-    assert (np.diff(found.kinds) != 0).all()
-
-
-def test_no_extremum_is_missed_and_none_is_outside_a_dense_run():
-    rotor = Rotor(omega=1.5, zeta=0.01, delta0=1.4)
-    found = radius_extrema(rotor, REST, 60.0, 1e-12, GO_ON)
-    run = simulate(rotor, start=REST, duration=60.0, samples=60001, rtol=1e-12, atol=1e-14)
-    rate = (run.x * run.vx + run.y * run.vy).values
-    turns = np.flatnonzero((rate[1:-1] > 0.0) != (rate[2:] > 0.0)) + 1
-    assert found.times.size == turns.size
-    np.testing.assert_allclose(found.times, run.t.values[turns], atol=1.1e-3)
-
-
 def test_constant_radius_is_given_once():
     whirl = synchronous_response(omega=1.2, zeta=0.07, delta0=0.5).isel(branch=0).squeeze()
     found = bifurcation_diagram(omega=1.2, zeta=0.07, delta0=0.5, starts=[REST])

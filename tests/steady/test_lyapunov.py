@@ -10,9 +10,7 @@ from rotor_ida import (
     SimulationError,
     lyapunov_exponent,
     resume,
-    synchronous_response,
 )
-from rotor_ida.closed_forms import eigenvalues
 from rotor_ida.steady import lyapunov
 
 RUB = Rotor(omega=1.2, zeta=0.07, delta0=0.5, disc_radius=5.0)
@@ -21,21 +19,6 @@ FEW = {"transient": 10, "revolutions": 80, "batches": 4}
 MACHINE = DimensionalRotor(
     mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6, clearance=5e-7, speed=600.0
 )
-
-
-def test_of_synchronous_whirls_are_the_real_parts_of_their_eigenvalues():
-    zeta, omega = [0.07, 0.3], [1.2, 1.7]
-    found = lyapunov_exponent(Rotor(omega=1.0, zeta=0.1, delta0=0.0), zeta=zeta, omega=omega)
-    assert found.lyapunov_exponent.dims == ("omega", "zeta", "exponent")
-    whirls = synchronous_response(zeta=zeta, omega=omega, delta0=0.0).amplitude
-    for at in omega:
-        for damping in zeta:
-            amplitude = float(whirls.sel(omega=at, zeta=damping, delta0=0.0).min())
-            exact = eigenvalues(amplitude, omega=at, zeta=damping, delta0=0.0)
-            np.testing.assert_allclose(
-                found.lyapunov_exponent.sel(omega=at, zeta=damping),
-                np.sort(exact.real)[::-1], rtol=0.0, atol=1e-6,
-            )  # fmt: skip
 
 
 def test_each_point_is_that_of_one_motion():

@@ -120,11 +120,7 @@ def test_up_and_down_jumps_appear_where_those_of_the_sweep_do():
     assert np.abs(up - down).max() > 1.0  # a fold lies between
 
 
-@pytest.mark.parametrize(
-    ("name", "values"),
-    [("friction", [0.0, 0.2]), ("unbalance", [0.2, 0.4]), ("clearance", [2.0, 3.0]),
-     ("damping", [1.0, 2.0]), ("stiffness", [1.0, 1.2])],
-)  # fmt: skip
+@pytest.mark.parametrize(("name", "values"), [("friction", [0.0, 0.2]), ("clearance", [2.0, 3.0])])
 def test_any_parameter_of_a_system_may_vary(name, values):
     """Each point is what it is alone."""
     given = {"speed": 1.1, "at": "revolution", "revolutions": 3}

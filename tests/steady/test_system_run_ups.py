@@ -23,7 +23,6 @@ from rotor_ida import (
     sweep,
 )
 from rotor_ida.cli.describe import describe
-from rotor_ida.model.system_parameters import parameter_of
 from rotor_ida.plot.figures import figure_of
 from rotor_ida.results.contact_facts import columns_of_contact, contact_facts
 from rotor_ida.schema import ENDING, RESPONSE
@@ -97,33 +96,6 @@ def test_each_is_the_run_of_run_up_and_settles_as_a_sweep_does():
             np.testing.assert_allclose(one[name], ended[name], rtol=1e-6, err_msg=name)
 
 
-@pytest.mark.parametrize(
-    ("name", "value", "fields"),
-    [
-        ("damping", 0.5, {"damping": 0.5 * TWO.damping}),
-        ("stiffness", 2.0, {"stiffness": 2.0 * TWO.stiffness}),
-        ("clearance", 0.8, {"contacts": [replace(TWO.contacts[0], clearance=0.75),
-                                         replace(TWO.contacts[1], clearance=0.8)]}),
-        ("friction", 0.25, {"contacts": [replace(each, friction=0.25) for each in TWO.contacts]}),
-        ("unbalance", 2.0, {"unbalance": [replace(TWO.unbalance[0], moment=2.0)]}),
-    ],
-)  # fmt: skip
-def test_over_a_parameter_each_is_that_of_a_system_changed_by_hand(name, value, fields):
-    own = parameter_of(TWO, name)
-    found = run_ups(TWO, **RAMP, **{name: [own, value]}, executor="serial")
-    assert found.ending.dims == ("speed", name, "rate", "phase", "start")
-    assert found.whip_fraction.dims == ("speed", name, "rate")
-    for at, system in ((own, TWO), (value, replace(TWO, **fields))):
-        part, alone = found.sel({name: at}), run_ups(system, **RAMP, executor="serial")
-        for each in alone.data_vars:
-            own_name = "contact_clearance" if (name, each) == ("clearance",) * 2 else each
-            np.testing.assert_array_equal(part[own_name], alone[each], err_msg=each)
-    over = found.largest_radius.isel(rate=0).values.reshape(2, -1)
-    assert not np.array_equal(over[0], over[1])
-    single = run_ups(TWO, **RAMP, **{name: value}, executor="serial")
-    assert single.largest_radius.equals(found.largest_radius.sel({name: value}))
-
-
 def test_one_disc_as_a_system_runs_up_as_the_disc_over_clearance_and_friction():
     """Two kernels, and the same axes by their names."""
     rotor = replace(SHAFT, disc_radius=10.0)
@@ -163,22 +135,6 @@ def test_a_run_goes_on_from_the_end_of_one():
     on = simulate(TWO, speed=1.4, start=one, duration=3.0)
     radius = np.hypot(*longer.final_state.values[:2])
     assert np.hypot(*on.final_state.values[:2]) == pytest.approx(radius, rel=1e-7)
-
-
-def test_an_archive_is_computed_again_and_parts_are_joined(tmp_path):
-    given = RAMP | {"executor": "serial"}
-    found = run_ups(TWO, **given)
-    save(found, tmp_path / "run_ups.nc")
-    archived = load(tmp_path / "run_ups.nc")
-    again = rerun(archived, workers=1)
-    assert again.largest_force.equals(archived.largest_force)
-    assert differences(again, archived)["agrees"]
-    forged = archived.assign(ending=archived.ending - 1)
-    assert not differences(again, forged)["agrees"]
-    parts = [run_ups(TWO, **given | {"rate": [rate]}) for rate in given["rate"]]
-    joined = concat(parts, "rate")
-    for name in ("ending", "largest_force", "end_angle"):
-        xr.testing.assert_equal(joined[name], found[name])
 
 
 def test_it_can_be_interrupted_and_shared_out(tmp_path):
