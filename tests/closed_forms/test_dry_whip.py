@@ -117,19 +117,6 @@ def test_a_run_that_starts_in_dry_whip_stays_there():
     assert (run["mode"].values[1:, 0] == 2).all()
 
 
-def test_a_small_difference_from_dry_whip_decays_at_the_growth_rate():
-    """The inner disc begins 1e-4 aside; two slow modes decay, and the slowest is left."""
-    system, contact = two_discs()
-    (whip, *_) = whips_of(system, contact, 0.7)
-    w, z = whip.whirl_speed, state_of(system, whip, 0.7)
-    start = (coordinates(z + np.array([1e-4 + 5e-5j, 0.0])), coordinates(1j * w * z))
-    run = simulate(system, contacts=[contact], speed=0.7, duration=120.0, samples=1201, start=start,
-                   rtol=1e-13)  # fmt: skip
-    apart = np.abs(np.hypot(run.x, run.y).values[:, 0] - abs(z[0]))
-    early, late = (apart[first : first + 100].max() for first in (600, 1100))
-    assert np.log(late / early) / 50.0 == pytest.approx(whip.growth_rate, rel=0.05)
-
-
 def test_without_friction_or_a_radius_there_is_none():
     system, contact = two_discs()
     for missing in ({"friction": 0.0}, {"friction": 0.0, "radius": None}):

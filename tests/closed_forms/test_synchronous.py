@@ -272,24 +272,6 @@ def test_whirl_that_just_touches_is_counted_once(zeta):
         assert whirls["in_contact"][near].tolist() == [int(touches)]
 
 
-def test_without_damping_the_whirls_that_do_not_run_away_are_neutral():
-    whirls = one_point(2.0, 0.0, 0.0)
-    assert whirls["stability"].tolist() == [2, 0, 2]
-    assert whirls["growth_rate"][[0, 2]].tolist() == [0.0, 0.0]
-    assert whirls["phase_lag"].tolist() == [np.pi, np.pi, 0.0]
-
-
-def test_extreme_parameters_give_whirls_without_a_warning():
-    whirls = synchronous_response(
-        omega=[0.0, 1e-50, 1e-6, 1e-3, 50.0, 1e15],
-        zeta=[0.0, 1e-300, 1e-9, 5.0, 1e15],
-        delta0=[0.0, 1e-300, 1e-9, 1.0, np.nextafter(1.0, 2.0), 50.0, 1e15],
-    )
-    count = np.isfinite(whirls.amplitude).sum("branch")
-    assert int(count.min()) == 1
-    assert (whirls.amplitude.diff("branch").fillna(1.0) >= 0.0).all()
-
-
 @pytest.mark.parametrize("exponent", LAWS)
 def test_extreme_laws_give_whirls_without_a_warning(exponent):
     whirls = synchronous_response(

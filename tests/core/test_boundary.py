@@ -38,7 +38,6 @@ from rotor_ida.core.systems import EPISODE, LAW, RACE, TOUCH, SystemRunStruct
 from rotor_ida.errors import BudgetError
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
-from tests.core import flight
 
 ROOT = Path(__file__).parents[2]
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
@@ -173,27 +172,6 @@ def test_stretching_of_odd_things_ends_or_is_refused(given_things, spans):
     stop = np.zeros(1, np.uint8)
     with stopping_after(0.1, stop):
         returns_or_refuses(lambda: runs.stretch(RunRequest(**given_things, stop=stop), spans))
-
-
-@settings(max_examples=200)
-@given(rotors, odd_arrays(st.one_of(vectors, rows_of(4))), odd_arrays(rows_of(4)))
-def test_flights_of_odd_things_end_or_are_refused(rotor, states, spans):
-    returns_or_refuses(lambda: flight.fly(rotor, states, spans))
-    returns_or_refuses(lambda: flight.starts_in_contact(rotor, states))
-
-
-@settings(max_examples=200)
-@given(odd_arrays(rows_of(4)), odd_arrays(st.tuples(st.integers(0, 5))), odd_numbers)
-def test_rotations_of_odd_things_end_or_are_refused(states, times, omega):
-    returns_or_refuses(lambda: flight.rotate(states, times, omega))
-
-
-@settings(max_examples=200)
-@given(rotors, odd_arrays(vectors), odd_numbers)
-def test_a_search_for_a_touch_ends_or_is_refused(rotor, state, limit):
-    stop = np.zeros(1, np.uint8)
-    with stopping_after(0.1, stop):
-        returns_or_refuses(lambda: flight.first_touch(rotor, state, limit, stop))
 
 
 starts = st.integers(0, 70)

@@ -7,11 +7,9 @@ from rotor_ida import (
     DimensionalRotor,
     InputError,
     Rotor,
-    SimulationError,
     lyapunov_exponent,
     resume,
 )
-from rotor_ida.steady import lyapunov
 
 RUB = Rotor(omega=1.2, zeta=0.07, delta0=0.5, disc_radius=5.0)
 SHORT = {"transient": 50.0, "duration": 200.0, "batches": 4}
@@ -68,24 +66,6 @@ def test_a_study_of_them_is_resumed_to_the_same_bits(tmp_path):
     assert calls[0] == (1, 3)
     assert calls[-1] == (3, 3)
     assert found.identical(lyapunov_exponent(RUB, **given, workers=2))
-
-
-def test_a_point_that_fails_says_why_and_the_others_go_on(monkeypatch):
-    true = lyapunov.stretches_of
-
-    def fails_once(rotor, *given):
-        if rotor.zeta == 0.1:
-            raise SimulationError("it is stuck")
-        return true(rotor, *given)
-
-    monkeypatch.setattr(lyapunov, "stretches_of", fails_once)
-    found = lyapunov_exponent(RUB, zeta=[0.07, 0.1], **SHORT)
-    assert found.status.values.tolist() == [0, 1]
-    assert found.message.values.tolist() == ["", "it is stuck"]
-    assert np.isnan(found.lyapunov_exponent.sel(zeta=0.1)).all()
-    assert np.isfinite(found.lyapunov_exponent.sel(zeta=0.07)).all()
-    with pytest.raises(SimulationError, match="it is stuck"):
-        lyapunov_exponent(RUB, zeta=0.1, **SHORT)
 
 
 def test_a_resonance_has_no_settled_start_and_says_so():

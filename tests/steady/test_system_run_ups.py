@@ -11,7 +11,6 @@ from rotor_ida import (
     InputError,
     Rotor,
     RotorSystem,
-    SimulationError,
     Unbalance,
     concat,
     load,
@@ -25,8 +24,6 @@ from rotor_ida import (
 from rotor_ida.cli.describe import describe
 from rotor_ida.plot.figures import figure_of
 from rotor_ida.results.contact_facts import columns_of_contact, contact_facts
-from rotor_ida.schema import ENDING, RESPONSE
-from rotor_ida.steady import run_up_outcome
 from rotor_ida.verification.verify import differences, rerun
 
 REST = (0.0, 0.0, 0.0, 0.0)
@@ -150,25 +147,6 @@ def test_it_can_be_interrupted_and_shared_out(tmp_path):
         run_ups(TWO, **given, executor="serial", study=study, progress=interrupt)
     again = run_ups(TWO, **given, executor="threads", workers=2, study=study)
     assert again.drop_attrs().equals(whole.drop_attrs())
-
-
-def test_one_that_fails_is_labelled_and_what_happened_on_its_ramp_is_kept(monkeypatch):
-    true = run_up_outcome.settle
-
-    def fails_once(flow, state, done=[]):  # noqa: B006 - counts
-        done.append(1)
-        if len(done) == 1:
-            raise SimulationError("corrector failed")
-        return true(flow, state)
-
-    monkeypatch.setattr(run_up_outcome, "settle", fails_once)
-    found = run_ups(TWO, **RAMP, executor="serial").squeeze()
-    assert found.status.values.tolist() == [1, 0]
-    assert found.message.values.tolist() == ["corrector failed", ""]
-    assert int(found.ending[0]) == ENDING["failed"]
-    assert int(found.response[0]) == RESPONSE["failed"]
-    assert np.isfinite(found.largest_radius.values).all()
-    assert found.failed_count.values.tolist() == [1, 0]
 
 
 def test_facts_of_a_contact_that_begins_and_ends_with_the_run():
