@@ -123,34 +123,3 @@ def test_without_friction_or_a_radius_there_is_none():
         given = {"node": "outer", "clearance": 0.5, "stiffness": 20.0, "radius": 6.0} | missing
         assert whips_of(system, Contact(**given), 0.7) == []
     assert whips_of(system, contact, 0.0) == []
-
-
-def test_two_whips_a_thousandth_apart_are_both_found():
-    """Damping leaves the needed force a maximum beside an antiresonance, just above the contact's.
-
-    With a linear contact, whirl speeds are zeros of a polynomial: that of its force over the
-    amplitude, ``k (1 + w/w_last)``, less ``-Re 1/H``, times ``|numerator of H|**2``.
-    """
-    chain, moment = np.array([[2.0, -1.0], [-1.0, 1.5]]), np.diag([0.1, 0.3])
-    damping, speed, rim = 0.02, 0.7, 4.0 * 0.7
-    system = RotorSystem(
-        mass=np.eye(4), stiffness=np.kron(chain, np.eye(2)), damping=damping * np.eye(4),
-        gyroscopic=np.kron(moment, -QUARTER), nodes={"inner": (0, 1), "outer": (2, 3)}, units="1",
-    )  # fmt: skip
-    w = np.poly1d([1.0, 0.0])
-    inner, outer = (
-        np.poly1d([-1.0, 1j * damping + speed * moment[i, i], chain[i, i]]) for i in (0, 1)
-    )
-    below = inner * outer - 1.0
-    for stiffness in (24.0, 25.0, 25.1):
-        contact = Contact(node="outer", clearance=0.5, stiffness=stiffness, exponent=1.0,
-                          friction=1.5, radius=4.0)  # fmt: skip
-        force = stiffness * (1.0 + w * 0.5 / rim)
-        needed = np.poly1d((inner * np.conj(below.coeffs)).coeffs.real)
-        zeros = (force * np.poly1d((inner * np.conj(inner.coeffs)).coeffs.real) + needed).roots
-        real = np.sort(zeros.real[(np.abs(zeros.imag) < 1e-9) & (zeros.real > -rim / 0.5)])
-        needs = below(real) / inner(real)
-        exact = real[(real < 0.0) & (np.abs(needs.imag) <= -1.5 * needs.real)][::-1]
-        found = [whip.whirl_speed for whip in whips_of(system, contact, speed)]
-        assert len(found) == (3 if stiffness < 25.05 else 1)
-        np.testing.assert_allclose(found, exact, rtol=1e-10)

@@ -257,29 +257,6 @@ def test_guards_are_what_the_core_watches(model):
     assert cartesian.guards == ()
 
 
-@of_models
-def test_energy_and_work_change_by_unbalance_and_damping_alone(model):
-    """d(E + work)/dt = omega**2 e.z' - 2 zeta |z'|**2, with the potentials of shaft and load: the
-    work of a contact is what its spring holds, and what is lost; the paper's has the first alone.
-    """
-    mode = model.modes[0]
-    for state, rotor in contact_states(model):
-        if model is PAPER:
-            assert vars(rotor).items() >= PAPER.constants.items()
-        named = dict(zip(mode.state, variables(state), strict=True))
-        q, p, h = named["q"], named["p"], named["h"]
-        r = rotor.delta0 + q * q
-        energy = 0.5 * (p * p + h * h / (r * r)) + 0.5 * rotor.shaft_stiffness * r * r
-        if model is PAPER:
-            energy = energy + 0.4 * q**5.0
-        else:
-            energy = energy - rotor.load * named["down_r"] * r + named["work"]
-        change = np.dot(energy.parts, mode.rates(state, rotor))
-        _, w, _, _ = centre(mode, state, rotor)
-        expected = rotor.omega**2 * w.real - 2.0 * rotor.zeta * abs(w) ** 2
-        assert change == pytest.approx(state[0] * expected, rel=1e-10, abs=1e-10)
-
-
 def test_energy_on_the_rotating_axes_is_spent_on_damping_the_load_and_the_ring():
     """There the unbalance pulls with a constant force, so that no work of it is left:
 

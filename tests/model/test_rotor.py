@@ -20,7 +20,7 @@ MACHINE = DimensionalRotor(
 )
 
 
-@pytest.mark.parametrize("name", ["omega", "zeta", "delta0"])
+@pytest.mark.parametrize("name", ["omega", "zeta", "delta0", *FRICTIONLESS])
 @pytest.mark.parametrize(
     "value", [math.nan, math.inf, -math.inf, True, np.True_, "1", None, 1j, [1.0], 10**400]
 )
@@ -28,6 +28,9 @@ def test_a_rotor_refuses_what_is_not_a_finite_real_number(name, value):
     parameters = {"omega": 1.0, "zeta": 0.1, "delta0": 0.5, name: value}
     with pytest.raises(InputError, match=rf"^{name} must be a finite real number, got .+$"):
         Rotor(**parameters)
+    if name in FRICTIONLESS:
+        with pytest.raises(InputError, match=rf"^{name} must be a finite real number, got .+$"):
+            DimensionalRotor(**MACHINE.given | {name: value})
 
 
 def test_a_rotor_is_frozen_and_keyword_only():
@@ -140,15 +143,6 @@ def test_what_is_given_makes_the_same_rotor_and_machine():
         assert DimensionalRotor(**machine.given) == machine
         assert Rotor(**machine.rotor().given) == machine.rotor()
     assert list(MACHINE.given) == list(MACHINE_PARAMETERS)
-
-
-@pytest.mark.parametrize("name", FRICTIONLESS)
-@pytest.mark.parametrize("value", [math.nan, True, "1", None, -0.5])
-def test_what_is_beyond_the_papers_must_be_a_number_too(name, value):
-    with pytest.raises(InputError, match=rf"^{name} must be (a finite real number|zero or pos)"):
-        Rotor(omega=1.0, zeta=0.1, delta0=0.5, **{name: value})
-    with pytest.raises(InputError, match=rf"^{name} must be (a finite real number|zero or pos)"):
-        DimensionalRotor(**MACHINE.given | {name: value})
 
 
 def test_scaling_with_k_sqrt_D_over_m_reproduces_the_dimensional_equation():

@@ -9,7 +9,6 @@ import pytest
 import scipy.io
 import scipy.linalg
 import scipy.sparse
-import xarray as xr
 
 from rotor_ida import (
     Contact,
@@ -29,7 +28,6 @@ from rotor_ida import (
 from rotor_ida.cli.describe import describe
 from rotor_ida.core import systems as core_systems
 from rotor_ida.results.archived_system import problem_of
-from rotor_ida.simulation import system_run
 from tests.axisymmetric_systems import random_axisymmetric
 from tests.random_systems import random_system
 
@@ -374,30 +372,6 @@ def test_a_system_that_nothing_holds_is_told(nodes, gravity, falls, recwarn):
     assert len(recwarn) == falls
     if falls:
         assert "Neither supports nor contacts hold the system" in str(recwarn[0].message)
-
-
-def test_the_second_run_of_chaos_ends_early_and_says_the_same(monkeypatch):
-    """Behind twice the horizon it says nothing of the first run."""
-    system = RotorSystem(mass=np.eye(2), stiffness=np.eye(2), nodes={"disc": (0, 1)})
-    ends = []
-
-    def follow(*given):
-        result = core_systems.follow_system(*given)
-        ends.append(result.time)
-        return result
-
-    monkeypatch.setattr(system_run, "follow_system", follow)
-    runs = []
-    for enough in (system_run.ENOUGH, np.inf):
-        monkeypatch.setattr(system_run, "ENOUGH", enough)
-        runs.append(simulate(
-            system, contacts=[Contact(node="disc", clearance=0.3, stiffness=1000.0)],
-            unbalance=[Unbalance(node="disc", moment=2.0)], speed=1.5, duration=600.0, samples=11,
-        ))  # fmt: skip
-    assert ends[0] == ends[2] == ends[3] == 600.0
-    horizon = float(runs[0].horizon)
-    assert 2.0 * horizon <= ends[1] < 400.0
-    xr.testing.assert_identical(runs[0].drop_attrs(), runs[1].drop_attrs())
 
 
 def test_a_motion_that_nothing_bounds_ends_with_a_reason():

@@ -40,26 +40,12 @@ def test_what_is_beyond_the_papers_rotor_is_told(whole: xr.Dataset):
     assert rotor_of(whole) == WHOLE
 
 
-def test_what_is_the_default_is_not(whole: xr.Dataset):
-    run = run_of(Rotor(**{**PLAIN.given, "load": 0.125}))
-    assert set(FRICTIONLESS) & set(run.variables) == {"load"}
-    assert rotor_of(run).beyond == {"load": 0.125}
-    assert whole.sizes["t"] == run.sizes["t"]
-
-
 def test_with_contact_damping_the_force_may_end_and_begin_inside_the_ring(whole: xr.Dataset):
     assert flags_of(whole["event_kind"]) == DAMPED_EVENT_KIND
     assert DAMPED_EVENT_KIND == {"exit": -1, "entry": 1, "press": 4, "release": -4}
     assert whole["event_time"].attrs == {
         "long_name": "time of the contact event", "units": "1"
     }  # fmt: skip
-
-
-def test_an_archive_keeps_the_whole_rotor(whole: xr.Dataset, tmp_path):
-    again = load(save(whole, tmp_path / "run.nc"))
-    assert rotor_of(again) == WHOLE
-    assert again.equals(whole)
-    assert {name: float(again.attrs[name]) for name in FRICTIONLESS} == WHOLE.beyond
 
 
 def test_an_archive_keeps_the_loss_of_each_contact_and_its_kinds_of_events(

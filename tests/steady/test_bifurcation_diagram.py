@@ -111,24 +111,6 @@ def test_over_the_load_a_cycle_has_its_extrema_again_and_again():
     assert radii.max() == pytest.approx(found.radius_max.values.ravel()[1], rel=1e-9)
 
 
-def test_any_parameter_of_a_machine_may_be_an_axis():
-    """Each point is what it is alone, with its own rotor."""
-    axes = {"shaft_stiffness": [0.1, 0.25], "contact_damping": [0.0, 0.3]}
-    both = bifurcation_diagram(contact_exponent=1.0, load=0.6, **axes, **MACHINE)
-    counts = both.extremum_count.values.ravel()
-    ends = np.cumsum(counts)
-    numbers = iter(range(4))
-    for kappa in axes["shaft_stiffness"]:
-        for damping in axes["contact_damping"]:
-            alone = bifurcation_diagram(
-                contact_exponent=1.0, load=0.6, shaft_stiffness=kappa, contact_damping=damping,
-                **MACHINE,
-            )  # fmt: skip
-            number = next(numbers)
-            part = both.extremum_radius.values[ends[number] - counts[number] : ends[number]]
-            np.testing.assert_array_equal(part, alone.extremum_radius.values)
-
-
 def test_failure_says_where(monkeypatch):
     def stuck(asked):
         return replace(follow_run(replace(asked, duration=0.04, sample_times=None)), status=STUCK)

@@ -9,7 +9,6 @@ from rotor_ida import (
     Rotor,
     SimulationError,
     bifurcation_diagram,
-    concat,
     load,
     poincare_section,
     resume,
@@ -155,18 +154,6 @@ def test_workers_studies_and_verification_leave_no_trace(at, tmp_path):
     own = [dim for dim in one.dims if dim not in one.response.dims]
     table = one.drop_dims(own).to_dataframe()
     assert table.response.size == 4
-
-
-def test_a_stroboscopic_diagram_of_a_disc_is_a_study_that_verifies(tmp_path):
-    given = {"omega": [1.2, 2.0], "starts": 2, "at": "revolution", "revolutions": 5}
-    found = bifurcation_diagram(DISC, **given, study=tmp_path / "study", direction="up")
-    assert found.rotating_x.dims == ("omega", "zeta", "delta0", "start", "direction", "crossing")
-    xr.testing.assert_identical(resume(tmp_path / "study"), found)
-    assert differences(rerun(found), found)["agrees"]
-    parts = [bifurcation_diagram(DISC, **{**given, "omega": [omega], "starts": [REST]})
-             for omega in (1.2, 2.0)]  # fmt: skip
-    whole = bifurcation_diagram(DISC, **{**given, "starts": [REST]})
-    assert concat(parts, "omega").equals(whole)
 
 
 @pytest.mark.parametrize("name", ["distance_extrema", "crossings_of_system"])
