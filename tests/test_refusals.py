@@ -393,8 +393,7 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(
-    ("call", "given", "line"),
-    [(call, *row) for call, rows in REFUSED for row in rows],
+    ("call", "given", "line"), [(call, *row) for call, rows in REFUSED for row in rows]
 )
 def test_what_cannot_be_is_refused_in_one_line(call, given, line):
     with pytest.raises(InputError, match=f"^{line}") as refusal:

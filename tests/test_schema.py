@@ -14,14 +14,7 @@ from rotor_ida import (
     poincare_section,
     synchronous_response,
 )
-from rotor_ida.schema import (
-    QUANTITIES,
-    STABILITY,
-    flags_of,
-    labelled,
-    labelled_dataset,
-    words_of,
-)
+from rotor_ida.schema import QUANTITIES, STABILITY, flags_of, labelled, labelled_dataset, words_of
 from tests.kinds import KINDS, REST
 
 RESULTS = {

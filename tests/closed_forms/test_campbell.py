@@ -3,13 +3,7 @@
 import numpy as np
 import pytest
 
-from rotor_ida import (
-    Contact,
-    InputError,
-    RotorSystem,
-    Stator,
-    campbell,
-)
+from rotor_ida import Contact, InputError, RotorSystem, Stator, campbell
 from tests.axisymmetric_systems import beam, random_axisymmetric
 
 

@@ -16,11 +16,7 @@ from rotor_ida import (
     simulate,
     synchronous_response,
 )
-from rotor_ida.closed_forms.clearances.critical_speeds import (
-    Peak,
-    critical_modes,
-    margins,
-)
+from rotor_ida.closed_forms.clearances.critical_speeds import Peak, critical_modes, margins
 from rotor_ida.model.assembly import assemble
 from rotor_ida.units import quantity
 from tests.axisymmetric_systems import beam

@@ -8,12 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rotor_ida import folds, synchronous_response
-from rotor_ida.closed_forms import (
-    clearance_curve,
-    peak_amplitude,
-    response_curve,
-    touch_speeds,
-)
+from rotor_ida.closed_forms import clearance_curve, peak_amplitude, response_curve, touch_speeds
 from rotor_ida.schema import STABILITY
 
 dampings = st.one_of(st.just(0.0), st.floats(1e-4, 0.4), st.floats(0.4, 3.0))

@@ -88,12 +88,7 @@ def test_growth_and_frequencies_are_those_of_the_differentiated_motion():
 @pytest.mark.parametrize("delta0", [0.0, 1.0])
 @pytest.mark.parametrize("exponent", [1.5, 1.0])
 def test_without_a_load_it_rests_like_a_whirl_at_no_speed(kappa, delta0, exponent):
-    given = {
-        "zeta": 0.2,
-        "delta0": delta0,
-        "shaft_stiffness": kappa,
-        "contact_exponent": exponent,
-    }
+    given = {"zeta": 0.2, "delta0": delta0, "shaft_stiffness": kappa, "contact_exponent": exponent}
     found, whirl = rest(Rotor(omega=0.0, **given)), synchronous_response(omega=0.0, **given)
     assert found.y.item() == 0.0
     assert found.stability.item() == whirl.stability.item()

@@ -4,10 +4,7 @@ import numpy as np
 import pytest
 
 from rotor_ida import InputError, Rotor, synchronous_response
-from rotor_ida.closed_forms import (
-    sommerfeld_curve,
-    whirl_torque,
-)
+from rotor_ida.closed_forms import sommerfeld_curve, whirl_torque
 from rotor_ida.schema import STABILITY
 from tests.witness import FLIES, FORWARDS, Disc
 

@@ -95,18 +95,6 @@ def test_the_truth_is_covered_as_often_as_it_should_be(up):
     assert scatter.max() < high
 
 
-def test_contact_times_tell_the_clearance_better(up):
-    rng = np.random.default_rng(1)
-    seen = noisy(signals_of(up), rng)
-    entries = up.event_time.values[up.event_kind.values == 1]
-    alone = fit(seen, GUESS, SOUGHT)
-    both = fit(seen, GUESS, SOUGHT, entries=entries, time_error=1e-3)
-    error = {name: each.standard_error.sel(unknown="delta0") for name, each in
-             (("alone", alone), ("both", both))}  # fmt: skip
-    assert float(error["both"]) < 0.5 * float(error["alone"])
-    assert both.fitted_time.values == pytest.approx(entries, abs=5e-3)
-
-
 def test_a_contact_time_without_a_partner_is_said_and_left_out(up):
     """The rotor stays on the ring after its first contact: no other comes near."""
     entry = up.event_time.values[up.event_kind.values == 1][0]
@@ -221,18 +209,6 @@ def test_a_part_between_a_few_of_many_pulses_is_fitted():
     for first, last in ((15.0, 26.5), (15.71, 70.0), (0.0, 100.0)):
         found = fit(seen.sel(t=slice(first, last)), rotor, ["zeta"], noise=1e-6)
         np.testing.assert_allclose(found.estimate, 0.1, rtol=1e-5)
-
-
-def test_several_records_tell_more_than_one(up):
-    rng = np.random.default_rng(4)
-    whirl = simulate(Rotor(omega=1.4, zeta=0.1, delta0=1.5, shaft_stiffness=1.0),
-                     start=(1, 0, 0, 1), duration=60.0, samples=1201)  # fmt: skip
-    both = [noisy(signals_of(each), rng) for each in (up, whirl)]
-    one = fit(both[0], GUESS, SOUGHT)
-    two = fit(both, GUESS, SOUGHT)
-    assert (two.standard_error < one.standard_error).all()
-    assert (np.abs(two.estimate - TRUTH) < 5.0 * two.standard_error).all()
-    assert set(two.record.values) == {0, 1}
 
 
 def test_a_clearance_that_is_never_touched_is_not_identifiable():

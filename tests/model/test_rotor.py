@@ -11,12 +11,7 @@ from rotor_ida.model.parameters import FRICTIONLESS, MACHINE_PARAMETERS
 from tests.witness import HOW, flown, in_units
 
 MACHINE = DimensionalRotor(
-    mass=3.0,
-    contact_stiffness=2.5e9,
-    damping=40.0,
-    eccentricity=4e-6,
-    clearance=3e-6,
-    speed=1500.0,
+    mass=3.0, contact_stiffness=2.5e9, damping=40.0, eccentricity=4e-6, clearance=3e-6, speed=1500.0
 )
 
 

@@ -126,15 +126,6 @@ def test_a_forward_synchronous_rub_is_forward_at_the_spin_speed():
     np.testing.assert_allclose(seen.whirl_over_spin, 1.0, atol=0.03)
 
 
-def test_a_synchronous_whirl_in_contact_is_forward_at_the_spin_speed():
-    report = touchdown_report(
-        Rotor(omega=1.2, zeta=0.5, delta0=0.5), x=(-2, 2), starts=10, shocks=0
-    )
-    assert words_of(report.kind) == ["synchronous"]
-    assert report.whirl_over_spin.values == [1.0]
-    assert report.whirl_sense.values == [FORWARD]
-
-
 def test_dry_whip_is_backward_at_the_speed_of_its_roll():
     rotor = Rotor(omega=0.5, **RUBBING)
     whip = backward_whirl(rotor).isel(whirl=-1)
@@ -169,14 +160,6 @@ def test_a_cycle_of_half_the_order_is_forward_at_the_spin_speed():
     assert float(cycle.side_line_over_spin) == pytest.approx(0.5, abs=1e-9)
     assert float(cycle.whirl_over_spin) == pytest.approx(1.0, abs=1e-9)
     assert int(cycle.whirl_sense) == FORWARD
-
-
-def test_a_cycle_of_another_speed_has_the_ratio_of_signals():
-    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
-    cycle = limit_cycle(rotor, start=(0, 0, 0, 0))
-    seen = whirl_ratio(ended(rotor, (0, 0, 0, 0), revolutions=300), revolutions=20)
-    assert int(cycle.whirl_sense) == FORWARD
-    np.testing.assert_allclose(seen.whirl_over_spin.mean(), cycle.whirl_over_spin, atol=0.02)
 
 
 def test_no_cycle_has_no_whirl():

@@ -91,10 +91,7 @@ def test_a_solver_that_gives_up_raises_with_time_and_state(monkeypatch, delta0):
 
 @pytest.mark.parametrize(
     ("found", "message"),
-    [
-        ((0.0, 1.0), "time no longer advances"),
-        ((1.0, np.nan), "the state is no longer finite"),
-    ],
+    [((0.0, 1.0), "time no longer advances"), ((1.0, np.nan), "the state is no longer finite")],
 )
 def test_a_solver_that_gets_nowhere_is_given_up(monkeypatch, found, message):
     class Idle:

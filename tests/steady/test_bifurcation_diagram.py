@@ -6,19 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotor_ida import (
-    Rotor,
-    SimulationError,
-    bifurcation_diagram,
-    simulate,
-    synchronous_response,
-)
+from rotor_ida import Rotor, SimulationError, bifurcation_diagram, simulate
 from rotor_ida.closed_forms import planar_period
 from rotor_ida.core.interface import STUCK
 from rotor_ida.core.runs import follow_run
 from rotor_ida.schema import RESPONSE
 from rotor_ida.simulation import extrema
-from rotor_ida.simulation.extrema import CONSTANT, MAXIMUM, MINIMUM, radius_extrema
+from rotor_ida.simulation.extrema import MAXIMUM, MINIMUM, radius_extrema
 
 GO_ON = np.zeros(1, np.uint8)
 REST = (0.0, 0.0, 0.0, 0.0)
@@ -43,13 +37,6 @@ def test_planar_vibration_turns_back_at_its_amplitude_every_half_period():
     np.testing.assert_allclose(found.radii[highest], 2.0, rtol=1e-9)
     assert found.radii[lowest].max() < 1e-6
     assert late.sum() == int(20.0 / half)
-
-
-def test_constant_radius_is_given_once():
-    whirl = synchronous_response(omega=1.2, zeta=0.07, delta0=0.5).isel(branch=0).squeeze()
-    found = bifurcation_diagram(omega=1.2, zeta=0.07, delta0=0.5, starts=[REST])
-    assert found.extremum_kind.values.tolist() == [CONSTANT]
-    assert found.extremum_radius.item() == pytest.approx(whirl.amplitude.item(), rel=1e-8)
 
 
 def test_table_of_a_diagram_belongs_to_its_points():

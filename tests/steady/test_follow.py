@@ -6,13 +6,7 @@ import re
 import numpy as np
 import pytest
 
-from rotor_ida import (
-    Rotor,
-    folds,
-    limit_cycle,
-    sweep,
-    synchronous_response,
-)
+from rotor_ida import Rotor, folds, limit_cycle, sweep, synchronous_response
 from rotor_ida.closed_forms.rest import rest
 from rotor_ida.model.equations import rotated
 from rotor_ida.schema import RESPONSE, STABILITY

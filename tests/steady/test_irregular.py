@@ -5,12 +5,7 @@ import math
 import numpy as np
 import pytest
 
-from rotor_ida import (
-    Rotor,
-    lyapunov_exponent,
-    simulate,
-    sweep,
-)
+from rotor_ida import Rotor, lyapunov_exponent, simulate, sweep
 from rotor_ida.closed_forms import touch_fading
 from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.schema import RESPONSE

@@ -3,13 +3,7 @@
 import numpy as np
 import pytest
 
-from rotor_ida import (
-    DimensionalRotor,
-    InputError,
-    Rotor,
-    lyapunov_exponent,
-    resume,
-)
+from rotor_ida import DimensionalRotor, InputError, Rotor, lyapunov_exponent, resume
 
 RUB = Rotor(omega=1.2, zeta=0.07, delta0=0.5, disc_radius=5.0)
 SHORT = {"transient": 50.0, "duration": 200.0, "batches": 4}

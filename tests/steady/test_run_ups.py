@@ -7,16 +7,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rotor_ida import (
-    Rotor,
-    SimulationError,
-    load,
-    run_up,
-    run_ups,
-    save,
-    summary,
-    sweep,
-)
+from rotor_ida import Rotor, SimulationError, load, run_up, run_ups, save, summary, sweep
 from rotor_ida.closed_forms import peaks
 from rotor_ida.paper.whip import is_whip
 from rotor_ida.schema import ENDING, RESPONSE, flags_of, words_of
@@ -205,14 +196,6 @@ def test_a_disc_that_slides_both_ways_by_turns_whips_too():
     kinds = set(late.event_kind.values[late.event_time.values > 60.0].tolist())
     assert kinds == {3}
     assert float((late.x * late.vy - late.y * late.vx).max()) < 0.0
-
-
-def test_a_full_contact_forwards_is_a_rub():
-    rotor = {"zeta": 0.07, "delta0": 0.5, "friction": 0.01, "disc_radius": 100.0}
-    start = (3.0, 1.0, 0.0, 0.0)
-    found = run_ups(omega=2.9, to=3.0, rate=0.1, starts=[start], rtol=1e-8, **rotor).squeeze()
-    assert found.response.item() == RESPONSE["full_contact"]
-    assert found.ending.item() == ENDING["rub"]
 
 
 def test_fractions_are_those_that_are_counted():
