@@ -9,7 +9,7 @@ import mpmath
 import numpy as np
 import pytest
 
-from rotor_ida import Rotor, hopf_points, limit_cycle, synchronous_response
+from rotor_ida import Rotor, hopf_points, synchronous_response
 from rotor_ida.closed_forms import cusp_zeta, eigenvalues, jumps, peaks
 from rotor_ida.closed_forms.exact_polynomials import Polynomial, positive_roots
 from rotor_ida.model.equations import rotating_field, rotating_jacobian
@@ -88,27 +88,6 @@ def test_none_is_lost_and_none_invented(machine):
     points = points_of(machine)
     inside = points[(points[:, 1] < A[-1]) & (points[:, 0] < 1e4)]
     np.testing.assert_allclose(np.sort(changes), np.sort(inside[:, 1]), rtol=0.0, atol=2e-4)
-
-
-@pytest.mark.parametrize("number", [0, 2])
-def test_a_cycle_is_born_with_the_frequency_of_the_hopf_point(number):
-    """Twice nearer the point its period is twice nearer, and its swing less by the root of two."""
-    machine = ROTORS[number]
-    omega, amplitude, frequency = points_of(machine)[0]
-    found = []
-    for ahead in (4e-4, 2e-4):
-        speed = omega + ahead
-        rotor, whirl = Rotor(omega=speed, **machine), whirl_at(speed, amplitude, machine)
-        values, vectors = np.linalg.eig(rotating_jacobian(whirl, rotor))
-        aside = vectors[:, int(np.abs(values - 1j * frequency).argmin())].real
-        start = whirl + 0.02 * np.linalg.norm(whirl) * aside / np.linalg.norm(aside)
-        cycle = limit_cycle(rotor, start=start, period=2.0 * math.pi / frequency)
-        swing = cycle.radius_max.item() - cycle.radius_min.item()
-        found.append((cycle.period.item() - 2.0 * math.pi / frequency, swing))
-    (miss, swing), (nearer, less) = found
-    assert abs(nearer) < 3e-3
-    assert miss / nearer == pytest.approx(2.0, rel=0.05)
-    assert swing / less == pytest.approx(math.sqrt(2.0), rel=0.02)
 
 
 def test_without_damping_of_one_kind_or_the_other_there_is_none():

@@ -146,19 +146,6 @@ def test_a_start_in_which_the_ring_would_pull_is_loose(way):
         assert check.event_kinds.tolist() == events
 
 
-def test_at_rest_under_a_load_it_stays():
-    rotor = Rotor(omega=0.0, zeta=0.1, delta0=1.0, load=0.3, contact_damping=1.0)
-    found = simulate(
-        rotor, start=(0.0, -1.0 - 0.3 ** (2.0 / 3.0), 0.0, 0.0), duration=50.0, **WAYS["taylor"]
-    )
-    assert found.event.size == 0
-    assert np.abs(found.y.values - found.y.values[0]).max() < 1e-14
-    hanging = Rotor(omega=0.0, zeta=0.1, delta0=1.0, load=0.3, shaft_stiffness=0.6)
-    found = simulate(hanging, start=(0.0, -0.5, 0.0, 0.0), duration=50.0, **WAYS["taylor"])
-    assert found.starts_in_contact == 0
-    assert np.abs(found.y.values + 0.5).max() < 1e-14
-
-
 @pytest.mark.parametrize(("vy", "contact"), [(0.0, 1), (-0.1, 1), (0.1, 0)])
 def test_on_the_ring_a_load_decides_what_speed_does_not(vy, contact):
     rotor = Rotor(omega=0.0, zeta=0.1, delta0=1.0, load=0.3)
@@ -192,20 +179,6 @@ def test_a_disc_that_falls_without_slip_rolls_from_its_entry(way):
         assert set(found.mode.values.tolist()) == {0, 2}
         assert np.abs(found.x.values).max() < 1e-12
         assert found.heat.values.max() < 1e-15
-
-
-@pytest.mark.parametrize("way", ["taylor", "reference"])
-def test_a_block_on_the_ring_slides_to_rest_where_friction_holds_it(way):
-    """omega = 0 under a load: it rests off the lowest point, tilted by less than atan(mu)."""
-    rotor = Rotor(omega=0.0, zeta=0.3, delta0=1.0, load=0.5, friction=0.6, disc_radius=2.0)
-    found = simulate(rotor, start=(0.35, -1.5, 0.4, 0.0), duration=200.0, **WAYS[way])
-    assert found.mode.values[-1] == 2
-    x, y, vx, vy = (found[name].values[-1] for name in ("x", "y", "vx", "vy"))
-    assert abs(vx) + abs(vy) < 1e-9
-    tilt = np.arctan2(x, -y)
-    assert 0.01 < abs(tilt) < np.arctan(0.6)
-    normal = 0.5 * np.cos(tilt)
-    assert np.hypot(x, y) == pytest.approx(1.0 + normal ** (2.0 / 3.0), abs=1e-9)
 
 
 # ---- Where two events meet, where rounding decides, and on discs of any size ----
