@@ -309,6 +309,14 @@ def test_beyond_a_ramp_the_last_speed_is_held():
     assert found.revolutions.item() == pytest.approx(3.5 / (2.0 * np.pi))
 
 
+def test_the_first_speed_of_several_counts_and_not_the_rotors():
+    found = run_up(PAPER, start=REST, speeds=[(0.0, 1.0), (2.0, 1.5)], samples=3)
+    assert found.omega == 1.0
+    assert found.speed.values.tolist() == [1.0, 1.25, 1.5]
+    same = run_up(replace(PAPER, omega=1.0), start=REST, to=1.5, rate=0.25, samples=3)
+    assert np.array_equal(found.x, same.x)
+
+
 @pytest.mark.parametrize(
     "name", ["friction, piece by piece", "whip, up", "limited power, all of it"]
 )
