@@ -32,12 +32,11 @@ CASES = {
 class Exact:
     """Displacement and velocity on axes that stand still, from a start at a time."""
 
-    def __init__(self, rotor, z0, w0, *, since=0.0, omega=0, zeta=0):
-        """Of a rotor whose speed and damping are changed by the given amounts."""
+    def __init__(self, rotor, z0, w0, *, since=0.0):
         with mpmath.workdps(DIGITS):
             aside = mpmath.mpf(10) ** -60
-            self.omega = omega = mpmath.mpf(rotor.omega) + aside / 3 + omega
-            zeta = mpmath.mpf(rotor.zeta) + zeta
+            omega = mpmath.mpf(rotor.omega) + aside / 3
+            zeta = mpmath.mpf(rotor.zeta)
             kappa = mpmath.mpf(rotor.shaft_stiffness) + aside
             self.rest = -1j * mpmath.mpf(rotor.load) / kappa
             turned = mpmath.expj(mpmath.mpf(rotor.omega) * mpmath.mpf(since))

@@ -14,7 +14,6 @@ import pytest
 
 from rotor_ida import Rotor
 from rotor_ida.core import runs
-from rotor_ida.core.interface import DONE
 from rotor_ida.model.equations import rotated
 from rotor_ida.simulation.spin import Steady
 from rotor_ida.simulation.witness.bodies import Disc
@@ -97,18 +96,6 @@ def test_a_long_flight_comes_to_its_whirl(tau):
         x, y, vx, vy = flight.fly(rotor, (0.3, 0.1, 0.5, -2.0), tau)[0]
         assert complex(x, y) == pytest.approx(whirl + rest, abs=1e-11)
         assert complex(vx, vy) == pytest.approx(1j * omega * whirl, abs=1e-11)
-
-
-def test_differences_fly_as_what_lies_between_two_flights():
-    """Flight is affine: a whole unit apart is a difference as well."""
-    for omega, zeta, kappa in generic():
-        rotor, start = sprung(omega, zeta, kappa, 0.8, delta0=1e6), np.array((0.3, -0.2, 0.5, 0.1))
-        bundle = np.eye(4)
-        asked = runs.RunRequest(rotor=rotor, start=tuple(start), duration=3.0, bundle=bundle, **HOW)
-        assert runs.follow_run(asked).status == DONE
-        apart = [flight.fly(rotor, start + unit, 3.0)[0] for unit in np.eye(4)]
-        expected = np.array(apart) - flight.fly(rotor, start, 3.0)
-        np.testing.assert_allclose(bundle, expected, rtol=0, atol=1e-13 * np.abs(expected).max())
 
 
 SHAFTS = pytest.mark.parametrize("has_shaft", [True, False])
@@ -320,30 +307,3 @@ def test_rotation_is_that_of_the_model():
     turned = states.copy()
     flight.rotate(turned, times, 1.3)
     np.testing.assert_allclose(turned, rotated(states, 1.3 * times), rtol=0, atol=4e-15)
-
-
-@pytest.mark.parametrize("zeta", [0.0, 1e-12, 0.07, 2.0])
-@pytest.mark.parametrize("omega", [1e-3, 0.6, 8.0])
-def test_what_the_parameters_add_to_flight_is_the_derivative(omega, zeta):
-    """Through a run that never meets the ring; a difference of speeds and dampings 1e-10 apart."""
-    z0, w0 = 0.3 - 0.2j, -0.4 + 0.7j
-
-    def ends(tau, **aside):
-        exact = Exact(Rotor(omega=omega, zeta=zeta, delta0=1.0), z0, w0, **aside)
-        turn = mpmath.expj(-exact.omega * mpmath.mpf(tau))
-        return [each * turn for each in exact(tau)]
-
-    for tau in (1e-6, 0.5, 7.0):
-        bundle, rotor = np.zeros((7, 4)), Rotor(omega=omega, zeta=zeta, delta0=1e3)
-        asked = runs.RunRequest(rotor=rotor, start=row(z0, w0), duration=tau, bundle=bundle, **HOW)
-        assert runs.follow_run(asked).status == DONE
-        assert not bundle[[0, 1, 2, 3, 6]].any()
-        expected = []
-        with mpmath.workdps(200):
-            for name in ("omega", "zeta"):
-                h = mpmath.mpf("1e-10")
-                high, low = (ends(tau, **{name: sign * h}) for sign in (1, -1))
-                expected += [complex((a - b) / (2 * h)) for a, b in zip(high, low, strict=True)]
-        found = bundle[4:6].reshape(4, 2) @ [1.0, 1.0j]
-        size = (1.0 + tau) ** 2 * (1.0 + omega)
-        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-14 * size)

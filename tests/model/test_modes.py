@@ -138,7 +138,7 @@ def centre(mode, state, rotor):
     return r * outwards, complex(p, h / r) * outwards, down, outwards
 
 
-# Those of one speed; tests/model/test_spinning.py has the others.
+# Those of one speed; the others are tested by run-ups, against a rigid body.
 STEADY = (PAPER, WHOLE)
 CASES = [
     pytest.param(model, mode, states, id=f"{model.name}-{mode.name}")
