@@ -11,6 +11,8 @@ from rotor_ida import (
     InputError,
     Rotor,
     RotorSystem,
+    Support,
+    Unbalance,
     basin_fractions,
     bifurcation_diagram,
     campbell,
@@ -249,6 +251,11 @@ REFUSED = [
         ({"nodes": [(0, 1)]}, "nodes must map names"),
         ({"translations": np.ones((4, 3))}, "translations must have the shape"),
         ({"units": "inch"}, "units must be"),
+        ({"contacts": [3]}, "contacts must be a Contact, got 3"),
+        ({"unbalance": [Unbalance(node="seal", moment=1.0)]}, "node must be one of .*got 'seal'"),
+        ({"supports": [Support(node="end", stiffness=1.0)] * 2},
+         "supports must be at different nodes, got 'end'"),
+        ({"gravity": (0.0, np.nan)}, "gravity"),
     ]),
     (lambda given: Contact(**TOUCH | given), [
         ({"clearance": 0.0}, "clearance of the contact at 'disc' must"),
@@ -386,8 +393,7 @@ REFUSED = [
 
 
 @pytest.mark.parametrize(
-    ("call", "given", "line"),
-    [(call, *row) for call, rows in REFUSED for row in rows],
+    ("call", "given", "line"), [(call, *row) for call, rows in REFUSED for row in rows]
 )
 def test_what_cannot_be_is_refused_in_one_line(call, given, line):
     with pytest.raises(InputError, match=f"^{line}") as refusal:

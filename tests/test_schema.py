@@ -1,7 +1,6 @@
 """Every result of the package is labelled: names, units, parameters, method and versions."""
 
 from functools import cache
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -12,19 +11,10 @@ from rotor_ida import (
     Rotor,
     basin_fractions,
     decode_flags,
-    load,
     poincare_section,
-    save,
     synchronous_response,
 )
-from rotor_ida.schema import (
-    QUANTITIES,
-    STABILITY,
-    flags_of,
-    labelled,
-    labelled_dataset,
-    words_of,
-)
+from rotor_ida.schema import QUANTITIES, STABILITY, flags_of, labelled, labelled_dataset, words_of
 from tests.kinds import KINDS, REST
 
 RESULTS = {
@@ -76,22 +66,6 @@ def test_attributes_tell_how_it_was_made(name: str):
         () if name in ANALYSED else ("scikit_sundae", "sundials", "python")
     )
     assert all(attributes[f"{package}_version"] for package in packages)
-
-
-def test_the_attributes_of_a_run_are_what_was_given():
-    run = made("run").attrs
-    assert (run["omega"], run["zeta"], run["delta0"]) == (2.0, 0.07, 2.0)
-    assert run["start"].tolist() == [0.0] * 4
-    assert run["duration"] == 20.0
-    assert len({made(name).attrs["title"] for name in ANALYSED if "section" not in name}) == 5
-
-
-@pytest.mark.parametrize("name", ANALYSED)
-def test_an_archive_gives_it_back(name: str, tmp_path: Path):
-    back = load(save(made(name), tmp_path / "result.nc"))
-    assert back.attrs["result_kind"] == made(name).attrs["result_kind"]
-    for each, variable in made(name).variables.items():
-        np.testing.assert_array_equal(back[each].values, variable.values)
 
 
 def test_a_dataset_is_the_same_without_what_xarray_keeps_to_itself(monkeypatch):

@@ -241,7 +241,8 @@ def labelled_curves(varied: str, curves: Sequence[Sequence[Piece]], asked: Varie
 def _phase_lag(amplitude: Values, rotors: RotorColumns) -> Values:
     _, stiffness = stiffnesses(amplitude, rotors.delta0, rotors.contact_exponent)
     loss = 2.0 * rotors.zeta * rotors.omega + rotors.friction * stiffness
-    return np.asarray(np.arctan2(loss, stiffness + rotors.shaft_stiffness - rotors.omega**2))
+    lag = np.arctan2(loss, stiffness + rotors.shaft_stiffness - rotors.omega**2)
+    return np.where(np.isnan(amplitude), math.nan, lag)  # a linear stiffness is a number there too
 
 
 def check_damped(asked: Varied) -> None:

@@ -10,7 +10,7 @@ def scanned(rotor, condition, nodes=30_000):
 
     The speeds at each amplitude are eigenvalues of a companion matrix: no part of the package.
     """
-    zeta, d, mu = (rotor[name] for name in ("zeta", "delta0", "friction"))
+    zeta, d, mu = rotor["zeta"], rotor["delta0"], rotor.get("friction", 0.0)
     kappa, n = rotor.get("shaft_stiffness", 0.0), rotor.get("contact_exponent", 1.5)
     depth = np.concatenate([np.geomspace(1e-9, 1e-2, nodes // 4), np.linspace(1e-2, 40.0, nodes)])
     A, f = d + depth, depth**n
@@ -32,5 +32,7 @@ def scanned(rotor, condition, nodes=30_000):
     for w in speeds.T:
         value = condition(A, w, rotor)
         near = np.isfinite(value[1:] * value[:-1]) & (np.abs(np.diff(w)) < 0.1 * w[1:])
-        changes += A[1:][near & (value[1:] * value[:-1] < 0.0)].tolist()
+        here = np.flatnonzero(near & (value[1:] * value[:-1] < 0.0))
+        part = value[here] / (value[here] - value[here + 1])
+        changes += (A[here] + part * (A[here + 1] - A[here])).tolist()
     return np.sort(changes)

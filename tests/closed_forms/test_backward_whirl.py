@@ -105,20 +105,6 @@ def test_the_slipping_whirl_is_a_saddle(machine):
     assert (found.real > 1e-10).sum() == 1
 
 
-@pytest.mark.parametrize(("part", "grows"), [(0.99, False), (1.01, True)])
-def test_below_the_saddle_whirl_dies_and_above_it_grows(part, grows):
-    rotor = rubbing(**KNOWN)
-    saddle = row(backward_whirl(rotor), "slipping")
-    r = saddle["amplitude"] * part
-    state = np.array([r, 0.0, 0.0, saddle["whirl_speed"] * r, 0.0, rotor.omega])
-    disc = Disc(rotor, unbalance=0.0)
-    guards = [guard for guard, _ in disc.guards(FORWARDS)]  # where it leaves, or rolls
-    _, end, *_ = disc.stretch(0.0, 80.0, state, FORWARDS, guards)
-    radius = math.hypot(*end[:2])
-    assert (radius > 1.2 * saddle["amplitude"]) == grows
-    assert (radius < 0.8 * saddle["amplitude"]) != grows
-
-
 @pytest.mark.parametrize("machine", MACHINES)
 def test_a_rolling_disc_settles_on_dry_whip(machine):
     """The radial equation of a disc that rolls, from 20 percent beside."""

@@ -8,8 +8,6 @@ import math
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from rotor_ida.closed_forms import (
     contact_free_whirl,
@@ -56,46 +54,6 @@ def test_flight_holds_to_rounding(omega, zeta, start_time):
         scale = [1.0 + 0.2 * elapsed[k] + omega * elapsed[k]] * 2 + [0.2 + omega] * 2
         for value, exact, size in zip(found[:, k], expected, scale, strict=True):
             assert abs(value - exact) < 1e-15 * size
-
-
-@settings(max_examples=80, deadline=None)
-@given(
-    omega=st.floats(0.0, 20.0),
-    zeta=st.floats(0.0, 5.0),
-    start=st.tuples(*[st.floats(-3.0, 3.0)] * 4),
-    first=st.floats(0.0, 10.0),
-    second=st.floats(0.0, 10.0),
-)
-def test_flying_on_is_flying_once(omega, zeta, start, first, second):
-    rotor = Rotor(omega=omega, zeta=zeta, delta0=1.0)
-    halfway = flight(first, rotor=rotor, start=start)
-    end = flight(first + second, rotor=rotor, start=start)
-    resumed = flight(first + second, rotor=rotor, start=tuple(halfway), start_time=first)
-    np.testing.assert_allclose(resumed, end, rtol=0.0, atol=1e-12 * (1.0 + omega) * 20.0)
-
-
-def test_flight_obeys_the_equation_of_motion():
-    rotor, step = Rotor(omega=1.7, zeta=0.3, delta0=5.0), 1e-3
-    times = 2.0 + step * np.arange(-2, 3)
-    x, y, vx, vy = flight(times, rotor=rotor, start=(0.1, 0.2, -0.3, 0.4))
-    weights = np.array([1.0, -8.0, 0.0, 8.0, -1.0]) / (12.0 * step)
-    z, v = x + 1j * y, vx + 1j * vy
-    assert abs(weights @ z - v[2]) < 1e-11
-    forcing = rotor.omega**2 * np.exp(1j * rotor.omega * times[2])
-    assert abs(weights @ v + 2 * rotor.zeta * v[2] - forcing) < 1e-11
-
-
-def test_a_contact_free_whirl_keeps_its_radius_and_its_centre():
-    rotor = Rotor(omega=1.7, zeta=0.07, delta0=2.0)
-    whirl = contact_free_whirl(rotor)
-    centre = 0.6 + 0.5j
-    place = whirl.amplitude * np.exp(-1j * whirl.phase_lag)
-    start = centre + place, 1j * rotor.omega * place
-    state = tuple(part for number in start for part in (number.real, number.imag))
-    x, y, _, _ = flight(np.linspace(0.0, 500.0, 1001), rotor=rotor, start=state)
-    np.testing.assert_allclose(np.abs(x + 1j * y - centre), whirl.amplitude, rtol=1e-13)
-    assert whirl.exists
-    assert abs(centre) <= whirl.largest_centre_offset
 
 
 def test_contact_free_whirl_is_the_branch_of_the_response():

@@ -9,8 +9,6 @@ import warnings
 import mpmath
 import numpy as np
 import pytest
-from hypothesis import given, settings
-from hypothesis import strategies as st
 
 from rotor_ida.closed_forms import (
     cusp,
@@ -18,13 +16,10 @@ from rotor_ida.closed_forms import (
     eigenvalues,
     folds,
     jumps,
-    peak_amplitude,
     stability_determinant,
     synchronous_response,
     touch_speeds,
 )
-from rotor_ida.closed_forms.fold_locus_with_friction import friction_locus
-from rotor_ida.closed_forms.restoring_law import RestoringLaw
 from rotor_ida.errors import InputError
 from rotor_ida.schema import STABILITY
 from tests.closed_forms.scanning import scanned
@@ -40,7 +35,8 @@ PAPER = list(itertools.product(
 ))  # fmt: skip
 LAWS = list(
     itertools.product([0.003, 0.07, 0.15], [0.1, 0.7, 1.0, 3.0], [0.0, 1e-3, 0.25, 2.0], [1.5, 1.0])
-) + [(0.07, 0.0, kappa, 1.5) for kappa in (1e-3, 0.25, 2.0)]
+) + [(zeta, 0.0, kappa, 1.5) for zeta in (0.0, 0.07) for kappa in (1e-3, 0.25, 2.0)]
+LAWS += [(0.0, delta0, kappa, 1.5) for delta0 in (0.5, 2.0) for kappa in (1e-3, 0.25, 2.0)]
 RUBBING = [
     {"zeta": 0.07, "delta0": 0.5, "friction": 0.02},
     {"zeta": 0.02, "delta0": 0.8, "friction": 0.1},
@@ -89,59 +85,10 @@ def test_folds_hold_to_rounding(case):
     assert_folds_match(case)
 
 
-def reference_count(zeta: float, delta0: float) -> int:
-    """Count the folds from the resultant of curve and determinant, by all its roots in u."""
-    m, d = 4 * mpmath.mpf(zeta) ** 2, mpmath.mpf(delta0)
-
-    def resultant(u):
-        A = d + u**2
-        B = A**2 - 1
-        first = u**2 * (1.5 * u * B - A * u**3) ** 2
-        second = (1.5 * d + 0.5 * u**2) * (m * A - u**3)
-        return first - second * ((A**2 + 1) * u**3 - 1.5 * u * A * B - m * A)
-
-    degree = 11
-    nodes = [mpmath.mpf(k) / 4 - mpmath.mpf(3) / 2 for k in range(degree + 1)]
-    vandermonde = mpmath.matrix(degree + 1, degree + 1)
-    for row, node in enumerate(nodes):
-        for column in range(degree + 1):
-            vandermonde[row, column] = node**column
-    coefficients = mpmath.lu_solve(vandermonde, mpmath.matrix([resultant(u) for u in nodes]))
-    companion = mpmath.matrix(degree, degree)
-    for k in range(degree - 1):
-        companion[k + 1, k] = 1
-    for k in range(degree):
-        companion[k, degree - 1] = -coefficients[k] / coefficients[degree]
-    count = 0
-    for root in mpmath.eig(companion, left=False, right=False):
-        u = mpmath.re(root)
-        if abs(mpmath.im(root)) > 1e-20 or u < 1e-12:
-            continue
-        A = d + u**2
-        s, tangent = u**3 / A, 3 * u / 2
-        bottom = (A**2 + 1) * s - (A**2 - 1) * tangent - m
-        common = -s * ((A**2 - 1) * tangent - A**2 * s) / bottom
-        count += common > 0
-    return count
-
-
-GRID = [
-    (zeta, delta0)
-    for zeta in (0.01, 0.07, 0.18, 0.23, 0.4)
-    for delta0 in (0.0, 0.1, 0.5, 0.64, 0.8, 1.0, 2.0)
-]
-
-
-# every other point of a grid, as on the squares of one colour of a chessboard
-@pytest.mark.parametrize(("zeta", "delta0"), GRID[::2])
-def test_resultant_has_as_many_folds(zeta, delta0):
-    assert len(found_at(zeta, delta0)) == reference_count(zeta, delta0)
-
-
 def test_no_fold_is_missed_and_none_invented():
     """Between two speeds the number of contacting whirls changes by what lies between them."""
     total = 0
-    for zeta, delta0, kappa, exponent in LAWS:
+    for zeta, delta0, kappa, exponent in LAWS + PAPER[::2]:
         turns = [omega for omega, _ in found_at(zeta, delta0, kappa, exponent)]
         touches = touch_speeds(zeta=zeta, delta0=delta0, shaft_stiffness=kappa)
         ends = np.sort([*turns, *touches[touches > 0.0]])
@@ -160,7 +107,7 @@ def test_no_fold_is_missed_and_none_invented():
             if np.sum((speeds[k - 1] < ends) & (ends < speeds[k])) == 1:
                 assert abs(count[k] - count[k - 1]) == 2, (zeta, delta0, kappa, exponent, omega)
                 total += 1
-    assert total > 100
+    assert total > 150
 
 
 def linear_cubic(zeta, delta0, kappa) -> list:
@@ -220,51 +167,7 @@ def test_no_fold_with_friction_is_lost_and_none_invented(rotor):
     found = folds(**rotor).fold_amplitude.values.ravel()
     expected = scanned(rotor, fold_condition)
     inside = np.sort(found[found < 40.0])
-    np.testing.assert_allclose(inside, expected, rtol=0.0, atol=1.5e-3)
-
-
-@pytest.mark.parametrize("rotor", RUBBING)
-def test_at_a_fold_with_friction_two_whirls_merge(rotor):
-    """A little to one side there are two more of them than to the other, around its amplitude."""
-    turns = folds(**rotor)
-    there = list(
-        zip(turns.fold_omega.values.ravel(), turns.fold_amplitude.values.ravel(), strict=True)
-    )
-    assert len(there) > 0
-    for omega, amplitude in there:
-        counts, near = [], []
-        for part in (-1e-6, 1e-6):
-            here = synchronous_response(omega=omega * (1.0 + part), **rotor)
-            there = here.amplitude.values.ravel()[here.in_contact.values.ravel() == 1]
-            counts.append(there.size)
-            near.append(there[np.abs(there / amplitude - 1.0) < 2e-2])
-        assert abs(counts[1] - counts[0]) == 2
-        two = max(near, key=len)
-        assert two.size == 2
-        assert two.min() < amplitude < two.max()
-
-
-def test_folds_lie_on_the_locus():
-    """Where speed and damping are eliminated by hand, the fold has the damping that it was for."""
-    draw, count = np.random.default_rng(5), 0
-    for _ in range(60):
-        zeta, d = 10 ** draw.uniform(-2.5, -0.7), 10 ** draw.uniform(-1.0, 0.5)
-        kappa = float(draw.choice([0.0, 10 ** draw.uniform(-2.0, 0.5)]))
-        mu, exponent = 10 ** draw.uniform(-3.0, -0.5), 1.5 if draw.random() < 0.6 else 1.0
-        for omega, amplitude in found_at(zeta, d, kappa, exponent, mu):
-            lag, damping = friction_locus(
-                np.array([math.sqrt(amplitude - d)]), RestoringLaw(d, kappa, exponent, mu)
-            )
-            place = int(np.nanargmin(np.abs(damping - zeta)))
-            # the locus is steep where it begins
-            assert damping.ravel()[place] == pytest.approx(zeta, rel=1e-8)
-            f = (amplitude - d) ** exponent
-            across = 2.0 * zeta * omega * amplitude + mu * f
-            along = (kappa - omega**2) * amplitude + f
-            assert lag.ravel()[place] == pytest.approx(math.atan2(across, along), abs=1e-6)
-            assert math.hypot(across, along) == pytest.approx(omega**2, rel=1e-10)
-            count += 1
-    assert count > 60
+    np.testing.assert_allclose(inside, expected, rtol=0.0, atol=2e-4)
 
 
 def test_folds_move_continuously_from_those_without_friction():
@@ -278,35 +181,6 @@ def test_folds_move_continuously_from_those_without_friction():
     np.testing.assert_array_less(little[2:], 0.0)  # those of the resonance, to lower speeds
 
 
-def test_folds_of_the_design_without_clearance():
-    found = found_at(0.07, 0.0)
-    assert [round(omega, 6) for omega, _ in found] == [1.597821, 1.932754]
-
-
-def test_two_tiny_folds_near_first_touch_with_some_clearance():
-    omegas = [omega for omega, _ in found_at(0.07, 0.5)]
-    amplitudes = [amplitude for _, amplitude in found_at(0.07, 0.5)]
-    assert len(omegas) == 4
-    assert max(omegas[:2]) < 0.1
-    assert max(amplitudes[:2]) < 0.52
-    touch = 2.0 * 0.07 * 0.5 / np.sqrt(1.0 - 0.5**2)  # A_f = delta0
-    assert touch > omegas[0]
-
-
-def test_contacting_branch_is_an_isola_between_two_folds_for_large_clearance():
-    (low, _), (high, _) = found_at(0.07, 2.0)
-    count = synchronous_response(
-        omega=[low * (1 - 1e-9), low * (1 + 1e-9), high * (1 - 1e-9), high * (1 + 1e-9)],
-        zeta=0.07,
-        delta0=2.0,
-    ).in_contact.sum("branch")
-    assert count.values.ravel().tolist() == [0, 2, 2, 0]
-
-
-def test_strong_damping_leaves_no_fold():
-    assert np.isnan(folds(zeta=[1.0, 5.0], delta0=[0.0, 0.5, 1.0, 50.0]).fold_omega).all()
-
-
 def test_without_damping_one_fold_is_left_below_unit_clearance():
     # u**3 = q (u**2 - 1) has a double root at u**2 = 3, q**2 = 27/4
     assert found_at(0.0, 0.0) == [(pytest.approx(6.75**0.25, rel=1e-15), 3.0)]
@@ -315,46 +189,6 @@ def test_without_damping_one_fold_is_left_below_unit_clearance():
     slight = found_at(1e-9, 0.25)
     assert len(slight) == 4
     np.testing.assert_allclose(slight[2], found_at(0.0, 0.25)[0], rtol=1e-12)
-
-
-@pytest.mark.parametrize("delta0", [0.0, 0.5, 2.0])
-@pytest.mark.parametrize("kappa", [1e-3, 0.25, 2.0])
-def test_without_damping_the_speed_is_stationary_at_a_fold(delta0, kappa):
-    found = found_at(0.0, delta0, kappa, 1.5)
-    assert found
-    for omega, amplitude in found:
-        d, k = mpmath.mpf(delta0), mpmath.mpf(kappa)
-
-        def square(A, d=d, k=k):  # of the speed on the lagging flank
-            return ((A - d) ** 1.5 + k * A) / (A - 1)
-
-        A = mpmath.findroot(lambda A: mpmath.diff(square, A), mpmath.mpf(amplitude), tol=1e-40)
-        assert abs(amplitude / A - 1) < ROUNDING
-        assert abs(omega / mpmath.sqrt(square(A)) - 1) < ROUNDING
-
-
-@settings(max_examples=60, deadline=None)
-@given(
-    zeta=st.floats(1e-3, 0.3),
-    delta0=st.one_of(st.just(0.0), st.floats(1e-3, 5.0)),
-)
-def test_two_whirls_appear_or_vanish_across_every_fold(zeta, delta0):
-    found = found_at(zeta, delta0)
-    omegas = [omega for omega, _ in found]
-    assert omegas == sorted(omegas)
-    for k, (omega, amplitude) in enumerate(found):
-        # step by far less than the distance to the next fold, and to where a branch touches
-        others = [abs(omega - other) for j, other in enumerate(omegas) if j != k]
-        if delta0 < 1.0:
-            others.append(abs(omega - 2.0 * zeta * delta0 / np.sqrt(1.0 - delta0**2)))
-        step = min([1e-3 * omega, *(1e-2 * distance for distance in others)])
-        if step < 1e-9 * omega:
-            continue
-        beside = synchronous_response(omega=[omega - step, omega + step], zeta=zeta, delta0=delta0)
-        before, after = beside.in_contact.sum("branch").values.ravel()
-        assert abs(int(after) - int(before)) == 2
-        determinant = stability_determinant(amplitude, omega=omega, zeta=zeta, delta0=delta0)
-        assert abs(determinant) < 1e-10 * max(1.0, omega**4)
 
 
 def test_contact_damping_moves_no_fold_but_an_eigenvalue_vanishes_there_too():
@@ -379,17 +213,6 @@ def test_number_of_folds_need_not_fall_with_the_damping():
     found = folds(zeta=np.linspace(0.05, 0.26, 1500), delta0=0.7237)
     counts = found.fold_omega.notnull().sum("fold").values.ravel()
     assert [4, *counts[1:][np.diff(counts) != 0]] == [4, 2, 4, 2, 0]
-
-
-@pytest.mark.parametrize("delta0", [1.0, 1.5, 3.0, 50.0])
-def test_peak_of_an_isola_vanishes_with_its_folds(delta0):
-    critical = cusp_zeta(delta0)
-    just_below = peak_amplitude(zeta=critical * (1.0 - 1e-10), delta0=delta0)
-    (_, low), (_, high) = found_at(critical * (1.0 - 1e-10), delta0)
-    # the isola has shrunk to 1e-5, the root of 1e-10
-    assert just_below == pytest.approx(low, rel=1e-4)
-    assert just_below == pytest.approx(high, rel=1e-4)
-    assert np.isnan(peak_amplitude(zeta=critical * (1.0 + 1e-10), delta0=delta0))
 
 
 # Without clearance the two folds merge at A = 12/sqrt(10), a = 2/sqrt(10), b = sqrt(10), where
@@ -474,22 +297,10 @@ def test_much_friction_leaves_no_fold_at_all():
     np.testing.assert_array_equal(axis.cusp_zeta.values[0, 0], cusp_zeta(0.5))
 
 
-def test_rotor_lands_on_a_stable_whirl_of_the_curve():
-    found = jumps(zeta=0.07, delta0=0.0)
-    omega = found.fold_omega.values.ravel()
-    for speed, landing in zip(omega, found.landing_amplitude.values.ravel(), strict=True):
-        beside = synchronous_response(omega=speed * (1.0 + 1e-9), zeta=0.07, delta0=0.0)
-        stable = beside.amplitude.where(beside.stability == 1).values.ravel()
-        assert np.nanmin(abs(stable / landing - 1.0)) < 1e-7
-    up, down = found.landing_amplitude.values.ravel()
-    first, last = found.fold_amplitude.values.ravel()
-    assert up > first
-    assert down < last
-
-
 @pytest.mark.parametrize(
     ("rotor", "count"),
     [
+        ({"zeta": 0.07, "delta0": 0.0}, 2),
         ({"zeta": 0.07, "delta0": 0.5}, 4),
         ({"zeta": 0.07, "delta0": 2.0}, 2),
         ({"zeta": 0.07, "delta0": 0.5, "shaft_stiffness": 0.25, "contact_damping": 0.1}, 1),
@@ -502,44 +313,15 @@ def test_a_jump_lands_on_a_whirl_that_is_not_unstable(rotor, count):
     found = jumps(**rotor)
     assert found.landing_amplitude.dims == found.fold_omega.dims
     speeds, landings = found.fold_omega.values.ravel(), found.landing_amplitude.values.ravel()
-    for omega, landing in zip(speeds, landings, strict=True):
+    leaving = found.fold_amplitude.values.ravel()
+    for omega, landing, left in zip(speeds, landings, leaving, strict=True):
         if np.isfinite(landing):
+            assert abs(landing / left - 1.0) > 1e-2
             here = synchronous_response(omega=omega, **rotor)
             lasting = here.amplitude.where(here.stability != STABILITY["unstable"]).values
             assert np.nanmin(abs(lasting - landing)) < 1e-12
     assert np.isfinite(landings).sum() >= count
     assert np.isfinite(speeds).any() == (count > 0)
-
-
-def test_axes_are_dimensions_and_hold_what_single_calls_hold():
-    axes = {
-        "zeta": [0.0, 0.01, 0.07],
-        "delta0": [0.5, 2.0],
-        "shaft_stiffness": [0.0, 0.25],
-        "contact_damping": [0.0, 0.1],
-        "friction": [0.0, 0.1],
-    }
-    grid = folds(**axes)
-    assert grid.fold_omega.dims == (*axes, "fold")
-    for values in itertools.product(*axes.values()):
-        place = dict(zip(axes, values, strict=True))
-        point, alone = grid.sel(place), folds(**place)
-        count = alone.sizes["fold"]
-        for name in grid.data_vars:
-            assert np.isnan(point[name].values[count:]).all()
-            # the locus is cut elsewhere on a grid, which moves the last digit
-            found, expected = point[name].values[:count], alone[name].values.ravel()
-            np.testing.assert_allclose(found, expected, rtol=1e-14)
-
-
-def test_what_is_default_is_no_coordinate():
-    plain = folds(zeta=0.07, delta0=[0.0, 0.5])
-    same = folds(zeta=0.07, delta0=[0.0, 0.5], shaft_stiffness=0, contact_exponent=1.5)
-    del same.attrs["question"], plain.attrs["question"]  # as each was asked
-    assert same.identical(plain)
-    stiff = folds(zeta=0.07, delta0=[0.0, 0.5], shaft_stiffness=0.25)
-    assert stiff.fold_omega.dims == ("zeta", "delta0", "fold")
-    assert stiff.shaft_stiffness.item() == 0.25
 
 
 @pytest.mark.parametrize(

@@ -20,43 +20,9 @@ from rotor_ida.closed_forms import (
 from rotor_ida.errors import InputError
 
 
-def quadrature_period(amplitude: float, delta0: float) -> mpmath.mpf:
-    """Four times the integral of dr/speed(r) from the axis to the turning point."""
-    with mpmath.workdps(30):
-        depth = mpmath.mpf(amplitude) - delta0
-        energy = mpmath.mpf(2) / 5 * depth**2.5
-
-        # r = A - depth p**2 removes the singularity at the turning point
-        def slowness(p):
-            indentation = depth * (1 - p**2)
-            speed = mpmath.sqrt(2 * (energy - mpmath.mpf(2) / 5 * indentation**2.5))
-            return 2 * depth * p / speed
-
-        inside = mpmath.quad(slowness, [0, 0.5, 1]) if depth else mpmath.mpf(0)
-        return 4 * (inside + delta0 / mpmath.sqrt(2 * energy))
-
-
-@pytest.mark.parametrize("delta0", [0.0, 0.25, 1.0, 40.0])
-@pytest.mark.parametrize("depth", [1e-3, 0.5, 2.0, 64.0])
-def test_planar_period_is_the_integral_over_the_energy(depth, delta0):
-    amplitude = delta0 + depth
-    expected = quadrature_period(amplitude, delta0)
-    assert abs(planar_period(amplitude, delta0) / expected - 1) < 1e-14
-
-
 def test_planar_period_without_clearance_has_the_constant_of_the_design():
     assert planar_period(1.0) == pytest.approx(6.581363388638263, rel=2e-16)
     assert planar_period(16.0) == pytest.approx(6.581363388638263 / 2.0, rel=2e-16)
-
-
-def test_planar_period_is_longer_than_the_circular_by_4_746_percent():
-    assert planar_period(3.0) / circular_period(3.0) - 1.0 == pytest.approx(0.04746, abs=5e-6)
-
-
-def test_larger_amplitudes_have_shorter_periods():
-    assert round(circular_period(2.0), 5) == 5.28351
-    assert round(circular_period(8.0), 5) == 3.73600
-    assert planar_period(2.0, 0.5) > planar_period(8.0, 0.5)
 
 
 def test_circular_period_is_that_of_the_backbone():
@@ -97,18 +63,6 @@ def periods():
     return free_periods(amplitude=np.linspace(0.1, 8.0, 80), delta0=[0.0, 0.5])
 
 
-def test_the_higher_the_amplitude_the_shorter_the_period(periods):
-    for name in ("circular_period", "planar_period"):
-        for delta0 in (0.0, 0.5):
-            values = periods[name].sel(delta0=delta0).dropna("amplitude").values
-            assert (np.diff(values) < 0.0).all()
-
-
-def test_line_takes_longer_than_circle_by_a_constant_factor_without_clearance(periods):
-    ratio = (periods.planar_period / periods.circular_period).sel(delta0=0.0)
-    np.testing.assert_allclose(ratio, 1.04746, atol=5e-6)
-
-
 def test_there_is_no_period_where_the_ring_is_not_reached(periods):
     inside = periods.amplitude <= 0.5
     assert bool(periods.planar_period.sel(delta0=0.5)[inside].isnull().all())
@@ -119,13 +73,6 @@ def test_table_holds_the_scalar_laws(periods):
     at = periods.sel(amplitude=8.0, delta0=0.5)
     assert at.circular_period.item() == circular_period(8.0, 0.5)
     assert at.planar_period.item() == planar_period(8.0, 0.5)
-
-
-@pytest.mark.parametrize("delta0", [0.0, 0.5])
-def test_simulated_rotor_is_back_after_one_period(delta0):
-    rotor = Rotor(omega=0.0, zeta=0.0, delta0=delta0)
-    end = simulate(rotor, start=(2.0, 0, 0, 0), duration=planar_period(2.0, delta0), samples=2)
-    np.testing.assert_allclose([end.x[-1], end.vx[-1]], [2.0, 0.0], atol=1e-7)
 
 
 def test_table_of_a_negative_amplitude_is_refused():
@@ -150,7 +97,7 @@ def quadrature_of_machine(amplitude, delta0, kappa, exponent):
         return 4 * mpmath.quad(slowness, [0, ring / 2, ring, (1 + ring) / 2, 1])
 
 
-LAWS = [(0.0, 1.0), (0.3, 1.0), (0.3, 1.5), (1e-9, 1.5), (40.0, 1.5), (1e-9, 1.0), (40.0, 1.0)]
+LAWS = [(kappa, exponent) for kappa in (0.0, 1e-9, 0.3, 40.0) for exponent in (1.0, 1.5)]
 
 
 @pytest.mark.parametrize("law", LAWS)
@@ -170,12 +117,6 @@ def test_periods_of_harmonic_oscillators():
             assert found == pytest.approx(2.0 * math.pi / math.sqrt(1.0 + kappa), rel=1e-15)
 
 
-def test_a_vanishing_shaft_leaves_the_paper_s_periods():
-    for law in (planar_period, circular_period, centre_speed):
-        soft = law(2.0, 0.5, shaft_stiffness=1e-18)
-        assert soft == pytest.approx(law(2.0, 0.5), rel=1e-14)
-
-
 @pytest.mark.parametrize("law", LAWS)
 def test_speed_and_amplitude_of_a_machine_are_inverse_to_each_other(law):
     kappa, exponent = law
@@ -191,9 +132,9 @@ def test_a_shaft_may_hold_the_rotor_off_the_ring():
     assert amplitude_from_speed(1.01, 2.0, shaft_stiffness=0.25) > 2.0
 
 
-@pytest.mark.parametrize("exponent", [1.0, 1.5])
-def test_a_simulated_machine_is_back_after_one_period(exponent):
-    law = {"shaft_stiffness": 0.4, "contact_exponent": exponent}
+@pytest.mark.parametrize(("kappa", "exponent"), [(0.0, 1.5), (0.4, 1.0), (0.4, 1.5)])
+def test_a_simulated_machine_is_back_after_one_period(kappa, exponent):
+    law = {"shaft_stiffness": kappa, "contact_exponent": exponent}
     rotor = Rotor(omega=0.0, zeta=0.0, delta0=0.5, **law)
     period = planar_period(2.0, 0.5, **law)
     end = simulate(rotor, start=(2.0, 0, 0, 0), duration=period, samples=2, method="taylor")

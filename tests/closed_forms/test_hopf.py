@@ -8,9 +8,8 @@ from pathlib import Path
 import mpmath
 import numpy as np
 import pytest
-from scipy.optimize import brentq
 
-from rotor_ida import Rotor, folds, hopf_points, limit_cycle, synchronous_response
+from rotor_ida import Rotor, hopf_points, synchronous_response
 from rotor_ida.closed_forms import cusp_zeta, eigenvalues, jumps, peaks
 from rotor_ida.closed_forms.exact_polynomials import Polynomial, positive_roots
 from rotor_ida.model.equations import rotating_field, rotating_jacobian
@@ -91,63 +90,9 @@ def test_none_is_lost_and_none_invented(machine):
     np.testing.assert_allclose(np.sort(changes), np.sort(inside[:, 1]), rtol=0.0, atol=2e-4)
 
 
-@pytest.mark.parametrize("machine", ROTORS[:3])
-def test_a_whirl_loses_its_stability_there(machine):
-    for omega, amplitude, _ in points_of(machine):
-        growths = []
-        for part in (-1e-4, 1e-4):
-            state = whirl_at(omega * (1.0 + part), amplitude, machine)
-            rates = eigenvalues(math.hypot(*state[:2]), omega=omega * (1.0 + part), **machine)
-            growths.append(rates.real.max())
-        assert growths[0] * growths[1] < 0.0
-
-
-@pytest.mark.parametrize("number", [0, 2])
-def test_a_cycle_is_born_with_the_frequency_of_the_hopf_point(number):
-    """Twice nearer the point its period is twice nearer, and its swing less by the root of two."""
-    machine = ROTORS[number]
-    omega, amplitude, frequency = points_of(machine)[0]
-    found = []
-    for ahead in (4e-4, 2e-4):
-        speed = omega + ahead
-        rotor, whirl = Rotor(omega=speed, **machine), whirl_at(speed, amplitude, machine)
-        values, vectors = np.linalg.eig(rotating_jacobian(whirl, rotor))
-        aside = vectors[:, int(np.abs(values - 1j * frequency).argmin())].real
-        start = whirl + 0.02 * np.linalg.norm(whirl) * aside / np.linalg.norm(aside)
-        cycle = limit_cycle(rotor, start=start, period=2.0 * math.pi / frequency)
-        swing = cycle.radius_max.item() - cycle.radius_min.item()
-        found.append((cycle.period.item() - 2.0 * math.pi / frequency, swing))
-    (miss, swing), (nearer, less) = found
-    assert abs(nearer) < 3e-3
-    assert miss / nearer == pytest.approx(2.0, rel=0.05)
-    assert swing / less == pytest.approx(math.sqrt(2.0), rel=0.02)
-
-
-def test_the_whirl_of_the_known_machine_has_one_between_two_dampings():
-    """At omega 1.7, zeta 0.07, delta0 0.5 it is stable with c = 0.5, and not with c = 1."""
-    dampings = np.linspace(0.5, 1.0, 11)
-    found = hopf_points(zeta=0.07, delta0=0.5, contact_damping=dampings)
-    assert found.hopf_omega.dims == ("zeta", "delta0", "contact_damping", "hopf")
-    speeds = found.hopf_omega.isel(hopf=0).values.ravel()
-    assert speeds[0] > 1.7
-    crossed = speeds[np.isfinite(speeds)]
-    assert (np.diff(crossed) < 0.0).all()
-
-
 def test_without_damping_of_one_kind_or_the_other_there_is_none():
     for given in ({"zeta": 0.07}, {"zeta": 0.0, "contact_damping": 1.0}):
         assert np.isnan(hopf_points(delta0=0.5, **given).hopf_omega).all()
-
-
-def test_axes_are_those_of_folds():
-    given = {"zeta": [0.05, 0.07], "delta0": [0.5, 1.0], "shaft_stiffness": [0.0, 0.2],
-             "contact_damping": 0.5, "friction": [0.0, 0.1]}  # fmt: skip
-    found, beside = hopf_points(**given), folds(**given)
-    assert found.hopf_omega.dims[:-1] == beside.fold_omega.dims[:-1]
-    assert set(found.coords) - {"hopf"} == set(beside.coords) - {"fold"}
-    one = hopf_points(zeta=0.07, delta0=0.5, shaft_stiffness=0.2, contact_damping=0.5)
-    same = found.sel(zeta=0.07, delta0=0.5, shaft_stiffness=0.2, friction=0.0).hopf_omega.values
-    np.testing.assert_array_equal(same[: one.sizes["hopf"]], one.hopf_omega.values.ravel())
 
 
 @pytest.mark.parametrize(
@@ -224,26 +169,7 @@ def test_none_with_friction_is_lost_and_none_invented(machine):
 
     expected = scanned(machine, oscillates)
     inside = np.sort(found[found < 40.0])
-    np.testing.assert_allclose(inside, expected, rtol=0.0, atol=1.5e-3)
-
-
-def test_the_stated_condition_of_a_hopf_point():
-    """Without contact damping: 4 zeta a2 a1 = a1**2 + 16 zeta**2 D, solved along the curve."""
-    zeta, d, mu = 0.07, 0.5, 0.1
-
-    def condition(omega):
-        here = synchronous_response(omega=omega, zeta=zeta, delta0=d, friction=mu)
-        A = here.amplitude.values.ravel()[0]
-        f = (A - d) ** 1.5
-        a, b = 1.5 * math.sqrt(A - d) - omega**2, f / A - omega**2
-        c_u, c_v = 2 * zeta * omega + 1.5 * mu * math.sqrt(A - d), 2 * zeta * omega + mu * f / A
-        a2 = 4 * zeta**2 + a + b + 4 * omega**2
-        a1 = 2 * zeta * (a + b) + 2 * omega * (c_u + c_v)
-        return a1**2 + 16 * zeta**2 * (a * b + c_u * c_v) - 4 * zeta * a2 * a1
-
-    begin = brentq(condition, 1.0, 1.2, xtol=1e-15, rtol=1e-15)
-    first = hopf_points(zeta=zeta, delta0=d, friction=mu).hopf_omega.values.ravel()[0]
-    assert first == pytest.approx(begin, rel=1e-12)
+    np.testing.assert_allclose(inside, expected, rtol=0.0, atol=2e-4)
 
 
 def test_the_table_of_the_documentation():

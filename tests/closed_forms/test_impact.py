@@ -66,17 +66,6 @@ def test_an_integrated_impact_rebounds_as_told(exponent, speed, damping):
     assert deepest[0] - 1.0 == pytest.approx(found.peak_indentation.item(), rel=1e-9)
 
 
-def test_an_exponent_is_a_coordinate_where_it_is_not_the_default():
-    plain = impact(entry_speed=[1.0, 2.0], contact_damping=0.5)
-    linear = impact(entry_speed=[1.0, 2.0], contact_damping=0.5, contact_exponent=1)
-    assert plain.restitution.dims == linear.restitution.dims == ("entry_speed", "contact_damping")
-    assert "contact_exponent" not in plain.coords
-    assert linear.contact_exponent.item() == 1.0
-    assert linear.restitution.values.tolist() == plain.restitution.values.tolist()
-    both = impact(entry_speed=[1.0, 2.0], contact_damping=0.5, contact_exponent=[1.5, 1.0])
-    assert both.restitution.dims == ("entry_speed", "contact_damping", "contact_exponent")
-
-
 def test_extreme_impacts_raise_no_warning():
     found = impact(entry_speed=[0.0, 1e-100, 1e15], contact_damping=[0.0, 1e-100, 1e15])
     assert ((found.restitution > 0.0) & (found.restitution <= 1.0)).all()

@@ -76,20 +76,6 @@ def test_coefficients_are_those_of_the_motion_along_the_null_vector(name):
         assert at.fold_curvature.item() == pytest.approx(curvature, rel=1e-4)
 
 
-def test_curve_bends_at_a_fold_as_drift_and_curvature_say():
-    """On it ``omega - omega_fold = -(b/alpha) (A - A_fold)**2``; it ends on the fold's way."""
-    machine = MACHINES["four folds"]
-    found = late_jumps(rate=1e-4, **machine).isel(zeta=0, delta0=0)
-    for fold in range(4):
-        at = found.isel(fold=fold)
-        bend = (at.fold_curvature / at.fold_drift).item()
-        omega = at.fold_omega.item() - 1e-9 * bend
-        whirls = synchronous_response(omega=omega, **machine).amplitude.values.ravel()
-        near = np.sort(np.abs(whirls - at.fold_amplitude.item()))[:2]
-        assert near.mean() == pytest.approx(1e-9**0.5, rel=1e-3)
-        assert at.fold_passage.item() == np.sign(bend)
-
-
 def test_law_is_a_power_of_the_rate_beyond_each_fold():
     rates = [1e-4, 1e-6]
     found = late_jumps(rate=rates, zeta=[0.07, 0.3], delta0=0.5)

@@ -2,36 +2,23 @@
 
 from __future__ import annotations
 
-import itertools
-
 import numpy as np
 import pytest
-from hypothesis import assume, given, settings
+from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from rotor_ida import folds, synchronous_response
-from rotor_ida.closed_forms import (
-    clearance_curve,
-    cusp_zeta,
-    peak_amplitude,
-    response_curve,
-    stability_determinant,
-    touch_speeds,
-)
+from rotor_ida.closed_forms import clearance_curve, peak_amplitude, response_curve, touch_speeds
 from rotor_ida.schema import STABILITY
 
 dampings = st.one_of(st.just(0.0), st.floats(1e-4, 0.4), st.floats(0.4, 3.0))
 clearances = st.one_of(st.sampled_from([0.0, 1.0]), st.floats(1e-3, 1.3), st.floats(1.3, 10.0))
-# Ranges in which undamped amplitudes, which go like omega**4, stay below some hundreds.
-speed_limits = st.tuples(st.sampled_from([0.0, 0.05, 0.4]), st.floats(0.5, 4.0))
-clearance_limits = st.tuples(st.sampled_from([0.0, 0.3, 1.0]), st.floats(1.1, 5.0))
-
-
 LIMITS = (0.05, 4.0)
 # What the paper's rotor has beside speed, damping and clearance.
 OTHERS = {"shaft_stiffness": 0.0, "contact_exponent": 1.5, "friction": 0.0}
 # Over the speed.
 ROTORS = [
+    *({"zeta": zeta, "delta0": delta0} for zeta in (0.0, 0.07, 0.6) for delta0 in (0.5, 1.0, 2.0)),
     {"zeta": 0.07, "delta0": 0.5, "shaft_stiffness": 0.25},
     {"zeta": 0.07, "delta0": 2.0, "shaft_stiffness": 0.25},
     {"zeta": 0.07, "delta0": 2.0, "shaft_stiffness": 0.25, "contact_exponent": 1.0},
@@ -59,6 +46,7 @@ RUBBING = [
 ROTORS += [rotor | {"delta0": delta0} for rotor in RUBBING for delta0 in (0.5, 1.3)]
 # Over the clearance.
 AT_SPEEDS = [
+    *({"zeta": zeta, "omega": omega} for zeta in (0.0, 0.07, 0.6) for omega in (0.4, 1.7, 3.0)),
     {"omega": 1.7, "zeta": 0.07, "shaft_stiffness": 0.25},
     {"omega": 0.4, "zeta": 0.07, "shaft_stiffness": 0.25},
     {"omega": 0.5, "zeta": 0.07, "shaft_stiffness": 0.25},
@@ -130,34 +118,6 @@ def assert_agrees_with_the_whirls(points, varied, values, parameters, **toleranc
         assert (flags == stability)[flags >= 0].all(), (parameters, value)
 
 
-PARTS = np.array([0.123, 0.456, 0.789])
-
-
-@settings(max_examples=60, deadline=None)
-@given(zeta=dampings, delta0=clearances, limits=speed_limits)
-def test_curve_over_the_speed_is_on_the_whirls_and_whole(zeta, delta0, limits):
-    points = columns(response_curve(zeta=zeta, delta0=delta0, limits=limits))
-    assume(points["omega"].size > 0)
-    assert_on_the_whirl_equation(points)
-    speeds = limits[0] + PARTS * (limits[1] - limits[0])
-    # lines between 200 points on a monotone arc leave it by 1e-3 of its height at most
-    slack = 1e-3 * points["amplitude"].max()
-    rotor = {"zeta": zeta, "delta0": delta0}
-    assert_agrees_with_the_whirls(points, "omega", speeds, rotor, atol=slack)
-
-
-@settings(max_examples=60, deadline=None)
-@given(zeta=dampings, omega=st.floats(0.2, 4.0), limits=clearance_limits)
-def test_curve_over_the_clearance_is_on_the_whirls_and_whole(zeta, omega, limits):
-    points = columns(clearance_curve(omega=omega, zeta=zeta, limits=limits))
-    assume(points["delta0"].size > 0)
-    assert_on_the_whirl_equation(points)
-    values = limits[0] + PARTS * (limits[1] - limits[0])
-    slack = 1e-3 * points["amplitude"].max()
-    rotor = {"zeta": zeta, "omega": omega}
-    assert_agrees_with_the_whirls(points, "delta0", values, rotor, atol=slack)
-
-
 @pytest.mark.parametrize("rotor", ROTORS)
 def test_every_whirl_of_every_rotor_is_on_the_curve_over_the_speed(rotor):
     points = columns(response_curve(**rotor, limits=LIMITS))
@@ -180,7 +140,7 @@ def test_every_whirl_of_every_rotor_is_on_the_curve_over_the_speed(rotor):
 
 
 @pytest.mark.parametrize(
-    "law", [{"shaft_stiffness": 0.25}, {"contact_exponent": 1.0}, {"contact_exponent": [1.0]}]
+    "law", [{}, {"shaft_stiffness": 0.25}, {"contact_exponent": 1.0}, {"contact_exponent": [1.0]}]
 )
 def test_the_curve_without_clearance_begins_at_rest(law):
     rotor = {"zeta": 0.07, "delta0": 0.0} | law
@@ -212,18 +172,6 @@ def test_stability_changes_at_the_folds_and_nowhere_else(zeta, delta0):
     found = sorted(zip(points["omega"][change], points["amplitude"][change], strict=True))
     expected = np.stack([exact.fold_omega.values.ravel(), exact.fold_amplitude.values.ravel()])
     np.testing.assert_array_equal(np.array(found).reshape(-1, 2), expected.T[inside])
-
-
-@pytest.mark.parametrize("delta0", [0.0, 0.5, 1.0, 2.0])
-def test_stability_is_that_of_the_determinant(delta0):
-    points = columns(response_curve(zeta=0.07, delta0=delta0, limits=(0.05, 3.0)))
-    place = {name: points[name] for name in ("omega", "zeta", "delta0")}
-    determinant = stability_determinant(points["amplitude"], **place)
-    # at folds and near the first touch the sign of a rounded determinant is not certain
-    certain = (points["in_contact"] == 1) & (abs(determinant) > 1e-9)
-    assert certain.sum() > 500
-    unstable = points["stability"] == STABILITY["unstable"]
-    np.testing.assert_array_equal(determinant[certain] < 0.0, unstable[certain])
 
 
 @pytest.mark.parametrize(("omega", "count"), [(1.2, 2), (1.7, 1), (2.5, 0)])
@@ -265,13 +213,6 @@ def test_isola_is_closed_and_stays_one_piece_where_a_limit_cuts_it(delta0):
     np.testing.assert_array_equal(ends, [1.2, 1.2])
 
 
-def test_isola_is_there_up_to_the_cusp():
-    cusp = cusp_zeta(2.0)
-    for factor, pieces in ((1.0 - 1e-6, {0, 1}), (1.0 + 1e-6, {0})):
-        found = response_curve(zeta=cusp * factor, delta0=2.0, limits=(0.05, 3.0))
-        assert set(columns(found)["piece"]) == pieces
-
-
 def test_contact_begins_where_the_contact_free_whirl_ends():
     for points, varied in (
         (columns(response_curve(zeta=0.07, delta0=0.5, limits=(0.05, 3.0))), "omega"),
@@ -298,17 +239,6 @@ def test_a_contact_free_whirl_with_a_resonance_inside_the_clearance_is_one_piece
     assert at["amplitude"][free][top] == pytest.approx(expected, rel=1e-14)
 
 
-def test_a_curve_loses_its_stability_at_a_hopf_point():
-    """At zeta 0.07, delta0 0.5, mu 0.1 the large rub is unstable from 1.12297 on, its fold far."""
-    found = response_curve(zeta=0.07, delta0=0.5, friction=0.1, limits=(1.0, 1.3), points=400)
-    touching = found.in_contact.values.ravel() == 1
-    speeds, flags = (found[name].values.ravel()[touching] for name in ("omega", "stability"))
-    unstable, stable = (flags == STABILITY[word] for word in ("unstable", "stable"))
-    assert speeds[unstable].min() == pytest.approx(1.1229705385, abs=2e-3)
-    assert speeds[stable].max() == pytest.approx(1.1229705385, abs=2e-3)
-    assert (unstable | stable).all()
-
-
 def test_points_are_dense_where_the_curve_turns():
     points = columns(response_curve(zeta=0.07, delta0=0.5, limits=(0.05, 3.0)))
     here = points["in_contact"] == 1
@@ -318,24 +248,3 @@ def test_points_are_dense_where_the_curve_turns():
     turn = np.diff(np.unwrap(np.arctan2(up, across)[long]))
     assert np.hypot(across, up).max() < 0.03
     assert abs(turn).max() < 0.2
-
-
-def test_axes_are_dimensions_and_hold_what_single_curves_hold():
-    axes = {
-        "zeta": [0.07, 0.3],
-        "delta0": [0.5, 1.0],
-        "shaft_stiffness": [0.0, 0.25],
-        "friction": [0.0, 0.1],
-    }
-    drawn = {"limits": (0.1, 3.0), "points": 20}
-    grid = response_curve(**axes, **drawn, contact_damping=0.2)
-    assert grid.amplitude.dims == (*axes, "point")
-    assert grid.contact_damping.item() == 0.2
-    assert "contact_exponent" not in grid.coords
-    for values in itertools.product(*axes.values()):
-        place = dict(zip(axes, values, strict=True))
-        single = response_curve(**place, **drawn, contact_damping=0.2)
-        part = grid.sel(place).isel(point=slice(single.sizes["point"]))
-        for name in grid.data_vars:
-            np.testing.assert_array_equal(part[name].values, single[name].values.ravel())
-        assert (grid.sel(place).piece[single.sizes["point"] :] == -1).all()

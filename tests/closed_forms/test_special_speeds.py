@@ -4,8 +4,6 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from scipy.linalg import block_diag
-from scipy.optimize import fsolve
 
 from rotor_ida import (
     Contact,
@@ -20,7 +18,6 @@ from rotor_ida import (
     synchronous_response,
 )
 from tests.axisymmetric_systems import beam, random_axisymmetric
-from tests.closed_forms.test_system_whirls import complex_matrices, responses, turned_forces
 
 DISCS = (
     {"zeta": 0.07, "delta0": 0.5, "friction": 0.1},
@@ -111,71 +108,3 @@ def test_bad_limits_are_refused():
     ):
         with pytest.raises(InputError, match=words):
             special_speeds(system, contacts=[], unbalance=[], limits=limits)
-
-
-def eigenvalues_of(system, contacts, unbalance, depths, omega):
-    """Return how far a rub of two contacts is from balance, and its eigenvalues on turning axes.
-
-    By complex matrices: ``z`` and its conjugate obey equations that the contacts couple.
-    """
-    (mass, damping, gyroscopic, stiffness), rows = complex_matrices(system, contacts)
-    free, flexibility = responses(system, contacts, unbalance, omega)
-    radii = np.array([each.clearance for each in contacts]) + depths
-    pushed = turned_forces(contacts, depths, omega)
-    along = np.linalg.solve(np.diag(radii) + flexibility * pushed, free)
-    drag = damping + omega * gyroscopic
-    stiff = stiffness - omega**2 * mass + 1j * omega * drag
-    turning, n = drag + 2j * omega * mass, len(mass)
-    matrix, rates = np.zeros((2, 2 * n, 2 * n), complex)
-    matrix[:n, :n], matrix[n:, n:] = stiff, stiff.conj()
-    rates[:n, :n], rates[n:, n:] = turning, turning.conj()
-    for row, contact, direction, radius, depth, force in zip(
-        rows, contacts, along, radii, depths, pushed, strict=True
-    ):
-        radial, across = contact.exponent * force / depth, force / radius
-        for place, sign in ((slice(n), 1), (slice(n, 2 * n), -1)):
-            other = slice(n, 2 * n) if sign > 0 else slice(n)
-            e, f = (direction, force) if sign > 0 else (direction.conj(), force.conj())
-            r, a = (radial, across) if sign > 0 else (radial.conj(), across.conj())
-            both = np.outer(row, row)
-            matrix[place, place] += 0.5 * (r + a) * both
-            matrix[place, other] += 0.5 * (r - a) * e**2 * both
-            rates[place, place] += 0.5 * contact.damping * f * both
-            rates[place, other] += 0.5 * contact.damping * f * e**2 * both
-    inverse = np.linalg.inv(block_diag(mass, mass.conj()))
-    zero, one = np.zeros((2 * n, 2 * n)), np.eye(2 * n)
-    first = np.block([[zero, one], [-inverse @ matrix, -inverse @ rates]])
-    return np.abs(along) - 1.0, np.linalg.eigvals(first)
-
-
-def test_hopf_points_of_two_contacts_beside_their_fold_are_found():
-    """Four within 2e-5 of a fold, in one cell of the grid, two of them in opposite directions.
-
-    A scan of the branch over the indentation of the first contact, which does not turn at the fold,
-    counts the same.
-    """
-    system, contacts, unbalance = random_axisymmetric(4)
-    found = special_speeds(system, contacts=contacts, unbalance=unbalance, limits=(1.78, 1.785),
-                           points=4)  # fmt: skip
-    hopf = of_kind(found, "hopf")
-    clearances = np.array([each.clearance for each in contacts])
-    places = np.column_stack([hopf.amplitude - clearances, hopf.special_speed])
-    for place, frequency in zip(places, hopf.hopf_frequency.values, strict=True):
-        apart, rates = eigenvalues_of(system, contacts, unbalance, place[:2], place[2])
-        assert np.abs(apart).max() < 1e-9
-        assert np.abs(rates - 1j * frequency).min() < 1e-9
-    growing, at = [], places[0, 1:]
-    scan = np.linspace(0.9e-3, 2.4e-3, 61)
-    for depth in scan:
-
-        def left(rest, depth=depth):
-            whirl = np.array([depth, rest[0]]), rest[1]
-            return eigenvalues_of(system, contacts, unbalance, *whirl)[0]
-
-        at = fsolve(left, at, xtol=1e-12)
-        _, rates = eigenvalues_of(system, contacts, unbalance, np.array([depth, at[0]]), at[1])
-        growing.append((rates.real > 0.0).sum())
-    changes = np.flatnonzero(np.abs(np.diff(growing)) == 2)
-    cells = np.searchsorted(scan, np.sort(places[:, 0])) - 1
-    assert len(cells) == 4
-    np.testing.assert_array_equal(cells, changes)

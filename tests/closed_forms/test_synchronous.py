@@ -2,22 +2,15 @@
 
 from __future__ import annotations
 
-import itertools
 import warnings
-from fractions import Fraction
 from functools import reduce
-from itertools import pairwise
 
 import mpmath
 import numpy as np
 import pytest
-import xarray as xr
-from hypothesis import given, settings
-from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from rotor_ida.closed_forms import folds, synchronous_response
-from rotor_ida.model import contact
 from rotor_ida.schema import STABILITY
 
 # A few rounding errors of a double: what is left when the roots themselves are exact.
@@ -160,22 +153,9 @@ def test_amplitudes_of_the_design_at_omega_1_7(delta0, amplitudes, stability):
     assert whirls["in_contact"].tolist() == [int(kind != 2) for kind in stability]
 
 
-def test_growth_rate_and_phase_lag_of_the_unstable_and_small_whirl():
-    whirls = one_point(1.7, 0.07, 0.0)
-    assert whirls["growth_rate"][1] == pytest.approx(0.09830, abs=5e-6)
-    assert whirls["phase_lag"][0] == pytest.approx(2.98617, abs=5e-6)
-    assert (whirls["growth_rate"][[0, 2]] < 0.0).all()
-
-
-def test_clearance_raises_the_amplitude_below_resonance():
-    amplitudes = [one_point(1.2, 0.07, delta0)["amplitude"].max() for delta0 in (0, 0.5, 1, 2)]
-    assert np.round(amplitudes, 3).tolist() == [3.363, 4.319, 5.214, 6.873]
-    assert one_point(1.2, 0.07, 0.5)["phase_lag"][0] == pytest.approx(0.52809, abs=5e-6)
-
-
 @pytest.mark.parametrize(
     ("family", "number", "rounding"),
-    [("paper", 60, ROUNDING), ("shaft", 60, ROUNDING), ("linear", 60, ROUNDING),
+    [("paper", 150, ROUNDING), ("shaft", 60, ROUNDING), ("linear", 60, ROUNDING),
      ("friction", 120, 3e-15)],
 )  # fmt: skip
 def test_amplitudes_and_phases_hold_to_rounding_at_scattered_points(family, number, rounding):
@@ -210,16 +190,6 @@ def test_amplitudes_are_those_of_a_scan_over_the_amplitude(family):
         np.testing.assert_allclose(found, scanned, rtol=1e-10, err_msg=str(rotor))
 
 
-@pytest.mark.parametrize("delta0", [0.0, 1.0, 3.0])
-@pytest.mark.parametrize("omega", [2.9, 3.1, 3.3, 3.6])
-def test_large_whirls_at_light_damping_hold_to_rounding(omega, delta0):
-    assert_matches_reference(omega, 0.01, delta0)
-
-
-def test_light_damping_reaches_amplitudes_near_a_hundred():
-    assert 60.0 < one_point(3.1, 0.01, 1.0)["amplitude"].max() < 140.0
-
-
 @pytest.mark.parametrize("away", [1e-6, 1e-14])
 @pytest.mark.parametrize("delta0", [0.0, 0.1, 0.7, 1.0, 3.0])
 @pytest.mark.parametrize(
@@ -242,16 +212,6 @@ def test_nearly_double_roots_beside_a_fold_are_neither_lost_nor_invented(
             assert abs(counts[1] - counts[0]) == 2
 
 
-@pytest.mark.parametrize(("exponent", "omega"), [(1.5, 1.3), (1.0, 1.05)])
-def test_two_whirls_in_contact_stand_beside_the_contact_free_one(exponent, omega):
-    given = {"shaft_stiffness": 0.25, "contact_exponent": exponent}
-    # above the resonance of the shaft and below that of shaft and ring together
-    assert assert_matches_reference(omega, 0.02, 1.6, **given) == 3
-    whirls = one_point(omega, 0.02, 1.6, **given)
-    assert whirls["in_contact"].tolist() == [0, 1, 1]
-    assert whirls["stability"].tolist() == [STABILITY[w] for w in ("stable", "unstable", "stable")]
-
-
 def test_whirl_at_the_free_resonance_of_the_shaft():
     for exponent in LAWS:
         given = {"shaft_stiffness": 0.25, "contact_exponent": exponent}
@@ -270,76 +230,6 @@ def test_a_linear_contact_in_resonance_without_damping_has_no_whirl():
     assert (whirls.in_contact == 0).all()
 
 
-def sign_changes(omega: float, zeta: float, delta0: float) -> int:
-    """Count contacting whirls with Sturm's theorem, in exact rational arithmetic."""
-    w, z, d = Fraction(omega), Fraction(zeta), Fraction(delta0)
-    q = w**2
-    stiff = q**2 + 4 * z**2 * q
-    polynomial = [
-        Fraction(1),
-        -2 * q,
-        stiff,
-        -2 * q * d,
-        2 * d * stiff,
-        Fraction(0),
-        d**2 * stiff - q**2,
-    ]
-    while polynomial[-1] == 0:  # roots at u = 0 are no contacting whirls
-        polynomial = polynomial[:-1]
-    degree = len(polynomial) - 1
-    slope = [c * (degree - k) for k, c in enumerate(polynomial[:-1])]
-    ramp = [polynomial, slope]
-    while len(ramp[-1]) > 1:
-        remainder = list(ramp[-2])
-        divisor = ramp[-1]
-        while len(remainder) >= len(divisor):
-            factor = remainder[0] / divisor[0]
-            padded = divisor + [Fraction(0)] * (len(remainder) - len(divisor))
-            remainder = [r - factor * c for r, c in zip(remainder, padded, strict=True)][1:]
-        while remainder and remainder[0] == 0:
-            remainder = remainder[1:]
-        if not remainder:
-            break
-        scale = abs(remainder[0])
-        ramp.append([-r / scale for r in remainder])
-
-    def variations(values: list) -> int:
-        signs = [value > 0 for value in values if value != 0]
-        return sum(a != b for a, b in pairwise(signs))
-
-    return variations([p[-1] for p in ramp]) - variations([p[0] for p in ramp])
-
-
-def scattered_grid(*, seed: int) -> xr.Dataset:
-    """The whirls of 4,032 rotors on scattered axes, half of them where up to four exist."""
-    rng = np.random.default_rng(seed)
-    omega = np.concatenate([10.0 ** rng.uniform(-2.0, 1.0, 12), rng.uniform(0.1, 3.0, 12)])
-    zeta = np.concatenate([[0.0], 10.0 ** rng.uniform(-4.0, 0.3, 5), rng.uniform(0.0, 0.2, 6)])
-    delta0 = np.concatenate([[0.0, 1.0], 10.0 ** rng.uniform(-3, 1, 5), rng.uniform(0, 1.2, 7)])
-    return synchronous_response(omega=omega, zeta=zeta, delta0=delta0)
-
-
-def test_sturm_counts_as_many_whirls_at_thousands_of_points():
-    whirls = scattered_grid(seed=2)
-    counted = whirls.in_contact.sum("branch").stack(point=("omega", "zeta", "delta0"))
-    expected = [sign_changes(*parameters) for parameters in counted.point.values]
-    assert set(expected) == {0, 1, 2, 3}
-    np.testing.assert_array_equal(counted.values, expected)
-
-
-def test_equation_of_motion_is_satisfied_at_every_branch():
-    whirls = scattered_grid(seed=4)
-    A, q, delta0 = whirls.amplitude, whirls.omega**2, whirls.delta0.values[:, None]
-    force = A.copy(data=contact.contact_force(A.values, delta0))
-    # relative to the largest of the four terms of the equation
-    largest = np.maximum(
-        np.maximum(force, q * A), np.maximum(q, 2 * whirls.zeta * whirls.omega * A)
-    )
-    impedance = force - q * A + 2j * whirls.zeta * whirls.omega * A
-    residual = np.abs(impedance * np.exp(-1j * whirls.phase_lag) - q)
-    assert float((residual / largest).max()) < 1e-12
-
-
 def test_contact_damping_leaves_the_whirls_where_they_are():
     for exponent in LAWS:
         given = {"shaft_stiffness": 0.1, "contact_exponent": exponent}
@@ -347,48 +237,6 @@ def test_contact_damping_leaves_the_whirls_where_they_are():
         damped = one_point(1.7, 0.07, 0.5, **given, contact_damping=0.5)
         assert damped["amplitude"].tolist() == plain["amplitude"].tolist()
         assert damped["phase_lag"].tolist() == plain["phase_lag"].tolist()
-
-
-def test_axes_hold_what_single_numbers_give():
-    axes = {
-        "omega": [0.0, 0.6, 1.7],
-        "zeta": [0.0, 0.07],
-        "delta0": [0.5, 1.0],
-        "shaft_stiffness": [0.0, 0.3],
-        "contact_exponent": [1.0, 1.5],
-        "contact_damping": [0.0, 2.0],
-        "friction": [0.0, 0.1],
-    }
-    grid = synchronous_response(**axes)
-    assert grid.amplitude.dims == (*axes, "branch")
-    assert grid.amplitude.shape[:-1] == tuple(map(len, axes.values()))
-    for values in itertools.product(*axes.values()):
-        place = dict(zip(axes, values, strict=True))
-        point, alone = grid.sel(place), one_point(**place)
-        count = alone["amplitude"].size
-        for name, column in alone.items():
-            assert point[name].values[:count].tolist() == column.tolist()
-        assert np.isnan(point.amplitude.values[count:]).all()
-        assert np.isnan(point.growth_rate.values[count:]).all()
-        assert (point.stability.values[count:] == STABILITY["absent"]).all()
-        assert (point.in_contact.values[count:] == 0).all()
-
-
-def test_a_default_is_no_coordinate_and_a_number_no_dimension():
-    place = {"omega": 1.7, "zeta": 0.07, "delta0": [0.5, 1.0]}
-    plain = synchronous_response(**place)
-    defaults = {
-        "shaft_stiffness": 0, "contact_exponent": np.array(1.5), "contact_damping": 0.0,
-        "friction": 0.0,
-    }  # fmt: skip
-    same = synchronous_response(**place, **defaults)
-    del same.attrs["question"], plain.attrs["question"]  # as each was asked
-    assert same.identical(plain)
-    for name, value in (("shaft_stiffness", 0.25), ("friction", 0.1)):
-        number = synchronous_response(**place, **{name: value})
-        assert number.amplitude.dims == plain.amplitude.dims
-        assert number[name].item() == value
-        assert set(number.coords) - set(plain.coords) == {name}
 
 
 def test_branch_dimension_is_no_longer_than_the_largest_count():
@@ -424,24 +272,6 @@ def test_whirl_that_just_touches_is_counted_once(zeta):
         assert whirls["in_contact"][near].tolist() == [int(touches)]
 
 
-def test_without_damping_the_whirls_that_do_not_run_away_are_neutral():
-    whirls = one_point(2.0, 0.0, 0.0)
-    assert whirls["stability"].tolist() == [2, 0, 2]
-    assert whirls["growth_rate"][[0, 2]].tolist() == [0.0, 0.0]
-    assert whirls["phase_lag"].tolist() == [np.pi, np.pi, 0.0]
-
-
-def test_extreme_parameters_give_whirls_without_a_warning():
-    whirls = synchronous_response(
-        omega=[0.0, 1e-50, 1e-6, 1e-3, 50.0, 1e15],
-        zeta=[0.0, 1e-300, 1e-9, 5.0, 1e15],
-        delta0=[0.0, 1e-300, 1e-9, 1.0, np.nextafter(1.0, 2.0), 50.0, 1e15],
-    )
-    count = np.isfinite(whirls.amplitude).sum("branch")
-    assert int(count.min()) == 1
-    assert (whirls.amplitude.diff("branch").fillna(1.0) >= 0.0).all()
-
-
 @pytest.mark.parametrize("exponent", LAWS)
 def test_extreme_laws_give_whirls_without_a_warning(exponent):
     whirls = synchronous_response(
@@ -462,30 +292,3 @@ def test_extreme_laws_give_whirls_without_a_warning(exponent):
 @pytest.mark.parametrize("delta0", [0.0, 1e-7, 0.999, 50.0])
 def test_extreme_parameters_hold_to_rounding(omega, zeta, delta0):
     assert_matches_reference(omega, zeta, delta0)
-
-
-@settings(max_examples=150, deadline=None)
-@given(
-    omega=st.floats(1e-3, 20.0),
-    zeta=st.one_of(st.just(0.0), st.floats(1e-6, 3.0)),
-    delta0=st.one_of(st.just(0.0), st.floats(1e-6, 10.0)),
-)
-def test_stability_alternates_along_the_contacting_branches(omega, zeta, delta0):
-    whirls = one_point(omega, zeta, delta0)
-    touching = whirls["in_contact"] == 1
-    unstable = whirls["stability"][touching] == STABILITY["unstable"]
-    assert (np.diff(unstable.astype(int)) != 0).all()
-    if unstable.size:
-        assert not unstable[-1]
-        assert unstable[0] == (touching.size > touching.sum())
-    assert ((whirls["growth_rate"] > 0.0)[touching] == unstable).all()
-    assert (np.diff(whirls["amplitude"]) > 0.0).all()
-    assert ((whirls["phase_lag"] >= 0.0) & (whirls["phase_lag"] <= np.pi)).all()
-
-
-def test_attributes_say_what_the_dataset_is():
-    whirls = synchronous_response(omega=1.0, zeta=0.1, delta0=0.0)
-    assert whirls.attrs["Conventions"] == "CF-1.11"
-    assert all(whirls[name].attrs["long_name"] for name in whirls.variables)
-    assert whirls.stability.dtype == np.int8
-    assert whirls.in_contact.dtype == np.int8

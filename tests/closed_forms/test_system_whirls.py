@@ -278,30 +278,6 @@ def test_a_settled_run_whirls_as_computed():
     assert places.shape == (1, 2)
 
 
-def test_small_differences_decay_and_grow_at_the_computed_rate():
-    """A run near a rub departs from it as exp(growth_rate t)."""
-    rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
-    system = rotor.system()
-    found = synchronous_response(system, speed=1.7)
-    places, here = whirls_at(found, 0)
-    (place, growth), = [(place[0], growth) for place, growth in zip(
-        places, here.growth_rate.values, strict=True) if growth > 0.0]  # fmt: skip
-    velocity = 1.7j * place
-    runs = [
-        simulate(
-            system,
-            speed=1.7,
-            duration=100.0,
-            rtol=1e-13,
-            samples=[80.0, 100.0],
-            start=([place.real + e, place.imag], [velocity.real, velocity.imag]),
-        )
-        for e in (1e-10, -1e-10)
-    ]
-    apart = np.hypot(runs[0].x - runs[1].x, runs[0].y - runs[1].y).values.ravel()
-    assert np.log(apart[1] / apart[0]) / 20.0 == pytest.approx(growth, rel=1e-4)
-
-
 def test_a_finite_element_rotor_and_its_modes_rub_alike():
     system = beam()
     contacts = [Contact(node="3", clearance=1e-4, stiffness=5e6, exponent=1.0)]

@@ -9,7 +9,6 @@ import contextlib
 import ctypes
 import re
 import subprocess
-import sys
 import threading
 import time
 from dataclasses import replace
@@ -39,7 +38,6 @@ from rotor_ida.core.systems import EPISODE, LAW, RACE, TOUCH, SystemRunStruct
 from rotor_ida.errors import BudgetError
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
-from tests.core import flight
 
 ROOT = Path(__file__).parents[2]
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
@@ -65,7 +63,8 @@ def machines(draw):
 
 
 rotors = st.one_of(papers, machines())
-stops = st.sampled_from([None, np.zeros(1, np.uint8), np.ones(1, np.uint8)])
+
+
 dtypes = st.sampled_from(
     [np.float64, np.float64, np.float32, np.int64, np.complex128, bool, object]
 )
@@ -173,27 +172,6 @@ def test_stretching_of_odd_things_ends_or_is_refused(given_things, spans):
     stop = np.zeros(1, np.uint8)
     with stopping_after(0.1, stop):
         returns_or_refuses(lambda: runs.stretch(RunRequest(**given_things, stop=stop), spans))
-
-
-@settings(max_examples=200)
-@given(rotors, odd_arrays(st.one_of(vectors, rows_of(4))), odd_arrays(rows_of(4)))
-def test_flights_of_odd_things_end_or_are_refused(rotor, states, spans):
-    returns_or_refuses(lambda: flight.fly(rotor, states, spans))
-    returns_or_refuses(lambda: flight.starts_in_contact(rotor, states))
-
-
-@settings(max_examples=200)
-@given(odd_arrays(rows_of(4)), odd_arrays(st.tuples(st.integers(0, 5))), odd_numbers)
-def test_rotations_of_odd_things_end_or_are_refused(states, times, omega):
-    returns_or_refuses(lambda: flight.rotate(states, times, omega))
-
-
-@settings(max_examples=200)
-@given(rotors, odd_arrays(vectors), odd_numbers)
-def test_a_search_for_a_touch_ends_or_is_refused(rotor, state, limit):
-    stop = np.zeros(1, np.uint8)
-    with stopping_after(0.1, stop):
-        returns_or_refuses(lambda: flight.first_touch(rotor, state, limit, stop))
 
 
 starts = st.integers(0, 70)
@@ -530,26 +508,6 @@ def test_without_a_solver_there_is_none(monkeypatch):
     lost = runs._struct_of(asked)
     lost.sundials = None
     assert interface.library().core_run(ctypes.byref(lost)) == NO_SOLVER
-
-
-def test_a_process_that_cannot_go_on_is_not_what_a_caller_meets():
-    """In a process of its own: odd starts of every kind, none of which may end it."""
-    program = """
-import numpy as np
-from rotor_ida import Rotor
-from rotor_ida.core import runs
-rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
-for start in ((1e307,) * 4, (5e-324,) * 4, (2.0, 0.0, 0.0, 0.0), (1e-200, 0.0, 1e200, 0.0)):
-    stop = np.zeros(1, np.uint8)
-    asked = runs.RunRequest(rotor=rotor, start=start, duration=0.1, rtol=1e-9, atol=1e-11,
-                            stop=stop, events=True, extrema=True, bundle=np.eye(4))
-    runs.follow_run(asked)
-print("alive")
-"""
-    ended = subprocess.run(
-        [sys.executable, "-c", program], capture_output=True, text=True, check=False, timeout=60
-    )
-    assert (ended.returncode, ended.stdout) == (0, "alive\n"), ended.stderr
 
 
 def test_input_errors_are_value_errors():

@@ -152,5 +152,8 @@ def test_samples_are_as_many_as_the_run_came_to():
 @pytest.mark.parametrize("rtol", [1e-3, 1e-6])
 def test_a_sweep_by_ida_finds_its_turning_points_itself(rtol):
     """The reference takes tolerances that Taylor series do not."""
-    swept = sweep(omega=[2.0], zeta=0.3, delta0=1.0, starts=[(6, 0, 0, 3)], method="ida", rtol=rtol)
-    assert int(swept["status"].squeeze()) == 0
+    given = {"omega": 2.0, "zeta": 0.6, "delta0": 1.0, "starts": [(6, 0, 0, 3)]}
+    swept, exact = sweep(**given, method="ida", rtol=rtol), sweep(**given, method="taylor")
+    assert swept["status"].item() == 0
+    assert swept.response.item() == exact.response.item()
+    assert swept.radius_max.item() == pytest.approx(exact.radius_max.item(), rel=0.1 * rtol)

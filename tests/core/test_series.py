@@ -15,7 +15,6 @@ from pathlib import Path
 from runpy import run_path
 from types import SimpleNamespace
 
-import mpmath
 import numpy as np
 import pytest
 
@@ -141,82 +140,6 @@ def probe(probes):
     return probes["paper"]
 
 
-class Series:
-    """A truncated power series in 50 digits."""
-
-    def __init__(self, terms):
-        self.terms = terms
-
-    def _other(self, other):
-        if isinstance(other, Series):
-            return other.terms
-        return [mpmath.mpf(other)] + [mpmath.mpf(0)] * (len(self.terms) - 1)
-
-    def __add__(self, other):
-        return Series([a + b for a, b in zip(self.terms, self._other(other), strict=True)])
-
-    __radd__ = __add__
-
-    def __neg__(self):
-        return Series([-a for a in self.terms])
-
-    def __sub__(self, other):
-        return self + (-1.0) * Series(self._other(other))
-
-    def __rsub__(self, other):
-        return -self + other
-
-    def __mul__(self, other):
-        a, b = self.terms, self._other(other)
-        return Series([mpmath.fdot(a[: n + 1], b[n::-1]) for n in range(len(a))])
-
-    __rmul__ = __mul__
-
-    def __truediv__(self, other):
-        a, b, found = self.terms, self._other(other), []
-        for n in range(len(a)):
-            known = mpmath.fdot(found, b[n:0:-1]) if n else 0
-            found.append((a[n] - known) / b[0])
-        return Series(found)
-
-    def __rtruediv__(self, other):
-        return Series(self._other(other)) / self
-
-    def __pow__(self, exponent):
-        """By b = exp(e log a): n a0 bn = sum of (e n - (e + 1) k) a(n-k) bk, k below n."""
-        a, e = self.terms, mpmath.mpf(exponent)
-        found = [a[0] ** e]
-        for n in range(1, len(a)):
-            total = sum((e * n - (e + 1) * k) * a[n - k] * found[k] for k in range(n))
-            found.append(total / (n * a[0]))
-        return Series(found)
-
-
-def exact_series(model, mode, start, parameters, order):
-    """Return the coefficients of the state, and of four differences, rows of one order each."""
-    exact = {name: mpmath.mpf(number) for name, number in (model.constants | parameters).items()}
-    rotor = SimpleNamespace(**exact)
-    state = [[mpmath.mpf(number)] for number in start]
-    for n in range(order):
-        rates = mode.rates([Series(terms) for terms in state], rotor)
-        for terms, rate in zip(state, rates, strict=True):
-            terms.append(rate.terms[n] / (n + 1))
-    whole = dict(zip(mode.state, map(Series, state), strict=True))
-    derived = derive(mode, model)
-    growth = [[value_of(entry, rotor, whole) for entry in row] for row in derived.growth]
-    growth = [[Series(Series(state[0])._other(each)) if not isinstance(each, Series) else each
-               for each in row] for row in growth]  # fmt: skip
-    apart = [[[mpmath.mpf(i == d)] for d in range(4)] for i in range(4)]
-    for n in range(order):
-        new = [[sum(mpmath.fdot(growth[i][j].terms[: n + 1], apart[j][d][n::-1]) for j in range(4))
-                for d in range(4)] for i in range(4)]  # fmt: skip
-        for i in range(4):
-            for d in range(4):
-                apart[i][d].append(new[i][d] / (n + 1))
-    rows = [[apart[i][d][n] for i in range(4) for d in range(4)] for n in range(order + 1)]
-    return np.array(list(zip(*state, strict=True)), float), np.array(rows, float)
-
-
 def series_of(probe, model, mode, start, parameters, order):
     """Return the coefficients of the state, twice, and of four differences."""
     terms, again = np.zeros((2, order + 1, WIDTH[model.name]))
@@ -232,26 +155,6 @@ def series_of(probe, model, mode, start, parameters, order):
 def test_the_probe_is_given_what_the_core_has(probes, model):
     assert probes[model.name].probe_width() == WIDTH[model.name]
     assert probes[model.name].probe_parameters() == len(model.parameters) + len(absent_from(model))
-
-
-@of_cases
-def test_coefficients_are_the_exact_ones(probes, model, mode, start, parameters):
-    """Of the state, and of four differences from it, to rounding at the end of a step."""
-    order, count = 20, len(mode.state)
-    with mpmath.workdps(50):
-        state, apart = exact_series(model, mode, start, parameters, order)
-    terms, again, differences = series_of(probes[model.name], model, mode, start, parameters, order)
-    # both are rounded, in lanes of another order
-    np.testing.assert_allclose(again[:, :count], terms[:, :count], rtol=1e-9, atol=1e-300)
-    assert not terms[:, count:].any()
-    # as far as the series converges all terms count alike
-    reach = np.abs(state[1:]).max(axis=1) ** (1.0 / np.arange(1, order + 1))
-    scale = (1.0 / reach.max()) ** np.arange(order + 1)[:, None]
-    for found, exact in ((terms[:, :count], state), (again[:, :count], state)):
-        size = np.abs(exact * scale).max()
-        np.testing.assert_allclose(found * scale, exact * scale, rtol=0, atol=1e-13 * size)
-    size = np.abs(apart * scale).max()
-    np.testing.assert_allclose(differences * scale, apart * scale, rtol=0, atol=1e-13 * size)
 
 
 @of_cases
@@ -297,16 +200,14 @@ def test_at_the_centre_there_is_no_force(probes, model):
 class Motion:
     """A motion led by the probe; of the whole model where more than a rotor's own is given."""
 
-    def __init__(self, probe, start=IN_CONTACT, rtol=1e-15, rotor=ROTOR, *, more=None,
-                 tangents=False):  # fmt: skip
+    def __init__(self, probe, start=IN_CONTACT, rtol=1e-15, rotor=ROTOR, *, more=None):
         model = PAPER if more is None else WHOLE
         self.probe, self.size = probe, len(start)
         self.in_contact = len(start) == len(model.modes[0].state)
-        whole = np.append(start, np.eye(4).ravel()) if tangents else np.array(start, float)
-        self.count = whole.size
+        self.count = len(start)
         self.low = self.point = 0.0
         parameters = as_given(model, parameters_of(model, rotor, more))
-        begun = probe.probe_begin(self.in_contact, parameters, rtol, 1e-17, tangents, given(whole))
+        begun = probe.probe_begin(self.in_contact, parameters, rtol, 1e-17, 0, given(start))
         assert begun == DONE
 
     def advance(self):
@@ -322,32 +223,6 @@ class Motion:
     @property
     def values(self):
         return self.at(self.point)
-
-    def slope(self, point, h=1e-3):
-        """Rate of change at a point of the last step, by differences of order four."""
-        a, b, c, d = (self.at(point + k * h) for k in (-2, -1, 1, 2))
-        return (a - 8.0 * b + 8.0 * c - d) / (12.0 * h)
-
-
-@pytest.mark.parametrize("more", [None, *MORE])
-def test_the_series_solves_the_equations_of_contact(probes, more):
-    model = PAPER if more is None else WHOLE
-    motion = Motion(probes[model.name], start_of(model, "contact", IN_CONTACT), more=more)
-    motion.advance()
-    rotor = SimpleNamespace(**model.constants, **parameters_of(model, ROTOR, more))
-    for part in (0.3, 0.7):
-        point = part * motion.point
-        rate = model.modes[0].rates(motion.at(point).tolist(), rotor)
-        np.testing.assert_allclose(motion.slope(point), rate, rtol=0, atol=1e-9)
-
-
-def test_the_series_solves_the_equations_without_clearance(probe):
-    rotor = Rotor(omega=1.2, zeta=0.07, delta0=0.0)
-    motion = Motion(probe, ANYWHERE, rotor=(1.2, 0.07, 0.0))
-    motion.advance()
-    point = 0.5 * motion.point
-    expected = rotating_field(motion.at(point), rotor)
-    np.testing.assert_allclose(motion.slope(point), expected, rtol=0, atol=1e-9)
 
 
 @pytest.mark.parametrize("rtol", [1e-5, 1e-8, 1e-11, 1e-14])

@@ -72,17 +72,6 @@ def test_a_contact_may_be_linear(delta0, depth, exponent):
     assert spring_of_root(root, law) == pytest.approx(by_depth, rel=1e-6)
 
 
-def test_the_paper_s_force_field_increases_with_x():
-    """Fig. 2 with delta0 = 0.5: f_x depends on y too, and grows with x."""
-
-    def force_x(x, y):
-        return x * contact.secant_stiffness(np.hypot(x, y), 0.5)
-
-    assert float(force_x(1.0, 0.0)) == pytest.approx(0.3536, abs=5e-5)
-    assert float(force_x(1.0, 2.0)) == pytest.approx(1.0230, abs=5e-5)
-    assert (np.diff(force_x(np.linspace(-3, 3, 61), 0.7)) >= 0.0).all()
-
-
 def test_labels_of_a_radius_are_those_of_its_force():
     radius = xr.DataArray([0.5, 1.5], coords={"omega": [1.0, 2.0]}, dims="omega")
     for function in (contact.contact_force, contact.contact_stiffness):

@@ -100,27 +100,6 @@ def test_a_wrong_first_argument_and_a_misspelt_keyword_get_one_line(verb):
         function(BARE, **asked, contcts=[TOUCH])
 
 
-@pytest.mark.parametrize(
-    ("change", "words"),
-    [
-        ({"contacts": TOUCH}, "contacts must be a list of Contact, got Contact"),
-        ({"contacts": [3]}, "contacts must be a Contact, got 3"),
-        ({"contacts": [replace(TOUCH, node="dics")]}, "node must be one of .*did you mean 'disc'"),
-        ({"contacts": [replace(TOUCH, stator="disc")]}, "must be another node, got 'disc'"),
-        ({"contacts": [TOUCH, TOUCH]}, "contacts must not overlap"),
-        ({"unbalance": [Unbalance(node="seal", moment=1.0)]}, "node must be one of .*got 'seal'"),
-        ({"supports": [Support(node="end", stiffness=1.0)] * 2}, "at different nodes, got 'end'"),
-        ({"gravity": -9.81}, "gravity must be two numbers, along x and y, got -9.81"),
-        ({"gravity": (0.0, np.nan)}, "gravity"),
-        ({"static_force": [1.0, 2.0]}, r"static_force must have the shape \(4,\), got \(2,\)"),
-    ],
-)
-def test_fields_are_checked_where_the_system_is_made(change, words):
-    with pytest.raises(InputError, match=words) as caught:
-        replace(BARE, **change)
-    assert "\n" not in str(caught.value)
-
-
 def test_a_system_is_a_value():
     held = replace(BARE, **HEAVY)
     assert held.contacts == (TOUCH,)

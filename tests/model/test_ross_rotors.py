@@ -279,10 +279,3 @@ def test_ross_itself_has_the_same_response_weight_and_critical_speeds(kind):
         np.testing.assert_allclose(
             found, [known[np.abs(known - each).argmin()] for each in found], rtol=1e-4
         )
-
-
-@pytest.mark.filterwarnings("ignore")
-def test_a_gear_train_of_ross_is_refused():
-    gears = ross().multi_rotor.two_shaft_rotor_example()
-    with pytest.raises(InputError, match="got a MultiRotor"):
-        RotorSystem.from_ross(gears, speed=SPEED)

@@ -11,16 +11,11 @@ from rotor_ida.model.parameters import FRICTIONLESS, MACHINE_PARAMETERS
 from tests.witness import HOW, flown, in_units
 
 MACHINE = DimensionalRotor(
-    mass=3.0,
-    contact_stiffness=2.5e9,
-    damping=40.0,
-    eccentricity=4e-6,
-    clearance=3e-6,
-    speed=1500.0,
+    mass=3.0, contact_stiffness=2.5e9, damping=40.0, eccentricity=4e-6, clearance=3e-6, speed=1500.0
 )
 
 
-@pytest.mark.parametrize("name", ["omega", "zeta", "delta0"])
+@pytest.mark.parametrize("name", ["omega", "zeta", "delta0", *FRICTIONLESS])
 @pytest.mark.parametrize(
     "value", [math.nan, math.inf, -math.inf, True, np.True_, "1", None, 1j, [1.0], 10**400]
 )
@@ -28,12 +23,9 @@ def test_a_rotor_refuses_what_is_not_a_finite_real_number(name, value):
     parameters = {"omega": 1.0, "zeta": 0.1, "delta0": 0.5, name: value}
     with pytest.raises(InputError, match=rf"^{name} must be a finite real number, got .+$"):
         Rotor(**parameters)
-
-
-@pytest.mark.parametrize("name", ["omega", "zeta", "delta0"])
-def test_a_rotor_refuses_negatives(name):
-    with pytest.raises(InputError, match=rf"^{name} must be zero or positive, got -0.5$"):
-        Rotor(**{"omega": 1.0, "zeta": 0.1, "delta0": 0.5, name: -0.5})
+    if name in FRICTIONLESS:
+        with pytest.raises(InputError, match=rf"^{name} must be a finite real number, got .+$"):
+            DimensionalRotor(**MACHINE.given | {name: value})
 
 
 def test_a_rotor_is_frozen_and_keyword_only():
@@ -146,15 +138,6 @@ def test_what_is_given_makes_the_same_rotor_and_machine():
         assert DimensionalRotor(**machine.given) == machine
         assert Rotor(**machine.rotor().given) == machine.rotor()
     assert list(MACHINE.given) == list(MACHINE_PARAMETERS)
-
-
-@pytest.mark.parametrize("name", FRICTIONLESS)
-@pytest.mark.parametrize("value", [math.nan, True, "1", None, -0.5])
-def test_what_is_beyond_the_papers_must_be_a_number_too(name, value):
-    with pytest.raises(InputError, match=rf"^{name} must be (a finite real number|zero or pos)"):
-        Rotor(omega=1.0, zeta=0.1, delta0=0.5, **{name: value})
-    with pytest.raises(InputError, match=rf"^{name} must be (a finite real number|zero or pos)"):
-        DimensionalRotor(**MACHINE.given | {name: value})
 
 
 def test_scaling_with_k_sqrt_D_over_m_reproduces_the_dimensional_equation():

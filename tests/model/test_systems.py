@@ -9,11 +9,9 @@ import pytest
 import scipy.io
 import scipy.linalg
 import scipy.sparse
-import xarray as xr
 
 from rotor_ida import (
     Contact,
-    DimensionalRotor,
     InputError,
     Race,
     Rotor,
@@ -30,7 +28,6 @@ from rotor_ida import (
 from rotor_ida.cli.describe import describe
 from rotor_ida.core import systems as core_systems
 from rotor_ida.results.archived_system import problem_of
-from rotor_ida.simulation import system_run
 from tests.axisymmetric_systems import random_axisymmetric
 from tests.random_systems import random_system
 
@@ -72,27 +69,6 @@ def test_a_stator_without_mass_and_damping_is_refused():
         campbell(system, contacts=contacts[:1], speed=1.0)
     with pytest.raises(InputError, match="inertia of a race must"):
         Race(radius=1.0, inertia=0.0)
-
-
-@pytest.mark.parametrize("kind", [".npz", ".mat", "folder"])
-def test_a_system_is_read_from_a_file(tmp_path, kind):
-    system, _ = random_system(4)
-    arrays = {"M": system.mass, "K": system.stiffness, "C": system.damping}
-    arrays |= {"gyroscopic": system.gyroscopic}
-    nodes = {f"node_{name}": np.array(pair) for name, pair in system.nodes.items()}
-    path = tmp_path / f"rotor{kind}"
-    if kind == ".npz":
-        np.savez(path, **arrays, **nodes)
-    elif kind == ".mat":
-        scipy.io.savemat(path, arrays | nodes)
-    else:
-        path.mkdir()
-        for name, values in (arrays | {n: v.reshape(1, 2) for n, v in nodes.items()}).items():
-            scipy.io.mmwrite(path / f"{name}.mtx", scipy.sparse.coo_matrix(values))
-    again = RotorSystem.from_file(path)
-    for name in ("mass", "stiffness", "damping", "gyroscopic"):
-        np.testing.assert_allclose(getattr(again, name), getattr(system, name), rtol=1e-14)
-    assert {name: tuple(pair) for name, pair in again.nodes.items()} == dict(system.nodes)
 
 
 def test_a_file_that_cannot_be_read_is_refused(tmp_path):
@@ -249,20 +225,6 @@ def test_static_flexibility_makes_few_modes_enough():
         assert kept < 0.01 * apart
 
 
-def test_one_disc_in_si_is_the_machine():
-    machine = DimensionalRotor(
-        mass=12.0, contact_stiffness=1e8, damping=500.0, eccentricity=5e-5, clearance=6e-5,
-        speed=400.0, shaft_stiffness=4e6, contact_exponent=1.0, load=117.0,
-    )  # fmt: skip
-    system = machine.system()
-    run = simulate(system, speed=400.0, duration=0.1)
-    one = simulate(machine.rotor(), duration=0.1 / machine.time_scale, method="taylor")
-    assert run.x.attrs["units"] == "m"
-    assert run.event_time.attrs["units"] == "s"
-    np.testing.assert_array_equal(run.event_kind, one.event_kind)
-    np.testing.assert_allclose(run.event_time, one.event_time * machine.time_scale, rtol=1e-9)
-
-
 def test_a_rotor_without_clearance_is_no_system():
     with pytest.raises(InputError, match="clearance"):
         Rotor(omega=1.0, zeta=0.1, delta0=0.0).system()
@@ -410,30 +372,6 @@ def test_a_system_that_nothing_holds_is_told(nodes, gravity, falls, recwarn):
     assert len(recwarn) == falls
     if falls:
         assert "Neither supports nor contacts hold the system" in str(recwarn[0].message)
-
-
-def test_the_second_run_of_chaos_ends_early_and_says_the_same(monkeypatch):
-    """Behind twice the horizon it says nothing of the first run."""
-    system = RotorSystem(mass=np.eye(2), stiffness=np.eye(2), nodes={"disc": (0, 1)})
-    ends = []
-
-    def follow(*given):
-        result = core_systems.follow_system(*given)
-        ends.append(result.time)
-        return result
-
-    monkeypatch.setattr(system_run, "follow_system", follow)
-    runs = []
-    for enough in (system_run.ENOUGH, np.inf):
-        monkeypatch.setattr(system_run, "ENOUGH", enough)
-        runs.append(simulate(
-            system, contacts=[Contact(node="disc", clearance=0.3, stiffness=1000.0)],
-            unbalance=[Unbalance(node="disc", moment=2.0)], speed=1.5, duration=600.0, samples=11,
-        ))  # fmt: skip
-    assert ends[0] == ends[2] == ends[3] == 600.0
-    horizon = float(runs[0].horizon)
-    assert 2.0 * horizon <= ends[1] < 400.0
-    xr.testing.assert_identical(runs[0].drop_attrs(), runs[1].drop_attrs())
 
 
 def test_a_motion_that_nothing_bounds_ends_with_a_reason():

@@ -11,8 +11,6 @@ from rotor_ida import (
     Rotor,
     backward_whirl,
     limit_cycle,
-    load,
-    save,
     simulate,
     touchdown_report,
     whirl_ratio,
@@ -128,15 +126,6 @@ def test_a_forward_synchronous_rub_is_forward_at_the_spin_speed():
     np.testing.assert_allclose(seen.whirl_over_spin, 1.0, atol=0.03)
 
 
-def test_a_synchronous_whirl_in_contact_is_forward_at_the_spin_speed():
-    report = touchdown_report(
-        Rotor(omega=1.2, zeta=0.5, delta0=0.5), x=(-2, 2), starts=10, shocks=0
-    )
-    assert words_of(report.kind) == ["synchronous"]
-    assert report.whirl_over_spin.values == [1.0]
-    assert report.whirl_sense.values == [FORWARD]
-
-
 def test_dry_whip_is_backward_at_the_speed_of_its_roll():
     rotor = Rotor(omega=0.5, **RUBBING)
     whip = backward_whirl(rotor).isel(whirl=-1)
@@ -173,26 +162,7 @@ def test_a_cycle_of_half_the_order_is_forward_at_the_spin_speed():
     assert int(cycle.whirl_sense) == FORWARD
 
 
-def test_a_cycle_of_another_speed_has_the_ratio_of_signals():
-    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
-    cycle = limit_cycle(rotor, start=(0, 0, 0, 0))
-    seen = whirl_ratio(ended(rotor, (0, 0, 0, 0), revolutions=300), revolutions=20)
-    assert int(cycle.whirl_sense) == FORWARD
-    np.testing.assert_allclose(seen.whirl_over_spin.mean(), cycle.whirl_over_spin, atol=0.02)
-
-
 def test_no_cycle_has_no_whirl():
     none = limit_cycle(Rotor(omega=1.2, zeta=0.5, delta0=0.5), start=(0, 0, 0, 0))
     assert math.isnan(float(none.whirl_over_spin))
     assert int(none.whirl_sense) == NONE
-
-
-def test_an_archive_with_the_older_names_still_loads(tmp_path):
-    cycle = limit_cycle(Rotor(omega=2.0, zeta=0.07, delta0=2.0), start=(0, 0, 0, 0))
-    older = cycle.drop_vars(["whirl_over_spin", "whirl_sense", "side_line_over_spin"]).assign(
-        whirl_ratio=labelled("whirl_ratio", (), 0.31),
-        whirl_direction=labelled("whirl_direction", (), np.int8(FORWARD)),
-    )
-    back = load(save(older, tmp_path / "cycle.nc"))
-    assert float(back.whirl_ratio) == 0.31
-    assert "line" in back.whirl_ratio.attrs["long_name"]

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from distributed import Client, LocalCluster
 
-from rotor_ida import InputError, Rotor, SimulationError, basin, basin_fractions, run_ups, sweep
+from rotor_ida import InputError, Rotor, SimulationError, basin, basin_fractions, sweep
 from rotor_ida.parallel import FailedJob, cluster, run_all
 
 SPEEDS = {"omega": np.linspace(1.0, 2.4, 5), "zeta": 0.07, "delta0": [0.5, 2.0]}
@@ -74,14 +74,6 @@ def test_a_sweep_finds_the_same_bits(address):
     assert sweep(**how, executor="serial").identical(there)
     assert there.sizes["event"] > 0
     assert calls == [(number, 10) for number in range(1, 11)]
-
-
-def test_run_ups_find_the_same_bits(address):
-    given = {"omega": 0.3, "to": 1.6, "rate": [0.05, 0.2], "zeta": 0.1, "delta0": [1.0, 2.0],
-             "shaft_stiffness": 1.0, "rtol": 1e-8}  # fmt: skip
-    there = run_ups(**given, executor=address)
-    assert run_ups(**given, executor="serial").identical(there)
-    assert float(there.largest_force.min()) > 0.0
 
 
 def test_basins_find_the_same_bits(address):

@@ -8,7 +8,7 @@ from hypothesis import assume, given, settings
 from hypothesis import strategies as st
 
 from rotor_ida import Rotor, simulate
-from rotor_ida.model.equations import energy, power, rotated
+from rotor_ida.model.equations import energy, power
 from rotor_ida.simulation import run as simulation_run
 
 coordinates = st.floats(-2.0, 2.0)
@@ -42,18 +42,6 @@ def test_energy_changes_by_the_work_done(rotor, start):
     ends = simulate(rotor, start=start, duration=duration, samples=2, rtol=1e-12, atol=1e-14)
     first, last = energy(states_of(ends), rotor.delta0)
     assert last - first == pytest.approx(work, abs=1e-8 * max(1.0, first, abs(work)))
-
-
-@settings(max_examples=20, deadline=None)
-@given(rotors, starts, st.floats(0.5, 6.0))
-def test_turning_start_and_time_turns_the_orbit(rotor, start, wait):
-    """z(t) from s, and exp(-i omega t1) z(t1 + t) from its own start, are one motion."""
-    whole = simulate(
-        rotor, start=start, duration=wait + 3.0, samples=[wait, wait + 3.0], rtol=1e-12, atol=1e-14
-    )
-    there, end = rotated(states_of(whole), -rotor.omega * wait)
-    part = simulate(rotor, start=tuple(there), duration=3.0, samples=[3.0], rtol=1e-12, atol=1e-14)
-    assert states_of(part)[0] == pytest.approx(end, abs=1e-7)
 
 
 @settings(max_examples=20, deadline=None)

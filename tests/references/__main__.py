@@ -1,6 +1,9 @@
-"""Make tests/data/contact_events.json: `python -m tests.references [NAME ...]`.
+"""Make tests/data/contact_events.json anew: `python -m tests.references [NAME ...]`.
 
-Needs python-flint. With names, solve those cases only and print them; nothing is written.
+The cases are those of the table itself: parameters, start and duration. The clearances of its
+grazes were chosen by the first peak of the flight that they share, and the speeds of its departures
+by the least radius of theirs. Needs python-flint. With names, solve those cases only and print
+them; nothing is written.
 """
 
 import json
@@ -8,31 +11,22 @@ import os
 import sys
 import time
 from concurrent.futures import ProcessPoolExecutor
+from dataclasses import asdict, fields
 from math import floor, inf, log10
 from pathlib import Path
 
 from flint import arb, ctx
 
 from . import regularised_taylor
-from .cases import all_cases
-from .motion import UnresolvedError, rests_on_ring, start_of
+from .motion import Case, UnresolvedError, rests_on_ring, start_of
 
 TABLE = Path(__file__).resolve().parent.parent / "data" / "contact_events.json"
+HEAD = json.loads(TABLE.read_text(encoding="utf-8"))
+GIVEN = [field.name for field in fields(Case)]
+CASES = [Case(**{name: row[name] for name in GIVEN}) for row in HEAD.pop("cases")]
 WORKERS = int(os.environ.get("WORKERS", "1"))  # processes that share the cases
 SHIFT = 1e-16  # of the start, for the sensitivities
 SOON = 1e-6  # a moved start may cross the ring once more within this time: no event of the case
-SOURCE = (
-    "Made by `python -m tests.references` (python-flint), which takes nothing from rotor_ida. "
-    "Parameters and starts are the exact doubles. Times have 25 significant digits."
-)
-METHOD = (
-    "Times: flight in closed form with a proof that no earlier touch exists, contact by Taylor "
-    "series of order 48 (240 bits) in Cartesian variables with q = sqrt(|z| - delta0), "
-    "dt = q du. Digits: agreement, relative to the time, with the same in steps of order 36 (200 "
-    "bits). Other equations and another integrator have the same events: tests/witness.py. "
-    "K = max |d time / d start| over the four components of the start, by central differences of "
-    "step 1e-16."
-)
 
 
 def digits_agreed(mine, others):
@@ -77,23 +71,12 @@ def sensitivities(case, base):
 
 def solve(case):
     """Return the row of the table for one case."""
-    row = {
-        "name": case.name,
-        "tests": case.tests,
-        "omega": case.omega,
-        "zeta": case.zeta,
-        "delta0": case.delta0,
-        "start": list(case.start),
-        "duration": case.duration,
-    }
+    row = asdict(case)
     ctx.prec = regularised_taylor.FULL.bits
     if rests_on_ring(case, start_of(case)):
         return row | {
-            "starts_in_contact": 0,
-            "method": "by inspection",
-            "digits": None,
-            "events": [],
-        }
+            "starts_in_contact": 0, "method": "by inspection", "digits": None, "events": []
+        }  # fmt: skip
     in_contact, mine, depths = regularised_taylor.events(case)
     _, others, _ = regularised_taylor.events(case, regularised_taylor.OTHER)
     digits = digits_agreed(mine, others)
@@ -113,7 +96,7 @@ def solve(case):
 
 def attempt(name):
     """Solve one case and print a line on it; return its row, or None if it stays open."""
-    case = next(case for case in all_cases() if case.name == name)
+    case = next(case for case in CASES if case.name == name)
     started = time.perf_counter()
     try:
         row = solve(case)
@@ -132,14 +115,7 @@ def attempt(name):
 
 def lay_out(rows):
     """Return the table as JSON with one event a line."""
-    head = {
-        "source": SOURCE,
-        "command": "python -m tests.references",
-        "method": METHOD,
-        "shallowest": "least of the greatest indentations of complete contacts; absent if none",
-        "event": ["kind: 1 entry, -1 exit", "time", "K"],
-    }
-    lines = ["{"] + [f" {json.dumps(key)}: {json.dumps(value)}," for key, value in head.items()]
+    lines = ["{"] + [f" {json.dumps(key)}: {json.dumps(value)}," for key, value in HEAD.items()]
     lines.append(' "cases": [')
     for number, row in enumerate(rows):
         lines.append("  {")
@@ -157,13 +133,13 @@ def lay_out(rows):
 def main(names):
     """Solve the cases, print a line for each, and write the table when all were solved."""
     began = time.perf_counter()
-    wanted = [case.name for case in all_cases() if not names or case.name in names]
+    wanted = [case.name for case in CASES if not names or case.name in names]
     with ProcessPoolExecutor(max_workers=WORKERS) as pool:
         rows = [row for row in pool.map(attempt, wanted) if row is not None]
     print(f"{len(rows)} cases, {time.perf_counter() - began:.0f} s")
     if names:
         return 0
-    if len(rows) < len(all_cases()):
+    if len(rows) < len(CASES):
         return 1
     TABLE.write_text(lay_out(rows), encoding="utf-8")
     return 0

@@ -8,7 +8,6 @@ from rotor_ida import InputError, Rotor, load, rotating, save, simulate, spectru
 from rotor_ida.model.parameters import FRICTIONLESS
 from rotor_ida.results.run import check_run, rotor_of
 from rotor_ida.schema import DAMPED_EVENT_KIND, EVENT_KIND, QUANTITIES, flags_of, labelled
-from rotor_ida.signals.forces import contact_forces
 
 REST = (0.0, 0.0, 0.0, 0.0)
 PLAIN = Rotor(omega=1.2, zeta=0.07, delta0=0.5)
@@ -41,26 +40,12 @@ def test_what_is_beyond_the_papers_rotor_is_told(whole: xr.Dataset):
     assert rotor_of(whole) == WHOLE
 
 
-def test_what_is_the_default_is_not(whole: xr.Dataset):
-    run = run_of(Rotor(**{**PLAIN.given, "load": 0.125}))
-    assert set(FRICTIONLESS) & set(run.variables) == {"load"}
-    assert rotor_of(run).beyond == {"load": 0.125}
-    assert whole.sizes["t"] == run.sizes["t"]
-
-
 def test_with_contact_damping_the_force_may_end_and_begin_inside_the_ring(whole: xr.Dataset):
     assert flags_of(whole["event_kind"]) == DAMPED_EVENT_KIND
     assert DAMPED_EVENT_KIND == {"exit": -1, "entry": 1, "press": 4, "release": -4}
     assert whole["event_time"].attrs == {
         "long_name": "time of the contact event", "units": "1"
     }  # fmt: skip
-
-
-def test_an_archive_keeps_the_whole_rotor(whole: xr.Dataset, tmp_path):
-    again = load(save(whole, tmp_path / "run.nc"))
-    assert rotor_of(again) == WHOLE
-    assert again.equals(whole)
-    assert {name: float(again.attrs[name]) for name in FRICTIONLESS} == WHOLE.beyond
 
 
 def test_an_archive_keeps_the_loss_of_each_contact_and_its_kinds_of_events(
@@ -90,12 +75,3 @@ def test_a_run_has_one_value_of_each_parameter(whole: xr.Dataset):
 def test_what_only_reads_the_motion_passes_the_rotor_on(whole: xr.Dataset):
     assert rotor_of(rotating(whole)) == WHOLE
     assert rotor_of(spectrum(whole)) == WHOLE
-
-
-def test_contact_forces_know_shaft_and_load(whole: xr.Dataset):
-    run = run_of(Rotor(**{**PLAIN.given, "load": 0.125, "shaft_stiffness": 0.25}))
-    forces = contact_forces(run)
-    depth = np.maximum(np.hypot(run.x, run.y) - 0.5, 0.0)
-    np.testing.assert_allclose(forces.force.values, depth.values**1.5, rtol=1e-12)
-    assert rotor_of(forces) == rotor_of(run)
-    assert rotor_of(contact_forces(whole)) == rotor_of(whole)

@@ -14,39 +14,6 @@ from rotor_ida.simulation import run as simulation_run
 REST = (0.0, 0.0, 0.0, 0.0)
 
 
-def random_runs(count, rtol, duration=60.0):
-    rng = np.random.default_rng(11)
-    for _ in range(count):
-        delta0 = float(np.exp(rng.uniform(np.log(0.1), np.log(3.0))))
-        rotor = Rotor(
-            omega=float(rng.uniform(0.2, 4.0)),
-            zeta=float(rng.choice([0.0, 1e-8, 0.02, 0.2])),
-            delta0=delta0,
-        )
-        start = tuple((rng.uniform(-2, 2, 4) * delta0).tolist())
-        run, best = (
-            simulate(rotor, start=start, duration=duration, samples=2, rtol=r, atol=r / 100)
-            for r in (rtol, 1e-13)
-        )
-        yield run, best
-
-
-@pytest.mark.parametrize("rtol", [1e-6, 1e-9])
-def test_stated_errors_cover_the_true_ones(rtol):
-    """Held against the tightest tolerance: at least 95 % covered, less than 100 x in the median."""
-    covered, ratios = [], []
-    for run, best in random_runs(40, rtol):
-        count = min(run.sizes["event"], best.sizes["event"])
-        stated = run.event_time_error.values[:count]
-        true = np.abs(run.event_time.values[:count] - best.event_time.values[:count])
-        covered += (true <= stated).tolist()
-        usual = np.isfinite(stated) & (true > 0.0)
-        ratios += (stated[usual] / true[usual]).tolist()
-    assert len(covered) > 200
-    assert np.mean(covered) >= 0.95
-    assert np.median(ratios) < 100.0
-
-
 def machine_of(rng):
     given = {
         "omega": rng.uniform(0.3, 4.0), "zeta": 10.0 ** rng.uniform(-2.0, -0.5),
@@ -180,14 +147,6 @@ def test_the_horizon_is_told_by_the_motion_where_it_looks():
     assert event_errors._horizon(whirls(radii), whirls(radii, 1e-3), none) == 99.0
     radii[70] = 1e-4
     assert event_errors._horizon(whirls(radii), whirls(radii, 1e-3), none) == 99.0
-
-
-def test_the_loosest_tolerance_still_states_an_error():
-    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
-    run = simulate(rotor, start=REST, duration=20.0, rtol=1e-3, atol=1e-5)
-    best = simulate(rotor, start=REST, duration=20.0, rtol=1e-13, atol=1e-15)
-    assert run.sizes["event"] == best.sizes["event"]
-    assert (np.abs(run.event_time - best.event_time) <= run.event_time_error).all()
 
 
 @pytest.mark.parametrize("speed", [7e-4, 1.3e-3, 0.11])

@@ -1,7 +1,6 @@
 """Events of every kind of rotor: by another integrator, by other methods, and at borders."""
 
 from dataclasses import replace
-from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -10,7 +9,6 @@ from scipy.integrate import solve_ivp
 from rotor_ida import InputError, Rotor, simulate
 from rotor_ida.core import runs
 from rotor_ida.errors import InvariantError
-from rotor_ida.model import modes
 from rotor_ida.simulation.invariants import check_orbit
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
@@ -50,31 +48,6 @@ def test_the_whip_rolls_as_often_as_was_derived():
     """DESIGN section 3: 38 rolls in 120 time units."""
     found = simulate(WHIP, start=KNOCKED, duration=120.0, method="taylor")
     assert (found.event_kind.values == 2).sum() == 38
-
-
-def steady(rim, **more):
-    """A machine of DESIGN section 3 without unbalance, as `equations` can be asked for it."""
-    return SimpleNamespace(
-        omega=0.0, zeta=0.1, delta0=1.0, shaft_stiffness=0.0, contact_damping=0.0, load=0.0,
-        hertz=1.0, linear=0.0, loose=0.0, friction=0.2, rim=rim, **more,
-    )  # fmt: skip
-
-
-def test_without_unbalance_whip_and_saddle_are_where_they_were_derived():
-    """zeta 0.1, mu 0.2, delta0 1, rho 10: a slipping whirl at -1 with r 3.147899036, born as
-    rolling whip at omega 0.314789904; at twice that the whip has r 4.984177749."""
-    slipping, born, whip = 3.147899036, 0.314789904, 4.984177749
-    saddle = steady(10.0 * born + 0.5, sigma=1.0)
-    slip = slipping * (saddle.rim - slipping)
-    state = [np.sqrt(slipping - 1.0), 0.0, slip, 1.0, 0.0, 0.0, 0.0]
-    rates = modes.rub_rates(state, saddle)
-    assert np.abs(rates[1:3]).max() < 1e-7
-    for radius, rim in ((slipping, 10.0 * born), (whip, 20.0 * born)):
-        state = [np.sqrt(radius - 1.0), 0.0, 0.0, 1.0, 0.0, 0.0, 0.0]
-        assert abs(modes.rolling_rates(state, steady(rim, sigma=0.0))[1]) < 1e-7
-        grip, hold = modes.grip_and_hold(state, steady(rim, sigma=0.0))
-        assert abs(hold) <= grip + 1e-8
-        assert (abs(abs(hold) - grip) < 1e-8) == (radius == slipping)
 
 
 def smoothed(rotor, start, duration, width):
@@ -173,19 +146,6 @@ def test_a_start_in_which_the_ring_would_pull_is_loose(way):
         assert check.event_kinds.tolist() == events
 
 
-def test_at_rest_under_a_load_it_stays():
-    rotor = Rotor(omega=0.0, zeta=0.1, delta0=1.0, load=0.3, contact_damping=1.0)
-    found = simulate(
-        rotor, start=(0.0, -1.0 - 0.3 ** (2.0 / 3.0), 0.0, 0.0), duration=50.0, **WAYS["taylor"]
-    )
-    assert found.event.size == 0
-    assert np.abs(found.y.values - found.y.values[0]).max() < 1e-14
-    hanging = Rotor(omega=0.0, zeta=0.1, delta0=1.0, load=0.3, shaft_stiffness=0.6)
-    found = simulate(hanging, start=(0.0, -0.5, 0.0, 0.0), duration=50.0, **WAYS["taylor"])
-    assert found.starts_in_contact == 0
-    assert np.abs(found.y.values + 0.5).max() < 1e-14
-
-
 @pytest.mark.parametrize(("vy", "contact"), [(0.0, 1), (-0.1, 1), (0.1, 0)])
 def test_on_the_ring_a_load_decides_what_speed_does_not(vy, contact):
     rotor = Rotor(omega=0.0, zeta=0.1, delta0=1.0, load=0.3)
@@ -219,20 +179,6 @@ def test_a_disc_that_falls_without_slip_rolls_from_its_entry(way):
         assert set(found.mode.values.tolist()) == {0, 2}
         assert np.abs(found.x.values).max() < 1e-12
         assert found.heat.values.max() < 1e-15
-
-
-@pytest.mark.parametrize("way", ["taylor", "reference"])
-def test_a_block_on_the_ring_slides_to_rest_where_friction_holds_it(way):
-    """omega = 0 under a load: it rests off the lowest point, tilted by less than atan(mu)."""
-    rotor = Rotor(omega=0.0, zeta=0.3, delta0=1.0, load=0.5, friction=0.6, disc_radius=2.0)
-    found = simulate(rotor, start=(0.35, -1.5, 0.4, 0.0), duration=200.0, **WAYS[way])
-    assert found.mode.values[-1] == 2
-    x, y, vx, vy = (found[name].values[-1] for name in ("x", "y", "vx", "vy"))
-    assert abs(vx) + abs(vy) < 1e-9
-    tilt = np.arctan2(x, -y)
-    assert 0.01 < abs(tilt) < np.arctan(0.6)
-    normal = 0.5 * np.cos(tilt)
-    assert np.hypot(x, y) == pytest.approx(1.0 + normal ** (2.0 / 3.0), abs=1e-9)
 
 
 # ---- Where two events meet, where rounding decides, and on discs of any size ----
@@ -444,13 +390,6 @@ def test_a_run_that_contradicts_itself_raises():
         orbit = tampered(MOTIONS[name], change)
         with pytest.raises(InvariantError, match=message):
             check_orbit(orbit)
-
-
-def test_what_cannot_be_a_rotor_is_refused_in_one_line():
-    with pytest.raises(InputError, match=r"contact_exponent must be 1.5 or 1, got 2.0"):
-        Rotor(omega=1.0, zeta=0.1, delta0=1.0, contact_exponent=2.0)
-    with pytest.raises(InputError, match="contact_damping must be 0 without clearance"):
-        Rotor(omega=1.0, zeta=0.1, delta0=0.0, contact_damping=0.1)
 
 
 @pytest.mark.parametrize("name", ["shaft_stiffness", "contact_damping", "load"])

@@ -9,7 +9,6 @@ import pytest
 from rotor_ida import Rotor
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
-from tests.rotors import PAPER
 
 
 def kinds_of(rotor, start, duration, rtol, method="taylor"):
@@ -130,25 +129,3 @@ def test_a_pair_of_events_comes_with_the_root_of_the_distance_from_its_border(ki
             apart.append(np.diff(found.event_times).min())
         slope = np.polyfit(np.log(distances[:5]), np.log(apart[:5]), 1)[0]
         assert slope == pytest.approx(0.5, abs=0.01)
-
-
-@pytest.mark.parametrize("method", ["taylor", "adams"])
-def test_a_release_that_is_only_just_reached_is_neither_missed_nor_invented(method):
-    """The fastest departure is an extremum of the radial velocity over a contact: with a damping
-    just above or below what it is released at, there are two events or none."""
-
-    def released(damping):
-        rotor = replace(PAPER, contact_damping=damping)
-        return kinds_of(rotor, (0.3, 0.1, 0.2, 0.1), 8.0, 1e-12, method).count(-4)
-
-    low, high = 0.4, 3.0
-    assert released(low) < released(high)
-    few = released(low)
-    while high - low > 1e-12 * high:
-        middle = 0.5 * (low + high)
-        low, high = (middle, high) if released(middle) == few else (low, middle)
-    # on either side, however near, it is the same: the border is sharp
-    depths = (1e-3, 1e-5, 1e-7, 1e-9) if method == "taylor" else (1e-3, 1e-5, 1e-7)
-    for part in depths:
-        assert released(low * (1.0 - part)) == few
-        assert released(high * (1.0 + part)) > few

@@ -5,7 +5,6 @@ of limit cycles, of which the logarithms are exponents.
 """
 
 from dataclasses import replace
-from itertools import pairwise
 
 import numpy as np
 import pytest
@@ -118,15 +117,6 @@ def test_a_reversal_leaves_its_part_of_the_volume():
     assert np.linalg.det(bundle) == pytest.approx(expected, rel=1e-10)
 
 
-def test_rolling_takes_one_dimension():
-    rotor, start, _ = RUNS[2]
-    bundle = np.eye(4)
-    followed(rotor, start, DURATION, bundle)
-    sizes = np.linalg.svd(bundle)[1]
-    assert sizes[3] < 1e-14 * sizes[0]
-    assert sizes[2] > 1e-6 * sizes[0]
-
-
 @pytest.mark.parametrize("method", ["taylor", "adams"])
 def test_exponents_of_a_whip_are_the_logarithms_of_its_multipliers(method):
     """It rolls and slips for ever: a multiplier is 0, and an exponent minus infinity."""
@@ -156,22 +146,3 @@ def test_exponents_add_up_with_the_reversals():
     late = run.event_time > 50.0
     reverses = bool(((run.event_kind == REVERSE) & late).any())
     assert (found.divergence < -4.0 * rotor.zeta) == reverses
-
-
-def test_saltation_is_about_fixed_times():
-    """What a shift in time makes of a motion is carried from one side of each jump to the other."""
-    rotor, start, _ = RUNS[2]
-    seen = followed(rotor, start, DURATION)
-    times = seen.event_times[np.isin(seen.event_kinds, (ROLL, SLIP, REVERSE))]
-    middles = [0.5 * (one + other) for one, other in pairwise([0.0, *times.tolist(), DURATION])]
-    for time in middles[1:]:
-        bundle = np.eye(4)
-        followed(rotor, start, time, bundle)
-        rates = [
-            slope(lambda by, span=span: followed(rotor, start, span + by).state, 1e-4)
-            for span in (1e-3, time)
-        ]
-        begun = followed(rotor, start, 1e-3)
-        carried = np.eye(4)
-        followed(rotor, begun.state, time - 1e-3, carried)
-        np.testing.assert_allclose(rates[0] @ carried, rates[1], rtol=0.0, atol=1e-7)

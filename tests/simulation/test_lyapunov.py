@@ -62,8 +62,7 @@ def test_limit_cycles_on_rotating_axes_have_one_exponent_of_zero(rotor):
 
 
 @pytest.mark.parametrize(
-    ("rotor", "start"),
-    [(BOUNCING, REST), (FULL_CONTACT, REST), (CHAOTIC, starts_in_chaos(1)[0])],
+    ("rotor", "start"), [(BOUNCING, REST), (FULL_CONTACT, REST), (CHAOTIC, starts_in_chaos(1)[0])]
 )
 def test_sums_are_those_of_the_damping(rotor, start):
     """Liouville for all four, and the pairs of a system with uniform damping (Dressler 1988)."""

@@ -7,18 +7,14 @@ import numpy as np
 import pytest
 from scipy.integrate import simpson
 from scipy.optimize import brentq
-from scipy.special import wofz
 
 import rotor_ida
 from rotor_ida import (
-    DimensionalRotor,
     InputError,
     InvariantError,
     Rotor,
-    SimulationError,
     contact_forces,
     contact_summary,
-    dimensional,
     rotating,
     run_up,
     simulate,
@@ -28,10 +24,7 @@ from rotor_ida import (
 from rotor_ida.closed_forms import ramp_flight
 from rotor_ida.plot import plot_rotating_orbit
 from rotor_ida.simulation import run as run_module
-from rotor_ida.simulation.event_errors import _guards_of_friction
 from rotor_ida.simulation.invariants import check_orbit
-from rotor_ida.simulation.options import Options
-from rotor_ida.simulation.spin import driven, through
 from rotor_ida.verification.verify import differences, rerun
 from tests.witness import Disc, followed
 
@@ -137,35 +130,6 @@ def test_other_solvers_agree_within_their_errors(method):
     one, other = (run_up(SHAFT, method=each, rtol=1e-8, **given) for each in ("adams", method))
     rotor_ida.testing.assert_events_close(other, one)
     assert one.event_kind.values.tolist() == [1, -1, 1]
-
-
-def flown(time, rotor, rate, start):
-    """z of a flight: w = z + exp(i theta) obeys w' + 2 zeta w = 2 zeta exp(i theta) + C.
-
-    The integral of exp(p s**2 + q s) by Faddeeva's function, which neither cancels nor overflows.
-    """
-    zeta, omega, z, v = rotor.zeta, rotor.omega, complex(*start[:2]), complex(*start[2:])
-    w, moving = z + 1.0, v + 1j * omega
-    constant = moving + 2.0 * zeta * w - 2.0 * zeta
-    p, q = 0.5j * rate, 2.0 * zeta + 1j * omega
-    root = np.sqrt(-p)
-    if (root * (0.5 * q / p)).real < 0.0:
-        root = -root
-    theta = (omega + 0.5 * rate * time) * time
-    first, last = (wofz(1j * root * (s + 0.5 * q / p)) for s in (0.0, time))
-    decay = np.exp(-2.0 * zeta * time)
-    drawn = np.sqrt(np.pi) / (2.0 * root) * (decay * first - np.exp(1j * theta) * last)
-    drift = -np.expm1(-2.0 * zeta * time) / (2.0 * zeta)
-    return w * decay + constant * drift + 2.0 * zeta * drawn - np.exp(1j * theta)
-
-
-@pytest.mark.parametrize(("omega", "to", "rate"), [(0.2, 3.0, 0.05), (3.0, 0.5, -0.02)])
-def test_flight_under_a_ramp_is_an_error_function(omega, to, rate):
-    rotor = Rotor(omega=omega, zeta=0.07, delta0=50.0)
-    found = run_up(rotor, start=START, to=to, rate=rate, samples=101, rtol=1e-12, atol=1e-14)
-    assert found.sizes["event"] == 0
-    exact = flown(found.t.values, rotor, rate, START)
-    assert np.abs(found.x.values + 1j * found.y.values - exact).max() < 1e-9
 
 
 def passed(rate):
@@ -385,44 +349,17 @@ def test_what_follows_from_a_run_up():
         plot_rotating_orbit(run)
 
 
-def test_speed_and_time_of_a_machine_are_in_si_units():
-    machine = DimensionalRotor(
-        mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6, clearance=2e-6,
-        speed=600.0,
-    )  # fmt: skip
-    run = run_up(machine.rotor(), start=REST, to=1.8, rate=0.1, samples=3)
-    shown = dimensional(run, machine)
-    assert shown.speed.values == pytest.approx([600.0, 750.0, 900.0])
-    assert shown.speed.attrs["units"] == shown.event_speed.attrs["units"] == "s-1"
-    assert np.array_equal(shown.angle, run.angle)
-
-
-def test_a_torque_that_lets_the_speed_fall_through_zero_ends_the_run():
-    with pytest.raises(SimulationError, match="the speed fell through 0"):
-        run_up(PAPER, start=REST, torque=(-1.0, 0.0), inertia=2.0, duration=20.0)
-
-
 RAMP = {"to": 2.0, "rate": 0.1}
 POWER = {"torque": (1.0, 0.1), "inertia": 2.0, "duration": 10.0}
 MISTAKES = {
-    "the speed must change in one way, by to and rate or ramp_time, by speeds, or by torque and "
-    "inertia, got "
-    "none of them": {},
     "got to, rate, torque, inertia": RAMP | POWER,
     "the speed must change in one way, .*, got rate, torque": {"rate": 0.1, "torque": (1.0, 0.1)},
     "got to, rate, speeds": RAMP | {"speeds": [(0, 1), (1, 2)]},
     "rate or ramp_time must be given with to, got None": {"to": 2.0},
     "to must be given with rate, got None": {"rate": 2.0},
-    "inertia must be given with torque": {"torque": (1.0, 0.0), "duration": 1.0},
     "torque must be given with inertia": {"inertia": 1.0, "duration": 1.0},
-    "duration must be given with torque": {"torque": (1.0, 0.0), "inertia": 1.0},
-    "rate must be positive to change the speed from 0.5 to 2.0, got -0.1": RAMP | {"rate": -0.1},
-    "rate must be negative to change the speed from 0.5 to 0.1, got 0.1": RAMP | {"to": 0.1},
     "rate must be positive to change the speed from 0.5 to 2.0, got 0.0": RAMP | {"rate": 0.0},
     "to must differ from the rotor's omega 0.5": RAMP | {"to": 0.5},
-    "to must be zero or positive: a run through zero is not supported, got -1.0": {
-        "to": -1.0, "rate": -0.1,
-    },
     "to must be at most 1e\\+06": {"to": 2e6, "rate": 1.0},
     "the size of rate must lie from 1e-12 to": {"to": 2.0, "rate": 1e-30},
     "the time of the ramp must be below": {"to": 2.0, "rate": 1e-12},
@@ -433,14 +370,9 @@ MISTAKES = {
     | {"duration": 2e7, "backend": "python"},
     "the duration of a run-up must be at most 1e\\+08 with backend 'compiled'": POWER
     | {"duration": 2e8},
-    "duration must be at least 15.0, .*, got 3.0": RAMP | {"duration": 3.0},
     "inertia must be positive, got -1.0": POWER | {"inertia": -1.0},
-    "inertia must be positive, got 0.0": POWER | {"inertia": 0.0},
-    "torque must be two numbers \\(tau0, slope\\), got 1.0": POWER | {"torque": 1.0},
     "torque 0 must be|torque must be a finite": POWER | {"torque": (1.0, np.nan)},
     "times of speeds must increase, got 1.0 after 1.0": {"speeds": [(0, 1), (1, 2), (1, 3)]},
-    "the first time of speeds must be 0, got 1.0": {"speeds": [(1, 1), (2, 2)]},
-    "a speed of speeds must be zero or positive: .*, got -2.0": {"speeds": [(0, 1), (1, -2)]},
     "speeds must be two or more pairs of time and speed": {"speeds": [(0, 1)]},
     "backend must be 'auto' or 'compiled' with taylor, got 'python'": RAMP
     | {"method": "taylor", "backend": "python"},
@@ -461,28 +393,6 @@ def test_a_torque_that_never_turns_the_rotor_is_refused():
     for tau0 in (0.0, -1.0):
         with pytest.raises(InputError, match="tau0 of torque must be positive to turn a rotor"):
             run_up(resting, start=REST, **POWER | {"torque": (tau0, 0.1)})
-
-
-@pytest.mark.parametrize(
-    "course",
-    [through([(0.0, 1.2), (6.0, 1.8), (20.0, 0.4)], 20.0), driven((8.0, 1.0), 30.0, 20.0)],
-    ids=["ramps", "torque"],
-)
-def test_what_rounding_does_to_friction_is_told_by_how_fast_the_slip_changes(course):
-    options = Options(rtol=1e-12, atol=1e-14, method="taylor")
-
-    def orbit_at(*times):
-        return run_module.run(CHATTERS, START, 20.0, np.array(times), options, profile=course)
-
-    orbit, apart = orbit_at(), 1e-5
-    _, rates = _guards_of_friction(orbit)
-    stops = np.isin(orbit.event_kinds, (2, 3))
-    assert stops.sum() > 5
-    for time, rate in zip(orbit.event_times[stops][:8], rates[stops], strict=False):
-        before = orbit_at(time - 2.0 * apart, time - apart)
-        x, y, vx, vy = before.states.T
-        slip = (x * vy - y * vx) / np.hypot(x, y) + CHATTERS.disc_radius * before.speeds
-        assert abs(np.diff(slip)[0]) / apart == pytest.approx(rate, rel=1e-3)
 
 
 @pytest.mark.parametrize(("delta0", "load"), [(1.0, 0.3), (0.1, 7.0), (8.0, 0.02)])

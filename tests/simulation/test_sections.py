@@ -3,27 +3,16 @@ import math
 import numpy as np
 import pytest
 
-from rotor_ida import InputError, Rotor, poincare_section, simulate, synchronous_response
+from rotor_ida import InputError, Rotor, poincare_section, simulate
 from rotor_ida.model.equations import rotated
 from tests.rotors import WHIP
 
 REST = (0.0, 0.0, 0.0, 0.0)
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
-FULL_CONTACT = Rotor(omega=3.0, zeta=0.07, delta0=0.5)
 
 
 def states(section):
     return np.stack([section[f"rotating_{name}"] for name in ("x", "y", "vx", "vy")], axis=-1)
-
-
-def test_a_synchronous_whirl_crosses_once_a_revolution_at_one_point():
-    rotor = Rotor(omega=1.2, zeta=0.5, delta0=0.5)
-    section = poincare_section(rotor, start=REST, revolutions=5, skip=20)
-    whirl = synchronous_response(omega=1.2, zeta=0.5, delta0=0.5).isel(branch=0).squeeze()
-    point = whirl.amplitude.item() * np.exp(-1j * whirl.phase_lag.item())
-    np.testing.assert_allclose(section.rotating_x + 1j * section.rotating_y, point, atol=1e-8)
-    period = 2.0 * math.pi / 1.2
-    np.testing.assert_allclose(section.crossing_time, period * np.arange(20, 26), rtol=1e-14)
 
 
 def test_skipping_changes_neither_times_nor_states():
@@ -34,40 +23,6 @@ def test_skipping_changes_neither_times_nor_states():
         last = late.sizes["crossing"]
         np.testing.assert_allclose(late.crossing_time, long.crossing_time[-last:], atol=1e-7)
         np.testing.assert_allclose(states(late), states(long)[-last:], atol=1e-7)
-
-
-def test_entries_and_exits_are_the_events_of_the_simulation():
-    duration = 2.0 * math.pi / 2.0 * 20
-    run = simulate(BOUNCING, start=REST, duration=duration, samples=2)
-    for at, kind, sign in (("entry", 1, 1.0), ("exit", -1, -1.0)):
-        section = poincare_section(BOUNCING, start=REST, revolutions=20, at=at)
-        chosen = run.event_kind.values == kind
-        np.testing.assert_allclose(section.crossing_time, run.event_time[chosen], atol=1e-9)
-        fixed = rotated(states(section), 2.0 * section.crossing_time.values)
-        np.testing.assert_allclose(fixed[:, 0], run.event_x[chosen], atol=1e-9)
-        x, y, vx, vy = states(section).T
-        np.testing.assert_allclose(np.hypot(x, y), 2.0, rtol=1e-14)
-        assert (sign * (x * vx + y * vy) > 0.0).all()
-
-
-def test_a_limit_cycle_is_a_curve_by_revolutions_and_one_point_by_entries():
-    by_revolution = poincare_section(BOUNCING, start=REST, revolutions=40, skip=120)
-    assert np.ptp(by_revolution.rotating_x.values) > 3.0
-    by_entry = poincare_section(BOUNCING, start=REST, revolutions=40, skip=120, at="entry")
-    assert by_entry.sizes["crossing"] > 20
-    assert np.ptp(states(by_entry), axis=0).max() < 1e-7
-
-
-def test_full_contact_has_no_entries_but_two_peaks_a_cycle():
-    entries = poincare_section(FULL_CONTACT, start=REST, revolutions=40, skip=120, at="entry")
-    assert entries.sizes["crossing"] == 0
-    peaks = poincare_section(FULL_CONTACT, start=REST, revolutions=40, skip=200, at="peak")
-    x, y, vx, vy = states(peaks).T
-    assert np.abs(x * vx + y * vy).max() < 1e-6
-    radius = np.hypot(x, y)
-    assert np.ptp(radius[::2]) < 1e-8
-    assert np.ptp(radius[1::2]) < 1e-8
-    assert abs(radius[1] - radius[0]) > 0.5
 
 
 LOADED = Rotor(omega=2.0, zeta=0.05, delta0=1.0, shaft_stiffness=0.25, load=0.6)
@@ -97,43 +52,6 @@ def test_under_a_load_the_stroboscopic_section_is_at_the_angle_that_is_named(pha
     np.testing.assert_allclose(points[:4], rotated(there, np.full(4, -phase)), atol=1e-8)
 
 
-def test_sections_of_a_torus_under_a_load_never_come_again():
-    """By revolutions they are a closed curve; without load the same motion is one too."""
-    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0, load=0.01)
-    section = poincare_section(rotor, start=REST, revolutions=600, skip=400, method="taylor")
-    points = states(section)
-    apart = np.abs(points[1:] - points[0]).max(axis=1)
-    assert 1e-6 < apart.min() < 0.2
-    # as dense as a curve is: the nearest of 600 points is some 2 pi/600 of its size away
-    gaps = np.abs(points[:, None] - points[None, :]).max(axis=2) + 9.0 * np.eye(len(points))
-    assert gaps.min(axis=1).max() < 0.1
-
-
-@pytest.mark.parametrize(
-    "machine",
-    [
-        Rotor(omega=1.8, zeta=0.07, delta0=2.0, shaft_stiffness=0.02, contact_damping=0.1),
-        Rotor(omega=2.0, zeta=0.05, delta0=1.0, load=0.6, contact_exponent=1.0),
-    ],
-    ids=["without load", "under a load"],
-)
-def test_entries_and_peaks_of_a_machine_are_those_of_its_run(machine):
-    duration = 2.0 * math.pi / machine.omega * 12
-    run = simulate(machine, start=REST, duration=duration, samples=2, method="taylor")
-    entries = poincare_section(machine, start=REST, revolutions=12, at="entry", method="taylor")
-    chosen = run.event_kind.values == 1
-    assert chosen.sum() > 3
-    np.testing.assert_allclose(entries.crossing_time, run.event_time[chosen], atol=1e-10)
-    fixed = rotated(states(entries), machine.omega * entries.crossing_time.values)
-    np.testing.assert_allclose(fixed[:, 3], run.event_vy[chosen], atol=1e-9)
-    peaks = poincare_section(machine, start=REST, revolutions=12, at="peak")
-    radius = np.hypot(peaks.rotating_x.values, peaks.rotating_y.values)
-    for time, depth in zip(run.peak_time.values, run.peak_indentation.values, strict=True):
-        nearest = np.abs(peaks.crossing_time.values - time).argmin()
-        if 0.0 < time < duration:
-            assert radius[nearest] == pytest.approx(machine.delta0 + depth, rel=1e-9)
-
-
 @pytest.mark.parametrize(
     ("rotor", "wrong", "message"),
     [
@@ -157,18 +75,6 @@ def test_bad_input_is_refused(rotor, wrong, message):
 
 
 KNOCKED = (5.0, 0.0, 0.0, -6.3)
-
-
-@pytest.mark.parametrize(("at", "kind"), [("roll", 2), ("slip", -2)])
-def test_rolls_and_slips_are_the_events_of_the_simulation(at, kind):
-    """There the disc slides no longer, or not yet: ``v_t = -rho omega``."""
-    section = poincare_section(WHIP, start=KNOCKED, revolutions=4, at=at)
-    run = simulate(WHIP, start=KNOCKED, duration=8.0 * math.pi / WHIP.omega, samples=2)
-    chosen = run.event_kind.values == kind
-    assert chosen.sum() > 5
-    np.testing.assert_allclose(section.crossing_time, run.event_time[chosen], atol=1e-9)
-    x, y, vx, vy = states(section).T
-    np.testing.assert_allclose((x * vy - y * vx) / np.hypot(x, y), -6.2962981, rtol=1e-12)
 
 
 def test_dry_whip_is_one_point_by_peaks_and_skipping_in_it_changes_nothing():

@@ -64,14 +64,6 @@ def test_two_parts_of_a_run_are_the_run():
         assert abs(here * turn - there) < 1e-8
 
 
-def test_two_parts_of_a_run_of_a_system_are_the_run():
-    whole = simulate(SYSTEM, **AROUND, duration=FIRST + REST_OF)
-    first = simulate(SYSTEM, **AROUND, duration=FIRST)
-    second = simulate(SYSTEM, **AROUND, start=first, duration=REST_OF)
-    radius, expected = (np.hypot(run.x[-1], run.y[-1]).item() for run in (second, whole))
-    assert radius == pytest.approx(expected, abs=1e-8)
-
-
 def test_the_end_of_a_run_up_or_of_run_ups_begins_a_run_at_the_last_speed():
     fast = Rotor(omega=2.4, **OTHERS)
     up = run_up(BOUNCING, to=2.4, rate=0.1)

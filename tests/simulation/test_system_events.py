@@ -107,23 +107,6 @@ def test_a_start_on_the_stator():
     assert (simulate(system, gravity=(0, 9.81), **around).normal_force == 0.0).all()
 
 
-def test_a_damped_contact_is_released_and_pressed_as_that_of_one_disc():
-    rotor = Rotor(
-        omega=1.2, zeta=0.05, delta0=1.0, shaft_stiffness=0.1, contact_damping=1.0, friction=0.2,
-        disc_radius=3.0,
-    )  # fmt: skip
-    one = simulate(rotor, start=(0, 0, 3, 1), duration=40.0, method="taylor", rtol=1e-13)
-    system = rotor.system()
-    many = simulate(
-        system, speed=1.2, start=([0, 0], [3, 1]),
-        duration=40.0, rtol=1e-13,
-    )  # fmt: skip
-    assert {RELEASE, PRESS} <= set(one.event_kind.values.tolist())
-    np.testing.assert_array_equal(one.event_kind, many.event_kind)
-    np.testing.assert_allclose(one.event_time, many.event_time, rtol=1e-10)
-    assert (many.normal_force >= 0.0).all()
-
-
 def test_more_contacts_that_roll_than_modes_are_refused():
     """Two rings around one node hold it together: no force of each is determined."""
     system = RotorSystem(
@@ -135,21 +118,6 @@ def test_more_contacts_that_roll_than_modes_are_refused():
     ]
     with pytest.raises(SimulationError, match="more contacts roll than the system has modes"):
         simulate(system, contacts=rings, speed=0.0, start=([0.0, -1.3], [0, 0]), duration=5.0)
-
-
-def test_a_race_is_spun_up_at_the_rate_of_its_torque():
-    """Under constant sliding: J Omega_b' = R_b mu N, here at a settled indentation."""
-    system = RotorSystem(
-        mass=np.eye(2), stiffness=np.eye(2), damping=4.0 * np.eye(2), nodes={"d": (0, 1)},
-        static_force=[0.0, -3.0], units="1",
-    )  # fmt: skip
-    race = Race(radius=2.0, inertia=50.0)
-    contact = Contact(
-        node="d", clearance=1.0, stiffness=10.0, exponent=1.0, friction=0.1, radius=2.0, race=race
-    )
-    run = simulate(system, contacts=[contact], speed=30.0, duration=60.0)
-    impulse = run.impulse.values.sum()
-    assert run.final_state.values[-1] == pytest.approx(2.0 * 0.1 * impulse / 50.0, rel=1e-9)
 
 
 def test_a_ramp_in_pieces_is_the_ramp():
@@ -176,36 +144,6 @@ def test_a_settled_start_stays_settled():
     parts = np.column_stack([turn, turn.conj(), np.ones_like(turn)])
     left = z - parts @ np.linalg.lstsq(parts, z, rcond=None)[0]
     assert np.abs(left).max() < 1e-11 * np.abs(z).max()
-
-
-@pytest.mark.parametrize("friction", [0.0, 0.1])
-def test_a_settled_rub_is_the_exact_one(friction):
-    """Linear contact of an axisymmetric system: |1 + h|**2 d**2 + ... = 0, h = k H (1 + i mu)."""
-    chain = np.array([[2.0, -1.0], [-1.0, 1.5]])
-    both = np.eye(2)
-    system = RotorSystem(
-        mass=np.kron(np.diag([1.0, 2.0]), both), stiffness=np.kron(chain, both),
-        damping=0.2 * np.kron(np.eye(2) + 0.2 * chain, both),
-        nodes={"disc": (0, 1), "seal": (2, 3)}, units="1",
-    )  # fmt: skip
-    speed, moment, clearance, k = 0.6, 1.0, 0.3, 3.0
-    dynamic = chain - speed**2 * np.diag([1.0, 2.0])
-    dynamic = dynamic + 1j * speed * 0.2 * (np.eye(2) + 0.2 * chain)
-    b = np.array([0.0, 1.0])
-    flexibility = b @ np.linalg.solve(dynamic, b)
-    free = b @ np.linalg.solve(dynamic, speed**2 * moment * np.array([1.0, 0.0]))
-    h = k * flexibility * (1.0 + 1j * friction)
-    square = [abs(1 + h) ** 2, 2 * clearance * (1 + h.real), clearance**2 - abs(free) ** 2]
-    depths = [d.real for d in np.roots(square) if abs(d.imag) < 1e-12 and d.real > 0.0]
-    contact = Contact(
-        node="seal", clearance=clearance, stiffness=k, exponent=1.0, friction=friction, radius=50.0
-    )
-    run = simulate(
-        system, contacts=[contact], unbalance=[Unbalance(node="disc", moment=moment)], speed=speed,
-        duration=900.0, samples=[899.0, 899.5, 900.0],
-    )  # fmt: skip
-    radius = np.hypot(run.x.sel(node="seal"), run.y.sel(node="seal"))
-    np.testing.assert_allclose(radius - clearance, depths[0], rtol=1e-9)
 
 
 def on_a_stator(mass, friction, *, race=None, damping=0.4, **how):

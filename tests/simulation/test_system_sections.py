@@ -15,7 +15,6 @@ from rotor_ida import (
     poincare_section,
     save,
     simulate,
-    sweep,
 )
 from rotor_ida.verification.verify import differences, rerun
 from tests.rotors import WHIP
@@ -150,18 +149,6 @@ def test_a_constant_radius_has_no_peaks_and_one_without_contacts_no_events():
     given = {"speed": 1.3, "start": "settled", "revolutions": 5}
     assert poincare_section(system, **given, at="peak").sizes["crossing"] == 0
     assert poincare_section(system, **given, at="entry").sizes["crossing"] == 0
-
-
-def test_a_cycle_of_two_revolutions_is_two_points():
-    system = LOADED.system()
-    section = poincare_section(system, speed=2.0, revolutions=8, skip=200)
-    points = states(section)[:, 0]
-    assert np.abs(points[2:] - points[:-2]).max() < 1e-9
-    assert np.abs(points[1:] - points[:-1]).max(axis=1).min() > 0.1
-    settled = sweep(system, speed=2.0)
-    assert settled.period.item() == pytest.approx(2.0 * 2.0 * math.pi / 2.0, rel=1e-12)
-    disc = poincare_section(LOADED, revolutions=8, skip=200, method="taylor")
-    np.testing.assert_allclose(points, states(disc), atol=1e-8)
 
 
 def test_a_section_goes_on_from_where_another_ends():

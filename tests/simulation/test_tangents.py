@@ -35,32 +35,6 @@ def simulated(rotor, start, duration):
     return rotated(orbit.end, -rotor.omega * duration), orbit.event_times.size
 
 
-@pytest.mark.parametrize(
-    ("rotor", "duration"),
-    [
-        (BOUNCING, 20.0),
-        (Rotor(omega=3.0, zeta=0.07, delta0=0.5), 20.0),
-        (Rotor(omega=1.7, zeta=0.07, delta0=0.0), 20.0),
-        (Rotor(omega=0.0, zeta=0.0, delta0=0.2), 10.0),
-    ],
-)
-def test_states_are_those_of_the_simulator(rotor, duration):
-    """Another method, other variables, other event finding."""
-    expected, _ = simulated(rotor, START, duration)
-    bundle, _ = followed(rotor, START, duration, 1e-12)
-    np.testing.assert_allclose(bundle[0], expected, rtol=0.0, atol=1e-10)
-
-
-def test_error_falls_in_proportion_to_the_tolerance_through_entries_and_exits():
-    expected, events = simulated(BOUNCING, START, 20.0)
-    assert events >= 5
-    tolerances = np.array([1e-6, 1e-8, 1e-10])
-    errors = [np.abs(followed(BOUNCING, START, 20.0, rtol)[0][0] - expected).max()
-              for rtol in tolerances]  # fmt: skip
-    slope = np.polyfit(np.log10(tolerances), np.log10(errors), 1)[0]
-    assert slope == pytest.approx(1.0, abs=0.25)
-
-
 def test_largest_stretching_is_that_of_simulated_neighbours_through_contact_events():
     """Central differences over five events: no jump is missing at entry or exit.
 
@@ -117,17 +91,6 @@ def test_many_spans_are_one_flow(method):
     triangle = np.linalg.qr(whole.T)[1]
     expected = np.log(np.abs(np.diag(triangle)))
     np.testing.assert_allclose(stretches[:, :4].sum(axis=0), expected, rtol=0.0, atol=1e-7)
-
-
-def test_a_bundle_is_moved_linearly():
-    """Rows need not be the unit matrix: its image by the matrix that carries the unit matrix."""
-    rows = np.random.default_rng(1).normal(size=(4, 4))
-    moved, matrix = rows.copy(), np.eye(4)
-    for bundle in (moved, matrix):
-        follow_run(RunRequest(rotor=BOUNCING, start=START, duration=12.0, rtol=1e-12, atol=1e-14,
-                     bundle=bundle))  # fmt: skip
-    size = np.abs(matrix).max()
-    np.testing.assert_allclose(moved, rows @ matrix, rtol=0.0, atol=1e-12 * size)
 
 
 def test_a_stretching_that_is_stopped_says_how_far_it_came():

@@ -6,7 +6,6 @@ import numpy as np
 from scipy.integrate import solve_ivp
 
 from rotor_ida import Rotor, RotorSystem, Unbalance, run_up
-from rotor_ida.results.archived_system import problem_of
 
 GRAVITY = np.array([0.05, -0.3])
 UNBALANCE = [("a", 0.5, 0.3), ("b", 0.7, -1.0), ("c", 0.4, 2.0)]
@@ -68,23 +67,6 @@ def lagrange(system, start, torque, force):
                      t_eval=TIMES).y[13]  # fmt: skip
 
 
-def energy_of(system, run):
-    """Return the energy of a run at its samples, the unbalance's in the field of gravity too."""
-    q, v = (
-        np.stack([run[x], run[y]], axis=2).reshape(-1, 6) for x, y in (("x", "y"), ("vx", "vy"))
-    )
-    speed, angle = run.speed.values, run.angle.values
-    energy = 0.5 * inertia_of(system) * speed**2
-    energy += 0.5 * np.einsum("ti,ij,tj->t", v, system.mass, v)
-    energy += 0.5 * np.einsum("ti,ij,tj->t", q, system.stiffness, q)
-    energy -= q @ system.mass @ np.tile(np.eye(2), (3, 1)) @ GRAVITY
-    for node, u, p in UNBALANCE:
-        out = u * np.stack([np.cos(angle + p), np.sin(angle + p)], axis=1)
-        x, y = PLACES[node]
-        energy += speed * (out[:, 0] * v[:, y] - out[:, 1] * v[:, x]) - out @ GRAVITY
-    return energy
-
-
 def test_the_load_of_a_disc_has_the_moment_of_its_weight():
     disc = Rotor(omega=0.7, zeta=0.05, delta0=50.0, shaft_stiffness=0.3, load=0.2)
     system = disc.system()
@@ -108,14 +90,3 @@ def test_several_unbalances_have_the_moment_of_their_weight_and_other_forces_non
     weightless = run_up(system, **RUN | {"gravity": None}, torque=torque, start=start,
                         static_force=force + system.mass @ np.tile(GRAVITY, 3))  # fmt: skip
     assert np.abs(weightless.speed - exact).max() > 0.1
-
-
-def test_without_drive_and_damping_energy_is_kept_in_all_modes_too():
-    system, start = rotor(damped=False)
-    for modes in (None, 6):
-        run = run_up(system, **RUN, torque=(0.0, 0.0), start=start, modes=modes)
-        energy = energy_of(system, run)
-        np.testing.assert_allclose(energy, energy[0], rtol=1e-10)
-        again, (begun,) = problem_of(run)
-        how = {name: RUN[name] for name in ("speed", "inertia", "duration", "samples")}
-        assert run_up(again, start=begun, **how, torque=(0.0, 0.0)).speed.equals(run.speed)

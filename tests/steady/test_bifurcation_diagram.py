@@ -6,19 +6,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotor_ida import (
-    Rotor,
-    SimulationError,
-    bifurcation_diagram,
-    simulate,
-    synchronous_response,
-)
+from rotor_ida import Rotor, SimulationError, bifurcation_diagram, simulate
 from rotor_ida.closed_forms import planar_period
 from rotor_ida.core.interface import STUCK
 from rotor_ida.core.runs import follow_run
 from rotor_ida.schema import RESPONSE
 from rotor_ida.simulation import extrema
-from rotor_ida.simulation.extrema import CONSTANT, MAXIMUM, MINIMUM, radius_extrema
+from rotor_ida.simulation.extrema import MAXIMUM, MINIMUM, radius_extrema
 
 GO_ON = np.zeros(1, np.uint8)
 REST = (0.0, 0.0, 0.0, 0.0)
@@ -43,50 +37,6 @@ def test_planar_vibration_turns_back_at_its_amplitude_every_half_period():
     np.testing.assert_allclose(found.radii[highest], 2.0, rtol=1e-9)
     assert found.radii[lowest].max() < 1e-6
     assert late.sum() == int(20.0 / half)
-
-
-def test_contact_free_whirl_about_another_centre():
-    """|z| runs between ||c| - A| and |c| + A once a revolution."""
-    rotor = Rotor(omega=1.3, zeta=0.0, delta0=5.0)
-    found = radius_extrema(rotor, (-1.0 + 0.4, 0.3, 0.0, -1.3), 100.0, 1e-11, GO_ON)
-    revolutions = 100.0 * 1.3 / (2.0 * math.pi)
-    for kind, radius in ((MAXIMUM, 1.5), (MINIMUM, 0.5)):
-        chosen = found.kinds == kind
-        np.testing.assert_allclose(found.radii[chosen], radius, rtol=1e-11)
-        assert chosen.sum() in (int(revolutions), int(revolutions) + 1)
-        np.testing.assert_allclose(np.diff(found.times[chosen]), 2.0 * math.pi / 1.3, atol=1e-9)
-
-
-def test_largest_radii_of_contacts_are_those_of_the_simulation():
-    """The table of contacts has them from another method, in regularised variables."""
-    run = simulate(BOUNCING, start=(4.0, 0, 0, 0), duration=60.0, samples=2, rtol=1e-12, atol=1e-14)
-    found = radius_extrema(BOUNCING, (4.0, 0, 0, 0), 60.0, 1e-12, GO_ON)
-    # the first and the last contact may peak where the run begins or ends
-    for time, depth in zip(
-        run.peak_time.values[1:-1], run.peak_indentation.values[1:-1], strict=True
-    ):
-        nearest = np.abs(found.times - time).argmin()
-        assert found.kinds[nearest] == MAXIMUM
-        assert found.radii[nearest] == pytest.approx(2.0 + depth, rel=1e-10)
-        assert found.times[nearest] == pytest.approx(time, abs=1e-8)
-    assert (np.diff(found.kinds) != 0).all()
-
-
-def test_no_extremum_is_missed_and_none_is_outside_a_dense_run():
-    rotor = Rotor(omega=1.5, zeta=0.01, delta0=1.4)
-    found = radius_extrema(rotor, REST, 60.0, 1e-12, GO_ON)
-    run = simulate(rotor, start=REST, duration=60.0, samples=60001, rtol=1e-12, atol=1e-14)
-    rate = (run.x * run.vx + run.y * run.vy).values
-    turns = np.flatnonzero((rate[1:-1] > 0.0) != (rate[2:] > 0.0)) + 1
-    assert found.times.size == turns.size
-    np.testing.assert_allclose(found.times, run.t.values[turns], atol=1.1e-3)
-
-
-def test_constant_radius_is_given_once():
-    whirl = synchronous_response(omega=1.2, zeta=0.07, delta0=0.5).isel(branch=0).squeeze()
-    found = bifurcation_diagram(omega=1.2, zeta=0.07, delta0=0.5, starts=[REST])
-    assert found.extremum_kind.values.tolist() == [CONSTANT]
-    assert found.extremum_radius.item() == pytest.approx(whirl.amplitude.item(), rel=1e-8)
 
 
 def test_table_of_a_diagram_belongs_to_its_points():
@@ -146,24 +96,6 @@ def test_over_the_load_a_cycle_has_its_extrema_again_and_again():
     np.testing.assert_allclose(distinct, np.unique(np.round(radius[turns], 6)), atol=1e-4)
     assert distinct.size == turns.size
     assert radii.max() == pytest.approx(found.radius_max.values.ravel()[1], rel=1e-9)
-
-
-def test_any_parameter_of_a_machine_may_be_an_axis():
-    """Each point is what it is alone, with its own rotor."""
-    axes = {"shaft_stiffness": [0.1, 0.25], "contact_damping": [0.0, 0.3]}
-    both = bifurcation_diagram(contact_exponent=1.0, load=0.6, **axes, **MACHINE)
-    counts = both.extremum_count.values.ravel()
-    ends = np.cumsum(counts)
-    numbers = iter(range(4))
-    for kappa in axes["shaft_stiffness"]:
-        for damping in axes["contact_damping"]:
-            alone = bifurcation_diagram(
-                contact_exponent=1.0, load=0.6, shaft_stiffness=kappa, contact_damping=damping,
-                **MACHINE,
-            )  # fmt: skip
-            number = next(numbers)
-            part = both.extremum_radius.values[ends[number] - counts[number] : ends[number]]
-            np.testing.assert_array_equal(part, alone.extremum_radius.values)
 
 
 def test_failure_says_where(monkeypatch):

@@ -197,19 +197,6 @@ def test_the_largest_speed_of_a_race_in_an_impact_lies_between_its_events():
     np.testing.assert_array_equal(witness.race_speed_time, run.race_speed_time)
 
 
-def test_contact_damping_makes_the_force_largest_before_the_indentation():
-    given = {"contacts": [bearing("a", damping=5.0)], "speed": 0.0, "gravity": (0.0, 0.0),
-             "start": ([0.0] * 4, [0.0, -0.06, 0.0, 0.0]), "duration": 0.005}  # fmt: skip
-    run = drop(rigid(), **given, samples=2)
-    time = float(run.largest_force_time[0])
-    assert run.entry_time[0] < time < run.peak_time[0]
-    witness = drop(rigid(), **given, samples=time + 1e-6 * np.arange(-1, 2), method="adams")
-    forces = witness.normal_force.values[:, 0]
-    assert forces.argmax() == 1
-    np.testing.assert_allclose(forces[0] - forces[1], forces[2] - forces[1], rtol=1e-2)
-    np.testing.assert_allclose(forces[1], run.largest_force[0], rtol=1e-9)
-
-
 def test_dry_whip_has_the_frequency_of_the_rotor_with_its_contact_closed():
     """Two discs in steady rolling: the contact is a spring (N + i T)/A, the eigenvalue i omega."""
     chain, masses, damping = np.array([[8e6, -4e6], [-4e6, 6e6]]), np.diag([12.0, 8.0]), 2e-5
@@ -375,28 +362,6 @@ def test_what_cannot_be_dropped_is_refused_in_one_line(change, words):
     with pytest.raises(InputError, match=words) as caught:
         drop(rigid(), **given | change)
     assert "\n" not in str(caught.value)
-
-
-def test_more_modes_tell_how_far_the_events_of_a_drop_move():
-    bend = np.diff(np.eye(6), 2, axis=0)
-    stiffness = 4e6 * np.kron(bend.T @ bend, np.eye(2))
-    system = RotorSystem(
-        mass=3.0 * np.eye(12), stiffness=stiffness, damping=2e-5 * stiffness,
-        nodes={"a": (0, 1), "disc": (4, 5), "b": (10, 11)},
-    )  # fmt: skip
-    given = {"contacts": [bearing("a"), bearing("b")], "speed": 300.0, "duration": 0.011,
-             "supports": SUPPORTS, "unbalance": [Unbalance(node="disc", moment=2e-5)],
-             "inertia": POLAR}  # fmt: skip
-    few = drop(system, **given, modes=4, more_modes=6)
-    many = drop(system, **given, modes=6)
-    assert few.attrs["more_modes"] == 6
-    assert few.sizes["event"] >= 2
-    assert few.event_contact[0] == many.event_contact[0]
-    moved = abs(float(few.event_time[0] - many.event_time[0]))
-    assert moved > 1e-7
-    np.testing.assert_allclose(few.event_time_shift[0], moved, rtol=1e-3)
-    with pytest.raises(InputError, match="more_modes must be more than modes, 6, got 4"):
-        drop(system, **given, modes=6, more_modes=4)
 
 
 @pytest.mark.parametrize(("friction", "damping", "whips"), [(0.0, 10.0, False), (0.2, 10.0, False),

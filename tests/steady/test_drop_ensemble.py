@@ -188,15 +188,6 @@ def test_intervals_end_where_a_figure_must_and_few_drops_have_none():
         assert not np.isnan(inside[name][1][..., 0]).any()
 
 
-def test_a_failed_drop_has_its_reason(monkeypatch):
-    many = drop_ensemble(
-        DISC, **GIVEN, phase=[0.0], contact_damping=[1.0], unbalance_factor=[1.0, 900.0], workers=1
-    )
-    assert many.status.values.tolist() == [0, 1]
-    assert "clear of the levitated rotor" in str(many.message[1].values)
-    assert np.isnan(many.largest_force[1, 0])
-
-
 @pytest.mark.parametrize(
     ("change", "words"),
     [

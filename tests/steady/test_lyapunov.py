@@ -3,17 +3,7 @@
 import numpy as np
 import pytest
 
-from rotor_ida import (
-    DimensionalRotor,
-    InputError,
-    Rotor,
-    SimulationError,
-    lyapunov_exponent,
-    resume,
-    synchronous_response,
-)
-from rotor_ida.closed_forms import eigenvalues
-from rotor_ida.steady import lyapunov
+from rotor_ida import DimensionalRotor, InputError, Rotor, lyapunov_exponent, resume
 
 RUB = Rotor(omega=1.2, zeta=0.07, delta0=0.5, disc_radius=5.0)
 SHORT = {"transient": 50.0, "duration": 200.0, "batches": 4}
@@ -21,21 +11,6 @@ FEW = {"transient": 10, "revolutions": 80, "batches": 4}
 MACHINE = DimensionalRotor(
     mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6, clearance=5e-7, speed=600.0
 )
-
-
-def test_of_synchronous_whirls_are_the_real_parts_of_their_eigenvalues():
-    zeta, omega = [0.07, 0.3], [1.2, 1.7]
-    found = lyapunov_exponent(Rotor(omega=1.0, zeta=0.1, delta0=0.0), zeta=zeta, omega=omega)
-    assert found.lyapunov_exponent.dims == ("omega", "zeta", "exponent")
-    whirls = synchronous_response(zeta=zeta, omega=omega, delta0=0.0).amplitude
-    for at in omega:
-        for damping in zeta:
-            amplitude = float(whirls.sel(omega=at, zeta=damping, delta0=0.0).min())
-            exact = eigenvalues(amplitude, omega=at, zeta=damping, delta0=0.0)
-            np.testing.assert_allclose(
-                found.lyapunov_exponent.sel(omega=at, zeta=damping),
-                np.sort(exact.real)[::-1], rtol=0.0, atol=1e-6,
-            )  # fmt: skip
 
 
 def test_each_point_is_that_of_one_motion():
@@ -85,24 +60,6 @@ def test_a_study_of_them_is_resumed_to_the_same_bits(tmp_path):
     assert calls[0] == (1, 3)
     assert calls[-1] == (3, 3)
     assert found.identical(lyapunov_exponent(RUB, **given, workers=2))
-
-
-def test_a_point_that_fails_says_why_and_the_others_go_on(monkeypatch):
-    true = lyapunov.stretches_of
-
-    def fails_once(rotor, *given):
-        if rotor.zeta == 0.1:
-            raise SimulationError("it is stuck")
-        return true(rotor, *given)
-
-    monkeypatch.setattr(lyapunov, "stretches_of", fails_once)
-    found = lyapunov_exponent(RUB, zeta=[0.07, 0.1], **SHORT)
-    assert found.status.values.tolist() == [0, 1]
-    assert found.message.values.tolist() == ["", "it is stuck"]
-    assert np.isnan(found.lyapunov_exponent.sel(zeta=0.1)).all()
-    assert np.isfinite(found.lyapunov_exponent.sel(zeta=0.07)).all()
-    with pytest.raises(SimulationError, match="it is stuck"):
-        lyapunov_exponent(RUB, zeta=0.1, **SHORT)
 
 
 def test_a_resonance_has_no_settled_start_and_says_so():

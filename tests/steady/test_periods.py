@@ -59,17 +59,6 @@ def test_maxima_and_minima_of_a_simulated_motion_take_turns(omega, delta0, optio
     assert np.abs((place.conj() * velocity).real).max() < 1e-10
 
 
-def test_contacts_peak_at_turning_points():
-    """Peaks come from the contact phase itself, by another search."""
-    rotor, start = Rotor(omega=2.0, zeta=0.07, delta0=2.0), (0.3, 0.2, 0.1, -0.4)
-    motion = observed(rotor, start, Options())
-    contacts, found = motion.contacts, turning_points(motion)
-    for time, root in contacts[["peak_time", "peak_root"]][:-1].tolist():
-        place = np.abs(found["time"] - time).argmin()
-        assert found["time"][place] == pytest.approx(time, abs=1e-9)
-        assert found["radius"][place] == pytest.approx(2.0 + root**2, rel=1e-11)
-
-
 @pytest.mark.parametrize("options", METHODS)
 def test_through_the_centre_the_radius_is_smallest_where_it_vanishes(options):
     """Planar free vibration without clearance passes the centre, where |z| has a corner."""

@@ -15,10 +15,8 @@ from rotor_ida.steady.decision import Decision
 from rotor_ida.steady.features import features_of_disc
 from rotor_ida.steady.response import (
     BOUNCING,
-    UNRESOLVED,
     phase_lag_of,
     rolls_backwards,
-    stays_free,
     touches_fade,
     touches_grow_slighter,
     whirls_steadily,
@@ -50,13 +48,6 @@ def window(position, rotor=ROTOR, contacts=None, *, in_contact=False):
     return seen(rotor, TIMES, states, contacts, touches=touches, in_contact=in_contact)
 
 
-def test_amplitude_and_phase_lag_are_those_of_the_whirl_whatever_its_centre():
-    whirl = window(0.7 * np.exp(1j * (OMEGA * TIMES - 0.4)) + (0.1 + 0.05j))
-    features = features_of_disc(whirl, Decision(UNRESOLVED))
-    assert features.amplitude == pytest.approx(0.7, rel=1e-13)
-    assert features.phase_lag == pytest.approx(0.4, abs=1e-13)
-
-
 def test_extreme_radii_of_a_cycle_are_those_of_its_last_period():
     """Those of an earlier part were larger; between samples the extrema of the run count."""
     radius = 1.5 + 0.25 * np.cos(OMEGA * TIMES) * np.where(TIMES < 10.0, 2.0, 1.0)
@@ -80,25 +71,6 @@ def test_a_whirl_of_constant_radius_in_contact_is_synchronous_if_it_is_a_solutio
     assert whirls_steadily(window(whirl, rotor, in_contact=True))
     assert not whirls_steadily(window(1.001 * whirl, rotor, in_contact=True))
     assert not whirls_steadily(window(whirl, rotor, in_contact=False))
-
-
-def test_a_radius_that_creeps_is_no_steady_whirl():
-    creeping = (1.5 + 1e-3 * TIMES) * np.exp(1j * OMEGA * TIMES)
-    assert not whirls_steadily(window(creeping, in_contact=True))
-
-
-def test_a_whirl_stays_free_only_where_its_centre_leaves_it_room():
-    whirl = -OMEGA / (OMEGA - 0.14j) * np.exp(1j * OMEGA * TIMES)
-    roomy = Rotor(omega=OMEGA, zeta=0.07, delta0=1.5)
-    states = window(whirl, roomy).states.copy()
-    # exactly its velocity: a difference would make its centre drift
-    states[:, 2:] = np.stack([-OMEGA * states[:, 1], OMEGA * states[:, 0]], axis=-1)
-    for offset, stays in ((0.4, True), (0.6, False)):
-        moved = states + offset * np.stack(
-            [np.cos(OMEGA * TIMES), -np.sin(OMEGA * TIMES), 0 * TIMES, 0 * TIMES], axis=-1
-        )
-        assert stays_free(seen(roomy, TIMES, moved)) is stays
-        assert not stays_free(seen(roomy, TIMES, moved, touches=2))
 
 
 FADING = Rotor(omega=OMEGA, zeta=0.07, delta0=2.0)

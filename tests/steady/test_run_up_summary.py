@@ -5,15 +5,7 @@ import sys
 
 import pytest
 
-from rotor_ida import (
-    DimensionalRotor,
-    InputError,
-    Rotor,
-    run_up,
-    run_ups,
-    simulate,
-    summary,
-)
+from rotor_ida import DimensionalRotor, InputError, Rotor, run_up, run_ups, simulate, summary
 from rotor_ida.schema import words_of
 from rotor_ida.units import SPEED_UNITS
 

@@ -7,21 +7,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rotor_ida import (
-    Rotor,
-    SimulationError,
-    load,
-    run_up,
-    run_ups,
-    save,
-    summary,
-    sweep,
-)
+from rotor_ida import Rotor, SimulationError, load, run_up, run_ups, save, summary, sweep
 from rotor_ida.closed_forms import peaks
 from rotor_ida.paper.whip import is_whip
-from rotor_ida.parallel import FailedJob
 from rotor_ida.schema import ENDING, RESPONSE, flags_of, words_of
-from rotor_ida.steady import grid, run_up_outcome
+from rotor_ida.steady import run_up_outcome
 from rotor_ida.steady.run_ups import fractions_of
 
 REST = (0.0, 0.0, 0.0, 0.0)
@@ -160,18 +150,6 @@ def test_a_slow_one_meets_the_force_of_the_exact_response():
     assert later[1] < 0.5 * later[0]
 
 
-def test_fast_enough_none_touches_and_the_largest_radius_is_that_of_the_flight():
-    found = run_ups(omega=0.3, to=1.6, rate=0.3, **SHAFT).squeeze()
-    alone = run_up(
-        Rotor(omega=0.3, **SHAFT), start=REST, to=1.6, rate=0.3, samples=20_001, rtol=1e-10
-    )
-    radius = np.hypot(alone.x, alone.y)
-    assert found.contact_count.item() == found.contact_time.item() == 0
-    assert found.largest_force.item() == 0.0
-    assert found.largest_radius.item() == pytest.approx(radius.max().item(), rel=1e-7)
-    assert np.isnan([found.first_touch_speed, found.last_exit_speed]).all()
-
-
 def test_slow_and_fast_ones_end_where_the_motion_after_the_ramp_leads():
     """As a sweep settles from the same state."""
     found = run_ups(omega=0.3, to=1.6, rate=[0.005, 0.05], **SHAFT).squeeze()
@@ -220,14 +198,6 @@ def test_a_disc_that_slides_both_ways_by_turns_whips_too():
     assert float((late.x * late.vy - late.y * late.vx).max()) < 0.0
 
 
-def test_a_full_contact_forwards_is_a_rub():
-    rotor = {"zeta": 0.07, "delta0": 0.5, "friction": 0.01, "disc_radius": 100.0}
-    start = (3.0, 1.0, 0.0, 0.0)
-    found = run_ups(omega=2.9, to=3.0, rate=0.1, starts=[start], rtol=1e-8, **rotor).squeeze()
-    assert found.response.item() == RESPONSE["full_contact"]
-    assert found.ending.item() == ENDING["rub"]
-
-
 def test_fractions_are_those_that_are_counted():
     endings = np.random.default_rng(3).choice(list(ENDING.values()), size=(3, 4, 5))
     found = fractions_of(endings, (1, 2))
@@ -269,19 +239,6 @@ def test_dimensions_labels_and_archive(tmp_path):
     xr.testing.assert_identical(load(tmp_path / "run_ups.nc").drop_attrs(), found.drop_attrs())
 
 
-def test_processes_find_the_same_bits():
-    given = {"omega": 0.3, "to": 1.6, "rate": [0.05, 0.1], **SHAFT, "starts": [REST, START]}
-    calls = []
-    alone = run_ups(**given, executor="serial")
-    together = run_ups(
-        **given, executor="processes", workers=2,
-        progress=lambda done, total: calls.append((done, total)),
-    )  # fmt: skip
-    assert float(alone.largest_force.max()) > 0.0
-    xr.testing.assert_identical(alone, together)
-    assert calls[-1] == (4, 4)
-
-
 def test_one_that_fails_is_labelled_and_stops_nothing(monkeypatch):
     """On its ramp, or once it is held; what it met on the ramp is kept."""
     true_run, true_follow = run_up_outcome.run, run_up_outcome.follow_to_steady_state
@@ -319,16 +276,3 @@ def test_an_unresolved_ending_tells_what_was_tried():
     assert int(found.status) == 0
     sentence = summary(run_up(rotor, to=1.6, rate=0.3)).attrs["sentence"]
     assert f"it still rubs, and had not settled: {found.message.item()}." in sentence
-
-
-def test_one_that_is_lost_with_its_worker_is_labelled(monkeypatch):
-    def loses_the_second(work, asked, **_):
-        for number, job in enumerate(asked):
-            done = FailedJob("its worker died") if number == 1 else work(job, np.zeros(1, np.uint8))
-            yield number, done
-
-    monkeypatch.setattr(grid, "run_all", loses_the_second)
-    found = run_ups(omega=0.3, to=1.6, rate=[0.4, 0.2, 0.3], **SHAFT).squeeze()
-    # the slowest first
-    assert found.status.values.tolist() == [0, 0, 1]
-    assert found.message.values.tolist() == ["", "", "its worker died"]

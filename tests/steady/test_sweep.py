@@ -119,13 +119,9 @@ def test_dimensions_labels_and_events():
     assert len(without.to_dataframe()) == 24
 
 
-@pytest.mark.parametrize(
-    ("executor", "backend"),
-    [("threads", "compiled"), ("processes", "compiled"), ("threads", "python")],
-)
-def test_whoever_does_the_work_finds_the_same_bits(executor, backend):
-    arguments = {"omega": [1.1, 1.9], "zeta": 0.2, "delta0": [0.5, 1.5], "backend": backend,
-                 "events": True}  # fmt: skip
+@pytest.mark.parametrize("executor", ["threads", "processes"])
+def test_whoever_does_the_work_finds_the_same_bits(executor):
+    arguments = {"omega": [1.1, 1.9], "zeta": 0.2, "delta0": [0.5, 1.5], "events": True}
     calls = []
     alone = sweep(**arguments, executor="serial")
     together = sweep(
@@ -225,15 +221,6 @@ def test_dry_whip_starts_from_a_knock_and_rubs_are_those_of_the_closed_form():
     assert rubs.sel(friction=0.2).any()
     assert (compared.lies_on.where(rubs, EXACT["whirl"]) == EXACT["whirl"]).all()
     assert float(compared.digits.where(rubs).min()) > 9.0
-
-
-def test_whip_stays_while_the_speed_goes_down_and_is_not_reached_going_up():
-    given = {"zeta": 0.1, "delta0": 1.0, "friction": 0.2, "disc_radius": 10.0, "method": "taylor"}
-    speeds = [0.3, 0.5, 0.6]
-    up = sweep(omega=speeds, direction="up", **given).response.values.ravel()
-    down = sweep(omega=speeds, direction="down", starts=[KNOCKED], **given).response.values.ravel()
-    assert RESPONSE["rolling"] not in up
-    assert down.tolist() == [RESPONSE[k] for k in ("contact_free", "rolling", "rolling")]
 
 
 MACHINE = {"zeta": 0.05, "delta0": 1.0, "shaft_stiffness": 0.25, "method": "taylor"}

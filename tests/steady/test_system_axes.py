@@ -89,21 +89,6 @@ def test_one_disc_as_a_system_has_the_labels_of_one_disc_over_friction_and_clear
         == words.tolist()  # fmt: skip
 
 
-def test_along_friction_each_point_begins_where_the_one_before_ended():
-    values = [0.0, 0.1, 0.2]
-    given = {"speed": [SPEED], "clearance": 2.0}
-    found = sweep(RUB, friction=values, direction="down", **given)
-    assert found.attrs["along"] == "friction"
-    start = None
-    for value in reversed(values):
-        starts = [None] if start is None else start
-        alone = sweep(RUB, friction=value, starts=starts, **given)
-        point = found.sel(friction=value)
-        for name in ("response", "final_state", "revolutions", "amplitude"):
-            np.testing.assert_array_equal(point[name].values, alone[name].values)
-        start = alone.isel(speed=0, start=0, direction=0)
-
-
 @pytest.fixture(scope="module")
 def grid():
     return sweep(

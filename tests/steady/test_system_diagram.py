@@ -9,7 +9,6 @@ from rotor_ida import (
     Rotor,
     SimulationError,
     bifurcation_diagram,
-    concat,
     load,
     poincare_section,
     resume,
@@ -120,11 +119,7 @@ def test_up_and_down_jumps_appear_where_those_of_the_sweep_do():
     assert np.abs(up - down).max() > 1.0  # a fold lies between
 
 
-@pytest.mark.parametrize(
-    ("name", "values"),
-    [("friction", [0.0, 0.2]), ("unbalance", [0.2, 0.4]), ("clearance", [2.0, 3.0]),
-     ("damping", [1.0, 2.0]), ("stiffness", [1.0, 1.2])],
-)  # fmt: skip
+@pytest.mark.parametrize(("name", "values"), [("friction", [0.0, 0.2]), ("clearance", [2.0, 3.0])])
 def test_any_parameter_of_a_system_may_vary(name, values):
     """Each point is what it is alone."""
     given = {"speed": 1.1, "at": "revolution", "revolutions": 3}
@@ -159,18 +154,6 @@ def test_workers_studies_and_verification_leave_no_trace(at, tmp_path):
     own = [dim for dim in one.dims if dim not in one.response.dims]
     table = one.drop_dims(own).to_dataframe()
     assert table.response.size == 4
-
-
-def test_a_stroboscopic_diagram_of_a_disc_is_a_study_that_verifies(tmp_path):
-    given = {"omega": [1.2, 2.0], "starts": 2, "at": "revolution", "revolutions": 5}
-    found = bifurcation_diagram(DISC, **given, study=tmp_path / "study", direction="up")
-    assert found.rotating_x.dims == ("omega", "zeta", "delta0", "start", "direction", "crossing")
-    xr.testing.assert_identical(resume(tmp_path / "study"), found)
-    assert differences(rerun(found), found)["agrees"]
-    parts = [bifurcation_diagram(DISC, **{**given, "omega": [omega], "starts": [REST]})
-             for omega in (1.2, 2.0)]  # fmt: skip
-    whole = bifurcation_diagram(DISC, **{**given, "starts": [REST]})
-    assert concat(parts, "omega").equals(whole)
 
 
 @pytest.mark.parametrize("name", ["distance_extrema", "crossings_of_system"])

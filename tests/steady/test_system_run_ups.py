@@ -11,7 +11,6 @@ from rotor_ida import (
     InputError,
     Rotor,
     RotorSystem,
-    SimulationError,
     Unbalance,
     concat,
     load,
@@ -23,11 +22,8 @@ from rotor_ida import (
     sweep,
 )
 from rotor_ida.cli.describe import describe
-from rotor_ida.model.system_parameters import parameter_of
 from rotor_ida.plot.figures import figure_of
 from rotor_ida.results.contact_facts import columns_of_contact, contact_facts
-from rotor_ida.schema import ENDING, RESPONSE
-from rotor_ida.steady import run_up_outcome
 from rotor_ida.verification.verify import differences, rerun
 
 REST = (0.0, 0.0, 0.0, 0.0)
@@ -97,33 +93,6 @@ def test_each_is_the_run_of_run_up_and_settles_as_a_sweep_does():
             np.testing.assert_allclose(one[name], ended[name], rtol=1e-6, err_msg=name)
 
 
-@pytest.mark.parametrize(
-    ("name", "value", "fields"),
-    [
-        ("damping", 0.5, {"damping": 0.5 * TWO.damping}),
-        ("stiffness", 2.0, {"stiffness": 2.0 * TWO.stiffness}),
-        ("clearance", 0.8, {"contacts": [replace(TWO.contacts[0], clearance=0.75),
-                                         replace(TWO.contacts[1], clearance=0.8)]}),
-        ("friction", 0.25, {"contacts": [replace(each, friction=0.25) for each in TWO.contacts]}),
-        ("unbalance", 2.0, {"unbalance": [replace(TWO.unbalance[0], moment=2.0)]}),
-    ],
-)  # fmt: skip
-def test_over_a_parameter_each_is_that_of_a_system_changed_by_hand(name, value, fields):
-    own = parameter_of(TWO, name)
-    found = run_ups(TWO, **RAMP, **{name: [own, value]}, executor="serial")
-    assert found.ending.dims == ("speed", name, "rate", "phase", "start")
-    assert found.whip_fraction.dims == ("speed", name, "rate")
-    for at, system in ((own, TWO), (value, replace(TWO, **fields))):
-        part, alone = found.sel({name: at}), run_ups(system, **RAMP, executor="serial")
-        for each in alone.data_vars:
-            own_name = "contact_clearance" if (name, each) == ("clearance",) * 2 else each
-            np.testing.assert_array_equal(part[own_name], alone[each], err_msg=each)
-    over = found.largest_radius.isel(rate=0).values.reshape(2, -1)
-    assert not np.array_equal(over[0], over[1])
-    single = run_ups(TWO, **RAMP, **{name: value}, executor="serial")
-    assert single.largest_radius.equals(found.largest_radius.sel({name: value}))
-
-
 def test_one_disc_as_a_system_runs_up_as_the_disc_over_clearance_and_friction():
     """Two kernels, and the same axes by their names."""
     rotor = replace(SHAFT, disc_radius=10.0)
@@ -165,22 +134,6 @@ def test_a_run_goes_on_from_the_end_of_one():
     assert np.hypot(*on.final_state.values[:2]) == pytest.approx(radius, rel=1e-7)
 
 
-def test_an_archive_is_computed_again_and_parts_are_joined(tmp_path):
-    given = RAMP | {"executor": "serial"}
-    found = run_ups(TWO, **given)
-    save(found, tmp_path / "run_ups.nc")
-    archived = load(tmp_path / "run_ups.nc")
-    again = rerun(archived, workers=1)
-    assert again.largest_force.equals(archived.largest_force)
-    assert differences(again, archived)["agrees"]
-    forged = archived.assign(ending=archived.ending - 1)
-    assert not differences(again, forged)["agrees"]
-    parts = [run_ups(TWO, **given | {"rate": [rate]}) for rate in given["rate"]]
-    joined = concat(parts, "rate")
-    for name in ("ending", "largest_force", "end_angle"):
-        xr.testing.assert_equal(joined[name], found[name])
-
-
 def test_it_can_be_interrupted_and_shared_out(tmp_path):
     given = RAMP | {"starts": [None, "settled"]}
     whole = run_ups(TWO, **given, executor="serial")
@@ -194,25 +147,6 @@ def test_it_can_be_interrupted_and_shared_out(tmp_path):
         run_ups(TWO, **given, executor="serial", study=study, progress=interrupt)
     again = run_ups(TWO, **given, executor="threads", workers=2, study=study)
     assert again.drop_attrs().equals(whole.drop_attrs())
-
-
-def test_one_that_fails_is_labelled_and_what_happened_on_its_ramp_is_kept(monkeypatch):
-    true = run_up_outcome.settle
-
-    def fails_once(flow, state, done=[]):  # noqa: B006 - counts
-        done.append(1)
-        if len(done) == 1:
-            raise SimulationError("corrector failed")
-        return true(flow, state)
-
-    monkeypatch.setattr(run_up_outcome, "settle", fails_once)
-    found = run_ups(TWO, **RAMP, executor="serial").squeeze()
-    assert found.status.values.tolist() == [1, 0]
-    assert found.message.values.tolist() == ["corrector failed", ""]
-    assert int(found.ending[0]) == ENDING["failed"]
-    assert int(found.response[0]) == RESPONSE["failed"]
-    assert np.isfinite(found.largest_radius.values).all()
-    assert found.failed_count.values.tolist() == [1, 0]
 
 
 def test_facts_of_a_contact_that_begins_and_ends_with_the_run():
