@@ -25,7 +25,7 @@ from rotor_ida.schema import (
     labelled_dataset,
     words_of,
 )
-from tests.kinds import KINDS, REST
+from tests.example_datasets import KINDS, REST
 
 RESULTS = {
     name: KINDS[name]

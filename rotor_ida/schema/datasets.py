@@ -22,7 +22,7 @@ from rotor_ida.schema.quantities import OTHER_UNITS, QUANTITIES, UNITS
 from rotor_ida.units import dimension_of
 
 CONVENTIONS = "CF-1.11"
-# Attribute with the kind of result of a dataset, a row of `rotor_ida.results.kinds`.
+# Attribute with the kind of result of a dataset, a row of `rotor_ida.results.dataset_kinds`.
 RESULT_KIND = "result_kind"
 
 
@@ -50,7 +50,7 @@ def labelled_dataset(
 
     Variables are given by their names in `QUANTITIES`: as dimensions and values, or as labelled
     variables. Other attributes may describe, for example, the origin of the result. The kind is a
-    row of `rotor_ida.results.kinds`; results of this package always have one.
+    row of `rotor_ida.results.dataset_kinds`; results of this package always have one.
 
     Examples
     --------

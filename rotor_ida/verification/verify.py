@@ -11,12 +11,12 @@ from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.results.archived_system import NAMES, PROBLEM
-from rotor_ida.results.kinds import kind_of, why_not
+from rotor_ida.results.dataset_kinds import kind_of, why_not
 from rotor_ida.results.question import Question
 from rotor_ida.results.si_units import dimensionless, in_units_of
 from rotor_ida.signals.path import rotating
 from rotor_ida.simulation.options import Method
-from rotor_ida.verification.kinds import VERIFIED, Verification
+from rotor_ida.verification.comparison_rules import VERIFIED, Verification
 from rotor_ida.verification.questions import read_question
 from rotor_ida.verification.variables import (
     NOT_BY_METHOD,
@@ -46,7 +46,7 @@ def rerun(
     dataset : Dataset
         A result, for example one loaded from an archive: a run, sweep, run-ups, a basin, a cycle,
         its branch or bifurcation curve, also of rotor systems, or an exact result of a rotor
-        system. `rotor_ida.results.kinds` lists the kinds that can be verified.
+        system. `rotor_ida.results.dataset_kinds` lists the kinds that can be verified.
     method : {"adams", "bdf", "ida", "taylor"}, optional
         Another solver for the contacts of a run, sweep or run-up: an independent check that shares
         no step with the first.

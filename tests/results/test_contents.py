@@ -17,7 +17,7 @@ from rotor_ida.results.archive import load, open_archive, save, writing
 from rotor_ida.results.archive.checksum import content_sha256
 from rotor_ida.results.archive.content import FORMAT_NUMBER, archived_form
 from rotor_ida.schema import CONVENTIONS
-from tests.kinds import a_dataset
+from tests.example_datasets import a_dataset
 
 ADDED = (
     *("Conventions", "rotor_ida_format", "rotor_ida_version"),

@@ -25,7 +25,7 @@ from rotor_ida import (
 from rotor_ida.errors import ArchiveError, InputError
 from rotor_ida.results.archive import load, reading, save
 from rotor_ida.results.archive.checksum import append_seal
-from tests.kinds import a_dataset, in_the_numbers_of_an_earlier_version
+from tests.example_datasets import a_dataset, in_the_numbers_of_an_earlier_version
 
 
 def refused(path: Path, message: str) -> None:

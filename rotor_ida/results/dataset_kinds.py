@@ -492,7 +492,7 @@ def loaded(place: str) -> Any:
 
     Examples
     --------
-    >>> loaded("rotor_ida.results.kinds:kind_of") is kind_of
+    >>> loaded("rotor_ida.results.dataset_kinds:kind_of") is kind_of
     True
     """
     module, _, name = place.partition(":")
