@@ -11,6 +11,7 @@ from rotor_ida import (
     basin,
     basin_fractions,
     bifurcation_curve,
+    bifurcation_diagram,
     contact_summary,
     continue_attractors,
     continue_cycle,
@@ -358,3 +359,42 @@ def test_cycles_of_a_machine_are_made_again_and_those_of_another_differ(tmp_path
     name = "contact_damping" if kind == "cycle" else "start_contact_damping"
     forged = archived.assign_attrs({name: 0.051})
     assert not differences(rerun(forged), forged)["agrees"]
+
+
+def test_two_multipliers_that_nearly_coincide_differ_by_the_root_of_rounding():
+    """By mu + q/mu = tr M - 1 - q they are one where the trace is 1 + q + 2 sqrt(q)."""
+    branch = continue_cycle(ROTOR, start=(0, 0, 0, 0), limits=(1.95, 2.05))
+    q = float(np.exp(-2.0 * branch.zeta * branch.period[0]))
+
+    def with_trace(change):
+        half = 0.5 * (1.0 + change) * 2.0 * np.sqrt(q)
+        apart = np.sqrt(complex(half**2 - q))
+        pair = np.array([half + apart, half - apart])
+        values = branch.multiplier_real.values + 1j * branch.multiplier_imag.values
+        values[0] = [1.0, *pair, q]
+        dims = branch.multiplier_real.dims
+        return branch.assign(
+            multiplier_real=(dims, values.real), multiplier_imag=(dims, values.imag)
+        )
+
+    one, other = with_trace(0.0), with_trace(2e-15)
+    assert abs(one.multiplier_real - other.multiplier_real).max() > 1.5e-8
+    assert differences(other, one)["agrees"] is True
+    assert "multiplier_real differs" in differences(with_trace(1e-12), one)["trouble"]
+
+
+def test_states_of_a_stroboscopic_diagram_are_compared_in_any_order():
+    """A motion that repeats after n revolutions is known by n states, whichever comes first."""
+    made = bifurcation_diagram(
+        omega=[1.7, 2.0, 3.0], zeta=0.07, delta0=[0.5, 2.0], starts=[(0, 0, 0, 0)], at="revolution"
+    )
+    assert {1, 3} <= {*made.response.values.ravel().tolist()}
+    again = made.roll(crossing=1)
+    assert differences(again, made)["agrees"] is True
+    for response in (1, 3):
+        at = np.argwhere(
+            made.rotating_x.notnull().values & (made.response == response).values[..., None]
+        )[0]
+        forged = made.copy(deep=True)
+        forged.rotating_x.values[tuple(at)] += 0.5 * abs(made.rotating_x).max()
+        assert "rotating_x differs" in differences(again, forged)["trouble"]
