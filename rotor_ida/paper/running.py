@@ -28,7 +28,6 @@ IMPORTED = (
     "rotor_ida.basins",
     "rotor_ida.cycles.bifurcation_curve",
     "rotor_ida.cycles.branches",
-    "rotor_ida.paper.errata",
     "rotor_ida.paper.scenario",
     "rotor_ida.steady.lyapunov",
 )
