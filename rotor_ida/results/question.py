@@ -24,7 +24,7 @@ from rotor_ida.model.rotor_system import RotorSystem, name_of
 from rotor_ida.model.system_parts import Contact, Race, Stator, Support, Unbalance
 from rotor_ida.results.dataset_kinds import loaded
 from rotor_ida.results.provenance import computing
-from rotor_ida.results.studies.database import design_of, program_of
+from rotor_ida.results.studies import design_of, program_of
 from rotor_ida.texts import in_shell
 
 VALUES = {
