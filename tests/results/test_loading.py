@@ -79,7 +79,7 @@ def test_files_of_another_kind_are_refused(tmp_path: Path) -> None:
     path.write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(100))
     refused(path, "is not an archive of rotor_ida: it has no seal")
     append_seal(path)
-    refused(path, "cannot read .*, which may be damaged: HDF5 cannot list its contents")
+    refused(path, "cannot read .*, which may be damaged: HDF5 cannot open it")
     a_dataset().drop_attrs().to_netcdf(path, engine="netcdf4")
     refused(path, "it has no seal; xarray.open_dataset and ncdump may still open it")
     append_seal(path)
