@@ -216,13 +216,8 @@ def _check_new(place: Path) -> None:
 
 def _begun_with(place: Path) -> tuple[Design, int]:
     """Return the design with which a study was begun, and its number of points."""
-    refusal = f"folder must be that of a study, got {str(place)!r}"
-    try:
-        found = (place / FILE).is_file()
-    except OSError as error:
-        raise InputError(f"{refusal}: {error.strerror}") from error
-    if not found:
-        raise MissingFileError(refusal)
+    if not os.path.isfile(place / FILE):
+        raise MissingFileError(f"folder must be that of a study, got {str(place)!r}")
     told, _ = _read(place, FILE)
     if told["format"] != FORMAT:
         raise InputError(
