@@ -228,25 +228,10 @@ def test_dataset_that_netcdf_cannot_hold_is_refused(
 
 @pytest.mark.parametrize(
     "value",
-    [
-        None,
-        True,
-        np.True_,
-        {"a": 1},
-        ["a", "b"],
-        (1.0, 2.0),
-        1j,
-        2**70,
-        np.array([True]),
-        np.array(["a", "b"]),
-        np.zeros((2, 2)),
-        np.float16(1),
-        np.longdouble(1),
-        b"bytes",
-        "nul\0",
-        "\udc80",
-    ],
-)
+    [None, True, np.True_, {"a": 1}, ["a", "b"], (1.0, 2.0), 1j, 2**70, np.array([True]),
+     np.array(["a", "b"]), np.zeros((2, 2)), np.float16(1), np.longdouble(1), b"bytes", "nul\0",
+     "\udc80"],
+)  # fmt: skip
 @pytest.mark.parametrize("owner", ["the dataset", "variable 'x'"])
 def test_attribute_that_netcdf_cannot_hold_is_refused(
     value: object, owner: str, tmp_path: Path
