@@ -16,12 +16,7 @@ CENTRED = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
 HELD = Rotor(omega=0.7, zeta=0.1, delta0=1.5, shaft_stiffness=0.1)
 REST = (0.0, 0.0, 0.0, 0.0)
 MACHINE = DimensionalRotor(
-    mass=4.0,
-    contact_stiffness=1e9,
-    damping=280.0,
-    eccentricity=1e-6,
-    clearance=2e-6,
-    speed=600.0,
+    mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6, clearance=2e-6, speed=600.0
 )
 
 

@@ -106,10 +106,7 @@ ALTERED: tuple[tuple[Callable[[netCDF4.Dataset], object], str], ...] = (
     (lambda file: file.renameVariable("x", "y"), CHANGED),
     (without_coordinates, CHANGED),
     (lambda file: file.delncattr("content_sha256"), CHANGED),
-    (
-        lambda file: file.createGroup("hidden"),
-        f"{UNSOUND}it contains 'hidden', which is",
-    ),
+    (lambda file: file.createGroup("hidden"), f"{UNSOUND}it contains 'hidden', which is"),
     (lambda file: file.createCompoundType(PAIR, "complex"), "contains 'complex', which is not a v"),
     (lambda file: file.createVariable("extra", "S1", ("t",)), f"{UNSOUND}see variable 'extra'"),
     (in_format(4), f"has format 4, {READS}"),
@@ -170,8 +167,7 @@ def test_absurd_strings_are_refused(archive: Path, monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(reading, "LARGEST_CONTENT", 2000)
     monkeypatch.setattr(reading, "_refuse_absurd_sizes", lambda file, source, in_memory: None)
     path = save(
-        xr.Dataset({"message": ("start", [""] * 50 + ["x" * 50])}),
-        archive.with_name("texts.nc"),
+        xr.Dataset({"message": ("start", [""] * 50 + ["x" * 50])}), archive.with_name("texts.nc")
     )
     refused(path, "declares unreasonably long strings in 'message'")
 

@@ -10,16 +10,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rotor_ida import (
-    Rotor,
-    basin,
-    basin_fractions,
-    continue_attractors,
-    load,
-    run_ups,
-    save,
-    sweep,
-)
+from rotor_ida import Rotor, basin, basin_fractions, continue_attractors, load, run_ups, save, sweep
 from rotor_ida.errors import InputError
 from rotor_ida.results.studies import status
 from rotor_ida.results.studies.design import refuse_another
