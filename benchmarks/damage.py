@@ -35,7 +35,7 @@ import xarray as xr
 
 from rotor_ida import ArchiveError, InputError, load, save
 from rotor_ida.results.archive.checksum import append_seal
-from tests.kinds import KINDS
+from tests.example_datasets import KINDS
 from tests.results.forgeries import FORGERIES, SEALED_AGAIN
 
 SECONDS, MEBIBYTES = 5, 1024

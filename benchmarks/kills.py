@@ -103,7 +103,7 @@ def main():
             kills = disturbed(
                 STUDIES[name].split(), folder, 0.7 * alone, chance, given.kills - total
             )
-            left = sorted(set(os.listdir(folder)) - {"study.sqlite", "result.nc"})
+            left = sorted(set(os.listdir(folder)) - {"study.json", "pieces", "result.nc"})
             differing = differences(rotor_ida.load(folder / "result.nc"), result)
             total, studies = total + kills, studies + 1
             faults += bool(left) + bool(differing)

@@ -35,7 +35,8 @@ clock.append(time.perf_counter())
 rotor_ida.save(found, folder + "/result.nc")
 clock.append(time.perf_counter())
 at_last = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
-sizes = [os.path.getsize(folder + "/" + name) for name in ("study.sqlite", "result.nc")]
+pieces = [os.path.getsize(each.path) for each in os.scandir(folder + "/pieces")]
+sizes = [sum(pieces), os.path.getsize(folder + "/result.nc")]
 print(json.dumps([np.diff(clock).tolist(), sizes, at_first, at_last]))
 """
 

@@ -15,9 +15,10 @@ import sys
 
 import numpy as np
 import xarray as xr
+from scipy.integrate import solve_ivp
 
-from rotor_ida import DimensionalRotor, contact_summary, dimensional, simulate
-from rotor_ida.paper.errata import check_scaling, deviations
+from rotor_ida import DimensionalRotor, Rotor, contact_summary, dimensional, simulate
+from rotor_ida.paper.printed import reference_frequency
 from rotor_ida.paper.scenario import Settings, run_script, scientific
 from rotor_ida.plot import mixed_panels, plot_run, style
 
@@ -78,6 +79,59 @@ def draw_check(checked: xr.Dataset, settings: Settings) -> None:
         f"largest displacement, with k/m by {apart['k/m']:.2g} of it; k/m is not a squared "
         "frequency, because k is in N/(m√m).",
     )  # fmt: skip
+
+
+def check_scaling(machine: DimensionalRotor, *, duration: float) -> xr.Dataset:
+    """Integrate eq. (7) in SI units, from 2.5 eccentricities at rest, beside two scaled runs."""
+    times = np.linspace(0.0, duration * machine.time_scale, 401)
+    D = machine.eccentricity
+    orbit = dimensional_orbit(machine, times)
+    found = {"X": ("t", orbit[0]), "Y": ("t", orbit[1])}
+    frequencies = {"k sqrt(D)/m": machine.reference_frequency, "k/m": reference_frequency(machine)}
+    runs = []
+    for frequency in frequencies.values():
+        rotor = Rotor(
+            omega=machine.speed / frequency, delta0=machine.clearance / D,
+            zeta=machine.damping / (2.0 * machine.mass * frequency),
+        )  # fmt: skip
+        scaled = times * frequency
+        runs.append(simulate(rotor, start=(2.5, 0.0, 0.0, 0.0), duration=scaled[-1], samples=scaled,
+                             rtol=1e-13, atol=1e-15))  # fmt: skip
+    for name in ("x", "y"):
+        values = np.array([D * run[name].values for run in runs])
+        found[f"scaled_{name.upper()}"] = (("frequency", "t"), values)
+    axes = {"t": ("t", times, {"long_name": "time", "units": "s"}), "frequency": list(frequencies)}
+    title = "Eq. (7) beside dimensionless runs, scaled by two rules"
+    checked = xr.Dataset(found, axes, {"title": title})
+    for name, variable in checked.data_vars.items():
+        way = "of a scaled run" if "scaled" in str(name) else "by eq. (7)"
+        variable.attrs = {"long_name": f"displacement {str(name)[-1]} {way}", "units": "m"}
+    return checked
+
+
+def dimensional_orbit(machine: DimensionalRotor, times: np.ndarray) -> np.ndarray:
+    """Return X and Y of eq. (7) by SciPy, which knows of no scaling."""
+    m, k, n = machine.mass, machine.contact_stiffness, machine.damping
+    D, d, W = machine.eccentricity, machine.clearance, machine.speed
+
+    def rate(T: float, state: np.ndarray) -> list[float]:
+        X, Y, VX, VY = state
+        R = math.hypot(X, Y)
+        stiffness = k * (R - d) ** 1.5 / R if d < R else 0.0
+        push = m * D * W * W
+        return [VX, VY, (push * math.cos(W * T) - n * VX - stiffness * X) / m,
+                (push * math.sin(W * T) - n * VY - stiffness * Y) / m]  # fmt: skip
+
+    return solve_ivp(rate, (0.0, times[-1]), (2.5 * D, 0.0, 0.0, 0.0), "DOP853", times,
+                     rtol=3e-14, atol=1e-14 * D, max_step=times[-1] / times.size).y[:2]  # fmt: skip
+
+
+def deviations(checked: xr.Dataset) -> dict[str, float]:
+    """Return the largest distance of each scaled run, over the largest displacement."""
+    distance = np.hypot(checked.scaled_X - checked.X, checked.scaled_Y - checked.Y).max("t")
+    largest = np.hypot(checked.X, checked.Y).max()
+    return {str(name): float(distance.sel(frequency=name) / largest)
+            for name in checked.frequency.values}  # fmt: skip
 
 
 if __name__ == "__main__":

@@ -31,7 +31,7 @@ from rotor_ida import (
 from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.model.rotor_system import SystemParameters
 from rotor_ida.model.system_parameters import SystemAxes
-from tests.kinds import KINDS
+from tests.example_datasets import KINDS
 
 LONGEST_MESSAGE = 300
 PATHS = ("path", "study", "folder")

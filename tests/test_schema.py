@@ -14,8 +14,8 @@ from rotor_ida import (
     poincare_section,
     synchronous_response,
 )
-from rotor_ida.schema import QUANTITIES, STABILITY, flags_of, labelled, labelled_dataset, words_of
-from tests.kinds import KINDS, REST
+from rotor_ida.schema import QUANTITIES, STABILITY, flags_of, labelled, words_of
+from tests.example_datasets import KINDS, REST
 
 RESULTS = {
     name: KINDS[name]
@@ -66,29 +66,6 @@ def test_attributes_tell_how_it_was_made(name: str):
         () if name in ANALYSED else ("scikit_sundae", "sundials", "python")
     )
     assert all(attributes[f"{package}_version"] for package in packages)
-
-
-def test_a_dataset_is_the_same_without_what_xarray_keeps_to_itself(monkeypatch):
-    columns = {"amplitude": ("omega", [2.0, 3.0]), "period": ((), 4.0)}
-    coordinates = {"omega": ("omega", [1.7, 1.8]), "zeta": ((), 0.07)}
-    direct = labelled_dataset("whirls", columns, coordinates, {"start": "rest"})
-    construct = xr.Dataset._construct_direct
-
-    def by_keywords_alone(**given):
-        return construct(**given)
-
-    monkeypatch.setattr(xr.Dataset, "_construct_direct", by_keywords_alone)
-    plain = labelled_dataset("whirls", columns, coordinates, {"start": "rest"})
-    monkeypatch.undo()
-    assert plain.identical(direct)
-    assert list(plain.indexes) == list(direct.indexes)
-
-
-def test_columns_of_different_length_are_refused() -> None:
-    with pytest.raises(ValueError, match=r"^omega must be of size 2 along omega, got 1$"):
-        labelled_dataset(
-            "whirls", {"amplitude": ("omega", [2.0, 3.0])}, {"omega": ("omega", [1.7])}
-        )
 
 
 def test_flags_of_a_whole_result_become_words_on_axes_too():

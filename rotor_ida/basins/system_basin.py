@@ -24,8 +24,8 @@ from rotor_ida.model.system_parameters import SPEED
 from rotor_ida.model.varied import Varied
 from rotor_ida.parallel import Progress, choose
 from rotor_ida.results.question import Question
+from rotor_ida.results.si_units import with_system_units
 from rotor_ida.results.studies.results import Folder, open_results
-from rotor_ida.results.system_units import with_system_units
 from rotor_ida.schema import RESPONSE, by_number
 from rotor_ida.simulation.starts import Start
 from rotor_ida.steady.system_sweep import OF_CONTACT, OF_NODE

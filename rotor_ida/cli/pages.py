@@ -20,8 +20,8 @@ from rotor_ida.cli.sheets import Parts, Sheet, facts
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.results.dataset_kinds import KINDS, kind_of
 from rotor_ida.results.files import check_target, file_to_write
-from rotor_ida.results.kinds import KINDS, kind_of
 from rotor_ida.results.provenance import versions
 from rotor_ida.results.question import Question
 from rotor_ida.results.toml_files import read_toml

@@ -22,7 +22,7 @@ from rotor_ida.model.assembly import assemble
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.results.archived_system import described_problem
 from rotor_ida.results.in_si import takes_system
-from rotor_ida.results.system_units import with_system_units
+from rotor_ida.results.si_units import with_system_units
 from rotor_ida.schema import labelled_dataset
 
 

@@ -29,7 +29,7 @@ from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
 from rotor_ida.model.whirl import steps_of_turning, whirl_over_spin
 from rotor_ida.results.archived_system import OF_CONTACTS, described_problem
 from rotor_ida.results.provenance import provenance
-from rotor_ida.results.system_units import with_system_units
+from rotor_ida.results.si_units import with_system_units
 from rotor_ida.schema import (
     LINE_KIND,
     QUANTITIES,

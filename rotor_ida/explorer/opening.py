@@ -15,7 +15,7 @@ from rotor_ida.explorer.messages import (
 )
 from rotor_ida.explorer.systems import SYSTEM_RUNS, case_in, loaded, named
 from rotor_ida.model.data_sheet import KEYS, implausible
-from rotor_ida.results.kinds import kind_of
+from rotor_ida.results.dataset_kinds import kind_of
 from rotor_ida.results.machine_file import load_machine, read_data_sheet
 from rotor_ida.results.run import check_one_speed, rotor_of
 from rotor_ida.results.si_units import dimensionless, machine_of

@@ -9,8 +9,8 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.explorer.system_touches import titled
+from rotor_ida.results.dataset_kinds import kind_of
 from rotor_ida.results.depths import beyond_model
-from rotor_ida.results.kinds import kind_of
 from rotor_ida.steady.drop_words import sentence_of
 from rotor_ida.units import quantity
 

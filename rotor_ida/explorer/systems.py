@@ -35,7 +35,7 @@ from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Support
 from rotor_ida.results.archive import load
 from rotor_ida.results.archived_system import problem_of
-from rotor_ida.results.kinds import kind_of
+from rotor_ida.results.dataset_kinds import kind_of
 from rotor_ida.results.question import Question as Asked
 from rotor_ida.results.system_file import Course, read_system_file
 from rotor_ida.schema import SPECIAL, STABILITY

@@ -213,13 +213,6 @@ def check_no_load(rotor: Rotor | DimensionalRotor, what: str) -> None:
         )  # fmt: skip
 
 
-def check_papers(rotor: Rotor, what: str) -> None:
-    """Raise `InputError` for a rotor other than the paper's, where that is not supported."""
-    if rotor.beyond:
-        given = ", ".join(f"{name} {value!r}" for name, value in rotor.beyond.items())
-        raise InputError(f"the rotor of {what} must be the paper's, got {given}")
-
-
 @dataclass(frozen=True, kw_only=True, slots=True)
 class DimensionalRotor:
     """A rotor with contact and clearance, in SI units.

@@ -9,6 +9,7 @@ import struct
 from collections.abc import Iterable, Mapping
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any
 
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
@@ -96,18 +97,17 @@ def write_gallery(root: Path, scripts: Mapping[str, Path], *, failed: Iterable[s
     linked relative to the page, so the folder can be moved.
     """
     down = set(failed)
-    scenarios = [
-        _Scenario(
-            name=name,
-            title=_first_sentence(script),
-            failed=name in down,
-            figures=_figures(root / name),
-            has_script=(root / name / f"{name}.py").is_file(),
-        )
+    scenarios: list[dict[str, Any]] = [
+        {
+            "name": name, "title": _first_sentence(script), "failed": name in down,
+            "figures": _figures(root / name),
+            "has_script": (root / name / f"{name}.py").is_file(),
+        }
         for name, script in scripts.items()
         if (root / name).is_dir() or name in down
-    ]
-    verdicts = [shown for each in scenarios for shown in each.figures if shown.entry.verdict]
+    ]  # fmt: skip
+    figures = [shown for each in scenarios for shown in each["figures"]]
+    verdicts = [shown for shown in figures if shown["entry"].verdict]
     templates = Environment(
         loader=FileSystemLoader(Path(__file__).parent),
         autoescape=True,
@@ -122,31 +122,11 @@ def write_gallery(root: Path, scripts: Mapping[str, Path], *, failed: Iterable[s
     return page
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Figure:
-    """A figure on the page: its entry, place, caption, description, files and size in pixels."""
+def _figures(folder: Path) -> list[dict[str, Any]]:
+    """Return the figures in the folder of a scenario, those without texts last.
 
-    entry: Entry
-    anchor: str
-    caption: str
-    words: str
-    files: tuple[str, ...]
-    size: tuple[int, int] | None
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class _Scenario:
-    """A scenario on the page."""
-
-    name: str
-    title: str
-    failed: bool
-    figures: list[_Figure]
-    has_script: bool
-
-
-def _figures(folder: Path) -> list[_Figure]:
-    """Return the figures in the folder of a scenario, those without texts last."""
+    Each has its entry, place, caption, description, files, and size in pixels.
+    """
     entries = read_entries(folder)
     told = {entry.figure for entry in entries}
     archives = tuple(path.name for path in sorted(folder.glob("*.nc")))
@@ -156,17 +136,15 @@ def _figures(folder: Path) -> list[_Figure]:
         if path.stem not in told
     ]
     return [
-        _Figure(
-            entry=entry,
-            anchor=f"{folder.name}-{entry.figure}",
-            caption=caption_of(folder.name, entry.figure),
-            words=entry.shows or entry.figure,
-            files=(f"{entry.figure}.png", f"{entry.figure}.svg", *entry.archives),
-            size=_size(picture),
-        )
+        {
+            "entry": entry, "anchor": f"{folder.name}-{entry.figure}",
+            "caption": caption_of(folder.name, entry.figure), "words": entry.shows or entry.figure,
+            "files": (f"{entry.figure}.png", f"{entry.figure}.svg", *entry.archives),
+            "size": _size(picture),
+        }
         for entry in entries
         if (picture := folder / f"{entry.figure}.png").is_file()
-    ]
+    ]  # fmt: skip
 
 
 def caption_of(name: str, figure: str) -> str:

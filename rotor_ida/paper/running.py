@@ -8,13 +8,13 @@ import sys
 import tempfile
 import time
 from collections.abc import Generator, Mapping, Sequence
-from dataclasses import dataclass
 from itertools import islice
 from multiprocessing import get_all_start_methods, get_context, resource_tracker
 from multiprocessing.connection import wait
 from multiprocessing.context import ForkServerContext, SpawnContext
 from multiprocessing.process import BaseProcess
 from pathlib import Path
+from typing import NamedTuple
 
 from rotor_ida.paper import freshness
 from rotor_ida.parallel.pools import deaf_to_interrupts
@@ -28,28 +28,18 @@ IMPORTED = (
     "rotor_ida.basins",
     "rotor_ida.cycles.bifurcation_curve",
     "rotor_ida.cycles.branches",
-    "rotor_ida.paper.errata",
     "rotor_ida.paper.scenario",
     "rotor_ida.steady.lyapunov",
 )
 
 
-@dataclass(frozen=True, slots=True)
-class Ended:
+class Ended(NamedTuple):
     """End of a script: its exit status, captured output, and the time [s]."""
 
     name: str
     status: int
     printed: str
     seconds: float
-
-
-@dataclass(frozen=True, slots=True)
-class _Running:
-    name: str
-    process: BaseProcess
-    printed: Path | None
-    begin: float
 
 
 def run_scripts(
@@ -81,7 +71,7 @@ def run_scripts(
     context = _context()
     resource_tracker.ensure_running()  # as it starts, it lets interrupts in that are kept out
     waiting = iter(scripts.items())
-    running: list[_Running] = []
+    running: dict[str, tuple[BaseProcess, float]] = {}
     with tempfile.TemporaryDirectory() as aside:
         try:
             while True:
@@ -91,21 +81,24 @@ def run_scripts(
                         printed.touch()
                     freshness.begin(root / name)
                     given = (script, options, Path.cwd(), printed)
-                    process = context.Process(target=_run, args=given)
+                    process: BaseProcess = context.Process(target=_run, args=given)
                     with deaf_to_interrupts():  # else one is left that nobody ends
                         process.start()
-                        running.append(_Running(name, process, printed, time.monotonic()))
+                        running[name] = (process, time.monotonic())
                 if not running:
                     return
-                wait([each.process.sentinel for each in running])
-                for each in [each for each in running if not each.process.is_alive()]:
-                    running.remove(each)
-                    yield _ended(each)
+                wait([process.sentinel for process, _ in running.values()])
+                for name in [name for name in running if not running[name][0].is_alive()]:
+                    process, begin = running.pop(name)
+                    process.join()
+                    path = Path(aside, name)
+                    said = path.read_text("utf-8", errors="replace") if path.exists() else ""
+                    yield Ended(name, process.exitcode or 0, said, time.monotonic() - begin)
         finally:
-            for each in running:
-                each.process.terminate()
-            for each in running:
-                each.process.join()
+            for process, _ in running.values():
+                process.terminate()
+            for process, _ in running.values():
+                process.join()
 
 
 def _context() -> ForkServerContext | SpawnContext:
@@ -126,10 +119,3 @@ def _run(script: Path, options: Sequence[str], place: Path, printed: Path | None
                 os.dup2(file.fileno(), stream)
     sys.argv = [str(script), *options]
     runpy.run_path(str(script), run_name="__main__")
-
-
-def _ended(job: _Running) -> Ended:
-    job.process.join()
-    seconds = time.monotonic() - job.begin
-    printed = job.printed.read_text(encoding="utf-8", errors="replace") if job.printed else ""
-    return Ended(job.name, job.process.exitcode or 0, printed, seconds)

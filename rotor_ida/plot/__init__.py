@@ -9,8 +9,8 @@ these axes; one that draws several returns their figure, whose ``axes`` they are
 several values of a parameter that must have one, axes of another kind, or other units.
 
 A new plot is a function ``plot_...`` in the module of its question, exported here and drawn in
-``tests/plot/pictures.py``. `rotor_ida.results.kinds` names it if it is the figure of a kind of
-result: then `figure_of` draws it, of a rotor system with a panel for each node or contact if it
+``tests/plot/pictures.py``. `rotor_ida.results.dataset_kinds` names it if it is the figure of a kind
+of result: then `figure_of` draws it, of a rotor system with a panel for each node or contact if it
 takes one of these. `rotor_ida.cli.commands.plot` names it if the command offers it.
 """
 

@@ -41,7 +41,7 @@ from rotor_ida.plot.runs import plot_run
 from rotor_ida.plot.signals import plot_bode, plot_orbit
 from rotor_ida.results.archived_system import problem_of
 from rotor_ida.results.concat import concat
-from rotor_ida.results.kinds import KINDS, kind_of, loaded, why_not
+from rotor_ida.results.dataset_kinds import KINDS, kind_of, loaded, why_not
 from rotor_ida.results.si_units import dimensionless, in_units_of
 from rotor_ida.signals.record import Record, record_of
 

@@ -19,7 +19,7 @@ from rotor_ida.model.assembly import Assembly
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Race, Stator, Unbalance
 from rotor_ida.results.question import DESIGN, Question
-from rotor_ida.results.system_units import NOTE
+from rotor_ida.results.si_units import NOTE
 
 MATRICES = ("mass", "damping", "gyroscopic", "stiffness", "stiffness_rate")
 LAW = ("stiffness", "exponent", "damping", "friction", "radius")

@@ -99,15 +99,19 @@ def file_to_write(name: str, path: Path, *, overwrite: bool) -> Iterator[Path]:
     InputError
         If `overwrite` is false and the file exists.
     ArchiveError
-        If the system refuses to write it, for example on a full disk.
+        If the system refuses to write it, for example on a full disk, or a library cannot.
     """
     try:
         with written_whole(path, overwrite=overwrite) as part:
             yield part
     except FileExistsError:
         raise already_there(name, path) from None
-    except OSError as error:
-        raise ArchiveError(f"cannot write {path}: {error.strerror or error}") from error
+    except (OSError, RuntimeError) as error:
+        reason = getattr(error, "strerror", None)
+        if reason is None:  # netCDF hides a full disk
+            free = shutil.disk_usage(path.parent).free / 2**20
+            reason = f"{' '.join(str(error).split())} ({free:.0f} MiB are free on the disk)"
+        raise ArchiveError(f"cannot write {path}: {reason}") from error
 
 
 @contextmanager

@@ -43,8 +43,7 @@ from rotor_ida.results.si_units import (
     machine_of,
     rescaled,
 )
-from rotor_ida.results.studies.database import FILE
-from rotor_ida.results.studies.store import MACHINE_FILE
+from rotor_ida.results.studies.store import FILE, MACHINE_FILE
 
 Asked = ParamSpec("Asked")
 Found = TypeVar("Found")

@@ -22,9 +22,9 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem, name_of
 from rotor_ida.model.system_parts import Contact, Race, Stator, Support, Unbalance
-from rotor_ida.results.kinds import loaded
+from rotor_ida.results.dataset_kinds import loaded
 from rotor_ida.results.provenance import computing
-from rotor_ida.results.studies.database import design_of, program_of
+from rotor_ida.results.studies import design_of, program_of
 from rotor_ida.texts import in_shell
 
 VALUES = {

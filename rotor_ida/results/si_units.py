@@ -12,10 +12,11 @@ from rotor_ida.checks import COMPONENTS, check_between, check_instance, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, OF_MACHINE
 from rotor_ida.model.rotor import DimensionalRotor
-from rotor_ida.model.scales import UNITS_OF_ARGUMENTS, unit_of_parameter
+from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.model.scales import IS_OF_MACHINE, UNITS_OF_ARGUMENTS, unit_of_parameter
 from rotor_ida.model.scales import scale_of as scale_in
 from rotor_ida.schema import QUANTITIES, check_variables
-from rotor_ida.schema.quantities import SPECIAL_VALUES, UNITS
+from rotor_ida.schema.quantities import OTHER_UNITS, SPECIAL_VALUES, UNITS
 from rotor_ida.units import PREFIXES, SPEED_UNITS, read_in
 
 # Units of speed in rad/s; for UDUNITS a radian is 1, and Hz is 1/s too.
@@ -31,6 +32,9 @@ SUITABLE = {"length": "um", "velocity": "mm s-1", "force": "", "impulse": "", "e
 LARGE_ONES = ("slip_speed", "axial_position")
 # Dimensionless ones in some unit; that of a moment of inertia is a product of two.
 SCALES = (1e-200, 1e200)
+# Attributes of a changing speed, and the one with the note of a rotor system.
+OF_CHANGE = ("speed", "to", "rate", "speeds", "torque", "inertia")
+NOTE = "note"
 # Speeds that are relative to the reference frequency, also in SI units.
 SPEEDS = ("omega", "fold_omega", "hopf_omega", "jump_omega", "birth_omega", "cusp_omega")
 
@@ -176,25 +180,15 @@ def dimensionless(dataset: xr.Dataset) -> xr.Dataset:
 def rescaled(dataset: xr.Dataset, machine: DimensionalRotor) -> xr.Dataset:
     """Return a result without dimensions; one of another machine by the scales of `machine`."""
     plain, own = dimensionless(dataset), machine_of(dataset)
-    if own is None or (own.length_scale, own.time_scale) == (
-        machine.length_scale,
-        machine.time_scale,
-    ):
+    if own is None or _scales_of(own) == _scales_of(machine):
         return plain
-    scales = dimensional(plain, machine).attrs
-    ratios = {kind: dimensional(plain, own).attrs[f"{kind}_scale"] / scales[f"{kind}_scale"]
-              for kind in UNITS}  # fmt: skip
-    units = {name: unit_of_parameter(name) for name in ALL_PARAMETERS if name in plain.variables}
-    factors = {name: scale_in(own, unit) / scale_in(machine, unit) for name, unit in units.items()}
-    factors |= {
-        str(name): ratios[quantity.scale]
-        for name in plain.variables
-        if (quantity := QUANTITIES.get(str(name))) is not None and quantity.scale
-    }
-    return plain.assign({
-        name: plain.variables[name].copy(data=plain.variables[name].data * factor)
-        for name, factor in factors.items()
-    })  # fmt: skip
+    scales = {f"{kind}_scale": each for kind, each in _scales_of(machine).items()}
+    moved = dimensionless(dimensional(plain, own).assign_attrs(scales))
+    for name in [each for each in ALL_PARAMETERS if each in plain.variables]:
+        unit = unit_of_parameter(name)
+        factor = scale_in(own, unit) / scale_in(machine, unit)
+        moved = moved.assign({name: plain.variables[name].copy(data=plain[name].data * factor)})
+    return moved
 
 
 def complete(dataset: xr.Dataset) -> None:
@@ -306,22 +300,18 @@ def si_of(dataset: xr.Dataset, name: str) -> tuple[str, float] | None:
     machine = machine_of(dataset)
     if machine is None:
         return None
-    speed = machine.reference_frequency / SPEED_UNITS["rpm"]
-    rate = machine.reference_frequency
-    damping = 2.0 * machine.mass * rate
-    scales = {
-        **{each: (f"{each.removesuffix('omega')}speed [rpm]", speed) for each in SPEEDS},
-        "to": ("to [rpm]", speed),
-        "rate": ("rate [rpm/s]", speed * rate),
-        "zeta": ("damping [N s/m]", damping),
-        "delta0": ("clearance [m]", machine.length_scale),
-        "shaft_stiffness": ("shaft stiffness [N/m]", machine.mass * rate**2),
-        "contact_damping": ("contact damping [s/m]", 1.0 / machine.velocity_scale),
-        "load": ("load [N]", machine.force_scale),
-        "disc_radius": ("disc radius [m]", machine.length_scale),
-    }
-    found = scales.get(name)
-    return None if found is None else (found[0].replace("_", " "), found[1])
+    own = IS_OF_MACHINE.get(name, name)
+    if name in SPEEDS:
+        own, unit = f"{name.removesuffix('omega')}speed", "rad s-1"
+    elif name in {"to", "rate"}:
+        (unit,) = UNITS_OF_ARGUMENTS[name]
+    elif own in OF_MACHINE and OF_MACHINE[own].unit != "1" and not OF_MACHINE[own].sets_scales:
+        unit = OF_MACHINE[own].unit
+    else:
+        return None
+    shown_unit = {"rad s-1": "rpm", "rad s-2": "rpm/s"}.get(unit) or OF_MACHINE[own].shown_unit
+    in_one = SPEED_UNITS["rpm"] if unit.startswith("rad") else 1.0
+    return f"{own} [{shown_unit}]".replace("_", " "), scale_in(machine, unit) / in_one
 
 
 def scale_of(dataset: xr.Dataset, kind: str) -> float:
@@ -340,6 +330,23 @@ def in_rpm(speeds: xr.DataArray) -> Values | None:
     """
     factor = OF_SPEED.get(str(speeds.attrs.get("units")))
     return None if factor is None else np.asarray(speeds.values) * (factor / OF_SPEED["rpm"])
+
+
+def with_system_units(dataset: xr.Dataset, system: RotorSystem) -> xr.Dataset:
+    """Return a result with the units and the note of its system; its speeds are over no scale."""
+    if system.note:
+        dataset.attrs[NOTE] = system.note
+    if "speed" in dataset.variables:
+        dataset["speed"].attrs["long_name"] = "spin speed"
+    if system.units == "SI":
+        for name, variable in dataset.variables.items():
+            scale = QUANTITIES[str(name)].scale
+            if scale or name in OTHER_UNITS:
+                variable.attrs["units"] = UNITS[scale] if scale else OTHER_UNITS[str(name)]
+        for name in [each for each in OF_CHANGE if each in dataset.attrs]:
+            units = UNITS_OF_ARGUMENTS.get(name, ("s-1",))
+            dataset.attrs[f"{name}_units"] = ", ".join(units).replace("rad ", "")
+    return dataset
 
 
 def _scales_of(machine: DimensionalRotor) -> dict[str, float]:

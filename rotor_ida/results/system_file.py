@@ -37,10 +37,11 @@ A quantity is a number in its SI unit, or a text with a unit. Matrices are numbe
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator, Mapping
-from dataclasses import dataclass, replace
+from collections.abc import Callable, Iterator, Mapping
+from dataclasses import MISSING, dataclass, fields, replace
+from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -51,29 +52,24 @@ from rotor_ida.model.data_sheet import KEYS, OF_LINEAR, exponent_of, units_of
 from rotor_ida.model.rotor_system import UNITS, RotorSystem, check_dimensions
 from rotor_ida.model.scales import errors_in_units
 from rotor_ida.model.system_files import read_system
-from rotor_ida.model.system_parts import (
-    Contact,
-    Race,
-    Stator,
-    Support,
-    Unbalance,
-)
+from rotor_ida.model.system_parts import Contact, Race, Stator, Support, Unbalance
 from rotor_ida.results.toml_files import Table, naming, read_toml
 from rotor_ida.texts import brief
 
+Part = TypeVar("Part", Contact, Race, Stator, Support, Unbalance)
 MATRICES = ("mass", "stiffness", "damping", "gyroscopic", "stiffness_rate")
 # What may stand in each table of a file; with units where it is a number.
 TOP = ("units", "speed", "gravity", "static_force", "start", "modes", "more_modes", "system",
        "stators", "contacts", "unbalance", "run_up", "supports", "drop")  # fmt: skip
 OF_SYSTEM = (*MATRICES, "translations", "nodes", "positions")
-OF_CONTACT = {"clearance": "m", "damping": "s m-1", "friction": "1", "radius": "m"}
-KEYS_OF_CONTACT = (
-    "node", "stiffness", *OF_CONTACT, "exponent", "centre", "stator", "race",
-)  # fmt: skip
-OF_SUPPORT = {"stiffness": OF_LINEAR, "damping": "N s m-1"}
-OF_STATOR = {"mass": "kg", **OF_SUPPORT}
-OF_RACE = {"radius": "m", "inertia": "kg m2", "drag": "N m s", "speed": "rad s-1"}
-OF_UNBALANCE = {"moment": "kg m", "phase": "rad"}
+# The units of the numbers of each part; of those with a direction two, along x and y.
+UNITS_OF: dict[type, dict[str, str]] = {
+    Contact: {"clearance": "m", "damping": "s m-1", "friction": "1", "radius": "m"},
+    Support: {"stiffness": OF_LINEAR, "damping": "N s m-1"},
+    Stator: {"mass": "kg", "stiffness": OF_LINEAR, "damping": "N s m-1"},
+    Race: {"radius": "m", "inertia": "kg m2", "drag": "N m s", "speed": "rad s-1"},
+    Unbalance: {"moment": "kg m", "phase": "rad"},
+}
 OF_RUN_UP = {
     "from": "rad s-1", "to": "rad s-1", "rate": "rad s-2", "ramp_time": "s", "inertia": "kg m2",
     "duration": "s",
@@ -231,8 +227,9 @@ def _system_file(entries: Mapping[str, object], folder: Path) -> tuple[RotorSyst
     file.check(TOP, needed=("system",))
     system = _loaded(_system(file, folder), file)
     system = replace(
-        system, contacts=list(_contacts(file, _stators(file), system)),
-        supports=list(_supports(file, system)), unbalance=list(_unbalance(file, system)),
+        system, contacts=list(_contacts(file, system)),
+        supports=_at_nodes(Support, file, "supports", system),
+        unbalance=_at_nodes(Unbalance, file, "unbalance", system),
         gravity=file.pair("gravity", "m s-2") if "gravity" in entries else None,
     )  # fmt: skip
     start = _start(file)
@@ -311,52 +308,49 @@ def _loaded(system: RotorSystem, file: Table) -> RotorSystem:
     return replace(system, static_force=force)
 
 
-def _stators(file: Table) -> dict[str, Stator]:
-    """Return the stators that contacts share, by name."""
-    given = file.table("stators")
-    return {name: _stator(given.table(name)) for name in given.entries}
+def _part(kind: type[Part], table: Table, read: Mapping[str, Callable[[], Any]] = {}) -> Part:
+    """Return a part of a rotor by its fields, of which some are `read` in their own way."""
+    needed = {each.name: each.default is MISSING for each in fields(kind)}
+    table.check(tuple(needed), tuple(name for name in needed if needed[name]))
+    units, found = UNITS_OF[kind], {}
+    for key, value in table.entries.items():
+        has_sides = kind in {Stator, Support} and key != "mass"
+        if key in read:
+            found[key] = read[key]()
+        elif key in units:
+            found[key] = (table.one_or_pair if has_sides else table.number)(key, units[key])
+        else:
+            found[key] = value
+    with naming(table.place):
+        return kind(**found)
 
 
 def _stator(table: Table) -> Stator:
-    table.check((*OF_STATOR, "weight", "race"), needed=("mass", "stiffness"))
-    found: dict[str, Any] = {"mass": table.number("mass", "kg"), **table.ones_or_pairs(OF_SUPPORT)}
-    if "weight" in table.entries:
-        found["weight"] = table.entries["weight"]
-    with naming(table.place):
-        return Stator(**found, race=_race(table))
+    return _part(Stator, table, {"race": partial(_race, table)})
 
 
-def _race(table: Table) -> Race | None:
-    """Return the race of a contact or a stator."""
-    if "race" not in table.entries:
-        return None
-    race = table.table("race")
-    race.check(tuple(OF_RACE), needed=("radius", "inertia"))
-    with naming(race.place):
-        return Race(**race.numbers(OF_RACE))
+def _race(table: Table) -> Race:
+    return _part(Race, table.table("race"))
 
 
-def _contacts(file: Table, stators: Mapping[str, Stator], system: RotorSystem) -> Iterator[Contact]:
+def _contacts(file: Table, system: RotorSystem) -> Iterator[Contact]:
     """Yield the contacts, whose nodes and stators must be known."""
+    given = file.table("stators")
+    stators = {name: _stator(given.table(name)) for name in given.entries}
     used: set[str] = set()
     for table in file.tables("contacts"):
-        table.check(KEYS_OF_CONTACT, needed=("node", "clearance", "stiffness"))
-        entries = table.entries
-        found: dict[str, Any] = dict(table.numbers(OF_CONTACT))
-        found["stiffness"] = table.number("stiffness", *units_of("contact_stiffness"))
+        stiffness, stator = table.entries.get("stiffness"), table.entries.get("stator")
         names = (table.name("stiffness"), table.name("exponent"))
-        found["exponent"] = exponent_of(entries["stiffness"], entries.get("exponent"), names)
-        if "centre" in entries:
-            found["centre"] = table.pair("centre", "m")
-        stator = entries.get("stator")
-        if isinstance(stator, Mapping):
-            found["stator"] = _stator(table.table("stator"))
-        elif stator is not None:
-            found["stator"] = _named_stator(table.name("stator"), stator, stators, system)
-            used.add(str(stator))
-        race = _race(table)
-        with naming(table.place):
-            yield Contact(node=_node(table, system), **found, race=race)
+        contact = _part(Contact, table, {
+            "node": partial(_node, table, system), "race": partial(_race, table),
+            "centre": partial(table.pair, "centre", "m"),
+            "stiffness": partial(table.number, "stiffness", *units_of("contact_stiffness")),
+            "exponent": partial(table.number, "exponent", "1"),
+            "stator": partial(_stator_of, table, stators, system),
+        })  # fmt: skip
+        exponent = exponent_of(stiffness, table.entries.get("exponent"), names)
+        yield replace(contact, exponent=exponent)
+        used.add(str(stator))
     unused = [name for name in stators if name not in used]
     if unused:
         raise InputError(f"stators.{brief(unused[0])} must be the stator of a contact, got none")
@@ -365,17 +359,20 @@ def _contacts(file: Table, stators: Mapping[str, Stator], system: RotorSystem) -
 def _node(table: Table, system: RotorSystem) -> str:
     """Return the name of a node of the system."""
     node = table.entries["node"]
-    if not isinstance(node, str):
-        raise InputError(f"node must be the name of a node, got {shown(node)}")
-    system.rows(node)  # raises if it is unknown
+    with naming(table.place):
+        if not isinstance(node, str):
+            raise InputError(f"node must be the name of a node, got {shown(node)}")
+        system.rows(node)  # raises if it is unknown
     return node
 
 
-def _named_stator(
-    name: str, given: object, stators: Mapping[str, Stator], system: RotorSystem
-) -> Stator | str:
-    """Return the stator that a word names: one of the file, or a node."""
-    known = [*stators, *system.nodes]
+def _stator_of(
+    table: Table, stators: Mapping[str, Stator], system: RotorSystem
+) -> Stator | str | None:
+    """Return the stator of a contact: a table, or a word for one of the file or for a node."""
+    name, given, known = table.name("stator"), table.entries["stator"], [*stators, *system.nodes]
+    if isinstance(given, Mapping):
+        return _stator(table.table("stator"))
     if not isinstance(given, str) or given not in known:
         allowed = ", ".join(map(repr, known))
         raise InputError(
@@ -387,12 +384,11 @@ def _named_stator(
     return stators.get(given, given)
 
 
-def _unbalance(file: Table, system: RotorSystem) -> Iterator[Unbalance]:
-    for table in file.tables("unbalance"):
-        table.check(("node", *OF_UNBALANCE), needed=("node", "moment"))
-        numbers = table.numbers(OF_UNBALANCE)
-        with naming(table.place):
-            yield Unbalance(node=_node(table, system), **numbers)
+def _at_nodes(kind: type[Part], file: Table, key: str, system: RotorSystem) -> list[Part]:
+    """Return parts that are at a node of the system alone."""
+    return [
+        _part(kind, table, {"node": partial(_node, table, system)}) for table in file.tables(key)
+    ]
 
 
 def _start(file: Table) -> Any:
@@ -426,14 +422,6 @@ def _change(table: Table) -> dict[str, Any]:
     elif begin is not None:
         raise InputError("run_up.from must be left out with speeds, which begin at time 0")
     return found
-
-
-def _supports(file: Table, system: RotorSystem) -> Iterator[Support]:
-    for table in file.tables("supports"):
-        table.check(("node", *OF_SUPPORT), needed=("node", "stiffness"))
-        found: dict[str, Any] = dict(table.ones_or_pairs(OF_SUPPORT))
-        with naming(table.place):
-            yield Support(node=_node(table, system), **found)
 
 
 def _fall(table: Table) -> dict[str, Any]:

@@ -103,12 +103,6 @@ class Table:
         both = isinstance(self.entries[key], list)
         return self.pair(key, unit) if both else self.number(key, unit)
 
-    def ones_or_pairs(self, units: Mapping[str, str]) -> dict[str, float | tuple[float, float]]:
-        """Return the entries that are there, each as `one_or_pair` does."""
-        return {
-            key: self.one_or_pair(key, unit) for key, unit in units.items() if key in self.entries
-        }
-
     def table(self, key: str) -> Table:
         """Return a table within it; an empty one if it is not there."""
         value = self.entries.get(key, {})

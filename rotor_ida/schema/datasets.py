@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
-from xarray.indexes import Index, PandasIndex
 
 from rotor_ida.arrays import Column
 from rotor_ida.checks import shown
@@ -22,7 +21,7 @@ from rotor_ida.schema.quantities import OTHER_UNITS, QUANTITIES, UNITS
 from rotor_ida.units import dimension_of
 
 CONVENTIONS = "CF-1.11"
-# Attribute with the kind of result of a dataset, a row of `rotor_ida.results.kinds`.
+# Attribute with the kind of result of a dataset, a row of `rotor_ida.results.dataset_kinds`.
 RESULT_KIND = "result_kind"
 
 
@@ -50,7 +49,7 @@ def labelled_dataset(
 
     Variables are given by their names in `QUANTITIES`: as dimensions and values, or as labelled
     variables. Other attributes may describe, for example, the origin of the result. The kind is a
-    row of `rotor_ida.results.kinds`; results of this package always have one.
+    row of `rotor_ida.results.dataset_kinds`; results of this package always have one.
 
     Examples
     --------
@@ -70,27 +69,11 @@ def labelled_dataset(
         else labelled(name, *column)
         for name, column in (*variables.items(), *coordinates.items())
     }
-    indexes: dict[Hashable, Index] = {}
-    for name, variable in tuple(held.items()):
-        if variable.dims == (name,):
-            indexes[name] = index = PandasIndex(variable.values, name, variable.dtype)
-            held.update(index.create_variables({name: variable}))
     told = {"Conventions": CONVENTIONS, "title": title, **(attributes or {})}
     if kind:
         told[RESULT_KIND] = kind
-    # The public constructor compares, aligns and copies variables that are known to match. That
-    # takes 0.3 ms, as long as simulating a hundred contacts; xarray's internal one skips it.
-    names = {*coordinates, *indexes}
-    dims: dict[Hashable, int] = {}
-    for name, variable in held.items():
-        for dim, size in zip(variable.dims, variable.shape, strict=True):
-            if dims.setdefault(dim, size) != size:
-                raise ValueError(f"{name} must be of size {dims[dim]} along {dim}, got {size}")
-    try:
-        return xr.Dataset._construct_direct(held, names, dims, told, indexes)
-    except (AttributeError, TypeError):  # another version of xarray
-        plain = {name: variable for name, variable in held.items() if name not in names}
-        return xr.Dataset(plain, {name: held[name] for name in names}, told)
+    plain = {name: held.pop(name) for name in variables}
+    return xr.Dataset(plain, held, told)
 
 
 def spread(

@@ -38,7 +38,7 @@ from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
 from rotor_ida.results.run import parameter_coordinates
-from rotor_ida.results.system_units import with_system_units
+from rotor_ida.results.si_units import with_system_units
 from rotor_ida.schema import Column, labelled_dataset
 from rotor_ida.schema.flags import ENTRY, EXIT, REVERSE, ROLL, SLIP
 from rotor_ida.simulation.course import MOST_RADIANS

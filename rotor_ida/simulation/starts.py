@@ -30,7 +30,7 @@ from rotor_ida.model.assembly import Assembly, canonical
 from rotor_ida.model.axisymmetric import check_axisymmetric_parts, forward_motions
 from rotor_ida.model.contact import spring_force, spring_slope
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.results.kinds import KINDS, kind_of
+from rotor_ida.results.dataset_kinds import KINDS, kind_of
 from rotor_ida.results.si_units import dimensionless
 from rotor_ida.simulation.options import LARGEST
 

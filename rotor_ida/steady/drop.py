@@ -34,7 +34,7 @@ from rotor_ida.model.supports import held_at_centre, with_supports
 from rotor_ida.model.system_parts import Support
 from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.results.in_si import takes_system
-from rotor_ida.results.system_units import with_system_units
+from rotor_ida.results.si_units import with_system_units
 from rotor_ida.schema import labelled
 from rotor_ida.simulation.course import MOST_RADIANS, SYSTEM_LIMITS, Course, course_of, held
 from rotor_ida.simulation.runs import SystemMethod, run_of_cases

@@ -38,8 +38,8 @@ from rotor_ida.parallel import Progress, choose, shows_progress
 from rotor_ida.results.in_si import takes_system
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
+from rotor_ida.results.si_units import with_system_units
 from rotor_ida.results.studies.results import Folder
-from rotor_ida.results.system_units import with_system_units
 from rotor_ida.schema import STATUS, WHIRL_DIRECTION, labelled_dataset
 from rotor_ida.steady.drop import drop
 from rotor_ida.steady.drop_figures import NUMBERS

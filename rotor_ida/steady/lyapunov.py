@@ -32,8 +32,8 @@ from rotor_ida.parallel import Progress, choose, interruptible, shows_progress
 from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
+from rotor_ida.results.si_units import with_system_units
 from rotor_ida.results.studies.results import Folder
-from rotor_ida.results.system_units import with_system_units
 from rotor_ida.schema import labelled_dataset
 from rotor_ida.simulation.lyapunov import (
     BATCHES,

@@ -23,7 +23,7 @@ from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED, with_
 from rotor_ida.model.varied import Varied
 from rotor_ida.results.archived_system import OF_CONTACTS
 from rotor_ida.results.provenance import provenance
-from rotor_ida.results.system_units import with_system_units
+from rotor_ida.results.si_units import with_system_units
 from rotor_ida.schema import RESPONSE
 from rotor_ida.simulation.flow import Flow
 from rotor_ida.simulation.runs import LOOSEST_RTOL, TIGHTEST_RTOL

@@ -22,7 +22,7 @@ from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
 from rotor_ida.results.archived_system import problem_of
-from rotor_ida.results.kinds import kind_of
+from rotor_ida.results.dataset_kinds import kind_of
 from rotor_ida.results.question import Question
 from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.systems.flow import SettlingProblem

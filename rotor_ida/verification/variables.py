@@ -32,6 +32,10 @@ OF_CIRCLES = (
     "amplitude", "phase_lag", "node_amplitude", "node_phase_lag",
     *("rotating_x", "rotating_y", "rotating_vx", "rotating_vy"),
 )  # fmt: skip
+# Dimension of the states of a stroboscopic diagram.
+CROSSING = "crossing"
+# Error of the trace of a monodromy matrix by rounding, relative to its largest multiplier.
+ROUNDING = 1e-14
 NO_MORE = "not computed by this version"
 # Attributes that another method changes, and the difference allowed for numbers in attributes.
 OF_METHOD = ("method", "flight", "atol", "left_over_method")
@@ -80,6 +84,7 @@ def compare_variables(
     left_out: Mapping[str, str],
     tolerance: float = TOLERANCE,
     told: xr.Variable | None = None,
+    within: Mapping[str, Values] | None = None,
 ) -> Comparison:
     """Compare all variables of two results.
 
@@ -94,6 +99,8 @@ def compare_variables(
         angles in radians.
     told : Variable of bool, optional
         Where numbers are those of the motion on any processor. By default from the response.
+    within : mapping of str, optional
+        Differences allowed besides, of single variables in their units.
 
     Returns
     -------
@@ -102,19 +109,21 @@ def compare_variables(
     """
     found = Comparison()
     reasons = {**DEPENDS_ON_ROUNDING, **left_out}
+    allowed = {**_errors_of_multipliers(archived), **(within or {})}
     for name in map(str, archived.variables):
         keys = (name, *map(str, archived.variables[name].dims))
         reason = next(filter(None, map(reasons.get, keys)), "")
         if not reason and name not in again.variables:
             reason = NO_MORE
-        where = _told(archived.variables[name], _periodic(archived, name) if told is None else told)
+        known = _periodic(archived, name) if told is None else told
+        where = _told(archived.variables[name], known)
         if not reason and where.size and not where.any():
             reason = OF_NO_CIRCLE if name in OF_CIRCLES else OF_ONE_STRETCH
         if reason:
             found.left_out[name] = reason
             continue
         found.compared.append(name)
-        _compare(found, name, again, archived, where, tolerance)
+        _compare(found, name, again, archived, where, tolerance, allowed.get(name))
     return found
 
 
@@ -176,6 +185,7 @@ def _compare(
     archived: xr.Dataset,
     told: npt.NDArray[np.bool_],
     tolerance: float,
+    allowed: Values | None,
 ) -> None:
     """Compare one variable where it is reproducible, and add the differences to those found."""
     here, there = again.variables[name], archived.variables[name]
@@ -190,7 +200,13 @@ def _compare(
     differs, largest = (one != other) & told, ""
     if here.dtype.kind == there.dtype.kind == "f":
         apart = np.where(told, _relative(name, one, other, there.attrs.get("units")), 0.0)
-        differs = apart > max(tolerance, TOLERANCE_OF_VARIABLE.get(name, 0.0))
+        limit = max(tolerance, TOLERANCE_OF_VARIABLE.get(name, 0.0))
+        if CROSSING in there.dims and name in OF_CIRCLES and "response" in archived:
+            axis = there.dims.index(CROSSING)
+            apart = _in_any_order(apart, one, other, axis, limit)
+        differs = apart > limit
+        if allowed is not None:
+            differs &= ~(abs(one - other) <= allowed)
         if stated := STATED_ERROR.get(name):
             differs = ~(abs(one - other) <= again[stated].values + archived[stated].values)
         found.largest = max(found.largest, float(apart.max(initial=0.0)))
@@ -206,12 +222,61 @@ def _compare(
         )
 
 
+def _errors_of_multipliers(archived: xr.Dataset) -> dict[str, Values]:
+    """Return by how much rounding may change multipliers: as stated, or by their distances.
+
+    Two that nearly coincide are roots of a polynomial with nearly a double root, which a change of
+    its coefficients by rounding moves by the square root of that change.
+    """
+    parts = ("multiplier_real", "multiplier_imag")
+    if any(name not in archived.variables for name in parts):
+        return {}
+    dims = archived["multiplier_real"].dims
+    if "multiplier_error" in archived.variables:
+        stated = archived["multiplier_error"].transpose(*dims).values
+        return dict.fromkeys(parts, 2.0 * stated)
+    real, imag = (archived[name].transpose(..., "multiplier").values for name in parts)
+    values = real + 1j * imag
+    apart = np.abs(values[..., :, np.newaxis] - values[..., np.newaxis, :])
+    apart += np.where(np.eye(values.shape[-1]) > 0.0, math.inf, 0.0)
+    largest = np.abs(values).max(axis=-1, keepdims=True, initial=0.0)
+    nearest = np.maximum(apart.min(axis=-1, initial=math.inf), math.sqrt(ROUNDING) * largest)
+    errors = ROUNDING * largest**2 / np.where(nearest > 0.0, nearest, 1.0)
+    whole = xr.Variable((*(dim for dim in dims if dim != "multiplier"), "multiplier"), errors)
+    return dict.fromkeys(parts, whole.transpose(*dims).values)
+
+
+def _in_any_order(apart: Values, here: Values, there: Values, axis: int, limit: float) -> Values:
+    """Return differences of states once a revolution, which need not begin at the same one.
+
+    Where they differ in order, each is compared with the nearest of the others. These resolve no
+    more than their own distance, which is 0 where the motion repeats after whole revolutions.
+    """
+    apart, here, there = (np.moveaxis(each, axis, -1) for each in (apart, here, there))
+    largest = np.abs(there).max(initial=0.0, where=np.isfinite(there))
+    found = apart.copy()
+    for place in zip(*np.nonzero((apart > limit).any(axis=-1)), strict=True):
+        one, other = here[place], there[place]
+        between = np.abs(one[:, np.newaxis] - other)
+        far = np.maximum(between.min(axis=0), between.min(axis=1))
+        spacing = min(map(_spacing, (one, other)))
+        found[place] = np.where(far <= spacing, 0.0, np.nan_to_num(far / largest, nan=math.inf))
+    return np.moveaxis(found, -1, axis)
+
+
+def _spacing(values: Values) -> float:
+    """Return the largest distance of a number from the nearest of the others."""
+    gaps = np.diff(np.sort(values))
+    return float(np.minimum(np.r_[np.inf, gaps], np.r_[gaps, np.inf]).max(initial=0.0))
+
+
 def _periodic(archived: xr.Dataset, name: str) -> xr.Variable | None:
     """Return where the response has numbers of its own; None for a result without responses."""
     by = next((each for each in ("response", "kind") if each in archived.data_vars), None)
     if by is None or name in OF_POINTS:
         return None
-    words = CIRCULAR if name in OF_CIRCLES else PERIODIC
+    is_of_circles = name in OF_CIRCLES and CROSSING not in archived.variables[name].dims
+    words = CIRCULAR if is_of_circles else PERIODIC
     response = archived.variables[by]
     known = np.isin(response.values, [RESPONSE[word] for word in words])
     return xr.Variable(response.dims, known)

@@ -5,18 +5,19 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
+from rotor_ida.arrays import Values
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.results.archived_system import NAMES, PROBLEM
-from rotor_ida.results.kinds import kind_of, why_not
+from rotor_ida.results.dataset_kinds import kind_of, why_not
 from rotor_ida.results.question import Question
 from rotor_ida.results.si_units import dimensionless, in_units_of
 from rotor_ida.signals.path import rotating
 from rotor_ida.simulation.options import Method
-from rotor_ida.verification.kinds import VERIFIED, Verification
+from rotor_ida.verification.comparison_rules import VERIFIED, Verification
 from rotor_ida.verification.questions import read_question
 from rotor_ida.verification.variables import (
     NOT_BY_METHOD,
@@ -46,7 +47,7 @@ def rerun(
     dataset : Dataset
         A result, for example one loaded from an archive: a run, sweep, run-ups, a basin, a cycle,
         its branch or bifurcation curve, also of rotor systems, or an exact result of a rotor
-        system. `rotor_ida.results.kinds` lists the kinds that can be verified.
+        system. `rotor_ida.results.dataset_kinds` lists the kinds that can be verified.
     method : {"adams", "bdf", "ida", "taylor"}, optional
         Another solver for the contacts of a run, sweep or run-up: an independent check that shares
         no step with the first.
@@ -140,14 +141,15 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
     verification = _verification_of(archived)
     again, in_units, archived = dimensionless(again), archived, dimensionless(archived)
     left_out = {**verification.left_out(again, archived)}
-    tolerance = verification.tolerance(archived)
+    tolerance, within = verification.tolerance(archived), dict[str, Values]()
     if by_other := "method" in verification.attributes and len(_methods(again, archived)) > 1:
         left_out |= dict.fromkeys(missing_in(again, archived), NOT_BY_METHOD)
         tolerance = max(tolerance, TOLERANCE_OF_OTHERS)
+        within = _between_samples(archived)
     more, others = verification.also(again), verification.also(archived)
     found = compare_variables(
         again.assign(more), archived.assign(others), left_out=left_out, tolerance=tolerance,
-        told=verification.told(archived),
+        told=verification.told(archived), within=within,
     )  # fmt: skip
     compare_attributes(found, in_units_of(again, in_units), in_units, tolerance, by_other=by_other)
     is_result = any(name in archived.data_vars for name in found.compared)
@@ -164,6 +166,21 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
         "not_compared": found.left_out, "trouble": trouble,
         "core": "the same" if same else "different from that of the archive",
     }  # fmt: skip
+
+
+def _between_samples(run: xr.Dataset) -> dict[str, Values]:
+    """Return by how much a largest displacement at samples may miss that between them.
+
+    At the peak of a radius its second derivative is at most the acceleration, and the nearest
+    sample at most half an interval away. Rotor and stator may both move.
+    """
+    if not {"excursion", "clearance", "vx", "vy", "t"} <= run.variables.keys():
+        return {}
+    steps = np.diff(run["t"].values)
+    jumps = np.hypot(*(np.diff(run[name].transpose("t", ...).values, axis=0)
+                       for name in ("vx", "vy")))  # fmt: skip
+    missed = float((jumps.max(axis=1, initial=0.0) * steps).max(initial=0.0)) / 4.0
+    return {"excursion": missed / run["clearance"].values}
 
 
 def _methods(*results: xr.Dataset) -> set[object]:

@@ -19,7 +19,7 @@ import rotor_ida
 import rotor_ida.cli
 from rotor_ida.basins import following
 from rotor_ida.cli.output import working
-from rotor_ida.results.studies.database import FILE
+from rotor_ida.results.studies.store import FILE, PIECES
 
 Program = Callable[..., Any]
 
@@ -37,7 +37,7 @@ def test_a_study_holds_its_result(program: Program):
     answer = program(*SWEEP)
     assert (answer.status, answer.err) == (0, "")
     assert "wrote study/result.nc" in answer.out
-    assert sorted(os.listdir("study")) == ["result.nc", FILE]
+    assert sorted(os.listdir("study")) == [PIECES, "result.nc", FILE]
     again = program("resume", "study", "--out", "again.nc")
     assert (again.status, again.err) == (0, "")
     result, copy = rotor_ida.load("study/result.nc"), rotor_ida.load("again.nc")
@@ -72,7 +72,7 @@ def test_an_interrupt_says_how_to_go_on(program: Program):
         f"rotor-ida: interrupted; {done} of 800 points are saved in study; continue with rotor-ida "
         "resume study\n"
     )
-    assert sorted(os.listdir("study")) == [FILE]
+    assert sorted(os.listdir("study")) == [PIECES, FILE]
 
 
 def test_an_interrupt_before_it_begins_is_one_line(monkeypatch: Any, capsys: Any):
@@ -150,7 +150,7 @@ def test_what_cannot_be_drawn_is_refused_before_anything_is_computed(program: Pr
         Path(folder, "result.nc").unlink()
         answer = program("resume", folder, "--figure", "figure.png")
         assert (answer.status, answer.err) == (2, f"rotor-ida: {message}\n")
-        assert os.listdir(folder) == [FILE]
+        assert sorted(os.listdir(folder)) == [PIECES, FILE]
 
 
 def _done() -> int:
@@ -212,7 +212,7 @@ def test_an_interrupted_sample_has_no_result_yet(program: Program, monkeypatch: 
         "rotor-ida: interrupted; 512 of 2000 points are saved in study; continue with rotor-ida "
         "resume study\n"
     )
-    assert os.listdir("study") == [FILE]
+    assert sorted(os.listdir("study")) == [PIECES, FILE]
     assert not Path("out.nc").exists()
     assert program("resume", "study", "--out", "out.nc").status == 0
     result = rotor_ida.load("out.nc")

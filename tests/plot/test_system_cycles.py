@@ -5,7 +5,7 @@ import pytest
 
 from rotor_ida import InputError, plot
 from rotor_ida.plot.appearance import STABLE_CYCLE, UNSTABLE_CYCLE
-from tests.kinds import a_system_branch, a_system_curve, a_system_cycle
+from tests.example_datasets import a_system_branch, a_system_curve, a_system_cycle
 from tests.plot.pictures import words_of
 
 

@@ -17,7 +17,7 @@ from rotor_ida import (
 from rotor_ida.plot.figures import figure_of
 from rotor_ida.schema import SPECIAL
 from tests.axisymmetric_systems import beam
-from tests.kinds import in_the_numbers_of_an_earlier_version
+from tests.example_datasets import in_the_numbers_of_an_earlier_version
 from tests.plot.pictures import check_nothing_cut_off, words_of
 
 SPEEDS = np.linspace(300.0, 600.0, 31)

@@ -7,7 +7,7 @@ from pathlib import Path
 import pytest
 
 from rotor_ida import save
-from tests.kinds import a_dataset
+from tests.example_datasets import a_dataset
 
 
 @pytest.fixture

@@ -11,10 +11,10 @@ import xarray as xr
 from rotor_ida import InputError, dimensional
 from rotor_ida.cli.describe import describe
 from rotor_ida.plot.figures import figure_of
-from rotor_ida.results.kinds import KINDS, kind_of
+from rotor_ida.results.dataset_kinds import KINDS, kind_of
 from rotor_ida.schema.quantities import OTHER_UNITS
-from tests.kinds import KINDS as DATASETS
-from tests.kinds import MACHINE
+from tests.example_datasets import KINDS as DATASETS
+from tests.example_datasets import MACHINE
 
 # The other tests have each of these under another name.
 SAME = {"run_without_contact", "run_without_times", "sweep_both_ways", "system_cycle"}

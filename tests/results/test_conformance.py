@@ -14,7 +14,7 @@ import pytest
 import xarray as xr
 
 import rotor_ida
-from tests.kinds import KINDS, a_dataset, a_run, a_system_run
+from tests.example_datasets import KINDS, a_dataset, a_run, a_system_run
 
 ASKED = [
     *("get_time_variable", "guess_feature_type"),

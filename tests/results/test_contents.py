@@ -17,7 +17,7 @@ from rotor_ida.results.archive import load, open_archive, save, writing
 from rotor_ida.results.archive.checksum import content_sha256
 from rotor_ida.results.archive.content import FORMAT_NUMBER, archived_form
 from rotor_ida.schema import CONVENTIONS
-from tests.kinds import a_dataset
+from tests.example_datasets import a_dataset
 
 ADDED = (
     *("Conventions", "rotor_ida_format", "rotor_ida_version"),
@@ -228,25 +228,10 @@ def test_dataset_that_netcdf_cannot_hold_is_refused(
 
 @pytest.mark.parametrize(
     "value",
-    [
-        None,
-        True,
-        np.True_,
-        {"a": 1},
-        ["a", "b"],
-        (1.0, 2.0),
-        1j,
-        2**70,
-        np.array([True]),
-        np.array(["a", "b"]),
-        np.zeros((2, 2)),
-        np.float16(1),
-        np.longdouble(1),
-        b"bytes",
-        "nul\0",
-        "\udc80",
-    ],
-)
+    [None, True, np.True_, {"a": 1}, ["a", "b"], (1.0, 2.0), 1j, 2**70, np.array([True]),
+     np.array(["a", "b"]), np.zeros((2, 2)), np.float16(1), np.longdouble(1), b"bytes", "nul\0",
+     "\udc80"],
+)  # fmt: skip
 @pytest.mark.parametrize("owner", ["the dataset", "variable 'x'"])
 def test_attribute_that_netcdf_cannot_hold_is_refused(
     value: object, owner: str, tmp_path: Path

@@ -25,7 +25,7 @@ from rotor_ida import (
 from rotor_ida.errors import ArchiveError, InputError
 from rotor_ida.results.archive import load, reading, save
 from rotor_ida.results.archive.checksum import append_seal
-from tests.kinds import a_dataset, in_the_numbers_of_an_earlier_version
+from tests.example_datasets import a_dataset, in_the_numbers_of_an_earlier_version
 
 
 def refused(path: Path, message: str) -> None:
@@ -79,7 +79,7 @@ def test_files_of_another_kind_are_refused(tmp_path: Path) -> None:
     path.write_bytes(b"\x89HDF\r\n\x1a\n" + bytes(100))
     refused(path, "is not an archive of rotor_ida: it has no seal")
     append_seal(path)
-    refused(path, "cannot read .*, which may be damaged: HDF5 cannot list its contents")
+    refused(path, "cannot read .*, which may be damaged: HDF5 cannot open it")
     a_dataset().drop_attrs().to_netcdf(path, engine="netcdf4")
     refused(path, "it has no seal; xarray.open_dataset and ncdump may still open it")
     append_seal(path)
@@ -106,10 +106,7 @@ ALTERED: tuple[tuple[Callable[[netCDF4.Dataset], object], str], ...] = (
     (lambda file: file.renameVariable("x", "y"), CHANGED),
     (without_coordinates, CHANGED),
     (lambda file: file.delncattr("content_sha256"), CHANGED),
-    (
-        lambda file: file.createGroup("hidden"),
-        f"{UNSOUND}it contains 'hidden', which is",
-    ),
+    (lambda file: file.createGroup("hidden"), f"{UNSOUND}it contains 'hidden', which is"),
     (lambda file: file.createCompoundType(PAIR, "complex"), "contains 'complex', which is not a v"),
     (lambda file: file.createVariable("extra", "S1", ("t",)), f"{UNSOUND}see variable 'extra'"),
     (in_format(4), f"has format 4, {READS}"),
@@ -170,8 +167,7 @@ def test_absurd_strings_are_refused(archive: Path, monkeypatch: pytest.MonkeyPat
     monkeypatch.setattr(reading, "LARGEST_CONTENT", 2000)
     monkeypatch.setattr(reading, "_refuse_absurd_sizes", lambda file, source, in_memory: None)
     path = save(
-        xr.Dataset({"message": ("start", [""] * 50 + ["x" * 50])}),
-        archive.with_name("texts.nc"),
+        xr.Dataset({"message": ("start", [""] * 50 + ["x" * 50])}), archive.with_name("texts.nc")
     )
     refused(path, "declares unreasonably long strings in 'message'")
 

@@ -9,8 +9,8 @@ import pytest
 from rotor_ida import InputError, load
 from rotor_ida.cli.describe import describe
 from rotor_ida.plot.figures import figure_of
-from rotor_ida.results.kinds import KINDS, kind_of
-from rotor_ida.verification.kinds import VERIFIED
+from rotor_ida.results.dataset_kinds import KINDS, kind_of
+from rotor_ida.verification.comparison_rules import VERIFIED
 from rotor_ida.verification.verify import differences, rerun
 
 # written by the version of the folder's name; nothing in them is chaotic

@@ -10,13 +10,13 @@ import xarray as xr
 
 import rotor_ida
 from rotor_ida import InputError, Rotor, bifurcation_diagram, continue_cycle, sweep
-from rotor_ida.results.kinds import kind_of
+from rotor_ida.results.dataset_kinds import kind_of
 from rotor_ida.results.question import VERBS, Question, arguments_from
 from rotor_ida.results.studies import design_of
-from rotor_ida.verification.kinds import VERIFIED
+from rotor_ida.verification.comparison_rules import VERIFIED
 from rotor_ida.verification.resume import resume
 from rotor_ida.verification.verify import question_of
-from tests import kinds
+from tests import example_datasets
 
 SYSTEM = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
 # what each of them adds to the values that questions hold
@@ -28,10 +28,10 @@ STUDIES = {
         starts=["settled", (np.array([0.5, 0.0]), np.array([0, 0]))], rtol=1e-9, **more,
     ),
     "system branch": lambda **more: continue_cycle(
-        SYSTEM, start=kinds.a_system_cycle(), limits=(1.9, 2.1), **more
+        SYSTEM, start=example_datasets.a_system_cycle(), limits=(1.9, 2.1), **more
     ),
     "branch of doubled cycles": lambda **more: continue_cycle(
-        Rotor(omega=2.0, zeta=0.07, delta0=2.0), start=kinds.a_branch().isel(special=0),
+        Rotor(omega=2.0, zeta=0.07, delta0=2.0), start=example_datasets.a_branch().isel(special=0),
         limits=(1.75, 1.85), points=20, **more,
     ),
     "diagram at a rate": lambda **more: bifurcation_diagram(
@@ -43,7 +43,7 @@ STUDIES = {
 
 @pytest.mark.parametrize("name", ASKED)
 def test_it_comes_back_from_json(name):
-    question = question_of(kinds.KINDS[name]())
+    question = question_of(example_datasets.KINDS[name]())
     text = question.text()
     again = Question.of_text(text)
     assert (again.verb, again.text()) == (question.verb, text)
@@ -94,9 +94,9 @@ def test_no_text_chooses_where_a_study_is_or_its_workers():
     assert Question.of_text(text) == Question("sweep", {"omega": 1.0})
 
 
-@pytest.mark.parametrize("name", kinds.KINDS)
+@pytest.mark.parametrize("name", example_datasets.KINDS)
 def test_a_result_keeps_its_question(name):
-    made = kinds.KINDS[name]()
+    made = example_datasets.KINDS[name]()
     kept = Question.of_result(made)
     if kind_of(made) not in VERIFIED:
         return

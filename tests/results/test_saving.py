@@ -20,7 +20,7 @@ import pytest
 
 from rotor_ida.errors import ArchiveError, InputError
 from rotor_ida.results.archive import load, save, writing
-from tests.kinds import a_dataset
+from tests.example_datasets import a_dataset
 
 
 def leftovers(folder: Path, *expected: str) -> list[str]:

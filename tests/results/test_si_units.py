@@ -16,9 +16,7 @@ from rotor_ida import (
     contact_forces,
     contact_summary,
     dimensional,
-    limit_cycle,
     load,
-    lyapunov_exponent,
     rotating,
     run_up,
     save,
@@ -28,7 +26,6 @@ from rotor_ida import (
 )
 from rotor_ida.cli.describe import describe
 from rotor_ida.plot import plot_extrema
-from rotor_ida.results.in_si import without_dimensions
 from rotor_ida.results.si_units import dimensionless
 from rotor_ida.schema import QUANTITIES, labelled
 from rotor_ida.schema.quantities import UNITS
@@ -76,31 +73,6 @@ def test_scales_say_what_one_is_in_the_units_chosen(plain):
 def test_units_may_be_written_as_readers_do(plain, kind, wanted, written):
     shown = dimensional(plain, MACHINE, units={kind: wanted})
     assert shown[{"length": "x", "velocity": "vx", "time": "t"}[kind]].attrs["units"] == written
-
-
-def test_a_limit_cycle_has_a_period_in_seconds_and_forces_in_newtons():
-    """Sampled over one period of the machine, the motion closes and has its largest force."""
-    machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6,
-                               clearance=2e-6, speed=1000.0)  # fmt: skip
-    found = limit_cycle(machine.rotor(), start=REST)
-    shown = dimensional(found, machine)
-    force = 1e9 * max(shown.radius_max.item() - 2e-6, 0.0) ** 1.5
-    assert shown.largest_force.item() == pytest.approx(force, rel=1e-12)
-    assert shown.period.item() == pytest.approx(found.period.item() * machine.time_scale, rel=1e-15)
-    units = {"period": "s", "period_error": "s", "t": "s", "radius_max": "m", "x": "m",
-             "vx": "m s-1", "largest_force": "N", "impulse_per_period": "N s", "frequency": "s-1",
-             "whirl_amplitude": "m", "multiplier_real": "1", "contact_count": "1"}  # fmt: skip
-    assert {name: shown[name].attrs["units"] for name in units} == units
-    assert shown.t.values[-1] == pytest.approx(shown.period.item(), rel=1e-15)
-    spin = shown.frequency.values[shown.line_kind.values == 0]
-    assert spin == pytest.approx(1000.0, rel=1e-12)
-
-
-def test_rates_are_per_second():
-    found = lyapunov_exponent(MACHINE.rotor(), start=REST, duration=200.0)
-    shown = dimensional(found, MACHINE, units={"rate": "1/s", "time": "ms"})
-    assert shown.running_exponent.attrs["units"] == "s-1"
-    assert shown.attrs["rate_scale"] == MACHINE.reference_frequency
 
 
 def test_parameters_beyond_the_papers_stay_and_forces_follow_the_contact_law():
@@ -153,15 +125,6 @@ def test_an_analysis_of_a_run_in_si_units_is_in_them(plain, analysis):
     assert found.attrs.keys() == expected.attrs.keys()
     units = {name: found[name].attrs.get("units") for name in found.variables}
     assert units == {name: expected[name].attrs.get("units") for name in expected.variables}
-
-
-def test_the_summary_of_a_run_in_si_units_adds_up_its_contacts(plain):
-    in_si = dimensional(plain, MACHINE)
-    summary = contact_summary(in_si)
-    contacts = in_si.exit_time.fillna(in_si.t[-1]) - in_si.entry_time.fillna(0.0)
-    held = float(contacts.sum() / in_si.t[-1])
-    assert summary.contact_fraction.item() == pytest.approx(held, rel=1e-12)
-    assert summary.total_impulse.item() == pytest.approx(float(in_si.impulse.sum()), rel=1e-12)
 
 
 def test_responses_in_si_units_are_compared_with_exact_ones_in_them():
@@ -249,18 +212,6 @@ def test_how_a_speed_changed_is_told_in_the_units_it_was_given_in():
     assert (shown.attrs["torque_units"], shown.attrs["inertia_units"]) == ("N m, N m s", "kg m2")
     record, _ = describe(shown)
     assert record["torque"] == pytest.approx([STALL, SLOPE], rel=1e-14)
-
-
-def test_a_motor_by_hand():
-    """omega_0 is the root of k sqrt(D)/m = 25,298/s2, and m D^2 is 4e-10 kg m2."""
-    rate = math.sqrt(3.2e7 * math.sqrt(1e-5) / 4.0)
-    asked = {"torque": (STALL, SLOPE), "inertia": INERTIA, "duration": 2.0}
-    found = without_dimensions(TURNED, asked)
-    assert found["inertia"] == pytest.approx(4e-6 / 4e-10, rel=1e-14)
-    assert found["torque"] == pytest.approx(
-        [STALL / (4e-10 * rate**2), SLOPE / (4e-10 * rate)], rel=1e-14
-    )
-    assert found["duration"] == pytest.approx(2.0 * rate, rel=1e-14)
 
 
 def test_a_bifurcation_diagram_in_si_units_has_its_rate_and_lengths_in_them(tmp_path):

@@ -20,7 +20,7 @@ from rotor_ida.schema import STATUS
 from rotor_ida.simulation.extrema import CONSTANT, MAXIMUM, MINIMUM
 from rotor_ida.steady import bifurcation_diagram as diagram_module
 from rotor_ida.verification.verify import differences, rerun
-from tests.kinds import MACHINE
+from tests.example_datasets import MACHINE
 from tests.simulation.test_system_sections import LOADED, TOUCHING, chain, response, states
 
 REST = (0.0, 0.0, 0.0, 0.0)

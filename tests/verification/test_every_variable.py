@@ -11,14 +11,14 @@ import pytest
 import xarray as xr
 
 from rotor_ida import InputError, hopf_points, load, save
-from rotor_ida.results.kinds import kind_of
-from rotor_ida.verification.kinds import VERIFIED
+from rotor_ida.results.dataset_kinds import kind_of
+from rotor_ida.verification.comparison_rules import VERIFIED
 from rotor_ida.verification.variables import NO_MORE
 from rotor_ida.verification.verify import differences, rerun
-from tests import kinds
+from tests import example_datasets
 
 RUB = {"zeta": 0.05, "delta0": 0.5, "friction": 0.5, "shaft_stiffness": 0.1}
-MADE = {**kinds.KINDS, "hopf_points": lambda: hopf_points(**RUB)}
+MADE = {**example_datasets.KINDS, "hopf_points": lambda: hopf_points(**RUB)}
 del MADE["run_without_times"], MADE["runs_by_name"]
 
 

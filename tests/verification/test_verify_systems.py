@@ -10,6 +10,7 @@ import pytest
 from rotor_ida import (
     Contact,
     InputError,
+    Rotor,
     RotorSystem,
     Stator,
     Unbalance,
@@ -17,6 +18,7 @@ from rotor_ida import (
     clearance_report,
     load,
     save,
+    simulate,
     special_speeds,
     synchronous_response,
 )
@@ -109,3 +111,17 @@ def test_lost_branches_and_parts_are_named():
         )
     with pytest.raises(InputError, match="cannot be verified: it lacks mass_matrix"):
         rerun(made.drop_vars("mass_matrix"))
+
+
+@pytest.mark.parametrize("samples", [201, 2001])
+def test_another_method_misses_of_a_peak_what_lies_between_samples(samples):
+    """CVODE knows the largest displacement at samples alone, a Taylor series that of the motion."""
+    system = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
+    run = simulate(system, speed=2.0, duration=20.0, samples=samples)
+    again = rerun(run, method="adams")
+    missed = float((run.excursion - again.excursion).item())
+    assert missed > 0.0
+    found = differences(again, run)
+    assert found["agrees"] is True, found["trouble"]
+    forged = run.assign(excursion=run.excursion * 1.05)
+    assert "excursion differs" in differences(again, forged)["trouble"]

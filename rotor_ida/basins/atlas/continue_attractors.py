@@ -67,8 +67,8 @@ from rotor_ida.parallel.jobs import Job
 from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
+from rotor_ida.results.si_units import with_system_units
 from rotor_ida.results.studies.results import Form, Results, open_results
-from rotor_ida.results.system_units import with_system_units
 from rotor_ida.simulation.options import LARGEST
 from rotor_ida.simulation.starts import Start, box_of, drawn_from, range_of
 from rotor_ida.steady.system_sweep import places_of, turning_speeds, with_meanings

@@ -81,8 +81,8 @@ from rotor_ida.parallel import (
 from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.run import parameter_coordinates
+from rotor_ida.results.si_units import with_system_units
 from rotor_ida.results.studies.results import Results
-from rotor_ida.results.system_units import with_system_units
 from rotor_ida.schema import WHIRL_DIRECTION, Column, labelled_dataset
 from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.starts import Start, box_of, drawn_from

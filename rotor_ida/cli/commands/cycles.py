@@ -341,7 +341,7 @@ def _closed(rotor: Rotor | DimensionalRotor, start: State | str, period: float) 
 
 def _in_archive(dataset: xr.Dataset, origin: Origin, sources: Sequence[str]) -> xr.Dataset:
     """Return the cycle in an archive, or that at one point of a branch, a curve and so on."""
-    from rotor_ida.results.kinds import kind_of  # noqa: PLC0415 - heavy, and not for --help
+    from rotor_ida.results.dataset_kinds import kind_of  # noqa: PLC0415 - heavy, and not for --help
 
     file, kind = origin.from_, kind_of(dataset)
     if kind not in sources:

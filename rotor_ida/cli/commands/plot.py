@@ -270,7 +270,7 @@ def _suiting(dataset: xr.Dataset) -> Figure:
 def _kind_suiting(dataset: xr.Dataset) -> str:
     """Return the kind of the default figure: of signals that of the plot, else of the dataset."""
     from rotor_ida.plot.figures import plot_of_signals  # noqa: PLC0415 - only who draws needs it
-    from rotor_ida.results.kinds import kind_of  # noqa: PLC0415
+    from rotor_ida.results.dataset_kinds import kind_of  # noqa: PLC0415
 
     kind = kind_of(dataset)
     return plot_of_signals(dataset) if kind == "signals" else kind
@@ -278,7 +278,7 @@ def _kind_suiting(dataset: xr.Dataset) -> str:
 
 def _kind_with_nodes(dataset: xr.Dataset) -> KindOfPlot | None:
     """Return the kind of plot at a node of a section or diagram; None for another result."""
-    from rotor_ida.results.kinds import kind_of  # noqa: PLC0415 - only who draws needs it
+    from rotor_ida.results.dataset_kinds import kind_of  # noqa: PLC0415 - only who draws needs it
 
     kinds: dict[str, KindOfPlot] = {
         "system_section": "section", "system_diagram": "diagram",

@@ -49,7 +49,7 @@ from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_
 from rotor_ida.results.archived_system import described_problem
 from rotor_ida.results.growth_words import growing
 from rotor_ida.results.in_si import takes_system
-from rotor_ida.results.system_units import with_system_units
+from rotor_ida.results.si_units import with_system_units
 from rotor_ida.schema import STABILITY, VERDICT, labelled_dataset
 from rotor_ida.units import SPEED_UNITS
 

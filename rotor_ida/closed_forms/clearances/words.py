@@ -6,7 +6,7 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.results.depths import beyond_model
-from rotor_ida.results.system_units import NOTE
+from rotor_ida.results.si_units import NOTE
 from rotor_ida.schema import words_of
 from rotor_ida.units import quantity
 

@@ -48,7 +48,7 @@ from rotor_ida.model.axisymmetric import (
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.results.in_si import takes_system
-from rotor_ida.results.system_units import with_system_units
+from rotor_ida.results.si_units import with_system_units
 from rotor_ida.schema import SPECIAL, labelled_dataset
 
 MOST_POINTS = 100_000

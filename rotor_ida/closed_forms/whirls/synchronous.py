@@ -28,7 +28,7 @@ from rotor_ida.model.axisymmetric import (
 )
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.results.archived_system import described_problem
-from rotor_ida.results.system_units import with_system_units
+from rotor_ida.results.si_units import with_system_units
 from rotor_ida.schema import STABILITY, labelled_dataset
 
 _REFERENCES = (

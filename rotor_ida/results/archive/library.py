@@ -29,10 +29,6 @@ _Visitor = ctypes.CFUNCTYPE(
 _SIGNATURES = {
     "H5Fopen": (_Id, ctypes.c_char_p, ctypes.c_uint, _Id),
     "H5Fclose": (_Status, _Id),
-    "H5Literate2": (
-        *(_Status, _Id, ctypes.c_int, ctypes.c_int),
-        *(ctypes.c_void_p, _Visitor, ctypes.c_void_p),
-    ),
     "H5Literate_by_name2": (
         *(_Status, _Id, ctypes.c_char_p, ctypes.c_int, ctypes.c_int),
         *(ctypes.c_void_p, _Visitor, ctypes.c_void_p, _Id),
@@ -53,44 +49,14 @@ _MOST_PARTS, _DEEPEST = 20_000, 32
 _OWN_LAYOUTS = range(3)  # compact, contiguous, chunked; then comes virtual
 
 
-def what_is_no_variable(path: Path) -> str:
-    """Return the part of the HDF5 file at `path` that is not a variable with its data in that file.
+def what_is_not_own(path: Path, *, groups: bool = True) -> str:
+    """Return the part of the HDF5 file at `path` that is a link or has its data in another file.
 
-    netCDF follows links while it opens a file, so HDF5 is asked before. Call it under `LOCK`. The
-    result is empty if every part is such a variable, or if the HDF5 library of netCDF4-python
-    cannot be called (Windows). OSError is raised if HDF5 cannot read the file.
-    """
-    hdf5 = _hdf5()
-    if hdf5 is None:
-        return ""
-    kinds: dict[bytes, int] = {}
-
-    def note(_group: int, name: bytes, kind: ctypes._Pointer[ctypes.c_int], _data: object) -> int:
-        kinds[name] = kind[0]
-        return 0
-
-    visitor = _Visitor(note)
-    file = hdf5.H5Fopen(os.fsencode(path), 0, 0)
-    try:
-        if file < 0 or hdf5.H5Literate2(file, _BY_NAME, _NATIVE_ORDER, None, visitor, None) < 0:
-            raise OSError("HDF5 cannot list its contents")
-        for name, kind in kinds.items():
-            shown = ascii(name.decode(errors="replace"))
-            if kind != _HARD_LINK:
-                return f"{shown}, which is a link"
-            if reason := _outside_storage(hdf5, file, name):
-                return f"{shown}, {reason}"
-    finally:
-        if file >= 0:
-            hdf5.H5Fclose(file)
-    return ""
-
-
-def what_is_not_own(path: Path) -> str:
-    """Return the part of the HDF5 file at `path`, in groups too, that is a link or in another file.
-
-    Like `what_is_no_variable`, for files from elsewhere, which may have groups and types. Groups
-    that contain one another would crash netCDF, so groups that are nested too deep are refused.
+    netCDF follows links while it opens a file, so HDF5 is asked before. Groups that contain one
+    another would crash netCDF, so those that are nested too deep are refused, or all of them
+    without `groups`. Call it under `LOCK`. The result is empty if there is no such part, or if the
+    HDF5 library of netCDF4-python cannot be called (Windows). OSError is raised if HDF5 cannot
+    read the file.
     """
     hdf5 = _hdf5()
     if hdf5 is None:
@@ -104,16 +70,16 @@ def what_is_not_own(path: Path) -> str:
             group = waiting.pop()
             for name, kind in _links_in(hdf5, file, group).items():
                 whole = group.rstrip(b"/") + b"/" + name
-                shown = ascii(whole.decode(errors="replace"))
+                shown = ascii(whole.decode(errors="replace").lstrip("" if groups else "/"))
                 seen += 1
                 if seen > _MOST_PARTS or whole.count(b"/") > _DEEPEST:
                     return f"more than {_MOST_PARTS} parts, or one of them nested over {_DEEPEST}"
                 if kind != _HARD_LINK:
                     return f"{shown}, which is a link"
-                if hdf5.H5Oexists_by_name(file, whole, 0) <= 0:
-                    return f"{shown}, which is damaged"
                 reason = _outside_storage(hdf5, file, whole)
-                if reason == _NO_VARIABLE:
+                if reason == _NO_VARIABLE and groups:
+                    if hdf5.H5Oexists_by_name(file, whole, 0) <= 0:
+                        return f"{shown}, which is damaged"
                     waiting.append(whole)
                 elif reason:
                     return f"{shown}, {reason}"
@@ -124,14 +90,16 @@ def what_is_not_own(path: Path) -> str:
 
 
 def _links_in(hdf5: ctypes.CDLL, file: int, group: bytes) -> dict[bytes, int]:
-    """Return the kinds of links in a group by name; empty for anything else."""
+    """Return the kinds of links in a group by name; empty for anything but a group."""
     kinds: dict[bytes, int] = {}
 
     def note(_group: int, name: bytes, kind: ctypes._Pointer[ctypes.c_int], _data: object) -> int:
         kinds[name] = kind[0]
         return 0
 
-    hdf5.H5Literate_by_name2(file, group, _BY_NAME, _NATIVE_ORDER, None, _Visitor(note), None, 0)
+    of_group = (file, group, _BY_NAME, _NATIVE_ORDER, None, _Visitor(note), None, 0)
+    if hdf5.H5Literate_by_name2(*of_group) < 0 and group == b"/":
+        raise OSError("HDF5 cannot list its contents")
     return kinds
 
 

@@ -19,7 +19,7 @@ from rotor_ida.checks import check_flag, shown
 from rotor_ida.errors import ArchiveError, InputError, MissingFileError
 from rotor_ida.results.archive.checksum import content_sha256, seal_of
 from rotor_ida.results.archive.content import CHECKSUM, FORMAT, FORMAT_NUMBER, LABEL_OF, NUMERIC
-from rotor_ida.results.archive.library import LOCK, what_is_no_variable
+from rotor_ida.results.archive.library import LOCK, what_is_not_own
 from rotor_ida.results.files import check_path
 from rotor_ida.results.si_units import complete
 from rotor_ida.schema import RESULT_KIND, with_flags_of_now
@@ -230,7 +230,7 @@ def _refuse_unsound(source: Path, *, check: bool) -> None:
             "xarray.open_dataset and ncdump may still open it"
         )
     with LOCK:
-        other = what_is_no_variable(source)
+        other = what_is_not_own(source, groups=False)
     if other:
         raise ArchiveError(f"{source} is not a sound archive: it contains {other}")
 

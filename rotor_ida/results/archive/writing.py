@@ -5,7 +5,6 @@ from __future__ import annotations
 import errno
 import importlib.metadata
 import os
-import shutil
 from collections.abc import Mapping
 from datetime import UTC, datetime
 from pathlib import Path
@@ -14,7 +13,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import xarray as xr
 
-from rotor_ida.errors import ArchiveError
 from rotor_ida.results.archive.checksum import (
     BLOCK,
     CHUNK,
@@ -35,7 +33,7 @@ from rotor_ida.results.archive.content import (
     stored_names,
 )
 from rotor_ida.results.archive.library import LOCK
-from rotor_ida.results.files import already_there, check_target, written_whole
+from rotor_ida.results.files import check_target, file_to_write
 from rotor_ida.results.provenance import command
 
 if TYPE_CHECKING:
@@ -110,14 +108,9 @@ def save(dataset: xr.Dataset, path: str | os.PathLike[str], *, overwrite: bool =
     """
     shown = check_target("path", path, overwrite=overwrite)
     stored = archived_form(dataset)
-    try:
-        with written_whole(shown, overwrite=overwrite) as part:
-            _write_netcdf(stored, part, dataset.attrs)
-            append_seal(part)
-    except FileExistsError:
-        raise already_there("path", shown) from None
-    except (OSError, RuntimeError) as error:
-        raise ArchiveError(f"cannot write {shown}: {_reason(error, shown.parent)}") from error
+    with file_to_write("path", shown, overwrite=overwrite) as part:
+        _write_netcdf(stored, part, dataset.attrs)
+        append_seal(part)
     return shown
 
 
@@ -227,11 +220,3 @@ def _of_the_file(checksum: str, earlier: Mapping[str, Any]) -> dict[str, object]
         HISTORY: f"{history}\n{line}" if history else line,
         CHECKSUM: checksum,
     }
-
-
-def _reason(error: Exception, folder: Path) -> str:
-    """Return the error in one line, with the free space, as netCDF hides a full disk."""
-    if isinstance(error, OSError) and error.strerror:
-        return error.strerror
-    free = shutil.disk_usage(folder).free
-    return f"{' '.join(str(error).split())} ({free / 2**20:.0f} MiB are free on the disk)"

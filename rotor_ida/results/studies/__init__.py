@@ -4,7 +4,7 @@ A study knows nothing of rotors. It has a *design*, which states what is compute
 numbered from 0, each with the bytes that one job returned.
 """
 
-from rotor_ida.results.studies.database import design_of, program_of
-from rotor_ida.results.studies.store import Piece, Study, opened, status
+from rotor_ida.results.studies.design import program_of
+from rotor_ida.results.studies.store import Piece, Study, design_of, opened, status
 
 __all__ = ["Piece", "Study", "design_of", "opened", "program_of", "status"]

@@ -13,8 +13,7 @@ from typing import Any, Generic, TypeVar
 from rotor_ida.arrays import Arrays
 from rotor_ida.errors import ArchiveError
 from rotor_ida.results.studies.arrays import packed, unpacked
-from rotor_ida.results.studies.database import FILE
-from rotor_ida.results.studies.store import Piece, Study, opened
+from rotor_ida.results.studies.store import PIECES, Piece, Study, opened
 
 Result = TypeVar("Result")
 Folder = str | os.PathLike[str]
@@ -95,7 +94,7 @@ class Results(Generic[Result]):
                 result = self._form.unpack(content)
             except ValueError as error:
                 raise ArchiveError(
-                    f"study {str(self.folder)!r} is damaged: piece {number} of {FILE}: {error}"
+                    f"study {str(self.folder)!r} is damaged: {PIECES}/{number}: {error}"
                 ) from error
             yield number, result
 

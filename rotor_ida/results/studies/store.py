@@ -1,36 +1,32 @@
-"""The store of a study: one SQLite file in a folder, written by one process at a time.
+"""The store of a study: a folder with its design and a file for each piece.
 
-Its content survives a kill, a power failure and a full disk, as SQLite's transactions do.
+Each file is written beside its place, synchronised and renamed, so that a kill, a power failure or
+a full disk leaves what was there before. One process writes at a time.
 """
 
 from __future__ import annotations
 
 import errno
 import hashlib
+import json
 import math
 import os
-import sqlite3
 import time
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
 from filelock import FileLock, Timeout
 
-from rotor_ida.errors import ArchiveError, InputError
+from rotor_ida.errors import ArchiveError, InputError, MissingFileError
 from rotor_ida.results.files import check_path
-from rotor_ida.results.studies.database import (
-    FILE,
-    begin,
-    begun_with,
-    connected,
-    damaged,
-    reading,
-    transaction,
-)
+from rotor_ida.results.studies.design import Design, as_text, program_of, refuse_another
 
+# The design, the folder of pieces, and in it the file that is being written.
+FILE, PIECES, UNFINISHED = "study.json", "pieces", "unfinished"
+FORMAT = 4
 LOCK = "study.lock"
 # The machine of a study whose results are in SI units.
 MACHINE_FILE = "machine.toml"
@@ -55,25 +51,14 @@ class Piece:
 class Study:
     """An open study, from `opened` only: its pieces and its number of points done."""
 
-    def __init__(self, folder: Path, connection: sqlite3.Connection) -> None:
+    def __init__(self, folder: Path) -> None:
         self.folder = folder
         self.done: set[int] = set()
         self.points_done = 0
-        self._connection = connection
-        # find damage before more is computed
-        for *told, digest in connection.execute(
-            "SELECT number, points, failed, reason, content, digest FROM pieces"
-        ):
-            piece = Piece(*told)
-            if not isinstance(piece.content, bytes) or digest != _digest(piece):
-                raise damaged(folder, f"piece {piece.number}")
-            self.done.add(piece.number)
-            self.points_done += piece.points
-        self._points_before = self.points_done
+        for number in _numbers(folder):  # find damage before more is computed
+            self.done.add(number)
+            self.points_done += _read(folder, f"{PIECES}/{number}")[0]["points"]
         self._began, self._clock = time.time(), time.monotonic()
-        (self._session,) = connection.execute(
-            "SELECT coalesce(max(rowid), 0) + 1 FROM sessions"
-        ).fetchone()
 
     def keep(self, piece: Piece) -> None:
         """Write a piece to the disk.
@@ -83,24 +68,19 @@ class Study:
         ArchiveError
             If it cannot be written: a full disk, a missing permission.
         """
-        points = self.points_done + piece.points
-        seen = self._began + time.monotonic() - self._clock
-        with transaction(self._connection):
-            self._connection.execute(
-                "INSERT INTO pieces (number, points, failed, reason, content, digest) "
-                "VALUES (?, ?, ?, ?, ?, ?)",
-                (*astuple(piece), _digest(piece)),
-            )
-            self._connection.execute(
-                "INSERT OR REPLACE INTO sessions (rowid, began, seen, points) VALUES (?, ?, ?, ?)",
-                (self._session, self._began, seen, points - self._points_before),
-            )
+        told = {
+            "number": piece.number, "points": piece.points, "failed": piece.failed,
+            "reason": piece.reason, "began": self._began,
+            "seen": self._began + time.monotonic() - self._clock,
+        }  # fmt: skip
+        _write(self.folder, f"{PIECES}/{piece.number}", told, piece.content)
         self.done.add(piece.number)
-        self.points_done = points
+        self.points_done += piece.points
 
     def contents(self) -> Iterator[tuple[int, bytes]]:
         """Yield number and content of every piece, in the order of the numbers."""
-        yield from self._connection.execute("SELECT number, content FROM pieces ORDER BY number")
+        for number in _numbers(self.folder):
+            yield number, _read(self.folder, f"{PIECES}/{number}")[1]
 
 
 @contextmanager
@@ -130,7 +110,7 @@ def opened(
         If the folder cannot be created or written to, or contains something else or a study of
         another design.
     ArchiveError
-        If another process is working on it, or its file is damaged or cannot be written.
+        If another process is working on it, or a file is damaged or cannot be written.
 
     Examples
     --------
@@ -150,12 +130,32 @@ def opened(
         raise InputError(
             f"study must be a folder that can be used, got {str(place)!r}: {error.strerror}"
         ) from error
-    with _locked(place, _PATIENCE), connected(place) as connection:
-        begin(connection, place, design, points)
-        # a commit to a log waits for the disk once, not four times; a folder without write
-        # permission needs none
-        with _log_beside(connection):
-            yield Study(place.absolute(), connection)
+    with _locked(place, _PATIENCE):
+        wanted: Design = json.loads(as_text(design))
+        if not (place / FILE).exists():
+            _write(place, FILE, {"format": FORMAT, "points": points, "design": wanted})
+        with suppress(OSError):  # of a writer that was killed
+            (place / PIECES / UNFINISHED).unlink(missing_ok=True)
+        begun, _ = _begun_with(place)
+        study = Study(place.absolute())
+        if study.points_done == points:  # nothing remains to compute, so the program may differ
+            unsaid = dict.fromkeys(program_of(begun) | program_of(wanted))
+            begun, wanted = begun | unsaid, wanted | unsaid
+        refuse_another(str(place), begun, wanted)
+        yield study
+
+
+def design_of(folder: str | os.PathLike[str]) -> Design:
+    """Return the design with which the study in a folder was begun.
+
+    Raises
+    ------
+    InputError
+        If there is no study.
+    ArchiveError
+        If its file is damaged.
+    """
+    return _begun_with(check_path("study", folder, kind="folder"))[0]
 
 
 def status(folder: str | os.PathLike[str]) -> dict[str, object]:
@@ -179,25 +179,14 @@ def status(folder: str | os.PathLike[str]) -> dict[str, object]:
     InputError
         If there is no study.
     ArchiveError
-        If its file is damaged.
+        If a file is damaged.
     """
     place = check_path("study", folder, kind="folder")
-    with reading(place) as connection:
-        design, points = begun_with(connection, place)
-        done, failed, wrong = connection.execute(
-            "SELECT coalesce(sum(points), 0), coalesce(sum(failed), 0), "
-            "count(*) FILTER (WHERE failed < 0 OR failed > points) FROM pieces"
-        ).fetchone()
-        reasons = connection.execute(
-            "SELECT DISTINCT reason FROM pieces WHERE failed > 0 ORDER BY number LIMIT ?",
-            (_MOST_REASONS,),
-        ).fetchall()
-        session = connection.execute(
-            "SELECT began, seen, points FROM sessions ORDER BY rowid DESC LIMIT 1"
-        ).fetchone()
-    if not (isinstance(done, int) and isinstance(failed, int)) or wrong or done > points:
-        raise damaged(place, "the number of points of a piece")
-    rate = _rate(session)
+    design, points = _begun_with(place)
+    pieces = [_read(place, f"{PIECES}/{each}", whole=False)[0] for each in _numbers(place)]
+    done, failed = (sum(piece[name] for piece in pieces) for name in ("points", "failed"))
+    reasons = dict.fromkeys(piece["reason"] for piece in pieces if piece["failed"])
+    rate = _rate(pieces)
     return {
         "kind": design.get("verb", ""),
         "points": points,
@@ -207,7 +196,7 @@ def status(folder: str | os.PathLike[str]) -> dict[str, object]:
         "running": _is_locked(place),
         "points_per_second": rate,
         "seconds_left": (points - done) / rate if rate > 0.0 else math.nan,
-        "reasons": [str(reason) for (reason,) in reasons],
+        "reasons": list(reasons)[:_MOST_REASONS],
     }
 
 
@@ -218,10 +207,97 @@ def _check_new(place: Path) -> None:
         raise InputError(f"study must be a folder, got the file {str(nearest)!r}")
     if (place / FILE).exists():  # a finished study can be read without write permission
         return
-    if place.is_dir() and any(each.name not in {LOCK, MACHINE_FILE} for each in place.iterdir()):
+    ours = {LOCK, MACHINE_FILE, PIECES}
+    if place.is_dir() and any(each.name not in ours for each in place.iterdir()):
         raise InputError(f"study must be a new, an empty or a study's folder, got {str(place)!r}")
     if not os.access(nearest, os.W_OK):
         raise InputError(f"study must be in a folder that can be written to, got {str(place)!r}")
+
+
+def _begun_with(place: Path) -> tuple[Design, int]:
+    """Return the design with which a study was begun, and its number of points."""
+    if not os.path.isfile(place / FILE):
+        raise MissingFileError(f"folder must be that of a study, got {str(place)!r}")
+    told, _ = _read(place, FILE)
+    if told["format"] != FORMAT:
+        raise InputError(
+            f"study {str(place)!r} has format {told['format']}, but this version of rotor_ida "
+            f"resumes format {FORMAT} only"
+        )
+    return told["design"], told["points"]
+
+
+def _numbers(folder: Path) -> list[int]:
+    """Return the numbers of the pieces in a folder, in order."""
+    try:
+        return sorted(int(name) for name in os.listdir(folder / PIECES) if name != UNFINISHED)
+    except FileNotFoundError:
+        return []
+    except (OSError, ValueError) as error:
+        raise ArchiveError(f"cannot use {str(folder / PIECES)!r}: {error}") from error
+
+
+def _write(folder: Path, name: str, told: Mapping[str, Any], content: bytes = b"") -> None:
+    """Write a file as a whole: the checksum of what follows, a line of JSON, and a content."""
+    body = as_text(told).encode() + b"\n" + content
+    part = folder / PIECES / UNFINISHED
+    try:
+        part.parent.mkdir(exist_ok=True)
+        with part.open("wb") as file:
+            file.write(hashlib.sha256(body).hexdigest().encode() + b"\n" + body)
+            file.flush()
+            os.fsync(file.fileno())
+        part.replace(folder / name)
+    except OSError as error:
+        raise ArchiveError(
+            f"cannot write {str(folder / name)!r}: {error.strerror}; what was kept before is intact"
+        ) from error
+    finally:
+        with suppress(OSError):
+            part.unlink(missing_ok=True)
+
+
+def _read(folder: Path, name: str, *, whole: bool = True) -> tuple[dict[str, Any], bytes]:
+    """Return the line of JSON and the content of a file; raise `ArchiveError` if it is damaged.
+
+    Unless the `whole` is wanted, the content is neither read nor checked.
+    """
+    try:
+        with (folder / name).open("rb") as file:
+            digest, line = file.readline(), file.readline()
+            content = file.read() if whole else b""
+        is_sound = (
+            not whole or hashlib.sha256(line + content).hexdigest() == digest.decode().strip()
+        )
+        told = json.loads(line) if is_sound else None
+    except OSError as error:
+        raise ArchiveError(f"cannot read {str(folder / name)!r}: {error.strerror}") from error
+    except (ValueError, RecursionError):
+        told = None
+    if isinstance(told, dict) and (_is_design if name == FILE else _is_piece)(told, name):
+        return told, content
+    way = "begin another study" if name == FILE else "remove it and resume the study"
+    raise ArchiveError(
+        f"study {str(folder)!r} is damaged: {name} is not what was written; restore it from a "
+        f"copy, or {way}"
+    )
+
+
+def _is_design(told: Mapping[str, Any], _name: str) -> bool:
+    known = isinstance(told.get("design"), dict) and type(told.get("points")) is int
+    return "format" in told and (known or told["format"] != FORMAT)
+
+
+def _is_piece(told: Mapping[str, Any], name: str) -> bool:
+    counts = [told.get(each) for each in ("number", "points", "failed")]
+    times = [told.get(each) for each in ("began", "seen")]
+    return (
+        all(type(each) is int for each in counts)
+        and all(type(each) is float for each in times)
+        and isinstance(told.get("reason"), str)
+        and name == f"{PIECES}/{told['number']}"
+        and 0 <= told["failed"] <= told["points"]
+    )
 
 
 @contextmanager
@@ -261,25 +337,9 @@ def _is_locked(folder: Path) -> bool:
         return True
 
 
-@contextmanager
-def _log_beside(connection: sqlite3.Connection) -> Iterator[None]:
-    """Commit to a log, which is removed afterwards, so that one file contains the whole study."""
-    with suppress(sqlite3.OperationalError):
-        connection.execute("PRAGMA journal_mode = WAL")
-    try:
-        yield
-    finally:
-        with suppress(sqlite3.OperationalError):
-            connection.execute("PRAGMA journal_mode = DELETE")
-
-
-def _rate(session: tuple[object, ...] | None) -> float:
-    if session is None:
-        return math.nan
-    began, seen, points = (each if isinstance(each, (int, float)) else 0 for each in session)
-    return points / (seen - began) if seen > began else math.nan
-
-
-def _digest(piece: Piece) -> bytes:
-    told = f"{piece.number}\n{piece.points}\n{piece.failed}\n{piece.reason}\n"
-    return hashlib.sha256(told.encode() + piece.content).digest()
+def _rate(pieces: Sequence[Mapping[str, Any]]) -> float:
+    """Return the points done a second in the last session."""
+    began = max((piece["began"] for piece in pieces), default=math.nan)
+    last = [piece for piece in pieces if piece["began"] == began]
+    took = max((piece["seen"] for piece in last), default=began) - began
+    return float(sum(piece["points"] for piece in last) / took) if took > 0.0 else math.nan

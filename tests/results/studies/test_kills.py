@@ -10,7 +10,7 @@ import xarray as xr
 
 import rotor_ida
 from rotor_ida import Rotor, bifurcation_curve, resume, status
-from rotor_ida.results.studies.database import FILE
+from rotor_ida.results.studies.store import FILE, PIECES
 
 SWEEP = {
     "omega": [0.2 * number for number in range(3, 15)], "zeta": 0.07, "delta0": [0.5, 2.0],
@@ -57,7 +57,8 @@ def test_killed_and_resumed_it_ends_with_the_same_bits(tmp_path, kind, executor)
     assert told[0][0] > 0
     assert told[-1] == (points, points)
     xr.testing.assert_identical(again, function(**given))
-    assert os.listdir(tmp_path / "study") == [FILE]
+    assert sorted(os.listdir(tmp_path / "study")) == [PIECES, FILE]
+    assert "unfinished" not in os.listdir(tmp_path / "study" / PIECES)
 
 
 @pytest.mark.skipif(os.name != "posix", reason="kills with a signal")

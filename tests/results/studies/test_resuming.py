@@ -1,11 +1,8 @@
 """A study that was broken off goes on to the same bits as one that was not."""
 
-import json
 import os
-import sqlite3
 import subprocess
 import sys
-from contextlib import closing
 from functools import cache
 from itertools import count
 
@@ -13,19 +10,11 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rotor_ida import (
-    Rotor,
-    basin,
-    basin_fractions,
-    continue_attractors,
-    load,
-    run_ups,
-    save,
-    sweep,
-)
+from rotor_ida import Rotor, basin, basin_fractions, continue_attractors, load, run_ups, save, sweep
 from rotor_ida.errors import InputError
 from rotor_ida.results.studies import status
-from rotor_ida.results.studies.database import FILE, _as_text, _digest, refuse_another
+from rotor_ida.results.studies.design import refuse_another
+from rotor_ida.results.studies.store import FILE, PIECES, _read, _write
 from rotor_ida.steady import follow
 from rotor_ida.verification.resume import resume
 
@@ -94,7 +83,7 @@ def test_it_goes_on_to_the_same_bits(kind, tmp_path):
     assert told[0] == (found["done"], found["points"])
     assert told[-1] == (found["points"], found["points"])
     xr.testing.assert_identical(again, whole)
-    assert os.listdir(tmp_path) == [FILE]
+    assert sorted(os.listdir(tmp_path)) == [PIECES, FILE]
     finished = status(tmp_path)
     assert (finished["left"], finished["failed"]) == (0, 0)
     xr.testing.assert_identical(KINDS[kind](study=tmp_path), whole)
@@ -147,8 +136,7 @@ def test_another_version_is_refused(tmp_path, monkeypatch):
 
     given = {"omega": 1.7, "zeta": 0.5, "delta0": 0.5}
     sweep(**given, study=tmp_path)
-    with closing(sqlite3.connect(tmp_path / FILE)) as connection, connection:
-        connection.execute("DELETE FROM pieces")
+    (tmp_path / PIECES / "0").unlink()
     other = {**question.computing(), "numpy_version": "9.9"}
     monkeypatch.setattr(question, "computing", lambda: other)
     with pytest.raises(InputError, match=r"begun with numpy_version '.*', got '9.9'"):
@@ -229,27 +217,20 @@ def test_columns_on_the_disk_hold_the_same_bits(kind, tmp_path, monkeypatch):
         saved.attrs["content_sha256"]
         == load(save(whole, tmp_path / "whole.nc")).attrs["content_sha256"]
     )
-    assert os.listdir(tmp_path / "study") == [FILE]
+    assert sorted(os.listdir(tmp_path / "study")) == [PIECES, FILE]
 
 
 def test_what_another_program_has_done_is_loaded_and_says_so(tmp_path):
     """A study that is done needs no computing; one that is not is refused by another program."""
     begun = sweep(omega=[1.2, 1.7], zeta=0.5, delta0=0.5, study=tmp_path / "study")
-    database = tmp_path / "study" / FILE
-    with closing(sqlite3.connect(database)) as connection, connection:
-        ((text, points, _),) = connection.execute("SELECT * FROM design").fetchall()
-        design = json.loads(text) | {"numba_version": "0.64"}
-        old = _as_text(design)
-        connection.execute("DELETE FROM design")
-        connection.execute(
-            "INSERT INTO design VALUES (?, ?, ?)", (old, points, _digest(old, points))
-        )
+    told, _ = _read(tmp_path / "study", FILE)
+    told["design"]["numba_version"] = "0.64"
+    _write(tmp_path / "study", FILE, told)
     loaded = resume(tmp_path / "study")
     assert "numba_version 0.64" in loaded.attrs["computed_with"]
     del loaded.attrs["computed_with"]
     assert loaded.identical(begun)
-    with closing(sqlite3.connect(database)) as connection, connection:
-        connection.execute("DELETE FROM pieces WHERE number = 0")
+    (tmp_path / "study" / PIECES / "0").unlink()
     with pytest.raises(InputError, match=r"was begun with numba_version '0\.64', got 'nothing'"):
         resume(tmp_path / "study")
 

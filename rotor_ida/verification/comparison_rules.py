@@ -17,7 +17,7 @@ from rotor_ida.checks import COMPONENTS
 from rotor_ida.cycles.branch_course import VARIED, course_of, stable_ranges
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.results.archived_system import NEEDED, PROBLEM
-from rotor_ida.results.kinds import kind_of
+from rotor_ida.results.dataset_kinds import kind_of
 from rotor_ida.schema import RESPONSE
 from rotor_ida.schema.quantities import TOLERANCE, TOLERANCE_OF_KIND
 from rotor_ida.verification.questions import SOLVER, STARTS
@@ -152,117 +152,69 @@ _SYSTEM_RUN = Verification(
     ("duration", "rtol", "method"), _without_damping, tolerance=tolerance_of_run,
 )  # fmt: skip
 VERIFIED = {
-    "run": Verification(
-        ("event_time", "event_time_error", "t"),
-        (*PARAMETERS, "start", "duration", *HOW), tolerance=tolerance_of_run,
-    ),
-    "sweep": Verification(
-        ("event_count", "response", "direction", *STARTS, *PARAMETERS, *NUMBERS), HOW,
-        _transients,
-    ),
+    "run": Verification(("event_time", "event_time_error", "t"),
+        (*PARAMETERS, "start", "duration", *HOW), tolerance=tolerance_of_run),
+    "sweep": Verification(("event_count", "response", "direction", *STARTS, *PARAMETERS, *NUMBERS),
+        HOW, _transients),
     "run_ups": Verification(
-        ("ending", "response", "rate", "phase", "to", *STARTS, *PARAMETERS, *NUMBERS),
-        SOLVER,
-    ),
+        ("ending", "response", "rate", "phase", "to", *STARTS, *PARAMETERS, *NUMBERS), SOLVER),
     "bifurcation_diagram": Verification(
         ("extremum_radius", "extremum_count", "response", *STARTS, *PARAMETERS),
-        (*SOLVER, "extrema_time"), _stretches,
-    ),
-    "stroboscopic_diagram": Verification(
-        ("response", *STATES, *STARTS, *PARAMETERS), (*SOLVER, "revolutions", "phase"),
-    ),
-    "section": Verification(
-        ("crossing_time", *STATES, *PARAMETERS), (*SOLVER, "revolutions", "skip"),
-    ),
-    "basin": Verification(
-        ("label", "settling_time", "kind", *COMPONENTS, *NUMBERS),
-        (*PARAMETERS, "labelling_rtol"), _ends_of_attractors,
-    ),
-    "basin_fractions": Verification(
-        ("response_fraction", "count", "kind", *NUMBERS),
-        (*PARAMETERS, "labelling_rtol", "starts", "seed", *_RANGES), _ends_of_attractors,
-    ),
-    "atlas": Verification(
-        ("missed_fraction", "count", "kind", *PARAMETERS, *NUMBERS),
-        ("labelling_rtol", "starts"), lambda _, __: {"target": "shocks are not computed again"},
-    ),
-    "system_atlas": Verification(
-        ("missed_fraction", "count", "kind", "speed", *NUMBERS), ("labelling_rtol", "starts"),
-        _ends_of_attractors,
-    ),
+        (*SOLVER, "extrema_time"), _stretches),
+    "stroboscopic_diagram": Verification(("response", *STATES, *STARTS, *PARAMETERS),
+        (*SOLVER, "revolutions", "phase")),
+    "section": Verification(("crossing_time", *STATES, *PARAMETERS),
+        (*SOLVER, "revolutions", "skip")),
+    "basin": Verification(("label", "settling_time", "kind", *COMPONENTS, *NUMBERS),
+        (*PARAMETERS, "labelling_rtol"), _ends_of_attractors),
+    "basin_fractions": Verification(("response_fraction", "count", "kind", *NUMBERS),
+        (*PARAMETERS, "labelling_rtol", "starts", "seed", *_RANGES), _ends_of_attractors),
+    "atlas": Verification(("missed_fraction", "count", "kind", *PARAMETERS, *NUMBERS),
+        ("labelling_rtol", "starts"), lambda _, __: {"target": "shocks are not computed again"}),
+    "system_atlas": Verification(("missed_fraction", "count", "kind", "speed", *NUMBERS),
+        ("labelling_rtol", "starts"), _ends_of_attractors),
     **dict.fromkeys(("touchdown", "system_touchdown"), Verification(
         ("missed_fraction", "fraction", "kind", *NUMBERS[2:]), ("labelling_rtol", "starts"),
         _ends_of_attractors,
     )),
-    "whirls": Verification(
-        ("amplitude", *PARAMETERS)
-    ),
+    "whirls": Verification(("amplitude", *PARAMETERS)),
     "folds": Verification(("fold_omega", "zeta", "delta0")),
     "hopf_points": Verification(("hopf_omega", "zeta", "delta0")),
-    "cycle": Verification(
-        ("period_error", "multiplier_real", "multiplier_imag"), (*PARAMETERS, "start")
-    ),
-    "cycles": Verification(
-        ("response", "stability", "period", "multiplier_real", "radius_max"), ("rtol",),
-        lambda _, __: dict.fromkeys((*COMPONENTS, "final_state"), TRANSIENT),
-    ),
-    "branch": Verification(
-        ("special_value", "special_period", "slope", "stability"),
+    "cycle": Verification(("period_error", "multiplier_real", "multiplier_imag"),
+        (*PARAMETERS, "start")),
+    "cycles": Verification(("response", "stability", "period", "multiplier_real", "radius_max"),
+        ("rtol",), lambda _, __: dict.fromkeys((*COMPONENTS, "final_state"), TRANSIENT)),
+    "branch": Verification(("special_value", "special_period", "slope", "stability"),
         ("parameter", "limits", "direction", "points", "start_special", *_BEGUN), _steps,
-        also=_ends,
-    ),
-    "curve": Verification(
-        ("special_second_value", "special_value", "special_period"),
-        ("kind", "parameters", "limits", "points", *_BEGUN), _steps_of_curve, also=_ends,
-    ),
+        also=_ends),
+    "curve": Verification(("special_second_value", "special_value", "special_period"),
+        ("kind", "parameters", "limits", "points", *_BEGUN), _steps_of_curve, also=_ends),
     "system_run": _SYSTEM_RUN,
     "drop": _SYSTEM_RUN,
-    "drop_ensemble": Verification(
-        ("horizon", "status", "largest_force", "contact_count"), ("duration",), _undecided,
-        told=_decided,
-    ),
-    "system_sweep": Verification(
-        ("response", "direction", "touched", "period", *NUMBERS),
-        ("rtol",), lambda _, __: {"final_state": TRANSIENT},
-    ),
-    "system_diagram": Verification(
-        ("extremum_radius", "extremum_count", "response", "touched"),
-        ("rtol", "revolutions"), _stretches,
-    ),
-    "system_stroboscopic_diagram": Verification(
-        ("response", "touched", *STATES), ("rtol", "revolutions", "phase"),
-    ),
+    "drop_ensemble": Verification(("horizon", "status", "largest_force", "contact_count"),
+        ("duration",), _undecided, told=_decided),
+    "system_sweep": Verification(("response", "direction", "touched", "period", *NUMBERS),
+        ("rtol",), lambda _, __: {"final_state": TRANSIENT}),
+    "system_diagram": Verification(("extremum_radius", "extremum_count", "response", "touched"),
+        ("rtol", "revolutions"), _stretches),
+    "system_stroboscopic_diagram": Verification(("response", "touched", *STATES),
+        ("rtol", "revolutions", "phase")),
     "system_section": Verification(
         ("crossing_time", "crossing_state", "final_state", *STATES, *PROBLEM),
-        ("rtol", "speed", "revolutions", "skip"),
-    ),
-    "system_run_ups": Verification(
-        ("ending", "response", "rate", "phase", "to", *NUMBERS),
-        ("rtol",),
-    ),
-    "system_whirls": Verification(
-        ("amplitude", "normal_force", "growth_rate", "speed", *PROBLEM)
-    ),
-    "system_special_points": Verification(
-        ("special_speed", "special_kind", "amplitude", *PROBLEM),
-        ("limits", "points"),
-    ),
-    "system_cycle": Verification(
-        ("period", "multiplier_real", "speed", "final_state", *PROBLEM)
-    ),
-    "system_branch": Verification(
-        ("special_kind", "special_value", "special_period", *PROBLEM),
-        ("parameter", "direction", *_BEGUN_OF_SYSTEM), _steps, also=_ends,
-    ),
+        ("rtol", "speed", "revolutions", "skip")),
+    "system_run_ups": Verification(("ending", "response", "rate", "phase", "to", *NUMBERS),
+        ("rtol",)),
+    "system_whirls": Verification(("amplitude", "normal_force", "growth_rate", "speed", *PROBLEM)),
+    "system_special_points": Verification(("special_speed", "special_kind", "amplitude", *PROBLEM),
+        ("limits", "points")),
+    "system_cycle": Verification(("period", "multiplier_real", "speed", "final_state", *PROBLEM)),
+    "system_branch": Verification(("special_kind", "special_value", "special_period", *PROBLEM),
+        ("parameter", "direction", *_BEGUN_OF_SYSTEM), _steps, also=_ends),
     "system_curve": Verification(
         ("special_second_value", "special_value", "special_period", *PROBLEM),
-        ("kind", "parameters", *_BEGUN_OF_SYSTEM), _steps_of_curve, also=_ends,
-    ),
+        ("kind", "parameters", *_BEGUN_OF_SYSTEM), _steps_of_curve, also=_ends),
     "campbell": Verification(
-        ("whirl_speed", "damping_ratio", "speed", "contact_stiffness", *PROBLEM)
-    ),
-    "clearance_report": Verification(
-        ("scale_factor", "running_share", "vibration_limit", *PROBLEM),
-        ("multiple", "points", "running_speeds"),
-    ),
+        ("whirl_speed", "damping_ratio", "speed", "contact_stiffness", *PROBLEM)),
+    "clearance_report": Verification(("scale_factor", "running_share", "vibration_limit", *PROBLEM),
+        ("multiple", "points", "running_speeds")),
 }  # fmt: skip

@@ -7,9 +7,9 @@ import pytest
 
 import rotor_ida
 from rotor_ida.cycles.dataset import TITLES
-from rotor_ida.results.kinds import KINDS, kind_of, loaded
+from rotor_ida.results.dataset_kinds import KINDS, kind_of, loaded
 from rotor_ida.schema import RESULT_KIND
-from rotor_ida.verification.kinds import VERIFIED
+from rotor_ida.verification.comparison_rules import VERIFIED
 
 PACKAGE = Path(rotor_ida.__file__).parent
 # They hand the kind on that they are given.
