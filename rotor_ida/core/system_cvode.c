@@ -23,6 +23,9 @@ struct system_cvode {
 
 /* The interpolant is expanded to so many orders beyond its degree, where forces are asked for. */
 enum { MORE_ORDERS = 4 };
+/* The interpolant of a step has the rates at as many ends of steps as it has degrees: it is read
+ * over the last steps, of which each may have so many. */
+enum { DEGREES_A_STEP = 2 };
 /* The short step by series at the start of a mode, in parts of the one that they would take. */
 static const double FIRST = 0.02;
 /* The solver looks at its goal only to choose its first step; in units of the scale of time. */
@@ -207,6 +210,7 @@ static int start(struct system_cvode *cvode)
             values[cvode->races + i] = run->touches[i].race;
     }
     set_tolerances(cvode);
+    cvode->degree = 0;
     cvode->goal = FAR * run->displacement / run->velocity;
     for (int64_t i = 0; i < run->contact_count; i++)
         cvode->goal /= is_touching(&cvode->work->touching[i]) ? sqrt(run->laws[i].clearance) : 1.0;
@@ -261,12 +265,28 @@ static int begin_mode(struct system_cvode *cvode)
     return work->is_singular ? SINGULAR : isnan(work->step) ? NOT_FINITE : DONE;
 }
 
+/* Whether a contact has come to its end. */
+static int is_behind_exit(const struct system_cvode *cvode)
+{
+    int found = 0;
+    for (int64_t i = 0; i < cvode->work->run->contact_count; i++)
+        found |= cvode->solver.values[cvode->roots + i] < 0.0;
+    return found;
+}
+
+/* Take some steps, and the last interpolant for all of them. */
 static int advance(struct system_cvode *cvode)
 {
     struct work *work = cvode->work;
     const double low = cvode->point;
-    int status = step_solver(&cvode->solver, cvode->goal, &cvode->point);
+    const int together = (int)larger(cvode->degree / DEGREES_A_STEP, 1);
+    int status = DONE, count = 0;
+    while (status == DONE && count < together && (count == 0 || !is_behind_exit(cvode))) {
+        status = step_solver(&cvode->solver, cvode->goal, &cvode->point);
+        count++;
+    }
     if (status == DONE) {
+        work->run->steps += count - 1;
         work->step = cvode->point - low;
         cvode->degree = interpolate(&cvode->solver, cvode->point, work->step, cvode->terms,
                                     cvode->solver.size);
