@@ -15,6 +15,8 @@ import io
 import sys
 import time
 import warnings
+from functools import partial
+from itertools import product
 
 import numpy as np
 from measuring import ROUNDS, clocked, in_turn, machine
@@ -71,22 +73,22 @@ def compare(trials):
 
 def one_disc(rounds):
     """Print the time of one disc as a system over that by the core of one disc."""
-    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0, shaft_stiffness=0.1)
-    rubs = Rotor(omega=1.2, zeta=0.07, delta0=0.5, friction=0.1, disc_radius=10.0)
+    rotors = {
+        "bouncing": Rotor(omega=2.0, zeta=0.07, delta0=2.0, shaft_stiffness=0.1),
+        "full contact": Rotor(omega=1.2, zeta=0.07, delta0=0.5),
+        "rubbing": Rotor(omega=1.2, zeta=0.07, delta0=0.5, friction=0.1, disc_radius=10.0),
+    }
     start, how = np.array([3.0, 1.0, 0.0, 0.0]), {"duration": 400.0, "samples": 2}
-    for name, each in {"bouncing": rotor, "rubbing": rubs}.items():
-        times = in_turn(
-            {
-                "one disc": clocked(
-                    lambda each=each: simulate(each, start=start, method="taylor", **how)
-                ),
-                "system": clocked(lambda each=each: as_system(each, start, **how)),
-            },
-            rounds,
-        )
-        one, many = (times[way].median for way in ("one disc", "system"))
+    for (name, each), method in product(rotors.items(), ("taylor", "adams")):
+        ways = {
+            "one disc": partial(simulate, each, start=start, method=method, **how),
+            "system": partial(as_system, each, start, method=method, **how),
+        }
+        times = in_turn({way: clocked(run) for way, run in ways.items()}, rounds)
+        one, many = (times[way].median for way in ways)
         print(
-            f"{name}: {1e3 * one:.2f} ms, as a system {1e3 * many:.2f} ms, {many / one:.2f} times"
+            f"{name}, {method}: {1e3 * one:.2f} ms, as a system {1e3 * many:.2f} ms, "
+            f"{many / one:.2f} times"
         )
 
 

@@ -82,7 +82,9 @@ def results():
         "contacts": [Contact(node=node, **rubs) for node in "ab"],
         "unbalance": [Unbalance(node="a", moment=1.0)],
     }
-    keep("system", simulate(system, speed=1.1, duration=100.0, **around))
+    for method in ("taylor", "adams", "bdf"):
+        run = simulate(system, speed=1.1, duration=100.0, method=method, **around)
+        keep(f"system, {method}", run)
     race = Race(radius=2.0, inertia=0.5, drag=0.2)
     around["contacts"] = [Contact(node=node, **rubs, race=race) for node in "ab"]
     keep("system with races", simulate(system, speed=1.1, duration=100.0, **around))

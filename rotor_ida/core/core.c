@@ -32,7 +32,7 @@ static int with_motions(struct run *run, int (*act)(struct run *, const struct m
             motions.free = &taylor.motion;
         return act(run, &motions, more);
     }
-    struct cvode contact = {.failure = 0}, free = {.failure = 0};
+    struct cvode contact = {.degree = 0}, free = {.degree = 0};
     int status = DONE;
     if (touches) {
         status = open_cvode(&contact, run->sundials, run->method, mode_of_contact(run), model,
@@ -46,7 +46,7 @@ static int with_motions(struct run *run, int (*act)(struct run *, const struct m
     }
     if (status == DONE) {
         status = act(run, &motions, more);
-        const int failure = contact.failure ? contact.failure : free.failure;
+        const int failure = contact.solver.failure ? contact.solver.failure : free.solver.failure;
         status = failure ? failure : status;
     }
     close_cvode(&contact);

@@ -1,4 +1,4 @@
-/* A motion led by CVODE: Adams or BDF, Newton's method, a dense linear solver.
+/* CVODE, and a motion led by it: Adams or BDF, Newton's method, a dense linear solver.
  *
  * The functions of SUNDIALS are handed over by Python, which has found and asked the libraries
  * (`rotor_ida.core.sundials`); nothing is linked. Their objects are known by address alone. */
@@ -11,6 +11,102 @@ static const double FAR_GOAL = 1e9;
 enum { MOST_IDLE_STEPS = 100, ONE_STEP = 2 };
 /* To fetch the interpolant takes as long as so many single readings. */
 enum { FEW_READINGS = 6 };
+
+/* ---- A solver ---- */
+
+/* Remember that a reading failed: it ends the run, though its values look like others. */
+static int noted(struct solver *solver, int flag)
+{
+    if (solver->failure == 0)
+        solver->failure = flag;
+    return flag;
+}
+
+/* Make what SUNDIALS needs, in the order in which each needs the ones before. */
+int open_solver(struct solver *solver, int method, int (*field)(double, void *, void *, void *),
+                void *user)
+{
+    const struct sundials *sundials = solver->sundials;
+    const int64_t size = solver->size;
+    if (sundials == NULL)
+        return NO_SOLVER;
+    if (sundials->context_new(0, &solver->context) != 0 || solver->context == NULL)
+        return NO_SOLVER;
+    if (sundials->handlers_clear(solver->context) != 0)
+        return NO_SOLVER;
+    solver->state = sundials->vector_over(size, solver->values, solver->context);
+    solver->derivative = sundials->vector_over(size, solver->derivatives, solver->context);
+    solver->memory = sundials->create(method, solver->context);
+    solver->matrix = sundials->matrix_new(size, size, solver->context);
+    if (!solver->state || !solver->derivative || !solver->memory || !solver->matrix)
+        return NO_SOLVER;
+    solver->linear = sundials->linear_new(solver->state, solver->matrix, solver->context);
+    if (!solver->linear || sundials->vector_fuse(solver->state, 1) != 0)
+        return NO_SOLVER;
+    int status = sundials->init(solver->memory, field, 0.0, solver->state);
+    if (status == 0)
+        status = sundials->user_data(solver->memory, user);
+    if (status == 0)
+        status = sundials->linear_use(solver->memory, solver->linear, solver->matrix);
+    return status;
+}
+
+void close_solver(struct solver *solver)
+{
+    const struct sundials *sundials = solver->sundials;
+    if (solver->memory)
+        sundials->free(&solver->memory);
+    if (solver->linear)
+        sundials->linear_free(solver->linear);
+    if (solver->matrix)
+        sundials->matrix_free(solver->matrix);
+    if (solver->state)
+        sundials->vector_free(solver->state);
+    if (solver->derivative)
+        sundials->vector_free(solver->derivative);
+    if (solver->context)
+        sundials->context_free(&solver->context);
+}
+
+int step_solver(struct solver *solver, double goal, double *point)
+{
+    if (solver->failure)
+        return solver->failure;
+    for (int i = 0; i < MOST_IDLE_STEPS; i++) {
+        double reached = *point, total = 0.0;
+        const int status = solver->sundials->solve(solver->memory, goal, solver->state, &reached,
+                                                   ONE_STEP);
+        for (int64_t j = 0; j < solver->size; j++)
+            total += solver->values[j];
+        if (status < 0 || !isfinite(total))
+            return status < 0 ? status : NOT_FINITE;
+        if (reached > *point) {
+            *point = reached;
+            return DONE;
+        }
+    }
+    return STUCK;
+}
+
+int interpolate(struct solver *solver, double point, double step, double *terms, int64_t apart)
+{
+    const struct sundials *sundials = solver->sundials;
+    int degree = 0;
+    double scale = 1.0;
+    if (noted(solver, sundials->last_order(solver->memory, &degree)) || degree < 0
+        || degree > HIGHEST_DEGREE)
+        return -1;
+    for (int power = 0; power <= degree; power++) {
+        if (noted(solver, sundials->derivative(solver->memory, point, power, solver->derivative)))
+            return -1;
+        for (int64_t i = 0; i < solver->size; i++)
+            terms[power * apart + i] = scale * solver->derivatives[i];
+        scale *= step / (power + 1.0);
+    }
+    return degree;
+}
+
+/* ---- A motion ---- */
 
 static struct cvode *cvode_of(struct motion *motion) { return (struct cvode *)motion; }
 
@@ -39,8 +135,8 @@ static int right_hand_side(double point, void *state, void *rate, void *user)
 {
     const struct cvode *cvode = user;
     const struct motion *motion = &cvode->motion;
-    const double *values = cvode->sundials->vector_data(state);
-    double *rates = cvode->sundials->vector_data(rate);
+    const double *values = cvode->solver.sundials->vector_data(state);
+    double *rates = cvode->solver.sundials->vector_data(rate);
     if (values == NULL || rates == NULL)
         return -1;
     motion->mode->field(&motion->model, values, rates);
@@ -67,8 +163,8 @@ static int derivative_of_it(double point, void *state, void *rate, void *matrix,
 {
     (void)point, (void)rate, (void)a, (void)b, (void)c;
     const struct cvode *cvode = user;
-    const double *values = cvode->sundials->vector_data(state);
-    double *entries = cvode->sundials->matrix_data(matrix);
+    const double *values = cvode->solver.sundials->vector_data(state);
+    double *entries = cvode->solver.sundials->matrix_data(matrix);
     if (values == NULL || entries == NULL)
         return -1;
     cvode->motion.mode->jacobian(&cvode->motion.model, values, entries);
@@ -83,8 +179,8 @@ static int weights_of(void *state, void *weights, void *user)
 {
     const struct cvode *cvode = user;
     const struct motion *motion = &cvode->motion;
-    const double *values = cvode->sundials->vector_data(state);
-    double *found = cvode->sundials->vector_data(weights);
+    const double *values = cvode->solver.sundials->vector_data(state);
+    double *found = cvode->solver.sundials->vector_data(weights);
     if (values == NULL || found == NULL)
         return -1;
     for (int i = 0; i < values_of(motion); i++)
@@ -100,18 +196,10 @@ static int weights_of(void *state, void *weights, void *user)
 /* Hand the tolerances of a motion over. */
 static int set_tolerances(struct cvode *cvode)
 {
-    const struct sundials *sundials = cvode->sundials;
+    const struct sundials *sundials = cvode->solver.sundials;
     if (HAS_FRICTION && cvode->motion.model.friction > 0.0)
-        return sundials->weigh_by(cvode->memory, weights_of);
-    return sundials->tolerances(cvode->memory, cvode->motion.rtol, cvode->tolerances);
-}
-
-/* Remember that a reading failed: it ends the run, though its values look like others. */
-static int noted(struct cvode *cvode, int flag)
-{
-    if (cvode->failure == 0)
-        cvode->failure = flag;
-    return flag;
+        return sundials->weigh_by(cvode->solver.memory, weights_of);
+    return sundials->tolerances(cvode->solver.memory, cvode->motion.rtol, cvode->tolerances);
 }
 
 /* CVODE keeps the address of the values, so a motion must not move. */
@@ -125,7 +213,8 @@ static int restart(struct motion *motion, const double *start, const double *ato
     motion->low = motion->point = 0.0;
     cvode->degree = -1;
     cvode->readings = 0;
-    const int status = cvode->sundials->reinit(cvode->memory, 0.0, cvode->state);
+    const int status = cvode->solver.sundials->reinit(cvode->solver.memory, 0.0,
+                                                      cvode->solver.state);
     if (status != DONE)
         return status;
     return set_tolerances(cvode);
@@ -134,29 +223,14 @@ static int restart(struct motion *motion, const double *start, const double *ato
 static int advance(struct motion *motion)
 {
     struct cvode *cvode = cvode_of(motion);
-    const int count = values_of(motion);
     motion->low = motion->point;
     cvode->degree = -1;
     cvode->readings = 0;
     copy_values(motion, motion->values, motion->before);
-    if (cvode->failure)
-        return cvode->failure;
-    for (int i = 0; i < MOST_IDLE_STEPS; i++) {
-        double reached = motion->point;
-        const int status = cvode->sundials->solve(cvode->memory, FAR_GOAL, cvode->state, &reached,
-                                                  ONE_STEP);
-        double total = 0.0;
-        for (int j = 0; j < count; j++)
-            total += motion->values[j];
-        if (status < 0 || !isfinite(total)) {
-            copy_values(motion, motion->before, motion->values);
-            return status < 0 ? status : NOT_FINITE;
-        }
-        motion->point = reached;
-        if (motion->point > motion->low)
-            return DONE;
-    }
-    return STUCK;
+    const int status = step_solver(&cvode->solver, FAR_GOAL, &motion->point);
+    if (status != DONE)
+        copy_values(motion, motion->before, motion->values);
+    return status;
 }
 
 /* Read the motion; where CVODE cannot, it is as before the step, and the next step says so. */
@@ -167,7 +241,8 @@ static const double *at(struct motion *motion, double point)
         return motion->values;
     if (point <= motion->low)
         return motion->before;
-    if (noted(cvode, cvode->sundials->derivative(cvode->memory, point, 0, cvode->derivative)))
+    struct solver *solver = &cvode->solver;
+    if (noted(solver, solver->sundials->derivative(solver->memory, point, 0, solver->derivative)))
         return motion->before;
     return cvode->derivatives;
 }
@@ -175,23 +250,10 @@ static const double *at(struct motion *motion, double point)
 /* Fetch the interpolant of the last step; return whether it could be had. */
 static int fetch(struct cvode *cvode)
 {
-    int degree = 0;
-    if (noted(cvode, cvode->sundials->last_order(cvode->memory, &degree)) || degree < 0
-        || degree > HIGHEST_DEGREE)
-        return 0;
     const struct motion *motion = &cvode->motion;
-    const double step = motion->point - motion->low;
-    double scale = 1.0;
-    for (int power = 0; power <= degree; power++) {
-        if (noted(cvode, cvode->sundials->derivative(cvode->memory, motion->point, power,
-                                                     cvode->derivative)))
-            return 0;
-        for (int i = 0; i < values_of(motion); i++)
-            cvode->series[power][i] = scale * cvode->derivatives[i];
-        scale *= step / (power + 1.0);
-    }
-    cvode->degree = degree;
-    return 1;
+    cvode->degree = interpolate(&cvode->solver, motion->point, motion->point - motion->low,
+                                cvode->series[0], MOST_VALUES);
+    return cvode->degree >= 0;
 }
 
 static const double *glance_at(struct motion *motion, double point)
@@ -225,46 +287,14 @@ static int64_t evaluations(struct motion *motion)
 {
     struct cvode *cvode = cvode_of(motion);
     long count = 0;
-    return noted(cvode, cvode->sundials->evaluations(cvode->memory, &count)) ? 0 : count;
-}
-
-/* Make what SUNDIALS needs, in the order in which each needs the ones before. */
-static int make(struct cvode *cvode, int method, int64_t size)
-{
-    const struct sundials *sundials = cvode->sundials;
-    struct motion *motion = &cvode->motion;
-    if (sundials->context_new(0, &cvode->context) != 0 || cvode->context == NULL)
-        return NO_SOLVER;
-    if (sundials->handlers_clear(cvode->context) != 0)
-        return NO_SOLVER;
-    cvode->state = sundials->vector_over(size, motion->values, cvode->context);
-    cvode->tolerances = sundials->vector_over(size, cvode->atol, cvode->context);
-    cvode->derivative = sundials->vector_over(size, cvode->derivatives, cvode->context);
-    cvode->memory = sundials->create(method, cvode->context);
-    cvode->matrix = sundials->matrix_new(size, size, cvode->context);
-    if (!cvode->state || !cvode->tolerances || !cvode->derivative || !cvode->memory
-        || !cvode->matrix)
-        return NO_SOLVER;
-    cvode->linear = sundials->linear_new(cvode->state, cvode->matrix, cvode->context);
-    if (!cvode->linear || sundials->vector_fuse(cvode->state, 1) != 0)
-        return NO_SOLVER;
-    int status = sundials->init(cvode->memory, right_hand_side, 0.0, cvode->state);
-    if (status == 0)
-        status = sundials->user_data(cvode->memory, cvode);
-    if (status == 0)
-        status = set_tolerances(cvode);
-    if (status == 0)
-        status = sundials->linear_use(cvode->memory, cvode->linear, cvode->matrix);
-    if (status == 0 && !motion->tangents)
-        status = sundials->jacobian(cvode->memory, derivative_of_it);
-    return status;
+    struct solver *solver = &cvode->solver;
+    return noted(solver, solver->sundials->evaluations(solver->memory, &count)) ? 0 : count;
 }
 
 int open_cvode(struct cvode *cvode, const struct sundials *sundials, int method,
                const struct mode *mode, struct parameters model, double rtol, int tangents)
 {
     memset(cvode, 0, sizeof *cvode);
-    cvode->sundials = sundials;
     cvode->motion = (struct motion){.mode = mode,
                                     .model = model,
                                     .rtol = rtol,
@@ -275,28 +305,27 @@ int open_cvode(struct cvode *cvode, const struct sundials *sundials, int method,
                                     .glance_at = glance_at,
                                     .rate = rate,
                                     .evaluations = evaluations};
-    if (sundials == NULL)
-        return NO_SOLVER;
     const int size = values_of(&cvode->motion);
+    struct solver *solver = &cvode->solver;
+    *solver = (struct solver){.sundials = sundials,
+                              .values = cvode->motion.values,
+                              .derivatives = cvode->derivatives,
+                              .size = size};
     for (int i = 0; i < size; i++) /* nothing that SUNDIALS could refuse before the first start */
         cvode->atol[i] = cvode->motion.values[i] = 1.0;
-    return make(cvode, method, size);
+    int status = open_solver(solver, method, right_hand_side, cvode);
+    if (status == 0) {
+        cvode->tolerances = sundials->vector_over(size, cvode->atol, solver->context);
+        status = cvode->tolerances ? set_tolerances(cvode) : NO_SOLVER;
+    }
+    if (status == 0 && !tangents)
+        status = sundials->jacobian(solver->memory, derivative_of_it);
+    return status;
 }
 
 void close_cvode(struct cvode *cvode)
 {
-    const struct sundials *sundials = cvode->sundials;
-    if (cvode->memory)
-        sundials->free(&cvode->memory);
-    if (cvode->linear)
-        sundials->linear_free(cvode->linear);
-    if (cvode->matrix)
-        sundials->matrix_free(cvode->matrix);
-    void *vectors[] = {cvode->state, cvode->tolerances, cvode->derivative};
-    for (int i = 0; i < 3; i++) {
-        if (vectors[i])
-            sundials->vector_free(vectors[i]);
-    }
-    if (cvode->context)
-        sundials->context_free(&cvode->context);
+    if (cvode->tolerances)
+        cvode->solver.sundials->vector_free(cvode->tolerances);
+    close_solver(&cvode->solver);
 }

@@ -625,8 +625,11 @@ COMPILED void expand_as(struct work *work, int order, struct shape shape)
         if (!shape.is_plain)
             add_implicit(work, n);
         go_on(work, n, shape);
+        if (work->is_led)
+            take_terms(work, n + 1);
     }
-    ask_contacts(work, order, shape);
+    if (order > 1)
+        ask_contacts(work, order, shape);
 }
 
 void expand_system(struct work *work, int order)

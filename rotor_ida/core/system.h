@@ -125,12 +125,17 @@ struct system_run {
     /* what parameters change besides, one a column from the first of these on */
     const struct parameter *parameters;
     int64_t parameter_count, first_of_parameters;
+    int64_t method;                  /* while a contact touches, as in core.h */
+    const struct sundials *sundials; /* NULL where series alone are wanted */
+    double *cvode_room;
 };
 
 /* How many doubles a run needs to work in. */
 CORE_API int64_t core_system_room(int64_t size, int64_t contacts);
 
 CORE_API int64_t core_system_column_room(int64_t size, int64_t contacts, int64_t columns);
+
+CORE_API int64_t core_system_cvode_room(int64_t size, int64_t contacts);
 
 /* Follow a run to its end, as `core_run` does. FULL: with more room it goes on from where it is. */
 CORE_API int core_system_run(struct system_run *run);

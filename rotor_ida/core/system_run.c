@@ -186,19 +186,29 @@ static int is_unbounded(const struct system_run *run)
     return largest > MOST_CLEARANCES * run->displacement;
 }
 
+/* Write the series of a step, and how long it is. */
+static int expand_step(struct work *work)
+{
+    if (leads(work))
+        return step_by_cvode(work);
+    work->order = (int)work->run->order;
+    begin_terms(work);
+    expand_system(work, work->order);
+    if (work->is_singular)
+        return SINGULAR;
+    choose_step(work);
+    return isnan(work->step) ? NOT_FINITE : DONE;
+}
+
 static int take_step(struct work *work, int *is_idle)
 {
     struct system_run *run = work->run;
     const struct piece *piece = &run->pieces[run->piece];
     const double limit = run->piece + 1 < run->piece_count ? smaller(piece->end, run->duration)
                                                            : run->duration;
-    begin_terms(work);
-    expand_system(work, work->order);
-    if (work->is_singular)
-        return SINGULAR;
-    choose_step(work);
-    if (isnan(work->step))
-        return NOT_FINITE;
+    const int status = expand_step(work);
+    if (status != DONE)
+        return status;
     if (is_unbounded(run))
         return UNBOUNDED;
     double end = work->step;
@@ -214,8 +224,7 @@ static int take_step(struct work *work, int *is_idle)
         happens = 0;
         end = point_of(work, limit, 0.0, end);
     }
-    if (ends && !happens)
-        until = limit;
+    until = ends && !happens ? limit : fmax(until, run->time);
     observe(work, end, until);
     look_for_standstill(work, end, until);
     const double before = run->time;
@@ -228,9 +237,9 @@ static int take_step(struct work *work, int *is_idle)
     if (happens)
         return change_with_columns(work, what);
     if (work->moves) {
-        const int status = leave_together(work);
-        if (status != DONE)
-            return status;
+        const int left = leave_together(work);
+        if (left != DONE)
+            return left;
     }
     return ends && run->time < run->duration ? pass_system_piece(work) : DONE;
 }
@@ -243,9 +252,9 @@ static void begin_races(struct system_run *run)
     }
 }
 
-int core_system_run(struct system_run *run)
+static int follow(struct work *work)
 {
-    struct work *work = open_work(run);
+    struct system_run *run = work->run;
     open_columns(work);
     begin_system_piece(work);
     int status = DONE, idle = 0;
@@ -269,5 +278,15 @@ int core_system_run(struct system_run *run)
         if (idle > MOST_IDLE)
             return STUCK;
     }
+    return status;
+}
+
+int core_system_run(struct system_run *run)
+{
+    struct work *work = open_work(run);
+    int status = open_system_cvode(work);
+    if (status == DONE)
+        status = follow(work);
+    close_system_cvode(work);
     return status;
 }

@@ -53,6 +53,8 @@ struct work {
     int is_asked;    /* whether the matrix is left as it is */
     int is_singular; /* whether what is implicit has no solution */
     double step;
+    struct system_cvode *cvode; /* or NULL */
+    int is_led;                 /* whether its interpolant gives the terms */
     struct touching touching[MOST_CONTACTS];
 };
 
@@ -269,6 +271,15 @@ void begin_columns(struct work *work);
 /* Move them to a point of the step, before the motion itself; and through an event, with it. */
 void move_columns(struct work *work, double point);
 int change_with_columns(struct work *work, struct happening what);
+
+/* system_cvode.c: with CVODE in the place of series */
+int open_system_cvode(struct work *work);
+void close_system_cvode(struct work *work);
+/* Whether CVODE leads the motion from here; and its next step, as `expand_system` writes one. */
+int leads(const struct work *work);
+int step_by_cvode(struct work *work);
+/* Take coefficients n of the interpolant. */
+void take_terms(struct work *work, int n);
 
 /* system_run.c */
 void record_system_event(struct system_run *run, int kind, int contact);

@@ -15,7 +15,8 @@ import numpy.typing as npt
 
 from rotor_ida.arrays import Stop, Values, Watch
 from rotor_ida.core import library as found
-from rotor_ida.core.interface import DONE, FULL, pointer
+from rotor_ida.core import sundials
+from rotor_ida.core.interface import DONE, FULL, METHODS, pointer
 from rotor_ida.core.runs import NO_STOP, PIECE, Rows
 
 FIRST_ROOM = 256
@@ -117,6 +118,8 @@ class SystemRunStruct(Structure):
         ("column_count", c_int64),
         *((name, c_void_p) for name in ("columns", "column_room", "parameters")),
         *((name, c_int64) for name in ("parameter_count", "first_of_parameters")),
+        ("method", c_int64),
+        *((name, c_void_p) for name in ("sundials", "cvode_room")),
     ]  # fmt: skip
 
 
@@ -199,9 +202,11 @@ class SystemRequest:
         How many of the coordinates, the last, are of stators without mass.
     columns : ndarray, shape (column, 2 n + contact), optional
         Small changes of the start, whose course is wanted: of displacements, velocities and speeds
-        of races. At a constant speed, and without stators without mass.
+        of races. At a constant speed, and without stators without mass; by Taylor series.
     parameters : sequence of ByParameter
         Parameters that change beside, each alone with one of the last columns.
+    method : {"taylor", "adams", "bdf"}
+        Solver while a contact touches. Flight, a linear motion, is always by Taylor series.
     """
 
     stiffness: Values
@@ -230,6 +235,7 @@ class SystemRequest:
     massless: int = 0
     columns: Values | None = None
     parameters: Sequence[ByParameter] = ()
+    method: str = "taylor"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -310,6 +316,8 @@ def _library() -> ctypes.CDLL:
     core = found.library("whole")
     core.core_system_room.restype = c_int64
     core.core_system_room.argtypes = [c_int64, c_int64]
+    core.core_system_cvode_room.restype = c_int64
+    core.core_system_cvode_room.argtypes = [c_int64, c_int64]
     core.core_system_column_room.restype = c_int64
     core.core_system_column_room.argtypes = [c_int64, c_int64, c_int64]
     core.core_system_run.restype = c_int
@@ -407,6 +415,11 @@ class _Run:
             sample_turns=self.filled(self.turns), open=self.filled(self.opened),
             races=self.filled(self.races), room=self.filled(np.zeros(room)),
         )  # fmt: skip
+        if request.method != "taylor":
+            self.struct.method = METHODS[request.method]
+            self.struct.sundials = ctypes.cast(ctypes.pointer(sundials.functions()), c_void_p)
+            room = core.core_system_cvode_room(self.size, count)
+            self.struct.cvode_room = self.filled(np.zeros(room))
         self.columns = self.changes(core, request)
         self.tables.put(self.struct)
 

@@ -69,23 +69,9 @@ class Options:
         check_choice("flight", self.flight, FLIGHTS)
         if self.method == "taylor" and self.flight != "exact":
             raise InputError(f"flight must be 'exact' with taylor, got {self.flight!r}")
-        check_choice("backend", self.backend, BACKENDS)
-        if self.method == "taylor" and self.backend == "python":
-            raise InputError("backend must be 'auto' or 'compiled' with taylor, got 'python'")
-        reason = "" if self.backend == "python" else self._why_not_compiled()
-        if self.backend == "compiled" and reason:
-            raise InputError(f"backend 'compiled' cannot be used: {reason}")
-        if self.backend == "auto":
-            object.__setattr__(self, "backend", "python" if reason else "compiled")
+        object.__setattr__(self, "backend", backend_of(self.method, self.backend))
         if self.backend == "python":  # the reference has no closed form
             object.__setattr__(self, "flight", "cvode")
-
-    def _why_not_compiled(self) -> str:
-        if self.method == "taylor":
-            return ""
-        if self.method == "ida":
-            return "it knows the methods adams and bdf, got 'ida'"
-        return sundials.why_not()
 
     def attributes(self) -> dict[str, object]:
         """Return method and tolerances as attributes of a result."""
@@ -101,6 +87,26 @@ class Options:
     def step_atol(self) -> float:
         """Absolute tolerance of one step of the solver."""
         return STEP_SAFETY * self.atol
+
+
+def backend_of(method: Method, backend: Backend) -> Backend:
+    """Return the backend of a method, or raise `InputError` if it cannot be used.
+
+    Examples
+    --------
+    >>> backend_of("ida", "auto"), backend_of("taylor", "auto")
+    ('python', 'compiled')
+    """
+    check_choice("backend", backend, BACKENDS)
+    if method == "taylor" and backend == "python":
+        raise InputError("backend must be 'auto' or 'compiled' with taylor, got 'python'")
+    if backend == "python" or method == "taylor":
+        return "python" if backend == "python" else "compiled"
+    of_ida = "it knows the methods adams and bdf, got 'ida'"
+    reason = of_ida if method == "ida" else sundials.why_not()
+    if backend == "compiled" and reason:
+        raise InputError(f"backend 'compiled' cannot be used: {reason}")
+    return "python" if reason else "compiled"
 
 
 def options_of_study(

@@ -173,6 +173,7 @@ def run_up(
             changed_system(run_up, rotor, changed),
             course_of(speed, given, duration, SYSTEM_LIMITS), start=start, samples=samples,
             modes=modes, more_modes=more_modes, rtol=rtol, method=method, progress=progress,
+            backend=backend,
         )  # fmt: skip
     assert isinstance(rotor, Rotor)
     assert method is not None

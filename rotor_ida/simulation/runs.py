@@ -31,7 +31,7 @@ from rotor_ida.simulation.course import MOST_RADIANS, Course
 from rotor_ida.simulation.dataset import fastest_whirl, run_dataset, system_dataset
 from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors, shifts_of
 from rotor_ida.simulation.invariants import check_run
-from rotor_ida.simulation.options import Options
+from rotor_ida.simulation.options import Backend, Options, backend_of
 from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.run import run
 from rotor_ida.simulation.sampling import FEWEST, sample_times, times_of
@@ -39,6 +39,7 @@ from rotor_ida.simulation.starts import Start, start_of
 from rotor_ida.simulation.system_run import (
     Followed,
     bare,
+    by_method,
     inertia_of,
     request_of,
     run_to_end,
@@ -132,6 +133,7 @@ def run_of_cases(
     rtol: float,
     method: SystemMethod,
     progress: Progress | bool | None,
+    backend: Backend = "auto",
     modes: Mapping[str, int | None],
     whirls: bool = False,
 ) -> xr.Dataset:
@@ -143,7 +145,7 @@ def run_of_cases(
         The system and its start; those with more modes come second.
     course : Course
         The course of the speed.
-    samples, rtol, method, progress : optional
+    samples, rtol, method, progress, backend : optional
         As for `rotor_ida.simulate`.
     modes : mapping
         Numbers of modes, as attributes of the run.
@@ -151,6 +153,7 @@ def run_of_cases(
         Whether samples by default must resolve whirls in the contacts too, however fast.
     """
     check_choice("method", method, METHODS)
+    backend = backend_of(method, backend)
     progress = check_progress(progress)
     tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
     fastest = course.largest_speed
@@ -159,9 +162,9 @@ def run_of_cases(
     first, *second = [_prepared(*each, course, times, tolerance) for each in cases]
 
     def followed_by(request: SystemRequest, stop: Stop, watch: Watch) -> SystemResult:
-        if method == "taylor":
-            return run_to_end(request, stop, watch)
-        return _by_cvode(method)(request, course.profile, tolerance, method, stop, watch)
+        if backend == "python":
+            return _witness()(request, course.profile, tolerance, method, stop, watch)
+        return run_to_end(by_method(request, method, tolerance), stop, watch)
 
     def follow(stop: Stop, watch: Watch) -> tuple[Followed, list[Values]]:
         result = followed_by(first.request, stop, watch)
@@ -175,7 +178,8 @@ def run_of_cases(
         result = interruptible(lambda stop: followed_by(request, stop, []))
         followed = replace(followed, result=result)
     check_run(first.assembly, first.found, first.request, followed.result, tolerance)
-    told = {"method": method, "rtol": tolerance, "duration": course.end, **course.told}
+    told = {"method": method, "backend": backend, "rtol": tolerance, "duration": course.end}
+    told |= course.told
     told |= {name: number for name, number in modes.items() if number is not None}
     if growth := growth_of(first.found, fastest):
         told |= {RATE: growth.rate, WHIRL_SPEED: growth.whirl_speed}
@@ -207,14 +211,13 @@ def _prepared(
     return _Prepared(assembly, found, begun, request)
 
 
-def _by_cvode(method: str) -> Callable[..., SystemResult]:
-    """Return the runs by CVODE in plain Python, or raise `InstallationError`."""
+def _witness() -> Callable[..., SystemResult]:
+    """Return the reference simulator, or raise `InstallationError` without scikit-sundae."""
     try:
         from rotor_ida.simulation.witness.system import run_system  # noqa: PLC0415
     except ImportError as error:
         raise InstallationError(
-            f"method {method!r} of a rotor system needs scikit-sundae: "
-            f"pip install scikit-sundae ({error})"
+            f"backend 'python' needs scikit-sundae: pip install scikit-sundae ({error})"
         ) from error
     return run_system
 

@@ -24,7 +24,7 @@ from rotor_ida.simulation.runs import run_of_disc, run_of_system
 from rotor_ida.simulation.starts import Start, start_of
 
 # Arguments that only one disc, or only a rotor system, takes, and defaults that differ.
-OF_DISC, OF_SYSTEM = ("atol", "backend"), ("modes", "more_modes")
+OF_DISC, OF_SYSTEM = ("atol",), ("modes", "more_modes")
 DEFAULTS = {"start": (AT_REST, None), "method": ("adams", "taylor")}
 
 
@@ -86,14 +86,14 @@ def simulate(
         CVODE with Adams (nonstiff) or BDF (stiff), or IDA as an independent check, with `rtol` from
         1e-13 (IDA 1e-12) to 1e-3; or Taylor series, about ten times as fast as CVODE at equal
         error, with `rtol` from 1e-15 to 1e-4. ``docs/events.md`` explains how each finds events.
-        Default: Adams. A `RotorSystem` is followed by Taylor series by default; CVODE, in plain
-        Python, is an independent and much slower check, and there is no IDA.
+        Default: Adams. A `RotorSystem` is followed by Taylor series by default, without IDA; CVODE
+        leads it while a contact touches, and with the reference also in flight.
     flight : {"exact", "cvode"}
         Motion of one disc inside the clearance in closed form, or integrated. Taylor series always
         use the closed form; ``backend="python"`` always integrates.
     backend : {"auto", "python", "compiled"}
-        For one disc the plain-Python reference, which restarts the solvers of scikit-sundae at each
-        root of ``|z| = delta0``, or the compiled core, which is many times faster. ``"auto"`` is
+        The plain-Python reference, which restarts the solvers of scikit-sundae at each root of
+        ``|z| = delta0``, or the compiled core, which is many times faster. ``"auto"`` is
         ``"compiled"`` where available. Only the reference supports IDA.
     progress : callable or bool, optional
         Called from time to time with the percentage completed, and 100; True shows a bar on
@@ -120,8 +120,8 @@ def simulate(
         tangential_force slip_speed mode`` on ``(t, contact)``; on ``episode`` the table of
         contacts; ``final_state``. With races ``event_race_speed`` on ``(event, contact)``, and on
         ``contact`` their largest and smallest speeds, also between events, and when:
-        ``race_speed_max race_speed_max_time race_speed_min race_speed_min_time``. CVODE knows these
-        only at samples and events.
+        ``race_speed_max race_speed_max_time race_speed_min race_speed_min_time``. The reference
+        knows these only at samples and events.
 
     Raises
     ------
@@ -186,6 +186,7 @@ def simulate(
         return run_of_system(
             changed_system(simulate, rotor, changed), course, start=start, samples=samples,
             modes=modes, more_modes=more_modes, rtol=rtol, method=method, progress=progress,
+            backend=backend,
         )  # fmt: skip
     assert isinstance(rotor, Rotor)
     assert method is not None

@@ -27,6 +27,7 @@ from rotor_ida.simulation.spin import SpeedProfile
 # The tolerance of a step over that of a run.
 STEP_SAFETY = 1e-3
 TIGHTEST = 1e-16
+STEP_SAFETY_OF_CVODE = 0.03
 # Orders of the first and the second run.
 ORDERS = (20, 24)
 # The second run goes on for this many times the horizon, so that each event before it is in it.
@@ -84,6 +85,13 @@ def request_of(
         displacement=displacement, velocity=velocity, fastest=fastest, start=start, times=times,
         duration=duration, massless=found.massless,
     )  # fmt: skip
+
+
+def by_method(request: SystemRequest, method: str, rtol: float) -> SystemRequest:
+    """Return the request of a run at a tolerance by Taylor series or by CVODE."""
+    if method == "taylor":
+        return request
+    return replace(request, method=method, rtol=max(STEP_SAFETY_OF_CVODE * rtol, 3e-15))
 
 
 def inertia_of(found: Canonical, profile: SpeedProfile) -> float:

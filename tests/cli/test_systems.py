@@ -374,7 +374,7 @@ MISTAKES = [
     ("sweep rotor.toml --speed 1 --start 1 0 0 0", "start must be settled or rest with a rotor"),
     ("sweep rotor.toml --speed 1 --method bdf", "method must be left out with a rotor"),
     ("sweep rotor.toml --speed 2 1 --direction up", "speed must increase in a sweep up or down"),
-    ("run-up rotor.toml --backend python", "backend must be left out with a rotor system"),
+    ("run-up rotor.toml --atol 1e-9", "atol must be left out with a rotor system"),
 ]  # fmt: skip
 
 

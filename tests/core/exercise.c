@@ -47,6 +47,8 @@ static void *room_for(int64_t count, size_t size)
 
 /* ---- In the place of SUNDIALS ---- */
 
+enum { MOST_MADE_UP = 64 }; /* values of a motion or of a system */
+
 struct made_up_vector {
     int64_t size;
     double *data;
@@ -57,7 +59,7 @@ struct made_up_solver {
     int (*jacobian)(double, void *, void *, void *, void *, void *, void *, void *);
     void *user;
     struct made_up_vector *state;
-    double point, before[MOST_VALUES], low;
+    double point, before[MOST_MADE_UP], low;
     long count;
     int (*weights)(void *state, void *found, void *user);
 };
@@ -215,14 +217,14 @@ static int solve(void *memory, double goal, void *state, double *reached, int ta
     struct made_up_solver *solver = memory;
     struct made_up_vector *values = state;
     const double step = 0.03;
-    double now[MOST_VALUES], rate[MOST_VALUES] = {0.0}, sum[MOST_VALUES] = {0.0};
+    double now[MOST_MADE_UP], rate[MOST_MADE_UP] = {0.0}, sum[MOST_MADE_UP] = {0.0};
     const size_t count = (size_t)values->size;
     if (fails())
         return -4;
     memcpy(now, values->data, count * sizeof(double));
     memcpy(solver->before, now, count * sizeof(double));
     if (solver->weights) {
-        double room[MOST_VALUES];
+        double room[MOST_MADE_UP];
         struct made_up_vector found = {values->size, room};
         if (solver->weights(state, &found, solver->user) != 0)
             return -8;
@@ -236,7 +238,7 @@ static int solve(void *memory, double goal, void *state, double *reached, int ta
             return -8;
     }
     for (int stage = 0; stage < 4; stage++) {
-        double there[MOST_VALUES];
+        double there[MOST_MADE_UP];
         for (size_t i = 0; i < count; i++)
             there[i] = now[i] + PARTS[stage] * step * rate[i];
         struct made_up_vector place = {values->size, there}, into = {values->size, rate};
@@ -721,6 +723,8 @@ static void systems(void)
         double *events = room_for(ROWS * (width + 3), sizeof(double));
         int32_t *kinds = room_for(2 * ROWS, sizeof(int32_t));
         double *room = room_for(core_system_room(size, contacts), sizeof(double));
+        double *cvode_room = room_for(core_system_cvode_room(size, contacts), sizeof(double));
+        calls_until_failure = kind % 8 == 5 ? 200 : -1;
         struct system_run run = {.size = size,
                                  .stride = stride,
                                  .contact_count = contacts,
@@ -760,10 +764,16 @@ static void systems(void)
                                  .open = open,
                                  .races = races,
                                  .episode_room = ROWS,
-                                 .room = room};
+                                 .room = room,
+                                 .method = kind / 4 % 2 ? ADAMS : TAYLOR,
+                                 .sundials = &made_up,
+                                 .cvode_room = cvode_room};
         stop_after(50000);
         while (core_system_run(&run) == FULL)
             run.events = run.episode_count = 0; /* what is full is written over */
+        require(objects == 0, "an object of SUNDIALS was not freed");
+        calls_until_failure = -1;
+        free(cvode_room);
         free(room);
         free(kinds);
         free(events);

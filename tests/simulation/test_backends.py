@@ -97,7 +97,9 @@ def test_without_scikit_sundae_the_reference_says_so(monkeypatch, asked_anew):
         simulate(BOUNCING, start=REST, duration=1.0, backend="python")
 
 
-def test_without_scikit_sundae_a_system_has_taylor_series_and_cvode_says_so(monkeypatch):
+def test_without_scikit_sundae_a_system_has_taylor_series_and_cvode_says_so(
+    monkeypatch, asked_anew
+):
     system = BOUNCING.system()
     given = {"speed": BOUNCING.omega}
     for name in [name for name in sys.modules if name.startswith("sksundae")]:
@@ -105,7 +107,7 @@ def test_without_scikit_sundae_a_system_has_taylor_series_and_cvode_says_so(monk
     monkeypatch.setitem(sys.modules, "sksundae", None)
     forget_witness(monkeypatch)
     assert simulate(system, **given, duration=20.0).sizes["event"] > 2
-    message = r"^method 'adams' of a rotor system needs scikit-sundae: pip inst"
+    message = r"^backend 'python' needs scikit-sundae: pip inst"
     with pytest.raises(InstallationError, match=message):
         simulate(system, **given, duration=1.0, method="adams")
 

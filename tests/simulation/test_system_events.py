@@ -29,10 +29,18 @@ def test_one_disc_as_a_system_has_the_same_events(monkeypatch):
     assert run_path(str(BENCHMARKS / "systems.py"))["compare"](50) == 0
 
 
+BY_CVODE = {
+    "adams": {"method": "adams"},
+    "bdf": {"method": "bdf"},
+    "witness": {"method": "adams", "backend": "python"},
+}
+
+
+@pytest.mark.parametrize("by", BY_CVODE)
 @pytest.mark.parametrize("seed", [2, 5, 19, 34])
-def test_systems_have_the_events_of_cvode(seed):
+def test_systems_have_the_events_of_cvode(seed, by):
     """Ramps, torques, stators, races, rolling: each event, where each contact is."""
-    exact, witness = followed(seed, 10.0), followed(seed, 10.0, method="adams", rtol=1e-11)
+    exact, witness = followed(seed, 10.0), followed(seed, 10.0, rtol=1e-11, **BY_CVODE[by])
     assert exact.sizes["event"] > 3
     np.testing.assert_array_equal(exact.event_kind, witness.event_kind)
     np.testing.assert_array_equal(exact.event_contact, witness.event_contact)
@@ -41,6 +49,56 @@ def test_systems_have_the_events_of_cvode(seed):
         scale = np.abs(exact[name]).max().item()
         assert np.abs(exact[name] - witness[name]).max() <= 1e-6 * scale, name
     np.testing.assert_array_equal(exact["mode"], witness["mode"])
+
+
+def test_many_systems_have_the_events_of_cvode():
+    """As far as the events of both runs are sure; their energies balance, else they would raise."""
+    count = 0
+    for seed in range(100, 140):
+        exact, other = followed(seed, 10.0), followed(seed, 10.0, method="adams", rtol=1e-11)
+        horizon = min(exact.horizon.item(), other.horizon.item())
+        one, two = (run.isel(event=(run.event_time < horizon).values) for run in (exact, other))
+        np.testing.assert_array_equal(one.event_kind, two.event_kind)
+        np.testing.assert_array_equal(one.event_contact, two.event_contact)
+        np.testing.assert_allclose(one.event_time, two.event_time, rtol=2e-7)
+        count += one.sizes["event"]
+    assert count > 400
+
+
+@pytest.mark.parametrize("method", ["adams", "bdf"])
+def test_errors_of_cvode_fall_with_the_tolerance(method):
+    """Tenfold and more from a hundredth of the tolerance to the next."""
+    exact = followed(5, 10.0, rtol=1e-13).event_time
+    apart = [
+        np.abs(followed(5, 10.0, method=method, rtol=rtol).event_time - exact).max().item()
+        for rtol in (1e-6, 1e-8, 1e-10)
+    ]
+    assert apart[0] > 10.0 * apart[1] > 100.0 * apart[2]
+    assert apart[2] < 1e-7
+
+
+DAMPED = Rotor(
+    omega=1.2, zeta=0.05, delta0=1.0, shaft_stiffness=0.1, contact_damping=1.0, friction=0.2,
+    disc_radius=3.0,
+)  # fmt: skip
+LOADED = Rotor(
+    omega=2.0, zeta=0.05, delta0=1.0, shaft_stiffness=0.1, contact_damping=0.2, friction=0.05,
+    disc_radius=1.0, load=0.3,
+)  # fmt: skip
+
+
+@pytest.mark.parametrize("method", ["adams", "bdf"])
+@pytest.mark.parametrize("rotor", [DAMPED, LOADED])
+def test_cvode_leads_one_disc_as_its_own_does(rotor, method):
+    """Friction, contact damping, release, load; what contacts spend, too."""
+    how = {"duration": 60.0, "method": method, "rtol": 1e-11}
+    one = simulate(rotor, start=(0, 0, 3, 1), **how)
+    many = simulate(rotor.system(), speed=rotor.omega, start=([0, 0], [3, 1]), **how)
+    assert one.sizes["event"] > 8
+    np.testing.assert_array_equal(one.event_kind, many.event_kind)
+    np.testing.assert_allclose(one.event_time, many.event_time, rtol=1e-9)
+    for name in ("impulse", "heat", "peak_force", "slip_distance"):
+        np.testing.assert_allclose(one[name].values, many[name].values, rtol=1e-6, atol=1e-7)
 
 
 def test_stated_errors_cover_the_errors():
