@@ -274,7 +274,7 @@ def plot_orders(
             ax.set_ylim(1e-4 * highest, 2.0 * highest)
         else:
             ax.set_ylim(0.0, 1.06 * _highest(ax))
-        ax.set_title(title_of_signals(tracks, one_speed=is_one_speed(speeds.values)))
+        ax.set_title(title_of_signals(tracks, speeds))
         legend_below(ax, columns=4)
     return ax
 
@@ -360,7 +360,7 @@ def _one_order(
         raise InputError(f"beneath goes under the order 1 forward, got {order:g} {sense}")
     speeds, one = units.speeds(tracks["speed"].values), tracks.isel(order=place)
     return OneOrder(
-        title_of_signals(tracks, one_speed=is_one_speed(speeds.values)),
+        title_of_signals(tracks, speeds),
         units,
         speeds,
         one[f"{sense}_whirl_amplitude"].values,
