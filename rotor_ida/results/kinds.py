@@ -371,6 +371,10 @@ KINDS = {
             shown=f"{_SIGNALS}:show_orders", drawn="rotor_ida.plot:plot_orders",
         ),
         Kind(
+            name="bode_peaks", meaning="peaks of a Bode plot",
+            variables="half_power_low half_power_high bode_amplitude", dims=("critical",),
+        ),
+        Kind(
             name="centre_line", meaning="mean position",
             variables="offset_x(window) offset_y(window) " + _WINDOWS, dims=("window",),
             shown=f"{_SIGNALS}:show_centre_line", drawn="rotor_ida.plot:plot_centre_line",

@@ -86,6 +86,7 @@ def correct_probes(
     record = record_of(signals)
     mean = displacements(np.array([record.mean]), angles, gains)[0]
     found = with_displacements(signals, record, displacements(record.z, angles, gains))
+    found.attrs["probe_angles"] = check_array("angles", angles)
     return found.assign_coords(
         {
             name: found[name].copy(data=value)

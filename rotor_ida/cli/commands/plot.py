@@ -148,8 +148,8 @@ Revolutions = Annotated[
     ),
 ]
 Sense = Annotated[
-    Literal["forward", "backward"] | None,
-    Parameter(help="Sense of the whirl in Bode and polar plots."),
+    Literal["forward", "backward", "x", "y"] | None,
+    Parameter(help="The whirl of Bode and polar plots, zero to peak, or the probe, peak to peak."),
 ]
 Over = Annotated[
     Literal["speed", "t", "time"] | None,

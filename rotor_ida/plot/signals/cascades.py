@@ -341,6 +341,6 @@ def _draw_scale(ax: Axes, units: Units, highest: float, scale: float) -> None:
     left = ax.get_xlim()[0] * 0.96
     ax.plot([left, left], [bottom, bottom + size * scale], color=INK, lw=2.0,
             solid_capstyle="butt", zorder=3.0)  # fmt: skip
-    ax.annotate(f"{size:g}{unit}", (left, bottom + 0.5 * size * scale), xytext=(4, 0),
+    ax.annotate(f"{size:g}{unit} zero to peak", (left, bottom + 0.5 * size * scale), xytext=(4, 0),
                 textcoords="offset points", va="center", fontsize=8.0, zorder=3.0,
                 bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0})  # fmt: skip
