@@ -54,6 +54,7 @@ from .signals.orders import centre_line as centre_line
 from .signals.orders import orders as orders
 from .signals.orders import whirl_ratio as whirl_ratio
 from .signals.path import rotating as rotating
+from .signals.peaks import bode_peaks as bode_peaks
 from .signals.probes import correct_probes as correct_probes
 from .signals.probes import subtract_runout as subtract_runout
 from .signals.reading import read_signals as read_signals

@@ -21,6 +21,7 @@ QUICK = {
     "open_archive", "save", "save_machine", "read_signals", "status", "decode_flags", "concat",
     "dimensional", "summary", "contact_summary", "contact_forces", "rotating", "signals_of",
     "correct_probes", "subtract_runout", "filtered_orbit", "centre_line", "orders",
+    "bode_peaks",
     "spectral_lines", "full_spectrum", "spectrogram", "spectrum", "whirl_ratio",
     "ball_bearing_stiffness", "synchronous_response", "campbell", "clearance_report",
     "to_dataframe",

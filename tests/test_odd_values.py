@@ -148,6 +148,7 @@ GIVEN: dict[str, Callable[[Path], dict[str, object]]] = {
     "rotating": lambda _: {"run": run()},
     "signals_of": lambda _: {"run": run()},
     "orders": lambda _: {"signals": run()},
+    "bode_peaks": lambda _: {"signals": run()},
     "centre_line": lambda _: {"signals": run()},
     "filtered_orbit": lambda _: {"signals": run(), "order": 1},
     "full_spectrum": lambda _: {"signals": run()},

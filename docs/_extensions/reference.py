@@ -33,8 +33,9 @@ TASKS = {
         *("basin", "basin_fractions", "continue_attractors", "touchdown_report"),
     ],
     "Probe signals": [
-        *("read_signals", "signals_of", "orders", "centre_line", "whirl_ratio", "full_spectrum"),
-        *("spectrogram", "spectral_lines", "filtered_orbit", "correct_probes", "subtract_runout"),
+        *("read_signals", "signals_of", "orders", "bode_peaks", "centre_line", "whirl_ratio"),
+        *("full_spectrum", "spectrogram", "spectral_lines", "filtered_orbit", "correct_probes"),
+        "subtract_runout",
     ],
     "Fit a measurement": ["fit"],
     "Archives and studies": ["save", "load", "open_archive", "status", "resume"],

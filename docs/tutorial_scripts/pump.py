@@ -131,7 +131,7 @@ pd.DataFrame({
 
 # %%
 # The columns and their units are guessed from their names; only the angles of the probes have to be given. The mean position is
-# subtracted, as it is the gap of DC-coupled probes; ``--keep-offset`` keeps it::
+# subtracted, as it is the gap of DC-coupled probes; ``--gap 0`` keeps it::
 #
 #     rotor-ida plot probes.csv --kind cascade --figure measured --probe-angles 45 -45
 #

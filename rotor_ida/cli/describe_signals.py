@@ -27,6 +27,7 @@ from rotor_ida.cli.variables import (
     tabled,
     value_of,
 )
+from rotor_ida.signals.peaks import bode_peaks
 from rotor_ida.signals.record import record_of
 
 # Peaks below this multiple of the floor may be noise.
@@ -131,7 +132,7 @@ def show_orders(dataset: xr.Dataset, most: int | None) -> Description:
     lines = [
         Line("order", [order for order, _ in senses]),
         Line("sense", [sense for _, sense in senses]),
-        column("{}_whirl_amplitude", "whirl amplitude", unit),
+        column("{}_whirl_amplitude", "whirl amplitude, zero to peak", unit),
         column("{}_amplitude_error", "standard error", unit),
         column("{}_phase_lag", "phase lag", "radian"),
         *_places(places),
@@ -139,10 +140,54 @@ def show_orders(dataset: xr.Dataset, most: int | None) -> Description:
     # means of all windows, beside the largest
     residual = line_of(dataset, "window_residual", [float(dataset["window_residual"].mean())])
     record, _ = tabled(dataset, most, ORDERS)
-    return record, [
+    parts: list[Sheet | str] = [
         facts("Orders of the speed", [*_windows(dataset), residual]),
         Sheet("Largest amplitudes", lines),
     ]
+    if "probe_angle" in dataset.dims:
+        parts.append(_probes(dataset, record))
+    if 1.0 in dataset["order"]:
+        parts += _critical_speeds(dataset, record)
+    return record, parts
+
+
+def _critical_speeds(dataset: xr.Dataset, record: Record) -> list[Sheet]:
+    """Return the peaks of 1X, forward and of each probe, and add them to the record."""
+    senses = ("forward", *(("x", "y") if "probe_angle" in dataset.dims else ()))
+    peaks = {sense: bode_peaks(dataset, sense=sense) for sense in senses}
+    names = ("critical_speed", "amplification_factor", "half_power_low", "half_power_high")
+    rows: list[dict[str, Any]] = [
+        {"sense": sense, **{name: float(each[name][place]) for name in names}}
+        for sense, each in peaks.items() for place in range(each.sizes["critical"])
+    ]  # fmt: skip
+    record["critical_speeds"] = rows
+    if not rows:
+        return []
+    columns = [line_of(peaks["forward"], name, [row[name] for row in rows], 6) for name in names]
+    title = "Critical speeds of 1X, by half power"
+    return [Sheet(title, [Line("1X of", [row["sense"] for row in rows]), *columns])]
+
+
+def _probes(dataset: xr.Dataset, record: Record) -> Sheet:
+    """Return the largest reading of each order at each probe, and add them to the record."""
+    places = []
+    for order, probe in product(range(dataset.sizes["order"]), range(dataset.sizes["probe_angle"])):
+        here = dataset.isel(order=order, probe_angle=probe)
+        places.append(here.isel(window=int(here["probe_peak_to_peak"].values.argmax())))
+    names = {
+        "order": "order", "probe_angle": "probe at", "probe_peak_to_peak":
+        "vibration, peak to peak", "probe_error": "standard error", "probe_phase_lag": "phase lag",
+        "direct_peak_to_peak": "direct, peak to peak",
+    }  # fmt: skip
+    record["probes"] = [
+        {name: float(each[name]) for name in (*names, *PLACE) if name in each.variables}
+        for each in places
+    ]
+    columns = [
+        replace(line_of(dataset, name, [float(each[name]) for each in places], 6), name=words)
+        for name, words in names.items()
+    ]
+    return Sheet("Largest readings of the probes", [*columns, *_places(places)])
 
 
 def show_centre_line(dataset: xr.Dataset, most: int | None) -> Description:

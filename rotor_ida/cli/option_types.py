@@ -66,4 +66,7 @@ def flag_option(text: str, *, name: str | None = None) -> Parameter:
 
 def words_option(text: str, words: str) -> Parameter:
     """Return an option for one or more words, such as `NAME=WORD`."""
-    return Parameter(help=text, metavar=words, consume_multiple=True, negative=())
+    reading = parsing.converter(lambda _name, given: list(given))
+    return Parameter(
+        help=text, metavar=words, converter=reading, consume_multiple=True, negative=()
+    )

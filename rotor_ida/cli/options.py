@@ -182,6 +182,10 @@ class JobOptions:
         return {"workers": workers, "executor": self.executor}
 
 
+# Options of a measured file that `rotor_ida.subtract_runout` takes.
+OF_RUNOUT = ("slow_roll", "slow_roll_file", "runout_orders")
+
+
 @Parameter(name="*", group=READING)
 @dataclass(frozen=True, kw_only=True)
 class ReadingOptions:
@@ -230,13 +234,54 @@ class ReadingOptions:
     ] = None
     accept_clipped: Annotated[bool, flag_option("Accept clipped probe signals.")] = False
     fill_pulses: Annotated[bool, flag_option("Replace lost pulses by evenly spaced ones.")] = False
-    keep_offset: Annotated[
-        bool, flag_option("Keep the mean position of the probes, which is subtracted by default.")
-    ] = False
+    gap: Annotated[
+        list[str] | None,
+        words_option(
+            "Position from which displacements and the centre line are counted: the reading of "
+            "both probes or of each, as -10V, the mean of a stretch, as 0s 2s, or 0. Default: the "
+            "mean position, which is subtracted.",
+            "READING|START END",
+        ),
+    ] = None
+    length: Annotated[
+        Literal["um", "mm", "m", "nm", "mil", "in"] | None,
+        Parameter(help="Unit of displacements, whatever that of the sensitivity."),
+    ] = None
+    rotation: Annotated[
+        Literal["counterclockwise", "clockwise"] | None,
+        Parameter(
+            help="How the rotor turns, seen from where probe angles are counted; clockwise shows "
+            "it from its other end. Default: counterclockwise."
+        ),
+    ] = None
+    caption: Annotated[
+        str | None,
+        Parameter(
+            help="What figures say of the record, as 'Pump 3, 1 March 2026'.", metavar="WORDS"
+        ),
+    ] = None
+    slow_roll: Annotated[
+        tuple[float, float] | None,
+        several_numbers_option(
+            "Subtract the runout between these times, in which the rotor turns slowly.",
+            "START END", "s", "s",
+        ),
+    ] = None  # fmt: skip
+    slow_roll_file: Annotated[
+        Path | None, path_option("Subtract the runout in this file of the same probes, read alike.")
+    ] = None
+    runout_orders: Annotated[
+        int | None,
+        count_option("Highest multiple of the speed of that runout. Default: 1.", 1, MOST_NUMBERS),
+    ] = None
 
     def given(self) -> dict[str, Any]:
         """Return the given options as arguments of `rotor_ida.read_signals`."""
-        found = {name: value for name, value in asdict(self).items() if value not in (None, False)}
+        found = {
+            name: value
+            for name, value in asdict(self).items()
+            if value not in (None, False) and name not in OF_RUNOUT
+        }
         for name in ("columns", "units"):
             if name in found:
                 found[name] = dict(parsing.named(name, found[name]))

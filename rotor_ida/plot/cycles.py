@@ -78,7 +78,7 @@ def cycle_figure(cycle: xr.Dataset) -> Figure:
     >>> rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
     >>> figure = cycle_figure(limit_cycle(rotor, start=(2.6, 0.75, 0.66, -1.65), period=4.5))
     >>> [ax.get_ylabel() for ax in figure.axes][1:]
-    ['$\\operatorname{Im}\\,\\mu$', 'whirl amplitude $|c|$']
+    ['$\\operatorname{Im}\\,\\mu$', 'whirl amplitude, zero to peak $|c|$']
     """
     cycle = check_dataset("cycle", cycle, CYCLE)
     with style():

@@ -63,7 +63,7 @@ _QUANTITIES: dict[str, tuple[str, ...]] = {
     "radial_velocity": ("radial velocity", "$|z|$′", "$|Z|$′"),
     "frequency_over_omega": ("frequency over spin speed", r"$\Omega/\omega$"),
     "frequency": ("frequency", r"$\Omega$", ""),
-    "whirl_amplitude": ("whirl amplitude", "$|c|$"),
+    "whirl_amplitude": ("whirl amplitude, zero to peak", "$|c|$"),
     "whirl_speed": ("whirl speed", r"$\Omega$"),
     "force": ("contact force", "$f$", "$F$"),
     "contact_force": ("contact force", "$f$", "$F$"),

@@ -263,6 +263,8 @@ KINDS = {
              shown=f"{_SHOWN}:show_cycle", drawn="rotor_ida.plot:cycle_figure"),
         Kind(name="orders", meaning="orders", variables=_ORDERS + _WINDOWS, dims="window order",
              shown=f"{_SIGNALS}:show_orders", drawn="rotor_ida.plot:plot_orders"),
+        Kind(name="bode_peaks", meaning="peaks of a Bode plot", dims="critical",
+             variables="half_power_low half_power_high bode_amplitude"),
         Kind(name="centre_line", meaning="mean position",
              variables="offset_x(window) offset_y(window) " + _WINDOWS, dims="window",
              shown=f"{_SIGNALS}:show_centre_line", drawn="rotor_ida.plot:plot_centre_line"),

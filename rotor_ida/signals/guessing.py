@@ -6,7 +6,7 @@ import re
 from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
-from itertools import permutations
+from itertools import pairwise, permutations
 
 import numpy as np
 
@@ -29,10 +29,10 @@ KIND = {
 # first of these in a file is taken.
 WORDS = {
     "t": ("t", "time", "times", "zeit", "seconds", "timestamp", "x value"),
-    "angle": ("angle", "theta"),
+    "angle": ("angle", "theta", "winkel", "drehwinkel"),
     "keyphasor": (
         *("keyphasor", "key", "kph", "kp", "tacho", "tachometer", "tach"),
-        *("trigger", "trig", "pulses", "pulse", "3"),
+        *("trigger", "trig", "pulses", "pulse", "3", "drehzahlimpuls", "impuls", "nullimpuls"),
     ),
     "speed": ("speed", "rpm", "omega", "drehzahl"),
     "phase": ("phase",),
@@ -44,8 +44,14 @@ PAIRS = (
     *(("horizontal", "vertical"), ("horiz", "vert"), ("horz", "vert"), ("hor", "ver")),
 )
 AXES = {"x", "y", "z", "h", "v"}
+# Words for the side of the vertical on which a probe is, beside which another word may differ.
+SIDES = (("r", "l"), ("right", "left"), ("rechts", "links"))
+RIGHT, LEFT = ({pair[side] for pair in SIDES} for side in (0, 1))
 # Words for the quantities that probes measure.
-PROBE_WORDS = {"probe", "disp", "displacement", "prox", "proximity", "vib", "vibration"}
+PROBE_WORDS = {
+    *("probe", "disp", "displacement", "prox", "proximity", "vib", "vibration", "sonde"),
+    *("wellenschwingung", "schwingung", "weg"),
+}
 # Units that may also be words of a name.
 NO_SUFFIX = {"in", "1", "-", ""}
 # Names of the sampling rate [Hz].
@@ -148,6 +154,10 @@ def columns_of(table: Table, told: Mapping[str, str], *, timed: bool) -> dict[st
     InputError
         If a column is missing or ambiguous. The message lists the columns.
     """
+    told = {
+        signal: column if column in table.columns else name_and_unit(column)[0]
+        for signal, column in told.items()
+    }
     for signal, column in told.items():
         if column not in table.columns:
             raise InputError(
@@ -211,7 +221,7 @@ def _by_place(table: Table, told: Mapping[str, str], *, timed: bool) -> dict[str
         if signal not in found:
             raise InputError(
                 f"the file must have a column for {signal}; name it in columns, got "
-                f"{shown(table.listed())}"
+                f"{shown(table.listed())}{_option([signal])}"
             )
     return {signal: found[signal] for signal in KIND if signal in found}
 
@@ -270,7 +280,7 @@ def _surest(signal: str, names: Iterable[Name], table: Table) -> dict[str, str]:
         several = [column for rank, column in ranked if rank == ranked[0][0]]
         raise InputError(
             f"the column of {signal} must be unambiguous; name it in columns, got "
-            f"{shown(', '.join(several))} among {shown(table.listed())}"
+            f"{shown(', '.join(several))} among {shown(table.listed())}{_option([signal])}"
         )
     return {signal: ranked[0][1]} if ranked else {}
 
@@ -334,7 +344,7 @@ def _probes_in(names: Sequence[Name], taken: Mapping[str, str], table: Table) ->
         several = "; ".join(f"{first.column} and {second.column}" for first, second in best)
         raise InputError(
             f"the columns of x and y must be unambiguous; name them in columns, got "
-            f"{shown(several)} among {shown(table.listed())}"
+            f"{shown(several)} among {shown(table.listed())}{_option(['x', 'y'])}"
         )
     plain = {each.words: each.column for each in names if each.column not in others}
     found = {axis: plain[axis,] for axis in ("x", "y") if axis not in taken and (axis,) in plain}
@@ -343,9 +353,14 @@ def _probes_in(names: Sequence[Name], taken: Mapping[str, str], table: Table) ->
         each = "it" if len(missing) == 1 else "them"
         raise InputError(
             f"the file must have a column for {' and '.join(missing)}; name {each} in columns, got "
-            f"{shown(table.listed())}"
+            f"{shown(table.listed())}{_option(missing)}"
         )
     return found
+
+
+def _option(signals: Sequence[str]) -> str:
+    """Return the option of the command line that names columns, for the end of a message."""
+    return f" (--columns {' '.join(f'{each}=NAME' for each in signals)})"
 
 
 def _are_pair(first: Name, second: Name) -> bool:
@@ -355,10 +370,32 @@ def _are_pair(first: Name, second: Name) -> bool:
     if len(first.words) != len(second.words):
         return False
     apart = [pair for pair in zip(first.words, second.words, strict=True) if pair[0] != pair[1]]
+    if None not in map(_angle_in_name, (first.words, second.words)):  # 45R and 45L
+        apart = [pair for pair in apart if pair not in SIDES] or [("a", "b")]
     if len(apart) != 1 or apart[0] not in PAIRS:
         return False
     # probes x1 and x2 are in two planes
     return apart[0][0] in AXES or not AXES & {*first.words, *second.words}
+
+
+def angles_in(x: str, y: str) -> tuple[float, float] | None:
+    """Return the angles from the x axis [degree] of two probes by the names of their columns.
+
+    Examples
+    --------
+    >>> angles_in("Probe A 45R (V)", "Probe B 45L (V)"), angles_in("probe 1", "probe 2")
+    ((45.0, 135.0), None)
+    """
+    first, second = (_angle_in_name(name_of(each).words) for each in (x, y))
+    return None if first is None or second is None else (first, second)
+
+
+def _angle_in_name(words: Sequence[str]) -> float | None:
+    """Return the angle of a probe in a name such as 45R: 45 degrees to the right of vertical."""
+    for number, side in pairwise(words):
+        if number.isdecimal() and len(number) <= 3 and side in RIGHT | LEFT:
+            return 90.0 - float(number) if side in RIGHT else 90.0 + float(number)
+    return None
 
 
 def _has_one_rate(first: Column, second: Column) -> bool:

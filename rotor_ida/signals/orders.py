@@ -3,13 +3,22 @@
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_count, check_nonnegative, check_vector, shown
+from rotor_ida.checks import (
+    check_array,
+    check_choice,
+    check_count,
+    check_nonnegative,
+    check_positive,
+    check_vector,
+    shown,
+)
 from rotor_ida.errors import InputError
 from rotor_ida.model.whirl import forward_and_backward, steps_of_turning, whirl_over_spin
 from rotor_ida.schema import Column
@@ -34,6 +43,10 @@ SLACK = 1e-9
 # Displacements must turn by less than this between samples on average: a third of a turn. The
 # phase of noise alone turns by a quarter.
 MOST_TURNING = 2.0 * math.pi / 3.0
+# Angles of the probes of a run [degree].
+AXES = (0.0, 90.0)
+# What one order of signals may be of: a whirl, or the reading of a probe.
+SENSES = ("forward", "backward", "x", "y")
 # Scatter between windows up to this times the error by the residual may be due to chance.
 CHANCE = 1.3
 
@@ -66,7 +79,10 @@ def orders(
         ``forward_phase_lag`` and ``backward_phase_lag`` [rad], from -pi to pi;
         ``forward_amplitude_error`` and ``backward_amplitude_error``, standard errors. On
         ``window``: ``offset_x`` and ``offset_y``, the mean position; ``window_residual``, the
-        root mean square of the residual; coordinates ``t`` and ``speed``.
+        root mean square of the residual; coordinates ``t`` and ``speed``. What each probe reads, on
+        ``probe_angle``, its angle from the x axis [degree]: ``probe_peak_to_peak`` and
+        ``probe_phase_lag`` [rad], from 0 to 2 pi, of each order, ``direct_peak_to_peak`` of the
+        whole reading in each window; ``probe_error``, the standard error of the first.
 
     Raises
     ------
@@ -82,7 +98,9 @@ def orders(
     `synchronous_response`: ``c_1 = A exp(-i lag)`` with theta the angle of the unbalance. Both lags
     are delays of a whirl at the x axis: ``exp(i (n theta - lag))`` forward and
     ``exp(-i (n theta - lag))`` backward. Measured angles count from the keyphasor mark instead. If
-    the speed changes, amplitudes are means over the window.
+    the speed changes, amplitudes are means over the window. A probe at the angle a reads half its
+    peak to peak times ``cos(n theta - lag)``: its lag is the angle from the mark to the next
+    positive peak, that is displacement towards the probe, as for balancing and in API 670.
 
     Standard errors are those by the residual as white noise, equal in all directions, or the
     scatter of the amplitude between windows where that is larger by more than chance: so they
@@ -132,13 +150,59 @@ def orders(
         "offset_y": ("window", offset.imag),
         "window_residual": ("window", fitted.residual),
     }
+    angles = check_array("probe_angles", record.attributes.get("probe_angles", AXES))
+    towards = np.exp(-1j * np.radians(angles))
+    seen = ahead[..., np.newaxis] * towards + (back[..., np.newaxis] * towards).conj()
+    lags = np.angle(seen.conj()) % (2.0 * math.pi)
+    error = np.hypot(fitted.errors[:, :k], fitted.errors[:, k : 2 * k])
+    readings = (record.z[windows.samples, np.newaxis] * towards).real
+    starts = windows.edges[:-1]
+    highest, lowest = (each.reduceat(readings, starts) for each in (np.maximum, np.minimum))
+    variables |= {
+        "probe_peak_to_peak": (("window", "order", "probe_angle"), 2.0 * np.abs(seen)),
+        "probe_phase_lag": (("window", "order", "probe_angle"), lags),
+        "probe_error": (("window", "order"), 2.0 * error),
+        "direct_peak_to_peak": (("window", "probe_angle"), highest - lowest),
+    }
     return record.dataset(
         "Orders of the speed",
         variables,
-        {**window_coordinates(windows), "order": ("order", asked)},
+        {
+            **window_coordinates(windows),
+            "order": ("order", asked),
+            "probe_angle": ("probe_angle", angles),
+        },
         {"window_revolutions": length, "window_overlap": part},
         kind="orders",
     )
+
+
+class OneOrder(NamedTuple):
+    """One order of a whirl, zero to peak, or of a probe, peak to peak, over the windows.
+
+    The amplitude and its standard error are in the unit of the signals, the lag in radians.
+    """
+
+    amplitude: Values
+    lag: Values
+    error: Values
+
+
+def one_order(tracks: xr.Dataset, order: float, sense: str) -> OneOrder:
+    """Return one order of the result of `orders`: of a whirl or of the reading of a probe."""
+    check_choice("sense", sense, SENSES)
+    wanted, known = check_positive("order", order), tracks["order"].values
+    place = int(np.abs(known - wanted).argmin())
+    if abs(known[place] - wanted) > SLACK * wanted:
+        raise InputError(f"signals must have the order {wanted:g}, got {known.tolist()}")
+    one = tracks.isel(order=place)
+    names = f"{sense}_whirl_amplitude", f"{sense}_phase_lag", f"{sense}_amplitude_error"
+    if sense in ("x", "y"):
+        if "probe_angle" not in one.dims:
+            raise InputError("sense must be forward or backward for orders without probes")
+        one = one.isel(probe_angle=("x", "y").index(sense))
+        names = "probe_peak_to_peak", "probe_phase_lag", "probe_error"
+    return OneOrder(*(one[name].values for name in names))
 
 
 def centre_line(signals: xr.Dataset, *, revolutions: int = 1, overlap: float = 0.0) -> xr.Dataset:

@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping, Sequence
+from typing import Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -15,19 +16,30 @@ from rotor_ida.checks import LARGEST_NUMBER, check_array, check_count, shown
 from rotor_ida.errors import InputError
 from rotor_ida.signals.files.columns import unit_called
 from rotor_ida.signals.files.text import number_in
+from rotor_ida.signals.guessing import angles_in
+from rotor_ida.signals.orders import fit
 from rotor_ida.signals.record import MEAN, Record, record_of
 from rotor_ida.signals.windows import EDGE, Complex, fit_orders, windows_of
+from rotor_ida.units import UNITS
 
 # Sine of the smallest angle between two probes.
 NEARLY_ALONG = 1e-3
 MOST_HARMONICS = 50
 # Volts or millivolts over a unit of length.
 SENSITIVITIES = (1e-12, 1e12)
+# Units of length in which displacements can be shown, in metres.
+LENGTHS = {name: UNITS[name].in_si("1") for name in ("um", "mm", "m", "nm", "mil", "in")}
+# A backward 1X this many times as large as the forward one in all windows is asked about.
+CLEARLY = 2.0
+Rotation = Literal["counterclockwise", "clockwise"]
 # Samples at the largest or smallest reading by which a probe counts as clipped.
 CLIPPED = 4
 # A clipped reading jumps to its limit by more than this many of its smallest steps.
 LEAP = 1.5
-_SENSITIVITY = re.compile(r"\s*([0-9.]+(?:[eE][-+]?[0-9]+)?)\s*(m?V)\s*/\s*(\S+)\s*")
+_NUMBER = r"\s*([-+]?[0-9.]+(?:[eE][-+]?[0-9]+)?)\s*"
+_SENSITIVITY = re.compile(_NUMBER + r"(m?V)\s*/\s*(\S+)\s*")
+_QUANTITY = re.compile(_NUMBER + r"(\S*)\s*")
+_VOLTS = {"V": 1.0, "mV": 1e-3}
 
 
 def correct_probes(
@@ -74,6 +86,7 @@ def correct_probes(
     record = record_of(signals)
     mean = displacements(np.array([record.mean]), angles, gains)[0]
     found = with_displacements(signals, record, displacements(record.z, angles, gains))
+    found.attrs["probe_angles"] = check_array("angles", angles)
     return found.assign_coords(
         {
             name: found[name].copy(data=value)
@@ -152,7 +165,11 @@ def subtract_runout(
     for order, amplitude in zip(orders, amplitudes, strict=True):
         if order != 0.0:
             z -= amplitude * np.exp(1j * order * record.known_angles())
-    return with_displacements(signals, record, z)
+    found = with_displacements(signals, record, z)
+    up_to = "order 1" if most == 1 else f"orders up to {most}"
+    told = f"the runout of {up_to} in {whole} revolutions of a slow roll is subtracted"
+    notes = "; ".join(filter(None, [str(found.attrs.get("notes", "")), told]))
+    return found.assign_attrs(notes=notes)
 
 
 def displacements(z: Complex, angles: npt.ArrayLike, gains: npt.ArrayLike) -> Complex:
@@ -174,6 +191,40 @@ def displacements(z: Complex, angles: npt.ArrayLike, gains: npt.ArrayLike) -> Co
     x = (a * math.sin(second) - b * math.sin(first)) / between
     y = (b * math.cos(first) - a * math.cos(second)) / between
     return np.asarray(x + 1j * y, dtype=np.complex128)
+
+
+def angles_of_probes(
+    given: npt.ArrayLike | None, names: Mapping[str, str], rotation: Rotation
+) -> tuple[Values, list[str]]:
+    """Return the angles of two probes where the rotor turns counterclockwise, and notes."""
+    notes = []
+    if given is None:
+        named = angles_in(names["x"], names["y"])
+        given = named or (0.0, 90.0)
+        why = "by their names" if named else "as no probe_angles are given"
+        first, second = (f"{each:g}" for each in given)
+        notes.append(f"probes are taken to be at {first} and {second} degrees, {why}")
+    angles = check_array("probe_angles", given)
+    if rotation == "clockwise":
+        angles = 180.0 - angles
+        notes.append("the rotor turns clockwise: it is shown from its other end")
+    return angles, notes
+
+
+def question_of_swapped(signals: xr.Dataset) -> list[str]:
+    """Return a question where 1X whirls backward in all windows: unbalance drives it forward."""
+    try:
+        record = record_of(signals)
+        windows = windows_of(record, 1)
+        amplitudes = np.abs(fit(record, windows, np.array([1.0])).amplitudes)
+    except InputError:  # no angle, or too few samples
+        return []
+    if (amplitudes[:, 1] < CLEARLY * amplitudes[:, 0]).any():
+        return []
+    return [
+        f"1X whirls backward in all of {windows.times.size} windows: are the probes swapped, or "
+        "does the rotor turn the other way (rotation)?"
+    ]
 
 
 def mean_position(z: Complex, times: Values, rotation: Mapping[str, xr.Variable]) -> complex:
@@ -227,9 +278,84 @@ def displaced(name: str, values: Values, unit: str, sensitivity: str) -> tuple[V
         raise InputError(
             f"sensitivity must be such as '200 mV/mil' or '7.87 V/mm', got {shown(sensitivity)}"
         )
-    volts = {"V": 1.0, "mV": 1e-3}
-    per_length = height * volts[found[2]] / length.factor
-    return values * volts[unit] / per_length, length.plain
+    per_length = height * _VOLTS[found[2]] / length.factor
+    return values * _VOLTS[unit] / per_length, length.plain
+
+
+def scaled(
+    name: str, values: Values, unit: str, sensitivity: str | None, length: str | None
+) -> tuple[Values, str]:
+    """Return readings as displacements, in a chosen unit of length; None leaves them as they are.
+
+    The gap may be given in a unit of length beside a sensitivity.
+    """
+    if sensitivity is not None and (name != "gap" or unit in _VOLTS):
+        values, unit = displaced(name, values, unit, sensitivity)
+    if length is None or unit == length:
+        return values, unit
+    sizes = _VOLTS if unit in _VOLTS and length in _VOLTS else LENGTHS
+    if unit not in sizes or length not in sizes:
+        raise InputError(
+            f"{name} must be in a unit of length to be shown in {length}, got "
+            f"{'no unit' if unit == '1' else unit}; give units, or the sensitivity of probes in V"
+        )
+    return values * (sizes[unit] / sizes[length]), length
+
+
+def displacements_at(
+    sensitivity: str | None, length: str, angles: Values, gains: npt.ArrayLike,
+    readings: Values, unit: str,
+) -> Complex:  # fmt: skip
+    """Return ``x + i y`` in a unit of length where two probes have these readings, one number."""
+    (x, y), _ = scaled("gap", readings, unit, sensitivity, length)
+    return displacements(np.array([x + 1j * y]), angles, gains)
+
+
+def gap_position(
+    gap: str | Sequence[str],
+    z: Complex,
+    times: Values,
+    of_readings: Callable[[Values, str], Complex],
+) -> tuple[complex, str]:
+    """Return the position of the shaft at the gap, of two readings or a stretch, and its words.
+
+    Parameters
+    ----------
+    gap : str or sequence of str
+        As for `rotor_ida.read_signals`.
+    z : ndarray of complex, shape (n,)
+        Displacements.
+    times : ndarray, shape (n,)
+        Their times.
+    of_readings : callable
+        Takes the readings of both probes and their unit, and returns displacements.
+    """
+    words = [gap] if isinstance(gap, str) else list(gap) if isinstance(gap, list | tuple) else []
+    found = [_QUANTITY.fullmatch(each) for each in words if isinstance(each, str)]
+    numbers = np.array([number_in(each[1]) if each else math.nan for each in found])
+    units = [unit_called(each[2]) if each else None for each in found]
+    kinds = {unit.kind if unit else "" for unit in units}
+    told = [f"{each[1]} {each[2]}".rstrip() for each in found if each]
+    if len(words) == 2 == len(found) and kinds == {"time"}:
+        begin, end = (each * unit.factor for each, unit in zip(numbers, units, strict=True) if unit)
+        within = (times >= begin) & (times <= end)
+        if within.any():
+            return complex(z[within].mean()), f"the mean from {' to '.join(told)}"
+        raise InputError(
+            f"gap must be a stretch within {times[0]:g} to {times[-1]:g}, got {begin:g} to {end:g}"
+        )
+    is_zero = kinds == {"any"} and not numbers.any()
+    if 1 <= len(words) == len(found) <= 2 and len(set(units)) == 1 and (
+        kinds == {"length"} or is_zero
+    ):  # fmt: skip
+        both, unit = np.resize(numbers, 2), units[0]
+        assert unit is not None
+        position = of_readings(both * unit.factor, unit.plain)[0] if both.any() else 0.0
+        return complex(position), " and ".join(told)
+    raise InputError(
+        "gap must be the reading of both probes or of each, such as '-10 V', two times such as "
+        f"'0 s' and '2 s', or '0', got {shown(gap)}"
+    )
 
 
 def check_probes(

@@ -3,8 +3,9 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from pathlib import Path
 from typing import Literal
 
@@ -19,6 +20,7 @@ from rotor_ida.checks import (
     check_between,
     check_choice,
     check_flag,
+    check_instance,
     listed,
     shown,
 )
@@ -47,7 +49,18 @@ from rotor_ida.signals.guessing import (
     unit_of,
 )
 from rotor_ida.signals.keyphasor import Rises, check_per_revolution
-from rotor_ida.signals.probes import check_probes, displaced, displacements, mean_position
+from rotor_ida.signals.probes import (
+    LENGTHS,
+    Rotation,
+    angles_of_probes,
+    check_probes,
+    displacements,
+    displacements_at,
+    gap_position,
+    mean_position,
+    question_of_swapped,
+    scaled,
+)
 from rotor_ida.signals.record import MEAN, UNKNOWN, position_text
 from rotor_ida.signals.sample_times import at_times_of_x, times_of, with_times_of_x
 from rotor_ida.signals.teeth import Teeth, teeth_in, teeth_of
@@ -88,7 +101,10 @@ def read_signals(
     pulses_per_revolution: int = 1,
     accept_clipped: bool = False,
     fill_pulses: bool = False,
-    keep_offset: bool = False,
+    gap: str | Sequence[str] | None = None,
+    length: str | None = None,
+    rotation: Rotation = "counterclockwise",
+    caption: str | None = None,
 ) -> xr.Dataset:
     """Read the signals of two probes and a keyphasor, or a speed, from a measured file.
 
@@ -109,13 +125,14 @@ def read_signals(
         Samples per second, for a file without times. Times that count samples or do not increase
         are not used then; others must agree with the rate.
     probe_angles : array_like, shape (2,), optional
-        Angles of the probes from the x axis in the direction of rotation [degree]; 0 and 90 by
-        default.
+        Angles of the probes from the x axis, to the right, counterclockwise [degree]. By default
+        those in the names of the columns, as in ``45R`` and ``45L`` (right and left of vertical),
+        otherwise 0 and 90.
     gains : array_like, shape (2,)
         Reading over displacement of each probe.
     sensitivity : str, optional
         Reading in volts over displacement of both probes, such as ``"200 mV/mil"`` or
-        ``"7.87 V/mm"``. Displacements then have the unit of length in it.
+        ``"7.87 V/mm"``. Displacements then have the unit of length in it; mil become um.
     keyphasor : {"auto", "signal", "times"}
         Whether the keyphasor was sampled with the probes or is a list of pulse times; by default
         times if there are fewer of them than samples.
@@ -124,18 +141,28 @@ def read_signals(
     accept_clipped, fill_pulses : bool
         Whether a clipped probe is accepted, and lost pulses are filled in. By default both are
         refused.
-    keep_offset : bool
-        Whether ``x`` and ``y`` keep the mean position, as in data that are counted from the centre
-        of the stator. By default they are counted from it: the mean of a DC-coupled probe is the
-        voltage of its gap.
+    gap : str or sequence of str, optional
+        Position from which ``x``, ``y`` and the centre line are counted: the reading of both probes
+        there, ``"-10 V"``, or of each, ``("-9.8 V", "-10.1 V")``, in volts or a unit of length; or
+        the mean of a stretch, ``("0 s", "2 s")``; or ``"0"`` for data that are counted from the
+        centre of the stator. By default the mean position of the record.
+    length : {"um", "mm", "m", "nm", "mil", "in"}, optional
+        Unit of displacements, whatever that of the file or the sensitivity.
+    rotation : {"counterclockwise", "clockwise"}
+        How the rotor turns, seen from where the angles of the probes are counted. A machine that
+        turns clockwise is shown from its other end, from which it turns counterclockwise: probes at
+        45 and 135 degrees are then at 135 and 45.
+    caption : str, optional
+        What figures say of the record, such as machine and date, beside the name of the file.
 
     Returns
     -------
     Dataset
         ``x y`` on ``t``, in s and um, mm or another unit given, and ``angle`` on ``t`` [rad] or
-        pulse times, ``keyphasor`` on ``pulse``. ``mean_x`` and ``mean_y`` are the mean position
-        that was subtracted; `rotor_ida.centre_line` and `rotor_ida.orders` add it again. It can be
-        saved and loaded like any result. The attribute ``notes`` lists the assumptions.
+        pulse times, ``keyphasor`` on ``pulse``. Without a gap ``mean_x`` and ``mean_y`` are the
+        mean position that was subtracted; `rotor_ida.centre_line` and `rotor_ida.orders` add it
+        again. It can be saved and loaded like any result. The attribute ``notes`` lists the
+        assumptions, and asks whether the probes are swapped where 1X whirls backward throughout.
 
     Raises
     ------
@@ -165,25 +192,27 @@ def read_signals(
     >>> read.attrs["columns"], read.x.attrs["units"]
     ('t=t x=x y=y angle=angle (guessed: t x y angle)', 'um')
     """
-    check_choice("keyphasor", keyphasor, ("auto", "signal", "times"))
+    for name, (word, words) in {
+        "keyphasor": (keyphasor, ("auto", "signal", "times")),
+        "rotation": (rotation, ("counterclockwise", "clockwise")),
+        "length": ("um" if length is None else length, tuple(LENGTHS)),
+    }.items():
+        check_choice(name, word, words)
     per_revolution = check_per_revolution(pulses_per_revolution)
-    check_flag("accept_clipped", accept_clipped)
-    check_flag("fill_pulses", fill_pulses)
-    check_flag("keep_offset", keep_offset)
+    for name, flag in (("accept_clipped", accept_clipped), ("fill_pulses", fill_pulses)):
+        check_flag(name, flag)
     told, given = _words("columns", columns), _words("units", units)
     if rate is not None:
         rate = check_between("rate", rate, *RATES)
     table = path if isinstance(path, Table) else read_table(check_path("path", path))
     table, names, rate, own, notes = _columns_in(table, told, given, rate)
     found = {each: _converted(each, names, table, given) for each in names}
-    if sensitivity is not None:
-        found |= {each: displaced(each, *found[each], sensitivity) for each in ("x", "y")}
+    found |= {each: scaled(each, *found[each], sensitivity, length) for each in ("x", "y")}
     times, time = times_of(found, rate, table, names)
-    if time == "1":
-        notes.append(NO_UNIT)
+    notes += [NO_UNIT] if time == "1" else []
     factor = _unit_of("t", names, table, given).factor if own else 1.0
     own = {each: factor * own_times for each, own_times in own.items()}
-    length = check_probes(found, {"x": times, "y": own.get("y", times)}, accept_clipped)
+    unit = check_probes(found, {"x": times, "y": own.get("y", times)}, accept_clipped)
     if "angle" in own:  # before it is interpolated
         found["angle"] = _angle(found["angle"], own["angle"], names["angle"]), "rad"
     teeth = None
@@ -194,39 +223,40 @@ def read_signals(
     if own:
         found, times = at_times_of_x(found, times, own)
         notes.append(f"the times of {listed(list(own))} are not those of x: interpolated at those")
-    if probe_angles is None:
-        notes.append("probes are taken to be at 0 and 90 degrees, as no probe_angles are given")
-        probe_angles = (0.0, 90.0)
-    z = displacements(found["x"][0] + 1j * found["y"][0], probe_angles, gains)
+    angles, more = angles_of_probes(probe_angles, names, rotation)
+    notes += more
+    z = displacements(found["x"][0] + 1j * found["y"][0], angles, gains)
     attributes: dict[str, object] = {
         "source": "measured signals",
         "file": table.file,
         "columns": _listed(names, told),
-        "probe_angles": check_array("probe_angles", probe_angles),
+        "probe_angles": angles,
         "gains": check_array("gains", gains),
+        **({} if caption is None else {"caption": check_instance("caption", caption, str)}),
     }
     if rate is None and not np.array_equal(times, found["t"][0]):
         attributes["times"] = "evenly spaced, to the digits that the file has of them"
     origin, more = _origin_of_angle(found, teeth, per_revolution)
     attributes |= origin
     notes += more
-    rotation = _rotation(found, teeth, times, time, names.get("angle", ""))
+    turning = _rotation(found, teeth, times, time, names.get("angle", ""))
     coordinates = {"t": _labelled("t", "t", times, time)}
-    if not keep_offset:
-        mean = mean_position(z, times, rotation)
-        z = z - mean
-        coordinates |= _mean_of(mean, length)
-        notes.append(f"the mean position is subtracted: {position_text(mean, length)}")
-    if notes:
-        attributes["notes"] = "; ".join(notes)
-    variables = {
-        "x": _labelled("x", "t", z.real, length),
-        "y": _labelled("y", "t", z.imag, length),
-        **rotation,
-    }
-    return labelled_dataset(
-        "Signals of two probes", variables, coordinates, attributes, kind="signals"
+    if gap is None:
+        zero, said = mean_position(z, times, turning), "the mean position is subtracted"
+        coordinates |= _mean_of(zero, unit)
+    else:
+        said = "displacements are counted from the gap"
+        probes = partial(displacements_at, sensitivity, unit, angles, gains)
+        zero, attributes["gap"] = gap_position(gap, z, times, probes)
+    if gap is None or zero:
+        notes.append(f"{said}: {position_text(zero, unit)}")
+    z = z - zero
+    both = {name: _labelled(name, "t", part, unit) for name, part in (("x", z.real), ("y", z.imag))}
+    signals = labelled_dataset(
+        "Signals of two probes", both | turning, coordinates, attributes, kind="signals"
     )
+    said = "; ".join([*notes, *question_of_swapped(signals)])
+    return signals.assign_attrs(notes=said) if said else signals
 
 
 def _origin_of_angle(

@@ -17,7 +17,7 @@ from rotor_ida.results.run import check_one_speed, check_run, parameter_coordina
 from rotor_ida.schema import Column, labelled_dataset, origin_of
 from rotor_ida.signals.record import FEWEST_SAMPLES, Record, equal_step, record_of
 from rotor_ida.signals.sampling import check_run_sampling
-from rotor_ida.signals.windows import MOST_OVERLAP
+from rotor_ida.signals.windows import MOST_OVERLAP, Complex
 
 Window = Literal["flattop", "hann", "boxcar"]
 WINDOWS = ("flattop", "hann", "boxcar")
@@ -151,9 +151,11 @@ def full_spectrum(
     The spectrum is scipy.signal.welch's of ``z = x + i y``, two-sided, scaled so that a whirl
     ``A exp(i Omega t)`` is a line of height A: with one segment, that of `spectrum`. With N
     weights w a step h apart the equivalent noise bandwidth is
-    ``2 pi sum(w**2)/(h sum(w)**2)``. The noise floor is the root of the mean power of noise with
-    the median power of all lines; a few strong lines do not change a median. Segments that overlap
-    count as fewer independent ones, by Welch's formula. The floor falls with longer segments; the
+    ``2 pi sum(w**2)/(h sum(w)**2)``. The mean position of each segment, weighted alike, is no
+    vibration and is subtracted: there is no line at 0, whatever the gap. The noise floor is the
+    root of the mean power of noise with the median power of all lines; a few strong lines do not
+    change a median. Segments that overlap count as fewer independent ones, by Welch's formula. The
+    floor falls with longer segments; the
     density ``noise_floor**2/bandwidth`` does not.
 
     References
@@ -184,7 +186,8 @@ def full_spectrum(
     weights = get_window(window, size, fftbins=True)
     frequency, power = welch(
         record.z, 1.0 / step, weights, size, size // 2,
-        detrend=False, return_onesided=False, scaling="spectrum",
+        detrend=lambda pieces: _about_mean(pieces, weights), return_onesided=False,
+        scaling="spectrum",
     )  # fmt: skip
     frequency = 2.0 * math.pi * np.fft.fftshift(frequency)
     power = np.fft.fftshift(power)
@@ -235,8 +238,9 @@ def spectrogram(
 
     Notes
     -----
-    Only complete segments are used. A whirl of amplitude A is a line of height A. If the speed
-    changes by ``d`` in a segment, the line of a synchronous whirl is about ``d`` wide and lower.
+    Only complete segments are used, about their mean positions as in `full_spectrum`. A whirl of
+    amplitude A is a line of height A. If the speed changes by ``d`` in a segment, the line of a
+    synchronous whirl is about ``d`` wide and lower.
 
     Examples
     --------
@@ -262,7 +266,7 @@ def spectrogram(
     starts = np.arange(0, record.z.size - size + 1, hop)
     if starts.size * size > MOST_LINES:
         raise InputError(f"overlap must be smaller, got {part!r}: {starts.size} segments of {size}")
-    pieces = np.lib.stride_tricks.sliding_window_view(record.z, size)[::hop]
+    pieces = _about_mean(np.lib.stride_tricks.sliding_window_view(record.z, size)[::hop], weights)
     lines = np.abs(np.fft.fftshift(fft(pieces * weights, axis=-1), axes=-1)) / weights.sum()
     frequency = 2.0 * math.pi * np.fft.fftshift(np.fft.fftfreq(size, step))
     times = record.times[starts] + 0.5 * (size - 1) * step
@@ -281,6 +285,11 @@ def spectrogram(
     }
     told = {"window": window, "segment": size, "overlap": 1.0 - hop / size}
     return record.dataset("Spectrogram", variables, coordinates, told, kind="spectrogram")
+
+
+def _about_mean(pieces: Complex, weights: Values) -> Complex:
+    """Return displacements of segments about their weighted means: without the line at 0."""
+    return np.asarray(pieces - (pieces @ weights / weights.sum())[..., np.newaxis])
 
 
 def _bandwidth(weights: npt.NDArray[np.float64], step: float) -> float:

@@ -144,7 +144,7 @@ def test_tables_of_other_results_are_those_of_their_first_dimensions(run: xr.Dat
 
 def test_the_samples_of_a_run_are_read_as_signals(run: xr.Dataset, tmp_path: Path):
     samples = save_tables(run, tmp_path / "run.csv")[1]
-    read = read_signals(samples, units={"t": "1", "x": "1", "y": "1"}, keep_offset=True)
+    read = read_signals(samples, units={"t": "1", "x": "1", "y": "1"}, gap="0")
     assert read["x"].values.tolist() == run["x"].values.tolist()
 
 

@@ -284,7 +284,7 @@ with h5py.File('a.h5', 'w') as f:
 
 def test_packed_numbers_of_hdf5_are_unpacked(tmp_path: Path) -> None:
     write_hdf5(tmp_path, PACKED.replace("GAP", "False"))
-    found = read_signals(tmp_path / "a.h5", keep_offset=True)
+    found = read_signals(tmp_path / "a.h5", gap="0")
     np.testing.assert_allclose(found.x, A, atol=0.00501)
     np.testing.assert_allclose(found.y, B, atol=0.00501)
     write_hdf5(tmp_path, PACKED.replace("GAP", "True"))

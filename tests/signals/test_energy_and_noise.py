@@ -26,13 +26,14 @@ def noise(seed):
 
 
 @pytest.mark.parametrize("window", ["boxcar", "hann", "flattop"])
-def test_squares_of_all_lines_add_up_to_the_mean_square(window):
+def test_squares_of_all_lines_add_up_to_the_mean_square_about_the_mean(window):
     """Parseval: with weights, the weighted mean square times the bandwidth over that of a line."""
     run = simulate(Rotor(omega=2.0, zeta=0.07, delta0=2.0), start=(2.6, 0.75, 0.66, -1.65),
                    duration=100.0, samples=2001)  # fmt: skip
     found = full_spectrum(run, window=window)
     weights = get_window(window, 2001)
     z = run.x.values + 1j * run.y.values
+    z = z - np.average(z, weights=weights)
     mean_square = np.sum(weights**2 * np.abs(z) ** 2) / np.sum(weights**2)
     line = 2.0 * math.pi / (2001 * 0.05)
     assert float((found.whirl_amplitude**2).sum()) == pytest.approx(

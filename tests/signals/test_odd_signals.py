@@ -29,6 +29,7 @@ OF_VARIABLE = {"x": WITH_ANGLE, "t": WITH_ANGLE, "angle": WITH_ANGLE, "keyphasor
 
 FUNCTIONS: dict[str, Callable[[xr.Dataset], object]] = {
     "orders": rotor_ida.orders,
+    "bode_peaks": rotor_ida.bode_peaks,
     "centre_line": rotor_ida.centre_line,
     "whirl_ratio": rotor_ida.whirl_ratio,
     "full_spectrum": rotor_ida.full_spectrum,

@@ -204,7 +204,7 @@ def test_commas_that_may_be_several_things_are_refused_with_line_and_value(kind,
 def test_one_number_that_is_no_group_of_thousands_shows_decimal_commas(tmp_path):
     rows = [f"{n};{n % 7},250;{1 + n % 5},500" for n in range(1, 40)]
     text = "t;x;y\n" + "\n".join([*rows, "40;0,250;1,500"])
-    found = read(tmp_path, text, keep_offset=True)
+    found = read(tmp_path, text, gap="0")
     assert found.x.values[0] == 1.25
     with pytest.raises(InputError, match="between thousands, got '1,250' in line 2"):
         read(tmp_path, "t;x;y\n" + "\n".join(row.replace(";0,250", ";7,250") for row in rows))
@@ -259,7 +259,7 @@ def test_clipped_probes_are_told_and_taken_if_asked(tmp_path):
     clipped = text_of(columns=(TIMES, np.minimum(X, 30.0), Y, TURN * TIMES))
     with pytest.raises(InputError, match=r"x must not be clipped, but stays at 30 from t 0"):
         read(tmp_path, HEAD + clipped.split("\n", 120)[-1])
-    found = read(tmp_path, HEAD + clipped, accept_clipped=True, keep_offset=True)
+    found = read(tmp_path, HEAD + clipped, accept_clipped=True, gap="0")
     assert found.x.max() == 30.0
 
 

@@ -148,8 +148,8 @@ Revolutions = Annotated[
     ),
 ]
 Sense = Annotated[
-    Literal["forward", "backward"] | None,
-    Parameter(help="Sense of the whirl in Bode and polar plots."),
+    Literal["forward", "backward", "x", "y"] | None,
+    Parameter(help="The whirl of Bode and polar plots, zero to peak, or the probe, peak to peak."),
 ]
 Over = Annotated[
     Literal["speed", "t", "time"] | None,
@@ -381,11 +381,21 @@ def _dataset_in(file: Path, reading: options.ReadingOptions) -> xr.Dataset:
             f"file must contain signals or results, got {shown(file)}: a machine file is for the "
             "option --machine of commands such as run-up, and a system file for simulate"
         )
-    if file.suffix != OUT_ENDING:
-        return rotor_ida.read_signals(file, **given)
-    if given:
+    if given and file.suffix == OUT_ENDING:
         raise InputError(f"{next(iter(given))} must be left out with an archive, got {shown(file)}")
-    return read(file)
+    signals = read(file) if file.suffix == OUT_ENDING else rotor_ida.read_signals(file, **given)
+    slow, other = reading.slow_roll, reading.slow_roll_file
+    if slow is None and other is None:
+        if reading.runout_orders is not None:
+            raise InputError("runout_orders must be given with slow_roll or slow_roll_file")
+        return signals
+    if slow is not None and other is not None:
+        raise InputError("slow_roll must be left out with slow_roll_file")
+    return rotor_ida.subtract_runout(
+        _checked_signals(signals),
+        _between(signals, slow) if other is None else rotor_ida.read_signals(other, **given),
+        harmonics=reading.runout_orders or 1,
+    )
 
 
 def _between(dataset: xr.Dataset, times: tuple[float, float] | None) -> xr.Dataset:

@@ -295,7 +295,7 @@ def _lines_of_cycle(cycle: xr.Dataset, scales: Scales, units: Units) -> list[Lin
     return [
         Line(float(place), float(height), f"line of {CYCLE}", PURPLE, "D", speed)
         for place, height in zip(places, heights, strict=True)
-        if height > WEAKEST * heights.max()
+        if height > WEAKEST * heights.max() and place  # no mean is drawn as vibration
     ]
 
 

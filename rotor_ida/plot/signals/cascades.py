@@ -23,7 +23,7 @@ from rotor_ida.plot.decimation import highest_in_bins
 from rotor_ida.plot.labels import label_axis, label_of, unit_of
 from rotor_ida.plot.signals.beneath import Beneath, Line, lines_of
 from rotor_ida.plot.signals.spectra import lines_within, mark_frequencies, name_order
-from rotor_ida.plot.signals.speeds import title_about_mean
+from rotor_ida.plot.signals.speeds import title_of_signals
 from rotor_ida.plot.signals.units import Units, is_one_speed, units_of
 from rotor_ida.signals.record import record_of
 from rotor_ida.signals.spectra import STEADY, segment_for, spectrogram
@@ -277,8 +277,8 @@ def _finish(
     _mark_lines(ax, segments)
     mark_frequencies(ax, frequencies)
     ax.grid(visible=False)
-    title = title_about_mean(segments.dataset, one_speed=_one_speed(segments.dataset))
-    ax.set_title(title, pad=16.0)
+    speeds = segments.units.speeds(segments.dataset.get("speed", np.empty(0)))
+    ax.set_title(title_of_signals(segments.dataset, speeds), pad=16.0)
     if segments.exact or frequencies:
         legend_below(ax, columns=3)
 
@@ -341,6 +341,6 @@ def _draw_scale(ax: Axes, units: Units, highest: float, scale: float) -> None:
     left = ax.get_xlim()[0] * 0.96
     ax.plot([left, left], [bottom, bottom + size * scale], color=INK, lw=2.0,
             solid_capstyle="butt", zorder=3.0)  # fmt: skip
-    ax.annotate(f"{size:g}{unit}", (left, bottom + 0.5 * size * scale), xytext=(4, 0),
+    ax.annotate(f"{size:g}{unit} zero to peak", (left, bottom + 0.5 * size * scale), xytext=(4, 0),
                 textcoords="offset points", va="center", fontsize=8.0, zorder=3.0,
                 bbox={"facecolor": "white", "edgecolor": "none", "pad": 1.0})  # fmt: skip

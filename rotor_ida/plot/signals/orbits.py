@@ -30,13 +30,20 @@ from rotor_ida.plot.forces import shade_contacts
 from rotor_ida.plot.labels import label_axis, label_of, title_of
 from rotor_ida.plot.motion import NEEDED, draw_orbit, place_of_disc
 from rotor_ida.plot.signals.beneath import Beneath
-from rotor_ida.plot.signals.exact_motion import Orbit, Trace, centres_of, orbits_of, traces_of
+from rotor_ida.plot.signals.exact_motion import (
+    Orbit,
+    Trace,
+    centres_of,
+    orbits_of,
+    speeds_along,
+    traces_of,
+)
 from rotor_ida.plot.signals.orders import tracks_of
-from rotor_ida.plot.signals.speeds import mark_speeds, title_about_mean, title_of_signals
+from rotor_ida.plot.signals.speeds import mark_speeds, title_of_signals
 from rotor_ida.plot.signals.units import is_one_speed, length_text, units_of
 from rotor_ida.results.run import check_columns, samples_in
 from rotor_ida.schema import flags_of
-from rotor_ida.signals.record import MEAN, Record, mean_of, record_of
+from rotor_ida.signals.record import Record, mean_of, record_of
 from rotor_ida.signals.sampling import check_run_sampling
 
 # The orbit is blank for this fraction of a revolution before each pulse.
@@ -98,7 +105,8 @@ def plot_orbit(
     given = _within(check_dataset("run", run, ("t", "x", "y")))
     is_run = set(NEEDED) <= set(given.variables)
     record = record_of(given, "run") if keyphasor or not is_run else None
-    exact = orbits_of(beneath, given, units_of(given, "x", "t"))
+    units = units_of(given, "x", "t")
+    exact = orbits_of(beneath, given, units)
     with drawing(ax, width=4.0, height=4.9) as ax:
         label_axis(ax.xaxis, "x", given["x"])
         label_axis(ax.yaxis, "y", given["y"])
@@ -113,8 +121,7 @@ def plot_orbit(
             draw_ring(ax, _ring_of(given, clearance) or 0.0)
             marked = record.has_mark if keyphasor is None else keyphasor
             _draw_orbit(ax, record, marked=marked)
-            one_speed = "speed" not in given.variables
-            ax.set_title(title_about_mean(given, one_speed=one_speed))
+            ax.set_title(title_of_signals(given, units.speeds(speeds_along(given)), zero=True))
         ax.set_aspect("equal", adjustable="datalim")
         legend_below(ax)
     return ax
@@ -180,7 +187,7 @@ def plot_centre_line(
         mark_speeds(ax, x + 1j * y, speeds, BLUE, apart=0.08 * size,
                     label=label_of("speed", speeds))  # fmt: skip
         ax.set_aspect("equal", adjustable="datalim")
-        title = title_of_signals(means, one_speed=one_speed)
+        title = title_of_signals(means, speeds, zero="gap" in means.attrs)
         if ring and mean:  # where probes see the centre of the stator is not known
             title = "\n".join(filter(None, [title, "clearance about the mean of the record"]))
         ax.set_title(title)
@@ -262,8 +269,8 @@ def plot_trace(
                 ax.axhline(side, color=INK, lw=0.7, ls=DASHES, zorder=2.6,
                            label="clearance" if side > 0.0 else "_")  # fmt: skip
         ax.set_xlim(float(times[0]), float(times[-1]))
-        if set(MEAN) <= set(given.variables):
-            ax.set_title(title_about_mean(given, one_speed=True))
+        if "file" in given.attrs:
+            ax.set_title(title_of_signals(given, units.speeds(speeds_along(given)), zero=True))
         legend_below(ax, columns=5)
     return ax
 

@@ -14,7 +14,6 @@ from matplotlib.figure import Figure
 from matplotlib.ticker import MaxNLocator
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_choice, check_positive
 from rotor_ida.errors import InputError
 from rotor_ida.plot.appearance import (
     drawing,
@@ -24,17 +23,20 @@ from rotor_ida.plot.appearance import (
     own_legend,
     style,
 )
-from rotor_ida.plot.datasets import check_dataset, parameters_in
+from rotor_ida.plot.datasets import check_dataset, hold_units, parameters_in
 from rotor_ida.plot.labels import LABELS, label_axis, label_of
 from rotor_ida.plot.signals.beneath import Beneath, Response, responses_of
 from rotor_ida.plot.signals.exact_motion import is_of_one_speed
 from rotor_ida.plot.signals.speeds import legs_of, mark_speeds, title_of_signals
 from rotor_ida.plot.signals.units import Units, is_one_speed, units_of
-from rotor_ida.signals.orders import check_orders, revolutions_for
+from rotor_ida.signals.orders import check_orders, one_order, revolutions_for
 from rotor_ida.signals.orders import orders as tracked
+from rotor_ida.signals.peaks import peaks_of
 from rotor_ida.signals.record import lacks_mark, record_of
 
-SENSES = ("forward", "backward")
+WHIRLS, PROBES = ("forward", "backward"), ("x", "y")
+# Peaks of at least this fraction of the largest amplitude are named.
+HIGH = 0.3
 # A jump between windows exceeds this fraction of the largest amplitude, and this multiple of the
 # median step around it.
 JUMP, UNUSUAL, NEIGHBOURS = 0.1, 5.0, 33
@@ -46,8 +48,8 @@ WINDOWS, AT_ONE_SPEED, LONGEST = 250, 8, 8
 NOTABLE, IN_MOST = 0.03, 0.9
 
 
-class OneOrder(NamedTuple):
-    """One order of a whirl over the windows, its label, and exact results for it."""
+class Track(NamedTuple):
+    """One order of a whirl or a probe over the windows, and how it is drawn."""
 
     title: str
     units: Units
@@ -58,11 +60,20 @@ class OneOrder(NamedTuple):
     words: str
     exact: list[Response]
     simulated: bool
+    # of a probe: its angle [degree], and its whole reading peak to peak
+    angle: float = math.nan
+    direct: Values = np.empty(0)
 
     @property
     def marker(self) -> str:
         """Return the marker of a window: the line of one speed would be too short to see."""
         return "o" if is_one_speed(self.speeds.values) else ""
+
+    @property
+    def label(self) -> str:
+        """Return the label of the amplitude: of a whirl zero to peak, of a probe peak to peak."""
+        words = None if math.isnan(self.angle) else "vibration, peak to peak"
+        return label_of("whirl_amplitude", self.units.lengths(self.amplitude), words=words)
 
 
 class _Fit(NamedTuple):
@@ -90,8 +101,9 @@ def plot_bode(
         Signals, a run or run-up, or the result of `rotor_ida.orders`.
     order : float
         Multiple of the speed [1].
-    sense : {"forward", "backward"}
-        Direction of the whirl shown.
+    sense : {"forward", "backward", "x", "y"}
+        The whirl shown, zero to peak, or the probe whose reading is shown, peak to peak, beside its
+        direct amplitude, that of all orders. Probes of a run look along x and y.
     orders : array_like, optional
         Further orders to fit together with this one [1]. What else turns at a steady multiple of
         the speed, such as ½X, then does not leak into it.
@@ -115,6 +127,8 @@ def plot_bode(
     Notes
     -----
     The phase is the lag of the whirl behind the mark on the shaft; for a run that is the unbalance.
+    That of a probe is the angle from the mark to the next positive peak of its reading. Peaks of
+    measured signals have their speed and amplification factor, as in `rotor_ida.bode_peaks`.
     It is 0 below and 180° above a resonance. The line breaks at a jump of the whirl, and a window
     that spans a jump is left out. A band shows two standard errors of measured signals if
     these are more than 3 % of the largest amplitude in a tenth of the windows.
@@ -127,9 +141,9 @@ def plot_bode(
     ...             rate=0.005, samples=20_001)
     >>> exact = response_curve(zeta=0.07, delta0=0.5, limits=(0.3, 2.5))
     >>> [ax.get_ylabel() for ax in plot_bode(up, beneath=exact).axes]
-    ['whirl amplitude $|c|$', 'phase lag $\\theta$ [°]']
+    ['whirl amplitude, zero to peak $|c|$', 'phase lag $\\theta$ [°]']
     """
-    one = _one_order(signals, order, sense, beneath, _Fit(orders, revolutions))
+    one = _track(signals, order, sense, beneath, _Fit(orders, revolutions))
     speeds, amplitude = one.speeds, one.amplitude
     with style():
         upper, lower = _pair_of(axes)
@@ -143,7 +157,13 @@ def plot_bode(
                 ax.plot(*_broken(speeds.values, up, breaks, part), color=colour, ls=dashes, lw=1.1,
                         marker=one.marker, ms=3.0, label=words, zorder=3.2)  # fmt: skip
         _draw_errors(upper, lower, one, angles, jumps | wraps)
-        label_axis(upper.yaxis, "whirl_amplitude", one.units.lengths(amplitude))
+        _name_peaks(upper, one)
+        for part, _, colour, _ in legs_of(speeds.values, "") if one.direct.size else ():
+            upper.plot(speeds.values[part], one.direct[part], color=colour, lw=0.7, alpha=0.6,
+                       ls=(0, (1, 1)), marker=one.marker, ms=2.0, label="direct (all orders)",
+                       zorder=2.9)  # fmt: skip
+        hold_units(upper.yaxis, one.units.lengths(amplitude))
+        upper.set_ylabel(one.label)
         _label_degrees(lower)
         if lacks_mark(signals.attrs):
             lower.set_ylabel(f"{lower.get_ylabel()}\n(origin unknown)")
@@ -180,7 +200,8 @@ def plot_polar(
     Notes
     -----
     The lag grows clockwise from the x axis, against the counterclockwise rotation. The vector
-    points to the high spot when the mark on the shaft passes the x axis.
+    points to the high spot when the mark on the shaft passes the x axis. For a probe the angle 0 is
+    where the probe is, and the vector points to the high spot at the pulse of the keyphasor.
 
     Examples
     --------
@@ -191,13 +212,13 @@ def plot_polar(
     >>> ax.name, ax.get_theta_direction().item()
     ('polar', -1.0)
     """
-    one = _one_order(signals, order, sense, beneath, _Fit(orders, revolutions))
+    one = _track(signals, order, sense, beneath, _Fit(orders, revolutions))
     speeds, amplitude, lag = one.speeds, one.amplitude, one.lag
     apart, jumps = 0.1 * float(amplitude.max()), jumps_of(amplitude, lag)
     with style():
         polar = _polar_axes(ax)
         polar.set_theta_direction(-1)
-        polar.set_theta_zero_location("E")
+        polar.set_theta_zero_location("E", offset=0.0 if math.isnan(one.angle) else one.angle)
         for response in one.exact:
             response.draw_polar(polar)
         for part, words, colour, dashes in legs_of(speeds.values, one.words):
@@ -208,7 +229,7 @@ def plot_polar(
         polar.set_rlim(0.0, 1.08 * float(amplitude.max()))
         polar.set_rlabel_position(202.5)
         polar.tick_params(axis="y", labelsize=7.5)
-        polar.set_xlabel(_words_of_polar(one.units, amplitude), labelpad=8.0)
+        polar.set_xlabel(_words_of_polar(one), labelpad=8.0, fontsize=8.0)
         # above the label of the angle, in whatever order the two are laid out
         polar.set_title(one.title, y=1.0, pad=20.0)
         legend_below(polar, columns=3)
@@ -258,7 +279,7 @@ def plot_orders(
         highest = 0.0
         for number, order in enumerate(tracks["order"].values.tolist()):
             colour, dashes = look(number + 1)
-            for sense in SENSES:
+            for sense in WHIRLS:
                 amplitude = tracks[f"{sense}_whirl_amplitude"].values[..., number]
                 highest = max(highest, float(amplitude.max()))
                 ax.plot(speeds, amplitude, color=colour, lw=1.1, zorder=3.2,
@@ -274,7 +295,7 @@ def plot_orders(
             ax.set_ylim(1e-4 * highest, 2.0 * highest)
         else:
             ax.set_ylim(0.0, 1.06 * _highest(ax))
-        ax.set_title(title_of_signals(tracks, one_speed=is_one_speed(speeds.values)))
+        ax.set_title(title_of_signals(tracks, speeds))
         legend_below(ax, columns=4)
     return ax
 
@@ -343,37 +364,30 @@ def jumps_of(amplitude: Values, lag: Values) -> npt.NDArray[np.bool_]:
     return np.append(False, steps > least)
 
 
-def _one_order(
-    signals: xr.Dataset, order: float, sense: str, beneath: Beneath, fit: _Fit
-) -> OneOrder:
+def _track(signals: xr.Dataset, order: float, sense: str, beneath: Beneath, fit: _Fit) -> Track:
     """Return one order of signals, with exact results for the order 1 forward only."""
-    check_choice("sense", sense, SENSES)
     beside = np.atleast_1d(fit.orders)
     tracks = tracks_of(signals, np.append(order, beside[beside != order]), fit.revolutions)
     units = units_of(tracks, "forward_whirl_amplitude", "speed")
-    wanted, tracked_orders = check_positive("order", order), tracks["order"].values
-    place = int(np.abs(tracked_orders - wanted).argmin())
-    if abs(tracked_orders[place] - wanted) > 1e-9 * wanted:
-        raise InputError(f"signals must have the order {wanted:g}, got {tracked_orders.tolist()}")
+    one = one_order(tracks, order, sense)
     exact = responses_of(beneath, tracks, units)
     if exact and (order, sense) != (1.0, "forward"):
         raise InputError(f"beneath goes under the order 1 forward, got {order:g} {sense}")
-    speeds, one = units.speeds(tracks["speed"].values), tracks.isel(order=place)
-    return OneOrder(
-        title_of_signals(tracks, one_speed=is_one_speed(speeds.values)),
-        units,
-        speeds,
-        one[f"{sense}_whirl_amplitude"].values,
-        one[f"{sense}_phase_lag"].values,
-        one[f"{sense}_amplitude_error"].values,
-        _words(order, sense),
-        exact,
+    speeds = units.speeds(tracks["speed"].values)
+    track = Track(
+        title_of_signals(tracks, speeds), units, speeds, *one, _words(order, sense), exact,
         bool(parameters_in(tracks)),
-    )
+    )  # fmt: skip
+    if sense not in PROBES:
+        return track
+    seen = tracks.isel(probe_angle=PROBES.index(sense))
+    angle = float(seen["probe_angle"])
+    words = f"{order_words(order)} of the probe at {angle:g}°"
+    return track._replace(words=words, angle=angle, direct=seen["direct_peak_to_peak"].values)
 
 
 def _draw_errors(
-    upper: Axes, lower: Axes, one: OneOrder, angles: Values, breaks: npt.NDArray[np.bool_]
+    upper: Axes, lower: Axes, one: Track, angles: Values, breaks: npt.NDArray[np.bool_]
 ) -> None:
     """Draw bands of two standard errors of amplitude and lag, unless these are small."""
     amplitude, error = one.amplitude, 2.0 * one.error
@@ -454,8 +468,20 @@ def _polar_axes(ax: Axes | None) -> Any:
     return ax
 
 
-def _words_of_polar(units: Units, amplitude: Values) -> str:
+def _name_peaks(ax: Axes, one: Track) -> None:
+    """Write the speed and the amplification factor at each peak of measured signals."""
+    rising = np.argsort(one.speeds.values, kind="stable")
+    if one.simulated or one.units.rate is None:
+        return
+    for peak in peaks_of(one.speeds.values[rising], one.amplitude[rising]):
+        if peak.amplitude > HIGH * one.amplitude.max():
+            words = f"{peak.speed:,.0f} rpm\nAF {peak.amplification:.3g}"
+            ax.annotate(words, (peak.speed, peak.amplitude), xytext=(8, -2), fontsize=7.5,
+                        textcoords="offset points", va="top", zorder=3.6)  # fmt: skip
+
+
+def _words_of_polar(one: Track) -> str:
     """Return the legend text of circles, angle and dots of a polar plot."""
-    radius = label_of("whirl_amplitude", units.lengths(amplitude))
-    unit = "[rpm]" if units.rate is not None else r"$\omega$"
-    return f"{radius}; lag clockwise, against the rotation; dots: speed {unit}"
+    unit = "[rpm]" if one.units.rate is not None else r"$\omega$"
+    start = "against the rotation" if math.isnan(one.angle) else "from the probe"
+    return f"{one.label}; lag clockwise, {start}; dots: speed {unit}"

@@ -30,7 +30,7 @@ from rotor_ida.plot.labels import label_axis, number_text, unit_of
 from rotor_ida.plot.signals.beneath import Beneath, Line, lines_of
 from rotor_ida.plot.signals.exact_motion import speeds_along
 from rotor_ida.plot.signals.orders import order_words
-from rotor_ida.plot.signals.speeds import title_about_mean
+from rotor_ida.plot.signals.speeds import title_of_signals
 from rotor_ida.plot.signals.units import Units, units_of
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.signals.spectra import full_spectrum
@@ -134,6 +134,8 @@ def plot_full_spectrum(
     frequency = units.frequencies(spectrum["frequency"].values)
     fastest = np.empty(0) if ready else units.frequencies(speeds_along(given)).values
     limit, spin = _limit_of(spectrum, frequency.values, check_positive("span", span), fastest)
+    drawn_at = fastest if math.isnan(spin) else np.array([spin])
+    speeds = units.speeds(drawn_at / float(units.frequencies(1.0)))
     height = spectrum["whirl_amplitude"].values
     highest, noise = float(height.max(initial=0.0)) or 1.0, float(spectrum["noise_floor"])
     with drawing(ax, width=6.0, height=3.8) as ax:
@@ -158,7 +160,7 @@ def plot_full_spectrum(
         tallest = max([highest, *(line.amplitude for line in lines_within(exact, limit))])
         ax.set_ylim(max(0.2 * noise, 1e-12 * highest), 4.0 * tallest)
         _name_orders(ax, spin, limit)
-        ax.set_title(title_about_mean(spectrum, one_speed=not math.isnan(spin)), pad=16.0)
+        ax.set_title(title_of_signals(spectrum, speeds), pad=16.0)
         legend_below(ax, columns=4)
     return ax
 

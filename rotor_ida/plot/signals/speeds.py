@@ -13,14 +13,18 @@ from matplotlib.ticker import MaxNLocator
 from rotor_ida.arrays import Values
 from rotor_ida.plot.appearance import BLUE, GOING_DOWN, GOING_UP, INK, ORANGE, draw_marks
 from rotor_ida.plot.datasets import parameters_in
-from rotor_ida.plot.labels import in_lines, text_of, title_of
+from rotor_ida.plot.labels import SEPARATOR, in_lines, text_of, title_of
 from rotor_ida.plot.signals.units import is_one_speed, length_text
 from rotor_ida.signals.record import MEAN
+from rotor_ida.texts import brief
+from rotor_ida.units import SPEED_UNITS, quantity
 
 # A reversal of the speed is noise if it is smaller than this fraction of the largest, or than this
 # multiple of the noise of the speed.
 WOBBLE, NOISE = 0.02, 5.0
 MOST_MARKS = 8
+# Characters of a file's name or a caption in a title.
+LONGEST = 60
 
 
 class Leg(NamedTuple):
@@ -32,10 +36,39 @@ class Leg(NamedTuple):
     dashes: object
 
 
-def title_of_signals(dataset: xr.Dataset, *, one_speed: bool) -> str:
+def title_of_signals(dataset: xr.Dataset, speeds: xr.DataArray, *, zero: bool = False) -> str:
+    """Return the title of signals: of a run its rotor, of a measured file what it is.
+
+    Parameters
+    ----------
+    dataset : Dataset
+        Signals, or what was computed of them.
+    speeds : DataArray, shape (n,)
+        Speeds over which they are drawn, in rpm if they have a unit; none if they are not known.
+    zero : bool
+        Whether the position from which displacements are counted is named.
+    """
+    lines = [_rotor_in(dataset, speeds)]
+    if "file" in dataset.attrs:
+        parts = [str(dataset.attrs[name]) for name in ("file", "caption") if name in dataset.attrs]
+        if speeds.size and speeds.attrs["units"] == "rpm":
+            parts.append(_range_in_rpm(speeds.values))
+        lines.append(SEPARATOR.join(brief(each, LONGEST).replace("$", r"\$") for each in parts))
+    if zero and set(MEAN) <= set(dataset.variables):
+        unit = str(dataset[MEAN[0]].attrs.get("units", "1"))
+        x, y = (length_text(float(dataset[name]), unit) for name in MEAN)
+        lines.append(f"mean position subtracted: $x$ {x}, $y$ {y}")
+    elif zero and dataset.attrs.get("gap", "0") != "0":
+        gap = str(dataset.attrs["gap"]).replace("-", "\N{MINUS SIGN}")
+        lines.append(f"displacements from the gap of {gap}")
+    return "\n".join(filter(None, lines))
+
+
+def _rotor_in(dataset: xr.Dataset, speeds: xr.DataArray) -> str:
     """Return the parameters in a dataset, without a speed that changes; of a system its node."""
     if "node" in dataset.coords:
         return title_of("signals", dataset)
+    one_speed = not speeds.size or is_one_speed(speeds.values)
     known = {
         name: float(dataset[name])
         for name in parameters_in(dataset)
@@ -44,15 +77,17 @@ def title_of_signals(dataset: xr.Dataset, *, one_speed: bool) -> str:
     return in_lines(text_of(dataset, known))
 
 
-def title_about_mean(dataset: xr.Dataset, *, one_speed: bool) -> str:
-    """Return the title of signals, with the mean position from which they are counted, if any."""
-    title = title_of_signals(dataset, one_speed=one_speed)
-    if not set(MEAN) <= set(dataset.variables):
-        return title
-    unit = str(dataset[MEAN[0]].attrs.get("units", "1"))
-    x, y = (length_text(float(dataset[name]), unit) for name in MEAN)
-    words = f"mean position subtracted: $x$ {x}, $y$ {y}"
-    return f"{title}\n{words}" if title else words
+def _range_in_rpm(speeds: Values) -> str:
+    """Return the speeds of a record in words.
+
+    Examples
+    --------
+    >>> _range_in_rpm(np.array([512.34, 5000.0])), _range_in_rpm(np.array([600.0, 600.01]))
+    ('512 to 5,000 rpm', '600 rpm')
+    """
+    if is_one_speed(speeds):
+        return quantity(float(speeds.mean()) * SPEED_UNITS["rpm"], "rad/s")
+    return f"{speeds.min():,.0f} to {speeds.max():,.0f} rpm"
 
 
 def legs_of(speeds: Values, words: str) -> list[Leg]:

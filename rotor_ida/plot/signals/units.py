@@ -14,9 +14,8 @@ from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
 from rotor_ida.plot.labels import typeset
 from rotor_ida.signals.spectra import STEADY
-from rotor_ida.units import PREFIXES, SPEED_UNITS, quantity
+from rotor_ida.units import PREFIXES, SPEED_UNITS, UNITS, quantity
 
-LENGTH = re.compile(r"^([pnumkM]?)m$")
 RATE = re.compile(r"^([pnumkM]?)s-1$")
 
 
@@ -102,15 +101,12 @@ def scales_of(exact: xr.Dataset, shown: xr.Dataset, units: Units) -> Scales:
         return Scales(float(there["length_scale"]), rate, rate)
     if not in_si:
         raise InputError("beneath must be dimensionless as the signals, got a result in SI units")
-    if units.rate is None or not LENGTH.match(units.length):
+    here_in = metres_in(units.length)
+    if units.rate is None or here_in is None:
         raise InputError(f"beneath needs signals in units of length and time, got {units.length!r}")
-    length = next(
-        str(variable.attrs["units"])
-        for name, variable in exact.variables.items()
-        if LENGTH.match(str(variable.attrs.get("units", "")))
-    )
-    factor = _metres(length) / _metres(units.length)
-    return Scales(factor, float(here["rate_scale"]) / units.rate, 1.0 / units.rate)
+    sizes = (metres_in(str(each.attrs.get("units", ""))) for each in exact.variables.values())
+    length = next(size for size in sizes if size is not None)
+    return Scales(length / here_in, float(here["rate_scale"]) / units.rate, 1.0 / units.rate)
 
 
 def length_text(value: float, unit: str) -> str:
@@ -121,15 +117,16 @@ def length_text(value: float, unit: str) -> str:
     >>> length_text(16850.0, "um"), length_text(3.25, "1")
     ('$16.9$ mm', '$3.25$')
     """
-    if not LENGTH.match(unit):
+    size = metres_in(unit)
+    if size is None:
         return typeset(f"{value:.3g} {unit.removeprefix('1')}".rstrip())
-    return typeset(quantity(value * _metres(unit), "m", 3))
+    return typeset(quantity(value * size, "m", 3, system="inch" if unit == "mil" else "metric"))
 
 
-def _metres(unit: str) -> float:
-    parts = LENGTH.match(unit)
-    assert parts is not None
-    return 1.0 / PREFIXES[parts[1]]
+def metres_in(unit: str) -> float | None:
+    """Return the metres in a unit of length; None for any other unit."""
+    known = UNITS.get(unit)
+    return known.in_si("1") if known and known.dimension == UNITS["m"].dimension else None
 
 
 def is_one_speed(speeds: Values) -> bool:

@@ -270,7 +270,7 @@ def test_speeds_are_in_rpm_and_frequencies_in_hertz():
     seen = whirl(speed=100.0 * np.pi / 50.0, time="s", length="um")
     upper, lower = plot_bode(seen).axes
     assert lower.get_xlabel() == "spin speed [rpm]"
-    assert upper.get_ylabel() == "whirl amplitude $|c|$ [µm]"
+    assert upper.get_ylabel() == "whirl amplitude, zero to peak $|c|$ [µm]"
     np.testing.assert_allclose(line_of(upper, "1X forward").get_xdata(), 60.0, rtol=1e-9)
     ax = plot_full_spectrum(seen)
     assert ax.get_xlabel() == "frequency [Hz]"
@@ -351,7 +351,7 @@ def test_a_cascade_keeps_the_largest_of_the_segments_that_share_a_row(up):
     assert sorted(here)[-2] < 0.05 * max(here)
     assert max(here) == max(np.ptp(line[:, 1]) for line in lines)
     told = {text.get_text() for text in plot_cascade(spiked, rows=10).texts}
-    assert "50" in told
+    assert "50 zero to peak" in told
 
 
 def test_segments_suit_the_rate_of_the_speed(up):
@@ -372,7 +372,7 @@ def test_a_spectrogram_darkens_with_the_amplitude_in_grey(up):
     assert (np.diff(grey) < 0.002).all()
     assert grey[0] - grey[-1] > 0.6
     ax = plot_spectrogram(up)
-    assert "whirl amplitude $|c|$" in [each.get_ylabel() for each in ax.figure.axes]
+    assert "whirl amplitude, zero to peak $|c|$" in [each.get_ylabel() for each in ax.figure.axes]
 
 
 def test_forward_and_backward_lie_on_either_side_of_zero(up, bouncing):
@@ -517,7 +517,7 @@ def unknown(run):
 @pytest.mark.parametrize(
     ("draw", "words"),
     [
-        (lambda up: plot_bode(up, sense="x"), "sense must be one of"),
+        (lambda up: plot_bode(up, sense="up"), "sense must be one of"),
         (lambda up: plot_bode(orders(up), order=2), r"signals must have the order 2, got \[1.0\]"),
         (lambda up: plot_bode(up, order=-1), "orders must be positive, got -1.0"),
         (lambda up: plot_bode(up, axes=[]), "axes must be two matplotlib Axes, got 0"),

@@ -1,0 +1,106 @@
+"""Direction of rotation, swapped probes, angles in names, and runout from the command line."""
+
+import json
+
+import numpy as np
+import pytest
+
+from rotor_ida import centre_line, orders, read_signals, whirl_ratio
+from rotor_ida.cli.program import main
+
+# A clockwise rotor as its probes see it, 45 degrees right and left of vertical: X leads Y
+TIMES = np.arange(4000) / 2000.0
+ANGLES = 2.0 * np.pi * (10.0 * TIMES + 5.0 * TIMES**2)
+SPEEDS = 2.0 * np.pi * (10.0 + 10.0 * TIMES)
+NAMES = "Zeit [s];Probe A 45R (um);Probe B 45L (um);Drehzahlimpuls"
+
+
+def readings(z, angles=(45.0, 135.0)):
+    return [(z * np.exp(-1j * np.radians(each))).real for each in angles]
+
+
+def written(path, z, names=NAMES):
+    pulse = (ANGLES + 1e-9) % (2.0 * np.pi) < 0.5
+    table = np.stack([TIMES, *readings(z), pulse], axis=1)
+    np.savetxt(path, table, "%.6f", ";", header=names, comments="")
+    return path
+
+
+@pytest.fixture
+def clockwise(tmp_path):
+    """It whirls with 30 um, and sags by 20 um."""
+    return written(tmp_path / "clockwise.csv", 30.0 * np.exp(-1j * ANGLES) - 20j)
+
+
+def test_usual_names_tell_columns_and_angles(tmp_path):
+    found = read_signals(written(tmp_path / "a.csv", 30.0 * np.exp(1j * ANGLES)))
+    assert found.attrs["columns"] == (
+        "t=Zeit x=Probe A 45R y=Probe B 45L keyphasor=Drehzahlimpuls (guessed: t x y keyphasor)"
+    )
+    assert found.attrs["probe_angles"].tolist() == [45.0, 135.0]
+    assert "probes are taken to be at 45 and 135 degrees, by their names" in found.attrs["notes"]
+    np.testing.assert_allclose(orders(found).forward_whirl_amplitude, 30.0, rtol=0.02)
+
+
+def test_backward_1x_in_all_windows_is_asked_about(clockwise):
+    assert "1X whirls backward in all of" in read_signals(clockwise).attrs["notes"]
+    assert "are the probes swapped" in read_signals(clockwise).attrs["notes"]
+
+
+def test_a_backward_whirl_beside_a_forward_1x_is_no_slip(tmp_path):
+    """Dry whip: all windows whirl backward, but the unbalance still drives 1X forward."""
+    z = 5.0 * np.exp(1j * ANGLES) + 60.0 * np.exp(-2j * np.pi * 130.0 * TIMES)
+    found = read_signals(written(tmp_path / "whip.csv", z))
+    assert (whirl_ratio(found, revolutions=2).whirl_sense == -1).all()
+    assert "1X" not in found.attrs["notes"]
+
+
+def test_a_machine_that_turns_clockwise_is_shown_from_its_other_end(clockwise):
+    found = read_signals(clockwise, rotation="clockwise")
+    assert "1X" not in found.attrs["notes"]
+    assert found.attrs["probe_angles"].tolist() == [135.0, 45.0]
+    tracked = orders(found)
+    np.testing.assert_allclose(tracked.forward_whirl_amplitude, 30.0, rtol=0.02)
+    # right is left from there, and down stays down
+    np.testing.assert_allclose(centre_line(found).offset_y, -20.0, atol=1.0)
+
+
+def test_runout_goes_by_the_first_revolutions_of_the_file_or_by_another(tmp_path):
+    """A bent shaft of 8 um, and a resonance far above the slow roll."""
+    part = (SPEEDS / (2.0 * np.pi * 60.0)) ** 2
+    whirl = 20.0 * part / (1.0 - part + 0.2j) * np.exp(1j * ANGLES)
+    path = written(tmp_path / "bent.csv", whirl + 8j * np.exp(1j * ANGLES))
+    other = written(tmp_path / "slow.csv", 8j * np.exp(1j * ANGLES))
+    seen = [
+        ("--slow-roll", "0", "0.3s"), ("--slow-roll-file", str(other)),
+        ("--slow-roll-file", str(other), "--runout-orders", "2"), (),
+    ]  # fmt: skip
+    from rotor_ida.cli.commands.plot import signals_in
+    from rotor_ida.cli.options import ReadingOptions
+
+    exact = 20.0 * np.abs(part / (1.0 - part + 0.2j))
+    for given, atol in (({"slow_roll_file": other}, 0.5), ({"slow_roll": (0.0, 0.3)}, 1.5)):
+        tracked = orders(signals_in(path, ReadingOptions(**given), None)).isel(order=0)
+        expected = np.interp(tracked.t, TIMES, exact)
+        np.testing.assert_allclose(tracked.forward_whirl_amplitude, expected, atol=atol)
+    for number, options in enumerate(seen):
+        words = ["plot", str(path), "--kind", "bode", "--figure", str(tmp_path / f"f{number}")]
+        assert main([*words, *options]) == 0
+
+
+def test_options_of_runout_that_contradict_are_refused(clockwise, capsys):
+    words = ["plot", str(clockwise), "--kind", "bode"]
+    assert main([*words, "--runout-orders", "2"]) == 2
+    assert "runout_orders must be given with slow_roll" in capsys.readouterr().err
+    assert main([*words, "--slow-roll", "0", "1", "--slow-roll-file", str(clockwise)]) == 2
+    assert "slow_roll must be left out with slow_roll_file" in capsys.readouterr().err
+
+
+def test_the_command_line_names_the_option_for_columns(tmp_path, capsys):
+    path = written(tmp_path / "odd.csv", 1.0 + 0 * ANGLES, "t [s];left;right;tacho")
+    assert main(["plot", str(path)]) == 2
+    message = capsys.readouterr().err
+    assert "'t, left, right, tacho' (--columns x=NAME y=NAME)" in message
+    named = ["--columns", "x=left", "y=right", "--figure", str(tmp_path / "a"), "--json"]
+    assert main(["plot", str(path), *named]) == 0
+    assert "x=left y=right" in json.loads(capsys.readouterr().out)["columns"]
