@@ -51,6 +51,7 @@ from rotor_ida.plot.labels import (
 )
 from rotor_ida.plot.motion import title_of_contact
 from rotor_ida.plot.responses import draw_clearance
+from rotor_ida.results.archived_system import clearance_of_contacts
 from rotor_ida.schema import words_of
 
 SPECIALS = ("special_kind", "special_value", "special_point")
@@ -153,7 +154,10 @@ def plot_branch(branch: xr.Dataset, *, contact: int | str = 0, ax: Axes | None =
         _draw_edges(ax, course)
         places = across(part["special_value"].values), part["special_radius_max"].values
         draw_specials(ax, part, *places, tuple(MARKS))
-        raise_limit(ax, float(part["radius_max"].max()))
+        heights = [part["radius_min"], part["radius_max"]]
+        heights += [clearance_of_contacts(part)] if is_system else []
+        raise_limit(ax, min(float(each.min()) for each in heights),
+                    max(float(each.max()) for each in heights))  # fmt: skip
         own_legend(ax)
     return ax
 

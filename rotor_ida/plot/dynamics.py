@@ -15,12 +15,14 @@ from rotor_ida.plot.appearance import (
     BLUE,
     GREY,
     INK,
+    LEAST_SPAN,
     ORANGE,
     PURPLE,
     draw_ring,
     drawing,
     legend_below,
     say_in_middle,
+    widen,
 )
 from rotor_ida.plot.datasets import (
     along_one,
@@ -41,7 +43,6 @@ STATES = ("rotating_x", "rotating_y", "rotating_vx", "rotating_vy")
 OF_SYSTEM = ("node", "contact_node", "contact_stator", "clearance", "centre_x", "centre_y")
 OF_EXPONENTS = ("lyapunov_exponent", "lyapunov_error")
 # Styles of the points of a section.
-LEAST_SPAN = 0.2
 FEW = 20
 WORDS = {
     "revolution": "once a revolution",
@@ -100,7 +101,8 @@ def plot_section(section: xr.Dataset, *, node: str | None = None, ax: Axes | Non
                 draw_ring(ax, clearance)
             ax.set_aspect("equal", adjustable="datalim")
         ax.plot(across, up, ls="", marker="o", ms=_mark_size(z), mec="none", mfc=BLUE, zorder=3.0)
-        _leave_room(ax, *scales)
+        limits = zip((ax.get_xlim(), ax.get_ylim()), scales, strict=True)
+        widen(ax, *(LEAST_SPAN * max(order, *map(abs, ends)) for ends, order in limits))
         if not z.size:
             say_in_middle(ax, "no crossing")
         words = WORDS.get(at, "")
@@ -181,11 +183,8 @@ def plot_exponents(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         low, high = float(found["lyapunov_exponent"].min()), float(found["lyapunov_exponent"].max())
         room = max(high - low, abs(high), abs(low)) or 1.0
         # the first means have not converged and may lie outside
-        ax.set_ylim(low - 0.3 * room, high + 0.9 * room)
-        ax.legend(
-            ncols=2, loc="upper center", fontsize=8.0, handlelength=2.0, columnspacing=1.0,
-            borderaxespad=0.2,
-        )  # fmt: skip
+        ax.set_ylim(low - 0.3 * room, high + 0.3 * room)
+        legend_below(ax, columns=2)
     return ax
 
 
@@ -233,14 +232,3 @@ def _mark_size(z: npt.NDArray[np.complex128]) -> float:
     """Return the marker size for a number of distinguishable points."""
     distinct = _distinct(z)
     return 4.5 if distinct <= FEW else 3.0 if distinct <= 200 else 1.6
-
-
-def _leave_room(ax: Axes, across: float, up: float) -> None:
-    """Widen limits that would magnify rounding errors to the whole panel."""
-    corners = []
-    for low, high, order in ((*ax.get_xlim(), across), (*ax.get_ylim(), up)):
-        least, middle = LEAST_SPAN * max(order, abs(low), abs(high)), 0.5 * (low + high)
-        reach = 0.5 * least if high - low < least else 0.0
-        corners.append((middle - reach, middle + reach))
-    ax.update_datalim(np.transpose(corners))  # limits that are set would forbid an equal aspect
-    ax.autoscale_view()

@@ -190,6 +190,16 @@ def test_special_points_are_marked_and_named(branch):
     assert ax.get_ylim()[1] > branch.radius_max.max()
 
 
+def test_the_axis_of_a_flat_branch_is_about_its_radii_but_never_about_their_rounding(branch):
+    flat = branch.isel(special=slice(0, 0)).copy(deep=True)
+    across = np.linspace(0.0, 1.0, flat.sizes["point"])
+    flat.radius_min[:], flat.radius_max[:] = 3.0 + 0.01 * across, 3.1 + 0.01 * across
+    assert plot_branch(flat).get_ylim() == pytest.approx((3.0 - 0.0066, 3.11 + 0.0066))
+    flat.radius_min[:], flat.radius_max[:] = 3.0, 3.0 + 1e-9 * across
+    assert plot_branch(flat).get_ylim() == pytest.approx((2.7, 3.3))
+    assert plot_branch(branch).get_ylim()[0] == 0.0
+
+
 def test_branches_lie_over_the_exact_curve_and_under_the_marks(branch, simulated):
     exact = response_curve(zeta=0.07, delta0=2.0, limits=(0.05, 3.0))
     sweep = simulated.assign_coords(delta0=[2.0])

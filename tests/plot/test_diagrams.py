@@ -69,6 +69,17 @@ def test_strobes_at_a_node_are_its_states_by_direction(axis):
         plot.plot_strobes(diagram, axis="z")
 
 
+def test_strobes_do_not_magnify_rounding_but_what_is_resolved():
+    disc = bifurcation_diagram(Rotor(omega=0.3, zeta=0.5, delta0=9.0), omega=[0.3], starts=[REST],
+                               at="revolution", revolutions=5)  # fmt: skip
+    value = disc.rotating_x.values.mean()
+    low, high = plot.plot_strobes(disc).get_ylim()
+    assert low < 0.9 * value < value < 1.1 * value < high
+    disc.rotating_x[...] = value * np.linspace(1.0, 1.001, 6)
+    low, high = plot.plot_strobes(disc).get_ylim()
+    assert high - low < 2e-3 * value
+
+
 def test_strobes_of_a_disc_and_over_another_parameter():
     disc = bifurcation_diagram(DISC, zeta=[0.07, 0.1], starts=[REST], at="revolution",
                                revolutions=5, phase=math.pi / 2)  # fmt: skip

@@ -52,7 +52,7 @@ def test_steady_responses_are_marks_and_others_bars_over_their_range(swept):
     low, high = (swept[name].isel(contact=1).values.ravel()[2] for name in
                  ("radius_min", "radius_max"))  # fmt: skip
     assert bar.tolist() == [[1.5, low], [1.5, high]]
-    assert "bouncing: range of $|u|$" in words_of(ax)
+    assert "bouncing: range of $|z|$" in words_of(ax)
     with pytest.raises(InputError, match="contact must be one of 0 to 1, got 2"):
         plot.plot_amplitude(None, simulated=swept, contact=2)
 
@@ -72,3 +72,24 @@ def test_without_axial_symmetry_there_is_nothing_beneath():
     system, around = two_discs(stiffer=1.2)
     found = sweep(system, **around, speed=[0.8, 0.9])
     assert not any("whirl" in label for label in lines_of(figure_of(found).axes[0]))
+
+
+def test_under_weight_all_responses_are_ranges_of_the_distance_from_the_centre():
+    mass, damping, stiffness, moment, weight = 2.0, 0.3, 4.0, 0.4, 2.0
+    system = RotorSystem(
+        mass=mass * np.eye(2), stiffness=stiffness * np.eye(2), damping=damping * np.eye(2),
+        nodes={"disc": (0, 1)}, contacts=[Contact(node="disc", clearance=2.0, stiffness=3.0)],
+        unbalance=[Unbalance(node="disc", moment=moment)], gravity=(0.0, -weight), units="1",
+    )  # fmt: skip
+    found = sweep(system, speed=[0.5, 1.5])
+    assert decode_flags(found.response).values.ravel().tolist() == ["contact_free", "bouncing"]
+    ax = plot.plot_amplitude(None, simulated=found)
+    assert ax.get_ylabel() == "radius $|z|$"
+    (free,), (rub,) = (bars.get_segments() for bars in ax.collections)
+    sag = mass * weight / stiffness
+    whirl = abs(moment * 0.5**2 / (stiffness - mass * 0.5**2 + 0.5j * damping))
+    np.testing.assert_allclose(free[:, 1], [sag - whirl, sag + whirl], rtol=1e-6)
+    assert rub[1, 1] > 2.0 > free[1, 1]
+    assert {word for word in words_of(ax) if "range" in word} == {
+        "contact-free response: range of $|z|$", "bouncing: range of $|z|$"
+    }  # fmt: skip
