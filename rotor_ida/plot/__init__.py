@@ -82,4 +82,3 @@ from rotor_ida.plot.signals import plot_polar as plot_polar
 from rotor_ida.plot.signals import plot_spectrogram as plot_spectrogram
 from rotor_ida.plot.signals import plot_spectrum as plot_spectrum
 from rotor_ida.plot.signals import plot_trace as plot_trace
-from rotor_ida.plot.system_cycles import plot_system_cycle as plot_system_cycle

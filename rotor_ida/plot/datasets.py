@@ -8,6 +8,7 @@ import numpy as np
 import xarray as xr
 from matplotlib.axis import Axis
 
+from rotor_ida.arrays import Flags
 from rotor_ida.checks import check_count, listed, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS
@@ -152,6 +153,22 @@ def drawn_over(name: str, dataset: xr.Dataset) -> tuple[str, dict[str, float]]:
 def clearance_of(dataset: xr.Dataset, name: str = "run") -> float:
     """Return the clearance in the units of the lengths of a dataset."""
     return one_value(name, dataset, "delta0") * scale_of(dataset, "length")
+
+
+def rings_about(name: str, dataset: xr.Dataset) -> list[float]:
+    """Return the clearances of a disc, or of a node of a rotor system, that are rings at rest."""
+    if is_of_disc(dataset):
+        return [clearance_of(dataset, name)]
+    here = dataset["contact_node"].values == str(dataset["node"].values)
+    found: list[float] = dataset["clearance"].values[here & is_centred(dataset)].tolist()
+    return found
+
+
+def is_centred(dataset: xr.Dataset) -> Flags:
+    """Return which contacts of a rotor system have a stator on the ground, centred on the axis."""
+    aside = [dataset[name].values != 0.0 for name in ("centre_x", "centre_y")]
+    aside.append(dataset["contact_stator"].values != "")
+    return np.asarray(~np.any(aside, axis=0))
 
 
 def units_in(variable: xr.DataArray | xr.Variable) -> str:

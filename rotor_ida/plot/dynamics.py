@@ -9,7 +9,7 @@ import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
 
-from rotor_ida.arrays import ComplexValues, Flags
+from rotor_ida.arrays import ComplexValues
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.plot.appearance import (
     BLUE,
@@ -28,7 +28,8 @@ from rotor_ida.plot.datasets import (
     along_one,
     at_node,
     check_dataset,
-    clearance_of,
+    is_centred,
+    rings_about,
 )
 from rotor_ida.plot.labels import (
     label_axis,
@@ -97,7 +98,7 @@ def plot_section(section: xr.Dataset, *, node: str | None = None, ax: Axes | Non
             across, up, scales = z.real, z.imag, (_order(section, "length", z),) * 2
             label_axis(ax.xaxis, "rotating_x", section["rotating_x"])
             label_axis(ax.yaxis, "rotating_y", section["rotating_y"])
-            for clearance in _rings(section):
+            for clearance in rings_about("section", section):
                 draw_ring(ax, clearance)
             ax.set_aspect("equal", adjustable="datalim")
         ax.plot(across, up, ls="", marker="o", ms=_mark_size(z), mec="none", mfc=BLUE, zorder=3.0)
@@ -126,23 +127,7 @@ def _is_on_ring(section: xr.Dataset) -> bool:
     number = int(section.attrs.get("contact", 0))
     contact = section.isel(contact=number)
     is_own = str(contact["contact_node"].values) == str(section["node"].values)
-    return is_own and bool(_is_centred(section)[number])
-
-
-def _rings(section: xr.Dataset) -> list[float]:
-    """Return the clearances of the rings about the axis in which a section is drawn."""
-    if "node" not in section.variables:
-        return [clearance_of(section, "section")]
-    here = section["contact_node"].values == str(section["node"].values)
-    found: list[float] = section["clearance"].values[here & _is_centred(section)].tolist()
-    return found
-
-
-def _is_centred(section: xr.Dataset) -> Flags:
-    """Return which contacts of a rotor system have a stator on the ground, centred on the axis."""
-    aside = [section[name].values != 0.0 for name in ("centre_x", "centre_y")]
-    aside.append(section["contact_stator"].values != "")
-    return np.asarray(~np.any(aside, axis=0))
+    return is_own and bool(is_centred(section)[number])
 
 
 def plot_exponents(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:

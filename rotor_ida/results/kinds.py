@@ -204,7 +204,7 @@ KINDS = {
             name="system_cycle", meaning="limit cycle of a rotor system",
             variables="multiplier_real(multiplier) node_radius_max(node) " + _CONTACTS,
             dims=("contact",),  # t is empty where there is no cycle
-            shown=f"{_SHOWN}:show_cycle", drawn="rotor_ida.plot:plot_system_cycle",
+            shown=f"{_SHOWN}:show_cycle", drawn="rotor_ida.plot:cycle_figure",
         ),
         Kind(
             name="system_whirls", meaning="exact whirls of a rotor system",
