@@ -47,7 +47,6 @@ from rotor_ida.plot.cycles import plot_multipliers as plot_multipliers
 from rotor_ida.plot.cycles_over import cycles_figure as cycles_figure
 from rotor_ida.plot.diagrams import plot_extrema as plot_extrema
 from rotor_ida.plot.diagrams import plot_strobes as plot_strobes
-from rotor_ida.plot.drops import plot_drop as plot_drop
 from rotor_ida.plot.drops import plot_drops as plot_drops
 from rotor_ida.plot.drops import save_orbit_film as save_orbit_film
 from rotor_ida.plot.dynamics import plot_exponents as plot_exponents

@@ -22,6 +22,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.plot.appearance import (
     BLUE,
     DASHES,
+    GREY,
     INK,
     RED,
     draw_ring,
@@ -31,6 +32,7 @@ from rotor_ida.plot.appearance import (
     shared_legend,
     style,
 )
+from rotor_ida.plot.decimation import kept_in_columns
 from rotor_ida.plot.forces import forces_in, shade_contacts
 from rotor_ida.plot.labels import (
     label_axis,
@@ -48,6 +50,7 @@ from rotor_ida.plot.motion import (
     place_of_disc,
     places_in,
     square,
+    title_of_contact,
 )
 from rotor_ida.results.run import is_of_system, nodes_in
 from rotor_ida.results.si_units import scale_of
@@ -82,20 +85,21 @@ class Course(NamedTuple):
 
 
 def plot_run_up(run: xr.Dataset) -> Figure:
-    """Draw a run-up or run-down: radius and contact force over the speed, and three orbits.
+    """Draw a run-up, run-down or drop: radius and force over speed or time, and three orbits.
 
     Parameters
     ----------
     run : Dataset
-        Result of `rotor_ida.run_up`, of one disc or of a `rotor_ida.RotorSystem`, or a long run of
-        `rotor_ida.simulate`.
+        Result of `rotor_ida.run_up`, of one disc or of a `rotor_ida.RotorSystem`, or of
+        `rotor_ida.drop`, or a long run of `rotor_ida.simulate`.
 
     Returns
     -------
     Figure
         The figure. Radius and force are bands between their extremes in each revolution, and lines
         in runs of fewer than 25 revolutions. Above is the time; where the speed rests or reverses,
-        the panels are over time, below one of the speed. The orbits are those of three revolutions
+        and for a drop, the panels are over time, below one of the speed, with those of races. The
+        orbits are those of three revolutions
         at the first touch, at the largest force, or the largest radius if nothing is touched, and
         at the end. Of a system the contacts that are touched are drawn, at most five, with the
         orbits in the one concerned.
@@ -111,22 +115,22 @@ def plot_run_up(run: xr.Dataset) -> Figure:
     course = _course_of(run)
     places = _places_in_system(run) if is_of_system(run) else [place_of_disc(run)]
     orbits = list(_orbits_of(places, course))
-    has_speed = "speed" in run.variables and not course.over_speed
-    rows = 3 if has_speed else 2
+    races = np.flatnonzero(np.isfinite(run.get("race_radius", []))).tolist()
+    has_speed = "speed" in run.variables or races
+    rows = 3 if has_speed and not course.over_speed else 2
     with style():
         figure = new_figure(WIDTH, 0.9 + ROW * rows + SIDE)
         above, below = figure.subfigures(
             2, 1, squeeze=False, height_ratios=(0.5 + ROW * rows, SIDE + 0.4)
         )[:, 0]
         panels = above.subplots(rows, 1, sharex=True).tolist()
-        if has_speed:
-            panels[0].plot(course.time, course.speed, color=INK, lw=1.0)
-            label_axis(panels[0].yaxis, "speed", course.speed)
+        if rows > 2:
+            _draw_speeds(panels[0], run, course, races)
         _draw_radius(panels[-2], run, places, course)
         _draw_force(panels[-1], places, course)
         _finish_panels(panels, run, places, course)
         for ax, orbit in zip(below.subplots(1, len(orbits), squeeze=False)[0], orbits, strict=True):
-            _draw_orbit(ax, run, course, *orbit)
+            _draw_orbit(ax, run, course, *orbit, orbit[1].title if len(places) > 1 else "")
         below.axes[0].set_ylabel(label_of("y", run["y"]))
         above.align_ylabels(panels)
         shared_legend(below, [*panels, *below.axes], columns=7, outer=False)
@@ -150,7 +154,8 @@ def _course_of(run: xr.Dataset) -> Course:
     speed = speeds_in(run["speed"])
     parts = np.diff(np.interp(np.linspace(time[0], time[-1], PARTS + 1), time, speed))
     changes = parts / (parts.sum() or math.inf)
-    over_speed = bool((changes >= LEAST_CHANGE / PARTS).all())
+    is_drop = "standstill_time" in run.variables
+    over_speed = not is_drop and bool((changes >= LEAST_CHANGE / PARTS).all())
     return Course(time, speed, np.cumsum(turned) / (2.0 * math.pi), over_speed)
 
 
@@ -235,6 +240,28 @@ def _draw_band(
                     label=label)  # fmt: skip
 
 
+def _draw_speeds(ax: Axes, run: xr.Dataset, course: Course, races: Sequence[int]) -> None:
+    """Draw the speeds of the rotor and of races: those at events, extremes and the end."""
+    if "speed" in run.variables:
+        label_axis(ax.yaxis, "speed", course.speed)
+        ax.plot(course.time, course.speed, color=INK, lw=1.0, label="rotor" if races else "_")
+    at_end = run["final_state"].values[-len(races) :].tolist() if races else []
+    ends = ("race_speed_min", "race_speed_max")
+    for number, last in zip(races, at_end, strict=True):
+        own = run.isel(contact=number)
+        speeds = [*own["event_race_speed"].values, *(own[end].item() for end in ends), last]
+        times = [*own["event_time"].values, *(own[f"{end}_time"].item() for end in ends),
+                 course.time[-1]]  # fmt: skip
+        order = np.argsort(times, kind="stable")
+        colour, dashes = look(1 + number)
+        kept = order[kept_in_columns(np.array(times)[order], np.array(speeds)[order])]
+        shown = speeds_in(xr.DataArray(np.array(speeds)[kept], attrs=own["event_race_speed"].attrs))
+        label_axis(ax.yaxis, "speed", shown, words="speeds")
+        ax.plot(np.array(times)[kept], shown, color=colour, ls=dashes, lw=0.9,
+                label=f"race of {title_of_contact(run, number)}")  # fmt: skip
+    ax.axhline(0.0, color=GREY, lw=0.6)
+
+
 def _draw_radius(ax: Axes, run: xr.Dataset, places: Sequence[Place], course: Course) -> None:
     """Draw the radius in each place; over its clearance if there are several."""
     for number, place in enumerate(places):
@@ -314,8 +341,9 @@ def _contacts_across(places: Sequence[Place], course: Course) -> xr.Dataset:
 
 
 def _draw_orbit(
-    ax: Axes, run: xr.Dataset, course: Course, words: str, place: Place, times: list[float]
-) -> None:
+    ax: Axes, run: xr.Dataset, course: Course, words: str, place: Place, times: list[float],
+    title: str,
+) -> None:  # fmt: skip
     """Draw the orbit of a few revolutions about some times, in the clearance."""
     middle = float(course.turns_at(np.array(times)).mean())
     begin = max(0.0, min(middle - 0.5 * FEW_TURNS, course.turns[-1] - FEW_TURNS))
@@ -336,4 +364,4 @@ def _draw_orbit(
     if "speed" in run.variables:
         speeds = np.interp(ends, course.time, course.speed)
         spans.insert(0, speed_text(xr.DataArray(speeds, attrs=course.speed.attrs)))
-    ax.set_title("\n".join(filter(None, [words, place.title, ",  ".join(spans)])), fontsize=9.0)
+    ax.set_title("\n".join(filter(None, [words, title, ",  ".join(spans)])), fontsize=9.0)

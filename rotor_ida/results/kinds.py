@@ -130,7 +130,7 @@ KINDS = {
             variables=_SYSTEM_RUN + " whirl_turns(contact) standstill_time()",
             dims=("t", "node", "contact", "event", "episode", "coordinate"),
             shown="rotor_ida.cli.describe_systems:show_drop",
-            drawn="rotor_ida.plot:plot_drop",
+            drawn="rotor_ida.plot:plot_run_up",
         ),
         Kind(
             name="drop_ensemble", meaning="many drops of a rotor system",
