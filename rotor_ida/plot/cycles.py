@@ -43,6 +43,7 @@ from rotor_ida.plot.appearance import (
     draw_marks,
     draw_ring,
     drawing,
+    keep_resolved,
     legend_below,
     look,
     new_figure,
@@ -470,6 +471,7 @@ def cycles_figure(cycles: xr.Dataset) -> Figure:
                 _draw(lower, part[over].values, radii, is_stable, colour)
         label_axis(lower.yaxis, "radius", part["radius_max"])
         label_parameter(lower.xaxis, over, cycles)
+        keep_resolved(upper)
         first, last = part[over].values[[0, -1]].tolist()
         if first < last:  # points without a cycle too
             lower.set_xlim(first - ROOM * (last - first), last + ROOM * (last - first))

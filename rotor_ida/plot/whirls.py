@@ -22,6 +22,7 @@ from rotor_ida.plot.appearance import (
     DASHES,
     GREY,
     INK,
+    LEAST_SPAN,
     ORANGE,
     RED,
     SHADE,
@@ -35,6 +36,7 @@ from rotor_ida.plot.appearance import (
     say_in_middle,
     shared_legend,
     style,
+    widen,
 )
 from rotor_ida.plot.datasets import at_contact, check_dataset, clearance_of, contact_text, units_in
 from rotor_ida.plot.labels import (
@@ -119,6 +121,7 @@ def plot_shape(run: xr.Dataset, *, t: float | None = None) -> Figure:
         across = _label_nodes(axes[1], run)
         for ax, name in zip(axes, ("x", "y"), strict=True):
             _draw_shape(ax, now, name, across)
+            widen(ax, 0.0, LEAST_SPAN * float(np.hypot(now["x"], now["y"]).max()))
         figure.align_ylabels(axes)
         shared_legend(figure, axes, outer=False)
         at = f"$t$ {number(float(now['t']), 6)} {unit_of(run['t'])}".rstrip()

@@ -327,6 +327,10 @@ def test_cycles_at_points_are_drawn_over_the_parameter_that_varies():
     low, high = radius.get_xlim()
     assert low < 1.9
     assert high > 2.5  # where there is no cycle
+    same = found.assign(period=found.period.copy(data=4.5 + np.array([0.0, 1e-9, np.nan])))
+    low, high = cycles_figure(same).axes[0].get_ylim()
+    assert low < 4.1
+    assert high > 4.9
     both = limit_cycle(rotor, omega=[1.9, 2.0], zeta=[0.07, 0.08])
     with pytest.raises(InputError, match="cycles must contain one zeta, got 2"):
         cycles_figure(both)

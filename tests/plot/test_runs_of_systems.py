@@ -235,6 +235,14 @@ def test_the_deflected_shape_is_that_of_the_nearest_sample_at_the_positions(run)
     assert [line.get_xdata().tolist() for line in touching] == [expected]
 
 
+def test_a_shape_does_not_magnify_the_rounding_of_one_of_its_displacements(run):
+    now = run.assign(x=1e-9 * run.y)
+    x, y = plot_shape(now.isel(contact=[]), t=0.1).axes
+    size = 1e6 * float(abs(now.y.sel(t=0.1, method="nearest")).max())
+    assert np.ptp(x.get_ylim()) >= 0.2 * size
+    assert np.ptp(x.get_xlim()) == np.ptp(y.get_xlim())
+
+
 def test_without_positions_nodes_are_in_the_order_given():
     system = chain(30, nodes={f"n{k}": (2 * k, 2 * k + 1) for k in range(30)}, units="1")
     run = simulate(
