@@ -89,9 +89,9 @@ from rotor_ida.signals.path import Path
 CYCLE = ("t", *COMPONENTS, "period", "response", "stability")
 OF_SYSTEM = ("speed", "node", "contact_node", "contact_stator", "clearance", "centre_x", "centre_y")
 MULTIPLIERS = ("period", "multiplier_real", "multiplier_imag")
-MOST_NODES = 3
-SHIFT = "1, of a shift"
 LINES = ("omega", "period", "frequency", "whirl_amplitude", "line_kind")
+# Most nodes of a rotor system in one figure of a cycle, and what its known multiplier is.
+MOST_NODES, SHIFT = 3, "1, of a shift"
 # Lines of a spectrum are shown down to this fraction of the strongest.
 FLOOR = 1e-5
 # While the disc rolls, its slip over the speed of the rim is below this.
