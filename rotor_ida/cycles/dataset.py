@@ -61,6 +61,7 @@ WEAKEST_LINE = 1e-6
 AXES = {True: "turning", False: "fixed"}
 # Title and kind of what is followed over one parameter, and over two.
 TITLES = {1: ("Branch of limit cycles", "branch"), 2: ("Bifurcation of limit cycles", "curve")}
+Dims = dict[str, tuple[str, ...]]
 # Dimensions of the numbers of a cycle: of any, of one disc, and of a rotor system.
 OF_ANY = {
     "period": (), "response": (), "stability": (), "residual": (), "trivial_defect": (),
@@ -77,13 +78,13 @@ OF_SYSTEM = {
 }  # fmt: skip
 OF_ERRORS = {"period_error": (), "multiplier_error": ("multiplier",)}
 # The whirl of one disc on a cycle, and its spectrum.
-OF_WHIRL = dict.fromkeys(("whirl_over_spin", "side_line_over_spin", "whirl_sense"), ())
-OF_LINES = dict.fromkeys(("line", "frequency", "whirl_amplitude", "line_kind"), ("line",))
+OF_WHIRL: Dims = dict.fromkeys(("whirl_over_spin", "side_line_over_spin", "whirl_sense"), ())
+OF_LINES: Dims = dict.fromkeys(("line", "frequency", "whirl_amplitude", "line_kind"), ("line",))
 WHOLE = {"response": np.int8, "stability": np.int8, "touched": np.int8, "whirl_sense": np.int8,
          "line_kind": np.int8, "line": np.int64}  # fmt: skip
 
 
-def dims_of(flow: Flow) -> dict[str, tuple[str, ...]]:
+def dims_of(flow: Flow) -> Dims:
     """Return the numbers of a cycle, with their dimensions."""
     return OF_ANY | (OF_SYSTEM if isinstance(flow, SystemFlow) else OF_DISC)
 

@@ -408,7 +408,7 @@ def test_a_curve_is_drawn_over_its_two_parameters():
 
 
 def test_figures_of_results_of_another_kind_are_refused(system_cycle, system_branch):
-    with pytest.raises(InputError, match="system_branch must"):
+    with pytest.raises(InputError, match="branch must"):
         plot.plot_branch(system_cycle)
     with pytest.raises(InputError, match="node must be one of 'disc', got 'tip'"):
         plot.plot_cycle(system_cycle, node="tip")
