@@ -112,9 +112,10 @@ def figure_of(dataset: xr.Dataset, *, node: str | None = None) -> Figure:
     return made if isinstance(made, Figure) else cast(Figure, made.figure)
 
 
-def figure_of_run(run: xr.Dataset) -> Figure:
+def figure_of_run(run: xr.Dataset, *, node: str | None = None) -> Figure:
     """Return the figure of a run: over the speed if that changes, in bands if it is long."""
-    return plot_run_up(run) if has_many_turns(run) else plot_run(run)
+    as_bands = node is None and has_many_turns(run)
+    return plot_run_up(run) if as_bands else plot_run(run, node=node)
 
 
 def figure_of_responses(dataset: xr.Dataset) -> Figure:

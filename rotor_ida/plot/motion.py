@@ -322,6 +322,10 @@ def plot_forces(forces: xr.Dataset, *, contact: int | str = 0, ax: Axes | None =
 
 def draw_forces(ax: Axes, forces: Forces) -> None:
     """Draw the forces of a contact over time, through their peaks."""
+    label_axis(ax.yaxis, forces.name, forces.unit)
+    if not forces.normal.any():
+        say_nothing(ax, "no contact")
+        return
     lowest = 0.0
     for words, values, colour in (
         ("normal force", (forces.time, forces.normal), BLUE),
@@ -333,10 +337,6 @@ def draw_forces(ax: Axes, forces: Forces) -> None:
             ax.plot(*(each[kept] for each in values), color=colour, lw=0.9, label=words)
     if forces.peaks[0].size:
         draw_marks(ax, *forces.peaks, "o", RED, size=2.8, face="white", edge=0.8, label=PEAK)
-    label_axis(ax.yaxis, forces.name, forces.unit)
-    if not forces.normal.any():
-        say_nothing(ax, "no contact")
-        return
     ax.set_ylim(lowest, 1.12 * float(forces.normal.max()))
 
 

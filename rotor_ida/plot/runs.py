@@ -181,7 +181,7 @@ def _overview(run: xr.Dataset) -> Figure:
         names = [name for name in names if name in touched] or names[:FEW_NODES]
     rings = rings_of(run, names)
     contacts = run.sizes["contact"]
-    heights = _height_of_orbits(rings), 0.7 + ROW * max(contacts, 1)
+    heights = _height_of_orbits(rings), 0.7 + TALL * max(contacts, 1)
     with style():
         figure = new_figure(WIDTH, sum(heights))
         above, below = figure.subfigures(2, 1, squeeze=False, height_ratios=heights)[:, 0]
@@ -574,8 +574,9 @@ def _draw_normal_forces(ax: Axes, places: Sequence[Place], course: Course) -> No
     forces = [forces_in(each.run, each.path) for each in places if each.has_stator]
     for number, each in enumerate(forces):
         label_axis(ax.yaxis, each.name, each.unit)
-        colour = _colour(number, RED)
-        _draw_band(ax, course, each.time, each.normal, colour, _name(places, number))
+        if each.normal.any():
+            colour = _colour(number, RED)
+            _draw_band(ax, course, each.time, each.normal, colour, _name(places, number))
     ax.set_ylim(bottom=0.0)
     if not any(each.normal.any() for each in forces):
         say_nothing(ax, "no contact")

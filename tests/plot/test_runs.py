@@ -122,6 +122,7 @@ def test_run_without_contact_says_so():
     free = simulate(rotor, start=(0.0, 0.0, 0.0, 0.0), duration=5.0, samples=51)
     figure = plot_run(free)
     assert [text.get_text() for text in figure.axes[2].texts] == ["no contact"]
+    assert not figure.axes[2].lines
     assert "contact" not in labels(figure.axes[3])
 
 
@@ -399,6 +400,7 @@ def test_a_run_up_without_contact_shows_the_largest_radius():
                   rate=0.02)  # fmt: skip
     _, force, *orbits = plot_run_up(free).axes
     assert [text.get_text() for text in force.texts] == ["no contact"]
+    assert not force.lines
     assert [ax.get_title().split("\n")[0] for ax in orbits] == ["largest radius", "end"]
 
 

@@ -178,7 +178,7 @@ def test_with_contact_damping_peaks_are_where_the_force_is_largest():
 
 
 def test_the_motion_of_a_node_and_its_distance_from_a_stator_are_drawn_over_time(run):
-    moves, radius, force, slip, orbit = plot_run(run, node="disc").axes
+    moves, radius, force, slip, orbit = figure_of(run, node="disc").axes
     (y,) = lines_of(moves, ORANGE)
     at = np.searchsorted(y.get_xdata(), run.t)
     np.testing.assert_allclose(y.get_ydata()[at], 1e6 * run.y.sel(node="disc"), rtol=1e-12)
