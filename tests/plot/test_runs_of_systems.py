@@ -237,7 +237,7 @@ def test_the_deflected_shape_is_that_of_the_nearest_sample_at_the_positions(run)
 
 def test_a_shape_does_not_magnify_the_rounding_of_one_of_its_displacements(run):
     now = run.assign(x=1e-9 * run.y)
-    x, y = plot_shape(now.isel(contact=[]), t=0.1).axes
+    x, y = plot_shape(now.isel(contact=[], event=[], episode=[]), t=0.1).axes
     size = 1e6 * float(abs(now.y.sel(t=0.1, method="nearest")).max())
     assert np.ptp(x.get_ylim()) >= 0.2 * size
     assert np.ptp(x.get_xlim()) == np.ptp(y.get_xlim())
