@@ -34,7 +34,7 @@ from rotor_ida import (
     sweep,
 )
 from rotor_ida.paper.scenario import Settings, progress_bar, run_script
-from rotor_ida.plot import mixed_panels, plot_amplitude, plot_branch, plot_system_cycle
+from rotor_ida.plot import mixed_panels, plot_amplitude, plot_branch, plot_cycle
 from rotor_ida.plot.appearance import GREY, drawing, legend_below, style
 
 # Each disc: mass, and moments of inertia about a diameter and about the axis. The shaft has bending
@@ -148,7 +148,7 @@ def draw(
     )  # fmt: skip
     figure, axes = mixed_panels(1, 2, height=3.9)
     for ax, (turns, cycle) in zip(axes, cycles.items(), strict=True):
-        plot_system_cycle(cycle, ax=ax)
+        plot_cycle(cycle, ax=ax)
         with style():
             ax.set_title(f"{turns[0]} and {turns[1]} turns, $\\Omega$ = {cycle.speed.item():g}")
     settings.show(

@@ -115,6 +115,11 @@ _SETTINGS: Any = {
 }
 # A layout is settled when no edge moves by more than this part of the figure in a pass.
 UNMOVED, MOST_PASSES = 2e-4, 20
+# Values that differ by less than this part of their size are the same to the errors of a result; an
+# axis on which all are has a span of at least this part of it.
+RESOLVED, LEAST_SPAN = 1e-6, 0.2
+# Heights that are all above this part of the largest are drawn on an axis that does not begin at 0.
+FLAT = 0.8
 # Whether pyplot registers new figures; set for each thread or worker.
 _KNOWN_TO_PYPLOT: ContextVar[bool] = ContextVar("known_to_pyplot", default=True)
 
@@ -397,6 +402,7 @@ def drawing(ax: Axes | None, *, width: float = 5.0, height: float = 3.6) -> Iter
         if not isinstance(ax, Axes):
             raise InputError(f"ax must be matplotlib Axes, got {type(ax).__name__}")
         yield ax
+        keep_resolved(ax)
 
 
 def finish_solid(ax: Any, *, zoom: float = 0.95) -> None:
@@ -444,10 +450,37 @@ def say_nothing(ax: Axes, words: str) -> None:
     ax.set_yticks([])
 
 
-def raise_limit(ax: Axes, highest: float) -> None:
-    """Start a vertical axis at 0 and extend it to a height, never lowering a shared one."""
-    before = 0.0 if ax.get_autoscaley_on() else ax.get_ylim()[1]
-    ax.set_ylim(0.0, max(before, 1.06 * highest))
+def raise_limit(ax: Axes, lowest: float, highest: float) -> None:
+    """Extend a vertical axis from 0 to a height, or about values that are nearly the same.
+
+    A shared one is never shortened.
+    """
+    low, room = 0.0, 0.06 * highest
+    if lowest > FLAT * highest:
+        span = highest - lowest
+        room = 0.06 * span if span > RESOLVED * highest else 0.5 * LEAST_SPAN * highest
+        low = lowest - room
+    before = (low, 0.0) if ax.get_autoscaley_on() else ax.get_ylim()
+    ax.set_ylim(min(before[0], low), max(before[1], highest + room))
+
+
+def widen(ax: Axes, across: float, up: float) -> None:
+    """Extend both axes to spans of at least these lengths."""
+    corners = []
+    for (low, high), least in ((ax.get_xlim(), across), (ax.get_ylim(), up)):
+        middle, reach = 0.5 * (low + high), 0.5 * least if high - low < least else 0.0
+        corners.append((middle - reach, middle + reach))
+    ax.update_datalim(np.transpose(corners))  # limits that are set would forbid an equal aspect
+    ax.autoscale_view()
+
+
+def keep_resolved(ax: Axes) -> None:
+    """Extend an axis on which all values are the same to rounding: it would magnify that alone."""
+    ends = ax.dataLim.get_points()
+    sizes, spans = np.abs(ends).max(axis=0), np.ptp(ends, axis=0)
+    is_plain = np.array([ax.get_xscale(), ax.get_yscale()]) == "linear"
+    if ax.name == "rectilinear" and np.isfinite(ends).all():
+        widen(ax, *np.where(is_plain & (spans < RESOLVED * sizes), LEAST_SPAN * sizes, 0.0))
 
 
 def look(number: int) -> tuple[str, object]:

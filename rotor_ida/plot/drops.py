@@ -1,4 +1,4 @@
-"""Plots of drops: forces, radius, speeds and races over time; distributions of many drops."""
+"""Plots of many drops: distributions, or ranges over a grid; and films of one."""
 
 from __future__ import annotations
 
@@ -17,7 +17,6 @@ from rotor_ida.errors import InputError
 from rotor_ida.plot.appearance import (
     BLUE,
     DASHES,
-    GREY,
     INK,
     ORANGE,
     circle,
@@ -27,107 +26,25 @@ from rotor_ida.plot.appearance import (
     shared_legend,
     style,
 )
-from rotor_ida.plot.decimation import kept_in_columns
-from rotor_ida.plot.drop_grids import RANGES, plot_grid
-from rotor_ida.plot.forces import forces_in
+from rotor_ida.plot.datasets import contact_text
 from rotor_ida.plot.labels import label_axis
-from rotor_ida.plot.motion import in_contact
 from rotor_ida.results.files import check_target, file_to_write
 from rotor_ida.results.run import check_system_run
 from rotor_ida.results.si_units import in_suitable_units
+from rotor_ida.schema import OF_DROP
 from rotor_ida.texts import in_figure
 
-WIDTH, ROW = 7.2, 1.7
-# Figures of a bearing in many drops, and samples of an orbit behind the rotor in a film.
+WIDTH, HEIGHT = 7.2, 5.0
+# Figures of a bearing in many drops, those of which a grid shows ranges first.
+RANGES = {
+    "largest_force": "largest force", "excursion": "largest radius over clearance",
+    "total_heat": "heat of friction",
+}  # fmt: skip
 WORDS = RANGES | {"largest_race_speed": "largest speed of the race"}
+# Samples of an orbit behind the rotor in a film, and frames of one.
 TRAIL, MOST_FRAMES = 60, 5000
-EXTREMES = ("min", "max")
 RPM = 60.0 / math.tau
 ENDINGS = (".gif", ".mp4")
-
-
-def plot_drop(run: xr.Dataset) -> Figure:
-    """Draw a drop over time: radius and force in each bearing, and the speeds of rotor and races.
-
-    Parameters
-    ----------
-    run : Dataset
-        Result of `rotor_ida.drop`.
-
-    Returns
-    -------
-    Figure
-        The figure.
-
-    Examples
-    --------
-    >>> from rotor_ida import Contact, RotorSystem, drop
-    >>> bearing = Contact(node="disc", clearance=2e-4, stiffness=2e9, damping=1.0)
-    >>> system = RotorSystem(mass=20.0 * np.eye(2), stiffness=np.zeros((2, 2)),
-    ...                      nodes={"disc": (0, 1)}, contacts=[bearing])
-    >>> run = drop(system, speed=500.0, duration=0.1)
-    >>> [ax.get_ylabel() for ax in plot_drop(run).axes]
-    ['radius over clearance', 'normal force $N$ [kN]']
-    """
-    run = in_suitable_units(check_system_run(run))
-    has_speeds = "speed" in run.variables or "event_race_speed" in run.variables
-    rows = 3 if has_speeds else 2
-    with style():
-        figure = new_figure(WIDTH, 0.9 + ROW * rows)
-        axes = figure.subplots(rows, 1, sharex=True).tolist()
-        time = run["t"].values
-        for number in range(run.sizes["contact"]):
-            _draw_bearing(axes[0], axes[1], run, number)
-        axes[0].axhline(1.0, color=INK, lw=0.8, ls=DASHES, label="clearance")
-        axes[0].set_ylabel("radius over clearance")
-        axes[0].set_ylim(bottom=0.0)
-        axes[1].set_ylim(bottom=0.0)
-        label_axis(axes[1].yaxis, "normal_force", run["normal_force"])
-        if has_speeds:
-            _draw_speeds(axes[2], run)
-        axes[0].set_xlim(*time[[0, -1]])
-        label_axis(axes[-1].xaxis, "t", run["t"])
-        figure.align_ylabels(axes)
-        shared_legend(figure, axes, columns=5, outer=False)
-    return figure
-
-
-def _draw_bearing(above: Axes, below: Axes, run: xr.Dataset, number: int) -> None:
-    """Draw radius and force of one bearing."""
-    colour, dashes = look(1 + number)
-    own = in_contact(run, number)
-    node, forces = in_figure(own["contact_node"].item()), forces_in(own)
-    radius = np.hypot(own["contact_x"].values, own["contact_y"].values) / float(own["clearance"])
-    for ax, times, values in (
-        (above, own["t"].values, radius), (below, forces.time, forces.normal),
-    ):  # fmt: skip
-        kept = kept_in_columns(times, values)
-        ax.plot(times[kept], values[kept], color=colour, ls=dashes, lw=0.8, label=node)
-
-
-def _draw_speeds(ax: Axes, run: xr.Dataset) -> None:
-    """Draw the speeds of the rotor and of the races, these at events, extremes and the end."""
-    unit = str(run["event_speed"].attrs.get("units", "1")) if "event_speed" in run else "1"
-    parts = RPM if unit == "s-1" else 1.0
-    if "speed" in run.variables:
-        ax.plot(run["t"], parts * run["speed"].values, color=INK, lw=1.2, label="rotor")
-    if "event_race_speed" in run.variables:
-        races = np.flatnonzero(~np.isnan(run["race_radius"].values))
-        last = run["final_state"].values[run.sizes["component"] - races.size :]
-        for number, at_end in zip(races, last, strict=True):
-            colour, dashes = look(1 + int(number))
-            most = [run[f"race_speed_{name}"].values[number] for name in EXTREMES]
-            at = [run[f"race_speed_{name}_time"].values[number] for name in EXTREMES]
-            times = np.concatenate([run["event_time"].values, at, run["t"].values[-1:]])
-            order = np.argsort(times, kind="stable")
-            times = times[order]
-            speeds = np.concatenate([run["event_race_speed"].values[:, number], most, [at_end]])
-            speeds = speeds[order]
-            kept = kept_in_columns(times, speeds)
-            ax.plot(times[kept], parts * speeds[kept], color=colour, ls=dashes, lw=0.8)
-    words = "speeds of rotor, races" if "event_race_speed" in run else "speed of rotor"
-    ax.set_ylabel(f"{words} [rpm]" if unit == "s-1" else words, fontsize=9.0)
-    ax.axhline(0.0, color=GREY, lw=0.6)
 
 
 def plot_drops(drops: xr.Dataset) -> Figure:
@@ -164,9 +81,9 @@ def plot_drops(drops: xr.Dataset) -> Figure:
         raise InputError(f"drops must be a result of drop_ensemble; it lacks {missing[0]}")
     drops = in_suitable_units(drops)
     if "cell" in drops.sizes:
-        return plot_grid(drops)
+        return _plot_grid(drops)
     with style():
-        figure = new_figure(WIDTH, 5.0)
+        figure = new_figure(WIDTH, HEIGHT)
         axes = figure.subplots(2, 2).ravel().tolist()
         for ax, name in zip(axes, WORDS, strict=True):
             for number in range(drops.sizes["contact"]):
@@ -203,6 +120,89 @@ def _draw_distribution(ax: Axes, drops: xr.Dataset, name: str, number: int) -> N
     middle, low, high = (np.where(np.isfinite(each), each, ends[0]) for each in ends)
     ax.errorbar(middle, levels, xerr=[middle - low, high - middle], fmt="o", ms=3.0,
                 color=colour, elinewidth=1.0, capsize=2.0)  # fmt: skip
+
+
+def _plot_grid(drops: xr.Dataset) -> Figure:
+    """Draw ranges and means over what varies most, and the share of drops that whirl backwards."""
+    drops = drops.isel(drop=drops["status"].values == 0)
+    # by number of values, the phase last unless it alone varies
+    names = sorted(
+        (name for name in OF_DROP if f"drop_{name}" in drops.variables),
+        key=lambda name: (-_values(drops, name).size * (name != "phase"), name != "phase"),
+    )
+    name, other = names[0], names[1] if len(names) > 1 else "phase"
+    with style():
+        figure = new_figure(WIDTH, HEIGHT)
+        axes = figure.subplots(2, 2).ravel().tolist()
+        for ax, (figure_of, words) in zip(axes, RANGES.items(), strict=False):
+            for number in range(drops.sizes["contact"]):
+                _draw_range(ax, drops, name, figure_of, number)
+            label_axis(ax.yaxis, figure_of, drops[figure_of], words=words)
+            ax.set_xlabel(_label(drops, name))
+        if other != "phase" and _values(drops, other).size > 1:
+            _draw_map(figure, axes[3], drops, (name, other))
+        else:
+            _draw_shares(axes[3], drops, name)
+        shared_legend(figure, axes, columns=5, outer=False)
+    return figure
+
+
+def _values(drops: xr.Dataset, name: str) -> np.ndarray:
+    """Return the values on an axis of the grid, none if it does not vary."""
+    found = np.unique(drops[f"drop_{name}"].values)
+    return found if found.size > 1 else np.zeros(0)
+
+
+def _label(drops: xr.Dataset, name: str) -> str:
+    unit = str(drops[f"drop_{name}"].attrs.get("units"))
+    return OF_DROP[name] + {"radian": " [rad]", "s m-1": " [s/m]"}.get(unit, "")
+
+
+def _by_value(drops: xr.Dataset, name: str, values: np.ndarray) -> list[np.ndarray]:
+    """Return the values of the drops at each value on an axis of the grid."""
+    along = drops[f"drop_{name}"].values
+    return [values[along == each] for each in np.unique(along)]
+
+
+def _draw_range(ax: Axes, drops: xr.Dataset, name: str, figure_of: str, number: int) -> None:
+    """Draw the range of a figure of a bearing, and its mean."""
+    colour, dashes = look(1 + number)
+    groups = _by_value(drops, name, drops[figure_of].values[:, number])
+    known = [each[np.isfinite(each)] for each in groups]
+    kept = [place for place, each in enumerate(known) if each.size]
+    across = np.unique(drops[f"drop_{name}"].values)[kept]
+    low, high, mean = (np.array([pick(known[place]) for place in kept])
+                       for pick in (np.min, np.max, np.mean))  # fmt: skip
+    node = in_figure(drops["contact_node"].values[number])
+    ax.fill_between(across, low, high, color=colour, alpha=0.15, lw=0.0)
+    ax.plot(across, mean, color=colour, ls=dashes, marker="o", ms=2.5, label=node)
+
+
+def _draw_shares(ax: Axes, drops: xr.Dataset, name: str) -> None:
+    """Draw the share of drops that whirl backwards in each bearing."""
+    across = np.unique(drops[f"drop_{name}"].values)
+    for number in range(drops.sizes["contact"]):
+        colour, dashes = look(1 + number)
+        groups = _by_value(drops, name, drops["whirl_sense"].values[:, number] < 0)
+        ax.plot(across, [each.mean() for each in groups], color=colour, ls=dashes, marker="o",
+                ms=2.5)  # fmt: skip
+    ax.set(xlabel=_label(drops, name), ylabel="share that whirls backwards", ylim=(-0.02, 1.02))
+
+
+def _draw_map(figure: Figure, ax: Axes, drops: xr.Dataset, names: tuple[str, str]) -> None:
+    """Draw the share of drops that whirl backwards in any bearing, over two axes of the grid."""
+    across, up = (np.unique(drops[f"drop_{name}"].values) for name in names)
+    whirls = np.any(drops["whirl_sense"].values < 0, axis=1).astype(float)
+    places = [drops[f"drop_{name}"].values for name in names]
+    shares = [[whirls[(places[0] == x) & (places[1] == y)].mean() for x in across] for y in up]
+    ax.grid(visible=False)
+    drawn = ax.pcolormesh(np.arange(across.size), np.arange(up.size), shares, vmin=0.0, vmax=1.0,
+                          cmap="Oranges")  # fmt: skip
+    for axis, values in ((ax.xaxis, across), (ax.yaxis, up)):
+        at = np.unique(np.linspace(0, values.size - 1, 6).astype(int))
+        axis.set_ticks(at, [f"{values[each]:.3g}" for each in at])
+    ax.set(xlabel=_label(drops, names[0]), ylabel=_label(drops, names[1]))
+    figure.colorbar(drawn, ax=ax, label="share that whirls backwards")
 
 
 def save_orbit_film(
@@ -309,9 +309,7 @@ def _film_panel(ax: Axes, run: xr.Dataset, number: int) -> tuple[Line2D, Line2D]
     (dot,) = ax.plot([], [], "o", color=ORANGE, ms=5.0)
     ax.set(xlim=(-reach, reach), ylim=(-reach, reach))
     ax.set_aspect("equal")
-    ax.set_title(
-        f"contact {number} at {in_figure(run['contact_node'].values[number])}", fontsize=9.5
-    )
+    ax.set_title(contact_text(run, number), fontsize=9.5)
     label_axis(ax.xaxis, "x_alone", run["x"])
     label_axis(ax.yaxis, "y_alone", run["y"])
     return trail, dot

@@ -47,6 +47,7 @@ from rotor_ida.plot.datasets import (
     check_dataset,
     check_same_parameters,
     check_same_units,
+    contact_text,
     drawn_over,
     is_of_disc,
     one_value,
@@ -62,7 +63,6 @@ from rotor_ida.plot.labels import (
 from rotor_ida.results.archived_system import clearance_of_contacts
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import SPECIAL, flags_of
-from rotor_ida.signals.nodes import Ring
 from rotor_ida.texts import in_figure
 
 # Whirls by their stability: their words, line and width on a curve, and colour of points.
@@ -120,6 +120,8 @@ KINDS = {
     "chaotic": _Look(_SHADE["chaotic"], True, True, DOTS),
     "unresolved": _Look(GREY, False, True, DOTS),
 }
+# Whirls of constant amplitude, whose distance from the centre may vary by this part of it.
+STEADY, ASIDE = ("synchronous", "contact_free"), 1e-2
 DIRECTIONS = {0: ("o", 4.2), 1: ("^", 3.4), -1: ("v", 3.4)}
 
 
@@ -155,7 +157,8 @@ def plot_amplitude(
     simulated : Dataset, optional
         Result of `rotor_ida.sweep`, for the same rotor. Synchronous, contact-free and touching
         responses are marks at their amplitude, by direction of the sweep. All others are bars over
-        the range of the distance from the centre of the stator.
+        the range of the distance from the centre of the stator. So are all where a whirl is not
+        about that centre, as under the weight of the rotor; the axis is that of the radius then.
     fold_points, hopf_points : Dataset, optional
         Results of `rotor_ida.folds` and `rotor_ida.hopf_points` for the same disc.
     special : Dataset, optional
@@ -225,7 +228,8 @@ def _plot(
     simulated, of_disc = found.get("simulated"), is_of_disc(shown)
     with drawing(ax) as ax:
         label_parameter(ax.xaxis, axis.over, shown)
-        label_axis(ax.yaxis, quantity, shown[quantity])
+        aside = quantity == "amplitude" and simulated is not None and _lies_aside(simulated)
+        label_axis(ax.yaxis, "radius" if aside else quantity, shown[quantity])
         if not of_disc and quantity == "amplitude":
             draw_clearance(ax, found.get("simulated", shown), over=axis.over)
         for name in ("exact", "whirls"):
@@ -233,13 +237,11 @@ def _plot(
                 _draw_whirls(ax, found[name], axis.over, quantity, given=name == "whirls")
         _draw_specials(ax, found, quantity, axis)
         if simulated is not None:
-            draw_simulated(
-                ax, simulated, quantity, over=axis.over, reach="|z|" if of_disc else "|u|"
-            )
+            _draw_simulated(ax, simulated, quantity, axis.over, as_ranges=aside)
         if of_disc and axis.over == "omega":
             ax.set_xlim(0.0, 1.02 * float(shown["omega"].max()))
         if quantity == "amplitude":
-            raise_limit(ax, _highest(found))
+            raise_limit(ax, *_reach(found))
         else:
             ax.set_ylim(0.0, 1.06 * math.pi)
             ax.set_yticks([0.0, 0.5 * math.pi, math.pi], ["0", r"$\pi/2$", r"$\pi$"])
@@ -294,21 +296,23 @@ def _check_parameters(name: str, dataset: xr.Dataset, axis: _Axis) -> None:
     check_same_parameters(name, here, there)
 
 
-def _highest(found: Mapping[str, xr.Dataset]) -> float:
-    """Return the largest amplitude or radius, and at least the clearance of a system."""
-    shown = [found[name]["amplitude"] for name in ("exact", "whirls", "simulated") if name in found]
+def _reach(found: Mapping[str, xr.Dataset]) -> tuple[float, float]:
+    """Return the smallest and largest amplitude or radius, with the clearance of a system."""
+    shown = [found[name]["amplitude"] for name in ("exact", "whirls") if name in found]
     first = next(iter(found.values()))
-    shown += [found["simulated"]["radius_max"]] if "simulated" in found else []
+    if "simulated" in found:
+        shown += [found["simulated"][name] for name in ("amplitude", "radius_min", "radius_max")]
     shown += [] if is_of_disc(first) else [clearance_of_contacts(found.get("simulated", first))]
-    return max(float(np.nanmax(each.values, initial=0.0)) for each in shown) or 1.0
+    values = np.concatenate([each.values.ravel() for each in shown])
+    highest = float(np.nanmax(values, initial=0.0)) or 1.0
+    return float(np.nanmin(values, initial=highest)), highest
 
 
 def _title(shown: xr.Dataset, axis: _Axis, has_curve: bool) -> str:
     """Return the contact of a system, and the parameters that are held."""
     held = text_of(shown, axis.held) if axis.held else ""
     if not is_of_disc(shown):
-        node = Ring(str(shown["contact_node"].item()), "", []).title
-        return f"contact {shown['contact'].item()} at {node}\n{held}".rstrip()
+        return f"{contact_text(shown, shown['contact'].item())}\n{held}".rstrip()
     if has_curve or axis.over != "omega" or "load" not in axis.held:
         return in_lines(held)
     before = {name: value for name, value in axis.held.items() if name != "load"}
@@ -419,25 +423,29 @@ def _of_each_kind(
             yield kind, drawn, {name: values[of_kind] for name, values in points}
 
 
-def _range_words(kind: str, reach: str = "|z|") -> str:
-    return f"{KIND_WORDS[kind]}: range of ${reach}$"
+def _lies_aside(simulated: xr.Dataset) -> bool:
+    """Return whether whirls of a sweep are not about the centre, as under the weight of a rotor.
 
-
-def draw_simulated(
-    ax: Axes, simulated: xr.Dataset, quantity: str, *, over: str = "omega", reach: str = "|z|"
-) -> None:
-    """Draw the responses of a sweep: marks where a curve can show them, bars where it cannot.
-
-    `reach` is the symbol of the distance whose range is drawn.
+    Then their amplitude is no distance from the centre, which is that of all other responses.
     """
+    flags = flags_of(simulated["response"])
+    whirls = simulated["response"].isin([flags[kind] for kind in STEADY if kind in flags])
+    apart = simulated["radius_max"] - simulated["radius_min"] > ASIDE * simulated["radius_max"]
+    return bool((whirls & apart).any())
+
+
+def _draw_simulated(
+    ax: Axes, simulated: xr.Dataset, quantity: str, over: str, *, as_ranges: bool
+) -> None:
+    """Draw the responses of a sweep: marks where a curve can show them, bars where it cannot."""
     if over == SPEED:
         simulated = simulated.assign_coords({over: speeds_in(simulated[over])})
     for kind, drawn, points in _of_each_kind(simulated, (over, *SIMULATED[1:])):
-        if drawn.is_range and quantity == "amplitude":
+        if as_ranges or (drawn.is_range and quantity == "amplitude"):
             ax.vlines(
                 points[over], points["radius_min"], points["radius_max"], color=drawn.colour,
                 lw=1.8 if drawn.filled else 0.9, ls=drawn.dashes, zorder=3.0,
-                label=_range_words(kind, reach),
+                label=f"{KIND_WORDS[kind]}: range of $|z|$",
             )  # fmt: skip
             for end in ("radius_min", "radius_max"):
                 _draw_by_direction(ax, drawn, points, over, points[end], 0.75)

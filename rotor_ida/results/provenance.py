@@ -15,7 +15,7 @@ from pathlib import Path, PurePath
 from rotor_ida.core import sundials
 from rotor_ida.core.library import build_info
 
-SOURCE = "rotor_ida: rotor with Hertz contact and clearance"
+SOURCE = "rotor_ida: rotor with contact and clearance"
 
 # The folder part of an absolute path, also after --option=; it means nothing on another machine.
 _FOLDERS = re.compile(r"^(--?[\w-]+=)?(?:[/~]|[A-Za-z]:[\\/]).*[\\/](?=[^\\/])")

@@ -8,7 +8,7 @@ from matplotlib.animation import FFMpegWriter
 from PIL import Image
 
 from rotor_ida import Contact, InputError, Race, RotorSystem, drop, drop_ensemble
-from rotor_ida.plot import plot_drop, plot_drops, plot_run, save_orbit_film
+from rotor_ida.plot import plot_drops, plot_run, plot_run_up, save_orbit_film
 
 DISC = RotorSystem(mass=20.0 * np.eye(2), stiffness=np.zeros((2, 2)), nodes={"disc": (0, 1)})
 GIVEN = {
@@ -18,10 +18,12 @@ GIVEN = {
 }  # fmt: skip
 
 
-def test_a_figure_of_a_drop_has_radius_force_and_speeds():
+def test_a_figure_of_a_drop_has_speeds_radius_force_and_orbits_over_time():
     run = drop(DISC, **GIVEN)
-    radius, force, speeds = plot_drop(run).axes
-    drawn = max(float(np.max(line.get_ydata())) for line in radius.lines if line.get_lw() < 1.0)
+    speeds, radius, force, *orbits = plot_run_up(run).axes
+    assert force.get_xlabel() == "time $T$ [s]"
+    assert orbits
+    drawn = radius.lines[0].get_ydata().max() / (1e6 * run.clearance.item())
     np.testing.assert_allclose(drawn, run.excursion[0], rtol=1e-3)
     np.testing.assert_allclose(force.lines[0].get_ydata().max(), 1e-3 * run.largest_force[0])  # kN
     rotor, race = speeds.lines[:2]

@@ -8,6 +8,7 @@ from pathlib import Path
 
 import pytest
 
+from rotor_ida import Rotor, simulate
 from rotor_ida.results import provenance
 from rotor_ida.results.provenance import described
 
@@ -31,6 +32,14 @@ from rotor_ida.results.provenance import described
 )
 def test_command_is_told_without_folders(arguments: list[str], module: str, expected: str) -> None:
     assert described(tuple(arguments), module=module) == expected
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.5])
+def test_the_source_of_a_result_names_no_law_of_contact(exponent: float) -> None:
+    rotor = Rotor(omega=2.0, zeta=0.1, delta0=2.0, contact_exponent=exponent)
+    run = simulate(rotor, start=(0.0, 0.0, 0.0, 0.0), duration=1.0)
+    assert run.source == "rotor_ida: rotor with contact and clearance"
+    assert run.contact_exponent == exponent if exponent == 1.0 else "contact_exponent" not in run
 
 
 def test_run_says_which_script_made_it(tmp_path: Path) -> None:

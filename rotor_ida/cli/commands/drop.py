@@ -167,11 +167,11 @@ def _pages(
 
 def _figures(run: xr.Dataset, drops: xr.Dataset | None) -> list[tuple[str, Figure]]:
     """Return the figures with their titles."""
-    from rotor_ida.plot import plot_drop, plot_drops, plot_run  # noqa: PLC0415 - heavy
+    from rotor_ida.plot import plot_drops, plot_run, plot_run_up  # noqa: PLC0415 - heavy
     from rotor_ida.plot.appearance import without_pyplot  # noqa: PLC0415
 
     with without_pyplot():
-        found = [("One drop: radius, force and speeds", plot_drop(run)),
+        found = [("One drop: radius, force and speeds", plot_run_up(run)),
                  ("One drop: orbits and forces", plot_run(run))]  # fmt: skip
         if drops is not None:
             words = (
