@@ -110,8 +110,11 @@ class Case:
         return dict(rotors.given if isinstance(rotors, RotorOptions) else rotors.values)
 
     def varied(self) -> list[str]:
-        """Return the parameters of one disc that have several values."""
-        return [name for name, each in self.rotors.values.items() if len(each) > 1]
+        """Return the parameters that have several values."""
+        axes = self.rotors.values | {
+            name: self.given[name] for name in PARAMETERS_OF_SYSTEM if name in self.given
+        }
+        return [name for name, each in axes.items() if len(each) > 1]
 
     def draw_at(self, node: str | None) -> None:
         """Draw the figure at a node of a system, if one is given."""

@@ -269,8 +269,8 @@ def _note(message: Warning | str, *_where: object) -> None:
 
 def _refuse_units(arguments: Mapping[str, object]) -> None:
     """Refuse units of numbers anywhere if the rotor is dimensionless."""
-    if arguments.get("system") is not None:  # its file says whether it has units
-        return
+    if any(arguments.get(name) is not None for name in ("system", "file")):
+        return  # a file says whether it has units
     values: dict[str, object] = {}
     for name, value in arguments.items():
         values |= vars(value) if is_dataclass(value) else {name: value}

@@ -174,7 +174,9 @@ def _annotated(argument: Argument, text: str) -> Any:
     """Return the type of an option with its help, by the annotation of an argument."""
     name, kind = argument.name, argument.kind
     units = UNITS_OF_ARGUMENTS.get(name) or tuple(filter(None, [_unit(name)]))
-    if units and name not in {"samples", "starts"}:
+    if name == "phase":
+        units, text = ("rad",), text.replace("in radians", "in radians or as 90deg")
+    elif units and name not in {"samples", "starts"}:
         told = ", ".join(readable(each) for each in units)
         text = _before_the_end(text, f" (SI: {told}{ALSO_AS.get(units[0], '')})")
     made: Any

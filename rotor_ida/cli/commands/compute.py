@@ -28,8 +28,8 @@ from rotor_ida.model.system_parameters import SPEED
 Begin = Annotated[
     float | None,
     quantity_option(
-        "Initial speed (SI: rad/s, or as 300rpm). Default: --omega or --speed; run-up with "
-        "--machine begins at 0.",
+        "Initial speed (SI: rad/s, or as 300rpm). Default: --omega or --speed, 0 with --machine, "
+        "or what a system file says.",
         "rad s-1",
         name="--from",
     ),
@@ -101,10 +101,7 @@ def run_up(case: Case, *, begin: Begin = None) -> Report:
     if case.is_system:
         _change_of_file(case, begin)
         return case.answer()
-    speed = _begun(case, begin)
-    is_set = begin is not None or "speeds" in case.given or speed in case.rotor_values
-    if case.rotors.machine is not None and not is_set:  # a file contains the running speed
-        case.known[speed] = 0.0
+    _begun(case, begin)
     run = case.ask()
     return case.report(run, summary=rotor_ida.summary(run))
 
@@ -171,7 +168,7 @@ def bifurcation_diagram(case: Case, *, node: options.NodeOfFigure = None) -> Rep
     case.draw_at(node)
     if case.is_system:
         case.refuse_with("a rotor system", {"starts": starts})
-    elif case.output.figure is not None:
+    if case.output.figure is not None:
         check_one_varies(case.varied())
     return case.answer()
 
@@ -228,14 +225,16 @@ def run_ups(case: Case, *, begin: Begin = None) -> Report:
     return case.answer()
 
 
-def _begun(case: Case, begin: float | None) -> str:
-    """Let a rotor begin at a speed, if it is given; return the name of its speed."""
+def _begun(case: Case, begin: float | None) -> None:
+    """Let a rotor begin at a speed, if it is given, and the machine of a file at standstill."""
     speed = SPEED if case.is_system or case.rotors.in_si else "omega"
+    is_set = "speeds" in case.given or speed in case.rotor_values
+    if begin is None and case.rotors.machine is not None and not is_set:
+        begin = 0.0  # the file contains the running speed
     if begin is not None:
         if speed in case.rotor_values:
             raise InputError(f"{speed} must be left out with --from, got both")
         case.known[speed] = [begin] if case.of.rotors == "several" else begin
-    return speed
 
 
 def _change_of_file(case: Case, begin: float | None) -> None:

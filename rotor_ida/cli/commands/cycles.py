@@ -38,10 +38,9 @@ def _limits(text: str, words: str) -> Parameter:
     """Return an option for values of a parameter, whose unit depends on the parameter."""
     units = {each.unit for each in TABLE} | {each.unit for each in PARAMETERS_OF_SYSTEM.values()}
     every = tuple(units - {"1"})
-    reading = parsing.converter(
-        lambda name, given: tuple(parsing.quantity(name, [word], *every) for word in given)
+    return Parameter(
+        help=text, metavar=words, converter=parsing.converter(parsing.limits, *every), negative=()
     )
-    return Parameter(help=text, metavar=words, converter=reading, negative=())
 
 
 Period = Annotated[

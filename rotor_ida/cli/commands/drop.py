@@ -12,7 +12,7 @@ import rotor_ida
 from rotor_ida.checks import shown
 from rotor_ida.cli import options
 from rotor_ida.cli.option_types import IN_OUTPUT, count_option, path_option, quantity_option
-from rotor_ida.cli.output import FORCED, working
+from rotor_ida.cli.output import FORCED, again, working
 from rotor_ida.cli.report import Report
 from rotor_ida.cli.sheets import facts
 from rotor_ida.errors import InputError
@@ -159,7 +159,7 @@ def _pages(
         figures=_figures(run, drops),
         assumptions=drop_tables.ASSUMPTIONS,
         scope=drop_tables.SCOPE,
-        commands=[asked.command(), Question("verify", {"rotor": folder / ONE}).command()],
+        commands=[again(asked.command()), Question("verify", {"rotor": folder / ONE}).command()],
         versions=facts("Versions", pages.versions_of(run) | pages.digest_of(system)),
         sources=pages.sources_of([system]),
     )

@@ -19,6 +19,7 @@ from rotor_ida.cli.option_types import (
     path_option,
 )
 from rotor_ida.cli.output import FORCED, working
+from rotor_ida.cli.parsing import refuse_units
 from rotor_ida.cli.rotor_options import RotorOptions
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.messages import ROTOR_ENDINGS, SystemQuestion, machine_of, state_of
@@ -44,7 +45,12 @@ Export = Annotated[
     IN_OUTPUT,
 ]
 ExportedSpeeds = Annotated[
-    list[float] | None, numbers_option("Speeds of the exported page: numbers, or START:STOP:COUNT.")
+    list[float] | None,
+    numbers_option(
+        "Speeds of the exported page: numbers (of a machine in rad/s, or as 3000rpm), or "
+        "START:STOP:COUNT.",
+        "rad s-1",
+    ),
 ]
 
 
@@ -154,6 +160,8 @@ def _recorded(state: Mapping[str, object], served: Path | None, speeds: list[flo
         names = (*PARAMETERS, *MACHINE_PARAMETERS, *OPTIONAL)
         machine = machine_of({name: state[name] for name in names if name in state})
         rotor = machine if isinstance(machine, Rotor) else machine.rotor()
+        if rotor is machine:
+            refuse_units({"speeds": speeds})
         first = [float(str(state[name])) for name in COMPONENTS if name in state]
         steps = files.recording(
             machine, start=check_state("start", first) if first else hanging(rotor),

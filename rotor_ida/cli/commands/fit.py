@@ -10,7 +10,7 @@ from typing import TYPE_CHECKING, Annotated
 from cyclopts import Parameter
 
 import rotor_ida
-from rotor_ida.checks import State
+from rotor_ida.checks import State, shown
 from rotor_ida.cli import options, parsing
 from rotor_ida.cli.commands.plot import OF_FILE, signals_in
 from rotor_ida.cli.option_types import number_option, numbers_option, quantity_option
@@ -144,7 +144,8 @@ def fit(
     for name in OF_FILE:
         if told := dict.fromkeys(str(each.attrs[name]) for each in each_node if name in each.attrs):
             found.attrs[name] = "; ".join(told)
-    report = answer(found, output)
+    given = [*systems, *filter(None, [rotor.machine])]
+    report = answer(found, output, rotor=machine, files=given)
     if found.attrs["search"] == "converged":
         return report
     return troubled(report, f"search {found.attrs['search']}", FAILED)
@@ -170,38 +171,46 @@ def _signals(
     nodes: Sequence[str] | None,
 ) -> xr.Dataset | dict[str, xr.Dataset]:
     """Return the signals in a file, by node where nodes are chosen."""
-    columns = reading.columns or []
-    named = dict.fromkeys(
-        word.partition(":")[0] for word in columns if ":" in word.partition("=")[0]
-    )
-    if not named:
-        from rotor_ida.results.run import is_of_system  # noqa: PLC0415 - heavy
-
-        signals = signals_in(file, reading, times)
-        if is_of_system(signals):
-            if nodes is None:
-                return rotor_ida.signals_of(signals)  # which may have one node alone
-            return {node: rotor_ida.signals_of(signals, node=node) for node in nodes}
-        return signals if nodes is None else dict.fromkeys(nodes, signals)
-    if nodes is not None:
+    named = dict.fromkeys(filter(None, map(_node_of, reading.columns or [])))
+    if named and nodes is not None:
         raise InputError("node must be left out with columns of nodes")
-    return {
-        node: signals_in(file, replace(reading, columns=_own(columns, node)), times)
-        for node in named
-    }
+    known = named or nodes or ()
+    for word in reading.units or []:
+        if (node := _node_of(word)) and node not in known:
+            raise InputError(f"units must be of the given nodes, got {shown(word)}")
+    if named or reading.units and nodes:
+        return {node: signals_in(file, _at(reading, node), times) for node in known}
+    from rotor_ida.results.run import is_of_system  # noqa: PLC0415 - heavy
+
+    signals = signals_in(file, reading, times)
+    if is_of_system(signals):
+        if nodes is None:
+            return rotor_ida.signals_of(signals)  # which may have one node alone
+        return {node: rotor_ida.signals_of(signals, node=node) for node in nodes}
+    return signals if nodes is None else dict.fromkeys(nodes, signals)
 
 
-def _own(columns: Sequence[str], node: str) -> list[str]:
-    """Return the columns of a node, and those of no node.
+def _node_of(word: str) -> str:
+    """Return the node of a column or unit such as disc:x=A, empty if it has none."""
+    signal, _, _ = word.partition("=")
+    return signal.partition(":")[0] if ":" in signal else ""
+
+
+def _at(reading: options.ReadingOptions, node: str) -> options.ReadingOptions:
+    """Return how a file is read at a node: by the columns and units of it, and those of no node.
 
     Examples
     --------
-    >>> _own(["disc:x=A", "end:x=C", "keyphasor=K"], "end")
-    ['x=C', 'keyphasor=K']
+    >>> given = options.ReadingOptions(columns=["disc:x=A", "end:x=C:1", "keyphasor=K"])
+    >>> _at(given, "end").columns
+    ['x=C:1', 'keyphasor=K']
     """
-    plain = [(word, *word.partition(":")) for word in columns]
-    return [rest if colon and "=" not in first else word for word, first, colon, rest in plain
-            if first == node or not colon or "=" in first]  # fmt: skip
+    own = {
+        name: words and [word.removeprefix(f"{node}:") for word in words
+                         if _node_of(word) in {"", node}]
+        for name, words in (("columns", reading.columns), ("units", reading.units))
+    }  # fmt: skip
+    return replace(reading, **own)
 
 
 def _all_in(name: str, values: list[float] | None, unit: str) -> list[float] | None:
