@@ -333,7 +333,7 @@ def speeds(name: str, words: Sequence[str]) -> list[tuple[Quantity, Quantity]]:
 
     Examples
     --------
-    >>> speeds("speeds", ["0:0.5", "20s:3rad/s"])
+    >>> speeds("speeds", ["0:0.5rad/s", "20s:3rad/s"])
     [(0.0, 0.5), (20.0, 3.0)]
     >>> speeds("speeds", ["0.5"])
     Traceback (most recent call last):

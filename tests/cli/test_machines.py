@@ -294,7 +294,7 @@ def test_a_study_of_a_machine_goes_on_in_si_units(program: Program, small: str):
 def test_a_branch_is_followed_over_the_speed_of_a_machine(program: Program, small: str):
     assert program("cycle", "--machine", small, "--out", "cycle.nc").status == 0
     answer = program("continue", "--from", "cycle.nc", "--parameter", "speed", "--limits",
-                     "950rad/s", "10000rpm", "--out", "branch.nc", "--figure", "branch")  # fmt: skip
+                     "950rad/s", "10000rpm", "--out", "branch.nc", "--figure", "b")  # fmt: skip
     assert (answer.status, answer.err) == (0, "")
     branch = rotor_ida.load("branch.nc")
     speeds = branch.omega.values * SMALL.reference_frequency

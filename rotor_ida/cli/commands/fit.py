@@ -178,7 +178,7 @@ def _signals(
     for word in reading.units or []:
         if (node := _node_of(word)) and node not in known:
             raise InputError(f"units must be of the given nodes, got {shown(word)}")
-    if named or reading.units and nodes:
+    if named or (reading.units and nodes):
         return {node: signals_in(file, _at(reading, node), times) for node in known}
     from rotor_ida.results.run import is_of_system  # noqa: PLC0415 - heavy
 
