@@ -74,7 +74,9 @@ class Case:
     without_gravity : bool
         Whether to leave out the gravity of the file.
     rotor : Rotor, DimensionalRotor or RotorSystem, optional
-        The rotor that was asked; None for several without dimensions.
+        The rotor that was asked; None for several without dimensions. A command may know it.
+    adapted : callable, optional
+        Checks the arguments with the rotor, and returns those of the function.
     """
 
     of: Command
@@ -86,6 +88,7 @@ class Case:
     panels: int = 1
     without_gravity: bool = False
     rotor: Any = None
+    adapted: Callable[[Any, dict[str, Any]], dict[str, Any]] | None = None
 
     @property
     def is_system(self) -> bool:
@@ -174,7 +177,7 @@ class Case:
         self.rotor = self._given_machine() or rotor[0]
         if self.of.starts and "start" in given:
             given["starts"] = given.pop("start")
-        return rotor, given
+        return rotor, given if self.adapted is None else self.adapted(rotor[0], given)
 
     # ---- One disc ----
 
@@ -191,7 +194,7 @@ class Case:
                 )
             return [self._given_machine()], given
         if self.of.rotors == "one":
-            rotor = self.rotors.chosen(self.known)
+            rotor = self.rotor or self.rotors.chosen(self.known)
             self.output.check(panels=self.panels)
             return [rotor], given
         starts = given.get("start") or range(given.get("starts", 1) if self.of.starts else 1)
@@ -225,13 +228,14 @@ class Case:
 
             system = in_modes(system, course.modes, None)[0]
         told = {name: getattr(course, name) for name in known}
-        if "speeds" in given:
-            del told[SPEED]
+        has_speed = "speeds" in given or _is_result(given.get("start"))
+        if has_speed:
+            told.pop(SPEED, None)
         if self.of.starts:
             told["start"] = [course.start]
         given = {**{name: each for name, each in told.items() if each is not None}, **given}
         self._check_words(given.get("start"))
-        if SPEED in known and SPEED not in given and "speeds" not in given:
+        if SPEED in known and SPEED not in given and not has_speed:
             raise InputError(f"speed must be given with --speed or in {self.file}")
         if "node" in self.of.arguments and "node" not in given:
             nodes = listed([repr(each) for each in system.nodes], "or")
@@ -255,10 +259,15 @@ class Case:
         if "start" not in self.given:
             return
         for each in start if self.of.starts else [start]:
-            if not isinstance(each, str):
+            if not (isinstance(each, str) or _is_result(each)):
                 raise InputError(
                     f"start must be settled or rest with a rotor system, got {shown(each)}"
                 )
+
+
+def _is_result(start: object) -> bool:
+    """Return whether a start is a result, which has its own speed."""
+    return hasattr(start, "data_vars")
 
 
 def _refuse_units_of_factors(varied: Mapping[str, list[float]]) -> None:
@@ -345,7 +354,7 @@ class Command:
     @cached_property
     def own(self) -> dict[str, inspect.Parameter]:
         """The options of the command that the function of the package does not have."""
-        _, *found = inspect.signature(self.body, eval_str=True).parameters.values()
+        _, *found = inspect.signature(options.with_options(self.body)).parameters.values()
         return {each.name: each for each in found}
 
     def _options(self) -> list[inspect.Parameter]:

@@ -13,8 +13,8 @@ from cyclopts import Parameter
 
 import rotor_ida
 from rotor_ida.checks import check_panels, shown
-from rotor_ida.cli import options
 from rotor_ida.cli.option_types import OUTPUT
+from rotor_ida.cli.options import optioned
 from rotor_ida.cli.report import FAILED, INTERRUPTED, Report
 from rotor_ida.cli.sheets import Parts
 from rotor_ida.errors import ArchiveError, InputError, RotorError, SimulationError
@@ -36,17 +36,18 @@ MOST_IN_REPORT = 20
 
 
 @Parameter(name="*", group=OUTPUT)
+@optioned
 @dataclass(frozen=True, kw_only=True)
 class Output:
     """Where to write a result."""
 
-    out: options.Out = None
-    figure: options.Figure = None
-    csv: options.Csv = None
-    report: options.ReportFolder = None
-    inch: options.Inch = False
-    as_json: options.AsJson = False
-    force: options.Force = False
+    out: Path | None = None
+    figure: Path | None = None
+    csv: Path | None = None
+    report: Path | None = None
+    inch: bool = False
+    as_json: bool = False
+    force: bool = False
     # The node of a figure, and the line that was typed, for a report.
     node: Annotated[str | None, Parameter(parse=False)] = None
     line: Annotated[str, Parameter(parse=False)] = ""

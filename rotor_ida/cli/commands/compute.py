@@ -3,49 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
-
-from cyclopts import Parameter
 
 import rotor_ida
 from rotor_ida.checks import check_one_varies, shown
-from rotor_ida.cli import options
 from rotor_ida.cli.command import Case, command
 from rotor_ida.cli.machines import REST
-from rotor_ida.cli.option_types import (
-    IN_CHANGE,
-    IN_OUTPUT,
-    flag_option,
-    path_option,
-    quantity_option,
-)
 from rotor_ida.cli.report import Report
 from rotor_ida.cli.verb_options import OF_CHANGE
 from rotor_ida.errors import InputError
 from rotor_ida.model.scales import BECOMES
 from rotor_ida.model.system_parameters import SPEED
-
-Begin = Annotated[
-    float | None,
-    quantity_option(
-        "Initial speed (SI: rad/s, or as 300rpm). Default: --omega or --speed, 0 with --machine, "
-        "or what a system file says.",
-        "rad s-1",
-        name="--from",
-    ),
-    IN_CHANGE,
-]
-Results = Annotated[Path, path_option("Folder for archives and figures."), IN_OUTPUT]
-Quick = Annotated[bool, flag_option("Compute coarser results, faster.")]
-Studies = Annotated[
-    bool, flag_option("Compute the studies as well as the figures of the paper.", name="--all")
-]
-Names = Annotated[
-    list[str] | None,
-    Parameter(
-        help="Scenarios to run: names, or beginnings of names.", consume_multiple=True, negative=()
-    ),
-]
 
 
 @command("one", label="simulate [%]", begins=REST, quiet=True)
@@ -70,7 +37,7 @@ def simulate(case: Case) -> Report:
 
 
 @command("one", label="run-up [%]", begins=REST, quiet=True)
-def run_up(case: Case, *, begin: Begin = None) -> Report:
+def run_up(case: Case, *, begin: float | None = None) -> Report:
     r"""Simulate a rotor whose speed changes: a ramp, a speed profile, or a drive torque.
 
     A machine from standstill, as rotor-ida machine writes it:
@@ -144,7 +111,7 @@ def sweep(case: Case) -> Report:
 
 
 @command("several", label="diagram")
-def bifurcation_diagram(case: Case, *, node: options.NodeOfFigure = None) -> Report:
+def bifurcation_diagram(case: Case, *, node: str | None = None) -> Report:
     r"""Compute a bifurcation diagram: settled motions by extrema or once a revolution.
 
     At each speed from four random initial states, drawn over the exact curve:
@@ -174,7 +141,7 @@ def bifurcation_diagram(case: Case, *, node: options.NodeOfFigure = None) -> Rep
 
 
 @command("one", label="section [%]", begins=REST)
-def poincare_section(case: Case, *, node: options.NodeOfFigure = None) -> Report:
+def poincare_section(case: Case, *, node: str | None = None) -> Report:
     r"""Compute a Poincaré section: the states of one motion once a revolution or at its events.
 
     Once a revolution, after 100 revolutions, drawn to section.png and section.svg:
@@ -192,7 +159,7 @@ def poincare_section(case: Case, *, node: options.NodeOfFigure = None) -> Report
 
 
 @command("several", label="run-ups", begins=REST)
-def run_ups(case: Case, *, begin: Begin = None) -> Report:
+def run_ups(case: Case, *, begin: float | None = None) -> Report:
     r"""Simulate run-ups or run-downs at many rates, and summarise each.
 
     Through the critical speed of a shaft, at three rates and two clearances:
@@ -253,12 +220,12 @@ def _change_of_file(case: Case, begin: float | None) -> None:
 
 def reproduce(
     *,
-    out: Results = Path("results"),
-    quick: Quick = False,
-    studies: Studies = False,
-    only: Names = None,
-    workers: options.Workers = None,
-    force: options.Force = False,
+    out: Path = Path("results"),
+    quick: bool = False,
+    studies: bool = False,
+    only: list[str] | None = None,
+    workers: int | None = None,
+    force: bool = False,
 ) -> int:
     """Reproduce the figures of the paper and, on request, all studies, as a page index.html.
 

@@ -11,7 +11,6 @@ from pathlib import Path
 from typing import get_args
 
 import rotor_ida
-from rotor_ida.cli import options
 from rotor_ida.cli.report import Report
 from rotor_ida.cli.sheets import facts, table
 from rotor_ida.core import sundials
@@ -28,7 +27,7 @@ LARGEST_ERROR = 1e-8
 Check = dict[str, str]
 
 
-def doctor(*, as_json: options.AsJson = False) -> Report:
+def doctor(*, as_json: bool = False) -> Report:
     """Check the installation: versions, solvers and backends.
 
     To attach to a question:

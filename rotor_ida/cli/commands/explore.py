@@ -6,18 +6,9 @@ import sys
 from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Annotated
 
 from rotor_ida.checks import COMPONENTS, State, check_state, shown
-from rotor_ida.cli import options
 from rotor_ida.cli.machines import begun
-from rotor_ida.cli.option_types import (
-    IN_OUTPUT,
-    count_option,
-    flag_option,
-    numbers_option,
-    path_option,
-)
 from rotor_ida.cli.output import FORCED, working
 from rotor_ida.cli.parsing import refuse_units
 from rotor_ida.cli.rotor_options import RotorOptions
@@ -33,37 +24,18 @@ NEEDED = ("starlette", "uvicorn", "websockets")
 FIRST = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 REVOLUTIONS = 60
 PAGE = ".html"
-FileToExplore = Annotated[
-    Path | None,
-    path_option("Shown first: a machine, a rotor system, an archived run or a measurement."),
-]
-Port = Annotated[int, count_option("Port on this computer; 0 picks a free one.", 0, 65_535)]
-NoBrowser = Annotated[bool, flag_option("Print the address without opening a browser.")]
-Export = Annotated[
-    Path | None,
-    path_option("Write a page that needs no server, for the speeds of --speeds, and stop."),
-    IN_OUTPUT,
-]
-ExportedSpeeds = Annotated[
-    list[float] | None,
-    numbers_option(
-        "Speeds of the exported page: numbers (of a machine in rad/s, or as 3000rpm), or "
-        "START:STOP:COUNT.",
-        "rad s-1",
-    ),
-]
 
 
 def explore(
-    file: FileToExplore = None,
+    file: Path | None = None,
     *,
     rotor: RotorOptions = RotorOptions(),
-    start: options.StartOrNone = None,
-    port: Port = 8765,
-    no_browser: NoBrowser = False,
-    export: Export = None,
-    speeds: ExportedSpeeds = None,
-    force: options.Force = False,
+    start: State | str | None = None,
+    port: int = 8765,
+    no_browser: bool = False,
+    export: Path | None = None,
+    speeds: list[float] | None = None,
+    force: bool = False,
 ) -> int:
     r"""Open an interactive page in the browser, with sliders for the parameters.
 

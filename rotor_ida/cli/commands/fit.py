@@ -5,91 +5,38 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
-
-from cyclopts import Parameter
+from typing import TYPE_CHECKING
 
 import rotor_ida
 from rotor_ida.checks import State, shown
 from rotor_ida.cli import options, parsing
 from rotor_ida.cli.commands.plot import OF_FILE, signals_in
-from rotor_ida.cli.option_types import number_option, numbers_option, quantity_option
 from rotor_ida.cli.output import Output, answer, troubled, working
 from rotor_ida.cli.parsing import in_unit
 from rotor_ida.cli.report import FAILED, Report
 from rotor_ida.cli.rotor_options import ANY_SPEED, RotorOptions
-from rotor_ida.cli.systems import system_to_fit
 from rotor_ida.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from rotor_ida.fitting.arguments import AnyRotor
-Unknowns = Annotated[
-    list[str],
-    Parameter(
-        help="Parameters to fit: names of rotor options, or unbalance_angle; of a rotor system "
-        "damping, stiffness, clearance, friction, unbalance, contact_stiffness, contact_damping.",
-        metavar="NAME",
-        consume_multiple=True,
-        negative=(),
-    ),
-]
-StartOfRecord = Annotated[
-    State | str | None,
-    Parameter(
-        help="State at the beginning of the record; settled, the steady whirl without contact; or "
-        "rest. Default: it is fitted too.",
-        metavar="X Y VX VY|settled|rest",
-        converter=parsing.converter(parsing.start),
-        n_tokens=4,
-        negative=(),
-    ),
-]
-Nodes = Annotated[
-    list[str] | None,
-    Parameter(
-        help="Nodes of a rotor system at which the probes look, if --columns does not name them, "
-        "as by disc:x=A disc:y=B seal:x=C seal:y=D.",
-        metavar="NAME",
-        consume_multiple=True,
-        negative=(),
-    ),
-]
-EntryTimes = Annotated[
-    list[float] | None,
-    numbers_option(
-        "Measured times at which contacts begin, in the unit of the signals or as 20ms.", "s"
-    ),
-]
-ExitTimes = Annotated[list[float] | None, numbers_option("The same, at which contacts end.", "s")]
-TimeError = Annotated[float | None, quantity_option("Standard error of these times.", "s")]
-NoiseLevel = Annotated[
-    float | None,
-    quantity_option(
-        "Standard deviation of the noise, in the unit of the probes or as 2um. Default: that of "
-        "the residuals.",
-        "m",
-    ),
-]
-SearchLimit = Annotated[
-    float | None, number_option("Longest time to search, in s. The best trial is reported then.")
-]
+    from rotor_ida.model.rotor_system import RotorSystem
 
 
 def fit(
-    *files: options.SignalFile,
-    unknown: Unknowns,
-    node: Nodes = None,
+    *files: Path,
+    unknown: list[str],
+    node: list[str] | None = None,
     rotor: RotorOptions = RotorOptions(),
-    orders: options.Orders = None,
-    start: StartOfRecord = None,
-    entries: EntryTimes = None,
-    exits: ExitTimes = None,
-    time_error: TimeError = None,
-    noise: NoiseLevel = None,
-    limit: SearchLimit = None,
-    times: options.Times = None,
+    orders: list[float] | None = None,
+    start: State | str | None = None,
+    entries: list[float] | None = None,
+    exits: list[float] | None = None,
+    time_error: float | None = None,
+    noise: float | None = None,
+    limit: float | None = None,
+    times: tuple[float, float] | None = None,
     reading: options.ReadingOptions = options.ReadingOptions(),
     output: Output = Output(),
 ) -> Report:
@@ -119,9 +66,7 @@ def fit(
     if len(systems) > 1:
         raise InputError("FILE must be given with one rotor system at most, got two")
     output.check()
-    machine: AnyRotor = (
-        system_to_fit(systems[0], rotor, start, output) if systems else _one_disc(rotor, node)
-    )
+    machine: AnyRotor = _system(systems[0], rotor, start) if systems else _one_disc(rotor, node)
     signals = [_signals(each, reading, times, node) for each in measured]
     each_node = [
         each for one in signals for each in (one.values() if isinstance(one, dict) else [one])
@@ -149,6 +94,20 @@ def fit(
     if found.attrs["search"] == "converged":
         return report
     return troubled(report, f"search {found.attrs['search']}", FAILED)
+
+
+def _system(file: Path, rotor: RotorOptions, start: State | str | None) -> RotorSystem:
+    """Return the system of a file as a first guess; what is of one disc is refused."""
+    from rotor_ida.model.few_modes import in_modes  # noqa: PLC0415 - heavy
+    from rotor_ida.results.system_file import read_system_file  # noqa: PLC0415
+
+    for name, value in {**rotor.given, "machine": rotor.machine}.items():
+        if value is not None and name != "speed":
+            raise InputError(f"{name} must be left out with a rotor system, got {shown(value)}")
+    if not isinstance(start, str | None):
+        raise InputError(f"start must be settled or rest with a rotor system, got {shown(start)}")
+    system, course = read_system_file(file)
+    return in_modes(system, course.modes, None)[0]
 
 
 def _one_disc(rotor: RotorOptions, node: Sequence[str] | None) -> AnyRotor:
@@ -205,12 +164,11 @@ def _at(reading: options.ReadingOptions, node: str) -> options.ReadingOptions:
     >>> _at(given, "end").columns
     ['x=C:1', 'keyphasor=K']
     """
-    own = {
-        name: words and [word.removeprefix(f"{node}:") for word in words
-                         if _node_of(word) in {"", node}]
-        for name, words in (("columns", reading.columns), ("units", reading.units))
-    }  # fmt: skip
-    return replace(reading, **own)
+    columns, units = (
+        words and [word.removeprefix(f"{node}:") for word in words if _node_of(word) in {"", node}]
+        for words in (reading.columns, reading.units)
+    )
+    return replace(reading, columns=columns, units=units)
 
 
 def _all_in(name: str, values: list[float] | None, unit: str) -> list[float] | None:

@@ -9,9 +9,9 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from rotor_ida.checks import shown
-from rotor_ida.cli import machines, options, parsing
+from rotor_ida.cli import machines, parsing
 from rotor_ida.cli.given import facts_of_machine
-from rotor_ida.cli.option_types import IN_OUTPUT, ROTOR, path_option
+from rotor_ida.cli.option_types import ROTOR
 from rotor_ida.cli.output import FORCED
 from rotor_ida.cli.report import Report
 from rotor_ida.cli.rotor_options import with_parameters
@@ -21,7 +21,6 @@ from rotor_ida.model.data_sheet import check_keys, implausible
 from rotor_ida.units import read_in
 
 ENDING = ".toml"
-MachineOut = Annotated[Path | None, path_option("Write the machine to this TOML file."), IN_OUTPUT]
 
 
 def _word(_name: str, words: list[str]) -> str:
@@ -75,9 +74,9 @@ class SheetOptions:
 def machine(
     *,
     sheet: SheetOptions = SheetOptions(),
-    out: MachineOut = None,
-    as_json: options.AsJson = False,
-    force: options.Force = False,
+    out: Path | None = None,
+    as_json: bool = False,
+    force: bool = False,
 ) -> Report:
     r"""Describe a machine by its data sheet, and write a file for the option --machine.
 

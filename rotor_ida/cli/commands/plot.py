@@ -12,17 +12,8 @@ import numpy as np
 from cyclopts import Parameter
 
 import rotor_ida
-from rotor_ida.checks import MOST_NUMBERS, check_increasing, did_you_mean, shown
+from rotor_ida.checks import check_increasing, did_you_mean, shown
 from rotor_ida.cli import options, parsing
-from rotor_ida.cli.option_types import (
-    IN_OUTPUT,
-    count_option,
-    flag_option,
-    number_option,
-    numbers_option,
-    path_option,
-    quantity_option,
-)
 from rotor_ida.cli.output import OUT_ENDING, Output, read, write_figure
 from rotor_ida.cli.parsing import in_unit
 from rotor_ida.cli.report import Report
@@ -65,13 +56,6 @@ OF_TIMES = (
     ("episode", "entry_time", "exit_time"),
     ("pulse", "keyphasor", "keyphasor"),
 )
-FigureOfPlot = Annotated[
-    Path | None,
-    path_option(
-        "Draw to NAME.png and NAME.svg, or to NAME.pdf. Default: named after FILE and kind."
-    ),
-    IN_OUTPUT,
-]
 KindOfPlot = Literal[
     "bode", "polar", "orders", "orbit", "full-spectrum", "cascade", "spectrogram", "centreline",
     "trace", "orbits", "forces", "history", "shape", "section", "diagram",
@@ -105,90 +89,31 @@ def _kind_of_plot(name: str, words: Sequence[str]) -> str:
     return others[word]
 
 
-PlotKind = Annotated[
-    KindOfPlot | None,
-    Parameter(
-        help="Plot to draw. Default: one that suits the file. Also understood: waterfall for "
-        "cascade, spectrum for full-spectrum, campbell for spectrogram.",
-        converter=parsing.converter(_kind_of_plot),
-    ),
-]
-Node = Annotated[
-    str | None,
-    Parameter(help="Node of a rotor system at which probes look at the shaft.", metavar="NAME"),
-]
-OneContact = Annotated[
-    int | None, count_option("Contact whose forces are drawn, counted from 0.", 0, MOST_NUMBERS)
-]
-Instant = Annotated[
-    float | None,
-    quantity_option("Instant of a deflected shape. Default: the largest deflection.", "s"),
-]
-Exact = Annotated[
-    bool,
-    flag_option("Also draw the exact response, cycle or backward whirl of the archived rotor."),
-]
-OneOrder = Annotated[
-    float | None,
-    number_option("Order in Bode and polar plots, as a multiple of the speed. Default: 1."),
-]
-Orders = Annotated[
-    list[float] | None,
-    numbers_option(
-        "Orders to track, to fit together with the one of a Bode or polar plot or the mean "
-        "position, or to mark in a cascade or spectrogram."
-    ),
-]
-Revolutions = Annotated[
-    int | None,
-    count_option(
-        "Revolutions in each window of an order or a mean position. Default: as suits the record.",
-        1,
-        MOST_NUMBERS,
-    ),
-]
-Sense = Annotated[
-    Literal["forward", "backward"] | None,
-    Parameter(help="Sense of the whirl in Bode and polar plots."),
-]
-Over = Annotated[
-    Literal["speed", "t", "time"] | None,
-    Parameter(help="Axis of a cascade or spectrogram: speed or time."),
-]
-Span = Annotated[
-    float | None, number_option("Largest frequency to show, as a multiple of the speed.")
-]
-Segment = Annotated[
-    int | None, count_option("Number of samples in each segment of a spectrum.", 16, MOST_NUMBERS)
-]
-ShownClearance = Annotated[
-    float | None,
-    quantity_option("Clearance of a measured machine, in the unit of the probes or as 150um.", "m"),
-]
+READ_KIND = Parameter(converter=parsing.converter(_kind_of_plot))
 
 
 def plot(
-    file: options.SignalFile,
+    file: Path,
     /,
     *,
-    kind: PlotKind = None,
-    figure: FigureOfPlot = None,
-    exact: Exact = False,
-    order: OneOrder = None,
-    orders: Orders = None,
-    revolutions: Revolutions = None,
-    sense: Sense = None,
-    over: Over = None,
-    span: Span = None,
-    segment: Segment = None,
-    clearance: ShownClearance = None,
-    node: Node = None,
-    contact: OneContact = None,
-    at: Instant = None,
-    times: options.Times = None,
+    kind: Annotated[KindOfPlot | None, READ_KIND] = None,
+    figure: Path | None = None,
+    exact: bool = False,
+    order: float | None = None,
+    orders: list[float] | None = None,
+    revolutions: int | None = None,
+    sense: Literal["forward", "backward"] | None = None,
+    over: Literal["speed", "t", "time"] | None = None,
+    span: float | None = None,
+    segment: int | None = None,
+    clearance: float | None = None,
+    node: str | None = None,
+    contact: int | None = None,
+    at: float | None = None,
+    times: tuple[float, float] | None = None,
     reading: options.ReadingOptions = options.ReadingOptions(),
-    as_json: options.AsJson = False,
-    force: options.Force = False,
+    as_json: bool = False,
+    force: bool = False,
 ) -> Report:
     r"""Plot an archive or a measured file: Bode, orbit, cascade and others.
 

@@ -7,14 +7,11 @@ import os
 from dataclasses import asdict, replace
 from datetime import timedelta
 from pathlib import Path
-from typing import Annotated, cast
-
-from cyclopts import Parameter
+from typing import cast
 
 import rotor_ida
 from rotor_ida.checks import check_one_varies, shown
 from rotor_ida.cli import options
-from rotor_ida.cli.option_types import IN_SOLVER, path_option
 from rotor_ida.cli.output import Output, answer, answer_whole, check_varies, read, working
 from rotor_ida.cli.report import FIRST_ROWS, Report
 from rotor_ida.cli.sheets import facts
@@ -24,23 +21,16 @@ from rotor_ida.simulation.options import Method
 
 # A longer remaining time [s] is shown as this one.
 LONGEST_LEFT = 1e12
-Witness = Annotated[
-    Method | None,
-    Parameter(help="Solver of the new computation. Default: that of the archive."),
-    IN_SOLVER,
-]
-File = Annotated[Path, path_option("Archive written by rotor-ida (.nc).", name="FILE")]
-Folder = Annotated[Path, path_option("Folder of a study.", name="FOLDER")]
 
 
 def show(
-    file: File,
+    file: Path,
     /,
     *,
-    figure: options.Figure = None,
-    csv: options.Csv = None,
-    as_json: options.AsJson = False,
-    force: options.Force = False,
+    figure: Path | None = None,
+    csv: Path | None = None,
+    as_json: bool = False,
+    force: bool = False,
 ) -> Report:
     """Show an archive: its kind, its origin and its first rows.
 
@@ -63,13 +53,13 @@ def show(
 
 
 def compare(
-    file: File,
+    file: Path,
     /,
     *,
-    out: options.Out = None,
-    csv: options.Csv = None,
-    as_json: options.AsJson = False,
-    force: options.Force = False,
+    out: Path | None = None,
+    csv: Path | None = None,
+    as_json: bool = False,
+    force: bool = False,
 ) -> Report:
     """Compare an archived sweep with the exact whirls and limit cycles.
 
@@ -87,12 +77,12 @@ def compare(
 
 
 def verify(
-    file: File,
+    file: Path,
     /,
     *,
-    method: Witness = None,
-    workers: options.Workers = None,
-    as_json: options.AsJson = False,
+    method: Method | None = None,
+    workers: int | None = None,
+    as_json: bool = False,
 ) -> Report:
     """Recompute an archived result and compare it with the archive.
 
@@ -126,7 +116,7 @@ def verify(
     return Report(record=record, parts=parts, as_json=as_json, trouble=trouble)
 
 
-def status(folder: Folder, /, *, as_json: options.AsJson = False) -> Report:
+def status(folder: Path, /, *, as_json: bool = False) -> Report:
     """Show the progress of a study: points done, failed and left, and the time left.
 
     The study of the example of basin-fractions, even while it runs:
@@ -151,7 +141,7 @@ def status(folder: Folder, /, *, as_json: options.AsJson = False) -> Report:
 
 
 def resume(
-    folder: Folder,
+    folder: Path,
     /,
     *,
     jobs: options.JobOptions = options.JobOptions(),
