@@ -109,12 +109,11 @@ class Case:
     @property
     def rotor_values(self) -> dict[str, Any]:
         """The given parameters of one disc, or of several."""
-        rotors = self.rotors
-        return dict(rotors.given if isinstance(rotors, RotorOptions) else rotors.values)
+        return dict(self.rotors.given)
 
     def varied(self) -> list[str]:
         """Return the parameters that have several values."""
-        axes = self.rotors.values | {
+        axes = self.rotors.given | {
             name: self.given[name] for name in PARAMETERS_OF_SYSTEM if name in self.given
         }
         return [name for name, each in axes.items() if len(each) > 1]
@@ -199,7 +198,9 @@ class Case:
             return [rotor], given
         starts = given.get("start") or range(given.get("starts", 1) if self.of.starts else 1)
         axes = [given[name] for name in ("rate", "phase") if isinstance(given.get(name), list)]
-        check_points(*self.rotors.axes(), *axes, starts, in_study=given.get("study") is not None)
+        check_points(
+            *self.rotors.given.values(), *axes, starts, in_study=given.get("study") is not None
+        )
         self.output.check(panels=self.panels)
         rotors, varied = self.rotors.asked(self.known)
         return [rotors], {**varied, **given}

@@ -63,33 +63,20 @@ SEVERAL = {
 Fields = TypeVar("Fields", bound=type)
 
 
-def with_parameters(
-    options: Mapping[str, Any], defaults: Mapping[str, float | None]
-) -> Callable[[Fields], Fields]:
-    """Return a decorator that puts parameters before the fields of a dataclass.
-
-    Parameters
-    ----------
-    options : mapping of str to type
-        The type of each parameter, with its option.
-    defaults : mapping of str to float or None
-        Default values of optional parameters.
-    """
+def with_parameters(options: Mapping[str, Any]) -> Callable[[Fields], Fields]:
+    """Return a decorator that puts options, none of which is needed, before those of a group."""
 
     def add(group: Fields) -> Fields:
         group.__annotations__ = {**options, **group.__annotations__}
-        for name, value in defaults.items():
-            setattr(group, name, value)
+        for name in options:
+            setattr(group, name, None)
         return group
 
     return add
 
 
-@Parameter(name="*", group=ROTOR)
-@dataclass(frozen=True, kw_only=True)
-@with_parameters({**ONE, "machine": MachineFile}, dict.fromkeys([*ONE, "machine"]))
-class RotorOptions:
-    """One rotor, without dimensions or in SI units."""
+class Given:
+    """What is given of rotors, without dimensions, in SI units or by a file."""
 
     if TYPE_CHECKING:
         machine: Path | None = None
@@ -100,9 +87,16 @@ class RotorOptions:
         return self.machine is not None or bool(self.given.keys() & set(MACHINE_PARAMETERS))
 
     @property
-    def given(self) -> dict[str, float]:
-        """The given quantities."""
+    def given(self) -> dict[str, Any]:
+        """The given quantities, each a number or several."""
         return {name: getattr(self, name) for name in ONE if getattr(self, name) is not None}
+
+
+@Parameter(name="*", group=ROTOR)
+@dataclass(frozen=True, kw_only=True)
+@with_parameters({**ONE, "machine": MachineFile})
+class RotorOptions(Given):
+    """One rotor, without dimensions or in SI units."""
 
     def chosen(self, known: Mapping[str, float] = {}) -> Rotor | DimensionalRotor:
         """Return the rotor, dimensionless or in SI units, from the given and `known` quantities."""
@@ -111,22 +105,9 @@ class RotorOptions:
 
 @Parameter(name="*", group=ROTOR)
 @dataclass(frozen=True, kw_only=True)
-@with_parameters({**SEVERAL, "machine": MachineFile}, dict.fromkeys([*SEVERAL, "machine"]))
-class RotorsOptions:
+@with_parameters({**SEVERAL, "machine": MachineFile})
+class RotorsOptions(Given):
     """The rotors of a study; without an optional parameter, all have its default."""
-
-    if TYPE_CHECKING:
-        machine: Path | None = None
-
-    @property
-    def in_si(self) -> bool:
-        """Whether they are in SI units."""
-        return self.machine is not None or bool(self.values.keys() & set(MACHINE_PARAMETERS))
-
-    @property
-    def values(self) -> dict[str, list[float]]:
-        """The values of each quantity that is given."""
-        return {name: getattr(self, name) for name in SEVERAL if getattr(self, name) is not None}
 
     def asked(
         self, known: Mapping[str, list[float]] = {}
@@ -135,7 +116,7 @@ class RotorsOptions:
 
         One value of an optional parameter does not make an axis.
         """
-        values = {**self.values, **known}
+        values = {**self.given, **known}
         if self.machine is None:
             machines.check_complete(values, OPTIONAL)
         if self.in_si:
@@ -145,23 +126,16 @@ class RotorsOptions:
             for name, each in values.items()
         }
 
-    def axes(self) -> list[list[float]]:
-        """Return the values of each given parameter."""
-        return list(self.values.values())
-
     def panels(self, over: str = "") -> int:
         """Return the number of panels of a figure over one of the parameters."""
         return math.prod(
-            len(each) for name, each in self.values.items() if BECOMES.get(name, name) != over
+            len(each) for name, each in self.given.items() if BECOMES.get(name, name) != over
         )
 
 
 @Parameter(name="*", group=ROTOR)
 @dataclass(frozen=True, kw_only=True)
-@with_parameters(
-    {name: Annotated[SEVERAL[name], Parameter(show=False)] for name in SPEEDS},
-    dict.fromkeys(SPEEDS),
-)
+@with_parameters({name: Annotated[SEVERAL[name], Parameter(show=False)] for name in SPEEDS})
 class AllSpeedsOptions(RotorsOptions):
     """Rotors for lists of folds or Hopf points, which are found at all speeds."""
 
@@ -170,11 +144,11 @@ class AllSpeedsOptions(RotorsOptions):
     ) -> tuple[DimensionalRotor | None, dict[str, Any]]:
         """Return the machine, if it is one, and the given parameters that affect these points."""
         for name in SPEEDS:
-            if name in self.values:
+            if name in self.given:
                 raise InputError(f"{name} must be left out: all speeds are searched")
         speed = "speed" if self.in_si else "omega"
         if self.machine is None:
-            machines.check_complete(self.values, OPTIONAL, known=(speed,))
+            machines.check_complete(self.given, OPTIONAL, known=(speed,))
         at_any = {speed: [ANY_SPEED]} if self.machine is None else {}
         machine, given = super().asked({**known, **at_any})
         given.pop("omega", None)

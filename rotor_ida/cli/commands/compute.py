@@ -219,14 +219,9 @@ def _change_of_file(case: Case, begin: float | None) -> None:
 
 
 def reproduce(
-    *,
-    out: Path = Path("results"),
-    quick: bool = False,
-    studies: bool = False,
-    only: list[str] | None = None,
-    workers: int | None = None,
-    force: bool = False,
-) -> int:
+    *, out: Path = Path("results"), quick: bool = False, studies: bool = False,
+    only: list[str] | None = None, workers: int | None = None, force: bool = False,
+) -> int:  # fmt: skip
     """Reproduce the figures of the paper and, on request, all studies, as a page index.html.
 
     Results that are up to date are kept. One scenario, coarse but quick:

@@ -33,19 +33,11 @@ ONE, MANY = "drop.nc", "drops.nc"
 
 
 def drop(
-    system: Path,
-    /,
-    *,
-    out: Path,
-    speed: float | None = None,
-    duration: float | None = None,
-    drops: int | None = None,
-    film: Path | None = None,
-    jobs: options.JobOptions = options.JobOptions(),
-    study: Path | None = None,
-    as_json: bool = False,
-    force: bool = False,
-) -> Report:
+    system: Path, /, *, out: Path, speed: float | None = None, duration: float | None = None,
+    drops: int | None = None, film: Path | None = None,
+    jobs: options.JobOptions = options.JobOptions(), study: Path | None = None,
+    as_json: bool = False, force: bool = False,
+) -> Report:  # fmt: skip
     r"""Drop a levitated rotor on its touchdown bearings, and write a report.
 
     The system file gives magnetic bearings as [[supports]], touchdown bearings as [[contacts]], and

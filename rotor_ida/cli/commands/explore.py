@@ -27,16 +27,10 @@ PAGE = ".html"
 
 
 def explore(
-    file: Path | None = None,
-    *,
-    rotor: RotorOptions = RotorOptions(),
-    start: State | str | None = None,
-    port: int = 8765,
-    no_browser: bool = False,
-    export: Path | None = None,
-    speeds: list[float] | None = None,
-    force: bool = False,
-) -> int:
+    file: Path | None = None, *, rotor: RotorOptions = RotorOptions(),
+    start: State | str | None = None, port: int = 8765, no_browser: bool = False,
+    export: Path | None = None, speeds: list[float] | None = None, force: bool = False,
+) -> int:  # fmt: skip
     r"""Open an interactive page in the browser, with sliders for the parameters.
 
     The page is served on this computer only, until Ctrl-C:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import rotor_ida
 from rotor_ida.checks import State, shown
@@ -25,21 +25,13 @@ if TYPE_CHECKING:
 
 
 def fit(
-    *files: Path,
-    unknown: list[str],
-    node: list[str] | None = None,
-    rotor: RotorOptions = RotorOptions(),
-    orders: list[float] | None = None,
-    start: State | str | None = None,
-    entries: list[float] | None = None,
-    exits: list[float] | None = None,
-    time_error: float | None = None,
-    noise: float | None = None,
-    limit: float | None = None,
-    times: tuple[float, float] | None = None,
-    reading: options.ReadingOptions = options.ReadingOptions(),
-    output: Output = Output(),
-) -> Report:
+    *files: Path, unknown: list[str], node: list[str] | None = None,
+    rotor: RotorOptions = RotorOptions(), orders: list[float] | None = None,
+    start: State | str | None = None, entries: list[float] | None = None,
+    exits: list[float] | None = None, time_error: float | None = None, noise: float | None = None,
+    limit: float | None = None, times: tuple[float, float] | None = None,
+    reading: options.ReadingOptions = options.ReadingOptions(), output: Output = Output(),
+) -> Report:  # fmt: skip
     r"""Fit rotor parameters to measured signals, with their errors.
 
     To the archive of the example of run-up; the given values are the initial guess:
@@ -74,18 +66,11 @@ def fit(
     length, time = (str(each_node[0][name].attrs.get("units", "1")) for name in "xt")
     with working("trials") as progress:
         found = rotor_ida.fit(
-            signals,
-            machine,
-            unknown,
-            orders=(1.0,) if orders is None else orders,
-            start=start,
-            entries=_all_in("entries", entries, time),
-            exits=_all_in("exits", exits, time),
-            time_error=None if time_error is None else in_unit("time_error", time_error, time),
-            noise=None if noise is None else in_unit("noise", noise, length),
-            limit=limit,
-            progress=progress,
-        )
+            signals, machine, unknown, orders=(1.0,) if orders is None else orders, start=start,
+            entries=_in(time, "entries", entries), exits=_in(time, "exits", exits),
+            time_error=_in(time, "time_error", time_error), noise=_in(length, "noise", noise),
+            limit=limit, progress=progress,
+        )  # fmt: skip
     for name in OF_FILE:
         if told := dict.fromkeys(str(each.attrs[name]) for each in each_node if name in each.attrs):
             found.attrs[name] = "; ".join(told)
@@ -171,6 +156,8 @@ def _at(reading: options.ReadingOptions, node: str) -> options.ReadingOptions:
     return replace(reading, columns=columns, units=units)
 
 
-def _all_in(name: str, values: list[float] | None, unit: str) -> list[float] | None:
-    """Return values in the unit of the signals."""
-    return None if values is None else [in_unit(name, each, unit) for each in values]
+def _in(unit: str, name: str, value: Any) -> Any:
+    """Return a number, or numbers, in the unit of the signals; None unchanged."""
+    if isinstance(value, list):
+        return [in_unit(name, each, unit) for each in value]
+    return None if value is None else in_unit(name, value, unit)

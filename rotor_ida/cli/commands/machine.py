@@ -62,7 +62,7 @@ SHEET = {
 
 @Parameter(name="*", group=ROTOR)
 @dataclass(frozen=True, kw_only=True)
-@with_parameters({name: _quantity(*told) for name, told in SHEET.items()}, dict.fromkeys(SHEET))
+@with_parameters({name: _quantity(*told) for name, told in SHEET.items()})
 class SheetOptions:
     """The entries of a data sheet."""
 

@@ -27,23 +27,15 @@ if TYPE_CHECKING:
 # Attributes of measured signals that describe how the file was read.
 OF_FILE = ("columns", "notes")
 FUNCTIONS = {
-    "bode": "plot_bode",
-    "polar": "plot_polar",
-    "orders": "plot_orders",
-    "orbit": "plot_orbit",
-    "full-spectrum": "plot_full_spectrum",
-    "cascade": "plot_cascade",
-    "spectrogram": "plot_spectrogram",
-    "centreline": "plot_centre_line",
-    "trace": "plot_trace",
-}
+    "bode": "plot_bode", "polar": "plot_polar", "orders": "plot_orders", "orbit": "plot_orbit",
+    "full-spectrum": "plot_full_spectrum", "cascade": "plot_cascade",
+    "spectrogram": "plot_spectrogram", "centreline": "plot_centre_line", "trace": "plot_trace",
+}  # fmt: skip
 # Those of a whole rotor system.
 OF_SYSTEM = {
-    "orbits": "plot_node_orbits",
-    "forces": "plot_forces",
-    "history": "plot_run",
+    "orbits": "plot_node_orbits", "forces": "plot_forces", "history": "plot_run",
     "shape": "plot_shape",
-}
+}  # fmt: skip
 # Those of sections and diagrams, at a node of a rotor system.
 OF_RESULTS = {"section": "plot_section", "diagram": "plot_extrema"}
 DRAWN_BY = FUNCTIONS | OF_SYSTEM | OF_RESULTS
@@ -62,18 +54,11 @@ KindOfPlot = Literal[
 ]  # fmt: skip
 # Other names of these.
 PLOTS_ALSO_CALLED: dict[str, KindOfPlot] = {
-    "waterfall": "cascade",
-    "spectrum": "full-spectrum",
-    "campbell": "spectrogram",
-    "colormap": "spectrogram",
-    "nyquist": "polar",
-    "centerline": "centreline",
-    "shaft-centerline": "centreline",
-    "timebase": "trace",
-    "waveform": "trace",
-    "mode-shape": "shape",
-    "deflected-shape": "shape",
-}
+    "waterfall": "cascade", "spectrum": "full-spectrum", "campbell": "spectrogram",
+    "colormap": "spectrogram", "nyquist": "polar", "centerline": "centreline",
+    "shaft-centerline": "centreline", "timebase": "trace", "waveform": "trace",
+    "mode-shape": "shape", "deflected-shape": "shape",
+}  # fmt: skip
 
 
 def _kind_of_plot(name: str, words: Sequence[str]) -> str:
@@ -93,28 +78,16 @@ READ_KIND = Parameter(converter=parsing.converter(_kind_of_plot))
 
 
 def plot(
-    file: Path,
-    /,
-    *,
-    kind: Annotated[KindOfPlot | None, READ_KIND] = None,
-    figure: Path | None = None,
-    exact: bool = False,
-    order: float | None = None,
-    orders: list[float] | None = None,
-    revolutions: int | None = None,
+    file: Path, /, *, kind: Annotated[KindOfPlot | None, READ_KIND] = None,
+    figure: Path | None = None, exact: bool = False, order: float | None = None,
+    orders: list[float] | None = None, revolutions: int | None = None,
     sense: Literal["forward", "backward"] | None = None,
-    over: Literal["speed", "t", "time"] | None = None,
-    span: float | None = None,
-    segment: int | None = None,
-    clearance: float | None = None,
-    node: str | None = None,
-    contact: int | None = None,
-    at: float | None = None,
-    times: tuple[float, float] | None = None,
-    reading: options.ReadingOptions = options.ReadingOptions(),
-    as_json: bool = False,
+    over: Literal["speed", "t", "time"] | None = None, span: float | None = None,
+    segment: int | None = None, clearance: float | None = None, node: str | None = None,
+    contact: int | None = None, at: float | None = None, times: tuple[float, float] | None = None,
+    reading: options.ReadingOptions = options.ReadingOptions(), as_json: bool = False,
     force: bool = False,
-) -> Report:
+) -> Report:  # fmt: skip
     r"""Plot an archive or a measured file: Bode, orbit, cascade and others.
 
     The archive of the example of run-up, as suits it, to run_up.png and run_up.svg; then
@@ -231,15 +204,9 @@ def _of_kind(kind: KindOfPlot, dataset: xr.Dataset, chosen: dict[str, Any]) -> F
 
 
 def _written(
-    file: Path,
-    dataset: xr.Dataset,
-    drawn: Figure,
-    figure: Path,
-    *,
-    kind: KindOfPlot | None,
-    as_json: bool,
-    force: bool,
-) -> Report:
+    file: Path, dataset: xr.Dataset, drawn: Figure, figure: Path, *, kind: KindOfPlot | None,
+    as_json: bool, force: bool,
+) -> Report:  # fmt: skip
     """Write a figure and return the report."""
     written, trouble = [], ""
     try:

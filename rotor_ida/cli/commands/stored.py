@@ -24,14 +24,9 @@ LONGEST_LEFT = 1e12
 
 
 def show(
-    file: Path,
-    /,
-    *,
-    figure: Path | None = None,
-    csv: Path | None = None,
-    as_json: bool = False,
+    file: Path, /, *, figure: Path | None = None, csv: Path | None = None, as_json: bool = False,
     force: bool = False,
-) -> Report:
+) -> Report:  # fmt: skip
     """Show an archive: its kind, its origin and its first rows.
 
     The archive of the example of simulate, also as CSV files:
@@ -53,14 +48,9 @@ def show(
 
 
 def compare(
-    file: Path,
-    /,
-    *,
-    out: Path | None = None,
-    csv: Path | None = None,
-    as_json: bool = False,
+    file: Path, /, *, out: Path | None = None, csv: Path | None = None, as_json: bool = False,
     force: bool = False,
-) -> Report:
+) -> Report:  # fmt: skip
     """Compare an archived sweep with the exact whirls and limit cycles.
 
     The archive of the example of sweep:
@@ -77,13 +67,9 @@ def compare(
 
 
 def verify(
-    file: Path,
-    /,
-    *,
-    method: Method | None = None,
-    workers: int | None = None,
+    file: Path, /, *, method: Method | None = None, workers: int | None = None,
     as_json: bool = False,
-) -> Report:
+) -> Report:  # fmt: skip
     """Recompute an archived result and compare it with the archive.
 
     The archive of the example of simulate, by the same method and by another:
@@ -141,11 +127,7 @@ def status(folder: Path, /, *, as_json: bool = False) -> Report:
 
 
 def resume(
-    folder: Path,
-    /,
-    *,
-    jobs: options.JobOptions = options.JobOptions(),
-    output: Output = Output(),
+    folder: Path, /, *, jobs: options.JobOptions = options.JobOptions(), output: Output = Output()
 ) -> Report:
     """Continue a study until it is complete, and write its result.
 
