@@ -115,10 +115,7 @@ def campbell(case: Case) -> Report:
 
 @command("of a file")
 def clearance_report(
-    case: Case,
-    *,
-    own_unbalance: bool = False,
-    without_gravity: bool = False,
+    case: Case, *, own_unbalance: bool = False, without_gravity: bool = False
 ) -> Report:
     r"""Check the unbalance response at close clearances in the manner of API 617.
 
