@@ -19,11 +19,17 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import rotor_ida
 from rotor_ida.checks import check_choice, listed, shown
 from rotor_ida.cli import options
-from rotor_ida.cli.machines import of_sheet, sheet_of
 from rotor_ida.cli.output import Output, answer, answer_whole, working
 from rotor_ida.cli.parsing import Quantity, check_points, refuse_units
 from rotor_ida.cli.report import FIRST_ROWS, Report
-from rotor_ida.cli.rotor_options import AllSpeedsOptions, MachineFile, RotorOptions, RotorsOptions
+from rotor_ida.cli.rotor_options import (
+    AllSpeedsOptions,
+    MachineFile,
+    RotorOptions,
+    RotorsOptions,
+    of_sheet,
+    sheet_of,
+)
 from rotor_ida.cli.verb_options import options_of, system_axes
 from rotor_ida.cli.verbs import arguments_of
 from rotor_ida.errors import InputError

@@ -280,7 +280,8 @@ def show_run_ups(dataset: xr.Dataset, most: int | None) -> Description:
              for name in columns]  # fmt: skip
     title = counted(f"How run-ups to {last} end", len(fractions), MOST_FRACTIONS)
     record |= {"to": float(dataset["to"]), **given, "fractions": fractions}
-    return record, [Sheet(title, lines), *_legend(dataset), *tables]
+    sheet = Sheet(title, lines, note=why_unresolved(dataset))
+    return record, [sheet, *_legend(dataset), *tables]
 
 
 def _worst_of_contacts(dataset: xr.Dataset) -> xr.Dataset:

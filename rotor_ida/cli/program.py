@@ -35,12 +35,12 @@ from rotor_ida.cli.commands.explore import explore
 from rotor_ida.cli.commands.fit import fit
 from rotor_ida.cli.commands.machine import machine
 from rotor_ida.cli.commands.plot import plot
-from rotor_ida.cli.machines import missing
 from rotor_ida.cli.option_types import OPTIONS, STUDY
 from rotor_ida.cli.options import with_options
 from rotor_ida.cli.output import Output
 from rotor_ida.cli.parsing import SYSTEM_ENDING, as_given, readable, refuse_units
 from rotor_ida.cli.report import FAILED, INTERRUPTED, Report, console_on, text_of
+from rotor_ida.cli.rotor_options import missing
 from rotor_ida.cli.streams import results_only
 from rotor_ida.cli.verb_options import metavar_of
 from rotor_ida.cli.verbs import NEEDED

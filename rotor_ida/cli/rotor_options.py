@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 from cyclopts import Parameter
 
-from rotor_ida.cli import machines
+from rotor_ida.checks import listed
 from rotor_ida.cli.option_types import (
     IN_ROTOR,
     ROTOR,
@@ -19,15 +19,20 @@ from rotor_ida.cli.option_types import (
     path_option,
     quantity_option,
 )
+from rotor_ida.cli.parsing import Quantity
 from rotor_ida.errors import InputError
-from rotor_ida.model.data_sheet import units_of
-from rotor_ida.model.parameters import MACHINE_PARAMETERS, OPTIONAL, TABLE
-from rotor_ida.model.parameters import Parameter as Quantity
+from rotor_ida.model.data_sheet import check_keys, machine_from_data_sheet, overridden, units_of
+from rotor_ida.model.parameters import MACHINE_PARAMETERS, OF_MACHINE, OPTIONAL, PARAMETERS, TABLE
+from rotor_ida.model.parameters import Parameter as Row
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.scales import BECOMES
 
 # Placeholder where a speed is required but not used.
 ANY_SPEED = 1.0
+# Required parameters of a rotor, dimensionless or in SI units.
+KINDS = (PARAMETERS, MACHINE_PARAMETERS)
+# The start of one disc where none is given: in equilibrium with its load.
+REST = "rest"
 # The speed of a rotor, without dimensions and in SI units.
 SPEEDS = ("omega", "speed")
 MachineFile = Annotated[
@@ -37,7 +42,7 @@ MachineFile = Annotated[
 ]
 
 
-def _units_of(parameter: Quantity) -> tuple[str, ...]:
+def _units_of(parameter: Row) -> tuple[str, ...]:
     """Return the allowed units of an option for a parameter of a machine."""
     if parameter.unit == "1":
         return ()
@@ -98,9 +103,17 @@ class Given:
 class RotorOptions(Given):
     """One rotor, without dimensions or in SI units."""
 
+    if TYPE_CHECKING:
+        machine: Path | None = None
+
     def chosen(self, known: Mapping[str, float] = {}) -> Rotor | DimensionalRotor:
         """Return the rotor, dimensionless or in SI units, from the given and `known` quantities."""
-        return machines.chosen({**self.given, **known}, self.machine, OPTIONAL)
+        given = {**self.given, **known}
+        if self.machine is None:
+            check_complete(given, OPTIONAL)
+            if "omega" in given:
+                return Rotor(**given)
+        return of_sheet(sheet_of(given, self.machine), self.machine)
 
 
 @Parameter(name="*", group=ROTOR)
@@ -118,13 +131,21 @@ class RotorsOptions(Given):
         """
         values = {**self.given, **known}
         if self.machine is None:
-            machines.check_complete(values, OPTIONAL)
-        if self.in_si:
-            return machines.varied(values, self.machine)
-        return None, {
-            name: each[0] if name in OPTIONAL and len(each) == 1 else each
-            for name, each in values.items()
-        }
+            check_complete(values, OPTIONAL)
+        if not self.in_si:
+            return None, {
+                name: each[0] if name in OPTIONAL and len(each) == 1 else each
+                for name, each in values.items()
+            }
+        several = {name: each for name, each in values.items() if len(each) > 1}
+        for name, each in several.items():
+            if OF_MACHINE[name].sets_scales:
+                raise InputError(
+                    f"{name} must be one number, as it sets the scales of all machines, got "
+                    f"{len(each)}"
+                )
+        first = {name: each[0] for name, each in values.items()}
+        return of_sheet(sheet_of(first, self.machine), self.machine), several
 
     def panels(self, over: str = "") -> int:
         """Return the number of panels of a figure over one of the parameters."""
@@ -148,8 +169,68 @@ class AllSpeedsOptions(RotorsOptions):
                 raise InputError(f"{name} must be left out: all speeds are searched")
         speed = "speed" if self.in_si else "omega"
         if self.machine is None:
-            machines.check_complete(self.given, OPTIONAL, known=(speed,))
+            check_complete(self.given, OPTIONAL, known=(speed,))
         at_any = {speed: [ANY_SPEED]} if self.machine is None else {}
         machine, given = super().asked({**known, **at_any})
         given.pop("omega", None)
         return machine, given
+
+
+def sheet_of(given: Mapping[str, object], file: Path | None) -> dict[str, object]:
+    """Return the data sheet from options, which override those of a file."""
+    given = {name: float(each) if isinstance(each, float) else each
+             for name, each in given.items()} | _with_its_unit(given)  # fmt: skip
+    if file is None:
+        return given
+    from rotor_ida.results.machine_file import read_data_sheet  # noqa: PLC0415 - not for --help
+
+    dimensionless = [name for name in PARAMETERS if name in given]
+    if dimensionless:
+        raise InputError(f"{dimensionless[0]} must be left out with a machine: it has no dimension")
+    sheet = overridden(read_data_sheet(file), given)
+    check_keys(sheet, str(file))
+    return sheet
+
+
+def _with_its_unit(given: Mapping[str, object]) -> dict[str, object]:
+    """Return the contact stiffness as given: its unit decides the contact law."""
+    stiffness = given.get("contact_stiffness")
+    if isinstance(stiffness, Quantity) and stiffness.word:
+        return {"contact_stiffness": stiffness.word}
+    return {}
+
+
+def check_complete(
+    given: Collection[str], optional: Sequence[str], *, known: Sequence[str] = ()
+) -> None:
+    """Refuse a rotor that is incomplete but for `known` parameters, or given in both ways."""
+    needed = [name for name in given if name not in optional]
+    both = [next((name for name in needed if name in kind), "") for kind in KINDS]
+    if all(both):
+        raise InputError(
+            f"a rotor must be given without dimensions or in SI units, got {listed(both)}"
+        )
+    lacking = missing([*needed, *known])
+    if lacking:
+        beside = f" with {listed(needed)}" if needed else ", or a machine in SI units"
+        raise InputError(f"{listed(lacking)} must be given{beside}")
+
+
+def missing(given: Collection[str]) -> list[str]:
+    """Return the missing parameters of a rotor, for the kind of those given.
+
+    Examples
+    --------
+    >>> missing(["zeta"]), missing([]), missing(["mass", "damping", "eccentricity", "clearance"])
+    (['omega', 'delta0'], ['omega', 'zeta', 'delta0'], ['contact_stiffness', 'speed'])
+    """
+    kind = MACHINE_PARAMETERS if set(MACHINE_PARAMETERS).intersection(given) else PARAMETERS
+    return [name for name in kind if name not in given]
+
+
+def of_sheet(sheet: Mapping[str, object], file: Path | None) -> DimensionalRotor:
+    """Return the machine of a data sheet; a mistake in a file names the file."""
+    try:
+        return machine_from_data_sheet(**sheet)  # type: ignore[arg-type]
+    except InputError as error:
+        raise error if file is None else error.within(f"{file}: ") from error

@@ -7,8 +7,8 @@ from pathlib import Path
 import rotor_ida
 from rotor_ida.checks import check_one_varies, shown
 from rotor_ida.cli.command import Case, command
-from rotor_ida.cli.machines import REST
 from rotor_ida.cli.report import Report
+from rotor_ida.cli.rotor_options import REST
 from rotor_ida.cli.verb_options import OF_CHANGE
 from rotor_ida.errors import InputError
 from rotor_ida.model.scales import BECOMES

@@ -13,10 +13,10 @@ import rotor_ida
 from rotor_ida.checks import shown
 from rotor_ida.cli import options, parsing
 from rotor_ida.cli.command import Case, command
-from rotor_ida.cli.machines import REST
 from rotor_ida.cli.option_types import ROTOR
 from rotor_ida.cli.output import read
 from rotor_ida.cli.report import Report
+from rotor_ida.cli.rotor_options import REST
 from rotor_ida.errors import InputError, RotorError, SimulationError
 from rotor_ida.model.data_sheet import in_si
 from rotor_ida.model.parameters import OF_MACHINE

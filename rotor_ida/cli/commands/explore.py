@@ -8,10 +8,9 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from rotor_ida.checks import COMPONENTS, State, check_state, shown
-from rotor_ida.cli.machines import begun
 from rotor_ida.cli.output import FORCED, working
 from rotor_ida.cli.parsing import refuse_units
-from rotor_ida.cli.rotor_options import RotorOptions
+from rotor_ida.cli.rotor_options import REST, RotorOptions
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.messages import ROTOR_ENDINGS, SystemQuestion, machine_of, state_of
 from rotor_ida.model.parameters import MACHINE_PARAMETERS, OPTIONAL, PARAMETERS
@@ -87,7 +86,7 @@ def _beginning(
         raise InputError(f"file must be a file that exists, got {shown(file)}")
     if file is None or file.suffix.lower() not in ROTOR_ENDINGS:
         chosen = rotor.chosen() if given else FIRST
-        first = _checked_start(chosen, begun(start, chosen))
+        first = _first_state(chosen, start)
         state = state_of(chosen, None if start is None else first, REVOLUTIONS)
         return (state, None) if file is None else (state | {"measured": file.name}, file.resolve())
     if given or start is not None:
@@ -98,19 +97,23 @@ def _beginning(
     return state, file.resolve() if "node" in state else None
 
 
-def _checked_start(rotor: Rotor | DimensionalRotor, start: State) -> State:
-    """Return a start of the page, without dimensions, if it can be followed."""
-    if isinstance(rotor, Rotor):
-        check_can_be_followed(rotor, start)
-        return start
-    from rotor_ida.results.in_si import in_si, without_dimensions  # noqa: PLC0415
+def _first_state(chosen: Rotor | DimensionalRotor, start: State | str | None) -> State:
+    """Return a start without dimensions, if it can be followed; a word is that of the rotor."""
+    from rotor_ida.results.in_si import in_si, without_dimensions  # noqa: PLC0415 - heavy
+    from rotor_ida.simulation.starts import start_of  # noqa: PLC0415
 
-    x, y, vx, vy = without_dimensions(rotor, {"start": start})["start"].tolist()
+    rotor = chosen if isinstance(chosen, Rotor) else chosen.rotor()
+    if isinstance(start, str | None):
+        state = start_of(rotor, start or REST)
+    elif isinstance(chosen, Rotor):
+        state = start
+    else:
+        state = check_state("start", without_dimensions(chosen, {"start": start})["start"].tolist())
     try:
-        check_can_be_followed(rotor.rotor(), (x, y, vx, vy))
+        check_can_be_followed(rotor, state)
     except InputError as error:
-        raise in_si(error, rotor) from error
-    return x, y, vx, vy
+        raise error if isinstance(chosen, Rotor) else in_si(error, chosen) from error
+    return state
 
 
 def _recorded(state: Mapping[str, object], served: Path | None, speeds: list[float] | None) -> str:

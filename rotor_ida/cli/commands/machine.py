@@ -9,12 +9,12 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from rotor_ida.checks import shown
-from rotor_ida.cli import machines, parsing
+from rotor_ida.cli import parsing
 from rotor_ida.cli.given import facts_of_machine
 from rotor_ida.cli.option_types import ROTOR
 from rotor_ida.cli.output import FORCED
 from rotor_ida.cli.report import Report
-from rotor_ida.cli.rotor_options import with_parameters
+from rotor_ida.cli.rotor_options import of_sheet, with_parameters
 from rotor_ida.cli.sheets import Line, Parts, facts
 from rotor_ida.errors import InputError
 from rotor_ida.model.data_sheet import check_keys, implausible
@@ -91,7 +91,7 @@ def machine(
     """
     given = sheet.given()
     check_keys(given, "machine")
-    found = machines.of_sheet(given, None)
+    found = of_sheet(given, None)
     from rotor_ida.results.machine_file import machine_text, save_machine  # noqa: PLC0415
 
     lines, warnings = facts_of_machine(found), implausible(found)
