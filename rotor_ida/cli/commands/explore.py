@@ -106,6 +106,7 @@ def _first_state(chosen: Rotor | DimensionalRotor, start: State | str | None) ->
     if isinstance(start, str | None):
         state = start_of(rotor, start or REST)
     elif isinstance(chosen, Rotor):
+        refuse_units({"start": start})
         state = start
     else:
         state = check_state("start", without_dimensions(chosen, {"start": start})["start"].tolist())

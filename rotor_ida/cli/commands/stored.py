@@ -21,6 +21,10 @@ from rotor_ida.simulation.options import Method
 
 # A longer remaining time [s] is shown as this one.
 LONGEST_LEFT = 1e12
+# What a comparison leaves out, with the titles of the reasons.
+NOT_COMPARED = {
+    "not_compared": "Not compared", "attributes_not_compared": "Attributes not compared",
+}  # fmt: skip
 
 
 def show(
@@ -84,20 +88,15 @@ def verify(
         again = rerun(archived, method=method, workers=workers, progress=progress)
     found = differences(again, archived)
     record = {"file": str(file), **found}
-    told = {name: value for name, value in record.items() if value not in ("", {})}
-    others = {
-        title: cast(dict[str, str], told.pop(name, {}))
-        for name, title in (
-            ("not_compared", "Not compared"),
-            ("attributes_not_compared", "Attributes not compared"),
-        )
-    }
+    told = {name: each for name, each in record.items()
+            if name not in NOT_COMPARED and each not in ("", {})}  # fmt: skip
     parts = [facts("Computed again", told)]
-    for title, left_out in others.items():
-        reasons = dict.fromkeys(left_out.values())
-        names = {why: ", ".join(each for each in left_out if left_out[each] == why)
-                 for why in reasons}  # fmt: skip
-        parts += [facts(title, names)] if names else []
+    for name, title in NOT_COMPARED.items():
+        reasons: dict[str, list[str]] = {}
+        for each, why in cast(dict[str, str], found.get(name, {})).items():
+            reasons.setdefault(why, []).append(each)
+        if reasons:
+            parts.append(facts(title, {why: ", ".join(each) for why, each in reasons.items()}))
     trouble = "" if found["agrees"] else f"{file} does not verify: {found['trouble']}"
     return Report(record=record, parts=parts, as_json=as_json, trouble=trouble)
 
@@ -110,20 +109,13 @@ def status(folder: Path, /, *, as_json: bool = False) -> Report:
         rotor-ida status study
     """
     found = rotor_ida.status(folder)
-    reasons = found.pop("reasons")
-    assert isinstance(reasons, list)
+    reasons, left = cast(list[str], found.pop("reasons")), cast(float, found["seconds_left"])
     rows = {name: entry for name, entry in found.items() if name != "seconds_left"}
-    left = found["seconds_left"]
-    assert isinstance(left, float)
-    rows["time_left"] = (
-        "" if math.isnan(left) else timedelta(seconds=round(min(left, LONGEST_LEFT)))
-    )
+    rounded = None if math.isnan(left) else round(min(left, LONGEST_LEFT))
+    rows["time_left"] = "" if rounded is None else timedelta(seconds=rounded)
     rows |= {f"reason_{number}": reason for number, reason in enumerate(reasons, start=1)}
-    return Report(
-        record={"folder": str(folder), **found, "reasons": reasons},
-        parts=[facts(f"Study {folder}", rows)],
-        as_json=as_json,
-    )
+    record = {"folder": str(folder), **found, "reasons": reasons}
+    return Report(record=record, parts=[facts(f"Study {folder}", rows)], as_json=as_json)
 
 
 def resume(
