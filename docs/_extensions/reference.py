@@ -6,7 +6,7 @@ from pathlib import Path
 
 from notation import public_names
 
-from rotor_ida.cli.program import COMMANDS, application
+from rotor_ida.cli.program import SHORT, application
 from rotor_ida.schema import flags as categories
 
 HERE = Path(__file__).parents[1]
@@ -85,11 +85,9 @@ def write_commands():
     """Write the page of commands from their own help."""
     found = application().generate_docs(output_format="markdown")
     found = re.sub(r"## Table of Contents\n\n(?:- .*\n)+\n", "", found)
-    for commands in COMMANDS.values():
-        for command, short in commands.items():
-            name = getattr(command, "verb", getattr(command, "__name__", "")).replace("_", "-")
-            link = f"[`{name}`](#rotor-ida-{name})"
-            found = found.replace(link, f"{link} (`{short}`)" if short else link)
+    for name, short in SHORT.items():
+        link = f"[`{name}`](#rotor-ida-{name})"
+        found = found.replace(link, f"{link} (`{short}`)")
     write(HERE / "command_line.md", found.replace("# rotor-ida\n", "# The command line\n", 1))
 
 

@@ -19,7 +19,6 @@ from typing import TYPE_CHECKING, Annotated, Any, Literal
 import rotor_ida
 from rotor_ida.checks import check_choice, listed, shown
 from rotor_ida.cli import options
-from rotor_ida.cli.machines import of_sheet, sheet_of
 from rotor_ida.cli.output import Output, answer, answer_whole, working
 from rotor_ida.cli.parsing import Quantity, check_points, refuse_units
 from rotor_ida.cli.report import FIRST_ROWS, Report
@@ -28,6 +27,8 @@ from rotor_ida.cli.rotor_options import (
     MachineFile,
     RotorOptions,
     RotorsOptions,
+    of_sheet,
+    sheet_of,
 )
 from rotor_ida.cli.verb_options import options_of, system_axes
 from rotor_ida.cli.verbs import arguments_of
@@ -74,7 +75,9 @@ class Case:
     without_gravity : bool
         Whether to leave out the gravity of the file.
     rotor : Rotor, DimensionalRotor or RotorSystem, optional
-        The rotor that was asked; None for several without dimensions.
+        The rotor that was asked; None for several without dimensions. A command may know it.
+    adapted : callable, optional
+        Checks the arguments with the rotor, and returns those of the function.
     """
 
     of: Command
@@ -86,6 +89,7 @@ class Case:
     panels: int = 1
     without_gravity: bool = False
     rotor: Any = None
+    adapted: Callable[[Any, dict[str, Any]], dict[str, Any]] | None = None
 
     @property
     def is_system(self) -> bool:
@@ -106,12 +110,14 @@ class Case:
     @property
     def rotor_values(self) -> dict[str, Any]:
         """The given parameters of one disc, or of several."""
-        rotors = self.rotors
-        return dict(rotors.given if isinstance(rotors, RotorOptions) else rotors.values)
+        return dict(self.rotors.given)
 
     def varied(self) -> list[str]:
-        """Return the parameters of one disc that have several values."""
-        return [name for name, each in self.rotors.values.items() if len(each) > 1]
+        """Return the parameters that have several values."""
+        axes = self.rotors.given | {
+            name: self.given[name] for name in PARAMETERS_OF_SYSTEM if name in self.given
+        }
+        return [name for name, each in axes.items() if len(each) > 1]
 
     def draw_at(self, node: str | None) -> None:
         """Draw the figure at a node of a system, if one is given."""
@@ -171,7 +177,7 @@ class Case:
         self.rotor = self._given_machine() or rotor[0]
         if self.of.starts and "start" in given:
             given["starts"] = given.pop("start")
-        return rotor, given
+        return rotor, given if self.adapted is None else self.adapted(rotor[0], given)
 
     # ---- One disc ----
 
@@ -188,12 +194,14 @@ class Case:
                 )
             return [self._given_machine()], given
         if self.of.rotors == "one":
-            rotor = self.rotors.chosen(self.known)
+            rotor = self.rotor or self.rotors.chosen(self.known)
             self.output.check(panels=self.panels)
             return [rotor], given
         starts = given.get("start") or range(given.get("starts", 1) if self.of.starts else 1)
         axes = [given[name] for name in ("rate", "phase") if isinstance(given.get(name), list)]
-        check_points(*self.rotors.axes(), *axes, starts, in_study=given.get("study") is not None)
+        check_points(
+            *self.rotors.given.values(), *axes, starts, in_study=given.get("study") is not None
+        )
         self.output.check(panels=self.panels)
         rotors, varied = self.rotors.asked(self.known)
         return [rotors], {**varied, **given}
@@ -222,13 +230,14 @@ class Case:
 
             system = in_modes(system, course.modes, None)[0]
         told = {name: getattr(course, name) for name in known}
-        if "speeds" in given:
-            del told[SPEED]
+        has_speed = "speeds" in given or _is_result(given.get("start"))
+        if has_speed:
+            told.pop(SPEED, None)
         if self.of.starts:
             told["start"] = [course.start]
         given = {**{name: each for name, each in told.items() if each is not None}, **given}
         self._check_words(given.get("start"))
-        if SPEED in known and SPEED not in given and "speeds" not in given:
+        if SPEED in known and SPEED not in given and not has_speed:
             raise InputError(f"speed must be given with --speed or in {self.file}")
         if "node" in self.of.arguments and "node" not in given:
             nodes = listed([repr(each) for each in system.nodes], "or")
@@ -252,10 +261,15 @@ class Case:
         if "start" not in self.given:
             return
         for each in start if self.of.starts else [start]:
-            if not isinstance(each, str):
+            if not (isinstance(each, str) or _is_result(each)):
                 raise InputError(
                     f"start must be settled or rest with a rotor system, got {shown(each)}"
                 )
+
+
+def _is_result(start: object) -> bool:
+    """Return whether a start is a result, which has its own speed."""
+    return hasattr(start, "data_vars")
 
 
 def _refuse_units_of_factors(varied: Mapping[str, list[float]]) -> None:
@@ -342,7 +356,7 @@ class Command:
     @cached_property
     def own(self) -> dict[str, inspect.Parameter]:
         """The options of the command that the function of the package does not have."""
-        _, *found = inspect.signature(self.body, eval_str=True).parameters.values()
+        _, *found = inspect.signature(options.with_options(self.body)).parameters.values()
         return {each.name: each for each in found}
 
     def _options(self) -> list[inspect.Parameter]:

@@ -11,6 +11,7 @@ import xarray as xr
 
 from rotor_ida.cli.sheets import Line, Range, Sheet, facts, table
 from rotor_ida.cli.variables import (
+    OF_ERROR,
     Description,
     Layout,
     Record,
@@ -113,8 +114,12 @@ STARTS = ("start_x", "start_y", "start_vx", "start_vy")
 # Dimensions over which the endings of run-ups are counted.
 COUNTED = ("phase", "start")
 MOST_FRACTIONS = 40
+# Reasons of unresolved motions below a table.
+MOST_REASONS = 3
 OF_CYCLES = ("period", "radius_max", "largest_force")
 RANGES = ("omega", "amplitude", "radius_max")
+# Digits of estimates of a fit.
+OF_FITTED = 6
 OF_FIT = ("chi_square", "degrees_of_freedom", "noise")
 ENDS_OF_BRANCH = ("first_end", "first_reason", "last_end", "last_reason")
 # Attributes of a branch whose names a record uses otherwise.
@@ -275,7 +280,8 @@ def show_run_ups(dataset: xr.Dataset, most: int | None) -> Description:
              for name in columns]  # fmt: skip
     title = counted(f"How run-ups to {last} end", len(fractions), MOST_FRACTIONS)
     record |= {"to": float(dataset["to"]), **given, "fractions": fractions}
-    return record, [Sheet(title, lines), *_legend(dataset), *tables]
+    sheet = Sheet(title, lines, note=why_unresolved(dataset))
+    return record, [sheet, *_legend(dataset), *tables]
 
 
 def _worst_of_contacts(dataset: xr.Dataset) -> xr.Dataset:
@@ -306,7 +312,18 @@ def count_of_kinds(dataset: xr.Dataset, ranges: Sequence[str] = RANGES) -> Sheet
     ]
     places = [(dataset, words == each) for each in kinds]
     lines += [range_of(name, places) for name in names]
-    return Sheet("Responses by kind", lines)
+    return Sheet("Responses by kind", lines, note=why_unresolved(dataset))
+
+
+def why_unresolved(dataset: xr.Dataset) -> str:
+    """Return for how long unresolved motions were followed, and what still moved; empty if none."""
+    if not {"response", "message"} <= dataset.variables.keys():
+        return ""
+    unresolved = dataset["response"].values == RESPONSE["unresolved"]
+    said = dict.fromkeys(filter(None, np.ravel(dataset["message"].values[unresolved]).tolist()))
+    first, more = [*said][:MOST_REASONS], len(said) - MOST_REASONS
+    others = [f"{more} other reasons (all with --json)"] if more > 0 else []
+    return f"Unresolved: {'; '.join([*first, *others])}." if said else ""
 
 
 def range_of(name: str, places: Sequence[tuple[xr.Dataset, xr.DataArray]]) -> Line:
@@ -385,7 +402,8 @@ def show_cycle(dataset: xr.Dataset, most: int | None) -> Description:
         record["lines"] = rows_of(dataset, STRONGEST_LINES.names)  # to programs by frequency
     record["parameters"] = parameters
     if dataset["period"].isnull():
-        return record, [f"No limit cycle: the response is {record['response']}."]
+        said = f"No limit cycle: the response is {record['response']}."
+        return record, [said, *filter(None, [why_unresolved(dataset)])]
     told = lines_of(dataset, parameters | scalars_of(dataset))
     error = float(dataset["period_error"] / dataset["period"])
     told = [replace(each, values=[error], unit="1", digits=1, note="of the period")
@@ -457,7 +475,14 @@ def _over_points(dataset: xr.Dataset) -> xr.Dataset:
 
 def show_fit(dataset: xr.Dataset, most: int | None) -> Description:
     """Return the estimates of a fit, their constraint by the signals, and the residuals."""
-    record, parts = tabled(dataset, most, FITTED)
+    record, _ = tabled(dataset, most, FITTED)
+    numbers = [name for name in FITTED.names if name not in {"unknown", "unit"}]
+    rounded = [float(f"{each:.{OF_ERROR}g}") for each in dataset["standard_error"].values]
+    rows = rows_of(dataset.assign(standard_error=("unknown", rounded)), FITTED.names)
+    lines = [Line(str(row["unknown"]), [row[name] for name in numbers],
+                  str(row["unit"]).replace("rad", "radian"), OF_FITTED)
+             for row in rows]  # fmt: skip
+    heads = [name.replace("_", " ") for name in numbers]
     told = [f"{each}." for each in str(dataset.attrs.get("identifiability", "")).split("; ")]
     summary: Record = {
         "machine": dataset.attrs.get("machine", ""),
@@ -466,4 +491,5 @@ def show_fit(dataset: xr.Dataset, most: int | None) -> Description:
     last = ("search", "remainder", "contact_times", "columns", "notes")
     summary |= {name: record[name] for name in (*OF_FIT, *last) if name in record}
     record |= summary | {"identifiability": told}
-    return record, [facts("Fit", summary), *parts, *told]
+    title = counted(FITTED.title, len(lines), None)
+    return record, [facts("Fit", lines_of(dataset, summary)), Sheet(title, lines, heads), *told]

@@ -90,10 +90,7 @@ def show_system_sweep(dataset: xr.Dataset, most: int | None) -> Description:
 def worst_of_contacts(dataset: xr.Dataset) -> tuple[xr.Dataset, Record]:
     """Return settled responses with the worst of all contacts, and the contacts as a record."""
     gaps = clearance_of_contacts(dataset)
-    worst = {
-        "excursion": dataset["radius_max"] / gaps,
-        "largest_force": dataset["largest_force"],
-    }
+    worst = {"excursion": dataset["radius_max"] / gaps, "largest_force": dataset["largest_force"]}
     told = dataset.drop_dims([dim for dim in OF_MOTION if dim in dataset.dims])
     if dataset.sizes["contact"]:
         told = told.assign({name: each.max("contact") for name, each in worst.items()})

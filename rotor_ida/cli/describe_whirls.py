@@ -27,70 +27,48 @@ BACKWARD_WHIRL = Layout("Rotor", (Rows(
            "tangential_force"),
 ),))  # fmt: skip
 _OF_WHIRL = ("stability", "growth_rate")
-WHIRLS_OF_SYSTEM = Layout(
-    "Whirls",
-    (
-        Rows(
-            title="At contacts", key="whirls", lead="amplitude", gaps=True,
-            names=("speed", "branch", "contact", "amplitude", "phase_lag", "normal_force",
-                   "in_contact", *_OF_WHIRL),
-        ),
-        Rows(
-            title="At nodes", key="nodes", lead="node_amplitude", gaps=True,
-            names=("speed", "branch", "node", "node_amplitude", "node_phase_lag", *_OF_WHIRL),
-        ),
-    ),
-)  # fmt: skip
-SPECIAL_SPEEDS = Layout(
-    "Special speeds",
-    (
-        Rows(
-            title="Special speeds", key="special_speeds", lead="special_speed", prefix="special_",
-            names=("special_speed", "special_kind", "grazed_contact", "hopf_frequency"),
-        ),
-        Rows(
-            title="At contacts", key="contacts", lead="amplitude",
-            names=("special", "contact", "contact_node", "amplitude", "in_contact"),
-        ),
-    ),
-)  # fmt: skip
-EIGENVALUES = Layout(
-    "Eigenvalues",
-    (
-        Rows(
-            title="Critical speeds", key="critical_speeds", lead="critical_speed",
-            prefix="critical_",
-            names=("critical_stiffness", "critical_speed", "critical_sense",
-                   "critical_damping_ratio"),
-        ),
-        Rows(
-            title="Eigenvalues", key="eigenvalues", lead="whirl_speed", gaps=True,
-            names=("contact_stiffness", "speed", "eigenvalue", "whirl_speed", "damping_ratio",
-                   "whirl_sense"),
-        ),
-    ),
-)  # fmt: skip
+WHIRLS_OF_SYSTEM = Layout("Whirls", (
+    Rows(
+        title="At contacts", key="whirls", lead="amplitude", gaps=True,
+        names=("speed", "branch", "contact", "amplitude", "phase_lag", "normal_force",
+               "in_contact", *_OF_WHIRL)),
+    Rows(
+        title="At nodes", key="nodes", lead="node_amplitude", gaps=True,
+        names=("speed", "branch", "node", "node_amplitude", "node_phase_lag", *_OF_WHIRL)),
+))  # fmt: skip
+SPECIAL_SPEEDS = Layout("Special speeds", (
+    Rows(
+        title="Special speeds", key="special_speeds", lead="special_speed", prefix="special_",
+        names=("special_speed", "special_kind", "grazed_contact", "hopf_frequency")),
+    Rows(
+        title="At contacts", key="contacts", lead="amplitude",
+        names=("special", "contact", "contact_node", "amplitude", "in_contact")),
+))  # fmt: skip
+EIGENVALUES = Layout("Eigenvalues", (
+    Rows(
+        title="Critical speeds", key="critical_speeds", lead="critical_speed", prefix="critical_",
+        names=("critical_stiffness", "critical_speed", "critical_sense",
+               "critical_damping_ratio")),
+    Rows(
+        title="Eigenvalues", key="eigenvalues", lead="whirl_speed", gaps=True,
+        names=("contact_stiffness", "speed", "eigenvalue", "whirl_speed", "damping_ratio",
+               "whirl_sense")),
+))  # fmt: skip
 OF_REPORT = (
     Rows(
-        title="Clearances", key="clearances", lead="clearance_verdict",
+        title="Clearances", key="clearances", lead="clearance_verdict", digits=5,
         names=("contact", "contact_node", "clearance", "clearance_verdict", "rub_force",
                "rub_speed", "rub_stability", "passage_rub_force", "whip_speed", "whip_force",
-               "whip_stability"), digits=5,
-    ),
+               "whip_stability")),
     Rows(
-        title="Shares of the clearances", key="shares", lead="running_share",
-        names=("case", "contact", "running_share", "running_share_speed", "passage_share"),
-        digits=5,
-    ),
+        title="Shares of the clearances", key="shares", lead="running_share", digits=5,
+        names=("case", "contact", "running_share", "running_share_speed", "passage_share")),
     Rows(
-        title="Critical speeds", key="critical_speeds", lead="critical_speed",
-        names=("critical_speed", "amplification_factor", "separation_margin", "required_margin"),
-        digits=5,
-    ),
+        title="Critical speeds", key="critical_speeds", lead="critical_speed", digits=5,
+        names=("critical_speed", "amplification_factor", "separation_margin", "required_margin")),
     Rows(
-        title="Unbalance", key="unbalance", lead="applied_unbalance",
-        names=("case", "node", "applied_unbalance", "applied_phase", "scale_factor"), digits=5,
-    ),
+        title="Unbalance", key="unbalance", lead="applied_unbalance", digits=5,
+        names=("case", "node", "applied_unbalance", "applied_phase", "scale_factor")),
 )  # fmt: skip
 
 

@@ -15,14 +15,7 @@ from rotor_ida.cli.pages import LINEAR, PLANE
 from rotor_ida.cli.sheets import Interval, Line, Sheet, facts
 from rotor_ida.cli.variables import line_of
 from rotor_ida.schema import OF_BEARING, OF_DROP, WHIRL_DIRECTION
-from rotor_ida.steady.drop_words import (
-    NOT_ACTING,
-    cells_in,
-    count_of,
-    place_of,
-    places_in,
-    varying,
-)
+from rotor_ida.steady.drop_words import NOT_ACTING, cells_in, count_of, place_of, places_in, varying
 from rotor_ida.units import number, quantity
 
 if TYPE_CHECKING:

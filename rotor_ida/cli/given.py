@@ -134,10 +134,7 @@ def contacts_sheet(system: RotorSystem, title: str, more: Sequence[Line] = ()) -
 
 def _of_whole(system: RotorSystem, speed: float | None) -> list[Line]:
     """Return size, mass, unbalance and constant forces of a system."""
-    lines = [
-        Line("degrees of freedom", [system.size]),
-        Line("nodes", [", ".join(system.nodes)]),
-    ]
+    lines = [Line("degrees of freedom", [system.size]), Line("nodes", [", ".join(system.nodes)])]
     moment = sum(each.moment for each in system.unbalance)
     mass = _mass(system)
     if mass is not None:

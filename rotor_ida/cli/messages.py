@@ -158,8 +158,7 @@ def _in_entry(name: str, entry: object) -> Iterator[Given]:
         for each in entry:
             yield from _in_entry(name, each)
     elif isinstance(entry, Quantity) and entry.word:
-        word = WITH_UNIT.fullmatch(entry.word.partition(":")[0])
-        yield Given(name, entry, word["unit"] if word else "")
+        yield Given(name, entry, entry.unit)
     elif isinstance(entry, float):
         yield Given(name, entry)
     elif isinstance(entry, str) and (word := WITH_UNIT.fullmatch(entry.strip())):

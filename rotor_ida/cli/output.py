@@ -13,8 +13,8 @@ from cyclopts import Parameter
 
 import rotor_ida
 from rotor_ida.checks import check_panels, shown
-from rotor_ida.cli import options
 from rotor_ida.cli.option_types import OUTPUT
+from rotor_ida.cli.options import optioned
 from rotor_ida.cli.report import FAILED, INTERRUPTED, Report
 from rotor_ida.cli.sheets import Parts
 from rotor_ida.errors import ArchiveError, InputError, RotorError, SimulationError
@@ -36,17 +36,18 @@ MOST_IN_REPORT = 20
 
 
 @Parameter(name="*", group=OUTPUT)
+@optioned
 @dataclass(frozen=True, kw_only=True)
 class Output:
     """Where to write a result."""
 
-    out: options.Out = None
-    figure: options.Figure = None
-    csv: options.Csv = None
-    report: options.ReportFolder = None
-    inch: options.Inch = False
-    as_json: options.AsJson = False
-    force: options.Force = False
+    out: Path | None = None
+    figure: Path | None = None
+    csv: Path | None = None
+    report: Path | None = None
+    inch: bool = False
+    as_json: bool = False
+    force: bool = False
     # The node of a figure, and the line that was typed, for a report.
     node: Annotated[str | None, Parameter(parse=False)] = None
     line: Annotated[str, Parameter(parse=False)] = ""
@@ -128,7 +129,7 @@ def answer(
         if output.csv is not None:
             from rotor_ida.results.tables import save_tables  # noqa: PLC0415 - takes a moment
 
-            write(*save_tables(dataset, output.csv, overwrite=output.force))
+            write(*save_tables(_with_angle(dataset), output.csv, overwrite=output.force))
     drawn = None if output.figure is None else _figure(dataset, output)
     with _noting(failures, f"cannot write {output.figure}: "):
         if drawn is not None and output.figure is not None:
@@ -144,6 +145,19 @@ def answer(
         trouble="; ".join(failures),
         system=output.system,
     )
+
+
+def _with_angle(dataset: xr.Dataset) -> xr.Dataset:
+    """Return a run with the angle of the rotor, without which no table can be fitted."""
+    if "event_time" not in dataset or "t" not in dataset.dims or "angle" in dataset:
+        return dataset
+    from rotor_ida.schema import labelled  # noqa: PLC0415 - takes a moment
+    from rotor_ida.signals.sampling import run_angles  # noqa: PLC0415
+
+    times, speed = dataset["t"].values, dataset.attrs.get("speed")
+    is_disc = "omega" in dataset.variables
+    angles = run_angles(dataset, times) if is_disc or speed is None else speed * times
+    return dataset if angles is None else dataset.assign(angle=labelled("angle", "t", angles))
 
 
 @contextmanager
@@ -166,8 +180,10 @@ def _described(
     if summary is None:
         return record, parts
     first, before = describe(summary)
-    told = {"summary": first | {"sentence": summary.attrs["sentence"]}}
-    return told | record, [*before, *parts]
+    sentence = str(summary.attrs["sentence"])
+    told = {"summary": first | {"sentence": sentence}}
+    others = [each for each in parts if not (isinstance(each, str) and each in sentence)]
+    return told | record, [*before, *others]
 
 
 def _figure(dataset: xr.Dataset, output: Output) -> Figure:
@@ -204,10 +220,22 @@ def _write_report(
     can_be_checked = question is not None and question.verb in VERBS
     check = [f"rotor-ida verify {in_shell(archive)}"] if can_be_checked else []
     pages = pages_of(
-        dataset, parts, rotor=rotor, files=files, commands=[output.line, *check], figures=figures,
+        dataset, parts, rotor=rotor, files=files, commands=[again(output.line), *check],
+        figures=figures,
         system=output.system,
     )  # fmt: skip
     return [Path(archive), *pages.write(folder, overwrite=output.force)]
+
+
+def again(line: str) -> str:
+    """Return a command line that works where the files that it wrote are still there.
+
+    Examples
+    --------
+    >>> again("rotor-ida drop rotor.toml --out report")
+    'rotor-ida drop rotor.toml --out report --force'
+    """
+    return line if "--force" in line.split() else f"{line} --force"
 
 
 def answer_whole(dataset: xr.Dataset, output: Output, study: Path | None, **more: Any) -> Report:

@@ -60,7 +60,7 @@ OF_VERB = {
         "statement of conformity with any standard.",
     ),
     "fit": (
-        "The machine is the model of one disc; what the model lacks goes into the residuals.",
+        "What the model lacks goes into the residuals.",
         "The noise of the probes is independent from sample to sample.",
     ),
 }
@@ -170,14 +170,15 @@ def pages_of(
 ) -> Pages:
     """Return the report on a result, from the parts of its answer."""
     question = Question.of_result(dataset)
-    verb = question.verb if question else ""
+    kind = kind_of(dataset)
+    verb = question.verb if question else kind
     found = rotor if rotor is not None else _rotor_of(dataset, question)
     first = next((place for place, each in enumerate(parts) if isinstance(each, Sheet)), len(parts))
     speed = dataset.attrs.get("speed")
     given = [] if found is None else sheets_of_rotor(found, speed)
     is_system = isinstance(found, RotorSystem)
     return Pages(
-        title=KINDS[kind_of(dataset)].meaning.capitalize(),
+        title=KINDS[kind].meaning.capitalize(),
         head=head_of(dataset, files),
         summary=[str(each) for each in parts[:first]],
         answers=parts[first : first + 1],

@@ -166,10 +166,10 @@ def numbers(name: str, words: Sequence[str], *allowed: str) -> list[float]:
     ...
     rotor_ida.errors.InputError: omega must be numbers or START:STOP:COUNT, got '1:2'
     """
-    listed: list[float] = []
-    for word in words:
-        listed += _range(name, word, *allowed) if ":" in word else [_one(name, word, *allowed)]
-    return listed
+    parts = [_range(name, word, *allowed) if ":" in word else [_one(name, word, *allowed)]
+             for word in words]  # fmt: skip
+    check_alike(name, words, *parts)
+    return [each for part in parts for each in part]
 
 
 def several_numbers(name: str, words: Sequence[str], *allowed: str) -> tuple[float, ...]:
@@ -184,7 +184,42 @@ def several_numbers(name: str, words: Sequence[str], *allowed: str) -> tuple[flo
     """
     if not allowed:
         return tuple(number(name, [word]) for word in words)
-    return tuple(quantity(name, [word], unit) for word, unit in zip(words, allowed, strict=True))
+    found = tuple(quantity(name, [word], unit) for word, unit in zip(words, allowed, strict=True))
+    if len({*allowed}) == 1:
+        check_alike(name, words, found)
+    return found
+
+
+def limits(name: str, words: Sequence[str], *allowed: str) -> tuple[float, ...]:
+    """Return the smallest and the largest value of each parameter, in any of the allowed units.
+
+    Examples
+    --------
+    >>> limits("limits", ["3000rpm", "4000rpm", "0.5", "0.6"], "rad s-1", "m")[2:]
+    (0.5, 0.6)
+    """
+    found = tuple(quantity(name, [word], *allowed) for word in words)
+    for first in range(0, len(found), 2):
+        check_alike(name, words[first : first + 2], found[first : first + 2])
+    return found
+
+
+def check_alike(name: str, words: Sequence[str], *parts: Sequence[float]) -> None:
+    """Refuse numbers of which some have a unit and others none; 0 is the same in all units.
+
+    Examples
+    --------
+    >>> check_alike("speed", ["0:9000rpm:2"], [0.0, Quantity(942.5, "9000rpm")])
+    >>> check_alike("limits", ["120um", "200"], [Quantity(1.2e-4, "120um"), 200.0])
+    Traceback (most recent call last):
+    ...
+    rotor_ida.errors.InputError: limits must have a unit at each number or at none, got '120um 200'
+    """
+    every = [each for part in parts for each in part]
+    if len({bool(getattr(each, "word", "")) for each in every if each != 0.0}) > 1:
+        raise InputError(
+            f"{name} must have a unit at each number or at none, got {shown(' '.join(words))}"
+        )
 
 
 class Quantity(float):
@@ -209,9 +244,9 @@ class Quantity(float):
 
     @property
     def unit(self) -> str:
-        """The given unit, empty if there was none."""
-        found = WITH_UNIT.fullmatch(self.word)
-        return found["unit"] if found else ""
+        """The given unit, or that of a range; empty if there was none."""
+        parts = map(WITH_UNIT.fullmatch, self.word.split(":"))
+        return next((part["unit"] for part in parts if part), "")
 
 
 def quantity(name: str, words: Sequence[str], *allowed: str) -> Quantity:
@@ -251,10 +286,15 @@ def refuse_units(given: Mapping[str, object]) -> None:
     """
     for name, value in given.items():
         for each in _numbers_in(value):
-            if isinstance(each, Quantity) and each.word:
+            if isinstance(each, Quantity) and each.word and not _is_angle(each):
                 raise InputError(
                     f"{name} must have no unit for a dimensionless rotor, got {shown(each.word)}"
                 )
+
+
+def _is_angle(value: Quantity) -> bool:
+    """Return whether a value is an angle, whose units a dimensionless rotor has too."""
+    return units.dimension_of(value.unit) == units.dimension_of("rad")
 
 
 def in_unit(name: str, value: float, unit: str) -> float:
@@ -293,7 +333,7 @@ def speeds(name: str, words: Sequence[str]) -> list[tuple[Quantity, Quantity]]:
 
     Examples
     --------
-    >>> speeds("speeds", ["0:0.5", "20s:3rad/s"])
+    >>> speeds("speeds", ["0:0.5rad/s", "20s:3rad/s"])
     [(0.0, 0.5), (20.0, 3.0)]
     >>> speeds("speeds", ["0.5"])
     Traceback (most recent call last):
@@ -307,6 +347,8 @@ def speeds(name: str, words: Sequence[str]) -> list[tuple[Quantity, Quantity]]:
             raise InputError(f"{name} must be pairs TIME:SPEED, got {shown(word)}")
         time = quantity(f"the times of {name}", [first], "s")
         found.append((time, quantity(name, rest, "rad s-1")))
+    for column in zip(*found, strict=True):
+        check_alike(name, words, column)
     return found
 
 
@@ -358,7 +400,11 @@ def component_or_ends(name: str, words: Sequence[str]) -> float | tuple[float, f
     if len(high) > 1:
         raise InputError(f"{name} must be a number or LOW:HIGH, got {shown(words[0])}")
     least = quantity(name, [low], unit)
-    return (least, quantity(name, high, unit)) if high else least
+    if not high:
+        return least
+    ends = least, quantity(name, high, unit)
+    check_alike(name, words, ends)
+    return ends
 
 
 def state(name: str, words: Sequence[str]) -> State:
@@ -373,6 +419,7 @@ def state(name: str, words: Sequence[str]) -> State:
         quantity(f"{name} {part}", [word], unit)
         for (part, unit), word in zip(UNITS_OF_STATE.items(), words, strict=True)
     )
+    check_alike(name, words, (x, y, vx, vy))
     return (x, y, vx, vy)
 
 
@@ -467,6 +514,7 @@ def _range(name: str, word: str, *allowed: str) -> list[float]:
     count = whole_number(f"COUNT of {name}", parts[2:])
     if not 2 <= count <= LARGEST_RANGE:
         raise InputError(f"COUNT of {name} must lie from 2 to {LARGEST_RANGE}, got {count}")
+    check_alike(name, [word], (first, last))
     step = (last - first) / (count - 1)
     listed = [*(first + place * step for place in range(count - 1)), last]
     has_unit = any(isinstance(end, Quantity) and end.word for end in (first, last))

@@ -28,45 +28,21 @@ from cyclopts import (
 
 from rotor_ida.checks import did_you_mean, listed, shown
 from rotor_ida.cli.command import Command
-from rotor_ida.cli.commands.basins import (
-    basin,
-    basin_fractions,
-    continue_attractors,
-    touchdown_report,
-)
-from rotor_ida.cli.commands.compute import (
-    bifurcation_diagram,
-    poincare_section,
-    reproduce,
-    run_up,
-    run_ups,
-    simulate,
-    sweep,
-)
-from rotor_ida.cli.commands.cycles import bifurcation_curve, continue_cycle, limit_cycle
+from rotor_ida.cli.commands import basins, compute, cycles, stored, whirls
 from rotor_ida.cli.commands.doctor import doctor
 from rotor_ida.cli.commands.drop import drop
 from rotor_ida.cli.commands.explore import explore
 from rotor_ida.cli.commands.fit import fit
 from rotor_ida.cli.commands.machine import machine
 from rotor_ida.cli.commands.plot import plot
-from rotor_ida.cli.commands.stored import compare, resume, show, status, verify
-from rotor_ida.cli.commands.whirls import (
-    backward_whirl,
-    campbell,
-    clearance_report,
-    folds,
-    hopf_points,
-    special_speeds,
-    synchronous_response,
-)
-from rotor_ida.cli.machines import missing
 from rotor_ida.cli.option_types import OPTIONS, STUDY
+from rotor_ida.cli.options import with_options
 from rotor_ida.cli.output import Output
 from rotor_ida.cli.parsing import SYSTEM_ENDING, as_given, readable, refuse_units
 from rotor_ida.cli.report import FAILED, INTERRUPTED, Report, console_on, text_of
+from rotor_ida.cli.rotor_options import missing
 from rotor_ida.cli.streams import results_only
-from rotor_ida.cli.verb_options import PAIRS
+from rotor_ida.cli.verb_options import metavar_of
 from rotor_ida.cli.verbs import NEEDED
 from rotor_ida.errors import InputError, RotorError, SimulationError
 from rotor_ida.texts import in_shell, printable
@@ -79,39 +55,34 @@ Values of a machine may have units: --mass 12kg --speed 3600rpm.
 Results go to standard output, everything else to standard error.
 Exit status: 0 done, 1 the run or the check failed, 2 bad input.
 """
-# The commands in the groups of the help, in order; some have a short name too.
-COMMANDS: dict[str, dict[Command | Callable[..., object], str]] = {
-    "Simulate": {
-        machine: "",
-        simulate: "",
-        run_up: "",
-        run_ups: "",
-        sweep: "",
-        bifurcation_diagram: "diagram",
-        poincare_section: "section",
-        drop: "",
-    },
-    "Exact whirls": {
-        synchronous_response: "response",
-        folds: "",
-        hopf_points: "",
-        backward_whirl: "whirl",
-        special_speeds: "",
-        campbell: "",
-        clearance_report: "",
-    },
-    "Limit cycles": {limit_cycle: "cycle", continue_cycle: "continue", bifurcation_curve: "curve"},
-    "Explore": {
-        basin: "",
-        basin_fractions: "fractions",
-        continue_attractors: "atlas",
-        touchdown_report: "touchdown",
-        explore: "",
-    },
-    "Signals": {plot: "", fit: ""},
-    "Archives and studies": {show: "", compare: "", verify: "", status: "", resume: ""},
-    "Program": {reproduce: "", doctor: ""},
-}
+# The commands in the groups of the help, in order.
+COMMANDS: dict[str, tuple[Command | Callable[..., object], ...]] = {
+    "Simulate": (
+        machine, compute.simulate, compute.run_up, compute.run_ups, compute.sweep,
+        compute.bifurcation_diagram, compute.poincare_section, drop,
+    ),
+    "Exact whirls": (
+        whirls.synchronous_response, whirls.folds, whirls.hopf_points, whirls.backward_whirl,
+        whirls.special_speeds, whirls.campbell, whirls.clearance_report,
+    ),
+    "Limit cycles": (cycles.limit_cycle, cycles.continue_cycle, cycles.bifurcation_curve),
+    "Explore": (
+        basins.basin, basins.basin_fractions, basins.continue_attractors, basins.touchdown_report,
+        explore,
+    ),
+    "Signals": (plot, fit),
+    "Archives and studies": (
+        stored.show, stored.compare, stored.verify, stored.status, stored.resume,
+    ),
+    "Program": (compute.reproduce, doctor),
+}  # fmt: skip
+# Short names of some.
+SHORT = {
+    "bifurcation-diagram": "diagram", "poincare-section": "section", "backward-whirl": "whirl",
+    "synchronous-response": "response", "limit-cycle": "cycle", "continue-cycle": "continue",
+    "bifurcation-curve": "curve", "basin-fractions": "fractions", "touchdown-report": "touchdown",
+    "continue-attractors": "atlas",
+}  # fmt: skip
 # Usage of commands whose files cyclopts does not name.
 USAGE: dict[Callable[..., object], str] = {
     fit: "Usage: rotor-ida fit --unknown NAME [OPTIONS] FILE...",
@@ -176,15 +147,16 @@ def application(word: str = "") -> App:
         group_commands=groups["Program"],
     )
     for name, commands in COMMANDS.items():
-        for place, (command, short) in enumerate(commands.items()):
+        for place, command in enumerate(commands):
             name_of_it = name_of(command)
+            short = SHORT.get(name_of_it)
             is_asked = word in {"", name_of_it, short}
             app.command(
                 _with_options(command) if is_asked else _listed(command),
                 name=name_of_it,
                 group=groups[name],
                 sort_key=place,
-                alias=short or None,
+                alias=short,
                 usage=_usage(command) if is_asked else None,
                 group_parameters=STUDY if name in COMPUTING else OPTIONS,
             )
@@ -201,7 +173,7 @@ def name_of(command: Command | Callable[..., object]) -> str:
 
 
 def _with_options(command: Command | Callable[..., object]) -> Callable[..., object]:
-    return command.function() if isinstance(command, Command) else command
+    return command.function() if isinstance(command, Command) else with_options(command)
 
 
 def _listed(command: Command | Callable[..., object]) -> Callable[..., object]:
@@ -220,7 +192,7 @@ def _listed(command: Command | Callable[..., object]) -> Callable[..., object]:
 def _usage(command: Command | Callable[..., object]) -> str | None:
     if isinstance(command, Command):
         needed = [
-            f"--{name} {PAIRS.get(name, name.upper())}"
+            f"--{name} {metavar_of(command.verb, each)}"
             for name, each in command.arguments.items()
             if each.default is NEEDED
         ]
@@ -269,13 +241,14 @@ def _note(message: Warning | str, *_where: object) -> None:
 
 def _refuse_units(arguments: Mapping[str, object]) -> None:
     """Refuse units of numbers anywhere if the rotor is dimensionless."""
-    if arguments.get("system") is not None:  # its file says whether it has units
-        return
+    if any(arguments.get(name) is not None for name in ("system", "file")) or any(
+        getattr(value, "units_unknown", False) for value in arguments.values()
+    ):
+        return  # a file says whether it has units
     values: dict[str, object] = {}
     for name, value in arguments.items():
         values |= vars(value) if is_dataclass(value) else {name: value}
-    groups = [value for value in arguments.values() if getattr(value, "in_si", None) is False]
-    if any(not getattr(group, "units_unknown", False) for group in groups):
+    if any(getattr(value, "in_si", None) is False for value in arguments.values()):
         refuse_units(values)
 
 

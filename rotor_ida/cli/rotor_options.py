@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, TypeVar
 
 from cyclopts import Parameter
 
-from rotor_ida.cli import machines
+from rotor_ida.checks import listed
 from rotor_ida.cli.option_types import (
     IN_ROTOR,
     ROTOR,
@@ -19,15 +19,20 @@ from rotor_ida.cli.option_types import (
     path_option,
     quantity_option,
 )
+from rotor_ida.cli.parsing import Quantity
 from rotor_ida.errors import InputError
-from rotor_ida.model.data_sheet import units_of
-from rotor_ida.model.parameters import MACHINE_PARAMETERS, OPTIONAL, TABLE
-from rotor_ida.model.parameters import Parameter as Quantity
+from rotor_ida.model.data_sheet import check_keys, machine_from_data_sheet, overridden, units_of
+from rotor_ida.model.parameters import MACHINE_PARAMETERS, OF_MACHINE, OPTIONAL, PARAMETERS, TABLE
+from rotor_ida.model.parameters import Parameter as Row
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.scales import BECOMES
 
 # Placeholder where a speed is required but not used.
 ANY_SPEED = 1.0
+# Required parameters of a rotor, dimensionless or in SI units.
+KINDS = (PARAMETERS, MACHINE_PARAMETERS)
+# The start of one disc where none is given: in equilibrium with its load.
+REST = "rest"
 # The speed of a rotor, without dimensions and in SI units.
 SPEEDS = ("omega", "speed")
 MachineFile = Annotated[
@@ -37,7 +42,7 @@ MachineFile = Annotated[
 ]
 
 
-def _units_of(parameter: Quantity) -> tuple[str, ...]:
+def _units_of(parameter: Row) -> tuple[str, ...]:
     """Return the allowed units of an option for a parameter of a machine."""
     if parameter.unit == "1":
         return ()
@@ -63,33 +68,20 @@ SEVERAL = {
 Fields = TypeVar("Fields", bound=type)
 
 
-def with_parameters(
-    options: Mapping[str, Any], defaults: Mapping[str, float | None]
-) -> Callable[[Fields], Fields]:
-    """Return a decorator that puts parameters before the fields of a dataclass.
-
-    Parameters
-    ----------
-    options : mapping of str to type
-        The type of each parameter, with its option.
-    defaults : mapping of str to float or None
-        Default values of optional parameters.
-    """
+def with_parameters(options: Mapping[str, Any]) -> Callable[[Fields], Fields]:
+    """Return a decorator that puts options, none of which is needed, before those of a group."""
 
     def add(group: Fields) -> Fields:
         group.__annotations__ = {**options, **group.__annotations__}
-        for name, value in defaults.items():
-            setattr(group, name, value)
+        for name in options:
+            setattr(group, name, None)
         return group
 
     return add
 
 
-@Parameter(name="*", group=ROTOR)
-@dataclass(frozen=True, kw_only=True)
-@with_parameters({**ONE, "machine": MachineFile}, dict.fromkeys([*ONE, "machine"]))
-class RotorOptions:
-    """One rotor, without dimensions or in SI units."""
+class Given:
+    """What is given of rotors, without dimensions, in SI units or by a file."""
 
     if TYPE_CHECKING:
         machine: Path | None = None
@@ -100,33 +92,35 @@ class RotorOptions:
         return self.machine is not None or bool(self.given.keys() & set(MACHINE_PARAMETERS))
 
     @property
-    def given(self) -> dict[str, float]:
-        """The given quantities."""
+    def given(self) -> dict[str, Any]:
+        """The given quantities, each a number or several."""
         return {name: getattr(self, name) for name in ONE if getattr(self, name) is not None}
-
-    def chosen(self, known: Mapping[str, float] = {}) -> Rotor | DimensionalRotor:
-        """Return the rotor, dimensionless or in SI units, from the given and `known` quantities."""
-        return machines.chosen({**self.given, **known}, self.machine, OPTIONAL)
 
 
 @Parameter(name="*", group=ROTOR)
 @dataclass(frozen=True, kw_only=True)
-@with_parameters({**SEVERAL, "machine": MachineFile}, dict.fromkeys([*SEVERAL, "machine"]))
-class RotorsOptions:
-    """The rotors of a study; without an optional parameter, all have its default."""
+@with_parameters({**ONE, "machine": MachineFile})
+class RotorOptions(Given):
+    """One rotor, without dimensions or in SI units."""
 
     if TYPE_CHECKING:
         machine: Path | None = None
 
-    @property
-    def in_si(self) -> bool:
-        """Whether they are in SI units."""
-        return self.machine is not None or bool(self.values.keys() & set(MACHINE_PARAMETERS))
+    def chosen(self, known: Mapping[str, float] = {}) -> Rotor | DimensionalRotor:
+        """Return the rotor, dimensionless or in SI units, from the given and `known` quantities."""
+        given = {**self.given, **known}
+        if self.machine is None:
+            check_complete(given, OPTIONAL)
+            if "omega" in given:
+                return Rotor(**given)
+        return of_sheet(sheet_of(given, self.machine), self.machine)
 
-    @property
-    def values(self) -> dict[str, list[float]]:
-        """The values of each quantity that is given."""
-        return {name: getattr(self, name) for name in SEVERAL if getattr(self, name) is not None}
+
+@Parameter(name="*", group=ROTOR)
+@dataclass(frozen=True, kw_only=True)
+@with_parameters({**SEVERAL, "machine": MachineFile})
+class RotorsOptions(Given):
+    """The rotors of a study; without an optional parameter, all have its default."""
 
     def asked(
         self, known: Mapping[str, list[float]] = {}
@@ -135,33 +129,34 @@ class RotorsOptions:
 
         One value of an optional parameter does not make an axis.
         """
-        values = {**self.values, **known}
+        values = {**self.given, **known}
         if self.machine is None:
-            machines.check_complete(values, OPTIONAL)
-        if self.in_si:
-            return machines.varied(values, self.machine)
-        return None, {
-            name: each[0] if name in OPTIONAL and len(each) == 1 else each
-            for name, each in values.items()
-        }
-
-    def axes(self) -> list[list[float]]:
-        """Return the values of each given parameter."""
-        return list(self.values.values())
+            check_complete(values, OPTIONAL)
+        if not self.in_si:
+            return None, {
+                name: each[0] if name in OPTIONAL and len(each) == 1 else each
+                for name, each in values.items()
+            }
+        several = {name: each for name, each in values.items() if len(each) > 1}
+        for name, each in several.items():
+            if OF_MACHINE[name].sets_scales:
+                raise InputError(
+                    f"{name} must be one number, as it sets the scales of all machines, got "
+                    f"{len(each)}"
+                )
+        first = {name: each[0] for name, each in values.items()}
+        return of_sheet(sheet_of(first, self.machine), self.machine), several
 
     def panels(self, over: str = "") -> int:
         """Return the number of panels of a figure over one of the parameters."""
         return math.prod(
-            len(each) for name, each in self.values.items() if BECOMES.get(name, name) != over
+            len(each) for name, each in self.given.items() if BECOMES.get(name, name) != over
         )
 
 
 @Parameter(name="*", group=ROTOR)
 @dataclass(frozen=True, kw_only=True)
-@with_parameters(
-    {name: Annotated[SEVERAL[name], Parameter(show=False)] for name in SPEEDS},
-    dict.fromkeys(SPEEDS),
-)
+@with_parameters({name: Annotated[SEVERAL[name], Parameter(show=False)] for name in SPEEDS})
 class AllSpeedsOptions(RotorsOptions):
     """Rotors for lists of folds or Hopf points, which are found at all speeds."""
 
@@ -170,12 +165,72 @@ class AllSpeedsOptions(RotorsOptions):
     ) -> tuple[DimensionalRotor | None, dict[str, Any]]:
         """Return the machine, if it is one, and the given parameters that affect these points."""
         for name in SPEEDS:
-            if name in self.values:
+            if name in self.given:
                 raise InputError(f"{name} must be left out: all speeds are searched")
         speed = "speed" if self.in_si else "omega"
         if self.machine is None:
-            machines.check_complete(self.values, OPTIONAL, known=(speed,))
+            check_complete(self.given, OPTIONAL, known=(speed,))
         at_any = {speed: [ANY_SPEED]} if self.machine is None else {}
         machine, given = super().asked({**known, **at_any})
         given.pop("omega", None)
         return machine, given
+
+
+def sheet_of(given: Mapping[str, object], file: Path | None) -> dict[str, object]:
+    """Return the data sheet from options, which override those of a file."""
+    given = {name: float(each) if isinstance(each, float) else each
+             for name, each in given.items()} | _with_its_unit(given)  # fmt: skip
+    if file is None:
+        return given
+    from rotor_ida.results.machine_file import read_data_sheet  # noqa: PLC0415 - not for --help
+
+    dimensionless = [name for name in PARAMETERS if name in given]
+    if dimensionless:
+        raise InputError(f"{dimensionless[0]} must be left out with a machine: it has no dimension")
+    sheet = overridden(read_data_sheet(file), given)
+    check_keys(sheet, str(file))
+    return sheet
+
+
+def _with_its_unit(given: Mapping[str, object]) -> dict[str, object]:
+    """Return the contact stiffness as given: its unit decides the contact law."""
+    stiffness = given.get("contact_stiffness")
+    if isinstance(stiffness, Quantity) and stiffness.word:
+        return {"contact_stiffness": stiffness.word}
+    return {}
+
+
+def check_complete(
+    given: Collection[str], optional: Sequence[str], *, known: Sequence[str] = ()
+) -> None:
+    """Refuse a rotor that is incomplete but for `known` parameters, or given in both ways."""
+    needed = [name for name in given if name not in optional]
+    both = [next((name for name in needed if name in kind), "") for kind in KINDS]
+    if all(both):
+        raise InputError(
+            f"a rotor must be given without dimensions or in SI units, got {listed(both)}"
+        )
+    lacking = missing([*needed, *known])
+    if lacking:
+        beside = f" with {listed(needed)}" if needed else ", or a machine in SI units"
+        raise InputError(f"{listed(lacking)} must be given{beside}")
+
+
+def missing(given: Collection[str]) -> list[str]:
+    """Return the missing parameters of a rotor, for the kind of those given.
+
+    Examples
+    --------
+    >>> missing(["zeta"]), missing([]), missing(["mass", "damping", "eccentricity", "clearance"])
+    (['omega', 'delta0'], ['omega', 'zeta', 'delta0'], ['contact_stiffness', 'speed'])
+    """
+    kind = MACHINE_PARAMETERS if set(MACHINE_PARAMETERS).intersection(given) else PARAMETERS
+    return [name for name in kind if name not in given]
+
+
+def of_sheet(sheet: Mapping[str, object], file: Path | None) -> DimensionalRotor:
+    """Return the machine of a data sheet; a mistake in a file names the file."""
+    try:
+        return machine_from_data_sheet(**sheet)  # type: ignore[arg-type]
+    except InputError as error:
+        raise error if file is None else error.within(f"{file}: ") from error

@@ -7,6 +7,7 @@ reads or says in another way than Python stands here.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from pathlib import Path
 from typing import Annotated, Any, Literal
 
 from cyclopts import Parameter
@@ -47,6 +48,12 @@ TEXTS = {
     "bifurcation_diagram starts": "Number of random initial states of one disc. Default: 8.",
     "bifurcation_diagram rate": "Rate of change of the speed, with --direction. Default: the rotor "
     "settles at each speed.",
+    "continue_cycle direction": "Direction: forward is to larger values, or onwards along a "
+    "branch.",
+    "parameter": "Parameter to vary; for a machine speed, damping or clearance replace omega, "
+    "zeta or delta0. Of a rotor system speed (default), clearance, friction, unbalance, damping or "
+    "stiffness, as in sweep.",
+    "points of a study": "Largest number of points in each direction.",
     "extrema_time": "Time over which extrema are found. Default: 100 / reference frequency.",
     "seed": "Seed of the random numbers.",
     "shocks": "Number of shocks of each kind to apply to each attractor.",
@@ -59,64 +66,27 @@ TEXTS = {
 ALSO_AS = {"rad s-1": ", or as 3000rpm", "rad s-2": ", or as 100rpm/s"}
 SEVERAL = ": numbers, or START:STOP:COUNT"
 NAMES = {"ramp_time": ("--ramp-time", "--in")}
-PAIRS = {"torque": "TAU0 SLOPE", "limits": "LOW HIGH"}
-ALONG = Parameter(
-    help="Parameter that rises or falls with --direction; for a machine speed, damping or "
-    "clearance replace omega, zeta or delta0. Default: the speed, or else the only one with "
-    "several values."
-)
-SPEEDS_OF_RUN = Parameter(
-    help="Speeds at given times, the first at time 0, linear in between (SI: s and rad/s, or as "
-    "20:3000rpm).",
-    metavar="TIME:SPEED",
-    converter=parsing.converter(parsing.speeds),
-    n_tokens=1,
-    consume_multiple=True,
-    negative=(),
-)
-CONTACT = Parameter(
-    help="Contact of a rotor system whose events or peaks are meant: number or node.",
-    metavar="NUMBER|NODE",
-    converter=parsing.converter(parsing.number_or_name),
-)
-# Options that are read in ways of their own.
-APART: dict[str, Any] = {
-    "start": options.StartOrNone,
-    "speeds": Annotated[list[tuple[float, float]] | None, SPEEDS_OF_RUN],
-    "along": Annotated[options.OfRotor | None, ALONG],
-    "contact": Annotated[int | str | None, CONTACT],
-    "study": options.Study,
-    "workers": options.Workers,
-    "executor": options.Executor,
-    **dict.fromkeys(COMPONENTS, options.RangeOrNone),
+PAIRS = {
+    "torque": "TAU0 SLOPE", "limits": "LOW HIGH", "bifurcation_curve limits": "LOW HIGH LOW HIGH",
+}  # fmt: skip
+# Types of options that are read in ways of their own, by `options.OPTIONS`.
+ENDS = float | tuple[float, float]
+KINDS: dict[str, Any] = {
+    "start": State | str | None,
+    "speeds": list[tuple[float, float]] | None,
+    "along": options.OfRotor | None,
+    "contact": int | str | None,
+    "period": float | None,
+    "parameters": tuple[options.OfRotor, options.OfRotor],
+    "continue_cycle limits": tuple[float, float],
+    "bifurcation_curve limits": tuple[float, float, float, float],
+    "study": Path | None,
+    "workers": int | None,
+    "executor": str,
+    **dict.fromkeys(COMPONENTS, ENDS),
+    **{f"basin {name}": float | list[float] for name in COMPONENTS},
 }
-# A component of the starts of a basin, and how other nodes than the one that is placed start.
-GRID = Annotated[
-    float | list[float],
-    Parameter(
-        help="Component of the initial states: a number or a range.",
-        metavar="FLOAT|START:STOP:COUNT",
-        converter=parsing.converter(parsing.component_or_range),
-        negative=(),
-    ),
-]
-OF_OTHERS = Annotated[
-    State | str | None,
-    options.START,
-    Parameter(
-        help="How the other nodes of a rotor system start: settled (steady whirl without contact) "
-        "or rest (in equilibrium with the load). Default: what its file says.",
-        metavar="settled|rest",
-    ),
-]
-STARTS_OF = {
-    "bifurcation_diagram": "Initial states, one or more, instead of random ones; also settled "
-    "(steady whirl without contact) and rest (in equilibrium with the load).",
-    "run_ups": "Initial states, one or more, or the words settled (steady whirl without contact) "
-    "and rest (in equilibrium with the load) for those of each rotor. Default: rest, or what a "
-    "system file says.",
-}
-SEVERAL_STARTS = Annotated[list[State | str] | None, options.STARTS]
+WITHOUT_DEFAULT = ("start", "contact", "along")
 # Those of `run_up` in a group of their own, and of the others in groups of all commands.
 OF_CHANGE = {"to", "rate", "ramp_time", "speeds", "torque", "inertia", "duration"}
 GROUPS = {
@@ -127,22 +97,28 @@ GROUPS = {
 Option = tuple[str, Any, object]
 
 
+def metavar_of(verb: str, argument: Argument) -> str:
+    """Return the word for the value of an option in the usage of a command."""
+    words = "CHOICE" if argument.choices else argument.name.upper()
+    return PAIRS.get(f"{verb} {argument.name}", PAIRS.get(argument.name, words))
+
+
 def options_of(verb: str, arguments: Mapping[str, Argument]) -> Iterator[Option]:
     """Yield name, annotated type and default of the options for arguments of a function."""
     is_study = "study" in arguments
     for name, each in arguments.items():
+        own = f"{verb} {name}"
         if name == "starts" and "Starts" in each.kind:
-            told = Parameter(help=STARTS_OF.get(verb, options.STARTS.help))
-            yield "start", Annotated[SEVERAL_STARTS, told], None
+            yield "start", options.option(list[State | str] | None, own, name), None
             if "int" not in each.kind:
                 continue
-        if name in APART:
-            has_default = name == "executor" or name in COMPONENTS
-            kind = OF_OTHERS if name == "start" and "node" in arguments else APART[name]
-            if name in COMPONENTS and each.default is not None:
-                kind = GRID if verb == "basin" else options.Range
-            kind = Annotated[kind, IN_CHANGE] if name == "speeds" else kind
-            yield name, kind, each.default if has_default else None
+        elif name in KINDS or own in KINDS:
+            kind = KINDS[own] if own in KINDS else KINDS[name]
+            if name in COMPONENTS and each.default is None:
+                kind |= None
+            of_node = [f"{name} with node"] if "node" in arguments else []
+            default = None if name in WITHOUT_DEFAULT else each.default
+            yield name, options.option(kind, *of_node, own, name), default
             continue
         known = (f"{verb} {name}", f"{name} of a study" if is_study else name, name)
         text = next((TEXTS[key] for key in known if key in TEXTS), "")
@@ -153,7 +129,7 @@ def options_of(verb: str, arguments: Mapping[str, Argument]) -> Iterator[Option]
             made = Annotated[made, Parameter(show_default=lambda values: f"{values[0]:g}")]
             default = [default]
         if name == "rtol" and default is None:
-            made = options.RtolOrNone
+            made = options.option(float | None, name)
         yield name, made if group is None else Annotated[made, group], default
 
 
@@ -174,7 +150,9 @@ def _annotated(argument: Argument, text: str) -> Any:
     """Return the type of an option with its help, by the annotation of an argument."""
     name, kind = argument.name, argument.kind
     units = UNITS_OF_ARGUMENTS.get(name) or tuple(filter(None, [_unit(name)]))
-    if units and name not in {"samples", "starts"}:
+    if name == "phase":
+        units, text = ("rad",), text.replace("in radians", "in radians or as 90deg")
+    elif units and name not in {"samples", "starts"}:
         told = ", ".join(readable(each) for each in units)
         text = _before_the_end(text, f" (SI: {told}{ALSO_AS.get(units[0], '')})")
     made: Any

@@ -1,4 +1,4 @@
-"""How far contacts are pressed in, by the result of a rotor system, and whether too far."""
+"""How far contacts are pressed in, by a result, and whether too far for the contact law."""
 
 from __future__ import annotations
 
@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.model.contact import bounds_exceeded
+from rotor_ida.model.contact import SMALL_INDENTATION, bounds_exceeded
 from rotor_ida.results.archived_system import clearance_of_contacts
 from rotor_ida.units import quantity
 
@@ -22,7 +22,7 @@ def beyond_model(result: xr.Dataset) -> str:
     Parameters
     ----------
     result : Dataset
-        Any result of a rotor system.
+        Any result.
 
     Examples
     --------
@@ -35,6 +35,8 @@ def beyond_model(result: xr.Dataset) -> str:
     >>> beyond_model(whirls).partition(";")[0]
     "Beyond the model: contact 0 at 'disc' is indented by up to 24.1 mm, more than the clearance"
     """
+    if "delta0" in result.variables and "contact_node" not in result.variables:
+        return _of_disc(result)
     if not {"contact_node", "clearance"} <= result.variables.keys():
         return ""
     gaps = clearance_of_contacts(result)
@@ -61,6 +63,45 @@ def beyond_model(result: xr.Dataset) -> str:
         f"Beyond the model: {', and '.join(told)}; such a force is too large for the contact law "
         "to predict."
     )
+
+
+def beyond_in_words(indentation: str, bounds: str) -> str:
+    """Return the warning that an indentation of one disc is too large for the contact law."""
+    return (
+        f"Beyond the model: an indentation of {indentation} is more than {bounds}; the force is "
+        "too large for the contact law to predict."
+    )
+
+
+def _of_disc(result: xr.Dataset) -> str:
+    """Return the warning on a result of one disc, by the deepest indentation that is too large."""
+    in_si = "length_scale" in result.attrs
+    scale = result.attrs.get("length_scale", 1.0)
+    gap = scale * result["delta0"]
+    radius = scale * result["disc_radius"] if "disc_radius" in result else gap * math.nan
+    if "peak_indentation" in result:
+        depth = result["peak_indentation"]
+    elif "radius_max" in result:
+        depth = result["radius_max"] - gap
+    elif "in_contact" in result:
+        depth = result["amplitude"] - gap
+    elif "rotating_x" in result:
+        depth = np.hypot(result["rotating_x"], result["rotating_y"]) - gap
+    else:
+        return ""
+    allowed = SMALL_INDENTATION * radius
+    if in_si:
+        allowed = np.fmin(allowed, gap.where(gap > 0.0))
+    every = xr.broadcast(depth, allowed, radius, gap)
+    depths, most, radii, gaps = (each.values.ravel() for each in every)
+    if not (depths > most).any():
+        return ""
+    deepest = int(np.where(depths > most, depths, -np.inf).argmax())
+    bounds = bounds_exceeded(
+        depths[deepest], None if math.isnan(radii[deepest]) else radii[deepest],
+        gaps[deepest] if in_si else None,
+    )  # fmt: skip
+    return beyond_in_words(quantity(depths[deepest], "m" if in_si else "1", 3), bounds)
 
 
 def _depths(result: xr.Dataset, clearance: xr.DataArray) -> Values | None:

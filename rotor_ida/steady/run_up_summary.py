@@ -21,6 +21,7 @@ from rotor_ida.model.contact import bounds_exceeded
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.parallel import interruptible
 from rotor_ida.results.contact_facts import run_up_facts
+from rotor_ida.results.depths import beyond_in_words
 from rotor_ida.results.run import check_run, rotor_of
 from rotor_ida.results.si_units import dimensional, dimensionless, is_in_si, machine_of
 from rotor_ida.schema import (
@@ -228,10 +229,7 @@ def beyond_model(indentation: float, rotor: Rotor, machine: DimensionalRotor | N
     )
     if not bounds:
         return ""
-    return (
-        f"Beyond the model: an indentation of {_length(indentation, machine)} is more than "
-        f"{bounds}; the force is too large for the contact law to predict."
-    )
+    return beyond_in_words(_length(indentation, machine), bounds)
 
 
 def _speed(speed: float, machine: DimensionalRotor | None) -> str:

@@ -6,7 +6,6 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.model.rotor_system import RotorSystem
@@ -17,6 +16,7 @@ from rotor_ida.results.question import Question
 from rotor_ida.results.si_units import dimensionless, in_units_of
 from rotor_ida.signals.path import rotating
 from rotor_ida.simulation.options import Method
+from rotor_ida.texts import printable
 from rotor_ida.verification.comparison_rules import VERIFIED, Verification
 from rotor_ida.verification.questions import read_question
 from rotor_ida.verification.variables import (
@@ -209,10 +209,10 @@ def _verification_of(dataset: xr.Dataset) -> Verification:
     verification = VERIFIED.get(kind)
     if verification is None:
         command = str(dataset.attrs.get("command", ""))
-        way = f" with {shown(command)}" if command.startswith("rotor-ida ") else ""
+        way = f": {printable(command)}" if command.startswith("rotor-ida ") else ""
         raise InputError(
             f"a result of the kind {kind!r}{why_not(dataset)} cannot be verified: compute it "
-            f"again{way}, and compare"
+            f"again, and compare{way}"
         )
     missing = [name for name in verification.variables if name not in dataset.variables]
     of_disc = () if "contact_node" in dataset.variables else PARAMETERS

@@ -119,6 +119,39 @@ MISTAKES = [
         "figure needs one parameter that varies, got delta0 and shaft_stiffness",
     ),
     ("response --omega --zeta 0 --delta0 0", "omega must"),
+    # a unit at some numbers only
+    (
+        "campbell rotor.toml --speed 4500rpm:9000:3",
+        "speed must have a unit at each number or at none, got '4500rpm:9000:3'",
+    ),
+    (
+        "campbell rotor.toml --speed 0:9000rpm:3 4500",
+        "speed must have a unit at each number or at none, got '0:9000rpm:3 4500'",
+    ),
+    (
+        "special-speeds rotor.toml --limits 3000rpm 900",
+        "limits must have a unit at each number or at none, got '3000rpm 900'",
+    ),
+    (
+        "continue rotor.toml --parameter clearance --limits 120um 200",
+        "limits must have a unit at each number or at none, got '120um 200'",
+    ),
+    (
+        simulate(start="10um 5 0 0"),
+        "start must have a unit at each number or at none, got '10um 5 0 0'",
+    ),
+    (
+        "run-up --machine pump.toml --speeds 0:300rpm 1:400",
+        "speeds must have a unit at each number or at none, got '0:300rpm 1:400'",
+    ),
+    (
+        "basin-fractions --machine pump.toml --starts 9 --x=-15um:15 --y 0",
+        "x must have a unit at each number or at none, got '-15um:15'",
+    ),
+    (
+        "explore --omega 2 --zeta 0.07 --delta0 2 --export page.html --speeds 3000rpm",
+        "speeds must have no unit for a dimensionless rotor, got '3000rpm'",
+    ),
     # sweeps
     (sweep(direction="sideways"), "direction must be one of 'up', 'down', 'both'"),
     (sweep(omega="2 1", direction="up"), "omega must increase"),

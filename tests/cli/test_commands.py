@@ -531,3 +531,12 @@ def test_touchdown_needs_one_whole_machine(program: Program, words: tuple[object
     assert answer.status == 2
     assert answer.err.count("\n") == 1
     assert said in answer.err
+
+
+def test_an_unresolved_response_is_printed_with_its_reason(program: Program):
+    """Without damping nothing settles."""
+    start = ("--start", 3, 0, 0, 0)
+    answer = program("sweep", "--omega", 2, "--zeta", 0, "--delta0", 0.5, *start)
+    assert answer.status == 0
+    said = r"^Unresolved: followed for \d+ revolutions: without damping nothing settles\.$"
+    assert re.search(said, answer.out, re.MULTILINE)

@@ -12,7 +12,6 @@ import numpy as np
 import pytest
 
 import rotor_ida
-from rotor_ida.cli.commands import cycles
 from rotor_ida.plot.figures import figure_of
 from rotor_ida.results.studies.store import FILE, PIECES
 from rotor_ida.schema import STABILITY
@@ -213,7 +212,7 @@ def test_a_study_of_a_branch_goes_on(
         return real(*given, **{**more, "progress": stop})
 
     with monkeypatch.context() as patch:
-        patch.setattr(cycles.rotor_ida, "continue_cycle", breaks_off)
+        patch.setattr(rotor_ida, "continue_cycle", breaks_off)
         answer = program(*words)
     assert answer.status == 130
     assert "points are saved in study; continue with rotor-ida resume study" in answer.err

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -63,7 +64,7 @@ def test_a_table_in_micrometres_gives_its_machine_back(program: Program, folder:
     np.testing.assert_allclose(found.estimate, [89.1, 1e-5, 2.5e-5], rtol=1e-5)
     shown = program("show", "found.nc")
     assert shown.status == 0
-    assert "N s m-1" in shown.out
+    assert {"damping [N s/m]", "eccentricity [um]"} <= {*re.split(r" {2,}|\n", shown.out)}
     drawn = program("show", "found.nc", "--figure", "again.png")
     assert (drawn.status, drawn.err) == (0, "")
 
@@ -209,6 +210,32 @@ def test_probes_at_two_nodes_give_their_system_back(program: Program, pump: None
     assert (gap, damping) == pytest.approx((1.2e-4, 0.8), rel=1e-5)
 
 
+def test_a_table_of_a_simulated_system_is_fitted_as_its_archive_is(program: Program, pump: None):
+    """The mark's angle is a column; that of a slip speed, which is empty in flight, is no speed."""
+    run = ("simulate", "true.toml", "--speed", "1500rpm", "--duration", "1s", "--start", "settled")
+    assert program(*run, "--csv", "run.csv").status == 0
+    words = ("--start", "settled", "--unknown", "damping", "unbalance", "--json")
+    table = program("fit", "pump.toml", "run.t.csv", "--columns", "end:x=x[end]", "end:y=y[end]",
+                    "--units", "end:x=m", "end:y=m", *words)  # fmt: skip
+    assert (table.status, table.err) == (0, "")
+    assert program(*run, "--out", "steady.nc").status == 0
+    archive = program("fit", "pump.toml", "steady.nc", "--node", "end", *words)
+    both = [[row["estimate"] for row in json.loads(each.out)["unknown"]]
+            for each in (table, archive)]  # fmt: skip
+    assert both == [pytest.approx([0.8, 2e-4], rel=1e-5)] * 2
+
+
+def test_a_report_of_a_fit_states_what_its_system_assumes(program: Program, pump: None):
+    answer = program("fit", "pump.toml", "run.nc", "--node", "end", "--start", "settled",
+                     "--unknown", "damping", "--report", "report")  # fmt: skip
+    assert answer.status == 0
+    page = Path("report/report.html").read_text("utf-8")
+    assert "The rotor is linear" in page
+    assert "What the model lacks goes into the residuals" in page
+    assert "one disc" not in page
+    assert SYSTEM.splitlines()[-1].split("=")[0] in page
+
+
 @pytest.mark.parametrize(("words", "said"), [
     (("run.nc",), "node must be 'disc' or 'end', got None"),
     (("run.nc", "--node", "ends"), "node must be 'disc' or 'end', got 'ends'"),
@@ -216,6 +243,8 @@ def test_probes_at_two_nodes_give_their_system_back(program: Program, pump: None
     (("four.csv", "--columns", "x=A", "y=B"), "signals must be given by the node"),
     (("four.csv", "--node", "disc", "--columns", "disc:x=A", "disc:y=B"),
      "node must be left out with columns of nodes"),
+    (("four.csv", "--columns", "disc:x=A", "disc:y=B", "--units", "dsc:x=um"),
+     "units must be of the given nodes, got 'dsc:x=um'"),
     (("run.nc", "--node", "disc", "--start", "1", "0", "0", "0"),
      "start must be settled or rest with a rotor system"),
     (("pump.toml", "run.nc", "--node", "disc"), "FILE must be given with one rotor system at most"),

@@ -2,24 +2,19 @@
 
 from __future__ import annotations
 
-import dataclasses
-import inspect
 import re
 import shlex
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, get_args, get_type_hints
+from typing import Any
 
 import numpy as np
 import pytest
 
 import rotor_ida
-from rotor_ida.checks import AT_REST
-from rotor_ida.cli.commands.cycles import bifurcation_curve, continue_cycle, limit_cycle
 from rotor_ida.cli.program import COMMANDS as BY_GROUP
-from rotor_ida.model.parameters import DEFAULTS, OPTIONAL
 from rotor_ida.results import system_file
 
 Program = Callable[..., Any]
@@ -208,51 +203,6 @@ def test_the_example_of_reproduce_names_a_scenario(help_of: Program):
 
     (words,) = examples(help_of("reproduce"))
     assert words[words.index("--only") + 1] in scenario_scripts()
-
-
-def options_of(command: Callable[..., object]) -> dict[str, tuple[object, object]]:
-    """Return type and default of each option of a command, those of its groups among them."""
-    types = get_type_hints(command)
-    options: dict[str, tuple[object, object]] = {}
-    for name, parameter in inspect.signature(command).parameters.items():
-        if dataclasses.is_dataclass(types[name]):
-            fields, inner = dataclasses.fields(types[name]), get_type_hints(types[name])
-            options |= {field.name: (inner[field.name], field.default) for field in fields}
-        else:
-            options[name] = (types[name], parameter.default)
-    return options
-
-
-@pytest.mark.parametrize(
-    ("command", "library"),
-    [
-        (limit_cycle, "limit_cycle"),
-        (continue_cycle, "continue_cycle"),
-        (bifurcation_curve, "bifurcation_curve"),
-    ],
-)
-def test_defaults_are_those_of_the_library(command: Callable[..., object], library: str):
-    ours = options_of(command)
-    for name, parameter in inspect.signature(getattr(rotor_ida, library)).parameters.items():
-        if name in ours and parameter.default is not inspect.Parameter.empty and name != "workers":
-            default = ours[name][1]
-            if default is None and name in OPTIONAL:  # no axis is given
-                default = DEFAULTS[name]
-            if default is None and name == "start" and parameter.default:  # or left out with --from
-                default = AT_REST
-            theirs = getattr(parameter.default, "disc", parameter.default)
-            # an axis of one number is that number
-            assert default in (theirs, [theirs]), name
-
-
-def test_choices_of_branches_are_those_of_the_library():
-    from rotor_ida.cycles.continue_cycle import Direction, Kind, Parameter
-
-    ours = options_of(continue_cycle)
-    assert get_args(ours["direction"][0]) == get_args(Direction)
-    of_machines = {"speed", "damping", "clearance"}
-    assert set(get_args(ours["parameter"][0])) == {*get_args(Parameter)} >= {*of_machines}
-    assert get_args(options_of(bifurcation_curve)["kind"][0]) == get_args(Kind)
 
 
 @pytest.mark.parametrize("command", COMMANDS)

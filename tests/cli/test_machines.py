@@ -90,6 +90,44 @@ def test_a_machine_with_a_weight_starts_at_rest_where_it_is_held(program: Progra
     assert rotor_ida.load("many.nc").attrs["start_words"] == "rest"
 
 
+def test_an_exported_page_takes_speeds_in_rpm(
+    program: Program, small: str, monkeypatch: pytest.MonkeyPatch
+):
+    asked: list[Any] = []
+    monkeypatch.setattr(
+        "rotor_ida.explorer.files.recording", lambda *_, **given: asked.append(given)
+    )
+    monkeypatch.setattr("rotor_ida.explorer.files.finished", lambda *_: "page")
+    for words in (("--machine", small), (small,)):
+        answer = program("explore", *words, "--export", "page.html", "--force",
+                         "--speeds", "9000rpm:9600rpm:2")  # fmt: skip
+        assert answer.status == 0
+    assert [each["speeds"] for each in asked] == [pytest.approx([300 * math.pi, 320 * math.pi])] * 2
+
+
+def test_a_phase_is_read_in_degrees_without_dimensions_too(program: Program):
+    given = ("run-ups", "--omega", 0.1, "--zeta", 0.1, "--delta0", 1, "--to", 0.5, "--rate", 0.1)
+    for name, words in (("deg", ("90deg", "180deg")), ("rad", (math.pi / 2, math.pi))):
+        answer = program(*given, "--phase", *words, "--out", f"{name}.nc")
+        assert (answer.status, answer.err) == (0, "")
+    both = [rotor_ida.load(f"{name}.nc") for name in ("deg", "rad")]
+    np.testing.assert_array_equal(both[0]["phase"], both[1]["phase"])
+
+
+def test_run_ups_of_a_machine_begin_at_standstill_as_a_run_up_does(program: Program):
+    given = ("--machine", "pump.toml", "--to", "300rpm", "--rate", "1200rpm/s")
+    assert program("machine", *SHEET, "--out", "pump.toml").status == 0
+    for command in ("run-up", "run-ups"):
+        assert program(command, *given, "--out", f"{command}.nc").status == 0
+    up, ups = (rotor_ida.load(f"{each}.nc") for each in ("run-up", "run-ups"))
+    assert float(up["speed"][0]) == 0.0
+    assert ups["omega"].item() == 0.0
+    assert program("run-ups", *given, "--from", "10rpm", "--out", "on.nc").status == 0
+    assert rotor_ida.load("on.nc")["omega"].item() > 0.0
+    told = program("run-ups", "--help").out
+    assert "0 with --machine" in " ".join(told.replace("│", " ").split())
+
+
 def test_run_ups_begin_where_each_load_holds_its_rotor(program: Program):
     """Whichever word is given, the answers are those of the sag on the shaft, given as numbers."""
     given = ("run-ups", "--omega", 0.1, "--zeta", 0.1, "--delta0", 1, "--shaft-stiffness", 1,
@@ -255,8 +293,8 @@ def test_a_study_of_a_machine_goes_on_in_si_units(program: Program, small: str):
 
 def test_a_branch_is_followed_over_the_speed_of_a_machine(program: Program, small: str):
     assert program("cycle", "--machine", small, "--out", "cycle.nc").status == 0
-    answer = program("continue", "--from", "cycle.nc", "--parameter", "speed", "--limits", "950",
-                     "10000rpm", "--out", "branch.nc", "--figure", "branch")  # fmt: skip
+    answer = program("continue", "--from", "cycle.nc", "--parameter", "speed", "--limits",
+                     "950rad/s", "10000rpm", "--out", "branch.nc", "--figure", "b")  # fmt: skip
     assert (answer.status, answer.err) == (0, "")
     branch = rotor_ida.load("branch.nc")
     speeds = branch.omega.values * SMALL.reference_frequency

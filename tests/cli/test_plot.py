@@ -337,7 +337,7 @@ def systems(tmp_path_factory: pytest.TempPathFactory) -> Path:
     [
         ("run.nc", []),
         ("run.nc", ["--node", "disc"]),
-        ("run.nc", ["--times", "0.1", "200ms"]),
+        ("run.nc", ["--times", "100ms", "200ms"]),
         ("run.nc", ["--kind", "orbits"]),
         ("run.nc", ["--kind", "forces", "--contact", "0", "--times", "0s", "0.1s"]),
         ("run.nc", ["--kind", "history", "--node", "seal"]),

@@ -152,6 +152,16 @@ def test_a_section_of_a_file_is_that_of_python_at_a_contact(
     assert not Path("none.png").exists()
 
 
+def test_a_figure_over_two_parameters_is_refused_before_anything_is_computed(
+    program: Program, rotor: str, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.setattr("rotor_ida.bifurcation_diagram", lambda *_, **__: pytest.fail("it ran"))
+    two = ("--speed", 1.0, 1.1, "--friction", 0.1, 0.2, "--figure", "diagram")
+    answer = program("diagram", rotor, *two)
+    said = "rotor-ida: figure needs one parameter that varies, got speed and friction\n"
+    assert (answer.status, answer.err) == (2, said)
+
+
 @pytest.mark.parametrize("at", ["extrema", "revolution"])
 def test_a_diagram_of_a_file_is_that_of_python_and_a_study(program: Program, rotor: str, at: str):
     words = ("--speed", 1.0, 1.1, "--friction", 0.0, "--at", at, "--revolutions", 4)

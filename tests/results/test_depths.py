@@ -1,14 +1,19 @@
 """The warning of contacts that are pressed in too far, for each kind of result."""
 
+import re
 from dataclasses import replace
 
 import numpy as np
 
 from rotor_ida import (
     Contact,
+    DimensionalRotor,
+    Rotor,
     RotorSystem,
     Unbalance,
+    bifurcation_diagram,
     campbell,
+    poincare_section,
     run_up,
     simulate,
     sweep,
@@ -45,6 +50,41 @@ def test_every_result_of_a_system_tells_that_it_is_beyond_the_model():
         )
         assert beyond_model(found) == said
         assert describe(found)[1][-1] == said
+
+
+PUMP = DimensionalRotor(
+    mass=12.0, contact_stiffness=1e5, contact_exponent=1.0, damping=400.0, eccentricity=2e-5,
+    clearance=1.5e-4, speed=600.0, shaft_stiffness=4e6, friction=0.1, disc_radius=0.06,
+)  # fmt: skip
+
+
+def test_every_result_of_one_disc_tells_that_it_is_beyond_the_model():
+    """A run goes as deep as the same rotor does as a system; others by their radii."""
+    run = simulate(PUMP, start=(1e-3, 0.0, 0.0, 0.0), duration=0.05)
+    as_system = simulate(PUMP.system(), speed=600.0, start=([1e-3, 0.0], [0.0, 0.0]), duration=0.05)
+    both = [beyond_model(each) for each in (run, as_system)]
+    depth = re.search(r"up to (.* um), more than the clearance", both[1])[1]
+    assert both[0] == (
+        f"Beyond the model: an indentation of {depth} is more than the clearance; the force is too "
+        "large for the contact law to predict."
+    )
+    at = replace(PUMP, speed=577.0)  # at its resonance
+    found = sweep(at)
+    diagram = bifurcation_diagram(at, starts=[(0.0, 0.0, 0.0, 0.0)], extrema_time=0.5)
+    section = poincare_section(at, revolutions=3, skip=100)
+    deep = float(found.radius_max.max()) - PUMP.clearance
+    for each in (found, diagram, section):
+        assert f"an indentation of {1e6 * deep:.3g} um is more than the cl" in beyond_model(each)
+        assert describe(each)[1][-1] == beyond_model(each)
+    assert beyond_model(simulate(PUMP, duration=0.01)) == ""
+
+
+def test_without_units_only_the_radius_bounds_one_disc():
+    for radius, bound in ((None, ""), (20.0, "a tenth of the rotor's radius"), (30.0, "")):
+        rotor = Rotor(omega=2.0, zeta=0.07, delta0=0.5, disc_radius=radius)
+        run = simulate(rotor, start=(3.0, 0.0, 0.0, 0.0), duration=0.1)
+        assert 2.0 < float(run.peak_indentation.max()) < 3.0
+        assert beyond_model(run).partition("more than ")[2].partition(";")[0] == bound
 
 
 def test_the_indentation_is_that_of_the_closed_form():

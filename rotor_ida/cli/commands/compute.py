@@ -3,49 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
-
-from cyclopts import Parameter
 
 import rotor_ida
 from rotor_ida.checks import check_one_varies, shown
-from rotor_ida.cli import options
 from rotor_ida.cli.command import Case, command
-from rotor_ida.cli.machines import REST
-from rotor_ida.cli.option_types import (
-    IN_CHANGE,
-    IN_OUTPUT,
-    flag_option,
-    path_option,
-    quantity_option,
-)
 from rotor_ida.cli.report import Report
+from rotor_ida.cli.rotor_options import REST
 from rotor_ida.cli.verb_options import OF_CHANGE
 from rotor_ida.errors import InputError
 from rotor_ida.model.scales import BECOMES
 from rotor_ida.model.system_parameters import SPEED
-
-Begin = Annotated[
-    float | None,
-    quantity_option(
-        "Initial speed (SI: rad/s, or as 300rpm). Default: --omega or --speed; run-up with "
-        "--machine begins at 0.",
-        "rad s-1",
-        name="--from",
-    ),
-    IN_CHANGE,
-]
-Results = Annotated[Path, path_option("Folder for archives and figures."), IN_OUTPUT]
-Quick = Annotated[bool, flag_option("Compute coarser results, faster.")]
-Studies = Annotated[
-    bool, flag_option("Compute the studies as well as the figures of the paper.", name="--all")
-]
-Names = Annotated[
-    list[str] | None,
-    Parameter(
-        help="Scenarios to run: names, or beginnings of names.", consume_multiple=True, negative=()
-    ),
-]
 
 
 @command("one", label="simulate [%]", begins=REST, quiet=True)
@@ -70,7 +37,7 @@ def simulate(case: Case) -> Report:
 
 
 @command("one", label="run-up [%]", begins=REST, quiet=True)
-def run_up(case: Case, *, begin: Begin = None) -> Report:
+def run_up(case: Case, *, begin: float | None = None) -> Report:
     r"""Simulate a rotor whose speed changes: a ramp, a speed profile, or a drive torque.
 
     A machine from standstill, as rotor-ida machine writes it:
@@ -101,10 +68,7 @@ def run_up(case: Case, *, begin: Begin = None) -> Report:
     if case.is_system:
         _change_of_file(case, begin)
         return case.answer()
-    speed = _begun(case, begin)
-    is_set = begin is not None or "speeds" in case.given or speed in case.rotor_values
-    if case.rotors.machine is not None and not is_set:  # a file contains the running speed
-        case.known[speed] = 0.0
+    _begun(case, begin)
     run = case.ask()
     return case.report(run, summary=rotor_ida.summary(run))
 
@@ -147,7 +111,7 @@ def sweep(case: Case) -> Report:
 
 
 @command("several", label="diagram")
-def bifurcation_diagram(case: Case, *, node: options.NodeOfFigure = None) -> Report:
+def bifurcation_diagram(case: Case, *, node: str | None = None) -> Report:
     r"""Compute a bifurcation diagram: settled motions by extrema or once a revolution.
 
     At each speed from four random initial states, drawn over the exact curve:
@@ -171,13 +135,13 @@ def bifurcation_diagram(case: Case, *, node: options.NodeOfFigure = None) -> Rep
     case.draw_at(node)
     if case.is_system:
         case.refuse_with("a rotor system", {"starts": starts})
-    elif case.output.figure is not None:
+    if case.output.figure is not None:
         check_one_varies(case.varied())
     return case.answer()
 
 
 @command("one", label="section [%]", begins=REST)
-def poincare_section(case: Case, *, node: options.NodeOfFigure = None) -> Report:
+def poincare_section(case: Case, *, node: str | None = None) -> Report:
     r"""Compute a Poincaré section: the states of one motion once a revolution or at its events.
 
     Once a revolution, after 100 revolutions, drawn to section.png and section.svg:
@@ -195,7 +159,7 @@ def poincare_section(case: Case, *, node: options.NodeOfFigure = None) -> Report
 
 
 @command("several", label="run-ups", begins=REST)
-def run_ups(case: Case, *, begin: Begin = None) -> Report:
+def run_ups(case: Case, *, begin: float | None = None) -> Report:
     r"""Simulate run-ups or run-downs at many rates, and summarise each.
 
     Through the critical speed of a shaft, at three rates and two clearances:
@@ -228,14 +192,16 @@ def run_ups(case: Case, *, begin: Begin = None) -> Report:
     return case.answer()
 
 
-def _begun(case: Case, begin: float | None) -> str:
-    """Let a rotor begin at a speed, if it is given; return the name of its speed."""
+def _begun(case: Case, begin: float | None) -> None:
+    """Let a rotor begin at a speed, if it is given, and the machine of a file at standstill."""
     speed = SPEED if case.is_system or case.rotors.in_si else "omega"
+    is_set = "speeds" in case.given or speed in case.rotor_values
+    if begin is None and case.rotors.machine is not None and not is_set:
+        begin = 0.0  # the file contains the running speed
     if begin is not None:
         if speed in case.rotor_values:
             raise InputError(f"{speed} must be left out with --from, got both")
         case.known[speed] = [begin] if case.of.rotors == "several" else begin
-    return speed
 
 
 def _change_of_file(case: Case, begin: float | None) -> None:
@@ -253,14 +219,9 @@ def _change_of_file(case: Case, begin: float | None) -> None:
 
 
 def reproduce(
-    *,
-    out: Results = Path("results"),
-    quick: Quick = False,
-    studies: Studies = False,
-    only: Names = None,
-    workers: options.Workers = None,
-    force: options.Force = False,
-) -> int:
+    *, out: Path = Path("results"), quick: bool = False, studies: bool = False,
+    only: list[str] | None = None, workers: int | None = None, force: bool = False,
+) -> int:  # fmt: skip
     """Reproduce the figures of the paper and, on request, all studies, as a page index.html.
 
     Results that are up to date are kept. One scenario, coarse but quick:

@@ -11,9 +11,8 @@ from pathlib import Path
 from typing import get_args
 
 import rotor_ida
-from rotor_ida.cli import options
 from rotor_ida.cli.report import Report
-from rotor_ida.cli.sheets import facts, table
+from rotor_ida.cli.sheets import Parts, facts, table
 from rotor_ida.core import sundials
 from rotor_ida.simulation.options import Backend, Flight, Method
 
@@ -28,7 +27,7 @@ LARGEST_ERROR = 1e-8
 Check = dict[str, str]
 
 
-def doctor(*, as_json: options.AsJson = False) -> Report:
+def doctor(*, as_json: bool = False) -> Report:
     """Check the installation: versions, solvers and backends.
 
     To attach to a question:
@@ -42,32 +41,20 @@ def doctor(*, as_json: options.AsJson = False) -> Report:
     core, check_of_core = _core()
     checks = [check_of_core, *(check for found in by_backend.values() for check in found)]
     checks.append(_attempt("archive: written and read back", _archive))
-    usable = [
-        name
-        for name, found in by_backend.items()
-        if all(check["result"] == "ok" for check in found)
-    ]
+    usable = [name for name, found in by_backend.items()
+              if all(check["result"] == "ok" for check in found)]  # fmt: skip
     executors = [name for name in EXECUTORS if name != "auto" and not why_not(name)]
     versions = _versions()
     failed = sum(check["result"] == "failed" for check in checks)
-    return Report(
-        record={
-            "versions": versions,
-            "backends": usable,
-            "executors": executors,
-            "core": core,
-            "checks": checks,
-        },
-        parts=[
-            facts("Versions", versions),
-            *([facts("Core", core)] if core else []),
-            f"Usable backends: {', '.join(usable) or 'none'}",
-            f"Usable executors: {', '.join(executors)}",
-            table("Checks", checks, list(checks[0])),
-        ],
-        as_json=as_json,
-        trouble=f"{failed} of {len(checks)} checks failed" if failed else "",
-    )
+    record = {"versions": versions, "backends": usable, "executors": executors, "core": core,
+              "checks": checks}  # fmt: skip
+    parts: Parts = [
+        facts("Versions", versions), *([facts("Core", core)] if core else []),
+        f"Usable backends: {', '.join(usable) or 'none'}",
+        f"Usable executors: {', '.join(executors)}", table("Checks", checks, list(checks[0])),
+    ]  # fmt: skip
+    trouble = f"{failed} of {len(checks)} checks failed" if failed else ""
+    return Report(record=record, parts=parts, as_json=as_json, trouble=trouble)
 
 
 def _versions() -> dict[str, object]:
@@ -132,14 +119,10 @@ def _vibration(backend: Backend, flight: Flight, method: Method) -> str:
     leaving = closed_forms.planar_period(depth) / 4.0
     crossing = 2.0 * CLEARANCE / closed_forms.centre_speed(depth)
     run = rotor_ida.simulate(
-        rotor_ida.Rotor(omega=0.0, zeta=0.0, delta0=CLEARANCE),
-        start=(RELEASE, 0.0, 0.0, 0.0),
-        duration=leaving + crossing + 1.0,
-        samples=2,
-        method=method,
-        flight=flight,
+        rotor_ida.Rotor(omega=0.0, zeta=0.0, delta0=CLEARANCE), start=(RELEASE, 0.0, 0.0, 0.0),
+        duration=leaving + crossing + 1.0, samples=2, method=method, flight=flight,
         backend=backend,
-    )
+    )  # fmt: skip
     times = run["event_time"].values.tolist()
     if len(times) != 2:
         raise ArithmeticError(f"expected an exit and an entry, got {len(times)} events")

@@ -6,13 +6,12 @@ import shutil
 from collections.abc import Mapping
 from contextlib import suppress
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Any
 
 import rotor_ida
 from rotor_ida.checks import shown
 from rotor_ida.cli import options
-from rotor_ida.cli.option_types import IN_OUTPUT, count_option, path_option, quantity_option
-from rotor_ida.cli.output import FORCED, working
+from rotor_ida.cli.output import FORCED, again, working
 from rotor_ida.cli.report import Report
 from rotor_ida.cli.sheets import facts
 from rotor_ida.errors import InputError
@@ -31,43 +30,14 @@ NOT_OF_MANY = {"phase", "more_modes"}
 UNFINISHED = "unfinished"
 # The archives of a report, of one drop and of many.
 ONE, MANY = "drop.nc", "drops.nc"
-ReportFolder = Annotated[
-    Path,
-    path_option("Folder of the report, which is made.", name=("--out", "--report")),
-    IN_OUTPUT,
-]
-DropSpeed = Annotated[
-    float | None,
-    quantity_option(
-        "Speed at the drop (rad/s, or as 3000rpm). Default: that of the file.", "rad s-1"
-    ),
-]
-DropDuration = Annotated[
-    float | None, quantity_option("Time to simulate (s). Default: that of the file.", "s")
-]
-DropCount = Annotated[
-    int | None,
-    count_option("Number of drops at random, beside one. Default: that of the file.", 2, 100_000),
-]
-Film = Annotated[
-    Path | None, path_option("Write a film of the orbits to this file (.gif, or .mp4)."), IN_OUTPUT
-]
 
 
 def drop(
-    system: options.SystemFile,
-    /,
-    *,
-    out: ReportFolder,
-    speed: DropSpeed = None,
-    duration: DropDuration = None,
-    drops: DropCount = None,
-    film: Film = None,
-    jobs: options.JobOptions = options.JobOptions(),
-    study: options.Study = None,
-    as_json: options.AsJson = False,
-    force: options.Force = False,
-) -> Report:
+    system: Path, /, *, out: Path, speed: float | None = None, duration: float | None = None,
+    drops: int | None = None, film: Path | None = None,
+    jobs: options.JobOptions = options.JobOptions(), study: Path | None = None,
+    as_json: bool = False, force: bool = False,
+) -> Report:  # fmt: skip
     r"""Drop a levitated rotor on its touchdown bearings, and write a report.
 
     The system file gives magnetic bearings as [[supports]], touchdown bearings as [[contacts]], and
@@ -159,7 +129,7 @@ def _pages(
         figures=_figures(run, drops),
         assumptions=drop_tables.ASSUMPTIONS,
         scope=drop_tables.SCOPE,
-        commands=[asked.command(), Question("verify", {"rotor": folder / ONE}).command()],
+        commands=[again(asked.command()), Question("verify", {"rotor": folder / ONE}).command()],
         versions=facts("Versions", pages.versions_of(run) | pages.digest_of(system)),
         sources=pages.sources_of([system]),
     )

@@ -6,20 +6,11 @@ import sys
 from collections.abc import Mapping
 from importlib.util import find_spec
 from pathlib import Path
-from typing import Annotated
 
 from rotor_ida.checks import COMPONENTS, State, check_state, shown
-from rotor_ida.cli import options
-from rotor_ida.cli.machines import begun
-from rotor_ida.cli.option_types import (
-    IN_OUTPUT,
-    count_option,
-    flag_option,
-    numbers_option,
-    path_option,
-)
 from rotor_ida.cli.output import FORCED, working
-from rotor_ida.cli.rotor_options import RotorOptions
+from rotor_ida.cli.parsing import refuse_units
+from rotor_ida.cli.rotor_options import REST, RotorOptions
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.messages import ROTOR_ENDINGS, SystemQuestion, machine_of, state_of
 from rotor_ida.model.parameters import MACHINE_PARAMETERS, OPTIONAL, PARAMETERS
@@ -32,33 +23,13 @@ NEEDED = ("starlette", "uvicorn", "websockets")
 FIRST = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 REVOLUTIONS = 60
 PAGE = ".html"
-FileToExplore = Annotated[
-    Path | None,
-    path_option("Shown first: a machine, a rotor system, an archived run or a measurement."),
-]
-Port = Annotated[int, count_option("Port on this computer; 0 picks a free one.", 0, 65_535)]
-NoBrowser = Annotated[bool, flag_option("Print the address without opening a browser.")]
-Export = Annotated[
-    Path | None,
-    path_option("Write a page that needs no server, for the speeds of --speeds, and stop."),
-    IN_OUTPUT,
-]
-ExportedSpeeds = Annotated[
-    list[float] | None, numbers_option("Speeds of the exported page: numbers, or START:STOP:COUNT.")
-]
 
 
 def explore(
-    file: FileToExplore = None,
-    *,
-    rotor: RotorOptions = RotorOptions(),
-    start: options.StartOrNone = None,
-    port: Port = 8765,
-    no_browser: NoBrowser = False,
-    export: Export = None,
-    speeds: ExportedSpeeds = None,
-    force: options.Force = False,
-) -> int:
+    file: Path | None = None, *, rotor: RotorOptions = RotorOptions(),
+    start: State | str | None = None, port: int = 8765, no_browser: bool = False,
+    export: Path | None = None, speeds: list[float] | None = None, force: bool = False,
+) -> int:  # fmt: skip
     r"""Open an interactive page in the browser, with sliders for the parameters.
 
     The page is served on this computer only, until Ctrl-C:
@@ -115,7 +86,7 @@ def _beginning(
         raise InputError(f"file must be a file that exists, got {shown(file)}")
     if file is None or file.suffix.lower() not in ROTOR_ENDINGS:
         chosen = rotor.chosen() if given else FIRST
-        first = _checked_start(chosen, begun(start, chosen))
+        first = _first_state(chosen, start)
         state = state_of(chosen, None if start is None else first, REVOLUTIONS)
         return (state, None) if file is None else (state | {"measured": file.name}, file.resolve())
     if given or start is not None:
@@ -126,19 +97,24 @@ def _beginning(
     return state, file.resolve() if "node" in state else None
 
 
-def _checked_start(rotor: Rotor | DimensionalRotor, start: State) -> State:
-    """Return a start of the page, without dimensions, if it can be followed."""
-    if isinstance(rotor, Rotor):
-        check_can_be_followed(rotor, start)
-        return start
-    from rotor_ida.results.in_si import in_si, without_dimensions  # noqa: PLC0415
+def _first_state(chosen: Rotor | DimensionalRotor, start: State | str | None) -> State:
+    """Return a start without dimensions, if it can be followed; a word is that of the rotor."""
+    from rotor_ida.results.in_si import in_si, without_dimensions  # noqa: PLC0415 - heavy
+    from rotor_ida.simulation.starts import start_of  # noqa: PLC0415
 
-    x, y, vx, vy = without_dimensions(rotor, {"start": start})["start"].tolist()
+    rotor = chosen if isinstance(chosen, Rotor) else chosen.rotor()
+    if isinstance(start, str | None):
+        state = start_of(rotor, start or REST)
+    elif isinstance(chosen, Rotor):
+        refuse_units({"start": start})
+        state = start
+    else:
+        state = check_state("start", without_dimensions(chosen, {"start": start})["start"].tolist())
     try:
-        check_can_be_followed(rotor.rotor(), (x, y, vx, vy))
+        check_can_be_followed(rotor, state)
     except InputError as error:
-        raise in_si(error, rotor) from error
-    return x, y, vx, vy
+        raise error if isinstance(chosen, Rotor) else in_si(error, chosen) from error
+    return state
 
 
 def _recorded(state: Mapping[str, object], served: Path | None, speeds: list[float] | None) -> str:
@@ -154,6 +130,8 @@ def _recorded(state: Mapping[str, object], served: Path | None, speeds: list[flo
         names = (*PARAMETERS, *MACHINE_PARAMETERS, *OPTIONAL)
         machine = machine_of({name: state[name] for name in names if name in state})
         rotor = machine if isinstance(machine, Rotor) else machine.rotor()
+        if rotor is machine:
+            refuse_units({"speeds": speeds})
         first = [float(str(state[name])) for name in COMPONENTS if name in state]
         steps = files.recording(
             machine, start=check_state("start", first) if first else hanging(rotor),

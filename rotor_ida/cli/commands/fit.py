@@ -5,94 +5,33 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
-
-from cyclopts import Parameter
+from typing import TYPE_CHECKING, Any
 
 import rotor_ida
-from rotor_ida.checks import State
+from rotor_ida.checks import State, shown
 from rotor_ida.cli import options, parsing
 from rotor_ida.cli.commands.plot import OF_FILE, signals_in
-from rotor_ida.cli.option_types import number_option, numbers_option, quantity_option
 from rotor_ida.cli.output import Output, answer, troubled, working
 from rotor_ida.cli.parsing import in_unit
 from rotor_ida.cli.report import FAILED, Report
 from rotor_ida.cli.rotor_options import ANY_SPEED, RotorOptions
-from rotor_ida.cli.systems import system_to_fit
 from rotor_ida.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
 
     from rotor_ida.fitting.arguments import AnyRotor
-Unknowns = Annotated[
-    list[str],
-    Parameter(
-        help="Parameters to fit: names of rotor options, or unbalance_angle; of a rotor system "
-        "damping, stiffness, clearance, friction, unbalance, contact_stiffness, contact_damping.",
-        metavar="NAME",
-        consume_multiple=True,
-        negative=(),
-    ),
-]
-StartOfRecord = Annotated[
-    State | str | None,
-    Parameter(
-        help="State at the beginning of the record; settled, the steady whirl without contact; or "
-        "rest. Default: it is fitted too.",
-        metavar="X Y VX VY|settled|rest",
-        converter=parsing.converter(parsing.start),
-        n_tokens=4,
-        negative=(),
-    ),
-]
-Nodes = Annotated[
-    list[str] | None,
-    Parameter(
-        help="Nodes of a rotor system at which the probes look, if --columns does not name them, "
-        "as by disc:x=A disc:y=B seal:x=C seal:y=D.",
-        metavar="NAME",
-        consume_multiple=True,
-        negative=(),
-    ),
-]
-EntryTimes = Annotated[
-    list[float] | None,
-    numbers_option(
-        "Measured times at which contacts begin, in the unit of the signals or as 20ms.", "s"
-    ),
-]
-ExitTimes = Annotated[list[float] | None, numbers_option("The same, at which contacts end.", "s")]
-TimeError = Annotated[float | None, quantity_option("Standard error of these times.", "s")]
-NoiseLevel = Annotated[
-    float | None,
-    quantity_option(
-        "Standard deviation of the noise, in the unit of the probes or as 2um. Default: that of "
-        "the residuals.",
-        "m",
-    ),
-]
-SearchLimit = Annotated[
-    float | None, number_option("Longest time to search, in s. The best trial is reported then.")
-]
+    from rotor_ida.model.rotor_system import RotorSystem
 
 
 def fit(
-    *files: options.SignalFile,
-    unknown: Unknowns,
-    node: Nodes = None,
-    rotor: RotorOptions = RotorOptions(),
-    orders: options.Orders = None,
-    start: StartOfRecord = None,
-    entries: EntryTimes = None,
-    exits: ExitTimes = None,
-    time_error: TimeError = None,
-    noise: NoiseLevel = None,
-    limit: SearchLimit = None,
-    times: options.Times = None,
-    reading: options.ReadingOptions = options.ReadingOptions(),
-    output: Output = Output(),
-) -> Report:
+    *files: Path, unknown: list[str], node: list[str] | None = None,
+    rotor: RotorOptions = RotorOptions(), orders: list[float] | None = None,
+    start: State | str | None = None, entries: list[float] | None = None,
+    exits: list[float] | None = None, time_error: float | None = None, noise: float | None = None,
+    limit: float | None = None, times: tuple[float, float] | None = None,
+    reading: options.ReadingOptions = options.ReadingOptions(), output: Output = Output(),
+) -> Report:  # fmt: skip
     r"""Fit rotor parameters to measured signals, with their errors.
 
     To the archive of the example of run-up; the given values are the initial guess:
@@ -119,9 +58,7 @@ def fit(
     if len(systems) > 1:
         raise InputError("FILE must be given with one rotor system at most, got two")
     output.check()
-    machine: AnyRotor = (
-        system_to_fit(systems[0], rotor, start, output) if systems else _one_disc(rotor, node)
-    )
+    machine: AnyRotor = _system(systems[0], rotor, start) if systems else _one_disc(rotor, node)
     signals = [_signals(each, reading, times, node) for each in measured]
     each_node = [
         each for one in signals for each in (one.values() if isinstance(one, dict) else [one])
@@ -129,25 +66,33 @@ def fit(
     length, time = (str(each_node[0][name].attrs.get("units", "1")) for name in "xt")
     with working("trials") as progress:
         found = rotor_ida.fit(
-            signals,
-            machine,
-            unknown,
-            orders=(1.0,) if orders is None else orders,
-            start=start,
-            entries=_all_in("entries", entries, time),
-            exits=_all_in("exits", exits, time),
-            time_error=None if time_error is None else in_unit("time_error", time_error, time),
-            noise=None if noise is None else in_unit("noise", noise, length),
-            limit=limit,
-            progress=progress,
-        )
+            signals, machine, unknown, orders=(1.0,) if orders is None else orders, start=start,
+            entries=_in(time, "entries", entries), exits=_in(time, "exits", exits),
+            time_error=_in(time, "time_error", time_error), noise=_in(length, "noise", noise),
+            limit=limit, progress=progress,
+        )  # fmt: skip
     for name in OF_FILE:
         if told := dict.fromkeys(str(each.attrs[name]) for each in each_node if name in each.attrs):
             found.attrs[name] = "; ".join(told)
-    report = answer(found, output)
+    given = [*systems, *filter(None, [rotor.machine])]
+    report = answer(found, output, rotor=machine, files=given)
     if found.attrs["search"] == "converged":
         return report
     return troubled(report, f"search {found.attrs['search']}", FAILED)
+
+
+def _system(file: Path, rotor: RotorOptions, start: State | str | None) -> RotorSystem:
+    """Return the system of a file as a first guess; what is of one disc is refused."""
+    from rotor_ida.model.few_modes import in_modes  # noqa: PLC0415 - heavy
+    from rotor_ida.results.system_file import read_system_file  # noqa: PLC0415
+
+    for name, value in {**rotor.given, "machine": rotor.machine}.items():
+        if value is not None and name != "speed":
+            raise InputError(f"{name} must be left out with a rotor system, got {shown(value)}")
+    if not isinstance(start, str | None):
+        raise InputError(f"start must be settled or rest with a rotor system, got {shown(start)}")
+    system, course = read_system_file(file)
+    return in_modes(system, course.modes, None)[0]
 
 
 def _one_disc(rotor: RotorOptions, node: Sequence[str] | None) -> AnyRotor:
@@ -170,40 +115,49 @@ def _signals(
     nodes: Sequence[str] | None,
 ) -> xr.Dataset | dict[str, xr.Dataset]:
     """Return the signals in a file, by node where nodes are chosen."""
-    columns = reading.columns or []
-    named = dict.fromkeys(
-        word.partition(":")[0] for word in columns if ":" in word.partition("=")[0]
-    )
-    if not named:
-        from rotor_ida.results.run import is_of_system  # noqa: PLC0415 - heavy
-
-        signals = signals_in(file, reading, times)
-        if is_of_system(signals):
-            if nodes is None:
-                return rotor_ida.signals_of(signals)  # which may have one node alone
-            return {node: rotor_ida.signals_of(signals, node=node) for node in nodes}
-        return signals if nodes is None else dict.fromkeys(nodes, signals)
-    if nodes is not None:
+    named = dict.fromkeys(filter(None, map(_node_of, reading.columns or [])))
+    if named and nodes is not None:
         raise InputError("node must be left out with columns of nodes")
-    return {
-        node: signals_in(file, replace(reading, columns=_own(columns, node)), times)
-        for node in named
-    }
+    known = named or nodes or ()
+    for word in reading.units or []:
+        if (node := _node_of(word)) and node not in known:
+            raise InputError(f"units must be of the given nodes, got {shown(word)}")
+    if named or (reading.units and nodes):
+        return {node: signals_in(file, _at(reading, node), times) for node in known}
+    from rotor_ida.results.run import is_of_system  # noqa: PLC0415 - heavy
+
+    signals = signals_in(file, reading, times)
+    if is_of_system(signals):
+        if nodes is None:
+            return rotor_ida.signals_of(signals)  # which may have one node alone
+        return {node: rotor_ida.signals_of(signals, node=node) for node in nodes}
+    return signals if nodes is None else dict.fromkeys(nodes, signals)
 
 
-def _own(columns: Sequence[str], node: str) -> list[str]:
-    """Return the columns of a node, and those of no node.
+def _node_of(word: str) -> str:
+    """Return the node of a column or unit such as disc:x=A, empty if it has none."""
+    signal, _, _ = word.partition("=")
+    return signal.partition(":")[0] if ":" in signal else ""
+
+
+def _at(reading: options.ReadingOptions, node: str) -> options.ReadingOptions:
+    """Return how a file is read at a node: by the columns and units of it, and those of no node.
 
     Examples
     --------
-    >>> _own(["disc:x=A", "end:x=C", "keyphasor=K"], "end")
-    ['x=C', 'keyphasor=K']
+    >>> given = options.ReadingOptions(columns=["disc:x=A", "end:x=C:1", "keyphasor=K"])
+    >>> _at(given, "end").columns
+    ['x=C:1', 'keyphasor=K']
     """
-    plain = [(word, *word.partition(":")) for word in columns]
-    return [rest if colon and "=" not in first else word for word, first, colon, rest in plain
-            if first == node or not colon or "=" in first]  # fmt: skip
+    columns, units = (
+        words and [word.removeprefix(f"{node}:") for word in words if _node_of(word) in {"", node}]
+        for words in (reading.columns, reading.units)
+    )
+    return replace(reading, columns=columns, units=units)
 
 
-def _all_in(name: str, values: list[float] | None, unit: str) -> list[float] | None:
-    """Return values in the unit of the signals."""
-    return None if values is None else [in_unit(name, each, unit) for each in values]
+def _in(unit: str, name: str, value: Any) -> Any:
+    """Return a number, or numbers, in the unit of the signals; None unchanged."""
+    if isinstance(value, list):
+        return [in_unit(name, each, unit) for each in value]
+    return None if value is None else in_unit(name, value, unit)

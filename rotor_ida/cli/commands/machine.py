@@ -9,19 +9,18 @@ from typing import Annotated, Any
 from cyclopts import Parameter
 
 from rotor_ida.checks import shown
-from rotor_ida.cli import machines, options, parsing
+from rotor_ida.cli import parsing
 from rotor_ida.cli.given import facts_of_machine
-from rotor_ida.cli.option_types import IN_OUTPUT, ROTOR, path_option
+from rotor_ida.cli.option_types import ROTOR
 from rotor_ida.cli.output import FORCED
 from rotor_ida.cli.report import Report
-from rotor_ida.cli.rotor_options import with_parameters
+from rotor_ida.cli.rotor_options import of_sheet, with_parameters
 from rotor_ida.cli.sheets import Line, Parts, facts
 from rotor_ida.errors import InputError
 from rotor_ida.model.data_sheet import check_keys, implausible
 from rotor_ida.units import read_in
 
 ENDING = ".toml"
-MachineOut = Annotated[Path | None, path_option("Write the machine to this TOML file."), IN_OUTPUT]
 
 
 def _word(_name: str, words: list[str]) -> str:
@@ -63,7 +62,7 @@ SHEET = {
 
 @Parameter(name="*", group=ROTOR)
 @dataclass(frozen=True, kw_only=True)
-@with_parameters({name: _quantity(*told) for name, told in SHEET.items()}, dict.fromkeys(SHEET))
+@with_parameters({name: _quantity(*told) for name, told in SHEET.items()})
 class SheetOptions:
     """The entries of a data sheet."""
 
@@ -75,9 +74,9 @@ class SheetOptions:
 def machine(
     *,
     sheet: SheetOptions = SheetOptions(),
-    out: MachineOut = None,
-    as_json: options.AsJson = False,
-    force: options.Force = False,
+    out: Path | None = None,
+    as_json: bool = False,
+    force: bool = False,
 ) -> Report:
     r"""Describe a machine by its data sheet, and write a file for the option --machine.
 
@@ -92,7 +91,7 @@ def machine(
     """
     given = sheet.given()
     check_keys(given, "machine")
-    found = machines.of_sheet(given, None)
+    found = of_sheet(given, None)
     from rotor_ida.results.machine_file import machine_text, save_machine  # noqa: PLC0415
 
     lines, warnings = facts_of_machine(found), implausible(found)

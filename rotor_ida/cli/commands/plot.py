@@ -12,17 +12,8 @@ import numpy as np
 from cyclopts import Parameter
 
 import rotor_ida
-from rotor_ida.checks import MOST_NUMBERS, check_increasing, did_you_mean, shown
+from rotor_ida.checks import check_increasing, did_you_mean, shown
 from rotor_ida.cli import options, parsing
-from rotor_ida.cli.option_types import (
-    IN_OUTPUT,
-    count_option,
-    flag_option,
-    number_option,
-    numbers_option,
-    path_option,
-    quantity_option,
-)
 from rotor_ida.cli.output import OUT_ENDING, Output, read, write_figure
 from rotor_ida.cli.parsing import in_unit
 from rotor_ida.cli.report import Report
@@ -36,23 +27,15 @@ if TYPE_CHECKING:
 # Attributes of measured signals that describe how the file was read.
 OF_FILE = ("columns", "notes")
 FUNCTIONS = {
-    "bode": "plot_bode",
-    "polar": "plot_polar",
-    "orders": "plot_orders",
-    "orbit": "plot_orbit",
-    "full-spectrum": "plot_full_spectrum",
-    "cascade": "plot_cascade",
-    "spectrogram": "plot_spectrogram",
-    "centreline": "plot_centre_line",
-    "trace": "plot_trace",
-}
+    "bode": "plot_bode", "polar": "plot_polar", "orders": "plot_orders", "orbit": "plot_orbit",
+    "full-spectrum": "plot_full_spectrum", "cascade": "plot_cascade",
+    "spectrogram": "plot_spectrogram", "centreline": "plot_centre_line", "trace": "plot_trace",
+}  # fmt: skip
 # Those of a whole rotor system.
 OF_SYSTEM = {
-    "orbits": "plot_node_orbits",
-    "forces": "plot_forces",
-    "history": "plot_run",
+    "orbits": "plot_node_orbits", "forces": "plot_forces", "history": "plot_run",
     "shape": "plot_shape",
-}
+}  # fmt: skip
 # Those of sections and diagrams, at a node of a rotor system.
 OF_RESULTS = {"section": "plot_section", "diagram": "plot_extrema"}
 DRAWN_BY = FUNCTIONS | OF_SYSTEM | OF_RESULTS
@@ -65,31 +48,17 @@ OF_TIMES = (
     ("episode", "entry_time", "exit_time"),
     ("pulse", "keyphasor", "keyphasor"),
 )
-FigureOfPlot = Annotated[
-    Path | None,
-    path_option(
-        "Draw to NAME.png and NAME.svg, or to NAME.pdf. Default: named after FILE and kind."
-    ),
-    IN_OUTPUT,
-]
 KindOfPlot = Literal[
     "bode", "polar", "orders", "orbit", "full-spectrum", "cascade", "spectrogram", "centreline",
     "trace", "orbits", "forces", "history", "shape", "section", "diagram",
 ]  # fmt: skip
 # Other names of these.
 PLOTS_ALSO_CALLED: dict[str, KindOfPlot] = {
-    "waterfall": "cascade",
-    "spectrum": "full-spectrum",
-    "campbell": "spectrogram",
-    "colormap": "spectrogram",
-    "nyquist": "polar",
-    "centerline": "centreline",
-    "shaft-centerline": "centreline",
-    "timebase": "trace",
-    "waveform": "trace",
-    "mode-shape": "shape",
-    "deflected-shape": "shape",
-}
+    "waterfall": "cascade", "spectrum": "full-spectrum", "campbell": "spectrogram",
+    "colormap": "spectrogram", "nyquist": "polar", "centerline": "centreline",
+    "shaft-centerline": "centreline", "timebase": "trace", "waveform": "trace",
+    "mode-shape": "shape", "deflected-shape": "shape",
+}  # fmt: skip
 
 
 def _kind_of_plot(name: str, words: Sequence[str]) -> str:
@@ -105,91 +74,20 @@ def _kind_of_plot(name: str, words: Sequence[str]) -> str:
     return others[word]
 
 
-PlotKind = Annotated[
-    KindOfPlot | None,
-    Parameter(
-        help="Plot to draw. Default: one that suits the file. Also understood: waterfall for "
-        "cascade, spectrum for full-spectrum, campbell for spectrogram.",
-        converter=parsing.converter(_kind_of_plot),
-    ),
-]
-Node = Annotated[
-    str | None,
-    Parameter(help="Node of a rotor system at which probes look at the shaft.", metavar="NAME"),
-]
-OneContact = Annotated[
-    int | None, count_option("Contact whose forces are drawn, counted from 0.", 0, MOST_NUMBERS)
-]
-Instant = Annotated[
-    float | None,
-    quantity_option("Instant of a deflected shape. Default: the largest deflection.", "s"),
-]
-Exact = Annotated[
-    bool,
-    flag_option("Also draw the exact response, cycle or backward whirl of the archived rotor."),
-]
-OneOrder = Annotated[
-    float | None,
-    number_option("Order in Bode and polar plots, as a multiple of the speed. Default: 1."),
-]
-Orders = Annotated[
-    list[float] | None,
-    numbers_option(
-        "Orders to track, to fit together with the one of a Bode or polar plot or the mean "
-        "position, or to mark in a cascade or spectrogram."
-    ),
-]
-Revolutions = Annotated[
-    int | None,
-    count_option(
-        "Revolutions in each window of an order or a mean position. Default: as suits the record.",
-        1,
-        MOST_NUMBERS,
-    ),
-]
-Sense = Annotated[
-    Literal["forward", "backward", "x", "y"] | None,
-    Parameter(help="The whirl of Bode and polar plots, zero to peak, or the probe, peak to peak."),
-]
-Over = Annotated[
-    Literal["speed", "t", "time"] | None,
-    Parameter(help="Axis of a cascade or spectrogram: speed or time."),
-]
-Span = Annotated[
-    float | None, number_option("Largest frequency to show, as a multiple of the speed.")
-]
-Segment = Annotated[
-    int | None, count_option("Number of samples in each segment of a spectrum.", 16, MOST_NUMBERS)
-]
-ShownClearance = Annotated[
-    float | None,
-    quantity_option("Clearance of a measured machine, in the unit of the probes or as 150um.", "m"),
-]
+READ_KIND = Parameter(converter=parsing.converter(_kind_of_plot))
 
 
 def plot(
-    file: options.SignalFile,
-    /,
-    *,
-    kind: PlotKind = None,
-    figure: FigureOfPlot = None,
-    exact: Exact = False,
-    order: OneOrder = None,
-    orders: Orders = None,
-    revolutions: Revolutions = None,
-    sense: Sense = None,
-    over: Over = None,
-    span: Span = None,
-    segment: Segment = None,
-    clearance: ShownClearance = None,
-    node: Node = None,
-    contact: OneContact = None,
-    at: Instant = None,
-    times: options.Times = None,
-    reading: options.ReadingOptions = options.ReadingOptions(),
-    as_json: options.AsJson = False,
-    force: options.Force = False,
-) -> Report:
+    file: Path, /, *, kind: Annotated[KindOfPlot | None, READ_KIND] = None,
+    figure: Path | None = None, exact: bool = False, order: float | None = None,
+    orders: list[float] | None = None, revolutions: int | None = None,
+    sense: Literal["forward", "backward", "x", "y"] | None = None,
+    over: Literal["speed", "t", "time"] | None = None, span: float | None = None,
+    segment: int | None = None, clearance: float | None = None, node: str | None = None,
+    contact: int | None = None, at: float | None = None, times: tuple[float, float] | None = None,
+    reading: options.ReadingOptions = options.ReadingOptions(), as_json: bool = False,
+    force: bool = False,
+) -> Report:  # fmt: skip
     r"""Plot an archive or a measured file: Bode, orbit, cascade and others.
 
     The archive of the example of run-up, as suits it, to run_up.png and run_up.svg; then
@@ -306,15 +204,9 @@ def _of_kind(kind: KindOfPlot, dataset: xr.Dataset, chosen: dict[str, Any]) -> F
 
 
 def _written(
-    file: Path,
-    dataset: xr.Dataset,
-    drawn: Figure,
-    figure: Path,
-    *,
-    kind: KindOfPlot | None,
-    as_json: bool,
-    force: bool,
-) -> Report:
+    file: Path, dataset: xr.Dataset, drawn: Figure, figure: Path, *, kind: KindOfPlot | None,
+    as_json: bool, force: bool,
+) -> Report:  # fmt: skip
     """Write a figure and return the report."""
     written, trouble = [], ""
     try:

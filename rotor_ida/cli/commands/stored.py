@@ -7,14 +7,11 @@ import os
 from dataclasses import asdict, replace
 from datetime import timedelta
 from pathlib import Path
-from typing import Annotated, cast
-
-from cyclopts import Parameter
+from typing import cast
 
 import rotor_ida
 from rotor_ida.checks import check_one_varies, shown
 from rotor_ida.cli import options
-from rotor_ida.cli.option_types import IN_SOLVER, path_option
 from rotor_ida.cli.output import Output, answer, answer_whole, check_varies, read, working
 from rotor_ida.cli.report import FIRST_ROWS, Report
 from rotor_ida.cli.sheets import facts
@@ -24,24 +21,16 @@ from rotor_ida.simulation.options import Method
 
 # A longer remaining time [s] is shown as this one.
 LONGEST_LEFT = 1e12
-Witness = Annotated[
-    Method | None,
-    Parameter(help="Solver of the new computation. Default: that of the archive."),
-    IN_SOLVER,
-]
-File = Annotated[Path, path_option("Archive written by rotor-ida (.nc).", name="FILE")]
-Folder = Annotated[Path, path_option("Folder of a study.", name="FOLDER")]
+# What a comparison leaves out, with the titles of the reasons.
+NOT_COMPARED = {
+    "not_compared": "Not compared", "attributes_not_compared": "Attributes not compared",
+}  # fmt: skip
 
 
 def show(
-    file: File,
-    /,
-    *,
-    figure: options.Figure = None,
-    csv: options.Csv = None,
-    as_json: options.AsJson = False,
-    force: options.Force = False,
-) -> Report:
+    file: Path, /, *, figure: Path | None = None, csv: Path | None = None, as_json: bool = False,
+    force: bool = False,
+) -> Report:  # fmt: skip
     """Show an archive: its kind, its origin and its first rows.
 
     The archive of the example of simulate, also as CSV files:
@@ -63,14 +52,9 @@ def show(
 
 
 def compare(
-    file: File,
-    /,
-    *,
-    out: options.Out = None,
-    csv: options.Csv = None,
-    as_json: options.AsJson = False,
-    force: options.Force = False,
-) -> Report:
+    file: Path, /, *, out: Path | None = None, csv: Path | None = None, as_json: bool = False,
+    force: bool = False,
+) -> Report:  # fmt: skip
     """Compare an archived sweep with the exact whirls and limit cycles.
 
     The archive of the example of sweep:
@@ -87,13 +71,9 @@ def compare(
 
 
 def verify(
-    file: File,
-    /,
-    *,
-    method: Witness = None,
-    workers: options.Workers = None,
-    as_json: options.AsJson = False,
-) -> Report:
+    file: Path, /, *, method: Method | None = None, workers: int | None = None,
+    as_json: bool = False,
+) -> Report:  # fmt: skip
     """Recompute an archived result and compare it with the archive.
 
     The archive of the example of simulate, by the same method and by another:
@@ -108,25 +88,20 @@ def verify(
         again = rerun(archived, method=method, workers=workers, progress=progress)
     found = differences(again, archived)
     record = {"file": str(file), **found}
-    told = {name: value for name, value in record.items() if value not in ("", {})}
-    others = {
-        title: cast(dict[str, str], told.pop(name, {}))
-        for name, title in (
-            ("not_compared", "Not compared"),
-            ("attributes_not_compared", "Attributes not compared"),
-        )
-    }
+    told = {name: each for name, each in record.items()
+            if name not in NOT_COMPARED and each not in ("", {})}  # fmt: skip
     parts = [facts("Computed again", told)]
-    for title, left_out in others.items():
-        reasons = dict.fromkeys(left_out.values())
-        names = {why: ", ".join(each for each in left_out if left_out[each] == why)
-                 for why in reasons}  # fmt: skip
-        parts += [facts(title, names)] if names else []
+    for name, title in NOT_COMPARED.items():
+        reasons: dict[str, list[str]] = {}
+        for each, why in cast(dict[str, str], found.get(name, {})).items():
+            reasons.setdefault(why, []).append(each)
+        if reasons:
+            parts.append(facts(title, {why: ", ".join(each) for why, each in reasons.items()}))
     trouble = "" if found["agrees"] else f"{file} does not verify: {found['trouble']}"
     return Report(record=record, parts=parts, as_json=as_json, trouble=trouble)
 
 
-def status(folder: Folder, /, *, as_json: options.AsJson = False) -> Report:
+def status(folder: Path, /, *, as_json: bool = False) -> Report:
     """Show the progress of a study: points done, failed and left, and the time left.
 
     The study of the example of basin-fractions, even while it runs:
@@ -134,28 +109,17 @@ def status(folder: Folder, /, *, as_json: options.AsJson = False) -> Report:
         rotor-ida status study
     """
     found = rotor_ida.status(folder)
-    reasons = found.pop("reasons")
-    assert isinstance(reasons, list)
+    reasons, left = cast(list[str], found.pop("reasons")), cast(float, found["seconds_left"])
     rows = {name: entry for name, entry in found.items() if name != "seconds_left"}
-    left = found["seconds_left"]
-    assert isinstance(left, float)
-    rows["time_left"] = (
-        "" if math.isnan(left) else timedelta(seconds=round(min(left, LONGEST_LEFT)))
-    )
+    rounded = None if math.isnan(left) else round(min(left, LONGEST_LEFT))
+    rows["time_left"] = "" if rounded is None else timedelta(seconds=rounded)
     rows |= {f"reason_{number}": reason for number, reason in enumerate(reasons, start=1)}
-    return Report(
-        record={"folder": str(folder), **found, "reasons": reasons},
-        parts=[facts(f"Study {folder}", rows)],
-        as_json=as_json,
-    )
+    record = {"folder": str(folder), **found, "reasons": reasons}
+    return Report(record=record, parts=[facts(f"Study {folder}", rows)], as_json=as_json)
 
 
 def resume(
-    folder: Folder,
-    /,
-    *,
-    jobs: options.JobOptions = options.JobOptions(),
-    output: Output = Output(),
+    folder: Path, /, *, jobs: options.JobOptions = options.JobOptions(), output: Output = Output()
 ) -> Report:
     """Continue a study until it is complete, and write its result.
 

@@ -3,26 +3,19 @@
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Annotated
 
 import rotor_ida
-from rotor_ida.cli import options
 from rotor_ida.cli.command import Case, command
-from rotor_ida.cli.option_types import flag_option
 from rotor_ida.cli.report import Report
 from rotor_ida.errors import InputError
 
 # More rows are for programs, with --json or --out.
 MOST_ROWS = 1000
-WithFolds = Annotated[bool, flag_option("List the folds too.")]
-OwnUnbalance = Annotated[
-    bool, flag_option("Take the unbalance of the file as residual, instead of that of the formula.")
-]
 
 
 @command("several", most=MOST_ROWS)
 def synchronous_response(
-    case: Case, *, folds: WithFolds = False, without_gravity: options.WithoutGravity = False
+    case: Case, *, folds: bool = False, without_gravity: bool = False
 ) -> Report:
     r"""List all exact synchronous whirls, with their stability.
 
@@ -95,7 +88,7 @@ def backward_whirl(case: Case) -> Report:
 
 
 @command("of a file")
-def special_speeds(case: Case, *, without_gravity: options.WithoutGravity = False) -> Report:
+def special_speeds(case: Case, *, without_gravity: bool = False) -> Report:
     r"""List the speeds at which the whirls of a rotor system fold, oscillate or graze.
 
     Between two speeds, with the whirls drawn to special.png and special.svg:
@@ -122,10 +115,7 @@ def campbell(case: Case) -> Report:
 
 @command("of a file")
 def clearance_report(
-    case: Case,
-    *,
-    own_unbalance: OwnUnbalance = False,
-    without_gravity: options.WithoutGravity = False,
+    case: Case, *, own_unbalance: bool = False, without_gravity: bool = False
 ) -> Report:
     r"""Check the unbalance response at close clearances in the manner of API 617.
 
