@@ -30,7 +30,6 @@ from rotor_ida import (
 )
 from rotor_ida.cli import main
 from rotor_ida.cli.report import Report, console_on, text_of
-from rotor_ida.cli.sheets import facts, table
 from rotor_ida.errors import ArchiveError, InputError
 from rotor_ida.explorer import systems
 from rotor_ida.explorer.files import finished, recording_of_nodes
@@ -45,6 +44,7 @@ from rotor_ida.plot import (
     save_orbit_film,
 )
 from rotor_ida.plot.appearance import panels
+from rotor_ida.results.sheets import facts, table
 from rotor_ida.texts import (
     LONGEST_NAME,
     LONGEST_NOTE,

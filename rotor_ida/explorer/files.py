@@ -232,11 +232,13 @@ def recording(
 
 def recording_of_nodes(question: SystemQuestion) -> Generator[tuple[int, int], None, str]:
     """Yield the number of nodes done and their total; return the page, to be seen at each node."""
+    if (archived := systems.archive_of(question)) is not None:
+        systems.check_played(archived)
     case = systems.case_of(question)
     nodes, shared, frames = list(case.system.nodes), dict[str, str](), list[list[str]]()
     for node in nodes:
         own = []
-        for show in systems.SHOWN if case.has_run_up else systems.SHOWN[:-1]:
+        for show in systems.shown_of(case):
             for answer in show(replace(question, node=node)):
                 if answer.part in SHARED:
                     shared.setdefault(answer.part, as_text(in_single(answer)))

@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -33,10 +34,16 @@ from rotor_ida.model.data_sheet import GRAVITY
 from rotor_ida.model.few_modes import in_modes
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Support
+from rotor_ida.plot import save_figure
+from rotor_ida.plot.appearance import without_pyplot
+from rotor_ida.plot.figures import figure_of
 from rotor_ida.results.archive import load
 from rotor_ida.results.archived_system import problem_of
-from rotor_ida.results.kinds import kind_of
+from rotor_ida.results.kinds import KINDS, kind_of
+from rotor_ida.results.kinds import loaded as described
 from rotor_ida.results.question import Question as Asked
+from rotor_ida.results.sheets import sheets_shown
+from rotor_ida.results.si_units import is_in_si
 from rotor_ida.results.system_file import Course, read_system_file
 from rotor_ida.schema import SPECIAL, STABILITY
 from rotor_ida.signals.nodes import at_node
@@ -47,11 +54,18 @@ from rotor_ida.texts import brief, in_python
 from rotor_ida.units import quantity, written
 
 # Kinds of results that are played.
-SYSTEM_RUNS = ("system_run", "drop")
+PLAYED = ("system_run", "drop")
+# Rows of a table of an archive, and what its title says of the others where it is printed.
+MOST_ROWS, IN_COMMAND = 20, " (all with --json)"
+# Panels of a run, those of its run-up, and those that need a speed which is held.
+PANELS = ("response", "sketch", "shape", "orbit", "turning", "history", "campbell")
+OF_RUN_UP = ("bode", "polar", "cascade")
+OF_ONE_SPEED = ("section", "spectrum", "full")
 # Samples that are sent of an archive, and speeds of the exact response and of the Campbell diagram.
 MOST_SAMPLES, SPEEDS, FEW_SPEEDS = 16_384, 160, 60
 # A step of a branch of whirls by this part of the height of the diagram may be to another whirl.
 JUMP = 0.05
+KINDS_OF_SCALES = ("length", "time", "velocity", "force", "energy", "rate")
 # Eigenvalues of a Campbell diagram.
 MOST_EIGENVALUES = 16
 # Range of speeds over that of the file, and revolutions of a run-up that the file does not give.
@@ -85,9 +99,18 @@ class Case:
         return self.course is not None and "duration" in self.course.fall
 
     @property
-    def has_run_up(self) -> bool:
-        """Whether its speed may be run up: it is not played, and does not drop."""
-        return self.run is None and not self.drops
+    def changes_speed(self) -> bool:
+        """Whether it is an archived run at a speed that changes, and no drop."""
+        return self.run is not None and "speed" in self.run and not _is_drop(self)
+
+    @property
+    def panels(self) -> tuple[str, ...]:
+        """The panels that say something of it."""
+        if _is_drop(self) or self.drops:
+            return PANELS
+        if self.changes_speed:
+            return (*PANELS, *OF_RUN_UP)
+        return (*PANELS, *OF_ONE_SPEED, *(() if self.run is not None else OF_RUN_UP))
 
     @property
     def levitated(self) -> RotorSystem:
@@ -132,6 +155,15 @@ def case_in(path: Path) -> Case:
         return _read(path, path.stat().st_mtime_ns)
 
 
+def archive_of(question: SystemQuestion) -> xr.Dataset | None:
+    """Return the result in the file of a question, if it is an archive."""
+    path = question.path
+    if path is None or path.suffix.lower() == ".toml":
+        return None
+    with named(path):
+        return _loaded(path, path.stat().st_mtime_ns)
+
+
 @contextmanager
 def named(path: Path) -> Iterator[None]:
     """Tell a file by its name alone in errors."""
@@ -150,22 +182,22 @@ def _read(path: Path, _changed: int) -> Case:
         if speed is None:
             raise InputError(f"{path.name}: speed must be given")
         return Case(system=system, speed=speed, course=course)
-    run = loaded(path)
+    run = _loaded(path, path.stat().st_mtime_ns)
     fastest = float(run["speed"].max()) if "speed" in run else float(run.attrs["speed"])
     return Case(system=problem_of(run)[0], speed=fastest, run=run)
 
 
 def loaded(path: Path) -> xr.Dataset:
-    """Return the run in an archive, of one disc or of a rotor system."""
+    """Return the result in an archive."""
     try:
-        run = load(path)
+        return load(path)
     except (OSError, ValueError) as error:
         raise InputError(f"{path.name}: {error}") from error
-    if kind_of(run) not in (*SYSTEM_RUNS, "run"):
-        raise InputError(
-            f"{path.name}: file must be an archive of a run, got one of kind {kind_of(run)!r}"
-        )
-    return run
+
+
+@lru_cache(maxsize=2)
+def _loaded(path: Path, _changed: int) -> xr.Dataset:
+    return loaded(path)
 
 
 @lru_cache(maxsize=2)
@@ -193,6 +225,9 @@ def _length(case: Case, revolutions: int) -> dict[str, Any]:
 
 def run_of(question: SystemQuestion) -> xr.Dataset:
     """Return the run that a question is about: of its archive, or computed."""
+    archived = archive_of(question)
+    if archived is not None and kind_of(archived) not in PLAYED:
+        return archived
     case_of(question)  # without a file there is none
     return _computed(*_of_any_node(question))
 
@@ -230,7 +265,6 @@ def seat_of(case: Case, question: SystemQuestion) -> Seat:
 def facts_of(case: Case, seat: Seat) -> dict[str, object]:
     """Return the facts about the rotor in an answer, by the names of those of one disc."""
     si = case.system.units == "SI"
-    kinds = ("length", "time", "velocity", "force", "energy", "rate")
     at = "" if seat.contact is None else f", contact {seat.contact}"
     rotor: dict[str, object] = {"omega": case.speed, "delta0": 0.0}
     if seat.contact is not None:
@@ -240,12 +274,52 @@ def facts_of(case: Case, seat: Seat) -> dict[str, object]:
             "contact_damping": contact.damping,
         }  # fmt: skip
     return {
-        "rotor": rotor, "scales": dict.fromkeys(kinds, 1.0) if si else {}, "start": None,
+        "rotor": rotor, "scales": dict.fromkeys(KINDS_OF_SCALES, 1.0) if si else {}, "start": None,
         "told": f"node {seat.node}{at}, speed {quantity(case.speed, 'rad/s' if si else '1')}",
     }  # fmt: skip
 
 
 def show_motion(question: SystemQuestion) -> Iterator[Answer]:
+    """Yield the panels of a run, and what is in an archive of anything."""
+    archived = archive_of(question)
+    if archived is None or kind_of(archived) in PLAYED:
+        yield from _show_run(question)
+    if archived is not None:
+        assert question.path is not None
+        yield from _show_archive(question.path, question.path.stat().st_mtime_ns)
+
+
+@lru_cache(maxsize=2)
+def _show_archive(path: Path, changed: int) -> list[Answer]:
+    """Return the tables and the figure of any result, and order 1 and the cascade of a run-up."""
+    result = _loaded(path, changed)
+    kind = kind_of(result)
+    _, parts = described(KINDS[kind].shown)(result, MOST_ROWS)
+    told: dict[str, object] = {
+        "name": path.name, "kind": KINDS[kind].meaning,
+        "sheets": [each | {"title": each["title"].replace(IN_COMMAND, "")}
+                   for each in sheets_shown(parts)],
+        "panels": [] if kind in PLAYED else ["archive"],
+    }  # fmt: skip
+    arrays: Arrays = {}
+    if KINDS[kind].drawn:
+        with TemporaryDirectory() as folder, without_pyplot():
+            place = Path(folder) / "figure"
+            save_figure(figure_of(result), place)
+            contents = place.with_suffix(".svg").read_bytes()
+        arrays["figure"] = np.frombuffer(contents, dtype=np.int8)
+    if kind != "run":
+        return [Answer("archive", told, arrays)]
+    notes: list[str] = []
+    scales = dict.fromkeys(KINDS_OF_SCALES, 1.0) if is_in_si(result) else {}
+    track = track_of(result, notes)
+    told["panels"] = ["archive", *(OF_RUN_UP if track else ())]
+    words = " ".join(notes)
+    return [Answer("archive", told, arrays),
+            Answer("track", {"scales": scales, "words": words}, track)]  # fmt: skip
+
+
+def _show_run(question: SystemQuestion) -> Iterator[Answer]:
     """Yield the sketch of the rotor, the shape of its shaft, its run at a node, and the verdict."""
     case = case_of(question)
     seat = seat_of(case, question)
@@ -257,6 +331,8 @@ def show_motion(question: SystemQuestion) -> Iterator[Answer]:
     yield Answer("shape", {}, arrays)
     yield _motion(case, seat, run)
     words, bands = verdict(run), _bands(*_of_any_node(question))
+    if case.changes_speed:
+        words = f"{touched_on_the_way(run)} {words}"
     yield Answer("settled", facts_of(case, seat) | {
         "verdict": f"{words} {bands}".rstrip(), "level": level_of(run),
         "words": [*filter(None, [words, bands, *_notes_of(case)])],
@@ -268,16 +344,30 @@ def _motion(case: Case, seat: Seat, run: xr.Dataset) -> Answer:
     values = _at(run, seat)
     angle = at_node(run, seat.node)["angle"].values
     at_events = np.interp(values["event_time"], values["t"], angle)
-    step = float(values["t"][1] - values["t"][0]) * case.speed / math.tau
-    each = 1.0 / step if step > 0.0 and "speed" not in run else float(values["t"].size)
-    each = round(each) if math.isclose(each, round(each), rel_tol=1e-9) else each
+    count, turns = values["t"].size - 1, abs(float(angle[-1] - angle[0])) / math.tau
+    each = count / turns if turns > 0.0 else float(count)
     summary = ending_of(values, case.speed)
     machine = InUnits(case.speed) if case.system.units == "SI" else None
+    changes = "speed" in run
+    if not changes and math.isclose(each, round(each), rel_tol=1e-9):
+        each = round(each)
     facts = facts_of(case, seat) | {
-        "ending": summary, "words": words_of_run(machine, summary),
-        "horizon": float(run["horizon"]), "is_drop": kind_of(run) == "drop",
+        "ending": summary, "words": [] if changes else words_of_run(machine, summary),
+        "horizon": float(run["horizon"]), "is_whole": changes or kind_of(run) == "drop",
     }  # fmt: skip
-    return drawn(values, facts, (angle, at_events), case.speed, each)
+    answer = drawn(values, facts, (angle, at_events), case.speed, each)
+    if case.changes_speed:
+        answer.arrays.update(_extremes(run["speed"].values, angle, values["radius"]))
+    return answer
+
+
+def _extremes(speed: Values, angle: Values, radius: Values) -> Arrays:
+    """Return the extremes of the radius in each revolution of a run-up, over the speed."""
+    first = np.flatnonzero(np.diff(np.floor(angle / math.tau), prepend=-np.inf))
+    return {
+        "band_speed": speed[first], "band_low": np.minimum.reduceat(radius, first),
+        "band_high": np.maximum.reduceat(radius, first),
+    }  # fmt: skip
 
 
 def _at(run: xr.Dataset, seat: Seat) -> dict[str, npt.NDArray[Any]]:
@@ -346,7 +436,7 @@ def _sketch(case: Case, seat: Seat, question: SystemQuestion) -> dict[str, objec
         "unbalance": [each.node for each in case.system.unbalance],
         "node": seat.node, "contact": question.contact, "about": _about(case),
         "is_archive": case.run is not None, "is_drop": case.drops or _is_drop(case),
-        "has_run_up": case.has_run_up,
+        "panels": case.panels,
         "given": {"speed": file.speed, "unbalance_factor": 1.0},
         "given_contacts": [
             {name: getattr(each, of_file) for name, of_file in OF_CONTACT.items()
@@ -513,9 +603,9 @@ def _notes_of(case: Case) -> list[str]:
 def show_track(question: SystemQuestion) -> Iterator[Answer]:
     """Yield order 1 and the cascade of a run-up at the chosen node."""
     case = case_of(question)
-    if not case.has_run_up:
-        raise InputError("a run-up must be left out of an archive and a drop")
-    run = _run_up(*_of_any_node(question))
+    if "cascade" not in case.panels:
+        raise InputError("a run-up must be left out of a run at one speed and a drop")
+    run = run_of(question) if case.changes_speed else _run_up(*_of_any_node(question))
     seat = seat_of(case, question)
     signals = at_node(run, seat.node)
     notes = _notes_of(case)
@@ -537,11 +627,12 @@ def _run_up(question: SystemQuestion, _changed: int) -> xr.Dataset:
 
 
 def lines_of(question: SystemQuestion) -> str:
-    """Return the Python lines that compute the run shown."""
-    case, path = case_of(question), question.path
+    """Return the Python lines that compute the run shown, or load a result."""
+    path = question.path
+    if path is not None and archive_of(question) is not None:
+        return f"from rotor_ida import load\n\nresult = load({in_python(path.name)})\n"
+    case = case_of(question)
     assert path is not None
-    if case.run is not None:
-        return f"from rotor_ida import load\n\nrun = load({in_python(path.name)})\n"
     verb, path_said = "drop" if case.drops else "simulate", in_python(path.name)
     lines = [
         f"from rotor_ida import {verb}, load_course, load_system", "",
@@ -578,10 +669,11 @@ def command_of(question: SystemQuestion) -> str:
 
     Numbers of a system in SI units have the units of the page.
     """
-    case, path = case_of(question), question.path
-    assert path is not None
-    if case.run is not None:
+    path = question.path
+    if path is not None and archive_of(question) is not None:
         return Asked("show", {"rotor": Path(path.name)}).command()
+    case = case_of(question)
+    assert path is not None
 
     def told(value: float, unit: str) -> str:
         return written(value, unit) if case.system.units == "SI" and unit else repr(value)
@@ -610,5 +702,14 @@ def _unit(name: str, contact: Contact) -> str:
     return {"clearance": "um", "stiffness": stiffness, "damping": "s/m"}.get(name, "")
 
 
-# What fills the page, the run-up last.
-SHOWN = (show_motion, show_lines, show_responses, show_campbell, show_track)
+def shown_of(case: Case) -> list[Callable[[SystemQuestion], Iterator[Answer]]]:
+    """Return what fills the page of a case."""
+    shows = {"full": show_lines, "cascade": show_track}
+    return [show_motion, show_responses, show_campbell,
+            *(show for panel, show in shows.items() if panel in case.panels)]  # fmt: skip
+
+
+def check_played(result: xr.Dataset) -> None:
+    """Raise `InputError` unless a page without a program can show a result."""
+    if kind_of(result) not in PLAYED:
+        raise InputError(f"html must be of a rotor or its run, got a result of {kind_of(result)}")

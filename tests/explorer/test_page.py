@@ -745,6 +745,17 @@ def test_the_speed_of_a_machine_is_shown_in_turns_a_minute(page):
     assert page.facts("motion")["rotor"]["omega"] == pytest.approx(2.0, abs=0.02)
     page.type("#speed-unit", "Hz")
     page.until("location.hash.includes('speedIn=Hz')")
+    for typed, shown in {"4500 rpm": "4500", "1,200 RPM": "1200", "50hz": "50"}.items():
+        page.type("#field-speed", typed)
+        assert field.get_attribute("value") == shown
+        unit = "Hz" if "hz" in typed else "rpm"
+        assert page.find("#speed-unit").get_attribute("value") == unit
+        turns = float(shown) / (1.0 if unit == "Hz" else 60.0)
+        assert page.state()["speed"] == pytest.approx(2.0 * np.pi * turns, rel=1e-15)
+    page.type("#field-speed", "fast")
+    assert field.get_attribute("value") == "50"
+    page.type("#fastest", "9000 rpm")
+    assert page.state()["fastest"] == pytest.approx(300.0 * np.pi, rel=1e-15)
 
 
 def test_states_are_gone_back_to_and_forward(fresh):

@@ -3,26 +3,36 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
+import xarray as xr
 
-import rotor_ida
 from rotor_ida import (
     DimensionalRotor,
+    Rotor,
     drop,
     load,
     load_course,
     load_system,
+    orders,
+    poincare_section,
     run_up,
+    run_ups,
     save,
     save_machine,
+    signals_of,
     simulate,
+    sweep,
+    synchronous_response,
 )
 from rotor_ida.cli import main
+from rotor_ida.cli.describe import describe
 from rotor_ida.errors import InputError
 from rotor_ida.explorer import files, system_touches, systems
 from rotor_ida.explorer.messages import Answer, SystemQuestion, read_question
@@ -30,6 +40,7 @@ from rotor_ida.explorer.opening import state_in
 from rotor_ida.explorer.system_verdicts import verdict
 from rotor_ida.model.assembly import assemble
 from rotor_ida.model.data_sheet import implausible
+from rotor_ida.results.sheets import sheets_shown
 from rotor_ida.results.system_file import read_system_file
 from rotor_ida.units import quantity
 from tests.explorer.asking import Message, answer_to
@@ -137,6 +148,76 @@ def test_an_archive_is_played_as_it_is(path: Path, tmp_path: Path) -> None:
     )
 
 
+def test_an_archived_run_up_has_its_radius_over_the_speed_and_nothing_of_a_speed_that_is_held(
+    path: Path,
+) -> None:
+    run = run_up(load_system(path), speed=20.0, to=250.0, rate=200.0)
+    asked = question(archived(run, path))
+    motion, *_, archive = systems.show_motion(asked)
+    sent = {each.part: each for each in systems.show_motion(asked)}
+    assert "cascade" in motion.facts["panels"]
+    assert not {"section", "spectrum", "full"} & set(motion.facts["panels"])
+    arrays = sent["motion"].arrays
+    assert arrays["section_x"].size == 0
+    radius = np.hypot(run["contact_x"], run["contact_y"]).values.ravel()
+    turn = np.floor(run["angle"].values / (2.0 * np.pi))
+    for name, extreme in (("band_low", np.min), ("band_high", np.max)):
+        each = [extreme(radius[turn == number]) for number in np.unique(turn)]
+        np.testing.assert_array_equal(arrays[name], each)
+    assert arrays["band_speed"][0] == 20.0
+    assert str(sent["settled"].facts["verdict"]).startswith("The run-up touches contact 0 (disc)")
+    (track,) = systems.show_track(replace(asked, about="track"))
+    exact = orders(signals_of(run, node="disc")).isel(order=0)
+    np.testing.assert_array_equal(track.arrays["order_speed"], exact["speed"])
+    assert archive.facts["sheets"] == told_of(run)
+
+
+def test_an_archived_run_up_of_a_disc_is_shown_with_order_1_and_its_cascade(path: Path) -> None:
+    run = run_up(Rotor(omega=0.3, zeta=0.07, delta0=0.5), to=2.5, rate=0.02)
+    asked = question(archived(run, path))
+    archive, track = systems.show_motion(asked)
+    assert archive.facts["panels"] == ["archive", "bode", "polar", "cascade"]
+    exact = orders(run).isel(order=0)
+    np.testing.assert_array_equal(track.arrays["order_speed"], exact["speed"])
+    assert track.arrays["cascade_speed"].size > 5
+    assert "load('up.nc')" in files.lines_of(asked)
+    assert files.command_of(asked) == "rotor-ida show up.nc"
+    with pytest.raises(InputError, match="html must be of a rotor or its run"):
+        next(files.show_file(replace(asked, about="html")))
+
+
+RESULTS: dict[str, Callable[[], xr.Dataset]] = {
+    "sweep": lambda: sweep(omega=[0.5, 1.0], zeta=[0.07], delta0=[0.5]),
+    "run-ups": lambda: run_ups(Rotor(omega=0.3, zeta=0.1, delta0=0.5), to=1.0, rate=[0.05]),
+    "section": lambda: poincare_section(Rotor(omega=1.0, zeta=0.2, delta0=0.5), revolutions=5),
+    "exact whirls": lambda: synchronous_response(Rotor(omega=1.7, zeta=0.07, delta0=0.5)),
+}
+
+
+@pytest.mark.parametrize("meaning", RESULTS)
+def test_an_archive_of_another_result_is_shown_by_its_tables_and_its_figure(
+    meaning: str, path: Path
+) -> None:
+    result = RESULTS[meaning]()
+    (answer,) = systems.show_motion(question(archived(result, path)))
+    assert (answer.facts["kind"], answer.facts["panels"]) == (meaning, ["archive"])
+    assert answer.facts["sheets"] == told_of(result)
+    picture = ElementTree.fromstring(answer.arrays["figure"].tobytes())
+    assert picture.tag == "{http://www.w3.org/2000/svg}svg"
+
+
+def archived(result: xr.Dataset, path: Path) -> Path:
+    place = path.with_name("up.nc")
+    save(result, place)
+    return place
+
+
+def told_of(result: xr.Dataset) -> list[dict[str, Any]]:
+    """Return the sheets of the command line, without its word on how to see more."""
+    sheets = sheets_shown(describe(result, most=systems.MOST_ROWS)[1])
+    return json.loads(json.dumps(sheets).replace(" (all with --json)", ""))
+
+
 def test_a_drop_is_that_of_its_file_and_its_archive_the_same(of_drop: Path) -> None:
     run = drop(load_system(of_drop), **load_course(of_drop).drop)
     archive = of_drop.with_suffix(".nc")
@@ -145,7 +226,7 @@ def test_a_drop_is_that_of_its_file_and_its_archive_the_same(of_drop: Path) -> N
         answer = run_of(question(path))
         np.testing.assert_array_equal(answer.arrays["y"], run["y"].values.ravel())
         np.testing.assert_array_equal(answer.arrays["peak_force"], run["peak_force"].values)
-        assert answer.facts["is_drop"]
+        assert answer.facts["is_whole"]
         with pytest.raises(InputError, match="a run-up must be left out"):
             next(systems.show_track(question(path, "track")))
     assert files.command_of(question(of_drop)).startswith(
@@ -359,14 +440,10 @@ def test_what_a_system_does_not_have_is_refused(
         run_of(question(path, **changes))
 
 
-def test_a_bad_file_is_told_by_its_name_alone_and_one_of_another_kind_refused(path: Path) -> None:
+def test_a_bad_file_is_told_by_its_name_alone(path: Path) -> None:
     path.write_text("speed = 3")
     with pytest.raises(InputError, match=r"^disc\.toml: system must be given"):
         run_of(question(path))
-    folds = path.with_name("folds.nc")
-    save(rotor_ida.folds(zeta=0.07, delta0=0.5), folds)
-    with pytest.raises(InputError, match=r"^folds\.nc: file must be an archive of a run, got one"):
-        state_in(folds)
 
 
 def test_any_file_opens_as_what_it_is(path: Path, of_drop: Path) -> None:

@@ -14,8 +14,8 @@ from rotor_ida.cli import options
 from rotor_ida.cli.option_types import IN_OUTPUT, count_option, path_option, quantity_option
 from rotor_ida.cli.output import FORCED, working
 from rotor_ida.cli.report import Report
-from rotor_ida.cli.sheets import facts
 from rotor_ida.errors import InputError
+from rotor_ida.results.sheets import facts
 
 if TYPE_CHECKING:
     import xarray as xr

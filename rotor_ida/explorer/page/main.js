@@ -12,12 +12,12 @@ import { DataSheetForm } from "./sheet.js";
 import { Side } from "./side.js";
 import { Signals, trackOf } from "./signals.js";
 import {
-  SECOND_START, SIGNALS, address, chooseContact, file, inSI, isSystem, machine, ramp, readAddress, referenceFrequency, roundUp, setRotor, speedName, speedOf, speedsShown,
+  NO_FILE, SECOND_START, SIGNALS, address, chooseContact, file, inSI, isSystem, machine, ramp, readAddress, referenceFrequency, roundUp, setRotor, speedName, speedOf, speedsShown,
   state, tellFile, tellsOfRotor, toDimensionless, toSI,
 } from "./state.js";
 import { EVENTS, PARAMETERS, SPEED_UNITS, START } from "./tables.js";
-import { addTools, copy, keep } from "./tools.js";
-import { prefixed, told, withUnit } from "./units.js";
+import { addTools, copy, keep, sheetsOf } from "./tools.js";
+import { prefixed, speedTyped, told, withUnit } from "./units.js";
 
 const $ = (id) => document.getElementById(id);
 // The panels of a rotor, and what panels of signals need beside: of the run, and of a system its whole run-up.
@@ -45,7 +45,7 @@ const LATER = 100;
 const page = (window.rotorIda = {
   shown: [{}, {}], delays: [], state, asked: 0, drawn: 0, drawnBasin: 0,
   hasAllDrawn: () => seen.size + later.size === 0,
-  plotOf: (over) => [response.plot, ...signals.plots, ...sides.flatMap((side) => side.plots)].map(({ plot }) => plot).find((plot) => plot.over === over),
+  plotOf: (over) => [response.plot, sketch.plot, shape.plot, ...signals.plots, ...sides.flatMap((side) => side.plots)].map(({ plot }) => plot).find((plot) => plot.over === over),
 });
 const moved = new Map(); // number of the question, to when it was moved and what is not drawn yet
 
@@ -182,6 +182,10 @@ function answered(answer) {
     if (!answer.side) shape.take(answer);
     return;
   }
+  if (answer.part === "archive") {
+    takeArchive(answer);
+    return;
+  }
   if (!sides[answer.side]) return;
   const shown = page.shown[answer.side];
   if (answer.number < (shown[answer.part]?.number ?? 0)) return;
@@ -221,6 +225,7 @@ function forgetRotor() {
   response.forgetTrail();
   lastTracks = [];
   tellFile(null);
+  document.querySelector('[data-panel="archive"]').hidden = true;
   sketch.drawn = shape.drawn = shape.x = null;
   for (const place of page.shown.keys()) page.shown[place] = {};
 }
@@ -241,12 +246,35 @@ function takeSketch({ side, facts }) {
   keepAddress();
 }
 
+/** Show the tables and the figure of an archive; of a result that is not played they are all there is. */
+function takeArchive({ side, facts, arrays }) {
+  if (side) return;
+  if (facts.panels.length) {
+    tellFile({ ...NO_FILE, panels: facts.panels });
+    $("verdict").textContent = `${facts.name}: ${facts.kind}`;
+    showSystem();
+    chooseSignals();
+  }
+  $("sheets").replaceChildren(...sheetsOf(facts.sheets));
+  const figure = $("figure");
+  URL.revokeObjectURL(figure.src);
+  figure.hidden = !arrays.figure;
+  if (arrays.figure) figure.src = URL.createObjectURL(new Blob([arrays.figure], { type: "image/svg+xml" }));
+  document.querySelector('[data-panel="archive"]').hidden = false;
+}
+
+/** Return whether a panel says something of the rotor, or the file, that is shown. */
+const says = (panel) => !isSystem() || Boolean(file?.panels.includes(panel));
+
 /** Show sketch, node and contact of a rotor system. */
 function showSystem() {
   document.body.classList.toggle("shows-system", isSystem());
+  document.body.classList.toggle("shows-archive", isSystem() && says("archive"));
+  for (const panel of document.querySelectorAll("[data-panel]:not([data-panel=archive], #signal-panels *)")) panel.hidden = !says(panel.dataset.panel);
   for (const panel of ["sketch", "shape"]) document.querySelector(`[data-panel="${panel}"]`).hidden = !isSystem() || !(file?.nodes.length > 1);
-  $("revolutions").closest(".row").hidden = isSystem() && !file?.has_run_up;
-  if (!isSystem() || !file) return;
+  $("signals").hidden = !SIGNALS.some(says);
+  $("revolutions").closest(".row").hidden = isSystem() && (!says("cascade") || file.is_archive);
+  if (!isSystem() || !file?.nodes.length) return;
   const offer = (id, pairs, value) => {
     $(id).replaceChildren(...pairs.map(([each, text]) => new Option(text, each)));
     $(id).value = value;
@@ -403,7 +431,7 @@ function measure(parts) {
 function askSignals() {
   if (recorded || passage.running) return;
   for (const [about, names] of Object.entries(OF_SIGNALS)) {
-    if (!signals.has(names) || (about === "track" && !(isSystem() && file?.has_run_up))) continue;
+    if (!signals.has(names) || (about === "track" && !(isSystem() && says("cascade")))) continue;
     sides.forEach((_, side) => {
       const { motion } = page.shown[side], key = `${side} ${about}`;
       if ((side && about !== "lines") || motion?.number !== number || askedFor.get(key) === number) return;
@@ -426,8 +454,8 @@ function viewOfSignals() {
     const fresh = !row && settled && settled.number === motion?.number && settled.arrays.exact_order;
     return { track, curve: response.sides[side].curve?.arrays, lines: now, exact: fresh ? { over: fresh, amplitude: settled.arrays.exact_amplitude } : null };
   });
-  const { motion } = page.shown[0];
-  const [scales, speed] = [motion?.facts.scales, passage.running ? passage.speed : motion?.facts.rotor.omega];
+  const { motion, track } = page.shown[0];
+  const [scales, speed] = [(motion ?? track)?.facts.scales, passage.running ? passage.speed : motion?.facts.rotor.omega];
   return { rotors, scales, speed, measured: measured.source(scales, speed), campbell: page.shown[0].campbell };
 }
 
@@ -466,7 +494,7 @@ const rotorsOf = () => sides.map((_, place) => (page.shown[place].motion ? param
 /** Show the panels named in the state. */
 function chooseSignals() {
   for (const box of document.querySelectorAll('[name="signals"]')) box.checked = state.panels.split(",").includes(box.value);
-  const lacks = isSystem() ? (file?.has_run_up ? [] : OF_SIGNALS.track) : recorded ? SIGNALS : [];
+  const lacks = isSystem() ? SIGNALS.filter((name) => !says(name)) : recorded ? SIGNALS : [];
   for (const box of document.querySelectorAll('[name="signals"]')) box.closest("label").hidden = lacks.includes(box.value);
   signals.choose(state.panels.split(",").filter((name) => name && !lacks.includes(name)));
   if (page.shown[0].motion) {
@@ -795,6 +823,7 @@ function buildSides() {
     const isFirst = !sides.length;
     sides.push(new Side(element, sides.length, { moved: moveStart, asked: () => ask({ again: true }), told: ({ number: place }) => parametersOf(place), shown: (part) => isFirst && isSystem() && shape.show(part) }));
   }
+  if (isSystem()) showSystem(); // the panels of a new side, too
   $("sides").classList.toggle("two", two);
   response.two = two;
 }
@@ -890,9 +919,12 @@ function listen() {
     else state.ramp = value;
   });
   onNumber("seconds", (value) => (state.seconds = value));
-  onNumber("fastest", (value) => {
+  $("fastest").addEventListener("change", () => {
+    const typed = speedTyped($("fastest").value);
     // another largest speed, reached at the same time: other axes, and another curve
-    state.fastest = value / SPEED_UNITS[state.speedIn];
+    if (typed?.speed > 0) state.fastest = typed.speed;
+    showRamp();
+    passage.setRate(ramp());
     controls.show();
     ask();
   });
@@ -931,7 +963,7 @@ function showTheme() {
   });
   response.show();
   signals.show();
-  if (isSystem() && file) sketch.show();
+  if (isSystem() && file?.nodes.length) sketch.show();
 }
 dark.addEventListener("change", showTheme);
 $("theme").addEventListener("click", () => {

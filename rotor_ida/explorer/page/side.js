@@ -15,6 +15,8 @@ const KINDS = {
 };
 // Number of earlier revolutions drawn faintly.
 const EARLIER = 24;
+// Number of revolutions of a run-up whose orbit is drawn.
+const FEW = 8;
 const FLIGHT = [4, 3], BACKWARDS = [2, 1.5], SLEEPERS = [3, 4];
 // Least number of pixels along a side of a basin picture, for hatching.
 const PICTURE = 432;
@@ -140,7 +142,7 @@ export class Side {
 
   take(answer) {
     if (answer.part === "motion") {
-      if (answer.facts.is_drop && !this.motion?.facts.is_drop) this.#showWindow(0);
+      if (answer.facts.is_whole && !this.motion?.facts.is_whole) this.#showWindow(0);
       this.motion = answer;
     }
     else if (answer.part === "settled") this.settled = answer;
@@ -210,7 +212,6 @@ export class Side {
     this.length = this.#scale("length", drawn);
     const reach = roundUp(1.08 * drawn * this.length.factor);
     this.plane = { x: [-reach, reach], y: [-reach, reach] };
-    this.panels.section.hidden = Boolean(facts.is_drop); // what falls settles nowhere
     const rubs = Boolean(arrays.mode);
     for (const [name, hides] of Object.entries({ damped: !facts.rotor.contact_damping, friction: !rubs, frictionless: rubs })) {
       for (const each of this.element.querySelectorAll(`[data-${name}]`)) each.hidden = hides;
@@ -332,7 +333,7 @@ export class Side {
     const { factor } = this.length;
     const [xs, ys] = [scaled(arrays[`${axes}x`], factor), scaled(arrays[`${axes}y`], factor)];
     pen.circle(0, 0, facts.rotor.delta0 * factor, { stroke: colour("muted"), dash: [5, 4], width: 1.2 });
-    const { now, from } = this.view;
+    const { now, from } = this.#turnsDrawn();
     const inside = (i) => arrays.radius[i] <= facts.rotor.delta0;
     const before = Math.max(0, from - Math.round(EARLIER * facts.samples_per_revolution));
     pen.line(xs, ys, { from: before, to: from + 1, stroke: colour("muted"), width: 0.6, alpha: 0.35 });
@@ -353,6 +354,12 @@ export class Side {
     pen.mark(x, y, 9, { fill: colour("accent"), stroke: colour("card") });
   }
 
+  /** Return the part of the run whose orbit is drawn: of a run-up its last turns, as all would hide each other. */
+  #turnsDrawn() {
+    const { from, now } = this.view, { arrays, facts } = this.motion;
+    return { now, from: arrays.band_speed ? Math.max(from, now - Math.round(FEW * facts.samples_per_revolution)) : from };
+  }
+
   /** Return the samples once a revolution; none where a revolution is no whole number of them. */
   #turns(from, to) {
     const turn = this.motion.facts.samples_per_revolution;
@@ -363,7 +370,8 @@ export class Side {
   #drawEvents(pen, axes) {
     const { arrays } = this.motion;
     const { t, event_time: times, event_kind: kinds } = arrays;
-    const [low, high] = [t[this.view.from], t[this.view.now]];
+    const { from, now } = this.#turnsDrawn();
+    const [low, high] = [t[from], t[now]];
     const [xs, ys] = [arrays[`event_${axes}x`], arrays[`event_${axes}y`]];
     const seen = [];
     times.forEach((time, i) => time >= low && time <= high && seen.push(i));
@@ -494,13 +502,14 @@ export class Side {
       const away = distance(...at);
       if (away < found.away) Object.assign(found, { away, name, at, time });
     };
-    const [low, high] = [t[this.view.from], t[this.view.now]];
+    const { from, now } = this.#turnsDrawn();
+    const [low, high] = [t[from], t[now]];
     const [xs, ys] = [arrays[`${axes}x`], arrays[`${axes}y`]];
-    for (const i of this.#turns(this.view.from, this.view.now)) look("once a revolution", [xs[i], ys[i]], t[i]);
+    for (const i of this.#turns(from, now)) look("once a revolution", [xs[i], ys[i]], t[i]);
     times.forEach((time, i) => {
       if (time >= low && time <= high) look(EVENT_WORDS[kinds[i]], [arrays[`event_${axes}x`][i], arrays[`event_${axes}y`][i]], time);
     });
-    if (!found.at) for (let i = this.view.from; i <= this.view.now; i++) look("at", [xs[i], ys[i]], t[i]);
+    if (!found.at) for (let i = from; i <= now; i++) look("at", [xs[i], ys[i]], t[i]);
     const [a, b] = found.at ?? [x, y];
     const { factor: second, unit } = this.timeUnit;
     const when = found.at ? `${found.name} t = ${told(found.time * second, 7)}${unit && ` ${unit}`}: ` : "";

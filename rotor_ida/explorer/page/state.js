@@ -38,6 +38,9 @@ export const isSystem = () => state.node !== undefined;
 /** What the program has answered about that file; null before the first answer. */
 export let file = null;
 
+/** That of a file that has no rotor to move. */
+export const NO_FILE = { nodes: [], positions: [], contacts: [], given: { speed: 1 }, given_contacts: [], is_archive: true };
+
 /** Whether the rotor is given as a machine in SI units, or is a system in these. */
 export const inSI = () => (isSystem() ? file?.units === "SI" : state.mass !== undefined);
 
