@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from pathlib import Path
 
+from rotor_ida.explorer.cases import case_in, loaded, named
 from rotor_ida.explorer.messages import (
     MOST_REVOLUTIONS,
     ROTOR_ENDINGS,
@@ -13,7 +14,6 @@ from rotor_ida.explorer.messages import (
     Upload,
     state_of,
 )
-from rotor_ida.explorer.systems import case_in, loaded, named
 from rotor_ida.model.data_sheet import KEYS, implausible
 from rotor_ida.results.kinds import kind_of
 from rotor_ida.results.machine_file import load_machine, read_data_sheet

@@ -1,4 +1,4 @@
-// The panels of one rotor: starts and basin, orbits, radius and force over time, section, spectrum.
+// The panels of one rotor: starts and basin, orbits, radius and force over time, section.
 
 import { Plot, colour } from "./plot.js";
 import { roundUp } from "./state.js";
@@ -64,8 +64,7 @@ export class Side {
     this.radius = new Plot(at("history", '[data-plot="radius"]'), { ...over, x: "", y: "radius", reading: (...where) => this.#readTime("radius", ...where), series: [{ stroke: () => colour("ink"), width: 1.2, points: { show: false } }] });
     this.force = new Plot(at("history", '[data-plot="force"]'), { ...over, x: "time", y: "force", reading: (...where) => this.#readTime("force", ...where), series: [{ stroke: () => colour("contact"), width: 1.2, points: { show: false } }], draw: (pen) => this.#drawForce(pen) });
     this.section = new Plot(at("section"), { ...plane, draw: (pen) => this.#drawSection(pen), reading: (...where) => this.#readSection(...where) });
-    this.spectrum = new Plot(at("spectrum"), { x: "frequency / speed", y: "amplitude", log: true, reading: (...where) => this.#readSpectrum(...where), series: [{ stroke: () => colour("flight"), width: 1.2, points: { show: false } }] });
-    this.plots = [this.starts, this.orbit, this.turning, this.radius, this.force, this.section, this.spectrum];
+    this.plots = [this.starts, this.orbit, this.turning, this.radius, this.force, this.section];
     this.radius.linked = [this.force];
     this.force.linked = [this.radius];
     for (const [name, panel] of Object.entries(this.panels)) {
@@ -230,7 +229,6 @@ export class Side {
   drawRest() {
     if (!this.length) return;
     this.#drawTurning();
-    this.#drawSpectrum();
     this.#drawSectionPlot();
     this.#say();
   }
@@ -407,15 +405,6 @@ export class Side {
     pen.dots(scaled(xs, factor), scaled(ys, factor), many ? 2 : 5, { fill: colour("ink"), alpha: many ? 0.6 : 0.8 });
   }
 
-  #drawSpectrum() {
-    const { line_frequency: frequency, line_amplitude: height } = this.motion.arrays;
-    const { factor, unit } = this.length;
-    const top = factor * maximum(height) || 1;
-    const low = top * 1e-5;
-    const heights = height.map((each) => Math.max(factor * each, low));
-    this.spectrum.show({ data: [frequency, heights], x: [-this.motion.facts.orders, this.motion.facts.orders], y: [10 ** Math.floor(Math.log10(low)), 10 ** Math.ceil(Math.log10(top))], labels: ["frequency / speed", labelled("amplitude", unit)] });
-  }
-
   /** Draw the plane of starts, with the basin if there is one. */
   drawStarts(start = this.start, reach = this.reach) {
     Object.assign(this, { start, reach });
@@ -452,10 +441,6 @@ export class Side {
     if (panel === "section") {
       const { xs, ys } = this.#sectionPoints();
       return pair(this.section, xs, ys);
-    }
-    if (panel === "spectrum") {
-      const [frequencies, heights] = this.spectrum.data;
-      return { [label(this.spectrum, 0)]: [...frequencies], [label(this.spectrum, 1)]: [...heights] };
     }
     if (panel === "starts") return this.#tableOfStarts();
     const rows = [...times.map((each, i) => [each, "sample", radii[i], forces[i]])];
@@ -560,20 +545,6 @@ export class Side {
     return at ? { text: `point: ${this.section.tell(at)}`, at } : null;
   }
 
-  #readSpectrum(x, _y, _distance, near) {
-    const [frequencies, heights] = this.spectrum.data;
-    const { plot } = this.spectrum;
-    const [low, high] = [-near, near].map((pixels) => plot.posToVal(plot.valToPos(x, "x") + pixels, "x"));
-    let top = -1;
-    for (let i = 0; i < frequencies.length; i++) {
-      if (frequencies[i] >= low && frequencies[i] <= high && !(heights[i] <= heights[top])) top = i;
-    }
-    if (top < 0) return null;
-    const at = [frequencies[top], heights[top]];
-    const isLine = heights[top] > (heights[top - 1] ?? 0) && heights[top] > (heights[top + 1] ?? 0);
-    return { text: `${isLine ? "line: " : ""}${this.spectrum.tell(at)}`, at };
-  }
-
   #keyOfBasin() {
     const key = this.panels.starts.querySelector("[data-key]");
     key.replaceChildren();
@@ -612,7 +583,6 @@ export class Side {
     this.radius.say(`Radius over time: over the last half from ${number(ending.radius_min)} to ${number(ending.radius_max)}.`);
     this.force.say(`Contact force over time: up to ${told(ending.largest_force * this.forceUnit.factor)} ${this.forceUnit.unit} over the last half.`);
     this.section.say("Section: the rotor once a revolution, on axes that turn with the unbalance.");
-    this.spectrum.say("Spectrum of the last half: amplitude over frequency, backward and forward.");
   }
 }
 
