@@ -165,6 +165,9 @@ document.addEventListener("readystatechange", () => {
 PUT_BACK = """
 const { asked } = rotorIda;
 for (const each of document.querySelectorAll("[data-basin]")) each.checked = arguments[1];
+for (const each of document.querySelectorAll("template")) {
+  each.content.querySelector("[data-basin]")?.toggleAttribute("checked", arguments[1]);
+}
 document.activeElement.blur();
 for (const each of document.querySelectorAll("details")) each.open = false;
 scrollTo(0, 0);
