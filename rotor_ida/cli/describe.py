@@ -9,7 +9,6 @@ from dataclasses import replace
 import numpy as np
 import xarray as xr
 
-from rotor_ida.cli.sheets import Line, Range, Sheet, facts, table
 from rotor_ida.cli.variables import (
     OF_ERROR,
     Description,
@@ -33,6 +32,7 @@ from rotor_ida.results.archived_system import clearance_of_contacts
 from rotor_ida.results.dataset_kinds import KINDS, OTHER, kind_of, loaded
 from rotor_ida.results.depths import beyond_model
 from rotor_ida.results.run import course_of
+from rotor_ida.results.sheets import Line, Range, Sheet, facts, table
 from rotor_ida.results.si_units import MACHINE
 from rotor_ida.schema import ENDS_IN_WORDS, RESPONSE, words_of
 from rotor_ida.schema.quantities import SPECIAL_VALUES, UNITS

@@ -11,7 +11,6 @@ import xarray as xr
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.cli.describe import range_of
 from rotor_ida.cli.describe_systems import worst_of_contacts
-from rotor_ida.cli.sheets import Line, Parts, Range, Sheet, facts
 from rotor_ida.cli.variables import (
     Description,
     Record,
@@ -28,6 +27,7 @@ from rotor_ida.cli.variables import (
 )
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
+from rotor_ida.results.sheets import Line, Parts, Range, Sheet, facts
 from rotor_ida.schema import by_number, flags_of
 
 ATTRACTORS = Rows(

@@ -11,7 +11,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rotor_ida.cli.sheets import Line, Range, Sheet, facts
 from rotor_ida.cli.variables import (
     Description,
     Layout,
@@ -27,6 +26,7 @@ from rotor_ida.cli.variables import (
     tabled,
     value_of,
 )
+from rotor_ida.results.sheets import Line, Range, Sheet, facts
 from rotor_ida.signals.peaks import bode_peaks
 from rotor_ida.signals.record import record_of
 

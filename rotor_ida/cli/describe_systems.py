@@ -11,7 +11,6 @@ import xarray as xr
 
 from rotor_ida.cli.describe import EVENTS, count_of_kinds, facts_of_run
 from rotor_ida.cli.drop_tables import drops_tables, of_bearings
-from rotor_ida.cli.sheets import Sheet, facts, shown
 from rotor_ida.cli.variables import (
     Description,
     Record,
@@ -25,6 +24,7 @@ from rotor_ida.cli.variables import (
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
 from rotor_ida.results.archived_system import clearance_of_contacts
 from rotor_ida.results.growth_words import stability_words
+from rotor_ida.results.sheets import Sheet, facts, shown
 from rotor_ida.schema import EVENT_KIND, OF_BEARING, QUANTITIES, words_of
 
 EPISODES = Rows(

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import xarray as xr
 
-from rotor_ida.cli.sheets import facts
 from rotor_ida.cli.variables import Description, Layout, Rows, lines_of, scalars_of, tabled
 from rotor_ida.model.parameters import ALL_PARAMETERS
+from rotor_ida.results.sheets import facts
 
 FOUND_FOLDS = Rows(
     title="Folds", key="folds", lead="fold_omega", gaps=True,

@@ -12,8 +12,8 @@ import xarray as xr
 
 from rotor_ida.cli.given import contacts_sheet, supports_sheet
 from rotor_ida.cli.pages import LINEAR, PLANE
-from rotor_ida.cli.sheets import Interval, Line, Sheet, facts
 from rotor_ida.cli.variables import line_of
+from rotor_ida.results.sheets import Interval, Line, Sheet, facts
 from rotor_ida.schema import OF_BEARING, OF_DROP, WHIRL_DIRECTION
 from rotor_ida.steady.drop_words import NOT_ACTING, cells_in, count_of, place_of, places_in, varying
 from rotor_ida.units import number, quantity

@@ -8,11 +8,11 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from rotor_ida.cli.sheets import Line, Sheet, facts
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import OF_MACHINE
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.system_parts import Contact, Stator
+from rotor_ida.results.sheets import Line, Sheet, facts
 from rotor_ida.units import SPEED_UNITS
 
 if TYPE_CHECKING:

@@ -16,8 +16,8 @@ from rotor_ida.checks import check_panels, shown
 from rotor_ida.cli.option_types import OUTPUT
 from rotor_ida.cli.options import optioned
 from rotor_ida.cli.report import FAILED, INTERRUPTED, Report
-from rotor_ida.cli.sheets import Parts
 from rotor_ida.errors import ArchiveError, InputError, RotorError, SimulationError
+from rotor_ida.results.sheets import Parts
 from rotor_ida.texts import in_shell
 from rotor_ida.units import UnitSystem
 

@@ -16,7 +16,6 @@ import numpy as np
 from rotor_ida.checks import shown
 from rotor_ida.cli.given import sheets_of_rotor
 from rotor_ida.cli.pdf import write_pdf
-from rotor_ida.cli.sheets import Parts, Sheet, facts
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem
@@ -24,6 +23,7 @@ from rotor_ida.results.dataset_kinds import KINDS, kind_of
 from rotor_ida.results.files import check_target, file_to_write
 from rotor_ida.results.provenance import versions
 from rotor_ida.results.question import Question
+from rotor_ida.results.sheets import Parts, Sheet, facts
 from rotor_ida.results.toml_files import read_toml
 from rotor_ida.texts import printable
 from rotor_ida.units import UnitSystem

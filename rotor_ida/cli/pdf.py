@@ -10,7 +10,7 @@ from matplotlib.backends.backend_pdf import PdfPages
 from matplotlib.figure import Figure
 from rich.console import Console
 
-from rotor_ida.cli.sheets import Sheet
+from rotor_ida.results.sheets import Sheet
 from rotor_ida.texts import printable
 from rotor_ida.units import UnitSystem
 

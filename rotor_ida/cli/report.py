@@ -11,7 +11,7 @@ from typing import TextIO
 
 from rich.console import Console
 
-from rotor_ida.cli.sheets import Sheet
+from rotor_ida.results.sheets import Sheet
 from rotor_ida.texts import printable
 from rotor_ida.units import UnitSystem
 

@@ -10,9 +10,9 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rotor_ida.cli.sheets import Line, Parts, Range, Sheet, facts, table
 from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.results.dataset_kinds import kind_of
+from rotor_ida.results.sheets import Line, Parts, Range, Sheet, facts, table
 from rotor_ida.results.si_units import si_of
 from rotor_ida.schema import NO_YES, RESULT_KIND, flags_of, unit_of, words_of
 from rotor_ida.units import SPEED_UNITS

@@ -16,7 +16,7 @@ import numpy.typing as npt
 from rotor_ida.arrays import Arrays
 from rotor_ida.checks import State, check_axis, check_increasing, shown
 from rotor_ida.errors import InputError
-from rotor_ida.explorer import systems
+from rotor_ida.explorer import cases, systems
 from rotor_ida.explorer.messages import (
     Answer,
     Question,
@@ -25,7 +25,7 @@ from rotor_ida.explorer.messages import (
     speeds_shown,
     state_of,
 )
-from rotor_ida.explorer.motion import METHOD, duration_of, run_of, show_motion
+from rotor_ida.explorer.motion import METHOD, duration_of, run_of, show_lines, show_motion
 from rotor_ida.explorer.page import page_files
 from rotor_ida.explorer.responses import show_responses
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
@@ -119,7 +119,7 @@ def command_of(question: Question | SystemQuestion) -> str:
     'rotor-ida simulate --omega 1.7 --zeta 0.07 --delta0 0.5'
     """
     if isinstance(question, SystemQuestion):
-        return systems.command_of(question)
+        return cases.command_of(question)
     return f"{asked_in(question).command()} --out {NAME}.nc --figure {NAME}"
 
 
@@ -147,7 +147,7 @@ def lines_of(question: Question | SystemQuestion) -> str:
     machine = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
     """
     if isinstance(question, SystemQuestion):
-        return systems.lines_of(question)
+        return cases.lines_of(question)
     return LINES.format(
         rotor=type(question.machine).__name__,
         machine=written(question.machine),
@@ -161,7 +161,7 @@ def _contents(question: Question | SystemQuestion) -> bytes:
         return lines_of(question).encode()
     if question.about == "sh":
         return f"{command_of(question)}\n".encode()
-    run = systems.run_of(question) if isinstance(question, SystemQuestion) else run_of(question)
+    run = cases.run_of(question) if isinstance(question, SystemQuestion) else run_of(question)
     if isinstance(question, Question) and isinstance(question.machine, DimensionalRotor):
         run = dimensional(run, question.machine)
     with TemporaryDirectory() as folder:
@@ -214,7 +214,7 @@ def recording(
         here = start
         for place in range(len(speeds))[:: -1 if course == "down" else 1]:
             question = replace(beginning, machine=_at(machine, speeds[place]), start=here)
-            answers = [*_motion(question), *show_responses(question)]
+            answers = [*_motion(question), *show_lines(question), *show_responses(question)]
             own = [each for each in answers if each.part not in {"curve", "branch"}]
             frames[place] = [as_text(in_single(each)) for each in own]
             common |= {_name(each): packed(each) for each in answers if each not in own}
@@ -232,11 +232,13 @@ def recording(
 
 def recording_of_nodes(question: SystemQuestion) -> Generator[tuple[int, int], None, str]:
     """Yield the number of nodes done and their total; return the page, to be seen at each node."""
-    case = systems.case_of(question)
+    if (archived := cases.archive_of(question)) is not None:
+        cases.check_played(archived)
+    case = cases.case_of(question)
     nodes, shared, frames = list(case.system.nodes), dict[str, str](), list[list[str]]()
     for node in nodes:
         own = []
-        for show in systems.SHOWN if case.has_run_up else systems.SHOWN[:-1]:
+        for show in systems.shown_of(case):
             for answer in show(replace(question, node=node)):
                 if answer.part in SHARED:
                     shared.setdefault(answer.part, as_text(in_single(answer)))
@@ -244,7 +246,7 @@ def recording_of_nodes(question: SystemQuestion) -> Generator[tuple[int, int], N
                     own.append(as_text(in_single(answer)))
         frames.append(own)
         yield len(frames), len(nodes)
-    seat = systems.seat_of(case, question)
+    seat = cases.seat_of(case, question)
     return page_with({
         "places": nodes, "place": seat.node, "courses": {"nodes": frames},
         "common": list(shared.values()),

@@ -1,9 +1,10 @@
-"""The panels of one run: orbit, radius and force over time, section, spectrum and its lines."""
+"""The panels of one run: orbit, radius and force over time, section, and its lines."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from operator import itemgetter
 from typing import Any
 
 import numpy as np
@@ -13,12 +14,14 @@ import xarray as xr
 from rotor_ida.arrays import Arrays
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.explorer.messages import Answer, Question
-from rotor_ida.explorer.words import words_of_run
+from rotor_ida.explorer.words import Scales, sheet_of, words_of_run
 from rotor_ida.model.equations import rotated
-from rotor_ida.model.rotor import DimensionalRotor, Rotor
-from rotor_ida.schema import DAMPED_EVENT_KIND, EVENT_KIND, MODE
+from rotor_ida.model.rotor import Rotor
+from rotor_ida.results.sheets import Line, sheets_shown
+from rotor_ida.results.sheets import facts as facts_in
+from rotor_ida.schema import DAMPED_EVENT_KIND, EVENT_KIND, MODE, OF_FRICTION_EVENT_KIND
 from rotor_ida.signals.forces import power_in_contact
-from rotor_ida.signals.spectra import full_spectrum, lines_of
+from rotor_ida.signals.spectra import full_spectrum
 from rotor_ida.simulation.options import Method
 from rotor_ida.simulation.simulate import simulate
 
@@ -54,21 +57,36 @@ def show_motion(question: Question) -> Iterator[Answer]:
     summary = ending(run, rotor)
     end = rotated(states_of(run)[-1], -rotor.omega * run["t"][-1])
     facts: dict[str, object] = {
-        **facts_of(question),
-        "end": end.tolist(),
-        "ending": summary,
-        "words": words_of_run(question.machine, summary),
-        "horizon": float(run["horizon"]),
-    }
+        **facts_of(question), "end": end.tolist(), **told_of_run(run, summary, scales_of(question)),
+    }  # fmt: skip
     each = (run["t"].size - 1) // question.revolutions
     angles = (rotor.omega * run["t"], rotor.omega * run["event_time"])
-    yield drawn(run, facts, angles, rotor.omega, each)
+    yield drawn(run, facts, angles, each)
+
+
+def told_of_run(run: Values, summary: dict[str, float], scales: Scales) -> dict[str, object]:
+    """Return what is told of a run beside its panels: its end, and its events with their errors."""
+    kinds = sorted((DAMPED_EVENT_KIND | OF_FRICTION_EVENT_KIND).items(), key=itemgetter(1))
+    count = {name: int(np.count_nonzero(run["event_kind"] == kind))
+             for name, kind in reversed(kinds)}  # fmt: skip
+    errors = run["event_time_error"]
+    known = errors[np.isfinite(errors)]
+    time, unit = (scales["time"], "s") if scales else (1.0, "1")
+    lines = [Line(name, [each]) for name, each in count.items() if each]
+    if known.size:
+        lines.append(Line("largest error of their times", [float(known.max()) * time], unit, 2))
+    if known.size < errors.size:
+        lines.append(Line("determined by the start up to", [float(run["horizon"]) * time], unit, 4))
+    return {
+        "ending": summary, "words": words_of_run(summary), "horizon": float(run["horizon"]),
+        "sheets": [*sheet_of("The last half of the drawn run", scales, summary),
+                   *sheets_shown([facts_in("Its events", lines)] if lines else [])],
+    }  # fmt: skip
 
 
 def drawn(
-    run: Values, facts: dict[str, object], angles: tuple[FloatArray, FloatArray], omega: float,
-    each: float,
-) -> Answer:  # fmt: skip
+    run: Values, facts: dict[str, object], angles: tuple[FloatArray, FloatArray], each: float
+) -> Answer:
     """Return what is drawn of a run, with the given number of samples a revolution.
 
     `angles` are those of the unbalance at the samples and at the events. There is a section only
@@ -80,14 +98,14 @@ def drawn(
         x, y, cosine, sine = run[f"{prefix}x"], run[f"{prefix}y"], np.cos(-angle), np.sin(-angle)
         run[f"{prefix}rotating_x"] = cosine * x - sine * y
         run[f"{prefix}rotating_y"] = sine * x + cosine * y
-    facts |= {"samples_per_revolution": each, "orders": _orders_shown(run, omega)}
+    facts["samples_per_revolution"] = each
     arrays: Arrays = {name: run[name] for name in DRAWN}
     arrays["event_kind"] = run["event_kind"].astype(np.int8)
     if "mode" in run:
         arrays |= {"mode": run["mode"].astype(np.int8), "slip_speed": run["slip_speed"]}
     every = slice(None, None, each) if isinstance(each, int) else slice(0)
     arrays |= {f"section_{axis}": run[f"rotating_{axis}"][every] for axis in ("x", "y")}
-    return Answer("motion", facts, arrays | _lines(run, omega))
+    return Answer("motion", facts, arrays)
 
 
 def _orders_shown(run: Values, omega: float) -> float:
@@ -142,16 +160,21 @@ def samples_per_revolution(revolutions: int) -> int:
 
 def facts_of(question: Question) -> dict[str, object]:
     """Return the facts about the rotor in an answer."""
+    return {
+        "rotor": question.rotor.given, "scales": scales_of(question), "start": question.start
+    }  # fmt: skip
+
+
+def scales_of(question: Question) -> dict[str, float]:
+    """Return the scales of a machine; none of a rotor without dimensions."""
     machine = question.machine
-    scales = {}
-    if isinstance(machine, DimensionalRotor):
-        scales = {
-            "length": machine.length_scale, "time": machine.time_scale,
-            "velocity": machine.velocity_scale, "force": machine.force_scale,
-            "energy": machine.force_scale * machine.length_scale,
-            "rate": machine.reference_frequency,
-        }  # fmt: skip
-    return {"rotor": question.rotor.given, "scales": scales, "start": question.start}
+    if isinstance(machine, Rotor):
+        return {}
+    return {
+        "length": machine.length_scale, "time": machine.time_scale,
+        "velocity": machine.velocity_scale, "force": machine.force_scale,
+        "energy": machine.force_scale * machine.length_scale, "rate": machine.reference_frequency,
+    }  # fmt: skip
 
 
 def values_of(run: xr.Dataset) -> Values:
@@ -237,17 +260,6 @@ def _events(run: Values, kind: int) -> float:
 def states_of(run: Values) -> FloatArray:
     """Return the states of a run."""
     return np.stack([run[name] for name in COMPONENTS], axis=-1)
-
-
-def _lines(run: Values, omega: float) -> Arrays:
-    """Return the spectrum of the last half, over the spin speed."""
-    half = (run["t"].size - 1) // 2
-    frequency, height = lines_of(
-        run["x"][half:-1] + 1j * run["y"][half:-1], float(run["t"][1] - run["t"][0]), "hann"
-    )
-    over = frequency / (omega or 1.0)
-    shown = np.abs(over) <= _orders_shown(run, omega)
-    return {"line_frequency": over[shown], "line_amplitude": height[shown]}
 
 
 def show_lines(question: Question) -> Iterator[Answer]:

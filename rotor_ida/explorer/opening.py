@@ -1,4 +1,4 @@
-"""Open any file: a machine, a rotor system, an archive of a run of either, or a measurement."""
+"""Open any file: a machine, a rotor system, an archive of any result, or a measurement."""
 
 from __future__ import annotations
 
@@ -6,6 +6,7 @@ import math
 from collections.abc import Iterator
 from pathlib import Path
 
+from rotor_ida.explorer.cases import case_in, loaded, named
 from rotor_ida.explorer.messages import (
     MOST_REVOLUTIONS,
     ROTOR_ENDINGS,
@@ -13,11 +14,10 @@ from rotor_ida.explorer.messages import (
     Upload,
     state_of,
 )
-from rotor_ida.explorer.systems import SYSTEM_RUNS, case_in, loaded, named
 from rotor_ida.model.data_sheet import KEYS, implausible
 from rotor_ida.results.dataset_kinds import kind_of
 from rotor_ida.results.machine_file import load_machine, read_data_sheet
-from rotor_ida.results.run import check_one_speed, rotor_of
+from rotor_ida.results.run import rotor_of
 from rotor_ida.results.si_units import dimensionless, machine_of
 
 
@@ -49,10 +49,9 @@ def state_in(path: Path) -> tuple[dict[str, object], list[str]]:
         case_in(path)
         return {"node": ""}, []
     archived = loaded(path)
-    if kind_of(archived) in SYSTEM_RUNS:
+    if kind_of(archived) != "run" or "event_speed" in archived:
         return {"node": ""}, []
     run = dimensionless(archived)
-    check_one_speed(run, "the explorer")
     rotor = rotor_of(run)
     x, y, vx, vy = map(float, run.attrs["start"])
     turns = float(run.attrs["duration"]) * (rotor.omega or 1.0) / (2.0 * math.pi)

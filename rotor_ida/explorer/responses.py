@@ -27,9 +27,12 @@ from rotor_ida.explorer.motion import (
     facts_of,
     forced,
     run_of,
+    scales_of,
 )
 from rotor_ida.explorer.words import (
     NO_CURVE,
+    numbers_of_response,
+    sheet_of,
     verdict_of,
     words_of_response,
     words_of_transient,
@@ -191,7 +194,10 @@ def _settled(question: Question, settled: dict[str, object], swept: xr.Dataset) 
         facts |= ending(forced(run, rotor), rotor)
         facts |= {name: settled[name] for name in ("radius_min", "radius_max")}
         facts["end"] = _end(swept)
-    words = words_of_response(question.machine, facts)
+    words, sheets = [words_of_response(question.machine, facts)], list[dict[str, Any]]()
+    if settled["response"] != "failed":
+        told = numbers_of_response(rotor, facts)
+        sheets = sheet_of("What it settles on", scales_of(question), told)
     if rotor.friction > 0.0 and rotor.load == 0.0:
         words.append(words_of_whip(question.machine, *_whip(rotor)))
     if _is_repeated(settled) and _is_under_way(question, facts):
@@ -199,7 +205,7 @@ def _settled(question: Question, settled: dict[str, object], swept: xr.Dataset) 
         words.append(words_of_transient(question.machine, rotor.omega, drawn, by))
     arrays = exact_lines(rotor, settled["lies_on"], settled, _end(swept))
     verdict = {"verdict": verdict_of(question.machine, facts), "level": level_of(facts)}
-    return Answer("settled", {**facts, **verdict, "words": words}, arrays)
+    return Answer("settled", {**facts, **verdict, "words": words, "sheets": sheets}, arrays)
 
 
 def level_of(facts: Mapping[str, Any]) -> str:

@@ -8,7 +8,6 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.explorer.system_touches import titled
 from rotor_ida.results.dataset_kinds import kind_of
 from rotor_ida.results.depths import beyond_model
 from rotor_ida.steady.drop_words import sentence_of
@@ -84,3 +83,8 @@ def touched_on_the_way(run: xr.Dataset) -> str:
 
 def _speed(run: xr.Dataset, speed: float) -> str:
     return quantity(speed, "rad/s" if run["t"].attrs.get("units") == "s" else "1")
+
+
+def titled(number: int, node: str) -> str:
+    """Return the name of a contact."""
+    return f"contact {number} ({'node ' * node.isdecimal()}{node})"

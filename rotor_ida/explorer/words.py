@@ -1,13 +1,14 @@
-"""Sentences that describe a run and its settled response."""
+"""Verdict, sentences and sheets that describe a run and its settled response."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Mapping
 from functools import partial
-from typing import Any, NamedTuple
+from typing import Any
 
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.results.sheets import Line, facts, sheets_shown
 from rotor_ida.steady.response import CONTACT_FREE
 from rotor_ida.steady.run_up_summary import beyond_model, contact_in_words
 from rotor_ida.units import quantity
@@ -26,45 +27,70 @@ KINDS = {
 }
 NO_CURVE = "Under a static load there is no synchronous whirl, so no exact curve."
 HELD = "the contact-free whirl, which is the only one with a shaft: it stays inside the clearance"
+INSIDE = "inside the clearance"
 # A rotor at rest counts as centred if its distance is below this fraction of the eccentricity.
 CENTRE = 1e-6
-# Words for rolling of a disc that does not rotate.
-STILL = "does not slide"
-# A radius that varies by at most this fraction belongs to a whirl.
-STEADY = 1e-6
+# SI units of quantities by the names of their scales.
+UNITS = {"length": "m", "time": "s", "force": "N", "energy": "J", "rate": "rad/s"}
+DIGITS = 4
+# Rows of a sheet on a motion: the name of the number, in words, and its scale.
+ROWS = {
+    "radius_min": ("smallest radius", "length"), "radius_max": ("largest radius", "length"),
+    "sag": ("centre below the axis", "length"), "period": ("repeats after", "time"),
+    "contacts_per_revolution": ("contacts a revolution", ""),
+    "contact_fraction": ("time in contact", "%"), "largest_force": ("largest force", "force"),
+    "rolling_fraction": ("of it rolling", "%"),
+    "slipping_forward_fraction": ("of it slipping forwards", "%"),
+    "slipping_backward_fraction": ("of it slipping backwards", "%"),
+    "heat_per_revolution": ("heat a revolution", "energy"),
+    "loss_per_contact": ("loss of a contact", "energy"),
+    "loss_per_revolution": ("loss of contacts a revolution", "energy"),
+    "releases": ("releases before leaving the stator", ""),
+    "parting_time": ("neighbours part e-fold in", "time"),
+    "digits": ("digits that agree with the exact one", ""),
+}  # fmt: skip
 
 
-class InUnits(NamedTuple):
-    """The scales of a rotor system, whose numbers are in SI units; and its speed."""
-
-    speed: float
-    length_scale: float = 1.0
-    time_scale: float = 1.0
-    force_scale: float = 1.0
-    reference_frequency: float = 1.0
+Scales = Mapping[str, float]
 
 
-# A rotor, or the scales of a rotor system; None for one without dimensions.
-Scaled = Rotor | DimensionalRotor | InUnits | None
+def sheet_of(title: str, scales: Scales, told: Mapping[str, Any]) -> list[dict[str, Any]]:
+    """Return the sheet on a motion, for the page; what is not known, or 0, has no row, but lengths.
+
+    Parameters
+    ----------
+    title : str
+        What the numbers are of.
+    scales : mapping
+        SI units in each dimensionless 1, by the names of `UNITS`; empty without dimensions.
+    told : mapping
+        Numbers by the names of `ROWS`, dimensionless.
+
+    Examples
+    --------
+    >>> (sheet,) = sheet_of("Run", {"length": 1e-6}, {"radius_max": 2.0, "contact_fraction": 0.25})
+    >>> sheet["rows"][1:]
+    [['largest radius', '2', 'µm'], ['time in contact', '25', '%']]
+    """
+    lines = []
+    for name, (words, scale) in ROWS.items():
+        value = float(told.get(name, math.nan))
+        if math.isnan(value) or (value == 0.0 and scale != "length"):
+            continue
+        if scale == "%":
+            lines.append(Line(words, [100.0 * value], "%", DIGITS))
+        elif scale and scales:
+            lines.append(Line(words, [value * scales[scale]], UNITS[scale], DIGITS))
+        else:
+            lines.append(Line(words, [value], "1", DIGITS))
+    return sheets_shown([facts(title, lines)])
 
 
-def words_of_run(machine: Scaled, facts: Mapping[str, float]) -> list[str]:
-    """Describe the last half of a run, in sentences."""
-    if not facts["contacts_in_all"]:
+def words_of_run(told: Mapping[str, float]) -> list[str]:
+    """Return in a sentence that a run does not touch the stator, or no longer does."""
+    if not told["contacts_in_all"]:
         return ["It never touches the stator."]
-    if facts["contact_fraction"] == 0.0:
-        return ["It has touched the stator, but no longer does."]
-    peak = _force(machine, facts["largest_force"])
-    damped = [*_damped(machine, facts), *_rubbing(machine, facts)]
-    if facts["contact_fraction"] >= 1.0:
-        always = f"Over the last half it is always in contact, with a force of up to {peak}."
-        return [always, *damped]
-    each = facts["contacts_per_revolution"]
-    counted = f"{each:.3g} contact" + ("" if f"{each:.3g}" == "1" else "s")
-    often = "" if math.isnan(each) else f"{counted} a revolution, "
-    share = 100.0 * facts["contact_fraction"]
-    half = f"Over the last half: {often}in contact {share:.3g} % of the time, peak force {peak}."
-    return [half, *damped]
+    return [] if told["contact_fraction"] else ["It has touched the stator, but no longer does."]
 
 
 def verdict_of(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> str:
@@ -137,39 +163,38 @@ def _too_deep(machine: Rotor | DimensionalRotor, radius: float) -> str:
     return f" {warning}" if warning else ""
 
 
-def words_of_response(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> list[str]:
-    """Describe the settled response, in sentences.
+def words_of_response(machine: Rotor | DimensionalRotor, told: Mapping[str, Any]) -> str:
+    """Return in a sentence on what kind of motion the rotor settles.
 
     Examples
     --------
     >>> rotor = Rotor(omega=1.2, zeta=0.07, delta0=0.0)
-    >>> facts = {"response": "synchronous", "lies_on": "whirl", "digits": 11.38,
-    ...         "exact_amplitude": 3.36, "radius_min": 3.36, "radius_max": 3.36,
-    ...         "largest_force": 6.17, "contact_fraction": 1.0, "rotor": {"omega": 1.2}}
-    >>> words_of_response(rotor, facts)[2]
-    'The simulated whirl and the exact one agree to 11 digits.'
+    >>> words_of_response(rotor, {"response": "synchronous"})
+    'It settles on a synchronous whirl in contact: it turns with the unbalance at constant radius.'
     """
-    kind = facts["response"]
+    kind = told["response"]
     if kind == "failed":
-        return [f"It could not be followed: {facts['message']}."]
-    if facts["rotor"]["omega"] == 0.0 and kind in {"contact_free", "synchronous"}:
-        return _at_rest(machine, facts)
+        return f"It could not be followed: {told['message']}."
+    rotor = machine if isinstance(machine, Rotor) else machine.rotor()
+    if rotor.omega == 0.0 and kind in {"contact_free", "synchronous"}:
+        inside = "at the centre of the stator" if told["radius_max"] < CENTRE else INSIDE
+        return f"It comes to rest {'on the stator' if kind == 'synchronous' else inside}."
     held = kind == "contact_free" and machine.shaft_stiffness > 0.0 and machine.load == 0.0
-    sentences = [f"It settles on {HELD if held else KINDS[kind]}."]
-    if kind == "chaotic":
-        apart = _time(machine, 1.0 / facts["lyapunov_exponent"])
-        sentences.append(f"The distance between neighbours grows e-fold every {apart}.")
-    sentences.append(_radii(machine, facts))
-    if kind == "contact_free" and machine.load > 0.0 and machine.shaft_stiffness > 0.0:
-        sag = _length(machine, facts["rotor"]["load"] / facts["rotor"]["shaft_stiffness"])
-        sentences.append(f"Its centre hangs {sag} below the axis of the bearing.")
-    if facts["lies_on"] != "nothing":
-        what = "whirl" if facts["lies_on"] == "whirl" else "cycle"
-        digits = math.floor(facts["digits"])
-        sentences.append(f"The simulated {what} and the exact one agree to {digits} digits.")
-    if facts.get("contact_fraction", 0.0) > 0.0:
-        sentences += [_contact(machine, facts), *_damped(machine, facts), *_rubbing(machine, facts)]
-    return sentences
+    return f"It settles on {HELD if held else KINDS[kind]}."
+
+
+def numbers_of_response(rotor: Rotor, told: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the numbers of a settled response for its sheet."""
+    found = dict(told)
+    if told["lies_on"] == "nothing":
+        found.pop("digits", None)
+    else:
+        found["digits"] = math.floor(told["digits"])
+    if told["response"] == "chaotic":
+        found["parting_time"] = 1.0 / told["lyapunov_exponent"]
+    if told["response"] == "contact_free" and rotor.load > 0.0 and rotor.shaft_stiffness > 0.0:
+        found["sag"] = rotor.load / rotor.shaft_stiffness
+    return found
 
 
 def words_of_transient(
@@ -239,97 +264,9 @@ def words_of_whip(
     return "Friction is too weak for dry whip at any speed."
 
 
-def _at_rest(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> list[str]:
-    """Return the place of rest of a rotor without spin, in words."""
-    if facts["response"] == "synchronous":
-        return ["It comes to rest on the stator.", _radii(machine, facts), _contact(machine, facts)]
-    if facts["radius_max"] < CENTRE:
-        return ["It comes to rest at the centre of the stator."]
-    return ["It comes to rest inside the clearance.", _radii(machine, facts)]
-
-
-def _damped(machine: Scaled, facts: Mapping[str, Any]) -> list[str]:
-    """Return the energy lost to contact damping, in words, if any.
-
-    The loss is per contact or, if no contact ends, per revolution, if the radius varies.
-    """
-    loss = facts.get("loss_per_contact", math.nan)
-    if math.isnan(loss):
-        each = facts.get("loss_per_revolution", math.nan)
-        if math.isnan(each) or facts["contact_fraction"] < 1.0 or _is_steady(facts):
-            return []
-        return [f"The contact loses {_energy(machine, each)} a revolution."]
-    loose = ", and releases the rotor before it has left the stator" if facts["releases"] else ""
-    return [f"A contact loses {_energy(machine, loss)} in the mean{loose}."]
-
-
-def _rubbing(machine: Scaled, facts: Mapping[str, Any]) -> list[str]:
-    """Return the fractions of contact time with slip and rolling, and the friction heat."""
-    if "rolling_fraction" not in facts:
-        return []
-    turns = machine.omega if isinstance(machine, Rotor) else machine.speed if machine else 1.0
-    rolls = "rolls" if turns > 0.0 else STILL
-    ways = [
-        (facts["rolling_fraction"], rolls),
-        (facts["slipping_forward_fraction"], "slips forwards"),
-        (facts["slipping_backward_fraction"], "slips backwards"),
-    ]
-    seen = [(part, word) for part, word in ways if part > 0.0]
-    if len(seen) == 1 and seen[0][1] == STILL:
-        return [f"In contact it {STILL}."]
-    if len(seen) == 1:
-        share = f"In contact it {seen[0][1]} all the time"
-    else:
-        parts = [f"{word} {100.0 * part:.3g} %" for part, word in seen]
-        share = f"Of the time in contact it {', '.join(parts[:-1])} and {parts[-1]}"
-    heat = facts.get("heat_per_revolution", math.nan)
-    if math.isnan(heat) or all(word == rolls for _, word in seen):
-        return [f"{share}."]
-    return [f"{share}, with a heat of {_energy(machine, heat)} a revolution."]
-
-
-def _is_steady(facts: Mapping[str, Any]) -> bool:
-    """Return whether the radius is constant."""
-    return bool(facts["radius_max"] - facts["radius_min"] <= STEADY * facts["radius_max"])
-
-
-def _radii(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> str:
-    low, high = (_length(machine, facts[name]) for name in ("radius_min", "radius_max"))
-    if facts["response"] == "synchronous":
-        radius = _length(machine, facts["exact_amplitude"]) if "exact_amplitude" in facts else high
-        return f"Its radius is {radius}."
-    if facts["response"] == "contact_free":
-        gap = _length(machine, max(facts["rotor"]["delta0"] - facts["radius_max"], 0.0))
-        radius = f"is {high}" if low == high else f"goes from {low} to {high}"
-        return f"Its radius {radius}, and leaves a gap of {gap} to the stator."
-    period = facts.get("period", math.nan)
-    again = ""
-    if not math.isnan(period) and machine.load > 0.0:
-        turns = round(period * facts["rotor"]["omega"] / (2.0 * math.pi))
-        again = f", and repeats every {f'{turns} revolutions' if turns > 1 else 'revolution'}"
-    elif not math.isnan(period):
-        again = (
-            f", and repeats every {_time(machine, period)} on axes that rotate with the unbalance"
-        )
-    return f"Its radius goes from {low} to {high}{again}."
-
-
-def _contact(machine: Rotor | DimensionalRotor, facts: Mapping[str, Any]) -> str:
-    peak = _force(machine, facts["largest_force"])
-    if facts["contact_fraction"] >= 1.0:
-        steady = facts["response"] == "synchronous"
-        return f"It presses on the stator with {peak}." if steady else f"Peak force {peak}."
-    each, share = facts["contacts_per_revolution"], 100.0 * facts["contact_fraction"]
-    often = "once" if f"{each:.4g}" == "1" else f"{each:.4g} times"
-    return (
-        f"It touches the stator {often} a revolution, {share:.3g} % of the time, with a "
-        f"peak force of {peak}."
-    )
-
-
-def _said(machine: Scaled, value: float, scale: str, unit: str) -> str:
+def _said(machine: Rotor | DimensionalRotor, value: float, scale: str, unit: str) -> str:
     """Return a dimensionless number; for a machine as the quantity that has this scale."""
-    if isinstance(machine, Rotor | None):
+    if isinstance(machine, Rotor):
         return quantity(value)
     return quantity(value * float(getattr(machine, scale)), unit).replace(" u", " µ")
 
@@ -338,8 +275,3 @@ _length = partial(_said, scale="length_scale", unit="m")
 _time = partial(_said, scale="time_scale", unit="s")
 _force = partial(_said, scale="force_scale", unit="N")
 _rate = partial(_said, scale="reference_frequency", unit="rad/s")
-
-
-def _energy(machine: Scaled, value: float) -> str:
-    length = 1.0 if isinstance(machine, Rotor | None) else machine.length_scale
-    return _said(machine, length * value, "force_scale", "J")

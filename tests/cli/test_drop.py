@@ -18,8 +18,8 @@ from rotor_ida.cli.commands.drop import NOT_OF_MANY
 from rotor_ida.cli.describe import describe
 from rotor_ida.cli.drop_tables import acceptance
 from rotor_ida.cli.pdf import page_of, write_pdf
-from rotor_ida.cli.sheets import Line, Sheet, facts
 from rotor_ida.explorer.system_verdicts import verdict
+from rotor_ida.results.sheets import Line, Sheet, facts
 from rotor_ida.steady.drop_words import sentence_of
 
 FILE = """# drawn in the report

@@ -9,6 +9,7 @@ import subprocess
 import sys
 import time
 from contextlib import contextmanager
+from urllib.parse import parse_qs, urlencode
 
 import numpy as np
 import pytest
@@ -164,6 +165,9 @@ document.addEventListener("readystatechange", () => {
 PUT_BACK = """
 const { asked } = rotorIda;
 for (const each of document.querySelectorAll("[data-basin]")) each.checked = arguments[1];
+for (const each of document.querySelectorAll("template")) {
+  each.content.querySelector("[data-basin]")?.toggleAttribute("checked", arguments[1]);
+}
 document.activeElement.blur();
 for (const each of document.querySelectorAll("details")) each.open = false;
 scrollTo(0, 0);
@@ -268,3 +272,59 @@ class Page:
                 return after
             before = after
         raise AssertionError("the pictures never rest")
+
+
+def with_machine(page, address, **given):
+    """Open the page with what a machine has beside the paper's rotor."""
+    more = "".join(f"&{name}={value}" for name, value in given.items())
+    return Page(page.driver, address, more, anew=False)
+
+
+def opened(page, address, **state):
+    """Open the page with another rotor than the one that it begins with."""
+    place, _, first = address.partition("#")
+    told = {**state, "key": parse_qs(first)["key"][0]}
+    return Page(page.driver, f"{place}#{urlencode(told)}", anew=False)
+
+
+def hovered(page, panel, value):
+    """Move the pointer to values in a plot; return what the readout says.
+
+    The plot may be drawn anew, or the page move under the pointer, until the cursor is there.
+    """
+    place = """
+        const over = document.querySelector(arguments[0] + " .u-over");
+        const plot = rotorIda.plotOf(over), {left, top} = plot.cursor;
+        const x = plot.valToPos(arguments[1][0], "x"), y = plot.valToPos(arguments[1][1], "y");
+        const box = over.getBoundingClientRect();"""
+    offset = "return [x - box.width / 2, y - box.height / 2]"
+    read = """
+        const readout = document.querySelector(arguments[0] + " .readout");
+        return Math.hypot(left - x, top - y) < 3 ? readout.textContent : null"""
+    over = page.find(f"{panel} .u-over")
+    for _ in range(50):
+        page.pointer_on(over, *page.run(place + offset, panel, value)).perform()
+        if (text := page.run(place + read, panel, value)) is not None:
+            return text
+        page.pointer_on(over).perform()
+    raise AssertionError(f"the cursor never came to {value} of {panel}")
+
+
+def number_after(name, text):
+    return float(text.partition(f"{name} ")[2].split(",")[0].split()[0])
+
+
+# Pixels of a plot that have a colour of the style sheet.
+COLOURED = r"""
+const canvas = document.querySelector(`[data-panel="${arguments[0]}"] canvas`);
+const probe = document.createElement("span");
+probe.style.color = `var(--${arguments[1]})`;
+document.body.append(probe);
+const [red, green, blue] = getComputedStyle(probe).color.match(/\d+/g).map(Number);
+probe.remove();
+const { data } = canvas.getContext("2d").getImageData(0, 0, canvas.width, canvas.height);
+let count = 0;
+for (let i = 0; i < data.length; i += 4) {
+  count += data[i + 3] > 250 && data[i] === red && data[i + 1] === green && data[i + 2] === blue;
+}
+return count;"""

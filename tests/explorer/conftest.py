@@ -21,7 +21,8 @@ from websockets.sync.client import ClientConnection, connect
 from rotor_ida.explorer.messages import Question
 from rotor_ida.explorer.queues import Queues
 from tests.explorer.asking import SLOW, Message, question, unpacked
-from tests.explorer.browser import chromium_in
+from tests.explorer.browser import Page, chromium_in, ended, errors_of
+from tests.explorer.browser import served as served_alone
 
 
 @pytest.fixture(scope="session")
@@ -43,6 +44,7 @@ IMPATIENT = (
     "explore({}, port=0, browser=False, report=lambda said: print(said, file=sys.stderr), "
     f"longest_visit={SHORT_VISIT})"
 )
+RUNNING = ["--omega=2", "--zeta=0.07", "--delta0=2"]
 PROGRAM = [sys.executable, "-W", "error", "-c", MAIN, "explore", "--port", "0"]
 
 
@@ -263,3 +265,43 @@ def _in_use(program: Program) -> Iterator[Program]:
     finally:
         program.process.kill()
         program.ended()
+
+
+@pytest.fixture(scope="module")
+def programs(chromium: WebDriver) -> Iterator[list[tuple[subprocess.Popen[str], str]]]:
+    """The programs that were started, with their addresses; only the last may still run."""
+    found = [served_alone(*RUNNING)]
+    yield found
+    chromium.get("about:blank")  # its page would note that the program is gone
+    for process, _ in found:
+        ended(process)
+        assert process.returncode == 0
+
+
+@pytest.fixture
+def address(programs: list[tuple[subprocess.Popen[str], str]]) -> str:
+    if programs[-1][0].poll() is not None:
+        programs.append(served_alone(*RUNNING))
+    return programs[-1][1]
+
+
+@pytest.fixture
+def page(chromium: WebDriver, address: str) -> Iterator[Page]:
+    """The page in its first state; whatever is done to it, its console stays without an error."""
+    yield Page(chromium, address, anew=False)
+    assert errors_of(chromium) == []
+
+
+@pytest.fixture
+def whole(chromium: WebDriver, address: str) -> Iterator[Page]:
+    """The same, with the basin."""
+    yield Page(chromium, address, anew=False, basin=True)
+    assert errors_of(chromium) == []
+
+
+@pytest.fixture
+def fresh(chromium: WebDriver, address: str) -> Iterator[Page]:
+    """The page just loaded, of which nothing is left for the next test."""
+    yield Page(chromium, address)
+    assert errors_of(chromium) == []
+    chromium.get("about:blank")

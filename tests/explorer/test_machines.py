@@ -12,7 +12,7 @@ import pytest
 from rotor_ida import backward_whirl, machine_from_data_sheet, run_up, summary
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.messages import DataSheet, largest_speed, read_question, speeds_shown
-from rotor_ida.explorer.motion import PER_WHIRL, whirls_per_revolution
+from rotor_ida.explorer.motion import PER_WHIRL, show_lines, whirls_per_revolution
 from rotor_ida.explorer.server import Inbox
 from rotor_ida.explorer.words import verdict_of, words_of_run_up
 from rotor_ida.explorer.workers import Asked
@@ -147,14 +147,16 @@ def test_a_rotor_in_dry_whip_is_drawn_with_a_curve_of_samples_a_whirl():
     rotor = PUMP.rotor()
     radius = float(backward_whirl(rotor)["amplitude"][1])
     start = [radius, 0.0, 0.0, -rotor.disc_radius * rotor.omega]
-    (answer,) = answer_to(question("motion", machine=PUMP.given, start=start, revolutions=20))
+    asked = question("motion", machine=PUMP.given, start=start, revolutions=20)
+    (answer,) = answer_to(asked)
     x, y = answer.arrays["x"], answer.arrays["y"]
     turns = np.unwrap(np.angle(x + 1j * y))
     assert turns[-1] < -7.0 * 20 * math.tau  # backward, rolling: rho/radius times the spin
     assert np.abs(np.diff(turns)).max() < 1.1 * math.tau / PER_WHIRL
-    assert answer.facts["orders"] > rotor.disc_radius / radius  # its line is in the spectrum
-    heights = answer.arrays["line_amplitude"]
-    line = answer.arrays["line_frequency"][heights.argmax()]
+    (lines,) = show_lines(asked)
+    assert lines.facts["orders"] > rotor.disc_radius / radius  # its line is in the spectrum
+    heights = lines.arrays["line_amplitude"]
+    line = lines.arrays["line_over_omega"][heights.argmax()]
     assert line == pytest.approx(-rotor.disc_radius / radius, abs=0.1)
 
 

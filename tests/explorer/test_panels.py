@@ -150,11 +150,11 @@ def test_the_panels_show_a_run_up_as_the_library_has_it(page):
         ".map((each) => each.textContent)"
     )
     assert key[:-1] == ["exact whirl in contact", "contact-free whirl", "unstable", "fold"]
-    # eight plots as ever, two of Bode, and one of each other panel
-    assert sum(map(bool, page.pictures())) == 8 + 5
+    # seven plots as ever, two of Bode, and one of each other panel
+    assert sum(map(bool, page.pictures())) == 7 + 5
     page.find('[name="signals"][value="polar"]').send_keys(Keys.SPACE)
     page.until("location.hash.includes('panels=bode%2Cfull%2Ccascade')")
-    assert sum(map(bool, page.pictures())) == 8 + 4
+    assert sum(map(bool, page.pictures())) == 7 + 4
 
 
 @pytest.mark.parametrize(

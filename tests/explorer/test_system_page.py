@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from rotor_ida import load_course, load_system, simulate
+from rotor_ida import load_course, load_system, run_up, save, simulate, sweep
 from tests.explorer.browser import (
     Page,
     copied,
@@ -137,6 +137,45 @@ def check_drawn_and_played(page):
         ".findIndex((each) => each.closest('[data-panel=\"shape\"]'))"
     )
     assert page.pictures()[shape] != before[shape]
+
+
+SHOWN = """
+return [...document.querySelectorAll('[data-panel]')].filter((each) => each.offsetParent)
+  .map((each) => each.dataset.panel)"""
+OF_RUN_UP = {"bode", "cascade", "response", "campbell", "orbit", "turning", "history", "archive",
+             "sketch", "shape"}  # fmt: skip
+
+
+def test_an_archive_has_the_panels_that_say_something_of_it(chromium, tmp_path):
+    """A run-up, and a result that is not played; on a desktop and on a phone."""
+    path = tmp_path / "two.toml"
+    path.write_text(TWO_NODES)
+    save(run_up(load_system(path), speed=20.0, to=250.0, rate=200.0), tmp_path / "up.nc")
+    save(sweep(omega=[0.5, 1.0], zeta=[0.07], delta0=[0.5]), tmp_path / "sweep.nc")
+    for name, panels in (("up", OF_RUN_UP), ("sweep", {"archive"})):
+        process, address = served(str(tmp_path / f"{name}.nc"))
+        try:
+            chromium.get("about:blank")
+            chromium.get(address)
+            page = Page.__new__(Page)
+            page.driver = chromium
+            page.until("document.querySelector('#sheets table') && rotorIda.hasAllDrawn()")
+            page.until("document.getElementById('figure').naturalWidth > 100")
+            for width in (390, 1400):
+                with sized(chromium, width):
+                    assert set(page.run(SHOWN)) == panels
+                    assert page.run("return document.documentElement.scrollWidth") <= width
+            if name == "up":
+                page.until("rotorIda.shown[0].track?.arrays.order_speed.length > 10")
+                assert "while the speed changes" in page.find("#response-key").text
+                axes = "return rotorIda.plotOf(document.querySelector(arguments[0] + ' .u-over'))" \
+                    ".axes.map((each) => each._values.join(''))"  # fmt: skip
+                assert page.run(axes, '[data-panel="sketch"]') == ["", ""]
+                assert all(page.run(axes, '[data-panel="history"]'))
+            assert errors_of(chromium) == []
+        finally:
+            chromium.get("about:blank")
+            ended(process)
 
 
 def check_bad_file_refused(page):

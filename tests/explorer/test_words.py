@@ -1,13 +1,17 @@
-"""The sentences say what the numbers say."""
+"""The sentences and sheets say what the numbers say."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from dataclasses import replace
+from typing import Any
 
 import pytest
 
 from rotor_ida.explorer.words import (
+    numbers_of_response,
+    sheet_of,
     words_of_response,
     words_of_run,
     words_of_transient,
@@ -17,194 +21,101 @@ from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from tests.explorer.asking import MACHINE, ROTOR
 
 PLAIN, IN_SI = Rotor(**ROTOR), DimensionalRotor(**MACHINE)
-RUN = {
-    "contacts_in_all": 12.0, "contact_fraction": 0.25, "contacts_per_revolution": 0.4,
-    "largest_force": 0.5,
+SCALES = {"length": 1e-6, "time": 2e-3, "force": 1.0, "energy": 1e-6}
+CYCLE = {
+    "response": "bouncing", "lies_on": "cycle", "digits": 11.98, "radius_min": 1.5,
+    "radius_max": 2.5, "period": 4.5, "contact_fraction": 0.25, "contacts_per_revolution": 0.4,
+    "largest_force": 0.5, "message": "",
+}  # fmt: skip
+FREE = {
+    "response": "contact_free", "lies_on": "whirl", "digits": 12.0, "radius_min": 0.227,
+    "radius_max": 1.773, "contact_fraction": 0.0, "largest_force": 0.0,
+    "contacts_per_revolution": 0.0,
 }  # fmt: skip
 
 
-DAMPED = {"loss_per_contact": 0.25, "releases": 0.0}
+def rows(told: Mapping[str, Any], scales: Mapping[str, float] | None = None) -> dict[str, str]:
+    """Return the rows of a sheet, by quantity, each value with its unit."""
+    (sheet,) = sheet_of("Motion", scales or {}, told)
+    return {name: f"{value} {unit}".strip() for name, value, unit in sheet["rows"][1:]}
 
 
 @pytest.mark.parametrize(
-    ("changes", "told"),
+    ("all_", "fraction", "told"),
     [
-        ({"contacts_per_revolution": 1.0}, "half: 1 contact a revolution, in contact 25 %"),
-        ({}, "0.4 contacts a revolution, in contact 25 % of the time, peak force 0.5."),
-        ({"contacts_in_all": 0.0}, "It never touches the stator."),
-        ({"contact_fraction": 0.0}, "It has touched the stator, but no longer does."),
-        ({"contact_fraction": 1.0}, "always in contact, with a force of up to 0.5."),
-        ({"contacts_per_revolution": float("nan")}, "half: in contact 25 % of the time"),
+        (0.0, 0.0, ["It never touches the stator."]),
+        (12.0, 0.0, ["It has touched the stator, but no longer does."]),
+        (12.0, 0.25, []),
     ],
 )
-def test_words_of_a_run(changes: dict[str, float], told: str):
-    (sentence,) = words_of_run(PLAIN, RUN | changes)
-    assert told in sentence
+def test_that_a_run_does_not_touch_is_said(all_: float, fraction: float, told: list[str]):
+    assert words_of_run({"contacts_in_all": all_, "contact_fraction": fraction}) == told
 
 
-def test_a_machine_is_told_of_in_si_units():
-    (sentence,) = words_of_run(IN_SI, RUN)
-    assert sentence.endswith("peak force 500 mN.")
+def test_a_sheet_has_the_numbers_of_a_limit_cycle_in_the_units_of_the_rotor():
+    told = numbers_of_response(PLAIN, CYCLE)
+    assert rows(told) == {
+        "smallest radius": "1.5", "largest radius": "2.5", "repeats after": "4.5",
+        "contacts a revolution": "0.4", "time in contact": "25 %", "largest force": "0.5",
+        "digits that agree with the exact one": "11",
+    }  # fmt: skip
+    assert list(rows(told, SCALES).values()) == [
+        "1.5 µm", "2.5 µm", "9 ms", "0.4", "25 %", "500 mN", "11",
+    ]  # fmt: skip
 
 
-CYCLE = RUN | {
-    "response": "bouncing", "lies_on": "cycle", "digits": 11.98, "radius_min": 1.5,
-    "radius_max": 2.5, "period": 4.5, "message": "", "rotor": ROTOR,
-}  # fmt: skip
+def test_what_is_not_known_or_does_not_occur_has_no_row():
+    told = numbers_of_response(PLAIN, FREE)
+    assert list(rows(told)) == ["smallest radius", "largest radius",
+                                "digits that agree with the exact one"]  # fmt: skip
+    lost = numbers_of_response(PLAIN, CYCLE | {"lies_on": "nothing", "period": math.nan})
+    assert not {"repeats after", "digits that agree with the exact one"} & rows(lost).keys()
 
 
-def test_words_of_a_limit_cycle_hold_its_numbers():
-    text = " ".join(words_of_response(PLAIN, CYCLE))
-    for each in ("bouncing", "1.5", "2.5", "4.5", "11 digits", "0.4 times", "25 %", "force of 0.5"):
-        assert each in text
-    in_si = " ".join(words_of_response(IN_SI, CYCLE))
-    for each in ("1.5 µm", "2.5 µm", "9 ms", "500 mN"):
-        assert each in in_si
+def test_loss_heat_and_ways_of_slipping_are_in_the_sheet():
+    told = {"rolling_fraction": 0.6, "slipping_forward_fraction": 0.4,
+            "slipping_backward_fraction": 0.0, "heat_per_revolution": 0.25,
+            "loss_per_contact": 0.5, "releases": 3.0}  # fmt: skip
+    assert rows(told, SCALES) == {
+        "of it rolling": "60 %", "of it slipping forwards": "40 %", "heat a revolution": "250 nJ",
+        "loss of a contact": "500 nJ", "releases before leaving the stator": "3",
+    }  # fmt: skip
 
 
-FREE = {
-    "response": "contact_free", "lies_on": "whirl", "digits": 12.0, "exact_amplitude": 1.0,
-    "radius_min": 0.227, "radius_max": 1.773, "contact_fraction": 0.0, "rotor": ROTOR,
-}  # fmt: skip
-
-
-def test_a_whirl_off_the_axis_has_its_radii_and_the_gap_that_is_left():
-    text = " ".join(words_of_response(PLAIN, FREE))
-    assert "Its radius goes from 0.227 to 1.773, and leaves a gap of 0.227 to the stator." in text
-    text = " ".join(words_of_response(IN_SI, FREE))
-    assert "Its radius goes from 227 nm to 1.773 µm, and leaves a gap of 227 nm" in text
-
-
-def test_a_whirl_on_the_axis_has_one_radius():
-    told = FREE | {"radius_min": 1.0 - 1e-13, "radius_max": 1.0 + 1e-13}
-    text = " ".join(words_of_response(PLAIN, told))
-    assert "Its radius is 1, and leaves a gap of 1 to the stator." in text
+def test_chaos_has_the_time_in_which_neighbours_part_and_a_load_the_sag():
+    told = CYCLE | {"response": "chaotic", "lies_on": "nothing", "lyapunov_exponent": 0.05}
+    found = numbers_of_response(PLAIN, told)
+    assert rows(found, SCALES)["neighbours part e-fold in"] == "40 ms"
+    held = replace(PLAIN, load=0.125, shaft_stiffness=0.25)
+    assert rows(numbers_of_response(held, FREE))["centre below the axis"] == "0.5"
 
 
 def test_a_rotor_without_spin_comes_to_rest():
-    told = FREE | {"rotor": ROTOR | {"omega": 0.0}, "radius_min": 1.5, "radius_max": 1.5}
-    assert words_of_response(PLAIN, told) == [
-        "It comes to rest inside the clearance.",
-        "Its radius is 1.5, and leaves a gap of 0.5 to the stator.",
-    ]
-    (sentence,) = words_of_response(PLAIN, told | {"radius_max": 1e-9})
-    assert sentence == "It comes to rest at the centre of the stator."
+    still = replace(PLAIN, omega=0.0)
+    assert words_of_response(still, FREE) == "It comes to rest inside the clearance."
+    centred = words_of_response(still, FREE | {"radius_max": 1e-9})
+    assert centred == "It comes to rest at the centre of the stator."
+    lying = words_of_response(still, FREE | {"response": "synchronous"})
+    assert lying == "It comes to rest on the stator."
+
+
+def test_with_a_shaft_there_is_one_contact_free_whirl_unless_a_load_moves_it():
+    shaft = replace(PLAIN, shaft_stiffness=0.25)
+    told = words_of_response(shaft, FREE)
+    assert told.startswith("It settles on the contact-free whirl, which is the only one")
+    for other in (PLAIN, replace(shaft, load=0.5)):
+        assert words_of_response(other, FREE).startswith("It settles on a contact-free whirl")
+
+
+def test_words_of_a_failure_are_its_reason():
+    told = words_of_response(PLAIN, {"response": "failed", "message": "too much work"})
+    assert told == "It could not be followed: too much work."
 
 
 def test_words_of_a_run_that_ends_too_early_are_in_the_units_of_the_machine():
     assert "ends at t = 188.5 (60 revolutions)" in words_of_transient(PLAIN, 2.0, 188.5, 17_000.0)
     assert "settled at t = 34 s (5,411" in words_of_transient(IN_SI, 2.0, 188.5, 17_000.0)
     assert "revolutions" not in words_of_transient(PLAIN, 0.0, 377.0, 17_000.0)
-
-
-def test_what_contact_damping_takes_is_told_in_units_of_energy():
-    machine = replace(IN_SI, contact_damping=3.0)
-    _, loss = words_of_run(PLAIN, RUN | DAMPED)
-    assert loss == "A contact loses 0.25 in the mean."
-    _, loss = words_of_run(machine, RUN | DAMPED | {"releases": 3.0})
-    assert loss == (
-        "A contact loses 250 nJ in the mean, and releases the rotor before it has left the stator."
-    )
-    touched = words_of_response(PLAIN, CYCLE | {"contacts_per_revolution": 1.0})[-1]
-    assert touched.startswith("It touches the stator once a revolution")
-    assert words_of_response(PLAIN, CYCLE | DAMPED)[-1] == "A contact loses 0.25 in the mean."
-    (sentence,) = words_of_run(PLAIN, RUN | DAMPED | {"loss_per_contact": float("nan")})
-    assert "half" in sentence  # no contact has ended
-
-
-def test_what_a_contact_that_never_ends_takes_is_told_by_the_revolution():
-    told = {"contact_fraction": 1.0, "loss_per_contact": math.nan, "loss_per_revolution": 0.25}
-    cycle = RUN | told | {"radius_min": 2.25, "radius_max": 2.5}
-    assert words_of_run(PLAIN, cycle)[-1] == "The contact loses 0.25 a revolution."
-    assert words_of_run(IN_SI, cycle)[-1] == "The contact loses 250 nJ a revolution."
-    (sentence,) = words_of_run(PLAIN, cycle | {"radius_min": 2.5})
-    assert "always in contact" in sentence  # a whirl loses nothing there
-
-
-def test_with_a_shaft_there_is_one_contact_free_whirl():
-    told = words_of_response(replace(PLAIN, shaft_stiffness=0.25), FREE)
-    assert told[0].startswith("It settles on the contact-free whirl, which is the only one")
-    assert words_of_response(PLAIN, FREE)[0].startswith("It settles on a contact-free whirl")
-
-
-def test_under_a_load_a_cycle_repeats_itself_after_revolutions():
-    loaded = replace(PLAIN, load=0.5)
-    revolution = 2.0 * math.pi / PLAIN.omega
-    for count, said in ((1, "every revolution."), (3, "every 3 revolutions.")):
-        told = words_of_response(loaded, CYCLE | {"period": count * revolution})
-        assert told[1].endswith(said)
-
-
-def test_under_a_load_a_rotor_comes_to_rest_on_the_ring_or_hangs_in_the_clearance():
-    still = {"omega": 0.0, "zeta": 0.07, "delta0": 2.0, "load": 0.125}
-    lying = {
-        "response": "synchronous", "lies_on": "whirl", "digits": 12.0, "exact_amplitude": 2.25,
-        "radius_min": 2.25, "radius_max": 2.25, "contact_fraction": 1.0, "largest_force": 0.125,
-        "rotor": still,
-    }  # fmt: skip
-    assert words_of_response(Rotor(**still), lying) == [
-        "It comes to rest on the stator.",
-        "Its radius is 2.25.",
-        "It presses on the stator with 0.125.",
-    ]
-    held = still | {"omega": 2.0, "shaft_stiffness": 0.25}
-    told = words_of_response(Rotor(**held), FREE | {"rotor": held})
-    assert told[0].startswith("It settles on a contact-free whirl")
-    assert "Its centre hangs 0.5 below the axis of the bearing." in told
-
-
-def test_words_of_chaos_tell_how_fast_neighbours_part():
-    told = CYCLE | {
-        "response": "chaotic", "lies_on": "nothing", "lyapunov_exponent": 0.05,
-        "period": float("nan"),
-    }  # fmt: skip
-    assert any("e-fold every 20" in each for each in words_of_response(PLAIN, told))
-    assert any("e-fold every 40 ms" in each for each in words_of_response(IN_SI, told))
-
-
-def test_words_of_a_failure_are_its_reason():
-    told = {"response": "failed", "message": "too much work"}
-    (sentence,) = words_of_response(PLAIN, told)
-    assert "too much work" in sentence
-
-
-RUBBED = {
-    "rolling_fraction": 0.6, "slipping_forward_fraction": 0.4, "slipping_backward_fraction": 0.0,
-    "heat_per_revolution": 0.25,
-}  # fmt: skip
-
-
-@pytest.mark.parametrize(
-    ("changes", "told"),
-    [
-        ({}, "Of the time in contact it rolls 60 % and slips forwards 40 %, with a heat of 0.25 "),
-        (
-            {"rolling_fraction": 0.5, "slipping_backward_fraction": 0.1},
-            "rolls 50 %, slips forwards 40 % and slips backwards 10 %, with",
-        ),
-        (
-            {"rolling_fraction": 0.0, "slipping_forward_fraction": 1.0},
-            "In contact it slips forwards all the time, with a heat of 0.25 a revolution.",
-        ),
-        (
-            {"rolling_fraction": 1.0, "slipping_forward_fraction": 0.0},
-            "In contact it rolls all the time.",
-        ),
-        ({"heat_per_revolution": math.nan}, "rolls 60 % and slips forwards 40 %."),
-    ],
-)
-def test_how_the_disc_slips_and_rolls_is_told(changes: dict[str, float], told: str):
-    _, sentence = words_of_run(PLAIN, RUN | RUBBED | changes)
-    assert told in sentence
-    assert words_of_response(PLAIN, CYCLE | RUBBED | changes)[-1] == sentence
-
-
-def test_heat_is_told_in_units_of_energy_and_a_disc_that_does_not_turn_does_not_roll():
-    _, sentence = words_of_run(IN_SI, RUN | RUBBED)
-    assert sentence.endswith("with a heat of 250 nJ a revolution.")
-    still = RUBBED | {"rolling_fraction": 1.0, "slipping_forward_fraction": 0.0}
-    _, sentence = words_of_run(replace(PLAIN, omega=0.0), RUN | still)
-    assert sentence == "In contact it does not slide."
 
 
 def test_dry_whip_is_told_in_the_units_of_the_machine():

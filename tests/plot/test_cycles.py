@@ -5,7 +5,7 @@ import math
 
 import numpy as np
 import pytest
-from tests.kinds import a_cycle, a_system_branch, a_system_curve, a_system_cycle
+from tests.example_datasets import a_cycle, a_system_branch, a_system_curve, a_system_cycle
 
 from rotor_ida import InputError, Rotor, bifurcation_curve, continue_cycle, folds, limit_cycle, plot
 from rotor_ida.closed_forms import response_curve

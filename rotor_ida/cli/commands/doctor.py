@@ -12,8 +12,8 @@ from typing import get_args
 
 import rotor_ida
 from rotor_ida.cli.report import Report
-from rotor_ida.cli.sheets import Parts, facts, table
 from rotor_ida.core import sundials
+from rotor_ida.results.sheets import Parts, facts, table
 from rotor_ida.simulation.options import Backend, Flight, Method
 
 PACKAGES = (

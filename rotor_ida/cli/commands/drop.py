@@ -13,8 +13,8 @@ from rotor_ida.checks import shown
 from rotor_ida.cli import options
 from rotor_ida.cli.output import FORCED, again, working
 from rotor_ida.cli.report import Report
-from rotor_ida.cli.sheets import facts
 from rotor_ida.errors import InputError
+from rotor_ida.results.sheets import facts
 
 if TYPE_CHECKING:
     import xarray as xr

@@ -15,9 +15,9 @@ from rotor_ida.cli.option_types import ROTOR
 from rotor_ida.cli.output import FORCED
 from rotor_ida.cli.report import Report
 from rotor_ida.cli.rotor_options import of_sheet, with_parameters
-from rotor_ida.cli.sheets import Line, Parts, facts
 from rotor_ida.errors import InputError
 from rotor_ida.model.data_sheet import check_keys, implausible
+from rotor_ida.results.sheets import Line, Parts, facts
 from rotor_ida.units import read_in
 
 ENDING = ".toml"

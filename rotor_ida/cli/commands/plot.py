@@ -17,8 +17,8 @@ from rotor_ida.cli import options, parsing
 from rotor_ida.cli.output import OUT_ENDING, Output, read, write_figure
 from rotor_ida.cli.parsing import in_unit
 from rotor_ida.cli.report import Report
-from rotor_ida.cli.sheets import facts
 from rotor_ida.errors import InputError, RotorError
+from rotor_ida.results.sheets import facts
 
 if TYPE_CHECKING:
     import xarray as xr

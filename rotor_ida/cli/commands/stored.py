@@ -14,9 +14,9 @@ from rotor_ida.checks import check_one_varies, shown
 from rotor_ida.cli import options
 from rotor_ida.cli.output import Output, answer, answer_whole, check_varies, read, working
 from rotor_ida.cli.report import FIRST_ROWS, Report
-from rotor_ida.cli.sheets import facts
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS
+from rotor_ida.results.sheets import facts
 from rotor_ida.simulation.options import Method
 
 # A longer remaining time [s] is shown as this one.

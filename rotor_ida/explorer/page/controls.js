@@ -2,7 +2,7 @@
 
 import { SYSTEM, changeExponent, file, inSI, isSystem, namesBeyond, roundUp, scalesBeyond, state } from "./state.js";
 import { GRAVITY, PARAMETERS, ROOM, SPEED_UNITS } from "./tables.js";
-import { prefixed, told } from "./units.js";
+import { prefixed, speedTyped, told } from "./units.js";
 
 const STEPS = 1000;
 const linear = (low, high, step) => ({
@@ -104,13 +104,14 @@ function control(key, parameter, changed, unitChanged) {
   const head = Object.assign(document.createElement("span"), { className: "name" });
   const label = document.createElement("label");
   label.append(name, unit && !units ? Object.assign(document.createElement("span"), { className: "unit", textContent: ` [${unit}]` }) : "");
-  const field = Object.assign(document.createElement("input"), { type: "number", step: "any", id: `field-${key}`, min: 0, required: true });
+  const field = Object.assign(document.createElement("input"), { type: units ? "text" : "number", inputMode: "decimal", step: "any", id: `field-${key}`, min: 0, required: true });
   const range = Object.assign(document.createElement("input"), { type: "range", id: `slider-${key}` });
   label.htmlFor = field.id;
   range.setAttribute("aria-label", `${name}${unit ? `, ${unit}` : ""}`);
   Object.assign(range, { min: slider.min, max: slider.max, step: slider.step });
   head.append(label);
-  if (units) head.append(unitChoice(units, unitChanged));
+  const choice = units && unitChoice(units, unitChanged);
+  if (units) head.append(choice);
   box.append(head, field, range);
   const write = () => {
     const value = state[key] * shown();
@@ -130,12 +131,17 @@ function control(key, parameter, changed, unitChanged) {
     changed(key, event);
   });
   field.addEventListener("input", (event) => {
-    if (field.value === "" || !Number.isFinite(field.valueAsNumber)) return;
-    state[key] = field.valueAsNumber / shown();
-    typed = { value: state[key], shown: shown(), text: field.valueAsNumber };
+    const speed = units && speedTyped(field.value);
+    if (units ? !speed : !Number.isFinite(field.valueAsNumber)) return;
+    state[key] = units ? speed.speed : field.valueAsNumber / shown();
+    const other = units && speed.unit !== state.speedIn;
+    if (other) state.speedIn = speed.unit;
+    typed = { value: state[key], shown: shown(), text: units ? parseFloat(field.value.replaceAll(",", "")) : field.valueAsNumber };
+    if (other) unitChanged();
     if (key === "speed") state.fastest = Math.max(state.fastest, state.speed / ROOM);
     changed(key, event);
   });
+  if (units) field.addEventListener("change", write); // a number alone, whatever was typed
   // from the value, which may lie between the steps of the slider or past its end
   const step = (count, event) => {
     const next = slider.toSlider(state[key]) + count * slider.step;
@@ -146,6 +152,7 @@ function control(key, parameter, changed, unitChanged) {
   onArrows(range, ALL_ARROWS, step);
   onArrows(field, UP_AND_DOWN, step);
   const show = () => {
+    if (units) choice.value = state.speedIn;
     if (document.activeElement !== field) write();
     place();
   };

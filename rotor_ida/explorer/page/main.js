@@ -12,12 +12,12 @@ import { DataSheetForm } from "./sheet.js";
 import { Side } from "./side.js";
 import { Signals, trackOf } from "./signals.js";
 import {
-  SECOND_START, SIGNALS, address, chooseContact, file, inSI, isSystem, machine, ramp, readAddress, referenceFrequency, roundUp, setRotor, speedName, speedOf, speedsShown,
+  NO_FILE, SECOND_START, SIGNALS, USUAL, address, chooseContact, file, inSI, isSystem, machine, ramp, readAddress, referenceFrequency, roundUp, setRotor, speedName, speedOf, speedsShown,
   state, tellFile, tellsOfRotor, toDimensionless, toSI,
 } from "./state.js";
-import { EVENTS, PARAMETERS, SPEED_UNITS, START } from "./tables.js";
-import { addTools, copy, keep } from "./tools.js";
-import { prefixed, told, withUnit } from "./units.js";
+import { PARAMETERS, SPEED_UNITS, START } from "./tables.js";
+import { addTools, copy, element, keep, sheetsOf } from "./tools.js";
+import { prefixed, speedTyped, told, withUnit } from "./units.js";
 
 const $ = (id) => document.getElementById(id);
 // The panels of a rotor, and what panels of signals need beside: of the run, and of a system its whole run-up.
@@ -35,7 +35,6 @@ const sides = [];
 let number = 0;
 let starts = [[0, 0, 0, 0], [0, 0, 0, 0]];
 let hanging = [true, true]; // by side, whether its run starts at rest where the rotor hangs
-let running = null;
 // Parts of answers since the last frame, and those not drawn yet.
 const seen = new Set(), dirty = new Set();
 // Parts with details drawn this many milliseconds later.
@@ -45,7 +44,7 @@ const LATER = 100;
 const page = (window.rotorIda = {
   shown: [{}, {}], delays: [], state, asked: 0, drawn: 0, drawnBasin: 0,
   hasAllDrawn: () => seen.size + later.size === 0,
-  plotOf: (over) => [response.plot, ...signals.plots, ...sides.flatMap((side) => side.plots)].map(({ plot }) => plot).find((plot) => plot.over === over),
+  plotOf: (over) => [response.plot, sketch.plot, shape.plot, ...signals.plots, ...sides.flatMap((side) => side.plots)].map(({ plot }) => plot).find((plot) => plot.over === over),
 });
 const moved = new Map(); // number of the question, to when it was moved and what is not drawn yet
 
@@ -136,52 +135,29 @@ function reach(side) {
 
 // answers
 
+// What takes the parts of an answer that fill no panel of the rotor; those of its file only while it is shown.
+const TAKEN = {
+  mistake: refused, trouble: refused, file: keepFile, machine: takeRotor, system: takeRotor,
+  progress: ({ facts: { done, total } }) => say(`Saving the page: ${done} of ${total} runs.`),
+  measured: (answer) => measured.take(answer), run_up: (answer) => passage.take(answer),
+  lines: takeSignals, campbell: takeSignals, track: takeSignals,
+};
+const OF_FILE = { sketch: takeSketch, archive: takeArchive, shape: (answer) => answer.side || shape.take(answer) };
+
 function answered(answer) {
-  if (answer.part === "mistake" || answer.part === "trouble") {
-    refused(answer);
-    return;
-  }
-  if (answer.part === "progress") {
-    const { done, total } = answer.facts;
-    say(`Saving the page: ${done} of ${total} runs.`);
-    return;
-  }
-  if (answer.part === "file") {
-    keepFile(answer);
-    return;
-  }
-  if (answer.part === "machine" || answer.part === "system") {
-    takeRotor(answer);
-    return;
-  }
-  if (answer.part === "measured") {
-    measured.take(answer);
-    return;
-  }
-  if (answer.part === "run_up") {
-    passage.take(answer);
-    return;
-  }
-  if (["lines", "campbell", "track"].includes(answer.part)) {
-    const shown = page.shown[answer.side];
-    if (answer.part === "track" && !isSystem()) {
-      passage.takeTrack(answer);
-      showSignals();
-      return;
-    }
-    if (answer.number >= Math.max(shown[answer.part]?.number ?? 0, since)) shown[answer.part] = answer;
-    showSignals();
-    return;
-  }
-  if (answer.number < since) return; // of another rotor
-  if (answer.part === "sketch") {
-    takeSketch(answer);
-    return;
-  }
-  if (answer.part === "shape") {
-    if (!answer.side) shape.take(answer);
-    return;
-  }
+  const take = TAKEN[answer.part] ?? (answer.number >= since && OF_FILE[answer.part]);
+  if (take) take(answer);
+  else if (answer.number >= since) takePanel(answer); // else of another rotor
+}
+
+function takeSignals(answer) {
+  const shown = page.shown[answer.side];
+  if (answer.part === "track" && !isSystem()) passage.takeTrack(answer);
+  else if (answer.number >= Math.max(shown[answer.part]?.number ?? 0, since)) shown[answer.part] = answer;
+  showSignals();
+}
+
+function takePanel(answer) {
   if (!sides[answer.side]) return;
   const shown = page.shown[answer.side];
   if (answer.number < (shown[answer.part]?.number ?? 0)) return;
@@ -221,6 +197,7 @@ function forgetRotor() {
   response.forgetTrail();
   lastTracks = [];
   tellFile(null);
+  document.querySelector('[data-panel="archive"]').hidden = true;
   sketch.drawn = shape.drawn = shape.x = null;
   for (const place of page.shown.keys()) page.shown[place] = {};
 }
@@ -241,12 +218,35 @@ function takeSketch({ side, facts }) {
   keepAddress();
 }
 
+/** Show the tables and the figure of an archive; of a result that is not played they are all there is. */
+function takeArchive({ side, facts, arrays }) {
+  if (side) return;
+  if (facts.panels.length) {
+    tellFile({ ...NO_FILE, panels: facts.panels });
+    $("verdict").textContent = `${facts.name}: ${facts.kind}`;
+    showSystem();
+    chooseSignals();
+  }
+  $("sheets").replaceChildren(...sheetsOf(facts.sheets));
+  const figure = $("figure");
+  URL.revokeObjectURL(figure.src);
+  figure.hidden = !arrays.figure;
+  if (arrays.figure) figure.src = URL.createObjectURL(new Blob([arrays.figure], { type: "image/svg+xml" }));
+  document.querySelector('[data-panel="archive"]').hidden = false;
+}
+
+/** Return whether a panel says something of the rotor, or the file, that is shown. */
+const says = (panel) => !isSystem() || Boolean(file?.panels.includes(panel));
+
 /** Show sketch, node and contact of a rotor system. */
 function showSystem() {
   document.body.classList.toggle("shows-system", isSystem());
+  document.body.classList.toggle("shows-archive", isSystem() && says("archive"));
+  for (const panel of document.querySelectorAll("[data-panel]:not([data-panel=archive], #signal-panels *)")) panel.hidden = !says(panel.dataset.panel);
   for (const panel of ["sketch", "shape"]) document.querySelector(`[data-panel="${panel}"]`).hidden = !isSystem() || !(file?.nodes.length > 1);
-  $("revolutions").closest(".row").hidden = isSystem() && !file?.has_run_up;
-  if (!isSystem() || !file) return;
+  $("signals").hidden = !SIGNALS.some(says);
+  $("revolutions").closest(".row").hidden = isSystem() && (!says("cascade") || file.is_archive);
+  if (!isSystem() || !file?.nodes.length) return;
   const offer = (id, pairs, value) => {
     $(id).replaceChildren(...pairs.map(([each, text]) => new Option(text, each)));
     $(id).value = value;
@@ -403,7 +403,7 @@ function measure(parts) {
 function askSignals() {
   if (recorded || passage.running) return;
   for (const [about, names] of Object.entries(OF_SIGNALS)) {
-    if (!signals.has(names) || (about === "track" && !(isSystem() && file?.has_run_up))) continue;
+    if (!signals.has(names) || (about === "track" && !(isSystem() && says("cascade")))) continue;
     sides.forEach((_, side) => {
       const { motion } = page.shown[side], key = `${side} ${about}`;
       if ((side && about !== "lines") || motion?.number !== number || askedFor.get(key) === number) return;
@@ -422,12 +422,12 @@ function viewOfSignals() {
     const row = passage.running && track?.rows.at(-1);
     const now = row
       ? { over: row.frequency.map((each) => each / row.speed), amplitude: row.amplitude, told: "while the speed changes, Hann window" }
-      : lines && { over: lines.arrays.line_over_omega, amplitude: lines.arrays.line_amplitude, told: `bandwidth ${told(lines.facts.bandwidth_over_omega, 2)}X, flat-top window` };
+      : lines && { over: lines.arrays.line_over_omega, amplitude: lines.arrays.line_amplitude, orders: lines.facts.orders, told: `bandwidth ${told(lines.facts.bandwidth_over_omega, 2)}X, flat-top window` };
     const fresh = !row && settled && settled.number === motion?.number && settled.arrays.exact_order;
     return { track, curve: response.sides[side].curve?.arrays, lines: now, exact: fresh ? { over: fresh, amplitude: settled.arrays.exact_amplitude } : null };
   });
-  const { motion } = page.shown[0];
-  const [scales, speed] = [motion?.facts.scales, passage.running ? passage.speed : motion?.facts.rotor.omega];
+  const { motion, track } = page.shown[0];
+  const [scales, speed] = [(motion ?? track)?.facts.scales, passage.running ? passage.speed : motion?.facts.rotor.omega];
   return { rotors, scales, speed, measured: measured.source(scales, speed), campbell: page.shown[0].campbell };
 }
 
@@ -439,7 +439,7 @@ function scalesShown() {
 
 /** Draw or remove a measurement; choose suitable panels if none is chosen. */
 function showMeasured(isThere) {
-  if (isThere && !state.panels) {
+  if (isThere && (!state.panels || state.panels === USUAL)) {
     state.panels = measured.found.order ? "bode,full" : "full";
     chooseSignals();
     keepAddress();
@@ -466,7 +466,7 @@ const rotorsOf = () => sides.map((_, place) => (page.shown[place].motion ? param
 /** Show the panels named in the state. */
 function chooseSignals() {
   for (const box of document.querySelectorAll('[name="signals"]')) box.checked = state.panels.split(",").includes(box.value);
-  const lacks = isSystem() ? (file?.has_run_up ? [] : OF_SIGNALS.track) : recorded ? SIGNALS : [];
+  const lacks = isSystem() ? SIGNALS.filter((name) => !says(name)) : recorded ? SIGNALS.filter((name) => name !== USUAL) : [];
   for (const box of document.querySelectorAll('[name="signals"]')) box.closest("label").hidden = lacks.includes(box.value);
   signals.choose(state.panels.split(",").filter((name) => name && !lacks.includes(name)));
   if (page.shown[0].motion) {
@@ -484,50 +484,21 @@ function showWords() {
   sides.forEach((_, place) => {
     const { motion, settled, note, unsettled } = page.shown[place];
     if (!motion) return;
-    const { rotor, told: words } = motion.facts;
-    const clearance = words ?? `Clearance ${withUnit(motion.facts.scales, "length", rotor.delta0)}`;
+    const { rotor, told: named } = motion.facts;
+    const clearance = named ?? `Clearance ${withUnit(motion.facts.scales, "length", rotor.delta0)}`;
     $("sides").children[place].firstElementChild.textContent = clearance;
-    parts.push(["h2", sides.length > 1 ? clearance : "What it does", ""]);
+    parts.push(element("h2", sides.length > 1 ? clearance : "What it does"));
     const fresh = settled && settled.number === motion.number;
-    if (isSystem() && place) parts.push(["p", "", ""]);
-    else if (fresh) settled.facts.words.forEach((text, line) => parts.push(["p", text, line ? "" : "lead"]));
-    else if (unsettled?.number === motion.number) parts.push(["p", `The settled response is not known: ${unsettled.message.replace(/\.$/, "")}.`, ""]);
-    else if (rotor.zeta === 0) parts.push(["p", "Without damping nothing settles.", "lead"]);
-    else parts.push(["p", "Simulating until it settles …", "waiting"]);
-    if (note?.number === motion.number) parts.push(["p", note.facts.message, ""]);
-    parts.push(["h2", "The drawn run", ""]);
-    motion.facts.words.forEach((text) => parts.push(["p", text, ""]));
-    if (!recorded) parts.push(["p", `${eventsOf(motion)}${errorOf(motion)}.`, ""]);
+    const tell = ({ facts: { words, sheets = [] } }, first = "") => parts.push(...words.map((text, line) => element("p", text, line ? "" : first)), ...sheetsOf(sheets));
+    if (fresh && !(isSystem() && place)) tell(settled, "lead");
+    else if (unsettled?.number === motion.number) parts.push(element("p", `The settled response is not known: ${unsettled.message.replace(/\.$/, "")}.`));
+    else if (rotor.zeta === 0) parts.push(element("p", "Without damping nothing settles.", "lead"));
+    else if (!fresh) parts.push(element("p", "Simulating until it settles …", "waiting"));
+    if (note?.number === motion.number) parts.push(element("p", note.facts.message));
+    tell(motion);
+    if (!place) parts.push(...sheetsOf(page.shown[0].curve?.facts.sheets ?? []));
   });
-  box.replaceChildren(...parts.map(([kind, textContent, className]) => Object.assign(document.createElement(kind), { textContent, className })));
-}
-
-/** Return the number of events in words. */
-function eventsOf(motion) {
-  const kinds = motion.arrays.event_kind;
-  const counted = (wanted, one, many) => {
-    const count = kinds.reduce((sum, kind) => sum + (kind === wanted), 0);
-    return `${count || "no"} ${count === 1 ? one : many}`;
-  };
-  if (!kinds.length) return "No contact events";
-  let text = `${counted(EVENTS.entry, "entry", "entries")} and ${counted(EVENTS.exit, "exit", "exits")}`;
-  if (kinds.some((kind) => kind === EVENTS.press || kind === EVENTS.release)) text += `, ${counted(EVENTS.release, "release", "releases")} and ${counted(EVENTS.press, "press", "presses")}`;
-  if (motion.facts.rotor.friction) {
-    text += `; ${counted(EVENTS.roll, "roll", "rolls")}, ${counted(EVENTS.slip, "slip", "slips")} and ${counted(EVENTS.reverse, "reverse", "reverses")}`;
-  }
-  return text[0].toUpperCase() + text.slice(1);
-}
-
-/** Return the error of the event times in words. */
-function errorOf(motion) {
-  const errors = motion.arrays.event_time_error;
-  if (!errors.length) return "";
-  const sure = errors.filter((each) => Number.isFinite(each));
-  const time = (value, digits) => withUnit(motion.facts.scales, "time", value, digits);
-  // errors below a nanosecond cannot be checked
-  const least = 1e-9 / (motion.facts.scales.time ?? Infinity);
-  const most = sure.length ? `, each timed to ${Math.max(...sure) < least ? "better than 1 ns" : time(Math.max(...sure), 2)}` : "";
-  return sure.length < errors.length ? `${most}; from t = ${time(motion.facts.horizon, 4)} on the start no longer determines them` : most;
+  box.replaceChildren(...parts);
 }
 
 /** Show the verdict in bold: for the current or last run-up, and for the speed held. */
@@ -573,7 +544,6 @@ function keepAddress() {
 /** Show the state of the address after the browser went back or forward. */
 function goBack() {
   if (!tellsOfRotor(location.hash)) return false;
-  if (running) run(running.direction);
   const wasSystem = isSystem();
   if (wasSystem !== /[#&]node=/.test(location.hash)) forgetRotor();
   readAddress(location.hash);
@@ -601,37 +571,6 @@ function keepFile(answer) {
   }
   if (kind === "html") say(`Saved ${answer.facts.name}.`);
   keep(new Blob([answer.arrays.contents], { type: FILES[kind] }), answer.facts.name);
-}
-
-// running the speed up and down
-
-function run(direction) {
-  clearInterval(running?.timer);
-  const stop = running?.direction === direction;
-  if (!stop) passage.forget();
-  running = null;
-  if (!stop) {
-    choose("from", "here");
-    running = { direction, timer: setInterval(stepSpeed, 1000 / Math.min(Math.max(state.rate, 1), 30)) };
-  }
-  $("up").setAttribute("aria-pressed", String(running?.direction === 1));
-  $("down").setAttribute("aria-pressed", String(running?.direction === -1));
-}
-
-function stepSpeed() {
-  if (page.drawn < number) return; // the rotor has not come there yet
-  const name = inSI() ? "speed" : "omega";
-  const scale = inSI() ? page.shown[0].motion.facts.scales.rate : 1;
-  const here = state[name] / scale;
-  const next = here + running.direction * state.step * (inSI() ? speedsShown()[1] / 4 : 1);
-  const [low, high] = speedsShown();
-  if (next < low || next > high) {
-    run(running.direction);
-    return;
-  }
-  state[name] = Number((next * scale).toPrecision(12));
-  controls.show();
-  ask();
 }
 
 // a passage at a rate
@@ -697,7 +636,6 @@ function restPassage() {
 }
 
 function showPassage() {
-  if (running && passage.running) run(running.direction);
   $("run-up").setAttribute("aria-pressed", String(passage.way === 1));
   $("run-down").setAttribute("aria-pressed", String(passage.way === -1));
   if (!passage.begun) {
@@ -722,26 +660,16 @@ function showPassed() {
   showVerdict();
 }
 
-/** Show rate and step of the speed in the units of the page. */
+/** Show the rate of the speed in the units of the page. */
 function showRamp() {
   if (isSystem()) return;
-  const { unit, factor, step } = rampShown();
+  const unit = inSI() ? state.speedIn : "", factor = unit ? referenceFrequency() ** 2 * SPEED_UNITS[unit] : 1;
   $("ramp-name").textContent = unit ? `${unit}/s` : "rate";
   $("ramp").value = written(Number((ramp() * factor).toPrecision(4)));
   $("run-up-to").hidden = !unit;
   $("fastest-name").textContent = unit;
   if (unit) $("fastest").value = Number((state.fastest * SPEED_UNITS[unit]).toPrecision(4));
   if (unit) $("seconds").value = Number(state.seconds.toPrecision(4));
-  $("step-name").textContent = unit || "ω";
-  $("step").value = Number((state.step * step).toPrecision(3));
-}
-
-/** Return a dimensionless rate and a step of the speed in the units of the page. */
-function rampShown() {
-  if (!inSI()) return { unit: "", factor: 1, step: 1 };
-  const shown = SPEED_UNITS[state.speedIn];
-  // a step is a part of the speeds that are shown, as it is of those of a rotor without dimensions
-  return { unit: state.speedIn, factor: referenceFrequency() ** 2 * shown, step: (speedsShown()[1] / 4) * referenceFrequency() * shown };
 }
 
 // a machine by its data sheet
@@ -795,6 +723,7 @@ function buildSides() {
     const isFirst = !sides.length;
     sides.push(new Side(element, sides.length, { moved: moveStart, asked: () => ask({ again: true }), told: ({ number: place }) => parametersOf(place), shown: (part) => isFirst && isSystem() && shape.show(part) }));
   }
+  if (isSystem()) showSystem(); // the panels of a new side, too
   $("sides").classList.toggle("two", two);
   response.two = two;
 }
@@ -832,14 +761,11 @@ function listen() {
     release();
   });
   for (const id of ["node", "contact"]) $(id).addEventListener("change", () => choosePart({ [id]: id === "node" ? $(id).value : Number($(id).value) }));
-  for (const name of ["revolutions", "step", "rate"]) {
-    $(name).addEventListener("change", () => {
-      if (!(($(name).valueAsNumber) > 0)) return;
-      state[name] = $(name).valueAsNumber / (name === "step" ? rampShown().step : 1);
-      if (name === "revolutions") ask({ again: true });
-      else keepAddress();
-    });
-  }
+  $("revolutions").addEventListener("change", () => {
+    if (!($("revolutions").valueAsNumber > 0)) return;
+    state.revolutions = $("revolutions").valueAsNumber;
+    ask({ again: true });
+  });
   for (const radio of document.querySelectorAll('input[name="from"]')) {
     radio.addEventListener("change", () => {
       state.from = radio.value;
@@ -890,15 +816,16 @@ function listen() {
     else state.ramp = value;
   });
   onNumber("seconds", (value) => (state.seconds = value));
-  onNumber("fastest", (value) => {
+  $("fastest").addEventListener("change", () => {
+    const typed = speedTyped($("fastest").value);
     // another largest speed, reached at the same time: other axes, and another curve
-    state.fastest = value / SPEED_UNITS[state.speedIn];
+    if (typed?.speed > 0) state.fastest = typed.speed;
+    showRamp();
+    passage.setRate(ramp());
     controls.show();
     ask();
   });
   $("sheet-open").addEventListener("click", () => sheet.open());
-  $("up").addEventListener("click", () => run(1));
-  $("down").addEventListener("click", () => run(-1));
   for (const button of document.querySelectorAll("[data-file]")) {
     button.addEventListener("click", () => connection.ask(question(0), [button.dataset.file]));
   }
@@ -931,7 +858,7 @@ function showTheme() {
   });
   response.show();
   signals.show();
-  if (isSystem() && file) sketch.show();
+  if (isSystem() && file?.nodes.length) sketch.show();
 }
 dark.addEventListener("change", showTheme);
 $("theme").addEventListener("click", () => {
@@ -965,7 +892,7 @@ function showState() {
   for (const radio of document.querySelectorAll('input[name="units"]')) radio.checked = (radio.value === "si") === inSI();
   $("beside").checked = state.second !== null;
   showSystem();
-  for (const name of ["revolutions", "rate"]) $(name).value = state[name];
+  $("revolutions").value = state.revolutions;
   starts = [START, SECOND_START].map((names) => names.map((name, i) => state[name] ?? state[START[i]]));
   hanging = [state.hangs, state.hangs];
   controls.build();

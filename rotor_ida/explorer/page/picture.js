@@ -91,7 +91,6 @@ function paintIcon(ctx, icon, left, middle, pixel) {
   const is = (name) => icon.classList.contains(name);
   ctx.beginPath();
   ctx.setLineDash([]);
-  const half = 4.5 * pixel;
   const centre = left + 10 * pixel;
   if (is("line-key")) {
     const dash = is("free") ? [12, 3, 2, 3] : { dashed: [5, 4], dotted: [2, 1.5] }[style.borderTopStyle] ?? [];
@@ -111,105 +110,67 @@ function paintIcon(ctx, icon, left, middle, pixel) {
     } else line(is("free") ? colour("contact_free") : style.borderTopColor, parseFloat(style.borderTopWidth) || 2, dash);
     return;
   }
-  if (is("up") || is("down") || is("cross")) {
-    // as the pen draws marks: in pixels of the picture
-    const shape = ["up", "down", "cross"].find(is);
-    const pen = new Pen(ctx, (x) => x, (y) => y, pixel, null);
-    pen.mark(centre, middle, 8, { shape, fill: colour(is("down") ? "card" : "ink"), stroke: colour(is("cycle") ? "full_contact" : "ink"), width: 1.2 });
+  // as the pen draws marks: in pixels of the picture
+  const pen = new Pen(ctx, (x) => x, (y) => y, pixel, null);
+  const drawn = ["up", "down", "cross"].find(is);
+  if (drawn) {
+    pen.mark(centre, middle, 8, { shape: drawn, fill: colour(is("down") ? "card" : "ink"), stroke: colour(is("cycle") ? "full_contact" : "ink"), width: 1.2 });
     return;
   }
-  if (is("swatch") || is("square")) ctx.rect(centre - half, middle - half, 2 * half, 2 * half);
-  else if (is("diamond")) {
-    ctx.moveTo(centre, middle - half);
-    ctx.lineTo(centre + half, middle);
-    ctx.lineTo(centre, middle + half);
-    ctx.lineTo(centre - half, middle);
-    ctx.closePath();
-  } else ctx.arc(centre, middle, half, 0, 2 * Math.PI);
-  const fill = style.backgroundColor;
-  ctx.fillStyle = fill === "rgba(0, 0, 0, 0)" ? colour("card") : fill;
-  ctx.fill();
-  if (is("swatch")) return;
-  ctx.strokeStyle = style.borderTopColor;
-  ctx.lineWidth = 1.5 * pixel;
-  ctx.stroke();
+  const shape = is("diamond") ? "diamond" : is("swatch") || is("square") ? "square" : "disc";
+  const { backgroundColor, borderTopColor } = style;
+  pen.mark(centre, middle, 9, { shape, fill: backgroundColor === "rgba(0, 0, 0, 0)" ? colour("card") : backgroundColor, stroke: is("swatch") ? null : borderTopColor });
 }
+
+// What is saved and restored of a drawing.
+const KEPT = ["globalAlpha", "lineWidth", "strokeStyle", "fillStyle", "moved", "clipped", "dash"];
 
 /** Records drawing commands of a canvas as elements of an SVG. */
 class Lines {
-  constructor() {
-    this.elements = [];
-    this.clips = [];
-    this.path = [];
-    this.kept = [];
-    this.dash = [];
-    Object.assign(this, { globalAlpha: 1, lineWidth: 1, strokeStyle: "black", fillStyle: "black", font: `12px ${FONT}`, textAlign: "left", moved: "", clipped: "" });
-  }
-
-  save() {
-    const { globalAlpha, lineWidth, strokeStyle, fillStyle, moved, clipped, dash } = this;
-    this.kept.push({ globalAlpha, lineWidth, strokeStyle, fillStyle, moved, clipped, dash });
-  }
-
-  restore() {
-    Object.assign(this, this.kept.pop());
-  }
-
-  translate(x, y) {
-    this.moved += `translate(${short(x)} ${short(y)})`;
-  }
-
-  rotate(angle) {
-    this.moved += `rotate(${short((180 * angle) / Math.PI)})`;
-  }
-
-  beginPath() {
-    this.path = [];
-  }
-
-  moveTo(x, y) {
-    this.path.push(`M${short(x)} ${short(y)}`);
-  }
-
-  lineTo(x, y) {
-    this.path.push(`L${short(x)} ${short(y)}`);
-  }
-
-  closePath() {
-    this.path.push("Z");
-  }
-
-  rect(x, y, width, height) {
-    this.path.push(`M${short(x)} ${short(y)}h${short(width)}v${short(height)}h${short(-width)}Z`);
-  }
-
+  elements = [];
+  clips = [];
+  kept = [];
+  dash = [];
+  path = "";
+  moved = "";
+  clipped = "";
+  globalAlpha = 1;
+  lineWidth = 1;
+  strokeStyle = "black";
+  fillStyle = "black";
+  font = `12px ${FONT}`;
+  textAlign = "left";
+  save = () => this.kept.push(Object.fromEntries(KEPT.map((name) => [name, this[name]])));
+  restore = () => Object.assign(this, this.kept.pop());
+  translate = (x, y) => (this.moved += `translate(${short(x)} ${short(y)})`);
+  rotate = (angle) => (this.moved += `rotate(${short((180 * angle) / Math.PI)})`);
+  beginPath = () => (this.path = "");
+  moveTo = (x, y) => (this.path += `M${short(x)} ${short(y)}`);
+  lineTo = (x, y) => (this.path += `L${short(x)} ${short(y)}`);
+  closePath = () => (this.path += "Z");
+  rect = (x, y, width, height) => (this.path += `M${short(x)} ${short(y)}h${short(width)}v${short(height)}h${short(-width)}Z`);
+  setLineDash = (dash) => (this.dash = dash);
   /** A whole circle. */
-  arc(x, y, radius) {
-    this.ellipse(x, y, radius, radius);
-  }
+  arc = (x, y, radius) => this.ellipse(x, y, radius, radius);
 
   /** A whole ellipse. */
   ellipse(x, y, a, b) {
     const half = (sign) => `A${short(a)} ${short(b)} 0 1 0 ${short(x + sign * a)} ${short(y)}`;
-    this.path.push(`M${short(x + a)} ${short(y)}${half(-1)}${half(1)}`);
+    this.path += `M${short(x + a)} ${short(y)}${half(-1)}${half(1)}`;
   }
 
   clip() {
-    this.clips.push(`<clipPath id="clip${this.clips.length}"><path d="${this.path.join("")}"/></clipPath>`);
+    this.clips.push(`<clipPath id="clip${this.clips.length}"><path d="${this.path}"/></clipPath>`);
     this.clipped = ` clip-path="url(#clip${this.clips.length - 1})"`;
-  }
-
-  setLineDash(dash) {
-    this.dash = dash;
   }
 
   stroke() {
     const dash = this.dash.length ? ` stroke-dasharray="${this.dash.join(" ")}"` : "";
-    this.#add(`<path d="${this.path.join("")}" fill="none" stroke="${this.strokeStyle}" stroke-width="${short(this.lineWidth)}"${dash}${this.#alpha()}/>`);
+    this.#add(`<path d="${this.path}" fill="none" stroke="${this.strokeStyle}" stroke-width="${short(this.lineWidth)}"${dash}${this.#alpha()}/>`);
   }
 
   fill() {
-    this.#add(`<path d="${this.path.join("")}" fill="${this.fillStyle}"${this.#alpha()}/>`);
+    this.#add(`<path d="${this.path}" fill="${this.fillStyle}"${this.#alpha()}/>`);
   }
 
   fillRect(x, y, width, height) {

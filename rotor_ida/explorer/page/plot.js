@@ -21,13 +21,16 @@ export const forgetColours = () => colours.clear();
 
 const FONT = "12px system-ui, sans-serif";
 
+/** Return the numbers at the ticks of an axis. */
+export const numbers = (_plot, splits) => splits.map((each) => (each === null ? "" : String(Number(each.toPrecision(6)))));
+
 function axis(label, extra) {
   return {
     label, labelSize: 18, labelGap: 0, labelFont: FONT, font: FONT, gap: 3,
     stroke: () => colour("muted"),
     grid: { stroke: () => colour("grid"), width: 1 },
     ticks: { stroke: () => colour("line"), width: 1, size: 4 },
-    values: (_plot, splits) => splits.map((each) => (each === null ? "" : String(Number(each.toPrecision(6))))),
+    values: numbers,
     ...extra,
   };
 }
@@ -48,7 +51,7 @@ const NEAR = 12;
 /** One plot. `draw` gets the canvas and the functions from values to its pixels. */
 export class Plot {
   /** Build it; `reading` takes values and a distance, and returns the item there and its place. */
-  constructor(element, { x, y, equal = false, draw, series = [{}], below, log = false, reading, steps }) {
+  constructor(element, { x, y, equal = false, draw, series = [{}], below, log = false, reading, steps, unnumbered = false }) {
     Object.assign(this, { element, equal, log, drawn: { draw, below }, reading, linked: [] });
     this.range = { x: [0, 1], y: [log ? 0.1 : 0, 1] };
     this.zoomed = null; // the ranges of a part that is shown, instead of all
@@ -62,7 +65,7 @@ export class Plot {
         x: { time: false, range: () => this.#widened().x },
         y: { range: () => this.#widened().y, distr: log ? 3 : 1 },
       },
-      axes: [axis(x, { size: 24, space: 44 }), axis(y, { size: roomFor, space: 28, ...(log ? LOG : {}), ...(steps ? { incrs: steps } : {}) })],
+      axes: [axis(x, { size: 24, space: 44 }), axis(y, { size: roomFor, space: 28, ...(log ? LOG : {}), ...(steps ? { incrs: steps } : {}), ...(unnumbered ? { values: (_plot, splits) => splits.map(() => "") } : {}) })],
       series: [{}, ...series],
       hooks: {
         drawClear: below ? [(plot) => this.#inside(plot, below)] : [],

@@ -70,6 +70,10 @@ export class Response {
     } else if (answer.part === "motion") {
       const { rotor, ending } = answer.facts;
       side.place = { omega: rotor.omega, low: ending.radius_min, high: ending.radius_max, scales: answer.facts.scales };
+      const { band_speed: omega, band_low: low, band_high: high } = answer.arrays;
+      if (omega) side.passage = { omega, low, high, jumps: [], highest: high.reduce((top, each) => Math.max(top, each), 0), isArchived: true };
+      else if (side.passage?.isArchived) side.passage = undefined;
+      if (omega) Object.assign(side.place, { omega: omega.at(-1), low: low.at(-1), high: high.at(-1) });
       side.trail.push(side.place);
       if (side.trail.length > LONGEST_TRAIL) side.trail.shift();
     }

@@ -1,6 +1,6 @@
 // Panels of a rotor of some nodes: its sketch, and the shape of its shaft as it moves.
 
-import { Plot, colour } from "./plot.js";
+import { Plot, colour, numbers } from "./plot.js";
 import { file, state } from "./state.js";
 import { addTools } from "./tools.js";
 import { labelled, prefixed, told } from "./units.js";
@@ -18,7 +18,9 @@ const TRAIL = 1 / 20; // of the run, in bold behind the rotor
 /** Return the values of one node, by its place. */
 const column = (values, place, count) => values.subarray(place * count, (place + 1) * count);
 const largest = (values) => values.reduce((top, each) => (Math.abs(each) > top ? Math.abs(each) : top), 0);
-const lengthLabel = () => (file.has_positions ? labelled("axial position", file.units === "SI" ? "m" : "") : "node");
+const lengthLabel = () => (file.has_positions ? labelled("axial position", file.units === "SI" ? "m" : "") : "nodes at equal distances");
+/** Without positions the axis has no scale, and no numbers. */
+const scaleOfAxis = (plot) => (plot.plot.axes[0].values = file.has_positions ? numbers : (_plot, splits) => splits.map(() => ""));
 
 /** Return the ends of the axis along the shaft; a single node is in its middle. */
 function along(positions, margin) {
@@ -38,13 +40,14 @@ class Panel {
 /** Shaft, masses, unbalance, contacts and supports; a click chooses. */
 export class Sketch extends Panel {
   constructor(card, words, choose) {
-    super(card, words, { x: "axial position", y: "", steps: [1000] });
+    super(card, words, { x: "axial position", y: "", steps: [1000], unnumbered: true });
     this.plot.onDrag((x, y, event) => event.type === "pointerdown" && this.#choose(x, y, choose));
   }
 
   show() {
     const { positions, nodes } = file;
     this.drawn = true;
+    scaleOfAxis(this.plot);
     this.plot.show({ x: along(positions, 0.06), y: [-1.05, 1.45], labels: [lengthLabel(), ""] });
     this.plot.say(`Sketch of the rotor with the nodes ${nodes.join(", ")}`);
   }
@@ -109,6 +112,7 @@ export class Shape extends Panel {
     const span = Math.max(...positions) - Math.min(...positions) || 1;
     this.along = (ALONG * span) / (top * this.drawn.factor);
     const limit = (1 + DOWN) * top * this.drawn.factor;
+    scaleOfAxis(this.plot);
     this.plot.show({ x: along(positions, 0.08), y: [-limit, limit], labels: [lengthLabel(), labelled("deflection", this.drawn.unit)] });
     this.plot.say(`Deflected shape after ${told(100 * part, 3)} % of the run`);
   }

@@ -1,4 +1,4 @@
-// The panels of one rotor: starts and basin, orbits, radius and force over time, section, spectrum.
+// The panels of one rotor: starts and basin, orbits, radius and force over time, section.
 
 import { Plot, colour } from "./plot.js";
 import { roundUp } from "./state.js";
@@ -15,6 +15,8 @@ const KINDS = {
 };
 // Number of earlier revolutions drawn faintly.
 const EARLIER = 24;
+// Number of revolutions of a run-up whose orbit is drawn.
+const FEW = 8;
 const FLIGHT = [4, 3], BACKWARDS = [2, 1.5], SLEEPERS = [3, 4];
 // Least number of pixels along a side of a basin picture, for hatching.
 const PICTURE = 432;
@@ -62,8 +64,7 @@ export class Side {
     this.radius = new Plot(at("history", '[data-plot="radius"]'), { ...over, x: "", y: "radius", reading: (...where) => this.#readTime("radius", ...where), series: [{ stroke: () => colour("ink"), width: 1.2, points: { show: false } }] });
     this.force = new Plot(at("history", '[data-plot="force"]'), { ...over, x: "time", y: "force", reading: (...where) => this.#readTime("force", ...where), series: [{ stroke: () => colour("contact"), width: 1.2, points: { show: false } }], draw: (pen) => this.#drawForce(pen) });
     this.section = new Plot(at("section"), { ...plane, draw: (pen) => this.#drawSection(pen), reading: (...where) => this.#readSection(...where) });
-    this.spectrum = new Plot(at("spectrum"), { x: "frequency / speed", y: "amplitude", log: true, reading: (...where) => this.#readSpectrum(...where), series: [{ stroke: () => colour("flight"), width: 1.2, points: { show: false } }] });
-    this.plots = [this.starts, this.orbit, this.turning, this.radius, this.force, this.section, this.spectrum];
+    this.plots = [this.starts, this.orbit, this.turning, this.radius, this.force, this.section];
     this.radius.linked = [this.force];
     this.force.linked = [this.radius];
     for (const [name, panel] of Object.entries(this.panels)) {
@@ -140,7 +141,7 @@ export class Side {
 
   take(answer) {
     if (answer.part === "motion") {
-      if (answer.facts.is_drop && !this.motion?.facts.is_drop) this.#showWindow(0);
+      if (answer.facts.is_whole && !this.motion?.facts.is_whole) this.#showWindow(0);
       this.motion = answer;
     }
     else if (answer.part === "settled") this.settled = answer;
@@ -210,7 +211,6 @@ export class Side {
     this.length = this.#scale("length", drawn);
     const reach = roundUp(1.08 * drawn * this.length.factor);
     this.plane = { x: [-reach, reach], y: [-reach, reach] };
-    this.panels.section.hidden = Boolean(facts.is_drop); // what falls settles nowhere
     const rubs = Boolean(arrays.mode);
     for (const [name, hides] of Object.entries({ damped: !facts.rotor.contact_damping, friction: !rubs, frictionless: rubs })) {
       for (const each of this.element.querySelectorAll(`[data-${name}]`)) each.hidden = hides;
@@ -229,7 +229,6 @@ export class Side {
   drawRest() {
     if (!this.length) return;
     this.#drawTurning();
-    this.#drawSpectrum();
     this.#drawSectionPlot();
     this.#say();
   }
@@ -332,7 +331,7 @@ export class Side {
     const { factor } = this.length;
     const [xs, ys] = [scaled(arrays[`${axes}x`], factor), scaled(arrays[`${axes}y`], factor)];
     pen.circle(0, 0, facts.rotor.delta0 * factor, { stroke: colour("muted"), dash: [5, 4], width: 1.2 });
-    const { now, from } = this.view;
+    const { now, from } = this.#turnsDrawn();
     const inside = (i) => arrays.radius[i] <= facts.rotor.delta0;
     const before = Math.max(0, from - Math.round(EARLIER * facts.samples_per_revolution));
     pen.line(xs, ys, { from: before, to: from + 1, stroke: colour("muted"), width: 0.6, alpha: 0.35 });
@@ -353,6 +352,12 @@ export class Side {
     pen.mark(x, y, 9, { fill: colour("accent"), stroke: colour("card") });
   }
 
+  /** Return the part of the run whose orbit is drawn: of a run-up its last turns, as all would hide each other. */
+  #turnsDrawn() {
+    const { from, now } = this.view, { arrays, facts } = this.motion;
+    return { now, from: arrays.band_speed ? Math.max(from, now - Math.round(FEW * facts.samples_per_revolution)) : from };
+  }
+
   /** Return the samples once a revolution; none where a revolution is no whole number of them. */
   #turns(from, to) {
     const turn = this.motion.facts.samples_per_revolution;
@@ -363,7 +368,8 @@ export class Side {
   #drawEvents(pen, axes) {
     const { arrays } = this.motion;
     const { t, event_time: times, event_kind: kinds } = arrays;
-    const [low, high] = [t[this.view.from], t[this.view.now]];
+    const { from, now } = this.#turnsDrawn();
+    const [low, high] = [t[from], t[now]];
     const [xs, ys] = [arrays[`event_${axes}x`], arrays[`event_${axes}y`]];
     const seen = [];
     times.forEach((time, i) => time >= low && time <= high && seen.push(i));
@@ -397,15 +403,6 @@ export class Side {
     pen.circle(0, 0, this.motion.facts.rotor.delta0 * factor, { stroke: colour("muted"), dash: [5, 4] });
     const many = xs.length > 1000;
     pen.dots(scaled(xs, factor), scaled(ys, factor), many ? 2 : 5, { fill: colour("ink"), alpha: many ? 0.6 : 0.8 });
-  }
-
-  #drawSpectrum() {
-    const { line_frequency: frequency, line_amplitude: height } = this.motion.arrays;
-    const { factor, unit } = this.length;
-    const top = factor * maximum(height) || 1;
-    const low = top * 1e-5;
-    const heights = height.map((each) => Math.max(factor * each, low));
-    this.spectrum.show({ data: [frequency, heights], x: [-this.motion.facts.orders, this.motion.facts.orders], y: [10 ** Math.floor(Math.log10(low)), 10 ** Math.ceil(Math.log10(top))], labels: ["frequency / speed", labelled("amplitude", unit)] });
   }
 
   /** Draw the plane of starts, with the basin if there is one. */
@@ -444,10 +441,6 @@ export class Side {
     if (panel === "section") {
       const { xs, ys } = this.#sectionPoints();
       return pair(this.section, xs, ys);
-    }
-    if (panel === "spectrum") {
-      const [frequencies, heights] = this.spectrum.data;
-      return { [label(this.spectrum, 0)]: [...frequencies], [label(this.spectrum, 1)]: [...heights] };
     }
     if (panel === "starts") return this.#tableOfStarts();
     const rows = [...times.map((each, i) => [each, "sample", radii[i], forces[i]])];
@@ -494,13 +487,14 @@ export class Side {
       const away = distance(...at);
       if (away < found.away) Object.assign(found, { away, name, at, time });
     };
-    const [low, high] = [t[this.view.from], t[this.view.now]];
+    const { from, now } = this.#turnsDrawn();
+    const [low, high] = [t[from], t[now]];
     const [xs, ys] = [arrays[`${axes}x`], arrays[`${axes}y`]];
-    for (const i of this.#turns(this.view.from, this.view.now)) look("once a revolution", [xs[i], ys[i]], t[i]);
+    for (const i of this.#turns(from, now)) look("once a revolution", [xs[i], ys[i]], t[i]);
     times.forEach((time, i) => {
       if (time >= low && time <= high) look(EVENT_WORDS[kinds[i]], [arrays[`event_${axes}x`][i], arrays[`event_${axes}y`][i]], time);
     });
-    if (!found.at) for (let i = this.view.from; i <= this.view.now; i++) look("at", [xs[i], ys[i]], t[i]);
+    if (!found.at) for (let i = from; i <= now; i++) look("at", [xs[i], ys[i]], t[i]);
     const [a, b] = found.at ?? [x, y];
     const { factor: second, unit } = this.timeUnit;
     const when = found.at ? `${found.name} t = ${told(found.time * second, 7)}${unit && ` ${unit}`}: ` : "";
@@ -551,20 +545,6 @@ export class Side {
     return at ? { text: `point: ${this.section.tell(at)}`, at } : null;
   }
 
-  #readSpectrum(x, _y, _distance, near) {
-    const [frequencies, heights] = this.spectrum.data;
-    const { plot } = this.spectrum;
-    const [low, high] = [-near, near].map((pixels) => plot.posToVal(plot.valToPos(x, "x") + pixels, "x"));
-    let top = -1;
-    for (let i = 0; i < frequencies.length; i++) {
-      if (frequencies[i] >= low && frequencies[i] <= high && !(heights[i] <= heights[top])) top = i;
-    }
-    if (top < 0) return null;
-    const at = [frequencies[top], heights[top]];
-    const isLine = heights[top] > (heights[top - 1] ?? 0) && heights[top] > (heights[top + 1] ?? 0);
-    return { text: `${isLine ? "line: " : ""}${this.spectrum.tell(at)}`, at };
-  }
-
   #keyOfBasin() {
     const key = this.panels.starts.querySelector("[data-key]");
     key.replaceChildren();
@@ -603,7 +583,6 @@ export class Side {
     this.radius.say(`Radius over time: over the last half from ${number(ending.radius_min)} to ${number(ending.radius_max)}.`);
     this.force.say(`Contact force over time: up to ${told(ending.largest_force * this.forceUnit.factor)} ${this.forceUnit.unit} over the last half.`);
     this.section.say("Section: the rotor once a revolution, on axes that turn with the unbalance.");
-    this.spectrum.say("Spectrum of the last half: amplitude over frequency, backward and forward.");
   }
 }
 

@@ -273,11 +273,12 @@ class Full extends Panel {
       source, xs: source.lines.over, ys: times(source.lines.amplitude, view.length.factor), exact: source.exact && { over: source.exact.over, amplitude: times(source.exact.amplitude, view.length.factor) },
     }));
     let top = 0;
-    for (const { xs, ys } of this.drawn) for (let i = 0; i < xs.length; i++) if (Math.abs(xs[i]) <= ORDERS && ys[i] > top) top = ys[i];
+    const reach = Math.max(ORDERS, ...this.drawn.map(({ source }) => source.lines.orders ?? 0));
+    for (const { xs, ys } of this.drawn) for (let i = 0; i < xs.length; i++) if (Math.abs(xs[i]) <= reach && ys[i] > top) top = ys[i];
     top ||= 1;
     const ceiling = Math.ceil(Math.log10(1.5 * top));
     this.floor = 10 ** (ceiling - DECADES);
-    this.plot.show({ x: [-ORDERS, ORDERS], y: [this.floor, 10 ** ceiling], labels: ["frequency / speed", labelled("amplitude", view.length.unit)] });
+    this.plot.show({ x: [-reach, reach], y: [this.floor, 10 ** ceiling], labels: ["frequency / speed", labelled("amplitude", view.length.unit)] });
     const parts = this.keyOfSources(view);
     if (this.drawn.some(({ exact }) => exact)) parts.push(["mark diamond open cycle", "settled response"]);
     for (const { source: { name, lines } } of this.drawn) if (lines.told) parts.push(["", this.drawn.length > 1 ? `${name}: ${lines.told}` : lines.told]);

@@ -8,7 +8,8 @@ const { disc_radius: _, ...BEYOND } = OPTIONAL;
 const DISC_RADIUS = 10;
 // Panels of signals that may be chosen.
 export const SIGNALS = ["bode", "polar", "full", "cascade", "campbell"];
-// Those that a rotor system begins with.
+// Those that one disc and a rotor system begin with.
+export const USUAL = "full";
 const OF_SYSTEM = "bode,full,cascade,campbell";
 // What sliders change of a rotor system: all of it, and the chosen contact.
 const OF_ALL = ["speed", "unbalance_factor"], OF_CONTACT = ["clearance", "contact_stiffness", "contact_damping", "friction"];
@@ -16,14 +17,14 @@ export const SYSTEM = [...OF_ALL, ...OF_CONTACT];
 const WORDS = { from: ["start", "here"], theme: ["", "light", "dark"], speedIn: ["rad/s", "rpm", "Hz"] };
 // Start of the second run, if it differs.
 export const SECOND_START = START.map((name) => `${name}2`);
-const NUMBERS = ["unbalance_factor", ...SECOND_START, ...DIMENSIONLESS, ...MACHINE, ...Object.keys(BEYOND), "disc_radius", ...START, "revolutions", "second", "step", "rate", "ramp", "fastest", "seconds"];
+const NUMBERS = ["unbalance_factor", ...SECOND_START, ...DIMENSIONLESS, ...MACHINE, ...Object.keys(BEYOND), "disc_radius", ...START, "revolutions", "second", "ramp", "fastest", "seconds"];
 
 const DEFAULTS = {
   omega: 2, zeta: 0.07, delta0: 2,
   ...BEYOND, disc_radius: null,
   x: 0, y: 0, vx: 0, vy: 0, hangs: true, // whether it starts at rest where it hangs under its load
   second: null, // clearance of the rotor beside it, in the units of the first one
-  revolutions: 60, from: "start", step: 0.01, rate: 10, ramp: 0.002, theme: "", speedIn: "rpm", panels: "",
+  revolutions: 60, from: "start", ramp: 0.002, theme: "", speedIn: "rpm", panels: "full",
   fastest: null, seconds: null, // of a machine: the speed to which it is run up [rad/s], from standstill in so long [s]
 };
 // Default run-up time of a machine in seconds.
@@ -37,6 +38,9 @@ export const isSystem = () => state.node !== undefined;
 
 /** What the program has answered about that file; null before the first answer. */
 export let file = null;
+
+/** That of a file that has no rotor to move. */
+export const NO_FILE = { nodes: [], positions: [], contacts: [], given: { speed: 1 }, given_contacts: [], is_archive: true };
 
 /** Whether the rotor is given as a machine in SI units, or is a system in these. */
 export const inSI = () => (isSystem() ? file?.units === "SI" : state.mass !== undefined);
@@ -102,7 +106,7 @@ export function readAddress(hash) {
   for (const [name, words] of Object.entries(WORDS)) {
     if (words.includes(given.get(name))) state[name] = given.get(name);
   }
-  const panels = (given.get("panels") ?? (isOfFile ? OF_SYSTEM : "")).split(",");
+  const panels = (given.get("panels") ?? (isOfFile ? OF_SYSTEM : USUAL)).split(",");
   state.panels = SIGNALS.filter((name) => panels.includes(name)).join();
   return given.get("key");
 }
@@ -126,10 +130,9 @@ export function address([first, second], hangs) {
   }
   for (const name of ["revolutions", "from"]) told.set(name, state[name]);
   if (inSI() && state.speedIn !== DEFAULTS.speedIn) told.set("speedIn", state.speedIn);
-  for (const name of ["second", "theme", "panels"]) if (state[name] !== null && state[name] !== "") told.set(name, state[name]);
+  for (const name of ["second", "theme"]) if (state[name] !== null && state[name] !== "") told.set(name, state[name]);
+  if (state.panels !== USUAL) told.set("panels", state.panels);
   if (!state.friction && state.disc_radius !== usualRadius()) told.set("disc_radius", state.disc_radius);
-  if (state.step !== 0.01) told.set("step", state.step);
-  if (state.rate !== 10) told.set("rate", state.rate);
   if (inSI()) for (const name of ["fastest", "seconds"]) told.set(name, state[name]);
   else if (state.ramp !== DEFAULTS.ramp) told.set("ramp", state.ramp);
   return `#${told}`;

@@ -2,6 +2,19 @@
 
 import { csvOf, pngOf, svgOf } from "./picture.js";
 
+/** Make an element with a text. */
+export const element = (kind, textContent, className = "") => Object.assign(document.createElement(kind), { textContent, className });
+
+/** Return the elements of sheets and sentences: a title, a table whose first row has its heads, and a note. */
+export const sheetsOf = (sheets) => sheets.map(({ title, rows, note }) => {
+  const box = element("div", "", "sheet");
+  if (!rows.length) return element("p", title);
+  const table = document.createElement("table");
+  rows.forEach((cells, i) => cells.length && table.insertRow().append(...cells.map((each) => element(i ? "td" : "th", each))));
+  box.append(element("h2", title), table, ...(note ? [element("p", note)] : []));
+  return box;
+});
+
 /** Offer a file for download. */
 export function keep(blob, name) {
   const link = Object.assign(document.createElement("a"), { href: URL.createObjectURL(blob), download: name });

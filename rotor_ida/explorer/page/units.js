@@ -18,6 +18,13 @@ export function shownIn(scales, kind, top) {
 /** Return the size and the letter of the prefix that keeps a number short; none for 0. */
 const prefixFor = (large) => (large ? (PREFIXES.find(([least]) => large >= least * 0.9999) ?? PREFIXES.at(-1)) : [1, ""]);
 
+/** Return a typed speed in rad/s and its unit, which is the one shown if none is typed; null for other text. */
+export function speedTyped(text) {
+  const [, digits, typed] = /^([-+]?[\d.]+(?:e[-+]?\d+)?)\s*([a-z/]*)$/i.exec(text.trim().replace(/,(?=\d{3}\b)/g, "")) ?? [];
+  const unit = typed ? Object.keys(SPEED_UNITS).find((each) => each.toLowerCase() === typed.toLowerCase()) : state.speedIn;
+  return unit && Number.isFinite(Number(digits)) ? { speed: Number(digits) / SPEED_UNITS[unit], unit } : null;
+}
+
 /** Return the factor and the unit, with a prefix, in which to show a quantity of about some size. */
 export function prefixed(unit, size) {
   if (!/^[mNs](?![a-z])/.test(unit)) return { factor: 1, unit };

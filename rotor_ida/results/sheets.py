@@ -7,7 +7,7 @@ import re
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from html import escape
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 from rich import box
 from rich.console import Group
@@ -146,6 +146,22 @@ def facts(title: str, entries: Record | Sequence[Line], note: str = "") -> Sheet
     if isinstance(entries, Mapping):
         entries = [Line(name.replace("_", " "), [value]) for name, value in entries.items()]
     return Sheet(title, entries, [""], note)
+
+
+def sheets_shown(parts: Parts) -> list[dict[str, Any]]:
+    """Return sheets and sentences as data for a page; a sentence has no rows.
+
+    Examples
+    --------
+    >>> sheets_shown(["Done.", facts("Run", [Line("speed", [100.0], "rad/s")])])
+    [{'title': 'Done.', 'rows': [], 'note': ''}, {'title': 'Run', 'rows': [[], ['speed',
+    '954.93', 'rpm']], 'note': ''}]
+    """
+    return [
+        {"title": each, "rows": [], "note": ""} if isinstance(each, str)
+        else {"title": each.title, "rows": each.cells(micro="µ"), "note": each.note}
+        for each in parts
+    ]  # fmt: skip
 
 
 def table(title: str, rows: Sequence[Record], columns: Sequence[str], digits: int = 8) -> Sheet:
