@@ -106,7 +106,7 @@ def subjects_of(
 
 
 def one_rotor(rotor: object, speed: object) -> Varied:
-    """Return one disc, or a rotor system at a speed, as what varies not."""
+    """Return one disc, or a rotor system at a speed, in which nothing varies."""
     if isinstance(rotor, RotorSystem):
         (at,) = turning_speeds(check_real("speed", speed), OF_SYSTEM)
         return Varied({SPEED: np.asarray(at)}, rotor)

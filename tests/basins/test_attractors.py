@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rotor_ida import Rotor, basin_fractions, limit_cycle
-from rotor_ida.basins.attractors import Followed, confirm, disc_row, leads_to
+from rotor_ida.basins.attractors import Attractors, Followed, confirm, disc_row, leads_to
 from rotor_ida.basins.fates import Disc, cycle_row
 from rotor_ida.basins.following import BatchResult, follow_starts
 from rotor_ida.basins.kernel import UNDECIDED
@@ -16,6 +16,7 @@ from rotor_ida.cycles.limit_cycle import cycle_from
 from rotor_ida.parallel import Workers
 from rotor_ida.results.studies.results import Results
 from rotor_ida.schema import RESPONSE
+from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.options import Options
 from tests.basins.lanes import WHIP
 
@@ -52,6 +53,17 @@ def test_labels_number_the_rows():
     assert found.rows["lifetime"][2] == 2e4
     # 95 % of samples with a mean of 6.296 hold more than two
     assert found.rows["lifetime_low"][2] == pytest.approx(4e4 / 6.2958, rel=1e-4)
+
+
+def test_whirls_beside_a_fold_stay_two():
+    """One batch lists both, however near; one found later is the first that it agrees with."""
+    whirl = disc_row("synchronous", 3.0, 0.0, 3.0, 3.0, state=[3.0, 0.0, 0.0, 6.0])
+    other = changed(whirl, final_state=(1.0 + 1e-7) * whirl["final_state"])
+    met = Attractors(DiscFlow(BOUNCER))
+    assert met.numbers_of([whirl, other]) == [0, 1]
+    assert met.numbers_of([whirl, other]) == [0, 1]
+    assert met.find(other) == 0
+    assert met.find(changed(whirl, final_state=1.001 * whirl["final_state"])) is None
 
 
 def test_numbers_are_those_of_the_limit_cycle():
