@@ -118,8 +118,8 @@ def check_rotor(rotor: Rotor, what: str = "a basin", *, one_by_one: bool = False
     """Return a rotor whose starts can be labelled; a load is allowed only if `one_by_one`."""
     if rotor.load > 0.0 and not one_by_one:
         raise InputError(
-            "{name} must be 0 for {what}, as there is no synchronous whirl under a load, got "
-            "{value}: basin_fractions and touchdown_report take one, and follow each start",
+            "{name} must be 0 for {what}, as there is no synchronous whirl under a load, where "
+            "basin_fractions and touchdown_report follow each start, got {value}",
             name="load", what=what, value=rotor.load,
         )  # fmt: skip
     if rotor.omega == 0.0 < min(rotor.load, rotor.friction):
