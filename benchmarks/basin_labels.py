@@ -13,9 +13,12 @@ import time
 import numpy as np
 
 from rotor_ida import Rotor
-from rotor_ida.basins.basin import label
-from rotor_ida.parallel import count_workers, run_all
-from rotor_ida.results.question import Question
+from rotor_ida.basins.attractors import kind_of
+from rotor_ida.basins.fates import Disc
+from rotor_ida.basins.following import follow_starts
+from rotor_ida.core.runs import NO_STOP
+from rotor_ida.parallel import choose, count_workers, run_all
+from rotor_ida.results.studies.results import Results
 from rotor_ida.schema import FATE
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady.follow import follow_to_steady_state
@@ -28,11 +31,11 @@ AGREES = 1e-6
 
 def labelled(rotor, states, rtol, workers):
     """Return the labels of starts, shape (4, n), and the attractors."""
-    found = label(
-        rotor, lambda first, last: states[:, first:last], states.shape[1], Question("basin", {}),
-        rtol=rtol, workers=workers, executor="auto", study=None, progress=None,
+    found = follow_starts(
+        Disc.of(rotor, rtol, NO_STOP), lambda first, last: states[:, first:last], states.shape[1],
+        Results(), workers=choose("auto", workers, compiled=True), progress=None,
     )  # fmt: skip
-    return found.labels, found.attractors
+    return found.labels, found.rows
 
 
 def follow(job, _stop):
@@ -47,13 +50,13 @@ def label_of(outcome, attractors):
     """Return the number of the attractor that CVODE has found, UNDECIDED if it has not settled."""
     kind, amplitude, low, high = outcome
     for number, each in enumerate(attractors):
-        if each.kind != kind:
+        if kind_of(each) != kind:
             continue
         if kind in ("contact_free", "touching", "chaotic"):
             return number
-        if kind == "synchronous" and abs(each.amplitude - amplitude) < AGREES * amplitude:
+        if kind == "synchronous" and abs(each["amplitude"] - amplitude) < AGREES * amplitude:
             return number
-        if max(abs(each.radius_min - low), abs(each.radius_max - high)) < AGREES * high:
+        if max(abs(each["radius_min"] - low), abs(each["radius_max"] - high)) < AGREES * high:
             return number
     return FATE["undecided"]
 

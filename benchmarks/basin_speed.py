@@ -16,9 +16,10 @@ import heyoka as hy
 import numpy as np
 
 from rotor_ida import Rotor
-from rotor_ida.basins.following import RTOL, follow_starts
+from rotor_ida.basins.fates import RTOL, Disc
+from rotor_ida.basins.following import follow_starts
 from rotor_ida.basins.kernel import NO_CONTACT_FREE, NOT_COMPUTED, REGION, SECTION, follow
-from rotor_ida.basins.known import known_from_closed_forms
+from rotor_ida.parallel import Workers
 from rotor_ida.results.studies.results import Results
 
 HALF_WIDTH = 15.0
@@ -108,12 +109,13 @@ def main():
             took = 1e6 * time_of_heyoka(rotor, some, batch, **options)
             name = "default tolerance (2e-16)" if tolerance is None else f"tolerance {tolerance:g}"
             print(f"heyoka, batch {batch}, {name}: {took:.2f} us")
-    known = known_from_closed_forms(rotor, GO_ON)
+    disc = Disc.of(rotor, given.rtol, GO_ON)
     for _ in range(2):
         wall, core = time.perf_counter(), time.process_time()
+        scouted = disc.with_cycles(states[:, :: max(states.shape[1] // 128, 1)], GO_ON)
         found = follow_starts(
-            known, lambda a, b: states[:, a:b], states.shape[1], Results(), tolerance=given.rtol,
-            workers=given.workers, executor="threads", progress=None,
+            scouted, lambda a, b: states[:, a:b], states.shape[1], Results(),
+            workers=Workers("threads", given.workers), progress=None,
         )  # fmt: skip
         wall, core = time.perf_counter() - wall, time.process_time() - core
     numbers, counts = np.unique(found.labels, return_counts=True)

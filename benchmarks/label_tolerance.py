@@ -14,9 +14,13 @@ import math
 import numpy as np
 
 from rotor_ida import Rotor
-from rotor_ida.basins.basin import TIGHTEST, label
-from rotor_ida.basins.following import RTOL
-from rotor_ida.results.question import Question
+from rotor_ida.basins.attractors import kind_of
+from rotor_ida.basins.fates import RTOL, Disc
+from rotor_ida.basins.following import follow_starts
+from rotor_ida.basins.subjects import TIGHTEST
+from rotor_ida.core.runs import NO_STOP
+from rotor_ida.parallel import choose
+from rotor_ida.results.studies.results import Results
 from rotor_ida.schema import FATE
 
 ROTORS = (
@@ -31,24 +35,24 @@ SAME = 1e-5
 
 def labelled(rotor, states, rtol, workers):
     """Return starts, shape (4, n), as they were labelled."""
-    return label(
-        rotor, lambda first, last: states[:, first:last], states.shape[1], Question("basin", {}),
-        rtol=rtol, workers=workers, executor="auto", study=None, progress=None,
+    return follow_starts(
+        Disc.of(rotor, rtol, NO_STOP), lambda first, last: states[:, first:last], states.shape[1],
+        Results(), workers=choose("auto", workers, compiled=True), progress=None,
     )  # fmt: skip
 
 
 def same(one, other):
     """Return whether two attractors of a rotor are one."""
-    pairs = ((one.radius_min, other.radius_min), (one.radius_max, other.radius_max))
+    pairs = [(one[name], other[name]) for name in ("radius_min", "radius_max")]
     known = [pair for pair in pairs if not (math.isnan(pair[0]) or math.isnan(pair[1]))]
-    return one.kind == other.kind and (
-        one.kind == "chaotic" or all(abs(a - b) <= SAME * one.radius_max for a, b in known)
+    return kind_of(one) == kind_of(other) and (
+        kind_of(one) == "chaotic" or all(abs(a - b) <= SAME * one["radius_max"] for a, b in known)
     )
 
 
 def agreeing(found, closely):
     """Return how many labels both runs have decided, and how many of these agree."""
-    alike = np.array([[same(a, b) for b in closely.attractors] for a in found.attractors])
+    alike = np.array([[same(a, b) for b in closely.rows] for a in found.rows])
     both = (found.labels != FATE["undecided"]) & (closely.labels != FATE["undecided"])
     return int(both.sum()), int(alike[found.labels[both], closely.labels[both]].sum())
 
@@ -56,8 +60,8 @@ def agreeing(found, closely):
 def apart(found, closely):
     """Return the largest difference of a fraction in standard errors of a sample."""
     largest, count = 0.0, found.labels.size
-    for number, attractor in enumerate(closely.attractors):
-        own = [place for place, each in enumerate(found.attractors) if same(each, attractor)]
+    for number, attractor in enumerate(closely.rows):
+        own = [place for place, each in enumerate(found.rows) if same(each, attractor)]
         fraction = float((closely.labels == number).mean())
         error = math.sqrt(fraction * (1.0 - fraction) / count)
         if error > 0.0:

@@ -18,8 +18,11 @@ from label_tolerance import HALF_WIDTH, same
 
 from rotor_ida import Rotor
 from rotor_ida.basins import known
-from rotor_ida.basins.basin import label
-from rotor_ida.results.question import Question
+from rotor_ida.basins.fates import Disc
+from rotor_ida.basins.following import follow_starts
+from rotor_ida.core.runs import NO_STOP
+from rotor_ida.parallel import choose
+from rotor_ida.results.studies.results import Results
 from rotor_ida.schema import FATE
 from rotor_ida.simulation.starts import drawn_from
 
@@ -31,10 +34,14 @@ BOX = np.array([[-HALF_WIDTH, HALF_WIDTH], [-HALF_WIDTH, HALF_WIDTH], [0.0, 0.0]
 def labelled(rotor, count, workers):
     """Return so many starts as they were labelled, and how long that took."""
     start = time.perf_counter()
-    found = label(
-        rotor, lambda first, last: drawn_from(BOX, 0, first, last), count,
-        Question("basin", {}), rtol=None, workers=workers, executor="threads", study=None,
-        progress=None, drawn=True,
+
+    def starts(first, last):
+        return drawn_from(BOX, 0, first, last)
+
+    disc = Disc.of(rotor, None, NO_STOP).scouted(starts, count, drawn=True, stop=NO_STOP)
+    found = follow_starts(
+        disc, starts, count, Results(), workers=choose("threads", workers, compiled=True),
+        progress=None,
     )  # fmt: skip
     return found, time.perf_counter() - start
 
@@ -44,9 +51,7 @@ def alike(few, many):
     pairs = zip(few.labels.tolist(), many.labels[: few.labels.size].tolist(), strict=True)
     fates = set(FATE.values())
     return [
-        one == other
-        if one in fates or other in fates
-        else same(few.attractors[one], many.attractors[other])
+        one == other if one in fates or other in fates else same(few.rows[one], many.rows[other])
         for one, other in pairs
     ]
 

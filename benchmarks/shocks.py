@@ -18,8 +18,8 @@ def shocks_found(seed, count):
     """Return the smallest shocks of both kinds from each attractor to each, by one draw."""
     true_search = resilience.try_shocks
     try:
-        resilience.try_shocks = lambda *given, seed, own=seed: true_search(
-            *given, seed=seed + 1000 * own
+        resilience.try_shocks = lambda *given, seed, own=seed, **how: true_search(
+            *given, seed=seed + 1000 * own, **how
         )
         report = touchdown_report(ROTOR, x=(-8, 8), y=(-8, 8), starts=64, shocks=count)
     finally:

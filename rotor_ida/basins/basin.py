@@ -3,38 +3,27 @@
 from __future__ import annotations
 
 import os
-from typing import Unpack
+from typing import Any, Unpack
 
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.basins.attractors import attractors_of, confirmed
-from rotor_ida.basins.dataset import (
-    Labelled,
-    basin_dataset,
-    fractions_dataset,
-    labelled_starts,
-)
-from rotor_ida.basins.following import FORM, follow_starts
-from rotor_ida.basins.known import known_from_closed_forms
-from rotor_ida.basins.starts import Box, Plane, Starts, check_number_of_starts
-from rotor_ida.basins.system_basin import basin_of_system
-from rotor_ida.checks import check_between, check_instance, check_name, check_progress
-from rotor_ida.errors import InputError
-from rotor_ida.model.rotor import DimensionalRotor, Rotor, check_no_load
+from rotor_ida.arrays import Stop
+from rotor_ida.basins.attractors import confirm
+from rotor_ida.basins.dataset import Labelled, basin_dataset, fractions_dataset
+from rotor_ida.basins.fates import labeller_of
+from rotor_ida.basins.following import FORM, Labeller, follow_starts
+from rotor_ida.basins.starts import Box, Plane, check_number_of_starts
+from rotor_ida.basins.subjects import one_rotor, subjects_of
+from rotor_ida.checks import check_progress
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.parallel import Progress, choose, interruptible, shows_progress
 from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import open_results
-from rotor_ida.simulation.options import Options, check_can_be_followed
+from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.starts import Start
-
-# Range of the error per step [1].
-TIGHTEST, LOOSEST = 1e-12, 1e-4
-# The explicit method needs too many steps for stiffer rotors.
-MOST_DAMPING = 20.0
-MOST_CONTACT_DAMPING = 50.0
 
 
 @takes_rotors(system=("node", "start", "modes"), needed=("speed", "node"))
@@ -169,15 +158,10 @@ def basin(
     """
     plane = Plane.of(x=x, y=y, vx=vx, vy=vy)
     if isinstance(rotor, RotorSystem):
-        return basin_of_system(
-            changed_system(basin, rotor, changed), plane, "basin", speed=speed,
-            node=check_name("node", node), start=start, modes=modes, rtol=rtol, workers=workers,
-            executor=executor, study=study, progress=progress,
-        )  # fmt: skip
-    assert isinstance(rotor, Rotor)
+        rotor = changed_system(basin, rotor, changed)
     result = label(
-        rotor, plane.starts, plane.count, Question("basin", plane.given),
-        rtol=rtol, workers=workers, executor=executor, study=study, progress=progress,
+        rotor, plane, speed=speed, node=node, start=start, modes=modes, rtol=rtol, workers=workers,
+        executor=executor, study=study, progress=progress,
     )  # fmt: skip
     return basin_dataset(plane, result)
 
@@ -269,83 +253,42 @@ def basin_fractions(
     """
     box = Box.of(starts, seed, x=x, y=y, vx=vx, vy=vy)
     if isinstance(rotor, RotorSystem):
-        return basin_of_system(
-            changed_system(basin_fractions, rotor, changed), box, "basin_fractions", speed=speed,
-            node=check_name("node", node), start=start, modes=modes, rtol=rtol, workers=workers,
-            executor=executor, study=study, progress=progress,
-        )  # fmt: skip
-    assert isinstance(rotor, Rotor)
+        rotor = changed_system(basin_fractions, rotor, changed)
     result = label(
-        rotor, box.starts, box.count, Question("basin_fractions", box.given),
-        rtol=rtol, workers=workers, executor=executor, study=study, progress=progress, drawn=True,
+        rotor, box, speed=speed, node=node, start=start, modes=modes, rtol=rtol, workers=workers,
+        executor=executor, study=study, progress=progress,
     )  # fmt: skip
     return fractions_dataset(box, result)
 
 
 def label(
-    rotor: Rotor,
-    starts: Starts,
-    count: int,
-    question: Question,
-    *,
-    rtol: object,
-    workers: int | None,
-    executor: str,
-    study: str | os.PathLike[str] | None,
-    progress: Progress | bool | None,
-    drawn: bool = False,
-) -> Labelled:
-    """Follow `count` starts of a rotor, each to its attractor.
+    rotor: Rotor | DimensionalRotor | RotorSystem, asked: Plane | Box, *, speed: object,
+    workers: int | None, executor: str, study: str | os.PathLike[str] | None,
+    progress: Progress | bool | None, **given: Any,
+) -> Labelled:  # fmt: skip
+    """Follow starts of a rotor, or of a node of a rotor system, each to its attractor."""
+    drawn = isinstance(asked, Box)
+    what = "fractions" if drawn else "a basin"
+    subjects = subjects_of(one_rotor(rotor, speed), what, one_by_one=drawn, **given)
+    (point,) = subjects.points
+    progress, chosen = check_progress(progress), choose(executor, workers, compiled=True)
+    check_number_of_starts(asked.count, study)
+    question = Question(
+        asked.verb, {"rotor": rotor, **subjects.given, **asked.given, "rtol": subjects.rtol}
+    )
+    with open_results(study, question.design(), asked.count, FORM) as kept:
 
-    `starts` returns those from one number up to another, shape (4, n). If `drawn`, the starts do
-    not depend on their number. `question` is the one asked, but for the rotor and `rtol`.
-    """
-    check_rotor(rotor, "fractions" if drawn else "a basin", one_by_one=drawn)
-    check_number_of_starts(count, study)
-    progress = check_progress(progress)
-    tolerance = None if rtol is None else check_between("rtol", rtol, TIGHTEST, LOOSEST)
-    place, several = choose(executor, workers, compiled=True)
-    options = Options()
-    asked = {"rotor": rotor, **question.arguments, "rtol": tolerance}
-    question = Question(question.verb, asked)
-    with open_results(study, question.design(), count, FORM) as kept:
-        known = interruptible(lambda stop: known_from_closed_forms(rotor, stop))
-        result = follow_starts(
-            known, starts, count, kept,
-            tolerance=tolerance, workers=several, executor=place, progress=progress, drawn=drawn,
-        )  # fmt: skip
-        attractors = attractors_of(result)
-        if not result.ended.interrupted:
-            try:
-                attractors = confirmed(result, attractors, starts, options)
-            except KeyboardInterrupt:  # labels without confirmation are better than none
-                if study is not None:
-                    raise
-                result.ended = result.ended._replace(interrupted=True)
-        return labelled_starts(result, attractors, options, kept.folder, question)
+        def prepared(stop: Stop) -> Labeller:
+            labeller = labeller_of(point, subjects.rtol, stop)
+            if kept.points_done == asked.count:  # nothing is left to follow
+                return labeller
+            return labeller.scouted(asked.starts, asked.count, drawn=drawn, stop=stop)
 
-
-def check_rotor(rotor: object, what: str = "a basin", *, one_by_one: bool = False) -> Rotor:
-    """Return a rotor whose starts can be labelled; a load is allowed only if `one_by_one`."""
-    rotor = check_instance("rotor", rotor, Rotor)
-    if not one_by_one:
-        check_no_load(rotor, what)
-    if rotor.omega == 0.0 < min(rotor.load, rotor.friction):
-        raise InputError(
-            "{name} must be above 0 for {what} under a load with friction, got {value}: friction "
-            "allows many positions of rest",
-            name="omega", what=what, value=0.0,
+        followed = follow_starts(
+            interruptible(prepared), asked.starts, asked.count, kept, workers=chosen,
+            progress=progress,
         )  # fmt: skip
-    check_can_be_followed(rotor, (0.0, 0.0, 0.0, 0.0), settling=True)
-    if not 0.0 < rotor.zeta <= MOST_DAMPING:
-        raise InputError(
-            "{name} must be above 0 and at most {most:g} for {what}, got {value}",
-            name="zeta", most=MOST_DAMPING, what=what, value=rotor.zeta,
-        )  # fmt: skip
-    if rotor.contact_damping > MOST_CONTACT_DAMPING:
-        raise InputError(
-            "{name} must be at most {most:g} for {what}, got {value}",
-            name="contact_damping", most=MOST_CONTACT_DAMPING, what=what,
-            value=rotor.contact_damping,
-        )  # fmt: skip
-    return rotor
+        options = Options() if isinstance(point, Rotor) and not followed.ended.interrupted else None
+        if isinstance(point, Rotor) and options is not None:
+            confirm(point, followed, asked.starts, options, can_stop=study is None)
+        return Labelled(subjects, followed, options, kept.folder, question)

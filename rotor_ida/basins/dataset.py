@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Collection, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -12,20 +12,24 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Column, Values
-from rotor_ida.basins.attractors import NUMBERS, Attractor, family_of
+from rotor_ida.basins.attractors import OF_DISC, Followed, family_of, reported
 from rotor_ida.basins.fates import ALONE
-from rotor_ida.basins.following import Ended, FollowedStarts, tighter_than
-from rotor_ida.basins.kernel import NOT_COMPUTED, Labels, Times
+from rotor_ida.basins.following import tighter_than
+from rotor_ida.basins.kernel import NOT_COMPUTED, Labels
 from rotor_ida.basins.known import followed_alone, may_roll
 from rotor_ida.basins.starts import Box, Plane, stretches
+from rotor_ida.basins.subjects import Subjects
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
-from rotor_ida.results.run import parameter_coordinates
+from rotor_ida.results.si_units import with_system_units
 from rotor_ida.results.studies.arrays import scratch
-from rotor_ida.schema import FATE, RESPONSE, TRAPPING, labelled, labelled_dataset
+from rotor_ida.schema import FATE, RESPONSE, labelled, labelled_dataset
 from rotor_ida.simulation.options import Options
+from rotor_ida.steady.system_sweep import VariedSystem
 
+# Dimensions of the numbers of an attractor of a rotor system besides the attractor.
+BEHIND = VariedSystem.behind
 LABELLING = (
     "all starts followed side by side by DOP853 on the rotating axes, with the error "
     "labelling_rtol per step, until they enter a trapping region; for those that enter none, "
@@ -43,8 +47,12 @@ LABELLING_RUBS = (
 )
 # The method that follows starts side by side, in the core.
 LABELLING_METHOD = "dop853"
-# Under a load.
+# Under a load; and what is added of a rotor system.
 ONE_BY_ONE = "every start followed separately by Taylor series, as in a sweep with labelling_rtol"
+MATCHED = (
+    "; motions matched by kind, period, radii and state; some starts labelled again with "
+    "agreement_rtol"
+)
 ENTROPIES = ("basin_entropy", "boundary_entropy")
 # Width of a box of a grid, in starts.
 WIDTH = 5
@@ -54,82 +62,73 @@ IN_BOX = WIDTH * WIDTH
 MOST_IN_ENTROPY = 1_000_000
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
+@dataclass(frozen=True, slots=True)
 class Labelled:
-    """Starts of a rotor with their labels, and the attractors that these refer to.
+    """Starts of a rotor with their labels, and what a result says of them.
 
     Parameters
     ----------
-    subject : str
-        The rotor, in the titles of results.
-    labels, times : ndarray, shape (n,)
-        Number of the attractor of each start, or a fate; and the time at which it was decided.
-    kinds : sequence of str
-        The kind of each attractor.
-    columns : mapping
-        What else is known of the attractors: variables along the dimension ``attractor``.
-    rechecked : ndarray of int64, shape (2,)
-        Number of starts labelled again, and of those with the same label.
-    ended : Ended
-        How the computation ended.
-    impossible : collection of str
-        Kinds of response that no motion of this rotor has.
-    how, given : mapping
-        Attributes that tell how starts were labelled, and of what rotor.
-    coordinates : mapping
-        Coordinates of the result besides the starts.
+    subjects : Subjects
+        The rotor.
+    followed : Followed
+        The starts, and the attractors on which they end.
+    options : Options or None
+        How CVODE was to confirm attractors of one disc.
     folder : Path or None
         Where large arrays can be stored.
     question : Question
         The question asked.
     """
 
-    subject: str
-    labels: Labels
-    times: Times
-    kinds: Sequence[str]
-    columns: Mapping[str, Column]
-    rechecked: npt.NDArray[np.int64]
-    ended: Ended
-    impossible: Collection[str]
-    how: Mapping[str, object]
-    given: Mapping[str, object]
-    coordinates: Mapping[str, Column]
+    subjects: Subjects
+    followed: Followed
+    options: Options | None
     folder: Path | None
     question: Question
 
     @property
     def family(self) -> tuple[int, ...]:
         """The numbers of the attractors in the contact-free family."""
-        return family_of(self.kinds)
+        return family_of(self.followed.kinds)
 
+    @property
+    def possible(self) -> list[int]:
+        """The numbers of the kinds of response that a motion of this rotor may have."""
+        never, (point,) = {"failed", "not_found"}, self.subjects.points
+        if isinstance(point, Rotor):
+            rubs, tori = point.friction > 0.0, max(point.friction, point.load) > 0.0
+        else:
+            contacts = point.problem.assembly.contacts
+            rubs, tori = any(each.friction > 0.0 for each in contacts), True
+        never |= (set() if rubs else {"rolling"}) | (set() if tori else {"quasi_periodic"})
+        return [number for word, number in RESPONSE.items() if word not in never]
 
-def labelled_starts(
-    followed: FollowedStarts, attractors: Sequence[Attractor], options: Options,
-    folder: Path | None, question: Question,
-) -> Labelled:  # fmt: skip
-    """Return followed starts of one disc; unless interrupted, CVODE confirmed its attractors."""
-    rotor, impossible = followed.known.rotor, {"failed", "not_found"}
-    if rotor.friction == 0.0:
-        impossible.add("rolling")
-        if rotor.load == 0.0:
-            impossible.add("quasi_periodic")
-    how = labelled_how(followed.tolerance, rotor)
-    if not followed.ended.interrupted:
-        how |= followed_by("confirmation", options)
-    columns: dict[str, Column] = {
-        name: ("attractor", np.array([getattr(each, name) for each in attractors], float))
-        for name in NUMBERS
-    }
-    trapping = np.array([TRAPPING[each.trapping] for each in attractors], dtype=np.int8)
-    confirmed = np.array([each.confirmed for each in attractors], dtype=np.int8)
-    columns |= {"trapping": ("attractor", trapping), "confirmed": ("attractor", confirmed)}
-    return Labelled(
-        subject="Rotor in a clearance", labels=followed.labels, times=followed.times,
-        kinds=[each.kind for each in attractors], columns=columns, rechecked=followed.rechecked,
-        ended=followed.ended, impossible=impossible, how=how, given=rotor.given,
-        coordinates=parameter_coordinates(rotor), folder=folder, question=question,
-    )  # fmt: skip
+    def dataset(
+        self, title: str, variables: Mapping[str, Column | xr.Variable],
+        coordinates: Mapping[str, Column], kind: str, drawn: Mapping[str, object] = {},
+    ) -> xr.Dataset:  # fmt: skip
+        """Return the result with these variables and what both kinds of result have."""
+        followed, subjects = self.followed, self.subjects
+        (point,), system = subjects.points, subjects.varied.system
+        disc = point if isinstance(point, Rotor) else None
+        agreement = agreement_of(followed.rechecked)
+        how = labelled_how(followed.rtol, disc) | dict(subjects.told)
+        how |= {} if disc is None else disc.given
+        if self.options is not None and not followed.ended.interrupted:
+            how |= followed_by("confirmation", self.options)
+        attributes = {
+            **provenance(how), **drawn, "interrupted": int(followed.ended.interrupted),
+            **self.question.attribute(),
+        }  # fmt: skip
+        if followed.ended.reason:
+            attributes["not_computed_reason"] = followed.ended.reason
+        along = {"attractor": ("attractor", np.arange(len(followed.rows)))}
+        found = labelled_dataset(
+            f"{'Rotor in a clearance' if system is None else 'Rotor system'}: {title}",
+            {**variables, **{name: ((), value) for name, value in agreement.items()}},
+            {**subjects.coordinates, **coordinates, **along}, attributes, kind=kind,
+        )  # fmt: skip
+        return found if system is None else with_system_units(found, system)
 
 
 def basin_dataset(plane: Plane, result: Labelled) -> xr.Dataset:
@@ -138,80 +137,62 @@ def basin_dataset(plane: Plane, result: Labelled) -> xr.Dataset:
     Start numbers run along the last component first. That component is the first dimension of the
     dataset, as xarray draws the first dimension upwards.
     """
-    count = len(result.kinds)
-    labels, times = result.labels.reshape(plane.shape), result.times.reshape(plane.shape)
-    dims = tuple(plane.axes)
-    upright = dims[::-1]
-    variables = {
-        "label": _labels(labels, dims, count).transpose(*upright),
-        "response": _responses(labels, dims, result.kinds, result.folder).transpose(*upright),
-        "settling_time": labelled("settling_time", dims, times).transpose(*upright),
-        **_attractor_table(result),
-        **_entropies(grid_entropy(labels, result.family)),
-        **_agreement(result),
+    followed = result.followed
+    labels, dims = followed.labels.reshape(plane.shape), tuple(plane.axes)
+    times = labelled("settling_time", dims, followed.times.reshape(plane.shape))
+    table = _attractor_table(followed) | _entropies(grid_entropy(labels, result.family))
+    of_starts = {
+        "label": _labels(labels, dims, len(followed.rows)),
+        "response": _responses(labels, dims, result),
+        "settling_time": times,
     }
-    coordinates = dict(result.coordinates)
-    coordinates |= {name: (name, values) for name, values in plane.axes.items()}
+    variables: dict[str, Column | xr.Variable] = {
+        **{name: each.transpose(*dims[::-1]) for name, each in of_starts.items()}, **table,
+    }  # fmt: skip
+    coordinates: dict[str, Column] = {name: (name, each) for name, each in plane.axes.items()}
     coordinates |= {name: ((), value) for name, value in plane.fixed.items()}
-    coordinates["attractor"] = ("attractor", np.arange(count))
-    title = f"{result.subject}: attractor of each start"
-    return labelled_dataset(title, variables, coordinates, _attributes(result), kind="basin")
+    return result.dataset("attractor of each start", variables, coordinates, "basin")
 
 
 def fractions_dataset(box: Box, result: Labelled) -> xr.Dataset:
     """Return the fractions of the drawn starts that end on each attractor and response."""
-    labels, count = result.labels, len(result.kinds)
-    missing, undecided, *ends = _counts(labels, count).tolist()
-    of_kind = {number: 0 for word, number in RESPONSE.items() if word not in result.impossible}
-    of_kind[RESPONSE["unresolved"]] = undecided
-    for kind, own in zip(result.kinds, ends, strict=True):
-        number = RESPONSE[kind]
-        of_kind[number] = of_kind.get(number, 0) + own
-    kinds, counts = list(of_kind), np.array(list(of_kind.values()))
+    followed, labels = result.followed, result.followed.labels
+    missing, undecided, *ends = _counts(labels, len(followed.rows)).tolist()
+    of_kind = dict.fromkeys(result.possible, 0) | {RESPONSE["unresolved"]: undecided}
+    for kind, own in zip(followed.kinds, ends, strict=True):
+        of_kind[RESPONSE[kind]] = of_kind.get(RESPONSE[kind], 0) + own
+    counts = np.array(list(of_kind.values()))
     first = min(labels.size, MOST_IN_ENTROPY)
     fraction, error = _fractions(counts, labels.size - missing)
     variables: dict[str, Column | xr.Variable] = {
-        **_attractor_table(result),
+        **_attractor_table(followed),
         **_entropies(sample_entropy(box.starts(0, first), labels[:first], result.family)),
-        **_agreement(result),
         "response_count": ("response", counts),
         "response_fraction": ("response", fraction),
         "response_fraction_error": ("response", error),
     }
-    coordinates = dict(result.coordinates)
-    coordinates["attractor"] = ("attractor", np.arange(count))
-    coordinates["response"] = ("response", np.array(kinds, dtype=np.int8))
-    title = f"{result.subject}: fractions of starts"
-    attributes = _attributes(result, box.attributes)
-    return labelled_dataset(title, variables, coordinates, attributes, kind="basin_fractions")
+    coordinates = {"response": ("response", np.array(list(of_kind), dtype=np.int8))}
+    return result.dataset(
+        "fractions of starts", variables, coordinates, "basin_fractions", box.attributes
+    )
 
 
-def _agreement(result: Labelled) -> dict[str, xr.Variable]:
-    attributes = agreement_of(result.rechecked)
-    return {name: labelled(name, (), value) for name, value in attributes.items()}
+def _entropies(values: tuple[float, float]) -> dict[str, Column]:
+    return {name: ((), one) for name, one in zip(ENTROPIES, values, strict=True)}
 
 
-def _entropies(values: tuple[float, float]) -> dict[str, xr.Variable]:
-    return {name: labelled(name, (), one) for name, one in zip(ENTROPIES, values, strict=True)}
-
-
-def labelled_how(tolerance: float, rotor: Rotor | None = None) -> dict[str, object]:
-    """Return, as attributes, the method that labelled starts with a given error per step [1]."""
-    if rotor is not None and followed_alone(rotor):
-        return {
-            "labelling": ONE_BY_ONE,
-            "labelling_method": ALONE.method,
-            "labelling_rtol": tolerance,
-        }
-    rubs = rotor is not None and may_roll(rotor)
+def labelled_how(rtol: float, rotor: Rotor | None = None) -> dict[str, object]:
+    """Return, as attributes, the method that labelled starts of a disc, or without of a system."""
+    agreement = {"agreement_rtol": tighter_than(rtol)}
+    if rotor is None or followed_alone(rotor):
+        words = ONE_BY_ONE if rotor is not None else ONE_BY_ONE + MATCHED
+        how = {"labelling": words, "labelling_method": ALONE.method, "labelling_rtol": rtol}
+        return how | (agreement if rotor is None else {})
     return {
-        "labelling": LABELLING_RUBS if rubs else LABELLING,
-        "labelling_method": LABELLING_METHOD,
-        "labelling_rtol": tolerance,
-        "left_over_method": ALONE.method,
-        "left_over_rtol": ALONE.rtol,
-        "agreement_rtol": tighter_than(tolerance),
-    }
+        "labelling": LABELLING_RUBS if may_roll(rotor) else LABELLING,
+        "labelling_method": LABELLING_METHOD, "labelling_rtol": rtol,
+        "left_over_method": ALONE.method, "left_over_rtol": ALONE.rtol, **agreement,
+    }  # fmt: skip
 
 
 def followed_by(purpose: str, options: Options) -> dict[str, object]:
@@ -225,19 +206,6 @@ def agreement_of(rechecked: npt.NDArray[np.int64]) -> dict[str, float]:
     return {"agreement": alike / count if count else math.nan, "agreement_count": count}
 
 
-def _attributes(result: Labelled, drawn: Mapping[str, object] = {}) -> dict[str, object]:
-    attributes = {
-        **provenance(dict(result.how)),
-        **result.given,
-        **drawn,
-        "interrupted": int(result.ended.interrupted),
-        **result.question.attribute(),
-    }
-    if result.ended.reason:
-        attributes["not_computed_reason"] = result.ended.reason
-    return attributes
-
-
 def _labels(labels: Labels, dims: tuple[str, ...], count: int) -> xr.Variable:
     variable = labelled("label", dims, labels)
     variable.attrs["flag_values"] = np.array([*FATE.values(), *range(count)], dtype=np.int16)
@@ -246,20 +214,15 @@ def _labels(labels: Labels, dims: tuple[str, ...], count: int) -> xr.Variable:
     return variable
 
 
-def _responses(
-    labels: Labels,
-    dims: tuple[str, ...],
-    attractors: Sequence[str],
-    folder: Path | None,
-) -> xr.Variable:
+def _responses(labels: Labels, dims: tuple[str, ...], result: Labelled) -> xr.Variable:
     """Return the kind of response of each start; those not computed have a separate number."""
-    kinds = [RESPONSE[each] for each in attractors]
+    kinds = result.followed.rows["response"]
     # the two fates are at the end of the table, where negative indices find them
     table = np.array([*kinds, FATE["not_computed"], RESPONSE["unresolved"]], dtype=np.int8)
-    responses = scratch(labels.shape, np.int8, folder)
-    flat, result = labels.reshape(-1), responses.reshape(-1)
+    responses = scratch(labels.shape, np.int8, result.folder)
+    flat, found = labels.reshape(-1), responses.reshape(-1)
     for stretch in stretches(flat.size):
-        result[stretch] = table[flat[stretch]]
+        found[stretch] = table[flat[stretch]]
     variable = labelled("response", dims, responses)
     words = {**RESPONSE, "not_computed": FATE["not_computed"]}
     variable.attrs["flag_values"] = np.array(list(words.values()), dtype=np.int8)
@@ -267,22 +230,23 @@ def _responses(
     return variable
 
 
-def _attractor_table(result: Labelled) -> dict[str, xr.Variable]:
-    labels, kinds = result.labels, result.kinds
-    missing, undecided, *ends = _counts(labels, len(kinds)).tolist()
+def _attractor_table(followed: Followed) -> dict[str, Column]:
+    labels, rows = followed.labels, followed.rows
+    missing, undecided, *ends = _counts(labels, len(rows)).tolist()
     counts = np.array(ends, dtype=np.int64)
     fraction, error = _fractions(np.array([*counts, undecided]), labels.size - missing)
-    columns: dict[str, Column] = {
-        "kind": ("attractor", np.array([RESPONSE[each] for each in kinds], dtype=np.int8)),
-        **result.columns,
+    names = (*reported(rows.dtype), *(("confirmed",) if rows.dtype == OF_DISC else ()))
+    return {
+        "kind": ("attractor", rows["response"]),
+        **{name: (("attractor", *(BEHIND[name] if rows[name].ndim > 1 else ())), rows[name])
+           for name in names},
         "count": ("attractor", counts),
         "fraction": ("attractor", fraction[:-1]),
         "fraction_error": ("attractor", error[:-1]),
         "undecided_count": ((), undecided),
         "undecided_fraction": ((), fraction[-1]),
         "not_computed_count": ((), missing),
-    }
-    return {name: labelled(name, *column) for name, column in columns.items()}
+    }  # fmt: skip
 
 
 def _counts(labels: Labels, attractors: int) -> npt.NDArray[np.int64]:

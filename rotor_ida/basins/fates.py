@@ -18,14 +18,28 @@ others.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from collections.abc import Collection, Sequence
+from dataclasses import dataclass, field, replace
+from typing import ClassVar, Self
 
 import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import ROUNDING, Stop, Values
+from rotor_ida.basins.attractors import (
+    ESTIMATED,
+    NOTHING,
+    OF_DISC,
+    PROVEN,
+    Followed,
+    Found,
+    Indices,
+    disc_row,
+)
+from rotor_ida.basins.following import Labeller, tighter_than
 from rotor_ida.basins.kernel import (
     CHAOTIC,
+    LANES,
     NOT_COMPUTED,
     NOT_FORWARDS,
     QUASI_PERIODIC,
@@ -34,12 +48,22 @@ from rotor_ida.basins.kernel import (
     Labels,
     Times,
 )
-from rotor_ida.basins.known import Known, followed_alone, may_roll, with_cycle
+from rotor_ida.basins.known import (
+    Known,
+    followed_alone,
+    known_from_closed_forms,
+    may_roll,
+    with_cycle,
+)
+from rotor_ida.basins.starts import Starts
+from rotor_ida.basins.subjects import KnockedSystem
+from rotor_ida.core.runs import NO_STOP
 from rotor_ida.cycles.limit_cycle import returns
 from rotor_ida.cycles.multipliers import doubling_test, is_stable
 from rotor_ida.cycles.orbit import Orbit
 from rotor_ida.cycles.shooting import close_orbit, once_round
 from rotor_ida.errors import SimulationError
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady import response
@@ -51,8 +75,27 @@ from rotor_ida.steady.follow import (
     follow_to_steady_state,
     longest_time,
 )
+from rotor_ida.steady.response import phase_lag_of
 
-Numbers = npt.NDArray[np.int64]
+# A smaller batch would leave many lanes of the kernel idle at its end.
+SMALLEST_BATCH = 512
+# Smaller batches for starts under a load, which are followed one by one,
+SMALLEST_ALONE = 4
+# and for starts with friction, some of which are.
+SMALLEST_RUBBING = LANES
+# Number of starts followed first, to find limit cycles.
+SCOUTS = 128
+# The error of a step [1],
+RTOL = 1e-6
+# but this one if it changes the attractor of any of this number of starts.
+SMALL_RTOL = 1e-11
+CHECKED = 512
+# A first look shows only what is soon trapped by whirls.
+RTOL_OF_FIRST_LOOK = 1e-4
+# Longest time for which a start is followed again [1].
+LONGEST_AGAIN = 4000.0
+# Samples of one period, for the mean whirl.
+SAMPLES = 512
 
 # A remaining fraction no larger than this is followed for longer before one orbit is examined: it
 # may only be slow.
@@ -105,6 +148,193 @@ APERIODIC = {
 ASIDE = (1e-3, 3e-3, 1e-2, 3e-2, 1e-1)
 
 
+@dataclass(frozen=True, slots=True)
+class Disc:
+    """One disc whose starts are labelled.
+
+    Parameters
+    ----------
+    known : Known
+        The rotor, and the attractors that are known.
+    rtol : float or None
+        Error allowed in a step [1]; None if it is to be chosen from a few starts.
+    """
+
+    known: Known
+    rtol: float | None
+    columns: ClassVar[np.dtype[np.void]] = OF_DISC
+
+    @classmethod
+    def of(cls, rotor: Rotor, rtol: float | None, stop: Stop) -> Self:
+        """Return a rotor with the attractors that closed forms give."""
+        if rtol is None and followed_alone(rotor):
+            rtol = ALONE.rtol
+        return cls(known_from_closed_forms(rotor, stop), rtol)
+
+    @property
+    def smallest(self) -> int:
+        """Fewest starts that are worth a batch."""
+        rotor = self.known.rotor
+        if followed_alone(rotor):
+            return SMALLEST_ALONE
+        return SMALLEST_RUBBING if may_roll(rotor) else SMALLEST_BATCH
+
+    def flow(self, stop: Stop) -> DiscFlow:
+        """Return how the disc moves."""
+        return DiscFlow(self.known.rotor, stop)
+
+    def listed(self) -> list[np.void]:
+        """Return the whirls in contact, and the contact-free one."""
+        return list(whirls_of(self.known).values())
+
+    def scouted(self, starts: Starts, count: int, *, drawn: bool, stop: Stop) -> Self:
+        """Return the same with the limit cycles that a few starts show, and a tolerance."""
+        is_one_batch = count <= self.smallest and self.rtol is not None
+        if is_one_batch or followed_alone(self.known.rotor):
+            return self
+        disc = self.with_cycles(_few(starts, count, SCOUTS, drawn), stop)
+        if self.rtol is not None:
+            return disc
+        known, sample = disc.known, _few(starts, count, CHECKED, drawn)
+        roughly, closely = (
+            known.follow(sample.copy(), known.first_wait, rtol, stop)[0]
+            for rtol in (RTOL, SMALL_RTOL)
+        )
+        decided = (roughly >= 0) & (closely >= 0)
+        alike = bool((roughly == closely)[decided].all())
+        return replace(disc, rtol=RTOL if alike else SMALL_RTOL)
+
+    def with_cycles(self, scouts: Values, stop: Stop) -> Self:
+        """Return the same with the limit cycles that some starts, shape (4, n), show."""
+        batch = Batch(self.known, scouts, self.rtol or RTOL, stop)
+        return replace(self, known=decide(batch).known)
+
+    def label(self, states: Values, stop: Stop) -> Found:
+        """Follow starts, shape (4, n), each until its attractor is decided."""
+        batch = Batch(self.known, states, self.rtol or RTOL, stop)
+        decide(batch)
+        rows = _rows_of(batch)
+
+        def again(chosen: Indices) -> Labels:
+            if followed_alone(self.known.rotor):
+                return np.full(chosen.size, UNDECIDED, np.int16)
+            # none for longer than the longest of them was before
+            duration = max(float(batch.times[chosen].max()), self.known.first_wait)
+            labels, _ = batch.known.follow(
+                np.ascontiguousarray(states[:, chosen]), min(duration, LONGEST_AGAIN),
+                tighter_than(batch.tolerance), stop,
+            )  # fmt: skip
+            return _places_in(list(rows), labels)
+
+        labels = _places_in(list(rows), batch.labels)
+        watched = batch.left, batch.watched
+        return Found(labels, batch.times, list(rows.values()), again, watched)
+
+
+def labeller_of(rotor: Rotor | KnockedSystem, rtol: float | None, stop: Stop) -> Labeller:
+    """Return who labels the starts of a rotor."""
+    return Disc.of(rotor, rtol, stop) if isinstance(rotor, Rotor) else rotor
+
+
+def _few(starts: Starts, count: int, most: int, drawn: bool) -> Values:
+    """Return a few starts, shape (4, n): spread over all, or the first ones if they are drawn.
+
+    What is chosen from these then does not depend on the number drawn, even if that is smaller.
+    """
+    if drawn:
+        return starts(0, most)
+    numbers = np.unique(np.linspace(0, count - 1, min(most, count)).astype(np.int64))
+    return np.concatenate([starts(number, number + 1) for number in numbers.tolist()], axis=1)
+
+
+def first_look(rotor: Rotor, states: Values, duration: float, stop: Stop) -> Followed:
+    """Follow starts of shape (4, n) briefly: those not yet trapped by a whirl stay undecided.
+
+    This takes a small part of the time needed to decide all of them. No limit cycle is sought.
+    """
+    known = known_from_closed_forms(rotor, stop, fading=False)
+    batch = Batch(known, states, RTOL_OF_FIRST_LOOK, stop)
+    batch.follow(np.arange(states.shape[1]), min(duration, known.first_wait))
+    rows = _rows_of(batch)
+    labels = _places_in(list(rows), batch.labels)
+    return Followed(labels, batch.times, np.array([*rows.values()], OF_DISC), RTOL_OF_FIRST_LOOK)
+
+
+def whirls_of(known: Known, present: Collection[int] = ()) -> dict[int, np.void]:
+    """Return the attractors that closed forms give as rows, by their labels.
+
+    Whirls in contact and contact-free ones are listed with or without starts, touches that fade
+    only if their label is `present`.
+    """
+    rotor, free = known.rotor, known.free
+    still = rotor.omega == 0.0 and rotor.load == 0.0  # and comes to rest at the centre
+    kind = response.CONTACT_FREE if still else response.SYNCHRONOUS
+    rows = {
+        number: disc_row(
+            kind, each.amplitude, each.phase_lag, each.amplitude, each.amplitude,
+            trapping=PROVEN if each.exists else NOTHING, state=each.centre,
+        )
+        for number, each in enumerate(known.whirls)
+    }  # fmt: skip
+    if free is None:
+        return rows
+    size, lag, alone = abs(free.whirl), phase_lag_of(free.whirl), followed_alone(rotor)
+    if free.room > 0.0 or known.free_label in present:
+        radii = (abs(size - free.sag), size + free.sag) if free.alone else (math.nan, math.nan)
+        rows[known.free_label] = disc_row(
+            response.CONTACT_FREE, size, lag, *radii, trapping=NOTHING if alone else PROVEN
+        )
+    if known.fading_label in present:  # in the limit they just reach the stator
+        one_by_one = alone or (may_roll(rotor) and free.excess == 0.0)
+        rows[known.fading_label] = disc_row(
+            response.TOUCHING, size, lag, abs(rotor.delta0 - 2.0 * size), rotor.delta0,
+            trapping=NOTHING if one_by_one else ESTIMATED,
+        )  # fmt: skip
+    return rows
+
+
+def cycle_row(cycle: Orbit, has_section: bool, stop: Stop) -> np.void:
+    """Return a limit cycle as a row; `has_section` sets its trapping evidence."""
+    cycle = Orbit(cycle.flow.but(stop=stop), cycle.piece)  # who found it may have been stopped
+    times = cycle.duration / SAMPLES * np.arange(SAMPLES + 1.0)
+    states = cycle.flow.states(cycle.start, times)[:-1]
+    whirl = complex(states[:, 0].mean(), states[:, 1].mean())
+    return disc_row(
+        cycle.response, abs(whirl), phase_lag_of(whirl), cycle.radius_min, cycle.radius_max,
+        period=cycle.duration, trapping=ESTIMATED if has_section else NOTHING, state=cycle.start,
+    )  # fmt: skip
+
+
+def _rows_of(batch: Batch) -> dict[int, np.void]:
+    """Return the attractors of a batch as rows, by their labels in the batch."""
+    known, present = batch.known, set(np.unique(batch.labels).tolist())
+    rows = whirls_of(known, present)
+    for number, each in enumerate(known.cycles, start=known.first_cycle):
+        if number in present:
+            rows[number] = cycle_row(each.cycle, each.exists, NO_STOP)
+    for kind, label in APERIODIC.items():
+        if label in present:
+            settled = batch.aperiodic[label]
+            told = settled.features
+            rows[label] = disc_row(
+                kind, told.amplitude, told.phase_lag, told.radius_min, told.radius_max,
+                trapping=NOTHING, state=settled.end,
+            )  # fmt: skip
+    return rows
+
+
+def _places_in(known: Sequence[int], labels: Labels) -> Labels:
+    """Return the places of labels of a batch among the known ones.
+
+    Labels of other attractors become the number behind the last, other fates UNDECIDED.
+    """
+    open_ = np.where(labels == NOT_COMPUTED, NOT_COMPUTED, UNDECIDED)
+    places = np.where(labels >= 0, len(known), open_).astype(np.int16)
+    for place, label in enumerate(known):
+        places[labels == label] = place
+    return places
+
+
 @dataclass(slots=True)
 class Batch:
     """A batch of n starts being followed, with what is decided about each."""
@@ -131,11 +361,11 @@ class Batch:
         """Whether a limit cycle has been found since orbits were last followed together."""
         return self.known is not self.matched
 
-    def passed(self, numbers: Numbers) -> float:
+    def passed(self, numbers: Indices) -> float:
         """Return the longest time for which any of the orbits was followed [1]."""
         return float(self.times[numbers].max(initial=0.0))
 
-    def follow(self, numbers: Numbers, duration: float) -> Numbers:
+    def follow(self, numbers: Indices, duration: float) -> Indices:
         """Follow orbits until they enter a region, or for a time; return the remaining ones."""
         if not numbers.size or duration <= 0.0:
             return numbers
@@ -145,8 +375,17 @@ class Batch:
         self.states[:, numbers] = states
         self.labels[numbers] = labels
         self.times[numbers] += times
-        left: Numbers = numbers[labels == UNDECIDED]
+        left: Indices = numbers[labels == UNDECIDED]
         return left
+
+    def settled(
+        self, number: int, options: Options, longest: float | None = None
+    ) -> SettledResponse:
+        """Return the motion on which an orbit settles, followed alone as in a sweep."""
+        x, y, vx, vy = self.states[:, number].tolist()
+        return follow_to_steady_state(
+            self.known.rotor, (x, y, vx, vy), options, longest=longest, stop=self.stop
+        )
 
     def label_of(self, cycle: Orbit) -> int:
         """Return the label of a limit cycle, adding it to the known ones."""
@@ -195,29 +434,24 @@ def label_rubs(batch: Batch) -> None:
     _label_from(batch, starts, np.concatenate([waiting, every[batch.labels == NOT_FORWARDS]]))
 
 
-def _label_from(batch: Batch, starts: Values, numbers: Numbers) -> None:
+def _label_from(batch: Batch, starts: Values, numbers: Indices) -> None:
     """Label some starts by following each separately from its beginning to its attractor."""
     batch.labels[numbers], batch.times[numbers] = NOT_COMPUTED, 0.0
     batch.states[:, numbers] = starts[:, numbers]
     label_one_by_one(batch, numbers, ALONE)
 
 
-def label_one_by_one(batch: Batch, numbers: Numbers, options: Options) -> None:
+def label_one_by_one(batch: Batch, numbers: Indices, options: Options) -> None:
     """Label some starts by following each separately to its attractor, as in a sweep."""
     for number in numbers.tolist():
         if batch.stop[0]:
             return
-        x, y, vx, vy = batch.states[:, number].tolist()
-        settled = follow_to_steady_state(
-            batch.known.rotor, (x, y, vx, vy), options, stop=batch.stop
-        )
-        label = batch.labels[number] = _label_of(batch, settled)
+        settled = batch.settled(number, options)
+        batch.labels[number] = _label_of(batch, settled)
         batch.times[number] = np.float32(settled.window_end)
-        if label in APERIODIC.values():
-            batch.aperiodic.setdefault(label, settled)
 
 
-def match_all(batch: Batch) -> Numbers:
+def match_all(batch: Batch) -> Indices:
     """Follow all orbits until they enter a region, the last few longer; return the remaining."""
     count, longest = batch.labels.size, min(LONGEST_TOGETHER, _late(batch))
     waiting = batch.follow(np.arange(count), batch.known.first_wait)
@@ -229,7 +463,7 @@ def match_all(batch: Batch) -> Numbers:
     return waiting
 
 
-def match(batch: Batch, waiting: Numbers, longest: float, until: float = 0.0) -> Numbers:
+def match(batch: Batch, waiting: Indices, longest: float, until: float = 0.0) -> Indices:
     """Follow orbits further until they enter a region; return the remaining ones.
 
     If a cycle has been found since, they are followed for the time in which damping settles most.
@@ -241,13 +475,13 @@ def match(batch: Batch, waiting: Numbers, longest: float, until: float = 0.0) ->
     return batch.follow(waiting, max(2.0 * passed, until) - passed) if passed < longest else waiting
 
 
-def seed(batch: Batch, waiting: Numbers) -> bool:
+def seed(batch: Batch, waiting: Indices) -> bool:
     """Return whether the first orbit is near a stable limit cycle that may still trap it."""
     in_time = batch.passed(waiting) < longest_time(batch.known.rotor)
     return beside_cycle(batch, int(waiting[0])) and (batch.cycle_found or in_time)
 
 
-def label(batch: Batch, waiting: Numbers) -> Numbers:
+def label(batch: Batch, waiting: Indices) -> Indices:
     """Label the first orbit by following it alone; return the others that then remain.
 
     If it does not settle, all that last as long are labelled one by one.
@@ -328,10 +562,7 @@ def fate_of(batch: Batch, number: int, longest: float | None = None) -> int:
     UNDECIDED if it reaches none within the time limit of a sweep; otherwise the time that it took
     is added.
     """
-    x, y, vx, vy = batch.states[:, number].tolist()
-    settled = follow_to_steady_state(
-        batch.known.rotor, (x, y, vx, vy), ALONE, longest=longest, stop=batch.stop
-    )
+    settled = batch.settled(number, ALONE, longest)
     fate = _label_of(batch, settled)
     if fate not in (CHAOTIC, UNDECIDED):
         batch.times[number] += np.float32(settled.window_end)
@@ -344,6 +575,7 @@ def _label_of(batch: Batch, settled: SettledResponse) -> int:
         cycle = _stable_cycle(batch, np.array(settled.end), period)
         return UNDECIDED if cycle is None else batch.label_of(cycle)
     if settled.response in APERIODIC:
+        batch.aperiodic.setdefault(APERIODIC[settled.response], settled)
         return APERIODIC[settled.response]
     match settled.response:
         case response.CONTACT_FREE if known.free is not None:
@@ -363,7 +595,7 @@ def _whirl_of(known: Known, amplitude: float) -> int:
     return nearest if apart and apart[nearest] <= SAME_AMPLITUDE else UNDECIDED
 
 
-def label_lasting(batch: Batch, waiting: Numbers) -> None:
+def label_lasting(batch: Batch, waiting: Indices) -> None:
     """Label orbits that have not settled after a long time, each by its own motion.
 
     The chaotic ones are observed for as long again, and those that leave are counted. The others
@@ -378,7 +610,7 @@ def label_lasting(batch: Batch, waiting: Numbers) -> None:
     batch.watched += float(batch.times[watched].sum()) - before
     batch.labels[last] = CHAOTIC
     if last.size and CHAOTIC not in batch.aperiodic:
-        batch.aperiodic[CHAOTIC] = _motion_of(batch, int(last[0]))
+        batch.aperiodic[CHAOTIC] = batch.settled(int(last[0]), ALONE, 0.0)
     rest = waiting[~chaotic]
     longest = longest_time(batch.known.rotor)
     least = float(batch.times[rest].min(initial=longest))
@@ -388,7 +620,7 @@ def label_lasting(batch: Batch, waiting: Numbers) -> None:
         batch.labels[number] = fate_of(batch, number, longest=batch.known.first_wait)
 
 
-def are_chaotic(batch: Batch, numbers: Numbers) -> npt.NDArray[np.bool_]:
+def are_chaotic(batch: Batch, numbers: Indices) -> npt.NDArray[np.bool_]:
     """Follow orbits further; return which of them diverge from a neighbour at a rate above 0.
 
     Undecided ones are followed for longer.
@@ -431,13 +663,6 @@ def _parting(
         rates[span] = np.log(stretch) / SPAN
         beside = np.ascontiguousarray(states + (beside - states) / stretch)
     return states, beside, rates
-
-
-def _motion_of(batch: Batch, number: int) -> SettledResponse:
-    """Return the features of a chaotic motion over a window."""
-    x, y, vx, vy = batch.states[:, number].tolist()
-    rotor = batch.known.rotor
-    return follow_to_steady_state(rotor, (x, y, vx, vy), ALONE, longest=0.0, stop=batch.stop)
 
 
 def _late(batch: Batch) -> float:

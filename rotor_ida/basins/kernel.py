@@ -24,7 +24,6 @@ Rows = npt.NDArray[np.void]
 
 # Labels of starts that are not numbers of attractors; ROLLING is without a period.
 ROLLING, QUASI_PERIODIC, CHAOTIC, NOT_COMPUTED, UNDECIDED = -5, -4, -3, -2, -1
-LOWEST = ROLLING
 # Label of starts still to be followed alone, as their discs do not slide forwards throughout.
 NOT_FORWARDS = -6
 # Number of orbits followed at a time: enough to keep the vector units busy.
@@ -89,13 +88,11 @@ def follow(
         If an array has another type or shape, or its numbers do not lie one after the other.
     """
     count, region_count, section_count = labels.size, len(regions), len(sections)
-    _check_shape("states", states, (4, count))
-    _check_shape("labels", labels, (count,))
-    _check_shape("times", times, (count,))
-    _check_shape("regions", regions, (region_count,))
-    _check_shape("free", free, ())
-    _check_shape("sections", sections, (section_count,))
-    _check_shape("stop", stop, (1,))
+    _check_shapes(
+        states=(states, (4, count)), labels=(labels, (count,)), times=(times, (count,)),
+        regions=(regions, (region_count,)), free=(free, ()), sections=(sections, (section_count,)),
+        stop=(stop, (1,)),
+    )  # fmt: skip
     # the labels are those of regions, of a whirl in flight, of fading touches, and of cycles
     most, highest = np.iinfo(np.int16).max, region_count + section_count + 1
     if highest > most:
@@ -144,10 +141,9 @@ def measure_returns(
     TypeError, ValueError
         If an array has another type or shape, or its numbers do not lie one after the other.
     """
-    _check_shape("states", states, (4, values.size))
-    _check_shape("section", section, ())
-    _check_shape("values", values, (values.size,))
-    _check_shape("stop", stop, (1,))
+    count = values.size
+    _check_shapes(states=(states, (4, count)), section=(section, ()), values=(values, (count,)),
+                  stop=(stop, (1,)))  # fmt: skip
     # a caller that stops it does not read the values
     library_of(rotor).core_measure_returns(
         byref(RotorStruct.of(rotor)), pointer(states, np.float64), values.size,
@@ -156,7 +152,8 @@ def measure_returns(
     )  # fmt: skip
 
 
-def _check_shape(name: str, array: npt.NDArray[Any], shape: tuple[int, ...]) -> None:
-    """Raise unless an array has a shape: the core would read past its end."""
-    if array.shape != shape:
-        raise ValueError(f"{name} must have the shape {shape}, got {array.shape}")
+def _check_shapes(**given: tuple[npt.NDArray[Any], tuple[int, ...]]) -> None:
+    """Raise unless arrays have their shapes: the core would read past their ends."""
+    for name, (array, shape) in given.items():
+        if array.shape != shape:
+            raise ValueError(f"{name} must have the shape {shape}, got {array.shape}")

@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
-from typing import Any, Self
+from typing import Any, ClassVar, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -47,6 +47,8 @@ class Plane:
     fixed : dict of str to float
         The other two components.
     """
+
+    verb: ClassVar[str] = "basin"
 
     axes: dict[str, Values]
     fixed: dict[str, float]
@@ -106,6 +108,8 @@ class Box:
     seed : int
         Seed of the random numbers.
     """
+
+    verb: ClassVar[str] = "basin_fractions"
 
     limits: Values
     count: int

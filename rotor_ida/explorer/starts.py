@@ -9,9 +9,9 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.basins.attractors import attractors_of
-from rotor_ida.basins.basin import basin, check_rotor
-from rotor_ida.basins.following import first_look
+from rotor_ida.basins.basin import basin
+from rotor_ida.basins.fates import first_look
+from rotor_ida.basins.subjects import check_rotor
 from rotor_ida.explorer.messages import Answer, Question
 from rotor_ida.explorer.motion import facts_of
 from rotor_ida.model.rotor import Rotor, check_no_load
@@ -67,8 +67,8 @@ def _first_look(question: Question) -> Answer:
         lambda stop: first_look(question.rotor, states.reshape(4, -1), LOOKED, stop)
     )
     attractors: list[dict[str, object]] = [
-        {"kind": each.kind, **{name: getattr(each, name) for name in RADII}}
-        for each in attractors_of(basins)
+        {"kind": kind, **{name: float(row[name]) for name in RADII}}
+        for kind, row in zip(basins.kinds, basins.rows, strict=True)
     ]
     return _picture(question, basins.labels, attractors, finest=False)
 

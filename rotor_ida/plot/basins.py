@@ -200,8 +200,8 @@ def plot_attractor_fractions(dataset: xr.Dataset, *, ax: Axes | None = None) -> 
 def plot_attractors(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     """Draw the fractions of starts by attractor over a parameter, stacked.
 
-    Attractors of one kind of response have shades of one colour; each attractor keeps its
-    shade. The legend names the kinds.
+    Attractors of one kind of response have shades of one colour, and are numbered in the legend;
+    where there are more of a kind than shades, the last shade is that of all others.
 
     Parameters
     ----------
@@ -227,15 +227,7 @@ def plot_attractors(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     dataset = _checked(dataset, ("attractor", "fraction", "kind"), (SPEED,))
     varying, line = _varying_part(dataset, 1, "one parameter to be drawn")
     (name,) = varying
-    families = {kind: cycle(family) for kind, family in KIND_SHADES.items()}
-    shares = []
-    for number in range(line.sizes["attractor"]):
-        own = line.isel(attractor=number)
-        here = np.isfinite(own["fraction"].values)
-        if here.any():
-            kind, _ = Counter(words_of(own["kind"][here])).most_common(1)[0]
-            share = np.nan_to_num(own["fraction"].values)
-            shares.append((share, next(families[kind]), KIND_WORDS[kind]))
+    shares = _shares_by_attractor(line)
     alone = ax is None
     with drawing(ax) as ax:
         places = _label(ax.xaxis, name, dataset)
@@ -246,6 +238,27 @@ def plot_attractors(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         if alone:
             legend_below(ax)
     return ax
+
+
+def _shares_by_attractor(line: xr.Dataset) -> list[tuple[Values, str, str]]:
+    """Return the fraction of each attractor along a line, with its shade and its name."""
+    found: dict[str, list[Values]] = {}
+    for number in range(line.sizes["attractor"]):
+        own = line.isel(attractor=number)
+        here = np.isfinite(own["fraction"].values)
+        if here.any():
+            kind, _ = Counter(words_of(own["kind"][here])).most_common(1)[0]
+            found.setdefault(kind, []).append(np.nan_to_num(own["fraction"].values))
+    shares = []
+    for kind, members in found.items():
+        shades, words = KIND_SHADES[kind], KIND_WORDS[kind]
+        for number, share in enumerate(members):
+            last = min(number, len(shades) - 1)
+            is_shared = len(members) > len(shades) and last == len(shades) - 1
+            others = " and others" if is_shared else ""
+            name = f"{words} {last + 1}{others}" if len(members) > 1 else words
+            shares.append((share, shades[last], name))
+    return shares
 
 
 def plot_attractor_map(dataset: xr.Dataset, *, by: str = "kind", ax: Axes | None = None) -> Axes:
@@ -298,11 +311,12 @@ def plot_attractor_map(dataset: xr.Dataset, *, by: str = "kind", ax: Axes | None
 
 def _draw_shares(ax: Axes, places: Values, shares: Iterable[tuple[Values, str, str]]) -> Values:
     """Draw stacked fractions of starts; return their upper edges."""
-    base = np.zeros(places.size)
+    base, named = np.zeros(places.size), set[str]()
     for share, colour, words in shares:
         if share.any():
             ax.fill_between(places, base, base + share, facecolor=colour, edgecolor="white",
-                            lw=0.3, label=words)  # fmt: skip
+                            lw=0.3, label=None if words in named else words)  # fmt: skip
+            named.add(words)
         base = base + share
     ax.set_xlim(float(places.min()), float(places.max()))
     ax.set_ylim(0.0, 1.0)
@@ -437,7 +451,7 @@ def _draw_rings(ax: Axes, dataset: xr.Dataset) -> None:
 def _title(dataset: xr.Dataset) -> str:
     """Return the parameters, or node and speed, and the fixed start coordinates, as a title."""
     if "contact_node" in dataset.variables:
-        node = Ring(str(dataset.attrs.get("knocked_node", "")), "", []).title
+        node = f"node {Ring(str(dataset.attrs.get('knocked_node', '')), '', []).title}"
         words = [node, *([speed_text(dataset["speed"])] if dataset["speed"].size == 1 else [])]
     else:
         words = [title_of("dataset", dataset)]

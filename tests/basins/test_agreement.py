@@ -5,7 +5,8 @@ import pytest
 
 from rotor_ida import Rotor, basin, basin_fractions, load, save
 from rotor_ida.basins import attractors, fates, known
-from rotor_ida.basins.following import FORM, RTOL, count_agreeing, follow_here, tighter_than
+from rotor_ida.basins.fates import RTOL, Disc
+from rotor_ida.basins.following import tighter_than
 from rotor_ida.basins.known import known_from_closed_forms
 from rotor_ida.cli.describe import describe
 from rotor_ida.verification.verify import differences, rerun
@@ -93,7 +94,8 @@ def test_labels_of_a_loose_tolerance_do_not_all_agree():
     assert (count, int(closely.agreement_count)) == (43, 11)  # one of 12 of a batch
     states = np.zeros((4, 300))
     states[:2] = np.random.default_rng(0).uniform(-15.0, 15.0, (2, 300))
-    known_ = follow_here(known_from_closed_forms(FOLDED, GOING), states, 1e-8, GOING).known
+    disc = Disc.of(FOLDED, 1e-8, GOING)
+    known_ = disc.with_cycles(states, GOING).known
     labels = [known_.follow(states.copy(), 350.0, rtol, GOING)[0] for rtol in (1e-4, 1e-8)]
     held = (labels[0] >= 0) & (labels[1] >= 0)
     part = float((labels[0] == labels[1])[held].mean())
@@ -102,21 +104,28 @@ def test_labels_of_a_loose_tolerance_do_not_all_agree():
     assert abs(float(loosely.agreement) - part) < 3.0 * error
 
 
-def test_a_wrong_label_is_counted_as_one():
-    """And starts without an attractor are left out."""
-    states = np.zeros((4, 64))
-    states[0] = np.linspace(0.0, 15.0, 64)
-    here = known_from_closed_forms(FIGURE_7, GOING)
-    labels, times = here.follow(states.copy(), here.first_wait, RTOL, GOING)
-    assert set(labels) == {0, 1}
+def test_a_wrong_label_is_counted_as_one(monkeypatch):
+    """One of 12 starts of a batch is followed again, here to the other attractor."""
+    true = Disc.label
 
-    def counted(labels):
-        return count_agreeing(here, states, labels, times, RTOL, 64, GOING).tolist()
+    def mistaken(disc, states, stop):
+        found = true(disc, states, stop)
+        return found._replace(again=lambda chosen: (1 - found.labels[chosen]).astype(np.int16))
 
-    every = counted(labels)
-    assert every[0] == every[1] > 30
-    assert counted((1 - labels).astype(np.int16)) == [every[0], 0]
-    assert counted(np.full_like(labels, -1)) == [0, 0]
+    monkeypatch.setattr(Disc, "label", mistaken)
+    found = basin(FIGURE_7, x=AXIS, y=AXIS)
+    assert (int(found.agreement_count), float(found.agreement)) == (43, 0.0)
+
+
+def test_starts_that_reach_no_known_attractor_again_are_not_counted(monkeypatch):
+    true = Disc.label
+
+    def open_again(disc, states, stop):
+        found = true(disc, states, stop)
+        return found._replace(again=lambda chosen: np.full(chosen.size, -1, np.int16))
+
+    monkeypatch.setattr(Disc, "label", open_again)
+    assert int(basin(FIGURE_7, x=AXIS, y=AXIS).agreement_count) == 0
 
 
 def test_who_follows_the_starts_has_no_say(tmp_path):
@@ -142,13 +151,3 @@ def test_results_of_before_are_read_told_and_verified(tmp_path):
     record, _ = describe(read)
     assert record["method"]["rtol"] == 1e-10
     assert not new & set(record)
-    arrays = FORM.as_arrays(
-        FORM.from_arrays(
-            {
-                "first": np.array(0), "labels": np.zeros(2, np.int16), "times": np.zeros(2),
-                "cycles": np.empty((0, 6)), "chaos": np.empty((0, 4)), "watched": np.zeros(2),
-                "tolerance": np.array(1e-6),
-            }
-        )
-    )  # fmt: skip
-    assert arrays["rechecked"].tolist() == [0, 0]

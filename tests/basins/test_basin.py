@@ -4,11 +4,12 @@ import numpy as np
 import pytest
 
 from rotor_ida import InputError, Rotor, basin, load, save
-from rotor_ida.basins import attractors, following
+from rotor_ida.basins import attractors, fates, following
 from rotor_ida.basins import dataset as basin_dataset_module
-from rotor_ida.basins.basin import label
+from rotor_ida.basins.fates import Disc
+from rotor_ida.basins.following import follow_here
+from rotor_ida.core.runs import NO_STOP
 from rotor_ida.parallel import FailedJob
-from rotor_ida.results.question import Question
 from rotor_ida.schema import FATE, RESPONSE, flags_of
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady.follow import follow_to_steady_state
@@ -49,10 +50,7 @@ def test_labels_are_those_of_cvode(omega, delta0, kinds):
     rotor = Rotor(omega=omega, zeta=0.07, delta0=delta0)
     states = np.zeros((4, 12))
     states[:2] = np.random.default_rng(3).uniform(-15.0, 15.0, (2, 12))
-    found = label(
-        rotor, lambda a, b: states[:, a:b], 12, Question("basin", {}),
-        rtol=1e-6, workers=1, executor="auto", study=None, progress=None,
-    )  # fmt: skip
+    found = follow_here(Disc.of(rotor, 1e-6, NO_STOP), states, NO_STOP)
     seen = set()
     for number, state in enumerate(states.T.tolist()):
         settled = follow_to_steady_state(rotor, tuple(state), Options(rtol=1e-10))
@@ -60,8 +58,7 @@ def test_labels_are_those_of_cvode(omega, delta0, kinds):
         seen.add(kind)
         assert settled.response == kind
         if kind != "contact_free":
-            _, radii = found.columns["radius_max"]
-            radius = radii[found.labels[number]]
+            radius = found.rows["radius_max"][found.labels[number]]
             assert settled.features.radius_max == pytest.approx(radius, rel=1e-8)
     assert seen == kinds
 
@@ -121,7 +118,7 @@ def test_starts_lost_with_their_worker_are_not_computed(monkeypatch, figure_7):
         for number, result in true_run_all(*arguments, **options):
             yield number, FailedJob("its worker died") if number == 1 else result
 
-    monkeypatch.setattr(following, "SMALLEST_BATCH", 64)
+    monkeypatch.setattr(fates, "SMALLEST_BATCH", 64)
     monkeypatch.setattr(following, "run_all", loses_the_second)
     found = basin(FIGURE_7, x=AXIS, y=AXIS)
     missing = (found.label.transpose("x", "y") == FATE["not_computed"]).values.ravel()
@@ -153,7 +150,7 @@ def test_a_rotor_that_does_not_turn_comes_to_rest():
 
 
 def test_progress_is_told(monkeypatch):
-    monkeypatch.setattr(following, "SMALLEST_BATCH", 100)
+    monkeypatch.setattr(fates, "SMALLEST_BATCH", 100)
     calls = []
     basin(FIGURE_7, x=AXIS, y=AXIS, progress=lambda *call: calls.append(call), workers=2)
     assert len(calls) > 3
@@ -162,7 +159,7 @@ def test_progress_is_told(monkeypatch):
 
 
 def test_an_interrupt_keeps_what_is_done(monkeypatch):
-    monkeypatch.setattr(following, "SMALLEST_BATCH", 64)
+    monkeypatch.setattr(fates, "SMALLEST_BATCH", 64)
 
     def interrupt(done, _total):
         if done >= 200:
@@ -231,7 +228,7 @@ def test_every_variable_is_labelled(figure_7):
     for name in ("labelling", "labelling_rtol", "omega", "sundials_version", "interrupted"):
         assert name in figure_7.attrs
     assert figure_7.attrs["labelling"] == basin_dataset_module.LABELLING
-    assert figure_7.attrs["labelling_rtol"] == following.RTOL
+    assert figure_7.attrs["labelling_rtol"] == fates.RTOL
 
 
 def test_finely_folded_basins_are_followed_more_closely():
@@ -239,10 +236,10 @@ def test_finely_folded_basins_are_followed_more_closely():
     folded, smooth = (Rotor(omega=1.7, zeta=0.07, delta0=delta0) for delta0 in (2.0, 0.0))
     axis = np.linspace(-15.0, 15.0, 20)
     chosen = basin(folded, x=axis, y=axis)
-    assert chosen.attrs["labelling_rtol"] == following.SMALL_RTOL
-    closely = basin(folded, x=axis, y=axis, rtol=following.SMALL_RTOL)
+    assert chosen.attrs["labelling_rtol"] == fates.SMALL_RTOL
+    closely = basin(folded, x=axis, y=axis, rtol=fates.SMALL_RTOL)
     np.testing.assert_array_equal(chosen.label, closely.label)
-    coarsely = basin(folded, x=axis, y=axis, rtol=following.RTOL)
-    assert coarsely.attrs["labelling_rtol"] == following.RTOL
+    coarsely = basin(folded, x=axis, y=axis, rtol=fates.RTOL)
+    assert coarsely.attrs["labelling_rtol"] == fates.RTOL
     assert (coarsely.label != chosen.label).sum() > 5
-    assert basin(smooth, x=axis, y=axis).attrs["labelling_rtol"] == following.RTOL
+    assert basin(smooth, x=axis, y=axis).attrs["labelling_rtol"] == fates.RTOL

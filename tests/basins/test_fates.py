@@ -109,16 +109,6 @@ def test_two_cycles_of_one_rotor_stay_apart():
     assert (found.trapping == TRAPPING["estimated"]).sum() == 3
 
 
-def test_labels_are_where_each_start_ends_by_itself():
-    states = random_states(24, seed=4)
-    batch = batch_of(BOUNCER, states)
-    decide(batch)
-    kinds = {0: "contact_free", 1: "touching", 2: "bouncing"}
-    for number, state in enumerate(states.T.tolist()):
-        settled = follow_to_steady_state(BOUNCER, tuple(state), Options(rtol=1e-10))
-        assert kinds[int(batch.labels[number])] == settled.response
-
-
 def test_chaos_that_lasts_says_so():
     found = basin_fractions(Rotor(omega=1.69, zeta=0.07, delta0=2.0), **BOX, starts=32)
     chaos = found.isel(attractor=int(np.flatnonzero(found.kind == RESPONSE["chaotic"])[0]))

@@ -54,7 +54,7 @@ def test_a_start_has_the_same_label_however_many_are_drawn(monkeypatch):
     chosen = []
 
     def stops(_, jobs, **options):
-        chosen.extend(job.tolerance for job in jobs)
+        chosen.extend(job.labeller.rtol for job in jobs)
         raise KeyboardInterrupt
 
     monkeypatch.setattr(following, "run_all", stops)

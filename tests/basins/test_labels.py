@@ -6,7 +6,15 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rotor_ida import InputError, Rotor, basin, basin_fractions, limit_cycle, sweep
+from rotor_ida import (
+    DimensionalRotor,
+    InputError,
+    Rotor,
+    basin,
+    basin_fractions,
+    limit_cycle,
+    sweep,
+)
 from rotor_ida.basins.fates import Batch, decide
 from rotor_ida.basins.known import known_from_closed_forms
 from rotor_ida.closed_forms.contact_free import complex_amplitude
@@ -241,6 +249,17 @@ def test_without_friction_no_kind_is_told_that_cannot_be():
     assert RESPONSE["rolling"] not in found.response.values
 
 
+def test_a_load_of_a_machine_is_refused_in_newtons():
+    machine = DimensionalRotor(
+        mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6, clearance=2e-6,
+        speed=1000.0, load=5.0,
+    )  # fmt: skip
+    with pytest.raises(
+        InputError, match=r"^load must be 0 for a basin, .* where basin_fractions .*, got 5 N$"
+    ):
+        basin(machine, x=[-1e-6, 1e-6], y=[-1e-6, 1e-6])
+
+
 @pytest.mark.parametrize(
     ("compute", "given", "words"),
     [
@@ -249,7 +268,11 @@ def test_without_friction_no_kind_is_told_that_cannot_be():
             {"contact_damping": 60.0},
             "contact_damping must be at most 50 for a basin, got 60.0",
         ),
-        (basin, {"load": 0.25}, "load must be 0 for a basin, as there is no"),
+        (
+            basin,
+            {"load": 0.25},
+            "load must be 0 for a basin, .* where basin_fractions .*, got 0.25$",
+        ),
         (
             basin_fractions,
             {"omega": 0.0, "load": 0.3, "friction": 0.2, "disc_radius": 1.0},

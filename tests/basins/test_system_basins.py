@@ -21,10 +21,10 @@ from rotor_ida import (
     simulate,
     synchronous_response,
 )
-from rotor_ida.basins import system_labels
+from rotor_ida.basins import subjects
+from rotor_ida.basins.attractors import Attractors
 from rotor_ida.basins.starts import Box
-from rotor_ida.basins.system_labels import Attractors
-from rotor_ida.basins.system_starts import KnockedSystem, pulled_shapes
+from rotor_ida.basins.subjects import KnockedSystem, pulled_shapes, settled_row
 from rotor_ida.core.runs import NO_STOP
 from rotor_ida.model.assembly import assemble
 from rotor_ida.schema import FATE
@@ -170,26 +170,26 @@ def test_copies_of_a_cycle_of_two_revolutions_are_one_attractor():
     flow = SystemFlow.at(SettlingProblem.of(assemble(system), 1e-10), 1.7, NO_STOP)
     starts = Box.of(12, 2, x=(-2, 2), y=(-2, 2), vx=0.0, vy=0.0).starts(0, 12)
     knocked = KnockedSystem.at(flow.problem, 1.7, "disc", None)
-    rows = [system_labels.settled_row(flow, state) for state in knocked.states(flow, starts)]
+    rows = [settled_row(flow, state) for state in knocked.states(flow, starts)]
     apart = [np.abs(row["final_state"] - rows[0]["final_state"]).max() for row in rows]
     assert max(apart) > 0.1
     met = Attractors(flow)
-    assert {met.label_of(row) for row in rows} == {0}
+    assert {met.number_of(row) for row in rows} == {0}
 
 
 def test_motions_that_differ_are_not_taken_for_one():
     """Of a pair that only its sense of offset tells apart radii are equal, and states are not."""
     flow = SystemFlow.at(SettlingProblem.of(assemble(LOADED.system()), 1e-10), 1.7, NO_STOP)
-    row = system_labels.settled_row(flow, np.array([0.3, 0.0, 0.0, 0.0]))
+    row = settled_row(flow, np.array([0.3, 0.0, 0.0, 0.0]))
     mirrored, longer, wider = row.copy(), row.copy(), row.copy()
     mirrored["final_state"] *= -1.0
     longer["period"] *= 1.01
     wider["radius_max"] *= 1.001
     met = Attractors(flow)
-    assert [met.label_of(each) for each in (row, mirrored, longer, wider, row)] == [0, 1, 2, 3, 0]
+    assert [met.number_of(each) for each in (row, mirrored, longer, wider, row)] == [0, 1, 2, 3, 0]
     multiple = row.copy()
     multiple["period"] *= 3.0
-    assert met.label_of(multiple) == 0
+    assert met.number_of(multiple) == 0
     assert met.rows[0]["period"] == row["period"]
 
 
@@ -238,7 +238,7 @@ def test_an_interrupt_leaves_the_rest_not_computed():
 
 
 def test_a_start_that_fails_is_not_computed_and_says_why(found, monkeypatch):
-    true, failing = system_labels.settle, []
+    true, failing = subjects.settle, []
 
     def fails_once(flow, state):
         if not failing:
@@ -246,7 +246,7 @@ def test_a_start_that_fails_is_not_computed_and_says_why(found, monkeypatch):
             raise SimulationError("it cannot be followed")
         return true(flow, state)
 
-    monkeypatch.setattr(system_labels, "settle", fails_once)
+    monkeypatch.setattr(subjects, "settle", fails_once)
     partly = basin(SYSTEM, **PLANE, workers=1, executor="serial")
     assert partly.attrs["not_computed_reason"] == "it cannot be followed"
     assert int(partly.not_computed_count) == 1

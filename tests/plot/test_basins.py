@@ -131,6 +131,25 @@ def test_shares_of_attractors_fill_the_panel(grid):
     assert len(words) == len(set(words))
 
 
+def test_each_shade_is_named(grid):
+    """One of a kind by its kind, several by numbers, and those that share a shade once."""
+    line = grid.isel(delta0=[1])
+    kinds = ["contact_free", *["bouncing"] * 6]
+    parts = np.full((3, 1, 1, 7), 1.0 / 7.0)
+    made = line[["fraction", "kind"]].isel(attractor=[0] * 7).assign_coords(attractor=range(7))
+    made = made.assign(
+        fraction=(line.fraction.dims, parts),
+        kind=(line.kind.dims, np.broadcast_to([RESPONSE[kind] for kind in kinds], parts.shape)),
+    )
+    made["kind"].attrs, made.attrs = line.kind.attrs, line.attrs
+    ax = plot_attractors(made)
+    words = ax.get_legend_handles_labels()[1]
+    assert words == ["contact-free response", "bouncing 1", "bouncing 2", "bouncing 3",
+                     "bouncing 4 and others"]  # fmt: skip
+    shades = {tuple(each.get_facecolor()[0]) for each in ax.collections}
+    assert len(shades) == len(words)
+
+
 def test_a_map_shows_the_likeliest_response(grid):
     ax = plot_attractor_map(grid)
     (mesh,) = [each for each in ax.collections if each.get_array() is not None]
@@ -242,7 +261,7 @@ def test_a_basin_of_a_rotor_system_has_its_units_its_node_and_the_circle_of_that
     found, _ = of_system
     ax = plot_basin(found)
     assert ax.get_xlabel() == "displacement $X$ [µm]"
-    assert ax.get_title() == "seal,  10,982 rpm"
+    assert ax.get_title() == "node seal,  10,982 rpm"
     named = [f"$A = {1e6 * size:#.3g}$ µm" for size in found.amplitude.values[:, 1]]
     assert [each.split(", ")[1] for each in words_of(ax)[:-1]] == named
     assert words_of(ax)[-1] == "clearance"
@@ -263,7 +282,7 @@ def test_a_circle_beyond_the_starts_is_not_drawn(of_system):
 def test_fractions_of_a_rotor_system_are_bars_with_the_amplitudes_of_its_node(of_system):
     _, fractions = of_system
     ax = plot_attractor_fractions(fractions)
-    assert ax.get_title() == "seal,  10,982 rpm"
+    assert ax.get_title() == "node seal,  10,982 rpm"
     assert all(text.get_text().endswith("µm") for text in ax.get_yticklabels())
     figure = figure_of(fractions)
     assert figure.axes[0].get_title() == ax.get_title()

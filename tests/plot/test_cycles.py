@@ -5,7 +5,6 @@ import math
 
 import numpy as np
 import pytest
-from tests.example_datasets import a_cycle, a_system_branch, a_system_curve, a_system_cycle
 
 from rotor_ida import InputError, Rotor, bifurcation_curve, continue_cycle, folds, limit_cycle, plot
 from rotor_ida.closed_forms import response_curve
@@ -24,6 +23,7 @@ from rotor_ida.plot import (
 from rotor_ida.plot.appearance import STABLE_CYCLE, UNSTABLE_CYCLE
 from rotor_ida.plot.labels import LABELS
 from rotor_ida.schema import labelled
+from tests.example_datasets import a_cycle, a_system_branch, a_system_curve, a_system_cycle
 from tests.plot.pictures import BOUNCING, lines_of, made, words_of
 from tests.plot.test_every_picture import in_units
 

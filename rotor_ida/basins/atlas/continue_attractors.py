@@ -3,46 +3,28 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
-from contextlib import closing
-from operator import attrgetter
-from typing import Any, Unpack
+from collections.abc import Mapping, Sequence
+from dataclasses import replace
+from typing import Unpack
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.basins.atlas.cells import (
-    FORM,
-    MOST_STARTS,
-    Cell,
-    CellJob,
-    Found,
-    Turned,
-    fill_cell,
-)
+from rotor_ida.basins.atlas.cells import MOST_STARTS, Cell, CellJob, fill_cell, form_of
 from rotor_ida.basins.atlas.dataset import atlas_dataset, how_computed
-from rotor_ida.basins.atlas.identities import identify, successor_of_disc
-from rotor_ida.basins.atlas.system_cells import (
-    SystemCellJob,
-    fill_system_cell,
-    successor_in_system,
-    system_form,
-)
-from rotor_ida.basins.basin import LOOSEST, TIGHTEST, check_rotor
-from rotor_ida.basins.following import RTOL
-from rotor_ida.basins.system_labels import how_labelled
-from rotor_ida.basins.system_starts import knocked_systems
+from rotor_ida.basins.atlas.identities import identify
+from rotor_ida.basins.fates import RTOL
+from rotor_ida.basins.following import run_due
+from rotor_ida.basins.subjects import OF_SYSTEM, subjects_of
 from rotor_ida.checks import (
     COMPONENTS,
     MOST_SHOCKS,
     Names,
     check_array,
-    check_between,
     check_count,
     check_increasing,
-    check_name,
     check_progress,
     check_seed,
     is_scalar,
@@ -53,32 +35,18 @@ from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parameters import AnyAxes
 from rotor_ida.model.varied import Varied, varied_of, varied_system_of
-from rotor_ida.parallel import (
-    FailedJob,
-    Progress,
-    Stop,
-    Workers,
-    choose,
-    interruptible,
-    run_all,
-    shows_progress,
-)
-from rotor_ida.parallel.jobs import Job
+from rotor_ida.parallel import Progress, Workers, choose, interruptible, shows_progress
 from rotor_ida.results.in_si import takes_rotors
-from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
-from rotor_ida.results.si_units import with_system_units
-from rotor_ida.results.studies.results import Form, Results, open_results
+from rotor_ida.results.studies.results import open_results
 from rotor_ida.simulation.options import LARGEST
 from rotor_ida.simulation.starts import Start, box_of, drawn_from, range_of
-from rotor_ida.steady.system_sweep import places_of, turning_speeds, with_meanings
+from rotor_ida.steady.system_sweep import turning_speeds
 
 # The atlas is drawn over a line or a plane.
 MOST_AXES = 2
 # At the end all rotors and their attractors are in memory.
 MOST_ROTORS = 100_000
-# How points are followed: by whom, what reports the progress, and the study.
-Jobs = tuple[Workers, Progress | None, str | os.PathLike[str] | None]
 
 
 @takes_rotors(
@@ -116,17 +84,11 @@ def continue_attractors(
     speed, node
         Spin speeds of a `RotorSystem`, not 0, and the node whose starts these are, as for
         `rotor_ida.basin`. The speeds of a `DimensionalRotor` are a parameter of it.
-    x, y, vx, vy : float or array_like, shape (2,)
-        Components of the start [1]: numbers, or ranges ``(low, high)`` from which they are drawn
-        independently and uniformly.
+    x, y, vx, vy, seed, start, modes
+        The starts, as for `rotor_ida.basin_fractions`: the same for all rotors.
     starts : int or array_like, shape (n, 4)
-        Number of starts, the same for all rotors, by default 1000 and of a `RotorSystem` 100; or
-        the starts themselves, ``(x, y, vx, vy)`` [1], drawn from any distribution; the ranges must
-        then be left out.
-    seed : int
-        Seed of the random numbers: the same seed gives the same starts.
-    start, modes
-        Of a `RotorSystem`, as for `rotor_ida.basin`.
+        Number of starts, by default 1000 and of a `RotorSystem` 100; or the starts themselves,
+        ``(x, y, vx, vy)`` [1], drawn from any distribution; the ranges must then be left out.
     shocks : int
         Number of shocks of velocity and of displacement tried to each attractor of each rotor, as
         for `rotor_ida.touchdown_report`; with 0 none.
@@ -201,56 +163,27 @@ def continue_attractors(
     """
     states, drawn = _states({"x": x, "y": y, "vx": vx, "vy": vy}, starts, seed)
     tried = check_count("shocks", shocks, minimum=0, maximum=MOST_SHOCKS)
-    jobs = choose(executor, workers, compiled=True), check_progress(progress), study
+    how = choose(executor, workers, compiled=True), check_progress(progress), study
     if isinstance(rotor, RotorSystem):
         asked = varied_system_of(
-            continue_attractors, rotor, varied,
-            turning_speeds(speed, "for a basin of a rotor system"),
-        )  # fmt: skip
-        return _atlas_of_system(
-            _check_grid(asked), check_name("node", node), states, drawn, tried, jobs,
-            start=start, modes=modes, rtol=rtol,
-        )  # fmt: skip
-    grid = _check_grid(varied_of(continue_attractors, rotor, varied))
-    rotors = list(grid.rotors())
-    for each in rotors:
-        check_rotor(each, "an atlas")
-    tolerance = RTOL if rtol is None else check_between("rtol", rtol, TIGHTEST, LOOSEST)
-    asked_of = {**grid.design, **drawn, "rtol": tolerance, "shocks": tried}
-    question = Question("continue_attractors", asked_of)
-    cells, reason = _filled(
-        [CellJob(each, states, tolerance, tried) for each in rotors], rotors, states.shape[1],
-        question, FORM, fill_cell, *jobs,
-    )  # fmt: skip
-    interruptible(lambda stop: identify(cells, _lines(grid), successor_of_disc, stop))
-    how = how_computed(tolerance, tried, max(rotors, key=attrgetter("friction")))
-    attributes = how | _described(drawn, reason) | question.attribute()
-    return atlas_dataset(grid, cells, states.shape[1], attributes)
-
-
-def _atlas_of_system(
-    grid: Varied, node: str, states: Values, drawn: Mapping[str, object], shocks: int, jobs: Jobs,
-    **given: Any,
-) -> xr.Dataset:  # fmt: skip
-    """Return the attractors of a rotor system over its speed and its parameters."""
-    varied, knocked = knocked_systems(grid, node, **given)
-    question = Question("continue_attractors", {
-        "rotor": grid.base, **grid.design, **drawn, "node": node, "start": varied.kept[0],
-        "modes": given["modes"], "rtol": varied.rtol, "shocks": shocks,
-    })  # fmt: skip
-    cells, reason = _filled(
-        [SystemCellJob(each, states, shocks) for each in knocked], knocked, states.shape[1],
-        question, system_form(knocked[0]), fill_system_cell, *jobs,
-    )  # fmt: skip
-    for cell, each in zip(cells, knocked, strict=True):
-        cell.rotor = each
-    interruptible(lambda stop: identify(cells, _lines(grid), successor_in_system, stop))
-    how = {**provenance(how_labelled(varied.rtol)), "shocks": shocks, "knocked_node": node}
-    attributes = how | _described(drawn, reason) | question.attribute()
-    found = atlas_dataset(
-        varied.varied, cells, states.shape[1], attributes, places_of(varied.varied)
+            continue_attractors, rotor, varied, turning_speeds(speed, OF_SYSTEM)
+        )
+    else:
+        asked = varied_of(continue_attractors, rotor, varied)
+    subjects = subjects_of(
+        _check_grid(asked), "an atlas", node=node, start=start, modes=modes, rtol=rtol
     )
-    return with_meanings(with_system_units(found, grid.base), grid)
+    tolerance = subjects.rtol or RTOL
+    asked_of = {**asked.design, **subjects.given, **drawn, "rtol": tolerance, "shocks": tried}
+    question = Question("continue_attractors", asked_of)
+    jobs = [CellJob(each, states, tried, tolerance) for each in subjects.points]
+    cells, reason = _filled(jobs, question, *how)
+    interruptible(lambda stop: identify(cells, _lines(asked), stop))
+    attributes = {
+        **how_computed(tolerance, tried, subjects), **subjects.told, **_described(drawn, reason),
+        **question.attribute(),
+    }  # fmt: skip
+    return atlas_dataset(subjects, cells, states.shape[1], attributes)
 
 
 def _described(drawn: Mapping[str, object], reason: str) -> dict[str, object]:
@@ -260,41 +193,19 @@ def _described(drawn: Mapping[str, object], reason: str) -> dict[str, object]:
 
 
 def _filled(
-    jobs: Sequence[Job], rotors: Sequence[Turned], starts: int, question: Question,
-    form: Form[Cell[Turned, Found]], fill: Callable[[Job, Stop], Cell[Turned, Found]],
-    workers: Workers, progress: Progress | None, study: str | os.PathLike[str] | None,
-) -> tuple[list[Cell[Turned, Found]], str]:  # fmt: skip
+    jobs: Sequence[CellJob], question: Question, workers: Workers, progress: Progress | None,
+    study: str | os.PathLike[str] | None,
+) -> tuple[list[Cell], str]:  # fmt: skip
     """Return the cell of each rotor, and why one failed, or nothing."""
-    with open_results(study, question.design(), len(rotors), form) as kept:
-        reason = _fill(jobs, kept, fill, workers, progress)
-        cells = [Cell[Turned, Found](each, not_computed=starts) for each in rotors]
+    count, cells = len(jobs), [Cell(each.rotor, not_computed=each.states.shape[1]) for each in jobs]
+    with open_results(study, question.design(), count, form_of(jobs[0].rotor)) as kept:
+        reason = run_due(
+            fill_cell, jobs.__getitem__, count, kept, lambda _: 1, workers=workers,
+            progress=progress, total=count,
+        )  # fmt: skip
         for number, cell in kept.results():
-            cells[number] = cell
+            cells[number] = replace(cell, rotor=jobs[number].rotor)
     return cells, reason
-
-
-def _fill(
-    jobs: Sequence[Job], kept: Results[Cell[Turned, Found]],
-    fill: Callable[[Job, Stop], Cell[Turned, Found]], workers: Workers, progress: Progress | None,
-) -> str:  # fmt: skip
-    """Follow the starts of each rotor that is not stored; return why one failed, or nothing."""
-    due = [number for number in range(len(jobs)) if number not in kept.done]
-    reason = ""
-    if progress is not None and kept.points_done:
-        progress(kept.points_done, len(jobs))
-    if not due:
-        return reason
-    chosen = (jobs[number] for number in due)
-    ran = run_all(fill, chosen, workers=workers.number, executor=workers.executor)
-    with closing(ran) as ended:
-        for turn, cell in ended:
-            if isinstance(cell, FailedJob):
-                reason = cell.reason
-            else:
-                kept.keep(due[turn], cell, 1)
-            if progress is not None:
-                progress(kept.points_done, len(jobs))
-    return reason
 
 
 def _check_grid(grid: Varied) -> Varied:

@@ -4,20 +4,26 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from operator import attrgetter
 from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
+from rotor_ida.arrays import Values
 from rotor_ida.basins.atlas.cells import Cell, Member
+from rotor_ida.basins.atlas.effects import effects_of
 from rotor_ida.basins.atlas.extents import varied
 from rotor_ida.basins.atlas.resilience import Resilience, witness_options
 from rotor_ida.basins.atlas.shocks import KINDS
+from rotor_ida.basins.attractors import reported
 from rotor_ida.basins.dataset import ENTROPIES, agreement_of, followed_by, labelled_how
+from rotor_ida.basins.subjects import Subjects
+from rotor_ida.checks import COMPONENTS
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.model.varied import Varied
 from rotor_ida.results.provenance import provenance
+from rotor_ida.results.si_units import with_system_units
 from rotor_ida.schema import (
     END,
     RESPONSE,
@@ -27,7 +33,7 @@ from rotor_ida.schema import (
     Column,
     labelled_dataset,
 )
-from rotor_ida.steady.system_sweep import OF_CONTACT, OF_NODE
+from rotor_ida.steady.system_sweep import VariedSystem, with_meanings
 
 # Largest probability that the sample misses an attractor with more than `missed_fraction`.
 RISK = 0.05
@@ -35,13 +41,15 @@ RISK = 0.05
 SIDES = ("low", "high")
 # Dimensions of the numbers of an attractor of a rotor system besides the attractor.
 BEHIND = {
-    **dict.fromkeys((*OF_CONTACT, "touched", "excursion", "mean_force"), ("contact",)),
+    **VariedSystem.behind, **dict.fromkeys(("excursion", "mean_force"), ("contact",)),
     **dict.fromkeys(("contacts_per_revolution", "contact_fraction"), ("contact",)),
     **dict.fromkeys(("contact_loss_per_revolution", "heat_per_revolution"), ("contact",)),
     **dict.fromkeys(("slip_distance_per_revolution", "rolling_fraction"), ("contact",)),
-    **dict.fromkeys((*OF_NODE, "whirl_over_spin", "whirl_sense"), ("node",)),
-    "side_line_over_spin": ("node",), "final_state": ("component",),
+    **dict.fromkeys(("whirl_over_spin", "whirl_sense", "side_line_over_spin"), ("node",)),
+    **{f"{kind}_shock_{when}": ("component",) for kind in KINDS for when in ("before", "after")},
 }  # fmt: skip
+# Numbers of an attractor and of a rotor that add nothing to a report.
+LEFT_OUT = ("count", "phase_lag", "not_computed_count")
 # Fill values where there is no such attractor; other columns use NaN.
 FLAGS = {
     "touched": 0,
@@ -53,51 +61,55 @@ FLAGS = {
 
 
 def atlas_dataset(
-    grid: Varied, cells: Sequence[Cell[Any, Any]], starts: int, attributes: Mapping[str, object],
-    places: Mapping[str, Column] = {},
+    subjects: Subjects, cells: Sequence[Cell], starts: int, attributes: Mapping[str, object], *,
+    is_report: bool = False,
 ) -> xr.Dataset:  # fmt: skip
     """Return the attractors over the parameters; `starts` is the number of starts of each rotor.
 
-    `places` are the contacts and nodes of a rotor system.
+    A report of one point also has what each attractor does, and the states at shocks.
     """
+    grid, system = subjects.varied, subjects.varied.system
     members = [each for cell in cells for each in cell.members]
     count = 1 + max((each.identity for each in members), default=-1)
-    columns = _columns(cells, count, starts)
-    coordinates = {**grid.coordinates, **places, "attractor": ("attractor", np.arange(count))}
+    columns = _columns(cells, count, starts, is_report=is_report)
+    coordinates = {**subjects.coordinates, "attractor": ("attractor", np.arange(count))}
     if any(each.resilience is not None for each in members):
-        columns |= _shocks(cells, count)
+        columns |= _shocks(cells, count, is_report=is_report)
         coordinates["target"] = ("target", np.arange(count))
-    over = ("attractor", "target")
-    of_cell: dict[str, npt.ArrayLike] = {
-        "undecided_fraction": [
-            each.undecided / max(starts - each.not_computed, 1) for each in cells
-        ],
-        "not_computed_count": [each.not_computed for each in cells],
-    }
-    for place, name in enumerate(ENTROPIES):
-        of_cell[name] = [each.entropies[place] for each in cells]
-    agreement = [agreement_of(each.rechecked) for each in cells]
-    of_cell |= {name: [each[name] for each in agreement] for name in agreement[0]}
-    columns |= {name: np.array(values) for name, values in of_cell.items()}
+    of_cells = [_of_cell(each, starts) for each in cells]
+    columns |= {name: np.array([each[name] for each in of_cells]) for name in of_cells[0]}
     variables: dict[str, Column] = {}
     for name, column in columns.items():
         own = column.shape[1:]  # along the attractors, and of shocks along their targets
-        behind = BEHIND.get(name, ()) if places else ()
-        dims = (*grid.dims, *over[: len(own) - len(behind)], *behind)
-        variables[name] = (dims, column.reshape(*grid.shape, *own))
+        behind = () if system is None else BEHIND.get(name, ())
+        dims = (*grid.dims, *("attractor", "target")[: len(own) - len(behind)], *behind)
+        variables[name] = (dims, column.reshape((*grid.shape, *own)))
     variables["missed_fraction"] = ((), missed_fraction(starts))
-    title, told = "attractors and the fractions of starts on each", _flat(attributes)
-    if places:
-        title = f"Rotor system: {title}"
-        return labelled_dataset(title, variables, coordinates, told, kind="system_atlas")
-    title = f"Rotor in a clearance: {title}"
-    return labelled_dataset(title, variables, coordinates, told, kind="atlas")
+    title = "Touchdown report" if is_report else "attractors and the fractions of starts on each"
+    if not is_report:
+        title = f"{'Rotor in a clearance' if system is None else 'Rotor system'}: {title}"
+    kind = f"{'' if system is None else 'system_'}{'touchdown' if is_report else 'atlas'}"
+    found = labelled_dataset(title, variables, coordinates, _flat(attributes), kind=kind)
+    if is_report:
+        found = found.drop_vars(LEFT_OUT)
+    return found if system is None else with_meanings(with_system_units(found, system), grid)
 
 
-def how_computed(tolerance: float, shocks: int, rotor: Rotor) -> dict[str, object]:
+def _of_cell(cell: Cell, starts: int) -> dict[str, float]:
+    """Return the numbers of a rotor that are of no attractor."""
+    return {
+        "undecided_fraction": cell.undecided / max(starts - cell.not_computed, 1),
+        "not_computed_count": cell.not_computed,
+        **dict(zip(ENTROPIES, cell.entropies, strict=True)), **agreement_of(cell.rechecked),
+    }  # fmt: skip
+
+
+def how_computed(rtol: float, shocks: int, subjects: Subjects) -> dict[str, object]:
     """Return, as attributes, the methods for starts and, if any were tried, for shocks."""
-    how = labelled_how(tolerance, rotor)
-    if shocks:
+    discs = [each for each in subjects.points if isinstance(each, Rotor)]
+    typical = max(discs, key=attrgetter("friction"), default=None)
+    how = labelled_how(rtol, typical)
+    if shocks and discs:
         how |= followed_by("witness", witness_options())
     return {**provenance(how), "shocks": shocks}
 
@@ -107,15 +119,17 @@ def missed_fraction(starts: int) -> float:
     return float(1.0 - RISK ** (1.0 / starts))
 
 
-def member_row(rotor: object, member: Member[Any], computed: int) -> dict[str, Any]:
-    """Return the numbers of an attractor by name; `computed` is the number of computed starts."""
-    row = dict(member.attractor.numbers)
+def member_row(cell: Cell, member: Member, starts: int) -> dict[str, Any]:
+    """Return the numbers of an attractor by name; `starts` is the number of starts."""
+    own, computed = member.row, starts - cell.not_computed
+    row: dict[str, Any] = {"kind": own["response"]}
+    row |= {name: own[name] for name in reported(own.dtype)}
     part = member.count / computed if computed else math.nan
     error = math.sqrt(part * (1.0 - part) / computed) if computed else math.nan
     row |= {"count": member.count, "fraction": part, "fraction_error": error}
     row["settling_median"], row["settling_95"] = member.settling.tolist()
-    if member.resilience is not None and isinstance(rotor, Rotor):
-        row |= _resilience_row(rotor, member.resilience)
+    if member.resilience is not None and isinstance(cell.rotor, Rotor):
+        row |= _resilience_row(cell.rotor, member.resilience)
     return row
 
 
@@ -137,13 +151,15 @@ def column_of(name: str, shape: tuple[int, ...]) -> npt.NDArray[np.generic]:
 
 
 def _columns(
-    cells: Sequence[Cell[Any, Any]], count: int, starts: int
+    cells: Sequence[Cell], count: int, starts: int, *, is_report: bool
 ) -> dict[str, npt.NDArray[np.generic]]:
     """Return the numbers of each attractor of each rotor, shape (cells, count)."""
     columns: dict[str, npt.NDArray[np.generic]] = {}
     for place, cell in enumerate(cells):
         for each in cell.members:
-            row = member_row(cell.rotor, each, starts - cell.not_computed)
+            row = member_row(cell, each, starts)
+            if is_report:
+                row |= effects_of(cell.rotor, each.row)
             for name, value in row.items():
                 if name not in columns:
                     columns[name] = column_of(name, (len(cells), count, *np.shape(value)))
@@ -151,18 +167,40 @@ def _columns(
     return columns
 
 
-def _shocks(cells: Sequence[Cell[Any, Any]], count: int) -> dict[str, npt.NDArray[np.generic]]:
+def _shocks(
+    cells: Sequence[Cell], count: int, *, is_report: bool
+) -> dict[str, npt.NDArray[np.generic]]:
     """Return the smallest shocks from each attractor to each, shape (cells, count, count)."""
-    names = [f"{kind}_shock{what}" for what in ("", "_scatter") for kind in KINDS]
-    columns = {name: np.full((len(cells), count, count), np.nan) for name in names}
+    columns: dict[str, npt.NDArray[np.generic]] = {}
     for place, cell in enumerate(cells):
         numbers = [each.identity for each in cell.members]
         for each in cell.members:
-            if each.resilience is not None:
-                told = (*each.resilience.sizes, *each.resilience.scatter)
-                for column, values in zip(columns.values(), told, strict=True):
-                    column[place, each.identity, numbers[: values.size]] = values
-    return dict(columns)
+            if each.resilience is None:
+                continue
+            for name, values in _shocks_of(cell, each.resilience, is_report=is_report).items():
+                if name not in columns:
+                    shape = (len(cells), count, count, *values.shape[1:])
+                    columns[name] = np.full(shape, np.nan)
+                columns[name][place, each.identity, numbers[: len(values)]] = values
+    if is_report:
+        for kind, largest in zip(KINDS, cells[0].largest_shocks, strict=True):
+            columns[f"{kind}_shock_largest"] = np.array([largest])
+    return columns
+
+
+def _shocks_of(cell: Cell, told: Resilience, *, is_report: bool) -> dict[str, Values]:
+    """Return the shocks from an attractor to each, and in a report the states at them."""
+    found: dict[str, Values] = {}
+    for row, kind in enumerate(KINDS):
+        found |= {f"{kind}_shock": told.sizes[row], f"{kind}_shock_scatter": told.scatter[row]}
+        for when, states in (("before", told.before), ("after", told.after)):
+            name = f"{kind}_shock_{when}"
+            if is_report and isinstance(cell.rotor, Rotor):
+                pairs = zip(COMPONENTS, states[row].T, strict=True)
+                found |= {f"{name}_{component}": each for component, each in pairs}
+            elif is_report:
+                found[name] = states[row]
+    return found
 
 
 def _flat(attributes: Mapping[str, object]) -> dict[str, object]:

@@ -2,39 +2,26 @@
 
 A whirl in contact ends at a fold or where it first touches the stator. A limit cycle ends at a
 fold, a period doubling or a torus point. The contact-free whirl ends where it fills the clearance.
-A whirl is followed along its exact curve, over the speed (`response_curve`) or the clearance
-(`clearance_curve`). Over the damping a rotor has at most one whirl of each amplitude, so the curve
-needs no tracing: it turns at the folds (`fold_locus`) and ends at first touch and at the whirls
-without damping. A limit cycle is followed along its branch, from the given rotor. With friction a
-branch may turn back at a corner, where multipliers jump: that counts as a fold.
-
-This applies to the paper's rotor. With a shaft, another contact law, contact damping or friction a
-whirl is followed along its exact amplitudes in small steps, which are refined where it ends.
-Contact damping and friction may end it at a Hopf point.
+A whirl is followed along its exact amplitudes in small steps, which are refined where it ends.
+Contact damping and friction may end it at a Hopf point. A limit cycle is followed along its branch,
+from the given rotor. With friction a branch may turn back at a corner, where multipliers jump: that
+counts as a fold.
 """
 
 from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
-from operator import itemgetter
 from typing import Any
 
 import numpy as np
-from scipy.optimize import brentq
 
 from rotor_ida.arrays import Stop, Values
 from rotor_ida.closed_forms import (
-    clearance_curve,
-    folds,
-    response_curve,
     synchronous_response,
     touch_speeds,
 )
 from rotor_ida.closed_forms.contact_free import complex_amplitude
-from rotor_ida.closed_forms.contacting_whirls import contacting_whirls
-from rotor_ida.closed_forms.fold_locus import LocusSide, fold_locus, locus_points
-from rotor_ida.closed_forms.restoring_law import RestoringLaw
 from rotor_ida.closed_forms.rotor_columns import RotorColumns
 from rotor_ida.closed_forms.stability import eigenvalues_of
 from rotor_ida.cycles.branch import BORN, CONTACT_FREE, HALVED, LIMITS, Side, advance
@@ -51,20 +38,17 @@ from rotor_ida.simulation.flow import DiscFlow
 CORNERS = (SLIDING, DISCONTINUOUS)
 # Attractors that survive to this fraction of a parameter are assumed to reach zero.
 AT_ZERO = 1e-4
-# Whirls that survive to this multiple of the damping are assumed to exist for any.
+# Whirls that survive to this multiple of a parameter, or to this value if it is 0, are assumed to
+# exist for any.
 FARTHEST_OF_WHIRL = 1e6
-# At tiny damping a whirl has the amplitude of the undamped one, to this relative rounding error.
-UNDAMPED = 1e-12
+# They are followed in this number of steps, with this largest relative change of amplitude in each.
+# The step in which one ends is divided into this number again, this number of times.
+STEPS, MOST_CHANGE, PARTS, DIVISIONS = 1024, 0.1, 64, 8
 # A limit cycle, which costs more, is followed to this multiple of the value, or to 1 if larger.
 FARTHEST_OF_CYCLE = 50.0
 # Largest number of points of a branch of limit cycles each way, which bounds its cost.
 MOST_POINTS = 300
-# Whirls of other rotors are followed to this multiple of a parameter, or to this value if it is 0,
-FARTHEST_OF_MACHINE = 1e4
-# in this number of steps, with this largest relative change of amplitude in each. The step in which
-# it ends is divided into this number again, this number of times.
-STEPS, MOST_CHANGE, PARTS, DIVISIONS = 1024, 0.1, 64, 8
-# It ends at the stator if its indentation is at most this fraction of the clearance.
+# A whirl ends at the stator if its indentation is at most this fraction of the clearance.
 AT_RING = 1e-9
 
 
@@ -133,31 +117,16 @@ def _room_with_shaft(rotor: Rotor, parameter: str) -> tuple[float, float]:
 
 def extent_of_whirl(rotor: Rotor, amplitude: float, parameter: str) -> tuple[End, End]:
     """Return the range in which a stable whirl in contact exists."""
-    if rotor.beyond:
-        value = getattr(rotor, parameter)
-        farthest = FARTHEST_OF_MACHINE * (value or 1.0)
-        upwards = np.geomspace(value or AT_ZERO, farthest, STEPS)
-        if value == 0.0:
-            upwards[0] = 0.0
-        high = _end_of_steps(rotor, amplitude, parameter, upwards)
-        if value == 0.0:
-            return End(0.0, "none"), high
-        downwards = np.geomspace(value, AT_ZERO * value, STEPS)
-        return _end_of_steps(rotor, amplitude, parameter, downwards), high
-    if parameter == "zeta":
-        return _extent_over_damping(rotor, amplitude)
     value = getattr(rotor, parameter)
-    if parameter == "omega":
-        last_turn = folds(rotor)["fold_omega"].max().item()
-        lowest, highest = AT_ZERO * value, 2.0 * float(np.fmax(value, last_turn))
-    else:  # the clearance is less than the amplitude, and that at most omega/(2 zeta)
-        lowest, highest = 0.0, rotor.omega / rotor.zeta
-    ends = (
-        _end_along_curve(rotor, amplitude, parameter, limit) if limit != value else None
-        for limit in (lowest, highest)
-    )
-    low, upper = ends
-    return low or End(0.0, "none"), upper or End(math.inf, "none")
+    farthest = FARTHEST_OF_WHIRL * (value or 1.0)
+    upwards = np.geomspace(value or AT_ZERO, farthest, STEPS)
+    if value == 0.0:
+        upwards[0] = 0.0
+    high = _end_of_steps(rotor, amplitude, parameter, upwards)
+    if value == 0.0:
+        return End(0.0, "none"), high
+    downwards = np.geomspace(value, AT_ZERO * value, STEPS)
+    return _end_of_steps(rotor, amplitude, parameter, downwards), high
 
 
 def amplitudes_along(rotor: Rotor, amplitude: float, parameter: str, values: Values) -> Values:
@@ -218,6 +187,8 @@ def _how_whirl_ends(rotor: Rotor, amplitude: float) -> str:
     """Return how a stable whirl ends that does so near a rotor."""
     if amplitude - rotor.delta0 <= AT_RING * rotor.delta0:
         return "touch"
+    if not (rotor.contact_damping or rotor.friction):
+        return "fold"
     rates = eigenvalues_of(np.array(amplitude), RotorColumns.of(rotor.given))
     slowest = rates[np.argmax(rates.real)]
     return "fold" if slowest.imag == 0.0 else "hopf"
@@ -277,63 +248,3 @@ def _end_of_side(side: Side, way: int, begin: float) -> End:
     if side.end == BORN:
         return End(last, "hopf")
     return End(last, "touch") if side.end == CONTACT_FREE else UNKNOWN
-
-
-def _end_along_curve(rotor: Rotor, amplitude: float, parameter: str, limit: float) -> End:
-    """Return where a stable whirl ends on its curve over speed or clearance, up to a limit."""
-    value = getattr(rotor, parameter)
-    limits = (min(value, limit), max(value, limit))
-    if parameter == "omega":
-        curve = response_curve(rotor, limits=limits, points=2)
-    else:
-        curve = clearance_curve(rotor, limits=limits, points=2)
-    columns = (parameter, "amplitude", "stability", "in_contact", "piece")
-    values, sizes, stability, touching, piece = (curve[name].values.ravel() for name in columns)
-    # the curve is cut at the given rotor, so that a piece of it begins or ends with the whirl
-    ends = np.flatnonzero((values == value) & (touching == 1))
-    whirl = ends[np.argmin(np.abs(sizes[ends] - amplitude))]
-    path = np.flatnonzero(piece == piece[whirl])
-    arcs = stability[path[1:]] == STABILITY["stable"]  # each leads to its point from the one before
-    if whirl != path[0]:
-        path, arcs = path[::-1], arcs[::-1]
-    if not arcs.all():
-        return End(float(values[path[np.argmin(arcs)]]), "fold")
-    if values[path[-1]] == limit:
-        return End(math.inf if limit > value else 0.0, "none")
-    return End(_first_touch(rotor, parameter), "touch")
-
-
-def _extent_over_damping(rotor: Rotor, amplitude: float) -> tuple[End, End]:
-    """Return the range of damping of a stable whirl, whose amplitude falls with damping."""
-    lowest, highest = AT_ZERO * rotor.zeta, FARTHEST_OF_WHIRL * rotor.zeta
-    turns = [turn for side in fold_locus(RestoringLaw(rotor.delta0), 4.0 * lowest**2)
-             for turn in _folds_at_speed(side, rotor.omega)]  # fmt: skip
-    touch = End(math.inf, "none")
-    if 0.0 < rotor.delta0 < 1.0:
-        touch = End(_first_touch(rotor, "zeta"), "touch")
-    at_speed = RotorColumns.of({"omega": [rotor.omega], "zeta": 0.0, "delta0": rotor.delta0})
-    undamped = contacting_whirls(at_speed).amplitude
-    lasting = undamped[undamped >= amplitude * (1.0 - UNDAMPED)]
-    below = [(rotor.delta0, touch), *(turn for turn in turns if turn[0] <= amplitude)]
-    above = [*((size, End(0.0, "none")) for size in lasting.tolist()),
-             *(turn for turn in turns if turn[0] > amplitude)]  # fmt: skip
-    (_, low), (_, high) = min(above, key=itemgetter(0)), max(below, key=itemgetter(0))
-    return (
-        low if low.value >= lowest else End(0.0, "none"),
-        high if high.value <= highest else End(math.inf, "none"),
-    )
-
-
-def _folds_at_speed(side: LocusSide, omega: float) -> list[tuple[float, End]]:
-    """Return the amplitudes of the folds at one speed, each with its damping."""
-
-    def faster(u: Values | float) -> Values:
-        return np.asarray(u) ** 3 / locus_points(u, side.law, side.side).b - omega**2
-
-    beyond = faster(side.u)
-    found = []
-    for place in np.flatnonzero(beyond[:-1] * beyond[1:] <= 0.0).tolist():
-        u = float(brentq(faster, side.u[place], side.u[place + 1], xtol=1e-300, rtol=1e-15))
-        damping = float(locus_points(u, side.law, side.side).damping)
-        found.append((side.law.delta0 + u * u, End(0.5 * math.sqrt(damping), "fold")))
-    return found

@@ -1,7 +1,9 @@
 """Resilience: how far each attractor of a rotor is from being left, by a shock or by drift.
 
-For each attractor: the smallest shock found to each other one, confirmed by CVODE; the size up to
-which no shock leaves it, proven or estimated; and the extents of its parameters.
+For each attractor the smallest shock found to each other one, followed again to confirm it. Of one
+disc CVODE does so; there is also the size up to which no shock leaves the attractor, proven or
+estimated, and the extents of its parameters. A rotor system has no trapping regions: each shock is
+followed until it has settled, as a start, and the smallest again with a tighter tolerance.
 """
 
 from __future__ import annotations
@@ -10,6 +12,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
+from typing import ClassVar, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -23,30 +26,43 @@ from rotor_ida.basins.atlas.extents import (
     extent_of_whirl,
     varied,
 )
-from rotor_ida.basins.atlas.rubbing import states_of_rub
 from rotor_ida.basins.atlas.shocks import (
     CHANGES,
     KINDS,
+    ONE_BY_ONE,
+    SIDE_BY_SIDE,
     Blows,
+    Effort,
     Shocks,
     Source,
     bound_of_cycle,
     bound_of_held_whirl,
     bound_of_whirl,
-    ends_of,
+    ends_of_disc,
     try_shocks,
 )
-from rotor_ida.basins.attractors import CONTACT_FREE_FAMILY, Attractor, leads_to
-from rotor_ida.basins.cycle_sections import CycleSection
-from rotor_ida.basins.kernel import CHAOTIC, UNDECIDED
-from rotor_ida.basins.known import ContactFree, Known, may_roll
-from rotor_ida.cycles.orbit import Orbit
+from rotor_ida.basins.attractors import (
+    AT_THE_SPIN,
+    CONTACT_FREE_FAMILY,
+    Attractors,
+    has_period,
+    kind_of,
+    leads_to,
+    state_on,
+)
+from rotor_ida.basins.fates import APERIODIC, Disc
+from rotor_ida.basins.following import Labeller, tighter_than
+from rotor_ida.basins.kernel import CHAOTIC, UNDECIDED, Labels
+from rotor_ida.basins.known import ContactFree, Known, may_roll, with_cycle
+from rotor_ida.basins.subjects import KnockedSystem, ends_of
+from rotor_ida.cycles.shooting import close_orbit
 from rotor_ida.errors import SimulationError
-from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema import END
 from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.options import Options
+from rotor_ida.simulation.systems.flow import SystemFlow
 from rotor_ida.steady import response
+from rotor_ida.steady.grid import Table
 
 Flags = npt.NDArray[np.int8]
 # A job that fills in a part of what is known of an attractor.
@@ -57,43 +73,28 @@ Fill = Callable[[Stop], None]
 LARGEST = 4.0
 # The search begins with sizes down to this fraction of that.
 SMALLEST = 1e-4
-# CVODE follows the smallest shock to its attractor. If that is another one, it tries shocks larger
-# by these fractions: a basin boundary is known to an error, and may be finely folded.
+# The smallest shock is followed again to its attractor. If that is another one, shocks larger by
+# these fractions are: a basin boundary is known to an error, and may be finely folded.
 LARGER = (0.0, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0)
-# Number of states of a limit cycle at which it is shocked; and of chaos, a unit of time apart.
-SAMPLES = 1024
-# States of chaos are taken after this number of time units, a transient.
-CHAOS_BEGINS = 2000
+# Number of states of one disc at which a limit cycle is shocked, or a motion without a period over
+# this number of revolutions; and of chaos, a unit of time apart.
+SAMPLES, REVOLUTIONS = 1024, 64
+# Number of states of a rotor system, of which each takes a run for a shock.
+PLACES = 64
 # Chaos that is left before this number of them is not shocked.
 FEWEST = 128
-_NONE = np.empty((4, 0))
-
-
-@dataclass(frozen=True, slots=True)
-class Subject:
-    """An attractor as the search for shocks needs it."""
-
-    attractor: Attractor
-    label: int  # as in `rotor_ida.basins.kernel`
-    cycle: Orbit | None  # where it is one
-    start: Values  # one that ends on it, shape (4,) [1]; NaN where there is none
-
-    @property
-    def is_whirl(self) -> bool:
-        """Whether it is a whirl in contact."""
-        return self.attractor.kind == response.SYNCHRONOUS
 
 
 @dataclass(slots=True)
 class Resilience:
     """How far an attractor is from being left; shocks of velocity first, then of displacement."""
 
-    # the smallest shock to each of m attractors that CVODE confirms, or NaN: (2, m) [1]
+    # the smallest shock to each of m attractors that was confirmed, or NaN: (2, m) [1]
     sizes: Values
-    before: Values  # states on the rotating axes just before it, shape (2, m, 4) [1]
+    before: Values  # states just before it, shape (2, m, n) [1]
     after: Values  # and just after
-    # relative excess of the best over the smallest that another draw led to, before confirmation
-    # by CVODE, shape (2, m) [1]
+    # relative excess of the best over the smallest that another draw led to, before it was
+    # confirmed, shape (2, m) [1]
     scatter: Values
     # the lowest and the highest value of each parameter at which the attractor exists [1],
     extents: Values
@@ -103,47 +104,215 @@ class Resilience:
     bounds: Values = field(default_factory=lambda: np.zeros(2))
 
     @classmethod
-    def unknown(cls, attractors: int, rotor: Rotor) -> Resilience:
+    def unknown(cls, attractors: int, size: int, parameters: int) -> Self:
         """Return the resilience of an attractor about which nothing is known."""
-        over = len(varied(rotor)), 2
-        return cls(
-            np.full((2, attractors), np.nan), np.full((2, attractors, 4), np.nan),
-            np.full((2, attractors, 4), np.nan), np.full((2, attractors), np.nan),
-            np.full(over, np.nan), np.full(over, END["not_found"], dtype=np.int8),
-        )  # fmt: skip
+        sizes, states = np.full((2, attractors), np.nan), np.full((2, attractors, size), np.nan)
+        over = parameters, 2
+        return cls(sizes, states, states.copy(), sizes.copy(), np.full(over, np.nan),
+                   np.full(over, END["not_found"], dtype=np.int8))  # fmt: skip
+
+
+def witness_options() -> Options:
+    """Return the options with which the smallest shocks on one disc are confirmed."""
+    return Options()
 
 
 @dataclass(frozen=True, slots=True)
-class Search:
-    """A rotor with all that the search for shocks needs."""
+class DiscSearch:
+    """One disc with all that the search for shocks needs."""
+
+    effort: ClassVar[Effort] = SIDE_BY_SIDE
 
     known: Known
-    subjects: list[Subject]  # its attractors, in their order
-    shocks: int  # number of each kind tried for each attractor
-    tolerance: float  # of a step [1]
+    rows: Table
+    labels: list[int]  # as in `rotor_ida.basins.kernel`
+    shocks: int
+    rtol: float  # error allowed in a step [1]
     stop: Stop
+
+    @classmethod
+    def of(cls, disc: Disc, rows: Table, shocks: int, stop: Stop) -> Self:
+        """Return the search with all limit cycles known."""
+        known, labels = disc.known, []
+        for number, row in enumerate(rows):  # the whirls come first
+            kind = kind_of(row)
+            if has_period(row):
+                flow = DiscFlow(known.rotor, stop)
+                cycle = close_orbit(flow, row["final_state"], float(row["period"]))
+                label = known.label_of_cycle(cycle)
+                if label is None:
+                    label = known.first_cycle + len(known.cycles)
+                    known = with_cycle(known, cycle, stop)
+                labels.append(label)
+            elif kind in CONTACT_FREE_FAMILY:
+                labels.append(known.free_label)
+            else:
+                labels.append(APERIODIC.get(kind, number))
+        return cls(known, rows, labels, shocks, disc.rtol or math.nan, stop)
 
     def largest(self) -> tuple[float, float]:
         """Return the largest change of velocity and of position that is tried [1]."""
         rotor = self.known.rotor
-        radii = [each.attractor.radius_max for each in self.subjects]
-        size = LARGEST * max([1.0, rotor.delta0, *(one for one in radii if one > 0.0)])
+        radii = [radius for radius in self.rows["radius_max"].tolist() if radius > 0.0]
+        size = LARGEST * max([1.0, rotor.delta0, *radii])
         return size * max(1.0, rotor.omega), size
 
-    def ends(self, states: Values) -> npt.NDArray[np.int16]:
+    def at(self, stop: Stop) -> Self:
+        """Return the same, which ends as soon as `stop` is not 0."""
+        return replace(self, stop=stop)
+
+    def source(self, number: int) -> Source | None:
+        """Return a source of states of an attractor, or None if they are not known."""
+        rotor, free = self.known.rotor, self.known.free
+        if rotor.omega == 0.0:
+            return None
+        if kind_of(self.rows[number]) in CONTACT_FREE_FAMILY:
+            return None if free is None else partial(_contact_free_states, free, rotor.omega)
+        try:
+            states = self._states(number)
+        except SimulationError:
+            return None
+        return _spread_over(states) if states.size else None
+
+    def _states(self, number: int) -> Values:
+        """Return states of an attractor other than the contact-free ones, shape (4, n)."""
+        row, flow = self.rows[number], DiscFlow(self.known.rotor, self.stop)
+        state = row["final_state"]
+        if kind_of(row) == response.SYNCHRONOUS:
+            return np.asarray(state[:, np.newaxis])
+        if not np.isfinite(state).all():
+            return np.empty((4, 0))
+        chaotic = self.labels[number] == CHAOTIC
+        duration = row["period"] if has_period(row) else REVOLUTIONS * flow.revolution
+        duration = SAMPLES if chaotic else duration
+        states = flow.states(state, np.linspace(0.0, duration, SAMPLES, endpoint=False)).T
+        if not chaotic or may_roll(flow.rotor):
+            return states
+        # chaos, while it lasts: a motion that leaves by itself needs no shock
+        left = np.flatnonzero(ends_of_disc(self.known, states, self.rtol, self.stop) != UNDECIDED)
+        lasting = int(left[0]) if left.size else SAMPLES
+        return states[:, : lasting if lasting >= FEWEST else 0]
+
+    def changes(self, kind: str) -> Values:
+        """Return how a state changes by shocks of size 1 along x and along y."""
+        return CHANGES[kind]
+
+    def ends(self, states: Values) -> Labels:
         """Return the labels of states, shape (4, n).
 
         If there is chaos, states that enter no region in time count as chaotic, until CVODE checks.
         """
-        labels = ends_of(self.known, states, self.tolerance, self.stop)
-        if any(each.label == CHAOTIC for each in self.subjects):
+        labels = ends_of_disc(self.known, states, self.rtol, self.stop)
+        if CHAOTIC in self.labels:
             labels[labels == UNDECIDED] = CHAOTIC
         return labels
 
+    def holds(self, number: int, state: Values) -> bool:
+        """Return whether CVODE follows a state to an attractor."""
+        row, options = self.rows[number], witness_options()
+        return not self.stop[0] and leads_to(
+            self.known.rotor, row, state, options, family=True, stop=self.stop
+        )
 
-def witness_options() -> Options:
-    """Return the options with which the smallest shocks are confirmed."""
-    return Options()
+    def kept(self, state: Values) -> Values:
+        """Return a state as a result has it: on the rotating axes."""
+        return state
+
+    def bound(self, number: int, kind: str) -> float:
+        """Return the proven size up to which no shock leaves a whirl; 0 if none is known."""
+        known, label = self.known, self.labels[number]
+        if kind_of(self.rows[number]) == response.SYNCHRONOUS:
+            return bound_of_whirl(known.whirls[label], kind)
+        if label == known.free_label and known.free is not None and known.free.alone:
+            return bound_of_held_whirl(known.rotor, known.free.room, kind)
+        return 0.0
+
+    def estimate(self, number: int, kind: str, source: Source, most: float) -> float:
+        """Return that size of a limit cycle, by shocks up to the size `most`; else 0."""
+        place = self.labels[number] - self.known.first_cycle
+        if not 0 <= place < len(self.known.cycles):
+            return 0.0
+        return bound_of_cycle(self.known.cycles[place], source, kind, most, self.stop)
+
+    def extent(self, number: int, name: str) -> tuple[End, End]:
+        """Return the range of a parameter in which an attractor exists."""
+        row, rotor = self.rows[number], self.known.rotor
+        if rotor.omega == 0.0:
+            return UNKNOWN, UNKNOWN
+        if kind_of(row) in CONTACT_FREE_FAMILY:
+            return extent_of_contact_free(rotor, name)
+        if kind_of(row) == response.SYNCHRONOUS:
+            return extent_of_whirl(rotor, float(row["amplitude"]), name)
+        if not has_period(row):
+            return UNKNOWN, UNKNOWN
+        return extent_of_cycle(rotor, row["final_state"], float(row["period"]), name, self.stop)
+
+
+@dataclass(frozen=True, slots=True)
+class SystemSearch:
+    """A rotor system with all that the search for shocks needs."""
+
+    effort: ClassVar[Effort] = ONE_BY_ONE
+
+    knocked: KnockedSystem
+    rows: Table
+    shocks: int
+    flow: SystemFlow
+
+    @property
+    def labels(self) -> list[int]:
+        """The label of each attractor: its number."""
+        return list(range(len(self.rows)))
+
+    def largest(self) -> tuple[float, float]:
+        """Return the largest change of velocity and of displacement that is tried."""
+        radii = [self.rows[name].ravel() for name in ("radius_max", "node_radius_max")]
+        size = LARGEST * float(np.nanmax(np.concatenate([self.flow.clearances, *radii])))
+        return size * abs(self.flow.speed), size
+
+    def at(self, stop: Stop) -> Self:
+        """Return the same, which ends as soon as `stop` is not 0."""
+        return replace(self, flow=self.knocked.flow(stop))
+
+    def source(self, number: int) -> Source:
+        """Return a source of states of an attractor.
+
+        In a system that is not axisymmetric they are those after whole revolutions, where runs
+        begin.
+        """
+        row, flow, times = self.rows[number], self.flow, np.zeros(1)
+        if kind_of(row) not in AT_THE_SPIN:
+            turns = row["period"] / flow.revolution if has_period(row) else REVOLUTIONS
+            if flow.period is None:
+                times = np.linspace(0.0, turns * flow.revolution, PLACES, endpoint=False)
+            else:
+                times = flow.revolution * np.arange(round(turns))
+        states = [state_on(flow, row)]
+        for step in np.diff(times).tolist():
+            states.append(flow.after(states[-1], step))
+        return _spread_over(np.array(states).T)
+
+    def changes(self, kind: str) -> Values:
+        """Return how a state changes by shocks of the node of size 1 along x and along y."""
+        first = KINDS[kind]
+        return self.knocked.shapes[:, first : first + 2] / self.flow.scales[:, np.newaxis]
+
+    def ends(self, states: Values) -> Labels:
+        """Return the numbers of the attractors to which states, shape (n, m), lead."""
+        return ends_of(Attractors(self.flow, self.rows), self.flow, states.T)
+
+    def holds(self, number: int, state: Values) -> bool:
+        """Return whether a state leads to an attractor with a tighter tolerance."""
+        closely = self.flow.but(rtol=tighter_than(self.knocked.rtol))
+        ends = ends_of(Attractors(self.flow, self.rows), closely, state[np.newaxis])
+        return bool(ends[0] == number)
+
+    def kept(self, state: Values) -> Values:
+        """Return a state as a result has it."""
+        return self.flow.in_q(state)
+
+
+Search = DiscSearch | SystemSearch
 
 
 def resilience_of(search: Search) -> tuple[list[Resilience], list[Fill]]:
@@ -152,106 +321,76 @@ def resilience_of(search: Search) -> tuple[list[Resilience], list[Fill]]:
     Nothing is known of it until the independent jobs are done that are returned too: for each
     attractor its extents, and its shocks.
     """
-    resilience: dict[int, Resilience] = {}
+    found: dict[int, Resilience] = {}
     fills: list[Fill] = []
-    for subject in search.subjects:  # fading touches belong to the contact-free family
-        if subject.label not in resilience:
-            unknown = Resilience.unknown(len(search.subjects), search.known.rotor)
-            resilience[subject.label] = unknown
-            fills.append(partial(_fill_extents, unknown, search.known.rotor, subject))
-            fills.append(partial(_fill_shocks, unknown, search, subject))
-    return [resilience[subject.label] for subject in search.subjects], fills
+    size = search.rows["final_state"].shape[-1]
+    for number, label in enumerate(search.labels):  # fading touches may be of another's family
+        if label not in found:
+            parameters = varied(search.known.rotor) if isinstance(search, DiscSearch) else ()
+            found[label] = Resilience.unknown(len(search.rows), size, len(parameters))
+            if isinstance(search, DiscSearch):
+                fills.append(partial(_fill_extents, found[label], search, number))
+            fills.append(partial(_fill_shocks, found[label], search, number))
+    return [found[label] for label in search.labels], fills
 
 
-def _fill_shocks(resilience: Resilience, search: Search, subject: Subject, stop: Stop) -> None:
+def _fill_extents(resilience: Resilience, search: DiscSearch, number: int, stop: Stop) -> None:
+    """Fill in the ranges of the parameters in which an attractor exists."""
+    search = search.at(stop)
+    for row, name in enumerate(varied(search.known.rotor)):
+        for column, end in enumerate(search.extent(number, name)):
+            resilience.extents[row, column] = end.value
+            resilience.ends[row, column] = END[end.kind]
+
+
+def _fill_shocks(resilience: Resilience, search: Search, number: int, stop: Stop) -> None:
     """Fill in the smallest shocks from an attractor to each other, and their bounds."""
-    known, search = search.known, replace(search, stop=stop)
-    source = _source_of(search, subject) if known.rotor.omega > 0.0 else None
+    search = search.at(stop)
+    own, source = search.labels[number], search.source(number)
     if source is None:
         return
     for row, (kind, largest) in enumerate(zip(KINDS, search.largest(), strict=True)):
-        bound = _proven_bound(known, subject, kind)
+        bound = search.bound(number, kind) if isinstance(search, DiscSearch) else 0.0
         sizes = max(bound, SMALLEST * largest), largest
-        blows = Blows(source, CHANGES[kind], search.ends)
-        tried, scatter = try_shocks(blows, subject.label, sizes, search.shocks, seed=row)
-        for place, target in enumerate(search.subjects):
-            if target.label not in (subject.label, UNDECIDED):
-                _keep_smallest(search, resilience, (row, place), tried)
-                if math.isfinite(resilience.sizes[row, place]):
-                    resilience.scatter[row, place] = scatter[target.label]
-        section = _section_of(known, subject)
-        if section is not None:
-            thrown = tried.sizes[tried.labels != subject.label]
-            most = float(thrown.min(initial=largest))
-            bound = bound_of_cycle(section, source, kind, most, search.stop)
-        resilience.bounds[row] = bound
-
-
-def _proven_bound(known: Known, subject: Subject, kind: str) -> float:
-    """Return the size up to which no shock leaves a whirl; 0 if none is known."""
-    if subject.is_whirl:
-        return bound_of_whirl(known.whirls[subject.label], kind)
-    if subject.label == known.free_label and known.free is not None and known.free.alone:
-        return bound_of_held_whirl(known.rotor, known.free.room, kind)
-    return 0.0
+        blows = Blows(source, search.changes(kind), search.ends)
+        tried, scatter = try_shocks(
+            blows, own, sizes, search.shocks, seed=row, effort=search.effort
+        )
+        for target, label in enumerate(search.labels):
+            is_other = label not in (own, UNDECIDED)
+            if is_other and _keep_smallest(resilience, search, tried, (row, target)):
+                resilience.scatter[row, target] = scatter[label]
+        if isinstance(search, DiscSearch):
+            thrown = float(tried.sizes[tried.labels != own].min(initial=largest))
+            estimate = search.estimate(number, kind, source, thrown)
+            resilience.bounds[row] = max(bound, estimate)
 
 
 def _keep_smallest(
-    search: Search, resilience: Resilience, place: tuple[int, int], tried: Shocks
-) -> None:
-    """Keep the smallest shock to an attractor that CVODE follows there."""
-    target, options = search.subjects[place[1]], witness_options()
-    for number in tried.smallest(target.label, LARGER):
-        if search.stop[0]:
-            return
-        after = tried.after[:, number]
-        if leads_to(
-            search.known.rotor, target.attractor, after, options, family=True, stop=search.stop
-        ):
+    resilience: Resilience, search: Search, tried: Shocks, place: tuple[int, int]
+) -> bool:
+    """Keep the smallest shock to an attractor that is confirmed; return whether there is one."""
+    for number in tried.smallest(search.labels[place[1]], LARGER):
+        if search.holds(place[1], tried.after[:, number]):
             resilience.sizes[place] = tried.sizes[number]
-            resilience.before[place], resilience.after[place] = tried.before[:, number], after
-            return
+            resilience.before[place] = search.kept(tried.before[:, number])
+            resilience.after[place] = search.kept(tried.after[:, number])
+            return True
+    return False
 
 
-def _section_of(known: Known, subject: Subject) -> CycleSection | None:
-    """Return the section of a limit cycle."""
-    place = subject.label - known.first_cycle
-    return known.cycles[place] if 0 <= place < len(known.cycles) else None
+def search_of(labeller: Labeller, rows: Table, shocks: int, stop: Stop) -> Search:
+    """Return the search for shocks among the attractors of a rotor whose starts were labelled."""
+    if isinstance(labeller, Disc):
+        return DiscSearch.of(labeller, rows, shocks, stop)
+    assert isinstance(labeller, KnockedSystem)
+    return SystemSearch(labeller, rows, shocks, labeller.flow(stop))
 
 
-def _source_of(search: Search, subject: Subject) -> Source | None:
-    """Return a source of states of an attractor, or None if they are not known."""
-    if subject.attractor.kind in CONTACT_FREE_FAMILY:
-        free, omega = search.known.free, search.known.rotor.omega
-        return None if free is None else partial(_contact_free_states, free, omega)
-    try:
-        states = _states_of(search, subject)
-    except SimulationError:
-        return None
+def _spread_over(states: Values) -> Source:
+    """Return a source of these states, shape (m, n), by the first coordinate of a place."""
     count = states.shape[1]
-    if not count:
-        return None
     return lambda places: states[:, np.floor(places[0] * count).astype(np.int64) % count]
-
-
-def _states_of(search: Search, subject: Subject) -> Values:
-    """Return states of an attractor other than the contact-free ones, shape (4, n)."""
-    known, stop = search.known, search.stop
-    if subject.is_whirl:
-        return known.whirls[subject.label].centre[:, None]
-    if subject.cycle is not None:
-        cycle = subject.cycle
-        times = np.linspace(0.0, cycle.duration, SAMPLES, endpoint=False)
-        return DiscFlow(known.rotor, stop).states(cycle.start, times).T
-    if may_roll(known.rotor):
-        start = subject.start
-        return states_of_rub(known.rotor, start, SAMPLES) if np.isfinite(start).all() else _NONE
-    # chaos, while it lasts: a motion that leaves by itself needs no shock
-    times = np.linspace(0.0, CHAOS_BEGINS + SAMPLES - 1.0, CHAOS_BEGINS + SAMPLES)
-    states = DiscFlow(known.rotor, stop).states(subject.start, times)[-SAMPLES:].T
-    left = np.flatnonzero(ends_of(known, states, search.tolerance, stop) != UNDECIDED)
-    lasting = int(left[0]) if left.size else SAMPLES
-    return states[:, : lasting if lasting >= FEWEST else 0]
 
 
 def _contact_free_states(free: ContactFree, omega: float, places: Values) -> Values:
@@ -266,24 +405,3 @@ def _contact_free_states(free: ContactFree, omega: float, places: Values) -> Val
         np.full(angle.size, velocity.real),
         np.full(angle.size, velocity.imag),
     ])  # fmt: skip
-
-
-def _fill_extents(resilience: Resilience, rotor: Rotor, subject: Subject, stop: Stop) -> None:
-    """Fill in the ranges of the parameters in which an attractor exists."""
-    for row, name in enumerate(varied(rotor)):
-        for column, end in enumerate(_extent(rotor, subject, name, stop)):
-            resilience.extents[row, column] = end.value
-            resilience.ends[row, column] = END[end.kind]
-
-
-def _extent(rotor: Rotor, subject: Subject, name: str, stop: Stop) -> tuple[End, End]:
-    attractor = subject.attractor
-    if rotor.omega == 0.0 or attractor.kind == response.CHAOTIC:
-        return UNKNOWN, UNKNOWN
-    if attractor.kind in CONTACT_FREE_FAMILY:
-        return extent_of_contact_free(rotor, name)
-    if attractor.kind == response.SYNCHRONOUS:
-        return extent_of_whirl(rotor, attractor.amplitude, name)
-    if subject.cycle is None:
-        return UNKNOWN, UNKNOWN
-    return extent_of_cycle(rotor, subject.cycle.start, subject.cycle.duration, name, stop)

@@ -16,7 +16,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_left
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from typing import NamedTuple
 
 import numpy as np
@@ -151,7 +151,7 @@ class _Descents:
     reach: Values
 
 
-def ends_of(known: Known, states: Values, tolerance: float, stop: Stop) -> Labels:
+def ends_of_disc(known: Known, states: Values, tolerance: float, stop: Stop) -> Labels:
     """Return the labels of states, shape (4, n); fading touches count as contact-free.
 
     States that enter no region in time are undecided; with friction they are followed separately.
@@ -199,12 +199,8 @@ def try_shocks(
 
 
 def _joined(rounds: Sequence[Shocks]) -> Shocks:
-    return Shocks(
-        np.concatenate([shots.sizes for shots in rounds]),
-        np.concatenate([shots.before for shots in rounds], axis=1),
-        np.concatenate([shots.after for shots in rounds], axis=1),
-        np.concatenate([shots.labels for shots in rounds]),
-    )
+    columns = [[getattr(shots, each.name) for shots in rounds] for each in fields(Shocks)]
+    return Shocks(*(np.concatenate(column, axis=-1) for column in columns))
 
 
 def _descents_from(leading: dict[int, _Leading]) -> _Descents:

@@ -2,107 +2,37 @@
 
 from __future__ import annotations
 
-import math
-from collections.abc import Mapping
-from contextlib import closing
-from typing import Any, Unpack
+from typing import Unpack
 
-import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Values, Watch
 from rotor_ida.basins.atlas.cells import (
     MOST_STARTS,
     Cell,
     CellJob,
-    DiscCell,
-    Member,
-    counted_cell,
+    cell_of,
     fills_of,
+    scouted_of,
 )
-from rotor_ida.basins.atlas.dataset import (
-    BEHIND,
-    column_of,
-    how_computed,
-    member_row,
-    missed_fraction,
-)
+from rotor_ida.basins.atlas.dataset import atlas_dataset, how_computed
 from rotor_ida.basins.atlas.resilience import Fill
-from rotor_ida.basins.atlas.rubbing import (
-    needs_run,
-    numbers_of_cycle,
-    numbers_of_rub,
-    numbers_of_whirl,
-)
-from rotor_ida.basins.atlas.shocks import KINDS
-from rotor_ida.basins.atlas.system_cells import (
-    SystemCellJob,
-    counted_system_cell,
-    numbers_of_system,
-    system_fills_of,
-)
-from rotor_ida.basins.attractors import Attractor
-from rotor_ida.basins.basin import LOOSEST, TIGHTEST, check_rotor
-from rotor_ida.basins.dataset import ENTROPIES, agreement_of
-from rotor_ida.basins.fates import ALONE
-from rotor_ida.basins.following import RTOL
+from rotor_ida.basins.fates import ALONE, RTOL
+from rotor_ida.basins.following import follow_starts, run_due
 from rotor_ida.basins.known import followed_alone
-from rotor_ida.basins.system_basin import coordinates_of
-from rotor_ida.basins.system_labels import SystemBatch, follow_starts_of_system, how_labelled
-from rotor_ida.basins.system_starts import knocked_systems, one_speed
-from rotor_ida.checks import (
-    COMPONENTS,
-    MOST_SHOCKS,
-    check_between,
-    check_count,
-    check_name,
-    check_progress,
-    check_seed,
-)
-from rotor_ida.cycles.dataset import whirl_of_cycle
-from rotor_ida.cycles.orbit import Orbit
-from rotor_ida.cycles.shooting import close_orbit
+from rotor_ida.basins.starts import Box
+from rotor_ida.basins.subjects import one_rotor, subjects_of
+from rotor_ida.checks import MOST_SHOCKS, check_count, check_progress, check_seed
 from rotor_ida.errors import InputError
-from rotor_ida.model.contact import contact_force
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
-from rotor_ida.model.system_parameters import SPEED
-from rotor_ida.model.varied import Varied
-from rotor_ida.parallel import (
-    Progress,
-    Stop,
-    Workers,
-    choose,
-    interruptible,
-    run_all,
-    shows_progress,
-)
+from rotor_ida.parallel import Progress, Stop, Workers, choose, interruptible, shows_progress
 from rotor_ida.results.in_si import takes_rotors
-from rotor_ida.results.provenance import provenance
-from rotor_ida.results.run import parameter_coordinates
-from rotor_ida.results.si_units import with_system_units
 from rotor_ida.results.studies.results import Results
-from rotor_ida.schema import WHIRL_DIRECTION, Column, labelled_dataset
-from rotor_ida.simulation.flow import DiscFlow
-from rotor_ida.simulation.starts import Start, box_of, drawn_from
-from rotor_ida.steady import response
+from rotor_ida.simulation.starts import Start, box_of
 
 # Number of shocks of each kind, unless told otherwise.
 SHOCKS, SHOCKS_OF_SYSTEM = 4096, 64
-# Samples of one period of a limit cycle, for its mean force, its power and its whirl.
-SAMPLES = 2048
-# Numbers of an attractor that add nothing here.
-LEFT_OUT = ("count", "phase_lag")
-# Numbers of an attractor that may be absent.
-NUMBERS = (
-    "largest_force", "mean_force", "contacts_per_revolution", "contact_fraction",
-    "dissipation_per_revolution", "whirl_over_spin", "side_line_over_spin", "excursion",
-)  # fmt: skip
-# Kinds of motion that finally rotate with the unbalance,
-AT_THE_SPIN = (response.SYNCHRONOUS, response.CONTACT_FREE, response.TOUCHING)
-# and with friction.
-OF_FRICTION = ("heat_per_revolution", "slip_distance_per_revolution", "rolling_fraction")
 
 
 @takes_rotors(
@@ -134,16 +64,11 @@ def touchdown_report(
     ----------
     rotor : Rotor, DimensionalRotor or RotorSystem
         The rotor. For a `DimensionalRotor` starts and results are in SI units.
-    speed, node
-        Of a `RotorSystem`, as for `rotor_ida.basin`: starts are those of the node, and shocks are
-        given to it.
-    x, y, vx, vy : float or array_like, shape (2,)
-        Components of the start [m], [m/s] or [1]: numbers, or ranges ``(low, high)`` from which
-        they are drawn independently and uniformly.
+    speed, node, x, y, vx, vy, seed, start, modes
+        The starts, as for `rotor_ida.continue_attractors`, at one speed. Shocks of a `RotorSystem`
+        are given to the node.
     starts : int
         Number of starts, by default 1000 and of a `RotorSystem` 100.
-    seed : int
-        Seed of the random numbers: the same seed gives the same starts.
     rtol : float, optional
         Error allowed per step, relative to the size of the state and of the eccentricity [1];
         default: 1e-6, and 1e-10 under a load.
@@ -152,10 +77,9 @@ def touchdown_report(
         find the smallest one that leads to each other attractor; with 0 there are no such results.
         Default: 4096, and 0 under a load, where no more are possible. Of a `RotorSystem` 64; up to
         three times as many are followed, each by itself.
-    start, modes
-        As for `rotor_ida.basin`.
     workers : int, optional
-        Number of attractors to which shocks are applied at a time; default: one for each core.
+        Number of batches of starts, then of attractors to which shocks are applied, at a time;
+        default: one for each core.
     progress : callable or bool, optional
         Called with the number of starts and shocks followed and their total, to which shocks are
         added once the attractors are known; True shows a bar on standard error.
@@ -257,127 +181,61 @@ def touchdown_report(
     >>> report.contact_fraction.values.tolist()
     [[1.0], [0.0]]
     """
-    count, chosen = check_count("starts", starts, maximum=MOST_STARTS), check_seed(seed)
-    box = box_of({"x": x, "y": y, "vx": vx, "vy": vy}, count)
-    ranges = {f"range_{name}": ends for name, ends in zip(COMPONENTS, box, strict=True)}
-    drawn = {"starts": count, "seed": chosen, **ranges}
+    count = check_count("starts", starts, maximum=MOST_STARTS)
+    limits = box_of({"x": x, "y": y, "vx": vx, "vy": vy}, count)
+    box, tried = Box(limits, count, check_seed(seed)), _shocks_to_try(rotor, shocks)
     how = choose("threads", workers, compiled=True), check_progress(progress)
     if isinstance(rotor, RotorSystem):
-        return _report_of_system(
-            changed_system(touchdown_report, rotor, changed), box, drawn, check_name("node", node),
-            _shocks_to_try(rotor, shocks), *how, speed=speed, start=start, modes=modes, rtol=rtol,
-        )  # fmt: skip
-    assert isinstance(rotor, Rotor)
-    check_rotor(rotor, "a touchdown report", one_by_one=True)
-    if rotor.omega == 0.0:
+        rotor = changed_system(touchdown_report, rotor, changed)
+    elif isinstance(rotor, Rotor) and rotor.omega == 0.0:
         raise InputError(
             "{name} must be above 0 for a touchdown report, got {value}", name="omega", value=0.0
         )
-    tolerance = ALONE.rtol if followed_alone(rotor) else RTOL
-    if rtol is not None:
-        tolerance = check_between("rtol", rtol, TIGHTEST, LOOSEST)
-    tried = _shocks_to_try(rotor, shocks)
-    cell = _filled(CellJob(rotor, drawn_from(box, chosen, 0, count), tolerance, tried), *how)
-    rows = [member_row(rotor, each, count) | _numbers(rotor, each) for each in cell.members]
-    return _dataset(
-        cell, rows, parameter_coordinates(rotor),
-        {**how_computed(tolerance, tried, rotor), **drawn, **rotor.given},
+    subjects = subjects_of(
+        one_rotor(rotor, speed), "a touchdown report", node=node, start=start, modes=modes,
+        rtol=rtol, one_by_one=True,
     )  # fmt: skip
+    (point,) = subjects.points
+    alone = isinstance(point, Rotor) and followed_alone(point)
+    tolerance = subjects.rtol or (ALONE.rtol if alone else RTOL)
+    cell = _filled(CellJob(point, box.starts(0, count), tried, tolerance), *how)
+    for number, each in enumerate(cell.members):
+        each.identity = number
+    attributes = {
+        **how_computed(tolerance, tried, subjects), **subjects.told, **box.attributes,
+        **(point.given if isinstance(point, Rotor) else {}),
+    }  # fmt: skip
+    return atlas_dataset(subjects, [cell], count, attributes, is_report=True)
 
 
-def _report_of_system(
-    system: RotorSystem, box: Values, drawn: Mapping[str, Any], node: str, shocks: int,
-    chosen: Workers, progress: Progress | None, **given: Any,
-) -> xr.Dataset:  # fmt: skip
-    """Return the effects of each attractor of a rotor system."""
-    asked = Varied({SPEED: one_speed(given.pop("speed"))}, system)
-    varied, (knocked,) = knocked_systems(asked, node, **given)
-    count = int(drawn["starts"])
-    job = SystemCellJob(knocked, drawn_from(box, drawn["seed"], 0, count), shocks)
-    kept: Results[SystemBatch] = Results()
-    followed = follow_starts_of_system(
-        knocked, lambda first, last: job.states[:, first:last], count, kept,
-        workers=chosen.number, executor=chosen.executor, progress=progress,
-    )  # fmt: skip
-    cell = counted_system_cell(job, followed)
-    _try_shocks(system_fills_of(cell, shocks), count, shocks, chosen, progress)
-    rows = [
-        member_row(knocked, each, count - cell.not_computed)
-        | numbers_of_system(each.attractor.row, knocked)
-        for each in cell.members
-    ]
-    how = {**provenance(how_labelled(varied.rtol)), "shocks": shocks, "knocked_node": node}
-    found = _dataset(
-        cell, rows, coordinates_of(varied.varied.base, knocked.speed), {**how, **drawn}
-    )
-    return with_system_units(found, system)
-
-
-def _filled(job: CellJob, workers: Workers, progress: Progress | None) -> DiscCell:
+def _filled(job: CellJob, workers: Workers, progress: Progress | None) -> Cell:
     """Follow the starts, then apply shocks to several attractors at a time."""
-    watch: Watch = []
     starts = job.states.shape[1]
-
-    def tell(done: float, total: int) -> None:
-        if progress is not None:
-            progress(int(done), total)
-
-    cell, search = interruptible(
-        lambda stop: counted_cell(job, stop, watch),
-        told=lambda: tell(sum(decided() for decided in watch), starts),
-    )
-    fills = [] if search is None else fills_of(cell, search)
-    # half of the jobs try shocks, of two kinds
-    _try_shocks(fills, starts, job.shocks, workers, progress)
-    return cell
-
-
-def _try_shocks(
-    fills: list[Fill], starts: int, each: int, workers: Workers, progress: Progress | None
-) -> None:
-    """Run jobs that try the given number of shocks each; the starts are done already."""
-    total = starts + each * len(fills)
+    labeller = interruptible(lambda stop: scouted_of(job, stop))
+    followed = follow_starts(
+        labeller, lambda first, last: job.states[:, first:last], starts, Results(),
+        workers=workers, progress=progress,
+    )  # fmt: skip
+    if followed.ended.interrupted:
+        raise KeyboardInterrupt
+    cell = cell_of(job, followed)
+    fills = interruptible(lambda stop: fills_of(cell, labeller, job.shocks, stop))
+    total = starts + job.shocks * len(fills)
     if progress is not None:
         progress(starts, total)
-    ran = run_all(_fill, fills, workers=workers.number, executor=workers.executor)
-    with closing(ran) as ended:
-        for done, _ in enumerate(ended, start=1):
-            if progress is not None:
-                progress(starts + each * done, total)
+    run_due(
+        _fill, fills.__getitem__, len(fills), Results(), lambda _: job.shocks, workers=workers,
+        progress=None if progress is None else lambda done, _: progress(starts + done, total),
+        total=total,
+    )  # fmt: skip
+    return cell
 
 
 def _fill(fill: Fill, stop: Stop) -> None:
     fill(stop)
 
 
-def _dataset(
-    cell: Cell[Any, Any], rows: list[dict[str, Any]], coordinates: Mapping[str, Column],
-    attributes: Mapping[str, object],
-) -> xr.Dataset:  # fmt: skip
-    """Return the numbers of each attractor as a labelled dataset."""
-    is_system = not isinstance(cell.rotor, Rotor)
-    variables: dict[str, Column] = {}
-    for name in [each for each in (rows[0] if rows else ()) if each not in LEFT_OUT]:
-        column = column_of(name, (len(rows), *np.shape(rows[0][name])))
-        column[:] = [row[name] for row in rows]
-        variables[name] = (("attractor", *(BEHIND.get(name, ()) if is_system else ())), column)
-    variables |= (tried := _shocks(cell))
-    starts = int(str(attributes["starts"]))
-    variables |= {name: ((), one) for name, one in zip(ENTROPIES, cell.entropies, strict=True)}
-    variables |= {name: ((), one) for name, one in agreement_of(cell.rechecked).items()}
-    variables["undecided_fraction"] = ((), cell.undecided / max(starts - cell.not_computed, 1))
-    variables["missed_fraction"] = ((), missed_fraction(starts))
-    along = {"attractor": np.arange(len(rows))} | (
-        {"target": np.arange(len(rows))} if tried else {}
-    )
-    coordinates = {**coordinates, **{name: (name, each) for name, each in along.items()}}
-    title = "Touchdown report"
-    if is_system:
-        return labelled_dataset(title, variables, coordinates, attributes, kind="system_touchdown")
-    return labelled_dataset(title, variables, coordinates, attributes, kind="touchdown")
-
-
-def _shocks_to_try(rotor: Rotor | RotorSystem, shocks: object) -> int:
+def _shocks_to_try(rotor: object, shocks: object) -> int:
     """Return the number of shocks to try: none under a load, which rotates on the rotating axes."""
     is_loaded = isinstance(rotor, Rotor) and rotor.load > 0.0
     if shocks is None:
@@ -389,103 +247,3 @@ def _shocks_to_try(rotor: Rotor | RotorSystem, shocks: object) -> int:
             "shocks must be 0 under a load, got {tried} with {load=}", tried=tried, load=rotor.load
         )
     return tried
-
-
-def _shocks(cell: Cell[Any, Any]) -> dict[str, Column]:
-    """Return the smallest shocks from each attractor to each, with the states before and after."""
-    shocked = [each.resilience for each in cell.members if each.resilience is not None]
-    variables: dict[str, Column] = {}
-    over = ("attractor", "target")
-    for place, kind in enumerate(KINDS if shocked else ()):
-        variables[f"{kind}_shock"] = (over, np.array([each.sizes[place] for each in shocked]))
-        scatter = np.array([each.scatter[place] for each in shocked])
-        variables[f"{kind}_shock_scatter"] = (over, scatter)
-        variables[f"{kind}_shock_largest"] = ((), cell.largest_shocks[place])
-        for when in ("before", "after"):
-            states = np.array([getattr(each, when)[place] for each in shocked])
-            if isinstance(cell.rotor, Rotor):
-                for column, name in enumerate(COMPONENTS):
-                    variables[f"{kind}_shock_{when}_{name}"] = (over, states[..., column])
-            else:
-                variables[f"{kind}_shock_{when}"] = ((*over, "component"), states)
-    return variables
-
-
-def _numbers(rotor: Rotor, member: Member[Attractor]) -> dict[str, float]:
-    """Return the dimensionless numbers of one attractor."""
-    attractor = member.attractor
-    numbers, at_the_spin = dict.fromkeys(NUMBERS, math.nan), attractor.kind in AT_THE_SPIN
-    numbers["whirl_over_spin"] = 1.0 if at_the_spin else math.nan
-    numbers["whirl_sense"] = WHIRL_DIRECTION["forward" if at_the_spin else "none"]
-    exponent, damped = rotor.contact_exponent, rotor.contact_damping > 0.0
-    if damped:
-        numbers["contact_loss_per_revolution"] = math.nan
-    rubs = rotor.friction > 0.0
-    if rubs:
-        numbers |= dict.fromkeys(OF_FRICTION, math.nan)
-    if rotor.delta0 > 0.0:  # NaN where the radius depends on the start
-        numbers["excursion"] = attractor.radius_max / rotor.delta0
-    if attractor.kind == response.CHAOTIC:
-        if not damped:  # then the force is largest where the radius is
-            force = contact_force(attractor.radius_max, rotor.delta0, exponent)
-            numbers["largest_force"] = float(force)
-        return numbers
-    if needs_run(attractor):
-        return numbers | numbers_of_rub(rotor, member.state)
-    if attractor.period > 0.0:
-        return numbers | _of_cycle(rotor, member)
-    steady = 0.0
-    if attractor.kind == response.SYNCHRONOUS:
-        steady = float(contact_force(attractor.amplitude, rotor.delta0, exponent))
-    numbers["largest_force"] = numbers["mean_force"] = steady
-    if damped:  # at a constant radius, or in touches that vanish in the limit
-        numbers["contact_loss_per_revolution"] = 0.0
-    numbers["contact_fraction"] = float(attractor.kind == response.SYNCHRONOUS)
-    # fading touches occur once a revolution and vanish in the limit
-    numbers["contacts_per_revolution"] = float(attractor.kind == response.TOUCHING)
-    speed = rotor.omega * attractor.amplitude
-    numbers["dissipation_per_revolution"] = 4.0 * math.pi * rotor.zeta * speed**2 / rotor.omega
-    if rubs:
-        whirls = attractor.kind == response.SYNCHRONOUS
-        if whirls:
-            numbers |= numbers_of_whirl(rotor, attractor.amplitude, steady)
-        else:
-            numbers["heat_per_revolution"] = numbers["slip_distance_per_revolution"] = 0.0
-        numbers["dissipation_per_revolution"] += numbers["heat_per_revolution"]
-    return numbers
-
-
-def _of_cycle(rotor: Rotor, member: Member[Attractor]) -> dict[str, float]:
-    """Return the numbers of a limit cycle, from one period of it."""
-    cycle = close_orbit(DiscFlow(rotor), member.state, member.attractor.period)
-    states = cycle.flow.states(cycle.start, cycle.duration / SAMPLES * np.arange(SAMPLES + 1.0))
-    whirl, states = whirl_of_cycle(cycle, states), states[:-1]
-    revolution = 2.0 * math.pi / rotor.omega
-    impulse = cycle.impulse
-    if math.isnan(impulse):  # without clearance: the integral of a smooth periodic function
-        radii = np.hypot(states[:, 0], states[:, 1])
-        force = contact_force(radii, rotor.delta0, rotor.contact_exponent)
-        impulse = float(force.mean()) * cycle.duration
-    # velocities resolved on the rotating axes are those of the fixed axes, rotated
-    power = 2.0 * rotor.zeta * float((states[:, 2] ** 2 + states[:, 3] ** 2).mean())
-    loss = float(np.nansum(cycle.piece.contacts["lost"])) * revolution / cycle.duration
-    numbers = {"contact_loss_per_revolution": loss} if rotor.contact_damping > 0.0 else {}
-    heat = 0.0
-    if rotor.friction > 0.0:
-        numbers |= numbers_of_cycle(cycle)
-        heat = numbers["heat_per_revolution"]
-    return numbers | {
-        "largest_force": cycle.largest_force,
-        "mean_force": impulse / cycle.duration,
-        "contacts_per_revolution": cycle.contacts * revolution / cycle.duration,
-        "contact_fraction": _time_in_contact(cycle) / cycle.duration if cycle.contacts else 1.0,
-        "dissipation_per_revolution": power * revolution + loss + heat,
-        **whirl,
-    }
-
-
-def _time_in_contact(cycle: Orbit) -> float:
-    """Return the time in contact of a closed orbit; one contact may extend over its end."""
-    entry = np.nan_to_num(cycle.piece.contacts["entry"], nan=0.0)
-    leaving = np.nan_to_num(cycle.piece.contacts["exit"], nan=cycle.duration)
-    return float((leaving - entry).sum())

@@ -14,7 +14,7 @@ from rotor_ida import (
     save,
     synchronous_response,
 )
-from rotor_ida.basins.atlas.cells import FORM, CellJob, fill_cell
+from rotor_ida.basins.atlas.cells import CellJob, fill_cell, form_of
 from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.plot import plot_attractor_map, plot_attractors
 from rotor_ida.schema import RESPONSE
@@ -152,13 +152,19 @@ def test_numbers_of_a_machine_are_coordinates_of_its_atlas_and_in_its_study(tmp_
         continue_attractors(**asked | {"contact_damping": 0.2})
 
 
-def test_a_cell_keeps_its_machine():
+def test_a_stored_cell_comes_back_whole():
     rotor = Rotor(**PLAIN, shaft_stiffness=0.25, contact_exponent=1.0, contact_damping=0.1)
-    cell = fill_cell(CellJob(rotor, np.zeros((4, 1)), 1e-6), GO_ON)
-    assert FORM.from_arrays(FORM.as_arrays(cell)).rotor == rotor
-    plain = fill_cell(CellJob(Rotor(**PLAIN), np.zeros((4, 1)), 1e-6), GO_ON)
-    assert FORM.as_arrays(plain)["rotor"].tolist() == [2.0, 0.07, 2.0]
-    assert FORM.from_arrays(FORM.as_arrays(plain)).rotor == Rotor(**PLAIN)
+    states = np.array([[0.0, 4.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]])
+    cell, form = fill_cell(CellJob(rotor, states, 16, 1e-6), GO_ON), form_of(rotor)
+    back = form.unpack(form.pack(cell))
+    assert (back.rotor, back.undecided, back.largest_shocks) == (rotor, 0, cell.largest_shocks)
+    assert sum(each.count for each in back.members) == 2
+    for one, other in zip(back.members, cell.members, strict=True):
+        assert (one.kind, one.count) == (other.kind, other.count)
+        assert one.row.tobytes() == other.row.tobytes()
+        np.testing.assert_array_equal(one.settling, other.settling)
+        np.testing.assert_array_equal(one.resilience.extents, other.resilience.extents)
+        np.testing.assert_array_equal(one.resilience.before, other.resilience.before)
 
 
 def test_an_atlas_is_drawn_over_the_parameters_of_machines():

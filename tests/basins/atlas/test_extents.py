@@ -25,7 +25,7 @@ from rotor_ida.closed_forms import eigenvalues, stability_determinant
 from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.cycles.guess import guess_of
 from rotor_ida.model.parameters import PARAMETERS
-from rotor_ida.schema import SPECIAL, STABILITY
+from rotor_ida.schema import SPECIAL
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady.follow import follow_to_steady_state
 from tests.basins.atlas.reports import WIDE
@@ -247,21 +247,6 @@ def test_a_fold_far_off_is_found():
     assert end.value > 100.0
     near = folds(zeta=rotor.zeta, delta0=end.value).fold_omega.values
     assert np.nanmin(np.abs(near / rotor.omega - 1.0)) < 1e-9
-
-
-@pytest.mark.parametrize(("omega", "delta0"), [(1.7, 0.5), (1.2, 0.5), (1.7, 0.0)])
-def test_a_shaft_of_no_stiffness_has_the_extents_of_none(omega, delta0):
-    """Two methods: exact curves, cut at folds, and ever smaller steps along the whirl."""
-    plain = Rotor(omega=omega, zeta=0.07, delta0=delta0)
-    soft = Rotor(omega=omega, zeta=0.07, delta0=delta0, shaft_stiffness=1e-12)
-    whirls = synchronous_response(omega=omega, zeta=0.07, delta0=delta0).squeeze()
-    stable = (whirls.stability == STABILITY["stable"]) & (whirls.in_contact == 1)
-    for amplitude in whirls.amplitude.values[stable.values].tolist():
-        for name in ("omega", "zeta", "delta0"):
-            exact, found = (extent_of_whirl(each, amplitude, name) for each in (plain, soft))
-            for one, other in zip(exact, found, strict=True):
-                assert one.kind == other.kind
-                assert other.value == pytest.approx(one.value, rel=1e-7)
 
 
 def test_contact_damping_ends_a_whirl_where_its_growth_rate_passes_zero():

@@ -11,14 +11,10 @@ from rotor_ida import (
     limit_cycle,
     synchronous_response,
 )
-from rotor_ida.basins.atlas.cells import NEVER, Cell, Member
-from rotor_ida.basins.atlas.identities import (
-    followed_cycle,
-    followed_whirl,
-    identify,
-    successor_of_disc,
-)
-from rotor_ida.basins.attractors import Attractor, attractor_of_cycle
+from rotor_ida.basins.atlas.cells import Cell, Member
+from rotor_ida.basins.atlas.identities import followed_cycle, followed_whirl, identify
+from rotor_ida.basins.attractors import disc_row
+from rotor_ida.basins.fates import cycle_row
 from rotor_ida.cycles.guess import guess_of
 from rotor_ida.cycles.limit_cycle import cycle_from
 from rotor_ida.schema import RESPONSE
@@ -27,8 +23,7 @@ GO_ON = np.zeros(1, np.uint8)
 
 
 def cell_of(omega, *sizes):
-    members = [Member(Attractor("synchronous", size, 0.0, size, size), 5, NEVER, np.full(4, np.nan))
-               for size in sizes]  # fmt: skip
+    members = [Member(disc_row("synchronous", size, 0.0, size, size), 5) for size in sizes]
     return Cell(Rotor(omega=omega, zeta=0.07, delta0=0.0), members)
 
 
@@ -43,7 +38,7 @@ def test_whirls_are_joined_along_the_response_curve():
     speeds = (low - 0.1, low + 0.05, high - 0.05, high + 0.1)
     cells = [cell_of(omega, *whirls_at(omega)) for omega in speeds]
     assert [len(cell.members) for cell in cells] == [1, 2, 2, 1]
-    assert identify(cells, [[0, 1, 2, 3]], successor_of_disc, GO_ON) == 2
+    assert identify(cells, [[0, 1, 2, 3]], GO_ON) == 2
     large = cells[0].members[0].identity
     assert [each.identity for each in cells[1].members] == [1 - large, large]
     assert [each.identity for each in cells[2].members] == [1 - large, large]
@@ -70,22 +65,21 @@ def test_fading_touches_are_one_attractor_over_a_gap():
     """Of few starts none may end so at some speed; it is still the edge of the same family."""
     cells = [Cell(Rotor(omega=omega, zeta=0.07, delta0=2.0)) for omega in (1.0, 1.1, 1.2)]
     for place in (0, 2):
-        touching = Attractor("touching", 1.0, 3.0, 0.0, 2.0)
-        cells[place].members.append(Member(touching, 1, NEVER, np.full(4, np.nan)))
-    assert identify(cells, [[0, 1, 2]], successor_of_disc, GO_ON) == 1
+        cells[place].members.append(Member(disc_row("touching", 1.0, 3.0, 0.0, 2.0), 1))
+    assert identify(cells, [[0, 1, 2]], GO_ON) == 1
 
 
 def member_at(omega, delta0, start):
     rotor = Rotor(omega=omega, zeta=0.07, delta0=delta0)
     cycle = cycle_from(guess_of(rotor, np.array(start)))
-    return rotor, Member(attractor_of_cycle(cycle, True, GO_ON), 3, NEVER, cycle.start)
+    return rotor, Member(cycle_row(cycle, True, GO_ON), 3)
 
 
 @pytest.mark.parametrize("omega", [1.95, 2.4, 3.1])
 def test_a_cycle_is_followed_along_its_branch(omega):
     rotor, member = member_at(2.0, 2.0, (0.0, 0.0, 0.0, 0.0))
     there = Rotor(omega=omega, zeta=0.07, delta0=2.0)
-    found = followed_cycle(member, rotor, there, GO_ON)
+    found = followed_cycle(member.row, rotor, there, GO_ON)
     branch = continue_cycle(
         rotor, start=limit_cycle(rotor, start=(0, 0, 0, 0)), limits=sorted((2.0, omega))
     )
@@ -99,19 +93,19 @@ def test_a_cycle_that_folds_or_doubles_on_the_way_has_no_successor():
     rotor, member = member_at(2.0, 2.0, (0.0, 0.0, 0.0, 0.0))
     for omega in (4.1, 1.79):
         there = Rotor(omega=omega, zeta=0.07, delta0=2.0)
-        assert followed_cycle(member, rotor, there, GO_ON) is None
+        assert followed_cycle(member.row, rotor, there, GO_ON) is None
 
 
 def test_an_attractor_that_no_start_hit_is_found_from_its_neighbour():
     """All starts lie close to rest; a neighbour knows the cycle that exists here too."""
     rotor, member = member_at(2.0, 2.0, (0.0, 0.0, 0.0, 0.0))
     cells = [Cell(rotor, [member]), Cell(Rotor(omega=2.1, zeta=0.07, delta0=2.0))]
-    assert identify(cells, [[0, 1]], successor_of_disc, GO_ON) == 1
+    assert identify(cells, [[0, 1]], GO_ON) == 1
     (found,) = cells[1].members
     assert found.count == 0
     assert found.identity == member.identity
-    exact = limit_cycle(cells[1].rotor, start=member.state, period=4.35)
-    assert found.attractor.period == pytest.approx(float(exact.period), rel=1e-12)
+    exact = limit_cycle(cells[1].rotor, start=member.row["final_state"], period=4.35)
+    assert found.row["period"] == pytest.approx(float(exact.period), rel=1e-12)
 
 
 def test_round_a_cusp_two_whirls_stay_two():

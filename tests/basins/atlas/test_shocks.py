@@ -2,7 +2,6 @@
 
 import math
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import pytest
@@ -97,7 +96,9 @@ def test_from_whatever_draw_the_search_comes_to_the_same_shocks(monkeypatch):
         monkeypatch.setattr(
             resilience,
             "try_shocks",
-            lambda *given, seed, more=seed: true_search(*given, seed=seed + 1000 * more),
+            lambda *given, seed, more=seed, **how: true_search(
+                *given, seed=seed + 1000 * more, **how
+            ),
         )
         report = touchdown_report(BOUNCER, x=(-8, 8), y=(-8, 8), starts=64, shocks=512)
         found.append([report[f"{kind}_shock"].values for kind in KINDS])
@@ -260,8 +261,8 @@ def test_no_shock_below_the_bound_drives_a_held_whirl_to_the_ring(zeta, kappa):
 def test_a_knock_into_whip_is_followed_there_and_the_bound_is_below_it(monkeypatch):
     """And friction at which the rub loses its stability, at a Hopf point, ends its extent."""
     rotor = replace(WHIP, delta0=0.9)
-    few = partial(try_shocks, effort=Effort(leading=2, neighbours=4, turns=2))
-    monkeypatch.setattr(resilience, "try_shocks", few)
+    few = Effort(leading=2, neighbours=4, turns=2)
+    monkeypatch.setattr(resilience.DiscSearch, "effort", few)
     report = touchdown_report(rotor, **WIDE, starts=10, shocks=32)
     rub, whip = of_kind(report, "synchronous"), of_kind(report, "rolling")
     target = int(whip.attractor)
