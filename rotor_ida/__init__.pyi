@@ -15,8 +15,8 @@ from .closed_forms.campbell import campbell as campbell
 from .closed_forms.clearances.report import clearance_report as clearance_report
 from .closed_forms.synchronous import synchronous_response as synchronous_response
 from .closed_forms.whirls.special_speeds import special_speeds as special_speeds
-from .cycles.bifurcation_curve import bifurcation_curve as bifurcation_curve
 from .cycles.branches import branches_through as branches_through
+from .cycles.continue_cycle import bifurcation_curve as bifurcation_curve
 from .cycles.continue_cycle import continue_cycle as continue_cycle
 from .cycles.limit_cycle import limit_cycle as limit_cycle
 from .errors import ArchiveError as ArchiveError

@@ -35,9 +35,9 @@ from rotor_ida.basins.kernel import (
     Times,
 )
 from rotor_ida.basins.known import Known, followed_alone, may_roll, with_cycle
+from rotor_ida.cycles.limit_cycle import returns
 from rotor_ida.cycles.multipliers import doubling_test, is_stable
 from rotor_ida.cycles.orbit import Orbit
-from rotor_ida.cycles.search import returns
 from rotor_ida.cycles.shooting import close_orbit, once_round
 from rotor_ida.errors import SimulationError
 from rotor_ida.simulation.flow import DiscFlow

@@ -12,8 +12,7 @@ from rotor_ida.checks import (
     check_instance,
     check_progress,
 )
-from rotor_ida.cycles.continue_cycle import branch_from
-from rotor_ida.cycles.followed_curves import check_limits
+from rotor_ida.cycles.continue_cycle import branch_from, check_limits
 from rotor_ida.cycles.guess import Guess
 from rotor_ida.cycles.shooting import close_orbit
 from rotor_ida.errors import InputError, SimulationError

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Hashable, Sequence
+from collections.abc import Hashable, Mapping, Sequence
 from typing import Any
 
 import numpy as np
@@ -61,6 +61,7 @@ WEAKEST_LINE = 1e-6
 AXES = {True: "turning", False: "fixed"}
 # Title and kind of what is followed over one parameter, and over two.
 TITLES = {1: ("Branch of limit cycles", "branch"), 2: ("Bifurcation of limit cycles", "curve")}
+Dims = dict[str, tuple[str, ...]]
 # Dimensions of the numbers of a cycle: of any, of one disc, and of a rotor system.
 OF_ANY = {
     "period": (), "response": (), "stability": (), "residual": (), "trivial_defect": (),
@@ -76,12 +77,21 @@ OF_SYSTEM = {
     "node_radius_max": ("node",), "final_state": ("component",),
 }  # fmt: skip
 OF_ERRORS = {"period_error": (), "multiplier_error": ("multiplier",)}
-OF_WHIRL = ("whirl_over_spin", "side_line_over_spin")
+# The whirl of one disc on a cycle, and its spectrum.
+OF_WHIRL: Dims = dict.fromkeys(("whirl_over_spin", "side_line_over_spin", "whirl_sense"), ())
+OF_LINES: Dims = dict.fromkeys(("line", "frequency", "whirl_amplitude", "line_kind"), ("line",))
+WHOLE = {"response": np.int8, "stability": np.int8, "touched": np.int8, "whirl_sense": np.int8,
+         "line_kind": np.int8, "line": np.int64}  # fmt: skip
 
 
-def dims_of(flow: Flow) -> dict[str, tuple[str, ...]]:
+def dims_of(flow: Flow) -> Dims:
     """Return the numbers of a cycle, with their dimensions."""
     return OF_ANY | (OF_SYSTEM if isinstance(flow, SystemFlow) else OF_DISC)
+
+
+def _size_of(flow: Flow) -> int:
+    """Return the number of components of a state."""
+    return flow.scales.size if isinstance(flow, SystemFlow) else len(COMPONENTS)
 
 
 def numbers_of(cycle: Orbit) -> dict[str, Any]:
@@ -150,8 +160,7 @@ def state_columns(states: Values, dim: str, prefix: str = "") -> dict[str, xr.Va
 def of_cycle(name: str, dims: Hashable | Sequence[Hashable], values: npt.ArrayLike) -> xr.Variable:
     """Return a variable of limit cycles, with its separate label if the name has other uses."""
     quantity = QUANTITIES[f"cycle_{name}" if f"cycle_{name}" in QUANTITIES else name]
-    whole = {"response": np.int8, "stability": np.int8, "touched": np.int8}
-    return xr.Variable(dims, np.asarray(values, whole.get(name)), quantity.attributes())
+    return xr.Variable(dims, np.asarray(values, WHOLE.get(name)), quantity.attributes())
 
 
 # ---- One cycle ----
@@ -166,26 +175,20 @@ def cycle_dataset(guess: Guess, cycle: Orbit | None, response: str) -> xr.Datase
         variables["period_error"] = of_cycle("period_error", (), period_error)
         variables["multiplier_error"] = of_cycle("multiplier_error", "multiplier", errors)
     if isinstance(flow, SystemFlow):
-        return _dataset_of_system(flow, cycle, variables)
-    if cycle is None:
-        variables |= state_columns(np.empty((0, 4)), "t") | {"t": of_cycle("t", "t", np.empty(0))}
+        variables |= _period_of_system(flow, cycle)
+        attributes: dict[str, Any] = {"rtol": CLOSING_RTOL}
     else:
-        variables |= _one_period(cycle)
-    rotor = disc_of(flow)
-    coordinates: dict[str, Column] = {name: ((), value) for name, value in rotor.given.items()}
-    coordinates["multiplier"] = ("multiplier", np.arange(4))
-    attributes = provenance({"method": "taylor", "flight": "exact", "rtol": RTOL}) | {
-        **rotor.given,
-        "start": guess.state,
-    }
-    if guess.period is not None:
-        attributes["start_period"] = guess.period
-    title = "Limit cycle on the rotating axes"
-    return labelled_dataset(title, variables, coordinates, attributes, kind="cycle")
+        variables |= _period_of_disc(cycle)
+        attributes = {"flight": "exact", "rtol": RTOL, **disc_of(flow).given, "start": guess.state}
+        attributes |= {} if guess.period is None else {"start_period": guess.period}
+    attributes = provenance({"method": "taylor", **attributes})
+    return labelled_cycles("Limit cycle", flow, variables, {}, attributes, kind="cycle")
 
 
-def _one_period(cycle: Orbit) -> dict[str, xr.Variable]:
+def _period_of_disc(cycle: Orbit | None) -> dict[str, xr.Variable]:
     """Return one period of one disc, and its spectrum."""
+    if cycle is None:
+        return state_columns(np.empty((0, 4)), "t") | {"t": of_cycle("t", "t", np.empty(0))}
     times = np.linspace(0.0, cycle.duration, SAMPLES + 1)
     states = cycle.flow.states(cycle.start, times)
     columns = {"t": of_cycle("t", "t", times)} | state_columns(states, "t") | _lines(cycle, states)
@@ -195,6 +198,24 @@ def _one_period(cycle: Orbit) -> dict[str, xr.Variable]:
         impulse = float(force.mean()) * cycle.duration
         columns["impulse_per_period"] = of_cycle("impulse_per_period", (), impulse)
     return columns
+
+
+def _period_of_system(flow: SystemFlow, cycle: Orbit | None) -> dict[str, xr.Variable]:
+    """Return one period of the nodes of a rotor system."""
+    assembly = flow.problem.assembly
+    times, orbits = np.zeros(0), np.zeros((4, 0, len(assembly.system.nodes)))
+    if cycle is not None:
+        times = flow.sample_times(cycle.duration)
+        rows = flow.problem.found.rows_in_y(assembly.node_rows())
+        moved = flow.motion_of(flow.states(cycle.start, times))  # (t, 2, n), where it closes
+        place, velocity = (moved @ (rows[:, 0] + 1j * rows[:, 1]).T).transpose(1, 0, 2)
+        orbits = np.stack([place.real, place.imag, velocity.real, velocity.imag])
+    turns = "rotating_" if flow.period is None else ""
+    columns = {
+        name: xr.Variable(("t", "node"), values, QUANTITIES[f"{turns}{name}"].attributes())
+        for name, values in zip(COMPONENTS, orbits, strict=True)
+    }
+    return columns | {"t": of_cycle("t", "t", times)}
 
 
 def _errors_of(cycle: Orbit) -> tuple[float, Values]:
@@ -295,66 +316,43 @@ def static_order(cycle: Orbit) -> float | None:
 
 def _none(flow: Flow, response: str) -> dict[str, xr.Variable]:
     """Return the variables of a result without a limit cycle."""
-    sizes = {"multiplier": 4, "component": 4, "contact": 1, "node": 1}
+    count, names = _size_of(flow), dims_of(flow) | OF_ERRORS
+    sizes = {"multiplier": count, "component": count, "contact": flow.clearances.size, "line": 0}
     if isinstance(flow, SystemFlow):
-        count, nodes = flow.scales.size, flow.problem.assembly.system.nodes
-        sizes = {"multiplier": count, "component": count, "contact": flow.clearances.size,
-                 "node": len(nodes)}  # fmt: skip
+        sizes["node"] = len(flow.problem.assembly.system.nodes)
+    else:
+        names |= OF_WHIRL | OF_LINES
     told: dict[str, int] = {
         "response": RESPONSE[response], "stability": STABILITY["absent"], "contact_count": 0,
-        "touched": 0,
+        "touched": 0, "whirl_sense": WHIRL_DIRECTION["none"],
     }  # fmt: skip
-    columns = {
+    return {
         name: of_cycle(name, dims, np.full([sizes[dim] for dim in dims], told.get(name, math.nan)))
-        for name, dims in (dims_of(flow) | OF_ERRORS).items()
+        for name, dims in names.items()
     }
-    if isinstance(flow, SystemFlow):
-        return columns
-    none = np.empty(0)
-    columns |= {name: of_cycle(name, (), math.nan) for name in OF_WHIRL}
-    columns["whirl_sense"] = of_cycle("whirl_sense", (), np.int8(WHIRL_DIRECTION["none"]))
-    columns |= {name: of_cycle(name, "line", none) for name in ("frequency", "whirl_amplitude")}
-    columns["line"] = of_cycle("line", "line", np.empty(0, dtype=np.int64))
-    columns["line_kind"] = of_cycle("line_kind", "line", np.empty(0, dtype=np.int8))
-    return columns
 
 
-def _dataset_of_system(
-    flow: SystemFlow, cycle: Orbit | None, variables: dict[str, Any]
-) -> xr.Dataset:
-    """Return a cycle of a rotor system, with one period of its nodes."""
-    assembly, turning = flow.problem.assembly, flow.period is None
-    times, orbits = np.zeros(0), np.zeros((4, 0, len(assembly.system.nodes)))
-    if cycle is not None:
-        times = flow.sample_times(cycle.duration)
-        rows = flow.problem.found.rows_in_y(assembly.node_rows())
-        moved = flow.motion_of(flow.states(cycle.start, times))  # (t, 2, n), where it closes
-        place, velocity = (moved @ (rows[:, 0] + 1j * rows[:, 1]).T).transpose(1, 0, 2)
-        orbits = np.stack([place.real, place.imag, velocity.real, velocity.imag])
-    for name, values in zip(COMPONENTS, orbits, strict=True):
-        label = QUANTITIES[f"rotating_{name}" if turning else name]
-        variables[name] = xr.Variable(("t", "node"), values, label.attributes())
-    coordinates = {"speed": ((), flow.speed), "t": of_cycle("t", "t", times)}
-    attributes = provenance({"method": "taylor", "rtol": CLOSING_RTOL}) | {"axes": AXES[turning]}
-    title = "Limit cycle of a rotor system"
-    return dataset_of_system(title, flow, variables, coordinates, attributes, kind="system_cycle")
-
-
-def dataset_of_system(
-    title: str, flow: SystemFlow, variables: dict[str, Any], coordinates: dict[str, Any],
-    attributes: dict[str, Any], *, kind: str,
+def labelled_cycles(
+    title: str, flow: Flow, variables: dict[str, Any], coordinates: dict[str, Any],
+    attributes: Mapping[str, Any], *, kind: str,
 ) -> xr.Dataset:  # fmt: skip
-    """Return a dataset with what its system is, and with the words and units of its cycles."""
+    """Return cycles as a dataset with what their rotor is; `coordinates` are what varies."""
+    multipliers = {"multiplier": ("multiplier", np.arange(_size_of(flow)))}
+    if not isinstance(flow, SystemFlow):
+        numbers = {name: ((), value) for name, value in disc_of(flow).given.items()}
+        coordinates = numbers | coordinates | multipliers
+        return labelled_dataset(title, variables, coordinates, attributes, kind=kind)
     assembly = flow.problem.assembly
     held: dict[str, Any] = dict(described_problem(assembly))
     if OF_CONTACTS in variables:  # the clearance is what varies
         del held["clearance"]
-    coordinates |= {
-        "node": ("node", np.array(list(assembly.system.nodes), str)),
-        "multiplier": ("multiplier", np.arange(flow.scales.size)),
-        **{name: held.pop(name) for name in ("axial_position",) if name in held},
-    }
-    dataset = labelled_dataset(title, {**variables, **held}, coordinates, attributes, kind=kind)
+    nodes = {"node": ("node", np.array(list(assembly.system.nodes), str))}
+    aside = {name: held.pop(name) for name in ("axial_position",) if name in held}
+    coordinates = {SPEED: ((), flow.speed)} | coordinates | nodes | multipliers | aside
+    dataset = labelled_dataset(
+        f"{title} of a rotor system", {**variables, **held}, coordinates,
+        {**attributes, "axes": AXES[flow.period is None]}, kind=f"system_{kind}",
+    )  # fmt: skip
     return in_words(dataset, assembly.system)
 
 
@@ -411,7 +409,7 @@ def branch_dataset(sides: tuple[Side, Side], parameters: tuple[str, ...]) -> xr.
         name: ("point", np.array([point.unknowns[place + number] for point in points]))
         for number, name in enumerate(parameters)
     }
-    closed = forward.end == CLOSED
+    closed, is_system = forward.end == CLOSED, isinstance(flow, SystemFlow)
     ends: dict[str, Any] = {
         "closed": int(closed),
         "first_end": CLOSED if closed else backward.end or "start",
@@ -419,33 +417,17 @@ def branch_dataset(sides: tuple[Side, Side], parameters: tuple[str, ...]) -> xr.
         "first_reason": backward.reason,
         "last_reason": forward.reason,
     }
-    title, kind = TITLES[len(parameters)]
-    if not isinstance(flow, SystemFlow):
-        held = {name: ((), value) for name, value in disc_of(flow).given.items()}
-        coordinates = {name: each for name, each in held.items() if name not in parameters} | {
-            **coordinates, "multiplier": ("multiplier", np.arange(4)),
-        }  # fmt: skip
-        dataset = labelled_dataset(title, variables, coordinates, ends, kind=kind)
-        return _with_units_of_parameters(dataset, parameters)
-    ends["axes"] = AXES[flow.period is None]
-    if SPEED not in parameters:
-        coordinates = {SPEED: ((), flow.speed), **coordinates}
-    if "clearance" in parameters:
+    if is_system and "clearance" in parameters:
         gaps = np.array([point.orbit.flow.clearances for point in points])
         variables[OF_CONTACTS] = (("point", "contact"), gaps)
-    dataset = dataset_of_system(
-        f"{title} of a rotor system", flow, variables, coordinates, ends, kind=f"system_{kind}"
-    )
-    for name in PARAMETERS_OF_SYSTEM.keys() & {*parameters}:
-        dataset[name].attrs["long_name"] = PARAMETERS_OF_SYSTEM[name].meaning
-    return _with_units_of_parameters(dataset, parameters)
-
-
-def _with_units_of_parameters(dataset: xr.Dataset, parameters: Sequence[str]) -> xr.Dataset:
-    """Return a branch or curve whose special points have the words and units of what varies."""
+    title, kind = TITLES[len(parameters)]
+    dataset = labelled_cycles(title, flow, variables, coordinates, ends, kind=kind)
     for name, value in zip(parameters, SPECIAL_VALUES, strict=False):
-        words = f"{dataset[name].attrs['long_name']}, at the special point"
-        dataset[value].attrs |= {**dataset[name].attrs, "long_name": words}
+        attributes = dataset[name].attrs
+        if is_system and name in PARAMETERS_OF_SYSTEM:
+            attributes["long_name"] = PARAMETERS_OF_SYSTEM[name].meaning
+        words = f"{attributes['long_name']}, at the special point"
+        dataset[value].attrs |= {**attributes, "long_name": words}
     return dataset
 
 
@@ -465,13 +447,10 @@ def _special_columns(
         for place in range(-len(parameters), 0)
     ]
     columns |= dict(zip(SPECIAL_VALUES, values, strict=False))
-    radii = {"special_radius_min": sizes[:, 0], "special_radius_max": sizes[:, 1]}
+    is_system, starts = isinstance(flow, SystemFlow), [orbit.start for orbit in orbits]
+    for name, each in (("special_radius_min", sizes[:, 0]), ("special_radius_max", sizes[:, 1])):
+        columns[name] = (("special", "contact"), each) if is_system else ("special", each[:, 0])
     if isinstance(flow, SystemFlow):
-        states = np.array([flow.in_q(orbit.start) for orbit in orbits])
-        columns |= {name: (("special", "contact"), each) for name, each in radii.items()}
-        return columns | {
-            "special_state": (("special", "component"), states.reshape(-1, flow.scales.size)),
-        }
-    columns |= {name: ("special", each[:, 0]) for name, each in radii.items()}
-    states = np.array([orbit.start for orbit in orbits]).reshape(-1, 4)
-    return columns | state_columns(states, "special", "special_")
+        states = np.array([flow.in_q(start) for start in starts]).reshape(-1, _size_of(flow))
+        return columns | {"special_state": (("special", "component"), states)}
+    return columns | state_columns(np.array(starts).reshape(-1, 4), "special", "special_")

@@ -26,7 +26,7 @@ IMPORTED = (
     "rotor_ida.steady.bifurcation_diagram",
     "rotor_ida.signals.spectra",
     "rotor_ida.basins",
-    "rotor_ida.cycles.bifurcation_curve",
+    "rotor_ida.cycles.continue_cycle",
     "rotor_ida.cycles.branches",
     "rotor_ida.paper.errata",
     "rotor_ida.paper.scenario",

@@ -16,6 +16,7 @@ from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
 from rotor_ida.results.run import refuse_system
 from rotor_ida.results.si_units import in_suitable_units, scale_of
 from rotor_ida.schema import QUANTITIES, check_variables
+from rotor_ida.signals.nodes import Ring
 
 
 def check_dataset(name: str, dataset: object, needed: Sequence[str]) -> xr.Dataset:
@@ -123,6 +124,21 @@ def at_contact(dataset: xr.Dataset, contact: int | str) -> xr.Dataset:
     return dataset.isel(contact=number).assign(contact=number)
 
 
+def contact_text(dataset: xr.Dataset, number: int) -> str:
+    """Return what figures call a contact of a dataset, or the only one: number, node and stator."""
+    names = [
+        np.atleast_1d(dataset[each].values) if each in dataset.variables else [""]
+        for each in ("contact_node", "contact_stator")
+    ]
+    node, stator = (str(each[number if len(each) > 1 else 0]) for each in names)
+    return f"contact {number} at {Ring(node, stator, []).title}"
+
+
+def varied_in(dataset: xr.Dataset) -> list[str]:
+    """Return the speed and parameters that have several values."""
+    return [name for name in parameters_in(dataset) if dataset[name].size > 1]
+
+
 def is_of_disc(dataset: xr.Dataset) -> bool:
     """Return whether a result is of one disc, and of no rotor system."""
     return "contact_node" not in dataset.variables and "node" not in dataset.variables
@@ -142,9 +158,8 @@ def parameters_in(dataset: xr.Dataset) -> list[str]:
 
 def drawn_over(name: str, dataset: xr.Dataset) -> tuple[str, dict[str, float]]:
     """Return the parameter over which a result is drawn, and the one value of each other."""
-    names = parameters_in(dataset)
+    names, varied = parameters_in(dataset), varied_in(dataset)
     first = next(iter(names), SPEED)
-    varied = [each for each in names if dataset[each].size > 1]
     along = str(dataset.attrs.get("along", first))
     over = varied[0] if varied and along not in varied else along
     return over, {each: one_value(name, dataset, each) for each in names if each != over}

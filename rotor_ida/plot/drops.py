@@ -26,6 +26,7 @@ from rotor_ida.plot.appearance import (
     shared_legend,
     style,
 )
+from rotor_ida.plot.datasets import contact_text
 from rotor_ida.plot.labels import label_axis
 from rotor_ida.results.files import check_target, file_to_write
 from rotor_ida.results.run import check_system_run
@@ -308,9 +309,7 @@ def _film_panel(ax: Axes, run: xr.Dataset, number: int) -> tuple[Line2D, Line2D]
     (dot,) = ax.plot([], [], "o", color=ORANGE, ms=5.0)
     ax.set(xlim=(-reach, reach), ylim=(-reach, reach))
     ax.set_aspect("equal")
-    ax.set_title(
-        f"contact {number} at {in_figure(run['contact_node'].values[number])}", fontsize=9.5
-    )
+    ax.set_title(contact_text(run, number), fontsize=9.5)
     label_axis(ax.xaxis, "x_alone", run["x"])
     label_axis(ax.yaxis, "y_alone", run["y"])
     return trail, dot

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from itertools import product
 from typing import Any, cast
 
@@ -25,19 +25,18 @@ from rotor_ida.closed_forms.whirls.synchronous import whirls_of_system
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import FRICTIONLESS
 from rotor_ida.model.system_parameters import SPEED, with_parameters
-from rotor_ida.plot.appearance import in_panels, panels, shared_legend
+from rotor_ida.plot.appearance import in_panels
 from rotor_ida.plot.basins import (
     plot_attractor_fractions,
     plot_attractor_map,
     plot_attractors,
     plot_basin_fractions,
 )
-from rotor_ida.plot.branches import plot_branch, plot_curves
-from rotor_ida.plot.datasets import is_of_disc, parameters_in, touching_nodes
-from rotor_ida.plot.diagrams import plot_extrema, plot_strobes
+from rotor_ida.plot.cycles import plot_curves
+from rotor_ida.plot.datasets import is_of_disc, parameters_in, touching_nodes, varied_in
+from rotor_ida.plot.diagrams import plot_extrema
 from rotor_ida.plot.responses import plot_amplitude, plot_unbalance_response
-from rotor_ida.plot.run_up import has_many_turns, plot_run_up
-from rotor_ida.plot.runs import plot_run
+from rotor_ida.plot.runs import has_many_turns, plot_run, plot_run_up
 from rotor_ida.plot.signals import plot_bode, plot_orbit
 from rotor_ida.results.archived_system import problem_of
 from rotor_ida.results.concat import concat
@@ -59,8 +58,6 @@ MARKED, USUAL, MARGIN = ("fold_omega", "hopf_omega"), (0.05, 3.0), 1.2
 FEW_TURNS, SPEEDS, WANDERS = 16, 17, 0.1
 # Margin beside the speeds of a bifurcation diagram, by their range.
 BESIDE = 0.03
-# Width and height of a single panel [inch].
-ALONE = (5.6, 4.2)
 # What exact whirls over another parameter than the speed keep.
 WHIRLS_ALONG = ("amplitude", "stability", "in_contact")
 
@@ -115,9 +112,10 @@ def figure_of(dataset: xr.Dataset, *, node: str | None = None) -> Figure:
     return made if isinstance(made, Figure) else cast(Figure, made.figure)
 
 
-def figure_of_run(run: xr.Dataset) -> Figure:
+def figure_of_run(run: xr.Dataset, *, node: str | None = None) -> Figure:
     """Return the figure of a run: over the speed if that changes, in bands if it is long."""
-    return plot_run_up(run) if has_many_turns(run) else plot_run(run)
+    as_bands = node is None and has_many_turns(run)
+    return plot_run_up(run) if as_bands else plot_run(run, node=node)
 
 
 def figure_of_responses(dataset: xr.Dataset) -> Figure:
@@ -141,11 +139,10 @@ def figure_of_responses(dataset: xr.Dataset) -> Figure:
 
 def _axis_of(dataset: xr.Dataset) -> str:
     """Return the parameter over which responses are drawn: the speed, unless another varies."""
-    names = parameters_in(dataset)
-    speed = "omega" if is_of_disc(dataset) else SPEED
-    varied = [name for name in names if dataset[name].size > 1]
+    speed, varied = "omega" if is_of_disc(dataset) else SPEED, varied_in(dataset)
     along = str(dataset.attrs.get("along", speed))
-    return varied[0] if along not in varied and len(varied) == 1 and speed in names else along
+    alone = along not in varied and len(varied) == 1 and speed in dataset.variables
+    return varied[0] if alone else along
 
 
 def _parts(dataset: xr.Dataset, over: str) -> Iterator[xr.Dataset]:
@@ -213,26 +210,20 @@ def _whirls_of_system(part: xr.Dataset, over: str) -> xr.Dataset | None:
         return None
 
 
-def figure_of_diagram(dataset: xr.Dataset, *, node: str | None = None) -> Figure:
-    """Return the figure of a bifurcation diagram over one parameter; over speeds on the curve."""
-    if not is_of_disc(dataset):
-        nodes = touching_nodes(dataset) if node is None else [node]
-        draw = plot_strobes if "rotating_x" in dataset.variables else plot_extrema
-        return in_panels(len(nodes), lambda at, ax: draw(dataset, node=nodes[at], ax=ax))
-    varied = [name for name in parameters_in(dataset) if dataset[name].size > 1]
+def figure_of_diagram(dataset: xr.Dataset) -> Axes:
+    """Draw a bifurcation diagram of one disc over one parameter; over speeds on the exact curve."""
+    varied = varied_in(dataset)
     check_one_varies(varied)
-    if "rotating_x" in dataset.variables:
-        return _alone(plot_strobes, dataset)
     exact: dict[str, Any] = {}
     if varied in ([], ["omega"]):
         exact = _exact_beside(dataset, "omega")
-        exact.pop("hopf_points", None)
-    figure = _alone(plot_extrema, dataset, **exact)
+    exact.pop("hopf_points", None)
+    ax = plot_extrema(dataset, **exact)
     if varied == ["omega"]:
         lowest, highest = float(dataset["omega"].min()), float(dataset["omega"].max())
         room = BESIDE * (highest - lowest)
-        figure.axes[0].set_xlim(lowest - room, highest + room)
-    return figure
+        ax.set_xlim(lowest - room, highest + room)
+    return ax
 
 
 def figure_of_signals(dataset: xr.Dataset) -> Figure:
@@ -256,42 +247,21 @@ def _is_run_up(record: Record) -> bool:
     return bool(np.ptp(speeds) > WANDERS * speeds.max())
 
 
-def figure_of_atlas(dataset: xr.Dataset) -> Figure:
-    """Return the figure of an atlas: fractions over one parameter, or a map over two."""
-    line = sum(dataset[name].size > 1 for name in parameters_in(dataset)) == 1
-    return _alone(plot_attractors if line else plot_attractor_map, dataset)
+def figure_of_atlas(dataset: xr.Dataset) -> Axes:
+    """Draw an atlas: fractions over one parameter, or a map over two."""
+    one = len(varied_in(dataset)) == 1
+    return plot_attractors(dataset) if one else plot_attractor_map(dataset)
 
 
-def figure_of_fractions(dataset: xr.Dataset) -> Figure:
-    """Return the figure of basin fractions: by attractor, or over the speed by kind."""
-    if "omega" in dataset.variables and dataset["omega"].size > 1:
-        return _alone(plot_basin_fractions, dataset)
-    return cast(Figure, plot_attractor_fractions(dataset).figure)
+def figure_of_fractions(dataset: xr.Dataset) -> Axes:
+    """Draw basin fractions: by attractor, or over the speed by kind."""
+    several = "omega" in dataset.variables and dataset["omega"].size > 1
+    return plot_basin_fractions(dataset) if several else plot_attractor_fractions(dataset)
 
 
-def figure_of_branch(dataset: xr.Dataset) -> Figure:
-    """Return the figure of a branch of limit cycles: of a system a panel for each contact."""
-    if "contact" in dataset.dims:
-        return in_panels(
-            dataset.sizes["contact"], lambda at, ax: plot_branch(dataset, contact=at, ax=ax)
-        )
-    return _alone(plot_branch, dataset, legend=False)
-
-
-def figure_of_curve(dataset: xr.Dataset) -> Figure:
-    """Return the figure of a bifurcation curve, beside the folds of the whirl."""
-    return _alone(plot_curves, dataset, fold_points=_whirls_beside(dataset), legend=False)
-
-
-def _alone(
-    draw: Callable[..., Axes], dataset: xr.Dataset, *, legend: bool = True, **beside: Any
-) -> Figure:
-    """Return a figure of one panel, with its legend under it."""
-    figure, (ax,) = panels(1, 1, width=ALONE[0], height=ALONE[1])
-    draw(dataset, ax=ax, **beside)
-    if legend and ax.get_legend_handles_labels()[1]:
-        shared_legend(figure, [ax])
-    return figure
+def figure_of_curve(dataset: xr.Dataset) -> Axes:
+    """Draw a bifurcation curve, beside the folds of the whirl."""
+    return plot_curves(dataset, fold_points=_whirls_beside(dataset))
 
 
 def _whirls_beside(curve: xr.Dataset) -> xr.Dataset | None:

@@ -47,6 +47,7 @@ from rotor_ida.plot.datasets import (
     check_dataset,
     check_same_parameters,
     check_same_units,
+    contact_text,
     drawn_over,
     is_of_disc,
     one_value,
@@ -62,7 +63,6 @@ from rotor_ida.plot.labels import (
 from rotor_ida.results.archived_system import clearance_of_contacts
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import SPECIAL, flags_of
-from rotor_ida.signals.nodes import Ring
 from rotor_ida.texts import in_figure
 
 # Whirls by their stability: their words, line and width on a curve, and colour of points.
@@ -312,8 +312,7 @@ def _title(shown: xr.Dataset, axis: _Axis, has_curve: bool) -> str:
     """Return the contact of a system, and the parameters that are held."""
     held = text_of(shown, axis.held) if axis.held else ""
     if not is_of_disc(shown):
-        node = Ring(str(shown["contact_node"].item()), "", []).title
-        return f"contact {shown['contact'].item()} at {node}\n{held}".rstrip()
+        return f"{contact_text(shown, shown['contact'].item())}\n{held}".rstrip()
     if has_curve or axis.over != "omega" or "load" not in axis.held:
         return in_lines(held)
     before = {name: value for name, value in axis.held.items() if name != "load"}

@@ -25,11 +25,10 @@ from rotor_ida.plot.appearance import (
     shared_legend,
     style,
 )
-from rotor_ida.plot.datasets import check_dataset, parameters_in
+from rotor_ida.plot.datasets import check_dataset, contact_text, parameters_in, varied_in
 from rotor_ida.plot.labels import LABELS, label_axis, label_parameter, text_of
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import ENDS_IN_WORDS
-from rotor_ida.texts import in_figure
 from rotor_ida.units import SPEED_UNITS, number
 
 ENDING_COLOURS = {
@@ -193,7 +192,7 @@ def _checked(dataset: object) -> xr.Dataset:
 
 def _over(dataset: xr.Dataset) -> str:
     """Return what run-ups are drawn over: the rate, or the one parameter that varies."""
-    varied = [name for name in parameters_in(dataset) if dataset[name].size > 1]
+    varied = varied_in(dataset)
     return varied[0] if len(varied) == 1 and dataset.sizes[RATE] == 1 else RATE
 
 
@@ -215,7 +214,7 @@ def _parts(dataset: xr.Dataset, *others: str) -> list[tuple[str, xr.Dataset]]:
         varied = {name: part[name].item() for name in own if dataset.sizes[name] > 1}
         told = [f"{'from ' if SPEED in varied else ''}{text_of(part, varied)}"] if varied else []
         if "contact" in names and dataset.sizes["contact"] > 1:
-            told.append(f"contact {places[-1]} at {in_figure(part['contact_node'].values[0])}")
+            told.append(contact_text(part, places[-1]))
         found.append((", ".join(told), part))
     if not found:
         raise InputError("dataset must have a contact, got run-ups of a rotor system without")

@@ -164,7 +164,7 @@ KINDS = {
             variables="extremum_radius(extremum) response " + _OF_CONTACTS,
             dims=("speed", "start", "node", "contact"),
             shown="rotor_ida.cli.describe_systems:show_system_sweep",
-            drawn=f"{_DRAWN}:figure_of_diagram",
+            drawn="rotor_ida.plot:plot_extrema",
         ),
         Kind(
             name="system_stroboscopic_diagram",
@@ -172,7 +172,7 @@ KINDS = {
             variables=_STATES + "response " + _OF_CONTACTS,
             dims=("speed", "start", "crossing", "node", "contact"),
             shown="rotor_ida.cli.describe_systems:show_system_sweep",
-            drawn=f"{_DRAWN}:figure_of_diagram",
+            drawn="rotor_ida.plot:plot_strobes",
         ),
         Kind(
             name="system_section", meaning="section of a rotor system",
@@ -198,7 +198,7 @@ KINDS = {
         Kind(
             name="system_branch", meaning="branch of limit cycles of a rotor system",
             variables=_BRANCH_OF_SYSTEM, dims=("point", "contact", "special", "component"),
-            shown=f"{_SHOWN}:show_branch", drawn=f"{_DRAWN}:figure_of_branch",
+            shown=f"{_SHOWN}:show_branch", drawn="rotor_ida.plot:plot_branch",
         ),
         Kind(
             name="system_cycle", meaning="limit cycle of a rotor system",
@@ -285,7 +285,7 @@ KINDS = {
             name="stroboscopic_diagram", meaning="stroboscopic diagram",
             variables=_STATES + "response " + _STARTS,
             dims=("omega", "zeta", "delta0", "start", "crossing"),
-            shown=f"{_SHOWN}:show_sweep", drawn=f"{_DRAWN}:figure_of_diagram",
+            shown=f"{_SHOWN}:show_sweep", drawn="rotor_ida.plot:plot_strobes",
         ),
         Kind(
             name="run_ups", meaning="run-ups",
@@ -346,7 +346,7 @@ KINDS = {
                 "special_radius_min(special) special_radius_max(special) " + _BRANCH
             ),
             dims=("point", "special"),
-            shown=f"{_SHOWN}:show_branch", drawn=f"{_DRAWN}:figure_of_branch",
+            shown=f"{_SHOWN}:show_branch", drawn="rotor_ida.plot:plot_branch",
         ),
         Kind(
             name="cycles", meaning="limit cycles over a range of parameters",

@@ -246,8 +246,7 @@ def test_defaults_are_those_of_the_library(command: Callable[..., object], libra
 
 
 def test_choices_of_branches_are_those_of_the_library():
-    from rotor_ida.cycles.bifurcation_curve import Kind
-    from rotor_ida.cycles.continue_cycle import Direction, Parameter
+    from rotor_ida.cycles.continue_cycle import Direction, Kind, Parameter
 
     ours = options_of(continue_cycle)
     assert get_args(ours["direction"][0]) == get_args(Direction)

@@ -161,20 +161,6 @@ def test_one_parameter_after_the_other_is_the_same_curve(fold):
     np.testing.assert_allclose(np.sort(swapped["delta0"].values[[0, -1]]), (0.45, 0.55), atol=1e-12)
 
 
-def test_an_archive_gives_it_back(fold, tmp_path):
-    loaded = rotor_ida.load(rotor_ida.save(fold, tmp_path / "curve.nc"))
-    assert loaded.drop_attrs(deep=False).identical(fold.drop_attrs(deep=False))
-    assert loaded.attrs["kind"] == "fold"
-
-
-def test_progress_comes_to_its_end():
-    seen = []
-    bifurcation_curve(FULL.rotor, start=FULL.state, kind="fold", limits=AROUND, points=20,
-                      progress=lambda *numbers: seen.append(numbers))  # fmt: skip
-    assert seen[-1] == (38, 38)  # behind the first point, each way
-    assert [done for done, _ in seen] == sorted(done for done, _ in seen)
-
-
 @pytest.mark.parametrize(("arguments", "says"), [
     ({"kind": "pitchfork"}, "kind must be"),
     ({"parameters": ("omega", "omega")}, "parameters must be two of 'omega', 'zeta', "),

@@ -80,10 +80,6 @@ def test_a_cycle_of_one_disc_as_a_system_is_that_of_one_disc(rotor, start, allow
     assert found.trivial_defect.item() < allowed
 
 
-def test_a_disc_that_follows_its_attractor_arrives_on_the_cycle(bouncing, disc):
-    np.testing.assert_allclose(bouncing.period, disc.period, rtol=1e-12)
-
-
 def test_the_orbit_closes_on_the_turning_axes(bouncing):
     for name in ("x", "y", "vx", "vy"):
         np.testing.assert_allclose(bouncing[name][0], bouncing[name][-1], atol=1e-10)
@@ -107,15 +103,6 @@ def test_a_cycle_is_the_same_with_more_tolerance_but_for_its_stated_errors():
     other = close_orbit(guess.flow.but(rtol=1e-12), guess.state, guess.period)
     assert abs(other.duration - found.period.item()) < 1e-11
     assert np.abs(multipliers_of(other) - multipliers(found)).max() < 1e-9
-
-
-def test_a_cycle_of_two_periods_is_followed_once():
-    system = BOUNCING.system()
-    exact = rotor_ida.limit_cycle(BOUNCING)
-    found = rotor_ida.limit_cycle(
-        system, speed=2.0, start=start_of(exact), period=2.0 * exact.period
-    )
-    np.testing.assert_allclose(found.period, exact.period, rtol=1e-11)
 
 
 def test_the_bifurcations_of_a_branch_are_those_of_one_disc(bouncing, disc):

@@ -6,14 +6,7 @@ import math
 import numpy as np
 import pytest
 
-from rotor_ida import (
-    InputError,
-    Rotor,
-    bifurcation_curve,
-    continue_cycle,
-    folds,
-    limit_cycle,
-)
+from rotor_ida import InputError, Rotor, bifurcation_curve, continue_cycle, folds, limit_cycle, plot
 from rotor_ida.closed_forms import response_curve
 from rotor_ida.plot import (
     cycle_figure,
@@ -27,8 +20,10 @@ from rotor_ida.plot import (
     plot_orbit,
     plot_trace,
 )
+from rotor_ida.plot.appearance import STABLE_CYCLE, UNSTABLE_CYCLE
 from rotor_ida.plot.labels import LABELS
 from rotor_ida.schema import labelled
+from tests.kinds import a_cycle, a_system_branch, a_system_curve, a_system_cycle
 from tests.plot.pictures import BOUNCING, lines_of, made, words_of
 from tests.plot.test_every_picture import in_units
 
@@ -332,8 +327,90 @@ def test_cycles_at_points_are_drawn_over_the_parameter_that_varies():
     low, high = radius.get_xlim()
     assert low < 1.9
     assert high > 2.5  # where there is no cycle
+    same = found.assign(period=found.period.copy(data=4.5 + np.array([0.0, 1e-9, np.nan])))
+    low, high = cycles_figure(same).axes[0].get_ylim()
+    assert low < 4.1
+    assert high > 4.9
     both = limit_cycle(rotor, omega=[1.9, 2.0], zeta=[0.07, 0.08])
     with pytest.raises(InputError, match="cycles must contain one zeta, got 2"):
         cycles_figure(both)
     none = cycles_figure(limit_cycle(rotor, omega=[2.5, 2.6]))
     assert [text.get_text() for text in none.axes[0].texts] == ["no limit cycle"]
+
+
+@pytest.fixture(scope="module")
+def system_cycle():
+    return a_system_cycle()
+
+
+@pytest.fixture(scope="module")
+def system_branch():
+    return a_system_branch()
+
+
+def lines(ax, label):
+    return [line for line in ax.lines if line.get_label() == label]
+
+
+def test_the_orbit_of_a_disc_is_the_same_as_that_of_a_system(system_cycle):
+    system, disc = (lines_of(plot.plot_cycle(each)) for each in (system_cycle, a_cycle()))
+    assert set(system) == set(disc) == {"clearance", "flight", "contact", "entry", "exit"}
+    for name in system:  # the system_cycle begins elsewhere, on axes that turn from elsewhere
+        radii = [np.hypot(*each[name].get_data()) for each in (system, disc)]
+        ends = [(np.nanmin(each), np.nanmax(each)) for each in radii]
+        np.testing.assert_allclose(*ends, rtol=1e-3)
+    system, disc = (plot.cycle_figure(each).axes for each in (system_cycle, a_cycle()))
+    assert [ax.get_xlabel() for ax in system[1:]] == [disc[1].get_xlabel()]
+    known, others = (lines_of(system[1])[word] for word in ("1, of a shift", "others"))
+    assert known.get_xdata() == pytest.approx(1.0, abs=1e-6)
+    both = [np.concatenate([line.get_xdata() for line in ax.lines if line.get_ls() == "None"])
+            for ax in (system[1], disc[1])]  # fmt: skip
+    np.testing.assert_allclose(*map(np.sort, both), atol=1e-6)
+    assert others.get_xdata().size == 3
+
+
+def test_slip_and_rolling_of_a_system_are_those_of_the_disc():
+    disc = Rotor(omega=1.0, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0)
+    x, y, vx, vy = 6.928, 0.0, 0.0, -10.0
+    of_disc = limit_cycle(disc, start=(x, y, vx, vy))
+    of_system = limit_cycle(disc.system(), speed=1.0, start=([x, y], [vx, vy]))
+    parts = [lines_of(plot.plot_cycle(each)) for each in (of_disc, of_system)]
+    assert {"rolls", "slips forwards"} < set(parts[0]) == set(parts[1])
+
+
+def test_a_cycle_in_a_stator_that_moves_is_an_orbit_without_contact(system_cycle):
+    moving = system_cycle.assign(contact_stator=("contact", ["0"]))
+    assert set(lines_of(plot.plot_cycle(moving))) == {"orbit"}
+
+
+def test_the_branch_changes_its_line_at_the_bifurcation(system_branch):
+    """Stable above the period doubling, unstable below it, and joined there."""
+    ax = plot.plot_branch(system_branch)
+    (stable,), (unstable,) = lines(ax, STABLE_CYCLE), lines(ax, UNSTABLE_CYCLE)
+    bifurcation = system_branch.special_value.item()
+    assert np.nanmin(stable.get_xdata()) == np.nanmax(unstable.get_xdata()) == bifurcation
+    radii = {system_branch.special_radius_min.item(), system_branch.special_radius_max.item()}
+    assert {*stable.get_ydata()[stable.get_xdata() == bifurcation]} == radii
+    assert ax.get_title() == "contact 0 at disc"
+    assert len(lines(ax, "clearance")) == 1
+
+
+def test_a_curve_is_drawn_over_its_two_parameters():
+    curve = a_system_curve()
+    ax = plot.plot_curves(curve)
+    (line,) = lines(ax, "period doubling")
+    np.testing.assert_array_equal(line.get_xdata(), curve.speed)
+    np.testing.assert_array_equal(line.get_ydata(), curve.clearance)
+    assert (ax.get_xlabel(), ax.get_ylabel()) == (r"spin speed $\omega$", "largest clearance")
+    curve.clearance.attrs["units"] = curve.special_second_value.attrs["units"] = "m"
+    (line,) = lines(plot.plot_curves(curve), "period doubling")
+    np.testing.assert_allclose(line.get_ydata(), 1e6 * curve.clearance)
+
+
+def test_figures_of_results_of_another_kind_are_refused(system_cycle, system_branch):
+    with pytest.raises(InputError, match="branch must"):
+        plot.plot_branch(system_cycle)
+    with pytest.raises(InputError, match="node must be one of 'disc', got 'tip'"):
+        plot.plot_cycle(system_cycle, node="tip")
+    with pytest.raises(InputError, match="contact must be one of 0 to 0, got 1"):
+        plot.plot_branch(system_branch, contact=1)

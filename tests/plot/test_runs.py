@@ -1,22 +1,48 @@
 import re
+from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 
-from rotor_ida import DimensionalRotor, InputError, Rotor, dimensional, rotating, run_up, simulate
+from rotor_ida import (
+    Contact,
+    DimensionalRotor,
+    InputError,
+    Rotor,
+    RotorSystem,
+    Unbalance,
+    contact_forces,
+    dimensional,
+    rotating,
+    run_up,
+    simulate,
+)
 from rotor_ida.plot import (
+    panels,
+    plot_force_peaks,
+    plot_forces,
     plot_orbit,
     plot_rotating_orbit,
     plot_run,
+    plot_run_up,
     plot_trace,
 )
+from rotor_ida.plot.figures import figure_of
 from rotor_ida.plot.labels import LABELS
+from rotor_ida.plot.motion import shade_contacts
 from rotor_ida.results.si_units import dimensionless
 from rotor_ida.signals.path import path_of
 from rotor_ida.units import SPEED_UNITS
+from tests.plot.pictures import lines_of
 
 MACHINE = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6,
                            clearance=2e-6, speed=1000.0)  # fmt: skip
+REST = (0.0, 0.0, 0.0, 0.0)
+RISING = Rotor(omega=0.3, zeta=0.1, delta0=1.5, shaft_stiffness=1.0)
+IN_BEARING = DimensionalRotor(mass=4.0, contact_stiffness=3.2e7, damping=89.1, eccentricity=1e-5,
+                           clearance=2.5e-5, speed=31.416, shaft_stiffness=5e4)  # fmt: skip
+BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 
 
 @pytest.fixture(scope="module")
@@ -96,6 +122,7 @@ def test_run_without_contact_says_so():
     free = simulate(rotor, start=(0.0, 0.0, 0.0, 0.0), duration=5.0, samples=51)
     figure = plot_run(free)
     assert [text.get_text() for text in figure.axes[2].texts] == ["no contact"]
+    assert not figure.axes[2].lines
     assert "contact" not in labels(figure.axes[3])
 
 
@@ -116,15 +143,6 @@ def test_other_things_are_refused(run, exact):
             plot(exact)
     with pytest.raises(InputError, match="node must be left out for a run of one disc, got 'disc'"):
         plot_run(run, node="disc")
-
-
-def test_contact_and_flight_have_their_own_lines(run):
-    ax = plot_run(run).axes[1]
-    lines = {line.get_label(): line.get_ydata() for line in ax.lines}
-    assert set(lines) == {"flight", "contact", "clearance", "entry", "exit"}
-    # the cubic between two events strays by less than its fourth-order error
-    assert np.nanmin(lines["contact"]) > 0.5 - 1e-4
-    assert np.nanmax(lines["flight"]) < 0.5 + 1e-4
 
 
 def test_displacements_are_those_of_the_run(run):
@@ -163,12 +181,6 @@ def test_short_contact_parts_the_flight(run):
     x, time = path.stretches(~in_contact, path.x, path.time)
     np.testing.assert_array_equal(time[:6], [*path.time[:4], np.nan, path.time[4]])
     np.testing.assert_array_equal(np.isnan(x), np.isnan(time))
-
-
-def test_what_is_beyond_the_papers_rotor_stands_in_the_title():
-    rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5, shaft_stiffness=0.25, load=0.125)
-    ax = plot_orbit(simulate(rotor, start=(0, 0, 0, 0), duration=10.0))
-    assert ax.get_title().endswith(r"$\delta_0 = 0.5$,  $\kappa = 0.25$,  $\gamma = 0.125$")
 
 
 def test_the_rotor_is_in_contact_until_it_leaves_the_ring():
@@ -306,3 +318,184 @@ def test_orbit_on_rotating_axes_passes_through_the_rotated_samples(run):
     entries = seen.event_kind.values == 1
     np.testing.assert_allclose(lines["entry"].get_xdata(), seen.event_rotating_x[entries])
     assert ax.get_aspect() == 1.0
+
+
+@pytest.fixture(scope="module")
+def up():
+    return run_up(RISING, start=REST, to=2.0, rate=0.01)
+
+
+def band_of(ax):
+    """Return the points of the edge of the band on some axes."""
+    (band,) = (each for each in ax.collections if each.get_alpha())
+    return band.get_paths()[0].vertices
+
+
+def turns_of(ax):
+    """Return the angles that a line without marks turns through about the origin, in turns."""
+    return sum(
+        abs(np.nansum(np.diff(np.unwrap(np.arctan2(*line.get_data()[::-1])))))
+        for line in ax.lines
+        if line.get_label() in ("flight", "contact")
+    ) / (2.0 * np.pi)
+
+
+def test_radius_and_force_are_over_the_speed_within_their_extremes(up):
+    figure = plot_run_up(up)
+    radius, force, *orbits = figure.axes
+    assert force.get_xlabel() == r"spin speed $\omega$"
+    np.testing.assert_allclose(force.get_xlim(), (0.3, 2.0))
+    figure.draw_without_rendering()
+    (above,) = radius.child_axes
+    assert above.get_xlabel() == "time $t$"
+    np.testing.assert_allclose(above.get_xlim(), (0.0, 170.0))
+    assert above.get_xticks().max() <= 170.0
+    # between samples the cubic through them may reach a little farther
+    assert band_of(radius)[:, 1].max() == pytest.approx(float(np.hypot(up.x, up.y).max()), rel=1e-3)
+    assert band_of(force)[:, 1].max() == pytest.approx(float(up.peak_force.max()), rel=1e-9)
+    titles = [ax.get_title().split("\n")[0] for ax in orbits]
+    assert titles == ["first touch", "largest force", "end"]
+    first = float(np.interp(up.entry_time[0], up.t, up.speed))
+    assert f"{first:.4g}" in orbits[0].get_title()
+
+
+def test_an_orbit_has_three_revolutions_and_the_clearance(up):
+    for ax in plot_run_up(up).axes[2:]:
+        (ring,) = (line for line in ax.lines if line.get_label() == "clearance")
+        np.testing.assert_allclose(np.hypot(*ring.get_data()), 1.5)
+    assert turns_of(plot_run_up(up).axes[3]) == pytest.approx(3.0, abs=0.15)
+
+
+def test_a_run_down_has_its_first_time_at_the_right():
+    down = run_up(replace(RISING, omega=2.0), start=REST, to=0.3, rate=-0.01)
+    figure = plot_run_up(down)
+    figure.draw_without_rendering()
+    radius = figure.axes[0]
+    np.testing.assert_allclose(radius.get_xlim(), (0.3, 2.0))
+    early, late = radius.child_axes[0].transData.transform([(0.0, 0.0), (170.0, 0.0)])[:, 0]
+    assert late < early
+
+
+def test_where_the_speed_rests_or_reverses_the_time_is_the_axis():
+    there = run_up(RISING, start=REST, speeds=[(0, 0.3), (60, 0.9), (90, 0.9), (120, 0.6)])
+    speed, radius, force, *_ = plot_run_up(there).axes
+    assert speed.get_ylabel() == r"spin speed $\omega$"
+    np.testing.assert_allclose(speed.lines[0].get_ydata(), there.speed)
+    assert force.get_xlabel() == "time $t$"
+    assert not radius.child_axes
+
+
+def test_a_short_run_up_is_a_line_and_its_orbit_says_which_times_it_shows():
+    short = run_up(RISING, start=REST, to=2.0, rate=0.2)
+    radius, _, *orbits = plot_run_up(short).axes
+    assert not [each for each in radius.collections if each.get_alpha()]
+    (ax,) = orbits
+    words, span = ax.get_title().split("\n")
+    assert words == "first touch, largest force, end"
+    assert span.endswith(f"{float(short.entry_time[0]):.4g} to 8.5")
+
+
+def test_a_run_up_without_contact_shows_the_largest_radius():
+    free = run_up(Rotor(omega=0.3, zeta=0.3, delta0=5.0, shaft_stiffness=1.0), start=REST, to=2.0,
+                  rate=0.02)  # fmt: skip
+    _, force, *orbits = plot_run_up(free).axes
+    assert [text.get_text() for text in force.texts] == ["no contact"]
+    assert not force.lines
+    assert [ax.get_title().split("\n")[0] for ax in orbits] == ["largest radius", "end"]
+
+
+def test_a_machine_is_drawn_over_revolutions_per_minute():
+    rpm = SPEED_UNITS["rpm"]
+    up = run_up(IN_BEARING, to=2500.0 * rpm, rate=2000.0 * rpm)
+    force, first = figure_of(up).axes[1:3]
+    assert force.get_xlabel() == "spin speed [rpm]"
+    np.testing.assert_allclose(force.get_xlim(), (300.0, 2500.0), rtol=1e-4)
+    assert " rpm,  $T$ " in first.get_title()
+
+
+def test_of_a_system_the_contacts_that_are_touched_are_drawn_by_name():
+    system = RotorSystem(mass=np.eye(6), stiffness=np.eye(6), damping=0.2 * np.eye(6),
+                         nodes={"near": (0, 1), "far": (2, 3), "free": (4, 5)})  # fmt: skip
+    contacts = [Contact(node=node, clearance=gap, stiffness=5.0)
+                for node, gap in (("near", 1.0), ("far", 2.0), ("free", 90.0))]  # fmt: skip
+    unbalance = [Unbalance(node=node, moment=1.0) for node in ("near", "far")]
+    up = run_up(system, contacts=contacts, unbalance=unbalance, speed=0.3, to=2.0, rate=0.01)
+    radius, force, *orbits = figure_of(up).axes
+    assert radius.get_ylabel() == "radius over clearance"
+    drawn = {each.get_label() for each in force.collections if each.get_alpha()}
+    assert drawn == {"contact 0 at near", "contact 1 at far"}
+    first = up.episode_contact.values[up.entry_time.values.argmin()]
+    assert orbits[0].get_title().split("\n")[:2] == [
+        "first touch",
+        f"contact {first} at {up.contact_node.values[first]}",
+    ]
+
+
+def test_a_long_run_at_one_speed_is_drawn_in_bands_and_a_short_one_as_it_is():
+    bouncing = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
+    long = figure_of(simulate(bouncing, start=REST, duration=200.0))
+    assert long.axes[0].get_ylabel() == "radius $|z|$"
+    assert figure_of(simulate(bouncing, start=REST, duration=20.0)).axes[0].get_ylabel() == (
+        "displacement $z$"
+    )
+    with pytest.raises(InputError, match="run must be a Dataset, got int"):
+        plot_run_up(3)
+
+
+def test_forces_and_their_peaks():
+    forces = contact_forces(simulate(BOUNCING, start=REST, duration=30.0))
+    lines = lines_of(plot_forces(forces))
+    line = lines["normal force"]
+    at = np.searchsorted(line.get_xdata(), forces.t)
+    np.testing.assert_array_equal(line.get_ydata()[at], forces.force)
+    assert set(forces.peak_force.values[:-1]) <= set(line.get_ydata())
+    step = plot_force_peaks(forces).lines[0]
+    assert step.get_ydata()[-1] == 1.0
+    none = forces.isel(contact=slice(0, 0))
+    texts = [text.get_text() for text in plot_force_peaks(none).texts]
+    assert texts == ["fewer than two whole contacts"]
+
+
+def test_force_of_a_contact_that_the_run_cuts_off_is_a_mark():
+    """It is the largest so far, and may exceed all whole contacts."""
+    forces = contact_forces(simulate(BOUNCING, start=REST, duration=20.0))
+    ax = plot_force_peaks(forces)
+    mark = lines_of(ax)["contact cut off by the run: at least"]
+    assert mark.get_xdata().tolist() == forces.peak_force[-1:].values.tolist()
+    assert mark.get_ydata().tolist() == [1.0]
+    assert ax.get_xlim()[1] > mark.get_xdata()[0] > ax.lines[0].get_xdata()[-1]
+
+
+def test_largest_force_at_the_end_of_a_run_is_no_peak():
+    """A run that ends inside a contact while the force grows has not seen its peak."""
+    run = simulate(BOUNCING, start=REST, duration=6.0, samples=601)
+    rising = contact_forces(run.sel(t=slice(0.0, 2.0)))
+    assert rising.peak_time.size
+    cut = rising.assign(peak_time=("contact", np.full(rising.sizes["contact"], 2.0)))
+    assert "peak of a contact" in lines_of(plot_forces(contact_forces(run)))
+    assert "peak of a contact" not in lines_of(plot_forces(cut))
+
+
+@pytest.mark.parametrize(
+    ("entries", "exits", "pale", "full"),
+    [  # in a run of 30 s, of which about 0.08 s can be seen
+        (np.arange(23.0, 30.0, 0.018), np.arange(23.0, 30.0, 0.018) + 0.003, [(23, 30)], []),
+        ([5.0, 9.0], [5.001, 12.0], [], [(5, 5.001), (9, 12)]),
+        ([5.0, 6.01, 6.03], [6.0, 6.02, 8.0], [(5, 8)], [(5, 6), (6.03, 8)]),
+    ],
+)  # fmt: skip
+def test_contacts_that_cannot_be_told_apart_are_shaded_as_in_and_out(entries, exits, pale, full):
+    run = xr.Dataset(
+        {"entry_time": ("contact", entries), "exit_time": ("contact", exits)},
+        {"t": np.linspace(0.0, 30.0, 9)},
+    )
+    ax = panels(1, 1)[1][0]
+    shade_contacts(ax, run)
+    spans = {
+        each.get_label(): [path.get_extents().intervalx for path in each.get_paths()]
+        for each in ax.collections
+    }
+    for words, wanted in (("in and out of contact", pale), ("in contact", full)):
+        assert len(spans.get(words, [])) == len(wanted)
+        for span, (begin, end) in zip(spans.get(words, []), wanted, strict=True):
+            np.testing.assert_allclose(span, (begin, end), atol=0.02 if end == 30 else 1e-9)

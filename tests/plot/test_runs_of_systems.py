@@ -178,7 +178,7 @@ def test_with_contact_damping_peaks_are_where_the_force_is_largest():
 
 
 def test_the_motion_of_a_node_and_its_distance_from_a_stator_are_drawn_over_time(run):
-    moves, radius, force, slip, orbit = plot_run(run, node="disc").axes
+    moves, radius, force, slip, orbit = figure_of(run, node="disc").axes
     (y,) = lines_of(moves, ORANGE)
     at = np.searchsorted(y.get_xdata(), run.t)
     np.testing.assert_allclose(y.get_ydata()[at], 1e6 * run.y.sel(node="disc"), rtol=1e-12)
@@ -233,6 +233,14 @@ def test_the_deflected_shape_is_that_of_the_nearest_sample_at_the_positions(run)
     assert held.any()
     expected = [place for place, is_held in zip(PLACES[1:], held, strict=True) if is_held]
     assert [line.get_xdata().tolist() for line in touching] == [expected]
+
+
+def test_a_shape_does_not_magnify_the_rounding_of_one_of_its_displacements(run):
+    now = run.assign(x=1e-9 * run.y)
+    x, y = plot_shape(now.isel(contact=[], event=[], episode=[]), t=0.1).axes
+    size = 1e6 * float(abs(now.y.sel(t=0.1, method="nearest")).max())
+    assert np.ptp(x.get_ylim()) >= 0.2 * size
+    assert np.ptp(x.get_xlim()) == np.ptp(y.get_xlim())
 
 
 def test_without_positions_nodes_are_in_the_order_given():

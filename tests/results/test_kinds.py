@@ -14,17 +14,19 @@ from rotor_ida.verification.kinds import VERIFIED
 PACKAGE = Path(rotor_ida.__file__).parent
 # They hand the kind on that they are given.
 HANDED_ON = {
-    "signals/record.py", "cycles/dataset.py", "cycles/followed_curves.py", "steady/sweep.py"
+    "signals/record.py", "cycles/dataset.py", "cycles/continue_cycle.py", "steady/sweep.py"
 }  # fmt: skip
-# One function builds branches and curves, of one disc and of systems.
-OF_CURVES = {f"{of}{kind}" for _, kind in TITLES.values() for of in ("", "system_")}
+# One function builds cycles, branches and curves, of one disc and of systems.
+OF_CURVES = {
+    f"{of}{kind}" for kind in ("cycle", *dict(TITLES.values()).values()) for of in ("", "system_")
+}
 # Another builds studies of both.
 OF_STUDIES = {
     "sweep", "run_ups", "bifurcation_diagram", "stroboscopic_diagram",
     "system_sweep", "system_run_ups", "system_diagram", "system_stroboscopic_diagram",
 }  # fmt: skip
 BUILDERS = {
-    "labelled_dataset", "dataset", "branch_dataset", "dataset_of_system", "labelled_run_ups"
+    "labelled_dataset", "dataset", "branch_dataset", "labelled_cycles", "labelled_run_ups"
 }  # fmt: skip
 
 

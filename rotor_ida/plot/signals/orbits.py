@@ -26,9 +26,8 @@ from rotor_ida.plot.appearance import (
 )
 from rotor_ida.plot.datasets import check_dataset, clearance_of
 from rotor_ida.plot.decimation import draw_path, kept_in_columns, thinned
-from rotor_ida.plot.forces import shade_contacts
 from rotor_ida.plot.labels import label_axis, label_of, title_of
-from rotor_ida.plot.motion import NEEDED, draw_orbit, place_of_disc
+from rotor_ida.plot.motion import NEEDED, draw_orbit, place_of_disc, shade_contacts
 from rotor_ida.plot.signals.beneath import Beneath
 from rotor_ida.plot.signals.exact_motion import Orbit, Trace, centres_of, orbits_of, traces_of
 from rotor_ida.plot.signals.orders import tracks_of

@@ -69,8 +69,8 @@ def test_killed_on_a_curve_of_folds_it_resumes_with_the_same_bits(tmp_path):
     script.write_text(
         "import os, signal\n"
         "from rotor_ida import Rotor, bifurcation_curve\n"
-        "from rotor_ida.cycles import followed_curves\n"
-        "followed_curves.PIECE = 2\n"
+        "from rotor_ida.cycles import continue_cycle\n"
+        "continue_cycle.PIECE = 2\n"
         "def kill(done, total):\n"
         "    if done >= 4:\n"
         "        os.kill(os.getpid(), signal.SIGKILL)\n"

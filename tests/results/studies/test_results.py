@@ -6,7 +6,7 @@ import pytest
 from rotor_ida import ArchiveError
 from rotor_ida.basins import following
 from rotor_ida.basins.atlas import cells
-from rotor_ida.cycles import followed_curves
+from rotor_ida.cycles import continue_cycle
 from rotor_ida.results.studies import Piece, opened
 from rotor_ida.results.studies.arrays import packed
 from rotor_ida.results.studies.results import open_results
@@ -17,7 +17,7 @@ FORMS = {
     "points of a sweep": form_of("points of a sweep", "points", disc_sweep.POINT, disc_sweep.EVENT),
     "run-up": form_of("run-up", "run_ups", run_ups.POINT),
     "batch of starts": following.FORM,
-    "stretch of a branch": followed_curves.FORM,
+    "stretch of a branch": continue_cycle.FORM,
     "cell of an atlas": cells.FORM,
 }
 
