@@ -38,7 +38,7 @@ ROWS = {
     "radius_min": ("smallest radius", "length"), "radius_max": ("largest radius", "length"),
     "sag": ("centre below the axis", "length"), "period": ("repeats after", "time"),
     "contacts_per_revolution": ("contacts a revolution", ""),
-    "contact_fraction": ("time in contact", "%"), "largest_force": ("largest force", "force"),
+    "largest_force": ("largest force", "force"), "contact_fraction": ("time in contact", "%"),
     "rolling_fraction": ("of it rolling", "%"),
     "slipping_forward_fraction": ("of it slipping forwards", "%"),
     "slipping_backward_fraction": ("of it slipping backwards", "%"),

@@ -60,7 +60,7 @@ def test_a_sheet_has_the_numbers_of_a_limit_cycle_in_the_units_of_the_rotor():
         "digits that agree with the exact one": "11",
     }  # fmt: skip
     assert list(rows(told, SCALES).values()) == [
-        "1.5 µm", "2.5 µm", "9 ms", "0.4", "25 %", "500 mN", "11",
+        "1.5 µm", "2.5 µm", "9 ms", "0.4", "500 mN", "25 %", "11",
     ]  # fmt: skip
 
 

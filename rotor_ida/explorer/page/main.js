@@ -344,7 +344,7 @@ function drawRest() {
     if (has(place, "motion", "section")) side.drawRest();
     if (has(place, "motion") && !isSystem()) side.drawStarts(starts[place], reach(place));
   });
-  if (sides.some((_, place) => has(place, "motion", "settled", "note"))) showWords();
+  if (sides.some((_, place) => has(place, "motion", "settled", "note", "curve"))) showWords();
   if (sides.some((_, place) => has(place, "motion", "settled", "curve"))) {
     askSignals();
     showSignals();
