@@ -178,8 +178,8 @@ def run_of_cases(
         result = interruptible(lambda stop: followed_by(request, stop, []))
         followed = replace(followed, result=result)
     check_run(first.assembly, first.found, first.request, followed.result, tolerance)
-    told = {"method": method, "backend": backend, "rtol": tolerance, "duration": course.end}
-    told |= course.told
+    told = {"method": method, "backend": backend, "rtol": tolerance, "duration": course.end,
+            **course.told}  # fmt: skip
     told |= {name: number for name, number in modes.items() if number is not None}
     if growth := growth_of(first.found, fastest):
         told |= {RATE: growth.rate, WHIRL_SPEED: growth.whirl_speed}
