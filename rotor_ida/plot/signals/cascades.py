@@ -22,7 +22,7 @@ from rotor_ida.plot.datasets import check_dataset
 from rotor_ida.plot.decimation import highest_in_bins
 from rotor_ida.plot.labels import label_axis, label_of, unit_of
 from rotor_ida.plot.signals.beneath import Beneath, Line, lines_of
-from rotor_ida.plot.signals.spectra import lines_within, mark_frequencies, name_order
+from rotor_ida.plot.signals.spectra import limit_of, lines_within, mark_frequencies, name_order
 from rotor_ida.plot.signals.speeds import title_of_signals
 from rotor_ida.plot.signals.units import Units, is_one_speed, units_of
 from rotor_ida.signals.record import record_of
@@ -203,7 +203,8 @@ def _segments(
     exact = lines_of(beneath, spectra, units, over_speed=not _one_speed(spectra))
     across, name = units.frequencies(spectra["frequency"].values), _upwards(spectra, over)
     up = units.speeds(spectra["speed"].values) if name == "speed" else spectra["t"]
-    limit = _limit_of(spectra, units, across.values, check_positive("span", span))
+    fastest = units.frequencies(spectra.get("speed", np.empty(0))).values
+    limit = limit_of(across.values, span, fastest)
     return Segments(spectra, units, exact, across, up, name, limit)
 
 
@@ -223,15 +224,6 @@ def _upwards(spectra: xr.Dataset, over: str | None) -> str:
     if over not in spectra.variables:
         raise InputError("over must be 't' where no angle of the rotor is known, got 'speed'")
     return over
-
-
-def _limit_of(spectra: xr.Dataset, units: Units, across: Values, span: float) -> float:
-    """Return the largest frequency shown."""
-    all_of_it = float(np.abs(across).max())
-    if "speed" not in spectra.variables:
-        return min(1.0, span) * all_of_it
-    fastest = float(units.frequencies(spectra["speed"].values).max())
-    return min(span * fastest, all_of_it) or all_of_it
 
 
 def _in_rows(up: Values, heights: Values, rows: int) -> tuple[Values, Values]:

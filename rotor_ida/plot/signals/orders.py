@@ -475,8 +475,8 @@ def _name_peaks(ax: Axes, one: Track) -> None:
         return
     for peak in peaks_of(one.speeds.values[rising], one.amplitude[rising]):
         if peak.amplitude > HIGH * one.amplitude.max():
-            words = f"{peak.speed:,.0f} rpm\nAF {peak.amplification:.3g}"
-            ax.annotate(words, (peak.speed, peak.amplitude), xytext=(8, -2), fontsize=7.5,
+            words = f"{peak.speed:,.0f} rpm\nAF {peak.amplification:.1f}"
+            ax.annotate(words, (peak.speed, peak.amplitude), xytext=(10, -2), fontsize=7.5,
                         textcoords="offset points", va="top", zorder=3.6)  # fmt: skip
 
 

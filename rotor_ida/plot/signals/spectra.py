@@ -132,10 +132,15 @@ def plot_full_spectrum(
     units = units_of(spectrum, "whirl_amplitude", "frequency")
     exact = lines_of(beneath, spectrum, units)
     frequency = units.frequencies(spectrum["frequency"].values)
-    fastest = np.empty(0) if ready else units.frequencies(speeds_along(given)).values
-    limit, spin = _limit_of(spectrum, frequency.values, check_positive("span", span), fastest)
-    drawn_at = fastest if math.isnan(spin) else np.array([spin])
-    speeds = units.speeds(drawn_at / float(units.frequencies(1.0)))
+    turning, spin = (
+        np.empty(0) if ready else units.frequencies(speeds_along(given)).values,
+        math.nan,
+    )
+    if "frequency_over_omega" in spectrum.variables:
+        spin = float(frequency[-1] / spectrum["frequency_over_omega"].values[-1])
+        turning = np.array([spin])
+    limit = limit_of(frequency.values, span, turning)
+    speeds = units.speeds(turning / float(units.frequencies(1.0)))
     height = spectrum["whirl_amplitude"].values
     highest, noise = float(height.max(initial=0.0)) or 1.0, float(spectrum["noise_floor"])
     with drawing(ax, width=6.0, height=3.8) as ax:
@@ -165,16 +170,11 @@ def plot_full_spectrum(
     return ax
 
 
-def _limit_of(
-    spectrum: xr.Dataset, frequency: Values, span: float, speeds: Values
-) -> tuple[float, float]:
-    """Return the largest frequency shown, and the spin frequency; NaN if it varies."""
+def limit_of(frequency: Values, span: float, fastest: Values) -> float:
+    """Return the largest frequency shown: `span` times the largest speed, or of all frequencies."""
     all_of_it = float(np.abs(frequency).max())
-    if "frequency_over_omega" in spectrum.variables:
-        spin = float(frequency[-1] / spectrum["frequency_over_omega"].values[-1])
-        return min(span * spin, all_of_it), spin
-    fastest = float(speeds.max(initial=0.0))
-    return min(span * fastest if fastest else span * all_of_it, all_of_it), math.nan
+    highest = float(fastest.max(initial=0.0)) or all_of_it
+    return min(check_positive("span", span) * highest, all_of_it)
 
 
 def _peaks_kept(frequency: Values, height: Values, limit: float) -> tuple[Values, Values]:

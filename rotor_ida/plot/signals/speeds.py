@@ -23,8 +23,8 @@ from rotor_ida.units import SPEED_UNITS, quantity
 # multiple of the noise of the speed.
 WOBBLE, NOISE = 0.02, 5.0
 MOST_MARKS = 8
-# Characters of a file's name or a caption in a title.
-LONGEST = 60
+# Characters of a file's name or a caption in a title, and of a line of it in a narrow figure.
+LONGEST = 48
 
 
 class Leg(NamedTuple):
@@ -53,7 +53,9 @@ def title_of_signals(dataset: xr.Dataset, speeds: xr.DataArray, *, zero: bool = 
         parts = [str(dataset.attrs[name]) for name in ("file", "caption") if name in dataset.attrs]
         if speeds.size and speeds.attrs["units"] == "rpm":
             parts.append(_range_in_rpm(speeds.values))
-        lines.append(SEPARATOR.join(brief(each, LONGEST).replace("$", r"\$") for each in parts))
+        parts = [brief(each, LONGEST).replace("$", r"\$") for each in parts]
+        told = SEPARATOR.join(parts)
+        lines += [told] if len(told) <= LONGEST else [SEPARATOR.join(parts[:-1]), parts[-1]]
     if zero and set(MEAN) <= set(dataset.variables):
         unit = str(dataset[MEAN[0]].attrs.get("units", "1"))
         x, y = (length_text(float(dataset[name]), unit) for name in MEAN)
