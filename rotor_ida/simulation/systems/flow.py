@@ -499,9 +499,11 @@ class SystemFlow:
 
     def _turning_back(self, state: Values) -> Values:
         """Return the rate at which a state on turning axes changes by their angle alone."""
-        forward = self.problem.forward
-        rate, size = np.zeros_like(state), self.problem.assembly.size
-        for part in (slice(size), slice(size, 2 * size)) if forward is not None else ():
+        forward, rate = self.problem.forward, np.zeros_like(state)
+        if forward is None:
+            return rate
+        size = self.problem.assembly.size
+        for part in (slice(size), slice(size, 2 * size)):
             rate[part] = 2.0 * (-1j * (state[part] @ forward.conj()) @ forward.T).real
         return rate
 
