@@ -31,7 +31,6 @@ if TYPE_CHECKING:
 # Kinds of archive for `--from`, of one disc and of a rotor system.
 SOURCES = ("cycle", "branch", "curve")
 OF_SYSTEM = (*(f"system_{kind}" for kind in SOURCES), "system_special_points")
-NEAR = "start and period must be near a limit cycle"
 
 
 @Parameter(name="*", group=ROTOR)
@@ -80,7 +79,7 @@ def limit_cycle(case: Case, *, without_gravity: bool = False) -> Report:
     except RotorError as error:
         is_guess = "period" in case.given and not case.is_system
         if is_guess and isinstance(error.__cause__, SimulationError):
-            raise InputError(f"{NEAR}: {error}") from error
+            raise InputError(f"start and period must be near a limit cycle: {error}") from error
         raise
     if found["period"].notnull() or case.output.figure is None:
         return case.report(found)
@@ -197,7 +196,7 @@ def _closed(rotor: Rotor | DimensionalRotor, start: Any, period: float) -> xr.Da
     try:
         return rotor_ida.limit_cycle(rotor, start=start, period=period)
     except SimulationError as error:
-        raise InputError(f"{NEAR}: {error}") from error
+        raise InputError(f"start and period must be near a limit cycle: {error}") from error
 
 
 def _in_archive(
