@@ -400,12 +400,14 @@ static int factorise(struct work *work, int size)
 
 void solve_implicit(const struct work *work, int size, double *right)
 {
-    for (int k = 0; k < size; k++) {
+    for (int k = 0; k < size; k++) { /* whole rows have changed places, factors too */
         const double kept = right[work->pivot[k]];
         right[work->pivot[k]] = right[k];
         right[k] = kept;
+    }
+    for (int k = 0; k < size; k++) {
         for (int i = k + 1; i < size; i++)
-            right[i] -= work->matrix[i][k] * kept;
+            right[i] -= work->matrix[i][k] * right[k];
     }
     for (int k = size - 1; k >= 0; k--) {
         for (int j = k + 1; j < size; j++)
