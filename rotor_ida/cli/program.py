@@ -228,7 +228,7 @@ def _answer(command: Callable[..., object], bound: BoundArguments) -> object:
             warnings.showwarning = _note  # type: ignore[assignment]
             return command(*bound.args, **bound.kwargs)
     except (InputError, SimulationError) as error:
-        from rotor_ida.cli.messages import in_given_units  # noqa: PLC0415 - only after an error
+        from rotor_ida.cli.message_units import in_given_units  # noqa: PLC0415 - only after an error
 
         said = in_given_units(bound.arguments, error)
         raise said if isinstance(error, InputError) else RotorError(str(said)) from error

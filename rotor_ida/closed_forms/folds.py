@@ -87,7 +87,7 @@ def folds(
     damping, or with friction. With friction the folds are roots of a polynomial in
     ``u = sqrt(A - delta0)``, isolated in exact arithmetic: see `curve_polynomials`. So the list is
     complete with friction, but for two folds so near to each other that they count as none (see
-    `curve_polynomials`); without, it is the result of a search that is tested, not proven (see
+    `exact_polynomials`); without, it is the result of a search that is tested, not proven (see
     `fold_locus`).
 
     References

@@ -305,7 +305,7 @@ def si_of(dataset: xr.Dataset, name: str) -> tuple[str, float] | None:
         own, unit = f"{name.removesuffix('omega')}speed", "rad s-1"
     elif name in {"to", "rate"}:
         (unit,) = UNITS_OF_ARGUMENTS[name]
-    elif own in OF_MACHINE and OF_MACHINE[own].unit != "1" and not OF_MACHINE[own].sets_scales:
+    elif name in ALL_PARAMETERS and OF_MACHINE[own].unit != "1":
         unit = OF_MACHINE[own].unit
     else:
         return None

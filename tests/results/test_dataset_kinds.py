@@ -14,7 +14,8 @@ from rotor_ida.verification.comparison_rules import VERIFIED
 PACKAGE = Path(rotor_ida.__file__).parent
 # They hand the kind on that they are given.
 HANDED_ON = {
-    "signals/record.py", "cycles/dataset.py", "cycles/continue_cycle.py", "steady/sweep.py"
+    "signals/record.py", "cycles/dataset.py", "cycles/continue_cycle.py", "steady/sweep.py",
+    "basins/dataset.py", "basins/atlas/dataset.py",
 }  # fmt: skip
 # One function builds cycles, branches and curves, of one disc and of systems.
 OF_CURVES = {
@@ -24,6 +25,10 @@ OF_CURVES = {
 OF_STUDIES = {
     "sweep", "run_ups", "bifurcation_diagram", "stroboscopic_diagram",
     "system_sweep", "system_run_ups", "system_diagram", "system_stroboscopic_diagram",
+}  # fmt: skip
+# And two those of basins and atlases.
+OF_BASINS = {
+    "basin", "basin_fractions", "touchdown", "atlas", "system_touchdown", "system_atlas"
 }  # fmt: skip
 BUILDERS = {
     "labelled_dataset", "dataset", "branch_dataset", "labelled_cycles", "labelled_run_ups"
@@ -55,7 +60,7 @@ def test_each_dataset_that_the_package_builds_states_a_kind_of_the_registry():
     without = {place for place, kind in stated.items() if kind is None}
     assert {file for file, _ in without} <= HANDED_ON, without
     told = {kind for kind in stated.values() if kind is not None}
-    assert told | OF_CURVES | OF_STUDIES == KINDS.keys() - {"other"}
+    assert told | OF_CURVES | OF_STUDIES | OF_BASINS == KINDS.keys() - {"other"}
     assert VERIFIED.keys() < KINDS.keys()
 
 

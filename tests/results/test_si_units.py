@@ -149,7 +149,7 @@ def test_an_archive_in_si_units_tells_start_and_time_in_them(plain):
 
 def test_the_table_of_a_sweep_in_si_units_has_them_in_its_heads():
     swept = dimensional(sweep(omega=[1.2], zeta=0.07, delta0=0.5), MACHINE)
-    _, (_, responses) = describe(swept, most=1)
+    _, (_, responses, _) = describe(swept, most=1)
     heads, row = responses.cells()
     assert {"speed [rpm]", "radius min [um]", "radius max [um]"} <= {*heads}
     speed = row[heads.index("speed [rpm]")]

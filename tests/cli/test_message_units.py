@@ -9,7 +9,7 @@ from pathlib import Path
 import pytest
 
 from rotor_ida import DimensionalRotor
-from rotor_ida.cli.messages import Given, rewritten
+from rotor_ida.cli.message_units import Given, rewritten
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.results.in_si import in_si
 
