@@ -16,6 +16,8 @@ from rotor_ida.signals.windows import STEADY
 
 # Amplitude, over that of the peak, at which the power is half of it.
 HALF_POWER = math.sqrt(0.5)
+# A peak falls to half its power by more than so many standard errors of its amplitude.
+SURE = 2.0
 # A step of the speed shorter than this part of the next one is noise.
 CLOSE = 0.05
 
@@ -47,11 +49,11 @@ def bode_peaks(signals: xr.Dataset, *, order: float = 1.0, sense: str = "forward
     Notes
     -----
     A maximum is a peak if the amplitude falls to ``1/sqrt(2)`` of it on both sides before it
-    exceeds it. Its place is that of the parabola through three windows, and the factor
-    ``N_c/(N_2 - N_1)`` with the speeds of half power by linear interpolation between windows. A
-    side that ends before is as wide as the other, and its speed is NaN; a peak has one side at
-    least. In a run-up the peak lies above the critical speed by what the rate adds. Runout should
-    be subtracted first.
+    exceeds it, and that fall is more than two of its standard errors. Its place is that of the
+    parabola through three windows, and the factor ``N_c/(N_2 - N_1)`` with the speeds of half power
+    by linear interpolation between windows. A side that ends before is as wide as the other, and
+    its speed is NaN; a peak has one side at least. In a run-up the peak lies above the critical
+    speed by what the rate adds. Runout should be subtracted first.
 
     References
     ----------
@@ -70,7 +72,8 @@ def bode_peaks(signals: xr.Dataset, *, order: float = 1.0, sense: str = "forward
     tracks = given if "forward_whirl_amplitude" in given.variables else orders(given, order)
     rising = np.argsort(tracks["speed"].values, kind="stable")
     speeds = tracks["speed"].values[rising]
-    found = peaks_of(speeds, one_order(tracks, order, sense).amplitude[rising])
+    one = one_order(tracks, order, sense)
+    found = peaks_of(speeds, one.amplitude[rising], one.error[rising])
     names = ("critical_speed", "amplification_factor", "half_power_low", "half_power_high",
              "bode_amplitude")  # fmt: skip
     columns = np.array(found).reshape(-1, len(names)).T
@@ -94,14 +97,16 @@ class Peak(NamedTuple):
     amplitude: float
 
 
-def peaks_of(speeds: Values, amplitude: Values) -> list[Peak]:
-    """Return the peaks of amplitudes over rising speeds."""
+def peaks_of(speeds: Values, amplitude: Values, error: Values) -> list[Peak]:
+    """Return the peaks of amplitudes over rising speeds that stand out of their standard errors."""
     found: list[Peak] = []
     if amplitude.size < 3 or np.ptp(speeds) <= STEADY * np.abs(speeds).max():
         return found
     inner = np.arange(1, amplitude.size - 1)
     tops = inner[(amplitude[1:-1] > amplitude[:-2]) & (amplitude[1:-1] >= amplitude[2:])]
     for top in tops.tolist():
+        if not (1.0 - HALF_POWER) * amplitude[top] > SURE * error[top]:
+            continue
         place, height = _vertex(speeds[top - 1 : top + 2], amplitude[top - 1 : top + 2])
         feet = [_foot(speeds, amplitude, top, side, height) for side in (-1, 1)]
         if None in feet or all(foot is None or math.isnan(foot) for foot in feet):
@@ -128,7 +133,7 @@ def _foot(speeds: Values, amplitude: Values, top: int, side: int, height: float)
     beside = np.arange(top, amplitude.size if side > 0 else -1, side)
     low = np.flatnonzero(amplitude[beside] <= HALF_POWER * height)
     reach = beside[: low[0] + 1] if low.size else beside
-    if (amplitude[reach] > amplitude[top]).any():
+    if reach.size == 1 or (amplitude[reach] > amplitude[top]).any():
         return None
     if not low.size:
         return math.nan

@@ -39,6 +39,8 @@ OF_SYSTEM = {
 # Those of sections and diagrams, at a node of a rotor system.
 OF_RESULTS = {"section": "plot_section", "diagram": "plot_extrema"}
 DRAWN_BY = FUNCTIONS | OF_SYSTEM | OF_RESULTS
+# A rotor turns slowly below this part of the largest speed of a record.
+HOW_SLOW = 0.4
 # Options of arguments by another name.
 OPTIONS = {"t": "at"}
 # Dimensions besides time that have times, the first and last of each.
@@ -141,6 +143,9 @@ def plot(
     if kind not in OF_RESULTS and not (is_whole and node is None):
         dataset = _between(_checked_signals(dataset), times)
     if kind in OF_SYSTEM or kind in OF_RESULTS:
+        if file.suffix != OUT_ENDING:
+            listed = ", ".join(map(repr, FUNCTIONS))
+            raise InputError(f"kind must be one of {listed} for a measured file, got {shown(kind)}")
         if kind == "history" or node is not None:
             chosen["node"] = node
     elif kind is not None or node is not None:
@@ -285,9 +290,29 @@ def _dataset_in(file: Path, reading: options.ReadingOptions) -> xr.Dataset:
         raise InputError("slow_roll must be left out with slow_roll_file")
     return rotor_ida.subtract_runout(
         _checked_signals(signals),
-        _between(signals, slow) if other is None else rotor_ida.read_signals(other, **given),
+        _slow_part(signals, slow) if slow else rotor_ida.read_signals(other, **given),
         harmonics=reading.runout_orders or 1,
     )
+
+
+def _slow_part(signals: xr.Dataset, times: tuple[float, float]) -> xr.Dataset:
+    """Return the part of signals in which the rotor is said to turn slowly."""
+    part, whole = _between(signals, times), signals["t"].values
+    unit = str(signals["t"].attrs.get("units", "1"))
+    low, high = (in_unit("slow_roll", each, unit) for each in times)
+    if low < whole[0] or high > whole[-1]:
+        raise InputError(
+            f"slow_roll must lie within {whole[0]:g} to {whole[-1]:g}, got {low:g} {high:g}"
+        )
+    if "angle" in signals.variables:
+        turned, taken = np.abs(np.ptp(part["angle"].values)), np.ptp(part["t"].values)
+        fastest = float(np.abs(np.diff(signals["angle"]) / np.diff(whole)).max())
+        if turned > HOW_SLOW * fastest * taken:
+            raise InputError(
+                "slow_roll must be a part in which the rotor turns slowly, but there it turns at "
+                f"{turned / taken / fastest:.0%} of its largest speed on average"
+            )
+    return part
 
 
 def _between(dataset: xr.Dataset, times: tuple[float, float] | None) -> xr.Dataset:

@@ -473,7 +473,7 @@ def _name_peaks(ax: Axes, one: Track) -> None:
     rising = np.argsort(one.speeds.values, kind="stable")
     if one.simulated or one.units.rate is None:
         return
-    for peak in peaks_of(one.speeds.values[rising], one.amplitude[rising]):
+    for peak in peaks_of(one.speeds.values[rising], one.amplitude[rising], one.error[rising]):
         if peak.amplitude > HIGH * one.amplitude.max():
             words = f"{peak.speed:,.0f} rpm\nAF {peak.amplification:.1f}"
             ax.annotate(words, (peak.speed, peak.amplitude), xytext=(10, -2), fontsize=7.5,
