@@ -163,6 +163,16 @@ class ByParameter:
     laws: Rows
 
 
+def law_changes(own: Rows, before: Rows, after: Rows, step: float) -> Rows:
+    """Return the derivatives of the laws of contacts, of which two differ by a step."""
+    laws = np.zeros(len(own), LAW_CHANGE)
+    for each in ("clearance", "contact_damping", "friction"):
+        laws[each] = (after[each] - before[each]) / step
+    here, less, more = (each["hertz"] + each["linear"] for each in (own, before, after))
+    laws["stiffness"] = (more - less) / here / step
+    return laws
+
+
 @dataclass(frozen=True, slots=True, kw_only=True)
 class SystemRequest:
     """A run of a rotor system, in coordinates with a unit mass matrix.
