@@ -33,8 +33,9 @@ MOST_TRIALS, MOST_OF_ALL = 200, 100.0
 # Contact times count if no other event is nearer than this many of their standard errors. At a
 # graze two events merge, and their times no longer change linearly.
 APART = 10.0
-# Derivatives are central differences of motions whose unknowns are this far apart, in parts of
-# their sizes. Motions that differ by less than that part of their size differ by rounding.
+# Derivatives of the matrices by unknowns, and of motions where the core cannot follow them, are
+# differences of values that are this far apart, in parts of their sizes. Motions that differ by
+# less than that part of their size differ by rounding.
 STEP, SAME = 1e-6, 1e-12
 # Above this growth a motion is chaotic for a fit: rounding has replaced its start.
 LARGEST_GROWTH = 1e5
@@ -342,8 +343,9 @@ class FitProblem:
     def _start(self, number: int, sought: Values) -> Values | Word:
         """Return the first state of a record, or the word for it."""
         start = self.starts[number]
-        is_sought = isinstance(start, Beginning)
-        return start.state(sought[self._places(number)]) if is_sought else start
+        if isinstance(start, Beginning):
+            return start.state(sought[self._places(number)])
+        return start
 
     def at(self, sought: Values) -> tuple[Values, Values, list[Motion]]:
         """Return the residuals, their derivatives, and the motions; raises as `trial` does.
@@ -482,7 +484,7 @@ class FitProblem:
         each, own = self.records[number], self._places(number)
         changes = [self._change(number, trial.sought, place, *around[place]) for place in places]
         motion = self._motion(number, trial.sought, changes=changes)
-        self.left_work -= len(changes) * motion.work
+        self.left_work -= 2.0 * len(changes) * motion.work  # at most: as two motions of each
         moved = each.tracks.weighed(motion.z_by.reshape(len(motion.z), -1))
         slopes = [
             moved.reshape(-1, len(changes)) / self.noise,
@@ -501,10 +503,9 @@ class FitProblem:
             assert isinstance(begun, Beginning)
             moved = begun.root[:, place - self._places(number).start].reshape(2, -1)
             return Change(np.array([body.found.to_y(each) for each in moved]))
-        both = [self._body_at(sought, place, value) for value in (low, high)]
-        return body.change(
-            *both, high - low, self.records[number].turning, self._start(number, sought)
-        )
+        before, after = (self._body_at(sought, place, value) for value in (low, high))
+        start, turning = self._start(number, sought), self.records[number].turning
+        return body.change(before, after, high - low, turning, start)
 
     def _body_at(self, sought: Values, place: int, value: float) -> Body:
         """Return the rotor with another value of one unknown."""
