@@ -67,10 +67,11 @@ struct law_change {
 
 /* By how much a system changes with a parameter. */
 struct parameter {
-    double speed;
+    double speed;                      /* at all times the same */
     const double *stiffness, *damping; /* or NULL */
     const double *unbalance;           /* 2 rows; or NULL */
     const struct law_change *laws;     /* one a contact */
+    const double *mass, *force;        /* or NULL */
 };
 
 struct system_run {
@@ -119,7 +120,7 @@ struct system_run {
     int64_t steps;
     double *room; /* to work in */
     /* small changes of the start, side by side, and room for them: y, y' and races, a row each;
-     * a multiple of four; at a constant speed, without stators without mass */
+     * a multiple of four; at a prescribed speed, without stators without mass */
     int64_t column_count;
     double *columns, *column_room;
     /* what parameters change besides, one a column from the first of these on */
@@ -128,6 +129,9 @@ struct system_run {
     int64_t method;                  /* while a contact touches, as in core.h */
     const struct sundials *sundials; /* NULL where series alone are wanted */
     double *cvode_room;
+    const double *watched; /* rows by which samples see the columns */
+    int64_t watched_count;
+    double *sample_columns, *event_columns; /* one a row; 2 an event, of its contact */
 };
 
 /* How many doubles a run needs to work in. */

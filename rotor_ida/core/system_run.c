@@ -11,6 +11,7 @@ static const double MOST_CLEARANCES = 1e30;
 
 void record_system_event(struct system_run *run, int kind, int contact)
 {
+    record_columns(run, contact);
     const int64_t row = run->events++, width = 2 * run->stride + run->contact_count;
     double *state = &run->event_states[row * width];
     run->event_times[row] = run->time;
@@ -87,6 +88,7 @@ static void sample(struct work *work, double point)
         forces[0] = polynomial(&answers[ELEMENT_PUSH], ELEMENT_ANSWERS, work->order, point);
         forces[1] = polynomial(each->drag, 1, work->order - 1, point);
     }
+    sample_columns(work, point);
     run->sampled++;
 }
 
@@ -225,6 +227,7 @@ static int take_step(struct work *work, int *is_idle)
         end = point_of(work, limit, 0.0, end);
     }
     until = ends && !happens ? limit : fmax(until, run->time);
+    expand_columns(work);
     observe(work, end, until);
     look_for_standstill(work, end, until);
     const double before = run->time;

@@ -24,6 +24,7 @@ struct columns {
     double *right;  /* MOST_CONTACTS rows */
     double *before; /* accelerations of the motion before they jump */
     double *forced; /* accelerations by a parameter */
+    double *row;    /* of all coordinates */
     struct column_touch touching[MOST_CONTACTS];
 };
 
@@ -32,7 +33,8 @@ enum { BLOCK = 4, SERIES_OF_TOUCH = 15, ALIGNMENT = 64 };
 
 int64_t core_system_column_room(int64_t size, int64_t contacts, int64_t columns)
 {
-    const int64_t rows = 3 * ORDERS * size + contacts * SERIES_OF_TOUCH * ORDERS + MOST_CONTACTS;
+    const int64_t rows = (3 * ORDERS + 1) * size + contacts * SERIES_OF_TOUCH * ORDERS
+                         + MOST_CONTACTS;
     const int64_t stride = (size + 3) / 4 * 4;
     return (int64_t)((sizeof(struct columns) + ALIGNMENT) / sizeof(double)) + rows * columns
            + 2 * stride;
@@ -66,6 +68,7 @@ void open_columns(struct work *work)
     columns->right = taken(&room, MOST_CONTACTS * run->column_count);
     columns->before = taken(&room, run->stride);
     columns->forced = taken(&room, run->stride);
+    columns->row = taken(&room, run->size * run->column_count);
     for (int64_t i = 0; i < run->contact_count; i++) {
         struct column_touch *each = &columns->touching[i];
         each->moved = taken(&room, 2 * series);
@@ -337,6 +340,10 @@ static void force_by_parameter(const struct work *work, const struct parameter *
     const double *y = row_of(work, work->y, n), *v = row_of(work, work->v, n);
     double *forced = columns_of(work)->forced;
     memset(forced, 0, sizeof(double) * (size_t)stride);
+    if (parameter->mass != NULL)
+        multiply(parameter->mass, row_of(work, work->acceleration, n), -1.0, size, stride, forced);
+    if (parameter->force != NULL && n == 0)
+        add_scaled(1.0, parameter->force, forced, stride);
     if (parameter->stiffness != NULL)
         multiply(parameter->stiffness, y, -1.0, size, stride, forced);
     if (parameter->damping != NULL)
@@ -345,17 +352,15 @@ static void force_by_parameter(const struct work *work, const struct parameter *
         add_scaled(work->by_cosine[n], parameter->unbalance, forced, stride);
         add_scaled(work->by_sine[n], parameter->unbalance + stride, forced, stride);
     }
-    if (parameter->speed != 0.0) { /* of Omega^2 cos(Omega t), with its angle */
-        const double speed = run->speed, *cosine = work->cosine, *sine = work->sine;
-        const double later = convolved(work->time, 1, cosine, 1, n);
-        const double earlier = -convolved(work->time, 1, sine, 1, n);
-        add_scaled(speed * (2.0 * cosine[n] + speed * earlier), run->unbalance, forced, stride);
-        add_scaled(speed * (2.0 * sine[n] + speed * later), run->unbalance + stride, forced,
-                   stride);
+    if (parameter->speed != 0.0) { /* at all times the same, so that the angle grows with time */
+        const double later = convolved(work->time, 1, work->by_cosine, 1, n);
+        const double earlier = -convolved(work->time, 1, work->by_sine, 1, n);
+        const double by_cosine = 2.0 * convolved(work->spin, 1, work->cosine, 1, n) + earlier;
+        const double by_sine = 2.0 * convolved(work->spin, 1, work->sine, 1, n) + later;
+        add_scaled(parameter->speed * by_cosine, run->unbalance, forced, stride);
+        add_scaled(parameter->speed * by_sine, run->unbalance + stride, forced, stride);
         if (run->gyroscopic != NULL)
-            multiply(run->gyroscopic, v, -1.0, size, stride, forced);
-        for (int64_t i = 0; i < size; i++)
-            forced[i] *= parameter->speed;
+            multiply(run->gyroscopic, v, -parameter->speed, size, stride, forced);
     }
     for (int64_t i = 0; i < size; i++)
         to[i * run->column_count] += forced[i];
@@ -374,18 +379,37 @@ static void integrate(const struct work *work, const double *rates, double *to, 
         add_scaled(1.0 / (n + 1), &rates[n * apart], to, apart);
 }
 
-static void expand_columns(struct work *work)
+/* What matrices do with coefficients n. */
+static void accelerate_columns(const struct work *work, int n, double *to)
+{
+    const struct system_run *run = work->run;
+    const struct columns *columns = columns_of(work);
+    const int64_t apart = run->size * columns->count;
+    const double *y = &columns->y[n * apart], *v = &columns->v[n * apart];
+    const int is_turning = run->gyroscopic != NULL && work->has_rate;
+    const double *resistance = run->gyroscopic != NULL && !work->has_rate ? work->both
+                                                                          : run->damping;
+    memset(to, 0, sizeof(double) * (size_t)apart);
+    add_matrix(run, run->stiffness, -1.0, y, to);
+    if (resistance != NULL)
+        add_matrix(run, resistance, -1.0, v, to);
+    if (is_turning) {
+        memset(columns->row, 0, sizeof(double) * (size_t)apart);
+        add_product(1.0, work->spin, 1, columns->v, apart, n, columns->row, apart);
+        add_matrix(run, run->gyroscopic, -1.0, columns->row, to);
+    }
+    if (run->stiffness_rate != NULL && work->has_rate)
+        add_matrix(run, run->stiffness_rate, -work->spin_rate[0], y, to);
+}
+
+static void expand_all(struct work *work)
 {
     const struct system_run *run = work->run;
     struct columns *columns = columns_of(work);
     const int64_t count = columns->count, apart = run->size * count;
-    const double *resistance = run->gyroscopic != NULL ? work->both : run->damping;
     for (int n = 0; n < work->order; n++) {
         double *to = &columns->acceleration[n * apart];
-        memset(to, 0, sizeof(double) * (size_t)apart);
-        add_matrix(run, run->stiffness, -1.0, &columns->y[n * apart], to);
-        if (resistance != NULL)
-            add_matrix(run, resistance, -1.0, &columns->v[n * apart], to);
+        accelerate_columns(work, n, to);
         for (int64_t k = 0; k < run->parameter_count; k++)
             force_by_parameter(work, &run->parameters[k], n, to + run->first_of_parameters + k);
         for (int64_t i = 0; i < run->contact_count; i++) {
@@ -426,14 +450,14 @@ static void read_columns(const struct work *work, const double *series, int64_t 
     }
 }
 
-void move_columns(struct work *work, double point)
+void expand_columns(struct work *work)
 {
-    struct system_run *run = work->run;
+    const struct system_run *run = work->run;
     if (run->column_count == 0)
         return;
     struct columns *columns = columns_of(work);
     const int64_t count = columns->count, apart = run->size * count;
-    double *y = run->columns, *v = y + apart, *races = v + apart;
+    const double *y = run->columns, *v = y + apart, *races = v + apart;
     memcpy(columns->y, y, sizeof(double) * (size_t)apart);
     memcpy(columns->v, v, sizeof(double) * (size_t)apart);
     for (int64_t i = 0; i < run->contact_count; i++) {
@@ -441,11 +465,42 @@ void move_columns(struct work *work, double point)
         memcpy(touch->race, races + i * count, sizeof(double) * (size_t)count);
         begin_lanes(&touch->series);
     }
-    expand_columns(work);
+    expand_all(work);
+}
+
+void move_columns(struct work *work, double point)
+{
+    struct system_run *run = work->run;
+    if (run->column_count == 0)
+        return;
+    const struct columns *columns = columns_of(work);
+    const int64_t count = columns->count, apart = run->size * count;
+    double *y = run->columns, *v = y + apart, *races = v + apart;
     read_columns(work, columns->y, apart, point, y);
     read_columns(work, columns->v, apart, point, v);
     for (int64_t i = 0; i < run->contact_count; i++)
         read_columns(work, columns->touching[i].race, count, point, races + i * count);
+}
+
+void sample_columns(const struct work *work, double point)
+{
+    const struct system_run *run = work->run;
+    if (run->column_count == 0)
+        return;
+    const struct columns *columns = columns_of(work);
+    const int64_t count = columns->count, apart = run->size * count;
+    double *to = &run->sample_columns[run->sampled * run->watched_count * count];
+    read_columns(work, columns->y, apart, point, columns->row);
+    for (int64_t k = 0; k < run->watched_count; k++)
+        project(run, &run->watched[k * run->stride], columns->row, &to[k * count]);
+}
+
+void record_columns(const struct system_run *run, int contact)
+{
+    const int64_t count = run->column_count;
+    double *to = &run->event_columns[2 * run->events * count];
+    for (int j = 0; j < 2 && count > 0; j++)
+        project(run, &run->rows[(2 * contact + j) * run->stride], run->columns, &to[j * count]);
 }
 
 /* ---- Where rates jump ---- */
@@ -511,7 +566,7 @@ int change_with_columns(struct work *work, struct happening what)
     find_rates(work, before);
     memcpy(columns->before, work->acceleration, sizeof(double) * (size_t)work->stride);
     const double rate = change_of_slip(work, contact, run->state + work->stride, columns->before,
-                                       before[contact], 0.0, 1);
+                                       before[contact], work->spin_rate[0], 1);
     for (int64_t c = 0; c < count; c++)
         later[c] = -ratio(slip_in_column(work, contact, c), rate);
     const int status = change_contact(work, what);

@@ -268,6 +268,11 @@ void open_columns(struct work *work);
 /* Remove the slip from the changes of a start that rolls: a neighbouring start slides at first, and
  * friction stops that at once. */
 void begin_columns(struct work *work);
+/* Write the series of a step; read their displacements at a sample, and, of the contact, at an
+ * event of it. */
+void expand_columns(struct work *work);
+void sample_columns(const struct work *work, double point);
+void record_columns(const struct system_run *run, int contact);
 /* Move them to a point of the step, before the motion itself; and through an event, with it. */
 void move_columns(struct work *work, double point);
 int change_with_columns(struct work *work, struct happening what);

@@ -119,7 +119,9 @@ class SystemRunStruct(Structure):
         *((name, c_void_p) for name in ("columns", "column_room", "parameters")),
         *((name, c_int64) for name in ("parameter_count", "first_of_parameters")),
         ("method", c_int64),
-        *((name, c_void_p) for name in ("sundials", "cvode_room")),
+        *((name, c_void_p) for name in ("sundials", "cvode_room", "watched")),
+        ("watched_count", c_int64),
+        *((name, c_void_p) for name in ("sample_columns", "event_columns")),
     ]  # fmt: skip
 
 
@@ -128,8 +130,10 @@ class _ParameterStruct(Structure):
 
     _fields_ = [
         ("speed", c_double),
-        *((name, c_void_p) for name in ("stiffness", "damping", "unbalance", "laws")),
-    ]
+        *((name, c_void_p) for name in (
+            "stiffness", "damping", "unbalance", "laws", "mass", "force",
+        )),
+    ]  # fmt: skip
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -139,20 +143,34 @@ class ByParameter:
     Parameters
     ----------
     speed : float
-        Of the speed.
-    stiffness, damping : ndarray, shape (n, n)
+        Of the speed, the same at all times.
+    mass, stiffness, damping : ndarray, shape (n, n)
         Of the matrices; None where they stay as they are.
     unbalance : ndarray, shape (2, n), or None
         Of the unbalance.
+    force : ndarray, shape (n,), or None
+        Of the constant force.
     laws : ndarray of LAW_CHANGE, shape (contact,)
         Of the contacts; that of a stiffness in parts of it.
     """
 
     speed: float = 0.0
+    mass: Values | None = None
     stiffness: Values | None = None
     damping: Values | None = None
     unbalance: Values | None = None
+    force: Values | None = None
     laws: Rows
+
+
+def law_changes(own: Rows, before: Rows, after: Rows, step: float) -> Rows:
+    """Return the derivatives of the laws of contacts, of which two differ by a step."""
+    laws = np.zeros(len(own), LAW_CHANGE)
+    for each in ("clearance", "contact_damping", "friction"):
+        laws[each] = (after[each] - before[each]) / step
+    here, less, more = (each["hertz"] + each["linear"] for each in (own, before, after))
+    laws["stiffness"] = (more - less) / here / step
+    return laws
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -202,9 +220,11 @@ class SystemRequest:
         How many of the coordinates, the last, are of stators without mass.
     columns : ndarray, shape (column, 2 n + contact), optional
         Small changes of the start, whose course is wanted: of displacements, velocities and speeds
-        of races. At a constant speed, and without stators without mass; by Taylor series.
+        of races. At a prescribed speed, and without stators without mass; by Taylor series.
     parameters : sequence of ByParameter
         Parameters that change beside, each alone with one of the last columns.
+    watched : ndarray, shape (row, n), optional
+        Rows by which samples see the columns.
     method : {"taylor", "adams", "bdf"}
         Solver while a contact touches. Flight, a linear motion, is always by Taylor series.
     """
@@ -235,6 +255,7 @@ class SystemRequest:
     massless: int = 0
     columns: Values | None = None
     parameters: Sequence[ByParameter] = ()
+    watched: Values | None = None
     method: str = "taylor"
 
 
@@ -278,6 +299,10 @@ class SystemResult:
         Whether a driven rotor stands at the end.
     columns : ndarray, shape (column, 2 n + contact)
         What the changes of the start have become.
+    sample_columns : ndarray, shape (sample, row, column)
+        What was watched of them at samples.
+    event_columns : ndarray, shape (event, 2, column)
+        Displacements of the contacts at their events.
     """
 
     status: int
@@ -300,6 +325,8 @@ class SystemResult:
     turn: tuple[float, float]
     standstill: Standstill
     columns: Values = field(default_factory=lambda: np.empty((0, 0)))
+    sample_columns: Values = field(default_factory=lambda: np.empty((0, 0, 0)))
+    event_columns: Values = field(default_factory=lambda: np.empty((0, 2, 0)))
 
 
 class SystemEvents(NamedTuple):
@@ -330,6 +357,7 @@ class _Tables:
     """The tables of events and episodes, which grow."""
 
     width: int
+    columns: int
     first: int
     room: int = 0
     arrays: dict[str, npt.NDArray[Any]] = field(default_factory=dict)
@@ -340,6 +368,7 @@ class _Tables:
             "event_times": np.empty(self.room),
             "event_states": np.empty((self.room, self.width)),
             "event_turns": np.empty((self.room, 2)),
+            "event_columns": np.empty((self.room, 2, self.columns)),
             "event_kinds": np.empty(self.room, np.int32),
             "event_contacts": np.empty(self.room, np.int32),
             "episodes": np.empty(self.room, EPISODE),
@@ -395,7 +424,11 @@ class _Run:
         self.state = self.wide(request.start)
         self.samples = np.zeros((sampled, 2, self.stride))
         self.forces, self.turns = np.zeros((sampled, count, FORCES)), np.zeros((sampled, 2))
-        self.tables = _Tables(2 * self.stride + count, max(FIRST_ROOM, 4 * count + 4))
+        self.column_count = 0 if request.columns is None else len(request.columns)
+        beside = _padded_to_vectors(self.column_count)
+        self.tables = _Tables(2 * self.stride + count, beside, max(FIRST_ROOM, 4 * count + 4))
+        watched = np.empty((0, self.size)) if request.watched is None else request.watched
+        self.sample_columns = np.zeros((sampled, len(watched), beside))
         of_same_name = (
             "massless", "inertia", "rtol", "displacement", "velocity", "fastest", "order",
             "only_events", "duration", "speed",
@@ -414,6 +447,8 @@ class _Run:
             samples=self.filled(self.samples), sample_forces=self.filled(self.forces),
             sample_turns=self.filled(self.turns), open=self.filled(self.opened),
             races=self.filled(self.races), room=self.filled(np.zeros(room)),
+            watched=self.read(self.wide(watched)), watched_count=len(watched),
+            sample_columns=self.filled(self.sample_columns),
         )  # fmt: skip
         if request.method != "taylor":
             self.struct.method = METHODS[request.method]
@@ -457,9 +492,11 @@ class _Run:
         """Give small changes of the start to the run; return what they become, column by column."""
         long, count = 2 * self.size + len(request.laws), len(request.laws)
         changes = np.empty((0, long)) if request.columns is None else request.columns
-        beside = np.zeros((long, _padded_to_vectors(len(changes))))
+        beside = np.zeros((long, self.tables.columns))
         beside[:, : len(changes)] = changes.T
         if len(changes):
+            if request.massless or request.pieces["inverse_inertia"].any():
+                raise ValueError("columns need a prescribed speed, and stators with mass")
             wanted = core.core_system_column_room(self.size, count, beside.shape[1])
             self.struct.column_count, self.struct.columns = beside.shape[1], self.filled(beside)
             self.struct.column_room = self.filled(np.zeros(wanted))
@@ -473,10 +510,9 @@ class _Run:
 
     def parameter(self, by: ByParameter) -> _ParameterStruct:
         """Return what a parameter changes, in the form that the core expects."""
-        rows = {
-            "stiffness": None if by.stiffness is None else by.stiffness.T,
-            "damping": None if by.damping is None else by.damping.T,
-            "unbalance": by.unbalance,
+        rows = {name: getattr(by, name) for name in ("unbalance", "force")} | {
+            name: None if getattr(by, name) is None else getattr(by, name).T
+            for name in ("mass", "stiffness", "damping")
         }
         return _ParameterStruct(
             speed=by.speed, laws=self.read(by.laws),
@@ -502,6 +538,8 @@ class _Run:
             episodes=np.concatenate([held["episodes"][: run.episode_count], lasting]),
             ledger=ledger, steps=run.steps, turn=(run.angle, run.speed),
             standstill=Standstill(*run.standstill), columns=self.columns.T,
+            sample_columns=self.sample_columns[:, :, : self.column_count],
+            event_columns=held["event_columns"][:events, :, : self.column_count],
         )  # fmt: skip
 
 

@@ -146,9 +146,10 @@ def fit(
     ``sqrt(chi_square/degrees_of_freedom)``. The motion is integrated along the measured speed, so
     run-ups need not be slow. Measured and computed motion pass through the same least squares of
     `rotor_ida.orders`. The residuals of a window are decorrelated and divided by their standard
-    errors. All derivatives are differences of motions, those by parameters central ones. Those of
-    contact times are unbounded at a graze: so contact times count only if the events before and
-    after are more than 10 of their errors away. The
+    errors. One run follows a motion and its derivatives by all unknowns; those by a friction of 0,
+    and all with stators without mass, are differences of motions. Those of contact times are
+    unbounded at a graze: so contact times count only if the events before and after are more than
+    10 of their errors away. The
     covariance is that of least squares, with the initial states fitted too. The angle by a
     keyphasor is a smooth curve through its pulses; the errors of that curve, from pulses with a
     standard error of ``step/sqrt(12)`` and a common one of ``step/10``, are part of the covariance

@@ -14,13 +14,14 @@ import numpy.typing as npt
 
 from rotor_ida.arrays import ComplexValues, Stop, Values
 from rotor_ida.core.runs import NO_STOP
-from rotor_ida.core.systems import SystemRequest, SystemResult
+from rotor_ida.core.systems import ByParameter, SystemRequest, SystemResult, law_changes
 from rotor_ida.errors import BudgetError
 from rotor_ida.model.assembly import Assembly, Canonical, assemble, canonical
 from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.schema.flags import ENTRY, EXIT
 from rotor_ida.simulation.spin import Ramp, SpeedProfile
 from rotor_ida.simulation.starts import start_of
-from rotor_ida.simulation.system_run import request_of, run_to_end
+from rotor_ida.simulation.system_run import laws_of, request_of, run_to_end
 
 Word = Literal["settled", "rest"]
 RTOL = 1e-11
@@ -69,6 +70,22 @@ class Turning:
 
 
 @dataclass(frozen=True)
+class Change:
+    """A small change beside a motion, over its size.
+
+    Parameters
+    ----------
+    start : ndarray, shape (2, n)
+        Of displacement and velocity at time 0, in coordinates with a unit mass matrix.
+    by : ByParameter, optional
+        Of the body.
+    """
+
+    start: Values
+    by: ByParameter | None = None
+
+
+@dataclass(frozen=True)
 class Motion:
     """A motion at the times of a record.
 
@@ -87,6 +104,10 @@ class Motion:
         keep their ratios to it.
     work : float
         Radians of the fastest motion.
+    z_by : ndarray of complex, shape (n, node, change)
+        Derivatives of the displacements by changes of start and body.
+    times_by : ndarray, shape (event, change)
+        Derivatives of the times of entries and exits; 0 of other events.
     """
 
     states: Values
@@ -96,6 +117,8 @@ class Motion:
     touches_stator: bool
     reach: float
     work: float
+    z_by: ComplexValues
+    times_by: Values
 
     def touches(self, kind: int) -> Values:
         """Return when contacts begin (1) or end (-1)."""
@@ -135,9 +158,40 @@ class Body:
         places = list(self.assembly.system.nodes)
         return self.assembly.node_rows()[[places.index(each) for each in nodes]]
 
+    def begun(self, start: Values | Word, speed: float) -> Values:
+        """Return displacement and velocity at time 0, shape (2, n)."""
+        return start_of(self.assembly, start, speed) if isinstance(start, str) else start
+
+    def change(
+        self, before: Body, after: Body, step: float, turning: Turning, start: Values | Word
+    ) -> Change:  # fmt: skip
+        """Return the change by a number, by a step of which two bodies nearby differ."""
+        ahead, speed = float(turning.angles[0]), float(turning.speeds[0])
+        both, found = [each.turned(ahead) for each in (before, after)], self.found
+        starts = [each.begun(start, speed) for each in both]
+        less, more = (laws_of(each.assembly) for each in both)
+
+        def difference(name: str) -> Values:
+            numbers = [getattr(each.assembly, name) for each in both]
+            one, other = (0.0 if each is None else each for each in numbers)
+            return np.asarray((other - one) / step)
+
+        def matrix(name: str) -> Values | None:
+            moved = difference(name)
+            return found.matrix_in_y(moved) if moved.any() else None
+
+        by = ByParameter(
+            mass=matrix("mass"), stiffness=matrix("stiffness"), damping=matrix("damping"),
+            unbalance=found.rows_in_y(difference("unbalance")),
+            force=found.rows_in_y(difference("force")[np.newaxis])[0],
+            laws=law_changes(laws_of(self.assembly), less, more, step),
+        )  # fmt: skip
+        moved = (starts[1] - starts[0]) / step
+        return Change(np.array([found.to_y(each) for each in moved]), by)
+
     def motion(
         self, turning: Turning, start: Values | Word, times: Values, nodes: Sequence[str], *,
-        budget: float = ANY_WORK, stop: Stop | None = None,
+        budget: float = ANY_WORK, stop: Stop | None = None, changes: Sequence[Change] = (),
     ) -> Motion:  # fmt: skip
         """Follow the motion along a measured angle, from which the unbalance is counted.
 
@@ -155,6 +209,8 @@ class Body:
             Radians of the fastest motion that it may take.
         stop : ndarray, shape (1,), optional
             Ends the run as soon as it is not 0.
+        changes : sequence of Change
+            Changes by which derivatives are wanted, those of the start alone first.
 
         Raises
         ------
@@ -168,7 +224,7 @@ class Body:
         body, speed = self.turned(float(turning.angles[0])), float(turning.speeds[0])
         profile, found = turning.course(), body.found
         fastest = float(max(turning.speeds.max(), turning.at(turning.ends[1:], "left")[1].max()))
-        begun = start_of(body.assembly, start, speed) if isinstance(start, str) else start
+        begun = body.begun(start, speed)
         request = request_of(
             body.assembly, found, profile, np.array([found.to_y(each) for each in begun]), times,
             profile.ends[-1], rtol=RTOL, speed=speed, fastest_speed=fastest, inertia=0.0,
@@ -178,13 +234,54 @@ class Body:
             raise BudgetError(
                 f"{work:.3g} radians of its fastest motion are more than {budget:.3g}"
             )
-        run = run_to_end(replace(request, only_events=True), NO_STOP if stop is None else stop)
         rows = found.rows_in_y(body.rows(nodes))
+        asked = replace(_with_changes(request, changes, rows), only_events=True)
+        run = run_to_end(asked, NO_STOP if stop is None else stop)
         return Motion(
             run.samples, _places(rows, run.samples), run.event_times, run.event_kinds,
             bool(run.event_times.size or (run.touches["mode"] != 0).any()),
             _reach(request, run), work,
+            run.sample_columns[:, ::2] + 1j * run.sample_columns[:, 1::2],
+            _times_by(request, run, changes),
         )  # fmt: skip
+
+
+def _with_changes(
+    request: SystemRequest, changes: Sequence[Change], rows: Values
+) -> SystemRequest:  # fmt: skip
+    """Return a run with changes beside it, of which the displacements of nodes are wanted."""
+    if not changes:
+        return request
+    columns = np.zeros((len(changes), 2 * len(request.force) + len(request.laws)))
+    columns[:, : 2 * len(request.force)] = [each.start.ravel() for each in changes]
+    by = [each.by for each in changes if each.by is not None]
+    return replace(
+        request, columns=columns, parameters=by, watched=rows.reshape(-1, len(request.force))
+    )
+
+
+def _times_by(request: SystemRequest, run: SystemResult, changes: Sequence[Change]) -> Values:
+    """Return the derivatives of the times of entries and exits by changes.
+
+    At these a distance is a clearance: ``dt = (d clearance - e.du)/(e.u')``, with e along u.
+    """
+    moved = np.zeros((run.event_times.size, len(changes)))
+    at = np.isin(run.event_kinds, (ENTRY, EXIT))
+    if not changes or not at.any():
+        return moved
+    contacts, states = run.event_contacts[at], run.event_states[at]
+    place, rate = (
+        np.einsum("erk,ek->er", request.rows[contacts], states[:, each]) for each in (0, 1)
+    )
+    place -= request.laws["offset"][contacts]
+    along = place / np.linalg.norm(place, axis=1)[:, np.newaxis]
+    wider = np.zeros((len(request.laws), len(changes)))
+    for column, each in enumerate(changes):
+        if each.by is not None:
+            wider[:, column] = each.by.laws["clearance"]
+    rise = wider[contacts] - np.einsum("er,erc->ec", along, run.event_columns[at])
+    moved[at] = rise / (along * rate).sum(axis=1)[:, np.newaxis]
+    return moved
 
 
 def _places(rows: Values, samples: Values) -> ComplexValues:

@@ -14,7 +14,7 @@ import numpy.typing as npt
 from rotor_ida.arrays import Stop, Values
 from rotor_ida.errors import BudgetError, InputError, RotorError
 from rotor_ida.fitting.identifiability import ANGLE, ROUNDING
-from rotor_ida.fitting.motion import ANY_WORK, Body, Motion, Turning, Word
+from rotor_ida.fitting.motion import ANY_WORK, Body, Change, Motion, Turning, Word
 from rotor_ida.fitting.records import Measured
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem
@@ -33,8 +33,9 @@ MOST_TRIALS, MOST_OF_ALL = 200, 100.0
 # Contact times count if no other event is nearer than this many of their standard errors. At a
 # graze two events merge, and their times no longer change linearly.
 APART = 10.0
-# Derivatives are central differences of motions whose unknowns are this far apart, in parts of
-# their sizes. Motions that differ by less than that part of their size differ by rounding.
+# Derivatives of the matrices by unknowns, and of motions where the core cannot follow them, are
+# differences of values that are this far apart, in parts of their sizes. Motions that differ by
+# less than that part of their size differ by rounding.
 STEP, SAME = 1e-6, 1e-12
 # Above this growth a motion is chaotic for a fit: rounding has replaced its start.
 LARGEST_GROWTH = 1e5
@@ -329,16 +330,22 @@ class FitProblem:
 
     def _motion(
         self, number: int, sought: Values, turning: Turning | None = None,
-        start: Values | None = None,
+        start: Values | None = None, changes: Sequence[Change] = (),
     ) -> Motion:  # fmt: skip
         """Return the motion for one record; along another angle or from another state, if given."""
-        each, begun = self.records[number], self.starts[number] if start is None else start
-        if isinstance(begun, Beginning):
-            begun = begun.state(sought[self._places(number)])
+        each = self.records[number]
         return self.body(sought).motion(
-            each.turning if turning is None else turning, begun, each.times, each.nodes,
-            budget=self.budget, stop=self.stop,
+            each.turning if turning is None else turning,
+            self._start(number, sought) if start is None else start, each.times, each.nodes,
+            budget=self.budget, stop=self.stop, changes=changes,
         )  # fmt: skip
+
+    def _start(self, number: int, sought: Values) -> Values | Word:
+        """Return the first state of a record, or the word for it."""
+        start = self.starts[number]
+        if isinstance(start, Beginning):
+            return start.state(sought[self._places(number)])
+        return start
 
     def at(self, sought: Values) -> tuple[Values, Values, list[Motion]]:
         """Return the residuals, their derivatives, and the motions; raises as `trial` does.
@@ -448,16 +455,61 @@ class FitProblem:
         return np.concatenate(left)
 
     def _slopes(self, trial: Trial) -> Values:
-        """Return the derivatives of the residuals by all that is sought, by central differences."""
-        rows, count = self._rows(), len(self.unknown)
-        slopes = np.zeros((rows[-1].stop, trial.sought.size))
-        for number in range(len(self.records)):
+        """Return the derivatives of the residuals by all that is sought."""
+        slopes, around = (
+            np.zeros((self._rows()[-1].stop, trial.sought.size)),
+            self._around(trial.sought),
+        )
+        for number, rows in enumerate(self._rows()):
             self._check_growth(number, trial)
-        for place, (low, high) in enumerate(self._around(trial.sought)):
-            for number, own in enumerate(self._places(each) for each in range(len(self.records))):
-                if place < count or own.start <= place < own.stop:
-                    slopes[rows[number], place] = self._slope(number, trial, place, low, high)
+            own = self._places(number)
+            places = [*range(own.start, own.stop), *range(len(self.unknown))]
+            apart = [each for each in places if self._needs_differences(each, trial.sought)]
+            beside = [each for each in places if each not in apart]
+            if beside:
+                slopes[rows, beside] = self._slopes_beside(number, trial, beside, around)
+            for place in apart:
+                slopes[rows, place] = self._slope(number, trial, place, *around[place])
         return self.independent(slopes)
+
+    def _needs_differences(self, place: int, sought: Values) -> bool:
+        """Whether the core cannot follow a change beside the motion: see `SystemFlow`."""
+        is_friction = place < len(self.unknown) and self.unknown[place].role == "friction"
+        return bool(self.body(sought).assembly.massless) or (is_friction and sought[place] == 0.0)
+
+    def _slopes_beside(
+        self, number: int, trial: Trial, places: Sequence[int], around: list[tuple[float, float]]
+    ) -> Values:
+        """Return the derivatives of the residuals of a record, by changes beside one motion."""
+        each, own = self.records[number], self._places(number)
+        changes = [self._change(number, trial.sought, place, *around[place]) for place in places]
+        motion = self._motion(number, trial.sought, changes=changes)
+        self.left_work -= 2.0 * len(changes) * motion.work  # at most: as two motions of each
+        moved = each.tracks.weighed(motion.z_by.reshape(len(motion.z), -1))
+        slopes = [
+            moved.reshape(-1, len(changes)) / self.noise,
+            np.equal.outer(np.arange(own.start, own.stop), places),
+            *(
+                found.moved_by(motion, kind) / self.time_error
+                for kind, found in self.touches(number, trial.motions[number]).items()
+            ),
+        ]
+        return np.concatenate(slopes)
+
+    def _change(self, number: int, sought: Values, place: int, low: float, high: float) -> Change:
+        """Return what changes beside a motion with one number that is sought."""
+        body, begun = self.body(sought), self.starts[number]
+        if place >= len(self.unknown):
+            assert isinstance(begun, Beginning)
+            moved = begun.root[:, place - self._places(number).start].reshape(2, -1)
+            return Change(np.array([body.found.to_y(each) for each in moved]))
+        before, after = (self._body_at(sought, place, value) for value in (low, high))
+        start, turning = self._start(number, sought), self.records[number].turning
+        return body.change(before, after, high - low, turning, start)
+
+    def _body_at(self, sought: Values, place: int, value: float) -> Body:
+        """Return the rotor with another value of one unknown."""
+        return body_of(self.rotor, self.values_of(sought) | {self.unknown[place].name: value})
 
     def _around(self, sought: Values) -> list[tuple[float, float]]:
         """Return values below and above each that is sought, within the bounds.
@@ -474,7 +526,7 @@ class FitProblem:
         return list(zip(low.tolist(), (sought + STEP * sizes).tolist(), strict=True))
 
     def _slope(self, number: int, trial: Trial, place: int, low: float, high: float) -> Values:
-        """Return the derivatives of the residuals of a record by one number that is sought."""
+        """Return the derivatives of the residuals of a record by one number, by two motions."""
         each, both = self.records[number], []
         for value in (low, high):
             sought = trial.sought.copy()
@@ -563,11 +615,19 @@ class Touches:
 
     def moved(self, motion: Motion, kind: int) -> Values:
         """Return the computed times in a motion nearby; 0 where they are not compared."""
-        moved, found = np.zeros(self.times.size), motion.touches(kind)
+        return self._nearest(motion.touches(kind), motion.touches(kind), self.times + self.apart)
+
+    def moved_by(self, motion: Motion, kind: int) -> Values:
+        """Return the derivatives of the computed times, shape (n, change), likewise."""
+        own = motion.times_by[motion.event_kinds == kind]
+        return self._nearest(motion.touches(kind), own, np.zeros((self.times.size, own.shape[1])))
+
+    def _nearest(self, found: Values, values: Values, none: Values) -> Values:
+        """Return the values of the events nearest to those compared."""
+        moved = np.zeros(none.shape)
         computed = (self.times + self.apart)[self.compared]
-        if found.size:
-            computed = found[np.abs(found[:, None] - computed).argmin(axis=0)]
-        moved[self.compared] = computed
+        nearest = np.abs(found[:, None] - computed).argmin(axis=0) if found.size else ()
+        moved[self.compared] = values[nearest] if found.size else none[self.compared]
         return moved
 
 

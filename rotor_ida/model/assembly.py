@@ -142,6 +142,10 @@ class Canonical:
         """Return y for q, or its velocity."""
         return np.asarray(self.factor.T @ values)
 
+    def matrix_in_y(self, matrix: Values) -> Values:
+        """Return a matrix that applies to y for one that applies to q."""
+        return _solved(self.factor, _solved(self.factor, matrix).T).T
+
 
 def assemble(system: RotorSystem) -> Assembly:
     """Return a rotor system joined with its supports, stators, contacts and forces."""

@@ -14,7 +14,7 @@ import numpy as np
 from rotor_ida.arrays import Stop, Values, Watch
 from rotor_ida.checks import shown
 from rotor_ida.core.interface import DONE, message_of
-from rotor_ida.core.runs import NO_STOP
+from rotor_ida.core.runs import NO_STOP, Rows
 from rotor_ida.core.systems import LAW, SystemEvents, SystemRequest, SystemResult, follow_system
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.assembly import Assembly, Canonical
@@ -62,6 +62,23 @@ def request_of(
     duration: float, *, rtol: float, speed: float, fastest_speed: float, inertia: float,
 ) -> SystemRequest:  # fmt: skip
     """Return the request of a run to the core."""
+    speeds = [0.0 if race is None else race.speed for race in assembly.races]
+    displacement, velocity, fastest = scales_of(assembly, found, fastest_speed, start)
+    _check_contact_damping(assembly, assembly.smallest_clearance * velocity / displacement)
+    return SystemRequest(
+        stiffness=found.stiffness, damping=found.damping, gyroscopic=found.gyroscopic,
+        stiffness_rate=found.stiffness_rate, rows=found.rows, unbalance=found.unbalance,
+        force=found.force, laws=laws_of(assembly), races=np.array(speeds), pieces=profile.pieces(),
+        speed=speed, inertia=inertia, weight=assembly.weight,
+        standing=STANDING * abs(speed) if profile.is_driven else 0.0,
+        rtol=max(STEP_SAFETY * rtol, TIGHTEST), order=ORDERS[0],
+        displacement=displacement, velocity=velocity, fastest=fastest, start=start, times=times,
+        duration=duration, massless=found.massless,
+    )  # fmt: skip
+
+
+def laws_of(assembly: Assembly) -> Rows:
+    """Return the laws of the contacts as the core takes them."""
     laws = np.zeros(len(assembly.contacts), LAW)
     for law, each, shared in zip(laws, assembly.contacts, assembly.race_numbers, strict=True):
         is_hertz, race = each.exponent == HERTZ_EXPONENT, each.spinning_race
@@ -72,19 +89,7 @@ def request_of(
         if race is not None:
             law["race_radius"], law["inverse_race_inertia"] = race.radius, 1.0 / race.inertia
             law["race_drag"] = race.drag
-    speeds = [0.0 if race is None else race.speed for race in assembly.races]
-    displacement, velocity, fastest = scales_of(assembly, found, fastest_speed, start)
-    _check_contact_damping(assembly, assembly.smallest_clearance * velocity / displacement)
-    return SystemRequest(
-        stiffness=found.stiffness, damping=found.damping, gyroscopic=found.gyroscopic,
-        stiffness_rate=found.stiffness_rate, rows=found.rows, unbalance=found.unbalance,
-        force=found.force, laws=laws, races=np.array(speeds), pieces=profile.pieces(),
-        speed=speed, inertia=inertia, weight=assembly.weight,
-        standing=STANDING * abs(speed) if profile.is_driven else 0.0,
-        rtol=max(STEP_SAFETY * rtol, TIGHTEST), order=ORDERS[0],
-        displacement=displacement, velocity=velocity, fastest=fastest, start=start, times=times,
-        duration=duration, massless=found.massless,
-    )  # fmt: skip
+    return laws
 
 
 def by_method(request: SystemRequest, method: str, rtol: float) -> SystemRequest:

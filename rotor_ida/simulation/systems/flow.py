@@ -21,7 +21,13 @@ from scipy.linalg import null_space
 from rotor_ida.arrays import ComplexValues, Flags, Stop, Values, Watch
 from rotor_ida.checks import shown
 from rotor_ida.core.runs import NO_EXTREMA
-from rotor_ida.core.systems import LAW_CHANGE, ByParameter, SystemRequest, SystemResult
+from rotor_ida.core.systems import (
+    LAW_CHANGE,
+    ByParameter,
+    SystemRequest,
+    SystemResult,
+    law_changes,
+)
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.assembly import Assembly, Canonical, assemble, canonical
 from rotor_ida.model.axisymmetric import check_axisymmetric_parts, forward_motions
@@ -250,11 +256,6 @@ class SystemFlow:
         changed: dict[str, Any] = {name: 2.0 * value if value else 1.0}
         step, here = changed[name] - value, self.request
         other = self.but(**changed).request
-        laws = np.zeros(len(here.laws), LAW_CHANGE)
-        for each in ("clearance", "contact_damping", "friction"):
-            laws[each] = (other.laws[each] - here.laws[each]) / step
-        own, theirs = (each.laws["hertz"] + each.laws["linear"] for each in (here, other))
-        laws["stiffness"] = (theirs / own - 1.0) / step
 
         def change_of(number: str) -> Values | None:
             before, after = getattr(here, number), getattr(other, number)
@@ -264,7 +265,7 @@ class SystemFlow:
             stiffness=change_of("stiffness") if name == "stiffness" else None,
             damping=change_of("damping") if name == "damping" else None,
             unbalance=change_of("unbalance") if name == "unbalance" else None,
-            laws=laws,
+            laws=law_changes(here.laws, here.laws, other.laws, step),
         )  # fmt: skip
 
     def _by_difference(self, name: str, state: Values, until: float) -> Values:
