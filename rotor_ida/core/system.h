@@ -128,6 +128,9 @@ struct system_run {
     int64_t method;                  /* while a contact touches, as in core.h */
     const struct sundials *sundials; /* NULL where series alone are wanted */
     double *cvode_room;
+    /* of the guards at events, by time; infinite where another event, or a piece, brings one about
+     */
+    double *event_rates;
 };
 
 /* How many doubles a run needs to work in. */

@@ -53,7 +53,7 @@ def test_systems_have_the_events_of_cvode(seed, by):
 
 
 def test_many_systems_have_the_events_of_cvode():
-    """As far as the events of both runs are sure, in the plain-Python witness, which shares no code."""
+    """As far as the events of both runs are sure, in the plain-Python witness, a separate code."""
     count, slow = 0, BY_CVODE["witness"]
     for seed in range(100, 140):
         exact, other = followed(seed, 10.0), followed(seed, 10.0, rtol=1e-11, **slow)
