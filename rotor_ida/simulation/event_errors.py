@@ -15,8 +15,9 @@ error of the looser run and bounds that of the tighter one.
 
 A difference of times may vanish by chance, so each event takes the largest of its own error and
 those of the few events before it at the same contact. The states at the event may differ even so:
-each error of one disc is at least a part of that of the states, as far as the event's guard may
-feel it, over the guard's rate. ``docs/events.md`` shows how well this covers the reference cases.
+each error is at least a part of that of the states, as far as the event's guard may feel it, over
+the guard's rate. Of one disc that follows from its forces; of a rotor system the core reports it.
+``docs/validation.md`` shows how well this covers the reference cases.
 """
 
 from __future__ import annotations
@@ -203,7 +204,7 @@ class _Apart(NamedTuple):
 
 
 def _errors(late: Values, apart: _Apart, rates: Values, widening: float) -> Values:
-    """Return the error of each event of a contact by another run, `rates` being of its guard.
+    """Return the error of each event of a contact by another run; `rates` are those of the guards.
 
     It is infinite where the other run has no such event.
     """
