@@ -329,13 +329,14 @@ def _hold_apart(
     if request.massless and rows[:, inert:].any():  # the force moves the stator at once
         drifted = pulled[:, inert:] @ rows[:, inert:].T
         moved = apart[:, 1, :inert] @ rows[:, :inert].T - drifted
-        return np.hypot(*moved.T) / (rows[0, inert:] ** 2).sum()
+        return np.asarray(np.hypot(*moved.T) / (rows[0, inert:] ** 2).sum())
     if request.damping is not None:
         pulled += apart[:, 1] @ request.damping.T
     if request.gyroscopic is not None:
         pulled += spins[:, np.newaxis] * (apart[:, 1] @ request.gyroscopic.T)
     mobility = float(np.linalg.norm(rows[:, :inert], -2)) ** 2
-    return (np.hypot(*(pulled[:, :inert] @ rows[:, :inert].T).T) + turned) / mobility
+    slipped = np.hypot(*(pulled[:, :inert] @ rows[:, :inert].T).T)
+    return np.asarray((slipped + turned) / mobility)
 
 
 def shifts_of(result: SystemResult, other: SystemResult, contacts: int) -> Values:
