@@ -226,3 +226,17 @@ def test_stated_errors_of_systems_cover_the_true_ones(method, rtol):
         assert (true <= said).all(), seed
         count += said.size
     assert count > 400
+
+
+def test_before_the_horizon_of_a_system_a_far_tighter_run_has_the_same_events():
+    """Of one that loses its motion long before an event differs."""
+    run, best = (followed(447, 60.0, rtol=rtol) for rtol in (1e-4, 1e-14))
+    assert run.horizon < best.horizon == 60.0
+    for contact in range(run.sizes["contact"]):
+        kinds = [
+            each.event_kind[
+                ((each.event_contact == contact) & (each.event_time < run.horizon)).values
+            ].values.tolist()
+            for each in (run, best)
+        ]
+        assert kinds[0] == kinds[1]
