@@ -2,7 +2,8 @@
 
 Given are the share of the events whose error is no larger than the one stated, by how much that
 exceeds the true one in the median, and the runs that found other events. Of random rotor systems
-the true times are those of runs by Taylor series at the tightest tolerance.
+the true times are those of runs by Taylor series at the tightest tolerance, and the last column
+counts runs that were refused too.
 
     python benchmarks/stated_errors.py [--systems 0]
 """
