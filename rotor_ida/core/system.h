@@ -132,6 +132,9 @@ struct system_run {
     const double *watched; /* rows by which samples see the columns */
     int64_t watched_count;
     double *sample_columns, *event_columns; /* one a row; 2 an event, of its contact */
+    /* of the guards at events, by time; infinite where another event, or a piece, brings one about
+     */
+    double *event_rates;
 };
 
 /* How many doubles a run needs to work in. */

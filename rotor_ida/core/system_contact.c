@@ -577,14 +577,62 @@ static int happens_to_slip(struct work *work, int contact)
     return status;
 }
 
-int change_contact(struct work *work, struct happening what)
+static double slope_at(const double *terms, int apart, int order, double point)
 {
-    work->step = what.point; /* where the series are read by what follows */
+    double slope = 0.0;
+    for (int n = order; n >= 1; n--)
+        slope = fma(slope, point, n * terms[n * apart]);
+    return slope;
+}
+
+/* How fast a guard falls at its zero, by time: the radius or the radial velocity, the slip, or the
+ * grip that is left. */
+static double rate_of_guard(const struct work *work, struct happening what)
+{
+    struct touching *each = &work->touching[what.contact];
+    const double *terms = each->answers[0], point = what.point;
+    const int order = work->order;
+    if (what.guard == OF_ROOT) { /* the series of an exit has the pace 0 there */
+        double answers[ELEMENT_ANSWERS];
+        set_element(each);
+        values_of_touch(work, each, answers);
+        return fabs(answers[ELEMENT_APPROACH]);
+    }
+    double slope = 0.0;
+    if (what.guard == OF_FORCE) {
+        slope = slope_at(&terms[ELEMENT_APPROACH], ELEMENT_ANSWERS, order, point);
+    } else if (each->touch->mode != ROLLS) {
+        slope = slope_at(&terms[ELEMENT_SLIP], ELEMENT_ANSWERS, order, point);
+    } else {
+        const double sense = polynomial(each->drag, 1, order - 1, point) > 0.0 ? 1.0 : -1.0;
+        slope = each->law->friction
+                    * slope_at(&terms[ELEMENT_PUSH], ELEMENT_ANSWERS, order - 1, point)
+                - sense * slope_at(each->drag, 1, order - 1, point);
+    }
+    return fabs(ratio(slope, slope_at(work->time, 1, order, point)));
+}
+
+static int happens(struct work *work, struct happening what)
+{
     if (what.guard == OF_ROOT)
         return is_touching(&work->touching[what.contact]) ? happens_exit(work, what.contact)
                                                           : happens_entry(work, what.contact);
     return what.guard == OF_FORCE ? happens_to_force(work, what.contact)
                                   : happens_to_slip(work, what.contact);
+}
+
+int change_contact(struct work *work, struct happening what)
+{
+    struct system_run *run = work->run;
+    const double rate = rate_of_guard(work, what);
+    const int64_t before = run->events;
+    work->step = what.point; /* where the series are read by what follows */
+    const int status = happens(work, what);
+    for (int64_t row = before; row < run->events; row++) {
+        if (run->event_contacts[row] == what.contact)
+            run->event_rates[row] = rate;
+    }
+    return status;
 }
 
 /* ---- The start ---- */

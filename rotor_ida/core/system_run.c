@@ -17,6 +17,7 @@ void record_system_event(struct system_run *run, int kind, int contact)
     run->event_times[row] = run->time;
     run->event_kinds[row] = kind;
     run->event_contacts[row] = contact;
+    run->event_rates[row] = INFINITY;
     run->event_turns[2 * row] = run->angle;
     run->event_turns[2 * row + 1] = run->speed;
     memcpy(state, run->state, sizeof(double) * (size_t)(2 * run->stride));

@@ -121,7 +121,7 @@ class SystemRunStruct(Structure):
         ("method", c_int64),
         *((name, c_void_p) for name in ("sundials", "cvode_room", "watched")),
         ("watched_count", c_int64),
-        *((name, c_void_p) for name in ("sample_columns", "event_columns")),
+        *((name, c_void_p) for name in ("sample_columns", "event_columns", "event_rates")),
     ]  # fmt: skip
 
 
@@ -285,6 +285,11 @@ class SystemResult:
         Displacement and velocity at events.
     event_races : ndarray, shape (event, contact)
         Speeds of races.
+    event_rates : ndarray, shape (event,)
+        How fast the guard of each event changes: the radius at an entry or exit, the radial
+        velocity at a press or release, the slip, or the tangential force that is left at a slip.
+        Infinite where another event or a jump of the acceleration brings it about; NaN by the
+        plain-Python witness.
     races : ndarray of RACE, shape (contact,)
         The extreme speeds of races.
     episodes : ndarray of EPISODE
@@ -318,6 +323,7 @@ class SystemResult:
     event_turns: Values
     event_states: Values
     event_races: Values
+    event_rates: Values
     races: Rows
     episodes: Rows
     ledger: dict[str, float]
@@ -369,6 +375,7 @@ class _Tables:
             "event_states": np.empty((self.room, self.width)),
             "event_turns": np.empty((self.room, 2)),
             "event_columns": np.empty((self.room, 2, self.columns)),
+            "event_rates": np.empty(self.room),
             "event_kinds": np.empty(self.room, np.int32),
             "event_contacts": np.empty(self.room, np.int32),
             "episodes": np.empty(self.room, EPISODE),
@@ -533,6 +540,7 @@ class _Run:
             event_kinds=held["event_kinds"][:events],
             event_contacts=held["event_contacts"][:events],
             event_turns=held["event_turns"][:events],
+            event_rates=held["event_rates"][:events],
             event_states=states.reshape(events, 2, self.stride)[:, :, :size], event_races=races,
             races=self.races,
             episodes=np.concatenate([held["episodes"][: run.episode_count], lasting]),

@@ -15,23 +15,31 @@ error of the looser run and bounds that of the tighter one.
 
 A difference of times may vanish by chance, so each event takes the largest of its own error and
 those of the few events before it at the same contact. The states at the event may differ even so:
-each error of one disc is at least a part of that of the states, as far as the event's guard may
-feel it, over the guard's rate. ``docs/events.md`` shows how well this covers the reference cases.
+each error is at least a part of that of the states, as far as the event's guard may feel it, over
+the guard's rate. Of one disc that follows from its forces; of a rotor system the core reports it.
+``docs/validation.md`` shows how well this covers the reference cases.
 """
 
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import ROUNDING, Stop, Values, Watch
 from rotor_ida.checks import State
-from rotor_ida.core.systems import SystemEvents, SystemResult
+from rotor_ida.core.systems import SystemEvents, SystemRequest, SystemResult
 from rotor_ida.errors import SimulationError
-from rotor_ida.model.contact import damping_factor, spring_force, spring_slope
+from rotor_ida.model.contact import (
+    HERTZ_EXPONENT,
+    damping_factor,
+    slope_of_root,
+    spring_force,
+    spring_of_root,
+    spring_slope,
+)
 from rotor_ida.model.forces import Moment, accelerations, with_values
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema.flags import ENTRY, OF_FRICTION, PRESS, ROLLS, SLIP
@@ -143,46 +151,214 @@ def _rounded(times: Values) -> Values:
     return np.asarray(4.0 * np.spacing(times) * np.sqrt(1.0 + np.arange(times.size)))
 
 
+# ---- How far apart two runs are ----
+
+
+class _Apart(NamedTuple):
+    """The events of one contact, and the differences of the states of two runs there.
+
+    Parameters
+    ----------
+    kinds, radius, speed : ndarray, shape (m,)
+        Kinds of the events; distance from the centre of the contact, and speed.
+    displaced, faster : ndarray, shape (m,)
+        Sizes of the differences of displacement and velocity.
+    lever : ndarray, shape (m,)
+        The time for which the difference of the velocity has moved the radius.
+    depth : ndarray, shape (m,)
+        Indentation.
+    held : ndarray, shape (m,) or float
+        The difference of the tangential force that rolling needs.
+    law : SimpleNamespace or record of `rotor_ida.core.systems.LAW`
+        The law of the contact: ``hertz``, ``linear``, ``contact_damping`` and ``friction``.
+    """
+
+    kinds: Kinds
+    radius: Values
+    speed: Values
+    displaced: Values
+    faster: Values
+    lever: Values
+    depth: Values
+    held: Values | float
+    law: Any
+
+    def guards(self) -> Values:
+        """Return by how much the guard of each event may differ.
+
+        The differences of the states bound that by its derivatives: of the radius at an entry or
+        exit, the radial velocity at a press or release, the slip speed or the grip at an event of
+        friction. The error of the radius is also what that of the velocity makes of it since the
+        last event, within a radian.
+        """
+        on_edge, turning = np.abs(self.kinds) == ENTRY, self.speed / self.radius
+        by_place = np.where(on_edge, 1.0, turning)
+        by_velocity = np.where(on_edge, self.lever, 1.0)
+        differs = by_place * self.displaced + by_velocity * self.faster
+        root = np.sqrt(self.depth)
+        resistance = self.law.contact_damping * spring_of_root(root, self.law)
+        stiffness = slope_of_root(root, self.law) + resistance * turning
+        pressed = stiffness * self.displaced + resistance * self.faster
+        gripped = self.law.friction * pressed + self.held
+        return np.asarray(np.where(self.kinds == SLIP, gripped, differs))
+
+
+def _errors(late: Values, apart: _Apart, rates: Values, widening: float) -> Values:
+    """Return the error of each event of a contact by another run; `rates` are those of the guards.
+
+    It is infinite where the other run has no such event.
+    """
+    with np.errstate(divide="ignore", invalid="ignore"):  # 0/0 where the states agree
+        by_states = np.nan_to_num(apart.guards() / rates, nan=0.0, posinf=np.inf)
+    return _remembered(np.maximum(widening * np.abs(late), FELT * by_states))
+
+
+def _separation(times: Values, places: Values, others: Values, least: float) -> float:
+    """Return when two orbits separate by their samples, shape (n, 2); infinite if they do not.
+
+    The motion counts as no smaller than `least`.
+    """
+    size = np.maximum(_largest_near(np.hypot(*places.T)), least)
+    astray = np.flatnonzero(np.hypot(*(places - others).T) > ASTRAY * size)
+    return float(times[astray[0]]) if astray.size else np.inf
+
+
 # ---- Of a rotor system ----
 
 
-def errors_of(
-    result: SystemResult, other: SystemResult | SystemEvents, contacts: int, duration: float
+def errors_of_system(
+    request: SystemRequest, result: SystemResult, other: SystemResult, times: Values
 ) -> EventErrors:
     """Return the errors of the events of a run by another one, each contact by itself.
 
-    The horizon is the first event of a contact that the other run does not have.
+    Parameters
+    ----------
+    request : SystemRequest
+        The system.
+    result, other : SystemResult
+        The run, and another by the core.
+    times : ndarray
+        Times of the samples of the other run, as of `times_of_second`.
     """
-    errors, horizon = np.empty(result.event_times.size), duration
-    for contact in range(contacts):
-        here, times, other_times, late = _at_contact(result, other, contact)
-        errors[here] = WIDENING * _remembered(late) + _rounded(times)
-        count = int(np.count_nonzero(np.isfinite(late)))
-        parted = times[count:] if count < times.size else other_times[count:]
-        horizon = min([horizon, *parted[:1].tolist()])
+    errors, horizon = np.empty(result.event_times.size), horizon_of(request, result, other)
+    sampled = np.flatnonzero(request.times <= other.time)[:: _thinning(request.times)]
+    there = np.searchsorted(times, request.times[sampled])
+    for number, law in enumerate(request.laws):
+        places, others = (
+            each[:, 0] @ request.rows[number].T - law["offset"]
+            for each in (result.samples[sampled], other.samples[there])
+        )
+        separation = _separation(request.times[sampled], places, others, law["clearance"])
+        horizon = min(horizon, separation)
+        here, late, partners = _at_contact(result, other, number)
+        apart = _apart_in_system(request, result, other, number, here, partners, times)
+        rates = np.append(other.event_rates, np.inf)[partners]
+        errors[here] = _errors(late, apart, rates, WIDENING)
+        errors[here] += _rounded(result.event_times[here])
+    # one event may bring others about, which then have its time
+    _, moments = np.unique(result.event_times, return_inverse=True)
+    shared = np.zeros(moments.max(initial=-1) + 1)
+    np.maximum.at(shared, moments, errors)
+    errors = shared[moments]
     errors[result.event_times > horizon] = np.inf
     return EventErrors(errors, horizon)
+
+
+def _thinning(times: Values) -> int:
+    """Return of how many samples one is enough to tell when two orbits separate."""
+    return max(1, times.size // MOST_SAMPLES)
+
+
+def times_of_second(request: SystemRequest, result: SystemResult) -> Values:
+    """Return the times at which the second run of a system is sampled: events too, and the end."""
+    thinned = request.times[:: _thinning(request.times)]
+    return np.unique(np.concatenate([result.event_times, thinned, request.times[-1:]]))
+
+
+def horizon_of(
+    request: SystemRequest, result: SystemResult, other: SystemResult | SystemEvents
+) -> float:
+    """Return the first event of a contact that only one of two runs has; else the end."""
+    horizon = request.duration
+    for number in range(len(request.laws)):
+        here, late, _ = _at_contact(result, other, number)
+        count = int(np.count_nonzero(np.isfinite(late)))
+        others = other.event_times[other.event_contacts == number]
+        parted = result.event_times[here[count:]] if count < here.size else others[count:]
+        horizon = min([horizon, *parted[:1].tolist()])
+    return horizon
+
+
+def _apart_in_system(
+    request: SystemRequest, result: SystemResult, other: SystemResult, number: int,
+    here: Numbers, partners: Numbers, times: Values,
+) -> _Apart:  # fmt: skip
+    """Return how far apart two runs are at the events of a contact, at the times of the first."""
+    law, rows = request.laws.view(np.recarray)[number], request.rows[number]
+    kinds, spins = result.event_kinds[here], result.event_turns[here, 1]
+    sampled = np.searchsorted(times, result.event_times[here])
+    apart = result.event_states[here] - other.samples[sampled]
+    place, velocity = np.moveaxis(result.event_states[here] @ rows.T, 1, 0)
+    radius, speed = np.hypot(*(place - law.offset).T), np.hypot(*velocity.T)
+    displaced, faster = (np.hypot(*each.T) for each in np.moveaxis(apart @ rows.T, 1, 0))
+    turning = speed / radius
+    turned = turning * (2.0 * faster + turning * displaced)
+    held = _hold_apart(request, rows, apart, spins, turned)
+    races = np.append(other.event_races[:, number], np.nan)[partners]
+    rims = law.radius * np.abs(spins - other.turns[sampled, 1])
+    rims += law.race_radius * np.abs(result.event_races[here, number] - races)
+    return _Apart(
+        kinds, radius, speed, displaced,
+        faster=faster + np.where(np.isin(kinds, OF_FRICTION), rims, 0.0),
+        lever=np.minimum(
+            np.diff(result.event_times[here], prepend=0.0), request.displacement / request.velocity
+        ),
+        depth=np.maximum(radius - law.clearance, 0.0), held=held, law=law,
+    )  # fmt: skip
+
+
+def _hold_apart(
+    request: SystemRequest, rows: Values, apart: Values, spins: Values, turned: Values
+) -> Values:
+    """Return by how much the forces that keep a contact rolling may differ.
+
+    `turned` is the difference of what the turn of the contact accelerates its slip.
+    """
+    inert = request.force.size - request.massless
+    pulled = apart[:, 0] @ request.stiffness.T
+    if request.massless and rows[:, inert:].any():  # the force moves the stator at once
+        drifted = pulled[:, inert:] @ rows[:, inert:].T
+        moved = apart[:, 1, :inert] @ rows[:, :inert].T - drifted
+        return np.asarray(np.hypot(*moved.T) / (rows[0, inert:] ** 2).sum())
+    if request.damping is not None:
+        pulled += apart[:, 1] @ request.damping.T
+    if request.gyroscopic is not None:
+        pulled += spins[:, np.newaxis] * (apart[:, 1] @ request.gyroscopic.T)
+    mobility = float(np.linalg.norm(rows[:, :inert], -2)) ** 2
+    slipped = np.hypot(*(pulled[:, :inert] @ rows[:, :inert].T).T)
+    return np.asarray((slipped + turned) / mobility)
 
 
 def shifts_of(result: SystemResult, other: SystemResult, contacts: int) -> Values:
     """Return how far the events of a run move in another one; infinite from where they differ."""
     shifts = np.empty(result.event_times.size)
     for contact in range(contacts):
-        here, _, _, late = _at_contact(result, other, contact)
+        here, late, _ = _at_contact(result, other, contact)
         shifts[here] = late
     return shifts
 
 
 def _at_contact(
     result: SystemResult, other: SystemResult | SystemEvents, contact: int
-) -> tuple[Numbers, Values, Values, Values]:
-    """Return the events of a contact: places, times, times in another run, and differences."""
+) -> tuple[Numbers, Values, Numbers]:
+    """Return the events of a contact: places, differences of time and places in another run."""
     here, there = (np.flatnonzero(each.event_contacts == contact) for each in (result, other))
     times, other_times = result.event_times[here], other.event_times[there]
     partners = partners_of(
         times, result.event_kinds[here], other_times, other.event_kinds[there], skips=False
     )
-    return here, times, other_times, np.abs(_late(times, other_times, partners))
+    late = np.abs(_late(times, other_times, partners))
+    return here, late, np.append(there, -1)[partners]
 
 
 # ---- Of one disc ----
@@ -216,7 +392,7 @@ def estimate_event_errors(
         if rtol < APART * ROUNDING:
             rotor = _nearest(rotor)
     profile = None if orbit.speed_record is None else orbit.speed_record.profile
-    every = max(1, orbit.times.size // MOST_SAMPLES)
+    every = _thinning(orbit.times)
     thinned = replace(orbit, times=orbit.times[::every], states=orbit.states[::every])
     try:
         other = run(
@@ -229,7 +405,9 @@ def estimate_event_errors(
         orbit.event_times, orbit.event_kinds, other.event_times, other.event_kinds, skips=True
     )
     rates, rounded = _rates_and_rounding(orbit)
-    errors = _differences(orbit, other, partners, rates, widening) + of_rounding * rounded
+    late = _late(orbit.event_times, other.event_times, partners)
+    apart = _apart_of_disc(orbit, other, late, partners)
+    errors = _errors(late, apart, rates, widening) + of_rounding * rounded
     horizon = _horizon(thinned, other, partners)
     if horizon < orbit.duration:
         errors[orbit.event_times > horizon] = np.inf
@@ -259,44 +437,25 @@ def _nearest(rotor: Rotor) -> Rotor:
     return replace(rotor, omega=omega, delta0=delta0)
 
 
-def _differences(
-    orbit: Orbit, other: Orbit, partners: Numbers, rates: Values, widening: float
-) -> Values:
-    """Return the error of each event by the other orbit; infinite where that has no such event."""
-    found, late = partners >= 0, _late(orbit.event_times, other.event_times, partners)
-    apart = np.zeros_like(orbit.event_states)
-    apart[found] = orbit.event_states[found] - other.event_states[partners[found]]
-    apart[found] -= _drift(orbit)[found] * late[found, np.newaxis]  # at one time
-    with np.errstate(divide="ignore", invalid="ignore"):  # 0/0 where the states agree
-        by_states = np.nan_to_num(_guards_apart(orbit, apart) / rates, nan=0.0, posinf=np.inf)
-    return _remembered(np.maximum(widening * np.abs(late), FELT * by_states))
-
-
-def _guards_apart(orbit: Orbit, apart: Values) -> Values:
-    """Return by how much the guard of each event may differ between two orbits.
-
-    `apart` are the differences of the states at the events. They bound the difference of the
-    guards by its derivatives: of the radius at an entry or exit, the radial velocity at a press or
-    release, the slip speed or the grip at an event of friction. The error of the radius is also
-    what that of the velocity makes of it since the last event, within a radian.
-    """
+def _apart_of_disc(orbit: Orbit, other: Orbit, late: Values, partners: Numbers) -> _Apart:
+    """Return how far apart two orbits are at the events of the first, at one time."""
     rotor, (x, y, vx, vy) = orbit.rotor, orbit.event_states.T
-    kinds, radius, speed = orbit.event_kinds, np.hypot(x, y), np.hypot(vx, vy)
-    by_place = np.where(np.abs(kinds) == ENTRY, 1.0, speed / radius)
-    since = np.diff(orbit.event_times, prepend=0.0)
-    lever = np.minimum(since, 1.0 / np.maximum(orbit.event_speeds, 1.0))
-    by_velocity = np.where(np.abs(kinds) == ENTRY, lever, 1.0)
-    if rotor.friction > 0.0:
-        n, slips = rotor.contact_exponent, kinds == SLIP
-        depth = np.maximum(radius - rotor.delta0, 0.0)
-        rim = (rotor.disc_radius or 0.0) * orbit.event_speeds
-        damped = rotor.friction * rotor.contact_damping * spring_force(depth, n)
-        stiffness = rotor.friction * spring_slope(depth, n) + damped * speed / radius
-        drive = (orbit.event_speeds**2 + rotor.load + rim * speed / radius) / radius
-        by_place = np.where(slips, stiffness + drive, by_place)
-        by_velocity = np.where(slips, damped + rim / radius, by_velocity)
+    found, apart = partners >= 0, np.zeros_like(orbit.event_states)
+    apart[found] = orbit.event_states[found] - other.event_states[partners[found]]
+    apart[found] -= _drift(orbit)[found] * late[found, np.newaxis]
+    radius, speed = np.hypot(x, y), np.hypot(vx, vy)
     displaced, faster = np.hypot(*apart[:, :2].T), np.hypot(*apart[:, 2:].T)
-    return np.asarray(by_place * displaced + by_velocity * faster)
+    rim = (rotor.disc_radius or 0.0) * orbit.event_speeds
+    drive = orbit.event_speeds**2 + rotor.load + rim * speed / radius
+    since = np.diff(orbit.event_times, prepend=0.0)
+    is_hertz = float(rotor.contact_exponent == HERTZ_EXPONENT)
+    return _Apart(
+        orbit.event_kinds, radius, speed, displaced, faster,
+        lever=np.minimum(since, 1.0 / np.maximum(orbit.event_speeds, 1.0)),
+        depth=np.maximum(radius - rotor.delta0, 0.0),
+        held=(drive * displaced + rim * faster) / radius,
+        law=with_values(rotor, hertz=is_hertz, linear=1.0 - is_hertz),
+    )  # fmt: skip
 
 
 def _rates_and_rounding(orbit: Orbit) -> tuple[Values, Values]:
@@ -406,10 +565,8 @@ def _drift(orbit: Orbit) -> Values:
 
 def _horizon(orbit: Orbit, other: Orbit, partners: Numbers) -> float:
     """Return the time at which the two orbits separate, by their samples or by their events."""
-    size = _largest_near(np.hypot(orbit.states[:, 0], orbit.states[:, 1]))
-    apart = np.hypot(*(orbit.states[:, :2] - other.states[:, :2]).T)
-    astray = np.flatnonzero(apart > ASTRAY * size)
-    horizon = float(orbit.times[astray[0]]) if astray.size else orbit.duration
+    separation = _separation(orbit.times, orbit.states[:, :2], other.states[:, :2], 0.0)
+    horizon = min(separation, orbit.duration)
     known = np.flatnonzero(partners >= 0)
     last = known[-1] if known.size else -1
     lost = orbit.event_times[last + 1 :]

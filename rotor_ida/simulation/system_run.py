@@ -21,7 +21,14 @@ from rotor_ida.model.assembly import Assembly, Canonical
 from rotor_ida.model.contact import HERTZ_EXPONENT
 from rotor_ida.model.growth import FREE, rates_of
 from rotor_ida.model.parameters import OF_ROTOR
-from rotor_ida.simulation.event_errors import APART, WIDENING, EventErrors, errors_of
+from rotor_ida.simulation.event_errors import (
+    APART,
+    WIDENING,
+    EventErrors,
+    errors_of_system,
+    horizon_of,
+    times_of_second,
+)
 from rotor_ida.simulation.spin import SpeedProfile
 
 # The tolerance of a step over that of a run.
@@ -155,20 +162,20 @@ def with_errors(
 ) -> Followed:
     """Return a run with the errors of its events by a second one, by Taylor series.
 
-    It is tighter and of another order if the first was one of them, too.
+    It is of another order, also than the flights of a run by CVODE, and tighter if the first is by
+    Taylor series throughout.
     """
-    again = bare(request)
+    times = times_of_second(request, result)
+    again = replace(bare(request), times=times, order=ORDERS[1])
     if by_series:
-        rtol = max(request.rtol / APART, TIGHTEST / APART)
-        again = replace(again, rtol=rtol, order=ORDERS[1])
+        again = replace(again, rtol=max(request.rtol / APART, TIGHTEST / APART))
 
     def has_parted(events: SystemEvents) -> bool:
-        errors = errors_of(result, events, len(request.laws), request.duration)
-        return events.time >= ENOUGH * errors.horizon
+        return events.time >= ENOUGH * horizon_of(request, result, events)
 
     other = follow_system(again, stop, watch, has_parted)
     check_status(other)
-    errors = errors_of(result, other, len(request.laws), request.duration)
+    errors = errors_of_system(request, result, other, times)
     since, error = standstill_of(result), math.inf
     if since <= errors.horizon and not math.isnan(other.standstill.since):
         error = WIDENING * abs(since - other.standstill.since) + 4.0 * float(np.spacing(since))

@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 from rotor_ida import Rotor, simulate
-from rotor_ida.simulation import event_errors
+from rotor_ida.simulation import event_errors, system_run
 from rotor_ida.simulation import run as simulation_run
+from tests.random_systems import followed, stated_and_true
 
 REST = (0.0, 0.0, 0.0, 0.0)
 
@@ -177,3 +178,65 @@ def test_the_rounding_of_the_phase_is_part_of_the_stated_error(drift):
         exact = mpmath.findroot(excess, (mpmath.mpf(time), mpmath.mpf(time) + stated))
         assert abs(exact - mpmath.mpf(time)) <= stated
     assert stated < 1e-6
+
+
+def test_the_core_reports_the_rates_of_guards_that_the_formulas_of_one_disc_give(monkeypatch):
+    """Of seven kinds of events, in closed form by the forces of one disc."""
+    seen, rng, kinds = {}, np.random.default_rng(3), []
+    second, formulas = system_run.errors_of_system, event_errors._rates_and_rounding
+
+    def of_core(request, result, other, times):
+        seen["core"] = other
+        return second(request, result, other, times)
+
+    def of_disc(orbit):
+        seen["disc"] = formulas(orbit)[0]
+        return formulas(orbit)
+
+    monkeypatch.setattr(system_run, "errors_of_system", of_core)
+    monkeypatch.setattr(event_errors, "_rates_and_rounding", of_disc)
+    for _ in range(60):
+        rotor, start = machine_of(rng), tuple(rng.normal(size=4).tolist())
+        given = {"duration": 15.0, "samples": 2, "rtol": 1e-12, "method": "taylor"}
+        run = simulate(rotor, start=start, **given)
+        simulate(rotor.system(), speed=rotor.omega, start=(start[:2], start[2:]), **given)
+        core, sure = seen["core"], run.event_time_error.values < 1e-9
+        count = len(sure) if sure.all() else int(np.argmin(sure))
+        np.testing.assert_array_equal(core.event_kinds[:count], run.event_kind[:count])
+        np.testing.assert_allclose(
+            core.event_rates[:count], seen["disc"][:count], rtol=1e-6, atol=1e-6
+        )
+        kinds += run.event_kind.values[:count].tolist()
+    assert set(kinds) == {1, -1, 2, -2, 3, 4, -4}
+    assert len(kinds) > 400
+
+
+@pytest.mark.parametrize(
+    ("method", "rtol"), [("adams", 1e-6), ("adams", 1e-10), ("bdf", 1e-6), ("taylor", 1e-5)]
+)
+def test_stated_errors_of_systems_cover_the_true_ones(method, rtol):
+    """In two of them, flights by the same series in both runs once hid the error of a first event.
+
+    The true time is that of a run by Taylor series at the tightest tolerance.
+    """
+    count = 0
+    for seed in (*range(400, 440), 608, 678):
+        best = followed(seed, 10.0, rtol=1e-14)
+        said, true = stated_and_true(followed(seed, 10.0, rtol=rtol, method=method), best)
+        assert (true <= said).all(), seed
+        count += said.size
+    assert count > 400
+
+
+def test_before_the_horizon_of_a_system_a_far_tighter_run_has_the_same_events():
+    """Of one that loses its motion long before an event differs."""
+    run, best = (followed(447, 60.0, rtol=rtol) for rtol in (1e-4, 1e-14))
+    assert run.horizon < best.horizon == 60.0
+    for contact in range(run.sizes["contact"]):
+        kinds = [
+            each.event_kind[
+                ((each.event_contact == contact) & (each.event_time < run.horizon)).values
+            ].values.tolist()
+            for each in (run, best)
+        ]
+        assert kinds[0] == kinds[1]

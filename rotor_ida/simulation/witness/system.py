@@ -180,7 +180,8 @@ def _result_of(records: _Records) -> SystemResult:
         event_kinds=np.array([each.kind for each in run.events], np.int32),
         event_contacts=np.array([each.number for each in run.events], np.int32),
         event_turns=of_events, event_states=events[:, : 2 * n].reshape(-1, 2, n),
-        event_races=events[:, of_races], races=_extremes(speeds, seen), episodes=table,
+        event_races=events[:, of_races], event_rates=np.full(len(events), np.nan),
+        races=_extremes(speeds, seen), episodes=table,
         ledger=dict.fromkeys(LEDGER, np.nan), steps=0,
         turn=machine.spin.at(run.time, state), standstill=records.standstill,
     )  # fmt: skip
