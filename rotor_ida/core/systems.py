@@ -61,6 +61,12 @@ EPISODE = np.dtype(
 RACE = np.dtype(
     [(name, np.float64) for name in ("largest", "largest_time", "smallest", "smallest_time")]
 )
+# An extremum of the distance of a place, of the kinds -1 minimum and 1 maximum; at the ends of a
+# run 0.
+EXTREMUM_OF_PLACE = np.dtype(
+    [("time", np.float64), ("distance", np.float64), ("place", np.int32), ("kind", np.int32)]
+)
+PLACE = np.dtype([("centre", np.float64, 2), ("sign", np.float64), ("last", EXTREMUM_OF_PLACE)])
 LEDGER = ("unbalance", "damping", "stiffness_rate", "normal", "tangential")
 
 
@@ -119,7 +125,10 @@ class SystemRunStruct(Structure):
         *((name, c_void_p) for name in ("columns", "column_room", "parameters")),
         *((name, c_int64) for name in ("parameter_count", "first_of_parameters")),
         ("method", c_int64),
-        *((name, c_void_p) for name in ("sundials", "cvode_room")),
+        *((name, c_void_p) for name in ("sundials", "cvode_room", "place_columns", "places")),
+        ("place_count", c_int64),
+        ("extrema", c_void_p),
+        *((name, c_int64) for name in ("extremum_room", "extremum_count")),
     ]  # fmt: skip
 
 
@@ -153,6 +162,21 @@ class ByParameter:
     damping: Values | None = None
     unbalance: Values | None = None
     laws: Rows
+
+
+class Places(NamedTuple):
+    """Places of a system whose distances from centres are observed.
+
+    Parameters
+    ----------
+    rows : ndarray, shape (place, 2, n)
+        Their displacements, in coordinates with a unit mass matrix.
+    centres : ndarray, shape (place, 2)
+        From where the distances count.
+    """
+
+    rows: Values
+    centres: Values
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -207,6 +231,8 @@ class SystemRequest:
         Parameters that change beside, each alone with one of the last columns.
     method : {"taylor", "adams", "bdf"}
         Solver while a contact touches. Flight, a linear motion, is always by Taylor series.
+    places : Places, optional
+        Of which the extrema of the distances are wanted.
     """
 
     stiffness: Values
@@ -236,6 +262,7 @@ class SystemRequest:
     columns: Values | None = None
     parameters: Sequence[ByParameter] = ()
     method: str = "taylor"
+    places: Places | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -278,6 +305,8 @@ class SystemResult:
         Whether a driven rotor stands at the end.
     columns : ndarray, shape (column, 2 n + contact)
         What the changes of the start have become.
+    extrema : ndarray of EXTREMUM_OF_PLACE
+        The extrema of the distances of places, and these at both ends; place by place, by time.
     """
 
     status: int
@@ -300,6 +329,7 @@ class SystemResult:
     turn: tuple[float, float]
     standstill: Standstill
     columns: Values = field(default_factory=lambda: np.empty((0, 0)))
+    extrema: Rows = field(default_factory=lambda: np.empty(0, EXTREMUM_OF_PLACE))
 
 
 class SystemEvents(NamedTuple):
@@ -327,10 +357,11 @@ def _library() -> ctypes.CDLL:
 
 @dataclass(slots=True)
 class _Tables:
-    """The tables of events and episodes, which grow."""
+    """The tables of events, episodes and extrema, which grow."""
 
     width: int
     first: int
+    places: int
     room: int = 0
     arrays: dict[str, npt.NDArray[Any]] = field(default_factory=dict)
 
@@ -343,6 +374,7 @@ class _Tables:
             "event_kinds": np.empty(self.room, np.int32),
             "event_contacts": np.empty(self.room, np.int32),
             "episodes": np.empty(self.room, EPISODE),
+            "extrema": np.empty((self.room, self.places), EXTREMUM_OF_PLACE),
         }
 
     def grow(self, run: SystemRunStruct) -> None:
@@ -365,6 +397,7 @@ class _Tables:
         for name, array in self.arrays.items():
             setattr(run, name, pointer(array, array.dtype, writeable=True))
         run.event_room = run.episode_room = self.room
+        run.extremum_room = self.room * self.places
 
 
 def _padded_to_vectors(count: int) -> int:
@@ -395,11 +428,17 @@ class _Run:
         self.state = self.wide(request.start)
         self.samples = np.zeros((sampled, 2, self.stride))
         self.forces, self.turns = np.zeros((sampled, count, FORCES)), np.zeros((sampled, 2))
-        self.tables = _Tables(2 * self.stride + count, max(FIRST_ROOM, 4 * count + 4))
+        rows, centres = request.places or (np.empty((0, 2, self.size)), np.empty((0, 2)))
+        columns = np.ascontiguousarray(np.concatenate([rows, rows], axis=1).transpose(0, 2, 1))
+        self.places, self.place_rows = np.zeros(len(rows), PLACE), self.wide(rows)
+        self.places["centre"] = centres
+        first = max(FIRST_ROOM, 4 * count + 4)
+        self.tables = _Tables(2 * self.stride + count, first, len(rows))
         of_same_name = (
             "massless", "inertia", "rtol", "displacement", "velocity", "fastest", "order",
             "only_events", "duration", "speed",
         )  # fmt: skip
+        self.begun = self.distances()
         self.struct = SystemRunStruct(
             **{name: getattr(request, name) for name in of_same_name},
             weight=(2 * c_double)(*request.weight),
@@ -414,6 +453,8 @@ class _Run:
             samples=self.filled(self.samples), sample_forces=self.filled(self.forces),
             sample_turns=self.filled(self.turns), open=self.filled(self.opened),
             races=self.filled(self.races), room=self.filled(np.zeros(room)),
+            place_columns=self.read(columns), places=self.filled(self.places),
+            place_count=len(rows),
         )  # fmt: skip
         if request.method != "taylor":
             self.struct.method = METHODS[request.method]
@@ -484,6 +525,23 @@ class _Run:
                for name, each in rows.items()},
         )  # fmt: skip
 
+    def distances(self) -> Values:
+        """Return the distances of the places now."""
+        return np.asarray(np.hypot(*(self.place_rows @ self.state[0] - self.places["centre"]).T))
+
+    def extrema(self) -> Rows:
+        """Return the extrema of the distances of places, with both ends."""
+        ends = np.zeros((2, len(self.places)), EXTREMUM_OF_PLACE)
+        ends["place"], ends["distance"] = (
+            np.arange(len(self.places)),
+            (self.begun, self.distances()),
+        )
+        ends["time"][1] = self.struct.time
+        table = self.tables.arrays["extrema"].reshape(-1)[: self.struct.extremum_count]
+        last = self.places["last"][self.places["last"]["kind"] != 0]
+        rows = np.concatenate([ends[0], table, last, ends[1]])
+        return rows[np.argsort(rows["place"], kind="stable")]
+
     def result(self, status: int) -> SystemResult:
         """Return the result of the run."""
         run, held, size = self.struct, self.tables.arrays, self.size
@@ -502,6 +560,7 @@ class _Run:
             episodes=np.concatenate([held["episodes"][: run.episode_count], lasting]),
             ledger=ledger, steps=run.steps, turn=(run.angle, run.speed),
             standstill=Standstill(*run.standstill), columns=self.columns.T,
+            extrema=self.extrema(),
         )  # fmt: skip
 
 
