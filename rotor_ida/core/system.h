@@ -74,6 +74,19 @@ struct parameter {
     const double *mass, *force;        /* or NULL */
 };
 
+/* An extremum of the distance of a place: 1 a maximum, -1 a minimum. */
+struct extremum_of_place {
+    double time, distance;
+    int32_t place, kind;
+};
+
+/* A place whose distance from a centre is observed. */
+struct place {
+    double centre[2];
+    double sign;                   /* of the rate of its distance; 0 at first */
+    struct extremum_of_place last; /* not in the table yet; its kind is 0 where there is none */
+};
+
 struct system_run {
     int64_t size, stride, contact_count;
     /* how many of the coordinates, the last, are of stators without mass: y' = -K y + contacts */
@@ -135,6 +148,11 @@ struct system_run {
     /* of the guards at events, by time; infinite where another event, or a piece, brings one about
      */
     double *event_rates;
+    const double *place_columns; /* 4 a coordinate of each: its displacement by it, twice */
+    struct place *places;
+    int64_t place_count;
+    struct extremum_of_place *extrema;
+    int64_t extremum_room, extremum_count;
 };
 
 /* How many doubles a run needs to work in. */

@@ -20,6 +20,8 @@ static const double HIDDEN = 1e-12;
 static const double ROUNDED = 64.0 * 2.220446049250313e-16;
 /* Shortest interval, in steps, in which two zeros are told apart. */
 static const double SHORTEST = 1e-15;
+/* A correction of a zero is at most this part of its step. */
+static const double CORRECTED = 1e-6;
 /* A zero is found where rounding hides it: to this part of itself; and the most steps to it. */
 static const double CLOSE = 4e-16;
 enum { MOST_SWEEPS = 500, MOST_NEWTON = 200, GAP_TERMS = 2 * ORDERS };
@@ -150,6 +152,66 @@ double first_fall(const double *terms, int apart, int order, double step, int ze
     double bernstein[GAP_TERMS];
     write_bernstein(own, last, step, bernstein);
     return fall_within(own, bernstein, last, 0.0, step, SHORTEST * step);
+}
+
+/* The points at which a polynomial changes its sign, and the sign behind them; 0 at first. */
+struct signs {
+    const double *terms;
+    int order, count;
+    double sign, shortest, *points;
+};
+
+static void take_sign(struct signs *signs, double value, double point)
+{
+    if (value * signs->sign < 0.0 && signs->count <= signs->order)
+        signs->points[signs->count++] = point;
+    if (value != 0.0)
+        signs->sign = value < 0.0 ? -1.0 : 1.0;
+}
+
+/* Take the signs between two points, by the Bernstein coefficients there. */
+static void signs_within(struct signs *signs, const double *bernstein, double low, double high)
+{
+    const int order = signs->order, changes = changes_of(bernstein, order);
+    const int is_one = changes == 1 && bernstein[0] * bernstein[order] < 0.0;
+    if (changes > 0 && !is_one && high - low > signs->shortest) {
+        double left[ORDERS], right[ORDERS];
+        memcpy(right, bernstein, sizeof(double) * (size_t)(order + 1));
+        halve(right, order, left);
+        const double middle = 0.5 * (low + high);
+        signs_within(signs, left, low, middle);
+        signs_within(signs, right, middle, high);
+        return;
+    }
+    for (int j = 0; changes == 0 && j <= order; j++) /* all of one sign */
+        take_sign(signs, bernstein[j], low);
+    if (changes == 0)
+        return;
+    if (is_one) {
+        take_sign(signs, bernstein[0], low);
+        take_sign(signs, bernstein[order], zero_between(signs->terms, order, low, high));
+        return;
+    }
+    take_sign(signs, bernstein[order], high);
+}
+
+int sign_changes(const double *terms, int order, double step, double *sign, double *points)
+{
+    struct signs signs = {terms, order, 0, *sign, SHORTEST * step, points};
+    double later = 0.0, power = 1.0;
+    for (int n = 1; n <= order; n++) {
+        power *= step;
+        later += fabs(terms[n]) * power;
+    }
+    if (fabs(terms[0]) > later) {
+        take_sign(&signs, terms[0], 0.0);
+    } else {
+        double bernstein[ORDERS];
+        write_bernstein(terms, order, step, bernstein);
+        signs_within(&signs, bernstein, 0.0, step);
+    }
+    *sign = signs.sign;
+    return signs.count;
 }
 
 /* ---- Guards ---- */
@@ -700,71 +762,35 @@ int begin_contacts(struct work *work)
 
 /* ---- Peaks ---- */
 
-/* The series of a value of which the largest is wanted, its slope, and the largest so far. */
-struct climb {
-    double terms[ORDERS], slope[ORDERS];
-    int order;
-    double largest, where;
-};
-
-static void reach(struct climb *climb, double point)
-{
-    const double value = polynomial(climb->terms, 1, climb->order, point);
-    if (value > climb->largest) {
-        climb->largest = value;
-        climb->where = point;
-    }
-}
-
-/* Reach every maximum between two points, where the slope has these Bernstein coefficients. */
-static void climb_within(struct climb *climb, const double *bernstein, double low, double high,
-                         double shortest)
-{
-    const int order = climb->order - 1, changes = changes_of(bernstein, order);
-    const int ends_differ = bernstein[0] * bernstein[order] < 0.0;
-    if (changes == 0 || (changes == 1 && ends_differ && bernstein[0] < 0.0)
-        || high - low <= shortest)
-        return;
-    if (changes == 1 && ends_differ) {
-        reach(climb, zero_between(climb->slope, order, low, high));
-        return;
-    }
-    double left[ORDERS], right[ORDERS];
-    memcpy(right, bernstein, sizeof(double) * (size_t)(order + 1));
-    halve(right, order, left);
-    const double middle = 0.5 * (low + high);
-    climb_within(climb, left, low, middle, shortest);
-    climb_within(climb, right, middle, high, shortest);
-}
-
 /* Keep the largest value, by its sign, of a series up to a point, which is at a time. */
 static void keep_extreme(const struct work *work, const double *terms, int apart, double sign,
                          double point, double until, struct extreme *most)
 {
-    struct climb climb = {.order = work->order, .largest = sign * most->value, .where = -1.0};
-    double power = 1.0, steepest = 0.0, bound = sign * terms[0];
-    climb.largest += ROUNDED * fabs(most->value); /* else rounding decides when it is reached */
-    climb.terms[0] = bound;
-    for (int n = 1; n <= work->order; n++) {
-        climb.terms[n] = sign * terms[n * apart];
-        climb.slope[n - 1] = n * climb.terms[n];
-        steepest += n > 1 ? fabs(climb.slope[n - 1]) * power : 0.0;
+    const int order = work->order;
+    /* beyond it by more than rounding, which else decides when it is reached */
+    double largest = sign * most->value + ROUNDED * fabs(most->value), where = -1.0;
+    double own[ORDERS], slope[ORDERS], points[ORDERS + 2] = {0.0, point};
+    double power = 1.0, bound = own[0] = sign * terms[0];
+    for (int n = 1; n <= order; n++) {
+        own[n] = sign * terms[n * apart];
+        slope[n - 1] = n * own[n];
         power *= point;
-        bound += fabs(climb.terms[n]) * power;
+        bound += fabs(own[n]) * power;
     }
-    if (bound <= climb.largest)
+    if (bound <= largest)
         return;
-    reach(&climb, 0.0);
-    reach(&climb, point);
-    if (fabs(climb.slope[0]) <= steepest) {
-        double bernstein[ORDERS];
-        write_bernstein(climb.slope, work->order - 1, point, bernstein);
-        climb_within(&climb, bernstein, 0.0, point, SHORTEST * point);
+    double way = 0.0;
+    const int count = 2 + sign_changes(slope, order - 1, point, &way, &points[2]);
+    for (int i = 0; i < count; i++) {
+        const double value = polynomial(own, 1, order, points[i]);
+        if (value > largest) {
+            largest = value;
+            where = points[i];
+        }
     }
-    if (climb.where >= 0.0)
-        *most = (struct extreme){
-            sign * climb.largest,
-            climb.where < point ? polynomial(work->time, 1, work->order, climb.where) : until};
+    if (where >= 0.0)
+        *most = (struct extreme){sign * largest,
+                                 where < point ? polynomial(work->time, 1, order, where) : until};
 }
 
 void keep_peaks(struct work *work, double point, double until)
@@ -794,4 +820,107 @@ void keep_peaks(struct work *work, double point, double until)
                          &episode->hardest);
         }
     }
+}
+
+/* ---- Distances of places ---- */
+
+/* Take an extremum of the distance of a place; rounding alone takes the last one back. */
+static void take_extremum(struct system_run *run, struct extremum_of_place now)
+{
+    struct extremum_of_place *last = &run->places[now.place].last;
+    if (last->kind != 0 && fabs(now.distance - last->distance) <= ROUNDED * now.distance) {
+        last->kind = 0;
+        return;
+    }
+    if (last->kind != 0)
+        run->extrema[run->extremum_count++] = *last;
+    *last = now;
+}
+
+/* The series of a place: its displacement from its centre, and its velocity. */
+struct series_of_place {
+    double x[ORDERS], y[ORDERS], vx[ORDERS], vy[ORDERS];
+};
+
+/* Write it; return a bound of the parts of x x' + y y' up to a point. */
+static double write_place(const struct work *work, int number, double point,
+                          struct series_of_place *series)
+{
+    const int64_t size = work->run->size;
+    const struct place *place = &work->run->places[number];
+    const double *columns = &work->run->place_columns[4 * number * size];
+    vec4 bound = spread(0.0);
+    double power = 1.0;
+    for (int n = 0; n <= work->order; n++) {
+        const double *y = row_of(work, work->y, n), *v = row_of(work, work->v, n);
+        vec4 sum = {0.0};
+        if (n == 0)
+            sum = (vec4){-place->centre[0], -place->centre[1], 0.0, 0.0};
+        for (int64_t k = 0; k < size; k++)
+            sum = fma4(load(&columns[4 * k]), (vec4){y[k], y[k], v[k], v[k]}, sum);
+        series->x[n] = sum[0];
+        series->y[n] = sum[1];
+        series->vx[n] = sum[2];
+        series->vy[n] = sum[3];
+        for (int j = 0; j < 4; j++)
+            bound[j] = fma(fabs(sum[j]), power, bound[j]);
+        power *= point;
+    }
+    return bound[0] * bound[2] + bound[1] * bound[3];
+}
+
+/* Correct where the rate x x' + y y' is 0 for what it lacks beyond the order: Newton's method. */
+static double corrected(const struct series_of_place *series, const double *rate, int order,
+                        double at, double most)
+{
+    double slope = 0.0, value = rate[order];
+    for (int n = order - 1; n >= 0; n--) {
+        slope = fma(slope, at, value);
+        value = fma(value, at, rate[n]);
+    }
+    value = polynomial(series->x, 1, order, at) * polynomial(series->vx, 1, order, at)
+            + polynomial(series->y, 1, order, at) * polynomial(series->vy, 1, order, at);
+    const double next = at - value / slope;
+    return fabs(next - at) <= CORRECTED * most && next > 0.0 && next < most ? next : at;
+}
+
+/* Keep the extrema of the distance of a place up to a point, which is at a time: there the rate of
+ * its square, but for a factor 2, changes its sign. */
+static void keep_extrema_of(struct work *work, int number, double point, double until)
+{
+    struct system_run *run = work->run;
+    const int order = work->order;
+    struct series_of_place series;
+    double rate[ORDERS] = {0.0}, points[ORDERS + 1], power = 1.0, largest = 0.0;
+    const double bound = write_place(work, number, point, &series);
+    for (int k = 0; k <= order; k++) {
+        for (int n = 0; n <= order - k; n++)
+            rate[n + k] = fma(series.x[k], series.vx[n],
+                              fma(series.y[k], series.vy[n], rate[n + k]));
+    }
+    for (int n = 0; n <= order; n++) {
+        largest = fma(fabs(rate[n]), power, largest);
+        power *= point;
+    }
+    if (largest <= ROUNDED * bound) /* a circle */
+        return;
+    double sign = run->places[number].sign;
+    const int count = sign_changes(rate, order, point, &sign, points);
+    /* they take turns: behind a minimum the rate is above 0 */
+    int kind = (count % 2 == 1) == (sign > 0.0) ? -1 : 1;
+    for (int i = 0; i < count; i++) {
+        const double at = corrected(&series, rate, order, points[i], point);
+        const double x = polynomial(series.x, 1, order, at);
+        const double y = polynomial(series.y, 1, order, at);
+        const double time = at < point ? polynomial(work->time, 1, order, at) : until;
+        take_extremum(run, (struct extremum_of_place){time, sqrt(x * x + y * y), number, kind});
+        kind = -kind;
+    }
+    run->places[number].sign = sign;
+}
+
+void keep_extrema(struct work *work, double point, double until)
+{
+    for (int i = 0; i < (int)work->run->place_count; i++)
+        keep_extrema_of(work, i, point, until);
 }

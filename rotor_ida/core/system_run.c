@@ -28,7 +28,8 @@ void record_system_event(struct system_run *run, int kind, int contact)
 static int has_room_for_step(const struct system_run *run)
 {
     return run->events + 2 * run->contact_count + 2 <= run->event_room
-           && run->episode_count + run->contact_count <= run->episode_room;
+           && run->episode_count + run->contact_count <= run->episode_room
+           && run->extremum_count + (ORDERS + 1) * run->place_count <= run->extremum_room;
 }
 
 /* The point of the step at which a time is reached. */
@@ -104,6 +105,7 @@ static void observe(struct work *work, double point, double until)
     }
     if (!run->only_events)
         keep_peaks(work, point, until);
+    keep_extrema(work, point, until);
 }
 
 /* Write a polynomial in the distance from a point. */

@@ -246,6 +246,9 @@ void set_element(struct touching *each);
 /* The first point of (0, step] at which a polynomial falls through 0; infinite where there is none.
  * Of its zeros at 0 the first `zeros` are known and do not count. */
 double first_fall(const double *terms, int apart, int order, double step, int zeros);
+/* Write the points, at most `order` + 1, at which a polynomial changes its sign in (0, step], and
+ * at 0 if it had the other `sign` before; 0 if none. Return how many, and the sign behind them. */
+int sign_changes(const double *terms, int order, double step, double *sign, double *points);
 
 /* What happens first in a step. */
 struct happening {
@@ -262,6 +265,8 @@ int begin_contacts(struct work *work);
 int settle(struct work *work);
 /* Keep what is largest in a step up to a point, which is at a time; and the slowest races. */
 void keep_peaks(struct work *work, double point, double until);
+/* Keep the extrema of the distances of places in a step up to a point, which is at a time. */
+void keep_extrema(struct work *work, double point, double until);
 
 /* system_tangent.c: small changes of the motion */
 void open_columns(struct work *work);

@@ -61,6 +61,12 @@ EPISODE = np.dtype(
 RACE = np.dtype(
     [(name, np.float64) for name in ("largest", "largest_time", "smallest", "smallest_time")]
 )
+# An extremum of the distance of a place, of the kinds -1 minimum and 1 maximum; at the ends of a
+# run 0.
+EXTREMUM_OF_PLACE = np.dtype(
+    [("time", np.float64), ("distance", np.float64), ("place", np.int32), ("kind", np.int32)]
+)
+PLACE = np.dtype([("centre", np.float64, 2), ("sign", np.float64), ("last", EXTREMUM_OF_PLACE)])
 LEDGER = ("unbalance", "damping", "stiffness_rate", "normal", "tangential")
 
 
@@ -121,7 +127,12 @@ class SystemRunStruct(Structure):
         ("method", c_int64),
         *((name, c_void_p) for name in ("sundials", "cvode_room", "watched")),
         ("watched_count", c_int64),
-        *((name, c_void_p) for name in ("sample_columns", "event_columns", "event_rates")),
+        *((name, c_void_p) for name in (
+            "sample_columns", "event_columns", "event_rates", "place_columns", "places",
+        )),
+        ("place_count", c_int64),
+        ("extrema", c_void_p),
+        *((name, c_int64) for name in ("extremum_room", "extremum_count")),
     ]  # fmt: skip
 
 
@@ -171,6 +182,21 @@ def law_changes(own: Rows, before: Rows, after: Rows, step: float) -> Rows:
     here, less, more = (each["hertz"] + each["linear"] for each in (own, before, after))
     laws["stiffness"] = (more - less) / here / step
     return laws
+
+
+class Places(NamedTuple):
+    """Places of a system whose distances from centres are observed.
+
+    Parameters
+    ----------
+    rows : ndarray, shape (place, 2, n)
+        Their displacements, in coordinates with a unit mass matrix.
+    centres : ndarray, shape (place, 2)
+        From where the distances count.
+    """
+
+    rows: Values
+    centres: Values
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -227,6 +253,8 @@ class SystemRequest:
         Rows by which samples see the columns.
     method : {"taylor", "adams", "bdf"}
         Solver while a contact touches. Flight, a linear motion, is always by Taylor series.
+    places : Places, optional
+        Of which the extrema of the distances are wanted.
     """
 
     stiffness: Values
@@ -257,6 +285,7 @@ class SystemRequest:
     parameters: Sequence[ByParameter] = ()
     watched: Values | None = None
     method: str = "taylor"
+    places: Places | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -308,6 +337,8 @@ class SystemResult:
         What was watched of them at samples.
     event_columns : ndarray, shape (event, 2, column)
         Displacements of the contacts at their events.
+    extrema : ndarray of EXTREMUM_OF_PLACE
+        The extrema of the distances of places, and these at both ends; place by place, by time.
     """
 
     status: int
@@ -333,6 +364,7 @@ class SystemResult:
     columns: Values = field(default_factory=lambda: np.empty((0, 0)))
     sample_columns: Values = field(default_factory=lambda: np.empty((0, 0, 0)))
     event_columns: Values = field(default_factory=lambda: np.empty((0, 2, 0)))
+    extrema: Rows = field(default_factory=lambda: np.empty(0, EXTREMUM_OF_PLACE))
 
 
 class SystemEvents(NamedTuple):
@@ -360,11 +392,12 @@ def _library() -> ctypes.CDLL:
 
 @dataclass(slots=True)
 class _Tables:
-    """The tables of events and episodes, which grow."""
+    """The tables of events, episodes and extrema, which grow."""
 
     width: int
     columns: int
     first: int
+    places: int
     room: int = 0
     arrays: dict[str, npt.NDArray[Any]] = field(default_factory=dict)
 
@@ -379,6 +412,7 @@ class _Tables:
             "event_kinds": np.empty(self.room, np.int32),
             "event_contacts": np.empty(self.room, np.int32),
             "episodes": np.empty(self.room, EPISODE),
+            "extrema": np.empty((self.room, self.places), EXTREMUM_OF_PLACE),
         }
 
     def grow(self, run: SystemRunStruct) -> None:
@@ -401,6 +435,7 @@ class _Tables:
         for name, array in self.arrays.items():
             setattr(run, name, pointer(array, array.dtype, writeable=True))
         run.event_room = run.episode_room = self.room
+        run.extremum_room = self.room * self.places
 
 
 def _padded_to_vectors(count: int) -> int:
@@ -433,13 +468,19 @@ class _Run:
         self.forces, self.turns = np.zeros((sampled, count, FORCES)), np.zeros((sampled, 2))
         self.column_count = 0 if request.columns is None else len(request.columns)
         beside = _padded_to_vectors(self.column_count)
-        self.tables = _Tables(2 * self.stride + count, beside, max(FIRST_ROOM, 4 * count + 4))
         watched = np.empty((0, self.size)) if request.watched is None else request.watched
         self.sample_columns = np.zeros((sampled, len(watched), beside))
+        rows, centres = request.places or (np.empty((0, 2, self.size)), np.empty((0, 2)))
+        columns = np.ascontiguousarray(np.concatenate([rows, rows], axis=1).transpose(0, 2, 1))
+        self.places, self.place_rows = np.zeros(len(rows), PLACE), self.wide(rows)
+        self.places["centre"] = centres
+        first = max(FIRST_ROOM, 4 * count + 4)
+        self.tables = _Tables(2 * self.stride + count, beside, first, len(rows))
         of_same_name = (
             "massless", "inertia", "rtol", "displacement", "velocity", "fastest", "order",
             "only_events", "duration", "speed",
         )  # fmt: skip
+        self.begun = self.distances()
         self.struct = SystemRunStruct(
             **{name: getattr(request, name) for name in of_same_name},
             weight=(2 * c_double)(*request.weight),
@@ -456,6 +497,8 @@ class _Run:
             races=self.filled(self.races), room=self.filled(np.zeros(room)),
             watched=self.read(self.wide(watched)), watched_count=len(watched),
             sample_columns=self.filled(self.sample_columns),
+            place_columns=self.read(columns), places=self.filled(self.places),
+            place_count=len(rows),
         )  # fmt: skip
         if request.method != "taylor":
             self.struct.method = METHODS[request.method]
@@ -527,6 +570,23 @@ class _Run:
                for name, each in rows.items()},
         )  # fmt: skip
 
+    def distances(self) -> Values:
+        """Return the distances of the places now."""
+        return np.asarray(np.hypot(*(self.place_rows @ self.state[0] - self.places["centre"]).T))
+
+    def extrema(self) -> Rows:
+        """Return the extrema of the distances of places, with both ends."""
+        ends = np.zeros((2, len(self.places)), EXTREMUM_OF_PLACE)
+        ends["place"], ends["distance"] = (
+            np.arange(len(self.places)),
+            (self.begun, self.distances()),
+        )
+        ends["time"][1] = self.struct.time
+        table = self.tables.arrays["extrema"].reshape(-1)[: self.struct.extremum_count]
+        last = self.places["last"][self.places["last"]["kind"] != 0]
+        rows = np.concatenate([ends[0], table, last, ends[1]])
+        return rows[np.argsort(rows["place"], kind="stable")]
+
     def result(self, status: int) -> SystemResult:
         """Return the result of the run."""
         run, held, size = self.struct, self.tables.arrays, self.size
@@ -548,6 +608,7 @@ class _Run:
             standstill=Standstill(*run.standstill), columns=self.columns.T,
             sample_columns=self.sample_columns[:, :, : self.column_count],
             event_columns=held["event_columns"][:events, :, : self.column_count],
+            extrema=self.extrema(),
         )  # fmt: skip
 
 

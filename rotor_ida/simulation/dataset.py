@@ -173,7 +173,7 @@ def system_dataset(
         "normal_force": (along, forces[:, :, 0]), "tangential_force": (along, forces[:, :, 1]),
         "slip_speed": (along, forces[:, :, 2]), "mode": (along, forces[:, :, 3].astype(np.int8)),
         **episode_columns(assembly, result.episodes, start[0], ends[0]),
-        "excursion": ("contact", _excursions(assembly, q, result.episodes)),
+        "excursion": ("contact", _excursions(assembly, q, result.extrema)),
         **problem_variables(assembly, start),
     }  # fmt: skip
     if shifts is not None:
@@ -237,12 +237,14 @@ def fastest_whirl(assembly: Assembly, q: Values, v: Values) -> float:
     return max(rates)
 
 
-def _excursions(assembly: Assembly, q: Values, table: Rows) -> Values:
-    """Return the largest displacement of each contact over its clearance, at samples and peaks."""
+def _excursions(assembly: Assembly, q: Values, extrema: Rows) -> Values:
+    """Return the largest displacement of each contact over its clearance.
+
+    The reference simulator knows it at samples alone.
+    """
     found = np.empty(len(assembly.contacts))
     for number, contact in enumerate(assembly.contacts):
         places = np.einsum("jk,tk->tj", assembly.rows[number], q) - contact.centre
-        peaks = table["peak_root"][table["contact"] == number] ** 2  # CVODE finds none
-        radius = np.hypot(*places.T).max()
-        found[number] = np.fmax.reduce([radius, *(contact.clearance + peaks)]) / contact.clearance
+        peaks = extrema["distance"][extrema["place"] == number]
+        found[number] = max(np.hypot(*places.T).max(), peaks.max(initial=0.0)) / contact.clearance
     return found

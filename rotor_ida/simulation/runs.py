@@ -18,7 +18,7 @@ from rotor_ida.checks import (
     check_choice,
     check_progress,
 )
-from rotor_ida.core.systems import SystemRequest, SystemResult
+from rotor_ida.core.systems import Places, SystemRequest, SystemResult
 from rotor_ida.errors import InputError, InstallationError, warn
 from rotor_ida.model.assembly import Assembly, Canonical, assemble, canonical
 from rotor_ida.model.few_modes import check_modes, in_modes
@@ -201,6 +201,8 @@ def _prepared(
         course.end, rtol=rtol, speed=course.speed, fastest_speed=fastest,
         inertia=inertia_of(found, course.profile),
     )  # fmt: skip
+    centres = np.array([each.centre for each in assembly.contacts]).reshape(-1, 2)
+    request = replace(request, places=Places(found.rows, centres))
     longest = MOST_RADIANS["system"] / (request.fastest + fastest)
     if not course.end <= longest:
         raise InputError(

@@ -184,7 +184,7 @@ def with_errors(
 
 def bare(request: SystemRequest) -> SystemRequest:
     """Return a run of which only the events are wanted."""
-    return replace(request, times=request.times[[-1]], only_events=True)
+    return replace(request, times=request.times[[-1]], only_events=True, places=None)
 
 
 def standstill_of(result: SystemResult) -> float:

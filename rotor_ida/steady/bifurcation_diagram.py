@@ -33,6 +33,7 @@ from rotor_ida.checks import (
     is_scalar,
     shown,
 )
+from rotor_ida.core.systems import Places
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem
@@ -87,8 +88,6 @@ SLOWEST, FASTEST = 1e-12, 1e6
 # The time in which extrema of one disc are found by default, and all else in revolutions; the range
 # of random starts.
 USUAL_TIME, USUAL_REVOLUTIONS, USUAL_RANGE = 100.0, 64, (-5.0, 5.0)
-# Error of the times of extrema of a system, in revolutions: a distance is stationary there.
-WITHIN = 1e-8
 # The columns with a number for each extremum.
 EXTREMUM = np.dtype([("extremum_radius", np.float64), ("extremum_kind", np.int8)])
 EXTREMUM_AT_A_RATE = np.dtype([*EXTREMUM.descr, ("extremum_speed", np.float64)])
@@ -393,11 +392,10 @@ def _extrema(flow: Flow, state: Values, window: _Window) -> tuple[Any, Values, A
         return of_disc.radii.size, of_disc.radii, of_disc.kinds
     assert isinstance(flow, SystemFlow)
     rows = flow.problem.found.rows_in_y(flow.problem.assembly.node_rows())
-    found = distance_extrema(
-        flow, state, window.revolutions * flow.revolution, rows[:, 0] + 1j * rows[:, 1],
-        np.zeros(len(rows), complex), WITHIN,
-    )  # fmt: skip
-    return found.counts, found.distances, found.kinds
+    nodes = Places(rows, np.zeros((len(rows), 2)))
+    found = distance_extrema(flow, state, window.revolutions * flow.revolution, nodes)
+    counts = np.bincount(found["place"], minlength=len(rows))
+    return counts, found["distance"], found["kind"]
 
 
 def _window_of(

@@ -68,8 +68,6 @@ def features_of_system(window: Window) -> SystemFeatures:
     count, table = flow.clearances.size, window.contacts
     largest, numbers = window.forces.max(axis=0, initial=0.0), table["contact"].astype(int)
     np.maximum.at(largest, numbers, np.nan_to_num(table["largest_force"]))
-    # the peak of an episode is exact
-    np.maximum.at(high[:count], numbers, flow.clearances[numbers] + table["peak_root"] ** 2)
     return SystemFeatures(
         contact_whirl=whirl[:count], node_whirl=whirl[count:],
         contact_low=low[:count], contact_high=high[:count],

@@ -84,7 +84,6 @@ def compare_variables(
     left_out: Mapping[str, str],
     tolerance: float = TOLERANCE,
     told: xr.Variable | None = None,
-    within: Mapping[str, Values] | None = None,
 ) -> Comparison:
     """Compare all variables of two results.
 
@@ -99,8 +98,6 @@ def compare_variables(
         angles in radians.
     told : Variable of bool, optional
         Where numbers are those of the motion on any processor. By default from the response.
-    within : mapping of str, optional
-        Differences allowed besides, of single variables in their units.
 
     Returns
     -------
@@ -109,7 +106,7 @@ def compare_variables(
     """
     found = Comparison()
     reasons = {**DEPENDS_ON_ROUNDING, **left_out}
-    allowed = {**_errors_of_multipliers(archived), **(within or {})}
+    allowed = _errors_of_multipliers(archived)
     for name in map(str, archived.variables):
         keys = (name, *map(str, archived.variables[name].dims))
         reason = next(filter(None, map(reasons.get, keys)), "")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
 from rotor_ida.model.rotor_system import RotorSystem
@@ -141,15 +140,14 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
     verification = _verification_of(archived)
     again, in_units, archived = dimensionless(again), archived, dimensionless(archived)
     left_out = {**verification.left_out(again, archived)}
-    tolerance, within = verification.tolerance(archived), dict[str, Values]()
+    tolerance = verification.tolerance(archived)
     if by_other := "method" in verification.attributes and len(_methods(again, archived)) > 1:
         left_out |= dict.fromkeys(missing_in(again, archived), NOT_BY_METHOD)
         tolerance = max(tolerance, TOLERANCE_OF_OTHERS)
-        within = _between_samples(archived)
     more, others = verification.also(again), verification.also(archived)
     found = compare_variables(
         again.assign(more), archived.assign(others), left_out=left_out, tolerance=tolerance,
-        told=verification.told(archived), within=within,
+        told=verification.told(archived),
     )  # fmt: skip
     compare_attributes(found, in_units_of(again, in_units), in_units, tolerance, by_other=by_other)
     is_result = any(name in archived.data_vars for name in found.compared)
@@ -166,21 +164,6 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
         "not_compared": found.left_out, "trouble": trouble,
         "core": "the same" if same else "different from that of the archive",
     }  # fmt: skip
-
-
-def _between_samples(run: xr.Dataset) -> dict[str, Values]:
-    """Return by how much a largest displacement at samples may miss that between them.
-
-    At the peak of a radius its second derivative is at most the acceleration, and the nearest
-    sample at most half an interval away. Rotor and stator may both move.
-    """
-    if not {"excursion", "clearance", "vx", "vy", "t"} <= run.variables.keys():
-        return {}
-    steps = np.diff(run["t"].values)
-    jumps = np.hypot(*(np.diff(run[name].transpose("t", ...).values, axis=0)
-                       for name in ("vx", "vy")))  # fmt: skip
-    missed = float((jumps.max(axis=1, initial=0.0) * steps).max(initial=0.0)) / 4.0
-    return {"excursion": missed / run["clearance"].values}
 
 
 def _methods(*results: xr.Dataset) -> set[object]:

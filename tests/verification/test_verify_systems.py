@@ -113,15 +113,15 @@ def test_lost_branches_and_parts_are_named():
         rerun(made.drop_vars("mass_matrix"))
 
 
-@pytest.mark.parametrize("samples", [201, 2001])
-def test_another_method_misses_of_a_peak_what_lies_between_samples(samples):
-    """CVODE knows the largest displacement at samples alone, a Taylor series that of the motion."""
+def test_another_method_finds_the_same_excursion():
+    """Though its samples miss the largest displacement: it is that of the motion between them."""
     system = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
-    run = simulate(system, speed=2.0, duration=20.0, samples=samples)
+    run = simulate(system, speed=2.0, duration=20.0, samples=201)
     again = rerun(run, method="adams")
-    missed = float((run.excursion - again.excursion).item())
-    assert missed > 0.0
+    sampled = float(np.hypot(run.contact_x, run.contact_y).max()) / 2.0
+    assert float(run.excursion.item()) > sampled + 1e-6
+    np.testing.assert_allclose(again.excursion, run.excursion, rtol=1e-9)
     found = differences(again, run)
     assert found["agrees"] is True, found["trouble"]
-    forged = run.assign(excursion=run.excursion * 1.05)
+    forged = run.assign(excursion=run.excursion * 1.002)
     assert "excursion differs" in differences(again, forged)["trouble"]

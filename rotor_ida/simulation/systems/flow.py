@@ -15,15 +15,15 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 from scipy.linalg import null_space
 
 from rotor_ida.arrays import ComplexValues, Flags, Stop, Values, Watch
 from rotor_ida.checks import shown
-from rotor_ida.core.runs import NO_EXTREMA
+from rotor_ida.core.runs import NO_EXTREMA, Rows
 from rotor_ida.core.systems import (
     LAW_CHANGE,
     ByParameter,
+    Places,
     SystemRequest,
     SystemResult,
     law_changes,
@@ -53,8 +53,6 @@ LOST = 1e-12
 OF_PARAMETER, MAY_BE_ZERO, OF_TIME = 1e-7, ("friction",), 1e-5
 # Samples of an orbit in a revolution, and at least.
 SAMPLES_A_REVOLUTION, FEWEST_SAMPLES = 64, 192
-
-Indices = npt.NDArray[np.intp]
 
 
 @dataclass(frozen=True, slots=True)
@@ -340,19 +338,24 @@ class SystemFlow:
         """Return the states at times; those of races are not sampled."""
         return self.samples_of(self.sampled(state, times), times)
 
+    def observable(self, *, nodes: bool = False) -> Places:
+        """Return the contacts, and then the nodes, if wanted, as places of the motion."""
+        assembly, found = self.problem.assembly, self.problem.found
+        rows = [found.rows, found.rows_in_y(assembly.node_rows())] if nodes else [found.rows]
+        centres = np.zeros((sum(map(len, rows)), 2))
+        for centre, contact in zip(centres, assembly.contacts, strict=False):
+            centre[:] = contact.centre
+        return Places(np.concatenate(rows), centres)
+
     def places(self, states: Values, *, nodes: bool = False) -> ComplexValues:
         """Return displacement and velocity of the contacts, and then the nodes, if wanted.
 
         Their shape is (2, time, contact).
         """
-        assembly, rows = self.problem.assembly, self.problem.found.rows
-        if nodes:
-            own = self.problem.found.rows_in_y(assembly.node_rows())
-            rows = np.concatenate([rows, own])
+        rows, centres = self.observable(nodes=nodes)
         whole = rows[:, 0] + 1j * rows[:, 1]
         places = (self.motion_of(states) @ whole.T).transpose(1, 0, 2)
-        centres = np.array([complex(*each.centre) for each in assembly.contacts], complex)
-        places[0, :, : centres.size] -= centres
+        places[0] -= centres[:, 0] + 1j * centres[:, 1]
         return np.asarray(places, complex)
 
     def sample_times(self, duration: float) -> Values:
@@ -360,37 +363,25 @@ class SystemFlow:
         count = math.ceil(SAMPLES_A_REVOLUTION * duration / self.revolution)
         return np.linspace(0.0, duration, max(count, FEWEST_SAMPLES) + 1)
 
+    def extrema(self, state: Values, duration: float, places: Places) -> Rows:
+        """Return the extrema of the distances of places over a motion, as the core has them."""
+        times = np.array([duration])
+        return self.sampled(state, times, only_events=True, places=places).extrema
+
     def radii(self, piece: Piece | Window, *, nodes: bool = False) -> list[Values]:
         """Return the extreme distances of each contact, and of each node: at least two of each.
 
-        Between samples the square of the distance is a cubic by its values and rates at both ends.
-        The motion is simulated again with samples where these cubics are extreme; from there a
-        parabola leads to the extremum, so that the small errors of these times do not matter.
+        They are those at both ends where there are none between them.
         """
-        window = (
-            piece if isinstance(piece, Window)
-            else self.observed(piece.start, self.sample_times(piece.duration))
-        )  # fmt: skip
-        times, (squares, rates) = window.times, self._squares(window.states, nodes)
-        row, place = np.nonzero((rates[:-1] > 0.0) != (rates[1:] > 0.0))
-        at = times[row] + _extreme_times(squares, rates, row, place, times[1] - times[0])
-        again = np.unique(np.append(at, times[-1]))
-        values, slopes = (
-            each[np.searchsorted(again, at), place]
-            for each in self._squares(self.states(window.start, again), nodes)
-        )
-        bends = (rates[row + 1, place] - rates[row, place]) / (times[1] - times[0])
-        values = np.maximum(values - 0.5 * slopes**2 / bends, 0.0)
+        duration = float(piece.times[-1]) if isinstance(piece, Window) else piece.duration
+        places = self.observable(nodes=nodes)
+        table = self.extrema(piece.start, duration, places)
+        both = [table[table["place"] == number] for number in range(len(places.rows))]
+        between = [each["distance"][each["kind"] != 0] for each in both]
         return [
-            np.sqrt(own if own.size else np.array([square.min(), square.max()]))
-            for number, square in enumerate(squares.T)
-            for own in [values[place == number]]
+            inner if inner.size else each["distance"]
+            for inner, each in zip(between, both, strict=True)
         ]
-
-    def _squares(self, states: Values, nodes: bool) -> tuple[Values, Values]:
-        """Return squares of the distances, and their rates, shape (sample, contact)."""
-        place, velocity = self.places(states, nodes=nodes)
-        return np.abs(place) ** 2, 2.0 * (place.conj() * velocity).real
 
     def pair_product(self, _duration: float) -> float | None:
         """Return None: multipliers of a system do not form pairs."""
@@ -404,6 +395,7 @@ class SystemFlow:
         only_events: bool = False,
         columns: Values | None = None,
         parameters: Sequence[ByParameter] = (),
+        places: Places | None = None,
     ) -> SystemResult:
         """Return a run from a state to the last of some times, with small changes of its start."""
         races = np.zeros(len(self.request.laws))
@@ -412,7 +404,7 @@ class SystemFlow:
         request = replace(
             self.request, start=motion, races=races[self.request.laws["race"]], times=times,
             duration=end, pieces=steady(self.speed, end).pieces(), only_events=only_events,
-            columns=columns, parameters=parameters,
+            columns=columns, parameters=parameters, places=places,
         )  # fmt: skip
         return run_to_end(request, self.stop, self.watch)
 
@@ -556,21 +548,3 @@ class SystemFlow:
             row[:] = np.abs(grown.diagonal())
         with np.errstate(divide="ignore"):
             return np.log(np.where(factors > LOST, factors, 0.0)) / self.revolution
-
-
-def _extreme_times(
-    values: Values, rates: Values, row: Indices, place: Indices, step: float
-) -> Values:
-    """Return when cubics by values and rates at both ends of a step are extreme, from its begin.
-
-    Their rates have different signs at the ends, so that each has one extremum in its step.
-    """
-    first, last = values[row, place], values[row + 1, place]
-    m, n = step * rates[row, place], step * rates[row + 1, place]
-    cubic, square = 2.0 * (first - last) + m + n, 3.0 * (last - first) - 2.0 * m - n
-    with np.errstate(divide="ignore", invalid="ignore"):
-        # the form without cancellation
-        both = square + np.copysign(np.sqrt(square**2 - 3.0 * cubic * m), square)
-        near, far = -m / both, -both / (3.0 * cubic)
-    part = np.where((near >= 0.0) & (near <= 1.0), near, far)
-    return np.asarray(step * np.clip(np.nan_to_num(part), 0.0, 1.0))
