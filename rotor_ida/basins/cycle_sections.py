@@ -48,7 +48,7 @@ TOLERANCE = 1e-10
 # Relative sizes of the shells over which states are spread,
 SHELLS = (1.0, 0.8, 0.6, 0.4, 0.2)
 # and the number of states on each, in three dimensions and under a load in four.
-STATES = {3: 64, 4: 512}
+STATES, STATES_UNDER_LOAD = 64, 512
 # V must fall by this fraction of its decrease in the linear motion.
 FALLS = 0.3
 # Safety factor on the width, for states that were not tried.
@@ -180,7 +180,8 @@ def _width(section: CycleSection, form: Values, rounds: int, allowed: float, sto
 
     They are followed for `rounds` returns, after which V may be at most `allowed`.
     """
-    directions = np.linalg.pinv(form) @ _sphere(STATES[len(form)], len(form))
+    count = STATES if section.cycle.is_autonomous else STATES_UNDER_LOAD
+    directions = np.linalg.pinv(form) @ _sphere(count, len(form))
 
     def all_nearer(width: float) -> bool:
         here = replace(section, form=form / width)

@@ -71,11 +71,11 @@ class Writer:
         if node.kind == "/":
             form = "ratio({}, {})" if self.kind == "double" else "({}) / ({})"
             return form.format(self(a), self(b)), ATOM
-        minus = "-" if node.kind == "-" else ""
+        sign = "-" if node.kind == "-" else ""
         if self.fused and self._is_product(b):
-            return f"fma({minus}{self._factors(b)}, {self(a)})", ATOM
+            return f"fma({sign}{self._factors(b)}, {self(a)})", ATOM
         if self.fused and self._is_product(a):
-            return f"fma({self._factors(a)}, {minus}{self(b, ATOM)})", ATOM
+            return f"fma({self._factors(a)}, {sign}{self(b, ATOM)})", ATOM
         return f"{self(a)} {node.kind} {self(b, PRODUCT)}", SUM
 
     def _is_product(self, node: Symbol) -> bool:
