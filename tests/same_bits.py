@@ -111,6 +111,8 @@ def results():
     for delta0 in (0.0, 1.0, 2.0):
         keep(f"basin, {delta0:g}", basin(Rotor(omega=1.7, zeta=0.07, delta0=delta0), x=places,
                                          y=places))  # fmt: skip
+    loaded = Rotor(omega=1.7, zeta=0.1, delta0=1.0, shaft_stiffness=0.4, load=0.3)
+    keep("basin, under a load", basin(loaded, x=places, y=places))
     return found
 
 

@@ -230,9 +230,10 @@ def basin_fractions(
     -----
     The standard error of a fraction p of n starts is ``sqrt(p (1 - p)/n)``.
 
-    Under a load there are no trapping regions, since the load rotates on the rotating axes. Each
-    start is followed separately to its attractor, as in `rotor_ida.sweep`: by Taylor series with
-    `rtol`, by default 1e-10. No label is recomputed.
+    Under a load, which rotates on the rotating axes, there is no synchronous whirl. Starts are
+    followed side by side until they enter the region of a limit cycle that is known, at the end of
+    a revolution, or of a whirl about its sagging position. The others are followed separately, as
+    with friction.
 
     With friction, starts are followed side by side to a region of a whirl while the disc slides
     forwards. The others are followed separately from their beginning, with `rtol` 1e-10, also to
@@ -269,7 +270,7 @@ def label(
     """Follow starts of a rotor, or of a node of a rotor system, each to its attractor."""
     drawn = isinstance(asked, Box)
     what = "fractions" if drawn else "a basin"
-    subjects = subjects_of(one_rotor(rotor, speed), what, one_by_one=drawn, **given)
+    subjects = subjects_of(one_rotor(rotor, speed), what, loaded=True, **given)
     (point,) = subjects.points
     progress, chosen = check_progress(progress), choose(executor, workers, compiled=True)
     check_number_of_starts(asked.count, study)

@@ -11,6 +11,9 @@ at least by the largest ``|mu_i|**2``. The size of the set ``V <= 1`` is found b
 it is the largest set from which all of many states, spread over it, return with a smaller V. It is
 therefore an estimate, not a proof as for the whirls (`trapping_regions`).
 
+Under a load the motion depends on time as well. The section is then that of whole revolutions: all
+states at the end of one, among which Pi is the monodromy matrix itself.
+
 Where the largest multiplier is near -1, one return increases V and the next decreases it again:
 ``x -> -x + b x**2``. There states are followed for two returns.
 """
@@ -19,12 +22,21 @@ from __future__ import annotations
 
 import math
 from bisect import bisect_left
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from rotor_ida.arrays import Stop, Values
-from rotor_ida.basins.kernel import SECTION, Rows, measure_returns
+from rotor_ida.basins.kernel import (
+    NO_CONTACT_FREE,
+    NOT_COMPUTED,
+    NOT_FORWARDS,
+    REGION,
+    SECTION,
+    Rows,
+    follow,
+    measure_returns,
+)
 from rotor_ida.basins.trapping_regions import MOST_SKEW
 from rotor_ida.cycles.multipliers import multipliers_of
 from rotor_ida.cycles.orbit import Orbit
@@ -35,8 +47,8 @@ from rotor_ida.simulation.flow import MAXIMUM, DiscFlow
 TOLERANCE = 1e-10
 # Relative sizes of the shells over which states are spread,
 SHELLS = (1.0, 0.8, 0.6, 0.4, 0.2)
-# and the number of states on each.
-STATES = 64
+# and the number of states on each, in three dimensions and under a load in four.
+STATES, STATES_UNDER_LOAD = 64, 512
 # V must fall by this fraction of its decrease in the linear motion.
 FALLS = 0.3
 # Safety factor on the width, for states that were not tried.
@@ -64,9 +76,10 @@ class CycleSection:
     cycle : Orbit
         The cycle.
     centre, normal : ndarray, shape (4,)
-        Its state on the section, and the direction of the field there [1].
-    form : ndarray, shape (3, 4)
-        L: the set is ``|L (s - centre)| <= 1``. All infinite if no such set was found.
+        Its state on the section, and the direction of the field there [1]; 0 under a load.
+    form : ndarray, shape (3, 4) or (4, 4)
+        L: the set is ``|L (s - centre)| <= 1``. All infinite if no such set was found. Under a load
+        it is an upper triangle, and the set is one of states at whole revolutions.
     """
 
     cycle: Orbit
@@ -81,7 +94,14 @@ class CycleSection:
 
     @property
     def row(self) -> Rows:
-        """The section in the kernel's format; no orbit passes one whose centre is infinite."""
+        """The section in the kernel's format; no orbit passes one whose centre is infinite.
+
+        Under a load it is a region.
+        """
+        if len(self.form) == len(self.centre):
+            factor = self.form if self.exists else np.eye(4)
+            centre = self.centre if self.exists else np.full(4, np.inf)
+            return np.array((centre, factor[np.triu_indices(4)]), dtype=REGION)
         if not self.exists:
             return np.array((np.full(4, np.inf), np.ones(4), np.ones((3, 4)), 0.0), dtype=SECTION)
         widest = 1.0 / np.linalg.svd(self.form, compute_uv=False)[-1]
@@ -91,16 +111,19 @@ class CycleSection:
 def cycle_section(cycle: Orbit, stop: Stop) -> CycleSection:
     """Return a section of a stable limit cycle with a trapping set, if there is one.
 
-    None is sought under a load, where the motion also depends on time, nor where the disc rolls,
-    which the kernel cannot follow. With friction the disc slides forwards throughout from every
-    state of the set.
+    None is sought where the disc rolls, which the kernel cannot follow. With friction the disc
+    slides forwards throughout from every state of the set.
     """
-    if cycle.rotor.load > 0.0 or cycle.rolls:
-        return CycleSection(cycle, cycle.start, np.zeros(4), np.full((3, 4), np.inf))
+    rows = 3 if cycle.is_autonomous else 4
+    none = CycleSection(cycle, cycle.start, np.zeros(4), np.full((rows, 4), np.inf))
+    if cycle.rolls:
+        return none
     try:
-        return _widest_section(cycle, stop)
+        if cycle.is_autonomous:
+            return _widest_section(cycle, stop)
+        return _widest(none, cycle.monodromy, np.eye(4), stop)
     except (SimulationError, np.linalg.LinAlgError):
-        return CycleSection(cycle, cycle.start, np.zeros(4), np.full((3, 4), np.inf))
+        return none
 
 
 def _widest_section(cycle: Orbit, stop: Stop) -> CycleSection:
@@ -112,21 +135,27 @@ def _widest_section(cycle: Orbit, stop: Stop) -> CycleSection:
     round_ = flow.run(centre, cycle.duration)
     normal = round_.start_rate / np.linalg.norm(round_.start_rate)
     section = CycleSection(cycle, centre, normal, np.full((3, 4), np.inf))
-    slowest = complex(multipliers_of(cycle)[1])
+    plane = np.linalg.svd(normal[None])[2][1:]  # three directions across the field
+    return _widest(section, round_.tangents, plane, stop)
+
+
+def _widest(section: CycleSection, monodromy: Values, plane: Values, stop: Stop) -> CycleSection:
+    """Return a section with the largest set, whose directions are the rows of `plane`."""
+    cycle = section.cycle
+    slowest = complex(multipliers_of(cycle)[1 if cycle.is_autonomous else 0])
     rounds = 2 if slowest.real < 0.0 and slowest.imag == 0.0 else 1
     allowed = 1.0 - FALLS * (1.0 - abs(slowest) ** (2 * rounds))
     best, volume = section, 0.0
-    for form in _forms(round_.tangents, normal):
-        width = _width(section, form, rounds, allowed, stop)
-        if width > 0.0 and width**3 / _density(form) > volume:
-            volume = width**3 / _density(form)
-            best = CycleSection(cycle, centre, normal, form / (CAUTION * width))
+    for form in _forms(monodromy, plane):
+        width, size = _width(section, form, rounds, allowed, stop), len(form)
+        if width > 0.0 and width**size / _density(form) > volume:
+            volume = width**size / _density(form)
+            best = replace(section, form=form / (CAUTION * width))
     return best
 
 
-def _forms(monodromy: Values, normal: Values) -> list[Values]:
+def _forms(monodromy: Values, plane: Values) -> list[Values]:
     """Return forms L of size about 1, with different weights of the modes of the return."""
-    plane = np.linalg.svd(normal[None])[2][1:]  # three directions across the field
     values, vectors = np.linalg.eig(plane @ monodromy @ plane.T)
     if np.linalg.cond(vectors) > MOST_SKEW:
         return []
@@ -151,17 +180,14 @@ def _width(section: CycleSection, form: Values, rounds: int, allowed: float, sto
 
     They are followed for `rounds` returns, after which V may be at most `allowed`.
     """
-    cycle = section.cycle
-    before = (rounds - 1) * cycle.duration
-    times = before + FIRST_RETURN * cycle.duration, before + LAST_RETURN * cycle.duration
-    directions = np.linalg.pinv(form) @ _sphere(STATES)
+    count = STATES if section.cycle.is_autonomous else STATES_UNDER_LOAD
+    directions = np.linalg.pinv(form) @ _sphere(count, len(form))
 
     def all_nearer(width: float) -> bool:
-        here = CycleSection(cycle, section.centre, section.normal, form / width)
+        here = replace(section, form=form / width)
         for shell in SHELLS:
             states = section.centre[:, None] + shell * width * directions
-            values = np.empty(STATES)
-            measure_returns(states, cycle.rotor, here.row, times, TOLERANCE, values, stop)
+            values = _returned(here, states, rounds, stop)
             if stop[0] or not (values <= allowed * shell**2).all():
                 return False
         return True
@@ -171,8 +197,27 @@ def _width(section: CycleSection, form: Values, rounds: int, allowed: float, sto
     return float(widths[first]) if first < WIDTHS else 0.0
 
 
-def _sphere(count: int) -> Values:
-    """Return directions spread evenly over the sphere, shape (3, count)."""
+def _returned(section: CycleSection, states: Values, rounds: int, stop: Stop) -> Values:
+    """Return V of states after some rounds; infinite where they do not return."""
+    cycle, values = section.cycle, np.empty(states.shape[1])
+    if cycle.is_autonomous:
+        before = (rounds - 1) * cycle.duration
+        times = before + FIRST_RETURN * cycle.duration, before + LAST_RETURN * cycle.duration
+        measure_returns(states, cycle.rotor, section.row, times, TOLERANCE, values, stop)
+        return values
+    labels, times_taken = np.full(values.size, NOT_COMPUTED, np.int16), np.zeros(values.size, "f4")
+    nothing = np.empty(0, REGION), NO_CONTACT_FREE, np.empty(0, SECTION)
+    follow(states, labels, times_taken, cycle.rotor, *nothing, rounds * cycle.duration, TOLERANCE,
+           stop)  # fmt: skip
+    values[:] = np.square(section.form @ (states - section.centre[:, None])).sum(axis=0)
+    return np.where(labels == NOT_FORWARDS, np.inf, values)
+
+
+def _sphere(count: int, dimensions: int) -> Values:
+    """Return directions spread evenly over the sphere, shape (3, count), or drawn from one in 4."""
+    if dimensions > 3:
+        drawn = np.random.default_rng(0).normal(size=(dimensions, count))
+        return np.asarray(drawn / np.linalg.norm(drawn, axis=0))
     place = (np.arange(count) + 0.5) / count
     height = 1.0 - 2.0 * place
     angle = math.pi * (1.0 + math.sqrt(5.0)) * count * place

@@ -16,7 +16,7 @@ from rotor_ida.basins.attractors import OF_DISC, Followed, family_of, reported
 from rotor_ida.basins.fates import ALONE
 from rotor_ida.basins.following import tighter_than
 from rotor_ida.basins.kernel import NOT_COMPUTED, Labels
-from rotor_ida.basins.known import followed_alone, may_roll
+from rotor_ida.basins.known import followed_alone, may_remain
 from rotor_ida.basins.starts import Box, Plane, stretches
 from rotor_ida.basins.subjects import Subjects
 from rotor_ida.model.rotor import Rotor
@@ -189,7 +189,7 @@ def labelled_how(rtol: float, rotor: Rotor | None = None) -> dict[str, object]:
         how = {"labelling": words, "labelling_method": ALONE.method, "labelling_rtol": rtol}
         return how | (agreement if rotor is None else {})
     return {
-        "labelling": LABELLING_RUBS if may_roll(rotor) else LABELLING,
+        "labelling": LABELLING_RUBS if may_remain(rotor) else LABELLING,
         "labelling_method": LABELLING_METHOD, "labelling_rtol": rtol,
         "left_over_method": ALONE.method, "left_over_rtol": ALONE.rtol, **agreement,
     }  # fmt: skip

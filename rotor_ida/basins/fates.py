@@ -9,10 +9,10 @@ one: chaos is identified by the exponent of each orbit; the others are followed 
 The label of a start depends on the rotor and on the start alone. The rest of the batch, and what is
 known already, only affects when the label is found and at what cost.
 
-Under a load, which rotates on these axes, there are no trapping regions: each start is followed
-separately. With friction the same holds for starts that enter no region or do not slide forwards
-throughout. If one reaches a limit cycle on which the disc slides forwards, this cycle can trap
-others.
+Under a load, which rotates on these axes, all cycles are of whole revolutions, and an orbit is
+matched at the ends of these. There, and with friction, starts that enter no region or do not slide
+forwards throughout are followed separately. If one reaches a limit cycle on which the disc slides
+forwards, this cycle can trap others.
 """
 
 from __future__ import annotations
@@ -52,7 +52,7 @@ from rotor_ida.basins.known import (
     Known,
     followed_alone,
     known_from_closed_forms,
-    may_roll,
+    may_remain,
     with_cycle,
 )
 from rotor_ida.basins.starts import Starts
@@ -79,12 +79,13 @@ from rotor_ida.steady.response import phase_lag_of
 
 # A smaller batch would leave many lanes of the kernel idle at its end.
 SMALLEST_BATCH = 512
-# Smaller batches for starts under a load, which are followed one by one,
+# Smaller batches for starts that are followed one by one,
 SMALLEST_ALONE = 4
-# and for starts with friction, some of which are.
+# and with friction or under a load, where some of them are.
 SMALLEST_RUBBING = LANES
-# Number of starts followed first, to find limit cycles.
-SCOUTS = 128
+# Number of starts followed first, to find limit cycles; under a load, where tori are common, each
+# of which is followed by itself.
+SCOUTS, SCOUTS_UNDER_LOAD = 128, 8
 # The error of a step [1],
 RTOL = 1e-6
 # but this one if it changes the attractor of any of this number of starts.
@@ -177,7 +178,7 @@ class Disc:
         rotor = self.known.rotor
         if followed_alone(rotor):
             return SMALLEST_ALONE
-        return SMALLEST_RUBBING if may_roll(rotor) else SMALLEST_BATCH
+        return SMALLEST_RUBBING if may_remain(rotor) else SMALLEST_BATCH
 
     def flow(self, stop: Stop) -> DiscFlow:
         """Return how the disc moves."""
@@ -192,7 +193,8 @@ class Disc:
         is_one_batch = count <= self.smallest and self.rtol is not None
         if is_one_batch or followed_alone(self.known.rotor):
             return self
-        disc = self.with_cycles(_few(starts, count, SCOUTS, drawn), stop)
+        scouts = SCOUTS_UNDER_LOAD if self.known.rotor.load > 0.0 else SCOUTS
+        disc = self.with_cycles(_few(starts, count, scouts, drawn), stop)
         if self.rtol is not None:
             return disc
         known, sample = disc.known, _few(starts, count, CHECKED, drawn)
@@ -285,7 +287,7 @@ def whirls_of(known: Known, present: Collection[int] = ()) -> dict[int, np.void]
             response.CONTACT_FREE, size, lag, *radii, trapping=NOTHING if alone else PROVEN
         )
     if known.fading_label in present:  # in the limit they just reach the stator
-        one_by_one = alone or (may_roll(rotor) and free.excess == 0.0)
+        one_by_one = alone or (may_remain(rotor) and free.excess == 0.0)
         rows[known.fading_label] = disc_row(
             response.TOUCHING, size, lag, abs(rotor.delta0 - 2.0 * size), rotor.delta0,
             trapping=NOTHING if one_by_one else ESTIMATED,
@@ -402,8 +404,8 @@ def decide(batch: Batch) -> Batch:
     waiting = every[:0]
     if followed_alone(rotor):
         label_one_by_one(batch, every, Options(method="taylor", rtol=batch.tolerance))
-    elif may_roll(rotor):
-        label_rubs(batch)
+    elif may_remain(rotor):
+        label_remaining(batch)
     else:
         waiting = match_all(batch)
     while waiting.size and not batch.stop[0]:
@@ -416,8 +418,10 @@ def decide(batch: Batch) -> Batch:
     return batch
 
 
-def label_rubs(batch: Batch) -> None:
-    """Label starts with friction: those that enter no region separately, from their beginning.
+def label_remaining(batch: Batch) -> None:
+    """Label starts with friction or under a load.
+
+    Those that enter no region are followed separately, from their beginning.
 
     As long as further orbits enter regions, the others may only be slow.
     """

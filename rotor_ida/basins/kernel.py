@@ -78,7 +78,9 @@ def follow(
     sections : ndarray of SECTION, shape (k,)
         A section of each limit cycle with its trapping set.
     duration, tolerance : float
-        Longest time to follow, and tolerance of a step [1].
+        Longest time to follow, and tolerance of a step [1]. Under a load a time of whole
+        revolutions, at whose ends alone regions are tested: a motion that takes too many steps is
+        then NOT_FORWARDS.
     stop : ndarray of uint8, shape (1,)
         Set to 1 by another thread to end early.
 

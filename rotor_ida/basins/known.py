@@ -44,18 +44,23 @@ SAME = 1e-6
 def followed_alone(rotor: Rotor) -> bool:
     """Return whether starts are followed one by one, as there are no regions.
 
-    Under a load there are none, nor where the contact-free whirl just reaches the stator.
+    There are none under a load at rest, nor where the contact-free whirl just reaches the stator.
     """
-    return rotor.load > 0.0 or abs(grazing_distance(rotor)) <= GRAZES
+    return (rotor.load > 0.0 and rotor.omega == 0.0) or abs(grazing_distance(rotor)) <= GRAZES
 
 
 def may_roll(rotor: Rotor) -> bool:
-    """Return whether the disc of a rotor may roll or slide backwards, that is, has friction.
-
-    The kernel follows it while it slides forwards. Starts that the kernel cannot follow, or that
-    enter no region, are followed one by one.
-    """
+    """Return whether the disc of a rotor may roll or slide backwards, that is, has friction."""
     return rotor.friction > 0.0
+
+
+def may_remain(rotor: Rotor) -> bool:
+    """Return whether starts that enter no region are followed one by one, from their beginning.
+
+    With friction the kernel follows the disc while it slides forwards; under a load no whirl has a
+    region, and limit cycles have one once they are found.
+    """
+    return may_roll(rotor) or rotor.load > 0.0
 
 
 @dataclass(slots=True)
@@ -96,11 +101,16 @@ class Known:
         return None
 
     def tables(self) -> tuple[Rows, Rows, Rows]:
-        """Return whirls, contact-free whirl and cycles in the kernel's format."""
+        """Return whirls, contact-free whirl and cycles in the kernel's format.
+
+        Under a load the cycles take the place of the whirls.
+        """
+        loaded = self.rotor.load > 0.0
+        regions, sections = (self.cycles, []) if loaded else (self.whirls, self.cycles)
         return (
-            np.array([each.row for each in self.whirls], dtype=REGION),
+            np.array([each.row for each in regions], dtype=REGION),
             NO_CONTACT_FREE if self.free is None else self.free.row,
-            np.array([each.row for each in self.cycles], dtype=SECTION),
+            np.array([each.row for each in sections], dtype=SECTION),
         )
 
     def follow(
@@ -108,11 +118,19 @@ class Known:
     ) -> tuple[Labels, Times]:
         """Follow states, shape (4, n), in place, until they enter a region, or for a time.
 
-        Return their labels, UNDECIDED if they enter none, and the times that they took [1].
+        Return their labels, UNDECIDED if they enter none, and the times that they took [1]. Under a
+        load the states are those at a whole revolution, and the time is lengthened to such.
         """
+        if self.rotor.load > 0.0:
+            revolution = 2.0 * math.pi / self.rotor.omega
+            duration = math.ceil(duration / revolution) * revolution
         labels = np.full(states.shape[1], NOT_COMPUTED, dtype=np.int16)
         times = np.zeros(labels.size, dtype=np.float32)
         follow(states, labels, times, self.rotor, *self.tables(), duration, tolerance, stop)
+        if self.rotor.load > 0.0:  # regions of cycles come first
+            cycles, held = len(self.cycles), labels >= 0
+            places = [*range(self.first_cycle, self.first_cycle + cycles), self.free_label]
+            labels[held] = np.array(places, np.int16)[labels[held]]
         return labels, times
 
 
@@ -132,7 +150,7 @@ def known_from_closed_forms(rotor: Rotor, stop: Stop, *, fading: bool = True) ->
 
     Without `fading` the rim of fading touches, which takes longest, is not computed.
     """
-    if rotor.load > 0.0:  # then there are no trapping regions
+    if rotor.load > 0.0:  # then no whirl is synchronous
         free = contact_free_whirls(rotor, stop, fading=False)
         whirls = [_rest_on_the_ring(rotor)] if free is None and rotor.omega == 0.0 else []
         return Known(rotor, whirls, free)

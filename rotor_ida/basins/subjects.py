@@ -88,14 +88,14 @@ class Subjects(NamedTuple):
 
 def subjects_of(
     asked: Varied, what: str, *, node: object, start: Start | xr.Dataset, modes: int | None,
-    rtol: float | None, one_by_one: bool = False,
+    rtol: float | None, loaded: bool = False,
 ) -> Subjects:  # fmt: skip
     """Return the rotors that a function is asked for, checked; `what` is what it computes.
 
-    A load is allowed only if starts are followed `one_by_one`.
+    A load is allowed only if `loaded`.
     """
     if asked.system is None:
-        rotors = [check_rotor(each, what, one_by_one=one_by_one) for each in asked.rotors()]
+        rotors = [check_rotor(each, what, loaded=loaded) for each in asked.rotors()]
         tolerance = None if rtol is None else check_between("rtol", rtol, TIGHTEST, LOOSEST)
         return Subjects(asked, rotors, tolerance, {}, {})
     name = check_name("node", node)
@@ -114,12 +114,12 @@ def one_rotor(rotor: object, speed: object) -> Varied:
     return Varied({name: np.asarray(value) for name, value in rotor.given.items()})
 
 
-def check_rotor(rotor: Rotor, what: str = "a basin", *, one_by_one: bool = False) -> Rotor:
-    """Return a rotor whose starts can be labelled; a load is allowed only if `one_by_one`."""
-    if rotor.load > 0.0 and not one_by_one:
+def check_rotor(rotor: Rotor, what: str = "a basin", *, loaded: bool = False) -> Rotor:
+    """Return a rotor whose starts can be labelled; a load is allowed only if `loaded`."""
+    if rotor.load > 0.0 and not loaded:
         raise InputError(
-            "{name} must be 0 for {what}, as there is no synchronous whirl under a load, where "
-            "basin_fractions and touchdown_report follow each start, got {value}",
+            "{name} must be 0 for {what}, which begins with whirls that no load allows, where "
+            "basin_fractions and touchdown_report label starts, got {value}",
             name="load", what=what, value=rotor.load,
         )  # fmt: skip
     if rotor.omega == 0.0 < min(rotor.load, rotor.friction):

@@ -3,6 +3,8 @@
 #ifndef ROTOR_IDA_DERIVED_H
 #define ROTOR_IDA_DERIVED_H
 
+#include <math.h>
+
 #include "core.h"
 
 struct parameters {
@@ -83,6 +85,40 @@ static inline double rate_of_force(const struct parameters *m, double q, double 
     const double w2 = q * q;
     const double w3 = w2 * of_q;
     return 2.0 * w1 + w3;
+}
+
+/* The motion on the rotating axes: what a lane is given, and what follows. */
+enum { LANE_X, LANE_Y, LANE_U, LANE_V, LANE_INVERSE, LANE_ROOT, LANE_APPROACH, LANE_DOWN_X, LANE_DOWN_Y, LANE_GIVEN };
+/* Of approach, slip. */
+static inline __attribute__((always_inline)) void motion_in_lane(
+    const struct parameters *m, const double *state, double *answers)
+{
+    (void)m;
+    const double x = state[LANE_X];
+    const double y = state[LANE_Y];
+    const double u = state[LANE_U];
+    const double v = state[LANE_V];
+    const double inverse = state[LANE_INVERSE];
+    const double approach = fma(y, v, x * u) * inverse;
+    const double slip = fma(-y, u, x * v) * inverse;
+    answers[0] = approach;
+    answers[1] = slip;
+}
+/* Of x, y, u, v. */
+static inline __attribute__((always_inline)) void rates_in_lane(
+    const struct parameters *m, const double *state, double *answers)
+{
+    const double x = state[LANE_X];
+    const double y = state[LANE_Y];
+    const double u = state[LANE_U];
+    const double v = state[LANE_V];
+    const double inverse = state[LANE_INVERSE];
+    const double root = state[LANE_ROOT];
+    const double push = root * root * root * inverse;
+    answers[0] = fma(m->omega, y, u);
+    answers[1] = fma(-m->omega, x, v);
+    answers[2] = fma(m->omega, v, fma(-push, x, fma(-(2.0 * m->zeta), u, m->omega * m->omega)));
+    answers[3] = fma(-m->omega, u, fma(-push, y, -2.0 * m->zeta * v));
 }
 
 enum { BY_OMEGA, BY_ZETA, BY_DELTA0, PARAMETERS };

@@ -3,6 +3,8 @@
 #ifndef ROTOR_IDA_DERIVED_WHOLE_H
 #define ROTOR_IDA_DERIVED_WHOLE_H
 
+#include <math.h>
+
 #include "core.h"
 
 struct parameters {
@@ -77,6 +79,44 @@ static inline double rate_of_force(const struct parameters *m, double q, double 
     const double w6 = w0 * w3;
     const double w7 = w6 * of_approach;
     return (1.0 - m->loose) * w5 + (1.0 - m->loose) * m->contact_damping * w7;
+}
+
+/* The motion on the rotating axes: what a lane is given, and what follows. */
+enum { LANE_X, LANE_Y, LANE_U, LANE_V, LANE_INVERSE, LANE_ROOT, LANE_APPROACH, LANE_DOWN_X, LANE_DOWN_Y, LANE_GIVEN };
+/* Of approach, slip. */
+static inline __attribute__((always_inline)) void motion_in_lane(
+    const struct parameters *m, const double *state, double *answers)
+{
+    const double x = state[LANE_X];
+    const double y = state[LANE_Y];
+    const double u = state[LANE_U];
+    const double v = state[LANE_V];
+    const double inverse = state[LANE_INVERSE];
+    const double approach = fma(y, v, x * u) * inverse;
+    const double slip = fma(fma(-y, u, x * v), inverse, m->rim);
+    answers[0] = approach;
+    answers[1] = slip;
+}
+/* Of x, y, u, v. */
+static inline __attribute__((always_inline)) void rates_in_lane(
+    const struct parameters *m, const double *state, double *answers)
+{
+    const double x = state[LANE_X];
+    const double y = state[LANE_Y];
+    const double u = state[LANE_U];
+    const double v = state[LANE_V];
+    const double inverse = state[LANE_INVERSE];
+    const double root = state[LANE_ROOT];
+    const double approach = state[LANE_APPROACH];
+    const double down_x = state[LANE_DOWN_X];
+    const double down_y = state[LANE_DOWN_Y];
+    const double push = fma(m->hertz, root, m->linear) * (root * root) * fma(m->contact_damping, approach, 1.0) * inverse;
+    const double w1 = push * x;
+    const double w2 = push * y;
+    answers[0] = fma(m->omega, y, u);
+    answers[1] = fma(-m->omega, x, v);
+    answers[2] = fma(m->omega, v, fma(m->friction, w2, fma(m->load, down_x, fma(-m->shaft_stiffness, x, fma(-(2.0 * m->zeta), u, m->omega * m->omega) - w1))));
+    answers[3] = fma(-m->omega, u, fma(-m->friction, w1, fma(m->load, down_y, fma(-m->shaft_stiffness, y, fma((-2.0 * m->zeta), v, -w2)))));
 }
 
 enum { BY_OMEGA, BY_ZETA, BY_DELTA0, BY_SHAFT_STIFFNESS, BY_CONTACT_DAMPING, BY_LOAD, BY_FRICTION, BY_DISC_RADIUS, PARAMETERS };

@@ -10,14 +10,17 @@
  * With friction the disc slides forwards in every lane. An orbit whose slip speed comes near to 0
  * in contact, where it might roll or slide the other way, leaves its lane with a label of its own.
  *
- * The model is written by hand here, and the whole of it but for a load, under which the motion on
- * the rotating axes hangs on time; tests/basins/test_lanes.py holds it against model/modes.py.
+ * A load turns backwards on the rotating axes, on which the motion then depends on time. Its
+ * direction is carried beside the state, and a region holds an orbit at whole revolutions alone.
+ *
+ * What the motion obeys is derived from model/lanes.py: only roots and directions are found here.
  */
 #include <math.h>
 #include <stdbool.h>
 #include <string.h>
 
 #include "core.h"
+#include DERIVED_HEADER
 
 /* So many keep the vector units busy while the rows stay in the innermost cache. */
 enum { LANES = 64 };
@@ -41,6 +44,11 @@ static const double HOPELESS = 1e30;
 static const double CLEAR = 0.1;
 /* A whirl's touches fade if its drift is at most this part of how much too far out it ends. */
 static const double MOST_DRIFT = 0.3;
+static const double WHOLE_TURN = 6.283185307179586;
+/* Under a load no step is longer than this part of a revolution, over which the series of cosine
+ * and sine are exact to rounding with so many terms. */
+static const double LONGEST_TURN = 0.125;
+enum { TERMS = 8 };
 /* Steps of the classic Runge-Kutta method to a section, halvings of a cubic that find the place of
  * a crossing on a step, and how far outside the set, by the cubic alone, is looked at closely. */
 enum { PARTS = 4, HALVINGS = 12 };
@@ -86,8 +94,14 @@ struct state {
     double x, y, u, v;
 };
 
+/* Of a load, on the rotating axes. */
+struct direction {
+    double x, y;
+};
+
 struct rows {
     double x[LANES], y[LANES], u[LANES], v[LANES], time[LANES];
+    double down_x[LANES], down_y[LANES];
 };
 
 struct lanes {
@@ -97,6 +111,9 @@ struct lanes {
     double inside[LANES]; /* 1 + the number of the attractor that holds the lane, or 0 */
     double turns[LANES];  /* with friction 1 where the last step does not slide forwards, or 0 */
     int64_t steps[LANES];
+    /* under a load: 1 at a whole revolution, else -1; when the next one ends, and its number; and
+     * how long a step would be but for that */
+    double whole[LANES], due[LANES], revolutions[LANES], wanted[LANES];
 };
 
 /* Many starts, with what becomes of them. */
@@ -161,8 +178,10 @@ inlined double inverse_root(double value)
 /* What is the same in all lanes, and known before a loop over them begins. */
 struct law {
     bool always; /* in contact: without a clearance it takes less arithmetic */
-    bool linear;
-    bool rubs; /* with friction, sliding forwards */
+    bool rubs;   /* with friction, sliding forwards */
+    bool loaded;
+    double release; /* the radial velocity below which contact damping leaves no force */
+    struct parameters m;
 };
 
 /* With friction the slip speeds that are seen in a step, and the largest squared radius. */
@@ -170,87 +189,96 @@ struct slide {
     double lowest, highest, farthest;
 };
 
-static struct law law_of(struct rotor rotor)
+static struct law law_of(const struct rotor *rotor)
 {
-    return (struct law){rotor.delta0 == 0.0, IS_GENERAL && rotor.contact_exponent == 1.0,
-                        IS_GENERAL && rotor.friction > 0.0};
+    const struct parameters m = parameters_of(rotor, 1.0);
+    const bool rubs = HAS_FRICTION && rotor->friction > 0.0;
+    const bool loaded = HAS_LOAD && rotor->load > 0.0 && rotor->omega > 0.0;
+    const bool always = rotor->delta0 == 0.0 && !rubs && !loaded;
+    return (struct law){always, rubs, loaded, release_velocity(&m), m};
 }
 
-/* s(r) = f(r)/r from r**2. */
-inlined double secant(double square, double delta0, struct law law)
+/* What the motion is given of a state. */
+inlined void give(struct state z, struct direction down, struct law law, double given[LANE_GIVEN])
 {
-    const double bounded = larger(square, TINY);
-    if (law.always) { /* s = sqrt(r), from the inverse fourth root of r**2 */
-        const double rough = (double)(1.0F / sqrtf(sqrtf((float)bounded)));
-        const double y = rough * (1.25 - 0.25 * (bounded * (rough * rough) * (rough * rough)));
-        return law.linear ? 1.0 : bounded * y * (y * y);
+    const double square = larger(squares(z.x, z.y), TINY);
+    given[LANE_X] = z.x, given[LANE_Y] = z.y, given[LANE_U] = z.u, given[LANE_V] = z.v;
+    given[LANE_DOWN_X] = down.x, given[LANE_DOWN_Y] = down.y;
+    if (law.always) { /* from the inverse fourth root of r**2 */
+        const double rough = (double)(1.0F / sqrtf(sqrtf((float)square)));
+        const double y = rough * (1.25 - 0.25 * (square * (rough * rough) * (rough * rough)));
+        given[LANE_INVERSE] = y * y, given[LANE_ROOT] = square * y * (y * y);
+    } else {
+        const double y = inverse_root(square), depth = larger(square * y - law.m.delta0, TINY);
+        given[LANE_INVERSE] = y, given[LANE_ROOT] = depth * inverse_root(depth);
     }
-    const double y = inverse_root(bounded), depth = larger(bounded * y - delta0, TINY);
-    return law.linear ? depth * y : depth * depth * inverse_root(depth) * y;
 }
 
 /* 1 + c d': the part of the contact force that contact damping leaves; where it is negative there
  * is none. */
-inlined double damped_part(struct state z, double contact_damping)
+inlined double damped_part(struct state z, struct law law)
 {
-    const double closing = fma(z.x, z.u, z.y * z.v) * inverse_root(larger(squares(z.x, z.y), TINY));
-    return fma(contact_damping, closing, 1.0);
+    double given[LANE_GIVEN], motion[2];
+    give(z, (struct direction){0.0, 0.0}, law, given);
+    motion_in_lane(&law.m, given, motion);
+    return damping_factor(&law.m, motion[0]);
 }
 
-/* The normal force over the radius, N/r. */
-inlined double push_over_radius(struct state z, struct rotor rotor, struct law law)
+/* See how fast the surfaces slide. */
+inlined void see_slide(struct slide *seen, double slip, struct state z)
 {
-    const double s = secant(squares(z.x, z.y), rotor.delta0, law);
-    return s * larger(damped_part(z, rotor.contact_damping), 0.0);
-}
-
-/* What draws towards the bearing axis, over the radius. */
-inlined double restoring(struct state z, struct rotor rotor, struct law law)
-{
-    const double s = secant(squares(z.x, z.y), rotor.delta0, law);
-    if (!HAS_SHAFT && !HAS_CONTACT_DAMPING)
-        return s;
-    return fma(s, larger(damped_part(z, rotor.contact_damping), 0.0), rotor.shaft_stiffness);
-}
-
-/* See how fast the surfaces slide: v_s = (x v - y u)/r + rho omega. */
-inlined void see_slide(struct slide *seen, struct state z, struct rotor rotor)
-{
-    const double square = larger(squares(z.x, z.y), TINY);
-    const double around = fma(z.x, z.v, -(z.y * z.u)) * inverse_root(square);
-    const double slip = fma(rotor.disc_radius, rotor.omega, around);
     seen->lowest = smaller(seen->lowest, slip);
     seen->highest = larger(seen->highest, slip);
-    seen->farthest = larger(seen->farthest, square);
+    seen->farthest = larger(seen->farthest, squares(z.x, z.y));
 }
 
-/* x' = u + omega y                              y' = v - omega x
- * u' = omega**2 - 2 zeta u + omega v - s x      v' = -2 zeta v - omega u - s y
- *
- * and with friction mu N/r y in u', and -mu N/r x in v'. */
-inlined struct state seen_rate(struct state z, struct rotor rotor, struct law law,
+/* The rates of a state under a load with a direction. */
+inlined struct state seen_rate(struct state z, struct direction down, struct law law,
                                struct slide *seen)
 {
-    const double omega = rotor.omega, damping = 2.0 * rotor.zeta;
-    const double s = restoring(z, rotor, law);
-    struct state k = {
-        fma(omega, z.y, z.u),
-        fma(-omega, z.x, z.v),
-        fma(-s, z.x, fma(-damping, z.u, fma(omega, z.v, omega * omega))),
-        -fma(s, z.y, fma(damping, z.v, omega * z.u)),
-    };
-    if (HAS_FRICTION && law.rubs) {
-        const double drag = rotor.friction * push_over_radius(z, rotor, law);
-        k.u = fma(drag, z.y, k.u), k.v = fma(-drag, z.x, k.v);
-        see_slide(seen, z, rotor);
-    }
-    return k;
+    double given[LANE_GIVEN], motion[2], rates[4];
+    give(z, down, law, given);
+    motion_in_lane(&law.m, given, motion);
+    given[LANE_APPROACH] = larger(motion[0], law.release);
+    rates_in_lane(&law.m, given, rates);
+    if (HAS_FRICTION && law.rubs)
+        see_slide(seen, motion[1], z);
+    return state_of(rates);
 }
 
-inlined struct state rate(struct state z, struct rotor rotor, struct law law)
+/* Of an orbit that is under no load. */
+inlined struct state rate(struct state z, struct law law)
 {
     struct slide seen = {0.0, 0.0, 0.0};
-    return seen_rate(z, rotor, law, &seen);
+    return seen_rate(z, (struct direction){0.0, 0.0}, law, &seen);
+}
+
+/* A direction that stands still, once the axes have turned by an angle; by series. */
+inlined struct direction turned(struct direction before, double angle)
+{
+    const double square = angle * angle;
+    double sine = 1.0, cosine = 1.0;
+    for (int k = TERMS; k > 0; k--) {
+        sine = fma(-square * (1.0 / (2.0 * k * (2.0 * k + 1.0))), sine, 1.0);
+        cosine = fma(-square * (1.0 / (2.0 * k * (2.0 * k - 1.0))), cosine, 1.0);
+    }
+    sine *= angle;
+    return (struct direction){fma(before.x, cosine, before.y * sine),
+                              fma(before.y, cosine, -before.x * sine)};
+}
+
+/* The rates at a stage of a step of length h from z on, by weights of the rates of earlier ones.
+ * How far on it lies is the sum of the weights. */
+inlined struct state stage(int n, const double *w, const struct state *k, struct state z, double h,
+                           struct direction down, struct law law, struct slide *seen)
+{
+    if (HAS_LOAD && law.loaded) {
+        double part = w[0];
+        for (int j = 1; j < n; j++)
+            part += w[j];
+        down = turned(down, law.m.omega * h * part);
+    }
+    return seen_rate(moved(z, h, sum(n, w, k)), down, law, seen);
 }
 
 /* How long a step may be to just short of a kink of the force, where it passes one that the
@@ -262,16 +290,14 @@ inlined double up_to_kink(double before, double after, double h, double over)
 }
 
 /* The same for the ring and, in contact, for the end of the force: for whichever comes first. */
-inlined double up_to_kinks(struct state z, struct state next, struct rotor rotor, double h,
-                           double over)
+inlined double up_to_kinks(struct state z, struct state next, struct law law, double h, double over)
 {
-    const double ring = rotor.delta0 * rotor.delta0;
+    const double ring = law.m.delta0 * law.m.delta0;
     const double before = squares(z.x, z.y) - ring, after = squares(next.x, next.y) - ring;
     const double at_ring = up_to_kink(before, after, h, over);
     if (!HAS_CONTACT_DAMPING)
         return at_ring;
-    const double loose = up_to_kink(damped_part(z, rotor.contact_damping),
-                                    damped_part(next, rotor.contact_damping), h, over);
+    const double loose = up_to_kink(damped_part(z, law), damped_part(next, law), h, over);
     return smaller(at_ring, larger(before, after) > 0.0 ? loose : HOPELESS);
 }
 
@@ -280,30 +306,30 @@ inlined double up_to_kinks(struct state z, struct state next, struct rotor rotor
  * The error is measured against tolerance sqrt(1 + x**2 + y**2 + u**2 + v**2). It is not seen of a
  * step over the ring, where the force begins as depth**1.5: such a step is taken back until it is
  * so short that the force in it is below the tolerance: `over`. */
-inlined void step_all(struct lanes *lanes, struct rotor rotor, struct law law, double tolerance,
-                      double over)
+inlined void step_all(struct lanes *lanes, struct law law, double tolerance, double over)
 {
     struct rows *now = &lanes->now;
     for (int i = 0; i < LANES; i++) {
         const struct state z = state_in(now, i);
+        const struct direction down = {now->down_x[i], now->down_y[i]};
         const double h = lanes->step[i];
         struct slide seen = {HOPELESS, -HOPELESS, 0.0};
-        const struct state k1 = seen_rate(z, rotor, law, &seen);
-        const struct state k2 = seen_rate(moved(z, h, sum(1, STAGE_2, &k1)), rotor, law, &seen);
+        const struct state k1 = seen_rate(z, down, law, &seen);
+        const struct state k2 = stage(1, STAGE_2, &k1, z, h, down, law, &seen);
         struct state early[3] = {k1, k2};
-        const struct state k3 = seen_rate(moved(z, h, sum(2, STAGE_3, early)), rotor, law, &seen);
+        const struct state k3 = stage(2, STAGE_3, early, z, h, down, law, &seen);
         early[1] = k3; /* the stages after it know nothing of the second */
-        const struct state k4 = seen_rate(moved(z, h, sum(2, STAGE_4, early)), rotor, law, &seen);
+        const struct state k4 = stage(2, STAGE_4, early, z, h, down, law, &seen);
         early[2] = k4;
-        const struct state k5 = seen_rate(moved(z, h, sum(3, STAGE_5, early)), rotor, law, &seen);
+        const struct state k5 = stage(3, STAGE_5, early, z, h, down, law, &seen);
         struct state k[10] = {k1, k4, k5}; /* nor those after it of the third */
-        k[3] = seen_rate(moved(z, h, sum(3, STAGE_6, k)), rotor, law, &seen);
-        k[4] = seen_rate(moved(z, h, sum(4, STAGE_7, k)), rotor, law, &seen);
-        k[5] = seen_rate(moved(z, h, sum(5, STAGE_8, k)), rotor, law, &seen);
-        k[6] = seen_rate(moved(z, h, sum(6, STAGE_9, k)), rotor, law, &seen);
-        k[7] = seen_rate(moved(z, h, sum(7, STAGE_10, k)), rotor, law, &seen);
-        k[8] = seen_rate(moved(z, h, sum(8, STAGE_11, k)), rotor, law, &seen);
-        k[9] = seen_rate(moved(z, h, sum(9, STAGE_12, k)), rotor, law, &seen);
+        k[3] = stage(3, STAGE_6, k, z, h, down, law, &seen);
+        k[4] = stage(4, STAGE_7, k, z, h, down, law, &seen);
+        k[5] = stage(5, STAGE_8, k, z, h, down, law, &seen);
+        k[6] = stage(6, STAGE_9, k, z, h, down, law, &seen);
+        k[7] = stage(7, STAGE_10, k, z, h, down, law, &seen);
+        k[8] = stage(8, STAGE_11, k, z, h, down, law, &seen);
+        k[9] = stage(9, STAGE_12, k, z, h, down, law, &seen);
         const struct state late[8] = {k1, k[3], k[4], k[5], k[6], k[7], k[8], k[9]};
         const struct state some[3] = {k1, k[6], k[9]};
         const struct state mean = sum(8, ADVANCE, late), next = moved(z, h, mean);
@@ -316,7 +342,7 @@ inlined void step_all(struct lanes *lanes, struct rotor rotor, struct law law, d
         const float root = sqrtf(sqrtf(sqrtf(sqrtf((float)(error + 1e-30)))));
         const double factor = larger(smaller((double)(CAUTION / root), GROW), SHRINK);
         /* how long a step over a kink is that is good otherwise */
-        const double part = up_to_kinks(z, next, rotor, h, over);
+        const double part = up_to_kinks(z, next, law, h, over);
         const double passing = part < HOPELESS && !law.always ? h : 0.0;
         const double crossing = error <= 1.0 ? passing : 0.0;
         const double grade = crossing > over ? HOPELESS : error;
@@ -326,38 +352,56 @@ inlined void step_all(struct lanes *lanes, struct rotor rotor, struct law law, d
         now->y[i] = grade <= 1.0 ? next.y : z.y;
         now->u[i] = grade <= 1.0 ? next.u : z.u;
         now->v[i] = grade <= 1.0 ? next.v : z.v;
-        if (law.rubs) {
+        if (HAS_LOAD && law.loaded) {
+            const struct direction after = turned(down, law.m.omega * h);
+            now->down_x[i] = grade <= 1.0 ? after.x : down.x;
+            now->down_y[i] = grade <= 1.0 ? after.y : down.y;
+        }
+        if (HAS_FRICTION && law.rubs) {
             const double least = CLEAR * (seen.highest - seen.lowest);
             const double turns = seen.lowest <= least ? 1.0 : 0.0;
-            const double touching = seen.farthest > rotor.delta0 * rotor.delta0 ? turns : 0.0;
+            const double touching = seen.farthest > law.m.delta0 * law.m.delta0 ? turns : 0.0;
             lanes->turns[i] = grade <= 1.0 ? touching : 0.0;
         }
     }
 }
 
-static void step_lanes(struct lanes *lanes, struct rotor rotor, double tolerance)
+static void step_lanes(struct lanes *lanes, struct law law, double tolerance)
 {
-    const struct law law = law_of(rotor);
-    const double kink = law.linear || (IS_GENERAL && rotor.contact_damping > 0.0) ? SHARPER_KINK
-                                                                                  : KINK;
+    const bool is_sharper = HAS_LINEAR_CONTACT && law.m.linear > 0.0;
+    const bool is_damped = HAS_CONTACT_DAMPING && law.m.contact_damping > 0.0;
+    const double kink = is_sharper || is_damped ? SHARPER_KINK : KINK;
     const double over = tolerance < SEEN ? SHORTEST * pow(tolerance, 1.0 / kink) : INFINITY;
     /* each a loop of its own */
-    if (IS_GENERAL && law.rubs && law.linear)
-        step_all(lanes, rotor, (struct law){false, true, IS_GENERAL}, tolerance, over);
-    else if (IS_GENERAL && law.rubs)
-        step_all(lanes, rotor, (struct law){false, false, IS_GENERAL}, tolerance, over);
-    else if (law.always && law.linear)
-        step_all(lanes, rotor, (struct law){true, true, false}, tolerance, over);
+    if (HAS_LOAD && law.loaded && law.rubs)
+        step_all(lanes, (struct law){false, true, true, law.release, law.m}, tolerance, over);
+    else if (HAS_LOAD && law.loaded)
+        step_all(lanes, (struct law){false, false, true, law.release, law.m}, tolerance, over);
+    else if (HAS_FRICTION && law.rubs)
+        step_all(lanes, (struct law){false, true, false, law.release, law.m}, tolerance, over);
     else if (law.always)
-        step_all(lanes, rotor, (struct law){true, false, false}, tolerance, over);
-    else if (law.linear)
-        step_all(lanes, rotor, (struct law){false, true, false}, tolerance, over);
+        step_all(lanes, (struct law){true, false, false, law.release, law.m}, tolerance, over);
     else
-        step_all(lanes, rotor, (struct law){false, false, false}, tolerance, over);
+        step_all(lanes, (struct law){false, false, false, law.release, law.m}, tolerance, over);
 }
 
-/* Write the code of a trapping region into `inside` where it holds the lane. */
-static void find_trapped(struct lanes *lanes, const double region[REGION], double code)
+/* Under a load find the lanes at whole revolutions, where the axes stand as they did at first. */
+static void find_whole_revolutions(struct lanes *lanes, double omega)
+{
+    for (int i = 0; i < LANES; i++) {
+        const bool is_whole = lanes->now.time[i] >= lanes->due[i];
+        lanes->whole[i] = is_whole ? 1.0 : -1.0;
+        lanes->revolutions[i] += is_whole ? 1.0 : 0.0;
+        lanes->due[i] = WHOLE_TURN / omega * lanes->revolutions[i];
+        lanes->now.down_x[i] = is_whole ? 0.0 : lanes->now.down_x[i];
+        lanes->now.down_y[i] = is_whole ? -1.0 : lanes->now.down_y[i];
+        lanes->step[i] = is_whole ? larger(lanes->step[i], lanes->wanted[i]) : lanes->step[i];
+    }
+}
+
+/* Write the code of a trapping region into `inside` where it holds the lane, under a load at whole
+ * revolutions. */
+static void find_trapped(struct lanes *lanes, const double region[REGION], bool loaded, double code)
 {
     const struct state centre = state_of(region);
     const double *f = region + FORM;
@@ -369,7 +413,8 @@ static void find_trapped(struct lanes *lanes, const double region[REGION], doubl
             fma(f[7], z.u, f[8] * z.v),
             f[9] * z.v,
         };
-        lanes->inside[i] = dot(form, form) <= 1.0 ? code : lanes->inside[i];
+        const double limit = loaded ? lanes->whole[i] : 1.0;
+        lanes->inside[i] = dot(form, form) <= limit ? code : lanes->inside[i];
     }
 }
 
@@ -403,17 +448,21 @@ static void find_contact_free(struct lanes *lanes, struct rotor rotor, const dou
  *
  * Out of contact the distance xi to the whirl dies out. The energy |xi'|**2 + kappa |xi|**2 only
  * falls: that bounds it. With much damping xi is a sum of two motions that die out without turning,
- * and lies between 0, where it is, and what the slow one is: that bounds it as well. */
-static void find_held_by_shaft(struct lanes *lanes, struct rotor rotor, const double whirl[4],
-                               double code)
+ * and lies between 0, where it is, and what the slow one is: that bounds it as well. A load moves
+ * the centre of the whirl down. */
+static void find_held_by_shaft(struct lanes *lanes, struct rotor rotor, bool loaded,
+                               const double whirl[4], double code)
 {
     const double wx = whirl[0], wy = whirl[1], room = whirl[2];
     const double omega = rotor.omega, kappa = rotor.shaft_stiffness;
     const double square = fma(rotor.zeta, rotor.zeta, -kappa), root = sqrt(larger(square, 0.0));
     const double fast = rotor.zeta + root, per = square > 0.0 ? 0.5 / root : INFINITY;
+    const double sag = loaded ? rotor.load / kappa : 0.0;
     for (int i = 0; i < LANES; i++) {
         const struct state z = state_in(&lanes->now, i);
-        const double x = z.x - wx, y = z.y - wy, u = fma(omega, wy, z.u), v = fma(-omega, wx, z.v);
+        const double x = z.x - fma(sag, lanes->now.down_x[i], wx);
+        const double y = z.y - fma(sag, lanes->now.down_y[i], wy);
+        const double u = fma(omega, wy, z.u), v = fma(-omega, wx, z.v);
         const double now = squares(x, y), energy = fma(kappa, now, squares(u, v));
         const double slow = squares(per * fma(fast, x, u), per * fma(fast, y, v));
         const bool bounded = (larger(now, slow) <= room) | (energy <= kappa * room);
@@ -457,9 +506,9 @@ static double height(struct state z, const double section[SECTION])
 }
 
 /* |L (s - c)|**2 of the state on the section that a state close to it flows to. */
-static double size_on_section(struct state z, const double section[SECTION], struct rotor rotor)
+static double size_on_section(struct state z, const double section[SECTION], struct law law)
 {
-    const struct state k = rate(z, rotor, law_of(rotor));
+    const struct state k = rate(z, law);
     const double shift = height(z, section) / dot(state_of(section + NORMAL), k);
     const struct state from = minus(moved(z, -shift, k), state_of(section));
     const double a = dot(state_of(section + ROWS), from);
@@ -469,24 +518,22 @@ static double size_on_section(struct state z, const double section[SECTION], str
 }
 
 /* The state a time h later, by the classic Runge-Kutta method. */
-static struct state classic_step(struct state z, double h, struct rotor rotor)
+static struct state classic_step(struct state z, double h, struct law law)
 {
-    const struct law law = law_of(rotor);
-    const struct state k1 = rate(z, rotor, law);
-    const struct state k2 = rate(moved(z, 0.5 * h, k1), rotor, law);
-    const struct state k3 = rate(moved(z, 0.5 * h, k2), rotor, law);
-    const struct state k4 = rate(moved(z, h, k3), rotor, law);
+    const struct state k1 = rate(z, law);
+    const struct state k2 = rate(moved(z, 0.5 * h, k1), law);
+    const struct state k3 = rate(moved(z, 0.5 * h, k2), law);
+    const struct state k4 = rate(moved(z, h, k3), law);
     static const double weights[] = {1.0, 2.0, 2.0, 1.0};
     return moved(z, h / 6.0, sum(4, weights, (struct state[]){k1, k2, k3, k4}));
 }
 
 /* |L (s - c)|**2 where the last step in a lane passed the section. */
 static double section_value(const struct lanes *lanes, int i, const double section[SECTION],
-                            struct rotor rotor)
+                            struct law law)
 {
-    const struct law law = law_of(rotor);
     const struct state was = state_in(&lanes->was, i), now = state_in(&lanes->now, i);
-    const struct state first = rate(was, rotor, law), last = rate(now, rotor, law);
+    const struct state first = rate(was, law), last = rate(now, law);
     const double h = lanes->now.time[i] - lanes->was.time[i];
     double low = 0.0, high = 1.0;
     for (int halving = 0; halving < HALVINGS; halving++) {
@@ -497,30 +544,31 @@ static double section_value(const struct lanes *lanes, int i, const double secti
             high = middle;
     }
     struct state z = between(was, now, first, last, h, high);
-    const double roughly = size_on_section(z, section, rotor);
+    const double roughly = size_on_section(z, section, law);
     if (roughly > ROUGHLY)
         return roughly;
     z = was;
     for (int part = 0; part < PARTS; part++)
-        z = classic_step(z, h * high / (double)PARTS, rotor);
-    return size_on_section(z, section, rotor);
+        z = classic_step(z, h * high / (double)PARTS, law);
+    return size_on_section(z, section, law);
 }
 
 /* Write the code of a limit cycle into `inside` where it holds the lane. */
-static void find_on_cycle(struct lanes *lanes, struct rotor rotor, const double section[SECTION],
+static void find_on_cycle(struct lanes *lanes, struct law law, const double section[SECTION],
                           double code)
 {
     int64_t passed[LANES];
     if (!find_crossings(lanes, section, passed))
         return;
     for (int i = 0; i < LANES; i++)
-        if (passed[i] && section_value(lanes, i, section, rotor) <= 1.0)
+        if (passed[i] && section_value(lanes, i, section, law) <= 1.0)
             lanes->inside[i] = code;
 }
 
 /* Count a step of each lane and find those that are decided, or whose time or number of steps is
- * up; return whether there is one. */
-static bool find_ended(struct lanes *lanes, double duration, int64_t ended[LANES])
+ * up; return whether there is one. Under a load the latter cannot be followed further, as they do
+ * not stop at a whole revolution. */
+static bool find_ended(struct lanes *lanes, bool loaded, double duration, int64_t ended[LANES])
 {
     const double most_time = duration <= MOST_TIME ? duration : 0.0;
     const double most_steps = MOST_STEPS * (1.0 + most_time / TIME_OF_STEPS);
@@ -528,6 +576,7 @@ static bool find_ended(struct lanes *lanes, double duration, int64_t ended[LANES
     for (int i = 0; i < LANES; i++) {
         lanes->steps[i]++;
         const int64_t late = (double)lanes->steps[i] >= most_steps;
+        lanes->turns[i] = loaded && late ? 1.0 : lanes->turns[i];
         const bool decided = (lanes->inside[i] > 0.0) | (lanes->turns[i] > 0.0);
         const int64_t held = decided ? 1 : late;
         ended[i] = lanes->now.time[i] < duration ? held : 1;
@@ -549,6 +598,8 @@ static void load_state(struct lanes *lanes, int i, struct state z, double step)
     lanes->now.x[i] = z.x, lanes->now.y[i] = z.y, lanes->now.u[i] = z.u, lanes->now.v[i] = z.v;
     lanes->now.time[i] = 0.0, lanes->step[i] = step, lanes->steps[i] = 0;
     lanes->turns[i] = 0.0;
+    lanes->due[i] = 0.0, lanes->revolutions[i] = 0.0, lanes->wanted[i] = step;
+    lanes->now.down_x[i] = 0.0, lanes->now.down_y[i] = -1.0;
 }
 
 /* One of `count` states that are kept as four rows. */
@@ -558,11 +609,16 @@ static struct state state_at(const double *states, int64_t count, int64_t number
     return (struct state){x[0], x[count], x[2 * count], x[3 * count]};
 }
 
-/* Let no step pass the end of the time: orbits are left at the same moment. */
-static void end_in_time(struct lanes *lanes, double duration)
+/* Let no step pass the end of the time: orbits are left at the same moment. Nor, under a load, that
+ * of a revolution. */
+static void end_in_time(struct lanes *lanes, struct law law, double duration)
 {
-    for (int i = 0; i < LANES; i++)
-        lanes->step[i] = smaller(lanes->step[i], duration - lanes->now.time[i]);
+    const double longest = law.loaded ? LONGEST_TURN * WHOLE_TURN / law.m.omega : INFINITY;
+    for (int i = 0; i < LANES; i++) {
+        const double end = law.loaded ? smaller(lanes->due[i], duration) : duration;
+        lanes->wanted[i] = lanes->step[i];
+        lanes->step[i] = smaller(smaller(lanes->step[i], longest), end - lanes->now.time[i]);
+    }
 }
 
 /* Put a start into a lane and return its number; without one, leave the lane at rest. */
@@ -600,6 +656,7 @@ int core_follow_lanes(const struct rotor *rotor, double *states, int16_t *labels
     if (SPEED_CHANGES) /* which no lane knows: the compiler leaves all of this out */
         return DONE;
     const struct starts starts = {states, labels, times, count};
+    const struct law law = law_of(rotor);
     const double first_code = (double)(region_count + 1); /* of those that follow the regions */
     struct lanes lanes = {0};
     int64_t owner[LANES], ended[LANES], waiting = 0, active = 0;
@@ -613,15 +670,17 @@ int core_follow_lanes(const struct rotor *rotor, double *states, int16_t *labels
         if (asked_to_stop(stop))
             return STOPPED;
         memset(lanes.inside, 0, sizeof lanes.inside);
+        if (HAS_LOAD && law.loaded)
+            find_whole_revolutions(&lanes, rotor->omega);
         for (int64_t j = 0; j < region_count; j++)
-            find_trapped(&lanes, regions + REGION * j, (double)(j + 1));
+            find_trapped(&lanes, regions + REGION * j, law.loaded, (double)(j + 1));
         if (free_whirl[2] >= 0.0 && IS_GENERAL && rotor->shaft_stiffness > 0.0)
-            find_held_by_shaft(&lanes, *rotor, free_whirl, first_code);
+            find_held_by_shaft(&lanes, *rotor, law.loaded, free_whirl, first_code);
         else if (free_whirl[2] >= 0.0)
             find_contact_free(&lanes, *rotor, free_whirl, first_code);
         for (int64_t j = 0; j < section_count; j++)
-            find_on_cycle(&lanes, *rotor, sections + SECTION * j, first_code + 2.0 + (double)j);
-        const bool any = find_ended(&lanes, duration, ended);
+            find_on_cycle(&lanes, law, sections + SECTION * j, first_code + 2.0 + (double)j);
+        const bool any = find_ended(&lanes, law.loaded, duration, ended);
         for (int i = 0; any && i < LANES; i++) {
             if (owner[i] == NO_START || !ended[i])
                 continue;
@@ -632,8 +691,8 @@ int core_follow_lanes(const struct rotor *rotor, double *states, int16_t *labels
         }
         if (section_count > 0)
             lanes.was = lanes.now;
-        end_in_time(&lanes, duration);
-        step_lanes(&lanes, *rotor, tolerance);
+        end_in_time(&lanes, law, duration);
+        step_lanes(&lanes, law, tolerance);
     }
     return DONE;
 }
@@ -644,9 +703,10 @@ int core_measure_returns(const struct rotor *rotor, const double *states, int64_
 {
     if (SPEED_CHANGES)
         return DONE;
+    const struct law law = law_of(rotor);
     struct lanes lanes = {0};
     int64_t passed[LANES];
-    bool turned[LANES]; /* with friction, whether it has not slid forwards since its start */
+    bool left[LANES]; /* with friction, whether it has not slid forwards since its start */
     for (int64_t number = 0; number < count; number++)
         values[number] = INFINITY;
     for (int64_t first = 0; first < count; first += LANES) {
@@ -654,23 +714,23 @@ int core_measure_returns(const struct rotor *rotor, const double *states, int64_
         for (int i = 0; i < LANES; i++)
             load_state(&lanes, i, state_at(states, count, first + (i < used ? i : used - 1)),
                        FIRST_STEP);
-        memset(turned, 0, sizeof turned);
+        memset(left, 0, sizeof left);
         double slowest = 0.0;
         for (int steps = 0; slowest < latest && steps < MOST_STEPS; steps++) {
             if (asked_to_stop(stop))
                 return STOPPED;
             lanes.was = lanes.now;
-            step_lanes(&lanes, *rotor, tolerance);
+            step_lanes(&lanes, law, tolerance);
             slowest = latest;
             for (int i = 0; i < used; i++) {
                 slowest = smaller(lanes.now.time[i], slowest);
-                turned[i] = turned[i] || lanes.turns[i] > 0.0;
+                left[i] = left[i] || lanes.turns[i] > 0.0;
             }
             const bool any = find_crossings(&lanes, section, passed);
             for (int i = 0; any && i < used; i++) {
                 const double time = lanes.now.time[i];
-                if (passed[i] && !turned[i] && earliest <= time && time <= latest)
-                    values[first + i] = smaller(section_value(&lanes, i, section, *rotor),
+                if (passed[i] && !left[i] && earliest <= time && time <= latest)
+                    values[first + i] = smaller(section_value(&lanes, i, section, law),
                                                 values[first + i]);
             }
         }

@@ -3,8 +3,7 @@
 The force, its derivative, the potential, the Jacobians, the events and the datasets take the Hertz
 exponent from this module. Some code depends on the exponent 3/2 itself, where the force is the cube
 of ``sqrt(r - delta0)``: the polynomials of the whirls and the locus of their
-folds, the periods of free vibration, the variables of the contact phase, and the lanes of the
-basins.
+folds, the periods of free vibration, and the variables of the contact phase.
 
 The core integrates the law in these smooth variables: by the functions at the end of this module,
 over symbols, for one disc and for the contacts of rotor systems (`rotor_ida.model.element`). These

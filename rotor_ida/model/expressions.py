@@ -33,12 +33,15 @@ class Writer:
         Coefficient n of the constant 1 where a series is written; empty for values.
     kind : str
         Type of the results: numbers, ``double``, or vectors of four, ``vec4``.
+    fused : bool
+        Whether a product that is added to something is not rounded.
     """
 
     state: Callable[[str], str]
     names: dict[int, str] = field(default_factory=dict)
     one: str = ""
     kind: str = "double"
+    fused: bool = False
 
     def __call__(self, node: Symbol, binding: int = SUM) -> str:
         """Return a symbol, in parentheses where it binds less than its context."""
@@ -68,7 +71,21 @@ class Writer:
         if node.kind == "/":
             form = "ratio({}, {})" if self.kind == "double" else "({}) / ({})"
             return form.format(self(a), self(b)), ATOM
+        sign = "-" if node.kind == "-" else ""
+        if self.fused and self._is_product(b):
+            return f"fma({sign}{self._factors(b)}, {self(a)})", ATOM
+        if self.fused and self._is_product(a):
+            return f"fma({self._factors(a)}, {sign}{self(b, ATOM)})", ATOM
         return f"{self(a)} {node.kind} {self(b, PRODUCT)}", SUM
+
+    def _is_product(self, node: Symbol) -> bool:
+        """Return whether a symbol is a product that has no name of its own."""
+        named = node.number in self.names
+        return node.kind == "*" and not named and not node.arguments[0].is_number(-1.0)
+
+    def _factors(self, node: Symbol) -> str:
+        a, b = node.arguments
+        return f"{self(a, ATOM)}, {self(b)}"
 
 
 def _power(base: str, exponent: float, kind: str) -> str:
@@ -81,7 +98,9 @@ def _power(base: str, exponent: float, kind: str) -> str:
     return f"sqrt({base})" if exponent == 0.5 else f"pow({base}, {exponent!r})"
 
 
-def names_of(nodes: Sequence[Symbol], outputs: Sequence[Symbol]) -> dict[int, str]:
+def names_of(
+    nodes: Sequence[Symbol], outputs: Sequence[Symbol], *, products: bool = True
+) -> dict[int, str]:
     """Return names for symbols that the model names or uses more than once, and for products."""
     used = Counter(operand.number for node in nodes for operand in operands(node))
     used.update(output.number for output in outputs)
@@ -93,7 +112,8 @@ def names_of(nodes: Sequence[Symbol], outputs: Sequence[Symbol]) -> dict[int, st
         if node.kind in {"number", "parameter", "state"} or not node.changes:
             continue
         name = node.name
-        is_asked = used[node.number] > 1 or node.number in bases or needs_convolution(node)
+        is_asked = used[node.number] > 1 or node.number in bases
+        is_asked |= products and needs_convolution(node)
         if not name and is_asked:
             name = f"w{len(names)}"
         while name in of_state or name in names.values():
@@ -103,16 +123,18 @@ def names_of(nodes: Sequence[Symbol], outputs: Sequence[Symbol]) -> dict[int, st
     return names
 
 
-def values_of(outputs: Sequence[tuple[str, Symbol]], mode: Mode, kind: str = "double") -> list[str]:
+def values_of(
+    outputs: Sequence[tuple[str, Symbol]], mode: Mode, kind: str = "double", *, fused: bool = False
+) -> list[str]:
     """Return the lines that compute outputs, given as pairs of target and value.
 
     They are numbers, or vectors of numbers.
     """
     symbols = [symbol for _, symbol in outputs]
     nodes = needed(symbols)
-    names = names_of(nodes, [])
+    names = names_of(nodes, [], products=not fused)
     lines = given_in(nodes, mode, "state", kind)
-    writer = Writer(lambda name: name, kind=kind)
+    writer = Writer(lambda name: name, kind=kind, fused=fused)
     for node in nodes:
         if node.number in names:
             lines.append(f"const {kind} {names[node.number]} = {writer(node)};")

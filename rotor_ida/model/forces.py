@@ -2,7 +2,7 @@
 
 They are stated once, in `accelerations`, by components along any two directions: the same lines
 serve on fixed axes, on the rotating ones and in the polar basis of a contact. Flight in
-closed form, the lanes of basins, the energy check and the closed forms restate them by hand:
+closed form, the energy check and the closed forms restate them by hand:
 CONTRIBUTING.md lists the places ("A force"). Besides its parameters `rotor` has switches, 1 or 0:
 `hertz` or `linear` for the law of contact, `loose` where contact damping leaves no force, and
 `felt` where there is contact at all.

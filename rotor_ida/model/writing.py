@@ -21,7 +21,7 @@ from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
 from types import SimpleNamespace
 
-from rotor_ida.model import contact, element
+from rotor_ida.model import contact, element, lanes
 from rotor_ida.model.derivation import derive, factors_of, lanes_of, needed, needs_convolution
 from rotor_ida.model.expressions import (
     LANES_A_VECTOR,
@@ -109,7 +109,42 @@ def _parameters(model: Model) -> list[str]:
         "",
         "/* The law of contact, by the root q of the indentation and the radial velocity. */",
         *_law("parameters", model.constants, OF_DISC),
+        *_in_lanes(model),
     ]
+
+
+def _in_lanes(model: Model) -> list[str]:
+    """Return what the lanes of basins obey, as functions that become vector instructions.
+
+    In contact the disc slides forwards in all of them; what is loose has the force 0 of a release.
+    """
+    parts = {
+        "motion_in_lane": (lanes.motion_of, lanes.MOTION_GIVEN, lanes.MOTION),
+        "rates_in_lane": (lanes.rates_of, lanes.RATES_GIVEN, lanes.RATES),
+    }
+    names = [f"LANE_{name.upper()}" for name in lanes.RATES_GIVEN]
+    lines = ["", "/* The motion on the rotating axes: what a lane is given, and what follows. */"]
+    lines += [f"enum {{ {', '.join([*names, 'LANE_GIVEN'])} }};"]
+    for name, (law, given, answers) in parts.items():
+        graph = Graph()
+        every = {each: graph.parameter(each) for each in model.parameters}
+        fixed = dict.fromkeys(absent_from(model), 0.0) | model.constants
+        fixed |= {"sigma": 1.0, "loose": 0.0}
+        every |= {each: graph.of(value) for each, value in fixed.items()}
+        with named_as_in("lanes.py"):
+            values = law([graph.state(each) for each in given], SimpleNamespace(**every))
+        places = [f"answers[{number}]" for number in range(len(answers))]
+        pairs = [(place, graph.of(value)) for place, value in zip(places, values, strict=True)]
+        mode = Mode("lane", given, *(None,) * 3, (), None)  # type: ignore[arg-type]
+        body = values_of(pairs, mode, fused=True)
+        lines += [
+            f"/* Of {', '.join(answers)}. */",
+            f"static inline __attribute__((always_inline)) void {name}(",
+            "    const struct parameters *m, const double *state, double *answers)",
+            "{", *([] if any("m->" in line for line in body) else ["    (void)m;"]),
+            *(f"    {line}" for line in body), "}",
+        ]  # fmt: skip
+    return lines
 
 
 def _law(
@@ -352,7 +387,7 @@ def sources_of(model: Model) -> dict[str, str]:
     marker = f"ROTOR_IDA_{stem.upper()}_H"
     body = [*head, CHOSEN_BY[model.name], '#include "motion.h"', ""]
     declared = [*head, f"#ifndef {marker}", f"#define {marker}", ""]
-    declared += ['#include "core.h"', "", *_parameters(model), ""]
+    declared += ["#include <math.h>", "", '#include "core.h"', "", *_parameters(model), ""]
     own = {mode.name for mode in model.modes}
     columns = [f"BY_{name.upper()}" for name in model.columns]
     if columns:

@@ -71,7 +71,7 @@ def touchdown_report(
         Number of starts, by default 1000 and of a `RotorSystem` 100.
     rtol : float, optional
         Error allowed per step, relative to the size of the state and of the eccentricity [1];
-        default: 1e-6, and 1e-10 under a load.
+        default: 1e-6, and 1e-10 where each start is followed separately.
     shocks : int, optional
         Approximate number of shocks of velocity and of displacement applied to each attractor, to
         find the smallest one that leads to each other attractor; with 0 there are no such results.
@@ -137,8 +137,7 @@ def touchdown_report(
     Starts are labelled as by `rotor_ida.basin_fractions`, with the same `rtol` for any machine.
     CVODE does not confirm attractors.
 
-    Under a load each start is followed separately, as by `rotor_ida.basin_fractions`, which takes
-    some milliseconds or more. Periods are whole revolutions. Motions that never repeat are
+    Under a load periods are whole revolutions. Motions that never repeat are
     represented by one such motion, as with friction. There are no shocks and no ranges of
     existence: on the rotating axes, which the search for shocks uses, the load rotates.
 
@@ -193,7 +192,7 @@ def touchdown_report(
         )
     subjects = subjects_of(
         one_rotor(rotor, speed), "a touchdown report", node=node, start=start, modes=modes,
-        rtol=rtol, one_by_one=True,
+        rtol=rtol, loaded=True,
     )  # fmt: skip
     (point,) = subjects.points
     alone = isinstance(point, Rotor) and followed_alone(point)
