@@ -238,11 +238,16 @@ def fastest_whirl(assembly: Assembly, q: Values, v: Values) -> float:
 
 
 def _excursions(assembly: Assembly, q: Values, table: Rows) -> Values:
-    """Return the largest displacement of each contact over its clearance, at samples and peaks."""
-    found = np.empty(len(assembly.contacts))
+    """Return the largest displacement of each contact over its clearance, at samples and peaks.
+
+    It is NaN without clearance.
+    """
+    found = np.full(len(assembly.contacts), np.nan)
     for number, contact in enumerate(assembly.contacts):
         places = np.einsum("jk,tk->tj", assembly.rows[number], q) - contact.centre
         peaks = table["peak_root"][table["contact"] == number] ** 2  # CVODE finds none
         radius = np.hypot(*places.T).max()
-        found[number] = np.fmax.reduce([radius, *(contact.clearance + peaks)]) / contact.clearance
+        if contact.clearance > 0.0:
+            found[number] = np.fmax.reduce([radius, *(contact.clearance + peaks)])
+            found[number] /= contact.clearance
     return found
