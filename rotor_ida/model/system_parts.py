@@ -310,6 +310,17 @@ def check_contacts(contacts: Sequence[Contact]) -> None:
             )  # fmt: skip
 
 
+def check_clearances(contacts: Sequence[Contact]) -> None:
+    """Refuse contacts without clearance, by which the closed forms of whirls measure amplitudes."""
+    for each in contacts:
+        if each.clearance == 0.0:
+            raise InputError(
+                "{name} must be above 0 for synchronous_response, special_speeds and "
+                "clearance_report, got {value}; sweep and limit_cycle take it",
+                name=f"clearance of the contact at {shown(each.node)}", value=each.clearance,
+            )  # fmt: skip
+
+
 def _along_both(name: str, value: float | Sequence[float]) -> tuple[float, float]:
     """Return a number along x and y, given once or for each."""
     numbers = check_array(name, value, largest=LARGEST)

@@ -299,7 +299,8 @@ def _answering(
 ) -> list[str]:
     """Return the functions of one law: coefficient n of what it answers, and values."""
     graph = Graph()
-    contact = SimpleNamespace(**{name: graph.parameter(name) for name in element.PARAMETERS}, felt=1.0)
+    parameters = {name: graph.parameter(name) for name in element.PARAMETERS}
+    contact = SimpleNamespace(**parameters, felt=1.0)
     with named_as_in("element.py"):
         answers = law([graph.state(name) for name in given.state], contact)
     nodes = [node for node in needed(answers) if node.changes]

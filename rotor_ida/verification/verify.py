@@ -180,7 +180,8 @@ def _between_samples(run: xr.Dataset) -> dict[str, Values]:
     jumps = np.hypot(*(np.diff(run[name].transpose("t", ...).values, axis=0)
                        for name in ("vx", "vy")))  # fmt: skip
     missed = float((jumps.max(axis=1, initial=0.0) * steps).max(initial=0.0)) / 4.0
-    return {"excursion": missed / run["clearance"].values}
+    gaps = run["clearance"].values
+    return {"excursion": missed / np.where(gaps > 0.0, gaps, np.nan)}
 
 
 def _methods(*results: xr.Dataset) -> set[object]:
