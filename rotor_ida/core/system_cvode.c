@@ -276,12 +276,21 @@ static int is_behind_exit(const struct system_cvode *cvode)
     return found;
 }
 
+/* Whether the force may have a kink, over which no interpolant of several steps holds. */
+static int passes_centre(const struct work *work)
+{
+    int found = 0;
+    for (int64_t i = 0; i < work->run->contact_count; i++)
+        found |= is_centred(&work->touching[i]) && work->run->laws[i].hertz > 0.0;
+    return found;
+}
+
 /* Take some steps, and the last interpolant for all of them. */
 static int advance(struct system_cvode *cvode)
 {
     struct work *work = cvode->work;
     const double low = cvode->point;
-    const int together = (int)larger(cvode->degree / DEGREES_A_STEP, 1);
+    const int together = passes_centre(work) ? 1 : (int)larger(cvode->degree / DEGREES_A_STEP, 1);
     int status = DONE, count = 0;
     while (status == DONE && count < together && (count == 0 || !is_behind_exit(cvode))) {
         status = step_solver(&cvode->solver, cvode->goal, &cvode->point);
