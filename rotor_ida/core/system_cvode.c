@@ -81,7 +81,7 @@ static void begin_at_pace(struct work *work)
     begin_terms(work);
     work->edge_count = 0;
     for (int i = 0; i < (int)work->run->contact_count; i++) {
-        work->touching[i].is_edge = may_leave(&work->touching[i]);
+        work->touching[i].is_edge = is_touching(&work->touching[i]);
         if (work->touching[i].is_edge)
             work->edges[work->edge_count++] = i;
     }
@@ -125,7 +125,7 @@ static int right_hand_side(double point, void *state, void *rate, void *user)
     for (int64_t i = 0; i < run->contact_count; i++) {
         const struct touching *each = &work->touching[i];
         const double *terms = each->series.terms[1];
-        rates[cvode->roots + i] = may_leave(each) ? terms[ELEMENT_ROOT] + drawn(work, each) : 0.0;
+        rates[cvode->roots + i] = is_touching(each) ? terms[ELEMENT_ROOT] + drawn(work, each) : 0.0;
         if (cvode->races >= 0)
             rates[cvode->races + i] = each->law->inverse_race_inertia > 0.0 ? terms[ELEMENT_RACE]
                                                                             : 0.0;
@@ -171,8 +171,6 @@ static void set_tolerances(struct system_cvode *cvode)
     }
     for (int64_t i = 0; i < run->contact_count; i++) {
         const struct touching *each = &work->touching[i];
-        if (is_centred(each))
-            continue; /* whose root is no value of its own */
         const double clearance = each->law->clearance, scale = sqrt(clearance);
         const double approach = fabs(each->answers[0][ELEMENT_APPROACH]);
         double size = 1.0;
@@ -215,7 +213,7 @@ static int start(struct system_cvode *cvode)
     cvode->degree = 0;
     cvode->goal = FAR * run->displacement / run->velocity;
     for (int64_t i = 0; i < run->contact_count; i++)
-        cvode->goal /= may_leave(&cvode->work->touching[i]) ? sqrt(run->laws[i].clearance) : 1.0;
+        cvode->goal /= is_touching(&cvode->work->touching[i]) ? sqrt(run->laws[i].clearance) : 1.0;
     return cvode->solver.sundials->reinit(cvode->solver.memory, 0.0, cvode->solver.state);
 }
 
@@ -248,7 +246,7 @@ void take_terms(struct work *work, int n)
         work->spin[n] = terms[cvode->turn + 1];
     for (int64_t i = 0; i < run->contact_count; i++) {
         struct touching *each = &work->touching[i];
-        if (may_leave(each))
+        if (is_touching(each))
             each->series.terms[n][ELEMENT_ROOT] = terms[cvode->roots + i];
         if (each->law->inverse_race_inertia > 0.0)
             each->series.terms[n][ELEMENT_RACE] = terms[cvode->races + i];
@@ -276,21 +274,12 @@ static int is_behind_exit(const struct system_cvode *cvode)
     return found;
 }
 
-/* Whether the force may have a kink, over which no interpolant of several steps holds. */
-static int passes_centre(const struct work *work)
-{
-    int found = 0;
-    for (int64_t i = 0; i < work->run->contact_count; i++)
-        found |= is_centred(&work->touching[i]) && work->run->laws[i].hertz > 0.0;
-    return found;
-}
-
 /* Take some steps, and the last interpolant for all of them. */
 static int advance(struct system_cvode *cvode)
 {
     struct work *work = cvode->work;
     const double low = cvode->point;
-    const int together = passes_centre(work) ? 1 : (int)larger(cvode->degree / DEGREES_A_STEP, 1);
+    const int together = (int)larger(cvode->degree / DEGREES_A_STEP, 1);
     int status = DONE, count = 0;
     while (status == DONE && count < together && (count == 0 || !is_behind_exit(cvode))) {
         status = step_solver(&cvode->solver, cvode->goal, &cvode->point);
