@@ -258,7 +258,7 @@ REFUSED = [
         ({"gravity": (0.0, np.nan)}, "gravity"),
     ]),
     (lambda given: Contact(**TOUCH | given), [
-        ({"clearance": 0.0}, "clearance of the contact at 'disc' must"),
+        ({"clearance": -1.0}, "clearance of the contact at 'disc' must"),
         ({"stiffness": -1.0}, "stiffness of the contact at 'disc' must"),
         ({"exponent": 2.0}, "exponent of the contact at 'disc' must be 1.5 or 1.0"),
         ({"friction": 0.1}, "radius of the contact at 'disc' must be given with friction"),

@@ -17,6 +17,13 @@ static inline double element_stiffness(const struct element *m, int n, double q)
     return 1.5 * m->hertz * q + one * m->linear;
 }
 
+/* The elastic energy. */
+static inline double element_energy(const struct element *m, int n, double q)
+{
+    const double one = n == 0 ? 1.0 : 0.0;
+    return (0.4 * m->hertz * q + one * (0.5 * m->linear)) * (q * q * (q * q));
+}
+
 /* The factor of contact damping, not clipped at 0. */
 static inline double element_factor(const struct element *m, int n, double approach)
 {
@@ -34,6 +41,7 @@ enum { ELEMENT_ROOT, ELEMENT_X, ELEMENT_Y, ELEMENT_VX, ELEMENT_VY, ELEMENT_SPIN,
 enum { ELEMENT_NORMAL_X, ELEMENT_NORMAL_Y, ELEMENT_APPROACH, ELEMENT_SLIP, ELEMENT_PUSH, ELEMENT_FORCE_X, ELEMENT_FORCE_Y, ELEMENT_TURNING, ELEMENT_DRAG, ELEMENT_ANSWERS };
 enum { SLOPE_ROOT, SLOPE_APPROACH, SLOPE_ACROSS, SLOPE_PUSH, SLOPE_DRAG, SLOPE_PULL, SLOPE_GIVEN };
 enum { SLOPE_BY_ALONG, SLOPE_BY_ASIDE, SLOPE_BY_RATE, SLOPE_BY_PUSH_SHARE, SLOPE_BY_DRAG_SHARE, SLOPE_BY_APPROACH_SHARE, SLOPE_BY_ACROSS_SHARE, SLOPE_BY_DIFFERENCE, SLOPE_BY_PRODUCT, SLOPE_BY_PULL_SHARE, SLOPE_BY_CONTACT_DAMPING, SLOPES };
+enum { CENTRED_X_BY_X, CENTRED_X_BY_Y, CENTRED_Y_BY_Y, CENTRED_SLOPES };
 
 /* Coefficient n of what a contact answers, from those up to n of what it is given:
  * 11 lanes, which must be empty at n = 0. */
@@ -277,6 +285,49 @@ static inline __attribute__((always_inline)) void massless_values(
     answers[ELEMENT_DRAG] = drag;
 }
 
+/* Coefficient n of what one without clearance answers, from those up to n of what it is given:
+ * 6 lanes, which must be empty at n = 0. */
+static inline __attribute__((always_inline)) void centred_order(
+    const struct element *m, struct series *series, int n, double *answers)
+{
+    _Static_assert(7 <= WIDTH && 6 <= LANES, "no room");
+    const double *here = series->terms[n], one = n == 0 ? 1.0 : 0.0;
+    const double x_first = series->terms[0][ELEMENT_X];
+    const double y_first = series->terms[0][ELEMENT_Y];
+    const double first_w3 = sqrt(sqrt(x_first * x_first + y_first * y_first));
+    const double inverse_w2 = inverse(x_first * x_first + y_first * y_first);
+    sum_known(series, n, 2);
+    const double x = here[ELEMENT_X];
+    const double y = here[ELEMENT_Y];
+    const double w0 = times(series, 0, n, x, x); /* x * x */
+    const double w1 = times(series, 1, n, y, y); /* y * y */
+    const double w2 = w0 + w1;
+    /* w2**0.25 */
+    const double w3 = raised(series, 2, n, w2, 0.25, one * first_w3, inverse_w2);
+    const double push = m->hertz * w3 + one * m->linear;
+    const double w5 = times(series, 4, n, push, x); /* push * x */
+    const double w6 = times(series, 5, n, push, y); /* push * y */
+    answers[ELEMENT_FORCE_X] = -w5;
+    answers[ELEMENT_FORCE_Y] = -w6;
+}
+
+/* What it answers, as values. */
+static inline __attribute__((always_inline)) void centred_values(
+    const struct element *m, const double *state, double *answers)
+{
+    const double x = state[ELEMENT_X];
+    const double y = state[ELEMENT_Y];
+    const double w0 = x * x;
+    const double w1 = y * y;
+    const double w2 = w0 + w1;
+    const double w3 = sqrt(sqrt(w2));
+    const double push = m->hertz * w3 + m->linear;
+    const double w5 = push * x;
+    const double w6 = push * y;
+    answers[ELEMENT_FORCE_X] = -w5;
+    answers[ELEMENT_FORCE_Y] = -w6;
+}
+
 /* Coefficient n of what a contact that is moved a little answers, from those up to n of what it is given:
  * 13 lanes, which must be empty at n = 0. */
 static inline __attribute__((always_inline)) void slope_order(
@@ -326,6 +377,37 @@ static inline __attribute__((always_inline)) void slope_order(
     answers[SLOPE_BY_PRODUCT] = w12;
     answers[SLOPE_BY_PULL_SHARE] = w13;
     answers[SLOPE_BY_CONTACT_DAMPING] = w14;
+}
+
+/* Coefficient n of what one without clearance that is moved a little answers, from those up to n of what it is given:
+ * 10 lanes, which must be empty at n = 0. */
+static inline __attribute__((always_inline)) void centred_slope_order(
+    const struct element *m, struct series *series, int n, double *answers)
+{
+    _Static_assert(7 <= WIDTH && 10 <= LANES, "no room");
+    const double *here = series->terms[n], one = n == 0 ? 1.0 : 0.0;
+    const double x_first = series->terms[0][ELEMENT_X];
+    const double y_first = series->terms[0][ELEMENT_Y];
+    const double first_w3 = sqrt(sqrt(x_first * x_first + y_first * y_first));
+    const double inverse_w2 = inverse(x_first * x_first + y_first * y_first);
+    sum_known(series, n, 3);
+    const double x = here[ELEMENT_X];
+    const double y = here[ELEMENT_Y];
+    const double w0 = times(series, 0, n, x, x); /* x * x */
+    const double w1 = times(series, 1, n, y, y); /* y * y */
+    const double w2 = w0 + w1;
+    /* w2**0.25 */
+    const double w3 = raised(series, 2, n, w2, 0.25, one * first_w3, inverse_w2);
+    const double w4 = over(series, 4, n, w3, w2, inverse_w2); /* w3 / w2 */
+    const double w5 = times(series, 5, n, w4, x); /* w4 * x */
+    const double w6 = times(series, 6, n, w5, x); /* w5 * x */
+    const double w7 = m->hertz * w3 + one * m->linear;
+    const double w8 = times(series, 7, n, w4, y); /* w4 * y */
+    const double w9 = times(series, 8, n, w8, x); /* w8 * x */
+    const double w10 = times(series, 9, n, w8, y); /* w8 * y */
+    answers[CENTRED_X_BY_X] = -(0.5 * m->hertz * w6 + w7);
+    answers[CENTRED_X_BY_Y] = -0.5 * m->hertz * w9;
+    answers[CENTRED_Y_BY_Y] = -(0.5 * m->hertz * w10 + w7);
 }
 
 #endif

@@ -100,7 +100,7 @@ void begin_system_piece(struct work *work)
 struct shape {
     int64_t size, stride, contacts;
     /* whether the speed is constant, nothing is implicit, and there are neither races that spin nor
-     * stators without mass */
+     * stators without mass nor contacts without clearance */
     int is_plain;
 };
 
@@ -142,6 +142,8 @@ void begin_terms(struct work *work)
         each->series.terms[0][ELEMENT_RACE] = each->touch->race;
         each->is_edge = is_touching(each) && root < EDGE * sqrt(each->law->clearance);
         each->inverse_root = inverse(root);
+        if (is_centred(each))
+            begin_centred(work, each);
         if (each->is_edge)
             work->edges[work->edge_count++] = (int)i;
         if (each->touch->mode == ROLLS && each->stator_mobility == 0.0)
@@ -184,7 +186,9 @@ COMPILED void ask_contacts(struct work *work, int n, struct shape shape)
         given[ELEMENT_SPIN] = work->spin[n];
         if (!is_touching(each))
             continue;
-        if (shape.is_plain) {
+        if (!shape.is_plain && is_centred(each)) {
+            push_centred(each, n);
+        } else if (shape.is_plain) {
             element_order(&each->element, &each->series, n, each->answers[n]);
             each->drag[n] = element_drag(&each->element, each->answers[n][ELEMENT_PUSH]);
         } else if (each->stator_mobility > 0.0) {
@@ -574,7 +578,7 @@ COMPILED void go_on(struct work *work, int n, struct shape shape)
         struct touching *each = &work->touching[i];
         const struct system_law *law = each->law;
         double *terms = each->series.terms[n + 1];
-        if (is_touching(each))
+        if (shape.is_plain ? is_touching(each) : may_leave(each))
             terms[ELEMENT_ROOT] = next_root(work, each, n, share);
         if (shape.is_plain)
             continue;
@@ -602,7 +606,7 @@ static struct shape shape_of(const struct work *work)
     const struct system_run *run = work->run;
     int is_plain = !work->has_rate && work->rolls == 0 && run->massless == 0;
     for (int64_t i = 0; i < run->contact_count; i++)
-        is_plain &= run->laws[i].inverse_race_inertia == 0.0;
+        is_plain &= run->laws[i].inverse_race_inertia == 0.0 && run->laws[i].clearance > 0.0;
     return (struct shape){run->size, work->stride, run->contact_count, is_plain};
 }
 
@@ -699,6 +703,8 @@ static double worst_of(const struct work *work, int n)
     for (int64_t i = 0; i < run->contact_count; i++) {
         const struct touching *each = &work->touching[i];
         const double *terms = each->series.terms[n];
+        if (is_centred(each)) /* whose displacement is all there is */
+            continue;
         if (is_touching(each)) {
             worst = larger(fabs(terms[ELEMENT_ROOT]) / sqrt(each->law->clearance), worst);
             worst = larger(worst_answer(each, n) / (each->law->clearance * scale), worst);
@@ -743,6 +749,10 @@ void choose_step(struct work *work)
     const double rate = (sqrt(square) + following + fabs(work->spin[0])) * work->pace[0];
     if (rate > 0.0)
         work->step = smaller(work->step, farthest * order / rate);
+    for (int64_t i = 0; i < work->run->contact_count; i++) {
+        if (is_centred(&work->touching[i]))
+            work->step = before_centre(work, &work->touching[i], work->step);
+    }
 }
 
 void read_rows(const struct work *work, const double *rows, double point, double *values)
@@ -776,7 +786,7 @@ void move_system(struct work *work, double point)
     for (int64_t i = 0; i < run->contact_count; i++) {
         struct touching *each = &work->touching[i];
         const double *terms = each->series.terms[0];
-        if (is_touching(each))
+        if (may_leave(each))
             each->touch->root = polynomial(&terms[ELEMENT_ROOT], WIDTH, work->order, point);
         if (each->law->inverse_race_inertia > 0.0)
             each->touch->race = polynomial(&terms[ELEMENT_RACE], WIDTH, work->order, point);

@@ -280,7 +280,7 @@ struct happening first_happening(struct work *work, double step)
         double points[GUARDS] = {INFINITY, INFINITY, INFINITY};
         if (!is_touching(each)) {
             points[OF_ROOT] = guard_of_gap(work, each, step);
-        } else {
+        } else if (!is_centred(each)) {
             points[OF_ROOT] = first_fall(&each->series.terms[0][ELEMENT_ROOT], WIDTH, work->order,
                                          step, each->touch->zeros[OF_ROOT]);
             if (each->law->contact_damping > 0.0)
@@ -327,7 +327,7 @@ static void values_of_touch(const struct work *work, const struct touching *each
     massless_values(&each->element, given, answers);
 }
 
-static double radius_of_touch(const struct work *work, const struct touching *each)
+double radius_of_touch(const struct work *work, const struct touching *each)
 {
     double at[2];
     for (int j = 0; j < 2; j++)
@@ -475,7 +475,7 @@ static void pass_edge(struct work *work)
     expand_system(work, 1);
     for (int i = 0; i < (int)run->contact_count; i++) {
         const struct touching *each = &work->touching[i];
-        if (!is_touching(each) || each->touch->root > 0.0)
+        if (!may_leave(each) || each->touch->root > 0.0)
             continue;
         const double *answers = each->answers[0], *row = work->acceleration;
         const double approach = fmax(answers[ELEMENT_APPROACH], 0.0);
@@ -503,7 +503,7 @@ static void pass_edge(struct work *work)
         turn_as_prescribed(run);
     for (int i = 0; i < (int)run->contact_count; i++) {
         struct touching *each = &work->touching[i];
-        if (is_touching(each) && each->touch->root == 0.0) {
+        if (may_leave(each) && each->touch->root == 0.0) {
             const double depth = radius_of_touch(work, each) - each->law->clearance;
             each->touch->root = sqrt(fmax(depth, PASSED * PASSED * each->law->clearance));
             each->touch->zeros[OF_ROOT] = 0;
@@ -708,6 +708,12 @@ int begin_contacts(struct work *work)
         double answers[ELEMENT_ANSWERS];
         const double clearance = each->law->clearance;
         const double depth = radius_of_touch(work, each) - clearance;
+        if (is_centred(each)) {
+            each->touch->mode = SLIDES_FORWARDS;
+            each->touch->root = sqrt(depth);
+            open_episode(work, i, NAN);
+            continue;
+        }
         each->touch->mode = FLIES;
         each->touch->root = 0.0;
         if (depth < -SIDE * clearance)
@@ -793,6 +799,19 @@ static void keep_extreme(const struct work *work, const double *terms, int apart
                                  where < point ? polynomial(work->time, 1, order, where) : until};
 }
 
+/* Keep the largest root of a radius, without clearance. */
+static void keep_farthest(const struct work *work, const struct touching *each, double point,
+                          double until, struct extreme *deepest)
+{
+    double square[ORDERS];
+    const double root = deepest->value;
+    struct extreme most = {root * root * root * root, deepest->time};
+    write_square(work, each, square);
+    keep_extreme(work, square, 1, 1.0, point, until, &most);
+    if (most.time != deepest->time)
+        *deepest = (struct extreme){sqrt(sqrt(most.value)), most.time};
+}
+
 void keep_peaks(struct work *work, double point, double until)
 {
     struct system_run *run = work->run;
@@ -807,7 +826,10 @@ void keep_peaks(struct work *work, double point, double until)
         }
         if (!is_touching(each))
             continue;
-        keep_extreme(work, &terms[ELEMENT_ROOT], WIDTH, 1.0, point, until, &episode->deepest);
+        if (is_centred(each))
+            keep_farthest(work, each, point, until, &episode->deepest);
+        else
+            keep_extreme(work, &terms[ELEMENT_ROOT], WIDTH, 1.0, point, until, &episode->deepest);
         if (!pushes(each))
             continue;
         if (each->law->contact_damping == 0.0) { /* hardest where it is deepest */

@@ -195,7 +195,9 @@ void keep_ledger(struct work *work, double point, double span)
             work, &points, read(&points, work->spin_rate, 1, work->order), work->v,
             work->stiffened);
     for (int64_t i = 0; i < run->contact_count; i++) {
-        if (is_touching(&work->touching[i]))
+        if (is_centred(&work->touching[i]))
+            keep_centred(work, &work->touching[i], point);
+        else if (is_touching(&work->touching[i]))
             keep_episode(work, &points, &work->touching[i], span);
     }
 }

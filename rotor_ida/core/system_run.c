@@ -84,6 +84,10 @@ static void sample(struct work *work, double point)
         forces[3] = each->touch->mode;
         if (!is_touching(each))
             continue;
+        if (is_centred(each)) {
+            sample_centred(work, each, point, forces);
+            continue;
+        }
         forces[2] = polynomial(&answers[ELEMENT_SLIP], ELEMENT_ANSWERS, work->order, point);
         if (!pushes(each))
             continue;

@@ -252,6 +252,39 @@ static void answer_columns(const struct work *work, const struct touching *each,
     }
 }
 
+/* The same without clearance. */
+static void answer_centred(const struct work *work, const struct touching *each,
+                           struct column_touch *touch, int n)
+{
+    const struct system_run *run = work->run;
+    struct columns *columns = columns_of(work);
+    const int64_t count = columns->count, here = n * count;
+    double stiffness, *slopes = touch->slopes[n];
+    memcpy(touch->series.terms[n], each->series.terms[n], sizeof each->series.terms[n]);
+    if (is_linear_here(each, &stiffness)) {
+        slopes[CENTRED_X_BY_X] = slopes[CENTRED_Y_BY_Y] = n == 0 ? -stiffness : 0.0;
+        slopes[CENTRED_X_BY_Y] = 0.0;
+    } else {
+        centred_slope_order(&each->element, &touch->series, n, slopes);
+    }
+    memset(&touch->drag[here], 0, sizeof(double) * (size_t)count);
+    for (int j = 0; j < 2; j++)
+        project(run, each->rows + j * work->stride, &columns->y[here * run->size],
+                &touch->moved[2 * here + j * count]);
+    double *to = &columns->acceleration[here * run->size];
+    double *force = columns->right; /* which is written later */
+    for (int j = 0; j < 2; j++) {
+        memset(force, 0, sizeof(double) * (size_t)count);
+        for (int k = 0; k < 2; k++)
+            add_product(1.0, &touch->slopes[0][CENTRED_X_BY_X + j + k], SLOPES,
+                        touch->moved + k * count, 2 * count, n, force, count);
+        for (int64_t k = 0; k < run->parameter_count; k++)
+            force[run->first_of_parameters + k] += change_of(work, each, k)->stiffness
+                                                   * each->answers[n][ELEMENT_FORCE_X + j];
+        push_by(run, each->rows + j * work->stride, force, to);
+    }
+}
+
 /* The right-hand side of what holds a contact that rolls, at order n. */
 static void ask_hold(const struct work *work, const struct touching *each,
                      struct column_touch *touch, int n, double *right)
@@ -413,7 +446,9 @@ static void expand_all(struct work *work)
         for (int64_t k = 0; k < run->parameter_count; k++)
             force_by_parameter(work, &run->parameters[k], n, to + run->first_of_parameters + k);
         for (int64_t i = 0; i < run->contact_count; i++) {
-            if (pushes(&work->touching[i])) {
+            if (is_centred(&work->touching[i])) {
+                answer_centred(work, &work->touching[i], &columns->touching[i], n);
+            } else if (pushes(&work->touching[i])) {
                 set_slopes(&work->touching[i], &columns->touching[i], n);
                 answer_columns(work, &work->touching[i], &columns->touching[i], n);
             }

@@ -28,6 +28,7 @@ struct touching {
     double stator_mobility; /* the velocity of its stator without mass by a unit force; or 0 */
     double inverse_root;    /* of the root of its indentation, at the beginning of the step */
     int is_edge;            /* whether its root is a factor of the pace */
+    double radius, inner;   /* without clearance: see system_centred.c */
 };
 
 struct work {
@@ -202,6 +203,13 @@ static inline int pushes(const struct touching *each)
 {
     return each->touch->mode != FLIES && each->touch->mode != IS_LOOSE;
 }
+/* Whether a contact has no clearance, and so never opens. */
+static inline int is_centred(const struct touching *each) { return each->law->clearance == 0.0; }
+/* Whether it touches until the root of its indentation falls to 0. */
+static inline int may_leave(const struct touching *each)
+{
+    return is_touching(each) && !is_centred(each);
+}
 /* Coefficient n of the largest tangential force that friction allows. */
 static inline double grip_of(const struct touching *each, int n)
 {
@@ -243,6 +251,7 @@ double turned_by(const struct work *work, double point);
 
 /* system_contact.c */
 void set_element(struct touching *each);
+double radius_of_touch(const struct work *work, const struct touching *each);
 /* The first point of (0, step] at which a polynomial falls through 0; infinite where there is none.
  * Of its zeros at 0 the first `zeros` are known and do not count. */
 double first_fall(const double *terms, int apart, int order, double step, int zeros);
@@ -267,6 +276,19 @@ int settle(struct work *work);
 void keep_peaks(struct work *work, double point, double until);
 /* Keep the extrema of the distances of places in a step up to a point, which is at a time. */
 void keep_extrema(struct work *work, double point, double until);
+
+/* system_centred.c: contacts without clearance */
+void begin_centred(const struct work *work, struct touching *each);
+/* Whether its law is linear at this step, as is no force: then by this stiffness. */
+int is_linear_here(const struct touching *each, double *stiffness);
+void push_centred(struct touching *each, int n);
+/* Shorten a step so that it does not pass the centre. */
+double before_centre(const struct work *work, const struct touching *each, double step);
+void sample_centred(const struct work *work, const struct touching *each, double point,
+                    double *forces);
+void keep_centred(struct work *work, const struct touching *each, double point);
+/* Write the series of the square of its radius. */
+void write_square(const struct work *work, const struct touching *each, double *square);
 
 /* system_tangent.c: small changes of the motion */
 void open_columns(struct work *work);

@@ -92,8 +92,8 @@ class Assembly:
 
     @property
     def smallest_clearance(self) -> float:
-        """The smallest clearance of all contacts; 1 where there are none."""
-        return min((each.clearance for each in self.contacts), default=1.0)
+        """The smallest clearance of all contacts that have one; 1 where there are none."""
+        return min((each.clearance for each in self.contacts if each.clearance), default=1.0)
 
     def node_rows(self) -> Values:
         """Return the displacements of all nodes by q, shape (node, 2, n)."""

@@ -26,6 +26,10 @@ velocity, changes the force by
 
 with ``dT = mu sigma dN`` while the surfaces slide; while they roll it follows from the change of
 ``v_s' = t.u'' - d' u'.t/r + ...``.
+
+Without clearance a contact never opens, and e has no limit at u = 0. There the law is another one,
+without friction and contact damping: the force is ``-s u`` with the secant ``s = k |u|**(n - 1)``,
+a function of ``|u|**2`` that is analytic except, by Hertz, at the centre.
 """
 
 from __future__ import annotations
@@ -40,7 +44,8 @@ from rotor_ida.model.contact import (
     slope_of_root,
     spring_of_root,
 )
-from rotor_ida.model.forces import Number, Numbers
+from rotor_ida.model.forces import Number, Numbers, secant
+from rotor_ida.model.symbols import variables
 
 # What an element is given: the root of its indentation, displacement and velocity, and the speeds
 # of rotor and race.
@@ -53,6 +58,9 @@ PARAMETERS = (
 ANSWERS = ("normal_x", "normal_y", "approach", "slip", "push", "force_x", "force_y")
 ROLLING_ANSWERS = (*ANSWERS, "turning")
 MASSLESS_ANSWERS = (*ANSWERS, "drag")
+# What one without clearance answers, and the derivatives of this by the displacement.
+CENTRED_ANSWERS = ("force_x", "force_y")
+CENTRED_SLOPES = ("x_by_x", "x_by_y", "y_by_y")
 # What its slopes follow from: the speed across is u'.t, and `pull` the acceleration along e.
 SLOPE_GIVEN = ("root", "approach", "across", "push", "drag", "pull")
 SLOPES = (
@@ -105,6 +113,20 @@ def massless_answers_of(given: Numbers, contact: Any) -> list[Number]:
     force_x = drag * normal_y - push * normal_x
     force_y = -(drag * normal_x) - push * normal_y
     return [normal_x, normal_y, approach, slip, push, force_x, force_y, drag]
+
+
+def centred_answers_of(given: Numbers, contact: Any) -> list[Number]:
+    """Return the force on the rotor of a contact without clearance: see `CENTRED_ANSWERS`."""
+    _, x, y, *_ = given
+    push = secant(x * x + y * y, contact)
+    return [-(push * x), -(push * y)]
+
+
+def centred_slopes_of(given: Numbers, contact: Any) -> list[Number]:
+    """Return the derivatives of this force by the displacement: see `CENTRED_SLOPES`."""
+    root, *place = given
+    force_x, force_y = centred_answers_of([root, *variables(list(place[:2]))], contact)
+    return [*force_x.parts, force_y.parts[1]]
 
 
 def slopes_of(given: Numbers, contact: Any) -> list[Number]:

@@ -129,11 +129,6 @@ class Rotor:
         RotorSystem
             With its contact, unbalance and load. The speed ``omega`` is given to each function.
 
-        Raises
-        ------
-        InputError
-            If the clearance is 0.
-
         Examples
         --------
         >>> system = Rotor(omega=2.0, zeta=0.07, delta0=0.5).system()

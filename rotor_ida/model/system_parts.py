@@ -106,7 +106,7 @@ class Contact:
     node : str
         Name of the node.
     clearance : float
-        Radial clearance.
+        Radial clearance; 0 for a contact that never opens, without friction and damping.
     stiffness : float
         Stiffness k of the normal force ``N = k d**n (1 + lambda d')``, d the indentation.
     exponent : {1.5, 1.0}
@@ -145,10 +145,12 @@ class Contact:
     def __post_init__(self) -> None:
         where = f"of the contact at {_node(self.node)}"
         for name, check in (
-            ("clearance", _length), ("stiffness", _positive), ("damping", _nonnegative),
+            ("clearance", _clearance), ("stiffness", _positive), ("damping", _nonnegative),
             ("friction", _nonnegative),
         ):  # fmt: skip
             object.__setattr__(self, name, check(f"{name} {where}", getattr(self, name)))
+        if self.clearance == 0.0:
+            self._check_without_clearance(where)
         exponent = check_real(f"exponent {where}", self.exponent)
         if exponent not in {1.0, HERTZ_EXPONENT}:
             raise InputError(f"exponent {where} must be 1.5 or 1.0, got {exponent!r}")
@@ -169,6 +171,18 @@ class Contact:
             check_instance("race", self.race, Race)
             if isinstance(self.stator, Stator) and self.stator.race is not None:
                 raise InputError(f"race {where} must be given once, got one of its stator as well")
+
+    def _check_without_clearance(self, where: str) -> None:
+        """Refuse what needs a direction of the displacement, which has none at the centre."""
+        for name in ("friction", "damping"):
+            if value := getattr(self, name):
+                raise InputError(
+                    "{name} must be 0 without clearance, where the radius may vanish in contact, "
+                    "got {value}",
+                    name=f"{name} {where}", value=value,
+                )  # fmt: skip
+        if isinstance(self.stator, Stator) and self.stator.mass == 0.0:
+            raise InputError(f"clearance {where} must be positive with a stator without mass")
 
     @property
     def spinning_race(self) -> Race | None:
@@ -296,6 +310,17 @@ def check_contacts(contacts: Sequence[Contact]) -> None:
             )  # fmt: skip
 
 
+def check_clearances(contacts: Sequence[Contact]) -> None:
+    """Refuse contacts without clearance, by which the closed forms of whirls measure amplitudes."""
+    for each in contacts:
+        if each.clearance == 0.0:
+            raise InputError(
+                "{name} must be above 0 for synchronous_response, special_speeds and "
+                "clearance_report, got {value}; sweep and limit_cycle take it",
+                name=f"clearance of the contact at {shown(each.node)}", value=each.clearance,
+            )  # fmt: skip
+
+
 def _along_both(name: str, value: float | Sequence[float]) -> tuple[float, float]:
     """Return a number along x and y, given once or for each."""
     numbers = check_array(name, value, largest=LARGEST)
@@ -310,6 +335,10 @@ def _along_both(name: str, value: float | Sequence[float]) -> tuple[float, float
 
 def _length(name: str, value: object) -> float:
     return check_between(name, value, SMALLEST_LENGTH, LARGEST_LENGTH)
+
+
+def _clearance(name: str, value: object) -> float:
+    return 0.0 if value == 0.0 else _length(name, value)
 
 
 def _positive(name: str, value: object) -> float:

@@ -73,6 +73,7 @@ OF_DISC = {
 }
 OF_ELEMENT = {
     "its slope by the indentation": ("element_stiffness", "q"),
+    "the elastic energy": ("element_energy", "q"),
     "the factor of contact damping, not clipped at 0": ("element_factor", "approach"),
     "the tangential force of surfaces that slide": ("element_drag", "push"),
 }
@@ -284,10 +285,12 @@ def _element() -> str:
         [place_of(each, name) for name in (*each.state, "given")] for each in (given, changed)
     )
     of_slopes = [f"SLOPE_BY_{name.upper()}" for name in element.SLOPES]
+    of_centred = [f"CENTRED_{name.upper()}" for name in element.CENTRED_SLOPES]
     laws = {
         "element": (element.answers_of, element.ANSWERS),
         "rolling": (element.rolling_answers_of, element.ROLLING_ANSWERS),
         "massless": (element.massless_answers_of, element.MASSLESS_ANSWERS),
+        "centred": (element.centred_answers_of, element.CENTRED_ANSWERS),
     }
     answers = list(dict.fromkeys(name for _, each in laws.values() for name in each))
     return "\n".join(
@@ -307,6 +310,7 @@ def _element() -> str:
             f"enum {{ {', '.join(map(_answer, [*answers, 'answers']))} }};",
             f"enum {{ {', '.join(slopes)} }};",
             f"enum {{ {', '.join([*of_slopes, 'SLOPES'])} }};",
+            f"enum {{ {', '.join([*of_centred, 'CENTRED_SLOPES'])} }};",
             "",
             *(
                 line
@@ -314,6 +318,7 @@ def _element() -> str:
                 for line in _answering(stem, given, law, list(map(_answer, asked)))
             ),
             *_answering("slope", changed, element.slopes_of, of_slopes),
+            *_answering("centred_slope", given, element.centred_slopes_of, of_centred),
             "#endif",
             "",
         ]
@@ -329,7 +334,8 @@ def _answering(
 ) -> list[str]:
     """Return the functions of one law: coefficient n of what it answers, and values."""
     graph = Graph()
-    contact = SimpleNamespace(**{name: graph.parameter(name) for name in element.PARAMETERS})
+    parameters = {name: graph.parameter(name) for name in element.PARAMETERS}
+    contact = SimpleNamespace(**parameters, felt=1.0)
     with named_as_in("element.py"):
         answers = law([graph.state(name) for name in given.state], contact)
     nodes = [node for node in needed(answers) if node.changes]
@@ -361,7 +367,9 @@ def _answering(
         "element": "a contact",
         "rolling": "one that rolls",
         "massless": "one with a stator without mass",
+        "centred": "one without clearance",
         "slope": "a contact that is moved a little",
+        "centred_slope": "one without clearance that is moved a little",
     }[stem]
     return [
         f"/* Coefficient n of what {whose} answers, from those up to n of what it is given:",
@@ -369,7 +377,7 @@ def _answering(
         head.format(f"{stem}_order", "struct series *series, int n"),
         "{", *(f"    {line}" for line in series), "}",
         "",
-        *(as_values if stem in {"element", "massless"} else []),
+        *(as_values if stem in {"element", "massless", "centred"} else []),
     ]  # fmt: skip
 
 

@@ -238,13 +238,15 @@ def fastest_whirl(assembly: Assembly, q: Values, v: Values) -> float:
 
 
 def _excursions(assembly: Assembly, q: Values, extrema: Rows) -> Values:
-    """Return the largest displacement of each contact over its clearance.
+    """Return the largest displacement of each contact over its clearance; NaN without clearance.
 
     The reference simulator knows it at samples alone.
     """
-    found = np.empty(len(assembly.contacts))
+    found = np.full(len(assembly.contacts), np.nan)
     for number, contact in enumerate(assembly.contacts):
         places = np.einsum("jk,tk->tj", assembly.rows[number], q) - contact.centre
         peaks = extrema["distance"][extrema["place"] == number]
-        found[number] = max(np.hypot(*places.T).max(), peaks.max(initial=0.0)) / contact.clearance
+        if contact.clearance > 0.0:
+            found[number] = max(np.hypot(*places.T).max(), peaks.max(initial=0.0))
+            found[number] /= contact.clearance
     return found

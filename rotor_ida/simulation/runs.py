@@ -154,6 +154,12 @@ def run_of_cases(
     """
     check_choice("method", method, METHODS)
     backend = backend_of(method, backend)
+    gaps = [each.clearance for system, _ in cases for each in system.contacts]
+    if 0.0 in gaps and method != "taylor" and backend == "compiled":
+        raise InputError(
+            "method must be 'taylor' with a contact without clearance, or backend 'python', got "
+            f"{method!r}"
+        )
     progress = check_progress(progress)
     tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
     fastest = course.largest_speed

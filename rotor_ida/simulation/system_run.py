@@ -134,8 +134,8 @@ def scales_of(
 ) -> tuple[float, float, float]:
     """Return the displacement and velocity by which errors are measured, and the largest rate.
 
-    The displacement is the smallest clearance in the coordinates y, or without contacts the size of
-    the motion. The velocity belongs to it at
+    The displacement is the smallest clearance in the coordinates y, or where there is none the size
+    of the motion. The velocity belongs to it at
     the largest speed, or at the slowest vibration if that is faster.
     """
     inert = assembly.size - found.massless
@@ -144,17 +144,36 @@ def scales_of(
     squares = np.abs(np.linalg.eigvals(stiffness))
     slow = [float(each) for each in squares if each > FREE * squares.max(initial=0.0)]
     mobilities = (found.rows[:, :, :inert] ** 2).sum(axis=2).max(axis=1, initial=0.0)
+    displacement = assembly.smallest_clearance / np.sqrt(mobilities.max(initial=1.0))
+    is_held = any(each.clearance for each in assembly.contacts)
+    if assembly.contacts and not is_held:
+        displacement = _size_of_centred(assembly, found, mobilities, start) or displacement
     for each, mobility in zip(assembly.contacts, mobilities, strict=True):
         hertz = each.exponent == HERTZ_EXPONENT
-        slow.append(each.stiffness * mobility * (each.clearance**0.5 if hertz else 1.0))
+        reach = each.clearance or displacement * mobility**0.5
+        slow.append(each.stiffness * mobility * (reach**0.5 if hertz else 1.0))
     rate = max(abs(fastest_speed), float(np.sqrt(min(slow, default=1.0))))
-    displacement = assembly.smallest_clearance / np.sqrt(mobilities.max(initial=1.0))
-    if not assembly.contacts:
+    if not is_held:
         force = np.abs(found.force) + fastest_speed**2 * np.abs(found.unbalance).sum(axis=0)
         deflection = np.linalg.lstsq(found.stiffness, force)[0]
         sizes = [np.abs(each).max() for each in (start[0], start[1] / rate, deflection)]
         displacement = max(sizes) or displacement
     return float(displacement), float(displacement * rate), max(fastest, rate)
+
+
+def _size_of_centred(
+    assembly: Assembly, found: Canonical, mobilities: Values, start: Values
+) -> float:
+    """Return the size of a motion in contacts without clearance, but for that by its velocity.
+
+    It is that of the start, that of the unbalance of a free rotor, or how far a constant force
+    presses into a contact.
+    """
+    sizes = [np.abs(start[0]).max(), np.abs(found.unbalance).max(initial=0.0)]
+    for each, rows, mobility in zip(assembly.contacts, found.rows, mobilities, strict=True):
+        depth = (np.hypot(*(rows @ found.force)) / mobility / each.stiffness) ** (1 / each.exponent)
+        sizes.append(depth / np.sqrt(mobility))
+    return float(max(sizes))
 
 
 def with_errors(

@@ -14,7 +14,6 @@ from rotor_ida import (
     Contact,
     InputError,
     Race,
-    Rotor,
     RotorSystem,
     SimulationError,
     Stator,
@@ -223,11 +222,6 @@ def test_static_flexibility_makes_few_modes_enough():
         apart = abs(second(system.reduced(modes=count)) - exact)
         kept = abs(second(system, modes=count) - exact)
         assert kept < 0.01 * apart
-
-
-def test_a_rotor_without_clearance_is_no_system():
-    with pytest.raises(InputError, match="clearance"):
-        Rotor(omega=1.0, zeta=0.1, delta0=0.0).system()
 
 
 def test_what_is_sampled_does_not_change_the_run():

@@ -163,7 +163,7 @@ def _of_system(knocked: KnockedSystem, row: np.void) -> dict[str, Any]:
         at_the_spin=kind in AT_THE_SPIN,
     )  # fmt: skip
     return {
-        "excursion": row["radius_max"] / flow.clearances,
+        "excursion": row["radius_max"] / np.where(flow.clearances > 0.0, flow.clearances, np.nan),
         "mean_force": lasting * summed(table["impulse"]) / duration,
         "contacts_per_revolution": np.bincount(entries, minlength=count) / turns,
         "contact_fraction": closed / duration,

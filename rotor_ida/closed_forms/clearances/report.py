@@ -46,6 +46,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.assembly import Assembly, assemble, canonical
 from rotor_ida.model.growth import growth_of
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
+from rotor_ida.model.system_parts import check_clearances
 from rotor_ida.results.archived_system import described_problem
 from rotor_ida.results.growth_words import growing
 from rotor_ida.results.in_si import takes_system
@@ -207,6 +208,7 @@ def _problem(system: RotorSystem, speed: object, probes: object, limit: object) 
     assembly = assemble(system)
     if not system.contacts:
         raise InputError("contacts must be at least one clearance, got none")
+    check_clearances(system.contacts)
     low, high, trip = (*speeds.tolist(), speeds[-1].item())[:3]
     if limit is None:
         if system.units != "SI":

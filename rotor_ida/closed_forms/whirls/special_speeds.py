@@ -46,6 +46,7 @@ from rotor_ida.model.axisymmetric import (
     forward_motions,
 )
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
+from rotor_ida.model.system_parts import check_clearances
 from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.results.in_si import takes_system
 from rotor_ida.results.si_units import with_system_units
@@ -137,6 +138,7 @@ def special_speeds(
     assembly = assemble(system)
     check_axisymmetric_parts(assembly)
     check_no_races(assembly)
+    check_clearances(assembly.contacts)
     check_masses(assembly)
     problem = RubProblem(assembly, forward_motions(assembly))
     found = _special_points(problem, speeds, check_progress(progress))

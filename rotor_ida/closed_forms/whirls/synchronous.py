@@ -27,6 +27,7 @@ from rotor_ida.model.axisymmetric import (
     forward_motions,
 )
 from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.model.system_parts import check_clearances
 from rotor_ida.results.archived_system import described_problem
 from rotor_ida.results.si_units import with_system_units
 from rotor_ida.schema import STABILITY, labelled_dataset
@@ -43,6 +44,7 @@ def whirls_of_system(system: RotorSystem, speed: npt.ArrayLike | None) -> xr.Dat
     assembly = assemble(system)
     check_axisymmetric_parts(assembly)
     check_no_races(assembly)
+    check_clearances(assembly.contacts)
     check_masses(assembly)
     motions = forward_motions(assembly)
     response = receptances(assembly, speeds)

@@ -323,5 +323,7 @@ class Coordinates:
     def begins_in_contact(self, number: int, start: Values) -> bool:
         """Return whether a start is in contact, or about to be."""
         z, v = self.seen(number, *self.read(start))
-        depth = abs(z) - self.laws[number].clearance
-        return depth > 0.0 or (depth == 0.0 and (z.conjugate() * v).real > 0.0)
+        clearance = self.laws[number].clearance
+        depth = abs(z) - clearance
+        is_leaving = depth == 0.0 and (z.conjugate() * v).real > 0.0
+        return depth > 0.0 or is_leaving or clearance == 0.0
