@@ -236,13 +236,13 @@ static double guard_of_gap(const struct work *work, const struct touching *each,
     return first_fall(gap, 1, 2 * order, step, each->touch->zeros[OF_ROOT]);
 }
 
-static double guard_of_force(const struct work *work, const struct touching *each, double step)
+static double guard_of_release(const struct work *work, const struct touching *each, double step)
 {
     double factor[ORDERS];
     const double sign = pushes(each) ? 1.0 : -1.0;
     for (int n = 0; n <= work->order; n++)
         factor[n] = sign * element_factor(&each->element, n, each->answers[n][ELEMENT_APPROACH]);
-    return first_fall(factor, 1, work->order, step, each->touch->zeros[OF_FORCE]);
+    return first_fall(factor, 1, work->order, step, each->touch->zeros[OF_RELEASE]);
 }
 
 static double guard_of_slip(const struct work *work, const struct touching *each, double step)
@@ -284,7 +284,7 @@ struct happening first_happening(struct work *work, double step)
             points[OF_ROOT] = first_fall(&each->series.terms[0][ELEMENT_ROOT], WIDTH, work->order,
                                          step, each->touch->zeros[OF_ROOT]);
             if (each->law->contact_damping > 0.0)
-                points[OF_FORCE] = guard_of_force(work, each, step);
+                points[OF_RELEASE] = guard_of_release(work, each, step);
             if (each->law->friction > 0.0 && pushes(each))
                 points[OF_SLIP] = guard_of_slip(work, each, step);
         }
@@ -598,7 +598,7 @@ int leave_together(struct work *work)
 }
 
 /* A contact is loose from here on, or no longer. */
-static int happens_to_force(struct work *work, int contact)
+static int release_or_press(struct work *work, int contact)
 {
     struct touching *each = &work->touching[contact];
     const int loosens = pushes(each);
@@ -609,7 +609,7 @@ static int happens_to_force(struct work *work, int contact)
         values_of_touch(work, each, answers);
         slide(work, each, answers);
     }
-    each->touch->zeros[OF_FORCE] = 1;
+    each->touch->zeros[OF_RELEASE] = 1;
     record_system_event(work->run, loosens ? RELEASE : PRESS, contact);
     return settle_others(work, contact);
 }
@@ -661,7 +661,7 @@ static double rate_of_guard(const struct work *work, struct happening what)
         return fabs(answers[ELEMENT_APPROACH]);
     }
     double slope = 0.0;
-    if (what.guard == OF_FORCE) {
+    if (what.guard == OF_RELEASE) {
         slope = slope_at(&terms[ELEMENT_APPROACH], ELEMENT_ANSWERS, order, point);
     } else if (each->touch->mode != ROLLS) {
         slope = slope_at(&terms[ELEMENT_SLIP], ELEMENT_ANSWERS, order, point);
@@ -679,8 +679,8 @@ static int happens(struct work *work, struct happening what)
     if (what.guard == OF_ROOT)
         return is_touching(&work->touching[what.contact]) ? happens_exit(work, what.contact)
                                                           : happens_entry(work, what.contact);
-    return what.guard == OF_FORCE ? happens_to_force(work, what.contact)
-                                  : happens_to_slip(work, what.contact);
+    return what.guard == OF_RELEASE ? release_or_press(work, what.contact)
+                                    : happens_to_slip(work, what.contact);
 }
 
 int change_contact(struct work *work, struct happening what)

@@ -290,13 +290,14 @@ def _dataset_in(file: Path, reading: options.ReadingOptions) -> xr.Dataset:
         raise InputError("slow_roll must be left out with slow_roll_file")
     return rotor_ida.subtract_runout(
         _checked_signals(signals),
-        _slow_part(signals, slow) if slow else rotor_ida.read_signals(other, **given),
+        _slow_part(signals, slow) if other is None else rotor_ida.read_signals(other, **given),
         harmonics=reading.runout_orders or 1,
     )
 
 
-def _slow_part(signals: xr.Dataset, times: tuple[float, float]) -> xr.Dataset:
+def _slow_part(signals: xr.Dataset, times: tuple[float, float] | None) -> xr.Dataset:
     """Return the part of signals in which the rotor is said to turn slowly."""
+    assert times is not None
     part, whole = _between(signals, times), signals["t"].values
     unit = str(signals["t"].attrs.get("units", "1"))
     low, high = (in_unit("slow_roll", each, unit) for each in times)
