@@ -649,7 +649,7 @@ static double slope_at(const double *terms, int apart, int order, double point)
 
 /* How fast a guard falls at its zero, by time: the radius or the radial velocity, the slip, or the
  * grip that is left. */
-static double rate_of_guard(const struct work *work, struct happening what)
+static double rate_of_guard(struct work *work, struct happening what)
 {
     struct touching *each = &work->touching[what.contact];
     const double *terms = each->answers[0], point = what.point;
