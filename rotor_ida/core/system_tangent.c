@@ -520,7 +520,7 @@ void move_columns(struct work *work, double point)
 void sample_columns(const struct work *work, double point)
 {
     const struct system_run *run = work->run;
-    if (run->column_count == 0)
+    if (run->column_count == 0 || run->watched_count == 0)
         return;
     const struct columns *columns = columns_of(work);
     const int64_t count = columns->count, apart = run->size * count;
@@ -533,8 +533,10 @@ void sample_columns(const struct work *work, double point)
 void record_columns(const struct system_run *run, int contact)
 {
     const int64_t count = run->column_count;
+    if (count == 0)
+        return;
     double *to = &run->event_columns[2 * run->events * count];
-    for (int j = 0; j < 2 && count > 0; j++)
+    for (int j = 0; j < 2; j++)
         project(run, &run->rows[(2 * contact + j) * run->stride], run->columns, &to[j * count]);
 }
 

@@ -338,7 +338,8 @@ def _length(name: str, value: object) -> float:
 
 
 def _clearance(name: str, value: object) -> float:
-    return 0.0 if value == 0.0 else _length(name, value)
+    given = check_nonnegative(name, value)
+    return given if given == 0.0 else _length(name, given)
 
 
 def _positive(name: str, value: object) -> float:

@@ -109,8 +109,8 @@ def test_messages_about_a_system_have_the_units_of_its_user(program, line, messa
 def test_a_message_about_a_file_has_the_units_of_the_file(program):
     Path("s.toml").write_text(SYSTEM.replace("60 um", "-60 um"))
     assert program("simulate", "s.toml", "--duration", "1ms").err == (
-        "rotor-ida: s.toml: contacts[0]: clearance of the contact at 'disc' must be positive, got "
-        "-60 um\n"
+        "rotor-ida: s.toml: contacts[0]: clearance of the contact at 'disc' must be zero or "
+        "positive, got -60 um\n"
     )
 
 

@@ -720,7 +720,7 @@ static void systems(void)
         for (int i = 0; i < 20; i++)
             times[i] = 0.3 * i;
         double *sampled = room_for(samples * (2 * stride + 4 * contacts + 2), sizeof(double));
-        double *events = room_for(ROWS * (width + 3), sizeof(double));
+        double *events = room_for(ROWS * (width + 4), sizeof(double));
         int32_t *kinds = room_for(2 * ROWS, sizeof(int32_t));
         double *room = room_for(core_system_room(size, contacts), sizeof(double));
         double *cvode_room = room_for(core_system_cvode_room(size, contacts), sizeof(double));
@@ -756,7 +756,8 @@ static void systems(void)
                                  .sample_count = samples,
                                  .event_times = events,
                                  .event_turns = events + ROWS,
-                                 .event_states = events + 3 * ROWS,
+                                 .event_rates = events + 3 * ROWS,
+                                 .event_states = events + 4 * ROWS,
                                  .event_kinds = kinds,
                                  .event_contacts = kinds + ROWS,
                                  .event_room = ROWS,

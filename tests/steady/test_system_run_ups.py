@@ -172,7 +172,7 @@ def test_facts_of_a_contact_that_begins_and_ends_with_the_run():
      ({"rate": [0.1, 0.1]}, "rate"),
      ({"starts": []}, "starts must be a list of"),
      ({"friction": -0.1}, "friction must be zero or positive, got -0.1"),
-     ({"clearance": [1.0, 0.0]}, "clearance of the contact at 'disc' must be positive, got 0.0"),
+     ({"clearance": [1.0, -1.0]}, "clearance must be zero or positive, got -1.0"),
      ({"modes": 2, "starts": [xr.Dataset()]}, "starts must be .q, velocity. with modes"),
      ({"atol": 1e-9}, "atol must be left out with a rotor system, got 1e-09"),
      ({"frictn": 0.1}, "unexpected keyword argument 'frictn'; did you mean 'friction'")],
