@@ -18,6 +18,7 @@ from rotor_ida import (
     signals_of,
 )
 from rotor_ida.plot import plot_bode, plot_polar
+from rotor_ida.signals.peaks import peaks_of
 
 # An ellipse at 20 revolutions a second, and half of it beside: what probes at 30 and 110 read
 TIMES = np.arange(4000) / 4000.0
@@ -124,6 +125,16 @@ def test_a_peak_without_one_side_is_as_wide_as_the_other():
     found = bode_peaks(linear(0.05, high=41.0))
     assert np.isnan(found.half_power_high[0])
     assert float(found.amplification_factor[0]) == pytest.approx(10.0, rel=0.1)
+
+
+def test_a_peak_stands_out_of_its_errors_and_has_two_feet():
+    """A vertex far above all samples, as noise of the speed makes it, has no foot."""
+    speeds, amplitude = np.array([0.0, 1.0, 1.2, 2.0, 3.0]), np.array([0.1, 2.0, 3.0, 0.2, 0.1])
+    (peak,) = peaks_of(speeds, amplitude, np.full(5, 0.1))
+    assert peak.low < 1.2 < peak.high
+    assert not peaks_of(speeds, amplitude, np.full(5, 0.5))
+    steep = np.array([0.0, 1.0, 1.06, 2.0, 3.0]), np.array([0.1, 0.0, 3.0, 2.9, 0.1])
+    assert not peaks_of(*steep, np.zeros(5))
 
 
 def test_noise_has_no_peaks_and_two_modes_have_two():

@@ -96,6 +96,25 @@ def test_options_of_runout_that_contradict_are_refused(clockwise, capsys):
     assert "slow_roll must be left out with slow_roll_file" in capsys.readouterr().err
 
 
+@pytest.mark.parametrize(
+    ("times", "message"),
+    [
+        (("0", "300"), "slow_roll must lie within 0 to"),
+        (("-2", "0.3"), "slow_roll must lie within 0 to"),
+        (("1.7", "1.95"), "slow_roll must be a part in which the rotor turns slowly, but"),
+    ],
+)
+def test_a_slow_roll_lies_in_the_record_and_is_slow(tmp_path, capsys, times, message):
+    path = written(tmp_path / "bent.csv", 8j * np.exp(1j * ANGLES))
+    assert main(["plot", str(path), "--kind", "bode", "--slow-roll", *times]) == 2
+    assert message in capsys.readouterr().err
+
+
+def test_a_plot_of_results_is_not_offered_for_a_measured_file(clockwise, capsys):
+    assert main(["plot", str(clockwise), "--kind", "history"]) == 2
+    assert "'trace' for a measured file, got 'history'" in capsys.readouterr().err
+
+
 def test_the_command_line_names_the_option_for_columns(tmp_path, capsys):
     path = written(tmp_path / "odd.csv", 1.0 + 0 * ANGLES, "t [s];left;right;tacho")
     assert main(["plot", str(path)]) == 2

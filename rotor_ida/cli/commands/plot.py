@@ -19,6 +19,7 @@ from rotor_ida.cli.parsing import in_unit
 from rotor_ida.cli.report import Report
 from rotor_ida.errors import InputError, RotorError
 from rotor_ida.results.sheets import facts
+from rotor_ida.signals.record import record_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -305,14 +306,15 @@ def _slow_part(signals: xr.Dataset, times: tuple[float, float] | None) -> xr.Dat
         raise InputError(
             f"slow_roll must lie within {whole[0]:g} to {whole[-1]:g}, got {low:g} {high:g}"
         )
-    if "angle" in signals.variables:
-        turned, taken = np.abs(np.ptp(part["angle"].values)), np.ptp(part["t"].values)
-        fastest = float(np.abs(np.diff(signals["angle"]) / np.diff(whole)).max())
-        if turned > HOW_SLOW * fastest * taken:
-            raise InputError(
-                "slow_roll must be a part in which the rotor turns slowly, but there it turns at "
-                f"{turned / taken / fastest:.0%} of its largest speed on average"
-            )
+    record, slow = record_of(signals), record_of(part)
+    angles, turned = record.known_angles(), slow.known_angles()
+    fastest = float(np.abs(np.diff(angles) / np.diff(record.times)).max())
+    part_of_it = abs(float((turned[-1] - turned[0]) / np.ptp(slow.times))) / fastest
+    if part_of_it > HOW_SLOW:
+        raise InputError(
+            "slow_roll must be a part in which the rotor turns slowly, but there it turns at "
+            f"{part_of_it:.0%} of its largest speed on average"
+        )
     return part
 
 
