@@ -19,7 +19,6 @@ from rotor_ida.cli.parsing import in_unit
 from rotor_ida.cli.report import Report
 from rotor_ida.errors import InputError, RotorError
 from rotor_ida.results.sheets import facts
-from rotor_ida.signals.record import record_of
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -306,6 +305,8 @@ def _slow_part(signals: xr.Dataset, times: tuple[float, float] | None) -> xr.Dat
         raise InputError(
             f"slow_roll must lie within {whole[0]:g} to {whole[-1]:g}, got {low:g} {high:g}"
         )
+    from rotor_ida.signals.record import record_of  # noqa: PLC0415 - heavy, and not for --help
+
     record, slow = record_of(signals), record_of(part)
     angles, turned = record.known_angles(), slow.known_angles()
     fastest = float(np.abs(np.diff(angles) / np.diff(record.times)).max())
