@@ -20,7 +20,7 @@ TOLERANCES = {
     "adams": [10.0**-power for power in range(6, 14)],
     "taylor": [10.0**-power for power in range(6, 16)],
 }
-# Beyond so many tolerances those of systems are too near to the tightest.
+# Of systems only the first of these tolerances are asked: the rest are too near to the tightest.
 MOST_OF_SYSTEMS = 6
 
 

@@ -1,6 +1,6 @@
 """Flight with a shaft and a load in its textbook form, in 250 digits.
 
-In so many digits nothing that cancels matters: stiffness and speed are moved by 1e-60, so that no
+With this many digits cancellation does no harm: stiffness and speed are moved by 1e-60, so that no
 resonance and no critical damping is a case of its own.
 """
 

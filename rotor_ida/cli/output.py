@@ -31,7 +31,7 @@ OUT_ENDING = ".nc"
 PICTURES = (".png", ".svg")
 PDF = ".pdf"
 FORCED = "--force is given"
-# Rows of a table in a report; the archive beside it holds every row.
+# Most rows of a table in a report. The archive beside it has all of them.
 MOST_IN_REPORT = 20
 
 

@@ -21,8 +21,8 @@ int open_solver(struct solver *solver, int method,
 void close_solver(struct solver *solver);
 /* Take one step from a point towards a goal, which is far. */
 int step_solver(struct solver *solver, double goal, double *point);
-/* Write the interpolant of the last step, which was so long, about its end: terms of the distance
- * in steps, so many rows apart. Return its degree, or -1 where it cannot be had. */
+/* Write the interpolant of the last step about its end: its terms by the distance in steps of the
+ * length `step`, each `apart` from the next. Return its degree, or -1 where SUNDIALS has none. */
 int interpolate(struct solver *solver, double point, double step, double *terms, int64_t apart);
 
 struct cvode {

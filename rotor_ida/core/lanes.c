@@ -45,8 +45,8 @@ static const double CLEAR = 0.1;
 /* A whirl's touches fade if its drift is at most this part of how much too far out it ends. */
 static const double MOST_DRIFT = 0.3;
 static const double WHOLE_TURN = 6.283185307179586;
-/* Under a load no step is longer than this part of a revolution, over which the series of cosine
- * and sine are exact to rounding with so many terms. */
+/* Under a load no step is longer than this part of a revolution, over which these terms of the
+ * series of cosine and sine are exact to rounding. */
 static const double LONGEST_TURN = 0.125;
 enum { TERMS = 8 };
 /* Steps of the classic Runge-Kutta method to a section, halvings of a cubic that find the place of

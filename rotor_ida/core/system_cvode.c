@@ -21,7 +21,7 @@ struct system_cvode {
     int degree, is_started, is_singular;
 };
 
-/* The interpolant is expanded to so many orders beyond its degree, where forces are asked for. */
+/* Orders beyond its degree to which the interpolant is expanded where forces are asked for. */
 enum { MORE_ORDERS = 4 };
 /* The interpolant of a step has the rates at as many ends of steps as it has degrees: it is read
  * over the last steps, of which each may have so many. */

@@ -65,7 +65,7 @@ def show_motion(question: Question) -> Iterator[Answer]:
 
 
 def told_of_run(run: Values, summary: dict[str, float], scales: Scales) -> dict[str, object]:
-    """Return what is told of a run beside its panels: its end, and its events with their errors."""
+    """Return what the page says of a run in words: its end, and its events with their errors."""
     kinds = sorted((DAMPED_EVENT_KIND | OF_FRICTION_EVENT_KIND).items(), key=itemgetter(1))
     count = {name: int(np.count_nonzero(run["event_kind"] == kind))
              for name, kind in reversed(kinds)}  # fmt: skip

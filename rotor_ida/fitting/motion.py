@@ -249,7 +249,7 @@ class Body:
 def _with_changes(
     request: SystemRequest, changes: Sequence[Change], rows: Values
 ) -> SystemRequest:  # fmt: skip
-    """Return a run with changes beside it, of which the displacements of nodes are wanted."""
+    """Return a run and its small changes, whose displacements at the nodes are sampled."""
     if not changes:
         return request
     columns = np.zeros((len(changes), 2 * len(request.force) + len(request.laws)))

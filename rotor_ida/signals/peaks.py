@@ -16,7 +16,7 @@ from rotor_ida.signals.windows import STEADY
 
 # Amplitude, over that of the peak, at which the power is half of it.
 HALF_POWER = math.sqrt(0.5)
-# A peak falls to half its power by more than so many standard errors of its amplitude.
+# The fall of a peak to half its power must exceed this many standard errors of its amplitude.
 SURE = 2.0
 # A step of the speed shorter than this part of the next one is noise.
 CLOSE = 0.05

@@ -69,7 +69,7 @@ def test_the_truth_is_covered_as_often_as_it_should_be(up):
     """Of 20 fits with noise the true values lie within 95 % intervals as often as chance has it.
 
     The mean square of the error over its stated one is 1, by the law of chi-square. The bounds
-    leave a chance of 1e-5 on each side; chi-square is held against its own law. A
+    leave a chance of 1e-5 on each side; chi-square is compared with its own law. A
     thousand more are in benchmarks/fit.py.
     """
     rng = np.random.default_rng(28)
