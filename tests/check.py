@@ -23,8 +23,13 @@ FIRST = {
     "spelling": ["-m", "codespell_lib", *SPELLED],
     "C": ["-c", CLANG_FORMAT, "--dry-run", "--Werror", *C_SOURCES],
 }
+# mypy reads the package as each of these platforms has it.
+PLATFORMS = {"types": "linux", "types on Windows": "win32", "types on macOS": "darwin"}
 # These run beside the tests, and their output follows that of the tests.
-BESIDE = {"types": ["-m", "mypy"], "layout": ["-c", LINT_IMPORTS]}
+BESIDE = {
+    name: ["-m", "mypy", "--platform", each, "--cache-dir", f".mypy_cache/{each}"]
+    for name, each in PLATFORMS.items()
+} | {"layout": ["-c", LINT_IMPORTS]}
 # One more process than processors, as many tests wait for what they have started.
 WORKERS = str((os.cpu_count() or 1) + 1)
 TESTS = ["-m", "pytest", "-n", WORKERS, "--dist", "worksteal"]

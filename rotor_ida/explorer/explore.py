@@ -15,6 +15,7 @@ from contextlib import closing, contextmanager, nullcontext
 from html import escape
 from pathlib import Path
 from tempfile import NamedTemporaryFile
+from types import FrameType
 from urllib.parse import urlencode
 
 from rotor_ida.checks import check_count
@@ -26,6 +27,8 @@ from rotor_ida.parallel.progress import progress_bar
 LOOPBACK = "127.0.0.1"
 PORT = 8765
 LARGEST_PORT = 65_535
+# Signals that end the program, where a platform has them.
+ENDS = [each for each in signal.Signals if each.name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")]
 # A page that redirects to an address without a referrer.
 LEADING_ON = """\
 <!DOCTYPE html>
@@ -102,29 +105,46 @@ async def _serve(
     file: Path | None,
 ) -> None:
     ready, failed, stop = asyncio.Event(), asyncio.Event(), asyncio.Event()
-    for each in (signal.SIGINT, signal.SIGTERM, signal.SIGHUP):
-        if each != signal.SIGHUP or signal.getsignal(each) != signal.SIG_IGN:  # nohup ignores it
-            asyncio.get_running_loop().add_signal_handler(each, stop.set)
-    with progress_bar("starting") as bar:
+    with _ended_by_signals(stop):
+        with progress_bar("starting") as bar:
 
-        def progress(done: int, total: int) -> None:
-            if done == NEVER:
-                failed.set()
-            else:
-                bar(done, total)
-            if done == total:
-                ready.set()
+            def progress(done: int, total: int) -> None:
+                if done == NEVER:
+                    failed.set()
+                else:
+                    bar(done, total)
+                if done == total:
+                    ready.set()
 
-        queues = Queues(progress)
-        queues.open()
-        await _first(ready, stop)
+            queues = Queues(progress)
+            queues.open()
+            await _first(ready, stop)
+        try:
+            if failed.is_set():
+                raise RotorError("the processes that compute the panels do not start")
+            if not stop.is_set():
+                await _let_in(listening, queues, state, browser, report, longest_visit, stop, file)
+        finally:
+            await queues.close()
+
+
+@contextmanager
+def _ended_by_signals(stop: asyncio.Event) -> Iterator[None]:
+    """Set an event when the user or the system ends the program, on any platform."""
+    loop = asyncio.get_running_loop()
+
+    def end(_signal: int, _frame: FrameType | None) -> None:
+        loop.call_soon_threadsafe(stop.set)
+
+    before = {each: signal.getsignal(each) for each in ENDS}
+    heeded = {each: did for each, did in before.items() if did != signal.SIG_IGN}  # as of nohup
+    for each in heeded:
+        signal.signal(each, end)
     try:
-        if failed.is_set():
-            raise RotorError("the processes that compute the panels do not start")
-        if not stop.is_set():
-            await _let_in(listening, queues, state, browser, report, longest_visit, stop, file)
+        yield
     finally:
-        await queues.close()
+        for each, did in heeded.items():
+            signal.signal(each, did)
 
 
 async def _let_in(

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import pickle
+import subprocess
 import sys
 from collections.abc import Callable
 from contextlib import suppress
@@ -33,6 +34,8 @@ DEAF = 5.0
 AGAIN = 0.5
 # Bytes of an answer read at a time.
 AT_A_TIME = 2**20
+# Keeps Ctrl-C of the console from a process on Windows, as a new session does elsewhere.
+NEW_GROUP: int = getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)
 # For each queue: its questions, pause, patience and rest in seconds, and niceness.
 PLANS: tuple[tuple[tuple[str, ...], float, float, float, int], ...] = (
     (("motion", "run_up", "lines", "track", "machine"), 0.0, 0.25, 0.0, 0),
@@ -303,7 +306,7 @@ class _Worker:
         )
         process = await asyncio.create_subprocess_exec(
             sys.executable, "-c", lines, limit=AT_A_TIME, start_new_session=True,
-            stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE,
+            creationflags=NEW_GROUP, stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE,
         )  # fmt: skip
         return cls(process, at_end)
 

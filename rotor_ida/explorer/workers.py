@@ -12,6 +12,7 @@ import pickle
 import signal
 import sys
 import threading
+from _thread import interrupt_main
 from collections.abc import Iterator, Mapping
 from contextlib import suppress
 from importlib import import_module
@@ -62,7 +63,6 @@ def work(niceness: int) -> None:
     os.dup2(2, 1)  # everything else that is printed goes elsewhere
     desk = Desk()
     signal.signal(signal.SIGINT, desk.break_off)
-    signal.signal(signal.SIGALRM, desk.break_off)
     sys.unraisablehook = desk.break_off_again
     threading.Thread(target=_listen, args=(desk, sys.stdin.buffer), daemon=True).start()
     while True:
@@ -79,13 +79,14 @@ class Desk:
         self._begun: dict[int, Iterator[bytes]] = {}
         self._number = 0
         self._at: int | None = None  # the number of the part that may be interrupted
+        self._was_lost = False  # whether an interrupt was lost, and has not come again since
 
     def take(self, order: Order) -> None:
         """Accept an order; another thread computes."""
         number, what = order
         if what == "drop":
             if self._begun.pop(number, None) is not None:
-                signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
+                interrupt()
             return
         if isinstance(what, Asked):
             self._begun[number] = _parts(what)
@@ -110,18 +111,38 @@ class Desk:
     def break_off(self, _signal: int, frame: FrameType | None) -> None:
         """Interrupt the current part if its answer is cancelled."""
         if self._at is None or self._at in self._begun:
-            signal.setitimer(signal.ITIMER_REAL, 0.0)
+            self._was_lost = False
         elif Desk.break_off_again.__code__ not in _codes(frame):  # there it would be lost as well
-            self._at = None
+            self._at, self._was_lost = None, False
             raise KeyboardInterrupt
 
     def break_off_again(self, lost: sys.UnraisableHookArgs) -> None:
         """Interrupt again later if the first interrupt was lost, as when an object is deleted."""
         if lost.exc_type is KeyboardInterrupt:
-            self._at = self._number
-            signal.setitimer(signal.ITIMER_REAL, SOON, SOON)  # until it has come
+            self._at, self._was_lost = self._number, True
+            self._try_again()
         else:
             sys.__unraisablehook__(lost)
+
+    def _try_again(self) -> None:
+        """Interrupt soon, and again and again until that has come."""
+
+        def interrupt_again() -> None:
+            if self._was_lost:
+                interrupt()
+                self._try_again()
+
+        again = threading.Timer(SOON, interrupt_again)
+        again.daemon = True
+        again.start()
+
+
+def interrupt() -> None:
+    """Interrupt the main thread as Ctrl-C does."""
+    if sys.platform == "win32":  # where it notices when it stops waiting for a moment
+        interrupt_main()
+    else:
+        signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
 
 
 def _codes(frame: FrameType | None) -> Iterator[CodeType]:

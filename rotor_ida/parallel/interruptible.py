@@ -91,8 +91,10 @@ def interruptible(
     thread = threading.Thread(target=fulfil)
     try:
         thread.start()
-        while told is not None and not wait([future], TOLD_EVERY).done:
-            told()
+        # a wait without end cannot be interrupted on Windows
+        while not wait([future], TOLD_EVERY).done:
+            if told is not None:
+                told()
         return future.result()
     finally:
         stop[0] = 1

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import signal
+import sys
 import threading
 from collections.abc import Generator, Iterable, Iterator
 from concurrent.futures import (
@@ -29,6 +30,8 @@ CAUSES = (
     "killed, out of memory, or started by a script that does not guard its main part with "
     'if __name__ == "__main__":'
 )
+# Seconds after which a wait for workers notices Ctrl-C on Windows.
+NOTICED = 0.5
 
 
 def run_in_pool(
@@ -59,7 +62,8 @@ def run_in_pool(
 
 
 def _end_with_parent() -> None:
-    """End this worker when its parent process ends, even if that is killed."""
+    """End this worker when its parent process ends, even if that is killed; ignore Ctrl-C."""
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     parent = parent_process()
 
     def watch() -> None:
@@ -82,7 +86,7 @@ def _as_they_end(
                 running[pool.submit(work, job, stop)] = number
         if not running:
             return
-        for future in wait(running, return_when=FIRST_COMPLETED).done:
+        for future in wait(running, NOTICED, return_when=FIRST_COMPLETED).done:
             yield running.pop(future), future.result()
 
 
@@ -90,14 +94,14 @@ def _as_they_end(
 def deaf_to_interrupts() -> Iterator[None]:
     """Start workers that ignore keyboard interrupts, which the waiting process handles after that.
 
-    They inherit the mask of this thread. Another thread may take the interrupt meanwhile, and this
-    one must not break off between the start of a worker and the note that it has begun.
+    They inherit the mask of this thread, where a platform has masks. Another thread may take the
+    interrupt meanwhile, and this one must not break off between the start of a worker and the note
+    that it has begun.
     """
-    if not hasattr(signal, "pthread_sigmask"):  # not on Windows
-        yield
-        return
     came: list[int] = []
-    before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
+    before: set[signal.Signals | int] = set()
+    if sys.platform != "win32":
+        before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     handler = signal.getsignal(signal.SIGINT)
     defers = callable(handler) and threading.current_thread() is threading.main_thread()
     if defers:
@@ -107,6 +111,7 @@ def deaf_to_interrupts() -> Iterator[None]:
     finally:
         if defers:
             signal.signal(signal.SIGINT, handler)
-        signal.pthread_sigmask(signal.SIG_SETMASK, before)
+        if sys.platform != "win32":
+            signal.pthread_sigmask(signal.SIG_SETMASK, before)
         if came:
             signal.raise_signal(signal.SIGINT)

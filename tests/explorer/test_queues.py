@@ -6,6 +6,7 @@ import asyncio
 import os
 import signal
 import sys
+import threading
 import time
 from collections.abc import Iterator
 from pathlib import Path
@@ -13,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from rotor_ida.explorer import queues
-from rotor_ida.explorer.workers import Desk
+from rotor_ida.explorer.workers import SOON, Desk
 from tests.explorer.asking import ROTOR, SLOW, question, unpacked
 from tests.explorer.conftest import PATIENCE, Answering, wait_until
 
@@ -228,12 +229,10 @@ def desk(monkeypatch: pytest.MonkeyPatch) -> Iterator[Desk]:
     """Return a desk in this process, which hears its signals."""
     found = Desk()
     monkeypatch.setattr(sys, "unraisablehook", found.break_off_again)
-    numbers = (signal.SIGINT, signal.SIGALRM)
-    before = [signal.signal(number, found.break_off) for number in numbers]
+    before = signal.signal(signal.SIGINT, found.break_off)
     yield found
-    signal.setitimer(signal.ITIMER_REAL, 0.0)  # which may still run, until there is nothing due
-    for number, handler in zip(numbers, before, strict=True):
-        signal.signal(number, handler)
+    time.sleep(3.0 * SOON)  # until nothing is due
+    signal.signal(signal.SIGINT, before)
 
 
 @pytest.mark.parametrize("held_up", [False, True])
@@ -241,14 +240,14 @@ def test_a_part_is_broken_off_even_where_the_first_time_is_lost(
     desk: Desk, monkeypatch: pytest.MonkeyPatch, held_up: bool
 ):
     """The second comes where the loss of the first is noticed, if that is held up."""
-    setitimer = signal.setitimer
+    start = threading.Timer.start
 
-    def slow(which: int, *seconds: float) -> None:
-        setitimer(which, *seconds)
-        time.sleep(5.0 * seconds[0])
+    def slow(timer: threading.Timer) -> None:
+        start(timer)
+        time.sleep(5.0 * SOON)
 
     if held_up:
-        monkeypatch.setattr(signal, "setitimer", slow)
+        monkeypatch.setattr(threading.Timer, "start", slow)
 
     class Deaf:
         def __del__(self) -> None:  # what is raised here goes nowhere

@@ -9,7 +9,6 @@ import subprocess
 import sys
 import warnings
 from collections.abc import Iterator
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Any, cast
 
@@ -49,7 +48,7 @@ def content_of(path: Path, kind: str) -> dict[str, object]:
 
 def answer(path: str, kind: str) -> None:
     """Write the content of a file to the standard output, or what is wrong with it, and exit."""
-    if find_spec("resource"):  # not on Windows
+    if sys.platform != "win32":  # where memory has no such limit
         import resource  # noqa: PLC0415
 
         hard = resource.getrlimit(resource.RLIMIT_AS)[1]
