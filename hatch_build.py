@@ -2,10 +2,14 @@
 
 hatchling calls it when a wheel or an editable installation is built. By hand:
 
-    python hatch_build.py [--compiler CC] [--sanitize] [--warnings] [--out FOLDER]
+    python hatch_build.py [--compiler CC] [--sanitize] [--warnings] [--target NAME] [--out FOLDER]
 
 The compiler is $CC or the first of cc, gcc and clang. Where there is none, the build asks for the
 package ziglang, which holds one. CFLAGS are not read: the flags belong to the arithmetic.
+
+With ziglang the core is compiled for any target, and a wheel for another platform is built by
+
+    ROTOR_IDA_TARGET=x86_64-windows python -m build --wheel
 """
 
 from __future__ import annotations
@@ -30,7 +34,7 @@ from functools import partial
 from itertools import product
 from pathlib import Path
 from runpy import run_path
-from typing import Any
+from typing import Any, NamedTuple
 
 try:
     from hatchling.builders.hooks.plugin.interface import BuildHookInterface
@@ -59,11 +63,34 @@ FOR_LEVEL = {
     ),
 }
 FOR_MODEL = {"paper": (), "whole": ("-DWHOLE_MODEL",), "run_up": ("-DWHOLE_MODEL", "-DRUN_UP")}
+# What $ROTOR_IDA_TARGET may name.
+TARGET = "ROTOR_IDA_TARGET"
 # The extra is made up: an installer that cannot get the package says by it why it was asked for.
 ZIG = "ziglang[no-c-compiler-on-path]>=0.13"
 # The second numbers of the versions of glibc for which auditwheel knows a policy.
 POLICIES = (17, 24, 26, 27, 28, 31, *range(34, 42))
 SHOWN = 6  # lines of a compiler's complaint
+# Processors by the names that other systems have for them.
+SAME = {"AMD64": "x86_64", "arm64": "aarch64"}
+
+
+class Target(NamedTuple):
+    """A platform for which the core is compiled: its processor, zig's name, and that of wheels."""
+
+    machine: str
+    triple: str
+    tag: str
+
+
+TARGETS = {
+    "x86_64-linux": Target("x86_64", "x86_64-linux-gnu.2.17", "manylinux_2_17_x86_64"),
+    "aarch64-linux": Target("aarch64", "aarch64-linux-gnu.2.17", "manylinux_2_17_aarch64"),
+    "x86_64-musl": Target("x86_64", "x86_64-linux-musl", "musllinux_1_2_x86_64"),
+    "aarch64-musl": Target("aarch64", "aarch64-linux-musl", "musllinux_1_2_aarch64"),
+    "x86_64-windows": Target("x86_64", "x86_64-windows-gnu", "win_amd64"),
+    "x86_64-macos": Target("x86_64", "x86_64-macos.11.0", "macosx_11_0_x86_64"),
+    "aarch64-macos": Target("aarch64", "aarch64-macos.11.0", "macosx_11_0_arm64"),
+}
 
 
 class BuildError(Exception):
@@ -86,6 +113,11 @@ def find_compiler() -> list[str] | None:
     for name in ("cc", "gcc", "clang"):
         if found := shutil.which(name):
             return [found]
+    return find_zig()
+
+
+def find_zig() -> list[str] | None:
+    """Return the words that call zig's compiler; None where there is none."""
     if importlib.util.find_spec("ziglang"):
         return [sys.executable, "-m", "ziglang", "cc"]
     return None
@@ -102,22 +134,33 @@ def described(compiler: Sequence[str]) -> str:
     return f"zig cc, {said}" if is_zig(compiler) else said
 
 
-def levels() -> tuple[str, ...]:
-    """Return the levels that are compiled for this machine."""
+def target_of(name: str | None) -> Target:
+    """Return the target of a name; without one it is this machine, with a wheel tagged later."""
+    if name:
+        if name not in TARGETS:
+            raise BuildError(f"the target must be one of {', '.join(TARGETS)}, got {name!r}")
+        return TARGETS[name]
+    machine = SAME.get(platform.machine(), platform.machine())
+    is_glibc = platform.libc_ver()[0] == "glibc"
+    return Target(machine, f"{machine}-linux-gnu.2.17" if is_glibc else "", "")
+
+
+def levels(target: Target | None = None) -> tuple[str, ...]:
+    """Return the levels that are compiled for a target, by default this machine."""
     known: tuple[str, ...] = identity["LEVELS"]
-    return known if platform.machine() == "x86_64" else known[:1]
+    return known if (target or target_of(None)).machine == "x86_64" else known[:1]
 
 
 def flags(
     compiler: Sequence[str], level: str, *, model: str = "paper", warnings: bool = False,
-    sanitize: bool = False,
+    sanitize: bool = False, target: Target | None = None,
 ) -> list[str]:  # fmt: skip
     """Return the flags with which the sources are compiled for a level and a model."""
-    zig, machine = is_zig(compiler), platform.machine()
+    zig, target = is_zig(compiler), target or target_of(None)
     found = [*FLAGS, *FOR_MODEL[model]]
-    if zig and platform.libc_ver()[0] == "glibc":
-        found += ["-target", f"{machine}-linux-gnu.2.17"]
-    if machine == "x86_64":
+    if zig and target.triple:
+        found += ["-target", target.triple]
+    if target.machine == "x86_64":
         found += FOR_LEVEL[level][zig]
     elif zig:
         found += ["-mcpu=baseline"]
@@ -126,7 +169,7 @@ def flags(
 
 def build(
     compiler: Sequence[str], *, out: Path = CORE, warnings: bool = False, sanitize: bool = False,
-    only: Sequence[str] | None = None,
+    only: Sequence[str] | None = None, target: Target | None = None,
 ) -> list[Path]:  # fmt: skip
     """Compile the libraries that `out` lacks or holds in another state; return those made.
 
@@ -134,9 +177,12 @@ def build(
     """
     version = tomllib.loads((ROOT / "pyproject.toml").read_text("utf-8"))["project"]["version"]
     digest, told = identity["sources_digest"](CORE), described(compiler)
+    target = target or target_of(None)
     wanted = {}
-    for level, model in product(only or levels(), identity["MODELS"]):
-        given = flags(compiler, level, model=model, warnings=warnings, sanitize=sanitize)
+    for level, model in product(only or levels(target), identity["MODELS"]):
+        given = flags(
+            compiler, level, model=model, warnings=warnings, sanitize=sanitize, target=target
+        )
         shown = {"compiler": told, "flags": " ".join(given), "level": level}
         shown |= {"model": model, "sources": digest, "version": version}
         path = identity["library_path"](out, level, model)
@@ -162,9 +208,18 @@ def build(
             for step in (commands, links):
                 list(pool.map(partial(_run, compiler), step))
         for path in wanted:
-            # in one step, so that a program that has the old one loaded keeps it
-            (folder / path.name).replace(path)
+            _put(folder / path.name, path)
     return list(wanted)
+
+
+def _put(made: Path, path: Path) -> None:
+    """Put a library in its place in one step: a program that has the old one loaded keeps it."""
+    try:
+        made.replace(path)
+    except PermissionError:  # Windows lets a library in use be renamed, not replaced
+        aside = Path(tempfile.mkdtemp(prefix="rotor-ida-old-"), path.name)
+        shutil.move(path, aside)
+        made.replace(path)
 
 
 def platform_tag(libraries: Sequence[Path]) -> str:
@@ -212,34 +267,40 @@ class CustomBuildHook(BuildHookInterface):
     """What hatchling calls: it asks for a compiler, and puts the libraries into the wheel."""
 
     def dependencies(self) -> list[str]:
-        """Return the package of a C compiler where the machine has none."""
+        """Return the package of a C compiler where the machine has none for the target."""
         try:
-            if find_compiler() is not None:
+            if not os.environ.get(TARGET) and find_compiler() is not None:
                 return []
         except BuildError:
             return []  # said when the core is compiled
-        self.app.display_info("rotor-ida: no C compiler on PATH, so the build asks for ziglang")
+        self.app.display_info("rotor-ida: no C compiler for this, so the build asks for ziglang")
         return [ZIG]
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:  # noqa: ARG002
         """Compile the core and say which files and which platform the wheel has."""
         try:
-            compiler = find_compiler()
+            target = target_of(os.environ.get(TARGET))
+            compiler = find_zig() if target.tag else find_compiler()
             if compiler is None:
                 raise BuildError(
                     "no C compiler was found ($CC, or cc, gcc or clang on PATH): install one, or "
                     "the package ziglang (pip install ziglang)"
                 )
-            build(compiler)
+            folder = ROOT / "build" / "core" / target.triple if target.tag else CORE
+            build(compiler, out=folder, target=target)
         except (BuildError, OSError) as error:
             self.app.abort(f"rotor-ida: {error}")
         made = [
-            identity["library_path"](CORE, level, model)
-            for level, model in product(levels(), identity["MODELS"])
+            identity["library_path"](folder, level, model)
+            for level, model in product(levels(target), identity["MODELS"])
         ]
         build_data["pure_python"] = False
-        build_data["tag"] = f"py3-none-{platform_tag(made)}"
-        build_data["artifacts"] += [f"/{path.relative_to(ROOT).as_posix()}" for path in made]
+        build_data["tag"] = f"py3-none-{target.tag or platform_tag(made)}"
+        places = {str(path): (CORE / path.name).relative_to(ROOT).as_posix() for path in made}
+        if target.tag:
+            build_data["force_include"] |= places
+        else:
+            build_data["artifacts"] += [f"/{place}" for place in places.values()]
 
 
 def main() -> int:
@@ -248,17 +309,21 @@ def main() -> int:
     parser.add_argument("--compiler", metavar="CC", help="by default $CC, cc, gcc, clang, ziglang")
     parser.add_argument("--sanitize", action="store_true", help="check addresses, undefined things")
     parser.add_argument("--warnings", action="store_true", help="take warnings for errors")
+    parser.add_argument("--target", metavar="NAME", help="by zig: " + ", ".join(TARGETS))
     parser.add_argument("--out", type=Path, default=CORE, metavar="FOLDER")
     given = parser.parse_args()
     if given.compiler:
         os.environ["CC"] = given.compiler
     try:
-        compiler = find_compiler()
+        target = target_of(given.target)
+        compiler = find_zig() if given.target else find_compiler()
         if compiler is None:
-            raise BuildError("no C compiler was found: name one with --compiler")
+            what = "ziglang is not installed" if given.target else "no C compiler was found"
+            raise BuildError(f"{what}: name one with --compiler")
         made = build(
-            compiler, out=given.out.resolve(), warnings=given.warnings, sanitize=given.sanitize
-        )
+            compiler, out=given.out.resolve(), warnings=given.warnings, sanitize=given.sanitize,
+            target=target,
+        )  # fmt: skip
     except (BuildError, OSError) as error:
         print(f"hatch_build.py: {error}", file=sys.stderr)
         return 1

@@ -117,6 +117,28 @@ def test_the_wheel_is_for_all_systems_whose_libc_is_new_enough(
     assert tag.startswith(f"manylinux_2_{least}_")
 
 
+def test_each_target_has_levels_and_flags_of_its_own(hatch_build: dict[str, Any]) -> None:
+    zig = [sys.executable, "-m", "ziglang", "cc"]
+    for name, target in hatch_build["TARGETS"].items():
+        levels = hatch_build["levels"](target)
+        assert (len(levels) > 1) == name.startswith("x86_64")
+        for level in levels:
+            flags = hatch_build["flags"](zig, level, target=target)
+            assert flags[flags.index("-target") + 1] == target.triple
+            assert any(flag.startswith("-mcpu=") for flag in flags)
+            assert "-ffp-contract=off" in flags
+
+
+def test_an_unknown_target_is_refused_in_one_line() -> None:
+    command = [sys.executable, str(ROOT / "hatch_build.py"), "--target", "vax-vms"]
+    ended = subprocess.run(command, capture_output=True, check=False, text=True)
+    assert ended.returncode == 1
+    assert re.fullmatch(
+        r"hatch_build.py: the target must be one of x86_64-linux, .*, got 'vax-vms'\n",
+        ended.stderr,
+    )
+
+
 def test_no_compiler_may_regroup_or_contract(hatch_build: dict[str, Any]) -> None:
     for compiler in (["gcc"], ["python", "-m", "ziglang", "cc"]):
         for level, model in product(hatch_build["levels"](), MODELS):
