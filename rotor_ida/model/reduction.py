@@ -51,8 +51,8 @@ def reduced_system(
     Returns
     -------
     RotorSystem
-        With a unit mass matrix, and nodes by rows; with the same contacts, unbalance, supports and
-        gravity.
+        With a unit mass matrix, and nodes by rows; with the same contacts, unbalance, supports,
+        bearings and gravity.
 
     Raises
     ------
@@ -135,7 +135,8 @@ def in_basis(system: RotorSystem, basis: Values) -> RotorSystem:
         gyroscopic=gyroscopic, stiffness_rate=small(system.stiffness_rate),
         nodes={name: system.rows(name) @ basis for name in system.nodes},
         translations=translations, contacts=system.contacts, unbalance=system.unbalance,
-        supports=system.supports, gravity=system.gravity, static_force=force,
+        supports=system.supports, bearings=system.bearings,
+        gravity=system.gravity, static_force=force,
         gravity_in_static_force=system.gravity_in_static_force, positions=system.positions,
         units=system.units, added_mass=small(system.added_mass), note=system.note,
     )  # fmt: skip

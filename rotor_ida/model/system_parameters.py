@@ -9,6 +9,7 @@ from typing import Any, TypedDict
 import numpy.typing as npt
 
 from rotor_ida.errors import InputError
+from rotor_ida.model.bearing import Bearing
 from rotor_ida.model.parameters import Parameters
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.supports import levitated_system
@@ -85,6 +86,7 @@ class _OfSystem(TypedDict, total=False):
     contacts: Sequence[Contact]
     unbalance: Sequence[Unbalance] | npt.ArrayLike
     supports: Sequence[Support]
+    bearings: Sequence[Bearing]
     gravity: tuple[float, float] | None
     static_force: npt.ArrayLike | None
     damping: npt.ArrayLike
