@@ -18,6 +18,7 @@ from rotor_ida.core import library as found
 from rotor_ida.core import sundials
 from rotor_ida.core.interface import DONE, FULL, METHODS, pointer
 from rotor_ida.core.runs import NO_STOP, PIECE, Rows
+from rotor_ida.model.assembly import Joint
 
 FIRST_ROOM = 256
 LANES_A_VECTOR = 4
@@ -67,7 +68,7 @@ EXTREMUM_OF_PLACE = np.dtype(
     [("time", np.float64), ("distance", np.float64), ("place", np.int32), ("kind", np.int32)]
 )
 PLACE = np.dtype([("centre", np.float64, 2), ("sign", np.float64), ("last", EXTREMUM_OF_PLACE)])
-LEDGER = ("unbalance", "damping", "stiffness_rate", "normal", "tangential")
+LEDGER = ("unbalance", "damping", "stiffness_rate", "normal", "tangential", "bearings")
 
 
 class Standstill(NamedTuple):
@@ -133,7 +134,19 @@ class SystemRunStruct(Structure):
         ("place_count", c_int64),
         ("extrema", c_void_p),
         *((name, c_int64) for name in ("extremum_room", "extremum_count")),
+        ("bearings", c_void_p),
+        ("bearing_count", c_int64),
+        ("bearing_room", c_void_p),
     ]  # fmt: skip
+
+
+class _BearingStruct(Structure):
+    """``struct system_bearing``."""
+
+    _fields_ = [
+        *((name, c_void_p) for name in ("rows", "knots", "cubics")),
+        *((name, c_int64) for name in ("knot_count", "interval")),
+    ]
 
 
 class _ParameterStruct(Structure):
@@ -255,6 +268,8 @@ class SystemRequest:
         Solver while a contact touches. Flight, a linear motion, is always by Taylor series.
     places : Places, optional
         Of which the extrema of the distances are wanted.
+    joints : sequence of Joint
+        Bearings whose coefficients depend on the speed.
     """
 
     stiffness: Values
@@ -286,6 +301,7 @@ class SystemRequest:
     watched: Values | None = None
     method: str = "taylor"
     places: Places | None = None
+    joints: Sequence[Joint] = ()
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -385,6 +401,8 @@ def _library() -> ctypes.CDLL:
     core.core_system_cvode_room.argtypes = [c_int64, c_int64]
     core.core_system_column_room.restype = c_int64
     core.core_system_column_room.argtypes = [c_int64, c_int64, c_int64]
+    core.core_system_bearing_room.restype = c_int64
+    core.core_system_bearing_room.argtypes = [c_int64, c_int64]
     core.core_system_run.restype = c_int
     core.core_system_run.argtypes = [ctypes.POINTER(SystemRunStruct)]
     return core
@@ -507,6 +525,14 @@ class _Run:
             self.struct.cvode_room = self.filled(np.zeros(room))
         self.columns = self.changes(core, request)
         self.tables.put(self.struct)
+        if request.joints:
+            self.kept_bearings = (_BearingStruct * len(request.joints))(
+                *(self.bearing(each, request) for each in request.joints)
+            )
+            room = core.core_system_bearing_room(len(request.joints), beside)
+            self.struct.bearings = ctypes.cast(self.kept_bearings, c_void_p)
+            self.struct.bearing_count = len(request.joints)
+            self.struct.bearing_room = self.filled(np.zeros(room))
 
     def read(self, values: npt.NDArray[Any]) -> c_void_p:
         """Keep an array that the core reads, and return its address."""
@@ -557,6 +583,20 @@ class _Run:
             )
             self.struct.parameters = ctypes.cast(self.kept_structs, c_void_p)
         return beside[:, : len(changes)]
+
+    def bearing(self, joint: Joint, request: SystemRequest) -> _BearingStruct:
+        """Return a bearing in the form that the core expects, at the first speed."""
+        knots, first = joint.bearing.knots, request.pieces[0]
+        speed = request.speed if first["inverse_inertia"] else first["speed"]
+        interval = int(np.searchsorted(knots, speed, side="right")) - 1
+        # powers from the highest, interval, row, column: from 0, by interval, row by row
+        both = (joint.bearing.stiffness_cubics, joint.bearing.damping_cubics)
+        cubics = np.concatenate(both, axis=3)[::-1].transpose(1, 0, 2, 3)
+        return _BearingStruct(
+            self.read(self.wide(joint.rows)), self.read(np.ascontiguousarray(knots)),
+            self.read(np.ascontiguousarray(cubics)), knots.size,
+            min(max(interval, 0), knots.size - 2),
+        )  # fmt: skip
 
     def parameter(self, by: ByParameter) -> _ParameterStruct:
         """Return what a parameter changes, in the form that the core expects."""

@@ -7,16 +7,33 @@ so that one tolerance serves for all, and energies are sums of squares.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import block_diag, cholesky
 from scipy.linalg.blas import dtrsm
 
 from rotor_ida.arrays import Values
+from rotor_ida.model.bearing import Bearing
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.supports import levitated_system
 from rotor_ida.model.system_parts import Contact, Race, Stator, stators_of
+
+
+class Joint(NamedTuple):
+    """A bearing whose coefficients depend on the speed, and where it is.
+
+    Parameters
+    ----------
+    bearing : Bearing
+        The bearing.
+    rows : ndarray, shape (2, n)
+        Its displacement by the coordinates.
+    """
+
+    bearing: Bearing
+    rows: Values
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -34,6 +51,8 @@ class Assembly:
         Matrices of rotor and stators; None where there are none.
     rows : ndarray, shape (contact, 2, n)
         Displacements of the contacts by q.
+    joints : tuple of Joint
+        The bearings whose coefficients depend on the speed, which are in no matrix.
     unbalance : ndarray, shape (2, n)
         Force over the square of the speed, by the cosine and the sine of the angle.
     force : ndarray, shape (n,)
@@ -53,6 +72,7 @@ class Assembly:
     stiffness: Values
     stiffness_rate: Values | None
     rows: Values
+    joints: tuple[Joint, ...]
     unbalance: Values
     force: Values
     gravity: Values
@@ -114,7 +134,7 @@ class Canonical:
         Cholesky's factor L of the mass matrix, with the damping of stators without mass.
     massless : int
         How many of the coordinates, the last, are of stators without mass.
-    stiffness, damping, gyroscopic, stiffness_rate, rows, unbalance, force
+    stiffness, damping, gyroscopic, stiffness_rate, rows, joints, unbalance, force
         As in `Assembly`.
     """
 
@@ -125,6 +145,7 @@ class Canonical:
     gyroscopic: Values | None
     stiffness_rate: Values | None
     rows: Values
+    joints: tuple[Joint, ...]
     unbalance: Values
     force: Values
 
@@ -146,10 +167,26 @@ class Canonical:
         """Return a matrix that applies to y for one that applies to q."""
         return _solved(self.factor, _solved(self.factor, matrix).T).T
 
+    def at(self, speed: float) -> Canonical:
+        """Return the same at a speed, with the coefficients of all bearings in its matrices."""
+        if not self.joints:
+            return self
+        stiffness = self.stiffness.copy()
+        damping = np.zeros_like(stiffness) if self.damping is None else self.damping.copy()
+        for bearing, rows in self.joints:
+            own = bearing.at(speed)
+            stiffness += rows.T @ own[0] @ rows
+            damping += rows.T @ own[1] @ rows
+        return replace(self, stiffness=stiffness, damping=damping, joints=())
 
-def assemble(system: RotorSystem) -> Assembly:
-    """Return a rotor system joined with its supports, stators, contacts and forces."""
-    system = levitated_system(system)
+
+def assemble(system: RotorSystem, speed: float | None = None) -> Assembly:
+    """Return a rotor system joined with its supports, stators, contacts and forces.
+
+    Bearings whose coefficients depend on the speed are refused, unless a `speed` is given at which
+    supports carry their loads.
+    """
+    system = levitated_system(system, speed)
     stators = stators_of(system.contacts)
     size = system.size + 2 * len(stators)
     rows = np.zeros((len(system.contacts), 2, size))
@@ -168,10 +205,14 @@ def assemble(system: RotorSystem) -> Assembly:
     turned = np.conj(moment) * complex(*pull)
     assert mass is not None
     assert stiffness is not None
+    still = np.zeros((2, 2 * len(stators)))
     return Assembly(
         system=system,
         stators=stators,
         rows=rows,
+        joints=tuple(
+            Joint(each, np.hstack([system.rows_between(each), still])) for each in system.bearings
+        ),
         unbalance=_unbalance(system, size),
         force=_force(system, stators, mass),
         gravity=pull,
@@ -207,6 +248,7 @@ def canonical(assembly: Assembly) -> Canonical:
         gyroscopic=of_matrix(assembly.gyroscopic),
         stiffness_rate=of_matrix(assembly.stiffness_rate),
         rows=_solved(factor, assembly.rows.reshape(-1, size).T).T.reshape(assembly.rows.shape),
+        joints=tuple(Joint(each, _solved(factor, rows.T).T) for each, rows in assembly.joints),
         unbalance=_solved(factor, assembly.unbalance.T).T,
         force=_solved(factor, assembly.force[:, np.newaxis])[:, 0],
     )

@@ -33,19 +33,22 @@ def with_supports(system: RotorSystem, supports: Sequence[Support]) -> RotorSyst
     return replace(system, stiffness=stiffness, damping=damped, supports=())
 
 
-def levitated_system(system: RotorSystem) -> RotorSystem:
+def levitated_system(system: RotorSystem, speed: float | None = None) -> RotorSystem:
     """Return a system whose supports are in its matrices, with the static loads that they carry.
 
     Its static force leaves the weight out, which gravity adds in a run. Constant bearings are in
-    its matrices too; those whose coefficients depend on the speed are refused.
+    its matrices too. Those whose coefficients depend on the speed are refused, unless a `speed` is
+    given at which the supports carry their loads.
     """
-    for each in system.bearings:
-        if each.varies:
-            raise InputError(
-                f"bearings must be constant where no speed is held, got a table over the speed at "
-                f"{shown(each.node)}: system.at(speed) is the system with its coefficients there"
-            )
-    system = system.at(0.0)
+    varying = [each for each in system.bearings if each.varies]
+    if varying and speed is None:
+        raise InputError(
+            f"bearings must be constant where no speed is held, got a table over the speed at "
+            f"{shown(varying[0].node)}: system.at(speed) is the system with its coefficients there"
+        )
+    if len(varying) < len(system.bearings):
+        constant = [each for each in system.bearings if not each.varies]
+        system = replace(replace(system, bearings=constant).at(0.0), bearings=varying)
     if not system.supports:
         return system
     held = with_supports(system, system.supports)
@@ -57,7 +60,8 @@ def levitated_system(system: RotorSystem) -> RotorSystem:
         return held
     rows = np.concatenate([system.rows(each.node) for each in system.supports])
     carried = own.copy()
-    carried[: system.size] += rows.T @ held_at_centre(held.stiffness, force, rows)[1]
+    stiffness = held.stiffness if speed is None else held.at(speed).stiffness
+    carried[: system.size] += rows.T @ held_at_centre(stiffness, force, rows)[1]
     return replace(held, static_force=carried)
 
 

@@ -117,7 +117,11 @@ def run_of_system(
 ) -> xr.Dataset:  # fmt: skip
     """Return the run of a system along a course of its speed, with a warning if it is unstable."""
     check_modes(modes, more_modes)
-    cases = [in_modes(system, number, start)
+    if "speed" in course.told:
+        system = system.at(course.speed)
+    for each in (min(course.speeds), max(course.speeds)):
+        system.at(each)  # raises where a speed is outside the table of a bearing
+    cases = [in_modes(system, number, start, course.speed)
              for number in ([modes] if more_modes is None else [modes, more_modes])]  # fmt: skip
     run = run_of_cases(cases, course, modes={"modes": modes, "more_modes": more_modes}, **how)
     for words in stability_words(run.attrs, system.units):
@@ -187,9 +191,9 @@ def run_of_cases(
     told = {"method": method, "backend": backend, "rtol": tolerance, "duration": course.end,
             **course.told}  # fmt: skip
     told |= {name: number for name, number in modes.items() if number is not None}
-    if growth := growth_of(first.found, fastest):
+    if growth := growth_of(first.found.at(fastest), fastest):
         told |= {RATE: growth.rate, WHIRL_SPEED: growth.whirl_speed}
-    if nothing_holds(first.found):
+    if nothing_holds(first.found.at(course.speed)):
         told[NOT_HELD] = 1
     shift = shifts[0] if shifts else None
     return system_dataset(first.assembly, first.found, followed, first.begun, times, told, shift)
@@ -199,9 +203,10 @@ def _prepared(
     system: RotorSystem, start: Start | xr.Dataset, course: Course, times: Values, rtol: float
 ) -> _Prepared:  # fmt: skip
     """Return what is to be followed, if that does not take too long."""
-    assembly = assemble(system)
+    assembly = assemble(system, course.speed)
     found, fastest = canonical(assembly), course.largest_speed
-    begun = start_of(assembly, start, course.speed)
+    held = assemble(system.at(course.speed)) if assembly.joints else assembly
+    begun = start_of(held, start, course.speed)
     request = request_of(
         assembly, found, course.profile, np.array([found.to_y(each) for each in begun]), times,
         course.end, rtol=rtol, speed=course.speed, fastest_speed=fastest,

@@ -145,6 +145,14 @@ class SpeedProfile:
         """Whether a torque drives it."""
         return isinstance(self.spins[0], Driven)
 
+    @property
+    def end_speeds(self) -> list[float]:
+        """The speeds at the ends of the spins; none of a speed that a torque drives."""
+        if self.is_driven:
+            return []
+        spins = zip(self.ends, self.spins, strict=True)
+        return [float(spin.at(end, np.empty(0))[1]) for end, spin in spins]
+
     def pieces(self) -> Rows:
         """Return a row for each spin, for the compiled core."""
         ends = zip(self.ends, self.spins, strict=True)

@@ -13,7 +13,7 @@ import numpy as np
 
 from rotor_ida.arrays import Stop, Values, Watch
 from rotor_ida.checks import shown
-from rotor_ida.core.interface import DONE, message_of
+from rotor_ida.core.interface import DONE, OUT_OF_TABLE, message_of
 from rotor_ida.core.runs import NO_STOP, Rows
 from rotor_ida.core.systems import LAW, SystemEvents, SystemRequest, SystemResult, follow_system
 from rotor_ida.errors import InputError, SimulationError
@@ -70,7 +70,10 @@ def request_of(
 ) -> SystemRequest:  # fmt: skip
     """Return the request of a run to the core."""
     speeds = [0.0 if race is None else race.speed for race in assembly.races]
-    displacement, velocity, fastest = scales_of(assembly, found, fastest_speed, start)
+    displacement, velocity, fastest = scales_of(assembly, found.at(speed), fastest_speed, start)
+    for extreme in _extreme_speeds(found, [speed, *profile.end_speeds], profile.is_driven):
+        rates = rates_of(found.at(extreme), fastest_speed)
+        fastest = max(fastest, float(np.abs(rates).max()))
     _check_contact_damping(assembly, assembly.smallest_clearance * velocity / displacement)
     return SystemRequest(
         stiffness=found.stiffness, damping=found.damping, gyroscopic=found.gyroscopic,
@@ -80,8 +83,27 @@ def request_of(
         standing=STANDING * abs(speed) if profile.is_driven else 0.0,
         rtol=max(STEP_SAFETY * rtol, TIGHTEST), order=ORDERS[0],
         displacement=displacement, velocity=velocity, fastest=fastest, start=start, times=times,
-        duration=duration, massless=found.massless,
+        duration=duration, massless=found.massless, joints=found.joints,
     )  # fmt: skip
+
+
+def _extreme_speeds(found: Canonical, speeds: list[float], is_driven: bool) -> list[float]:
+    """Return where among some speeds bearings are stiffest, and where they damp most.
+
+    A torque may lead to any speed of their tables. Between their rows coefficients are monotone.
+    """
+    if not found.joints:
+        return []
+    tables = [bearing.knots for bearing, _ in found.joints]
+    low = max(each[0] for each in tables) if is_driven else min(speeds)
+    high = min(each[-1] for each in tables) if is_driven else max(speeds)
+    between = np.unique(np.concatenate(tables))
+    places = [low, *between[(between > low) & (between < high)].tolist(), high]
+    sizes = [
+        [sum(np.linalg.norm(each.at(place)[part]) for each, _ in found.joints) for part in (0, 1)]
+        for place in places
+    ]
+    return [float(places[row]) for row in np.argmax(sizes, axis=0)]
 
 
 def laws_of(assembly: Assembly) -> Rows:
@@ -232,4 +254,5 @@ def run_to_end(
 def check_status(result: SystemResult) -> None:
     """Raise an error where a run has not reached its end."""
     if result.status != DONE:
-        raise SimulationError(f"{message_of(result.status)} at t = {result.time:.17g}")
+        at = f" at the speed {result.turn[1]:.6g}" if result.status == OUT_OF_TABLE else ""
+        raise SimulationError(f"{message_of(result.status)}{at} at t = {result.time:.17g}")
