@@ -12,7 +12,6 @@ from dataclasses import replace
 import numpy as np
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Support
@@ -37,15 +36,11 @@ def levitated_system(system: RotorSystem) -> RotorSystem:
     """Return a system whose supports are in its matrices, with the static loads that they carry.
 
     Its static force leaves the weight out, which gravity adds in a run. Constant bearings are in
-    its matrices too; those whose coefficients depend on the speed are refused.
+    its matrices too; those that are left depend on the speed.
     """
-    for each in system.bearings:
-        if each.varies:
-            raise InputError(
-                f"bearings must be constant where no speed is held, got a table over the speed at "
-                f"{shown(each.node)}: system.at(speed) is the system with its coefficients there"
-            )
-    system = system.at(0.0)
+    varying = tuple(each for each in system.bearings if each.varies)
+    system = replace(system, bearings=[each for each in system.bearings if not each.varies])
+    system = replace(system.at(0.0), bearings=varying) if varying else system.at(0.0)
     if not system.supports:
         return system
     held = with_supports(system, system.supports)

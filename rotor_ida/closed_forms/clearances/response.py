@@ -18,7 +18,7 @@ from rotor_ida.closed_forms.clearances.critical_speeds import (
     peak_between,
 )
 from rotor_ida.errors import InputError
-from rotor_ida.model.assembly import Assembly, assemble
+from rotor_ida.model.assembly import Assembly, unbalance_of
 from rotor_ida.model.system_parts import Unbalance
 from rotor_ida.units import SPEED_UNITS
 
@@ -127,7 +127,7 @@ def response_to(problem: Problem, modes: Sequence[Mode], cases: Cases, points: i
     every = np.unique(every[(every > 0.0) & (every <= top)])
     forces = np.array([
         both[0] - 1j * both[1] for both in
-        (assemble(replace(problem.assembly.system, unbalance=case)).unbalance
+        (unbalance_of(replace(problem.assembly.system, unbalance=case), problem.assembly.size)
          for case in cases)
     ]).T  # fmt: skip
     return Response(problem, every, orbit_axes(problem.assembly, problem.rows, forces, every),
