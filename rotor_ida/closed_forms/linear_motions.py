@@ -193,7 +193,7 @@ def critical_speeds(
 
         between = motions.synchronous_speeds(spring, side, first, last)
         cells = _cells(motions, between, gaps, first, last)
-        for size, number in _merged(_roots(gaps, cells)):
+        for size, number in _merged(roots_of(gaps, cells)):
             here = at(size)
             nearest = np.argsort(np.abs(np.abs(here.eigenvalues.imag) - size))[:number]
             for i in nearest[here.seen[nearest]].tolist():
@@ -243,8 +243,8 @@ def _refined(
     ]
 
 
-def _roots(gaps: Callable[[float], Values], cells: Sequence[float]) -> Iterator[float]:
-    """Yield where a gap vanishes."""
+def roots_of(gaps: Callable[[float], Values], cells: Sequence[float]) -> Iterator[float]:
+    """Yield where a gap vanishes, in ascending order of the cells."""
     for low, high in pairwise(cells):
         for number in np.flatnonzero((gaps(low) > 0.0) != (gaps(high) > 0.0)).tolist():
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -191,6 +192,13 @@ class Films:
     def knots(self) -> Values:
         """The speeds between which all coefficients are cubics, in ascending order."""
         return np.unique(np.concatenate([np.zeros(0), *(each.knots for each in self.bearings)]))
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        """The lowest and the highest speed that are within all tables; from 0 without any."""
+        ends = [each.knots[[0, -1]].tolist() for each in self.bearings]
+        return (max((first for first, _ in ends), default=0.0),
+                min((last for _, last in ends), default=math.inf))  # fmt: skip
 
     def matrix(self, name: str, speeds: Values | float, derivative: int = 0) -> npt.NDArray[Any]:
         """Return the stiffness or damping matrix of all at speeds, shape (..., n, n)."""

@@ -43,6 +43,11 @@ class Problem:
     limit: float
 
     @property
+    def top(self) -> float:
+        """The largest speed at which modes and responses are sought: within the tables of films."""
+        return min(max(REACH * self.high, self.trip), self.assembly.films.reach[1])
+
+    @property
     def rows(self) -> Values:
         """Displacements of the clearances, then of the probes, by q."""
         names = list(self.assembly.system.nodes)
@@ -121,10 +126,10 @@ def scaled(each: Unbalance, factor: float) -> Unbalance:
 
 def response_to(problem: Problem, modes: Sequence[Mode], cases: Cases, points: int) -> Response:
     """Return the response to all cases, at speeds that resolve each critical speed."""
-    top = max(REACH * problem.high, problem.trip)
+    first, top = problem.assembly.films.reach[0], problem.top
     ends = [problem.low, problem.high, problem.trip]
-    every = np.concatenate([np.linspace(0.0, top, points + 1), ends, about(modes)])
-    every = np.unique(every[(every > 0.0) & (every <= top)])
+    every = np.concatenate([np.linspace(first, top, points + 1), ends, about(modes)])
+    every = np.unique(every[(every > 0.0) & (every >= first) & (every <= top)])
     forces = np.array([
         both[0] - 1j * both[1] for both in
         (unbalance_of(replace(problem.assembly.system, unbalance=case), problem.assembly.size)

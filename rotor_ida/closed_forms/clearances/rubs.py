@@ -69,9 +69,10 @@ def touching_of(
     """Return the rubs with the scaled unbalance, and dry whip."""
     problem = response.problem
     assembly, count = problem.assembly, len(problem.assembly.contacts)
-    speeds = np.concatenate([np.linspace(0.0, problem.trip, RUB_SPEEDS + 1), about(modes),
+    first = assembly.films.reach[0]
+    speeds = np.concatenate([np.linspace(first, problem.trip, RUB_SPEEDS + 1), about(modes),
                              np.linspace(problem.low, problem.high, RUB_SPEEDS)])  # fmt: skip
-    speeds = np.unique(speeds[(speeds > 0.0) & (speeds <= problem.trip)])
+    speeds = np.unique(speeds[(speeds > 0.0) & (speeds >= first) & (speeds <= problem.trip)])
     try:  # what is not axisymmetric is refused
         found = [
             whirls_of_system(
