@@ -18,7 +18,7 @@ from rotor_ida.core import library as found
 from rotor_ida.core import sundials
 from rotor_ida.core.interface import DONE, FULL, METHODS, pointer
 from rotor_ida.core.runs import NO_STOP, PIECE, Rows
-from rotor_ida.model.assembly import Joint
+from rotor_ida.model.bearing import Bearing, Films
 
 FIRST_ROOM = 256
 LANES_A_VECTOR = 4
@@ -268,7 +268,7 @@ class SystemRequest:
         Solver while a contact touches. Flight, a linear motion, is always by Taylor series.
     places : Places, optional
         Of which the extrema of the distances are wanted.
-    joints : sequence of Joint
+    films : Films, optional
         Bearings whose coefficients depend on the speed.
     """
 
@@ -301,7 +301,7 @@ class SystemRequest:
     watched: Values | None = None
     method: str = "taylor"
     places: Places | None = None
-    joints: Sequence[Joint] = ()
+    films: Films | None = None
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -525,13 +525,13 @@ class _Run:
             self.struct.cvode_room = self.filled(np.zeros(room))
         self.columns = self.changes(core, request)
         self.tables.put(self.struct)
-        if request.joints:
-            self.kept_bearings = (_BearingStruct * len(request.joints))(
-                *(self.bearing(each, request) for each in request.joints)
-            )
-            room = core.core_system_bearing_room(len(request.joints), beside)
+        if request.films:
+            each = zip(request.films.bearings, request.films.rows, strict=True)
+            found = [self.bearing(bearing, rows, request) for bearing, rows in each]
+            self.kept_bearings = (_BearingStruct * len(found))(*found)
             self.struct.bearings = ctypes.cast(self.kept_bearings, c_void_p)
-            self.struct.bearing_count = len(request.joints)
+            self.struct.bearing_count = len(found)
+            room = core.core_system_bearing_room(len(found), beside)
             self.struct.bearing_room = self.filled(np.zeros(room))
 
     def read(self, values: npt.NDArray[Any]) -> c_void_p:
@@ -584,16 +584,16 @@ class _Run:
             self.struct.parameters = ctypes.cast(self.kept_structs, c_void_p)
         return beside[:, : len(changes)]
 
-    def bearing(self, joint: Joint, request: SystemRequest) -> _BearingStruct:
+    def bearing(self, bearing: Bearing, rows: Values, request: SystemRequest) -> _BearingStruct:
         """Return a bearing in the form that the core expects, at the first speed."""
-        knots, first = joint.bearing.knots, request.pieces[0]
+        knots, first = bearing.knots, request.pieces[0]
         speed = request.speed if first["inverse_inertia"] else first["speed"]
         interval = int(np.searchsorted(knots, speed, side="right")) - 1
         # powers from the highest, interval, row, column: from 0, by interval, row by row
-        both = (joint.bearing.stiffness_cubics, joint.bearing.damping_cubics)
+        both = (bearing.stiffness_cubics, bearing.damping_cubics)
         cubics = np.concatenate(both, axis=3)[::-1].transpose(1, 0, 2, 3)
         return _BearingStruct(
-            self.read(self.wide(joint.rows)), self.read(np.ascontiguousarray(knots)),
+            self.read(self.wide(rows)), self.read(np.ascontiguousarray(knots)),
             self.read(np.ascontiguousarray(cubics)), knots.size,
             min(max(interval, 0), knots.size - 2),
         )  # fmt: skip

@@ -8,32 +8,19 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from typing import NamedTuple
 
 import numpy as np
 from scipy.linalg import block_diag, cholesky
 from scipy.linalg.blas import dtrsm
 
 from rotor_ida.arrays import Values
-from rotor_ida.model.bearing import Bearing
+from rotor_ida.checks import shown
+from rotor_ida.errors import InputError
+from rotor_ida.model.bearing import Films
 from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.model.scales import errors_in_units
 from rotor_ida.model.supports import levitated_system
 from rotor_ida.model.system_parts import Contact, Race, Stator, stators_of
-
-
-class Joint(NamedTuple):
-    """A bearing whose coefficients depend on the speed, and where it is.
-
-    Parameters
-    ----------
-    bearing : Bearing
-        The bearing.
-    rows : ndarray, shape (2, n)
-        Its displacement by the coordinates.
-    """
-
-    bearing: Bearing
-    rows: Values
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -44,15 +31,15 @@ class Assembly:
     ----------
     system : RotorSystem
         The rotor, with its supports in its matrices.
+    films : Films
+        The bearings whose coefficients depend on the speed; none at a held speed.
     stators : tuple of Stator
         The stators that move, each with two degrees of freedom behind those of the rotor; those
         without mass come last.
     mass, damping, gyroscopic, stiffness, stiffness_rate : ndarray, shape (n, n)
-        Matrices of rotor and stators; None where there are none.
+        Matrices of rotor and stators without the films; None where there are none.
     rows : ndarray, shape (contact, 2, n)
         Displacements of the contacts by q.
-    joints : tuple of Joint
-        The bearings whose coefficients depend on the speed, which are in no matrix.
     unbalance : ndarray, shape (2, n)
         Force over the square of the speed, by the cosine and the sine of the angle.
     force : ndarray, shape (n,)
@@ -72,11 +59,20 @@ class Assembly:
     stiffness: Values
     stiffness_rate: Values | None
     rows: Values
-    joints: tuple[Joint, ...]
     unbalance: Values
     force: Values
     gravity: Values
     weight: tuple[float, float]
+    films: Films
+
+    def stiffness_at(self, speeds: Values | float) -> Values:
+        """Return the stiffness at speeds, shape (..., n, n), or at all, shape (n, n)."""
+        return self.films.joined(self.stiffness, "stiffness", speeds)
+
+    def damping_at(self, speeds: Values | float) -> Values:
+        """Return the damping at speeds, shape (..., n, n), or at all, shape (n, n)."""
+        own = np.zeros_like(self.mass) if self.damping is None else self.damping
+        return self.films.joined(own, "damping", speeds)
 
     @property
     def contacts(self) -> Sequence[Contact]:
@@ -134,7 +130,7 @@ class Canonical:
         Cholesky's factor L of the mass matrix, with the damping of stators without mass.
     massless : int
         How many of the coordinates, the last, are of stators without mass.
-    stiffness, damping, gyroscopic, stiffness_rate, rows, joints, unbalance, force
+    stiffness, damping, gyroscopic, stiffness_rate, rows, unbalance, force, films
         As in `Assembly`.
     """
 
@@ -145,9 +141,9 @@ class Canonical:
     gyroscopic: Values | None
     stiffness_rate: Values | None
     rows: Values
-    joints: tuple[Joint, ...]
     unbalance: Values
     force: Values
+    films: Films
 
     def to_q(self, values: Values) -> Values:
         """Return q for rows of y, or its velocity."""
@@ -168,35 +164,43 @@ class Canonical:
         return _solved(self.factor, _solved(self.factor, matrix).T).T
 
     def at(self, speed: float) -> Canonical:
-        """Return the same at a speed, with the coefficients of all bearings in its matrices."""
-        if not self.joints:
+        """Return the same at a speed, with the coefficients of its films in its matrices."""
+        if not self.films:
             return self
-        stiffness = self.stiffness.copy()
-        damping = np.zeros_like(stiffness) if self.damping is None else self.damping.copy()
-        for bearing, rows in self.joints:
-            own = bearing.at(speed)
-            stiffness += rows.T @ own[0] @ rows
-            damping += rows.T @ own[1] @ rows
-        return replace(self, stiffness=stiffness, damping=damping, joints=())
+        damping = np.zeros_like(self.stiffness) if self.damping is None else self.damping
+        return replace(
+            self, stiffness=self.films.joined(self.stiffness, "stiffness", speed),
+            damping=self.films.joined(damping, "damping", speed),
+            films=Films((), self.films.rows[:0]),
+        )  # fmt: skip
 
 
-def assemble(system: RotorSystem, speed: float | None = None) -> Assembly:
-    """Return a rotor system joined with its supports, stators, contacts and forces.
+def assemble(system: RotorSystem, *, speeds: Values | None = None) -> Assembly:
+    """Return a rotor system joined with its supports, bearings, stators, contacts and forces.
 
-    Bearings whose coefficients depend on the speed are refused, unless a `speed` is given at which
-    supports carry their loads.
+    Bearings whose coefficients depend on the speed are its films where speeds are given, which must
+    lie within their tables; else they are refused, as no speed is held.
     """
-    system = levitated_system(system, speed)
+    system = levitated_system(system, None if speeds is None else float(speeds[0]))
+    for each in system.bearings:
+        if speeds is None:
+            raise InputError(
+                "bearings must be constant where no speed is held, got a table over the speed at "
+                f"{shown(each.node)}: system.at(speed) is the system with its coefficients there"
+            )
+        with errors_in_units(system.units):
+            each.check(speeds)
     stators = stators_of(system.contacts)
     size = system.size + 2 * len(stators)
     rows = np.zeros((len(system.contacts), 2, size))
-    for number, each in enumerate(system.contacts):
-        rows[number, :, : system.size] = system.rows(each.node)
-        if isinstance(each.stator, str):
-            rows[number, :, : system.size] -= system.rows(each.stator)
-        elif each.stator is not None:
-            place = system.size + 2 * stators.index(each.stator)
+    for number, contact in enumerate(system.contacts):
+        rows[number, :, : system.size] = system.rows_between(contact)
+        if isinstance(contact.stator, Stator):
+            place = system.size + 2 * stators.index(contact.stator)
             rows[number, :, place : place + 2] = -np.eye(2)
+    of_films = np.zeros((len(system.bearings), 2, size))
+    for number, bearing in enumerate(system.bearings):
+        of_films[number, :, : system.size] = system.rows_between(bearing)
     mass, stiffness = (_joined(system, stators, name) for name in ("mass", "stiffness"))
     pull = np.zeros(2) if system.gravity is None else np.array(system.gravity)
     if system.static_force is not None and system.gravity_in_static_force is not None:
@@ -205,15 +209,11 @@ def assemble(system: RotorSystem, speed: float | None = None) -> Assembly:
     turned = np.conj(moment) * complex(*pull)
     assert mass is not None
     assert stiffness is not None
-    still = np.zeros((2, 2 * len(stators)))
     return Assembly(
         system=system,
         stators=stators,
         rows=rows,
-        joints=tuple(
-            Joint(each, np.hstack([system.rows_between(each), still])) for each in system.bearings
-        ),
-        unbalance=_unbalance(system, size),
+        unbalance=unbalance_of(system, size),
         force=_force(system, stators, mass),
         gravity=pull,
         weight=(float(turned.imag), float(turned.real)),
@@ -222,6 +222,7 @@ def assemble(system: RotorSystem, speed: float | None = None) -> Assembly:
         damping=_joined(system, stators, "damping"),
         gyroscopic=_joined(system, stators, "gyroscopic"),
         stiffness_rate=_joined(system, stators, "stiffness_rate"),
+        films=Films(tuple(system.bearings), of_films),
     )
 
 
@@ -237,9 +238,11 @@ def canonical(assembly: Assembly) -> Canonical:
     def of_matrix(matrix: Values | None) -> Values | None:
         return None if matrix is None else _solved(factor, _solved(factor, matrix).T).T
 
+    def in_y(rows: Values) -> Values:
+        return _solved(factor, rows.reshape(-1, assembly.size).T).T.reshape(rows.shape)
+
     stiffness = of_matrix(assembly.stiffness)
     assert stiffness is not None
-    size = assembly.size
     return Canonical(
         factor=factor,
         massless=held,
@@ -247,8 +250,8 @@ def canonical(assembly: Assembly) -> Canonical:
         damping=of_matrix(assembly.damping),
         gyroscopic=of_matrix(assembly.gyroscopic),
         stiffness_rate=of_matrix(assembly.stiffness_rate),
-        rows=_solved(factor, assembly.rows.reshape(-1, size).T).T.reshape(assembly.rows.shape),
-        joints=tuple(Joint(each, _solved(factor, rows.T).T) for each, rows in assembly.joints),
+        rows=in_y(assembly.rows),
+        films=Films(assembly.films.bearings, in_y(assembly.films.rows)),
         unbalance=_solved(factor, assembly.unbalance.T).T,
         force=_solved(factor, assembly.force[:, np.newaxis])[:, 0],
     )
@@ -276,7 +279,7 @@ def _joined(system: RotorSystem, stators: Sequence[Stator], name: str) -> Values
     return np.asarray(block_diag(np.zeros_like(system.mass) if own is None else own, *mounts))
 
 
-def _unbalance(system: RotorSystem, size: int) -> Values:
+def unbalance_of(system: RotorSystem, size: int) -> Values:
     """Return the force of all unbalance over the square of the speed."""
     both = np.zeros((2, size))
     for each in system.unbalance:

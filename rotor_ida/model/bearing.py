@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -119,20 +121,44 @@ class Bearing:
         InputError
             If the speed is outside the table.
         """
+        given = np.asarray(check_real("speed", speed))
+        self.check(given)
+        return self.coefficients("stiffness", given), self.coefficients("damping", given)
+
+    def check(self, speeds: Values) -> None:
+        """Refuse speeds outside the table."""
         if not self.varies:
-            return np.asarray(self.stiffness), np.asarray(self.damping)
+            return
         least, most = self.knots[[0, -1]].tolist()
-        given = check_real("speed", speed)
-        held = min(max(given, least), most)
-        if abs(held - given) > ROUNDED * most:
+        outside = speeds[np.abs(np.clip(speeds, least, most) - speeds) > ROUNDED * most]
+        if outside.size:
             raise InputError(
                 "{name} must lie within the table of the bearing at {node}, from {least:.6g} to "
                 "{most:.6g}, got {value}",
-                name="speed", node=shown(self.node), least=least, most=most, value=given,
+                name="speed", node=shown(self.node), least=least, most=most,
+                value=float(outside.ravel()[0]),
             )  # fmt: skip
-        cubics = (self.stiffness_cubics, self.damping_cubics)
-        stiffness, damping = (PPoly(each, self.knots)(held) for each in cubics)
-        return stiffness, damping
+
+    def coefficients(self, name: str, speeds: Values, derivative: int = 0) -> Values:
+        """Return stiffness or damping at speeds, shape (..., 2, 2), or a derivative by the speed.
+
+        Beyond the table they are those at its end.
+        """
+        if not self.varies:
+            rows = np.asarray(getattr(self, name)) if derivative == 0 else np.zeros((2, 2))
+            return np.broadcast_to(rows, (*speeds.shape, 2, 2))
+        cubics = PPoly(getattr(self, f"{name}_cubics"), self.knots)
+        held = np.clip(speeds, self.knots[0], self.knots[-1])
+        return np.asarray(cubics(held, derivative))
+
+    @property
+    def is_isotropic(self) -> bool:
+        """Whether the bearing is the same in all directions at every speed."""
+        return all(
+            (each[..., 0, 0] == each[..., 1, 1]).all()
+            and (each[..., 0, 1] == -each[..., 1, 0]).all()
+            for each in (np.asarray(self.stiffness), np.asarray(self.damping))
+        )
 
     def __repr__(self) -> str:
         speeds = np.asarray(self.speed)
@@ -142,6 +168,62 @@ class Bearing:
         elif speeds.size:
             told += f", speed={speeds[0]:.6g}"
         return f"Bearing(node={self.node!r}{told})"
+
+
+@dataclass(frozen=True, slots=True)
+class Films:
+    """The bearings of a system whose coefficients depend on the speed, in some coordinates.
+
+    Parameters
+    ----------
+    bearings : tuple of Bearing
+        The bearings.
+    rows : ndarray, shape (bearing, 2, n)
+        Their displacements along x and y by the coordinates, which may be complex.
+    """
+
+    bearings: tuple[Bearing, ...]
+    rows: npt.NDArray[Any]
+
+    def __bool__(self) -> bool:
+        return bool(self.bearings)
+
+    @property
+    def knots(self) -> Values:
+        """The speeds between which all coefficients are cubics, in ascending order."""
+        return np.unique(np.concatenate([np.zeros(0), *(each.knots for each in self.bearings)]))
+
+    @property
+    def reach(self) -> tuple[float, float]:
+        """The lowest and the highest speed that are within all tables; from 0 without any."""
+        ends = [each.knots[[0, -1]].tolist() for each in self.bearings]
+        return (max((first for first, _ in ends), default=0.0),
+                min((last for _, last in ends), default=math.inf))  # fmt: skip
+
+    def matrix(self, name: str, speeds: Values | float, derivative: int = 0) -> npt.NDArray[Any]:
+        """Return the stiffness or damping matrix of all at speeds, shape (..., n, n)."""
+        at = np.asarray(speeds, float)
+        found = np.zeros((*at.shape, *self.rows.shape[-1:] * 2), self.rows.dtype)
+        for each, rows in zip(self.bearings, self.rows, strict=True):
+            found += rows.conj().T @ each.coefficients(name, at, derivative) @ rows
+        return found
+
+    def product(self, name: str, speeds: Values, columns: npt.NDArray[Any]) -> npt.NDArray[Any]:
+        """Return the stiffness or damping at each speed times a column each, shape (n, k)."""
+        found = np.zeros_like(columns)
+        for each, rows in zip(self.bearings, self.rows, strict=True):
+            forces = np.einsum("kij,jk->ik", each.coefficients(name, speeds), rows @ columns)
+            found += rows.conj().T @ forces
+        return found
+
+    def joined(
+        self, matrix: npt.NDArray[Any], name: str, speeds: Values | float
+    ) -> npt.NDArray[Any]:
+        """Return a stiffness or damping matrix with that of the bearings at speeds.
+
+        The shape is (..., n, n); without bearings the matrix itself, at all speeds.
+        """
+        return matrix + self.matrix(name, speeds) if self else matrix
 
 
 def _matrices(name: str, given: object, speeds: int) -> Values:

@@ -12,7 +12,6 @@ from dataclasses import replace
 import numpy as np
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Support
@@ -37,15 +36,10 @@ def levitated_system(system: RotorSystem, speed: float | None = None) -> RotorSy
     """Return a system whose supports are in its matrices, with the static loads that they carry.
 
     Its static force leaves the weight out, which gravity adds in a run. Constant bearings are in
-    its matrices too. Those whose coefficients depend on the speed are refused, unless a `speed` is
-    given at which the supports carry their loads.
+    its matrices too; those that are left depend on the speed, and help the supports to carry the
+    loads with their coefficients at a `speed`, if one is given.
     """
-    varying = [each for each in system.bearings if each.varies]
-    if varying and speed is None:
-        raise InputError(
-            f"bearings must be constant where no speed is held, got a table over the speed at "
-            f"{shown(varying[0].node)}: system.at(speed) is the system with its coefficients there"
-        )
+    varying = tuple(each for each in system.bearings if each.varies)
     if len(varying) < len(system.bearings):
         constant = [each for each in system.bearings if not each.varies]
         system = replace(replace(system, bearings=constant).at(0.0), bearings=varying)

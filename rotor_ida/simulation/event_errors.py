@@ -334,10 +334,9 @@ def _hold_apart(
         pulled += apart[:, 1] @ request.damping.T
     if request.gyroscopic is not None:
         pulled += spins[:, np.newaxis] * (apart[:, 1] @ request.gyroscopic.T)
-    for bearing, joint in request.joints:
-        for place, speed in enumerate(spins):
-            own = zip(bearing.at(float(speed)), apart[place], strict=True)
-            pulled[place] += sum(matrix @ (joint @ moved) for matrix, moved in own) @ joint
+    if request.films:
+        for name, moved in zip(("stiffness", "damping"), np.moveaxis(apart, 1, 0), strict=True):
+            pulled += request.films.product(name, spins, moved.T).T
     mobility = float(np.linalg.norm(rows[:, :inert], -2)) ** 2
     slipped = np.hypot(*(pulled[:, :inert] @ rows[:, :inert].T).T)
     return np.asarray((slipped + turned) / mobility)

@@ -119,8 +119,6 @@ def run_of_system(
     check_modes(modes, more_modes)
     if "speed" in course.told:
         system = system.at(course.speed)
-    for each in (min(course.speeds), max(course.speeds)):
-        system.at(each)  # raises where a speed is outside the table of a bearing
     cases = [in_modes(system, number, start, course.speed)
              for number in ([modes] if more_modes is None else [modes, more_modes])]  # fmt: skip
     run = run_of_cases(cases, course, modes={"modes": modes, "more_modes": more_modes}, **how)
@@ -203,9 +201,9 @@ def _prepared(
     system: RotorSystem, start: Start | xr.Dataset, course: Course, times: Values, rtol: float
 ) -> _Prepared:  # fmt: skip
     """Return what is to be followed, if that does not take too long."""
-    assembly = assemble(system, course.speed)
+    assembly = assemble(system, speeds=np.array(course.speeds))
     found, fastest = canonical(assembly), course.largest_speed
-    held = assemble(system.at(course.speed)) if assembly.joints else assembly
+    held = assemble(system.at(course.speed)) if assembly.films else assembly
     begun = start_of(held, start, course.speed)
     request = request_of(
         assembly, found, course.profile, np.array([found.to_y(each) for each in begun]), times,

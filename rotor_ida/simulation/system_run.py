@@ -83,7 +83,7 @@ def request_of(
         standing=STANDING * abs(speed) if profile.is_driven else 0.0,
         rtol=max(STEP_SAFETY * rtol, TIGHTEST), order=ORDERS[0],
         displacement=displacement, velocity=velocity, fastest=fastest, start=start, times=times,
-        duration=duration, massless=found.massless, joints=found.joints,
+        duration=duration, massless=found.massless, films=found.films,
     )  # fmt: skip
 
 
@@ -92,18 +92,18 @@ def _extreme_speeds(found: Canonical, speeds: list[float], is_driven: bool) -> l
 
     A torque may lead to any speed of their tables. Between their rows coefficients are monotone.
     """
-    if not found.joints:
+    if not found.films:
         return []
-    tables = [bearing.knots for bearing, _ in found.joints]
-    low = max(each[0] for each in tables) if is_driven else min(speeds)
-    high = min(each[-1] for each in tables) if is_driven else max(speeds)
-    between = np.unique(np.concatenate(tables))
-    places = [low, *between[(between > low) & (between < high)].tolist(), high]
+    low, high = found.films.reach if is_driven else (min(speeds), max(speeds))
+    knots = found.films.knots
+    places = np.array([low, *knots[(knots > low) & (knots < high)], high])
     sizes = [
-        [sum(np.linalg.norm(each.at(place)[part]) for each, _ in found.joints) for part in (0, 1)]
-        for place in places
+        sum(
+            (each.coefficients(name, places) ** 2).sum(axis=(1, 2)) for each in found.films.bearings
+        )
+        for name in ("stiffness", "damping")
     ]
-    return [float(places[row]) for row in np.argmax(sizes, axis=0)]
+    return [float(places[np.argmax(each)]) for each in sizes]
 
 
 def laws_of(assembly: Assembly) -> Rows:

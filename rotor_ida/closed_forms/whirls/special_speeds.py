@@ -135,7 +135,7 @@ def special_speeds(
     system = changed_system(special_speeds, system, changed)
     low, high = _limits(limits)
     speeds = np.linspace(low, high, check_count("points", points, 2, MOST_POINTS))
-    assembly = assemble(system)
+    assembly = assemble(system, speeds=speeds)
     check_axisymmetric_parts(assembly)
     check_no_races(assembly)
     check_clearances(assembly.contacts)

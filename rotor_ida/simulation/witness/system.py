@@ -141,9 +141,9 @@ def _body_of(request: SystemRequest) -> Coordinates:
         offsets=request.laws["offset"], moment=request.weight, laws=laws,
         still=STILL * request.velocity,
         films=[
-            Film(rows, *(PchipInterpolator(each.speed, table) for table in
-                         (each.stiffness, each.damping)))
-            for each, rows in request.joints
+            Film(rows, *(PchipInterpolator(each.speed, getattr(each, name)) for name in
+                         ("stiffness", "damping")))
+            for each, rows in zip(request.films.bearings, request.films.rows, strict=True)
         ],
     )  # fmt: skip
 
