@@ -9,7 +9,7 @@ import numpy as np
 from rotor_ida.arrays import Values
 from rotor_ida.checks import check_array, check_count
 from rotor_ida.errors import InputError
-from rotor_ida.model.reduction import in_basis, joined_nodes, reduced_basis
+from rotor_ida.model.reduction import in_basis, reduced_basis
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.supports import levitated_system
 
@@ -25,19 +25,15 @@ def check_modes(modes: int | None, more_modes: int | None) -> None:
         raise InputError(f"more_modes must be more than modes, {few}, got {more}")
 
 
-def in_modes(
-    system: RotorSystem, modes: int | None, start: Any, speed: float | None = None
-) -> tuple[RotorSystem, Any]:
+def in_modes(system: RotorSystem, modes: int | None, start: Any) -> tuple[RotorSystem, Any]:
     """Return a system and its start, reduced with its supports if a number of modes is given.
 
-    The static flexibility of the nodes of all contacts is kept, and of the nodes of bearings whose
-    coefficients depend on the speed. Their modes are those at a `speed`.
+    The static flexibility of the nodes of all contacts is kept.
     """
     if modes is None:
         return system, start
-    system = levitated_system(system, speed)
-    held = system if speed is None else system.at(speed)
-    basis = reduced_basis(held, modes=modes, keep=joined_nodes(system))
+    system = levitated_system(system)
+    basis = reduced_basis(system, modes=modes)
     if isinstance(start, tuple | list) and len(start) == 2:
         names = ("displacement", "velocity")
         start = tuple(

@@ -77,7 +77,9 @@ def reduced_system(
 def reduced_basis(system: RotorSystem, *, modes: int, keep: Sequence[str] | None = None) -> Values:
     """Return the directions that `reduced_system` keeps, shape (n, k), orthonormal by the mass."""
     if keep is None:
-        keep = joined_nodes(system)
+        touched = [each.node for each in system.contacts]
+        touched += [each.stator for each in system.contacts if isinstance(each.stator, str)]
+        keep = list(dict.fromkeys(touched))
     if isinstance(keep, str) or not all(isinstance(each, str) for each in keep):
         raise InputError(f"keep must be a list of names of nodes, got {shown(keep)}")
     count = check_count("modes", modes, minimum=0, maximum=system.size)
@@ -95,14 +97,6 @@ def reduced_basis(system: RotorSystem, *, modes: int, keep: Sequence[str] | None
         factors = lu_factor(system.stiffness + shift * system.mass)
         basis = _joined(basis, lu_solve(factors, rows.T), system.mass)
     return np.asarray(basis)
-
-
-def joined_nodes(system: RotorSystem) -> list[str]:
-    """Return the nodes of contacts, and of bearings whose coefficients depend on the speed."""
-    joints = [*system.contacts, *(each for each in system.bearings if each.varies)]
-    nodes = [each.node for each in joints]
-    nodes += [each.stator for each in joints if isinstance(each.stator, str)]
-    return list(dict.fromkeys(nodes))
 
 
 def _moving(system: RotorSystem, shapes: Values) -> Flags:

@@ -146,6 +146,11 @@ class SpeedProfile:
         return isinstance(self.spins[0], Driven)
 
     @property
+    def is_held(self) -> bool:
+        """Whether the speed stays the same."""
+        return isinstance(self.spins[0], Steady)
+
+    @property
     def end_speeds(self) -> list[float]:
         """The speeds at the ends of the spins; none of a speed that a torque drives."""
         if self.is_driven:
