@@ -35,7 +35,7 @@ MESSAGES = {
     RUNAWAY: "the speed passed 1e+06: the torque lets it run away",
     SPENT: "the run needs more steps than it may take",
     UNBOUNDED: "the system is unstable: its motion passed 1e+30 clearances, and nothing bounds it",
-    OUT_OF_TABLE: "the speed left the table of a bearing",
+    OUT_OF_TABLE: "the torque drives the speed out of the table of a bearing",
     -1: "Could not reach endpoint after 'max_num_steps'.",
     -2: "Could not satisfy demanded accuracy for an internal step.",
     -3: "Error tests failed too many times, or reached min step size.",

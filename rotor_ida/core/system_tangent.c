@@ -457,8 +457,6 @@ static void accelerate_columns(const struct work *work, int n, double *to)
     }
     if (run->stiffness_rate != NULL && work->has_rate)
         add_matrix(run, run->stiffness_rate, -work->spin_rate[0], y, to);
-    for (int64_t i = 0; i < run->bearing_count; i++)
-        push_columns_by_bearing(work, i, n, to);
 }
 
 static void expand_all(struct work *work)
@@ -469,6 +467,8 @@ static void expand_all(struct work *work)
     for (int n = 0; n < work->order; n++) {
         double *to = &columns->acceleration[n * apart];
         accelerate_columns(work, n, to);
+        for (int64_t i = 0; i < run->bearing_count; i++)
+            push_columns_by_bearing(work, i, n, to);
         for (int64_t k = 0; k < run->parameter_count; k++)
             force_by_parameter(work, &run->parameters[k], n, to + run->first_of_parameters + k);
         for (int64_t i = 0; i < run->contact_count; i++) {

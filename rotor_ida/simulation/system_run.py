@@ -254,5 +254,5 @@ def run_to_end(
 def check_status(result: SystemResult) -> None:
     """Raise an error where a run has not reached its end."""
     if result.status != DONE:
-        at = f" at the speed {result.turn[1]:.6g}" if result.status == OUT_OF_TABLE else ""
-        raise SimulationError(f"{message_of(result.status)}{at} at t = {result.time:.17g}")
+        ends = f", which ends at {result.turn[1]:.6g}," if result.status == OUT_OF_TABLE else ""
+        raise SimulationError(f"{message_of(result.status)}{ends} at t = {result.time:.17g}")
