@@ -117,6 +117,8 @@ def run_of_system(
 ) -> xr.Dataset:  # fmt: skip
     """Return the run of a system along a course of its speed, with a warning if it is unstable."""
     check_modes(modes, more_modes)
+    if course.profile.is_held:
+        system = system.at(course.speed)
     cases = [in_modes(system, number, start)
              for number in ([modes] if more_modes is None else [modes, more_modes])]  # fmt: skip
     run = run_of_cases(cases, course, modes={"modes": modes, "more_modes": more_modes}, **how)

@@ -145,6 +145,11 @@ class SpeedProfile:
         """Whether a torque drives it."""
         return isinstance(self.spins[0], Driven)
 
+    @property
+    def is_held(self) -> bool:
+        """Whether the speed stays the same."""
+        return isinstance(self.spins[0], Steady)
+
     def pieces(self) -> Rows:
         """Return a row for each spin, for the compiled core."""
         ends = zip(self.ends, self.spins, strict=True)

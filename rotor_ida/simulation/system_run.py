@@ -69,6 +69,10 @@ def request_of(
     duration: float, *, rtol: float, speed: float, fastest_speed: float, inertia: float,
 ) -> SystemRequest:  # fmt: skip
     """Return the request of a run to the core."""
+    for each in found.films.bearings:
+        raise InputError(
+            f"bearings must be constant where the speed changes, got a table at {shown(each.node)}"
+        )
     speeds = [0.0 if race is None else race.speed for race in assembly.races]
     displacement, velocity, fastest = scales_of(assembly, found, fastest_speed, start)
     _check_contact_damping(assembly, assembly.smallest_clearance * velocity / displacement)
