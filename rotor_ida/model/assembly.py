@@ -14,11 +14,8 @@ from scipy.linalg import block_diag, cholesky
 from scipy.linalg.blas import dtrsm
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import shown
-from rotor_ida.errors import InputError
 from rotor_ida.model.bearing import Films
 from rotor_ida.model.rotor_system import RotorSystem
-from rotor_ida.model.scales import errors_in_units
 from rotor_ida.model.supports import levitated_system
 from rotor_ida.model.system_parts import Contact, Race, Stator, stators_of
 
@@ -64,6 +61,16 @@ class Assembly:
     gravity: Values
     weight: tuple[float, float]
     films: Films
+
+    def at(self, speed: float) -> Assembly:
+        """Return the assembly at a speed, with its films in the matrices; InputError outside."""
+        if not self.films:
+            return self
+        system = self.system.at(speed)
+        return replace(
+            self, system=system, stiffness=self.stiffness_at(speed),
+            damping=self.damping_at(speed), films=Films((), self.films.rows[:0]),
+        )  # fmt: skip
 
     def stiffness_at(self, speeds: Values | float) -> Values:
         """Return the stiffness at speeds, shape (..., n, n), or at all, shape (n, n)."""
@@ -145,6 +152,15 @@ class Canonical:
     force: Values
     films: Films
 
+    def stiffness_at(self, speed: float) -> Values:
+        """Return the stiffness at a speed."""
+        return self.films.joined(self.stiffness, "stiffness", speed)
+
+    def damping_at(self, speed: float) -> Values:
+        """Return the damping at a speed."""
+        own = np.zeros_like(self.stiffness) if self.damping is None else self.damping
+        return self.films.joined(own, "damping", speed)
+
     def to_q(self, values: Values) -> Values:
         """Return q for rows of y, or its velocity."""
         columns = values.reshape(-1, values.shape[-1]).T
@@ -167,10 +183,8 @@ class Canonical:
         """Return the same at a speed, with the coefficients of its films in its matrices."""
         if not self.films:
             return self
-        damping = np.zeros_like(self.stiffness) if self.damping is None else self.damping
         return replace(
-            self, stiffness=self.films.joined(self.stiffness, "stiffness", speed),
-            damping=self.films.joined(damping, "damping", speed),
+            self, stiffness=self.stiffness_at(speed), damping=self.damping_at(speed),
             films=Films((), self.films.rows[:0]),
         )  # fmt: skip
 
@@ -178,18 +192,12 @@ class Canonical:
 def assemble(system: RotorSystem, *, speeds: Values | None = None) -> Assembly:
     """Return a rotor system joined with its supports, bearings, stators, contacts and forces.
 
-    Bearings whose coefficients depend on the speed are its films where speeds are given, which must
-    lie within their tables; else they are refused, as no speed is held.
+    Bearings whose coefficients depend on the speed are its films. The speeds, if given, must lie
+    within their tables.
     """
+    if speeds is not None:
+        system.check_speeds(speeds)
     system = levitated_system(system, None if speeds is None else float(speeds[0]))
-    for each in system.bearings:
-        if speeds is None:
-            raise InputError(
-                "bearings must be constant where no speed is held, got a table over the speed at "
-                f"{shown(each.node)}: system.at(speed) is the system with its coefficients there"
-            )
-        with errors_in_units(system.units):
-            each.check(speeds)
     stators = stators_of(system.contacts)
     size = system.size + 2 * len(stators)
     rows = np.zeros((len(system.contacts), 2, size))

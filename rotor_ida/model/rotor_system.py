@@ -253,16 +253,22 @@ class RotorSystem:
         """
         if not self.bearings:
             return self
+        self.check_speeds(np.array([check_real("speed", speed)]))
         stiffness = self.stiffness.copy()
         damping = np.zeros_like(stiffness) if self.damping is None else self.damping.copy()
         for each in self.bearings:
             rows = self.rows_between(each)
-            with errors_in_units(self.units):
-                own = each.at(speed)
+            own = each.at(speed)
             stiffness += rows.T @ own[0] @ rows
             damping += rows.T @ own[1] @ rows
         damped = damping if damping.any() else None
         return replace(self, stiffness=stiffness, damping=damped, bearings=())
+
+    def check_speeds(self, speeds: Values) -> None:
+        """Refuse speeds outside the table of a bearing."""
+        with errors_in_units(self.units):
+            for each in self.bearings:
+                each.check(speeds)
 
     def unit_translations(self) -> Values:
         """Return the coordinates of unit translations along x and y, shape (n, 2)."""

@@ -189,7 +189,7 @@ def run_of_cases(
     told = {"method": method, "backend": backend, "rtol": tolerance, "duration": course.end,
             **course.told}  # fmt: skip
     told |= {name: number for name, number in modes.items() if number is not None}
-    if growth := growth_of(first.found.at(fastest), fastest):
+    if growth := growth_of(first.found, fastest):
         told |= {RATE: growth.rate, WHIRL_SPEED: growth.whirl_speed}
     if nothing_holds(first.found.at(course.speed)):
         told[NOT_HELD] = 1
@@ -203,8 +203,7 @@ def _prepared(
     """Return what is to be followed, if that does not take too long."""
     assembly = assemble(system, speeds=np.array(course.speeds))
     found, fastest = canonical(assembly), course.largest_speed
-    held = assemble(system.at(course.speed)) if assembly.films else assembly
-    begun = start_of(held, start, course.speed)
+    begun = start_of(assembly, start, course.speed)
     request = request_of(
         assembly, found, course.profile, np.array([found.to_y(each) for each in begun]), times,
         course.end, rtol=rtol, speed=course.speed, fastest_speed=fastest,
