@@ -33,6 +33,7 @@ SMALLEST_GROWTH = 1e-6
 MOST_RADIANS = {"python": 1e7, "compiled": 1e8, "system": 1e9}
 # Relative difference of two times that are the same but for rounding.
 SAME_TIME = 1e-9
+NO_STATE = np.empty(0)
 WAYS = "by to and rate or ramp_time, by speeds, or by torque and inertia"
 
 
@@ -124,14 +125,12 @@ class Course:
         return spin
 
     @property
-    def speeds(self) -> list[float]:
-        """The speeds at time 0 and at the ends of pieces; of a driven rotor only the first."""
-        return [self.speed, *self.profile.end_speeds]
-
-    @property
     def largest_speed(self) -> float:
         """The largest size of a prescribed speed; of a driven one that at time 0."""
-        return max(map(abs, self.speeds))
+        if self.profile.is_driven:
+            return abs(self.speed)
+        last = zip(self.profile.ends, self.profile.spins, strict=True)
+        return max(abs(self.speed), *(abs(float(spin.at(end, NO_STATE)[1])) for end, spin in last))
 
 
 def held(speed: float, duration: float) -> Course:

@@ -201,7 +201,7 @@ def _prepared(
     system: RotorSystem, start: Start | xr.Dataset, course: Course, times: Values, rtol: float
 ) -> _Prepared:  # fmt: skip
     """Return what is to be followed, if that does not take too long."""
-    assembly = assemble(system, speeds=np.array(course.speeds))
+    assembly = assemble(system, speeds=np.array([course.speed]))
     found, fastest = canonical(assembly), course.largest_speed
     begun = start_of(assembly, start, course.speed)
     request = request_of(

@@ -151,12 +151,13 @@ class SpeedProfile:
         return isinstance(self.spins[0], Steady)
 
     @property
-    def end_speeds(self) -> list[float]:
-        """The speeds at the ends of the spins; none of a speed that a torque drives."""
+    def speeds(self) -> Values:
+        """The speeds at both ends of all spins; none of a speed that a torque drives."""
         if self.is_driven:
-            return []
+            return np.zeros(0)
         spins = zip(self.ends, self.spins, strict=True)
-        return [float(spin.at(end, np.empty(0))[1]) for end, spin in spins]
+        ends = [spin.at(end, np.empty(0))[1] for end, spin in spins]
+        return np.append(self.pieces()["speed"], ends)
 
     def pieces(self) -> Rows:
         """Return a row for each spin, for the compiled core."""

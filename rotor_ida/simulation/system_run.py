@@ -70,8 +70,9 @@ def request_of(
 ) -> SystemRequest:  # fmt: skip
     """Return the request of a run to the core."""
     speeds = [0.0 if race is None else race.speed for race in assembly.races]
+    assembly.system.check_speeds(np.append(profile.speeds, speed))
     displacement, velocity, fastest = scales_of(assembly, found.at(speed), fastest_speed, start)
-    for extreme in _extreme_speeds(found, [speed, *profile.end_speeds], profile.is_driven):
+    for extreme in _extreme_speeds(found, profile):
         rates = rates_of(found.at(extreme), fastest_speed)
         fastest = max(fastest, float(np.abs(rates).max()))
     _check_contact_damping(assembly, assembly.smallest_clearance * velocity / displacement)
@@ -87,14 +88,15 @@ def request_of(
     )  # fmt: skip
 
 
-def _extreme_speeds(found: Canonical, speeds: list[float], is_driven: bool) -> list[float]:
-    """Return where among some speeds bearings are stiffest, and where they damp most.
+def _extreme_speeds(found: Canonical, profile: SpeedProfile) -> list[float]:
+    """Return the speeds of a run at which films are stiffest, and at which they damp most.
 
     A torque may lead to any speed of their tables. Between their rows coefficients are monotone.
     """
     if not found.films:
         return []
-    low, high = found.films.reach if is_driven else (min(speeds), max(speeds))
+    speeds = profile.speeds
+    low, high = found.films.reach if profile.is_driven else (speeds.min(), speeds.max())
     knots = found.films.knots
     places = np.array([low, *knots[(knots > low) & (knots < high)], high])
     sizes = [

@@ -26,7 +26,6 @@ from rotor_ida.simulation.runs import _prepared
 
 SPEEDS = np.array([0.1, 0.6, 1.0, 1.7, 2.3, 3.1])
 RANDOM = np.random.default_rng(3)
-# Two bearings, of which one has a direct stiffness and damping below those of the shaft.
 TABLES = [
     {"stiffness": size * np.eye(2) + 0.3 * RANDOM.normal(size=(6, 2, 2)),
      "damping": 0.3 * size * np.eye(2) + 0.05 * RANDOM.normal(size=(6, 2, 2))}
@@ -201,8 +200,7 @@ def driven(torque, inertia):
         steady, _ = accelerations(angle, speed, 0.0, q, v)
         by_rate = np.linalg.solve(ROTOR.mass, ahead + ROTOR.stiffness_rate @ q)
         # M a = f - rate (ahead + K_dot q);  J rate = torque - ahead.a
-        whole = own - ahead @ by_rate + ahead @ np.linalg.solve(ROTOR.mass, np.zeros(4))
-        rate = (torque[0] - torque[1] * speed - ahead @ steady) / whole
+        rate = (torque[0] - torque[1] * speed - ahead @ steady) / (own - ahead @ by_rate)
         return [*v, *(steady - rate * by_rate), speed, rate]
 
     return rates
@@ -214,3 +212,88 @@ def test_a_torque_passes_knots_up_and_down():
     exact = integrated(driven(**case), np.array([*np.zeros(9), 0.2]), run.t.values)
     np.testing.assert_allclose(run.speed, exact[:, 9], rtol=0.0, atol=1e-8)
     np.testing.assert_allclose(motion_of(run), exact[:, :8], rtol=0.0, atol=1e-8)
+
+
+@pytest.mark.parametrize(("torque", "end"), [((3.0, 0.2), 3.1), ((-1.0, 0.2), 0.1)])
+def test_a_torque_that_leads_out_of_a_table_ends_the_run(torque, end):
+    def leaves(_, state):
+        return state[9] - end
+
+    leaves.terminal = True
+    begun = np.array([*np.zeros(9), 0.8])
+    exact = solve_ivp(
+        driven(torque, 2.0), (0.0, 20.0), begun, method="DOP853", rtol=1e-11, atol=1e-13,
+        events=leaves,
+    )  # fmt: skip
+    words = rf"the torque drives the speed out of the table of a bearing, which ends at {end:g}, at"
+    with pytest.raises(SimulationError, match=words) as ended:
+        run_up(ROTOR, speed=0.8, torque=torque, inertia=2.0, duration=20.0)
+    assert float(str(ended.value).split("t = ")[1]) == pytest.approx(exact.t[-1], rel=1e-7)
+
+
+@pytest.mark.parametrize(
+    ("given", "told"),
+    [
+        ({"speed": 0.5, "to": 3.2, "rate": 0.1}, "3.2"),
+        ({"speed": 0.05, "to": 3.0, "rate": 0.1}, "0.05"),
+        ({"speed": 0.5, "rate": -0.1, "duration": 20.0}, "-1.5"),
+        ({"speeds": [(0.0, 0.5), (1.0, 3.5), (2.0, 0.5)]}, "3.5"),
+        ({"speed": 4.0, "torque": (1.0, 0.0), "inertia": 1.0, "duration": 1.0}, "4"),
+    ],
+)
+def test_a_speed_outside_a_table_is_refused_before_the_run(given, told):
+    words = rf"speed must lie within the table of the bearing at 'a', from 0.1 to 3.1, got {told}"
+    with pytest.raises(InputError, match=words) as refused:
+        run_up(ROTOR, **given)
+    assert "\n" not in str(refused.value)
+
+
+def request_of_ramp(rotor, contacts):
+    """Return the request of a run-up to the core."""
+    course = course_of(0.3, {"to": 1.2, "rate": 0.06}, None, SYSTEM_LIMITS)
+    return _prepared(
+        replace(rotor, contacts=contacts), None, course, np.array([0.0, course.end]), 1e-12
+    ).request
+
+
+def test_columns_are_derivatives_of_the_motion():
+    """Of each number of the start and of the unbalance, with touches, by central differences."""
+    asked = request_of_ramp(ROTOR, TOUCHES)
+    changes, step = np.zeros((9, 10)), 1e-6
+    changes[:8, :8] = np.eye(8)
+    by = ByParameter(unbalance=asked.unbalance, laws=np.zeros(2, LAW_CHANGE))
+    found = follow_system(replace(asked, columns=changes, parameters=[by]))
+    assert found.event_times.size >= 4
+    for number, column in enumerate(found.columns):
+        ends = []
+        for side in (1.0, -1.0):
+            moved = asked.start + side * step * changes[number, :8].reshape(2, 4)
+            factor = 1.0 + side * step * (number == 8)
+            ends.append(replace(asked, start=moved, unbalance=factor * asked.unbalance))
+        one, other = (follow_system(each).state.ravel() for each in ends)
+        np.testing.assert_allclose(column[:8], (one - other) / (2.0 * step), rtol=0.0, atol=2e-7)
+
+
+def test_a_run_that_goes_on_with_more_room_is_the_same(monkeypatch):
+    asked = request_of_ramp(ROTOR, TOUCHES)
+    once = follow_system(asked)
+    monkeypatch.setattr("rotor_ida.core.systems.FIRST_ROOM", 1)
+    again = follow_system(asked)
+    assert once.event_times.size > 12  # more than the room for the first ones
+    np.testing.assert_array_equal(again.state, once.state)
+    np.testing.assert_array_equal(again.event_times, once.event_times)
+
+
+def test_all_modes_are_the_whole_system():
+    given: dict[str, Any] = {"speed": 0.3, "to": 1.2, "rate": 0.06, "contacts": TOUCHES}
+    whole, reduced = run_up(ROTOR, **given), run_up(ROTOR, modes=4, **given)
+    assert whole.sizes["event"] == reduced.sizes["event"] >= 4
+    np.testing.assert_allclose(reduced.event_time, whole.event_time, rtol=0.0, atol=1e-9)
+
+
+def test_supports_carry_what_the_bearings_leave_at_the_first_speed():
+    held = replace(ROTOR, gravity=(0.0, -0.1), supports=[Support(node="b", stiffness=1.0)])
+    loaded, expected = assemble(held, speeds=np.array([0.9])), assemble(held.at(0.9))
+    np.testing.assert_allclose(loaded.force, expected.force, rtol=1e-13)
+    np.testing.assert_allclose(canonical(loaded).at(0.9).stiffness, canonical(expected).stiffness,
+                               rtol=1e-13, atol=1e-15)  # fmt: skip
