@@ -91,7 +91,9 @@ class Bearing:
             speeds = check_increasing(name, check_axis(name, self.speed, largest=LARGEST))
             if speeds.size > MOST_SPEEDS:
                 raise InputError(f"{name} must be at most {MOST_SPEEDS} numbers, got {speeds.size}")
-        keep = {"speed": speeds, "knots": speeds if speeds.size > 1 else np.zeros(0)}
+        keep = {"knots": speeds if speeds.size > 1 else np.zeros(0)}
+        if speeds.size:
+            keep["speed"] = speeds
         for name in ("stiffness", "damping"):
             keep[name] = _matrices(f"{name} {where}", getattr(self, name), speeds.size)
         varies = speeds.size > 1 and any(keep[each].ndim == 3 for each in ("stiffness", "damping"))
@@ -161,7 +163,7 @@ class Bearing:
         )
 
     def __repr__(self) -> str:
-        speeds = np.asarray(self.speed)
+        speeds = np.zeros(0) if self.speed is None else np.asarray(self.speed)
         told = f", stator={self.stator!r}" if self.stator is not None else ""
         if self.varies:
             told += f", {speeds.size} speeds from {speeds[0]:.6g} to {speeds[-1]:.6g}"

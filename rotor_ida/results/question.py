@@ -30,8 +30,8 @@ from rotor_ida.texts import in_shell
 
 VALUES = {
     each.__name__: each
-    for each in (Rotor, DimensionalRotor, RotorSystem, Contact, Stator, Race, Support, Unbalance,
-                 Bearing)
+    for each in (Rotor, DimensionalRotor, RotorSystem, Bearing, Contact, Stator, Race, Support,
+                 Unbalance)
 }  # fmt: skip
 # The functions that can be asked again: those of the results that are verified or studies.
 VERBS = frozenset({

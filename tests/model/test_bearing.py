@@ -8,6 +8,7 @@ import pytest
 
 from rotor_ida import Bearing, Contact, InputError, RotorSystem
 from rotor_ida.arrays import Values
+from rotor_ida.results.question import Question, arguments_from
 
 SPEEDS = np.array([100.0, 200.0, 250.0, 400.0, 700.0])
 RANDOM = np.random.default_rng(7)
@@ -122,3 +123,14 @@ def test_a_bearing_belongs_to_nodes_of_the_system() -> None:
         replace(SYSTEM, bearings=[same])
     with pytest.raises(InputError, match="bearings must be a Bearing, got Contact"):
         replace(SYSTEM, bearings=cast("Any", [Contact(node="disc", clearance=1.0, stiffness=1.0)]))
+
+
+@pytest.mark.parametrize("given", [TABLE, {"stiffness": 2.0}, {"stiffness": 2.0, "speed": 5.0}])
+def test_replace_and_a_question_keep_a_bearing(given: dict[str, Any]) -> None:
+    film = Bearing(node="disc", stator="casing", **given)
+    asked = Question("campbell", {"rotor": replace(SYSTEM, bearings=[film])})
+    (again,) = arguments_from(asked.plain())["rotor"].bearings
+    for other in (again, replace(film, node="disc")):
+        assert repr(other) == repr(film)
+        for name in ("stiffness", "damping", "knots", "stiffness_cubics", "damping_cubics"):
+            np.testing.assert_array_equal(getattr(other, name), getattr(film, name))
