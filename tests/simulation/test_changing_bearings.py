@@ -41,8 +41,9 @@ ROTOR = RotorSystem(
     unbalance=[Unbalance(node="a", moment=MOMENT)], bearings=FILMS,
     stiffness_rate=0.1 * np.diag([1.0, 1.0, 2.0, 2.0]),
 )  # fmt: skip
-RUB = Contact(node="a", clearance=0.3, stiffness=20.0, friction=0.1, radius=2.0, damping=0.2)
+RUB = Contact(node="a", clearance=0.3, stiffness=50.0, friction=0.1, radius=2.0, damping=0.2)
 TOUCHES = [RUB, replace(RUB, node="b", clearance=0.4, exponent=1.0)]
+RUBBING = replace(ROTOR, contacts=TOUCHES, gravity=(0.0, -0.3))
 
 
 def coefficients(speed):
@@ -156,8 +157,8 @@ def test_a_table_linear_in_the_speed_needs_no_interpolant():
 
 @pytest.mark.parametrize("contacts", [[], [RUB]])
 def test_equal_rows_are_constant_coefficients(contacts):
-    rows = {name: np.broadcast_to(TABLES[0][name][2], (6, 2, 2)) for name in TABLES[0]}
-    own = {name: each[2] for name, each in TABLES[0].items()}
+    rows = {name: np.broadcast_to(TABLES[0][name][4], (6, 2, 2)) for name in TABLES[0]}
+    own = {name: each[4] for name, each in TABLES[0].items()}
     table, constant = (
         run_up(replace(ROTOR, bearings=[Bearing(node="a", **each)], contacts=contacts),
                speed=0.2, to=2.0, rate=0.04, samples=7, rtol=1e-12)
@@ -170,9 +171,9 @@ def test_equal_rows_are_constant_coefficients(contacts):
 
 @pytest.mark.parametrize("method", ["taylor", "adams"])
 def test_events_are_those_of_the_reference_simulator(method):
-    given: dict[str, Any] = {"speed": 0.3, "to": 1.2, "rate": 0.04, "contacts": TOUCHES}
-    run = run_up(ROTOR, method=method, rtol=1e-11, **given)
-    slow = run_up(ROTOR, method="adams", backend="python", rtol=1e-12, samples=2, **given)
+    given: dict[str, Any] = {"speed": 0.3, "to": 1.2, "rate": 0.04}
+    run = run_up(RUBBING, method=method, rtol=1e-11, **given)
+    slow = run_up(RUBBING, method="adams", backend="python", rtol=1e-12, samples=2, **given)
     assert run.sizes["event"] >= 8
     np.testing.assert_array_equal(run.event_kind, slow.event_kind)
     np.testing.assert_array_equal(run.event_contact, slow.event_contact)
@@ -180,9 +181,10 @@ def test_events_are_those_of_the_reference_simulator(method):
 
 
 def test_the_energy_balances_with_the_work_of_the_bearings():
-    run = run_up(ROTOR, speed=0.3, to=2.8, rate=0.02, contacts=TOUCHES)
+    run = run_up(RUBBING, speed=0.3, to=2.8, rate=0.02)
     q, v = run.final_state.values.reshape(2, 4)
     kept = 0.5 * v @ ROTOR.mass @ v + 0.5 * q @ ROTOR.stiffness @ q
+    kept -= ROTOR.weight((0.0, -0.3)) @ q
     lost = [run.attrs[f"energy_{each}"] for each in
             ("damping", "stiffness_rate", "normal", "tangential", "bearings")]  # fmt: skip
     assert kept == pytest.approx(run.attrs["energy_unbalance"] - sum(lost), rel=1e-10)
@@ -248,17 +250,15 @@ def test_a_speed_outside_a_table_is_refused_before_the_run(given, told):
     assert "\n" not in str(refused.value)
 
 
-def request_of_ramp(rotor, contacts):
+def request_of_ramp():
     """Return the request of a run-up to the core."""
     course = course_of(0.3, {"to": 1.2, "rate": 0.06}, None, SYSTEM_LIMITS)
-    return _prepared(
-        replace(rotor, contacts=contacts), None, course, np.array([0.0, course.end]), 1e-12
-    ).request
+    return _prepared(RUBBING, None, course, np.array([0.0, course.end]), 1e-12).request
 
 
 def test_columns_are_derivatives_of_the_motion():
     """Of each number of the start and of the unbalance, with touches, by central differences."""
-    asked = request_of_ramp(ROTOR, TOUCHES)
+    asked = request_of_ramp()
     changes, step = np.zeros((9, 10)), 1e-6
     changes[:8, :8] = np.eye(8)
     by = ByParameter(unbalance=asked.unbalance, laws=np.zeros(2, LAW_CHANGE))
@@ -275,7 +275,7 @@ def test_columns_are_derivatives_of_the_motion():
 
 
 def test_a_run_that_goes_on_with_more_room_is_the_same(monkeypatch):
-    asked = request_of_ramp(ROTOR, TOUCHES)
+    asked = request_of_ramp()
     once = follow_system(asked)
     monkeypatch.setattr("rotor_ida.core.systems.FIRST_ROOM", 1)
     again = follow_system(asked)
@@ -285,8 +285,8 @@ def test_a_run_that_goes_on_with_more_room_is_the_same(monkeypatch):
 
 
 def test_all_modes_are_the_whole_system():
-    given: dict[str, Any] = {"speed": 0.3, "to": 1.2, "rate": 0.06, "contacts": TOUCHES}
-    whole, reduced = run_up(ROTOR, **given), run_up(ROTOR, modes=4, **given)
+    given: dict[str, Any] = {"speed": 0.3, "to": 1.2, "rate": 0.06}
+    whole, reduced = run_up(RUBBING, **given), run_up(RUBBING, modes=4, **given)
     assert whole.sizes["event"] == reduced.sizes["event"] >= 4
     np.testing.assert_allclose(reduced.event_time, whole.event_time, rtol=0.0, atol=1e-9)
 
