@@ -21,6 +21,7 @@ from rotor_ida.core.runs import NO_STOP, PIECE, Rows
 from rotor_ida.model.bearing import Bearing, Films
 
 FIRST_ROOM = 256
+NO_FILMS = Films((), np.zeros((0, 2, 0)))
 LANES_A_VECTOR = 4
 # A skew part of a stiffness below this part of it is rounding.
 SYMMETRIC = 1e-12
@@ -301,7 +302,7 @@ class SystemRequest:
     watched: Values | None = None
     method: str = "taylor"
     places: Places | None = None
-    films: Films | None = None
+    films: Films = NO_FILMS
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
