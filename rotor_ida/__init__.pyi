@@ -26,6 +26,7 @@ from .errors import InvariantError as InvariantError
 from .errors import RotorError as RotorError
 from .errors import SimulationError as SimulationError
 from .fitting.fit import fit as fit
+from .model.bearing import Bearing as Bearing
 from .model.data_sheet import machine_from_data_sheet as machine_from_data_sheet
 from .model.rotor import DimensionalRotor as DimensionalRotor
 from .model.rotor import Rotor as Rotor

@@ -171,12 +171,13 @@ class KnockedSystem:
     @classmethod
     def at(cls, problem: SettlingProblem, speed: float, node: str, start: Start) -> Self:
         """Return a system whose node is knocked, and which starts as given otherwise."""
-        system, found = problem.assembly.system, problem.found
+        system = problem.assembly.system
         system.rows(node)  # refuses an unknown one
-        rows = found.rows_in_y(problem.assembly.node_rows()[list(system.nodes).index(node)])
+        rows = problem.found.rows_in_y(problem.assembly.node_rows()[list(system.nodes).index(node)])
         if np.linalg.matrix_rank(rows) < 2:
             raise InputError(f"node must move along x and along y, but {node!r} does not")
         begun, size = state_of_start(problem, start, speed), problem.assembly.size
+        found = problem.at(speed).found
         shapes = np.zeros((begun.size, 4))
         shapes[:size, :2] = pulled_shapes(found.stiffness, rows)
         shapes[size : 2 * size, 2:] = np.linalg.pinv(rows)

@@ -39,7 +39,8 @@ WHIRLS_OF_SYSTEM = Layout("Whirls", (
 SPECIAL_SPEEDS = Layout("Special speeds", (
     Rows(
         title="Special speeds", key="special_speeds", lead="special_speed", prefix="special_",
-        names=("special_speed", "special_kind", "grazed_contact", "hopf_frequency")),
+        names=("special_speed", "special_kind", "whirl_speed", "grazed_contact",
+               "hopf_frequency")),
     Rows(
         title="At contacts", key="contacts", lead="amplitude",
         names=("special", "contact", "contact_node", "amplitude", "in_contact")),

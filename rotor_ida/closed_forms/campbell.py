@@ -94,7 +94,7 @@ def campbell(
     system = changed_system(campbell, system, changed)
     speeds = check_distinct("speed", checked_speeds(speed))
     springs = _springs(contact_stiffness, system)
-    assembly = assemble(system)
+    assembly = assemble(system, speeds=speeds)
     most = None if modes is None else check_count("modes", modes, maximum=2 * assembly.size)
     motions = linear_motions(assembly)
     found = [_seen(motions.at(spring, omega)) for spring in springs for omega in speeds]

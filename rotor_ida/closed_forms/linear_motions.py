@@ -29,6 +29,7 @@ from rotor_ida.arrays import ComplexValues, Flags, Values
 from rotor_ida.errors import InputError
 from rotor_ida.model.assembly import Assembly, canonical
 from rotor_ida.model.axisymmetric import check_masses, forward_motions
+from rotor_ida.model.bearing import Films
 
 # A motion whose displacements at all nodes are below this part of the largest moves none.
 STILL = 1e-9
@@ -75,6 +76,8 @@ class LinearMotions:
         Matrices in coordinates with a unit mass matrix.
     rows : ndarray, shape (k, n)
         What springs at the contacts stretch by.
+    films : Films
+        The bearings whose coefficients depend on the speed, which the matrices lack.
     nodes : ndarray, shape (node, 2, n), optional
         Displacements of nodes and contacts; None for the motions of an axisymmetric system.
     """
@@ -83,15 +86,19 @@ class LinearMotions:
     damping: npt.NDArray[Any]
     gyroscopic: npt.NDArray[Any]
     rows: npt.NDArray[Any]
+    films: Films
     nodes: Values | None = None
 
-    def with_springs(self, spring: float) -> npt.NDArray[Any]:
-        """Return the stiffness with springs at the contacts."""
-        return np.asarray(self.stiffness + spring * (self.rows.conj().T @ self.rows))
+    def held(self, spring: float, omega: float) -> tuple[npt.NDArray[Any], npt.NDArray[Any]]:
+        """Return the stiffness with springs at the contacts, and the damping, at a speed."""
+        stiffness = self.stiffness + spring * (self.rows.conj().T @ self.rows)
+        joined = self.films.joined
+        return joined(stiffness, "stiffness", omega), joined(self.damping, "damping", omega)
 
     def at(self, spring: float, omega: float) -> Motions:
         """Return the motions at a speed."""
-        stiffness, resisted = self.with_springs(spring), self.damping + omega * self.gyroscopic
+        stiffness, damping = self.held(spring, omega)
+        resisted = damping + omega * self.gyroscopic
         first_order = _first_order(stiffness, resisted)
         spin = -1.0 if omega < 0.0 else 1.0
         if self.nodes is None:
@@ -112,23 +119,43 @@ class LinearMotions:
         senses = np.where(whirls & (found.imag > 0.0), spin * np.sign(forward - backward), 0.0)
         return Motions(found, senses.astype(np.int8), seen | (len(self.nodes) == 0))
 
+    def eigenvalues(self, omega: float) -> ComplexValues:
+        """Return the eigenvalues without contact at a speed, but for 0."""
+        stiffness, damping = self.held(0.0, omega)
+        resisted = damping + omega * self.gyroscopic
+        found = _exact(np.linalg.eigvals(_first_order(stiffness, resisted)), stiffness, resisted)
+        return np.asarray(found[found != 0.0])
+
     def is_conservative(self) -> bool:
         """Return whether energy is kept, so that `synchronous_speeds` are critical speeds."""
         skew = self.stiffness - self.stiffness.conj().T
         rounded = ROUNDING * np.abs(self.stiffness).max(initial=0.0)
-        return not self.damping.any() and bool(np.abs(skew).max(initial=0.0) <= rounded)
+        return (
+            not self.films
+            and not self.damping.any()
+            and bool(np.abs(skew).max(initial=0.0) <= rounded)
+        )
 
-    def synchronous_speeds(self, spring: float, side: float) -> Values:
-        """Return the roots by which speeds of one sign are divided, in ascending order."""
-        stiffness, one = self.with_springs(spring), np.eye(len(self.stiffness))
+    def synchronous_speeds(self, spring: float, side: float, first: float, last: float) -> Values:
+        """Return the sizes of speeds of one sign, between two, by which they are divided.
+
+        They are the roots, and the knots of films: between these the roots with the coefficients
+        in the middle.
+        """
+        knots = np.sort(side * self.films.knots)
+        edges = [first, *knots[(knots > first) & (knots < last)].tolist(), last]
+        one = np.eye(len(self.stiffness))
         zero = np.zeros_like(one)
-        found = []
-        for sense in (1.0,) if self.nodes is not None else (1.0, -1.0):
-            inert = one - 1j * sense * self.gyroscopic
-            for damping in (zero, self.damping) if self.damping.any() else (zero,):
-                left = np.block([[zero, one], [-stiffness, -damping]])
-                roots = eigvals(left, np.block([[one, zero], [zero, inert]]))
-                found.append(side * sense * roots.imag[np.isfinite(roots)])
+        found = [np.array(edges[1:-1])]
+        for low, high in pairwise(edges):
+            stiffness, damped = self.held(spring, side * 0.5 * (low + high))
+            for sense in (1.0,) if self.nodes is not None else (1.0, -1.0):
+                inert = one - 1j * sense * self.gyroscopic
+                for damping in (zero, damped) if damped.any() else (zero,):
+                    left = np.block([[zero, one], [-stiffness, -damping]])
+                    roots = eigvals(left, np.block([[one, zero], [zero, inert]]))
+                    sizes = side * sense * roots.imag[np.isfinite(roots)]
+                    found.append(sizes[(sizes > low) & (sizes < high)])
         return np.sort(np.concatenate(found))
 
 
@@ -140,7 +167,9 @@ def linear_motions(assembly: Assembly) -> LinearMotions:
     except InputError:
         pass
     else:
-        return LinearMotions(forward.stiffness, forward.damping, forward.gyroscopic, forward.rows)
+        return LinearMotions(
+            forward.stiffness, forward.damping, forward.gyroscopic, forward.rows, forward.films
+        )
     found = canonical(assembly)
     zero = np.zeros_like(found.stiffness)
     return LinearMotions(
@@ -148,6 +177,7 @@ def linear_motions(assembly: Assembly) -> LinearMotions:
         damping=zero if found.damping is None else found.damping,
         gyroscopic=zero if found.gyroscopic is None else found.gyroscopic,
         rows=found.rows.reshape(-1, assembly.size),
+        films=found.films,
         nodes=np.concatenate([found.rows_in_y(assembly.node_rows()), found.rows]),
     )
 
@@ -168,8 +198,9 @@ def critical_speeds(
             turning = np.sort(np.abs(at(size).eigenvalues.imag))[::-1]
             return np.asarray(turning[:count] - size)
 
-        cells = _cells(motions, motions.synchronous_speeds(spring, side), gaps, first, last)
-        for size, number in _merged(_roots(gaps, cells)):
+        between = motions.synchronous_speeds(spring, side, first, last)
+        cells = _cells(motions, between, gaps, first, last)
+        for size, number in _merged(roots_of(gaps, cells)):
             here = at(size)
             nearest = np.argsort(np.abs(np.abs(here.eigenvalues.imag) - size))[:number]
             for i in nearest[here.seen[nearest]].tolist():
@@ -179,13 +210,12 @@ def critical_speeds(
 
 def _cells(
     motions: LinearMotions,
-    roots: Values,
+    inside: Values,
     gaps: Callable[[float], Values],
     first: float,
     last: float,
 ) -> list[float]:
     """Return speeds between which no gap vanishes twice."""
-    inside = roots[(roots > first) & (roots < last)]
     apart = np.diff(inside) > NEAR * inside[1:]
     middles = 0.5 * (inside[1:] + inside[:-1])[apart]
     edges = [first, *middles.tolist(), last]
@@ -220,8 +250,8 @@ def _refined(
     ]
 
 
-def _roots(gaps: Callable[[float], Values], cells: Sequence[float]) -> Iterator[float]:
-    """Yield where a gap vanishes."""
+def roots_of(gaps: Callable[[float], Values], cells: Sequence[float]) -> Iterator[float]:
+    """Yield where a gap vanishes, in ascending order of the cells."""
     for low, high in pairwise(cells):
         for number in np.flatnonzero((gaps(low) > 0.0) != (gaps(high) > 0.0)).tolist():
 
@@ -229,6 +259,34 @@ def _roots(gaps: Callable[[float], Values], cells: Sequence[float]) -> Iterator[
                 return float(gaps(size)[number])
 
             yield float(brentq(gap, low, high, xtol=1e-12 * high))
+
+
+def growth_thresholds(motions: LinearMotions, speeds: Values) -> Iterator[tuple[float, float]]:
+    """Yield the speeds at which the motion begins or ceases to grow, and its whirl speed there.
+
+    Neighbouring speeds, in ascending order, and knots of films between them must not have two
+    thresholds in between.
+    """
+    growth = cache(lambda speed: float(motions.eigenvalues(speed).real.max(initial=-np.inf)))
+    knots = motions.films.knots
+    inside = knots[(knots > speeds[0]) & (knots < speeds[-1])]
+    for low, high in pairwise(np.unique(np.concatenate([speeds, inside])).tolist()):
+        if (growth(low) > 0.0) != (growth(high) > 0.0):
+            speed = _threshold(growth, low, high)
+            found = motions.at(0.0, speed)
+            fastest = int(np.argmax(np.where(found.seen, found.eigenvalues.real, -np.inf)))
+            whirl_speed = abs(float(found.eigenvalues[fastest].imag))
+            yield speed, -whirl_speed if found.senses[fastest] < 0 else whirl_speed
+
+
+def _threshold(growth: Callable[[float], float], low: float, high: float) -> float:
+    """Return where a growth rate leaves or reaches the numbers above 0, between two speeds."""
+    if growth(low) * growth(high) < 0.0:
+        return float(brentq(growth, low, high, xtol=1e-13 * high))
+    grows = growth(low) > 0.0  # the other is 0 without damping
+    while high - low > 1e-13 * high and low < (middle := 0.5 * (low + high)) < high:
+        low, high = (middle, high) if (growth(middle) > 0.0) == grows else (low, middle)
+    return high
 
 
 def _merged(roots: Iterator[float]) -> Iterator[tuple[float, int]]:

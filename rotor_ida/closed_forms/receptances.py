@@ -85,9 +85,8 @@ def _forward(rows: Values) -> ComplexValues:
 def solved_motions(assembly: Assembly, speeds: Values, forces: ComplexValues) -> ComplexValues:
     """Return the motions by forces at speeds, shape (speed, n, force)."""
     omega = speeds[:, np.newaxis, np.newaxis]
-    dynamic = (assembly.stiffness - omega**2 * assembly.mass).astype(complex)
-    if assembly.damping is not None:
-        dynamic += 1j * omega * assembly.damping
+    dynamic = (assembly.stiffness_at(speeds) - omega**2 * assembly.mass).astype(complex)
+    dynamic += 1j * omega * assembly.damping_at(speeds)
     if assembly.gyroscopic is not None:
         dynamic += 1j * omega**2 * assembly.gyroscopic
     try:

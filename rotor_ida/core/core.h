@@ -38,7 +38,8 @@ enum status {
     RUNAWAY = 1010,     /* the torque lets the speed run away */
     SINGULAR = 1011,    /* of a system: no forces are determined that let its contacts roll */
     SPENT = 1012,       /* the run has taken as many steps as its caller allows */
-    UNBOUNDED = 1013    /* of a system: nothing bounds its motion, which grows */
+    UNBOUNDED = 1013,   /* of a system: nothing bounds its motion, which grows */
+    OUT_OF_TABLE = 1014 /* of a system: the speed leaves the table of a bearing */
 };
 
 /* How a speed changes up to a time. At its beginning a prescribed one is `speed`. */

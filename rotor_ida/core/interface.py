@@ -22,7 +22,7 @@ from rotor_ida.model.spinning import OF_DRIVE
 # How a call ended; the flags of SUNDIALS are negative.
 DONE = 0
 NOT_FINITE, NO_ROOT, STUCK, STOPPED, FULL, NO_SOLVER, FULL_INSIDE, UNBALANCED = range(1001, 1009)
-STALLED, RUNAWAY, SINGULAR, SPENT, UNBOUNDED = range(1009, 1014)
+STALLED, RUNAWAY, SINGULAR, SPENT, UNBOUNDED, OUT_OF_TABLE = range(1009, 1015)
 MESSAGES = {
     NOT_FINITE: "the state is no longer finite",
     NO_ROOT: "a step contains no root",
@@ -35,6 +35,7 @@ MESSAGES = {
     RUNAWAY: "the speed passed 1e+06: the torque lets it run away",
     SPENT: "the run needs more steps than it may take",
     UNBOUNDED: "the system is unstable: its motion passed 1e+30 clearances, and nothing bounds it",
+    OUT_OF_TABLE: "the torque drives the speed out of the table of a bearing",
     -1: "Could not reach endpoint after 'max_num_steps'.",
     -2: "Could not satisfy demanded accuracy for an internal step.",
     -3: "Error tests failed too many times, or reached min step size.",

@@ -64,6 +64,7 @@ struct work *open_work(struct system_run *run)
     work->stiffened = rows + 5 * block;
     work->both = rows + 6 * block;
     work->diagonal = diagonal_of(run, work->both + stride * stride);
+    work->bearings = open_bearings(run);
     for (int64_t i = 0; i < run->contact_count; i++) {
         struct touching *each = &work->touching[i];
         each->law = &run->laws[i];
@@ -100,7 +101,7 @@ void begin_system_piece(struct work *work)
 struct shape {
     int64_t size, stride, contacts;
     /* whether the speed is constant, nothing is implicit, and there are neither races that spin nor
-     * stators without mass nor contacts without clearance */
+     * stators without mass nor contacts without clearance nor bearings by a table */
     int is_plain;
 };
 
@@ -150,6 +151,7 @@ void begin_terms(struct work *work)
             work->rolling[work->rolls++] = (int)i;
     }
     work->moves = work->edge_count > 0;
+    begin_bearings(work);
 }
 
 /* ---- One order ---- */
@@ -314,6 +316,8 @@ COMPILED void accelerate(struct work *work, int n, struct shape shape)
         add_scaled(each->answers[n][ELEMENT_FORCE_X], each->rows, to, stride);
         add_scaled(each->answers[n][ELEMENT_FORCE_Y], each->rows + stride, to, stride);
     }
+    if (!shape.is_plain && run->bearing_count > 0)
+        push_by_bearings(work, n, to);
     for (int64_t i = size - run->massless; i < size && !shape.is_plain; i++)
         to[i] = 0.0; /* whose velocities follow from the forces */
     if (stride == 4) {
@@ -605,6 +609,7 @@ static struct shape shape_of(const struct work *work)
 {
     const struct system_run *run = work->run;
     int is_plain = !work->has_rate && work->rolls == 0 && run->massless == 0;
+    is_plain &= run->bearing_count == 0;
     for (int64_t i = 0; i < run->contact_count; i++)
         is_plain &= run->laws[i].inverse_race_inertia == 0.0 && run->laws[i].clearance > 0.0;
     return (struct shape){run->size, work->stride, run->contact_count, is_plain};
@@ -804,5 +809,6 @@ void move_system(struct work *work, double point)
     run->time = reached;
     if (!work->has_torque)
         turn_as_prescribed(run);
+    pass_knots(work, point);
     run->steps++;
 }

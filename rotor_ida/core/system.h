@@ -55,9 +55,10 @@ struct standstill {
 
 /* What a run has gained and lost so far: by the unbalance, to damping (with what gyroscopic
  * matrices that are not skew do, and the part of the stiffness that is skew), to the stiffness that
- * a changing speed adds, and to the contacts, normally and tangentially. */
+ * a changing speed adds, to the contacts, normally and tangentially, and to the bearings whose
+ * coefficients change with the speed. */
 struct ledger {
-    double unbalance, damping, stiffness_rate, normal, tangential;
+    double unbalance, damping, stiffness_rate, normal, tangential, bearings;
 };
 
 /* By how much the parts of a contact change with a parameter; its stiffness in parts of itself. */
@@ -78,6 +79,17 @@ struct parameter {
 struct extremum_of_place {
     double time, distance;
     int32_t place, kind;
+};
+
+/* A bearing or seal whose stiffness K and damping C change with the speed. From each knot to the
+ * next they are cubics in the speed, from the knot on: rows of K_xx K_xy C_xx C_xy K_yx K_yy C_yx
+ * C_yy, by the powers 0 to 3. */
+enum { BEARING_POWERS = 4, BEARING_ENTRIES = 8 };
+struct system_bearing {
+    const double *rows; /* 2: its displacement by the coordinates */
+    const double *knots, *cubics;
+    int64_t knot_count;
+    int64_t interval; /* in which the speed is; -1 or the last knot where it has left the table */
 };
 
 /* A place whose distance from a centre is observed. */
@@ -153,6 +165,9 @@ struct system_run {
     int64_t place_count;
     struct extremum_of_place *extrema;
     int64_t extremum_room, extremum_count;
+    struct system_bearing *bearings;
+    int64_t bearing_count;
+    double *bearing_room;
 };
 
 /* How many doubles a run needs to work in. */
@@ -161,6 +176,8 @@ CORE_API int64_t core_system_room(int64_t size, int64_t contacts);
 CORE_API int64_t core_system_column_room(int64_t size, int64_t contacts, int64_t columns);
 
 CORE_API int64_t core_system_cvode_room(int64_t size, int64_t contacts);
+
+CORE_API int64_t core_system_bearing_room(int64_t bearings, int64_t columns);
 
 /* Follow a run to its end, as `core_run` does. FULL: with more room it goes on from where it is. */
 CORE_API int core_system_run(struct system_run *run);

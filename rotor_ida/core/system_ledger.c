@@ -171,6 +171,21 @@ static void keep_episode(const struct work *work, const struct points *points,
     episode->slip_distance += each->touch->sense * summed(points->weight, slip);
 }
 
+/* What bearings whose coefficients change with the speed take. */
+static double lost_to_bearings(const struct work *work, const struct points *points)
+{
+    double lost = 0.0;
+    for (int64_t i = 0; i < work->run->bearing_count; i++) {
+        const struct bearing_terms *each = &work->bearings->each[i];
+        for (int j = 0; j < 2; j++) {
+            const struct values force = read(points, &each->force[0][j], 2, work->order);
+            const struct values rate = read(points, &each->motion[0][2 + j], 4, work->order);
+            lost -= summed(points->weight, times_each(force, rate));
+        }
+    }
+    return lost;
+}
+
 void keep_ledger(struct work *work, double point, double span)
 {
     struct system_run *run = work->run;
@@ -194,6 +209,7 @@ void keep_ledger(struct work *work, double point, double span)
         run->ledger.stiffness_rate += integral_of_power(
             work, &points, read(&points, work->spin_rate, 1, work->order), work->v,
             work->stiffened);
+    run->ledger.bearings += lost_to_bearings(work, &points);
     for (int64_t i = 0; i < run->contact_count; i++) {
         if (is_centred(&work->touching[i]))
             keep_centred(work, &work->touching[i], point);

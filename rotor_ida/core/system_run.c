@@ -198,15 +198,17 @@ static int is_unbounded(const struct system_run *run)
 /* Write the series of a step, and how long it is. */
 static int expand_step(struct work *work)
 {
-    if (leads(work))
-        return step_by_cvode(work);
+    if (leads(work)) {
+        const int status = step_by_cvode(work);
+        return status == DONE ? limit_to_knots(work) : status;
+    }
     work->order = (int)work->run->order;
     begin_terms(work);
     expand_system(work, work->order);
     if (work->is_singular)
         return SINGULAR;
     choose_step(work);
-    return isnan(work->step) ? NOT_FINITE : DONE;
+    return isnan(work->step) ? NOT_FINITE : limit_to_knots(work);
 }
 
 static int take_step(struct work *work, int *is_idle)

@@ -412,6 +412,30 @@ static void integrate(const struct work *work, const double *rates, double *to, 
         add_scaled(1.0 / (n + 1), &rates[n * apart], to, apart);
 }
 
+/* What a bearing does whose coefficients change with the speed. */
+static void push_columns_by_bearing(const struct work *work, int64_t number, int n, double *to)
+{
+    const struct system_run *run = work->run;
+    const struct columns *columns = columns_of(work);
+    const struct bearing_terms *bearing = &work->bearings->each[number];
+    const int64_t count = columns->count, apart = run->size * count;
+    const int64_t wide = ROWS_OF_BEARING * count;
+    const int last = n < work->bearings->degree ? n : work->bearings->degree;
+    const double *rows = run->bearings[number].rows;
+    double *motion = &bearing->columns[n * wide], *force = columns->right; /* written later */
+    for (int j = 0; j < 2; j++) {
+        project(run, rows + j * run->stride, &columns->y[n * apart], motion + j * count);
+        project(run, rows + j * run->stride, &columns->v[n * apart], motion + (2 + j) * count);
+    }
+    for (int j = 0; j < 2; j++) {
+        memset(force, 0, sizeof(double) * (size_t)count);
+        for (int k = 0; k < ROWS_OF_BEARING; k++)
+            add_all(-1.0, &bearing->entries[0][ROWS_OF_BEARING * j + k], BEARING_ENTRIES,
+                    motion + k * count, -wide, last + 1, force, count);
+        push_by(run, rows + j * run->stride, force, to);
+    }
+}
+
 /* What matrices do with coefficients n. */
 static void accelerate_columns(const struct work *work, int n, double *to)
 {
@@ -443,6 +467,8 @@ static void expand_all(struct work *work)
     for (int n = 0; n < work->order; n++) {
         double *to = &columns->acceleration[n * apart];
         accelerate_columns(work, n, to);
+        for (int64_t i = 0; i < run->bearing_count; i++)
+            push_columns_by_bearing(work, i, n, to);
         for (int64_t k = 0; k < run->parameter_count; k++)
             force_by_parameter(work, &run->parameters[k], n, to + run->first_of_parameters + k);
         for (int64_t i = 0; i < run->contact_count; i++) {

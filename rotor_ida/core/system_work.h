@@ -31,6 +31,24 @@ struct touching {
     double radius, inner;   /* without clearance: see system_centred.c */
 };
 
+/* The series of a bearing whose coefficients change with the speed. */
+enum { ROWS_OF_BEARING = 4 };
+struct bearing_terms {
+    double cubics[BEARING_POWERS][BEARING_ENTRIES]; /* about the speed at the beginning */
+    double entries[ORDERS][BEARING_ENTRIES];        /* its coefficients, up to the degree */
+    double motion[ORDERS][4];                       /* displacement and velocity */
+    double force[ORDERS][2];
+    double passed;   /* where the speed passes a knot */
+    int64_t next;    /* the interval from there */
+    double *columns; /* displacements and velocities of columns, 4 rows an order */
+};
+
+struct bearings {
+    double powers[BEARING_POWERS - 1][ORDERS]; /* of the excess of the speed */
+    int degree;                                /* of the coefficients */
+    struct bearing_terms *each;
+};
+
 struct work {
     struct system_run *run;
     int64_t stride;
@@ -56,6 +74,7 @@ struct work {
     double step;
     struct system_cvode *cvode; /* or NULL */
     int is_led;                 /* whether its interpolant gives the terms */
+    struct bearings *bearings;  /* or NULL */
     struct touching touching[MOST_CONTACTS];
 };
 
@@ -289,6 +308,15 @@ void sample_centred(const struct work *work, const struct touching *each, double
 void keep_centred(struct work *work, const struct touching *each, double point);
 /* Write the series of the square of its radius. */
 void write_square(const struct work *work, const struct touching *each, double *square);
+
+/* system_bearing.c: bearings whose coefficients change with the speed */
+struct bearings *open_bearings(const struct system_run *run);
+/* Begin their series at the speed of the run; let their forces, coefficient n, accelerate. */
+void begin_bearings(struct work *work);
+void push_by_bearings(struct work *work, int n, double *to);
+/* End a step where the speed passes a knot; and go on in the next interval. */
+int limit_to_knots(struct work *work);
+void pass_knots(struct work *work, double point);
 
 /* system_tangent.c: small changes of the motion */
 void open_columns(struct work *work);

@@ -18,8 +18,10 @@ from rotor_ida.core import library as found
 from rotor_ida.core import sundials
 from rotor_ida.core.interface import DONE, FULL, METHODS, pointer
 from rotor_ida.core.runs import NO_STOP, PIECE, Rows
+from rotor_ida.model.bearing import Bearing, Films
 
 FIRST_ROOM = 256
+NO_FILMS = Films((), np.zeros((0, 2, 0)))
 LANES_A_VECTOR = 4
 # A skew part of a stiffness below this part of it is rounding.
 SYMMETRIC = 1e-12
@@ -67,7 +69,7 @@ EXTREMUM_OF_PLACE = np.dtype(
     [("time", np.float64), ("distance", np.float64), ("place", np.int32), ("kind", np.int32)]
 )
 PLACE = np.dtype([("centre", np.float64, 2), ("sign", np.float64), ("last", EXTREMUM_OF_PLACE)])
-LEDGER = ("unbalance", "damping", "stiffness_rate", "normal", "tangential")
+LEDGER = ("unbalance", "damping", "stiffness_rate", "normal", "tangential", "bearings")
 
 
 class Standstill(NamedTuple):
@@ -133,7 +135,19 @@ class SystemRunStruct(Structure):
         ("place_count", c_int64),
         ("extrema", c_void_p),
         *((name, c_int64) for name in ("extremum_room", "extremum_count")),
+        ("bearings", c_void_p),
+        ("bearing_count", c_int64),
+        ("bearing_room", c_void_p),
     ]  # fmt: skip
+
+
+class _BearingStruct(Structure):
+    """``struct system_bearing``."""
+
+    _fields_ = [
+        *((name, c_void_p) for name in ("rows", "knots", "cubics")),
+        *((name, c_int64) for name in ("knot_count", "interval")),
+    ]
 
 
 class _ParameterStruct(Structure):
@@ -255,6 +269,8 @@ class SystemRequest:
         Solver while a contact touches. Flight, a linear motion, is always by Taylor series.
     places : Places, optional
         Of which the extrema of the distances are wanted.
+    films : Films, optional
+        Bearings whose coefficients depend on the speed.
     """
 
     stiffness: Values
@@ -286,6 +302,7 @@ class SystemRequest:
     watched: Values | None = None
     method: str = "taylor"
     places: Places | None = None
+    films: Films = NO_FILMS
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -385,6 +402,8 @@ def _library() -> ctypes.CDLL:
     core.core_system_cvode_room.argtypes = [c_int64, c_int64]
     core.core_system_column_room.restype = c_int64
     core.core_system_column_room.argtypes = [c_int64, c_int64, c_int64]
+    core.core_system_bearing_room.restype = c_int64
+    core.core_system_bearing_room.argtypes = [c_int64, c_int64]
     core.core_system_run.restype = c_int
     core.core_system_run.argtypes = [ctypes.POINTER(SystemRunStruct)]
     return core
@@ -507,6 +526,14 @@ class _Run:
             self.struct.cvode_room = self.filled(np.zeros(room))
         self.columns = self.changes(core, request)
         self.tables.put(self.struct)
+        if request.films:
+            each = zip(request.films.bearings, request.films.rows, strict=True)
+            found = [self.bearing(bearing, rows, request) for bearing, rows in each]
+            self.kept_bearings = (_BearingStruct * len(found))(*found)
+            self.struct.bearings = ctypes.cast(self.kept_bearings, c_void_p)
+            self.struct.bearing_count = len(found)
+            room = core.core_system_bearing_room(len(found), beside)
+            self.struct.bearing_room = self.filled(np.zeros(room))
 
     def read(self, values: npt.NDArray[Any]) -> c_void_p:
         """Keep an array that the core reads, and return its address."""
@@ -557,6 +584,20 @@ class _Run:
             )
             self.struct.parameters = ctypes.cast(self.kept_structs, c_void_p)
         return beside[:, : len(changes)]
+
+    def bearing(self, bearing: Bearing, rows: Values, request: SystemRequest) -> _BearingStruct:
+        """Return a bearing in the form that the core expects, at the first speed."""
+        knots, first = bearing.knots, request.pieces[0]
+        speed = request.speed if first["inverse_inertia"] else first["speed"]
+        interval = int(np.searchsorted(knots, speed, side="right")) - 1
+        # powers from the highest, interval, row, column: from 0, by interval, row by row
+        both = (bearing.stiffness_cubics, bearing.damping_cubics)
+        cubics = np.concatenate(both, axis=3)[::-1].transpose(1, 0, 2, 3)
+        return _BearingStruct(
+            self.read(self.wide(rows)), self.read(np.ascontiguousarray(knots)),
+            self.read(np.ascontiguousarray(cubics)), knots.size,
+            min(max(interval, 0), knots.size - 2),
+        )  # fmt: skip
 
     def parameter(self, by: ByParameter) -> _ParameterStruct:
         """Return what a parameter changes, in the form that the core expects."""

@@ -342,7 +342,7 @@ def labelled_cycles(
         numbers = {name: ((), value) for name, value in disc_of(flow).given.items()}
         coordinates = numbers | coordinates | multipliers
         return labelled_dataset(title, variables, coordinates, attributes, kind=kind)
-    assembly = flow.problem.assembly
+    assembly = flow.assembly
     held: dict[str, Any] = dict(described_problem(assembly))
     if OF_CONTACTS in variables:  # the clearance is what varies
         del held["clearance"]

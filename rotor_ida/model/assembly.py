@@ -7,13 +7,14 @@ so that one tolerance serves for all, and energies are sums of squares.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from scipy.linalg import block_diag, cholesky
 from scipy.linalg.blas import dtrsm
 
 from rotor_ida.arrays import Values
+from rotor_ida.model.bearing import Films
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.supports import levitated_system
 from rotor_ida.model.system_parts import Contact, Race, Stator, stators_of
@@ -27,11 +28,13 @@ class Assembly:
     ----------
     system : RotorSystem
         The rotor, with its supports in its matrices.
+    films : Films
+        The bearings whose coefficients depend on the speed; none at a held speed.
     stators : tuple of Stator
         The stators that move, each with two degrees of freedom behind those of the rotor; those
         without mass come last.
     mass, damping, gyroscopic, stiffness, stiffness_rate : ndarray, shape (n, n)
-        Matrices of rotor and stators; None where there are none.
+        Matrices of rotor and stators without the films; None where there are none.
     rows : ndarray, shape (contact, 2, n)
         Displacements of the contacts by q.
     unbalance : ndarray, shape (2, n)
@@ -57,6 +60,26 @@ class Assembly:
     force: Values
     gravity: Values
     weight: tuple[float, float]
+    films: Films
+
+    def at(self, speed: float) -> Assembly:
+        """Return the assembly at a speed, with its films in the matrices; InputError outside."""
+        if not self.films:
+            return self
+        system = self.system.at(speed)
+        return replace(
+            self, system=system, stiffness=self.stiffness_at(speed),
+            damping=self.damping_at(speed), films=Films((), self.films.rows[:0]),
+        )  # fmt: skip
+
+    def stiffness_at(self, speeds: Values | float) -> Values:
+        """Return the stiffness at speeds, shape (..., n, n), or at all, shape (n, n)."""
+        return self.films.joined(self.stiffness, "stiffness", speeds)
+
+    def damping_at(self, speeds: Values | float) -> Values:
+        """Return the damping at speeds, shape (..., n, n), or at all, shape (n, n)."""
+        own = np.zeros_like(self.mass) if self.damping is None else self.damping
+        return self.films.joined(own, "damping", speeds)
 
     @property
     def contacts(self) -> Sequence[Contact]:
@@ -114,7 +137,7 @@ class Canonical:
         Cholesky's factor L of the mass matrix, with the damping of stators without mass.
     massless : int
         How many of the coordinates, the last, are of stators without mass.
-    stiffness, damping, gyroscopic, stiffness_rate, rows, unbalance, force
+    stiffness, damping, gyroscopic, stiffness_rate, rows, unbalance, force, films
         As in `Assembly`.
     """
 
@@ -127,6 +150,16 @@ class Canonical:
     rows: Values
     unbalance: Values
     force: Values
+    films: Films
+
+    def stiffness_at(self, speed: float) -> Values:
+        """Return the stiffness at a speed."""
+        return self.films.joined(self.stiffness, "stiffness", speed)
+
+    def damping_at(self, speed: float) -> Values:
+        """Return the damping at a speed."""
+        own = np.zeros_like(self.stiffness) if self.damping is None else self.damping
+        return self.films.joined(own, "damping", speed)
 
     def to_q(self, values: Values) -> Values:
         """Return q for rows of y, or its velocity."""
@@ -146,20 +179,36 @@ class Canonical:
         """Return a matrix that applies to y for one that applies to q."""
         return _solved(self.factor, _solved(self.factor, matrix).T).T
 
+    def at(self, speed: float) -> Canonical:
+        """Return the same at a speed, with the coefficients of its films in its matrices."""
+        if not self.films:
+            return self
+        return replace(
+            self, stiffness=self.stiffness_at(speed), damping=self.damping_at(speed),
+            films=Films((), self.films.rows[:0]),
+        )  # fmt: skip
 
-def assemble(system: RotorSystem) -> Assembly:
-    """Return a rotor system joined with its supports, stators, contacts and forces."""
-    system = levitated_system(system)
+
+def assemble(system: RotorSystem, *, speeds: Values | None = None) -> Assembly:
+    """Return a rotor system joined with its supports, bearings, stators, contacts and forces.
+
+    Bearings whose coefficients depend on the speed are its films. The speeds, if given, must lie
+    within their tables.
+    """
+    if speeds is not None:
+        system.check_speeds(speeds)
+    system = levitated_system(system, None if speeds is None else float(speeds[0]))
     stators = stators_of(system.contacts)
     size = system.size + 2 * len(stators)
     rows = np.zeros((len(system.contacts), 2, size))
-    for number, each in enumerate(system.contacts):
-        rows[number, :, : system.size] = system.rows(each.node)
-        if isinstance(each.stator, str):
-            rows[number, :, : system.size] -= system.rows(each.stator)
-        elif each.stator is not None:
-            place = system.size + 2 * stators.index(each.stator)
+    for number, contact in enumerate(system.contacts):
+        rows[number, :, : system.size] = system.rows_between(contact)
+        if isinstance(contact.stator, Stator):
+            place = system.size + 2 * stators.index(contact.stator)
             rows[number, :, place : place + 2] = -np.eye(2)
+    of_films = np.zeros((len(system.bearings), 2, size))
+    for number, bearing in enumerate(system.bearings):
+        of_films[number, :, : system.size] = system.rows_between(bearing)
     mass, stiffness = (_joined(system, stators, name) for name in ("mass", "stiffness"))
     pull = np.zeros(2) if system.gravity is None else np.array(system.gravity)
     if system.static_force is not None and system.gravity_in_static_force is not None:
@@ -172,7 +221,7 @@ def assemble(system: RotorSystem) -> Assembly:
         system=system,
         stators=stators,
         rows=rows,
-        unbalance=_unbalance(system, size),
+        unbalance=unbalance_of(system, size),
         force=_force(system, stators, mass),
         gravity=pull,
         weight=(float(turned.imag), float(turned.real)),
@@ -181,6 +230,7 @@ def assemble(system: RotorSystem) -> Assembly:
         damping=_joined(system, stators, "damping"),
         gyroscopic=_joined(system, stators, "gyroscopic"),
         stiffness_rate=_joined(system, stators, "stiffness_rate"),
+        films=Films(tuple(system.bearings), of_films),
     )
 
 
@@ -196,9 +246,11 @@ def canonical(assembly: Assembly) -> Canonical:
     def of_matrix(matrix: Values | None) -> Values | None:
         return None if matrix is None else _solved(factor, _solved(factor, matrix).T).T
 
+    def in_y(rows: Values) -> Values:
+        return _solved(factor, rows.reshape(-1, assembly.size).T).T.reshape(rows.shape)
+
     stiffness = of_matrix(assembly.stiffness)
     assert stiffness is not None
-    size = assembly.size
     return Canonical(
         factor=factor,
         massless=held,
@@ -206,7 +258,8 @@ def canonical(assembly: Assembly) -> Canonical:
         damping=of_matrix(assembly.damping),
         gyroscopic=of_matrix(assembly.gyroscopic),
         stiffness_rate=of_matrix(assembly.stiffness_rate),
-        rows=_solved(factor, assembly.rows.reshape(-1, size).T).T.reshape(assembly.rows.shape),
+        rows=in_y(assembly.rows),
+        films=Films(assembly.films.bearings, in_y(assembly.films.rows)),
         unbalance=_solved(factor, assembly.unbalance.T).T,
         force=_solved(factor, assembly.force[:, np.newaxis])[:, 0],
     )
@@ -234,7 +287,7 @@ def _joined(system: RotorSystem, stators: Sequence[Stator], name: str) -> Values
     return np.asarray(block_diag(np.zeros_like(system.mass) if own is None else own, *mounts))
 
 
-def _unbalance(system: RotorSystem, size: int) -> Values:
+def unbalance_of(system: RotorSystem, size: int) -> Values:
     """Return the force of all unbalance over the square of the speed."""
     both = np.zeros((2, size))
     for each in system.unbalance:

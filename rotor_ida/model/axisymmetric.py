@@ -22,6 +22,7 @@ from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.assembly import Assembly, Canonical, canonical
+from rotor_ida.model.bearing import Films
 from rotor_ida.model.system_parts import Stator
 
 # Two squares of frequencies are one where they differ by less than these parts of themselves and of
@@ -55,6 +56,8 @@ class ForwardMotions:
         The motions in coordinates with a unit mass matrix, orthonormal.
     shapes : ndarray of complex, shape (N, n)
         Coordinates of each motion: ``q = sqrt(2) Re(shapes p)``.
+    films : Films
+        The bearings whose coefficients depend on the speed, which `stiffness` and `damping` lack.
     """
 
     stiffness: ComplexValues
@@ -63,6 +66,15 @@ class ForwardMotions:
     rows: ComplexValues
     basis: ComplexValues
     shapes: ComplexValues
+    films: Films
+
+    def stiffness_at(self, speeds: Values | float) -> ComplexValues:
+        """Return the stiffness at speeds, shape (..., n, n), or at all, shape (n, n)."""
+        return self.films.joined(self.stiffness, "stiffness", speeds)
+
+    def damping_at(self, speeds: Values | float) -> ComplexValues:
+        """Return the damping at speeds, shape (..., n, n), or at all, shape (n, n)."""
+        return self.films.joined(self.damping, "damping", speeds)
 
     @property
     def size(self) -> int:
@@ -122,7 +134,8 @@ def forward_motions(assembly: Assembly) -> ForwardMotions:
     Examples
     --------
     >>> from rotor_ida import RotorSystem
-    >>> from rotor_ida.model.assembly import assemble
+    >>> from rotor_ida.model.bearing import Films
+    from rotor_ida.model.assembly import assemble
     >>> system = RotorSystem(mass=np.eye(2), stiffness=4 * np.eye(2), nodes={"disc": (0, 1)})
     >>> forward_motions(assemble(system)).stiffness.real
     array([[4.]])
@@ -137,9 +150,15 @@ def forward_motions(assembly: Assembly) -> ForwardMotions:
         sizes = np.sqrt(np.abs(basis.conj().T @ (matrix @ matrix.T) @ basis).diagonal())
         if (across > ROUNDED * np.sqrt(np.outer(sizes, sizes))).any():
             _refuse(name)
+    for each in found.films.bearings:
+        if not each.is_isotropic:
+            _refuse(f"table of the bearing at {shown(each.node)}")
     rows = found.rows[:, 0] + 1j * found.rows[:, 1]
+    films = Films(found.films.bearings, found.films.rows @ basis)
     shapes = np.asarray(solve_triangular(found.factor, basis, lower=True, trans=1))
-    return ForwardMotions(rows=rows @ basis / np.sqrt(2.0), basis=basis, shapes=shapes, **reduced)
+    return ForwardMotions(
+        rows=rows @ basis / np.sqrt(2.0), basis=basis, shapes=shapes, films=films, **reduced
+    )
 
 
 def _matrices(found: Canonical) -> dict[str, Values]:

@@ -27,12 +27,12 @@ def rates_of(found: Canonical, speed: float) -> ComplexValues:
     """Return the eigenvalues of the motion without contact at a speed."""
     inert = len(found.stiffness) - found.massless
     first_order = np.eye(2 * inert, k=inert)
-    first_order[inert:, :inert] = -found.stiffness[:inert, :inert]
-    if found.damping is not None:
-        first_order[inert:, inert:] -= found.damping[:inert, :inert]
+    stiffness = found.stiffness_at(speed)
+    first_order[inert:, :inert] = -stiffness[:inert, :inert]
+    first_order[inert:, inert:] -= found.damping_at(speed)[:inert, :inert]
     if found.gyroscopic is not None:
         first_order[inert:, inert:] -= speed * found.gyroscopic[:inert, :inert]
-    relaxing = -np.diag(found.stiffness)[inert:]  # stators without mass
+    relaxing = -np.diag(stiffness)[inert:]  # stators without mass
     return np.concatenate([np.linalg.eigvals(first_order), relaxing])
 
 

@@ -20,7 +20,9 @@ from scipy.linalg import eigh, lu_factor, lu_solve
 from rotor_ida.arrays import Flags, Values
 from rotor_ida.checks import check_count, shown
 from rotor_ida.errors import InputError
+from rotor_ida.model.bearing import Bearing
 from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.model.system_parts import Contact
 
 # A stiffness whose smallest eigenvalue is below this part of the largest has free motions.
 FREE = 1e-12
@@ -46,13 +48,14 @@ def reduced_system(
         such as those of torsion and along the axis, do not count.
     keep : sequence of str, optional
         Nodes whose static flexibility is kept: two coordinates more for each. Default: those of the
-        contacts.
+        contacts, and of bearings whose coefficients depend on the speed, for which the modes are
+        those in the middle of the tables.
 
     Returns
     -------
     RotorSystem
-        With a unit mass matrix, and nodes by rows; with the same contacts, unbalance, supports and
-        gravity.
+        With a unit mass matrix, and nodes by rows; with the same contacts, unbalance, supports,
+        bearings and gravity.
 
     Raises
     ------
@@ -76,14 +79,21 @@ def reduced_system(
 
 def reduced_basis(system: RotorSystem, *, modes: int, keep: Sequence[str] | None = None) -> Values:
     """Return the directions that `reduced_system` keeps, shape (n, k), orthonormal by the mass."""
+    films = [each for each in system.bearings if each.varies]
     if keep is None:
-        touched = [each.node for each in system.contacts]
-        touched += [each.stator for each in system.contacts if isinstance(each.stator, str)]
+        joints: list[Contact | Bearing] = [*system.contacts, *films]
+        touched = [each.node for each in joints]
+        touched += [each.stator for each in joints if isinstance(each.stator, str)]
         keep = list(dict.fromkeys(touched))
     if isinstance(keep, str) or not all(isinstance(each, str) for each in keep):
         raise InputError(f"keep must be a list of names of nodes, got {shown(keep)}")
     count = check_count("modes", modes, minimum=0, maximum=system.size)
-    symmetric = 0.5 * (system.stiffness + system.stiffness.T)
+    stiffness = system.stiffness
+    if films:
+        tables = [each.knots for each in films]
+        middle = 0.5 * (max(each[0] for each in tables) + min(each[-1] for each in tables))
+        stiffness = system.at(middle).stiffness
+    symmetric = 0.5 * (stiffness + stiffness.T)
     if count + 2 * len(keep) == 0:
         raise InputError("modes must be at least 1 where no node is kept, got 0")
     squares, shapes = eigh(symmetric, system.mass)
@@ -94,7 +104,7 @@ def reduced_basis(system: RotorSystem, *, modes: int, keep: Sequence[str] | None
             bending = squares[squares > FREE * squares[-1]]
             shift = float(bending[0]) if bending.size else 1.0
         rows = np.concatenate([system.rows(name) for name in keep])
-        factors = lu_factor(system.stiffness + shift * system.mass)
+        factors = lu_factor(stiffness + shift * system.mass)
         basis = _joined(basis, lu_solve(factors, rows.T), system.mass)
     return np.asarray(basis)
 
@@ -135,7 +145,8 @@ def in_basis(system: RotorSystem, basis: Values) -> RotorSystem:
         gyroscopic=gyroscopic, stiffness_rate=small(system.stiffness_rate),
         nodes={name: system.rows(name) @ basis for name in system.nodes},
         translations=translations, contacts=system.contacts, unbalance=system.unbalance,
-        supports=system.supports, gravity=system.gravity, static_force=force,
+        supports=system.supports, bearings=system.bearings,
+        gravity=system.gravity, static_force=force,
         gravity_in_static_force=system.gravity_in_static_force, positions=system.positions,
         units=system.units, added_mass=small(system.added_mass), note=system.note,
     )  # fmt: skip

@@ -25,6 +25,7 @@ from rotor_ida.checks import (
     shown,
 )
 from rotor_ida.errors import InputError
+from rotor_ida.model.bearing import Bearing
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.scales import errors_in_units
 from rotor_ida.model.system_parts import (
@@ -54,6 +55,7 @@ class SystemParameters(TypedDict, total=False):
     contacts: Sequence[Contact]
     unbalance: Sequence[Unbalance]
     supports: Sequence[Support]
+    bearings: Sequence[Bearing]
     gravity: tuple[float, float] | None
     static_force: npt.ArrayLike | None
 
@@ -83,6 +85,8 @@ class RotorSystem:
         Its unbalance; at time 0 an unbalance of phase 0 points along x.
     supports : sequence of Support
         Its magnetic bearings, at different nodes.
+    bearings : sequence of Bearing
+        Bearings and seals by their coefficients, in addition to those in the matrices.
     gravity : (float, float), optional
         Acceleration of gravity along x and y. Default: none.
     static_force : array_like, shape (n,), optional
@@ -126,6 +130,7 @@ class RotorSystem:
     contacts: Sequence[Contact] = ()
     unbalance: Sequence[Unbalance] = ()
     supports: Sequence[Support] = ()
+    bearings: Sequence[Bearing] = ()
     gravity: tuple[float, float] | None = None
     static_force: Values | None = None
     gravity_in_static_force: tuple[float, float] | None = None
@@ -178,11 +183,12 @@ class RotorSystem:
                 object.__setattr__(self, "positions", _positions(self.positions, self.nodes))
 
     def _check_parts(self) -> None:
-        """Keep contacts, unbalance and supports as tuples; their nodes must be those here."""
-        found: dict[str, tuple[Contact | Unbalance | Support, ...]] = {
+        """Keep contacts, bearings and the like as tuples; their nodes must be those here."""
+        found: dict[str, tuple[Contact | Unbalance | Support | Bearing, ...]] = {
             "contacts": check_list("contacts", self.contacts, Contact),
             "unbalance": check_list("unbalance", self.unbalance, Unbalance),
             "supports": check_list("supports", self.supports, Support),
+            "bearings": check_list("bearings", self.bearings, Bearing),
         }
         for name, parts in found.items():
             for each in parts:
@@ -190,15 +196,13 @@ class RotorSystem:
             object.__setattr__(self, name, parts)
         with errors_in_units(self.units):
             check_contacts(self.contacts)
-        for each in self.contacts:
-            if (
-                isinstance(each.stator, str)
-                and not (self.rows(each.node) - self.rows(each.stator)).any()
-            ):
-                raise InputError(
-                    f"stator of the contact at {shown(each.node)} must be another node, "
-                    f"got {shown(each.stator)}"
-                )
+        for kind, joints in (("contact", self.contacts), ("bearing", self.bearings)):
+            for joint in joints:
+                if isinstance(joint.stator, str) and not self.rows_between(joint).any():
+                    raise InputError(
+                        f"stator of the {kind} at {shown(joint.node)} must be another node, "
+                        f"got {shown(joint.stator)}"
+                    )
         held = [each.node for each in self.supports]
         twice = [node for node in held if held.count(node) > 1]
         if twice:
@@ -225,6 +229,46 @@ class RotorSystem:
         if isinstance(given, tuple):
             return np.eye(self.size)[list(given)]
         return np.asarray(given)
+
+    def rows_between(self, joint: Contact | Bearing) -> Values:
+        """Return the rows of a node less those of the node that is its stator, shape (2, n)."""
+        rows = self.rows(joint.node)
+        return rows - self.rows(joint.stator) if isinstance(joint.stator, str) else rows
+
+    def at(self, speed: float) -> RotorSystem:
+        """Return the system at a speed: with its bearings' coefficients there in its matrices.
+
+        Raises
+        ------
+        InputError
+            If the speed is outside the table of a bearing.
+
+        Examples
+        --------
+        >>> film = Bearing(node="disc", speed=[0.0, 10.0], stiffness=[2.0, 4.0])
+        >>> system = RotorSystem(mass=np.eye(2), stiffness=np.zeros((2, 2)),
+        ...                      nodes={"disc": (0, 1)}, bearings=[film])
+        >>> system.at(5.0).stiffness.tolist(), system.at(5.0).bearings
+        ([[3.0, 0.0], [0.0, 3.0]], ())
+        """
+        if not self.bearings:
+            return self
+        self.check_speeds(np.array([check_real("speed", speed)]))
+        stiffness = self.stiffness.copy()
+        damping = np.zeros_like(stiffness) if self.damping is None else self.damping.copy()
+        for each in self.bearings:
+            rows = self.rows_between(each)
+            own = each.at(speed)
+            stiffness += rows.T @ own[0] @ rows
+            damping += rows.T @ own[1] @ rows
+        damped = damping if damping.any() else None
+        return replace(self, stiffness=stiffness, damping=damped, bearings=())
+
+    def check_speeds(self, speeds: Values) -> None:
+        """Refuse speeds outside the table of a bearing."""
+        with errors_in_units(self.units):
+            for each in self.bearings:
+                each.check(speeds)
 
     def unit_translations(self) -> Values:
         """Return the coordinates of unit translations along x and y, shape (n, 2)."""

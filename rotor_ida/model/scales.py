@@ -44,6 +44,7 @@ _UNITS_OF_SYSTEMS = {
     **dict.fromkeys(("limits", "fastest"), "rad s-1"),
     **dict.fromkeys(("stiffness of a stator", "stiffness of the support"), "N m-1"),
     **dict.fromkeys(("stiffness of the stator", "contact_stiffness"), "N m-1"),
+    "stiffness of the bearing": "N m-1", "damping of the bearing": "N s m-1",
     "damping of the contact": "s m-1", "mass": "kg", "moment": "kg m", "drag": "N m s",
     "gravity": "m s-2", "the rate of speeds": "rad s-2", "times of speeds": "s",
 }  # fmt: skip

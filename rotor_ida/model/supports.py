@@ -32,11 +32,17 @@ def with_supports(system: RotorSystem, supports: Sequence[Support]) -> RotorSyst
     return replace(system, stiffness=stiffness, damping=damped, supports=())
 
 
-def levitated_system(system: RotorSystem) -> RotorSystem:
+def levitated_system(system: RotorSystem, speed: float | None = None) -> RotorSystem:
     """Return a system whose supports are in its matrices, with the static loads that they carry.
 
-    Its static force leaves the weight out, which gravity adds in a run.
+    Its static force leaves the weight out, which gravity adds in a run. Constant bearings are in
+    its matrices too; those that are left depend on the speed, and help the supports to carry the
+    loads with their coefficients at a `speed`, if one is given.
     """
+    varying = tuple(each for each in system.bearings if each.varies)
+    if len(varying) < len(system.bearings):
+        constant = [each for each in system.bearings if not each.varies]
+        system = replace(replace(system, bearings=constant).at(0.0), bearings=varying)
     if not system.supports:
         return system
     held = with_supports(system, system.supports)
@@ -48,7 +54,8 @@ def levitated_system(system: RotorSystem) -> RotorSystem:
         return held
     rows = np.concatenate([system.rows(each.node) for each in system.supports])
     carried = own.copy()
-    carried[: system.size] += rows.T @ held_at_centre(held.stiffness, force, rows)[1]
+    stiffness = held.stiffness if speed is None else held.at(speed).stiffness
+    carried[: system.size] += rows.T @ held_at_centre(stiffness, force, rows)[1]
     return replace(held, static_force=carried)
 
 

@@ -9,6 +9,7 @@ from typing import Any, TypedDict
 import numpy.typing as npt
 
 from rotor_ida.errors import InputError
+from rotor_ida.model.bearing import Bearing
 from rotor_ida.model.parameters import Parameters
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.supports import levitated_system
@@ -46,11 +47,11 @@ class SystemParameter:
 
 PARAMETERS_OF_SYSTEM = {
     "damping": SystemParameter(
-        number="damping", meaning="factor of the damping of rotor and supports",
+        number="damping", meaning="factor of the damping of rotor, supports and bearings",
         label="damping factor",
     ),
     "stiffness": SystemParameter(
-        number="stiffness", meaning="factor of the stiffness of rotor and supports",
+        number="stiffness", meaning="factor of the stiffness of rotor, supports and bearings",
         label="stiffness factor",
     ),
     "clearance": SystemParameter(
@@ -85,6 +86,7 @@ class _OfSystem(TypedDict, total=False):
     contacts: Sequence[Contact]
     unbalance: Sequence[Unbalance] | npt.ArrayLike
     supports: Sequence[Support]
+    bearings: Sequence[Bearing]
     gravity: tuple[float, float] | None
     static_force: npt.ArrayLike | None
     damping: npt.ArrayLike
@@ -123,7 +125,8 @@ def parameter_of(system: RotorSystem, name: str) -> float:
         if not values:
             raise InputError(f"{name} must be left out, as the system has no {known.parts}")
         return float(max(values))
-    if getattr(levitated_system(system), known.number) is None:
+    system = levitated_system(system)
+    if getattr(system, known.number) is None and not system.bearings:
         raise InputError(f"{name} must be left out, as the system has no {known.number} matrix")
     return 1.0
 
@@ -151,7 +154,10 @@ def with_parameters(system: RotorSystem, values: Mapping[str, float]) -> RotorSy
         if not known.parts:
             system = levitated_system(system)
             matrix = getattr(system, known.number)
-            changed: dict[str, Any] = {known.number: value * matrix}
+            films = [replace(each, **{known.number: value * getattr(each, known.number)})
+                     for each in system.bearings]  # fmt: skip
+            scaled = None if matrix is None else value * matrix
+            changed: dict[str, Any] = {known.number: scaled, "bearings": films}
         else:
             changed = {known.parts: [
                 replace(part, **{known.number: value * _ratio(getattr(part, known.number), own)})

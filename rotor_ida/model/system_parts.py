@@ -143,7 +143,7 @@ class Contact:
     race: Race | None = None
 
     def __post_init__(self) -> None:
-        where = f"of the contact at {_node(self.node)}"
+        where = f"of the contact at {named_node(self.node)}"
         for name, check in (
             ("clearance", _clearance), ("stiffness", _positive), ("damping", _nonnegative),
             ("friction", _nonnegative),
@@ -216,7 +216,7 @@ class Unbalance:
     phase: float = 0.0
 
     def __post_init__(self) -> None:
-        where = f"of the unbalance at {_node(self.node)}"
+        where = f"of the unbalance at {named_node(self.node)}"
         object.__setattr__(self, "moment", _nonnegative(f"moment {where}", self.moment))
         object.__setattr__(self, "phase", check_real(f"phase {where}", self.phase))
         if not math.isfinite(self.phase):
@@ -248,16 +248,16 @@ class Support:
     damping: float | tuple[float, float] = 0.0
 
     def __post_init__(self) -> None:
-        where = f"of the support at {_node(self.node)}"
+        where = f"of the support at {named_node(self.node)}"
         for name in ("stiffness", "damping"):
             object.__setattr__(self, name, _along_both(f"{name} {where}", getattr(self, name)))
 
 
-Part = TypeVar("Part", Contact, Unbalance, Support)
+Part = TypeVar("Part")
 
 
 def check_list(name: str, given: object, kind: type[Part]) -> tuple[Part, ...]:
-    """Return a list of contacts, unbalance or supports as a tuple."""
+    """Return a list of parts, such as contacts, as a tuple."""
     if isinstance(given, kind) or not isinstance(given, Sequence):
         raise InputError(f"{name} must be a list of {kind.__name__}, got {shown(given)}")
     return tuple(check_instance(name, each, kind) for each in given)
@@ -350,7 +350,7 @@ def _nonnegative(name: str, value: object) -> float:
     return check_nonnegative(name, value, LARGEST)
 
 
-def _node(name: object) -> str:
+def named_node(name: object) -> str:
     """Return the name of a node as messages show it."""
     if not isinstance(name, str):
         raise InputError(f"node must be the name of a node, got {shown(name)}")

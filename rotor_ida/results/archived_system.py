@@ -16,6 +16,7 @@ import xarray as xr
 from rotor_ida.arrays import Column, Values
 from rotor_ida.errors import InputError
 from rotor_ida.model.assembly import Assembly
+from rotor_ida.model.bearing import Bearing
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Race, Stator, Unbalance
 from rotor_ida.results.question import DESIGN, Question
@@ -24,6 +25,7 @@ from rotor_ida.results.si_units import NOTE
 MATRICES = ("mass", "damping", "gyroscopic", "stiffness", "stiffness_rate")
 LAW = ("stiffness", "exponent", "damping", "friction", "radius")
 OF_RACE = ("radius", "inertia", "drag", "speed")
+OF_BEARING = ("speed", "stiffness", "damping")
 OF_STATOR = {"mass": ("stator",), "stiffness": ("stator", "axis"), "damping": ("stator", "axis")}
 NEEDED = (
     *("mass_matrix", "stiffness_matrix", "node_rows", "constant_force", "start_state"),
@@ -67,7 +69,7 @@ def problem_variables(assembly: Assembly, start: Values | None = None) -> dict[s
         found["gravity"] = ("axis", assembly.gravity)
     if start is not None:
         found[START] = ("coordinate", start.ravel())
-    found |= _contacts(assembly)
+    found |= _bearings(system.bearings) | _contacts(assembly)
     for name, dims in OF_STATOR.items():
         values = np.array([getattr(each, name) for each in assembly.stators], float)
         found[f"stator_{name}"] = (dims, values.reshape(-1, *(2,) * (len(dims) - 1)))
@@ -75,6 +77,34 @@ def problem_variables(assembly: Assembly, start: Values | None = None) -> dict[s
     for name in ("moment", "phase"):
         values = np.array([getattr(each, name) for each in unbalance], float)
         found[f"unbalance_{name}"] = ("unbalance", values)
+    return found
+
+
+def _bearings(bearings: Sequence[Bearing]) -> dict[str, Column]:
+    """Return the tables of bearings over the speed, one below the other; nothing without any."""
+    if not bearings:
+        return {}
+    numbers = np.repeat(np.arange(len(bearings)), [each.knots.size for each in bearings])
+    joined = {name: np.concatenate([np.asarray(getattr(each, name)) for each in bearings])
+              for name in OF_BEARING}  # fmt: skip
+    return {
+        "bearing_node": ("bearing", np.array([each.node for each in bearings], str)),
+        "bearing_stator": ("bearing", np.array([each.stator or "" for each in bearings], str)),
+        "table_bearing": ("bearing_row", numbers.astype(np.int16)),
+        **{f"table_{name}": (("bearing_row", "axis", "axis_too")[: values.ndim], values)
+           for name, values in joined.items()},
+    }  # fmt: skip
+
+
+def _bearings_of(run: xr.Dataset) -> list[Bearing]:
+    """Return the bearings of a result whose coefficients depend on the speed."""
+    if "bearing_node" not in run.variables:
+        return []
+    found = []
+    for number, (node, stator) in enumerate(_rows(run, ["bearing_node", "bearing_stator"])):
+        rows = run.isel(bearing_row=run["table_bearing"].values == number)
+        table = {name: rows[f"table_{name}"].values for name in OF_BEARING}
+        found.append(Bearing(node=node, stator=stator or None, **table))
     return found
 
 
@@ -164,7 +194,7 @@ def problem_of(run: xr.Dataset) -> tuple[RotorSystem, list[Any]]:
             Unbalance(node=node, moment=moment, phase=phase) for node, moment, phase in
             _rows(run, [f"unbalance_{name}" for name in ("node", "moment", "phase")])
         ],
-        static_force=run["constant_force"].values,
+        bearings=_bearings_of(run), static_force=run["constant_force"].values,
         gravity_in_static_force=tuple(run["gravity"].values) if "gravity" in run else None,
         note=run.attrs.get(NOTE, ""),
     )  # fmt: skip

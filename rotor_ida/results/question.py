@@ -19,6 +19,7 @@ import xarray as xr
 
 from rotor_ida.checks import COMPONENTS, shown
 from rotor_ida.errors import InputError
+from rotor_ida.model.bearing import Bearing
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem, name_of
 from rotor_ida.model.system_parts import Contact, Race, Stator, Support, Unbalance
@@ -29,7 +30,8 @@ from rotor_ida.texts import in_shell
 
 VALUES = {
     each.__name__: each
-    for each in (Rotor, DimensionalRotor, RotorSystem, Contact, Stator, Race, Support, Unbalance)
+    for each in (Rotor, DimensionalRotor, RotorSystem, Bearing, Contact, Stator, Race, Support,
+                 Unbalance)
 }  # fmt: skip
 # The functions that can be asked again: those of the results that are verified or studies.
 VERBS = frozenset({
@@ -336,7 +338,7 @@ def _plain_fields(value: Any, stators: list[Stator]) -> dict[str, Any]:
 
 @cache
 def _fields(kind: str) -> tuple[str, ...]:
-    return tuple(each.name for each in fields(VALUES[kind]))
+    return tuple(each.name for each in fields(VALUES[kind]) if each.init)
 
 
 def _given(value: Any, stators: dict[int, Stator]) -> Any:

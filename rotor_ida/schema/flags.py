@@ -68,6 +68,7 @@ SPECIAL = {
     "sliding": 6,
     "hopf": 7,
     "discontinuous": 8,
+    "threshold": 9,
 }
 END = {
     "not_found": -1, "none": 0, "fold": 1, "period_doubling": 2, "touch": 3, "hopf": 4, "torus": 5,

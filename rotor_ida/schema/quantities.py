@@ -43,6 +43,7 @@ OTHER_UNITS = {
     "gravity": "m s-2", "applied_unbalance": "kg m", "unbalance": "kg m",
     "to": "s-1", "rate": "s-2",
     **dict.fromkeys(("contact_stiffness", "critical_stiffness", "support_stiffness"), "N m-1"),
+    "table_stiffness": "N m-1", "table_damping": "N s m-1",
     "support_damping": "N s m-1", "drop_contact_damping": "s m-1", "cell_contact_damping": "s m-1",
 }  # fmt: skip
 
@@ -263,6 +264,12 @@ QUANTITIES: dict[str, Quantity] = {
     "stator_mass": Quantity("mass of a moving stator"),
     "stator_stiffness": Quantity("stiffness of the mount of a moving stator"),
     "stator_damping": Quantity("damping of the mount of a moving stator"),
+    "bearing_node": text("node of a bearing whose coefficients depend on the speed"),
+    "bearing_stator": text("node that holds the bearing, empty for the ground"),
+    "table_bearing": Quantity("number of the bearing of a row of the tables"),
+    "table_speed": speed("spin speed of a row of the tables of the bearings"),
+    "table_stiffness": Quantity("stiffness of a bearing at the speed of the row"),
+    "table_damping": Quantity("damping of a bearing at the speed of the row"),
     "unbalance_node": text("node of an unbalance"),
     "unbalance_moment": Quantity("unbalance: mass times eccentricity"),
     "unbalance_phase": Quantity("angle of an unbalance from the x axis at time 0", "radian"),

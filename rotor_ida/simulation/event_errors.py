@@ -334,6 +334,9 @@ def _hold_apart(
         pulled += apart[:, 1] @ request.damping.T
     if request.gyroscopic is not None:
         pulled += spins[:, np.newaxis] * (apart[:, 1] @ request.gyroscopic.T)
+    if request.films:
+        for name, moved in zip(("stiffness", "damping"), np.moveaxis(apart, 1, 0), strict=True):
+            pulled += request.films.product(name, spins, moved.T).T
     mobility = float(np.linalg.norm(rows[:, :inert], -2)) ** 2
     slipped = np.hypot(*(pulled[:, :inert] @ rows[:, :inert].T).T)
     return np.asarray((slipped + turned) / mobility)

@@ -128,7 +128,7 @@ def _check_energy(
     start = request.start
     spent = result.ledger
     kept = energy_of(found, result.state) - energy_of(found, start)
-    lost = sum(spent[name] for name in ("damping", "stiffness_rate", "normal", "tangential"))
+    lost = sum(each for name, each in spent.items() if name != "unbalance")
     size = size_of_energy(found, np.concatenate([start[np.newaxis], result.samples]))
     turnover = size + sum(map(abs, spent.values()))
     slight = math.sqrt(turnover) * request.velocity

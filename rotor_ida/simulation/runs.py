@@ -117,6 +117,8 @@ def run_of_system(
 ) -> xr.Dataset:  # fmt: skip
     """Return the run of a system along a course of its speed, with a warning if it is unstable."""
     check_modes(modes, more_modes)
+    if course.profile.is_held:
+        system = system.at(course.speed)
     cases = [in_modes(system, number, start)
              for number in ([modes] if more_modes is None else [modes, more_modes])]  # fmt: skip
     run = run_of_cases(cases, course, modes={"modes": modes, "more_modes": more_modes}, **how)
@@ -189,7 +191,7 @@ def run_of_cases(
     told |= {name: number for name, number in modes.items() if number is not None}
     if growth := growth_of(first.found, fastest):
         told |= {RATE: growth.rate, WHIRL_SPEED: growth.whirl_speed}
-    if nothing_holds(first.found):
+    if nothing_holds(first.found.at(course.speed)):
         told[NOT_HELD] = 1
     shift = shifts[0] if shifts else None
     return system_dataset(first.assembly, first.found, followed, first.begun, times, told, shift)
@@ -199,7 +201,7 @@ def _prepared(
     system: RotorSystem, start: Start | xr.Dataset, course: Course, times: Values, rtol: float
 ) -> _Prepared:  # fmt: skip
     """Return what is to be followed, if that does not take too long."""
-    assembly = assemble(system)
+    assembly = assemble(system, speeds=np.array([course.speed]))
     found, fastest = canonical(assembly), course.largest_speed
     begun = start_of(assembly, start, course.speed)
     request = request_of(

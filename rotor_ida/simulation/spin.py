@@ -145,6 +145,20 @@ class SpeedProfile:
         """Whether a torque drives it."""
         return isinstance(self.spins[0], Driven)
 
+    @property
+    def is_held(self) -> bool:
+        """Whether the speed stays the same."""
+        return isinstance(self.spins[0], Steady)
+
+    @property
+    def speeds(self) -> Values:
+        """The speeds at both ends of all spins; none of a speed that a torque drives."""
+        if self.is_driven:
+            return np.zeros(0)
+        spins = zip(self.ends, self.spins, strict=True)
+        ends = [spin.at(end, np.empty(0))[1] for end, spin in spins]
+        return np.append(self.pieces()["speed"], ends)
+
     def pieces(self) -> Rows:
         """Return a row for each spin, for the compiled core."""
         ends = zip(self.ends, self.spins, strict=True)

@@ -108,7 +108,7 @@ def start_of(
         return given
     given = state_at_end(rotor, start)
     if isinstance(given, str):
-        chosen = check_choice(name, given, STARTS)
+        chosen, rotor = check_choice(name, given, STARTS), rotor.at(speed)
         return settled(rotor, speed) if chosen == "settled" else rest(rotor, speed)
     return _checked_motion(rotor, given)
 

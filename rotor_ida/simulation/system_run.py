@@ -13,7 +13,7 @@ import numpy as np
 
 from rotor_ida.arrays import Stop, Values, Watch
 from rotor_ida.checks import shown
-from rotor_ida.core.interface import DONE, message_of
+from rotor_ida.core.interface import DONE, OUT_OF_TABLE, message_of
 from rotor_ida.core.runs import NO_STOP, Rows
 from rotor_ida.core.systems import LAW, SystemEvents, SystemRequest, SystemResult, follow_system
 from rotor_ida.errors import InputError, SimulationError
@@ -70,7 +70,11 @@ def request_of(
 ) -> SystemRequest:  # fmt: skip
     """Return the request of a run to the core."""
     speeds = [0.0 if race is None else race.speed for race in assembly.races]
-    displacement, velocity, fastest = scales_of(assembly, found, fastest_speed, start)
+    assembly.system.check_speeds(np.append(profile.speeds, speed))
+    displacement, velocity, fastest = scales_of(assembly, found.at(speed), fastest_speed, start)
+    for extreme in _extreme_speeds(found, profile):
+        rates = rates_of(found.at(extreme), fastest_speed)
+        fastest = max(fastest, float(np.abs(rates).max()))
     _check_contact_damping(assembly, assembly.smallest_clearance * velocity / displacement)
     return SystemRequest(
         stiffness=found.stiffness, damping=found.damping, gyroscopic=found.gyroscopic,
@@ -80,8 +84,28 @@ def request_of(
         standing=STANDING * abs(speed) if profile.is_driven else 0.0,
         rtol=max(STEP_SAFETY * rtol, TIGHTEST), order=ORDERS[0],
         displacement=displacement, velocity=velocity, fastest=fastest, start=start, times=times,
-        duration=duration, massless=found.massless,
+        duration=duration, massless=found.massless, films=found.films,
     )  # fmt: skip
+
+
+def _extreme_speeds(found: Canonical, profile: SpeedProfile) -> list[float]:
+    """Return the speeds of a run at which films are stiffest, and at which they damp most.
+
+    A torque may lead to any speed of their tables. Between their rows coefficients are monotone.
+    """
+    if not found.films:
+        return []
+    speeds = profile.speeds
+    low, high = found.films.reach if profile.is_driven else (speeds.min(), speeds.max())
+    knots = found.films.knots
+    places = np.array([low, *knots[(knots > low) & (knots < high)], high])
+    sizes = [
+        sum(
+            (each.coefficients(name, places) ** 2).sum(axis=(1, 2)) for each in found.films.bearings
+        )
+        for name in ("stiffness", "damping")
+    ]
+    return [float(places[np.argmax(each)]) for each in sizes]
 
 
 def laws_of(assembly: Assembly) -> Rows:
@@ -232,4 +256,5 @@ def run_to_end(
 def check_status(result: SystemResult) -> None:
     """Raise an error where a run has not reached its end."""
     if result.status != DONE:
-        raise SimulationError(f"{message_of(result.status)} at t = {result.time:.17g}")
+        ends = f", which ends at {result.turn[1]:.6g}," if result.status == OUT_OF_TABLE else ""
+        raise SimulationError(f"{message_of(result.status)}{ends} at t = {result.time:.17g}")

@@ -172,6 +172,9 @@ def drop(
     if not has_weight and system.units == "SI":
         system = replace(system, gravity=(0.0, -GRAVITY))
     free = replace(with_unbalance_at(system, turned), supports=())
+    course = _course(omega, end, inertia, drag)
+    if course.profile.is_held:
+        free = free.at(omega)
     if isinstance(start, xr.Dataset):
         if modes is not None:
             raise InputError(f"start must be (q, velocity) with modes, got a result and {modes!r}")
@@ -182,7 +185,7 @@ def drop(
     cases = [_released(*in_modes(free, number, start), system.supports, fails, omega)
              for number in all_modes]  # fmt: skip
     run = run_of_cases(
-        [(case.system, case.start) for case in cases], _course(omega, end, inertia, drag),
+        [(case.system, case.start) for case in cases], course,
         samples=samples, rtol=rtol, method=method, progress=progress,
         modes={"modes": modes, "more_modes": more_modes}, whirls=True,
     )  # fmt: skip
@@ -298,7 +301,7 @@ def _released(
     speed: float,
 ) -> _Case:  # fmt: skip
     """Return the system that the failing supports have left, in its levitated state."""
-    held = assemble(with_supports(free, supports))
+    held = assemble(with_supports(free, supports)).at(speed)
     state = _levitated(held, supports, speed)
     if start is None:
         for number, contact in enumerate(held.contacts):

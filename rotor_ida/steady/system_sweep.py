@@ -87,6 +87,7 @@ class Turnings:
         Without speeds they are those that vary.
         """
         speeds = np.atleast_1d(self.varied.given[SPEED]) if speeds is None else speeds
+        self.varied.base.check_speeds(speeds)
         axes = self.varied.axes
         largest = {name: int(np.argmax(axis)) for name, axis in axes.items()}
         smallest = {name: int(np.argmin(axis)) for name, axis in axes.items()}

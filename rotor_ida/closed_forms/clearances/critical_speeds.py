@@ -1,7 +1,8 @@
 """Critical speeds of a rotor system, where its unbalance acts on each, and how sharp each peak is.
 
 1. *Modes*: with the spin speed at the whirl speed, ``s = i Omega``, motions obey
-   ``(K + s C + s**2 (M - i G)) Q = 0``. The imaginary parts of s are critical speeds.
+   ``(K + s C + s**2 (M - i G)) Q = 0``. The imaginary parts of s are critical speeds, where K and
+   C depend on the speed those at it.
 2. *Antinodes*: neighbouring nodes that move to the same side are a lobe of the shape. The node of a
    lobe that moves most is where unbalance drives the mode best.
 3. *Peaks*: the response to it, as the largest axis of each orbit, and its width where it is
@@ -16,10 +17,11 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.linalg import eig
+from scipy.linalg import eig, eigvals
 from scipy.optimize import brentq, minimize_scalar
 
 from rotor_ida.arrays import ComplexValues, Values
+from rotor_ida.closed_forms.linear_motions import PARTS, roots_of
 from rotor_ida.closed_forms.receptances import solved_motions
 from rotor_ida.model.assembly import Assembly
 
@@ -75,12 +77,22 @@ def critical_modes(assembly: Assembly, largest: float) -> list[Mode]:
     >>> round(mode.speed, 6), round(mode.decay, 6)
     (0.994987, 0.1)
     """
-    size, one, zero = assembly.size, np.eye(assembly.size), np.zeros_like(assembly.mass)
-    damping = zero if assembly.damping is None else assembly.damping
-    turning = zero if assembly.gyroscopic is None else assembly.gyroscopic
-    left = np.block([[zero, one], [-assembly.stiffness, -damping]])
-    right = np.block([[one, zero], [zero, assembly.mass - 1j * turning]])
-    values, vectors = eig(left, right)
+    modes: list[Mode] = []
+    for speed in _speeds_of_films(assembly, largest) if assembly.films else [0.0]:
+        found = _driven_modes(assembly, speed, largest)
+        if assembly.films:  # the coefficients are those at the critical speed of one mode
+            found = [each for each in found if abs(each.speed - speed) < EQUAL * speed]
+        for mode in found:
+            if not modes or not _same(mode, modes[-1]):
+                modes.append(mode)
+    below = sum(each.speed <= largest for each in modes)
+    return modes[: max(below, 1)]
+
+
+def _driven_modes(assembly: Assembly, speed: float, largest: float) -> list[Mode]:
+    """Return the modes that unbalance drives, with the coefficients of films at a speed."""
+    size = assembly.size
+    values, vectors = eig(*_pencil(assembly, speed))
     moved = np.einsum("njk,ks->jns", assembly.node_rows(), vectors[:size])
     forward, backward = (moved[0] + side * 1j * moved[1] for side in (1.0, -1.0))
     driven, other = ((np.abs(each) ** 2).sum(axis=0) for each in (forward, backward))
@@ -90,13 +102,38 @@ def critical_modes(assembly: Assembly, largest: float) -> list[Mode]:
     kept &= driven > DRIVEN * (driven + other)
     chosen = np.flatnonzero(kept)
     chosen = chosen[np.argsort(values.imag[chosen])]
-    modes: list[Mode] = []
-    for i in chosen:
-        mode = Mode(float(values[i].imag), float(-values[i].real), forward[:, i])
-        if not modes or not _same(mode, modes[-1]):
-            modes.append(mode)
-    below = sum(each.speed <= largest for each in modes)
-    return modes[: max(below, 1)]
+    return [Mode(float(values[i].imag), float(-values[i].real), forward[:, i]) for i in chosen]
+
+
+def _pencil(assembly: Assembly, speed: float) -> tuple[Values, ComplexValues]:
+    """Return the matrices whose eigenvalues turn with the rotor at their own speeds."""
+    one, zero = np.eye(assembly.size), np.zeros_like(assembly.mass)
+    turning = zero if assembly.gyroscopic is None else assembly.gyroscopic
+    stiffness, damping = assembly.stiffness_at(speed), assembly.damping_at(speed)
+    left = np.block([[zero, one], [-stiffness, -damping]])
+    return left, np.block([[one, zero], [zero, assembly.mass - 1j * turning]])
+
+
+def _speeds_of_films(assembly: Assembly, largest: float) -> list[float]:
+    """Return the speeds at which an eigenvalue turns with the rotor, up to a speed or the first.
+
+    With the coefficients of films at a speed the imaginary parts of the eigenvalues, in order of
+    size, are continuous functions of it. Each interval between knots is divided in parts.
+    """
+
+    def gaps(speed: float) -> Values:
+        found = eigvals(*_pencil(assembly, speed))
+        turning = np.where(np.isfinite(found), found.imag, np.inf)
+        return np.asarray(np.sort(turning) - speed)
+
+    first, last = assembly.films.reach
+    first, last = max(first, FREE * largest), min(last, largest)
+    if not first < last:
+        return []
+    knots = assembly.films.knots
+    edges = [first, *knots[(knots > first) & (knots < last)].tolist(), last]
+    parts = [np.linspace(*ends, PARTS, endpoint=False) for ends in pairwise(edges)]
+    return list(roots_of(gaps, [*np.concatenate(parts).tolist(), last]))
 
 
 def _same(one: Mode, other: Mode) -> bool:

@@ -147,6 +147,9 @@ def clearance_report(
     models of bearings, seals and supports. The sources below apply the residual unbalance once;
     twice is what public discussions say of the 9th edition.
 
+    *Bearings* with a table over the speed must have the continuous and the trip speed in it. "From
+    rest" is from the lowest speed of the tables then, and nothing is sought above the highest.
+
     *Touches.* Rubs are those of `synchronous_response`, of one contact or two at a time; for dry
     whip see `rotor_ida.closed_forms.whirls.dry_whip`. Both need an axisymmetric rotor and stators;
     otherwise the attribute ``not_exact`` says why they are left out.
@@ -177,7 +180,7 @@ def clearance_report(
     told: dict[str, object] = {"multiple": multiple, "points": count}
     if mass is not None:
         mass = check_positive("mass", mass, LARGEST_NUMBER)
-    modes = critical_modes(problem.assembly, REACH * problem.high)
+    modes = critical_modes(problem.assembly, min(REACH * problem.high, problem.top))
     _check_stable(problem, [each.speed for each in modes])
     for mode in modes:
         if not mode.decay > UNDAMPED * mode.speed:
@@ -205,7 +208,7 @@ def _problem(system: RotorSystem, speed: object, probes: object, limit: object) 
     speeds = check_increasing("speed", check_axis("speed", speed, largest=LARGEST_NUMBER))
     if speeds.size not in {2, 3} or speeds[0] == 0.0:
         raise InputError(f"speed must be two or three speeds above 0, got {shown(speed)}")
-    assembly = assemble(system)
+    assembly = assemble(system, speeds=speeds)
     if not system.contacts:
         raise InputError("contacts must be at least one clearance, got none")
     check_clearances(system.contacts)
@@ -220,9 +223,10 @@ def _problem(system: RotorSystem, speed: object, probes: object, limit: object) 
 
 def _check_stable(problem: Problem, critical: Sequence[float]) -> None:
     """Refuse a system whose motion without contact grows at one of its speeds."""
-    found, units = canonical(problem.assembly), problem.assembly.system.units
+    system = problem.assembly.system
+    units = system.units
     for speed in sorted({*critical, problem.low, problem.high, problem.trip}):
-        if growth := growth_of(found, speed):
+        if growth := growth_of(canonical(assemble(system.at(speed))), speed):
             raise InputError(
                 "system must be stable for a report: at "
                 f"{speed:.6g}{' rad/s' if units == 'SI' else ''} its motion without contact "

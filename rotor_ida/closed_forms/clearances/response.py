@@ -18,7 +18,7 @@ from rotor_ida.closed_forms.clearances.critical_speeds import (
     peak_between,
 )
 from rotor_ida.errors import InputError
-from rotor_ida.model.assembly import Assembly, assemble
+from rotor_ida.model.assembly import Assembly, unbalance_of
 from rotor_ida.model.system_parts import Unbalance
 from rotor_ida.units import SPEED_UNITS
 
@@ -41,6 +41,11 @@ class Problem:
     trip: float
     probes: tuple[str, ...]
     limit: float
+
+    @property
+    def top(self) -> float:
+        """The largest speed at which modes and responses are sought: within the tables of films."""
+        return min(max(REACH * self.high, self.trip), self.assembly.films.reach[1])
 
     @property
     def rows(self) -> Values:
@@ -121,13 +126,13 @@ def scaled(each: Unbalance, factor: float) -> Unbalance:
 
 def response_to(problem: Problem, modes: Sequence[Mode], cases: Cases, points: int) -> Response:
     """Return the response to all cases, at speeds that resolve each critical speed."""
-    top = max(REACH * problem.high, problem.trip)
+    first, top = problem.assembly.films.reach[0], problem.top
     ends = [problem.low, problem.high, problem.trip]
-    every = np.concatenate([np.linspace(0.0, top, points + 1), ends, about(modes)])
-    every = np.unique(every[(every > 0.0) & (every <= top)])
+    every = np.concatenate([np.linspace(first, top, points + 1), ends, about(modes)])
+    every = np.unique(every[(every > 0.0) & (every >= first) & (every <= top)])
     forces = np.array([
         both[0] - 1j * both[1] for both in
-        (assemble(replace(problem.assembly.system, unbalance=case)).unbalance
+        (unbalance_of(replace(problem.assembly.system, unbalance=case), problem.assembly.size)
          for case in cases)
     ]).T  # fmt: skip
     return Response(problem, every, orbit_axes(problem.assembly, problem.rows, forces, every),

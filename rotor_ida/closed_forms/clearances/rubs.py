@@ -15,6 +15,7 @@ from rotor_ida.closed_forms.clearances.response import Cases, Response, about, s
 from rotor_ida.closed_forms.whirls.dry_whip import Whip, dry_whips
 from rotor_ida.closed_forms.whirls.synchronous import whirls_of_system
 from rotor_ida.errors import InputError
+from rotor_ida.model.assembly import assemble
 from rotor_ida.model.axisymmetric import forward_motions
 from rotor_ida.schema import STABILITY
 
@@ -68,9 +69,10 @@ def touching_of(
     """Return the rubs with the scaled unbalance, and dry whip."""
     problem = response.problem
     assembly, count = problem.assembly, len(problem.assembly.contacts)
-    speeds = np.concatenate([np.linspace(0.0, problem.trip, RUB_SPEEDS + 1), about(modes),
+    first = assembly.films.reach[0]
+    speeds = np.concatenate([np.linspace(first, problem.trip, RUB_SPEEDS + 1), about(modes),
                              np.linspace(problem.low, problem.high, RUB_SPEEDS)])  # fmt: skip
-    speeds = np.unique(speeds[(speeds > 0.0) & (speeds <= problem.trip)])
+    speeds = np.unique(speeds[(speeds > 0.0) & (speeds >= first) & (speeds <= problem.trip)])
     try:  # what is not axisymmetric is refused
         found = [
             whirls_of_system(
@@ -81,7 +83,7 @@ def touching_of(
     except InputError as error:
         none = hardest_rubs([], count)
         return Touching(none, none, [None] * count, str(error))
-    motions = forward_motions(assembly)
+    motions = forward_motions(assemble(assembly.system.at(problem.high)))
     inside = (speeds >= problem.low) & (speeds <= problem.high)
     running = hardest_rubs([whirls.isel(speed=inside) for whirls in found], count)
     whips = [_first_stable(dry_whips(motions, number, each, problem.high))

@@ -95,10 +95,11 @@ class _Problem:
         n, parts = self.motions.size, len(self.turns)
         one = np.eye(n)
         matrix = np.zeros((self.speeds.size, parts * n, parts * n), complex)
-        resisted = self.motions.damping + self.speeds[:, None, None] * self.motions.gyroscopic
+        resisted = self.motions.damping_at(self.speeds)
+        resisted = resisted + self.speeds[:, None, None] * self.motions.gyroscopic
         for part, rate in self.turns:
             s = (eigenvalues + rate)[:, None, None]
-            stiffness, drag = self.motions.stiffness, resisted
+            stiffness, drag = self.motions.stiffness_at(self.speeds), resisted
             if part:
                 stiffness, drag = stiffness.conj(), drag.conj()
             place = slice(part * n, (part + 1) * n)
@@ -130,6 +131,7 @@ class _Problem:
             drag = np.zeros_like(right)
             if assembly.damping is not None:
                 drag += assembly.damping @ right
+            drag += assembly.films.product("damping", self.speeds, right)
             if assembly.gyroscopic is not None:
                 drag += self.speeds * (assembly.gyroscopic @ right)
             inert = assembly.mass @ right
@@ -137,6 +139,7 @@ class _Problem:
                 moved = drag + 2.0 * s * inert
             else:
                 moved = exact_product(assembly.stiffness, right) + s * drag + s * s * inert
+                moved += assembly.films.product("stiffness", self.speeds, right)
             total += (other * moved).sum(axis=0)
             rows = (assembly.rows[:, 0] + 1j * assembly.rows[:, 1]) / np.sqrt(2.0)
             rows = rows.conj() if part else rows

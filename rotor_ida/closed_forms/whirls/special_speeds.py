@@ -1,4 +1,4 @@
-"""Speeds at which the synchronous whirls of a rotor system change: folds, Hopf points, grazes.
+"""Speeds at which the motion of a rotor system changes: thresholds, folds, Hopf points, grazes.
 
 1. *Branches* of each set of contacts, followed through their folds along the arc (`branches`).
 2. *Folds*: where the speed turns along a branch.
@@ -6,6 +6,7 @@
    real part of a pair of eigenvalues vanishes. Pieces of branches are halved where values
    in the middle show that two may undo each other.
 4. From each graze, the branch of the larger set of contacts is followed too.
+5. *Thresholds* of instability: where the growth of the motion without contact begins or ends.
 """
 
 from __future__ import annotations
@@ -26,6 +27,7 @@ from rotor_ida.checks import (
     check_progress,
     shown,
 )
+from rotor_ida.closed_forms.linear_motions import growth_thresholds, linear_motions
 from rotor_ida.closed_forms.whirls.at_speeds import MOST_TOUCHING, touching_sets
 from rotor_ida.closed_forms.whirls.branches import (
     Branches,
@@ -38,26 +40,17 @@ from rotor_ida.closed_forms.whirls.branches import (
 from rotor_ida.closed_forms.whirls.synchronous import whirls_of_system
 from rotor_ida.closed_forms.whirls.turning_axes import NEUTRAL
 from rotor_ida.errors import InputError
-from rotor_ida.model.assembly import assemble
-from rotor_ida.model.axisymmetric import (
-    check_axisymmetric_parts,
-    check_masses,
-    check_no_races,
-    forward_motions,
-)
+from rotor_ida.model.assembly import Assembly, assemble
+from rotor_ida.model.axisymmetric import check_masses, forward_motions
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.model.system_parts import check_clearances
 from rotor_ida.parallel import Progress, shows_progress
+from rotor_ida.results.archived_system import described_problem
 from rotor_ida.results.in_si import takes_system
 from rotor_ida.results.si_units import with_system_units
 from rotor_ida.schema import SPECIAL, labelled_dataset
 
 MOST_POINTS = 100_000
-# Variables of whirls that a result of special speeds has by another name, or not at all.
-OF_WHIRLS = (
-    "amplitude", "phase_lag", "normal_force", "in_contact", "node_amplitude", "node_phase_lag",
-    "stability", "growth_rate",
-)  # fmt: skip
 # Parts of the work for each set of contacts: branches, Hopf points, grazes.
 PARTS = 3
 # Points on a further contact, over the clearance, but for rounding.
@@ -66,7 +59,7 @@ _ROUNDED = 1e-11
 
 @dataclass(frozen=True, slots=True)
 class _Point:
-    """A special point: speed, kind, what touches, unknowns, frequency, and what it grazes."""
+    """A special point: speed, kind, what touches, unknowns, frequencies, and what it grazes."""
 
     speed: float
     kind: str
@@ -74,6 +67,7 @@ class _Point:
     v: Values
     frequency: float = np.nan
     grazed: float = np.nan
+    whirl_speed: float = np.nan
 
 
 @takes_system
@@ -86,12 +80,12 @@ def special_speeds(
     progress: Progress | bool | None = None,
     **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
-    """Compute the speeds at which the synchronous whirls of a rotor system change.
+    """Compute the speeds at which a rotor system becomes unstable, and at which its whirls change.
 
     Parameters
     ----------
     system : RotorSystem, Rotor or DimensionalRotor
-        The rotor, axisymmetric as for `synchronous_response`.
+        The rotor. Where it is not axisymmetric, or carries a load, only thresholds are found.
     limits : (float, float)
         Lowest and highest speed.
     points : int
@@ -107,23 +101,25 @@ def special_speeds(
     Returns
     -------
     Dataset
-        On ``special``, in order of speed: ``special_speed`` and ``special_kind``: ``fold``, where
-        two whirls meet and vanish; ``hopf``, where a whirl loses its stability to an oscillation,
-        with ``hopf_frequency`` on turning axes; and ``graze``, where a whirl just touches another
-        contact, the number ``grazed_contact``. On ``(special, contact)``: ``amplitude`` and
-        ``in_contact``. The whirls between: ``branch_amplitude`` on ``(speed, branch, contact)``
-        and ``branch_stability``.
+        On ``special``, in order of speed: ``special_speed`` and ``special_kind``: ``threshold``,
+        where the motion without contact begins or ceases to grow, as a whirl at ``whirl_speed``;
+        ``fold``, where two whirls meet and vanish; ``hopf``, where a whirl in contact loses its
+        stability to an oscillation, with ``hopf_frequency`` on turning axes; and ``graze``, where a
+        whirl just touches another contact, the number ``grazed_contact``. On
+        ``(special, contact)``: ``amplitude``, NaN at a threshold, and ``in_contact``. The whirls
+        between: ``branch_amplitude`` on ``(speed, branch, contact)`` and ``branch_stability``. The
+        attribute ``not_exact`` says why there are none.
 
     Raises
     ------
     InputError
-        As from `synchronous_response`; if `limits` are not two speeds, the lower one first.
+        As from `synchronous_response`; if `limits` are not two speeds, the lower one first, or lie
+        outside the table of a bearing.
 
     Notes
     -----
     A fold is a double root of the equations of `single_rubs` or `double_rubs`. In a linear contact
-    two whirls may also meet at a graze. A Hopf point of the contact-free whirl is the onset of
-    instability of the rotor itself.
+    two whirls may also meet at a graze. Bearings have their coefficients at each speed.
 
     Examples
     --------
@@ -135,16 +131,22 @@ def special_speeds(
     system = changed_system(special_speeds, system, changed)
     low, high = _limits(limits)
     speeds = np.linspace(low, high, check_count("points", points, 2, MOST_POINTS))
-    assembly = assemble(system)
-    check_axisymmetric_parts(assembly)
-    check_no_races(assembly)
+    assembly = assemble(system, speeds=speeds)
     check_clearances(assembly.contacts)
     check_masses(assembly)
+    found = [
+        _Point(at, "threshold", (), np.zeros(0), whirl_speed=whirl_speed)
+        for at, whirl_speed in growth_thresholds(linear_motions(assembly), speeds)
+    ]
+    told: dict[str, object] = {"limits": np.array([low, high]), "points": points}
+    report = check_progress(progress)
+    try:
+        whirls = whirls_of_system(system, speeds)
+    except InputError as error:
+        return _dataset(assembly, found, None, None).assign_attrs(told, not_exact=str(error))
     problem = RubProblem(assembly, forward_motions(assembly))
-    found = _special_points(problem, speeds, check_progress(progress))
-    whirls = whirls_of_system(system, np.linspace(low, high, points))
-    kept = sorted((each for each in found if _is_free(problem, each)), key=lambda each: each.speed)
-    return _dataset(problem, kept, whirls).assign_attrs(limits=np.array([low, high]), points=points)
+    others = (each for each in _special_points(problem, speeds, report) if _is_free(problem, each))
+    return _dataset(assembly, [*found, *others], problem, whirls).assign_attrs(told)
 
 
 def _limits(given: object) -> tuple[float, float]:
@@ -180,7 +182,8 @@ def _special_points(
         tell(PARTS * number + 1)
         yield from (_point(curve, each, "fold") for each in branches.folds)
         if branches.pieces:
-            yield from _hopf_points(curve, branches.pieces)
+            if touching:
+                yield from _hopf_points(curve, branches.pieces)
             tell(PARTS * number + 2)
             for graze in _grazes(curve, branches.pieces):
                 more = int(graze.grazed)
@@ -248,7 +251,7 @@ def _hopf_points(curve: Curve, pieces: Sequence[Piece]) -> Iterator[_Point]:
             oscillates = frequency > NEUTRAL * np.abs(eigenvalues(point[np.newaxis])).max()
             if oscillates:
                 yield _point(curve, point, "hopf", frequency=frequency)
-            number += 2 if oscillates and curve.touching else 1
+            number += 2 if oscillates else 1
 
 
 def _is_free(problem: RubProblem, point: _Point) -> bool:
@@ -259,34 +262,39 @@ def _is_free(problem: RubProblem, point: _Point) -> bool:
     return bool((gaps >= rounded).all())
 
 
-def _dataset(problem: RubProblem, points: Sequence[_Point], whirls: xr.Dataset) -> xr.Dataset:
+def _dataset(
+    assembly: Assembly, found: Sequence[_Point], problem: RubProblem | None,
+    whirls: xr.Dataset | None,
+) -> xr.Dataset:  # fmt: skip
     """Return special points in order of speed, with the whirls and what they are computed from."""
-    assembly = problem.assembly
-    amplitude = np.zeros((len(points), len(assembly.contacts)))
+    points = sorted(found, key=lambda each: each.speed)
+    amplitude = np.full((len(points), len(assembly.contacts)), np.nan)
     touches = np.zeros(amplitude.shape, np.int8)
     for number, each in enumerate(points):
-        whirl = problem.whirls(each.touching, each.v[np.newaxis], np.array([each.speed]))
-        amplitude[number] = np.abs(whirl.displacement[0])
-        touches[number, list(each.touching)] = 1
+        if problem is not None and each.kind != "threshold":
+            whirl = problem.whirls(each.touching, each.v[np.newaxis], np.array([each.speed]))
+            amplitude[number] = np.abs(whirl.displacement[0])
+            touches[number, list(each.touching)] = 1
     kinds = np.array([SPECIAL[each.kind] for each in points], np.int8)
     variables: dict[str, Column] = {
         "special_speed": ("special", np.array([each.speed for each in points])),
         "special_kind": ("special", kinds),
         "hopf_frequency": ("special", np.array([each.frequency for each in points])),
+        "whirl_speed": ("special", np.array([each.whirl_speed for each in points])),
         "grazed_contact": ("special", np.array([each.grazed for each in points])),
         "amplitude": (("special", "contact"), amplitude),
         "in_contact": (("special", "contact"), touches),
     }
-    others = {str(n): each for n, each in whirls.variables.items() if n not in OF_WHIRLS}
-    found = {
-        "branch_amplitude": (whirls["amplitude"].dims, whirls["amplitude"].values),
-        "branch_stability": (whirls["stability"].dims, whirls["stability"].values),
-    }
+    coordinates: dict[str, Column] = {
+        "node": ("node", np.array(list(assembly.system.nodes), str)),
+    }  # fmt: skip
+    if whirls is not None:
+        coordinates |= {name: (name, whirls[name].values) for name in ("speed", "branch")}
+        for name in ("amplitude", "stability"):
+            variables[f"branch_{name}"] = (whirls[name].dims, whirls[name].values)
     dataset = labelled_dataset(
-        "Special points of the synchronous whirls of a rotor system",
-        {**variables, **found, **{n: e for n, e in others.items() if n not in whirls.coords}},
-        {name: each for name, each in others.items() if name in whirls.coords},
-        {"source": "rotor_ida closed forms", "most_touching": MOST_TOUCHING},
+        "Special speeds of a rotor system", {**variables, **described_problem(assembly)},
+        coordinates, {"source": "rotor_ida closed forms", "most_touching": MOST_TOUCHING},
         kind="system_special_points",
-    )
+    )  # fmt: skip
     return with_system_units(dataset, assembly.system)

@@ -41,7 +41,7 @@ _REFERENCES = (
 def whirls_of_system(system: RotorSystem, speed: npt.ArrayLike | None) -> xr.Dataset:
     """Return all synchronous whirls of a rotor system: see `rotor_ida.synchronous_response`."""
     speeds = checked_speeds(speed)
-    assembly = assemble(system)
+    assembly = assemble(system, speeds=speeds)
     check_axisymmetric_parts(assembly)
     check_no_races(assembly)
     check_clearances(assembly.contacts)

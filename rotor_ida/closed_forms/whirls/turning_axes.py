@@ -92,9 +92,9 @@ def eigenvalues_without_contact(motions: ForwardMotions, speeds: Values) -> Comp
     size = motions.size
     matrix = np.zeros((speeds.size, 2 * size, 2 * size), complex)
     matrix[:, :size, size:] = np.eye(size)
-    matrix[:, size:, :size] = -motions.stiffness
+    matrix[:, size:, :size] = -motions.stiffness_at(speeds)
     turning = speeds[:, np.newaxis, np.newaxis] * motions.gyroscopic
-    matrix[:, size:, size:] = -motions.damping - turning
+    matrix[:, size:, size:] = -motions.damping_at(speeds) - turning
     return np.linalg.eigvals(matrix).astype(np.complex128)
 
 
@@ -140,9 +140,9 @@ def _matrices(
     """Return the real matrices of ``(Re p, Im p, Re p', Im p')``, shape (whirl, 4 n, 4 n)."""
     half = 2 * motions.size
     omega = speeds[:, np.newaxis, np.newaxis]
-    resisted = motions.damping + omega * motions.gyroscopic
+    resisted = motions.damping_at(speeds) + omega * motions.gyroscopic
     one = np.eye(motions.size)
-    stiffness = _real(motions.stiffness - omega**2 * one + 1j * omega * resisted)
+    stiffness = _real(motions.stiffness_at(speeds) - omega**2 * one + 1j * omega * resisted)
     damping = _real(resisted + 2j * omega * one)
     for each in springs_of(contacts, speeds, whirls):
         touching = each.radial > 0.0

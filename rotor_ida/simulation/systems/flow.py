@@ -31,6 +31,7 @@ from rotor_ida.core.systems import (
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.assembly import Assembly, Canonical, assemble, canonical
 from rotor_ida.model.axisymmetric import check_axisymmetric_parts, forward_motions
+from rotor_ida.model.bearing import Films
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parameters import SPEED, parameter_of, with_parameters
 from rotor_ida.schema import MODE
@@ -69,12 +70,16 @@ class SettlingProblem:
         The forward motions of an axisymmetric system.
     rtol : float
         Tolerance of a run.
+    films : Films
+        The bearings whose coefficients depend on the speed, in the same coordinates, which are in
+        the matrices once a speed is held.
     """
 
     assembly: Assembly
     found: Canonical
     forward: ComplexValues | None
     rtol: float
+    films: Films
 
     @classmethod
     def of(cls, assembly: Assembly, rtol: float) -> SettlingProblem:
@@ -84,7 +89,15 @@ class SettlingProblem:
             forward = forward_motions(assembly).basis
         except InputError:
             forward = None
-        return cls(assembly, canonical(assembly), forward, rtol)
+        found = canonical(assembly)
+        return cls(assembly, found, forward, rtol, found.films)
+
+    def at(self, speed: float) -> SettlingProblem:
+        """Return the problem at a speed, with its films in the matrices."""
+        if not self.assembly.films:
+            return self
+        assembly = self.assembly.at(speed)
+        return replace(self, assembly=assembly, found=canonical(assembly))
 
     def of_parameters(self, base: RotorSystem, given: Mapping[str, float]) -> SettlingProblem:
         """Return the problem of a system with these parameters, on the same axes."""
@@ -92,7 +105,8 @@ class SettlingProblem:
             assembly = assemble(with_parameters(base, given))
         except InputError as error:
             raise SimulationError(str(error)) from error
-        return replace(self, assembly=assembly, found=canonical(assembly))
+        found = canonical(assembly)
+        return replace(self, assembly=assembly, found=found, films=found.films)
 
     @property
     def with_race(self) -> Flags:
@@ -112,9 +126,9 @@ class SettlingProblem:
     def has_damping(self) -> bool:
         """Whether anything but friction takes energy from the motion."""
         damping = self.found.damping
-        return (damping is not None and bool(damping.any())) or any(
-            each.damping > 0.0 for each in self.assembly.contacts
-        )
+        damped = [bool(np.any(each.damping)) for each in self.films.bearings]
+        damped += [each.damping > 0.0 for each in self.assembly.contacts]
+        return (damping is not None and bool(damping.any())) or any(damped)
 
     def slowest_decay(self, speed: float) -> float:
         """Return the slowest rate at which a free motion decays; 0 if none does."""
@@ -165,6 +179,7 @@ class SystemFlow:
     @classmethod
     def at(cls, problem: SettlingProblem, speed: float, stop: Stop) -> SystemFlow:
         """Return the motion of a system at a speed."""
+        base, problem = problem.assembly.system, problem.at(speed)
         size = problem.assembly.size
         still = np.zeros((2, size))
         revolution = 2.0 * math.pi / abs(speed)
@@ -177,7 +192,14 @@ class SystemFlow:
         scales = np.repeat(
             [request.displacement, request.velocity, abs(speed)], [size, size, races]
         )
-        return cls(problem, speed, request, scales, stop, problem.assembly.system)
+        return cls(problem, speed, request, scales, stop, base)
+
+    @property
+    def assembly(self) -> Assembly:
+        """The system at any speed."""
+        if not self.problem.films:
+            return self.problem.assembly
+        return assemble(with_parameters(self.base, self.given))
 
     @property
     def revolution(self) -> float:
@@ -249,7 +271,12 @@ class SystemFlow:
     def _by(self, name: str) -> ByParameter:
         """Return the derivatives of the system by a parameter, of which it is a linear function."""
         if name == SPEED:
-            return ByParameter(speed=1.0, laws=np.zeros(len(self.request.laws), LAW_CHANGE))
+            of_films = {}
+            if films := self.problem.films:
+                of_films = {each: films.matrix(each, self.speed, 1)
+                            for each in ("stiffness", "damping")}  # fmt: skip
+            laws = np.zeros(len(self.request.laws), LAW_CHANGE)
+            return ByParameter(speed=1.0, laws=laws, **of_films)
         value = self.value_of(name)
         changed: dict[str, Any] = {name: 2.0 * value if value else 1.0}
         step, here = changed[name] - value, self.request
@@ -297,11 +324,14 @@ class SystemFlow:
         if not speed * self.speed > 0.0:
             raise SimulationError(f"speed falls to {speed:.3g}")
         problem, given = self.problem, {**self.given, **parameters}
-        if parameters:
+        if parameters or problem.films:
             problem = problem.of_parameters(self.base, given)
         if rtol is not None:
             problem = replace(problem, rtol=rtol)
-        own = SystemFlow.at(problem, speed, self.stop if stop is None else stop)
+        try:
+            own = SystemFlow.at(problem, speed, self.stop if stop is None else stop)
+        except InputError as error:  # outside the table of a bearing
+            raise SimulationError(str(error)) from error
         return replace(
             own, scales=self.scales, base=self.base, given=given,
             watch=self.watch if watch is None else watch,

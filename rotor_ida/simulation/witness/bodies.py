@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import NamedTuple
 
 import numpy as np
+from scipy.interpolate import PchipInterpolator
 
 from rotor_ida.arrays import ROUNDING, Values
 from rotor_ida.checks import State
@@ -24,6 +25,14 @@ HIDDEN = 16.0 * ROUNDING
 # since a contact began; with friction heat and distance of sliding; if the speed changes, all of
 # these, and the energy given by the drive less all losses.
 IMPULSE, LOST, HEAT, SLID, GAINED = range(4, 9)
+
+
+class Film(NamedTuple):
+    """A bearing by its table over the speed: coefficients at its speeds, and its rows."""
+
+    rows: Values
+    stiffness: PchipInterpolator
+    damping: PchipInterpolator
 
 
 class Law(NamedTuple):
@@ -224,6 +233,7 @@ class Coordinates:
     massless: int
     laws: list[Law]
     still: float
+    films: list[Film]
     has_races: bool = True
 
     @property
@@ -259,6 +269,8 @@ class Coordinates:
             a = a - self.damping @ v
         if self.gyroscopic is not None:
             a = a - speed * (self.gyroscopic @ v)
+        for rows, stiffness, damping in self.films:
+            a = a - rows.T @ (stiffness(speed) @ (rows @ y) + damping(speed) @ (rows @ v))
         a[self.inert :] = 0.0
         return np.asarray(a)
 

@@ -7,6 +7,7 @@ from dataclasses import dataclass, field
 from itertools import pairwise
 
 import numpy as np
+from scipy.interpolate import PchipInterpolator
 
 from rotor_ida.arrays import Stop, Values, Watch
 from rotor_ida.core.interface import DONE, MESSAGES, SINGULAR
@@ -25,7 +26,7 @@ from rotor_ida.errors import SimulationError
 from rotor_ida.model.contact import HERTZ_EXPONENT
 from rotor_ida.schema.flags import ENTRY, EXIT, FLIES
 from rotor_ida.simulation.spin import SpeedProfile
-from rotor_ida.simulation.witness.bodies import Coordinates, Law
+from rotor_ida.simulation.witness.bodies import Coordinates, Film, Law
 from rotor_ida.simulation.witness.events import LOOKS
 from rotor_ida.simulation.witness.integration import Integration
 from rotor_ida.simulation.witness.run import Run
@@ -139,6 +140,11 @@ def _body_of(request: SystemRequest) -> Coordinates:
         )},
         offsets=request.laws["offset"], moment=request.weight, laws=laws,
         still=STILL * request.velocity,
+        films=[
+            Film(rows, *(PchipInterpolator(each.speed, getattr(each, name)) for name in
+                         ("stiffness", "damping")))
+            for each, rows in zip(request.films.bearings, request.films.rows, strict=True)
+        ],
     )  # fmt: skip
 
 
