@@ -86,12 +86,13 @@ double turned_by(const struct work *work, double point)
 }
 
 /* The integral of the scalar product of two series of rows, times values: the sum of all products
- * of their coefficients, by the moments of these values. */
+ * of their coefficients, by the moments of these values. Those of high terms count as well, as the
+ * terms of a product fall as those of a motion of twice the frequency. */
 static double integral_of_power(const struct work *work, const struct points *points,
                                 struct values factor, const double *a, const double *b)
 {
-    double moments[ORDERS];
-    for (int n = 0; n < work->order; n++) {
+    double moments[2 * ORDERS];
+    for (int n = 0; n < 2 * work->order - 1; n++) {
         moments[n] = summed(points->weight, factor);
         factor = times_each(factor, points->u);
     }
@@ -100,14 +101,14 @@ static double integral_of_power(const struct work *work, const struct points *po
         for (int k = 0; k < work->order; k++) {
             const double *row = &b[i];
             vec4 even = spread(0.0), odd = spread(0.0);
-            int j = k;
+            int j = 0;
             for (; j + 1 < work->order; j += 2) {
-                even = fma4(spread(moments[j]), load(row), even);
-                odd = fma4(spread(moments[j + 1]), load(row + work->stride), odd);
+                even = fma4(spread(moments[k + j]), load(row), even);
+                odd = fma4(spread(moments[k + j + 1]), load(row + work->stride), odd);
                 row += 2 * work->stride;
             }
             if (j < work->order)
-                even = fma4(spread(moments[j]), load(row), even);
+                even = fma4(spread(moments[k + j]), load(row), even);
             total = fma4(even + odd, load(&a[k * work->stride + i]), total);
         }
     }

@@ -18,9 +18,7 @@ from rotor_ida.simulation.orbit import Orbit, SpeedRecord
 UNBALANCED_BY = 1e2
 # Allowed distance of a sample on the wrong side of the stator, in tolerances.
 WRONG_SIDE = 1e3
-# Forces beyond their limits, and energy that is missing, in parts of their size: rounding, and what
-# the tolerance allows. The energy of 300 random systems was missing by at most 4.2e-11 at rtol
-# 1e-10, and 1.4e-6 at 1e-6.
+# Forces beyond their limits, in parts of their size: rounding, and what the tolerance allows.
 ROUNDED, OF_TOLERANCE = 1e-9, 30.0
 
 
@@ -100,7 +98,10 @@ def _check_energies(
 def check_run(
     assembly: Assembly, found: Canonical, request: SystemRequest, result: SystemResult, rtol: float
 ) -> None:
-    """Raise an error where a run contradicts the mechanics."""
+    """Raise an error where a run contradicts the mechanics.
+
+    The tolerance `rtol` is that of the run, the tolerance of the request that of each step.
+    """
     allowed = ROUNDED + OF_TOLERANCE * rtol
     for number, contact in enumerate(assembly.contacts):
         kinds = result.event_kinds[result.event_contacts == number]
@@ -113,17 +114,17 @@ def check_run(
             raise InvariantError(f"the normal force of contact {number} is tensile")
         if (np.abs(tangential) > contact.friction * normal + rounded).any():
             raise InvariantError(f"contact {number} holds more than its friction can")
-    if not math.isnan(result.ledger["unbalance"]):  # CVODE keeps none
-        _check_energy(found, request, result, allowed)
+    if not math.isnan(result.ledger["unbalance"]):  # the plain-Python reference keeps none
+        _check_energy(found, request, result)
 
 
-def _check_energy(
-    found: Canonical, request: SystemRequest, result: SystemResult, allowed: float
-) -> None:
+def _check_energy(found: Canonical, request: SystemRequest, result: SystemResult) -> None:
     """Compare the energy at both ends with what was gained and lost in between.
 
-    The errors of a run are in parts of the clearance: of a motion that is far smaller, the energy
-    is off by its velocity times that of the scale.
+    Each step may be wrong by its tolerance, in parts of the state or of the clearance: the energy,
+    by this part of all that was turned over, or of the velocity times that of the scale. The errors
+    of all steps add up at most. In 2,400 runs of random systems by CVODE they came to 0.41 of
+    that, in 1,200 by Taylor series to 0.02.
     """
     start = request.start
     spent = result.ledger
@@ -132,7 +133,8 @@ def _check_energy(
     size = size_of_energy(found, np.concatenate([start[np.newaxis], result.samples]))
     turnover = size + sum(map(abs, spent.values()))
     slight = math.sqrt(turnover) * request.velocity
-    if abs(kept - spent["unbalance"] + lost) > allowed * max(turnover, slight):
+    allowed = ROUNDED + result.steps * request.rtol
+    if not abs(kept - spent["unbalance"] + lost) <= allowed * max(turnover, slight):
         raise InvariantError(
             f"the energy does not balance: {kept:.9g} kept, {spent['unbalance'] - lost:.9g} gained"
         )

@@ -185,7 +185,8 @@ def run_of_cases(
         times, request = finer, replace(first.request, times=finer)
         result = interruptible(lambda stop: followed_by(request, stop, []))
         followed = replace(followed, result=result)
-    check_run(first.assembly, first.found, first.request, followed.result, tolerance)
+    asked = by_method(first.request, method, tolerance)
+    check_run(first.assembly, first.found, asked, followed.result, tolerance)
     told = {"method": method, "backend": backend, "rtol": tolerance, "duration": course.end,
             **course.told}  # fmt: skip
     told |= {name: number for name, number in modes.items() if number is not None}

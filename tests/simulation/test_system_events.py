@@ -1,5 +1,6 @@
 """Events of rotor systems, against witnesses that share nothing with the core's series."""
 
+from dataclasses import replace
 from pathlib import Path
 from runpy import run_path
 
@@ -8,6 +9,7 @@ import pytest
 
 from rotor_ida import (
     Contact,
+    InvariantError,
     Race,
     Rotor,
     RotorSystem,
@@ -17,6 +19,8 @@ from rotor_ida import (
     run_up,
     simulate,
 )
+from rotor_ida.simulation import runs
+from rotor_ida.simulation.system_run import run_to_end
 from tests.random_systems import followed, random_system
 
 BENCHMARKS = Path(__file__).parents[2] / "benchmarks"
@@ -64,6 +68,34 @@ def test_many_systems_have_the_events_of_cvode():
         np.testing.assert_allclose(one.event_time, two.event_time, rtol=2e-7)
         count += one.sizes["event"]
     assert count > 400
+
+
+@pytest.mark.parametrize("seed", [78, 410, 434, 454, 578, 628])
+def test_the_energy_of_cvode_balances(seed):
+    """To the sum of the tolerances of its steps; the events are those of the other integrators."""
+    exact = followed(seed, 10.0)
+    slow = followed(seed, 10.0, rtol=1e-8, **BY_CVODE["witness"])
+    for method, rtol in (("adams", 1e-8), ("bdf", 1e-8), ("bdf", 1e-10)):
+        run = followed(seed, 10.0, method=method, rtol=rtol)
+        for other in (exact, slow):
+            np.testing.assert_array_equal(run.event_kind, other.event_kind)
+            np.testing.assert_allclose(run.event_time, other.event_time, rtol=2e-6)
+
+
+@pytest.mark.parametrize(("method", "missing"), [("taylor", 1e-8), ("adams", 3e-6), ("bdf", 3e-6)])
+@pytest.mark.parametrize("seed", [28, 434])
+def test_energy_that_is_missing_is_refused(monkeypatch, seed, method, missing):
+    """A part of what damping has taken, at a tolerance of 1e-8: 434 touches nothing."""
+
+    def robbed(*args):
+        result = run_to_end(*args)
+        taken = (1.0 + missing) * result.ledger["damping"]
+        return replace(result, ledger={**result.ledger, "damping": taken})
+
+    followed(seed, 10.0, method=method, rtol=1e-8)
+    monkeypatch.setattr(runs, "run_to_end", robbed)
+    with pytest.raises(InvariantError, match="the energy does not balance"):
+        followed(seed, 10.0, method=method, rtol=1e-8)
 
 
 @pytest.mark.parametrize("method", ["adams", "bdf"])
