@@ -25,6 +25,7 @@ from rotor_ida.schema import Column
 from rotor_ida.signals.record import Record, record_of
 from rotor_ida.signals.windows import (
     MOST_OVERLAP,
+    STEADY,
     Orders,
     Windows,
     fit_orders,
@@ -47,6 +48,9 @@ MOST_TURNING = 2.0 * math.pi / 3.0
 AXES = (0.0, 90.0)
 # What one order of signals may be of: a whirl, or the reading of a probe.
 SENSES = ("forward", "backward", "x", "y")
+# Revolutions by which windows tell orders apart, from the most, and the degrees of polynomials by
+# which the amplitudes of the orders asked for, and of others, change in a window then.
+CHANGES = ((4.0, 3, 1), (2.0, 1, 0), (0.0, 0, 0))
 # Scatter between windows up to this times the error by the residual may be due to chance.
 CHANCE = 1.3
 
@@ -98,22 +102,24 @@ def orders(
     `synchronous_response`: ``c_1 = A exp(-i lag)`` with theta the angle of the unbalance. Both lags
     are delays of a whirl at the x axis: ``exp(i (n theta - lag))`` forward and
     ``exp(-i (n theta - lag))`` backward. Measured angles count from the keyphasor mark instead. If
-    the speed changes, amplitudes are means over the window. A probe at the angle a reads half its
-    peak to peak times ``cos(n theta - lag)``: its lag is the angle from the mark to the next
-    positive peak, that is displacement towards the probe, as for balancing and in API 670.
+    the speed changes, amplitudes are means over the window, and their change within it is fitted
+    too: a cubic in windows of four or more revolutions, a straight line in two or three, and in one
+    the line between its neighbours. A probe at the angle a reads half its peak to peak times
+    ``cos(n theta - lag)``: its lag is the angle from the mark to the next positive peak, that is
+    displacement towards the probe, as for balancing and in API 670.
 
     Standard errors are those by the residual as white noise, equal in all directions, or the
     scatter of the amplitude between windows where that is larger by more than chance: so they
     contain what leaks from a line that is no order, such as oil whirl. The scatter is taken about
     the mean of up to 128 windows (255 at the end of a record) of equal speed, to 0.2 %, so a true
     change of the amplitude, as in a transient, counts as an error too. Where the speed changes, it
-    is taken about a parabola over windows within which it does so by at most 4 % (a line with
-    fewer than six windows, the mean with fewer than four). One window has no scatter. A line
-    closer to the order than about ``0.5/N`` orders for N revolutions of equal speed, or ``1.5/N``
-    where the speed changes, cannot be seen. The error of a
-    lag is the error of the amplitude over the amplitude. The residual is by degrees of freedom: for
-    noise of variance s**2 in x and in y it is ``sqrt(2) s``. The speed is that of the straight line
-    through the angles of a window, at the mean of its times.
+    is taken about a curve with up to two resonances, the quotient of two parabolas, over ten
+    windows or more, within which the speed changes by at most 4 % (a curve of fewer terms with
+    fewer windows). One window has no scatter. A line closer to the order than about ``0.5/N``
+    orders for N revolutions of equal speed, or ``2.5/N`` where the speed changes, cannot be seen.
+    The error of a lag is the error of the amplitude over the amplitude. The residual is by degrees
+    of freedom: for noise of variance s**2 in x and in y it is ``sqrt(2) s``. The speed is that of
+    the straight line through the angles of a window, at the mean of its times.
 
     References
     ----------
@@ -362,7 +368,8 @@ def fit(record: Record, windows: Windows, asked: Values, overlap: float = 0.0) -
         )
     beside = np.arange(1.0, min(max(BESIDE, asked.max()), (rate - 1.0) / 2.0) + SLACK)
     beside = beside[[not np.isclose(asked, each, atol=SLACK).any() for each in beside]]
-    every = fit_orders(record, windows, np.concatenate([asked, -asked, beside, -beside, [0.0]]))
+    every = _changing(record, windows, np.concatenate([asked, -asked, beside, -beside, [0.0]]),
+                      2 * asked.size, overlap)  # fmt: skip
     kept = [*range(2 * asked.size), -1]
     amplitudes, errors = every.amplitudes[:, kept], every.errors[:, kept]
     scatter = scatter_between(amplitudes, windows, overlap)
@@ -370,6 +377,39 @@ def fit(record: Record, windows: Windows, asked: Values, overlap: float = 0.0) -
     usual = np.sqrt(np.mean(errors**2, axis=0))
     errors = np.where(scatter > CHANCE * usual, np.maximum(scatter, errors), errors)
     return Orders(amplitudes, errors, every.residual)
+
+
+def _changing(
+    record: Record, windows: Windows, signed: Values, asked: int, overlap: float
+) -> Orders:
+    """Return the mean amplitudes of orders in windows in which they change with the speed.
+
+    In windows of several revolutions the change is fitted too: cubic or linear for the orders asked
+    for. In one revolution that would amplify the noise, so the change is that between neighbouring
+    windows, if it lowers the residual.
+    """
+    constant = fit_orders(record, windows, signed)
+    speeds = windows.speeds
+    if np.ptp(speeds) <= STEADY * abs(speeds[0]):
+        return constant
+    # revolutions by which a window can tell neighbouring orders apart
+    apart = windows.revolutions * float(np.diff(np.sort(signed)).min()) + SLACK
+    ahead, beside = next(each for least, *each in CHANGES if apart >= least)
+    degrees = np.full(signed.size, beside, dtype=np.intp)
+    degrees[:asked] = ahead
+    fewest = int(np.diff(windows.edges).min())
+    if ahead and fewest > 2 * int((degrees + 1).sum()):
+        return fit_orders(record, windows, signed, degrees)
+    slopes = np.gradient(constant.amplitudes, 2.0 * (1.0 - overlap), axis=0)
+    found = fit_orders(record, windows, signed, slopes=slopes)
+    better = found.residual < constant.residual
+    return Orders(*(
+        np.where(better if new.ndim == 1 else better[:, np.newaxis], new, old)
+        for new, old in zip(
+            (found.amplitudes, found.errors, found.residual),
+            (constant.amplitudes, constant.errors, constant.residual), strict=True,
+        )
+    ))  # fmt: skip
 
 
 def window_coordinates(windows: Windows) -> dict[str, Column]:

@@ -21,10 +21,11 @@ AT_ONCE = 200_000
 MOST_OVERLAP = 0.95
 MOST_SAMPLES = 200_000_000
 # Windows in a stretch, and the change of speed within it. The amplitude counts as constant where
-# the speed changes less than `STEADY`, else as a parabola, or less with few windows for each term.
+# the speed changes less than `STEADY`, else as a curve with resonances, of fewer terms where there
+# are few windows for each.
 MOST_WINDOWS = 128
 SPEED_SPAN, STEADY = 0.04, 0.002
-WINDOWS_A_TERM = 2
+WINDOWS_A_TERM, MOST_TERMS = 2, 5
 Complex = npt.NDArray[np.complex128]
 
 
@@ -131,7 +132,13 @@ def _times_and_speeds(
     return mean_time, np.add.reduceat(since * turned, starts) / np.add.reduceat(since**2, starts)
 
 
-def fit_orders(record: Record, windows: Windows, orders: Values) -> Orders:
+def fit_orders(
+    record: Record,
+    windows: Windows,
+    orders: Values,
+    degrees: npt.NDArray[np.intp] | None = None,
+    slopes: Complex | None = None,
+) -> Orders:
     """Return the complex amplitude of each signed order in each window, and the residual.
 
     Parameters
@@ -142,22 +149,38 @@ def fit_orders(record: Record, windows: Windows, orders: Values) -> Orders:
         Their windows.
     orders : ndarray, shape (k,)
         Orders, negative for backward whirl; 0 is the mean position.
+    degrees : ndarray of int, shape (k,), optional
+        Degree of the polynomial by which the amplitude of each order changes within a window. The
+        amplitude returned is the mean. Default: amplitudes that are constant in a window.
+    slopes : ndarray of complex, shape (windows, k), optional
+        Known change of each amplitude in half a window, which is subtracted first.
 
     Notes
     -----
-    The normal equations contain only sums of ``exp(i (n - m) angle)``. Over whole revolutions the
-    orders are nearly orthogonal, so the equations are solved to rounding. For noise of variance
-    s**2 in z the covariance of the amplitudes is s**2 times the inverse of their matrix.
+    For noise of variance s**2 in z the covariance of the amplitudes is s**2 times the inverse of
+    the matrix of the normal equations, which is well-conditioned over whole revolutions.
     """
     angles, z = record.known_angles()[windows.samples], record.z[windows.samples]
-    apart = orders - orders[:, None]
-    needed = {_key(abs(each)): abs(each) for each in [*apart.ravel().tolist(), *orders.tolist()]}
+    # Legendre polynomials times the exponential of their order, those of degree 0 first
+    within = np.zeros(orders.size, dtype=np.intp) if degrees is None else degrees
+    highest = int(within.max())
+    columns = np.concatenate([np.flatnonzero(within >= each) for each in range(highest + 1)])
+    powers = np.concatenate([np.full((within >= p).sum(), p) for p in range(highest + 1)])
     fits = []
-    for part in windows.parts(len(needed)):
+    for part in windows.parts(columns.size):
         edges = windows.edges[part.start : part.stop + 1]
-        inside = slice(edges[0], edges[-1])
-        turned = _exponentials(angles[inside], needed)
-        fits.append(_fit(turned, z[inside], edges - edges[0], orders))
+        counts = np.diff(edges)[:, np.newaxis]
+        inside = np.arange(counts.max()) < counts
+        at = np.minimum(edges[:-1, np.newaxis] + np.arange(counts.max()), edges[-1] - 1)
+        middle = (angles[at] * inside).sum(axis=1, keepdims=True) / counts
+        place = (angles[at] - middle) / (math.pi * windows.revolutions)
+        whirls = inside[..., np.newaxis] * np.exp(1j * angles[at][..., np.newaxis] * orders)
+        polynomials = np.polynomial.legendre.legvander(place, highest)
+        basis = whirls if highest == 0 else whirls[..., columns] * polynomials[..., powers]
+        seen = z[at] * inside
+        if slopes is not None:
+            seen = seen - place * np.einsum("wnk,wk->wn", whirls, slopes[part])
+        fits.append(_fit(basis, seen, counts[:, 0], orders.size))
     amplitudes, errors, residual = (np.concatenate(each) for each in zip(*fits, strict=True))
     return Orders(amplitudes, errors, residual)
 
@@ -166,91 +189,74 @@ def scatter_between(amplitudes: Complex, windows: Windows, overlap: float) -> Va
     """Return standard errors by the scatter between windows, 0 where there are too few.
 
     What leaks from a line that is not fitted turns from window to window, so it is seen in the
-    deviations from the mean over a stretch of windows of equal speed, or from a parabola where
-    the speed changes. Few windows that deviate far, as in a transient, are given less weight.
+    deviations from the mean over a stretch of windows of equal speed, or from a curve with up to
+    two resonances where the speed changes. Few windows that deviate far, as in a transient, are
+    given less weight.
     """
     errors = np.zeros(amplitudes.shape)
     for part in _stretches(windows.speeds):
         within, speeds = amplitudes[part], windows.speeds[part]
         count = within.shape[0] * (1.0 - overlap)
-        terms = 1 if np.ptp(speeds) <= STEADY * abs(speeds[0]) else 3
+        terms = 1 if np.ptp(speeds) <= STEADY * abs(speeds[0]) else MOST_TERMS
         terms = min(terms, int(count / WINDOWS_A_TERM))
-        if terms == 0:
-            continue
-        basis = np.vander(np.linspace(-1.0, 1.0, within.shape[0]), terms)
-        for k, values in enumerate(within.T):
-            errors[part, k] = _deviation(basis, values, count)
+        for k, values in enumerate(within.T if terms else ()):
+            errors[part, k] = _deviation(values, terms, count)
     return errors
 
 
 def _stretches(speeds: Values) -> Iterator[slice]:
     """Yield slices of neighbouring windows in which the speed changes little."""
-    first = 0
+    first, fewest = 0, MOST_TERMS * WINDOWS_A_TERM
     while first < speeds.size:
         ahead = speeds[first : first + MOST_WINDOWS]
         if speeds.size - first < 2 * MOST_WINDOWS:
             ahead = speeds[first:]
         span = np.maximum.accumulate(ahead) - np.minimum.accumulate(ahead)
-        length = max(int(np.searchsorted(span, SPEED_SPAN * abs(ahead[0]), side="right")), 1)
+        length = int(np.searchsorted(span, SPEED_SPAN * abs(ahead[0]), side="right"))
+        length = max(length, fewest)
+        if speeds.size - first - length < fewest:
+            length = speeds.size - first
         yield slice(first, first + length)
         first += length
 
 
-def _deviation(basis: Values, values: Complex, count: float) -> float:
-    """Return the root mean square per component of deviations from a robust mean or parabola."""
-    weights = np.ones(values.size)
+def _deviation(values: Complex, terms: int, count: float) -> float:
+    """Return the root mean square per component of deviations from a robust smooth curve.
+
+    The curve ``(a + b x + e x**2)/(1 + d x + f x**2)``, or its first terms, has the form of the
+    response near one or two resonances. It is fitted in the form without a quotient (Levy, 1959),
+    with the denominators of the solution before as weights (Sanathanan and Koerner, 1963).
+    """
+    x = np.linspace(-1.0, 1.0, values.size)
+    ones = np.ones_like(x)
+    basis = np.stack([ones, x, values * x, x * x, values * x * x], axis=1)[:, :terms]
+    weights, below = ones, ones.astype(np.complex128)
     for _ in range(8):
-        roots = np.sqrt(weights)[:, None]
-        curve = np.linalg.lstsq(roots * basis, roots[:, 0] * values, rcond=None)[0]
-        squares = np.abs(values - basis @ curve) ** 2
+        roots = np.sqrt(weights) / np.abs(below)
+        found = np.linalg.lstsq(roots[:, None] * basis, roots * values, rcond=None)[0]
+        denominator = np.append(found, np.zeros(MOST_TERMS - terms))[[2, 4]]
+        below = 1.0 - denominator[0] * x - denominator[1] * x * x
+        squares = np.abs((values - basis @ found) / below) ** 2
         limit = 6.0 * float(np.median(squares))
         weights = np.minimum(1.0, (limit / np.maximum(squares, 1e-300)))
     mean = float(np.minimum(squares, limit).mean())
-    return math.sqrt(mean * count / (count - basis.shape[1]) / 2.0)
-
-
-def _key(order: float) -> float:
-    """Return a key that is equal for orders that differ by rounding."""
-    return round(order, 12)
-
-
-def _exponentials(angles: Values, orders: dict[float, float]) -> dict[float, Complex]:
-    """Return ``exp(i n angle)`` for orders from 0 up: most are products of those before."""
-    known = {0.0: np.ones(angles.size, dtype=np.complex128)}
-    for key, order in sorted(orders.items()):
-        if key in known:
-            continue
-        pairs = ((each, _key(key - each)) for each in known if each > 0.0)
-        pair = next(((a, b) for a, b in pairs if b in known), None)
-        known[key] = np.exp(1j * order * angles) if pair is None else (
-            known[pair[0]] * known[pair[1]])  # fmt: skip
-    return known
+    return math.sqrt(mean * count / (count - terms) / 2.0)
 
 
 def _fit(
-    turned: dict[float, Complex], z: Complex, edges: npt.NDArray[np.intp], orders: Values
+    basis: Complex, seen: Complex, counts: npt.NDArray[np.intp], kept: int
 ) -> tuple[Complex, Values, Values]:
-    """Return amplitudes, their errors and the residual in windows with these edges."""
-    starts, counts = edges[:-1], np.diff(edges)
-    sums = {key: np.add.reduceat(each, starts) for key, each in turned.items()}
-    apart = (orders - orders[:, None]).ravel().tolist()
-    moments = [_signed(sums, each) for each in apart]
-    gram = np.stack(moments, axis=-1).reshape(counts.size, orders.size, orders.size)
-    inverse = np.linalg.inv(gram)
-    basis = [_signed(turned, each) for each in orders.tolist()]
-    right = np.stack([np.add.reduceat(each.conj() * z, starts) for each in basis], axis=-1)
-    amplitudes = np.einsum("wjk,wk->wj", inverse, right)
-    left = z.copy()
-    for each, amplitude in zip(basis, amplitudes.T, strict=True):
-        left -= np.repeat(amplitude, counts) * each
-    squares = np.add.reduceat(np.abs(left) ** 2, starts)
-    residual = np.sqrt(squares / np.maximum(counts - orders.size, 1))
-    variances = np.einsum("wkk->wk", inverse).real
+    """Return the first amplitudes, their errors and the residual of windows of equal length.
+
+    Windows are filled up with zeros. The basis has the shape (window, sample, column).
+    """
+    # products of few columns by threads take many times as long: no matmul
+    conjugate = basis.conj()
+    inverse = np.linalg.inv(np.einsum("wnj,wnk->wjk", conjugate, basis))
+    sums = np.einsum("wnk,wn->wk", conjugate, seen)
+    amplitudes = np.einsum("wjk,wk->wj", inverse, sums)
+    squares = (np.abs(seen - np.einsum("wnk,wk->wn", basis, amplitudes)) ** 2).sum(axis=1)
+    residual = np.sqrt(squares / np.maximum(counts - basis.shape[2], 1))
+    variances = np.einsum("wkk->wk", inverse).real[:, :kept]
     errors = residual[:, None] * np.sqrt(np.maximum(variances, 0.0) / 2.0)
-    return amplitudes, errors, residual
-
-
-def _signed(of: dict[float, Complex], order: float) -> Complex:
-    """Return the values of an order, given those of its modulus."""
-    each = of[_key(abs(order))]
-    return each if order >= 0.0 else each.conj()
+    return amplitudes[:, :kept], errors, residual

@@ -38,8 +38,8 @@ WHIRLS, PROBES = ("forward", "backward"), ("x", "y")
 # Peaks of at least this fraction of the largest amplitude are named.
 HIGH = 0.3
 # A jump between windows exceeds this fraction of the largest amplitude, and this multiple of the
-# median step around it.
-JUMP, UNUSUAL, NEIGHBOURS = 0.1, 5.0, 33
+# median of so many steps around it: few enough for a sharp resonance to make all of them large.
+JUMP, UNUSUAL, NEIGHBOURS = 0.1, 5.0, 7
 # Fewest windows of a curve and of a record at one speed, and the most revolutions of one. An even
 # number of revolutions contains no part of a period of ½X.
 WINDOWS, AT_ONE_SPEED, LONGEST = 250, 8, 8
