@@ -85,9 +85,10 @@ SHORT = {
 }  # fmt: skip
 # Usage of commands whose files cyclopts does not name.
 USAGE: dict[Callable[..., object], str] = {
-    fit: "Usage: rotor-ida fit --unknown NAME [OPTIONS] FILE...",
     explore: "Usage: rotor-ida explore [OPTIONS] [FILE]",
 }
+# Values of options that a command needs and its function does not have.
+OF_OWN = {"unknown": "NAME", "out": "PATH"}
 # Groups whose commands compute studies.
 COMPUTING = ("Simulate", "Exact whirls", "Limit cycles", "Explore")
 DONE, BAD_INPUT, PIPE_CLOSED = 0, 2, 141
@@ -196,7 +197,9 @@ def _usage(command: Command | Callable[..., object]) -> str | None:
             for name, each in command.arguments.items()
             if each.default is NEEDED
         ]
-        ends = ["[OPTIONS]", *(["[SYSTEM]"] if command.takes_systems else [])]
+        needed += [f"--{name} {OF_OWN[name]}" for name, each in command.own.items()
+                   if each.default is NEEDED]  # fmt: skip
+        ends = ["[OPTIONS]", *([command.named] if command.named else [])]
         return " ".join(["Usage: rotor-ida", name_of(command), *needed, *ends])
     return USAGE.get(command)
 

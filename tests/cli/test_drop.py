@@ -179,7 +179,7 @@ def test_the_answer_tells_which_other_clearances_are_touched(labyrinth, touched)
     assert f"Some drops touch the close {where}." in said
     assert "Beyond the model" not in said
     assert verdict(run) == sentence_of(run, None)
-    rows = {row[0]: row[2] for row in acceptance(run, many).cells()}
+    rows = {row[0]: row[2] for row in acceptance(run, many)[0].cells()}
     assert ("touches" in rows["radius at seal"]) == touched
     assert "gap left" in rows["radius at disc"]
 
