@@ -33,12 +33,12 @@ from rotor_ida.cli.rotor_options import (
 from rotor_ida.cli.verb_options import options_of, system_axes
 from rotor_ida.cli.verbs import NEEDED, arguments_of
 from rotor_ida.errors import InputError
+from rotor_ida.model.rotor import DimensionalRotor
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rotor_ida.model.rotor import DimensionalRotor
     from rotor_ida.model.rotor_system import RotorSystem
     from rotor_ida.results.system_file import Course
 
@@ -111,12 +111,25 @@ class Case:
         system, course = read_system_file(self.file)
         if system.units != "SI":
             refuse_units({**self.rotor_values, **self.given})
+            return system, course
+        from rotor_ida.results.plausible import questions_on_system  # noqa: PLC0415 - heavy
+        from rotor_ida.results.toml_files import read_toml  # noqa: PLC0415
+
+        for each in questions_on_system(system, course.speed, read_toml("system", self.file)):
+            _ask(f"{self.file}: {each}")
         return system, course
 
     @property
     def rotor_values(self) -> dict[str, Any]:
         """The given parameters of one disc, or of several."""
         return dict(self.rotors.given)
+
+    @property
+    def running_speed(self) -> float | None:
+        """The speed in service that a file gives, which a run-up passes or leaves."""
+        if self.is_system:
+            return self.from_file[1].speed
+        return self.rotor.speed if self.rotors.machine is not None else None
 
     def varied(self) -> list[str]:
         """Return the parameters that have several values."""
@@ -182,9 +195,28 @@ class Case:
             given |= jobs.on_every_core()
         rotor, given = self._of_system(given) if self.is_system else self._of_disc(given)
         self.rotor = self._given_machine() or rotor[0]
+        self._ask_about_speeds(given)
         if self.of.starts and "start" in given:
             given["starts"] = given.pop("start")
         return rotor, given if self.adapted is None else self.adapted(rotor[0], given)
+
+    def _ask_about_speeds(self, given: Mapping[str, Any]) -> None:
+        """Say what speeds without a unit are that are far beyond those of the rotor."""
+        from rotor_ida.results.plausible import first_critical, speed_in_doubt  # noqa: PLC0415
+
+        speeds = {name: given.get(name, self.rotor_values.get(name)) for name in ("to", SPEED)}
+        plain = {name: each for name, value in speeds.items()
+                 for each in (value if isinstance(value, list) else [value])
+                 if isinstance(each, Quantity) and not each.word}  # fmt: skip
+        if self.is_system and self.from_file[0].units == "SI" and plain:
+            known = first_critical(self.from_file[0]), self.from_file[1].speed
+        elif isinstance(self.rotor, DimensionalRotor):
+            known = self.rotor.critical_speed, None if SPEED in plain else self.rotor.speed
+        else:
+            return
+        for name, value in plain.items():
+            if said := speed_in_doubt(f"--{name}", value, min(filter(None, known), default=0.0)):
+                _ask(said)
 
     # ---- One disc ----
 
@@ -274,6 +306,11 @@ class Case:
                 raise InputError(
                     f"start must be settled or rest with a rotor system, got {shown(each)}"
                 )
+
+
+def _ask(question: str) -> None:
+    """Say in a line what is likely a slip of the user."""
+    warnings.warn(question, UserWarning, stacklevel=2)
 
 
 def _is_result(start: object) -> bool:
