@@ -97,6 +97,10 @@ _PREFIXED = {
 _PLAIN = {
     "cm": Unit(1.0, -2, _LENGTH),
     "in": Unit(25.4, -3, _LENGTH),
+    "lb": Unit(0.45359237, 0, _MASS),
+    "oz": Unit(28.349523125, -3, _MASS),
+    "lbf": Unit(4.4482216152605, 0, _FORCE),
+    "Nms": Unit(1.0, 0, (1.0, 2.0, -1.0, 0.0)),  # not N ms
     "mil": Unit(25.4, -6, _LENGTH),
     "min": Unit(60.0, 0, _TIME),
     "rad": Unit(1.0, 0, _ANGLE),
@@ -129,6 +133,7 @@ NAMES = {
         "um": ("micron", "microns"),
         "in": ("inch", "inches"),
         "mil": ("mils",),
+        "lb": ("lbs", "lbm"),
         "rpm": ("1/min", "min-1", "r/min"),
     }.items()
     for name in names

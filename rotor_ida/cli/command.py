@@ -20,7 +20,7 @@ import rotor_ida
 from rotor_ida.checks import check_choice, listed, shown
 from rotor_ida.cli import options
 from rotor_ida.cli.output import Output, answer, answer_whole, working
-from rotor_ida.cli.parsing import Quantity, check_points, refuse_units
+from rotor_ida.cli.parsing import SYSTEM_ENDING, Quantity, check_points, refuse_units
 from rotor_ida.cli.report import FIRST_ROWS, Report
 from rotor_ida.cli.rotor_options import (
     AllSpeedsOptions,
@@ -31,25 +31,28 @@ from rotor_ida.cli.rotor_options import (
     sheet_of,
 )
 from rotor_ida.cli.verb_options import options_of, system_axes
-from rotor_ida.cli.verbs import arguments_of
+from rotor_ida.cli.verbs import NEEDED, arguments_of
 from rotor_ida.errors import InputError
+from rotor_ida.model.rotor import DimensionalRotor
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rotor_ida.model.rotor import DimensionalRotor
     from rotor_ida.model.rotor_system import RotorSystem
     from rotor_ida.results.system_file import Course
 
-# The rotors of a command: one, several, those at all speeds, or one of a file alone, whose speeds
-# are an argument of the function.
-Rotors = Literal["one", "several", "all speeds", "of a file"]
+# The rotors of a command: one, several, those at all speeds, or a machine or a system of a file
+# alone, whose speeds are an argument of the function.
+Rotors = Literal["one", "several", "all speeds", "of a file", "a system"]
 GROUPS: dict[Rotors, Any] = {
     "one": RotorOptions, "several": RotorsOptions, "all speeds": AllSpeedsOptions,
 }  # fmt: skip
 # Keywords of functions that are no options: the file of a system has some.
 NO_OPTIONS = {"progress", "modes", "more_modes", "**changed", "**varied"}
+THAT_OF_FILE = "Default: that of the file."
+# What a function takes before the rotor.
+FIRST = ("signals",)
 # Functions that take each of these from the file of a system, where no option gives it.
 OF_FILE = ("start", "modes", "more_modes", SPEED)
 
@@ -78,6 +81,8 @@ class Case:
         The rotor that was asked; None for several without dimensions. A command may know it.
     adapted : callable, optional
         Checks the arguments with the rotor, and returns those of the function.
+    measured : list of Path
+        The files besides that of a rotor system, of a command that takes several.
     """
 
     of: Command
@@ -90,6 +95,7 @@ class Case:
     without_gravity: bool = False
     rotor: Any = None
     adapted: Callable[[Any, dict[str, Any]], dict[str, Any]] | None = None
+    measured: list[Path] = field(default_factory=list)
 
     @property
     def is_system(self) -> bool:
@@ -105,12 +111,25 @@ class Case:
         system, course = read_system_file(self.file)
         if system.units != "SI":
             refuse_units({**self.rotor_values, **self.given})
+            return system, course
+        from rotor_ida.results.plausible import questions_on_system  # noqa: PLC0415 - heavy
+        from rotor_ida.results.toml_files import read_toml  # noqa: PLC0415
+
+        for each in questions_on_system(system, course.speed, read_toml("system", self.file)):
+            _ask(f"{self.file}: {each}")
         return system, course
 
     @property
     def rotor_values(self) -> dict[str, Any]:
         """The given parameters of one disc, or of several."""
         return dict(self.rotors.given)
+
+    @property
+    def running_speed(self) -> float | None:
+        """The speed in service that a file gives, which a run-up passes or leaves."""
+        if self.is_system:
+            return self.from_file[1].speed
+        return self.rotor.speed if self.rotors.machine is not None else None
 
     def varied(self) -> list[str]:
         """Return the parameters that have several values."""
@@ -163,7 +182,8 @@ class Case:
         with warnings.catch_warnings() if quiet else nullcontext():
             if quiet:  # the answer says the same
                 warnings.simplefilter("ignore", UserWarning)
-            found: xr.Dataset = getattr(rotor_ida, self.of.verb)(*rotor, **given)
+            first = [given.pop(name) for name in FIRST if name in given]
+            found: xr.Dataset = getattr(rotor_ida, self.of.verb)(*first, *rotor, **given)
         return found
 
     def _asked(self) -> tuple[list[Any], dict[str, Any]]:
@@ -175,9 +195,28 @@ class Case:
             given |= jobs.on_every_core()
         rotor, given = self._of_system(given) if self.is_system else self._of_disc(given)
         self.rotor = self._given_machine() or rotor[0]
+        self._ask_about_speeds(given)
         if self.of.starts and "start" in given:
             given["starts"] = given.pop("start")
         return rotor, given if self.adapted is None else self.adapted(rotor[0], given)
+
+    def _ask_about_speeds(self, given: Mapping[str, Any]) -> None:
+        """Say what speeds without a unit are that are far beyond those of the rotor."""
+        from rotor_ida.results.plausible import first_critical, speed_in_doubt  # noqa: PLC0415
+
+        speeds = {name: given.get(name, self.rotor_values.get(name)) for name in ("to", SPEED)}
+        plain = {name: each for name, value in speeds.items()
+                 for each in (value if isinstance(value, list) else [value])
+                 if isinstance(each, Quantity) and not each.word}  # fmt: skip
+        if self.is_system and self.from_file[0].units == "SI" and plain:
+            known = first_critical(self.from_file[0]), self.from_file[1].speed
+        elif isinstance(self.rotor, DimensionalRotor):
+            known = self.rotor.critical_speed, None if SPEED in plain else self.rotor.speed
+        else:
+            return
+        for name, value in plain.items():
+            if said := speed_in_doubt(f"--{name}", value, min(filter(None, known), default=0.0)):
+                _ask(said)
 
     # ---- One disc ----
 
@@ -224,8 +263,8 @@ class Case:
         if self.without_gravity:
             system = replace(system, gravity=None)
         known = {name for name in OF_FILE if name in arguments_of(self.of.verb)}
-        known -= {*self.of.arguments} - {"start"}
-        if "modes" not in known and course.modes is not None:
+        known -= {*self.of.without, *({*self.of.arguments} - {"start"})}
+        if not {"modes"} & (known | given.keys()) and course.modes is not None:
             from rotor_ida.model.few_modes import in_modes  # noqa: PLC0415 - heavy
 
             system = in_modes(system, course.modes, None)[0]
@@ -247,7 +286,9 @@ class Case:
     def _values_of_system(self) -> dict[str, Any]:
         """Return speed and parameters of the system; what is of one disc is refused."""
         values = self.rotor_values
-        found = {name: values.pop(name) for name in (SPEED, *self.known) if name in values}
+        # signals have their own speed
+        shared = {*self.known} if self.of.files else {SPEED, *self.known}
+        found = {name: values.pop(name) for name in [*values] if name in shared}
         if self.of.rotors == "several":
             own = {name: values.pop(name) for name in PARAMETERS_OF_SYSTEM if name in values}
             own |= {name: self.given[name] for name in PARAMETERS_OF_SYSTEM if name in self.given}
@@ -258,13 +299,18 @@ class Case:
 
     def _check_words(self, start: Any) -> None:
         """Refuse the four numbers of a start, which are of one disc, if an option gives them."""
-        if "start" not in self.given:
+        if self.given.get("start") is None:
             return
         for each in start if self.of.starts else [start]:
             if not (isinstance(each, str) or _is_result(each)):
                 raise InputError(
                     f"start must be settled or rest with a rotor system, got {shown(each)}"
                 )
+
+
+def _ask(question: str) -> None:
+    """Say in a line what is likely a slip of the user."""
+    warnings.warn(question, UserWarning, stacklevel=2)
 
 
 def _is_result(start: object) -> bool:
@@ -302,6 +348,12 @@ class Command:
         Title of the progress bar.
     without : tuple of str
         Keywords of the function that are no options.
+    of_file : tuple of str
+        Those that the file of a system may give instead.
+    files : bool
+        Whether it takes several files, of which one may be that of a rotor system.
+    writes : bool
+        Whether it writes its result as others do.
     """
 
     body: Callable[..., Report]
@@ -311,6 +363,9 @@ class Command:
     quiet: bool = False
     label: str = ""
     without: tuple[str, ...] = ()
+    of_file: tuple[str, ...] = ()
+    files: bool = False
+    writes: bool = True
 
     @property
     def verb(self) -> str:
@@ -321,8 +376,17 @@ class Command:
     def arguments(self) -> dict[str, Any]:
         """The keywords of the function that are options."""
         no = {*NO_OPTIONS, *self.without}
-        no = no - {"modes"} if self.rotors == "of a file" else no | {SPEED}
-        return {name: each for name, each in arguments_of(self.verb).items() if name not in no}
+        no = no - ({"modes"} - {*self.without}) if self.of_one_file else no | {SPEED}
+        found = {name: each for name, each in arguments_of(self.verb).items() if name not in no}
+        return found | {
+            name: found[name]._replace(default=None, text=f"{found[name].text} {THAT_OF_FILE}")
+            for name in self.of_file
+        }
+
+    @property
+    def of_one_file(self) -> bool:
+        """Whether no option describes the rotor."""
+        return self.rotors in {"of a file", "a system"}
 
     @property
     def starts(self) -> bool:
@@ -334,18 +398,31 @@ class Command:
         """Whether the function takes a rotor system."""
         return SPEED in arguments_of(self.verb) or "**changed" in arguments_of(self.verb)
 
+    @property
+    def named(self) -> str:
+        """The file or files of the command in its usage."""
+        if self.files:
+            return "FILE..."
+        return "SYSTEM" if self.rotors == "a system" else "[SYSTEM]" * self.takes_systems
+
     def function(self) -> Callable[..., Report]:
         """Return the command with its options, for cyclopts."""
 
         def run(
-            system: Path | None = None, /, *, rotors: Any = None, machine: Path | None = None,
+            *files: Path | None, rotors: Any = None, machine: Path | None = None,
             output: Output = Output(), **given: Any,
         ) -> Report:  # fmt: skip
             own = {name: given.pop(name) for name in list(given) if name in self.own}
             group = rotors or GROUPS.get(self.rotors, RotorOptions)()
             if machine is not None:
                 group = RotorOptions(machine=machine)
-            case = Case(of=self, file=system, rotors=group, output=output, given=given)
+            systems = [each for each in files if each and each.name.endswith(SYSTEM_ENDING)]
+            if len(systems) > 1:
+                raise InputError("FILE must be given with one rotor system at most, got two")
+            case = Case(
+                of=self, file=next(iter(systems), None), rotors=group, output=output, given=given,
+                measured=[each for each in files if each and each not in systems],
+            )  # fmt: skip
             return self.body(case, **own)
 
         run.__name__, run.__doc__ = self.verb, self.body.__doc__
@@ -363,22 +440,25 @@ class Command:
         """Return all options in the order of the help."""
         apart = partial(inspect.Parameter, kind=inspect.Parameter.KEYWORD_ONLY)
         group = GROUPS.get(self.rotors)
-        found = [
-            apart("machine", default=None, annotation=MachineFile)
-            if group is None
-            else apart("rotors", default=group(), annotation=group)
-        ]
-        if self.takes_systems:
-            kind = inspect.Parameter.POSITIONAL_ONLY
+        found = [] if group is None else [apart("rotors", default=group(), annotation=group)]
+        if self.rotors == "of a file":
+            found = [apart("machine", default=None, annotation=MachineFile)]
+        if self.files:
+            kind = inspect.Parameter.VAR_POSITIONAL
+            found = [inspect.Parameter("files", kind, annotation=options.FILES), *found]
+        elif self.takes_systems:
+            kind, default = inspect.Parameter.POSITIONAL_ONLY, None
             of = options.System if group else Annotated[options.System, options.OR_MACHINE]
-            found = [inspect.Parameter("system", kind, default=None, annotation=of), *found]
+            if self.rotors == "a system":
+                of, default = Annotated[options.System, options.SYSTEM_ALONE], NEEDED
+            found = [inspect.Parameter("system", kind, default=default, annotation=of), *found]
         for name, annotation, default in options_of(self.verb, self.arguments):
             found.append(apart(name, default=default, annotation=annotation))
         if self.rotors == "several" and self.takes_systems:
             for name, annotation, default in system_axes():
                 found.append(apart(name, default=default, annotation=annotation))
-        output = apart("output", default=Output(), annotation=Output)
-        return [*found, *self.own.values(), output]
+        output = [apart("output", default=Output(), annotation=Output)] * self.writes
+        return [*found, *self.own.values(), *output]
 
 
 def command(

@@ -5,45 +5,16 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 import xarray as xr
 
-from rotor_ida.cli.given import contacts_sheet, supports_sheet
-from rotor_ida.cli.pages import LINEAR, PLANE
 from rotor_ida.cli.variables import line_of
 from rotor_ida.results.sheets import Interval, Line, Sheet, facts
 from rotor_ida.schema import OF_BEARING, OF_DROP, WHIRL_DIRECTION
-from rotor_ida.steady.drop_words import NOT_ACTING, cells_in, count_of, place_of, places_in, varying
+from rotor_ida.steady.drop_words import cells_in, count_of, place_of, places_in, varying
 from rotor_ida.units import number, quantity
 
-if TYPE_CHECKING:
-    from rotor_ida.model.rotor_system import RotorSystem
-
-TITLE = "Drop on touchdown bearings"
-ASSUMPTIONS = (
-    LINEAR,
-    "Before the drop each magnetic bearing is a linear spring and damper about the centre of its "
-    "node and carries the static load; at the drop the failing ones are gone at once.",
-    "A touchdown bearing is a ring with a clearance: a normal force by its stiffness and contact "
-    "damping, Coulomb friction of constant coefficient, an inner race with inertia and drag. "
-    "Balls, cage and lubricant are not modelled, nor does the bearing warm up or wear.",
-    "After the drop no drive acts: where an inertia is given, drag and friction decelerate the "
-    "rotor; otherwise its speed is held.",
-    PLANE,
-    f"Other close clearances are compared with the motion; {NOT_ACTING}.",
-)
-SCOPE = (
-    "The published scope of ISO 14839-5:2022 on touch-down bearings names contact events, load "
-    "requirements, sizing, simulation for the validation of a design, and acceptance tests. Of "
-    "these this report states contact events (number, duration), loads (largest and mean force, "
-    "impulse, energy), whirl, race speed, coast-down and the gap left at each clearance that was "
-    "given, of simulated drops.",
-    "It does not state: life, wear and temperature of the bearings, loads along the axis, the "
-    "number of drops that a bearing survives, or measurements. It is no statement of conformity "
-    "with any standard.",
-)
 SHARES = {
     "backward_whirl": "with a backward whirl of three turns", "rest": "in contact at the end",
     "decided": "whose largest force comes before the horizon",
@@ -53,25 +24,21 @@ SHARES = {
 MOST_CELLS, DIGITS = 200, 4
 
 
-def given_tables(rotor: RotorSystem, run: xr.Dataset, drops: xr.Dataset | None) -> list[Sheet]:
-    """Return what the drops were computed from: conditions, supports, bearings and what varies."""
-    found = [_conditions(run)]
-    if rotor.supports:
+def tables_of(run: xr.Dataset, drops: xr.Dataset | None) -> list[Sheet]:
+    """Return what a report tells of one drop and of many, and from what they were computed."""
+    many = [] if drops is None else drops_tables(drops)
+    found = [*acceptance(run, drops), *run_tables(run), *many, _conditions(run)]
+    if run.sizes.get("support"):
         loads = run["support_load"].values
         noise = 1e-9 * float(np.abs(loads).max(initial=0.0))
-        more = [
+        lines = [
             Line(f"static load {axis}", [0.0 if abs(each) <= noise else each for each in values],
                  "N", DIGITS)
             for axis, values in zip("xy", loads.T.tolist(), strict=True)
         ]  # fmt: skip
-        more.append(Line("fails", run["support_fails"].values.astype(bool).tolist()))
-        found.append(supports_sheet(rotor, "Magnetic bearings", more))
-    allowed = [Line("load capacity", run["load_capacity"].values.tolist(), "N", DIGITS)
-               for _ in range("load_capacity" in run.variables)]  # fmt: skip
-    found.append(contacts_sheet(rotor, "Touchdown bearings", allowed))
-    if drops is not None:
-        found.append(_varied(drops))
-    return found
+        lines.append(Line("fails", run["support_fails"].values.astype(bool).tolist()))
+        found.append(Sheet("Magnetic bearings before the drop", lines, _names(run["support_node"])))
+    return found if drops is None else [*found, _varied(drops)]
 
 
 def _conditions(run: xr.Dataset) -> Sheet:
@@ -85,10 +52,6 @@ def _conditions(run: xr.Dataset) -> Sheet:
         drag = float(np.ravel(run.attrs["torque"])[1])
         lines += [Line("inertia about the axis", [float(run.attrs["inertia"])], "kg m2"),
                   Line("drag torque of the rotor over speed", [drag], "N m s")]  # fmt: skip
-    for node, moment, angle in zip(run["unbalance_node"].values, run["unbalance_moment"].values,
-                                   run["unbalance_phase"].values - phase, strict=True):  # fmt: skip
-        turned = quantity(round(float(angle), 9) + 0.0, "radian")
-        lines.append(Line(f"unbalance at {node!s}", [float(moment)], "kg m", note=f"at {turned}"))
     return facts("Conditions", lines)
 
 
@@ -108,8 +71,8 @@ def _varied(drops: xr.Dataset) -> Sheet:
     return Sheet(f"What varies in {drops.sizes['drop']} drops", lines, heads, note)
 
 
-def acceptance(run: xr.Dataset, drops: xr.Dataset | None) -> Sheet | None:
-    """Return loads over capacities and gaps left, of one drop and of the worst of many."""
+def acceptance(run: xr.Dataset, drops: xr.Dataset | None) -> list[Sheet]:
+    """Return loads over capacities and gaps left, of one drop and of the worst of many, if any."""
     lines, both = [], [each for each in (run, drops) if each is not None]
     if "load_capacity" in run.variables:
         for place, node in enumerate(run["contact_node"].values):
@@ -127,12 +90,10 @@ def acceptance(run: xr.Dataset, drops: xr.Dataset | None) -> Sheet | None:
             told = [_of_gap(gap, float(each["node_excursion"].sel(node=node).max()))
                     if "node_excursion" in each.variables else "" for each in both]  # fmt: skip
             lines.append(Line(f"radius at {node!s}", [quantity(gap, "m"), *told]))
-    if not lines:
-        return None
     heads = ["allowed", "one drop"]
     heads += [] if drops is None else [f"worst of {drops.sizes['drop']} drops"]
-    return Sheet("Compared with what is allowed", lines, heads,
-                 "Capacities and clearances are as given in the system file.")  # fmt: skip
+    note = "Capacities and clearances are as given in the system file."
+    return [Sheet("Compared with what is allowed", lines, heads, note)] if lines else []
 
 
 def _of_gap(gap: float, ratio: float) -> str:

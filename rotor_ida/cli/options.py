@@ -46,6 +46,12 @@ System = Annotated[
     IN_ROTOR,
 ]
 OR_MACHINE = Parameter(help="Rotor system from a TOML file, or a machine with --machine.")
+SYSTEM_ALONE = Parameter(help="Rotor system from a TOML file.")
+FILE = (
+    "Archive (.nc) or measured file: text, .wav, .mat, .h5, .npz, .uff, .tdms, .lvm, .cff, or "
+    ".cfg with .dat."
+)
+FILES = Annotated[Path, path_option(FILE, name="FILE")]
 STATE = "X Y VX VY|settled|rest"
 ENDS = "Component of the initial states, or the range from which it is drawn."
 _UNITS = {each.unit for each in TABLE} | {each.unit for each in PARAMETERS_OF_SYSTEM.values()}
@@ -78,8 +84,6 @@ def _ends(text: str, words: str) -> Parameter:
 # the package follow from these (`rotor_ida.cli.verb_options`).
 OPTIONS: dict[Group | None, dict[str, Parameter]] = {
     ROTOR: {
-        "drop system": read_by(
-            "Rotor system from a TOML file.", parsing.system_file, name="SYSTEM"),
         "without_gravity": flag_option(
             "Leave out the gravity of the system's file: whirls have none."),
         "period": quantity_option(
@@ -195,9 +199,6 @@ OPTIONS: dict[Group | None, dict[str, Parameter]] = {
         "only": Parameter(
             help="Scenarios to run: names, or beginnings of names.",
             consume_multiple=True, negative=()),
-        "drop speed": quantity_option(
-            "Speed at the drop (rad/s, or as 3000rpm). Default: that of the file.", "rad s-1"),
-        "drop duration": quantity_option("Time to simulate (s). Default: that of the file.", "s"),
         "drops": count_option(
             "Number of drops at random, beside one. Default: that of the file.", 2, 100_000),
         "stored file": path_option("Archive written by rotor-ida (.nc).", name="FILE"),
@@ -210,11 +211,7 @@ OPTIONS: dict[Group | None, dict[str, Parameter]] = {
             "Speeds of the exported page: numbers (of a machine in rad/s, or as 3000rpm), or "
             "START:STOP:COUNT.",
             "rad s-1"),
-        **dict.fromkeys(("plot file", "fit files"), path_option(
-            "Archive (.nc) or measured file: text, .wav, .mat, .h5, .npz, .uff, .tdms, .lvm, .cff, "
-            "or .cfg with .dat.",
-            name="FILE")),
-        "orders": numbers_option("Orders to track, or to mark in a cascade or spectrogram."),
+        "plot file": path_option(FILE, name="FILE"),
         "times": several_numbers_option(
             "Use only the signals between these times.", "START END", "s", "s"),
         "unknown": words_option(

@@ -25,6 +25,7 @@ from rotor_ida.results.provenance import versions
 from rotor_ida.results.question import Question
 from rotor_ida.results.sheets import Parts, Sheet, facts
 from rotor_ida.results.toml_files import read_toml
+from rotor_ida.steady.drop_words import NOT_ACTING
 from rotor_ida.texts import printable
 from rotor_ida.units import UnitSystem
 
@@ -59,11 +60,31 @@ OF_VERB = {
         "The formulas are those of public statements of API 617 and API RP 684. This is no "
         "statement of conformity with any standard.",
     ),
+    "drop": (
+        "Before the drop each magnetic bearing is a linear spring and damper about the centre of "
+        "its node and carries the static load; at the drop the failing ones are gone at once.",
+        "Of a touchdown bearing the ring and an inner race with inertia and drag are modelled, not "
+        "balls, cage and lubricant.",
+        "After the drop no drive acts: where an inertia is given, drag and friction decelerate the "
+        "rotor; otherwise its speed is held.",
+        f"Other close clearances are compared with the motion; {NOT_ACTING}.",
+    ),
     "fit": (
         "What the model lacks goes into the residuals.",
         "The noise of the probes is independent from sample to sample.",
     ),
 }
+# What the report on an answer states, and what it does not.
+SCOPE = {"drop": (
+    "The published scope of ISO 14839-5:2022 on touch-down bearings names contact events, load "
+    "requirements, sizing, simulation for the validation of a design, and acceptance tests. Of "
+    "these this report states contact events (number, duration), loads (largest and mean force, "
+    "impulse, energy), whirl, race speed, coast-down and the gap left at each clearance that was "
+    "given, of simulated drops.",
+    "It does not state: life, wear and temperature of the bearings, loads along the axis, the "
+    "number of drops that a bearing survives, or measurements. It is no statement of conformity "
+    "with any standard.",
+)}  # fmt: skip
 VERSIONS = ("rotor_ida_version", "python_version", "numpy_version",
             "scipy_version", "xarray_version", "sundials_version", "core_compiler", "core_level",
             "method", "rtol")  # fmt: skip
@@ -174,7 +195,7 @@ def pages_of(
     verb = question.verb if question else kind
     found = rotor if rotor is not None else _rotor_of(dataset, question)
     first = next((place for place, each in enumerate(parts) if isinstance(each, Sheet)), len(parts))
-    speed = dataset.attrs.get("speed")
+    speed = dataset.attrs.get("speed", dataset.attrs.get("start_speed"))
     given = [] if found is None else sheets_of_rotor(found, speed)
     is_system = isinstance(found, RotorSystem)
     return Pages(
@@ -185,8 +206,9 @@ def pages_of(
         tables=[*given, *parts[first + 1 :]],
         figures=figures,
         assumptions=[*(OF_SYSTEM if is_system else OF_DISC), *OF_VERB.get(verb, ())],
+        scope=SCOPE.get(verb, ()),
         commands=commands,
-        versions=facts("Versions", versions_of(dataset)),
+        versions=facts("Versions", versions_of(dataset) | digests_of(files)),
         sources=sources_of(files),
         system=system,
     )
@@ -216,14 +238,16 @@ def versions_of(dataset: xr.Dataset) -> dict[str, object]:
             for name in VERSIONS if name in known}  # fmt: skip
 
 
-def digest_of(system: Path) -> dict[str, object]:
-    """Return name and digest of the file from which a system file takes the rotor, if it does."""
-    table = read_toml("system", system).get("system") if system.is_file() else None
-    name = table.get("file") if isinstance(table, Mapping) else None
-    path = system.parent / str(name)
-    if name is None or not path.is_file():  # matrices may be files in a folder
-        return {}
-    return {f"SHA-256 of {name}": hashlib.sha256(path.read_bytes()).hexdigest()}
+def digests_of(files: Sequence[Path]) -> dict[str, object]:
+    """Return name and digest of the files from which system files take their rotors."""
+    found: dict[str, object] = {}
+    for each in files:
+        table = read_toml("system", each).get("system") if each.is_file() else None
+        name = table.get("file") if isinstance(table, Mapping) else None
+        path = each.parent / str(name)
+        if name is not None and path.is_file():  # matrices may be files in a folder
+            found[f"SHA-256 of {name}"] = hashlib.sha256(path.read_bytes()).hexdigest()
+    return found
 
 
 def sources_of(files: Sequence[Path]) -> dict[str, str]:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import errno
+import re
 import sys
 import warnings
 from collections.abc import Callable, Iterable, Mapping, Sequence
@@ -85,9 +86,15 @@ SHORT = {
 }  # fmt: skip
 # Usage of commands whose files cyclopts does not name.
 USAGE: dict[Callable[..., object], str] = {
-    fit: "Usage: rotor-ida fit --unknown NAME [OPTIONS] FILE...",
     explore: "Usage: rotor-ida explore [OPTIONS] [FILE]",
 }
+# Values of options that a command needs and its function does not have.
+OF_OWN = {"unknown": "NAME", "out": "PATH"}
+# A name in a message, neither quoted nor of an entry of a table.
+NAME = re.compile(r"(?<![\w.'\"-])[a-z]\w*(?![\w.'\"(=])")
+PYTHON_NAME = re.compile(r"(?<![\w.'\"-])[a-z]\w*_\w+(?![\w.'\"(=])")
+# The beginning of a message about options that are missing.
+LACKING = re.compile(r"^[\w ,]+ must be given(?: with (?:\w+, )*\w+(?: and \w+)?)?(?! with --)")
 # Groups whose commands compute studies.
 COMPUTING = ("Simulate", "Exact whirls", "Limit cycles", "Explore")
 DONE, BAD_INPUT, PIPE_CLOSED = 0, 2, 141
@@ -196,7 +203,9 @@ def _usage(command: Command | Callable[..., object]) -> str | None:
             for name, each in command.arguments.items()
             if each.default is NEEDED
         ]
-        ends = ["[OPTIONS]", *(["[SYSTEM]"] if command.takes_systems else [])]
+        needed += [f"--{name} {OF_OWN[name]}" for name, each in command.own.items()
+                   if each.default is NEEDED]  # fmt: skip
+        ends = ["[OPTIONS]", *([command.named] if command.named else [])]
         return " ".join(["Usage: rotor-ida", name_of(command), *needed, *ends])
     return USAGE.get(command)
 
@@ -230,8 +239,35 @@ def _answer(command: Callable[..., object], bound: BoundArguments) -> object:
     except (InputError, SimulationError) as error:
         from rotor_ida.cli.message_units import in_given_units  # noqa: PLC0415 - only after an error
 
-        said = in_given_units(bound.arguments, error)
-        raise said if isinstance(error, InputError) else RotorError(str(said)) from error
+        said = with_options_named(str(in_given_units(bound.arguments, error)), command.__name__)
+        raise (InputError if isinstance(error, InputError) else RotorError)(said) from error
+
+
+def with_options_named(message: str, command: str) -> str:
+    """Return a message with options and commands as they are typed, not as in Python.
+
+    Keys of a file and quoted words stay as they are.
+
+    Examples
+    --------
+    >>> with_options_named("disc_radius must be given with friction, got None", "simulate")
+    '--disc-radius must be given with --friction'
+    >>> with_options_named("a.toml: run_up.ramp_time must be positive, got 0", "run_up")
+    'a.toml: run_up.ramp_time must be positive, got 0'
+    """
+    name = command.replace("_", "-")
+    known = {each for argument in application(name)[name].assemble_argument_collection()
+             if argument.parse for each in argument.names}  # fmt: skip
+    commands = {name_of(each) for group in COMMANDS.values() for each in group}
+
+    def typed(found: re.Match[str]) -> str:
+        word = found[0].replace("_", "-")
+        return f"--{word}" if f"--{word}" in known else word if word in commands else found[0]
+
+    if re.match(rf"\S+{SYSTEM_ENDING}\b", message):
+        return message
+    said = LACKING.sub(lambda found: NAME.sub(typed, found[0]), message)
+    return re.sub(r", got None( with [\w .]+)?$", "", PYTHON_NAME.sub(typed, said))
 
 
 def _note(message: Warning | str, *_where: object) -> None:
@@ -295,7 +331,7 @@ def misread(error: CycloptsError) -> str:
 
 def _unknown_option(word: str, known: Iterable[Argument]) -> str:
     """Return a message about an unknown option in one line, with a suggestion."""
-    names = [name.lstrip("-") for each in known for name in each.names]
+    names = [name.lstrip("-") for each in known if each.parse for name in each.names]
     meant = did_you_mean(word.lstrip("-"), names).replace("'", "'--", 1)  # dashes are all alike
     return f"unknown option {shown(word)}{meant}"
 

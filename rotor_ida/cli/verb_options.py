@@ -38,6 +38,7 @@ TEXTS = {
     "method": "Solver of the contact phases. Default: adams; of a rotor system, taylor.",
     "method of a study": "Solver of the contact phases. Default: taylor, or adams where taylor "
     "cannot be used.",
+    "drop method": "Solver of the contact phases.",
     "flight": "Method for the motion inside the clearance.",
     "backend": "Code that runs the solver.",
     "direction": "Quasi-static sweep: start each speed where the one before ended.",
@@ -83,6 +84,8 @@ KINDS: dict[str, Any] = {
     "study": Path | None,
     "workers": int | None,
     "executor": str,
+    **dict.fromkeys(("entries", "exits"), list[float] | None),
+    **dict.fromkeys(("time_error", "noise", "limit"), float | None),
     **dict.fromkeys(COMPONENTS, ENDS),
     **{f"basin {name}": float | list[float] for name in COMPONENTS},
 }
@@ -125,9 +128,9 @@ def options_of(verb: str, arguments: Mapping[str, Argument]) -> Iterator[Option]
         group = IN_CHANGE if verb == "run_up" and name in OF_CHANGE else GROUPS.get(name)
         made = _annotated(each, text or short_text(each.text))
         default = each.default
-        if _is_axis(each) and isinstance(default, float):
+        if _is_axis(each) and isinstance(default, float | tuple):
             made = Annotated[made, Parameter(show_default=lambda values: f"{values[0]:g}")]
-            default = [default]
+            default = [default] if isinstance(default, float) else [*default]
         if name == "rtol" and default is None:
             made = options.option(float | None, name)
         yield name, made if group is None else Annotated[made, group], default

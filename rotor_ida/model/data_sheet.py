@@ -47,6 +47,8 @@ _WORD = re.compile(
 
 # Running speeds over the critical speed outside of these are likely a slip of the unit.
 FASTEST, SLOWEST = 20.0, 0.01
+# A radial clearance from this on [m] is likely a slip of the unit.
+LARGEST_CLEARANCE = 10.0 * MILLIMETRE
 
 # A number in the SI unit, or text with a unit; None if not given.
 Quantity = float | str | None
@@ -288,12 +290,17 @@ def implausible(machine: DimensionalRotor) -> list[str]:
             f"clearance {units.quantity(clearance, 'm', 3)} is below the eccentricity "
             f"{units.quantity(eccentricity, 'm', 3)}: the rotor cannot turn without rubbing"
         )
+    if clearance >= LARGEST_CLEARANCE:
+        found.append(
+            f"clearance is {units.quantity(clearance, 'm', 3)}; those of rotors are below "
+            f"{units.quantity(LARGEST_CLEARANCE, 'm')}"
+        )
     sag = machine.load / stiffness if stiffness > 0.0 else 0.0
     if sag > clearance:
         found.append(
             f"load bends the shaft by {units.quantity(sag, 'm', 3)}, more than the clearance"
         )
-    if machine.contact_exponent == 1.0 and machine.contact_stiffness < stiffness:
+    if machine.contact_stiffness * clearance ** (machine.contact_exponent - 1.0) < stiffness:
         found.append("contact_stiffness is below the stiffness of the shaft")
     if machine.eccentricity * machine.speed > 40.0 * MILLIMETRE:
         grade = machine.eccentricity * machine.speed / MILLIMETRE

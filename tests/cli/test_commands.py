@@ -519,9 +519,9 @@ def test_touchdown_is_a_table_with_units(program: Program):
 @pytest.mark.parametrize(
     ("words", "said"),
     [
-        (("--omega", 2), "zeta and delta0 must be given with omega"),
+        (("--omega", 2), "--zeta and --delta0 must be given with --omega"),
         ((*MACHINE, "--zeta", 0.1), "a rotor must be given without dimensions or in SI units, got"),
-        ((), "omega, zeta and delta0 must be given, or a machine in SI units"),
+        ((), "--omega, --zeta and --delta0 must be given, or a machine in SI units"),
         (MACHINE, "x, y, vx or vy must be a range, got numbers for 1000 starts"),
         (("--mass", -4, *MACHINE[2:]), "mass must be"),
     ],

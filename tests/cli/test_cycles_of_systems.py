@@ -138,4 +138,4 @@ def test_options_of_systems_are_refused_of_one_disc(program: Program):
     for command in (("cycle",), ("continue", "--limits", 1, 3)):
         answer = program(*command, *rotor)
         assert answer.status == 2
-        assert "without_gravity must be left out without a rotor system" in answer.err
+        assert "--without-gravity must be left out without a rotor system" in answer.err

@@ -179,7 +179,7 @@ def test_the_answer_tells_which_other_clearances_are_touched(labyrinth, touched)
     assert f"Some drops touch the close {where}." in said
     assert "Beyond the model" not in said
     assert verdict(run) == sentence_of(run, None)
-    rows = {row[0]: row[2] for row in acceptance(run, many).cells()}
+    rows = {row[0]: row[2] for row in acceptance(run, many)[0].cells()}
     assert ("touches" in rows["radius at seal"]) == touched
     assert "gap left" in rows["radius at disc"]
 
@@ -225,7 +225,7 @@ def test_the_system_file_of_the_tutorial_is_the_machine_of_the_tutorial():
         (("[drop.vary]", "[drop.varied]"), [], "did you mean"),
         (("supports = [", "supports = [ {}, "), [], "supports[0].node"),
         (("0.2 mm", "0.1 um"), [], "contacts must be clear of the levitated rotor"),
-        (("inertia = 0.08", "drag = 1"), [], "inertia must be given with drag"),
+        (("inertia = 0.08", "drag = 1"), [], "--inertia must be given with --drag"),
         (('"4 kN"', '"4 mm"'), [], "drop.capacities.disc"),
         (('{ disc = "4 kN" }', "{ hub = 1 }"), [], "node in capacities must be one of 'disc'"),
         (("[drop.vary]", "[drop.grid]\nfriction = 1\n[drop.vary]"), [], "must be left out with"),

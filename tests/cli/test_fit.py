@@ -129,13 +129,13 @@ def test_the_usage_names_the_files(program: Program):
     [
         (("--unknown", "weight"), "unknown must be of zeta, delta0"),
         (("--unknown", "zetaa"), "got 'zetaa'; did you mean 'zeta'?"),
-        (("--unknown", "zeta", "--entries", "20"), "time_error must be given with entries"),
-        (("--unknown", "zeta", "--time-error", "0.1"), "entries or exits must be given"),
+        (("--unknown", "zeta", "--entries", "20"), "--time-error must be given with --entries"),
+        (("--unknown", "zeta", "--time-error", "0.1"), "--entries or --exits must be given"),
         (("--unknown", "zeta", "--noise", "-1"), "noise must be positive, got -1"),
         (("--unknown", "zeta", "--noise", "2um"), "noise must have no unit"),
         (("--unknown", "zeta", "--limit", "0"), "limit must be positive, got 0"),
         (("--unknown", "zeta", "--orders", "0"), "orders must be 0 or positive"),
-        (("--unknown", "friction"), "machine must have a disc_radius"),
+        (("--unknown", "friction"), "machine must have a --disc-radius"),
         (("--unknown", "zeta", "--times", "0", "5"), "signals must"),
         (("--unknown", "zeta", "--entries", "1e6", "--time-error", "1"),
          "entries must lie within the signals"),
@@ -237,7 +237,7 @@ def test_a_report_of_a_fit_states_what_its_system_assumes(program: Program, pump
 
 
 @pytest.mark.parametrize(("words", "said"), [
-    (("run.nc",), "node must be 'disc' or 'end', got None"),
+    (("run.nc",), "node must be 'disc' or 'end'"),
     (("run.nc", "--node", "ends"), "node must be 'disc' or 'end', got 'ends'"),
     (("run.nc", "--node", "disc", "--mass", "4"), "mass must be left out with a rotor system"),
     (("four.csv", "--columns", "x=A", "y=B"), "signals must be given by the node"),

@@ -81,9 +81,9 @@ OF_SYSTEM = {
     "special-speeds --limits 3000rpm 2000rpm":
         "limits must be two speeds, the lower one first, got (3000 rpm, 2000 rpm)",
     "campbell --speed 100rpm --contact-stiffness -1N/mm":
-        "contact_stiffness must be zero or positive, got -1 N/mm",
+        "--contact-stiffness must be zero or positive, got -1 N/mm",
     "clearance-report --speed 1rpm 2rpm 3rpm --vibration-limit -5um":
-        "vibration_limit must be positive, got -5 um",
+        "--vibration-limit must be positive, got -5 um",
     "continue-cycle --limits 5000rpm 6000rpm":
         "limits of speed must contain that of the start, 2000 rpm, got (5000 rpm, 6000 rpm)",
     "limit-cycle --speed 0": "speed must not be 0, and at most 1e+15, for a limit cycle, got 0.0",

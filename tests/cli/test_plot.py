@@ -356,7 +356,7 @@ def test_a_run_of_a_system_is_drawn_whole_or_at_a_node(
 @pytest.mark.parametrize(
     ("words", "message"),
     [
-        (["--kind", "bode"], "node must be 'disc' or 'seal', got None"),
+        (["--kind", "bode"], "node must be 'disc' or 'seal'"),
         (["--kind", "bode", "--node", "sael"], "got 'sael'; did you mean 'seal'?"),
         (["--kind", "forces", "--contact", "4"], "contact must be one of 0 to 0, got 4"),
         (["--kind", "orbit", "--node", "seal", "--contact", "0"], "contact must be left out with"),
@@ -364,7 +364,7 @@ def test_a_run_of_a_system_is_drawn_whole_or_at_a_node(
         (["--kind", "orbits", "--exact"], "exact must be left out with --kind orbits"),
         (["--kind", "shape", "--at", "3"], "t must lie from 0 to 0.3, got 3.0"),
         (["--kind", "shape", "--at", "3kg"], "at must"),
-        (["--at", "0.1"], "kind must be given with at"),
+        (["--at", "0.1"], "--kind must be given with --at"),
     ],
 )
 def test_what_a_run_of_a_system_does_not_have_is_refused_in_one_line(

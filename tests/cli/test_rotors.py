@@ -82,23 +82,23 @@ def test_a_rotor_is_given_in_full_in_one_of_two_ways():
 
 
 MISTAKES = [
-    ({"omega": 1.2, "shaft_stiffness": 0.25}, "zeta and delta0 must be given with omega"),
+    ({"omega": 1.2, "shaft_stiffness": 0.25}, "--zeta and --delta0 must be given with --omega"),
     ({**ROTOR, "mass": 4.0, "load": 1.0}, "without dimensions or in SI units, got omega and mass"),
-    (BEYOND, "omega, zeta and delta0 must be given, or a machine in SI units"),
+    (BEYOND, "--omega, --zeta and --delta0 must be given, or a machine in SI units"),
     (
         {**IN_SI_UNITS, **BEYOND_IN_SI, "delta0": 0.5},
         "without dimensions or in SI units, got delta0 and mass",
     ),
-    ({**IN_SI_UNITS, "contact_exponent": 2.0}, "contact_exponent must be 1.5 or 1, got 2.0"),
+    ({**IN_SI_UNITS, "contact_exponent": 2.0}, "--contact-exponent must be 1.5 or 1, got 2.0"),
     ({**IN_SI_UNITS, "load": -1.0}, "load must be zero or positive, got -1 N"),
-    ({**ROTOR, "delta0": 0.0, "contact_damping": 1.0}, "contact_damping must be 0 without"),
-    ({**ROTOR, "friction": 0.1}, "disc_radius must be given with friction, got None"),
+    ({**ROTOR, "delta0": 0.0, "contact_damping": 1.0}, "--contact-damping must be 0 without"),
+    ({**ROTOR, "friction": 0.1}, "--disc-radius must be given with --friction"),
 ]
 MISTAKES_OF_ONE = [
-    ({"contact_exponent": 2.0}, "contact_exponent must be 1.5 or 1, got 2.0"),
+    ({"contact_exponent": 2.0}, "--contact-exponent must be 1.5 or 1, got 2.0"),
     ({"load": -1.0}, "load must be zero or positive, got -1.0"),
     ({"shaft_stiffness": float("nan")}, "shaft-stiffness must be a finite real number, got"),
-    ({"contact_damping": 0.5, "delta0": 0.0}, "contact_damping must be 0 without clearance"),
+    ({"contact_damping": 0.5, "delta0": 0.0}, "--contact-damping must be 0 without clearance"),
 ]
 
 
@@ -210,7 +210,7 @@ def test_whirls_and_folds_of_machines_are_listed(program: Program):
     assert sorted(told) == sorted(there.tolist())
     refused = program(*line.replace("--folds", "--load 0.1").split())
     assert refused.status == 2
-    assert refused.err.startswith("rotor-ida: load must be 0 for synchronous_response")
+    assert refused.err.startswith("rotor-ida: load must be 0 for synchronous-response")
 
 
 def test_an_atlas_goes_over_the_parameters_of_machines(program: Program):

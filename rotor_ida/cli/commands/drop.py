@@ -11,10 +11,10 @@ from typing import TYPE_CHECKING, Any
 import rotor_ida
 from rotor_ida.checks import shown
 from rotor_ida.cli import options
+from rotor_ida.cli.command import Case, command
 from rotor_ida.cli.output import FORCED, again, working
 from rotor_ida.cli.report import Report
 from rotor_ida.errors import InputError
-from rotor_ida.results.sheets import facts
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -22,19 +22,20 @@ if TYPE_CHECKING:
 
     from rotor_ida.cli.pages import Pages
     from rotor_ida.model.rotor_system import RotorSystem
-    from rotor_ida.results.system_file import Course
 
-# What only one drop takes.
-NOT_OF_MANY = {"phase", "more_modes"}
+# What only one drop takes, what a system file gives by node, and what it may give.
+NOT_OF_MANY = {"phase", "more_modes", "samples", "method"}
+BY_NODE = ("start", "clearances", "capacities", "modes", "more_modes")
+OF_FILE = ("speed", "duration", "phase", "drag")
 # The study of many drops in the folder of their report, until all of this is written.
 UNFINISHED = "unfinished"
 # The archives of a report, of one drop and of many.
 ONE, MANY = "drop.nc", "drops.nc"
 
 
+@command("a system", label="drop [%]", without=BY_NODE, of_file=OF_FILE, writes=False)
 def drop(
-    system: Path, /, *, out: Path, speed: float | None = None, duration: float | None = None,
-    drops: int | None = None, film: Path | None = None,
+    case: Case, *, out: Path, drops: int | None = None, film: Path | None = None,
     jobs: options.JobOptions = options.JobOptions(), study: Path | None = None,
     as_json: bool = False, force: bool = False,
 ) -> Report:  # fmt: skip
@@ -56,49 +57,45 @@ def drop(
     from rotor_ida.cli.pages import HTML, PDF  # noqa: PLC0415
     from rotor_ida.plot.drops import check_film  # noqa: PLC0415
     from rotor_ida.results.files import check_target  # noqa: PLC0415
-    from rotor_ida.results.system_file import read_system_file  # noqa: PLC0415
     from rotor_ida.steady.drop_words import sentence_of  # noqa: PLC0415
 
-    rotor, course = read_system_file(system)
+    (rotor, _), system = case.from_file, case.file
     if rotor.units != "SI":
         raise InputError(f"system must be in SI units for a report, got {shown(str(system))}")
-    told = {"speed": speed, "duration": duration, "drops": drops}
-    given, vary = _asked(course, system, told)
-    many = bool(vary)
-    if study is not None and not many:
+    told = {**case.given, "drops": drops}
+    vary = _asked(case, drops)
+    if study is not None and not vary:
         raise InputError("study must be left out without drops")
     unfinished = out / UNFINISHED
-    overwrite = force or (many and unfinished.is_dir())
+    overwrite = force or (bool(vary) and unfinished.is_dir())
     if film is not None:
         check_film(film, overwrite=overwrite, permission=FORCED)
-    archives = [out / ONE, *([out / MANY] if many else [])]
+    archives = [out / ONE, *[out / MANY] * bool(vary)]
     made = _make(out)
     try:
         for path in (*archives, out / HTML, out / PDF):
             check_target("out", path, overwrite=overwrite, permission=FORCED)
-        with working("drop [%]") as progress:
-            run = rotor_ida.drop(rotor, **given, progress=progress)
+        run = case.ask()
     except BaseException:
         with suppress(OSError):  # another program may have put a file there
             for folder in made:
                 folder.rmdir()
         raise
     everything, before = None, ""
-    if many:
+    if vary:
         kept = study or unfinished
         before = _saved_before(kept)
-        everything = _many(rotor, given, vary, jobs, kept)
+        everything = _many(rotor, case.given, vary, jobs, kept)
         unfinished.mkdir(exist_ok=True)
         rotor_ida.save(everything, out / MANY, overwrite=overwrite)
     rotor_ida.save(run, out / ONE, overwrite=overwrite)
-    pages = _pages(rotor, system, out, run, everything, told).write(out, overwrite=overwrite)
+    pages = _pages(case, out, run, everything, told).write(out, overwrite=overwrite)
     written = [*archives, *pages]
     if film is not None:
         from rotor_ida.plot import save_orbit_film  # noqa: PLC0415 - heavy
 
         written.append(save_orbit_film(run, film, overwrite=overwrite))
-    if many:
-        shutil.rmtree(unfinished, ignore_errors=True)
+    shutil.rmtree(unfinished, ignore_errors=True)
     record, parts = describe(run, most=0)
     parts = [sentence_of(run, everything), *parts[1:2]]  # the bearings; the rest is in the report
     if everything is not None:
@@ -108,31 +105,23 @@ def drop(
 
 
 def _pages(
-    rotor: RotorSystem, system: Path, folder: Path, run: xr.Dataset, drops: xr.Dataset | None,
-    options: Mapping[str, object],
+    case: Case, folder: Path, run: xr.Dataset, drops: xr.Dataset | None,
+    options: Mapping[str, Any],
 ) -> Pages:  # fmt: skip
     """Return the report on drops, computed with options."""
     from rotor_ida.cli import drop_tables, pages  # noqa: PLC0415 - heavy
     from rotor_ida.results.question import Question  # noqa: PLC0415
     from rotor_ida.steady.drop_words import sentence_of  # noqa: PLC0415
 
-    allowed = drop_tables.acceptance(run, drops)
-    many = [] if drops is None else drop_tables.drops_tables(drops)
-    given = {name: repr(value) for name, value in options.items() if value is not None}
-    asked = Question("drop", {"rotor": system, "out": folder, **given})
-    return pages.Pages(
-        title=drop_tables.TITLE,
-        head=pages.head_of(run, [system]),
-        summary=[sentence_of(run, drops)],
-        answers=[allowed] if allowed else [],
-        tables=[*drop_tables.run_tables(run), *many, *drop_tables.given_tables(rotor, run, drops)],
-        figures=_figures(run, drops),
-        assumptions=drop_tables.ASSUMPTIONS,
-        scope=drop_tables.SCOPE,
+    given = {name: value if isinstance(value, str | list) else repr(value)
+             for name, value in options.items() if value is not None}  # fmt: skip
+    asked = Question("drop", {"rotor": case.file, "out": folder, **given})
+    assert case.file is not None
+    return pages.pages_of(
+        run, [sentence_of(run, drops), *drop_tables.tables_of(run, drops)],
+        rotor=case.rotor, files=[case.file], figures=_figures(run, drops),
         commands=[again(asked.command()), Question("verify", {"rotor": folder / ONE}).command()],
-        versions=facts("Versions", pages.versions_of(run) | pages.digest_of(system)),
-        sources=pages.sources_of([system]),
-    )
+    )  # fmt: skip
 
 
 def _figures(run: xr.Dataset, drops: xr.Dataset | None) -> list[tuple[str, Figure]]:
@@ -153,35 +142,34 @@ def _figures(run: xr.Dataset, drops: xr.Dataset | None) -> list[tuple[str, Figur
     return found
 
 
-def _asked(
-    course: Course, system: Path, told: Mapping[str, Any]
-) -> tuple[dict[str, Any], dict[str, Any]]:
-    """Return the arguments of one drop, and those that many have besides, if there are many.
+def _asked(case: Case, drops: int | None) -> dict[str, Any]:
+    """Let the file complete the arguments of one drop; return those that many have besides.
 
-    What varies is checked here, before anything is computed.
+    There are none if there is one drop only. What varies is checked before anything is computed.
     """
     from rotor_ida.steady.drop_ensemble import design_of  # noqa: PLC0415 - heavy
 
-    given, vary, drops = dict(course.drop), dict(course.grid or course.vary), told["drops"]
-    given |= {name: told[name] for name in ("speed", "duration") if told[name] is not None}
+    course = case.from_file[1]
+    case.given = given = {**course.drop, **case.given}
+    vary = dict(course.grid or course.vary)
     for name in ("speed", "duration"):
         if given.get(name) is None:
-            raise InputError(f"{name} must be given with --{name} or in {system}")
+            raise InputError(f"{name} must be given with --{name} or in {case.file}")
     if course.grid and drops is not None:
-        raise InputError(f"drops must be left out with the drop.grid of {system}")
+        raise InputError(f"drops must be left out with the drop.grid of {case.file}")
     if course.grid:
         vary.setdefault("phase", [given.get("phase", 0.0)])
     elif drops is not None:
         vary["drops"] = drops
     if not (course.grid or "drops" in vary):
-        return given, {}
+        return {}
     if "start" in given:
         raise InputError(
-            f"start must be left out of {system} for many drops, which start levitated"
+            f"start must be left out of {case.file} for many drops, which start levitated"
         )
     varied = {name: each for name, each in vary.items() if name not in {"drops", "seed"}}
     design_of(varied, vary.get("drops"), vary.get("seed", 0))
-    return given, vary
+    return vary
 
 
 def _make(folder: Path) -> list[Path]:

@@ -8,29 +8,28 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import rotor_ida
-from rotor_ida.checks import State, shown
-from rotor_ida.cli import options, parsing
+from rotor_ida.checks import shown
+from rotor_ida.cli import options
+from rotor_ida.cli.command import Case, command
 from rotor_ida.cli.commands.plot import OF_FILE, signals_in
-from rotor_ida.cli.output import Output, answer, troubled, working
+from rotor_ida.cli.output import troubled
 from rotor_ida.cli.parsing import in_unit
 from rotor_ida.cli.report import FAILED, Report
-from rotor_ida.cli.rotor_options import ANY_SPEED, RotorOptions
+from rotor_ida.cli.rotor_options import ANY_SPEED
 from rotor_ida.errors import InputError
 
 if TYPE_CHECKING:
     import xarray as xr
 
-    from rotor_ida.fitting.arguments import AnyRotor
-    from rotor_ida.model.rotor_system import RotorSystem
+# Arguments in the unit of the time or of the displacements of the signals.
+IN_UNIT_OF = {"entries": "t", "exits": "t", "time_error": "t", "noise": "x"}
 
 
+@command("one", label="trials", most=None, files=True)
 def fit(
-    *files: Path, unknown: list[str], node: list[str] | None = None,
-    rotor: RotorOptions = RotorOptions(), orders: list[float] | None = None,
-    start: State | str | None = None, entries: list[float] | None = None,
-    exits: list[float] | None = None, time_error: float | None = None, noise: float | None = None,
-    limit: float | None = None, times: tuple[float, float] | None = None,
-    reading: options.ReadingOptions = options.ReadingOptions(), output: Output = Output(),
+    case: Case, *, unknown: list[str], node: list[str] | None = None,
+    times: tuple[float, float] | None = None,
+    reading: options.ReadingOptions = options.ReadingOptions(),
 ) -> Report:  # fmt: skip
     r"""Fit rotor parameters to measured signals, with their errors.
 
@@ -51,61 +50,39 @@ def fit(
         rotor-ida fit rotor.toml probes.csv --node disc --columns x=A y=B \
             --units x=um y=um --start settled --unknown unbalance unbalance_angle
     """
-    systems = [each for each in files if each.suffix == parsing.SYSTEM_ENDING]
-    measured = [each for each in files if each not in systems]
-    if not measured:
+    if not case.measured:
         raise InputError("FILE must be given")
-    if len(systems) > 1:
-        raise InputError("FILE must be given with one rotor system at most, got two")
-    output.check()
-    machine: AnyRotor = _system(systems[0], rotor, start) if systems else _one_disc(rotor, node)
-    signals = [_signals(each, reading, times, node) for each in measured]
-    each_node = [
-        each for one in signals for each in (one.values() if isinstance(one, dict) else [one])
-    ]
-    length, time = (str(each_node[0][name].attrs.get("units", "1")) for name in "xt")
-    with working("trials") as progress:
-        found = rotor_ida.fit(
-            signals, machine, unknown, orders=(1.0,) if orders is None else orders, start=start,
-            entries=_in(time, "entries", entries), exits=_in(time, "exits", exits),
-            time_error=_in(time, "time_error", time_error), noise=_in(length, "noise", noise),
-            limit=limit, progress=progress,
-        )  # fmt: skip
+    given = case.rotors.given
+    if case.is_system:
+        case.given.setdefault("start", None)  # that of the file is not the one of the record
+    elif node:
+        raise InputError("node must be left out without a rotor system")
+    else:  # the speed is measured
+        case.known = {
+            speed: ANY_SPEED
+            for speed, other in (("omega", "zeta"), ("speed", "mass"))
+            if speed not in given and other in given
+        }
+    each_node: list[xr.Dataset] = []
+
+    def with_signals(_rotor: Any, asked: dict[str, Any]) -> dict[str, Any]:
+        signals = [_signals(each, reading, times, node) for each in case.measured]
+        for one in signals:
+            each_node.extend(one.values() if isinstance(one, dict) else [one])
+        for name, of in IN_UNIT_OF.items():
+            unit = str(each_node[0][of].attrs.get("units", "1"))
+            asked[name] = _in(unit, name, asked.get(name))
+        return asked | {"signals": signals, "unknown": unknown}
+
+    case.adapted = with_signals
+    found = case.ask()
     for name in OF_FILE:
         if told := dict.fromkeys(str(each.attrs[name]) for each in each_node if name in each.attrs):
             found.attrs[name] = "; ".join(told)
-    given = [*systems, *filter(None, [rotor.machine])]
-    report = answer(found, output, rotor=machine, files=given)
+    report = case.report(found)
     if found.attrs["search"] == "converged":
         return report
     return troubled(report, f"search {found.attrs['search']}", FAILED)
-
-
-def _system(file: Path, rotor: RotorOptions, start: State | str | None) -> RotorSystem:
-    """Return the system of a file as a first guess; what is of one disc is refused."""
-    from rotor_ida.model.few_modes import in_modes  # noqa: PLC0415 - heavy
-    from rotor_ida.results.system_file import read_system_file  # noqa: PLC0415
-
-    for name, value in {**rotor.given, "machine": rotor.machine}.items():
-        if value is not None and name != "speed":
-            raise InputError(f"{name} must be left out with a rotor system, got {shown(value)}")
-    if not isinstance(start, str | None):
-        raise InputError(f"start must be settled or rest with a rotor system, got {shown(start)}")
-    system, course = read_system_file(file)
-    return in_modes(system, course.modes, None)[0]
-
-
-def _one_disc(rotor: RotorOptions, node: Sequence[str] | None) -> AnyRotor:
-    """Return the disc of the options; its speed is measured, so that this one is not used."""
-    if node:
-        raise InputError("node must be left out without a rotor system")
-    given = rotor.given
-    known = {
-        speed: ANY_SPEED
-        for speed, other in (("omega", "zeta"), ("speed", "mass"))
-        if speed not in given and other in given
-    }
-    return rotor.chosen(known)
 
 
 def _signals(

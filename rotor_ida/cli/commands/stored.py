@@ -27,17 +27,14 @@ NOT_COMPARED = {
 }  # fmt: skip
 
 
-def show(
-    file: Path, /, *, figure: Path | None = None, csv: Path | None = None, as_json: bool = False,
-    force: bool = False,
-) -> Report:  # fmt: skip
+def show(file: Path, /, *, output: Output = Output()) -> Report:
     """Show an archive: its kind, its origin and its first rows.
 
-    The archive of the example of simulate, also as CSV files:
+    The archive of the example of simulate, also as CSV files, then as a report:
 
         rotor-ida show run.nc --figure run.png --csv run.csv
+        rotor-ida show run.nc --report report
     """
-    output = Output(figure=figure, csv=csv, as_json=as_json, force=force)
     output.check()
     from rotor_ida.cli.describe import origin  # noqa: PLC0415 - heavy, and not for --help
 
@@ -51,20 +48,18 @@ def show(
     )
 
 
-def compare(
-    file: Path, /, *, out: Path | None = None, csv: Path | None = None, as_json: bool = False,
-    force: bool = False,
-) -> Report:  # fmt: skip
+def compare(file: Path, /, *, output: Output = Output()) -> Report:
     """Compare an archived sweep with the exact whirls and limit cycles.
 
     The archive of the example of sweep:
 
         rotor-ida compare sweep.nc --out compared.nc
     """
-    output = Output(out=out, csv=csv, as_json=as_json, force=force)
     output.check()
-    if out is not None and os.path.realpath(out) == os.path.realpath(file):
-        raise InputError(f"out must not be the file that is compared, got {shown(out)}")
+    if output.figure is not None:
+        raise InputError("figure must be left out: a comparison has none")
+    if output.out is not None and os.path.realpath(output.out) == os.path.realpath(file):
+        raise InputError(f"out must not be the file that is compared, got {shown(output.out)}")
     with working("comparison") as progress:
         compared = rotor_ida.compare(read(file), progress=progress)
     return answer(compared, output)
