@@ -12,8 +12,8 @@ import xarray as xr
 from rotor_ida.basins.basin import basin
 from rotor_ida.basins.fates import first_look
 from rotor_ida.basins.subjects import check_rotor
+from rotor_ida.explorer.discs import Disc
 from rotor_ida.explorer.messages import Answer, Question
-from rotor_ida.explorer.motion import facts_of
 from rotor_ida.model.rotor import Rotor, check_no_load
 from rotor_ida.parallel import interruptible
 from rotor_ida.schema import RESPONSE, by_number
@@ -79,7 +79,7 @@ def _picture(
 ) -> Answer:  # fmt: skip
     """Return the labels of the starts by (x, y), and their meanings; negative is undecided."""
     facts: dict[str, object] = {
-        **facts_of(question),
+        **Disc(question).facts,
         "reach": question.reach,
         "count": round(labels.size**0.5),
         "finest": finest,
