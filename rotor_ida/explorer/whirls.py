@@ -55,7 +55,7 @@ def show_whirls(question: SystemQuestion) -> Iterator[Answer]:
         whirls, points = _whirls(*of_any_node(question))
         arrays = _curve(whirls, points, node)
         if points is not None and points.sizes["special"]:
-            sheets = sheets_of(points)[:1]
+            sheets = [_without_empty_columns(each) for each in sheets_of(points)[:1]]
     except InputError as error:
         more, arrays = _without_contact(node, error)
         notes += more
@@ -79,6 +79,12 @@ def show_campbell(question: Question | SystemQuestion) -> Iterator[Answer]:
     yield Answer("campbell", {"notes": notes}, {
         "speed": found["speed"].values, "whirl_speed": rates.ravel(), "damping": damping.ravel(),
     })  # fmt: skip
+
+
+def _without_empty_columns(sheet: dict[str, Any]) -> dict[str, Any]:
+    """Return a table without the columns that have no value: it stands beside the panels."""
+    kept = [column for column in zip(*sheet["rows"], strict=True) if set(column[1:]) != {"-"}]
+    return sheet | {"rows": [list(row) for row in zip(*kept, strict=True)]}
 
 
 def _curve(whirls: xr.Dataset, points: xr.Dataset | None, node: Node) -> Arrays:

@@ -323,8 +323,9 @@ def test_a_verdict_is_of_the_speed_held_and_a_sheet_has_the_special_speeds(path:
     np.testing.assert_allclose(curve.arrays["graze_amplitude"], 60e-6, rtol=1e-9)
     limits = [part * asked.speed for part in (cases.LOW, cases.HIGH)]
     points = special_speeds(load_system(path), limits=limits)
-    assert curve.facts["sheets"] == told_of(points)[:1]
-    (sheet,) = curve.facts["sheets"]
+    (sheet,), (whole,) = curve.facts["sheets"], told_of(points)[:1]
+    assert sheet["rows"][0] == ["speed [rpm]", "kind", "grazed contact"]
+    assert sheet["rows"] == [row[:3] for row in whole["rows"]]  # no Hopf point
     assert sum("graze" in row for row in sheet["rows"]) == 2
     assert (facts["level"], facts["verdict"]) == (
         "clear",
