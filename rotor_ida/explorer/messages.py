@@ -428,10 +428,9 @@ def _of_disc(given: Mapping[str, Any]) -> Question:
         about=check_choice("about", given["about"], (*OF_DISC, *FILES)),
         machine=machine,
         start=start,
-        **_entries(given, ("number", "side", "revolutions")),
         speeds=(low, high),
         reach=check_between("reach", reach, 1.0 / LARGEST, LARGEST),
-        **_ramp(rotor, given),
+        **(_entries(given, ("number", "side", "revolutions")) | _ramp(rotor, given)),
     )
 
 

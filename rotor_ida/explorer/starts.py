@@ -14,7 +14,7 @@ from rotor_ida.basins.fates import first_look
 from rotor_ida.basins.subjects import check_rotor
 from rotor_ida.explorer.discs import Disc
 from rotor_ida.explorer.messages import Answer, Question
-from rotor_ida.model.rotor import Rotor, check_no_load
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import interruptible
 from rotor_ida.schema import RESPONSE, by_number
 
@@ -31,10 +31,9 @@ KEPT = 32
 def show_starts(question: Question) -> Iterator[Answer]:
     """Yield the basins over starts in x and y with the velocity of the start."""
     rotor = question.rotor
-    check_no_load(question.machine, "a basin")
-    check_rotor(rotor)
+    check_rotor(rotor, loaded=True)
     pictures = ((COARSE, RTOL), (FINE, None))
-    if rotor.friction > 0.0:  # the preview decides nothing there, and starts take far longer
+    if max(rotor.friction, rotor.load) > 0.0:  # the preview decides nothing, and starts take long
         pictures = ((COARSE // 2, RTOL), (COARSE, None))
     else:
         yield _first_look(question)

@@ -240,6 +240,7 @@ const says = (panel) => !isSystem() || Boolean(file?.panels.includes(panel));
 /** Show sketch, node and contact of a rotor system. */
 function showSystem() {
   document.body.classList.toggle("shows-system", isSystem());
+  document.body.classList.toggle("shows-measured", Boolean(file?.measured));
   document.body.classList.toggle("shows-archive", isSystem() && says("archive"));
   for (const panel of document.querySelectorAll("[data-panel]:not([data-panel=archive], #signal-panels *)")) panel.hidden = !says(panel.dataset.panel);
   for (const panel of ["sketch", "shape"]) document.querySelector(`[data-panel="${panel}"]`).hidden = !isSystem() || !(file?.nodes.length > 1);
