@@ -1,10 +1,11 @@
 """Interactive page in the browser that shows the motion of a rotor.
 
 The page sends questions (`messages`), a process answers them (`workers`, through `queues`), and the
-answers return as labelled arrays. Modules for the answers about one disc: `motion` (one run),
-`run_ups`, `responses` (the settled response) and `starts` (basins). `cases` reads and runs what is
-in the file of a rotor system or a result, and `systems` fills the same panels from it. `opening`
-tells what is in a file, `measured` analyses one, and `words` makes verdicts, sentences and sheets.
-`server` admits only the page on this machine. `files` writes files to save, and a page that needs
-no server. The page itself is in the folder ``page``.
+answers return as labelled arrays. The panels stand over two classes with the same methods: a `Disc`
+(`discs`) and a `Node` of a rotor system (`cases`). `motion` fills the panels of one run, `run_ups`
+those of a run-up, `responses` and `whirls` those over the speed, and `starts` the basins.
+`archives` shows what is in an archive, `opening` tells what is in a file, `measured` analyses one,
+and `words` makes verdicts, sentences and sheets. `server` admits only the page on this machine.
+`files` writes files to save, and a page that needs no server. The page itself is in the folder
+``page``.
 """

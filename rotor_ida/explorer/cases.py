@@ -1,46 +1,47 @@
-"""What is in the file of a rotor system or a result: read, changed as the page asks, and run."""
+"""What is in the file of a rotor system or a result, and a node of it as the panels see it."""
 
 from __future__ import annotations
 
 import math
-import os
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import lru_cache
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
+import numpy as np
 import xarray as xr
 
-from rotor_ida.checks import shown
+from rotor_ida.arrays import Values as FloatArray
+from rotor_ida.checks import COMPONENTS, shown
 from rotor_ida.errors import InputError
-from rotor_ida.explorer.messages import OF_CONTACT, SystemQuestion
-from rotor_ida.explorer.motion import (
-    samples_per_revolution,
+from rotor_ida.explorer.archives import (
+    OF_RUN_UP,
+    archived_in,
+    named,
+    scales_where,
 )
+from rotor_ida.explorer.endings import MOST_SAMPLES, Values, ending_of, samples_per_revolution
+from rotor_ida.explorer.messages import OF_CONTACT, Answer, SystemQuestion
+from rotor_ida.explorer.sketches import sketch_of
+from rotor_ida.explorer.system_verdicts import level_of, touched_on_the_way, verdict
+from rotor_ida.model.data_sheet import GRAVITY
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Support
-from rotor_ida.results.archive import load
 from rotor_ida.results.archived_system import problem_of
 from rotor_ida.results.dataset_kinds import kind_of
 from rotor_ida.results.question import Question as Asked
 from rotor_ida.results.system_file import Course, read_system_file
+from rotor_ida.signals.nodes import angles_of_system, at_node
 from rotor_ida.simulation.run_up import run_up
 from rotor_ida.simulation.simulate import simulate
 from rotor_ida.steady.drop import drop
 from rotor_ida.texts import brief, in_python
-from rotor_ida.units import written
+from rotor_ida.units import quantity, written
 
-# Kinds of results that are played.
-PLAYED = ("system_run", "drop")
 # Panels of a run, those of its run-up, and those that need a speed which is held.
 PANELS = ("response", "sketch", "shape", "orbit", "turning", "history", "campbell")
-OF_RUN_UP = ("bode", "polar", "cascade")
 OF_ONE_SPEED = ("section", "full")
-KINDS_OF_SCALES = ("length", "time", "velocity", "force", "energy", "rate")
-# Samples that are sent of an archive.
-MOST_SAMPLES = 16_384
 # Range of speeds over that of the file, and revolutions of a run-up that the file does not give.
 LOW, HIGH, TURNS = 0.1, 1.5, 300
 
@@ -86,6 +87,32 @@ class Case:
         return (*PANELS, *OF_ONE_SPEED, *(() if self.run is not None else OF_RUN_UP))
 
     @property
+    def about(self) -> str:
+        """In words what is shown."""
+        what = "A drop, from its system file" if self.drops else "A system file"
+        if self.run is not None:
+            what = "Archive: what is played is in the file"
+        counts = [f"{count} {word}{'' if count == 1 else 's'}" for count, word in (
+            (len(self.system.nodes), "node"), (len(self.system.contacts), "contact"))]  # fmt: skip
+        return f"{what}; {', '.join(counts)}."
+
+    @property
+    def notes(self) -> list[str]:
+        """Notes on the linear motion: the magnetic bearings of a drop, which its run lacks."""
+        drops = self.drops or is_drop(self)
+        told = ["with the magnetic bearings, as before the drop"] if drops else []
+        return told + ([self.system.note] if self.system.note else [])
+
+    @property
+    def left_out(self) -> list[str]:
+        """Notes on what acts in the run but not on the exact whirls, and the reverse."""
+        forces: list[Any] = [self.system.static_force, self.system.gravity]
+        if self.drops and self.system.gravity is None and self.system.units == "SI":
+            forces.append(GRAVITY)  # a drop's default
+        acts = any(each is not None and np.any(each) for each in forces)
+        return [*(["without gravity and static forces"] if acts else []), *self.notes]
+
+    @property
     def levitated(self) -> RotorSystem:
         """The system with its magnetic bearings, of a drop with those before it.
 
@@ -128,24 +155,6 @@ def case_in(path: Path) -> Case:
         return _read(path, path.stat().st_mtime_ns)
 
 
-def archive_of(question: SystemQuestion) -> xr.Dataset | None:
-    """Return the result in the file of a question, if it is an archive."""
-    path = question.path
-    if path is None or path.suffix.lower() == ".toml":
-        return None
-    with named(path):
-        return archived_in(path, path.stat().st_mtime_ns)
-
-
-@contextmanager
-def named(path: Path) -> Iterator[None]:
-    """Tell a file by its name alone in errors."""
-    try:
-        yield
-    except InputError as error:
-        raise InputError(str(error).replace(f"{path.parent}{os.sep}", "")) from error
-
-
 @lru_cache(maxsize=2)
 def _read(path: Path, _changed: int) -> Case:
     """Return the case of a file; a newer version of the file is read again."""
@@ -158,20 +167,6 @@ def _read(path: Path, _changed: int) -> Case:
     run = archived_in(path, path.stat().st_mtime_ns)
     fastest = float(run["speed"].max()) if "speed" in run else float(run.attrs["speed"])
     return Case(system=problem_of(run)[0], speed=fastest, run=run)
-
-
-def loaded(path: Path) -> xr.Dataset:
-    """Return the result in an archive."""
-    try:
-        return load(path)
-    except (OSError, ValueError) as error:
-        raise InputError(f"{path.name}: {error}") from error
-
-
-@lru_cache(maxsize=2)
-def archived_in(path: Path, _changed: int) -> xr.Dataset:
-    """Return the result in an archive; a newer version of the file is read again."""
-    return loaded(path)
 
 
 @lru_cache(maxsize=2)
@@ -197,15 +192,6 @@ def _length(case: Case, revolutions: int) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def run_of(question: SystemQuestion) -> xr.Dataset:
-    """Return the run that a question is about: of its archive, or computed."""
-    archived = archive_of(question)
-    if archived is not None and kind_of(archived) not in PLAYED:
-        return archived
-    case_of(question)  # without a file there is none
-    return _computed(*of_any_node(question))
-
-
 def of_any_node(question: SystemQuestion) -> tuple[SystemQuestion, int]:
     """Return the question whose answer holds for all nodes, and when its file was changed."""
     same = replace(question, about="motion", number=0, side=0, node="", contact=_changed(question))
@@ -215,30 +201,6 @@ def of_any_node(question: SystemQuestion) -> tuple[SystemQuestion, int]:
 def _changed(question: SystemQuestion) -> int:
     """Return the number of the contact that is changed; without changes all are the same."""
     return question.contact if any(name in OF_CONTACT for name, _ in question.changes) else 0
-
-
-class Seat(NamedTuple):
-    """Where the motion is shown: at a node, relative to the stator of a contact if it has one."""
-
-    node: str
-    contact: int | None
-
-
-def seat_of(case: Case, question: SystemQuestion) -> Seat:
-    """Return the node of a question, or else that of its contact, and the contact there."""
-    nodes, contacts = list(case.system.nodes), case.system.contacts
-    if question.node and question.node not in nodes:
-        raise InputError(f"node must be one of {', '.join(nodes)}, got {shown(question.node)}")
-    chosen = contacts[question.contact] if question.contact < len(contacts) else None
-    node = question.node or (chosen.node if chosen else nodes[0])
-    if chosen and chosen.node == node:
-        return Seat(node, question.contact)
-    return Seat(node, next((i for i, each in enumerate(contacts) if each.node == node), None))
-
-
-def scales_in(system: RotorSystem) -> dict[str, float]:
-    """Return the scales of a system, which are 1 in SI units."""
-    return dict.fromkeys(KINDS_OF_SCALES, 1.0) if system.units == "SI" else {}
 
 
 def is_drop(case: Case) -> bool:
@@ -258,83 +220,209 @@ def run_up_of(question: SystemQuestion, _changed: int) -> xr.Dataset:
     return run_up(case.system, **case.course.motion, **change)
 
 
-def lines_of(question: SystemQuestion) -> str:
-    """Return the Python lines that compute the run shown, or load a result."""
-    path = question.path
-    if path is not None and archive_of(question) is not None:
-        return f"from rotor_ida import load\n\nresult = load({in_python(path.name)})\n"
-    case = case_of(question)
-    assert path is not None
-    verb, path_said = "drop" if case.drops else "simulate", in_python(path.name)
-    lines = [
-        f"from rotor_ida import {verb}, load_course, load_system", "",
-        f"system, course = load_system({path_said}), load_course({path_said})",
-    ]  # fmt: skip
-    changes = dict(question.changes)
-    factor = changes.pop("unbalance_factor", 1.0)
-    changed = []
-    if changes:
-        words = ", ".join(f"{OF_CONTACT[name]}={value!r}" for name, value in changes.items())
-        number = question.contact
-        lines += ["contacts = list(system.contacts)",
-                  f"contacts[{number}] = replace(contacts[{number}], {words})"]  # fmt: skip
-        changed.append("contacts=contacts")
-    if factor != 1.0:
-        lines += [
-            f"unbalance = [replace(each, moment={factor!r} * each.moment)"
-            " for each in system.unbalance]"
-        ]
-        changed.append("unbalance=unbalance")
-    if changed:
-        lines = ["from dataclasses import replace", "", *lines,
-                 f"system = replace(system, {', '.join(changed)})"]  # fmt: skip
-    told: dict[str, object] = {"rotor": path}
-    others = f'**course.drop | {{"speed": {case.speed!r}}}' if case.drops else "**course.motion"
-    if not case.drops:
-        told |= _length(case, question.revolutions)
-    call = Asked(verb, told).python("system", others)
-    return "\n".join([*lines, f"run = {call}"]) + "\n"
+class Node:
+    """A node of the rotor in the file of a question; a `Disc` has the same methods.
 
+    The motion is relative to the stator of a contact, if the node has one.
 
-def command_of(question: SystemQuestion) -> str:
-    """Return the command for the run shown, after what must be changed in the file first.
-
-    Numbers of a system in SI units have the units of the page.
+    Parameters
+    ----------
+    question : SystemQuestion
+        The node, or else that of the chosen contact.
     """
-    path = question.path
-    if path is not None and archive_of(question) is not None:
-        return Asked("show", {"rotor": Path(path.name)}).command()
-    case = case_of(question)
-    assert path is not None
 
-    def told(value: float, unit: str) -> str:
-        return written(value, unit) if case.system.units == "SI" and unit else repr(value)
+    def __init__(self, question: SystemQuestion) -> None:
+        self.question, self.case = question, case_of(question)
+        nodes, contacts = list(self.case.system.nodes), self.case.system.contacts
+        if question.node and question.node not in nodes:
+            raise InputError(f"node must be one of {', '.join(nodes)}, got {shown(question.node)}")
+        chosen = contacts[question.contact] if question.contact < len(contacts) else None
+        self.name = question.node or (chosen.node if chosen else nodes[0])
+        here = [i for i, each in enumerate(contacts) if each.node == self.name]
+        self.contact = question.contact if question.contact in here else next(iter(here), None)
 
-    changes = dict(question.changes)
-    factor = changes.pop("unbalance_factor", 1.0)
-    first = []
-    for changed, value in changes.items():
-        name = OF_CONTACT[changed]
-        number = told(value, _unit(name, case.system.contacts[question.contact]))
-        quoted = number if number == repr(value) else f'"{number}"'
-        first.append(f"set {name} = {quoted} in contact {question.contact}")
-    first += [f"multiply each moment of the unbalance by {factor!r}"] if factor != 1.0 else []
-    said = f"# first, in {brief(path.name)}: {'; '.join(first)}\n" if first else ""
-    asked: dict[str, object] = {"rotor": Path(path.name), "speed": told(case.speed, "rpm")}
-    if case.drops:
-        return said + Asked("drop", {**asked, "out": "report"}).command()
-    length = _length(case, question.revolutions)
-    asked |= {"duration": told(length["duration"], "s"), "samples": length["samples"]}
-    return said + Asked("simulate", {**asked, "out": "run.nc", "figure": "run"}).command()
+    @property
+    def speed(self) -> float:
+        """Spin speed."""
+        return self.case.speed
+
+    @property
+    def changes_speed(self) -> bool:
+        """Whether the run is an archived one at a speed that changes."""
+        return self.case.changes_speed
+
+    @property
+    def scales(self) -> dict[str, float]:
+        """The scales of the system, which are 1 in SI units."""
+        return scales_where(self.case.system.units == "SI")
+
+    @property
+    def facts(self) -> dict[str, Any]:
+        """The facts about the rotor in an answer, by the names of those of one disc."""
+        at = "" if self.contact is None else f", contact {self.contact}"
+        rotor: dict[str, object] = {"omega": self.speed, "delta0": 0.0}
+        if self.contact is not None:
+            contact = self.case.system.contacts[self.contact]
+            rotor |= {"delta0": contact.clearance, "friction": contact.friction,
+                      "contact_damping": contact.damping}  # fmt: skip
+        speed = quantity(self.speed, "rad/s" if self.scales else "1")
+        return {
+            "rotor": rotor, "scales": self.scales, "start": None,
+            "told": f"node {self.name}{at}, speed {speed}",
+        }  # fmt: skip
+
+    @property
+    def linear(self) -> tuple[RotorSystem, tuple[float, float], list[str]]:
+        """The system without contact, the speeds shown, and notes."""
+        return self.case.levitated, (LOW * self.speed, HIGH * self.speed), self.case.notes
+
+    def begin(self) -> Iterator[Answer]:
+        """Yield the sketch of the rotor, and where sliders start."""
+        assert self.question.path is not None
+        file, case, contact = case_in(self.question.path), self.case, self.question.contact
+        yield Answer("sketch", sketch_of(case.system) | {
+            "node": self.name, "contact": contact, "about": case.about,
+            "is_archive": case.run is not None, "is_drop": case.drops or is_drop(case),
+            "panels": case.panels, "given": {"speed": file.speed, "unbalance_factor": 1.0},
+            "given_contacts": [
+                {name: getattr(each, of_file) for name, of_file in OF_CONTACT.items()
+                 if name != "friction" or each.radius is not None}
+                | {"contact_exponent": each.exponent}
+                for each in file.system.contacts
+            ],
+        })  # fmt: skip
+
+    def beside(self, run: xr.Dataset, motion: Answer) -> Iterator[Answer]:
+        """Yield the shape of the shaft, the panels of the run, and the verdict."""
+        yield Answer("shape", {}, {
+            f"shape_{axis}": np.ascontiguousarray(run[axis].values.T).ravel() for axis in "xy"
+        })  # fmt: skip
+        yield motion
+        words = f"{touched_on_the_way(run)} {verdict(run)}" if self.changes_speed else verdict(run)
+        notes = [self.case.system.note] if self.case.system.note else []
+        told = {"verdict": words, "level": level_of(run), "words": notes}
+        yield Answer("settled", self.facts | told)
+
+    def run(self) -> xr.Dataset:
+        """Return the run that is drawn: of the archive, or computed."""
+        return _computed(*of_any_node(self.question))
+
+    def seen(self, run: xr.Dataset) -> Values:
+        """Return the motion at the node, or in its contact, by the names of a run of one disc."""
+        here = run.sel(node=self.name)
+        found = {name: here[name].values for name in ("t", *COMPONENTS)}
+        number = -1 if self.contact is None else self.contact
+        is_mine = run["event_contact"].values == number
+        names = {f"event_{name}": f"event_{name}" for name in ("time", "time_error", "kind")}
+        names |= {f"event_{axis}": f"event_contact_{axis}" for axis in "xy"}
+        found |= {short: run[name].values[is_mine] for short, name in names.items()}
+        is_here = run["episode_contact"].values == number
+        names = {name: name for name in ("entry_time", "exit_time", "peak_force")}
+        names["peak_time"] = "peak_force_time"
+        found |= {short: run[name].values[is_here] for short, name in names.items()}
+        found |= {"force": np.zeros(run.sizes["t"]), "horizon": run["horizon"].values}
+        if self.contact is None:
+            return found
+        part = run.isel(contact=self.contact)
+        names = {"x": "contact_x", "y": "contact_y", "force": "normal_force"}
+        if float(part["law_friction"]) > 0.0:
+            names |= {"mode": "mode", "slip_speed": "slip_speed"}
+        return found | {short: part[name].values for short, name in names.items()}
+
+    def probed(self, run: xr.Dataset) -> xr.Dataset:
+        """Return the motion at the node as probes record it."""
+        return at_node(run, self.name)
+
+    def turned(self, run: xr.Dataset, times: FloatArray) -> FloatArray:
+        """Return the angle of the unbalance at some times of a run [rad]."""
+        return np.interp(times, run["t"].values, angles_of_system(run))
+
+    def each(self, run: xr.Dataset) -> float:
+        """Return the number of samples per revolution, whole only at one speed."""
+        count, (first, last) = run.sizes["t"] - 1, angles_of_system(run)[[0, -1]].tolist()
+        turns = abs(last - first) / math.tau
+        each = count / turns if turns > 0.0 else float(count)
+        is_whole = "speed" not in run and math.isclose(each, round(each), rel_tol=1e-9)
+        return round(each) if is_whole else each
+
+    def told(self, values: Values) -> dict[str, object]:
+        """Return the numbers of the last half of a run."""
+        return {"ending": ending_of(values, self.speed)}
+
+    def saved(self) -> xr.Dataset:
+        """Return the run as it is written to a file."""
+        return self.run()
+
+    def run_up(self) -> xr.Dataset:
+        """Return the run-up of the archive, of the file, or over the speeds shown."""
+        if "cascade" not in self.case.panels:
+            raise InputError("a run-up must be left out of a run at one speed and a drop")
+        return self.run() if self.changes_speed else run_up_of(*of_any_node(self.question))
+
+    def lines(self) -> str:
+        """Return the Python lines that compute the run shown, or load a result."""
+        question, case, path = self.question, self.case, self.question.path
+        assert path is not None
+        verb, path_said = "drop" if case.drops else "simulate", in_python(path.name)
+        lines = [
+            f"from rotor_ida import {verb}, load_course, load_system", "",
+            f"system, course = load_system({path_said}), load_course({path_said})",
+        ]  # fmt: skip
+        changes = dict(question.changes)
+        factor = changes.pop("unbalance_factor", 1.0)
+        changed = []
+        if changes:
+            words = ", ".join(f"{OF_CONTACT[name]}={value!r}" for name, value in changes.items())
+            number = question.contact
+            lines += ["contacts = list(system.contacts)",
+                      f"contacts[{number}] = replace(contacts[{number}], {words})"]  # fmt: skip
+            changed.append("contacts=contacts")
+        if factor != 1.0:
+            lines += [
+                f"unbalance = [replace(each, moment={factor!r} * each.moment)"
+                " for each in system.unbalance]"
+            ]
+            changed.append("unbalance=unbalance")
+        if changed:
+            lines = ["from dataclasses import replace", "", *lines,
+                     f"system = replace(system, {', '.join(changed)})"]  # fmt: skip
+        told: dict[str, object] = {"rotor": path}
+        others = f'**course.drop | {{"speed": {case.speed!r}}}' if case.drops else "**course.motion"
+        if not case.drops:
+            told |= _length(case, question.revolutions)
+        call = Asked(verb, told).python("system", others)
+        return "\n".join([*lines, f"run = {call}"]) + "\n"
+
+    def command(self) -> str:
+        """Return the command for the run shown, after what must be changed in the file first.
+
+        Numbers of a system in SI units have the units of the page.
+        """
+        question, case, path = self.question, self.case, self.question.path
+        assert path is not None
+
+        def told(value: float, unit: str) -> str:
+            return written(value, unit) if case.system.units == "SI" and unit else repr(value)
+
+        changes = dict(question.changes)
+        factor = changes.pop("unbalance_factor", 1.0)
+        first = []
+        for changed, value in changes.items():
+            name = OF_CONTACT[changed]
+            number = told(value, _unit(name, case.system.contacts[question.contact]))
+            quoted = number if number == repr(value) else f'"{number}"'
+            first.append(f"set {name} = {quoted} in contact {question.contact}")
+        first += [f"multiply each moment of the unbalance by {factor!r}"] if factor != 1.0 else []
+        said = f"# first, in {brief(path.name)}: {'; '.join(first)}\n" if first else ""
+        asked: dict[str, object] = {"rotor": Path(path.name), "speed": told(case.speed, "rpm")}
+        if case.drops:
+            return said + Asked("drop", {**asked, "out": "report"}).command()
+        length = _length(case, question.revolutions)
+        asked |= {"duration": told(length["duration"], "s"), "samples": length["samples"]}
+        return said + Asked("simulate", {**asked, "out": "run.nc", "figure": "run"}).command()
 
 
 def _unit(name: str, contact: Contact) -> str:
     """Return the unit in which a system file gives a number of a contact; empty if it has none."""
     stiffness = "N/m" if contact.exponent == 1.0 else "N/m^1.5"
     return {"clearance": "um", "stiffness": stiffness, "damping": "s/m"}.get(name, "")
-
-
-def check_played(result: xr.Dataset) -> None:
-    """Raise `InputError` unless a page without a program can show a result."""
-    if kind_of(result) not in PLAYED:
-        raise InputError(f"html must be of a rotor or its run, got a result of {kind_of(result)}")

@@ -12,11 +12,13 @@ from tempfile import TemporaryDirectory
 
 import numpy as np
 import numpy.typing as npt
+import xarray as xr
 
 from rotor_ida.arrays import Arrays
 from rotor_ida.checks import State, check_axis, check_increasing, shown
 from rotor_ida.errors import InputError
-from rotor_ida.explorer import cases, systems
+from rotor_ida.explorer.archives import PLAYED, archive_of, check_played, path_of, reread
+from rotor_ida.explorer.cases import Node
 from rotor_ida.explorer.messages import (
     Answer,
     Question,
@@ -25,33 +27,19 @@ from rotor_ida.explorer.messages import (
     speeds_shown,
     state_of,
 )
-from rotor_ida.explorer.motion import METHOD, duration_of, run_of, show_lines, show_motion
+from rotor_ida.explorer.motion import show_lines, show_motion, shown_of
 from rotor_ida.explorer.page import page_files
 from rotor_ida.explorer.responses import show_responses
+from rotor_ida.explorer.run_ups import show_track
+from rotor_ida.explorer.whirls import show_campbell
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.parallel import Progress
 from rotor_ida.plot import save_figure
 from rotor_ida.plot.appearance import without_pyplot
 from rotor_ida.plot.figures import figure_of
 from rotor_ida.results.archive import save
-from rotor_ida.results.question import Question as Asked
-from rotor_ida.results.question import written
-from rotor_ida.results.si_units import dimensional
+from rotor_ida.results.dataset_kinds import kind_of
 from rotor_ida.texts import in_page
-
-NAME = "run"
-LINES = '''\
-"""The run that the explorer showed: its archive and its figure."""
-
-from rotor_ida import {rotor}, save, simulate
-from rotor_ida.plot import save_figure
-from rotor_ida.plot.figures import figure_of
-
-machine = {machine}
-run = {call}
-save(run, "{name}.nc", overwrite=True)
-save_figure(figure_of(run), "{name}", overwrite=True)
-'''
 
 # Order of the speeds: each from the start, or each from the end of the previous one.
 COURSES = ("start", "up", "down")
@@ -60,9 +48,11 @@ MOST_SPEEDS = 500
 SPEEDS: npt.NDArray[np.float64] = np.linspace(0.075, 0.825, 61)
 # Number of last revolutions kept of each run.
 KEPT = 10
-# Parts of the page of a rotor system that are the same at all its nodes.
-SHARED = ("shape", "campbell")
+# Parts that are the same at all speeds of a disc, and at all nodes of a system.
+OF_ALL_SPEEDS, OF_ALL_NODES = ("curve", "branch"), ("shape", "campbell")
 TIMES = ("t", "event_time", "exit_time")
+# What fills further panels of a system, by the panel.
+OF_PANELS = {"full": show_lines, "cascade": show_track}
 PAGE, MAIN = "index.html", "main.js"
 SCRIPT = '<script type="module" src="{}"></script>'
 RECORDED = '<script type="application/json" id="recorded">{}</script>'
@@ -96,7 +86,7 @@ def show_file(question: Question | SystemQuestion) -> Iterator[Answer]:
                 yield Answer("progress", {"done": done, "total": total})
     else:
         contents = _contents(question)
-    name = f"{NAME}.{question.about}"
+    name = f"run.{question.about}"
     yield Answer("file", {"name": name}, {"contents": np.frombuffer(contents, dtype=np.int8)})
 
 
@@ -109,69 +99,36 @@ def _recording(question: Question) -> Generator[tuple[int, int], None, str]:
     return recording(machine, start=question.start, revolutions=question.revolutions, speeds=speeds)
 
 
-def command_of(question: Question | SystemQuestion) -> str:
-    """Return the command line that reproduces archive and figure, for a machine in SI units.
-
-    Examples
-    --------
-    >>> from rotor_ida.explorer.workers import example
-    >>> command_of(example("sh", (1.7, 0.07, 0.5))).partition(" --start")[0]
-    'rotor-ida simulate --omega 1.7 --zeta 0.07 --delta0 0.5'
-    """
-    if isinstance(question, SystemQuestion):
-        return cases.command_of(question)
-    return f"{asked_in(question).command()} --out {NAME}.nc --figure {NAME}"
-
-
-def asked_in(question: Question) -> Asked:
-    """Return the question whose answer is the run shown, of a machine in SI units."""
-    machine, start = question.machine, np.array(question.start)
-    duration = duration_of(question)
-    if isinstance(machine, DimensionalRotor):
-        length, velocity = machine.length_scale, machine.velocity_scale
-        start = start * (length, length, velocity, velocity)
-        duration *= machine.time_scale
-    return Asked("simulate", {
-        "rotor": machine, "start": start, "duration": duration,
-        "samples": run_of(question).sizes["t"], "method": METHOD,
-    })  # fmt: skip
-
-
-def lines_of(question: Question | SystemQuestion) -> str:
-    """Return the Python script that reproduces archive and figure.
-
-    Examples
-    --------
-    >>> from rotor_ida.explorer.workers import example
-    >>> print(lines_of(example("py", (1.7, 0.07, 0.5))).splitlines()[6])
-    machine = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
-    """
-    if isinstance(question, SystemQuestion):
-        return cases.lines_of(question)
-    return LINES.format(
-        rotor=type(question.machine).__name__,
-        machine=written(question.machine),
-        call=asked_in(question).python("machine"),
-        name=NAME,
-    )
-
-
 def _contents(question: Question | SystemQuestion) -> bytes:
-    if question.about == "py":
-        return lines_of(question).encode()
-    if question.about == "sh":
-        return f"{command_of(question)}\n".encode()
-    run = cases.run_of(question) if isinstance(question, SystemQuestion) else run_of(question)
-    if isinstance(question, Question) and isinstance(question.machine, DimensionalRotor):
-        run = dimensional(run, question.machine)
+    archived, kind = archive_of(question), question.about
+    if kind in {"py", "sh"}:
+        return text_of(question).encode()
+    if archived is None or kind_of(archived) in PLAYED:
+        archived = shown_of(question).saved()
+    return archive_with(archived) if kind == "nc" else figure_in(archived, kind)
+
+
+def text_of(question: Question | SystemQuestion) -> str:
+    """Return the Python lines, or the command, of what is shown."""
+    kind, path = question.about, path_of(question)
+    if path is not None and archive_of(question) is not None:
+        return reread(path, kind)
+    shown = shown_of(question)
+    return shown.lines() if kind == "py" else f"{shown.command()}\n"
+
+
+def archive_with(run: xr.Dataset) -> bytes:
+    """Return a run as an archive."""
     with TemporaryDirectory() as folder:
-        place = Path(folder) / NAME
-        if question.about == "nc":
-            save(run, place.with_suffix(".nc"))
-        else:
-            with without_pyplot():
-                save_figure(figure_of(run), place)
-        return place.with_suffix(f".{question.about}").read_bytes()
+        save(run, place := Path(folder, "run.nc"))
+        return place.read_bytes()
+
+
+def figure_in(result: xr.Dataset, ending: str) -> bytes:
+    """Return the figure of a result in a format."""
+    with TemporaryDirectory() as folder, without_pyplot():
+        save_figure(figure_of(result), place := Path(folder, "figure"))
+        return place.with_suffix(f".{ending}").read_bytes()
 
 
 def finished(
@@ -207,7 +164,7 @@ def recording(
         about="motion", number=0, side=0, machine=machine, start=start,
         revolutions=revolutions, speeds=speeds_shown(machine), reach=1.0,
     )  # fmt: skip
-    common: dict[str, bytes] = {}
+    common: dict[str, str] = {}
     courses: dict[str, list[list[str]]] = {}
     for course in COURSES:
         frames: list[list[str]] = [[] for _ in speeds]
@@ -215,43 +172,48 @@ def recording(
         for place in range(len(speeds))[:: -1 if course == "down" else 1]:
             question = replace(beginning, machine=_at(machine, speeds[place]), start=here)
             answers = [*_motion(question), *show_lines(question), *show_responses(question)]
-            own = [each for each in answers if each.part not in {"curve", "branch"}]
-            frames[place] = [as_text(in_single(each)) for each in own]
-            common |= {_name(each): packed(each) for each in answers if each not in own}
+            frames[place] = _frame(answers, OF_ALL_SPEEDS, common)
             if course != "start":
-                here = _end(own)
+                here = _end(answers)
             done = sum(map(bool, frames)) + len(courses) * len(speeds)
             yield done, len(COURSES) * len(speeds)
         courses[course] = frames
     return page_with({
         "places": list(speeds), "place": _speed(machine), "courses": courses,
-        "common": [base64.b64encode(each).decode() for each in common.values()],
-        "state": state_of(machine, start, revolutions),
+        "common": list(common.values()), "state": state_of(machine, start, revolutions),
     })  # fmt: skip
 
 
 def recording_of_nodes(question: SystemQuestion) -> Generator[tuple[int, int], None, str]:
     """Yield the number of nodes done and their total; return the page, to be seen at each node."""
-    if (archived := cases.archive_of(question)) is not None:
-        cases.check_played(archived)
-    case = cases.case_of(question)
-    nodes, shared, frames = list(case.system.nodes), dict[str, str](), list[list[str]]()
-    for node in nodes:
-        own = []
-        for show in systems.shown_of(case):
-            for answer in show(replace(question, node=node)):
-                if answer.part in SHARED:
-                    shared.setdefault(answer.part, as_text(in_single(answer)))
-                else:
-                    own.append(as_text(in_single(answer)))
-        frames.append(own)
+    if (archived := archive_of(question)) is not None:
+        check_played(archived)
+    node = Node(question)
+    nodes, common, frames = list(node.case.system.nodes), dict[str, str](), list[list[str]]()
+    shows = [show_motion, show_responses, show_campbell]
+    shows += [show for panel, show in OF_PANELS.items() if panel in node.case.panels]
+    for each in nodes:
+        at = replace(question, node=each)
+        answers = [answer for show in shows for answer in show(at)]
+        frames.append(_frame(answers, OF_ALL_NODES, common))
         yield len(frames), len(nodes)
-    seat = cases.seat_of(case, question)
     return page_with({
-        "places": nodes, "place": seat.node, "courses": {"nodes": frames},
-        "common": list(shared.values()),
-        "state": {"node": seat.node, "contact": question.contact, **dict(question.changes)},
+        "places": nodes, "place": node.name, "courses": {"nodes": frames},
+        "common": list(common.values()),
+        "state": {"node": node.name, "contact": question.contact, **dict(question.changes)},
     })  # fmt: skip
+
+
+def _frame(answers: Sequence[Answer], shared: Sequence[str], common: dict[str, str]) -> list[str]:
+    """Return answers as texts; of those of shared parts `common` gets one of each."""
+    own = []
+    for answer in answers:
+        text = as_text(in_single(answer))
+        if answer.part in shared:
+            common[_name(answer)] = text
+        else:
+            own.append(text)
+    return own
 
 
 def check_speeds(machine: Rotor | DimensionalRotor, speeds: Sequence[float] | None) -> list[float]:

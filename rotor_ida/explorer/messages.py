@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import json
 import math
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Any, cast
 
@@ -216,6 +217,13 @@ class DataSheet(Asked):
         return machine_from_data_sheet(**cast(dict[str, Any], self.quantities))
 
 
+# Questions about no rotor that is shown: what they must have, and what they may.
+OTHERS: dict[str, tuple[type[Asked], tuple[str, ...], tuple[str, ...]]] = {
+    UPLOAD: (Upload, ("name", "number", "size"), ("columns", "gains", "probe_angles", "units")),
+    DATA_SHEET: (DataSheet, ("number", "quantities"), ()),
+}
+
+
 def read_question(text: str) -> Asked:
     """Return a checked question, or raise `InputError`.
 
@@ -244,10 +252,11 @@ def read_question(text: str) -> Asked:
     except (ValueError, RecursionError):
         raise InputError(f"a question must be JSON, got {shown(text)}") from None
     if isinstance(given, dict):
-        if given.get("about") == UPLOAD:
-            return _upload(given)
-        if given.get("about") == DATA_SHEET:
-            return _data_sheet(given)
+        for about, (kind, needed, further) in OTHERS.items():
+            if given.get("about") == about:
+                names = ["about", *(each for each in further if each in given), *needed]
+                _check_names(given, names)
+                return kind(**_entries(given, names))
         if isinstance(given.get("machine"), dict) and "node" in given["machine"]:
             return _of_system(given)
     names = sorted(set(Question.__dataclass_fields__).difference(OF_RUN_UP))
@@ -268,33 +277,10 @@ def _check_names(given: Mapping[str, object], names: list[str], what: str = "a q
         raise InputError(f"{what} must have {', '.join(names)}, got {which}")
 
 
-def _is_name(given: object) -> bool:
-    return isinstance(given, str) and len(given) <= LONGEST_NAME
-
-
-def _number(given: Mapping[str, Any]) -> int:
-    return check_count("number", given["number"], 0, LARGEST_NUMBER_OF_QUESTION)
-
-
-def _side(given: Mapping[str, Any]) -> int:
-    return check_count("side", given["side"], 0, SIDES - 1)
-
-
-def _upload(given: Mapping[str, Any]) -> Upload:
-    chosen = [name for name in ("columns", "gains", "probe_angles", "units") if name in given]
-    _check_names(given, ["about", *chosen, "name", "number", "size"])
-    if not _is_name(given["name"]):
-        raise InputError(f"name must be the name of a file, got {shown(given['name'])}")
-    return Upload(
-        about=UPLOAD,
-        number=_number(given),
-        name=given["name"],
-        size=check_count("size", given["size"], 0, LARGEST_FILE),
-        probe_angles=_pair("probe_angles", given.get("probe_angles", [0.0, 90.0])),
-        gains=_pair("gains", given.get("gains", [1.0, 1.0])),
-        columns=_mapping("columns", given.get("columns", {})),
-        units=_mapping("units", given.get("units", {})),
-    )
+def _name(name: str, given: object, of: str) -> str:
+    if not isinstance(given, str) or len(given) > LONGEST_NAME:
+        raise InputError(f"{name} must be the name of {of}, got {shown(given)}")
+    return given
 
 
 def _mapping(name: str, given: object) -> dict[str, str]:
@@ -302,20 +288,6 @@ def _mapping(name: str, given: object) -> dict[str, str]:
     if not isinstance(given, dict) or not all(isinstance(each, str) for each in given.values()):
         raise InputError(f"{name} must be words by names of signals, got {shown(given)}")
     return given
-
-
-def _data_sheet(given: Mapping[str, Any]) -> DataSheet:
-    _check_names(given, ["about", "number", "quantities"])
-    quantities = given["quantities"]
-    if not isinstance(quantities, dict) or not all(
-        name in KEYS and isinstance(words, str) for name, words in quantities.items()
-    ):
-        raise InputError(f"quantities must be words by {', '.join(KEYS)}, got {shown(quantities)}")
-    return DataSheet(
-        about=DATA_SHEET,
-        number=_number(given),
-        quantities={name: words.strip() for name, words in quantities.items() if words.strip()},
-    )
 
 
 def _pair(name: str, given: object) -> tuple[float, float]:
@@ -326,24 +298,49 @@ def _pair(name: str, given: object) -> tuple[float, float]:
     return one, other
 
 
+def _quantities(given: object) -> dict[str, str]:
+    """Return the entries of a data sheet that are not empty."""
+    if not isinstance(given, dict) or not all(
+        name in KEYS and isinstance(words, str) for name, words in given.items()
+    ):
+        raise InputError(f"quantities must be words by {', '.join(KEYS)}, got {shown(given)}")
+    return {name: words.strip() for name, words in given.items() if words.strip()}
+
+
+# How each entry of a question is checked, where it is the same in all.
+CHECKS: dict[str, Callable[[Any], Any]] = {
+    "about": str,
+    "number": lambda given: check_count("number", given, 0, LARGEST_NUMBER_OF_QUESTION),
+    "side": lambda given: check_count("side", given, 0, SIDES - 1),
+    "revolutions": lambda given: check_count("revolutions", given, 1, MOST_REVOLUTIONS),
+    "name": lambda given: _name("name", given, "a file"),
+    "size": lambda given: check_count("size", given, 0, LARGEST_FILE),
+    "quantities": _quantities,
+    **{each: partial(_pair, each) for each in ("probe_angles", "gains")},
+    **{each: partial(_mapping, each) for each in ("columns", "units")},
+}
+
+
+def _entries(given: Mapping[str, Any], names: Sequence[str]) -> dict[str, Any]:
+    """Return entries of a question, checked."""
+    return {name: CHECKS[name](given[name]) for name in names}
+
+
 def _of_system(given: Mapping[str, Any]) -> SystemQuestion:
     _check_names(given, ["about", "machine", "number", "revolutions", "side"])
     machine = given["machine"]
     _check_names(machine, ["changes", "contact", "node", "speed"], "machine")
-    if not _is_name(machine["node"]):
-        raise InputError(f"node must be the name of a node, got {shown(machine['node'])}")
+    node = _name("node", machine["node"], "a node")
     changes, speed = machine["changes"], machine["speed"]
     if not isinstance(changes, dict) or not set(changes) <= set(CHANGES):
         raise InputError(f"changes must be numbers by {', '.join(CHANGES)}, got {shown(changes)}")
     return SystemQuestion(
         about=check_choice("about", given["about"], (*OF_SYSTEM, *FILES)),
-        number=_number(given),
-        side=_side(given),
-        node=machine["node"],
+        node=node,
         contact=check_count("contact", machine["contact"], 0, MOST_CONTACTS),
         speed=None if speed is None else check_nonnegative("speed", speed),
-        revolutions=check_count("revolutions", given["revolutions"], 1, MOST_REVOLUTIONS),
         changes=tuple((name, check_nonnegative(name, changes[name])) for name in sorted(changes)),
+        **_entries(given, ("number", "side", "revolutions")),
     )
 
 
@@ -429,14 +426,11 @@ def _of_disc(given: Mapping[str, Any]) -> Question:
     reach = check_real("reach", given["reach"])
     return Question(
         about=check_choice("about", given["about"], (*OF_DISC, *FILES)),
-        number=_number(given),
-        side=_side(given),
         machine=machine,
         start=start,
-        revolutions=check_count("revolutions", given["revolutions"], 1, MOST_REVOLUTIONS),
         speeds=(low, high),
         reach=check_between("reach", reach, 1.0 / LARGEST, LARGEST),
-        **_ramp(rotor, given),
+        **(_entries(given, ("number", "side", "revolutions")) | _ramp(rotor, given)),
     )
 
 

@@ -1,45 +1,33 @@
-"""The panels of one run: orbit, radius and force over time, section, and its lines."""
+"""The panels of one run of any rotor: orbit, radius and force over time, section, and its lines."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
 from operator import itemgetter
-from typing import Any
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Arrays
-from rotor_ida.checks import COMPONENTS
-from rotor_ida.explorer.messages import Answer, Question
+from rotor_ida.arrays import Values as FloatArray
+from rotor_ida.explorer.archives import PLAYED, archive_of, archived_answers, path_of
+from rotor_ida.explorer.cases import Node
+from rotor_ida.explorer.discs import METHOD, Disc, states_of, values_of, whirls_per_revolution
+from rotor_ida.explorer.endings import Values
+from rotor_ida.explorer.messages import Answer, Question, SystemQuestion
 from rotor_ida.explorer.words import Scales, sheet_of, words_of_run
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.results.dataset_kinds import kind_of
 from rotor_ida.results.sheets import Line, sheets_shown
 from rotor_ida.results.sheets import facts as facts_in
-from rotor_ida.schema import DAMPED_EVENT_KIND, EVENT_KIND, MODE, OF_FRICTION_EVENT_KIND
-from rotor_ida.signals.forces import power_in_contact
+from rotor_ida.schema import DAMPED_EVENT_KIND, OF_FRICTION_EVENT_KIND
 from rotor_ida.signals.spectra import full_spectrum
-from rotor_ida.simulation.options import Method
 from rotor_ida.simulation.simulate import simulate
 
-Values = dict[str, npt.NDArray[Any]]
-FloatArray = npt.NDArray[np.float64]
-
-SAMPLES_PER_REVOLUTION = 48
-# A longer run is drawn with fewer samples per revolution, but enough for the spectrum.
-MOST_SAMPLES, FEWEST_PER_REVOLUTION = 16_384, 8
-# A disc that rolls on the stator may whirl many times in a revolution: samples per whirl for a
-# smooth curve, and the largest number of samples in all.
-PER_WHIRL, MOST_SAMPLES_OF_WHIRLS = 32, 65_536
-# The end of a run is its last half.
-LAST = 0.5
 # Highest frequency of lines over the spin speed, forward and backward.
 FASTEST_LINE = 5.0
-METHOD: Method = "taylor"
-OF_ENDING = ("t", "x", "y", "vx", "vy", "mode", "slip_speed")
 DRAWN = (
     *("t", "x", "y", "rotating_x", "rotating_y", "radius", "force"),
     *("event_time", "event_time_error", "event_x", "event_y", "event_radius"),
@@ -50,18 +38,50 @@ SAMPLES = 512
 LEAST = 1e-9
 
 
-def show_motion(question: Question) -> Iterator[Answer]:
-    """Yield the panels of one run."""
-    rotor = question.rotor
-    run = forced(run_of(question), rotor)
-    summary = ending(run, rotor)
-    end = rotated(states_of(run)[-1], -rotor.omega * run["t"][-1])
-    facts: dict[str, object] = {
-        **facts_of(question), "end": end.tolist(), **told_of_run(run, summary, scales_of(question)),
+# A rotor as its panels see it: one disc, or a node of a rotor system.
+Shown = Disc | Node
+
+
+def shown_of(question: Question | SystemQuestion) -> Shown:
+    """Return what a question is about."""
+    return Disc(question) if isinstance(question, Question) else Node(question)
+
+
+def show_motion(question: Question | SystemQuestion) -> Iterator[Answer]:
+    """Yield the panels of one run, and what is in an archive of anything."""
+    path, archived = path_of(question), archive_of(question)
+    if archived is None or kind_of(archived) in PLAYED:
+        shown = shown_of(question)
+        yield from shown.begin()
+        run = shown.run()
+        yield from shown.beside(run, _motion(shown, run))
+    if path is not None and archived is not None:
+        yield from archived_answers(path, path.stat().st_mtime_ns)
+
+
+def _motion(shown: Shown, run: xr.Dataset) -> Answer:
+    """Return the panels of a run."""
+    values = shown.seen(run)
+    angles = [shown.turned(run, values[name]) for name in ("t", "event_time")]
+    facts = {**shown.facts, **shown.told(values)}
+    facts |= told_of_run(values, facts["ending"], shown.scales)
+    changes = "speed" in run
+    facts["is_whole"] = changes or kind_of(run) == "drop"
+    if changes:  # of several speeds
+        facts |= {"words": [], "sheets": facts["sheets"][1:]}
+    answer = drawn(values, facts, angles, shown.each(run))
+    if shown.changes_speed:
+        answer.arrays.update(_extremes(run["speed"].values, angles[0], values["radius"]))
+    return answer
+
+
+def _extremes(speed: FloatArray, angle: FloatArray, radius: FloatArray) -> Arrays:
+    """Return the extremes of the radius in each revolution of a run-up, over the speed."""
+    first = np.flatnonzero(np.diff(np.floor(angle / math.tau), prepend=-np.inf))
+    return {
+        "band_speed": speed[first], "band_low": np.minimum.reduceat(radius, first),
+        "band_high": np.maximum.reduceat(radius, first),
     }  # fmt: skip
-    each = (run["t"].size - 1) // question.revolutions
-    angles = (rotor.omega * run["t"], rotor.omega * run["event_time"])
-    yield drawn(run, facts, angles, each)
 
 
 def told_of_run(run: Values, summary: dict[str, float], scales: Scales) -> dict[str, object]:
@@ -78,14 +98,14 @@ def told_of_run(run: Values, summary: dict[str, float], scales: Scales) -> dict[
     if known.size < errors.size:
         lines.append(Line("determined by the start up to", [float(run["horizon"]) * time], unit, 4))
     return {
-        "ending": summary, "words": words_of_run(summary), "horizon": float(run["horizon"]),
+        "words": words_of_run(summary), "horizon": float(run["horizon"]),
         "sheets": [*sheet_of("The last half of the drawn run", scales, summary),
                    *sheets_shown([facts_in("Its events", lines)] if lines else [])],
     }  # fmt: skip
 
 
 def drawn(
-    run: Values, facts: dict[str, object], angles: tuple[FloatArray, FloatArray], each: float
+    run: Values, facts: dict[str, object], angles: Sequence[FloatArray], each: float
 ) -> Answer:
     """Return what is drawn of a run, with the given number of samples a revolution.
 
@@ -108,176 +128,20 @@ def drawn(
     return Answer("motion", facts, arrays)
 
 
-def _orders_shown(run: Values, omega: float) -> float:
-    """Return the highest frequency of lines over the spin speed, including the fastest whirl."""
-    return max(FASTEST_LINE, math.ceil(1.25 * whirls_per_revolution(run, omega)))
-
-
-def run_of(question: Question) -> xr.Dataset:
-    """Return the run that is drawn and saved."""
-    run = _sampled(question, each := samples_per_revolution(question.revolutions))
-    finer = min(
-        math.ceil(PER_WHIRL * whirls_per_revolution(values_of(run), question.rotor.omega)),
-        MOST_SAMPLES_OF_WHIRLS // question.revolutions,
-    )
-    return run if finer <= each else _sampled(question, finer)
-
-
-def _sampled(question: Question, each: int) -> xr.Dataset:
-    """Return the run with this many samples per revolution, and the first sample."""
-    return simulate(
-        question.rotor,
-        start=question.start,
-        duration=duration_of(question),
-        samples=each * question.revolutions + 1,
-        method=METHOD,
-    )
-
-
-def whirls_per_revolution(run: Values, omega: float) -> float:
-    """Return the largest number of backward whirls in a revolution.
-
-    For a disc with friction only, which may roll; over the last half of the run.
-    """
-    late = run["t"] >= LAST * run["t"][-1]
-    if "mode" not in run or omega == 0.0:
-        return 0.0
-    held = late & (run["mode"] != MODE["flight"])
-    x, y, vx, vy = (run[name][held] for name in COMPONENTS)
-    rate = np.abs(x * vy - y * vx) / (x**2 + y**2)
-    return float(rate.max(initial=0.0)) / omega
-
-
-def duration_of(question: Question) -> float:
-    """Return the length of the run [1]."""
-    return question.revolutions * 2.0 * math.pi / (question.rotor.omega or 1.0)
-
-
-def samples_per_revolution(revolutions: int) -> int:
-    """Return the number of samples per revolution of a run of a number of revolutions."""
-    return max(min(SAMPLES_PER_REVOLUTION, MOST_SAMPLES // revolutions), FEWEST_PER_REVOLUTION)
-
-
-def facts_of(question: Question) -> dict[str, object]:
-    """Return the facts about the rotor in an answer."""
-    return {
-        "rotor": question.rotor.given, "scales": scales_of(question), "start": question.start
-    }  # fmt: skip
-
-
-def scales_of(question: Question) -> dict[str, float]:
-    """Return the scales of a machine; none of a rotor without dimensions."""
-    machine = question.machine
-    if isinstance(machine, Rotor):
-        return {}
-    return {
-        "length": machine.length_scale, "time": machine.time_scale,
-        "velocity": machine.velocity_scale, "force": machine.force_scale,
-        "energy": machine.force_scale * machine.length_scale, "rate": machine.reference_frequency,
-    }  # fmt: skip
-
-
-def values_of(run: xr.Dataset) -> Values:
-    """Return the values of a run by name, without labels: a slider needs a fast answer."""
-    return {str(name): variable.values for name, variable in run.variables.items()}
-
-
-def forced(run: xr.Dataset, rotor: Rotor) -> Values:
-    """Return the values of a run of one disc, with the contact force."""
-    values = values_of(run)
-    return values | {"force": power_in_contact(values, rotor).normal_force}
-
-
-def ending(run: Values, rotor: Rotor) -> dict[str, float]:
-    """Summarize the last half of a run of one disc: see `ending_of`.
-
-    With contact damping, add the mean energy loss of contacts that end there, the loss per
-    revolution, and how often the force falls to zero before the rotor leaves the stator; with
-    friction the heat.
-    """
-    found = ending_of(run, rotor.omega)
-    begin = LAST * float(run["t"][-1])
-    late = {name: run[name][run["t"] >= begin] for name in OF_ENDING if name in run}
-    power = power_in_contact(late, rotor)
-    revolutions = _revolutions(run, rotor.omega)
-
-    def per_revolution(rate: FloatArray) -> float:
-        # over whole periods of a periodic motion it is as exact as the samples
-        return float(np.trapezoid(rate, late["t"])) / revolutions if revolutions else math.nan
-
-    if rotor.contact_damping > 0.0:
-        losses = run["contact_loss"][run["exit_time"] >= begin]
-        found["loss_per_contact"] = float(losses.mean()) if losses.size else math.nan
-        found["releases"] = _events(run, DAMPED_EVENT_KIND["release"])
-        found["loss_per_revolution"] = per_revolution(power.damping)
-    if rotor.friction > 0.0:
-        found["heat_per_revolution"] = per_revolution(power.friction)
-    return found
-
-
-def ending_of(run: Values, omega: float) -> dict[str, float]:
-    """Summarize the last half of a run: contacts, their peak force, extreme radii.
-
-    With friction, add the fractions of contact time with slip and rolling.
-    """
-    end = float(run["t"][-1])
-    begin = LAST * end
-    late = run["t"] >= begin
-    radius = np.hypot(run["x"], run["y"])[late]
-    peaks = run["peak_force"][run["peak_time"] >= begin]
-    revolutions = _revolutions(run, omega)
-    entry = np.maximum(np.nan_to_num(run["entry_time"], nan=0.0), begin)
-    leaving = np.nan_to_num(run["exit_time"], nan=end)
-    found = {
-        "contacts_per_revolution": (
-            _events(run, EVENT_KIND["entry"]) / revolutions if revolutions else math.nan
-        ),
-        "contact_fraction": float(np.maximum(leaving - entry, 0.0).sum()) / (end - begin),
-        "largest_force": max(float(run["force"][late].max()), float(peaks.max(initial=0.0))),
-        "radius_min": float(radius.min()),
-        "radius_max": float(radius.max()),
-        "contacts_in_all": float(run["peak_time"].size),
-    }
-    if "mode" in run:
-        mode = run["mode"][late]
-        touching = max(int(np.count_nonzero(mode != MODE["flight"])), 1)
-        for name in ("slipping_forward", "slipping_backward", "rolling"):
-            found[f"{name}_fraction"] = int(np.count_nonzero(mode == MODE[name])) / touching
-    return found
-
-
-def _revolutions(run: Values, omega: float) -> float:
-    """Return the number of revolutions in the last half of a run."""
-    return (1.0 - LAST) * float(run["t"][-1]) * omega / (2.0 * math.pi)
-
-
-def _events(run: Values, kind: int) -> float:
-    """Return the number of events of a kind in the last half of a run."""
-    late = run["event_time"] >= LAST * run["t"][-1]
-    return float(((run["event_kind"] == kind) & late).sum())
-
-
-def states_of(run: Values) -> FloatArray:
-    """Return the states of a run."""
-    return np.stack([run[name] for name in COMPONENTS], axis=-1)
-
-
-def show_lines(question: Question) -> Iterator[Answer]:
+def show_lines(question: Question | SystemQuestion) -> Iterator[Answer]:
     """Yield the full spectrum of the last half of a run, over the spin speed."""
-    yield lines_answer(run_of(question), question.rotor.omega or 1.0, facts_of(question))
-
-
-def lines_answer(run: xr.Dataset, omega: float, facts: dict[str, object]) -> Answer:
-    """Return the full spectrum of the last half of a run, over the spin speed."""
+    shown = shown_of(question)
+    run, omega = shown.probed(shown.run()), shown.speed or 1.0
     lines = full_spectrum(run.isel(t=slice((run.sizes["t"] - 1) // 2, -1)))
     over = lines["frequency"].values / omega
-    orders = _orders_shown(values_of(run), omega)
-    shown = np.abs(over) <= orders
+    fastest = math.ceil(1.25 * whirls_per_revolution(values_of(run), omega))
+    orders = max(FASTEST_LINE, fastest)  # including the fastest whirl
+    kept = np.abs(over) <= orders
     arrays: Arrays = {
-        "line_over_omega": over[shown], "line_amplitude": lines["whirl_amplitude"].values[shown]
+        "line_over_omega": over[kept], "line_amplitude": lines["whirl_amplitude"].values[kept]
     }  # fmt: skip
-    bandwidth = float(lines["bandwidth"]) / omega
-    return Answer("lines", facts | {"bandwidth_over_omega": bandwidth, "orders": orders}, arrays)
+    facts = {"bandwidth_over_omega": float(lines["bandwidth"]) / omega, "orders": orders}
+    yield Answer("lines", shown.facts | facts, arrays)
 
 
 def exact_lines(

@@ -6,7 +6,8 @@ import math
 from collections.abc import Iterator
 from pathlib import Path
 
-from rotor_ida.explorer.cases import case_in, loaded, named
+from rotor_ida.explorer.archives import loaded, named
+from rotor_ida.explorer.cases import case_in
 from rotor_ida.explorer.messages import (
     MOST_REVOLUTIONS,
     ROTOR_ENDINGS,

@@ -18,17 +18,10 @@ from rotor_ida.closed_forms.hopf import hopf_points
 from rotor_ida.closed_forms.response_curve import response_curve
 from rotor_ida.cycles.branches import branches_through, holds_cycle
 from rotor_ida.errors import InputError, RotorError
-from rotor_ida.explorer.messages import Answer, Question
-from rotor_ida.explorer.motion import (
-    METHOD,
-    duration_of,
-    ending,
-    exact_lines,
-    facts_of,
-    forced,
-    run_of,
-    scales_of,
-)
+from rotor_ida.explorer.discs import METHOD, Disc, ending, forced
+from rotor_ida.explorer.messages import Answer, Question, SystemQuestion
+from rotor_ida.explorer.motion import exact_lines
+from rotor_ida.explorer.whirls import FOLD, HOPF, NO_WHIRLS, show_whirls
 from rotor_ida.explorer.words import (
     NO_CURVE,
     numbers_of_response,
@@ -63,18 +56,14 @@ ONE = (*PARAMETERS, "start", "direction")
 KIND_OF = by_number(RESPONSE)
 STABILITY_OF = by_number(STABILITY)
 
-FOLD, HOPF = ("fold_omega", "fold_amplitude"), ("hopf_omega", "hopf_amplitude")
-# An empty curve.
-NO_WHIRLS: Arrays = {
-    **dict.fromkeys(("omega", "amplitude", "phase_lag", *FOLD, *HOPF), np.empty(0)),
-    **dict.fromkeys(("stability", "in_contact", "piece"), np.empty(0, np.int8)),
-}
-
 _branches: dict[tuple[Rotor, tuple[float, float]], list[xr.Dataset]] = {}
 
 
-def show_responses(question: Question) -> Iterator[Answer]:
-    """Yield the response curve, the settled response, its section and its branch."""
+def show_responses(question: Question | SystemQuestion) -> Iterator[Answer]:
+    """Yield the response curve; of one disc its settled response, section and branch, too."""
+    if isinstance(question, SystemQuestion):
+        yield from show_whirls(question)
+        return
     rotor = question.rotor
     curve = _curve(question)
     yield curve
@@ -100,7 +89,7 @@ def _curve(question: Question) -> Answer:
     The Hopf points of rubs take longer than the curve and follow later.
     """
     rotor = question.rotor
-    facts = facts_of(question)
+    facts = Disc(question).facts
     if rotor.load > 0.0:
         return Answer("curve", {**facts, "why": NO_CURVE}, NO_WHIRLS)
     try:
@@ -185,7 +174,7 @@ def _exact(compared: xr.Dataset) -> dict[str, object]:
 def _settled(question: Question, settled: dict[str, object], swept: xr.Dataset) -> Answer:
     """Return the settled response and its contact forces, from a run that continues its end."""
     rotor = question.rotor
-    facts = {**facts_of(question), **settled}
+    facts = {**Disc(question).facts, **settled}
     if settled["response"] != "failed":
         run = simulate(
             rotor, start=_end(swept), duration=2.0 * _watched(rotor, settled),
@@ -197,11 +186,11 @@ def _settled(question: Question, settled: dict[str, object], swept: xr.Dataset) 
     words, sheets = [words_of_response(question.machine, facts)], list[dict[str, Any]]()
     if settled["response"] != "failed":
         told = numbers_of_response(rotor, facts)
-        sheets = sheet_of("What it settles on", scales_of(question), told)
+        sheets = sheet_of("What it settles on", Disc(question).scales, told)
     if rotor.friction > 0.0 and rotor.load == 0.0:
         words.append(words_of_whip(question.machine, *_whip(rotor)))
     if _is_repeated(settled) and _is_under_way(question, facts):
-        drawn, by = duration_of(question), float(swept["window_start"].item())
+        drawn, by = Disc(question).duration, float(swept["window_start"].item())
         words.append(words_of_transient(question.machine, rotor.omega, drawn, by))
     arrays = exact_lines(rotor, settled["lies_on"], settled, _end(swept))
     verdict = {"verdict": verdict_of(question.machine, facts), "level": level_of(facts)}
@@ -232,7 +221,7 @@ def _is_repeated(settled: Mapping[str, object]) -> bool:
 def _is_under_way(question: Question, settled: Mapping[str, Any]) -> bool:
     """Return whether the drawn run ends before it reaches the settled response."""
     rotor = question.rotor
-    drawn = ending(forced(run_of(question), rotor), rotor)
+    drawn = ending(forced(Disc(question).run(), rotor), rotor)
     if (drawn["contact_fraction"] > 0.0) != (settled["contact_fraction"] > 0.0):
         return True
     near = NEAR * max(settled["radius_max"], SMALL)
@@ -259,7 +248,7 @@ def _section(question: Question, settled: dict[str, object], swept: xr.Dataset) 
     arrays: Arrays = {
         "section_x": found["rotating_x"].values, "section_y": found["rotating_y"].values
     }  # fmt: skip
-    return Answer("section", facts_of(question), arrays)
+    return Answer("section", Disc(question).facts, arrays)
 
 
 def _end(swept: xr.Dataset) -> list[float]:
@@ -307,4 +296,4 @@ def _branch_answer(question: Question, branch: xr.Dataset) -> Answer:
     arrays["special_omega"] = branch["special_value"].values
     arrays["special_kind"] = branch["special_kind"].values.astype(np.int8)
     arrays["special_point"] = branch["special_point"].values.astype(np.float64)
-    return Answer("branch", facts_of(question), arrays)
+    return Answer("branch", Disc(question).facts, arrays)

@@ -22,10 +22,13 @@ from rotor_ida.checks import State
 from rotor_ida.closed_forms.folds import folds
 from rotor_ida.closed_forms.synchronous import synchronous_response
 from rotor_ida.errors import InputError
+from rotor_ida.explorer.cases import Node
+from rotor_ida.explorer.discs import Disc
 from rotor_ida.explorer.measured import track_of
-from rotor_ida.explorer.messages import Answer, Question
-from rotor_ida.explorer.motion import facts_of
+from rotor_ida.explorer.messages import Answer, Question, SystemQuestion
+from rotor_ida.explorer.motion import shown_of
 from rotor_ida.explorer.responses import MOST_KEPT, at_rest
+from rotor_ida.explorer.system_verdicts import touched_on_the_way
 from rotor_ida.explorer.words import words_of_run_up
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
@@ -85,7 +88,7 @@ def show_run_up(question: Question) -> Iterator[Answer]:
     )  # fmt: skip
     _keep(question, tuple(end.tolist()), record)
     facts: dict[str, object] = {
-        **facts_of(question),
+        **Disc(question).facts,
         "end": end.tolist(),
         "held": held,
         "angle": float(run["angle"][-1]) % math.tau,
@@ -272,13 +275,20 @@ def _keep(question: Question, end: State, record: Record) -> None:
         _records.popitem(last=False)
 
 
-def show_track(question: Question) -> Iterator[Answer]:
-    """Yield order 1 and the cascade of the run-up that has ended in the state of the question."""
-    record = _records.get((at_rest(question.rotor), question.start))
-    if record is None:
-        raise InputError("a run-up must be given from its beginning")
-    signals = xr.Dataset(
-        {"x": ("t", record.z.real), "y": ("t", record.z.imag), "angle": ("t", record.angles)},
-        {"t": np.arange(record.z.size) * record.step},
-    )
-    yield Answer("track", facts_of(question), track_of(signals, []))
+def show_track(question: Question | SystemQuestion) -> Iterator[Answer]:
+    """Yield order 1 and the cascade of a run-up: of one disc, of that which ended in its start."""
+    shown, notes, words = shown_of(question), list[str](), ""
+    if isinstance(shown, Node):
+        run, system = shown.run_up(), shown.case.system
+        signals, notes = shown.probed(run), [system.note] if system.note else []
+        words = touched_on_the_way(run) if system.contacts else ""
+    else:
+        record = _records.get((at_rest(shown.rotor), shown.question.start))
+        if record is None:
+            raise InputError("a run-up must be given from its beginning")
+        signals = xr.Dataset(
+            {"x": ("t", record.z.real), "y": ("t", record.z.imag), "angle": ("t", record.angles)},
+            {"t": np.arange(record.z.size) * record.step},
+        )
+    arrays = track_of(signals, notes)
+    yield Answer("track", shown.facts | {"words": " ".join([words, *notes])}, arrays)

@@ -12,9 +12,9 @@ import xarray as xr
 from rotor_ida.basins.basin import basin
 from rotor_ida.basins.fates import first_look
 from rotor_ida.basins.subjects import check_rotor
+from rotor_ida.explorer.discs import Disc
 from rotor_ida.explorer.messages import Answer, Question
-from rotor_ida.explorer.motion import facts_of
-from rotor_ida.model.rotor import Rotor, check_no_load
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import interruptible
 from rotor_ida.schema import RESPONSE, by_number
 
@@ -31,10 +31,9 @@ KEPT = 32
 def show_starts(question: Question) -> Iterator[Answer]:
     """Yield the basins over starts in x and y with the velocity of the start."""
     rotor = question.rotor
-    check_no_load(question.machine, "a basin")
-    check_rotor(rotor)
+    check_rotor(rotor, loaded=True)
     pictures = ((COARSE, RTOL), (FINE, None))
-    if rotor.friction > 0.0:  # the preview decides nothing there, and starts take far longer
+    if max(rotor.friction, rotor.load) > 0.0:  # the preview decides nothing, and starts take long
         pictures = ((COARSE // 2, RTOL), (COARSE, None))
     else:
         yield _first_look(question)
@@ -79,7 +78,7 @@ def _picture(
 ) -> Answer:  # fmt: skip
     """Return the labels of the starts by (x, y), and their meanings; negative is undecided."""
     facts: dict[str, object] = {
-        **facts_of(question),
+        **Disc(question).facts,
         "reach": question.reach,
         "count": round(labels.size**0.5),
         "finest": finest,

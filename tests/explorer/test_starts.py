@@ -17,7 +17,7 @@ ASKING = question(
 )
 
 
-def test_a_machine_has_a_basin_and_under_a_load_a_reason():
+def test_a_machine_has_a_basin():
     machine = ROTOR | {"shaft_stiffness": 0.25, "contact_exponent": 1.0, "contact_damping": 0.5}
     asking = question("starts", machine=machine)
     first, coarse, _ = answer_to(asking)
@@ -25,10 +25,18 @@ def test_a_machine_has_a_basin_and_under_a_load_a_reason():
     count = coarse.facts["count"]
     found = library_basin(asking, count, starts.RTOL)
     np.testing.assert_array_equal(coarse.arrays["label"], found["label"].values.ravel())
-    (trouble,) = answer_to(question("starts", machine=machine | {"load": 0.5}))
-    assert trouble.facts["message"].startswith("load must be 0 for a basin")
-    (trouble,) = answer_to(question("starts", machine=MACHINE | {"load": 0.5}))
-    assert trouble.facts["message"].endswith("got 0.5 N")
+
+
+def test_under_a_load_the_basin_is_the_library_s(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(starts, "COARSE", 16)
+    machine = {"omega": 1.0, "zeta": 0.1, "delta0": 3.0, "shaft_stiffness": 0.25, "load": 0.2}
+    asking = question("starts", machine=machine)
+    pictures = answer_to(asking)
+    assert [each.facts["count"] for each in pictures] == [8, 16]
+    found = library_basin(asking, 16, None)
+    np.testing.assert_array_equal(pictures[-1].arrays["label"], found["label"].values.ravel())
+    fractions = [each["fraction"] for each in pictures[-1].facts["attractors"]]
+    assert sum(fractions) + pictures[-1].facts["undecided"] == pytest.approx(1.0, abs=1e-12)
 
 
 @pytest.fixture(scope="module")

@@ -35,9 +35,10 @@ from rotor_ida import (
 from rotor_ida.cli import main
 from rotor_ida.cli.describe import describe
 from rotor_ida.errors import InputError
-from rotor_ida.explorer import cases, files, system_touches, systems
+from rotor_ida.explorer import archives, cases, files, motion, responses, whirls
 from rotor_ida.explorer.messages import Answer, SystemQuestion, read_question
 from rotor_ida.explorer.opening import state_in
+from rotor_ida.explorer.run_ups import show_track
 from rotor_ida.explorer.system_verdicts import verdict
 from rotor_ida.model.assembly import assemble
 from rotor_ida.model.data_sheet import implausible
@@ -101,7 +102,7 @@ def question(path: Path, about: str = "motion", **changes: object) -> SystemQues
 
 
 def parts_of(asked: SystemQuestion) -> dict[str, Answer]:
-    shows = (systems.show_motion, systems.show_responses, systems.show_campbell)
+    shows = (motion.show_motion, responses.show_responses, whirls.show_campbell)
     return {each.part: each for show in shows for each in show(asked)}
 
 
@@ -110,16 +111,16 @@ def shown(asked: Any) -> dict[str, Message]:
 
 
 def run_of(asked: SystemQuestion) -> Answer:
-    return {each.part: each for each in systems.show_motion(asked)}["motion"]
+    return {each.part: each for each in motion.show_motion(asked)}["motion"]
 
 
 def test_a_run_is_that_of_its_python_lines(path: Path) -> None:
     asked = question(path, changes={"clearance": 5e-5})
-    lines = files.lines_of(asked).replace("disc.toml", str(path))
+    lines = files.text_of(replace(asked, about="py")).replace("disc.toml", str(path))
     there: dict[str, Any] = {}
     exec(lines, there)
     np.testing.assert_array_equal(run_of(asked).arrays["x"], there["run"]["contact_x"][:, 0])
-    assert files.command_of(asked).startswith(
+    assert files.text_of(replace(asked, about="sh")).startswith(
         '# first, in disc.toml: set clearance = "50um" in contact 0\n'
         "rotor-ida simulate disc.toml --speed 2000rpm --duration "
     )
@@ -127,7 +128,7 @@ def test_a_run_is_that_of_its_python_lines(path: Path) -> None:
 
 def test_the_command_is_in_the_units_of_the_page_and_gives_the_run_shown(path: Path) -> None:
     asked = question(path, speed=2345.6 * np.pi / 30.0, changes={"clearance": 4.7e-5})
-    said, command = files.command_of(asked).splitlines()
+    said, command = files.text_of(replace(asked, about="sh")).rstrip().splitlines()
     assert said == '# first, in disc.toml: set clearance = "47um" in contact 0'
     assert "--speed 2345.6rpm" in command
     path.write_text(DISC.replace("60 um", "47um"))
@@ -135,7 +136,7 @@ def test_the_command_is_in_the_units_of_the_page_and_gives_the_run_shown(path: P
     words = command.split()[1:-2]
     words[1], words[-1] = str(path), str(archive)
     assert main(words) == 0
-    again, shown = load(archive), cases.run_of(asked)
+    again, shown = load(archive), motion.shown_of(asked).run()
     np.testing.assert_array_equal(again["event_time"], shown["event_time"])
 
 
@@ -154,10 +155,10 @@ def test_an_archived_run_up_has_its_radius_over_the_speed_and_nothing_of_a_speed
 ) -> None:
     run = run_up(load_system(path), speed=20.0, to=250.0, rate=200.0)
     asked = question(archived(run, path))
-    motion, *_, archive = systems.show_motion(asked)
-    sent = {each.part: each for each in systems.show_motion(asked)}
-    assert "cascade" in motion.facts["panels"]
-    assert not {"section", "full"} & set(motion.facts["panels"])
+    sketch, *_, archive = motion.show_motion(asked)
+    sent = {each.part: each for each in motion.show_motion(asked)}
+    assert "cascade" in sketch.facts["panels"]
+    assert not {"section", "full"} & set(sketch.facts["panels"])
     arrays = sent["motion"].arrays
     assert arrays["section_x"].size == 0
     radius = np.hypot(run["contact_x"], run["contact_y"]).values.ravel()
@@ -167,7 +168,7 @@ def test_an_archived_run_up_has_its_radius_over_the_speed_and_nothing_of_a_speed
         np.testing.assert_array_equal(arrays[name], each)
     assert arrays["band_speed"][0] == 20.0
     assert str(sent["settled"].facts["verdict"]).startswith("The run-up touches contact 0 (disc)")
-    (track,) = systems.show_track(replace(asked, about="track"))
+    (track,) = show_track(replace(asked, about="track"))
     exact = orders(signals_of(run, node="disc")).isel(order=0)
     np.testing.assert_array_equal(track.arrays["order_speed"], exact["speed"])
     assert archive.facts["sheets"] == told_of(run)
@@ -176,13 +177,13 @@ def test_an_archived_run_up_has_its_radius_over_the_speed_and_nothing_of_a_speed
 def test_an_archived_run_up_of_a_disc_is_shown_with_order_1_and_its_cascade(path: Path) -> None:
     run = run_up(Rotor(omega=0.3, zeta=0.07, delta0=0.5), to=2.5, rate=0.02)
     asked = question(archived(run, path))
-    archive, track = systems.show_motion(asked)
+    archive, track = motion.show_motion(asked)
     assert archive.facts["panels"] == ["archive", "bode", "polar", "cascade"]
     exact = orders(run).isel(order=0)
     np.testing.assert_array_equal(track.arrays["order_speed"], exact["speed"])
     assert track.arrays["cascade_speed"].size > 5
-    assert "load('up.nc')" in files.lines_of(asked)
-    assert files.command_of(asked) == "rotor-ida show up.nc"
+    assert "load('up.nc')" in files.text_of(replace(asked, about="py"))
+    assert files.text_of(replace(asked, about="sh")).rstrip() == "rotor-ida show up.nc"
     with pytest.raises(InputError, match="html must be of a rotor or its run"):
         next(files.show_file(replace(asked, about="html")))
 
@@ -200,7 +201,7 @@ def test_an_archive_of_another_result_is_shown_by_its_tables_and_its_figure(
     meaning: str, path: Path
 ) -> None:
     result = RESULTS[meaning]()
-    (answer,) = systems.show_motion(question(archived(result, path)))
+    (answer,) = motion.show_motion(question(archived(result, path)))
     assert (answer.facts["kind"], answer.facts["panels"]) == (meaning, ["archive"])
     assert answer.facts["sheets"] == told_of(result)
     picture = ElementTree.fromstring(answer.arrays["figure"].tobytes())
@@ -215,7 +216,7 @@ def archived(result: xr.Dataset, path: Path) -> Path:
 
 def told_of(result: xr.Dataset) -> list[dict[str, Any]]:
     """Return the sheets of the command line, without its word on how to see more."""
-    sheets = sheets_shown(describe(result, most=systems.MOST_ROWS)[1])
+    sheets = sheets_shown(describe(result, most=archives.MOST_ROWS)[1])
     return json.loads(json.dumps(sheets).replace(" (all with --json)", ""))
 
 
@@ -229,8 +230,8 @@ def test_a_drop_is_that_of_its_file_and_its_archive_the_same(of_drop: Path) -> N
         np.testing.assert_array_equal(answer.arrays["peak_force"], run["peak_force"].values)
         assert answer.facts["is_whole"]
         with pytest.raises(InputError, match="a run-up must be left out"):
-            next(systems.show_track(question(path, "track")))
-    assert files.command_of(question(of_drop)).startswith(
+            next(show_track(question(path, "track")))
+    assert files.text_of(replace(question(of_drop), about="sh")).startswith(
         "rotor-ida drop drop.toml --speed 4800rpm"
     )
 
@@ -270,7 +271,7 @@ def test_the_run_shown_is_written_to_a_file(path: Path, ending: str, begin: byte
     if ending == "nc":
         again = path.with_suffix(".nc")
         again.write_bytes(contents)
-        assert load(again).equals(cases.run_of(asked))
+        assert load(again).equals(motion.shown_of(asked).run())
 
 
 def test_the_command_writes_the_page_of_a_system(
@@ -286,7 +287,7 @@ def test_the_command_writes_the_page_of_a_system(
 
 
 def test_a_file_without_a_run_up_has_one_over_the_speeds_shown(path: Path) -> None:
-    (answer,) = systems.show_track(question(path, "track"))
+    (answer,) = show_track(question(path, "track"))
     system, course = read_system_file(path)
     speed = course.speed
     assert speed is not None
@@ -311,7 +312,7 @@ def test_what_the_exact_whirls_leave_out_is_told(path: Path, of_drop: Path) -> N
 
 
 def curve_of(asked: SystemQuestion) -> Answer:
-    return next(systems.show_responses(replace(asked, about="responses")))
+    return next(responses.show_responses(replace(asked, about="responses")))
 
 
 def test_a_verdict_is_of_the_speed_held_and_a_sheet_has_the_special_speeds(path: Path) -> None:
@@ -322,8 +323,9 @@ def test_a_verdict_is_of_the_speed_held_and_a_sheet_has_the_special_speeds(path:
     np.testing.assert_allclose(curve.arrays["graze_amplitude"], 60e-6, rtol=1e-9)
     limits = [part * asked.speed for part in (cases.LOW, cases.HIGH)]
     points = special_speeds(load_system(path), limits=limits)
-    assert curve.facts["sheets"] == told_of(points)[:1]
-    (sheet,) = curve.facts["sheets"]
+    (sheet,), (whole,) = curve.facts["sheets"], told_of(points)[:1]
+    assert sheet["rows"][0] == ["speed [rpm]", "kind", "grazed contact"]
+    assert sheet["rows"] == [row[:3] for row in whole["rows"]]  # no Hopf point
     assert sum("graze" in row for row in sheet["rows"]) == 2
     assert (facts["level"], facts["verdict"]) == (
         "clear",
@@ -336,9 +338,9 @@ def test_with_weight_it_touches_where_sag_and_whirl_fill_the_clearance(path: Pat
     assembly = assemble(replace(system, gravity=(0.0, -0.5)))
     speeds = np.linspace(5.0, 400.0, 41)
     whirl = 1e-4 * speeds**2 / np.abs(1e5 - 4 * speeds**2 + 80j * speeds)
-    found = system_touches.beyond(assembly, speeds)[:, 0]
+    found = whirls.beyond(assembly, speeds)[:, 0]
     np.testing.assert_allclose(found, whirl + 4 * 0.5 / 1e5 - 6e-5, atol=4e-5 * 6e-5)
-    shown = system_touches.clear_whirl(assembly, 0, speeds)
+    shown = whirls.clear_whirl(assembly, 0, speeds)
     np.testing.assert_array_equal(np.isnan(shown), found > 0.0)
 
 

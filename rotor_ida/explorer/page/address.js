@@ -1,11 +1,10 @@
 // The address of a page keeps its state after the #; each change is a step of the browser's history.
 
 const KEY = "rotor-ida-key";
-// Changes within this many milliseconds are one change, undone together.
+// Changes within this many milliseconds are one step.
 const ONE_MOVEMENT = 1000;
 // Milliseconds without a newer change before the address is written.
 const PAUSE = 250;
-const depth = () => history.state?.depth ?? 0;
 
 /** Return the key of the program: a given one, or that of this tab or of another one. */
 export function keyKept(given) {
@@ -15,35 +14,21 @@ export function keyKept(given) {
   return key;
 }
 
-/**
- * The address of one page, with its buttons to undo and redo.
- *
- * `told` returns the state as an address, `show` shows that of `location.hash`; it returns false if there is none.
- */
+/** The address of one page: `told` returns the state, and `show` shows that of `location.hash`. */
 export class Address {
   #timer = null;
   #moved = -Infinity;
   #isNew = false;
-  #newest = 0;
 
-  constructor({ told, show, undo, redo }) {
-    Object.assign(this, { told, show, undo, redo });
-    undo.addEventListener("click", () => history.back());
-    redo.addEventListener("click", () => history.forward());
-    addEventListener("popstate", () => this.#back());
-    addEventListener("keydown", (event) => {
-      const typing = event.target.matches?.('input[type="number"]');
-      if (typing || event.key.toLowerCase() !== "z" || !(event.ctrlKey || event.metaKey)) return;
-      event.preventDefault();
-      (event.shiftKey ? redo : undo).click();
+  constructor({ told, show }) {
+    this.told = told;
+    addEventListener("popstate", () => {
+      clearTimeout(this.#timer);
+      this.#timer = null;
+      this.#isNew = false;
+      show();
     });
-  }
-
-  /** Write the first state. */
-  begin() {
-    this.#newest = depth();
-    history.replaceState({ depth: this.#newest }, "", this.told());
-    this.#enable();
+    history.replaceState(null, "", told());
   }
 
   /** Store the state soon; that before a change stays in the history. */
@@ -58,24 +43,8 @@ export class Address {
     this.#timer = null;
     const next = this.told();
     if (next === location.hash) return;
-    if (this.#isNew) history.pushState({ depth: depth() + 1 }, "", next);
-    else history.replaceState({ depth: depth() }, "", next);
-    if (this.#isNew) this.#newest = depth();
+    if (this.#isNew) history.pushState(null, "", next);
+    else history.replaceState(null, "", next);
     this.#isNew = false;
-    this.#enable();
-  }
-
-  /** Show the state of the address after the browser went back or forward. */
-  #back() {
-    clearTimeout(this.#timer);
-    this.#timer = null;
-    if (this.show() === false) return;
-    this.#isNew = false;
-    this.#enable();
-  }
-
-  #enable() {
-    this.undo.disabled = depth() === 0;
-    this.redo.disabled = depth() >= this.#newest;
   }
 }

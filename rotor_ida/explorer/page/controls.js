@@ -74,7 +74,7 @@ export function onArrows(element, keys, step) {
     const sign = keys[event.key];
     if (!sign || event.ctrlKey || event.altKey || event.metaKey) return;
     event.preventDefault();
-    step(sign * (event.shiftKey ? 10 : 1), event);
+    step(sign * (event.shiftKey ? 10 : 1));
   });
 }
 export const UP_AND_DOWN = { ArrowUp: 1, ArrowDown: -1 };
@@ -125,12 +125,12 @@ function control(key, parameter, changed, unitChanged) {
     range.value = slider.toSlider(state[key]);
     range.setAttribute("aria-valuetext", `${field.value} ${units ? state.speedIn : unit}`.trim());
   };
-  range.addEventListener("input", (event) => {
+  range.addEventListener("input", () => {
     state[key] = slider.fromSlider(Number(range.value));
     write();
-    changed(key, event);
+    changed();
   });
-  field.addEventListener("input", (event) => {
+  field.addEventListener("input", () => {
     const speed = units && speedTyped(field.value);
     if (units ? !speed : !Number.isFinite(field.valueAsNumber)) return;
     state[key] = units ? speed.speed : field.valueAsNumber / shown();
@@ -139,15 +139,15 @@ function control(key, parameter, changed, unitChanged) {
     typed = { value: state[key], shown: shown(), text: units ? parseFloat(field.value.replaceAll(",", "")) : field.valueAsNumber };
     if (other) unitChanged();
     if (key === "speed") state.fastest = Math.max(state.fastest, state.speed / ROOM);
-    changed(key, event);
+    changed();
   });
   if (units) field.addEventListener("change", write); // a number alone, whatever was typed
   // from the value, which may lie between the steps of the slider or past its end
-  const step = (count, event) => {
+  const step = (count) => {
     const next = slider.toSlider(state[key]) + count * slider.step;
     state[key] = slider.fromSlider(Number(Math.max(next, slider.min).toPrecision(12)));
     write();
-    changed(key, event);
+    changed();
   };
   onArrows(range, ALL_ARROWS, step);
   onArrows(field, UP_AND_DOWN, step);
@@ -197,20 +197,20 @@ export class Controls {
       unitChanged();
     };
     // the meaning of one slider may depend on the value of another
-    this.changed = (key, event) => {
+    this.changed = () => {
       this.show();
-      changed(key, event);
+      changed();
     };
     for (const radio of document.querySelectorAll('[name="exponent"]')) {
-      radio.addEventListener("change", (event) => {
+      radio.addEventListener("change", () => {
         changeExponent(Number(radio.value));
         this.build();
-        changed("contact_exponent", event);
+        changed();
       });
     }
-    document.getElementById("weight").addEventListener("click", (event) => {
+    document.getElementById("weight").addEventListener("click", () => {
       state.load = Number((state.mass * GRAVITY).toPrecision(12));
-      this.changed("load", event);
+      this.changed();
     });
     this.build();
   }

@@ -12,7 +12,7 @@ import { DataSheetForm } from "./sheet.js";
 import { Side } from "./side.js";
 import { Signals, trackOf } from "./signals.js";
 import {
-  NO_FILE, SECOND_START, SIGNALS, USUAL, address, chooseContact, file, inSI, isSystem, machine, ramp, readAddress, referenceFrequency, roundUp, setRotor, speedName, speedOf, speedsShown,
+  NO_FILE, SECOND_START, SIGNALS, USUAL, address, chooseContact, file, inSI, isSystem, machine, ramp, readAddress, referenceFrequency, roundUp, setRotor, showAlone, speedName, speedOf, speedsShown,
   state, tellFile, tellsOfRotor, toDimensionless, toSI,
 } from "./state.js";
 import { PARAMETERS, SPEED_UNITS, START } from "./tables.js";
@@ -26,6 +26,8 @@ const OF_SIGNALS = { lines: ["full"], campbell: ["campbell"], track: ["bode", "p
 const FILES = { nc: "application/x-netcdf", png: "image/png", svg: "image/svg+xml", py: "text/x-python", html: "text/html" };
 // No start lies further from the axis.
 const FURTHEST = 1e6;
+// Scales of a measurement that is shown alone.
+const SI = { length: 1, time: 1, rate: 1 };
 // Step of an arrow key for a component of the start.
 const STEP_OF_START = 0.05;
 const recorded = $("recorded") && JSON.parse($("recorded").textContent);
@@ -40,13 +42,12 @@ const seen = new Set(), dirty = new Set();
 // Parts with details drawn this many milliseconds later.
 const later = new Set();
 const LATER = 100;
-// For tests: the displayed parts, and their delay after a change in milliseconds.
+// For tests: the displayed parts, and the numbers of the newest question and of what is drawn.
 const page = (window.rotorIda = {
-  shown: [{}, {}], delays: [], state, asked: 0, drawn: 0, drawnBasin: 0,
+  shown: [{}, {}], state, asked: 0, drawn: 0,
   hasAllDrawn: () => seen.size + later.size === 0,
   plotOf: (over) => [response.plot, sketch.plot, shape.plot, ...signals.plots, ...sides.flatMap((side) => side.plots)].map(({ plot }) => plot).find((plot) => plot.over === over),
 });
-const moved = new Map(); // number of the question, to when it was moved and what is not drawn yet
 
 // Sets the speed when the response curve is dragged.
 let moveTo = (speed) => {
@@ -60,7 +61,7 @@ const response = new Response(document.querySelector('[data-panel="response"] .p
 addTools(document.querySelector('[data-panel="response"]'), [response.plot], {
   name: () => "response", told: () => sides.map((_, place) => parametersOf(place)).join("; "), table: () => response.table(),
 });
-const controls = new Controls((name, event) => ask({ event, name }), () => {
+const controls = new Controls(() => ask(), () => {
   response.show();
   showRamp();
   keepAddress();
@@ -70,7 +71,7 @@ const measured = (page.measured = new Measured({ send: (...given) => connection.
 const sketch = new Sketch(document.querySelector('[data-panel="sketch"]'), () => parametersOf(0), choosePart);
 const shape = new Shape(document.querySelector('[data-panel="shape"]'), () => parametersOf(0));
 let connection = null;
-const kept = recorded ? null : new Address({ told: () => address(starts, hanging[0]), show: goBack, undo: $("undo"), redo: $("redo") });
+let kept = null;
 // The last run-up: its tracks, kept after other changes, and their rotors.
 let lastTracks = [], lastRotors = "";
 const passage = (page.passage = new Passage({ begin: beginPassage, ask: askPiece, moved: showPiece, rested: restPassage, changed: showPassage }));
@@ -78,8 +79,8 @@ const passage = (page.passage = new Passage({ begin: beginPassage, ask: askPiece
 // questions
 
 /** Request everything again after a change. */
-function ask({ event, again = false } = {}) {
-  if (!connection) return;
+function ask({ again = false } = {}) {
+  if (!connection || file?.measured) return;
   if (!again) passage.forget();
   const names = sides.map((_, side) => side);
   number += 1;
@@ -95,8 +96,6 @@ function ask({ event, again = false } = {}) {
     if (recorded) connection.ask({ number }, recorded.course, recorded.place);
     else connection.ask(question(side), wanted);
   }
-  moved.set(number, { since: event?.timeStamp ?? performance.now(), left: new Set(["motion", "curve"]) });
-  if (moved.size > 50) moved.delete(moved.keys().next().value);
   showStart();
   keepAddress();
 }
@@ -241,6 +240,7 @@ const says = (panel) => !isSystem() || Boolean(file?.panels.includes(panel));
 /** Show sketch, node and contact of a rotor system. */
 function showSystem() {
   document.body.classList.toggle("shows-system", isSystem());
+  document.body.classList.toggle("shows-measured", Boolean(file?.measured));
   document.body.classList.toggle("shows-archive", isSystem() && says("archive"));
   for (const panel of document.querySelectorAll("[data-panel]:not([data-panel=archive], #signal-panels *)")) panel.hidden = !says(panel.dataset.panel);
   for (const panel of ["sketch", "shape"]) document.querySelector(`[data-panel="${panel}"]`).hidden = !isSystem() || !(file?.nodes.length > 1);
@@ -369,32 +369,7 @@ function drawFrame() {
   seen.clear();
   if (!later.size) setTimeout(() => requestAnimationFrame(drawRest), LATER);
   for (const part of parts) later.add(part);
-  afterPaint(() => measure(parts));
-}
-
-const channel = new MessageChannel();
-const painted = [];
-channel.port1.onmessage = () => painted.shift()?.();
-function afterPaint(then) {
-  painted.push(then);
-  channel.port2.postMessage(null);
-}
-
-/** Record the delay until a run and its curve are on the screen. */
-function measure(parts) {
-  const now = performance.now();
   page.drawn = page.shown[0].motion?.number ?? 0;
-  page.drawnBasin = page.shown[0].basin?.number ?? 0;
-  for (const [asked, { since, left }] of moved) {
-    for (const part of ["motion", "curve"]) {
-      if (parts.includes(`0 ${part}`) && page.shown[0][part].number >= asked) left.delete(part);
-    }
-    if (left.size === 0) {
-      page.delays.push(now - since);
-      if (page.delays.length > 1000) page.delays.shift();
-      moved.delete(asked);
-    }
-  }
 }
 
 // panels of signals
@@ -427,12 +402,13 @@ function viewOfSignals() {
     return { track, curve: response.sides[side].curve?.arrays, lines: now, exact: fresh ? { over: fresh, amplitude: settled.arrays.exact_amplitude } : null };
   });
   const { motion, track } = page.shown[0];
-  const [scales, speed] = [(motion ?? track)?.facts.scales, passage.running ? passage.speed : motion?.facts.rotor.omega];
+  const [scales, speed] = [scalesShown() ?? (motion ?? track)?.facts.scales, passage.running ? passage.speed : motion?.facts.rotor.omega];
   return { rotors, scales, speed, measured: measured.source(scales, speed), campbell: page.shown[0].campbell };
 }
 
 /** Return the scales of the machine shown, if it is one. */
 function scalesShown() {
+  if (file?.measured) return SI;
   const scales = page.shown[0].motion?.facts.scales;
   return scales?.length ? scales : null;
 }
@@ -440,7 +416,8 @@ function scalesShown() {
 /** Draw or remove a measurement; choose suitable panels if none is chosen. */
 function showMeasured(isThere) {
   if (isThere && (!state.panels || state.panels === USUAL)) {
-    state.panels = measured.found.order ? "bode,full" : "full";
+    const { order, rows } = measured.found;
+    state.panels = !order ? "full" : file?.measured ? `bode,polar,${rows.length ? "cascade" : "full"}` : "bode,full";
     chooseSignals();
     keepAddress();
   } else signals.show();
@@ -538,12 +515,12 @@ function complain(text) {
 
 /** Store the state in the address; the state before a change stays in the history. */
 function keepAddress() {
-  if (!recorded) kept.keep();
+  kept?.keep();
 }
 
 /** Show the state of the address after the browser went back or forward. */
 function goBack() {
-  if (!tellsOfRotor(location.hash)) return false;
+  if (!tellsOfRotor(location.hash)) return;
   const wasSystem = isSystem();
   if (wasSystem !== /[#&]node=/.test(location.hash)) forgetRotor();
   readAddress(location.hash);
@@ -552,7 +529,6 @@ function goBack() {
   showState();
   showTheme();
   ask({ again: true });
-  return true;
 }
 
 // Receiver of a requested text, by its kind.
@@ -873,12 +849,16 @@ function begin() {
   document.body.classList.toggle("is-recorded", Boolean(recorded));
   const key = readAddress(location.hash);
   const opened = new URLSearchParams(location.hash.slice(1)).get("measured");
+  if (opened && !tellsOfRotor(location.hash)) {
+    showAlone(opened);
+    $("verdict").textContent = opened;
+  }
   listen();
   showState();
   showTheme();
   if (recorded) beginRecorded();
   else {
-    kept.begin();
+    kept = new Address({ told: () => address(starts, hanging[0]), show: goBack });
     connection = new Live(keyKept(key), { answered, opened: () => {
       ask({ again: true });
       if (opened && !measured.found) measured.read(new File([], opened)); // the program has it
@@ -955,10 +935,10 @@ function beginRecorded() {
     label.textContent = inSI() ? `Speed ${told(value * SPEED_UNITS[state.speedIn])} ${state.speedIn}` : `Speed ${told(value, 5)}`;
     range.setAttribute("aria-valuetext", label.textContent);
   };
-  range.addEventListener("input", (event) => {
+  range.addEventListener("input", () => {
     recorded.place = range.valueAsNumber;
     show();
-    ask({ event });
+    ask();
   });
   box.replaceChildren(label, range, choice, rotor);
   show();

@@ -1,4 +1,4 @@
-// Save a panel: its plots redrawn as PNG or SVG, or its numbers as a table.
+// Save a panel: its plots redrawn as PNG, or its numbers as a table.
 
 import { Pen, colour } from "./plot.js";
 
@@ -14,14 +14,6 @@ export function pngOf(panel) {
   // a pen uses pixels of the picture, everything else those of the page
   paint(panel, canvas.getContext("2d"), FINE);
   return new Promise((resolve) => canvas.toBlob(resolve, "image/png"));
-}
-
-/** Return a panel as SVG, a blob. */
-export function svgOf(panel) {
-  const { width, height } = sizeOf(panel);
-  const lines = new Lines();
-  paint(panel, lines, 1);
-  return new Blob([lines.document(width, height)], { type: "image/svg+xml" });
 }
 
 /** Return columns of numbers and words as CSV, a blob. */
@@ -121,91 +113,3 @@ function paintIcon(ctx, icon, left, middle, pixel) {
   const { backgroundColor, borderTopColor } = style;
   pen.mark(centre, middle, 9, { shape, fill: backgroundColor === "rgba(0, 0, 0, 0)" ? colour("card") : backgroundColor, stroke: is("swatch") ? null : borderTopColor });
 }
-
-// What is saved and restored of a drawing.
-const KEPT = ["globalAlpha", "lineWidth", "strokeStyle", "fillStyle", "moved", "clipped", "dash"];
-
-/** Records drawing commands of a canvas as elements of an SVG. */
-class Lines {
-  elements = [];
-  clips = [];
-  kept = [];
-  dash = [];
-  path = "";
-  moved = "";
-  clipped = "";
-  globalAlpha = 1;
-  lineWidth = 1;
-  strokeStyle = "black";
-  fillStyle = "black";
-  font = `12px ${FONT}`;
-  textAlign = "left";
-  save = () => this.kept.push(Object.fromEntries(KEPT.map((name) => [name, this[name]])));
-  restore = () => Object.assign(this, this.kept.pop());
-  translate = (x, y) => (this.moved += `translate(${short(x)} ${short(y)})`);
-  rotate = (angle) => (this.moved += `rotate(${short((180 * angle) / Math.PI)})`);
-  beginPath = () => (this.path = "");
-  moveTo = (x, y) => (this.path += `M${short(x)} ${short(y)}`);
-  lineTo = (x, y) => (this.path += `L${short(x)} ${short(y)}`);
-  closePath = () => (this.path += "Z");
-  rect = (x, y, width, height) => (this.path += `M${short(x)} ${short(y)}h${short(width)}v${short(height)}h${short(-width)}Z`);
-  setLineDash = (dash) => (this.dash = dash);
-  /** A whole circle. */
-  arc = (x, y, radius) => this.ellipse(x, y, radius, radius);
-
-  /** A whole ellipse. */
-  ellipse(x, y, a, b) {
-    const half = (sign) => `A${short(a)} ${short(b)} 0 1 0 ${short(x + sign * a)} ${short(y)}`;
-    this.path += `M${short(x + a)} ${short(y)}${half(-1)}${half(1)}`;
-  }
-
-  clip() {
-    this.clips.push(`<clipPath id="clip${this.clips.length}"><path d="${this.path}"/></clipPath>`);
-    this.clipped = ` clip-path="url(#clip${this.clips.length - 1})"`;
-  }
-
-  stroke() {
-    const dash = this.dash.length ? ` stroke-dasharray="${this.dash.join(" ")}"` : "";
-    this.#add(`<path d="${this.path}" fill="none" stroke="${this.strokeStyle}" stroke-width="${short(this.lineWidth)}"${dash}${this.#alpha()}/>`);
-  }
-
-  fill() {
-    this.#add(`<path d="${this.path}" fill="${this.fillStyle}"${this.#alpha()}/>`);
-  }
-
-  fillRect(x, y, width, height) {
-    this.#add(`<rect x="${short(x)}" y="${short(y)}" width="${short(width)}" height="${short(height)}" fill="${this.fillStyle}"${this.#alpha()}/>`);
-  }
-
-  fillText(words, x, y) {
-    const [, size] = /([\d.]+)px/.exec(this.font);
-    const weight = /^\d+ /.test(this.font) ? ` font-weight="${parseInt(this.font, 10)}"` : "";
-    const anchor = { left: "start", center: "middle", right: "end" }[this.textAlign];
-    const safe = words.replace(/[&<>]/g, (each) => ({ "&": "&amp;", "<": "&lt;", ">": "&gt;" })[each]);
-    this.#add(`<text x="${short(x)}" y="${short(y)}" fill="${this.fillStyle}" font-family="${FONT}" font-size="${size}"${weight} text-anchor="${anchor}" dominant-baseline="central">${safe}</text>`);
-  }
-
-  drawImage(picture, x, y, width, height) {
-    const canvas = Object.assign(document.createElement("canvas"), { width: picture.width, height: picture.height });
-    canvas.getContext("2d").drawImage(picture, 0, 0);
-    this.#add(`<image x="${short(x)}" y="${short(y)}" width="${short(width)}" height="${short(height)}" preserveAspectRatio="none" style="image-rendering:pixelated" href="${canvas.toDataURL()}"/>`);
-  }
-
-  /** Return the picture as a file. */
-  document(width, height) {
-    const head = `<svg xmlns="http://www.w3.org/2000/svg" width="${width}" height="${height}" viewBox="0 0 ${width} ${height}">`;
-    return `${head}\n<defs>${this.clips.join("")}</defs>\n${this.elements.join("\n")}\n</svg>\n`;
-  }
-
-  #alpha() {
-    return this.globalAlpha < 1 ? ` opacity="${this.globalAlpha}"` : "";
-  }
-
-  #add(element) {
-    const moved = this.moved ? ` transform="${this.moved}"` : "";
-    // the clip applies before the element is moved, so both are set on a group
-    this.elements.push(moved || this.clipped ? `<g${moved}><g${this.clipped}>${element}</g></g>` : element);
-  }
-}
-
-const short = (value) => String(Math.round(100 * value) / 100);

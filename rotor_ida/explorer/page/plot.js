@@ -331,6 +331,16 @@ export class Plot {
   }
 }
 
+/** Return the nearest of some places, each x, y and what it is; none farther than `near`. */
+export function nearest(places, distance, near) {
+  let best;
+  for (const each of places) {
+    const away = distance(each[0], each[1]);
+    if (away < near) [near, best] = [away, each];
+  }
+  return best;
+}
+
 const unitOf = (label) => /\[(.*)\]$/.exec(label)?.[1] ?? "";
 
 const LOG = {
@@ -509,10 +519,6 @@ export class Pen {
 
   /** A slow drawing that seldom changes: redrawn only for another key. */
   kept(owner, key, draw) {
-    if (!this.ctx.canvas) {
-      draw(this); // a drawing that is taken down has no pixels to keep
-      return;
-    }
     const { width, height } = this.ctx.canvas;
     if (owner.kept?.key !== key) {
       const picture = new OffscreenCanvas(width, height);

@@ -1,6 +1,6 @@
 // The response curve: exact whirls with their folds and Hopf points, branches of limit cycles, and the rotors.
 
-import { Plot, colour } from "./plot.js";
+import { Plot, colour, nearest } from "./plot.js";
 import { isSystem, roundUp, speedsShown } from "./state.js";
 import { SPECIAL, STABILITY, wordsOf } from "./tables.js";
 import { fillKey } from "./tools.js";
@@ -16,6 +16,7 @@ const SPECIAL_WORDS = { [FOLD]: "fold of limit cycles", [DOUBLING]: "period doub
 const SHAPES = { [FOLD]: "diamond", [DOUBLING]: "square", [TORUS]: "disc", [SLIDING]: "cross", [HOPF]: "disc", [DISCONTINUOUS]: "down" };
 // Friction-driven whirls: the name, the radii and the stability of each.
 const WHIRLS = [["slipping backward whirl", "saddle_radius", "unstable"], ["dry whip without unbalance", "whip_radius", "stable"]];
+const MARKED = [["fold", "fold"], ["graze", "graze"], ["Hopf point", "hopf"]];
 const WHIP_ROOM = 1.5;
 
 export class Response {
@@ -27,33 +28,42 @@ export class Response {
     this.plot.onDrag((x) => moved(x, speedsShown()[0] * (this.speed?.factor ?? 1)));
   }
 
+  /** Return what is drawn of a side: lines and points over the speed, with radii and stability. */
+  #items({ curve, branches, trail, place, passage }) {
+    const items = [], words = wordsOf(STABILITY), points = { isPoint: true };
+    const add = (what, omega, high, more) => omega?.length && items.push({ what: () => what, omega, high, low: high, stability: () => "", joins: () => true, ...more });
+    const { omega, amplitude, stability, piece, in_contact: contact, ...marks } = curve?.arrays ?? {};
+    for (const [name, key, told] of WHIRLS) add(name, marks.whip_omega, marks[key], { stability: () => told });
+    add("", omega, amplitude, {
+      what: (i) => (contact[i] ? "whirl in contact" : "contact-free whirl"), stability: (i) => words[stability[i]] ?? "",
+      joins: (i) => piece[i] === piece[i - 1] && piece[i] >= 0,
+    });
+    for (const [what, name] of MARKED) add(what, marks[`${name}_omega`], marks[`${name}_amplitude`], points);
+    for (const { arrays: { special_kind: kinds, special_point: places, ...arrays } } of branches) {
+      add("limit cycle", arrays.omega, arrays.radius_max, { low: arrays.radius_min, stability: (i) => words[arrays.stability[i]] ?? "" });
+      const at = (point) => arrays.radius_max[Math.min(Math.max(Math.round(point), 0), arrays.omega.length - 1)];
+      add("", arrays.special_omega, places.map(at), { what: (i) => SPECIAL_WORDS[kinds[i]], ...points });
+    }
+    if (passage) add("while the speed changes", passage.omega, passage.high, { low: passage.low });
+    const of = (name, list) => list.map((each) => each[name]);
+    add("half way of a jump", of("omega", passage?.jumps ?? []), of("radius", passage?.jumps ?? []), points);
+    const steps = trail.includes(place) || !place ? trail : [...trail, place];
+    add("the rotor", of("omega", steps), of("high", steps), { low: of("low", steps), ...points });
+    return items;
+  }
+
   /** Return the numbers of the panel: curves, folds, branches, and tracks of the rotors. */
   table() {
     const [speed, largest] = this.plot.plot.axes.map(({ label }) => label);
-    const smallest = largest.replace("radius", "smallest radius");
-    const columns = { rotor: [], what: [], [speed]: [], [largest]: [], [smallest]: [], stability: [] };
-    const add = (rotor, what, omega, high, low = high, stability = "") => {
-      const row = [rotor, what, omega * this.speed.factor, high * this.length.factor, low * this.length.factor, stability];
-      Object.values(columns).forEach((column, i) => column.push(row[i]));
-    };
-    this.sides.slice(0, this.two ? 2 : 1).forEach(({ curve, branches, trail, passage }, number) => {
-      for (const [name, key, stability] of WHIRLS) {
-        curve.arrays[key]?.forEach((each, i) => add(number + 1, name, curve.arrays.whip_omega[i], each, each, stability));
+    const columns = { rotor: [], what: [], [speed]: [], [largest]: [], [largest.replace("radius", "smallest radius")]: [], stability: [] };
+    this.sides.slice(0, this.two ? 2 : 1).forEach((side, number) => {
+      for (const { what, omega, high, low, stability } of this.#items(side)) {
+        omega.forEach((each, i) => {
+          if (!what(i) || Number.isNaN(each)) return;
+          const row = [number + 1, what(i), each * this.speed.factor, high[i] * this.length.factor, low[i] * this.length.factor, stability(i)];
+          Object.values(columns).forEach((column, place) => column.push(row[place]));
+        });
       }
-      const told = (code) => wordsOf(STABILITY)[code] ?? "";
-      const { omega, amplitude, stability, in_contact: contact, fold_omega: folds, fold_amplitude: heights } = curve.arrays;
-      omega.forEach((each, i) => add(number + 1, contact[i] ? "whirl in contact" : "contact-free whirl", each, amplitude[i], amplitude[i], told(stability[i])));
-      folds.forEach((each, i) => add(number + 1, "fold", each, heights[i]));
-      curve.arrays.hopf_omega.forEach((each, i) => add(number + 1, "Hopf point", each, curve.arrays.hopf_amplitude[i]));
-      for (const { arrays } of branches) {
-        arrays.omega.forEach((each, i) => add(number + 1, "limit cycle", each, arrays.radius_max[i], arrays.radius_min[i], told(arrays.stability[i])));
-        const points = [];
-        readBranch(arrays, NaN, "", points, []);
-        for (const [what, each, high] of points) add(number + 1, what, each, high, NaN);
-      }
-      for (const each of trail) add(number + 1, "the rotor", each.omega, each.high, each.low);
-      passage?.omega.forEach((each, i) => Number.isNaN(each) || add(number + 1, "while the speed changes", each, passage.high[i], passage.low[i]));
-      for (const each of passage?.jumps ?? []) add(number + 1, "half way of a jump", each.omega, each.radius);
     });
     return columns;
   }
@@ -173,26 +183,26 @@ export class Response {
     return JSON.stringify([curves, width, height, this.plot.shown, this.length, this.speed, colour("ink")]);
   }
 
-  /** Return the item near a place: a fold, a period doubling, the rotor, or a curve at this speed. */
+  /** Return the item near a place: a point, or else a line at this speed. */
   #reading(x, _y, distance, near) {
     if (!this.length) return null;
-    const points = [], lines = [];
-    this.sides.slice(0, this.two ? 2 : 1).forEach(({ curve, branches, place, passage }, number) => {
-      const of = number ? ", second rotor" : "";
-      if (place) points.push([`the rotor${of}`, place.omega, place.high], [`the rotor${of}`, place.omega, place.low]);
-      for (const jump of passage?.jumps ?? []) points.push([`half way of a jump${of}`, jump.omega, jump.radius]);
-      if (passage) readPassage(passage, x / this.speed.factor, of, lines);
-      if (curve) readCurve(curve.arrays, x / this.speed.factor, of, points, lines);
-      for (const branch of branches) readBranch(branch.arrays, x / this.speed.factor, of, points, lines);
+    const [points, places] = [[], []];
+    this.sides.slice(0, this.two ? 2 : 1).forEach((side, number) => {
+      for (const { what, omega, high, low, stability, isPoint, joins } of this.#items(side)) {
+        const lines = low === high ? [["", high]] : [[isPoint ? "" : ", largest", high], [isPoint ? "" : ", smallest", low]];
+        for (let i = isPoint ? 0 : 1; i < omega.length; i++) {
+          const part = isPoint ? 1 : (x / this.speed.factor - omega[i - 1]) / (omega[i] - omega[i - 1]);
+          if (!what(i) || !(part >= 0 && part <= 1) || !(isPoint || joins(i))) continue;
+          for (const [which, radii] of lines) {
+            const radius = isPoint ? radii[i] : radii[i - 1] + part * (radii[i] - radii[i - 1]);
+            const name = `${stability(i) === "unstable" ? "unstable " : ""}${what(i)}${which}${number ? ", second rotor" : ""}`;
+            (isPoint ? points : places).push([isPoint ? omega[i] * this.speed.factor : x, radius * this.length.factor, name]);
+          }
+        }
+      }
     });
-    for (const some of [points, lines]) {
-      const found = some
-        .map(([name, omega, radius]) => [name, [omega * this.speed.factor, radius * this.length.factor]])
-        .map(([name, at]) => ({ name, at, away: distance(...at) }))
-        .reduce((best, each) => (each.away < best.away ? each : best), { away: near });
-      if (found.at) return { text: `${found.name}: ${this.plot.tell(found.at)}`, at: found.at };
-    }
-    return null;
+    const at = nearest(points, distance, near) ?? nearest(places, distance, near);
+    return at ? { text: `${at[2]}: ${this.plot.tell(at.slice(0, 2))}`, at } : null;
   }
 
   #drawCurve(pen, arrays, ink) {
@@ -275,51 +285,6 @@ export function drawWhirls(pen, xs, ys, { omega, stability, piece, in_contact: c
     const dash = unstable ? UNSTABLE_DASH : contact[from] ? [] : FREE_DASH;
     pen.line(xs, ys, { from: begin, to, stroke: contact[from] ? ink : colour("contact_free"), width: unstable ? 1.2 : 2, dash });
   }
-}
-
-/** Add the folds and Hopf points of a curve of whirls, and where it passes a speed. */
-function readCurve(arrays, speed, of, points, lines) {
-  const { omega, amplitude, stability, piece, in_contact: contact } = arrays;
-  arrays.fold_omega.forEach((each, i) => points.push([`fold${of}`, each, arrays.fold_amplitude[i]]));
-  arrays.graze_omega?.forEach((each, i) => points.push([`graze${of}`, each, arrays.graze_amplitude[i]]));
-  arrays.hopf_omega.forEach((each, i) => points.push([`Hopf point${of}`, each, arrays.hopf_amplitude[i]]));
-  for (const [name, key] of WHIRLS) {
-    for (let i = 1; i < (arrays[key]?.length ?? 0); i++) addCrossing(lines, name + of, speed, arrays.whip_omega, arrays[key], i);
-  }
-  for (let i = 1; i < omega.length; i++) {
-    if (piece[i] !== piece[i - 1] || piece[i] < 0) continue;
-    const name = `${stability[i] === UNSTABLE ? "unstable " : ""}${contact[i] ? "whirl in contact" : "contact-free whirl"}${of}`;
-    addCrossing(lines, name, speed, omega, amplitude, i);
-  }
-}
-
-/** Add the radius at a speed during the run-up. */
-function readPassage({ omega, low, high }, speed, of, lines) {
-  for (let i = 1; i < omega.length; i++) {
-    addCrossing(lines, `while the speed changes, largest${of}`, speed, omega, high, i);
-    addCrossing(lines, `while the speed changes, smallest${of}`, speed, omega, low, i);
-  }
-}
-
-/** Add the special points of a branch of limit cycles, and where it passes a speed. */
-function readBranch(arrays, speed, of, points, lines) {
-  const { omega, stability, special_kind: kinds, special_point: places, special_omega: speeds } = arrays;
-  kinds.forEach((kind, i) => {
-    const place = Math.min(Math.max(Math.round(places[i]), 0), omega.length - 1);
-    if (SPECIAL_WORDS[kind]) points.push([SPECIAL_WORDS[kind] + of, speeds[i], arrays.radius_max[place]]);
-  });
-  for (let i = 1; i < omega.length; i++) {
-    for (const [name, which] of [["radius_max", "largest"], ["radius_min", "smallest"]]) {
-      const stable = stability[i] === STABLE ? "" : "unstable ";
-      addCrossing(lines, `${stable}limit cycle, ${which}${of}`, speed, omega, arrays[name], i);
-    }
-  }
-}
-
-/** Add where the line to a point from the one before passes a speed. */
-function addCrossing(lines, name, speed, xs, ys, i) {
-  const part = (speed - xs[i - 1]) / (xs[i] - xs[i - 1]);
-  if (part >= 0 && part <= 1) lines.push([name, speed, ys[i - 1] + part * (ys[i] - ys[i - 1])]);
 }
 
 /** Return the intervals over which `key` of the index is constant. */

@@ -1,6 +1,6 @@
 // The panels of one rotor: starts and basin, orbits, radius and force over time, section.
 
-import { Plot, colour } from "./plot.js";
+import { Plot, colour, nearest } from "./plot.js";
 import { roundUp } from "./state.js";
 import { EVENTS, MODES, wordsOf } from "./tables.js";
 import { addTools } from "./tools.js";
@@ -481,24 +481,18 @@ export class Side {
     const { arrays } = this.motion;
     const { t, event_time: times, event_kind: kinds } = arrays;
     const { factor } = this.length;
-    const found = { away: near };
-    const look = (name, place, time) => {
-      const at = place.map((each) => each * factor);
-      const away = distance(...at);
-      if (away < found.away) Object.assign(found, { away, name, at, time });
-    };
     const { from, now } = this.#turnsDrawn();
     const [low, high] = [t[from], t[now]];
-    const [xs, ys] = [arrays[`${axes}x`], arrays[`${axes}y`]];
-    for (const i of this.#turns(from, now)) look("once a revolution", [xs[i], ys[i]], t[i]);
-    times.forEach((time, i) => {
-      if (time >= low && time <= high) look(EVENT_WORDS[kinds[i]], [arrays[`event_${axes}x`][i], arrays[`event_${axes}y`][i]], time);
-    });
-    if (!found.at) for (let i = from; i <= now; i++) look("at", [xs[i], ys[i]], t[i]);
-    const [a, b] = found.at ?? [x, y];
+    const [xs, ys] = [arrays[`${axes}x`], arrays[`${axes}y`]].map((values) => scaled(values, factor));
+    const [ex, ey] = [arrays[`event_${axes}x`], arrays[`event_${axes}y`]].map((values) => scaled(values, factor));
+    const places = this.#turns(from, now).map((i) => [xs[i], ys[i], "once a revolution", t[i]]);
+    times.forEach((time, i) => time >= low && time <= high && places.push([ex[i], ey[i], EVENT_WORDS[kinds[i]], time]));
+    const samples = Array.from({ length: now - from + 1 }, (_, i) => [xs[from + i], ys[from + i], "at", t[from + i]]);
+    const found = nearest(places, distance, near) ?? nearest(samples, distance, near);
+    const [a, b, name, time] = found ?? [x, y];
     const { factor: second, unit } = this.timeUnit;
-    const when = found.at ? `${found.name} t = ${told(found.time * second, 7)}${unit && ` ${unit}`}: ` : "";
-    return { text: `${when}${this.orbit.tell([a, b], ["x", "y"])}, ${this.radius.tell([0, Math.hypot(a, b)]).split(", ")[1]}`, at: found.at };
+    const when = found ? `${name} t = ${told(time * second, 7)}${unit && ` ${unit}`}: ` : "";
+    return { text: `${when}${this.orbit.tell([a, b], ["x", "y"])}, ${this.radius.tell([0, Math.hypot(a, b)]).split(", ")[1]}`, at: found };
   }
 
   #readTime(name, x, _y, distance, near) {
@@ -536,12 +530,7 @@ export class Side {
   #readSection(_x, _y, distance, near) {
     if (!this.length) return null;
     const { xs, ys } = this.#sectionPoints();
-    const { factor } = this.length;
-    let best = near, at;
-    for (let i = 0; i < xs.length; i++) {
-      const away = distance(xs[i] * factor, ys[i] * factor);
-      if (away < best) [best, at] = [away, [xs[i] * factor, ys[i] * factor]];
-    }
+    const at = nearest(Array.from(xs, (x, i) => [x * this.length.factor, ys[i] * this.length.factor]), distance, near);
     return at ? { text: `point: ${this.section.tell(at)}`, at } : null;
   }
 

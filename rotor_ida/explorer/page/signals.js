@@ -638,6 +638,7 @@ export class Signals {
       top = largest(order.amplitude, top);
       curve?.omega.forEach((omega, i) => (top = omega <= fastest && curve.amplitude[i] > top ? curve.amplitude[i] : top));
     }
+    if (top === 1e-9) for (const { lines } of sources) top = largest(lines?.amplitude ?? [], top);
     const shown = {
       sources, fastest, top, campbell, now: speed, length: shownIn(scales, "length", top), speed: shownIn(scales, "rate", 1),
       missing: sources.some(({ order }) => order.speed.length) ? [] : [["", "Run the speed up or down to see the response."]],

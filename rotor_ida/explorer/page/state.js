@@ -42,6 +42,12 @@ export let file = null;
 /** That of a file that has no rotor to move. */
 export const NO_FILE = { nodes: [], positions: [], contacts: [], given: { speed: 1 }, given_contacts: [], is_archive: true };
 
+/** Show a measurement alone, in SI units. */
+export function showAlone(measured) {
+  Object.assign(state, { node: "", contact: 0, panels: "" });
+  file = { ...NO_FILE, units: "SI", measured, panels: ["archive", ...SIGNALS.filter((name) => name !== "campbell")] };
+}
+
 /** Whether the rotor is given as a machine in SI units, or is a system in these. */
 export const inSI = () => (isSystem() ? file?.units === "SI" : state.mass !== undefined);
 
@@ -80,6 +86,7 @@ function changesOfSystem() {
 /** Return the names of the further parameters; the disc radius only with friction. */
 export const namesBeyond = () => [...Object.keys(BEYOND).filter((name) => state[name] !== BEYOND[name]), ...(state.friction ? ["disc_radius"] : [])];
 
+const usualPanels = () => (isSystem() ? OF_SYSTEM : USUAL);
 const usualRadius = () => DISC_RADIUS * (inSI() ? state.eccentricity : 1);
 
 /** Read the state from an address; return its key, if any. Missing entries get defaults. */
@@ -106,7 +113,7 @@ export function readAddress(hash) {
   for (const [name, words] of Object.entries(WORDS)) {
     if (words.includes(given.get(name))) state[name] = given.get(name);
   }
-  const panels = (given.get("panels") ?? (isOfFile ? OF_SYSTEM : USUAL)).split(",");
+  const panels = (given.get("panels") ?? usualPanels()).split(",");
   state.panels = SIGNALS.filter((name) => panels.includes(name)).join();
   return given.get("key");
 }
@@ -116,25 +123,20 @@ export const tellsOfRotor = (hash) => /[#&](omega|mass|node)=/.test(hash);
 
 /** Return the address entries for the state and for the starts of the runs; a first one that hangs at rest has none. */
 export function address([first, second], hangs) {
-  const told = new URLSearchParams();
-  if (isSystem()) {
-    for (const [name, value] of Object.entries({ node: state.node, contact: state.contact, revolutions: state.revolutions, ...changesOfSystem(), panels: state.panels })) told.set(name, value);
-    for (const name of ["second", "theme"]) if (state[name] !== null && state[name] !== "") told.set(name, state[name]);
-    if (state.speedIn !== DEFAULTS.speedIn) told.set("speedIn", state.speedIn);
-    return `#${told}`;
+  if (file?.measured) return `#${new URLSearchParams({ measured: file.measured })}`;
+  const own = isSystem() ? { node: state.node, contact: state.contact, ...changesOfSystem() } : Object.fromEntries([...(inSI() ? MACHINE : DIMENSIONLESS), ...namesBeyond()].map((name) => [name, state[name]]));
+  const told = new URLSearchParams(own);
+  const put = (names) => names.forEach((name) => told.set(name, state[name]));
+  if (!isSystem()) {
+    if (!hangs) START.forEach((name, place) => told.set(name, first[place]));
+    if (state.second !== null && state.from === "here") SECOND_START.forEach((name, place) => told.set(name, second[place]));
+    put(["from"]);
+    if (!state.friction && state.disc_radius !== usualRadius()) put(["disc_radius"]);
+    if (inSI()) put(["fastest", "seconds"]);
+    else if (state.ramp !== DEFAULTS.ramp) put(["ramp"]);
   }
-  for (const name of [...(inSI() ? MACHINE : DIMENSIONLESS), ...namesBeyond()]) told.set(name, state[name]);
-  if (!hangs) START.forEach((name, place) => told.set(name, first[place]));
-  if (state.second !== null && state.from === "here") {
-    SECOND_START.forEach((name, place) => told.set(name, second[place]));
-  }
-  for (const name of ["revolutions", "from"]) told.set(name, state[name]);
-  if (inSI() && state.speedIn !== DEFAULTS.speedIn) told.set("speedIn", state.speedIn);
-  for (const name of ["second", "theme"]) if (state[name] !== null && state[name] !== "") told.set(name, state[name]);
-  if (state.panels !== USUAL) told.set("panels", state.panels);
-  if (!state.friction && state.disc_radius !== usualRadius()) told.set("disc_radius", state.disc_radius);
-  if (inSI()) for (const name of ["fastest", "seconds"]) told.set(name, state[name]);
-  else if (state.ramp !== DEFAULTS.ramp) told.set("ramp", state.ramp);
+  put(["revolutions", ...["second", "theme", "speedIn"].filter((name) => state[name] !== DEFAULTS[name])]);
+  if (state.panels !== usualPanels()) put(["panels"]);
   return `#${told}`;
 }
 

@@ -1,6 +1,6 @@
 // Buttons in the head of a panel: zoom and reset; save the picture and the numbers.
 
-import { csvOf, pngOf, svgOf } from "./picture.js";
+import { csvOf, pngOf } from "./picture.js";
 
 /** Make an element with a text. */
 export const element = (kind, textContent, className = "") => Object.assign(document.createElement(kind), { textContent, className });
@@ -80,7 +80,7 @@ function saveMenu(panel, plots, title, { name, told, table }) {
   const summary = Object.assign(document.createElement("summary"), { textContent: "Save" });
   summary.setAttribute("aria-label", `Save: ${title}`);
   const drawn = () => ({ plots, title, subtitle: told(), key: keyOf(panel) });
-  const makers = { png: () => pngOf(drawn()), svg: () => svgOf(drawn()), csv: () => csvOf(table()) };
+  const makers = { png: () => pngOf(drawn()), csv: () => csvOf(table()) };
   const box = document.createElement("div");
   for (const [ending, make] of Object.entries(makers)) {
     const button = Object.assign(document.createElement("button"), { type: "button", textContent: ending.toUpperCase() });
