@@ -292,6 +292,8 @@ void write_square(const struct work *work, const struct touching *each, double *
 
 /* system_tangent.c: small changes of the motion */
 void open_columns(struct work *work);
+/* Gather what matrices do with them at the speeds of a piece. */
+void begin_column_piece(struct work *work);
 /* Remove the slip from the changes of a start that rolls: a neighbouring start slides at first, and
  * friction stops that at once. */
 void begin_columns(struct work *work);

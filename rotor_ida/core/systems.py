@@ -20,7 +20,7 @@ from rotor_ida.core.interface import DONE, FULL, METHODS, pointer
 from rotor_ida.core.runs import NO_STOP, PIECE, Rows
 
 FIRST_ROOM = 256
-LANES_A_VECTOR = 4
+LANES_A_VECTOR, COLUMNS_A_VECTOR = 4, 8
 # A skew part of a stiffness below this part of it is rounding.
 SYMMETRIC = 1e-12
 # Numbers of a contact at a sample: normal and tangential force, slip speed, mode.
@@ -438,8 +438,8 @@ class _Tables:
         run.extremum_room = self.room * self.places
 
 
-def _padded_to_vectors(count: int) -> int:
-    return -(-count // LANES_A_VECTOR) * LANES_A_VECTOR
+def _padded(count: int, lanes: int) -> int:
+    return -(-count // lanes) * lanes
 
 
 def _skew_part(stiffness: Values) -> Values | None:
@@ -457,7 +457,7 @@ class _Run:
 
     def __init__(self, core: ctypes.CDLL, request: SystemRequest, stop: Stop) -> None:
         self.size, count = len(request.force), len(request.laws)
-        self.stride = _padded_to_vectors(self.size)
+        self.stride = _padded(self.size, LANES_A_VECTOR)
         self.kept: list[npt.NDArray[Any]] = []  # must live as long as the run
         sampled, room = request.times.size, core.core_system_room(self.size, count)
         self.touches, self.opened = np.zeros(count, TOUCH), np.zeros(count, EPISODE)
@@ -467,7 +467,7 @@ class _Run:
         self.samples = np.zeros((sampled, 2, self.stride))
         self.forces, self.turns = np.zeros((sampled, count, FORCES)), np.zeros((sampled, 2))
         self.column_count = 0 if request.columns is None else len(request.columns)
-        beside = _padded_to_vectors(self.column_count)
+        beside = _padded(self.column_count, COLUMNS_A_VECTOR)
         watched = np.empty((0, self.size)) if request.watched is None else request.watched
         self.sample_columns = np.zeros((sampled, len(watched), beside))
         rows, centres = request.places or (np.empty((0, 2, self.size)), np.empty((0, 2)))
