@@ -442,6 +442,15 @@ def _padded(count: int, lanes: int) -> int:
     return -(-count // lanes) * lanes
 
 
+def _stacked(*tables: Rows) -> Rows:
+    """Return tables of the same type, one below the other.
+
+    Without a place for the result, `numpy.concatenate` compares their types field by field.
+    """
+    stacked = np.empty(sum(map(len, tables)), tables[0].dtype)
+    return np.concatenate(tables, out=stacked)
+
+
 def _skew_part(stiffness: Values) -> Values | None:
     """Return the part of a stiffness that has no potential; None where there is none."""
     skew = 0.5 * (stiffness - stiffness.T)
@@ -576,6 +585,8 @@ class _Run:
 
     def extrema(self) -> Rows:
         """Return the extrema of the distances of places, with both ends."""
+        if not len(self.places):
+            return self.places["last"]
         ends = np.zeros((2, len(self.places)), EXTREMUM_OF_PLACE)
         ends["place"], ends["distance"] = (
             np.arange(len(self.places)),
@@ -584,7 +595,7 @@ class _Run:
         ends["time"][1] = self.struct.time
         table = self.tables.arrays["extrema"].reshape(-1)[: self.struct.extremum_count]
         last = self.places["last"][self.places["last"]["kind"] != 0]
-        rows = np.concatenate([ends[0], table, last, ends[1]])
+        rows = _stacked(ends[0], table, last, ends[1])
         return rows[np.argsort(rows["place"], kind="stable")]
 
     def result(self, status: int) -> SystemResult:
@@ -603,7 +614,7 @@ class _Run:
             event_rates=held["event_rates"][:events],
             event_states=states.reshape(events, 2, self.stride)[:, :, :size], event_races=races,
             races=self.races,
-            episodes=np.concatenate([held["episodes"][: run.episode_count], lasting]),
+            episodes=_stacked(held["episodes"][: run.episode_count], lasting),
             ledger=ledger, steps=run.steps, turn=(run.angle, run.speed),
             standstill=Standstill(*run.standstill), columns=self.columns.T,
             sample_columns=self.sample_columns[:, :, : self.column_count],
