@@ -12,6 +12,8 @@ static const double FALL = 2.0;
 enum { TERMS_LOOKED_AT = 4 };
 /* A step turns the fastest motion by no more than this part of the order. */
 static const double FARTHEST = 0.25;
+/* Small changes that are as fast may err by this many tolerances of the motion in a step. */
+static const double OF_CHANGES = 1e3;
 /* The logarithm of a step that nothing limits. */
 static const double UNLIMITED = 200.0;
 /* Contacts of a root below this part of that of the clearance have a fictitious time. */
@@ -719,13 +721,15 @@ static double worst_of(const struct work *work, int n)
 }
 
 /* The angle by which a step turns the fastest motion at most. Where small changes are followed,
- * some turn at that rate whatever the motion does: their last term is as small as the tolerance. */
+ * some turn at that rate whatever the motion does: by it their last term is as small as they may
+ * err. */
 static double farthest_turn(const struct work *work)
 {
     const int order = work->order;
     if (work->run->column_count == 0)
         return FARTHEST * order;
-    return fmin(exp((log(work->run->rtol) + lgamma(order + 1.0)) / order), FARTHEST * order);
+    return fmin(exp((log(OF_CHANGES * work->run->rtol) + lgamma(order + 1.0)) / order),
+                FARTHEST * order);
 }
 
 void choose_step(struct work *work)

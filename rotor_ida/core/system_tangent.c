@@ -313,9 +313,12 @@ static void answer_columns(const struct work *work, const struct touching *each,
     const int64_t count = columns->count, here = n * count;
     const double *slopes = touch->slopes[0];
     project_both(touch, &columns->y[here * run->size], count, &touch->moved[2 * here]);
-    project_both(touch, &columns->v[here * run->size], count, &touch->rates[2 * here]);
     turn_along(each, touch->moved, count, n, &touch->along[here], &touch->aside[here]);
-    turn_along(each, touch->rates, count, n, &touch->rate_along[here], &touch->rate_aside[here]);
+    if (each->law->contact_damping > 0.0 || each->touch->mode == ROLLS) {
+        project_both(touch, &columns->v[here * run->size], count, &touch->rates[2 * here]);
+        turn_along(each, touch->rates, count, n, &touch->rate_along[here],
+                   &touch->rate_aside[here]);
+    }
 
     double *push = &touch->push[here], *radial = &touch->radial[here];
     double *tangential = &touch->tangential[here], *drag = &touch->drag[here];
