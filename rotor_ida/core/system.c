@@ -12,9 +12,8 @@ static const double FALL = 2.0;
 enum { TERMS_LOOKED_AT = 4 };
 /* A step turns the fastest motion by no more than this part of the order. */
 static const double FARTHEST = 0.25;
-/* The same where small changes are followed, of which some turn at that rate, whatever the motion
- * does. */
-static const double FARTHEST_OF_CHANGES = 0.1;
+/* Small changes that are as fast may err by this many tolerances of the motion in a step. */
+static const double OF_CHANGES = 1e3;
 /* The logarithm of a step that nothing limits. */
 static const double UNLIMITED = 200.0;
 /* Contacts of a root below this part of that of the clearance have a fictitious time. */
@@ -91,10 +90,9 @@ void begin_system_piece(struct work *work)
     work->has_rate = work->has_torque || piece->rate != 0.0;
     if (!work->has_torque) /* a run that goes on with more room is within a piece */
         turn_as_prescribed(run);
-    if (run->gyroscopic == NULL || work->has_rate)
-        return;
-    for (int64_t i = 0; i < run->size * run->stride; i++)
+    for (int64_t i = 0; i < run->size * run->stride && run->gyroscopic && !work->has_rate; i++)
         work->both[i] = (run->damping ? run->damping[i] : 0.0) + run->speed * run->gyroscopic[i];
+    begin_column_piece(work);
 }
 
 /* What the compiler knows of a system: the expansion of a small one is compiled for its size. */
@@ -727,6 +725,18 @@ static double worst_of(const struct work *work, int n)
     return isfinite(worst) ? worst / run->rtol : NAN;
 }
 
+/* The angle by which a step turns the fastest motion at most. Where small changes are followed,
+ * some turn at that rate whatever the motion does: by it their last term is as small as they may
+ * err. */
+static double farthest_turn(const struct work *work)
+{
+    const int order = work->order;
+    if (work->run->column_count == 0)
+        return FARTHEST * order;
+    return fmin(exp((log(OF_CHANGES * work->run->rtol) + lgamma(order + 1.0)) / order),
+                FARTHEST * order);
+}
+
 void choose_step(struct work *work)
 {
     const int order = work->order;
@@ -750,10 +760,9 @@ void choose_step(struct work *work)
         square += each->mobility * stiffness;
         following = fmax(following, each->stator_mobility * stiffness);
     }
-    const double farthest = work->run->column_count > 0 ? FARTHEST_OF_CHANGES : FARTHEST;
     const double rate = (sqrt(square) + following + fabs(work->spin[0])) * work->pace[0];
     if (rate > 0.0)
-        work->step = smaller(work->step, farthest * order / rate);
+        work->step = smaller(work->step, farthest_turn(work) / rate);
     for (int64_t i = 0; i < work->run->contact_count; i++) {
         if (is_centred(&work->touching[i]))
             work->step = before_centre(work, &work->touching[i], work->step);

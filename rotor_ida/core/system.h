@@ -145,7 +145,7 @@ struct system_run {
     int64_t steps;
     double *room; /* to work in */
     /* small changes of the start, side by side, and room for them: y, y' and races, a row each;
-     * a multiple of four; at a prescribed speed, without stators without mass */
+     * a multiple of eight; at a prescribed speed, without stators without mass */
     int64_t column_count;
     double *columns, *column_room;
     /* what parameters change besides, one a column from the first of these on */

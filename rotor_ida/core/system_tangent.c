@@ -1,11 +1,23 @@
 /* Small changes of a motion of a rotor system: columns, as the start or a parameter would change.
  *
  * Between events they solve the linearised equations, by series in the same variable as the motion
- * itself. Columns stand side by side, so that one sum serves four. Displacement, velocity and the
+ * itself. Columns stand side by side, so that one sum serves eight. Displacement, velocity and the
  * speeds of races are continuous at events; where their rates jump, as slip ends or turns, the
  * columns jump with the instant of the event (saltation: Leine and Nijmeijer, "Dynamics and
  * Bifurcations of Non-Smooth Mechanical Systems", 2004, section 7.2). */
 #include "system_work.h"
+
+/* A row of columns that is summed, and what it is multiplied by; counted from the first of all. */
+struct term {
+    double by;
+    int64_t place;
+};
+
+/* A sum of rows of columns. */
+struct sum {
+    struct term *terms;
+    int64_t count;
+};
 
 /* Series of what a contact does with the columns; two rows where there are two components. */
 struct column_touch {
@@ -14,30 +26,33 @@ struct column_touch {
     double *rate_along, *rate_aside;    /* the velocity */
     double *push, *radial, *tangential; /* of N; and of the force, along -e and -t */
     double *drag, *race;                /* of T, but for the turn of t; the speed of the race */
+    struct sum seen[2];                 /* its displacement by the coordinates */
     double slopes[ORDERS][SLOPES];
     struct series series;
 };
 
 struct columns {
     int64_t count;
-    double *y, *v, *acceleration;
-    double *right;  /* MOST_CONTACTS rows */
-    double *before; /* accelerations of the motion before they jump */
-    double *forced; /* accelerations by a parameter */
-    double *row;    /* of all coordinates */
+    double *y, *v, *acceleration; /* of which v stands behind y */
+    struct sum *linear;           /* what the matrices make of y and v, by coordinates */
+    double *right;                /* MOST_CONTACTS rows */
+    double *before;               /* accelerations of the motion before they jump */
+    double *forced;               /* accelerations by a parameter */
+    double *row;                  /* of all coordinates */
     struct column_touch touching[MOST_CONTACTS];
 };
 
-/* Vectors of columns that are summed at once. */
-enum { BLOCK = 4, SERIES_OF_TOUCH = 15, ALIGNMENT = 64 };
+/* Vectors of eight columns that are summed at once; rows that are gathered for it. */
+enum { BLOCK = 5, GATHERED = 64, SERIES_OF_TOUCH = 15, ALIGNMENT = 64 };
 
 int64_t core_system_column_room(int64_t size, int64_t contacts, int64_t columns)
 {
     const int64_t rows = (3 * ORDERS + 1) * size + contacts * SERIES_OF_TOUCH * ORDERS
                          + MOST_CONTACTS;
-    const int64_t stride = (size + 3) / 4 * 4;
-    return (int64_t)((sizeof(struct columns) + ALIGNMENT) / sizeof(double)) + rows * columns
-           + 2 * stride;
+    const int64_t stride = (size + 3) / 4 * 4, terms = 2 * size * (size + contacts);
+    const size_t bytes = sizeof(struct columns) + 2 * ALIGNMENT + (size_t)size * sizeof(struct sum)
+                         + (size_t)terms * sizeof(struct term);
+    return (int64_t)(bytes / sizeof(double)) + rows * columns + 2 * stride;
 }
 
 static double *taken(double **room, int64_t count)
@@ -47,69 +62,82 @@ static double *taken(double **room, int64_t count)
     return here;
 }
 
-static struct columns *columns_of(const struct work *work)
+static void *aligned(void *room)
 {
-    char *room = (char *)work->run->column_room;
-    return (struct columns *)(void *)(room + (ALIGNMENT - (uintptr_t)room % ALIGNMENT));
+    return (char *)room + (ALIGNMENT - (uintptr_t)room % ALIGNMENT) % ALIGNMENT;
 }
 
-void open_columns(struct work *work)
+static struct columns *columns_of(const struct work *work)
 {
-    const struct system_run *run = work->run;
-    if (run->column_count == 0)
-        return;
-    struct columns *columns = columns_of(work);
-    const int64_t series = ORDERS * run->column_count;
-    double *room = (double *)(void *)(columns + 1);
-    columns->count = run->column_count;
-    columns->y = taken(&room, series * run->size);
-    columns->v = taken(&room, series * run->size);
-    columns->acceleration = taken(&room, series * run->size);
-    columns->right = taken(&room, MOST_CONTACTS * run->column_count);
-    columns->before = taken(&room, run->stride);
-    columns->forced = taken(&room, run->stride);
-    columns->row = taken(&room, run->size * run->column_count);
-    for (int64_t i = 0; i < run->contact_count; i++) {
-        struct column_touch *each = &columns->touching[i];
-        each->moved = taken(&room, 2 * series);
-        each->rates = taken(&room, 2 * series);
-        each->pull = taken(&room, 2 * series);
-        double **singles[] = {&each->along,      &each->aside, &each->rate_along,
-                              &each->rate_aside, &each->push,  &each->radial,
-                              &each->tangential, &each->drag,  &each->race};
-        for (size_t k = 0; k < sizeof singles / sizeof singles[0]; k++)
-            *singles[k] = taken(&room, series);
-    }
+    return aligned(work->run->column_room);
 }
 
 /* ---- Sums of rows of columns ---- */
 
-/* Add rows of columns, scaled, some vectors of each: rows and factors stand so far apart. */
-static inline __attribute__((always_inline)) void add_rows(double sign, const double *factors,
-                                                           int64_t factor_apart, const double *rows,
-                                                           int64_t apart, int64_t many, double *to,
-                                                           const int vectors)
+/* Add terms, of which each number stands `apart` from the next, and each row `apart_rows`, to a
+ * sum that has room for them. */
+static void gather(double sign, const double *numbers, int64_t apart, int64_t many, int64_t first,
+                   int64_t apart_rows, struct sum *sum)
 {
-    vec4 sums[BLOCK];
-    for (int v = 0; v < vectors; v++)
-        sums[v] = load(&to[4 * v]);
     for (int64_t k = 0; k < many; k++) {
-        const vec4 by = spread(sign * factors[k * factor_apart]);
-        for (int v = 0; v < vectors; v++)
-            sums[v] = fma4(by, load(&rows[k * apart + 4 * v]), sums[v]);
+        if (numbers[k * apart] != 0.0)
+            sum->terms[sum->count++] = (struct term){sign * numbers[k * apart],
+                                                     first + k * apart_rows};
     }
-    for (int v = 0; v < vectors; v++)
-        store(&to[4 * v], sums[v]);
 }
 
+/* Add a sum of rows to some vectors of eight columns. */
+COMPILED void add_vectors(const struct sum *sum, const double *rows, double *to, const int vectors)
+{
+    vec8 sums[BLOCK];
+    for (int v = 0; v < vectors; v++)
+        sums[v] = load8(&to[8 * v]);
+    for (int64_t k = 0; k < sum->count; k++) {
+        const double *row = &rows[sum->terms[k].place];
+        for (int v = 0; v < vectors; v++)
+            sums[v] = fma8(sum->terms[k].by, load8(&row[8 * v]), sums[v]);
+    }
+    for (int v = 0; v < vectors; v++)
+        store8(&to[8 * v], sums[v]);
+}
+
+/* The same of all columns: blocks whose size the compiler knows, the last two about as large. */
+static void add_sum(const struct sum *sum, const double *rows, double *to, int64_t count)
+{
+    for (int64_t many, left = count / 8; left > 0; left -= many) {
+        many = left <= BLOCK ? left : left < 2 * BLOCK ? left / 2 : BLOCK;
+        switch (many) {
+        case 1:
+            add_vectors(sum, rows, to, 1);
+            break;
+        case 2:
+            add_vectors(sum, rows, to, 2);
+            break;
+        case 3:
+            add_vectors(sum, rows, to, 3);
+            break;
+        case 4:
+            add_vectors(sum, rows, to, 4);
+            break;
+        default:
+            add_vectors(sum, rows, to, BLOCK);
+        }
+        rows += 8 * many;
+        to += 8 * many;
+    }
+}
+
+/* Add rows of columns, scaled: rows and factors stand so far apart. */
 static void add_all(double sign, const double *factors, int64_t factor_apart, const double *rows,
                     int64_t apart, int64_t many, double *to, int64_t count)
 {
-    int64_t c = 0;
-    for (; c + 4 * BLOCK <= count; c += 4 * BLOCK)
-        add_rows(sign, factors, factor_apart, rows + c, apart, many, to + c, BLOCK);
-    for (; c < count; c += 4)
-        add_rows(sign, factors, factor_apart, rows + c, apart, many, to + c, 1);
+    struct term terms[GATHERED];
+    for (int64_t k = 0; k < many; k += GATHERED) {
+        const int64_t here = many - k < GATHERED ? many - k : GATHERED;
+        struct sum sum = {terms, 0};
+        gather(sign, factors + k * factor_apart, factor_apart, here, k * apart, apart, &sum);
+        add_sum(&sum, rows, to, count);
+    }
 }
 
 /* Add coefficient n of a series times one of columns, of which a row stands every `apart`. */
@@ -118,6 +146,8 @@ static void add_product(double factor, const double *series, int series_apart, c
 {
     add_all(factor, series, series_apart, rows + n * apart, -apart, n + 1, to, count);
 }
+
+static void clear(double *row, int64_t count) { memset(row, 0, sizeof(double) * (size_t)count); }
 
 /* Add a matrix, stored by columns, times coefficients of all coordinates. */
 static void add_matrix(const struct system_run *run, const double *matrix, double factor,
@@ -131,8 +161,17 @@ static void add_matrix(const struct system_run *run, const double *matrix, doubl
 /* Write the displacement of a contact by coordinates. */
 static void project(const struct system_run *run, const double *row, const double *rows, double *to)
 {
-    memset(to, 0, sizeof(double) * (size_t)run->column_count);
+    clear(to, run->column_count);
     add_all(1.0, row, 1, rows, run->column_count, run->size, to, run->column_count);
+}
+
+/* The same by what has been gathered of the contact; both components. */
+static void project_both(const struct column_touch *touch, const double *rows, int64_t count,
+                         double *to)
+{
+    clear(to, 2 * count);
+    for (int j = 0; j < 2; j++)
+        add_sum(&touch->seen[j], rows, to + j * count, count);
 }
 
 /* Let a force on a contact accelerate the coordinates. */
@@ -142,6 +181,69 @@ static void push_by(const struct system_run *run, const double *row, const doubl
     for (int64_t i = 0; i < run->size; i++) {
         if (row[i] != 0.0)
             add_scaled(row[i], force, &to[i * run->column_count], run->column_count);
+    }
+}
+
+/* ---- Room ---- */
+
+void open_columns(struct work *work)
+{
+    const struct system_run *run = work->run;
+    if (run->column_count == 0)
+        return;
+    struct columns *columns = columns_of(work);
+    const int64_t count = run->column_count, series = ORDERS * count;
+    double *room = aligned(columns + 1);
+    columns->count = count;
+    columns->y = taken(&room, series * run->size);
+    columns->v = taken(&room, series * run->size);
+    columns->acceleration = taken(&room, series * run->size);
+    columns->right = taken(&room, MOST_CONTACTS * count);
+    columns->row = taken(&room, run->size * count);
+    for (int64_t i = 0; i < run->contact_count; i++) {
+        struct column_touch *each = &columns->touching[i];
+        each->moved = taken(&room, 2 * series);
+        each->rates = taken(&room, 2 * series);
+        each->pull = taken(&room, 2 * series);
+        double **singles[] = {&each->along,      &each->aside, &each->rate_along,
+                              &each->rate_aside, &each->push,  &each->radial,
+                              &each->tangential, &each->drag,  &each->race};
+        for (size_t k = 0; k < sizeof singles / sizeof singles[0]; k++)
+            *singles[k] = taken(&room, series);
+    }
+    columns->before = taken(&room, run->stride);
+    columns->forced = taken(&room, run->stride);
+    columns->linear = (struct sum *)(void *)room;
+    struct term *terms = (struct term *)(void *)(columns->linear + run->size);
+    for (int64_t i = 0; i < run->size; i++) {
+        columns->linear[i].terms = terms;
+        terms += 2 * run->size;
+    }
+    for (int64_t i = 0; i < run->contact_count; i++) {
+        for (int j = 0; j < 2; j++) {
+            columns->touching[i].seen[j] = (struct sum){terms, 0};
+            gather(1.0, work->touching[i].rows + j * run->stride, 1, run->size, 0, count,
+                   &columns->touching[i].seen[j]);
+            terms += run->size;
+        }
+    }
+}
+
+void begin_column_piece(struct work *work)
+{
+    const struct system_run *run = work->run;
+    if (run->column_count == 0)
+        return;
+    struct columns *columns = columns_of(work);
+    const int64_t count = columns->count, stride = run->stride, to_v = columns->v - columns->y;
+    const double *resistance = run->gyroscopic != NULL && !work->has_rate ? work->both
+                                                                          : run->damping;
+    for (int64_t i = 0; i < run->size; i++) {
+        struct sum *sum = &columns->linear[i];
+        sum->count = 0;
+        gather(-1.0, run->stiffness + i, stride, run->size, 0, count, sum);
+        if (resistance != NULL)
+            gather(-1.0, resistance + i, stride, run->size, to_v, count, sum);
     }
 }
 
@@ -173,8 +275,8 @@ static void turn_along(const struct touching *each, const double *pair, int64_t 
                        double *along, double *aside)
 {
     const double *x = &each->answers[0][ELEMENT_NORMAL_X], *y = &each->answers[0][ELEMENT_NORMAL_Y];
-    memset(along, 0, sizeof(double) * (size_t)count);
-    memset(aside, 0, sizeof(double) * (size_t)count);
+    clear(along, count);
+    clear(aside, count);
     add_product(1.0, x, ELEMENT_ANSWERS, pair, 2 * count, n, along, count);
     add_product(1.0, y, ELEMENT_ANSWERS, pair + count, 2 * count, n, along, count);
     add_product(1.0, x, ELEMENT_ANSWERS, pair + count, 2 * count, n, aside, count);
@@ -210,18 +312,17 @@ static void answer_columns(const struct work *work, const struct touching *each,
     struct columns *columns = columns_of(work);
     const int64_t count = columns->count, here = n * count;
     const double *slopes = touch->slopes[0];
-    project(run, each->rows, &columns->y[here * run->size], &touch->moved[2 * here]);
-    project(run, each->rows + work->stride, &columns->y[here * run->size],
-            &touch->moved[2 * here + count]);
-    project(run, each->rows, &columns->v[here * run->size], &touch->rates[2 * here]);
-    project(run, each->rows + work->stride, &columns->v[here * run->size],
-            &touch->rates[2 * here + count]);
+    project_both(touch, &columns->y[here * run->size], count, &touch->moved[2 * here]);
     turn_along(each, touch->moved, count, n, &touch->along[here], &touch->aside[here]);
-    turn_along(each, touch->rates, count, n, &touch->rate_along[here], &touch->rate_aside[here]);
+    if (each->law->contact_damping > 0.0 || each->touch->mode == ROLLS) {
+        project_both(touch, &columns->v[here * run->size], count, &touch->rates[2 * here]);
+        turn_along(each, touch->rates, count, n, &touch->rate_along[here],
+                   &touch->rate_aside[here]);
+    }
 
     double *push = &touch->push[here], *radial = &touch->radial[here];
     double *tangential = &touch->tangential[here], *drag = &touch->drag[here];
-    memset(push, 0, sizeof(double) * (size_t)count);
+    clear(push, count);
     add_product(1.0, &slopes[SLOPE_BY_ALONG], SLOPES, touch->along, count, n, push, count);
     if (each->law->contact_damping > 0.0) {
         add_product(1.0, &slopes[SLOPE_BY_ASIDE], SLOPES, touch->aside, count, n, push, count);
@@ -230,7 +331,7 @@ static void answer_columns(const struct work *work, const struct touching *each,
     push_by_parameters(work, each, touch, n, push);
     memcpy(radial, push, sizeof(double) * (size_t)count);
     add_product(-1.0, &slopes[SLOPE_BY_DRAG_SHARE], SLOPES, touch->aside, count, n, radial, count);
-    memset(drag, 0, sizeof(double) * (size_t)count); /* of one that rolls not known yet */
+    clear(drag, count); /* of one that rolls not known yet */
     add_scaled(element_drag(&each->element, 1.0), push, drag, count);
     for (int64_t k = 0; k < run->parameter_count; k++)
         drag[run->first_of_parameters + k] += each->element.sigma
@@ -244,7 +345,7 @@ static void answer_columns(const struct work *work, const struct touching *each,
     double *force = columns->right; /* which is written later */
     const double *x = &each->answers[0][ELEMENT_NORMAL_X], *y = &each->answers[0][ELEMENT_NORMAL_Y];
     for (int j = 0; j < 2; j++) {
-        memset(force, 0, sizeof(double) * (size_t)count);
+        clear(force, count);
         add_product(-1.0, j ? y : x, ELEMENT_ANSWERS, touch->radial, count, n, force, count);
         add_product(j ? -1.0 : 1.0, j ? x : y, ELEMENT_ANSWERS, touch->tangential, count, n, force,
                     count);
@@ -267,14 +368,12 @@ static void answer_centred(const struct work *work, const struct touching *each,
     } else {
         centred_slope_order(&each->element, &touch->series, n, slopes);
     }
-    memset(&touch->drag[here], 0, sizeof(double) * (size_t)count);
-    for (int j = 0; j < 2; j++)
-        project(run, each->rows + j * work->stride, &columns->y[here * run->size],
-                &touch->moved[2 * here + j * count]);
+    clear(&touch->drag[here], count);
+    project_both(touch, &columns->y[here * run->size], count, &touch->moved[2 * here]);
     double *to = &columns->acceleration[here * run->size];
     double *force = columns->right; /* which is written later */
     for (int j = 0; j < 2; j++) {
-        memset(force, 0, sizeof(double) * (size_t)count);
+        clear(force, count);
         for (int k = 0; k < 2; k++)
             add_product(1.0, &touch->slopes[0][CENTRED_X_BY_X + j + k], SLOPES,
                         touch->moved + k * count, 2 * count, n, force, count);
@@ -296,10 +395,8 @@ static void ask_hold(const struct work *work, const struct touching *each,
     const double *slopes = touch->slopes[0];
     const double *x = &each->answers[0][ELEMENT_NORMAL_X], *y = &each->answers[0][ELEMENT_NORMAL_Y];
     double *pull = &touch->pull[2 * n * count];
-    for (int j = 0; j < 2; j++)
-        project(run, each->rows + j * work->stride, &columns->acceleration[n * count * run->size],
-                pull + j * count);
-    memset(right, 0, sizeof(double) * (size_t)count);
+    project_both(touch, &columns->acceleration[n * count * run->size], count, pull);
+    clear(right, count);
     add_product(1.0, x, ELEMENT_ANSWERS, touch->pull + count, 2 * count, n, right, count);
     add_product(-1.0, y, ELEMENT_ANSWERS, touch->pull, 2 * count, n, right, count);
     const struct {
@@ -356,11 +453,8 @@ static void hold_columns(struct work *work, int n)
         }
     }
     for (int j = 0; j < work->rolls; j++) {
-        const struct touching *each = &work->touching[work->rolling[j]];
         struct column_touch *touch = &columns->touching[work->rolling[j]];
-        for (int axis = 0; axis < 2; axis++)
-            project(run, each->rows + axis * work->stride, to,
-                    &touch->pull[2 * here + axis * count]);
+        project_both(touch, to, count, &touch->pull[2 * here]);
     }
 }
 
@@ -372,7 +466,7 @@ static void force_by_parameter(const struct work *work, const struct parameter *
     const int64_t size = run->size, stride = work->stride;
     const double *y = row_of(work, work->y, n), *v = row_of(work, work->v, n);
     double *forced = columns_of(work)->forced;
-    memset(forced, 0, sizeof(double) * (size_t)stride);
+    clear(forced, stride);
     if (parameter->mass != NULL)
         multiply(parameter->mass, row_of(work, work->acceleration, n), -1.0, size, stride, forced);
     if (parameter->force != NULL && n == 0)
@@ -405,7 +499,7 @@ static void force_by_parameter(const struct work *work, const struct parameter *
 static void integrate(const struct work *work, const double *rates, double *to, int64_t apart,
                       int n)
 {
-    memset(to, 0, sizeof(double) * (size_t)apart);
+    clear(to, apart);
     if (work->moves)
         add_product(1.0 / (n + 1), work->pace, 1, rates, apart, n, to, apart);
     else
@@ -441,22 +535,18 @@ static void accelerate_columns(const struct work *work, int n, double *to)
 {
     const struct system_run *run = work->run;
     const struct columns *columns = columns_of(work);
-    const int64_t apart = run->size * columns->count;
-    const double *y = &columns->y[n * apart], *v = &columns->v[n * apart];
+    const int64_t count = columns->count, apart = run->size * count;
     const int is_turning = run->gyroscopic != NULL && work->has_rate;
-    const double *resistance = run->gyroscopic != NULL && !work->has_rate ? work->both
-                                                                          : run->damping;
-    memset(to, 0, sizeof(double) * (size_t)apart);
-    add_matrix(run, run->stiffness, -1.0, y, to);
-    if (resistance != NULL)
-        add_matrix(run, resistance, -1.0, v, to);
+    clear(to, apart);
+    for (int64_t i = 0; i < run->size; i++)
+        add_sum(&columns->linear[i], &columns->y[n * apart], &to[i * count], count);
     if (is_turning) {
-        memset(columns->row, 0, sizeof(double) * (size_t)apart);
+        clear(columns->row, apart);
         add_product(1.0, work->spin, 1, columns->v, apart, n, columns->row, apart);
         add_matrix(run, run->gyroscopic, -1.0, columns->row, to);
     }
     if (run->stiffness_rate != NULL && work->has_rate)
-        add_matrix(run, run->stiffness_rate, -work->spin_rate[0], y, to);
+        add_matrix(run, run->stiffness_rate, -work->spin_rate[0], &columns->y[n * apart], to);
 }
 
 static void expand_all(struct work *work)
@@ -486,7 +576,7 @@ static void expand_all(struct work *work)
             const struct system_law *law = work->touching[i].law;
             struct column_touch *touch = &columns->touching[i];
             double *race = &touch->race[(n + 1) * count];
-            memset(race, 0, sizeof(double) * (size_t)count);
+            clear(race, count);
             if (law->inverse_race_inertia == 0.0)
                 continue;
             const double share = law->inverse_race_inertia / (n + 1);
@@ -503,12 +593,11 @@ static void expand_all(struct work *work)
 static void read_columns(const struct work *work, const double *series, int64_t apart, double point,
                          double *to)
 {
-    for (int64_t c = 0; c < apart; c += 4) {
-        vec4 sum = load(&series[work->order * apart + c]);
-        for (int n = work->order - 1; n >= 0; n--)
-            sum = fma4(sum, spread(point), load(&series[n * apart + c]));
-        store(&to[c], sum);
-    }
+    double powers[ORDERS] = {1.0};
+    for (int n = 1; n <= work->order; n++)
+        powers[n] = powers[n - 1] * point;
+    clear(to, apart);
+    add_all(1.0, powers, 1, series, apart, work->order + 1, to, apart);
 }
 
 void expand_columns(struct work *work)

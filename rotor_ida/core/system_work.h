@@ -320,6 +320,8 @@ void pass_knots(struct work *work, double point);
 
 /* system_tangent.c: small changes of the motion */
 void open_columns(struct work *work);
+/* Gather what matrices do with them at the speeds of a piece. */
+void begin_column_piece(struct work *work);
 /* Remove the slip from the changes of a start that rolls: a neighbouring start slides at first, and
  * friction stops that at once. */
 void begin_columns(struct work *work);

@@ -22,7 +22,7 @@ from rotor_ida.model.bearing import Bearing, Films
 
 FIRST_ROOM = 256
 NO_FILMS = Films((), np.zeros((0, 2, 0)))
-LANES_A_VECTOR = 4
+LANES_A_VECTOR, COLUMNS_A_VECTOR = 4, 8
 # A skew part of a stiffness below this part of it is rounding.
 SYMMETRIC = 1e-12
 # Numbers of a contact at a sample: normal and tangential force, slip speed, mode.
@@ -457,8 +457,17 @@ class _Tables:
         run.extremum_room = self.room * self.places
 
 
-def _padded_to_vectors(count: int) -> int:
-    return -(-count // LANES_A_VECTOR) * LANES_A_VECTOR
+def _padded(count: int, lanes: int) -> int:
+    return -(-count // lanes) * lanes
+
+
+def _stacked(*tables: Rows) -> Rows:
+    """Return tables of the same type, one below the other.
+
+    Without a place for the result, `numpy.concatenate` compares their types field by field.
+    """
+    stacked = np.empty(sum(map(len, tables)), tables[0].dtype)
+    return np.concatenate(tables, out=stacked)
 
 
 def _skew_part(stiffness: Values) -> Values | None:
@@ -476,7 +485,7 @@ class _Run:
 
     def __init__(self, core: ctypes.CDLL, request: SystemRequest, stop: Stop) -> None:
         self.size, count = len(request.force), len(request.laws)
-        self.stride = _padded_to_vectors(self.size)
+        self.stride = _padded(self.size, LANES_A_VECTOR)
         self.kept: list[npt.NDArray[Any]] = []  # must live as long as the run
         sampled, room = request.times.size, core.core_system_room(self.size, count)
         self.touches, self.opened = np.zeros(count, TOUCH), np.zeros(count, EPISODE)
@@ -486,7 +495,7 @@ class _Run:
         self.samples = np.zeros((sampled, 2, self.stride))
         self.forces, self.turns = np.zeros((sampled, count, FORCES)), np.zeros((sampled, 2))
         self.column_count = 0 if request.columns is None else len(request.columns)
-        beside = _padded_to_vectors(self.column_count)
+        beside = _padded(self.column_count, COLUMNS_A_VECTOR)
         watched = np.empty((0, self.size)) if request.watched is None else request.watched
         self.sample_columns = np.zeros((sampled, len(watched), beside))
         rows, centres = request.places or (np.empty((0, 2, self.size)), np.empty((0, 2)))
@@ -617,6 +626,8 @@ class _Run:
 
     def extrema(self) -> Rows:
         """Return the extrema of the distances of places, with both ends."""
+        if not len(self.places):
+            return self.places["last"]
         ends = np.zeros((2, len(self.places)), EXTREMUM_OF_PLACE)
         ends["place"], ends["distance"] = (
             np.arange(len(self.places)),
@@ -625,7 +636,7 @@ class _Run:
         ends["time"][1] = self.struct.time
         table = self.tables.arrays["extrema"].reshape(-1)[: self.struct.extremum_count]
         last = self.places["last"][self.places["last"]["kind"] != 0]
-        rows = np.concatenate([ends[0], table, last, ends[1]])
+        rows = _stacked(ends[0], table, last, ends[1])
         return rows[np.argsort(rows["place"], kind="stable")]
 
     def result(self, status: int) -> SystemResult:
@@ -644,7 +655,7 @@ class _Run:
             event_rates=held["event_rates"][:events],
             event_states=states.reshape(events, 2, self.stride)[:, :, :size], event_races=races,
             races=self.races,
-            episodes=np.concatenate([held["episodes"][: run.episode_count], lasting]),
+            episodes=_stacked(held["episodes"][: run.episode_count], lasting),
             ledger=ledger, steps=run.steps, turn=(run.angle, run.speed),
             standstill=Standstill(*run.standstill), columns=self.columns.T,
             sample_columns=self.sample_columns[:, :, : self.column_count],

@@ -55,6 +55,8 @@ def nothing_holds(found: Canonical) -> bool:
     Nothing balances a force f along a motion u that neither bends supports, ``u' K = 0``, nor moves
     a contact, ``B u = 0``.
     """
+    if not found.force.any():
+        return False
     left, sizes, _ = np.linalg.svd(found.stiffness)
     free = left[:, sizes <= FREE * sizes.max(initial=0.0)]
     _, strengths, shapes = np.linalg.svd(found.rows.reshape(-1, len(free)) @ free)

@@ -243,14 +243,16 @@ def errors_of_system(
     errors, horizon = np.empty(result.event_times.size), horizon_of(request, result, other)
     sampled = np.flatnonzero(request.times <= other.time)[:: _thinning(request.times)]
     there = np.searchsorted(times, request.times[sampled])
-    for number, law in enumerate(request.laws):
+    for number, law in enumerate(request.laws.view(np.recarray)):
         places, others = (
-            each[:, 0] @ request.rows[number].T - law["offset"]
+            each[:, 0] @ request.rows[number].T - law.offset
             for each in (result.samples[sampled], other.samples[there])
         )
-        separation = _separation(request.times[sampled], places, others, law["clearance"])
+        separation = _separation(request.times[sampled], places, others, law.clearance)
         horizon = min(horizon, separation)
         here, late, partners = _at_contact(result, other, number)
+        if not here.size:
+            continue
         apart = _apart_in_system(request, result, other, number, here, partners, times)
         rates = np.append(other.event_rates, np.inf)[partners]
         errors[here] = _errors(late, apart, rates, WIDENING)

@@ -180,7 +180,10 @@ def run_of_cases(
         moved = (run_to_end(bare(each.request), stop, watch) for each in second)
         return followed, [shifts_of(result, each, len(first.request.laws)) for each in moved]
 
-    followed, shifts = run_with_progress(follow, (2 + len(second)) * course.end, progress)
+    soon = method == "taylor" and backend == "compiled" and _is_short(first.request, fastest)
+    followed, shifts = run_with_progress(
+        follow, (2 + len(second)) * course.end, progress, at_once=soon and not second
+    )
     if whirls and samples is None and (finer := _finer(first, followed.result, times)) is not None:
         times, request = finer, replace(first.request, times=finer)
         result = interruptible(lambda stop: followed_by(request, stop, []))
@@ -220,6 +223,18 @@ def _prepared(
             name="duration", most=longest, fastest=request.fastest, value=course.end,
         )  # fmt: skip
     return _Prepared(assembly, found, begun, request)
+
+
+def _is_short(request: SystemRequest, fastest_speed: float) -> bool:
+    """Return whether a run takes so little time that Ctrl-C may wait for its end."""
+    laws, rows = request.laws, request.rows
+    stiffness = laws["linear"] + laws["hertz"] * np.sqrt(laws["clearance"])
+    squares = stiffness * (rows**2).sum(axis=(1, 2))
+    rate = request.fastest + fastest_speed + math.sqrt(squares.max(initial=0.0))
+    is_driven = request.pieces["inverse_inertia"].any()
+    return not is_driven and (
+        rate * request.duration * request.force.size + request.times.size <= SOON_PASSED
+    )
 
 
 def _witness() -> Callable[..., SystemResult]:

@@ -38,7 +38,7 @@ from rotor_ida.schema import MODE
 from rotor_ida.schema.flags import ROLL
 from rotor_ida.simulation.flow import STEADY, STEADY_TOLERANCES, Piece, Window
 from rotor_ida.simulation.spin import steady
-from rotor_ida.simulation.system_run import request_of, run_to_end
+from rotor_ida.simulation.system_run import ORDERS, request_of, run_to_end
 
 # Runs whose differences stand for derivatives are this far apart, in scaled coordinates: errors of
 # the runs stay far below, and so does the curvature.
@@ -431,10 +431,12 @@ class SystemFlow:
         races = np.zeros(len(self.request.laws))
         motion, end = self.motion_of(state), float(times[-1])
         races[self.problem.with_race] = (state * self.scales)[motion.size :]
+        # of small changes some are as fast as the system itself, and take fewer steps by more terms
+        order = max(ORDERS) if columns is not None else self.request.order
         request = replace(
             self.request, start=motion, races=races[self.request.laws["race"]], times=times,
             duration=end, pieces=steady(self.speed, end).pieces(), only_events=only_events,
-            columns=columns, parameters=parameters, places=places,
+            columns=columns, parameters=parameters, places=places, order=order,
         )  # fmt: skip
         return run_to_end(request, self.stop, self.watch)
 
