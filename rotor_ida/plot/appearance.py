@@ -23,7 +23,7 @@ from matplotlib.transforms import Bbox, ScaledTranslation
 from rotor_ida.arrays import Values
 from rotor_ida.checks import check_count, check_panels
 from rotor_ida.errors import InputError
-from rotor_ida.plot.labels import KIND_WORDS
+from rotor_ida.plot.labels import KIND_WORDS, SEPARATOR, wrapped
 
 # From matplotlib's petroff10, chosen so that the greys differ too.
 BLUE, ORANGE, RED, PURPLE, GREY = "#3f90da", "#e76300", "#bd1f01", "#832db6", "#94a4a2"
@@ -298,11 +298,23 @@ def in_panels(
     for ax in axes[count:]:
         ax.remove()
     words = axes[0].get_xlabel()
+    _share_title(figure, axes[:count])
     shared_legend(figure, axes[:count], outer=shared)
     for ax in axes[max(0, count - columns) : count] if shared else ():
         ax.tick_params(labelbottom=True)
         ax.set_xlabel(words)
     return figure
+
+
+def _share_title(figure: Figure, axes: Sequence[Axes]) -> None:
+    """Put what the titles of all panels say above the figure, and leave the rest to each."""
+    titles = [ax.get_title().replace("\n", SEPARATOR).split(SEPARATOR) for ax in axes]
+    common = [part for part in titles[0] if part and all(part in other for other in titles)]
+    if common:
+        with style():
+            figure.suptitle(wrapped(common), fontsize=10.0)
+            for ax, parts in zip(axes, titles, strict=True):
+                ax.set_title(SEPARATOR.join(part for part in parts if part not in common))
 
 
 def _letter(axes: Sequence[Axes]) -> None:

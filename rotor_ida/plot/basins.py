@@ -11,7 +11,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.axis import Axis
 from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm
 from matplotlib.patches import Patch
 
@@ -20,7 +19,7 @@ from rotor_ida.checks import COMPONENTS, check_choice
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import HERTZ_EXPONENT, contact_force
 from rotor_ida.model.parameters import PARAMETERS
-from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
+from rotor_ida.model.system_parameters import SPEED
 from rotor_ida.plot.appearance import (
     INK,
     KIND_SHADES,
@@ -29,19 +28,23 @@ from rotor_ida.plot.appearance import (
     drawing,
     legend_below,
 )
-from rotor_ida.plot.datasets import check_dataset, clearance_of, parameters_in, table_of
+from rotor_ida.plot.datasets import check_dataset, clearance_of, parameters_in, table_of, units_in
 from rotor_ida.plot.labels import (
     KIND_WORDS,
     LABELS,
     label_axis,
+    label_of,
+    label_parameter,
+    lengths_text,
     number_text,
     speed_text,
     title_of,
     unit_of,
 )
-from rotor_ida.results.si_units import in_rpm
-from rotor_ida.schema import FATE, QUANTITIES, RESPONSE, check_as_computed, flags_of, words_of
+from rotor_ida.results.si_units import dimensionless, is_in_si, scale_of
+from rotor_ida.schema import FATE, QUANTITIES, RESPONSE, flags_of, words_of
 from rotor_ida.signals.nodes import Ring
+from rotor_ida.units import read_in
 
 NEEDED = ("label", "kind", "amplitude", "radius_min", "radius_max", "count")
 OF_CONTACTS = ("speed", "contact_node", "contact_stator", "clearance", "centre_x", "centre_y")
@@ -146,8 +149,7 @@ def plot_basin_fractions(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes
     ]
     alone = ax is None
     with drawing(ax) as ax:
-        _draw_shares(ax, table["omega"].values, shares)
-        ax.set_xlabel(LABELS["omega"])
+        _draw_shares(ax, label_parameter(ax.xaxis, "omega", dataset), shares)
         ax.set_title(title_of("dataset", dataset, ("zeta", "delta0")))
         if alone:
             legend_below(ax)
@@ -230,7 +232,7 @@ def plot_attractors(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     shares = _shares_by_attractor(line)
     alone = ax is None
     with drawing(ax) as ax:
-        places = _label(ax.xaxis, name, dataset)
+        places = label_parameter(ax.xaxis, name, dataset)
         top = _draw_shares(ax, places, shares)
         if (top < 1.0 - ROUNDING).any():
             ax.fill_between(places, top, 1.0, color=UNDECIDED, lw=0.0, label="undecided")
@@ -292,13 +294,14 @@ def plot_attractor_map(dataset: xr.Dataset, *, by: str = "kind", ax: Axes | None
     check_choice("by", by, ("kind", "force", "shock"))
     if by == "shock" and "velocity_shock" not in dataset:
         raise InputError("dataset must have been computed with shocks to be mapped by them")
-    check_as_computed("dataset", dataset)
     varying, plane = _varying_part(dataset, 2, "two parameters to be mapped")
     right, upwards = varying
     alone = ax is None
     with drawing(ax, width=5.0, height=4.4) as ax:
         ax.grid(visible=False)
-        places = _label(ax.xaxis, right, dataset), _label(ax.yaxis, upwards, dataset)
+        places = (
+            label_parameter(ax.xaxis, right, dataset), label_parameter(ax.yaxis, upwards, dataset)
+        )  # fmt: skip
         if by == "kind":
             _colour_by_kind(ax, places, plane)
         else:
@@ -335,17 +338,6 @@ def _varying_part(dataset: xr.Dataset, number: int, what: str) -> tuple[list[str
     return varying, part.transpose(*reversed(varying), ..., "attractor")
 
 
-def _label(axis: Axis, name: str, dataset: xr.Dataset) -> Values:
-    """Label an axis with a parameter, and return its values; speeds of a system in rpm."""
-    turns = in_rpm(dataset[name]) if name == SPEED else None
-    if turns is not None:
-        axis.set_label_text("spin speed [rpm]")
-        return np.asarray(turns)
-    known = PARAMETERS_OF_SYSTEM.get(name) if "contact_node" in dataset.variables else None
-    label_axis(axis, name, dataset[name], words=None if known is None else known.label)
-    return np.asarray(dataset[name].values)
-
-
 def _title_of_part(part: xr.Dataset, varying: Sequence[str]) -> str:
     """Return the parameters that do not vary as a title."""
     if "contact_node" in part.variables:
@@ -375,10 +367,11 @@ def _colour_by_number(ax: Axes, places: tuple[Values, Values], plane: xr.Dataset
     """Colour a plane by the force or the smallest shock of the most frequent attractor."""
     likeliest = plane.isel(attractor=plane["fraction"].fillna(-1.0).argmax("attractor"))
     if by == "force":
-        values, label = _largest_force(likeliest), "largest contact force"
+        shown, words = _largest_force(likeliest), "largest contact force"
     else:
-        values = likeliest["velocity_shock"].min("target").values
-        label = "smallest change of velocity that leaves it"
+        shown = likeliest["velocity_shock"].min("target", keep_attrs=True)
+        words = "smallest change of velocity that leaves it"
+    values = shown.values
     known = np.isfinite(values)
     if not known.all():
         ax.set_facecolor(NOTHING_ELSE)
@@ -389,16 +382,19 @@ def _colour_by_number(ax: Axes, places: tuple[Values, Values], plane: xr.Dataset
         rasterized=True,
     )  # fmt: skip
     if known.any():
-        ax.figure.colorbar(mesh, ax=ax, label=label)
+        ax.figure.colorbar(mesh, ax=ax, label=label_of(by, shown, words=words))
 
 
-def _largest_force(attractors: xr.Dataset) -> Values:
+def _largest_force(attractors: xr.Dataset) -> xr.DataArray:
     """Return the largest contact force of attractors; 0 where there is none."""
     if "largest_force" in attractors:  # of each contact of a rotor system
-        return np.asarray(attractors["largest_force"].max("contact").fillna(0.0).values)
-    exponent = float(attractors.get("contact_exponent", HERTZ_EXPONENT))
-    force = contact_force(attractors["radius_max"], attractors["delta0"], exponent)
-    return np.nan_to_num(force)
+        return attractors["largest_force"].max("contact", keep_attrs=True).fillna(0.0)
+    plain = dimensionless(attractors)
+    exponent = float(plain.get("contact_exponent", HERTZ_EXPONENT))
+    force = np.nan_to_num(contact_force(plain["radius_max"], plain["delta0"], exponent))
+    force = force * scale_of(attractors, "force")
+    unit, parts = read_in("N", [force.max()]) if is_in_si(attractors) else ("1", 1.0)
+    return xr.DataArray(force / parts, attrs={"units": unit})
 
 
 def _directions(label: xr.DataArray) -> tuple[str, str]:
@@ -491,13 +487,16 @@ def _name(attractor: xr.Dataset) -> str:
     kind = KIND_WORDS[word]
     if word == "touching":  # its kind implies its limit
         return kind
-    unit = unit_of(attractor["amplitude"])
+    unit = units_in(attractor["amplitude"])
     low, high = float(attractor["radius_min"]), float(attractor["radius_max"])
     amplitude = float(attractor["amplitude"])
     if math.isnan(high) or high - low <= CONSTANT_RADIUS * high:
         # a circle that does not turn at the spin speed, as dry whip, has another radius
         is_synchronous = not abs(amplitude - high) > CONSTANT_RADIUS * high
         symbol, size = ("A", amplitude) if is_synchronous else ("|z|", high)
-        return f"{kind}, ${symbol} = {number_text(size)}$ {unit}".rstrip()
-    low_text, high_text = number_text(low), number_text(high)
-    return f"{kind}, ${low_text} \\leq |z| \\leq {high_text}$ {unit}".rstrip()
+        (said,), unit = lengths_text(unit, size)
+        return f"{kind}, ${symbol} = {said}$ {unit}".rstrip()
+    (least, most), unit = lengths_text(unit, low, high)
+    if least == most:
+        return f"{kind}, $|z| = {most}$ {unit}".rstrip()
+    return f"{kind}, ${least} \\leq |z| \\leq {most}$ {unit}".rstrip()

@@ -73,9 +73,9 @@ from rotor_ida.plot.labels import (
     in_lines,
     label_axis,
     label_parameter,
-    parameter_text,
     speed_text,
     speeds_in,
+    text_of,
     title_of,
 )
 from rotor_ida.plot.motion import WAYS, draw_motion
@@ -682,7 +682,7 @@ def _held_text(curve: xr.Dataset, values: Mapping[str, float]) -> str:
     """Return what is the same along a curve: parameters of one disc, or the speed of a system."""
     if "contact" in curve.dims:
         return speed_text(curve[SPEED]) if SPEED in values else ""
-    return parameter_text(values)
+    return text_of(curve, values)
 
 
 def _kind_of_curve(curve: xr.Dataset) -> str:

@@ -21,6 +21,7 @@ from rotor_ida.plot.appearance import (
     DASHES,
     GREY,
     INK,
+    KIND_SHADES,
     LEAST_SPAN,
     ORANGE,
     PURPLE,
@@ -38,14 +39,17 @@ from rotor_ida.plot.datasets import (
     check_dataset,
     check_same_parameters,
     check_same_units,
+    clearances_in,
     drawn_over,
     is_centred,
     is_of_disc,
+    is_of_kind,
     one_value,
     rings_about,
     units_in,
 )
 from rotor_ida.plot.labels import (
+    KIND_WORDS,
     SEPARATOR,
     in_lines,
     label_axis,
@@ -53,15 +57,13 @@ from rotor_ida.plot.labels import (
     label_parameter,
     text_of,
     title_of,
-    unit_of,
 )
-from rotor_ida.plot.responses import plot_amplitude
-from rotor_ida.results.archived_system import clearance_of_contacts
+from rotor_ida.plot.responses import below_outliers, mark_beyond, plot_amplitude
 from rotor_ida.results.rows import own_rows
 from rotor_ida.results.si_units import scale_of
-from rotor_ida.schema import flags_of
+from rotor_ida.schema import words_of
 from rotor_ida.texts import in_figure
-from rotor_ida.units import number, with_error
+from rotor_ida.units import with_error
 
 # Parts of a bifurcation diagram.
 FREE = "extremum, free or unresolved"
@@ -77,7 +79,7 @@ HEADROOM = 1.06
 WITH_EXTREMA = ("response", "extremum_count", "extremum_radius", "extremum_kind")
 OF_SYSTEM = ("speed", "node", "contact_node")
 # States once a revolution, by the direction of a sweep.
-WAYS = {0: ("once a revolution", BLUE), 1: ("going up", BLUE), -1: ("going down", ORANGE)}
+WAYS = {1: ("going up", BLUE), -1: ("going down", ORANGE)}
 UNRESOLVED = "unresolved"
 # Size of the points going up over that of those going down, which may lie on them.
 BENEATH = 1.5
@@ -155,7 +157,7 @@ def plot_extrema(
             chosen = of_kind & within
             if not chosen.any():
                 continue
-            steady = words == EXTREMA["constant"][0]
+            steady = words.startswith(EXTREMA["constant"][0])
             face = "none" if steady else colour
             ax.plot(
                 extrema.across[chosen], extrema.radius[chosen], ls="", marker="o",
@@ -170,7 +172,8 @@ def plot_extrema(
         highest = [extrema.radius[within].max(initial=0.0), *(gap.max() for gap in gaps)]
         highest += [] if exact is None else [min(float(exact["amplitude"].max()), limit)]
         ax.set_ylim(bottom=min(0.0, ax.get_ylim()[0]), top=HEADROOM * max(highest))
-        _mark_beyond(ax, extrema, ~within, found["extremum_radius"])
+        mark_beyond(ax, extrema.across[~within], extrema.radius[~within],
+                    found["extremum_radius"], "beyond the model", INK)  # fmt: skip
         ax.set_title(_title(found, held))
         own_legend(ax)
     return ax
@@ -212,10 +215,10 @@ def _on_curve(found: xr.Dataset, exact: xr.Dataset) -> xr.Dataset:
 
 def _clearances(found: xr.Dataset) -> list[Values]:
     """Return the clearances of the contacts that are shown: numbers, or along the axis."""
+    gaps = clearances_in(found)
     if is_of_disc(found):
-        return [np.asarray(found["delta0"].values, float) * scale_of(found, "length")]
-    node, gaps = str(found["node"].values), clearance_of_contacts(found)
-    here = np.flatnonzero(found["contact_node"].values == node).tolist()
+        return [np.asarray(gaps.values, float)]
+    here = np.flatnonzero(found["contact_node"].values == str(found["node"].values)).tolist()
     return [np.atleast_1d(gaps.isel(contact=number).squeeze().values) for number in here]
 
 
@@ -228,18 +231,6 @@ def _limit_of_model(found: xr.Dataset) -> float:
         radius = float(np.max(found["disc_radius"].values)) * scale_of(found, "length")
         depths.append(SMALL_INDENTATION * radius)
     return max(float(gap.max()) for gap in gaps) + min(depths) if depths else math.inf
-
-
-def _mark_beyond(
-    ax: Axes, extrema: _Extrema, beyond: npt.NDArray[np.bool_], radius: xr.DataArray
-) -> None:
-    """Mark extrema beyond the model at the upper edge, and tell the largest."""
-    if beyond.any():
-        largest = f"{number(extrema.radius[beyond].max(), 3)} {unit_of(radius)}".rstrip()
-        across = np.unique(extrema.across[beyond])
-        draw_marks(ax, across, np.full(across.size, 0.985 * ax.get_ylim()[1]), "^", INK, size=3.4,
-                   face="white", edge=0.7, label=f"beyond the model, up to {largest}",
-                   level=3.2)  # fmt: skip
 
 
 def _title(found: xr.Dataset, held: Mapping[str, float], words: str = "") -> str:
@@ -259,26 +250,17 @@ def _extrema_of(found: xr.Dataset, over: xr.DataArray) -> _Extrema:
     )
     if over.name == "omega" and "extremum_speed" in found.variables:
         across = found["extremum_speed"].values / scale_of(found, "speed")
+    response = found["extremum_kind"].copy(data=response).assign_attrs(found["response"].attrs)
+    of_kind = {kind: is_of_kind(found["extremum_kind"], [kind]).values for kind in EXTREMA}
     # the extrema of an unresolved motion may not last
-    free = _is_of(response, found["response"], FREE_KINDS)
-    of_kind = {
-        kind: _is_of(found["extremum_kind"].values, found["extremum_kind"], (kind,))
-        for kind in EXTREMA
-    }
-    swinging = free & ~of_kind["constant"]
-    groups = {
-        words: (colour, of_kind[kind] & ~swinging) for kind, (words, colour) in EXTREMA.items()
-    }
+    swinging = is_of_kind(response, FREE_KINDS).values & ~of_kind["constant"]
+    groups = {}
+    for kind, (words, colour) in EXTREMA.items():
+        chosen = of_kind[kind] & ~swinging
+        seen = ", ".join(KIND_WORDS[each] for each in dict.fromkeys(words_of(response[chosen])))
+        groups[f"{words}: {seen}"] = colour, chosen
     groups[FREE] = (GREY, swinging)
     return _Extrema(across, found["extremum_radius"].values, groups)
-
-
-def _is_of(
-    numbers: Values, variable: xr.DataArray, kinds: tuple[str, ...]
-) -> npt.NDArray[np.bool_]:
-    """Return a mask of the flags that are of some kinds."""
-    flags = flags_of(variable)
-    return np.isin(numbers, [flags[kind] for kind in kinds if kind in flags])
 
 
 def plot_strobes(
@@ -312,29 +294,36 @@ def plot_strobes(
     'once a revolution'
     """
     name = f"rotating_{check_choice('axis', axis, ('x', 'y'))}"
-    found = _checked(found, node, ("response", name))
+    found = _checked(found, node, ("response", *STATES[:2]))
     over, held = drawn_over("found", found)
-    ways = found["direction"].values.ravel().tolist() if "direction" in found.variables else [0]
+    ways = found["direction"].values.ravel().tolist() if "direction" in found.variables else []
     with drawing(ax) as ax:
         places = found[over].copy(data=label_parameter(ax.xaxis, over, found))
         places, values, response = xr.broadcast(places, found[name], found["response"])
         size = 2.6 if values.size < FEW_EXTREMA else 1.2
-        edge = BENEATH if len(ways) > 1 else 1.0
-        unresolved = _is_of(response.values, found["response"], (UNRESOLVED,))
-        groups = [(UNRESOLVED, GREY, unresolved)]
-        for way in ways:
-            here = xr.full_like(response, True, bool)
-            if len(ways) > 1:
-                here = xr.broadcast(found["direction"] == way, response)[0]
-            groups.append((*WAYS[way], here.transpose(*response.dims).values & ~unresolved))
-        for words, colour, chosen in groups:
+        unresolved = is_of_kind(response, [UNRESOLVED])
+        groups = [(UNRESOLVED, GREY, unresolved, size)]
+        for way in ways if len(ways) > 1 else ():
+            # what goes down lies on what goes up, and would hide it
+            wide = BENEATH * size if way > 0 else size
+            groups.append((*WAYS[way], (found["direction"] == way) & ~unresolved, wide))
+        for kind, (shade, *_) in KIND_SHADES.items() if len(ways) < 2 else ():
+            groups.append((KIND_WORDS[kind], shade, is_of_kind(response, [kind]), size))
+        for words, colour, of_group, width in groups:
+            chosen = of_group.broadcast_like(response).transpose(*response.dims).values
             if chosen.any():
-                larger = edge if words == WAYS[1][0] else 1.0  # what lies on it hides it otherwise
                 ax.plot(places.values[chosen], values.values[chosen], ls="", marker="o",
-                        ms=larger * size, mec="none", mfc=colour, rasterized=True)  # fmt: skip
-                if len(ways) > 1 or words == UNRESOLVED:
-                    draw_marks(ax, [], [], "o", colour, size=3.4, label=words)
+                        ms=width, mec="none", mfc=colour, rasterized=True)  # fmt: skip
+                draw_marks(ax, [], [], "o", colour, size=3.4, label=words)
         label_axis(ax.yaxis, name, found[name])
+        radius = np.hypot(found["rotating_x"], found["rotating_y"])
+        radius = radius.transpose(*values.dims, missing_dims="ignore").values
+        reach = max((float(gap.max()) for gap in _clearances(found)), default=0.0)
+        highest = below_outliers(reach, radius)
+        beyond = radius > highest
+        if beyond.any():
+            ax.set_ylim(-HEADROOM * highest, HEADROOM * highest)
+            mark_beyond(ax, places.values[beyond], radius[beyond], found[name], "radius", INK)
         phase = float(found.attrs.get("phase", 0.0))
         words = f"unbalance at {math.degrees(phase):.4g}°" if phase else "once a revolution"
         ax.set_title(_title(found, held, words))

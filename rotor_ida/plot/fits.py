@@ -73,29 +73,25 @@ def fit_figure(dataset: xr.Dataset, *, order: float = 1.0) -> Figure:
     rows = 4 if "measured_time" in dataset.variables else 3
     nodes = _nodes_of(dataset)
     with style():
-        figure = new_figure(max(6.0, 3.6 * len(nodes)), 1.4 + 1.55 * rows)
+        figure = new_figure(max(6.0, 3.6 * len(nodes)), 1.8 + 1.7 * rows)
         grid = figure.add_gridspec(rows, len(nodes), height_ratios=[1.6, 1.2, 1.0, 1.0][:rows])
-    for column, node in enumerate(nodes):
-        axes = [figure.add_subplot(grid[0, column])]
-        axes += [figure.add_subplot(grid[row, column], sharex=axes[0]) for row in (1, 2)]
-        plot_fit(dataset, order=order, node=node, axes=axes[:2])
-        plot_fit_residuals(dataset, order=order, node=node, ax=axes[2])
-        for ax in axes[:2]:
-            ax.tick_params(labelbottom=False)
-            ax.set_xlabel("")
-        for ax in axes if column else []:
-            ax.set_ylabel("")
-        if len(nodes) > 1:
-            with style():
+        for column, node in enumerate(nodes):
+            axes = [figure.add_subplot(grid[0, column])]
+            axes += [figure.add_subplot(grid[row, column], sharex=axes[0]) for row in (1, 2)]
+            plot_fit(dataset, order=order, node=node, axes=axes[:2])
+            plot_fit_residuals(dataset, order=order, node=node, ax=axes[2])
+            for ax in axes[:2]:
+                ax.tick_params(labelbottom=False)
+                ax.set_xlabel("")
+            for ax in axes:
+                # in two lines, as the panels are low
+                ax.set_ylabel("" if column else ax.get_ylabel().replace(", ", ",\n"))
+            if len(nodes) > 1:
                 axes[0].set_title(in_figure(str(node)), fontsize=9.0)
-    if rows > 3:
-        _plot_touches(dataset, figure.add_subplot(grid[3, :]))
-    with style():
-        words = _estimates_in_words(dataset)
-        if len(nodes) > 1:
-            figure.suptitle(words, fontsize=9.0, x=0.01, ha="left")
-        else:
-            figure.axes[0].set_title(words, fontsize=9.0, loc="left")
+        if rows > 3:
+            _plot_touches(dataset, figure.add_subplot(grid[3, :]))
+        figure.suptitle(_estimates_in_words(dataset), fontsize=9.0)
+        figure.align_ylabels()
     return figure
 
 

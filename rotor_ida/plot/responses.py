@@ -47,20 +47,23 @@ from rotor_ida.plot.datasets import (
     check_dataset,
     check_same_parameters,
     check_same_units,
+    clearances_in,
     contact_text,
     drawn_over,
     is_of_disc,
+    is_of_kind,
     one_value,
+    units_in,
 )
 from rotor_ida.plot.labels import (
     KIND_WORDS,
     in_lines,
     label_axis,
     label_parameter,
+    lengths_text,
     speeds_in,
     text_of,
 )
-from rotor_ida.results.archived_system import clearance_of_contacts
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import SPECIAL, flags_of
 from rotor_ida.texts import in_figure
@@ -120,6 +123,9 @@ KINDS = {
     "chaotic": _Look(_SHADE["chaotic"], True, True, DOTS),
     "unresolved": _Look(GREY, False, True, DOTS),
 }
+RANGES = [kind for kind, drawn in KINDS.items() if drawn.is_range]
+# Responses larger than all below them by this factor do not set the scale.
+FAR = 5.0
 # Whirls of constant amplitude, whose distance from the centre may vary by this part of it.
 STEADY, ASIDE = ("synchronous", "contact_free"), 1e-2
 DIRECTIONS = {0: ("o", 4.2), 1: ("^", 3.4), -1: ("v", 3.4)}
@@ -225,23 +231,21 @@ def _plot(
     """Draw amplitude or phase of results over the parameter that varies."""
     found, axis = _checked(quantity, given, contact)
     shown = next(iter(found.values()))
-    simulated, of_disc = found.get("simulated"), is_of_disc(shown)
-    with drawing(ax) as ax:
+    simulated, reach = found.get("simulated"), _reach(found)
+    with drawing(ax, width=5.6, height=4.2) as ax:
         label_parameter(ax.xaxis, axis.over, shown)
         aside = quantity == "amplitude" and simulated is not None and _lies_aside(simulated)
         label_axis(ax.yaxis, "radius" if aside else quantity, shown[quantity])
-        if not of_disc and quantity == "amplitude":
+        if quantity == "amplitude":
             draw_clearance(ax, found.get("simulated", shown), over=axis.over)
         for name in ("exact", "whirls"):
             if name in found:
                 _draw_whirls(ax, found[name], axis.over, quantity, given=name == "whirls")
         _draw_specials(ax, found, quantity, axis)
         if simulated is not None:
-            _draw_simulated(ax, simulated, quantity, axis.over, as_ranges=aside)
-        if of_disc and axis.over == "omega":
-            ax.set_xlim(0.0, 1.02 * float(shown["omega"].max()))
+            _draw_simulated(ax, simulated, quantity, axis.over, reach[1], as_ranges=aside)
         if quantity == "amplitude":
-            raise_limit(ax, *_reach(found))
+            raise_limit(ax, *reach)
         else:
             ax.set_ylim(0.0, 1.06 * math.pi)
             ax.set_yticks([0.0, 0.5 * math.pi, math.pi], ["0", r"$\pi/2$", r"$\pi$"])
@@ -297,15 +301,34 @@ def _check_parameters(name: str, dataset: xr.Dataset, axis: _Axis) -> None:
 
 
 def _reach(found: Mapping[str, xr.Dataset]) -> tuple[float, float]:
-    """Return the smallest and largest amplitude or radius, with the clearance of a system."""
+    """Return the smallest and largest amplitude, radius or clearance that an axis shows."""
+    simulated = found.get("simulated")
     shown = [found[name]["amplitude"] for name in ("exact", "whirls") if name in found]
-    first = next(iter(found.values()))
-    if "simulated" in found:
-        shown += [found["simulated"][name] for name in ("amplitude", "radius_min", "radius_max")]
-    shown += [] if is_of_disc(first) else [clearance_of_contacts(found.get("simulated", first))]
-    values = np.concatenate([each.values.ravel() for each in shown])
-    highest = float(np.nanmax(values, initial=0.0)) or 1.0
-    return float(np.nanmin(values, initial=highest)), highest
+    shown.append(clearances_in(next(iter(found.values())) if simulated is None else simulated))
+    lowest, heights = list(shown), np.empty(0)
+    if simulated is not None:
+        is_range = is_of_kind(simulated["response"], RANGES)
+        shown += [simulated[name].where(~is_range) for name in ("amplitude", "radius_max")]
+        lowest += [simulated[name] for name in ("amplitude", "radius_min")]
+        heights = simulated["radius_max"].values
+    highest = below_outliers(max(float(each.max()) for each in shown), heights) or 1.0
+    return float(np.nanmin([each.min() for each in lowest])), highest
+
+
+def below_outliers(reference: float, heights: Values) -> float:
+    """Return the largest height that is not larger by a factor than all below, and a reference.
+
+    Where all are, as in a sweep of dry whip alone, they set the scale.
+
+    Examples
+    --------
+    >>> below_outliers(1.0, np.array([0.5, 3.0, 90.0, 99.0])), below_outliers(1.0, np.array([90.0]))
+    (3.0, 90.0)
+    """
+    rising = np.sort(heights[np.isfinite(heights)])
+    below = np.maximum(np.append(0.0, rising[:-1]), reference)
+    last = [*np.flatnonzero(rising > FAR * below), rising.size][0]
+    return max(reference, float(rising[(last or rising.size) - 1])) if rising.size else reference
 
 
 def _title(shown: xr.Dataset, axis: _Axis, has_curve: bool) -> str:
@@ -321,12 +344,25 @@ def _title(shown: xr.Dataset, axis: _Axis, has_curve: bool) -> str:
 
 
 def draw_clearance(ax: Axes, part: xr.Dataset, *, over: str = SPEED) -> None:
-    """Draw the clearance of a contact over a parameter."""
+    """Draw the clearance of a contact over a parameter, unless it is 0."""
     line: Any = {"color": GREY, "lw": 0.9, "ls": "--", "zorder": 1.5, "label": "clearance"}
+    gaps = clearances_in(part).values
     if over in ("clearance", "delta0"):
-        ax.plot(part[over].values, clearance_of_contacts(part).values, **line)
-    else:
-        ax.axhline(clearance_of_contacts(part).item(), **line)
+        ax.plot(part[over].values.ravel(), gaps.ravel(), **line)
+    elif gaps.item() > 0.0:
+        ax.axhline(gaps.item(), **line)
+
+
+def mark_beyond(
+    ax: Axes, across: Values, heights: Values, variable: xr.DataArray, words: str, colour: str
+) -> None:
+    """Mark at the upper edge what lies above it, and tell how far."""
+    if across.size:
+        (least, most), unit = lengths_text(units_in(variable), heights.min(), heights.max())
+        told = " to ".join(dict.fromkeys([least, most]))
+        ax.plot(across, np.full(across.size, 0.985), ls="", marker="^", ms=3.6, mec=colour,
+                mfc="white", mew=0.8, label=f"{words}: off the axis, {told} {unit}".rstrip(),
+                zorder=3.3, transform=ax.get_xaxis_transform())  # fmt: skip
 
 
 def _draw_whirls(ax: Axes, whirls: xr.Dataset, over: str, quantity: str, *, given: bool) -> None:
@@ -428,27 +464,30 @@ def _lies_aside(simulated: xr.Dataset) -> bool:
 
     Then their amplitude is no distance from the centre, which is that of all other responses.
     """
-    flags = flags_of(simulated["response"])
-    whirls = simulated["response"].isin([flags[kind] for kind in STEADY if kind in flags])
     apart = simulated["radius_max"] - simulated["radius_min"] > ASIDE * simulated["radius_max"]
-    return bool((whirls & apart).any())
+    return bool((is_of_kind(simulated["response"], STEADY) & apart).any())
 
 
 def _draw_simulated(
-    ax: Axes, simulated: xr.Dataset, quantity: str, over: str, *, as_ranges: bool
+    ax: Axes, simulated: xr.Dataset, quantity: str, over: str, highest: float, *, as_ranges: bool
 ) -> None:
     """Draw the responses of a sweep: marks where a curve can show them, bars where it cannot."""
     if over == SPEED:
         simulated = simulated.assign_coords({over: speeds_in(simulated[over])})
     for kind, drawn, points in _of_each_kind(simulated, (over, *SIMULATED[1:])):
         if as_ranges or (drawn.is_range and quantity == "amplitude"):
-            ax.vlines(
-                points[over], points["radius_min"], points["radius_max"], color=drawn.colour,
-                lw=1.8 if drawn.filled else 0.9, ls=drawn.dashes, zorder=3.0,
-                label=f"{KIND_WORDS[kind]}: range of $|z|$",
-            )  # fmt: skip
-            for end in ("radius_min", "radius_max"):
-                _draw_by_direction(ax, drawn, points, over, points[end], 0.75)
+            ends = points["radius_min"], points["radius_max"]
+            within = ends[1] <= highest
+            mark_beyond(ax, points[over][~within], ends[1][~within], simulated["radius_max"],
+                        KIND_WORDS[kind], drawn.colour)  # fmt: skip
+            if within.any():
+                ax.vlines(
+                    points[over][within], *(end[within] for end in ends), color=drawn.colour,
+                    lw=1.8 if drawn.filled else 0.9, ls=drawn.dashes, zorder=3.0,
+                    label=f"{KIND_WORDS[kind]}: range of $|z|$",
+                )  # fmt: skip
+            for end in ends:
+                _draw_by_direction(ax, drawn, points, over, np.where(within, end, np.nan), 0.75)
             continue
         _draw_by_direction(ax, drawn, points, over, points[quantity], 1.0)
         draw_marks(ax, [], [], "s", drawn.colour, size=4.5, face=drawn.face, edge=0.9,

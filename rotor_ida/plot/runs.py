@@ -91,6 +91,8 @@ MOST_CONTACTS = 5
 # at least this fraction of a uniform change.
 PARTS, LEAST_CHANGE = 20, 0.05
 TALL, ORBIT = 1.65, 2.7
+# A radius of more clearances than this is drawn on a logarithmic scale.
+FAR = 20.0
 
 
 def plot_run(run: xr.Dataset, *, node: str | None = None) -> Figure:
@@ -561,7 +563,12 @@ def _draw_radii(ax: Axes, run: xr.Dataset, places: Sequence[Place], course: Cour
         if place.clearance > 0.0:
             ax.axhline(place.clearance / part, color=INK, lw=0.8, ls=DASHES, label="clearance",
                        zorder=2.6)  # fmt: skip
-    ax.set_ylim(bottom=0.0)
+    clearance = 1.0 if len(places) > 1 else places[0].clearance
+    if 0.0 < FAR * clearance < ax.dataLim.y1:  # as in dry whip, beside which nothing else is seen
+        ax.set_yscale("log")
+        ax.set_ylim(bottom=clearance / FAR)
+    else:
+        ax.set_ylim(bottom=0.0)
     if len(places) > 1:
         ax.set_ylabel("radius over clearance")
         return

@@ -43,6 +43,7 @@ from rotor_ida.plot.labels import (
     SEPARATOR,
     label_axis,
     label_parameter,
+    lengths_text,
     number_text,
     speed_text,
     speeds_in,
@@ -54,7 +55,7 @@ from rotor_ida.plot.responses import LINES
 from rotor_ida.results.run import check_system_run, nodes_in
 from rotor_ida.schema import MODE, WHIRL_DIRECTION, flags_of, words_of
 from rotor_ida.texts import in_figure
-from rotor_ida.units import number
+from rotor_ida.units import number, quantity
 
 WHIRLS = ("speed", "amplitude", "node_amplitude", "stability", "in_contact", "clearance", "node",
           "node_phase_lag", "contact_stator")  # fmt: skip
@@ -320,11 +321,12 @@ def _handles(senses: Values, springs: Values, unit: str) -> list[Line2D]:
         for word, (colour, mark) in SENSES.items() if (senses == WHIRL_DIRECTION[word]).any()
     ]  # fmt: skip
     if springs.size > 1:
-        written = " N/m" if unit == "N m-1" else ""
+        written = "N/m" if unit == "N m-1" else "1"
         handles += [
             Line2D([], [], ls="", marker="s", color=INK, alpha=float(faint),
-                   label=f"contacts {spring:.3g}{written}")
-            for spring, faint in zip(springs, np.linspace(1.0, 0.35, springs.size), strict=True)
+                   label=f"contacts {quantity(spring, written, 3)}")
+            for spring, faint in zip(
+                springs.tolist(), np.linspace(1.0, 0.35, springs.size), strict=True)
         ]  # fmt: skip
     return handles
 
@@ -426,7 +428,7 @@ def plot_backward_whirl(whirls: xr.Dataset, *, ax: Axes | None = None) -> Axes:
 
 def _draw_circles(ax: Axes, whirls: xr.Dataset, clearance: float, largest: float) -> None:
     """Draw the clearance and the circles of the whirls as far as the largest radius."""
-    length = unit_of(whirls["amplitude"])
+    length = units_in(whirls["amplitude"])
     rate = unit_of(whirls["whirl_speed"]).replace("1/s", "rad/s")
     draw_ring(ax, clearance)
     for radius, speed, kind, stability in zip(
@@ -435,7 +437,8 @@ def _draw_circles(ax: Axes, whirls: xr.Dataset, clearance: float, largest: float
     ):  # fmt: skip
         if math.isfinite(radius):
             colour, dashes, words, angle = LOOKS[kind]
-            size = f"{number_text(radius, '.4g')}$ {length}".rstrip()
+            (said,), unit = lengths_text(length, radius)
+            size = f"{said}$ {unit}".rstrip()
             turns = f"{number_text(speed, '.4g')}$ {rate}".rstrip()
             ax.plot(*circle(radius), color=colour, ls=dashes, lw=1.4,
                     label=rf"{words}: {stability}, $|z| = {size}, $\Omega = {turns}")  # fmt: skip

@@ -65,7 +65,7 @@ def changed(name, place, value):
     ("change", "first"),
     [
         (changed("label", 3, 0), ["synchronous response, $A = 1.88$"]),
-        (changed("radius_min", 0, 1.0), [r"synchronous response, $1.00 \leq |z| \leq 1.88$"]),
+        (changed("radius_min", 0, 1.0), [r"synchronous response, $1 \leq |z| \leq 1.88$"]),
         (changed("count", 0, 0), ["synchronous response, $A = 9.49$"]),
         # the radius of dry whip is not its part at the spin speed
         (changed("amplitude", 0, 0.3), ["synchronous response, $|z| = 1.88$"]),

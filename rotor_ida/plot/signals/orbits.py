@@ -26,7 +26,7 @@ from rotor_ida.plot.appearance import (
 )
 from rotor_ida.plot.datasets import check_dataset, clearance_of
 from rotor_ida.plot.decimation import draw_path, kept_in_columns, thinned
-from rotor_ida.plot.labels import label_axis, label_of, title_of
+from rotor_ida.plot.labels import label_axis, label_of, lengths_text, title_of
 from rotor_ida.plot.motion import NEEDED, draw_orbit, place_of_disc, shade_contacts
 from rotor_ida.plot.signals.beneath import Beneath
 from rotor_ida.plot.signals.exact_motion import (
@@ -39,7 +39,7 @@ from rotor_ida.plot.signals.exact_motion import (
 )
 from rotor_ida.plot.signals.orders import tracks_of
 from rotor_ida.plot.signals.speeds import mark_speeds, title_of_signals
-from rotor_ida.plot.signals.units import is_one_speed, length_text, units_of
+from rotor_ida.plot.signals.units import is_one_speed, units_of
 from rotor_ida.results.run import check_columns, samples_in
 from rotor_ida.schema import flags_of
 from rotor_ida.signals.record import Record, mean_of, record_of
@@ -297,7 +297,8 @@ def _draw_exact_orbits(
         radius = float(np.hypot(x, y).max())
         if radius > FAR * extent > 0.0:
             x, y = np.empty(0), np.empty(0)
-            words = f"{words}, outside:\nradius {length_text(radius, str(given['x'].units))}"
+            (size,), unit = lengths_text(str(given["x"].units), radius)
+            words = f"{words}, outside:\nradius {size} {unit}".rstrip()
         width = 2.6 if orbit.x.size < MANY_POINTS else 0.6
         ax.plot(x, y, color=orbit.colour, ls=orbit.dashes, lw=width, alpha=0.5, label=words,
                 zorder=1.9)  # fmt: skip

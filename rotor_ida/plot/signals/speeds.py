@@ -13,8 +13,8 @@ from matplotlib.ticker import MaxNLocator
 from rotor_ida.arrays import Values
 from rotor_ida.plot.appearance import BLUE, GOING_DOWN, GOING_UP, INK, ORANGE, draw_marks
 from rotor_ida.plot.datasets import parameters_in
-from rotor_ida.plot.labels import SEPARATOR, in_lines, text_of, title_of
-from rotor_ida.plot.signals.units import is_one_speed, length_text
+from rotor_ida.plot.labels import SEPARATOR, in_lines, lengths_text, text_of, title_of
+from rotor_ida.plot.signals.units import is_one_speed
 from rotor_ida.signals.record import MEAN
 from rotor_ida.texts import brief
 from rotor_ida.units import SPEED_UNITS, quantity
@@ -58,8 +58,8 @@ def title_of_signals(dataset: xr.Dataset, speeds: xr.DataArray, *, zero: bool = 
         lines += [told] if len(told) <= LONGEST else [SEPARATOR.join(parts[:-1]), parts[-1]]
     if zero and set(MEAN) <= set(dataset.variables):
         unit = str(dataset[MEAN[0]].attrs.get("units", "1"))
-        x, y = (length_text(float(dataset[name]), unit) for name in MEAN)
-        lines.append(f"mean position subtracted: $x$ {x}, $y$ {y}")
+        (x, y), shown = lengths_text(unit, *(float(dataset[name]) for name in MEAN))
+        lines.append(f"mean position subtracted: $x = {x}$, $y = {y}$ {shown}".rstrip())
     elif zero and dataset.attrs.get("gap", "0") != "0":
         gap = str(dataset.attrs["gap"]).replace("-", "\N{MINUS SIGN}")
         lines.append(f"displacements from the gap of {gap}")
