@@ -20,14 +20,8 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.contact import HERTZ_EXPONENT, contact_force
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.model.system_parameters import SPEED
-from rotor_ida.plot.appearance import (
-    INK,
-    KIND_SHADES,
-    circle,
-    draw_ring,
-    drawing,
-    legend_below,
-)
+from rotor_ida.plot import palette
+from rotor_ida.plot.appearance import circle, draw_ring, drawing
 from rotor_ida.plot.datasets import check_dataset, clearance_of, parameters_in, table_of, units_in
 from rotor_ida.plot.labels import (
     KIND_WORDS,
@@ -41,6 +35,7 @@ from rotor_ida.plot.labels import (
     title_of,
     unit_of,
 )
+from rotor_ida.plot.legends import legend_below
 from rotor_ida.results.si_units import dimensionless, is_in_si, scale_of
 from rotor_ida.schema import FATE, QUANTITIES, RESPONSE, flags_of, words_of
 from rotor_ida.signals.nodes import Ring
@@ -48,7 +43,7 @@ from rotor_ida.units import read_in
 
 NEEDED = ("label", "kind", "amplitude", "radius_min", "radius_max", "count")
 OF_CONTACTS = ("speed", "contact_node", "contact_stator", "clearance", "centre_x", "centre_y")
-UNDECIDED, NOT_COMPUTED = INK, "white"
+UNDECIDED, NOT_COMPUTED = palette.INK, "white"
 NOTHING_ELSE = "#d5e8d4"
 FATE_WORDS = {"undecided": "undecided", "not_computed": "not computed"}
 CONSTANT_RADIUS = 1e-3
@@ -96,14 +91,11 @@ def plot_basin(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         label_axis(ax.yaxis, vertical, dataset[vertical])
         ax.grid(visible=False)
         ax.pcolormesh(
-            dataset[horizontal].values,
-            dataset[vertical].values,
-            label.transpose(vertical, horizontal).values,
-            cmap=ListedColormap(colours),
+            dataset[horizontal].values, dataset[vertical].values,
+            label.transpose(vertical, horizontal).values, cmap=ListedColormap(colours),
             norm=BoundaryNorm(np.arange(FATE["not_computed"], count + 1) - 0.5, len(colours)),
-            shading="nearest",
-            rasterized=True,
-        )
+            shading="nearest", rasterized=True,
+        )  # fmt: skip
         if QUANTITIES[horizontal].scale == QUANTITIES[vertical].scale:
             ax.set_aspect("equal")
         else:
@@ -145,7 +137,7 @@ def plot_basin_fractions(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes
     numbers = table["response"].values
     shares = [
         (table.values[:, numbers == RESPONSE[kind]].sum(axis=1), colour, KIND_WORDS[kind])
-        for kind, (colour, *_) in KIND_SHADES.items()
+        for kind, (colour, *_) in palette.KIND_SHADES.items()
     ]
     alone = ax is None
     with drawing(ax) as ax:
@@ -190,7 +182,7 @@ def plot_attractor_fractions(dataset: xr.Dataset, *, ax: Axes | None = None) -> 
     with drawing(ax, width=6.4, height=1.4 + 0.3 * len(rows)) as ax:
         for place, (_, share, error, colour) in enumerate(rows):
             ax.barh(place, share, xerr=error or None, color=colour, height=0.7,
-                    error_kw={"lw": 0.9, "capsize": 2.5, "ecolor": INK})  # fmt: skip
+                    error_kw={"lw": 0.9, "capsize": 2.5, "ecolor": palette.INK})  # fmt: skip
         ax.set_yticks(range(len(rows)), [name for name, *_ in rows])
         ax.grid(visible=False, axis="y")
         ax.set_xlim(0.0, 1.0)
@@ -253,7 +245,7 @@ def _shares_by_attractor(line: xr.Dataset) -> list[tuple[Values, str, str]]:
             found.setdefault(kind, []).append(np.nan_to_num(own["fraction"].values))
     shares = []
     for kind, members in found.items():
-        shades, words = KIND_SHADES[kind], KIND_WORDS[kind]
+        shades, words = palette.KIND_SHADES[kind], KIND_WORDS[kind]
         for number, share in enumerate(members):
             last = min(number, len(shades) - 1)
             is_shared = len(members) > len(shades) and last == len(shades) - 1
@@ -350,15 +342,15 @@ def _colour_by_kind(ax: Axes, places: tuple[Values, Values], plane: xr.Dataset) 
     flags = flags_of(plane["kind"])
     shares = [
         plane["fraction"].where(plane["kind"] == flags[kind], 0.0).sum("attractor").values
-        for kind in KIND_SHADES
+        for kind in palette.KIND_SHADES
     ]
     numbers = np.argmax(shares, axis=0)
-    shades = [family[0] for family in KIND_SHADES.values()]
+    shades = [family[0] for family in palette.KIND_SHADES.values()]
     ax.pcolormesh(
         *places, numbers, cmap=ListedColormap(shades), vmin=-0.5, vmax=len(shades) - 0.5,
         shading="nearest", rasterized=True,
     )  # fmt: skip
-    for number, (kind, shade) in enumerate(zip(KIND_SHADES, shades, strict=True)):
+    for number, (kind, shade) in enumerate(zip(palette.KIND_SHADES, shades, strict=True)):
         if (numbers == number).any():
             ax.fill_between([], [], color=shade, lw=0.0, label=KIND_WORDS[kind])
 
@@ -461,7 +453,7 @@ def _title(dataset: xr.Dataset) -> str:
 
 def _shades(kinds: xr.DataArray) -> list[str]:
     """Return a colour for each attractor, from the family of its kind."""
-    families = {kind: cycle(family) for kind, family in KIND_SHADES.items()}
+    families = {kind: cycle(family) for kind, family in palette.KIND_SHADES.items()}
     return [next(families[kind]) for kind in words_of(kinds)]
 
 
@@ -474,7 +466,9 @@ def _handles(dataset: xr.Dataset, colours: list[str]) -> list[Artist]:
         if dataset["count"].values[number] > 0
     ]
     handles += [
-        Patch(facecolor=colours[FATE[fate] + shift], edgecolor=INK, linewidth=0.5, label=words)
+        Patch(
+            facecolor=colours[FATE[fate] + shift], edgecolor=palette.INK, linewidth=0.5, label=words
+        )
         for fate, words in FATE_WORDS.items()
         if (dataset["label"] == FATE[fate]).any()
     ]

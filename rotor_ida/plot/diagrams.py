@@ -16,20 +16,12 @@ from rotor_ida.checks import check_choice
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import SMALL_INDENTATION
 from rotor_ida.model.parameters import OPTIONAL, PARAMETERS
+from rotor_ida.plot import palette
 from rotor_ida.plot.appearance import (
-    BLUE,
-    DASHES,
-    GREY,
-    INK,
-    KIND_SHADES,
     LEAST_SPAN,
-    ORANGE,
-    PURPLE,
     draw_marks,
     draw_ring,
     drawing,
-    legend_below,
-    own_legend,
     say_in_middle,
     widen,
 )
@@ -58,6 +50,7 @@ from rotor_ida.plot.labels import (
     text_of,
     title_of,
 )
+from rotor_ida.plot.legends import legend_below, own_legend
 from rotor_ida.plot.responses import below_outliers, mark_beyond, plot_amplitude
 from rotor_ida.results.rows import own_rows
 from rotor_ida.results.si_units import scale_of
@@ -69,9 +62,9 @@ from rotor_ida.units import with_error
 FREE = "extremum, free or unresolved"
 FREE_KINDS = ("contact_free", "touching", "unresolved")
 EXTREMA = {
-    "constant": ("constant radius", BLUE),
-    "maximum": ("local maximum of $|z|$", ORANGE),
-    "minimum": ("local minimum of $|z|$", PURPLE),
+    "constant": ("constant radius", palette.BLUE),
+    "maximum": ("local maximum of $|z|$", palette.ORANGE),
+    "minimum": ("local minimum of $|z|$", palette.PURPLE),
 }
 FEW_EXTREMA = 3000
 # Top of the axes over the largest extremum.
@@ -79,7 +72,7 @@ HEADROOM = 1.06
 WITH_EXTREMA = ("response", "extremum_count", "extremum_radius", "extremum_kind")
 OF_SYSTEM = ("speed", "node", "contact_node")
 # States once a revolution, by the direction of a sweep.
-WAYS = {1: ("going up", BLUE), -1: ("going down", ORANGE)}
+WAYS = {1: ("going up", palette.BLUE), -1: ("going down", palette.ORANGE)}
 UNRESOLVED = "unresolved"
 # Size of the points going up over that of those going down, which may lie on them.
 BENEATH = 1.5
@@ -98,17 +91,13 @@ WORDS = {
     "reverse": "where its sliding reverses",
 }
 # Styles of the exponents.
-LINES = ((BLUE, "-"), (ORANGE, "--"), (PURPLE, "-."), (INK, ":"))
+LINES = ((palette.BLUE, "-"), (palette.ORANGE, "--"), (palette.PURPLE, "-."), (palette.INK, ":"))
 
 
 def plot_extrema(
-    found: xr.Dataset,
-    *,
-    node: str | None = None,
-    exact: xr.Dataset | None = None,
-    fold_points: xr.Dataset | None = None,
-    ax: Axes | None = None,
-) -> Axes:
+    found: xr.Dataset, *, node: str | None = None, exact: xr.Dataset | None = None,
+    fold_points: xr.Dataset | None = None, ax: Axes | None = None,
+) -> Axes:  # fmt: skip
     """Draw the extrema of the radius over the varying parameter.
 
     Parameters
@@ -166,14 +155,14 @@ def plot_extrema(
             )  # fmt: skip
             draw_marks(ax, [], [], "o", colour, size=3.4, face=face, edge=0.7, label=words)
         for gap in gaps:
-            ax.plot(places, np.broadcast_to(gap, places.shape), color=INK, lw=0.9, ls=DASHES,
-                    marker="" if places.size > 1 else "_", label="clearance",
+            ax.plot(places, np.broadcast_to(gap, places.shape), color=palette.INK, lw=0.9,
+                    ls=palette.DASHES, marker="" if places.size > 1 else "_", label="clearance",
                     zorder=2.3)  # fmt: skip
         highest = [extrema.radius[within].max(initial=0.0), *(gap.max() for gap in gaps)]
         highest += [] if exact is None else [min(float(exact["amplitude"].max()), limit)]
         ax.set_ylim(bottom=min(0.0, ax.get_ylim()[0]), top=HEADROOM * max(highest))
         mark_beyond(ax, extrema.across[~within], extrema.radius[~within],
-                    found["extremum_radius"], "beyond the model", INK)  # fmt: skip
+                    found["extremum_radius"], "beyond the model", palette.INK)  # fmt: skip
         ax.set_title(_title(found, held))
         own_legend(ax)
     return ax
@@ -259,17 +248,14 @@ def _extrema_of(found: xr.Dataset, over: xr.DataArray) -> _Extrema:
         chosen = of_kind[kind] & ~swinging
         seen = ", ".join(KIND_WORDS[each] for each in dict.fromkeys(words_of(response[chosen])))
         groups[f"{words}: {seen}"] = colour, chosen
-    groups[FREE] = (GREY, swinging)
+    groups[FREE] = (palette.GREY, swinging)
     return _Extrema(across, found["extremum_radius"].values, groups)
 
 
 def plot_strobes(
-    found: xr.Dataset,
-    *,
-    axis: Literal["x", "y"] = "x",
-    node: str | None = None,
+    found: xr.Dataset, *, axis: Literal["x", "y"] = "x", node: str | None = None,
     ax: Axes | None = None,
-) -> Axes:
+) -> Axes:  # fmt: skip
     """Draw a stroboscopic bifurcation diagram: a displacement once a revolution, over a parameter.
 
     Parameters
@@ -302,12 +288,12 @@ def plot_strobes(
         places, values, response = xr.broadcast(places, found[name], found["response"])
         size = 2.6 if values.size < FEW_EXTREMA else 1.2
         unresolved = is_of_kind(response, [UNRESOLVED])
-        groups = [(UNRESOLVED, GREY, unresolved, size)]
+        groups = [(UNRESOLVED, palette.GREY, unresolved, size)]
         for way in ways if len(ways) > 1 else ():
             # what goes down lies on what goes up, and would hide it
             wide = BENEATH * size if way > 0 else size
             groups.append((*WAYS[way], (found["direction"] == way) & ~unresolved, wide))
-        for kind, (shade, *_) in KIND_SHADES.items() if len(ways) < 2 else ():
+        for kind, (shade, *_) in palette.KIND_SHADES.items() if len(ways) < 2 else ():
             groups.append((KIND_WORDS[kind], shade, is_of_kind(response, [kind]), size))
         for words, colour, of_group, width in groups:
             chosen = of_group.broadcast_like(response).transpose(*response.dims).values
@@ -323,7 +309,8 @@ def plot_strobes(
         beyond = radius > highest
         if beyond.any():
             ax.set_ylim(-HEADROOM * highest, HEADROOM * highest)
-            mark_beyond(ax, places.values[beyond], radius[beyond], found[name], "radius", INK)
+            mark_beyond(ax, places.values[beyond], radius[beyond], found[name], "radius",
+                        palette.INK)  # fmt: skip
         phase = float(found.attrs.get("phase", 0.0))
         words = f"unbalance at {math.degrees(phase):.4g}°" if phase else "once a revolution"
         ax.set_title(_title(found, held, words))
@@ -375,7 +362,8 @@ def plot_section(section: xr.Dataset, *, node: str | None = None, ax: Axes | Non
             for clearance in rings_about("section", section):
                 draw_ring(ax, clearance)
             ax.set_aspect("equal", adjustable="datalim")
-        ax.plot(across, up, ls="", marker="o", ms=_mark_size(z), mec="none", mfc=BLUE, zorder=3.0)
+        ax.plot(across, up, ls="", marker="o", ms=_mark_size(z), mec="none", mfc=palette.BLUE,
+                zorder=3.0)  # fmt: skip
         limits = zip((ax.get_xlim(), ax.get_ylim()), scales, strict=True)
         widen(ax, *(LEAST_SPAN * max(order, *map(abs, ends)) for ends, order in limits))
         if not z.size:
@@ -431,7 +419,7 @@ def plot_exponents(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     with drawing(ax) as ax:
         label_axis(ax.xaxis, "t", found["t"])
         label_axis(ax.yaxis, "running_exponent", found["running_exponent"])
-        ax.axhline(0.0, color=GREY, lw=0.7, zorder=1.5)
+        ax.axhline(0.0, color=palette.GREY, lw=0.7, zorder=1.5)
         for number, (colour, dashes) in enumerate(LINES[: found.sizes["exponent"]]):
             part = found.isel(exponent=number)
             value, error = part["lyapunov_exponent"].item(), part["lyapunov_error"].item()
@@ -452,7 +440,7 @@ def _plot_exponents_over(found: xr.Dataset, ax: Axes | None) -> Axes:
     part, over = along_one("found", found)
     with drawing(ax) as ax:
         label_axis(ax.yaxis, "running_exponent", found["lyapunov_exponent"])
-        ax.axhline(0.0, color=GREY, lw=0.7, zorder=1.5)
+        ax.axhline(0.0, color=palette.GREY, lw=0.7, zorder=1.5)
         for number, (colour, dashes) in enumerate(LINES[: found.sizes["exponent"]]):
             own = part.isel(exponent=number)
             ax.errorbar(own[over].values, own["lyapunov_exponent"], own["lyapunov_error"],

@@ -16,32 +16,8 @@ from rotor_ida.checks import COMPONENTS
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import OF_ROTOR, OPTIONAL, PARAMETERS
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
-from rotor_ida.plot.appearance import (
-    BLUE,
-    BROWN,
-    CONTACT_FREE,
-    DARK_BROWN,
-    FOLD,
-    FROM_REST,
-    FROM_START,
-    FROM_WHIRL,
-    GOING_DOWN,
-    GOING_UP,
-    GRAZE,
-    GREY,
-    HOPF,
-    INK,
-    KIND_SHADES,
-    NEUTRAL,
-    STABLE,
-    UNSTABLE,
-    draw_marks,
-    drawing,
-    legend_below,
-    look,
-    own_legend,
-    raise_limit,
-)
+from rotor_ida.plot import legends, palette
+from rotor_ida.plot.appearance import draw_marks, drawing, raise_limit
 from rotor_ida.plot.datasets import (
     at_contact,
     check_dataset,
@@ -64,17 +40,19 @@ from rotor_ida.plot.labels import (
     speeds_in,
     text_of,
 )
+from rotor_ida.plot.legends import legend_below, own_legend
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import SPECIAL, flags_of
 from rotor_ida.texts import in_figure
 
 # Whirls by their stability: their words, line and width on a curve, and colour of points.
 LINES = {
-    "stable": (STABLE, "-", 1.3, INK),
-    "unstable": (UNSTABLE, (0, (4, 2)), 1.0, GREY),
-    "neutral": (NEUTRAL, (0, (7, 1.6, 1.2, 1.6)), 1.0, BROWN),
+    "stable": (legends.STABLE, "-", 1.3, palette.INK),
+    "unstable": (legends.UNSTABLE, (0, (4, 2)), 1.0, palette.GREY),
+    "neutral": (legends.NEUTRAL, (0, (7, 1.6, 1.2, 1.6)), 1.0, palette.BROWN),
 }
-SPECIALS = {"fold": (FOLD, "D", 4.0), "hopf": (HOPF, "o", 4.6), "graze": (GRAZE, "s", 4.0)}
+SPECIALS = {"fold": (legends.FOLD, "D", 4.0), "hopf": (legends.HOPF, "o", 4.6),
+            "graze": (legends.GRAZE, "s", 4.0)}  # fmt: skip
 CURVE = ("omega", "zeta", "delta0", "amplitude", "phase_lag", "stability", "in_contact", "piece")
 NO_CURVE = "no exact curve"
 SIMULATED = ("response", "amplitude", "phase_lag", "radius_min", "radius_max", "direction")
@@ -111,17 +89,17 @@ class _Look:
 
 
 DOTS, LONG = (0, (1, 1.6)), (0, (4, 1.4))
-_SHADE = {kind: shades[0] for kind, shades in KIND_SHADES.items()}
+_SHADE = {kind: shades[0] for kind, shades in palette.KIND_SHADES.items()}
 KINDS = {
     "synchronous": _Look(_SHADE["synchronous"], True, False),
     "contact_free": _Look(_SHADE["synchronous"], False, False),
     "bouncing": _Look(_SHADE["bouncing"], False, True),
     "full_contact": _Look(_SHADE["full_contact"], True, True),
-    "rolling": _Look(DARK_BROWN, True, True, LONG),
-    "touching": _Look(INK, False, False),
+    "rolling": _Look(palette.DARK_BROWN, True, True, LONG),
+    "touching": _Look(palette.INK, False, False),
     "quasi_periodic": _Look(_SHADE["quasi_periodic"], False, True),
     "chaotic": _Look(_SHADE["chaotic"], True, True, DOTS),
-    "unresolved": _Look(GREY, False, True, DOTS),
+    "unresolved": _Look(palette.GREY, False, True, DOTS),
 }
 RANGES = [kind for kind, drawn in KINDS.items() if drawn.is_range]
 # Responses larger than all below them by this factor do not set the scale.
@@ -139,16 +117,11 @@ class _Axis(NamedTuple):
 
 
 def plot_amplitude(
-    exact: xr.Dataset | None,
-    *,
-    whirls: xr.Dataset | None = None,
-    simulated: xr.Dataset | None = None,
-    fold_points: xr.Dataset | None = None,
-    hopf_points: xr.Dataset | None = None,
-    special: xr.Dataset | None = None,
-    contact: int | str = 0,
-    ax: Axes | None = None,
-) -> Axes:
+    exact: xr.Dataset | None, *, whirls: xr.Dataset | None = None,
+    simulated: xr.Dataset | None = None, fold_points: xr.Dataset | None = None,
+    hopf_points: xr.Dataset | None = None, special: xr.Dataset | None = None,
+    contact: int | str = 0, ax: Axes | None = None,
+) -> Axes:  # fmt: skip
     """Draw the amplitude of whirls and settled responses over the parameter that varies.
 
     Parameters
@@ -198,14 +171,10 @@ def plot_amplitude(
 
 
 def plot_phase(
-    exact: xr.Dataset | None,
-    *,
-    whirls: xr.Dataset | None = None,
-    simulated: xr.Dataset | None = None,
-    fold_points: xr.Dataset | None = None,
-    contact: int | str = 0,
-    ax: Axes | None = None,
-) -> Axes:
+    exact: xr.Dataset | None, *, whirls: xr.Dataset | None = None,
+    simulated: xr.Dataset | None = None, fold_points: xr.Dataset | None = None,
+    contact: int | str = 0, ax: Axes | None = None,
+) -> Axes:  # fmt: skip
     r"""Draw the phase by which every whirl lags the unbalance over the spin speed.
 
     Parameters
@@ -345,7 +314,7 @@ def _title(shown: xr.Dataset, axis: _Axis, has_curve: bool) -> str:
 
 def draw_clearance(ax: Axes, part: xr.Dataset, *, over: str = SPEED) -> None:
     """Draw the clearance of a contact over a parameter, unless it is 0."""
-    line: Any = {"color": GREY, "lw": 0.9, "ls": "--", "zorder": 1.5, "label": "clearance"}
+    line: Any = {"color": palette.GREY, "lw": 0.9, "ls": "--", "zorder": 1.5, "label": "clearance"}
     gaps = clearances_in(part).values
     if over in ("clearance", "delta0"):
         ax.plot(part[over].values.ravel(), gaps.ravel(), **line)
@@ -374,7 +343,7 @@ def _draw_whirls(ax: Axes, whirls: xr.Dataset, over: str, quantity: str, *, give
     same = xr.broadcast(values, whirls[quantity], whirls["stability"])
     places, heights, stability = (each.values.ravel() for each in same)
     if given:
-        draw_marks(ax, places, heights, "o", BLUE, size=3.6, label="whirl at a given speed",
+        draw_marks(ax, places, heights, "o", palette.BLUE, size=3.6, label="whirl at a given speed",
                    level=3.1)  # fmt: skip
         return
     size = 1.5 if values.size > FEW_POINTS else 3.0
@@ -384,7 +353,7 @@ def _draw_whirls(ax: Axes, whirls: xr.Dataset, over: str, quantity: str, *, give
         chosen = (stability == flags_of(whirls["stability"])[word]) & np.isfinite(heights)
         if chosen.any():
             draw_marks(ax, places[chosen], heights[chosen], "o", colour, size=size, edge=0.0,
-                       label=CONTACT_FREE if is_free and word == "neutral" else label,
+                       label=legends.CONTACT_FREE if is_free and word == "neutral" else label,
                        level=2.5)  # fmt: skip
 
 
@@ -408,7 +377,7 @@ def _draw_specials(ax: Axes, found: Mapping[str, xr.Dataset], quantity: str, axi
         else:
             continue
         if speeds.size:
-            draw_marks(ax, speeds, heights, mark, INK, size=size, face="white", label=label,
+            draw_marks(ax, speeds, heights, mark, palette.INK, size=size, face="white", label=label,
                        level=3.7)  # fmt: skip
 
 
@@ -441,8 +410,8 @@ def draw_curve(ax: Axes, curve: xr.Dataset, *, over: str, quantity: str) -> None
             continue
         # without damping contacting whirls are neutral too
         free = word == "neutral" and not in_contact[stability == flag].any()
-        ax.plot(*np.concatenate(lines[flag], axis=1), ls=dashes, lw=width, color=INK,
-                label=CONTACT_FREE if free else label, zorder=2.5)  # fmt: skip
+        ax.plot(*np.concatenate(lines[flag], axis=1), ls=dashes, lw=width, color=palette.INK,
+                label=legends.CONTACT_FREE if free else label, zorder=2.5)  # fmt: skip
 
 
 def _of_each_kind(
@@ -495,24 +464,24 @@ def _draw_simulated(
     along = str(simulated.attrs.get("along", "omega"))
     words = {
         0: _words_of(over, _start_words(simulated)),
-        1: _words_of(along, GOING_UP),
-        -1: _words_of(along, GOING_DOWN),
+        1: _words_of(along, legends.GOING_UP),
+        -1: _words_of(along, legends.GOING_DOWN),
     }
     for direction in np.unique(simulated["direction"]).tolist():
         marker, size = DIRECTIONS[direction]
-        draw_marks(ax, [], [], marker, INK, size=size, face="none", edge=0.8,
+        draw_marks(ax, [], [], marker, palette.INK, size=size, face="none", edge=0.8,
                    label=words[direction])  # fmt: skip
 
 
 def _draw_by_direction(
-    ax: Axes, look: _Look, points: dict[str, Values], over: str, heights: Values, scale: float
+    ax: Axes, drawn: _Look, points: dict[str, Values], over: str, heights: Values, scale: float
 ) -> None:
     """Mark points by the direction of their sweep, triangles over the larger circles."""
     for direction, (marker, size) in DIRECTIONS.items():
         here = points["direction"] == direction
         draw_marks(
-            ax, points[over][here], heights[here], marker, look.colour, size=scale * size,
-            face=look.face, edge=0.7, level=3.2 if direction else 3.1,
+            ax, points[over][here], heights[here], marker, drawn.colour, size=scale * size,
+            face=drawn.face, edge=0.7, level=3.2 if direction else 3.1,
         )  # fmt: skip
 
 
@@ -525,12 +494,12 @@ def _words_of(name: str, words: str) -> str:
 def _start_words(simulated: xr.Dataset) -> str:
     words = {*str(simulated.attrs.get("start_words", "")).split()}
     if words in ({"rest"}, {"settled"}):
-        return FROM_REST if words == {"rest"} else FROM_WHIRL
+        return legends.FROM_REST if words == {"rest"} else legends.FROM_WHIRL
     # older sweeps of systems have another name
     of_system = [name for name in ("initial_state", "start_state") if name in simulated]
     starts = of_system or [f"start_{name}" for name in COMPONENTS]
     at_rest = all(name in simulated and not simulated[name].values.any() for name in starts)
-    return FROM_REST if at_rest else FROM_START
+    return legends.FROM_REST if at_rest else legends.FROM_START
 
 
 def plot_unbalance_response(whirls: xr.Dataset, *, ax: Axes | None = None) -> Axes:
@@ -562,7 +531,7 @@ def plot_unbalance_response(whirls: xr.Dataset, *, ax: Axes | None = None) -> Ax
         speeds = label_parameter(ax.xaxis, SPEED, whirls)
         label_axis(ax.yaxis, "amplitude", whirls["node_amplitude"])
         for number, node in enumerate(chosen):
-            colour, dashes = look(number)
+            colour, dashes = palette.look(number)
             ax.plot(
                 speeds, amplitude[:, node], color=colour, ls=dashes, label=in_figure(names[node])
             )

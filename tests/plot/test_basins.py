@@ -14,9 +14,9 @@ from rotor_ida import (
     continue_attractors,
 )
 from rotor_ida.plot import plot_attractor_fractions, plot_attractor_map, plot_attractors, plot_basin
-from rotor_ida.plot.appearance import KIND_SHADES
 from rotor_ida.plot.figures import figure_of
 from rotor_ida.plot.labels import LABELS
+from rotor_ida.plot.palette import KIND_SHADES
 from rotor_ida.schema import RESPONSE, flags_of
 from tests.plot.pictures import words_of
 

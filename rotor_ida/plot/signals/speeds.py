@@ -11,7 +11,8 @@ import xarray as xr
 from matplotlib.ticker import MaxNLocator
 
 from rotor_ida.arrays import Values
-from rotor_ida.plot.appearance import BLUE, GOING_DOWN, GOING_UP, INK, ORANGE, draw_marks
+from rotor_ida.plot import legends, palette
+from rotor_ida.plot.appearance import draw_marks
 from rotor_ida.plot.datasets import parameters_in
 from rotor_ida.plot.labels import SEPARATOR, in_lines, lengths_text, text_of, title_of
 from rotor_ida.plot.signals.units import is_one_speed
@@ -96,14 +97,14 @@ def legs_of(speeds: Values, words: str) -> list[Leg]:
     """Return the parts in which the speed rises and falls, with their words and styles."""
     turns = _turning_points(speeds)
     if len(turns) == 2:
-        return [Leg(slice(None), words, BLUE, "-")]
+        return [Leg(slice(None), words, palette.BLUE, "-")]
     legs: list[Leg] = []
     for begin, end in pairwise(turns):
         part = slice(begin, end + 1)
         if speeds[end] > speeds[begin]:
-            legs.append(Leg(part, f"{words}: {GOING_UP}", BLUE, "-"))
+            legs.append(Leg(part, f"{words}: {legends.GOING_UP}", palette.BLUE, "-"))
         else:
-            legs.append(Leg(part, f"{words}: {GOING_DOWN}", ORANGE, (0, (6, 1.2))))
+            legs.append(Leg(part, f"{words}: {legends.GOING_DOWN}", palette.ORANGE, (0, (6, 1.2))))
     return legs
 
 
@@ -142,7 +143,7 @@ def mark_speeds(
     along = speeds.values[order]
     places = np.interp(ticks, along, z[order].real) + 1j * np.interp(ticks, along, z[order].imag)
     across, up = (np.angle(places), np.abs(places)) if polar else (places.real, places.imag)
-    draw_marks(ax, across, up, "o", INK, size=3.2, face=colour, edge=0.5, label=label,
+    draw_marks(ax, across, up, "o", palette.INK, size=3.2, face=colour, edge=0.5, label=label,
                level=3.4)  # fmt: skip
     named: list[complex] = []
     for tick, place, *point in zip(ticks, places.tolist(), across, up, strict=True):
