@@ -15,18 +15,10 @@ import ways
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from measuring import clocked, in_turn, machine
 
-from rotor_ida.plot.appearance import (
-    BLUE,
-    GREY,
-    INK,
-    ORANGE,
-    PURPLE,
-    RED,
-    panels,
-    shared_legend,
-    style,
-)
+from rotor_ida.plot.appearance import panels, style
 from rotor_ida.plot.labels import parameter_text
+from rotor_ida.plot.legends import shared_legend
+from rotor_ida.plot.palette import BLUE, GREY, INK, ORANGE, PURPLE, RED
 
 POWERS = range(4, 16)
 # Function, the last power of ten that it takes as its tolerance, and how it is drawn.

@@ -31,6 +31,7 @@ READ_IN: dict[UnitSystem, dict[str, tuple[tuple[str, float], ...]]] = {
         "N": (("N", 1.0), ("uN", 1e-6), ("mN", 1e-3), ("kN", 1e3), ("MN", 1e6)),
         "N s": (("N s", 1.0), ("uN s", 1e-6), ("mN s", 1e-3), ("kN s", 1e3)),
         "J": (("J", 1.0), ("nJ", 1e-9), ("uJ", 1e-6), ("mJ", 1e-3), ("kJ", 1e3), ("MJ", 1e6)),
+        "N/m": (("N/m", 1.0), ("kN/m", 1e3), ("MN/m", 1e6)),
         "rad/s": (("rpm", SPEED_UNITS["rpm"]),),
         "rad/s2": (("rpm/s", SPEED_UNITS["rpm"]),),
         "kg m": (("g mm", 1e-6),),

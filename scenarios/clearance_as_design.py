@@ -25,8 +25,9 @@ from rotor_ida.plot import (
     shared_legend,
     style,
 )
-from rotor_ida.plot.appearance import look, own_legend
 from rotor_ida.plot.labels import LABELS
+from rotor_ida.plot.legends import own_legend
+from rotor_ida.plot.palette import look
 from rotor_ida.schema import RESPONSE
 
 ZETA = 0.07

@@ -29,8 +29,8 @@ from rotor_ida import (
 )
 from rotor_ida.paper.scenario import Settings, progress_bar, run_script
 from rotor_ida.plot import panels, shared_legend, style
-from rotor_ida.plot.appearance import BLUE, GREY, ORANGE
 from rotor_ida.plot.labels import LABELS
+from rotor_ida.plot.palette import BLUE, GREY, ORANGE
 from rotor_ida.schema import RESPONSE, SPECIAL, labelled, labelled_dataset
 
 ZETA, DELTA0 = 0.07, 2.0

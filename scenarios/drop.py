@@ -44,7 +44,7 @@ from rotor_ida import (
 from rotor_ida.paper.scenario import Settings, progress_bar, run_script
 from rotor_ida.paper.whip import is_whip
 from rotor_ida.plot import mixed_panels, plot_orbit, plot_trace, shared_legend, style
-from rotor_ida.plot.appearance import BLUE, DASHES, GREY, INK, RED, look
+from rotor_ida.plot.palette import BLUE, DASHES, GREY, INK, RED, look
 
 GRAVITY = 9.80665  # m/s^2
 MASS = 20.0  # kg

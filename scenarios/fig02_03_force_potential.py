@@ -20,8 +20,10 @@ from rotor_ida.model.equations import energy
 from rotor_ida.paper.printed import hamiltonian
 from rotor_ida.paper.scenario import Settings, run_script, scientific
 from rotor_ida.plot import mixed_panels, parameter_text, style
-from rotor_ida.plot.appearance import finish_solid, look, own_legend
+from rotor_ida.plot.appearance import finish_solid
 from rotor_ida.plot.labels import LABELS
+from rotor_ida.plot.legends import own_legend
+from rotor_ida.plot.palette import look
 
 CLEARANCES = (0.0, 0.5)
 START, DURATION = (2.0, 0.0, 0.3, 0.25), 40.0

@@ -31,8 +31,10 @@ from rotor_ida.plot import (
     shared_legend,
     style,
 )
-from rotor_ida.plot.appearance import BLUE, ORANGE, draw_marks, look, own_legend
+from rotor_ida.plot.appearance import draw_marks
 from rotor_ida.plot.labels import LABELS
+from rotor_ida.plot.legends import own_legend
+from rotor_ida.plot.palette import BLUE, ORANGE, look
 from rotor_ida.schema import labelled
 
 CLEARANCES = (0.0, 0.5)

@@ -18,8 +18,10 @@ from rotor_ida import folds
 from rotor_ida.closed_forms import cusp, free_periods, jumps, response_curve
 from rotor_ida.paper.scenario import Settings, run_script
 from rotor_ida.plot import mixed_panels, parameter_text, plot_amplitude, plot_phase, style
-from rotor_ida.plot.appearance import INK, RED, SHADE, draw_marks, look, own_legend
+from rotor_ida.plot.appearance import draw_marks
 from rotor_ida.plot.labels import LABELS
+from rotor_ida.plot.legends import own_legend
+from rotor_ida.plot.palette import INK, RED, SHADE, look
 
 DAMPINGS = [0.07, 1.0, 1.5, 2.0]
 LIMITS = (0.02, 3.0)

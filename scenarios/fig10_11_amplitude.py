@@ -43,7 +43,7 @@ from rotor_ida.plot import (
     shared_legend,
     style,
 )
-from rotor_ida.plot.appearance import BLUE, RED
+from rotor_ida.plot.palette import BLUE, RED
 from rotor_ida.schema import RESPONSE, SPECIAL
 from rotor_ida.verification.compare import summarise
 

@@ -24,7 +24,7 @@ from scipy.stats import norm
 from rotor_ida import DimensionalRotor, Rotor, dimensional, fit, run_up, signals_of
 from rotor_ida.paper.scenario import Settings, run_script
 from rotor_ida.plot import fit_figure, mixed_panels, style
-from rotor_ida.plot.appearance import BLUE, INK
+from rotor_ida.plot.palette import BLUE, INK
 from rotor_ida.schema import CONVENTIONS
 
 REST = (0.0, 0.0, 0.0, 0.0)

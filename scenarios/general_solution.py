@@ -28,8 +28,8 @@ from rotor_ida.plot import (
     shared_legend,
     style,
 )
-from rotor_ida.plot.appearance import INK, look
 from rotor_ida.plot.labels import LABELS
+from rotor_ida.plot.palette import INK, look
 from rotor_ida.schema import labelled
 
 ROTOR = Rotor(omega=1.7, zeta=0.07, delta0=0.0)

@@ -32,7 +32,7 @@ from rotor_ida.closed_forms import peaks
 from rotor_ida.model.contact import contact_force
 from rotor_ida.paper.scenario import Settings, progress_bar, run_script
 from rotor_ida.plot import mixed_panels, style
-from rotor_ida.plot.appearance import DASHES, GREY, INK, look
+from rotor_ida.plot.palette import DASHES, GREY, INK, look
 from rotor_ida.schema import ENDING
 
 # The largest radius of an undamped run-up through a critical speed of 1 tends to this over the

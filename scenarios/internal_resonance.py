@@ -35,7 +35,9 @@ from rotor_ida import (
 )
 from rotor_ida.paper.scenario import Settings, progress_bar, run_script
 from rotor_ida.plot import mixed_panels, plot_amplitude, plot_branch, plot_cycle
-from rotor_ida.plot.appearance import GREY, drawing, legend_below, style
+from rotor_ida.plot.appearance import drawing, style
+from rotor_ida.plot.legends import legend_below
+from rotor_ida.plot.palette import GREY
 
 # Each disc: mass, and moments of inertia about a diameter and about the axis. The shaft has bending
 # stiffness 1, and length 1 to the inner disc and between the discs.

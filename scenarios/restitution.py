@@ -24,7 +24,7 @@ from matplotlib.axes import Axes
 from rotor_ida import Rotor, continue_cycle, impact, lyapunov_exponent, simulate
 from rotor_ida.paper.scenario import Settings, progress_bar, run_script, scientific
 from rotor_ida.plot import mixed_panels, parameter_text, plot_branch, shared_legend, style
-from rotor_ida.plot.appearance import BLUE, BROWN, DASHES, GREY, INK, ORANGE, RED
+from rotor_ida.plot.palette import BLUE, BROWN, DASHES, GREY, INK, ORANGE, RED
 from rotor_ida.schema import SPECIAL
 
 RINGS = {1.0: "linear", 1.5: "Hertz"}

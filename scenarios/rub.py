@@ -27,7 +27,7 @@ from rotor_ida.closed_forms import response_curve
 from rotor_ida.paper.scenario import Settings, progress_bar, run_script, scientific
 from rotor_ida.paper.whip import is_whip
 from rotor_ida.plot import mixed_panels, panels, plot_amplitude, plot_orbit, shared_legend, style
-from rotor_ida.plot.appearance import (
+from rotor_ida.plot.palette import (
     BLUE,
     BROWN,
     DARK_BROWN,

@@ -34,7 +34,7 @@ from rotor_ida.closed_forms import (
 )
 from rotor_ida.paper.scenario import Settings, progress_bar, run_script, scientific
 from rotor_ida.plot import mixed_panels, panels, plot_amplitude, shared_legend, style
-from rotor_ida.plot.appearance import BLUE, DASHES, GREY, INK, LOOKS, RED
+from rotor_ida.plot.palette import BLUE, DASHES, GREY, INK, LOOKS, RED
 from rotor_ida.schema import STABILITY
 
 METHOD = "taylor"

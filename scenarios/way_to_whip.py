@@ -19,7 +19,7 @@ import xarray as xr
 from rotor_ida import Rotor, compare, continue_cycle, sweep, synchronous_response
 from rotor_ida.paper.scenario import Settings, run_script
 from rotor_ida.plot import panels, plot_branch, shared_legend, style
-from rotor_ida.plot.appearance import INK
+from rotor_ida.plot.palette import INK
 from rotor_ida.schema import EXACT, RESPONSE, SPECIAL, STABILITY
 
 ROTOR = Rotor(omega=1.2, zeta=0.07, delta0=0.5, friction=0.1, disc_radius=10.0)

@@ -27,7 +27,7 @@ from rotor_ida import Rotor, backward_whirl, simulate
 from rotor_ida.paper.scenario import Settings, progress_bar, run_script
 from rotor_ida.paper.whip import ENDS, FIRST_OF_WHIP, end_of
 from rotor_ida.plot import mixed_panels, style
-from rotor_ida.plot.appearance import GREY, INK
+from rotor_ida.plot.palette import GREY, INK
 
 SAME = {"zeta": 0.05, "delta0": 1.0, "disc_radius": 10.0}
 ROTORS = {

@@ -28,7 +28,6 @@ except ValueError as _error:
 
 from rotor_ida.plot.appearance import mixed_panels as mixed_panels
 from rotor_ida.plot.appearance import panels as panels
-from rotor_ida.plot.appearance import shared_legend as shared_legend
 from rotor_ida.plot.appearance import style as style
 from rotor_ida.plot.basins import plot_attractor_fractions as plot_attractor_fractions
 from rotor_ida.plot.basins import plot_attractor_map as plot_attractor_map
@@ -53,6 +52,7 @@ from rotor_ida.plot.fits import fit_figure as fit_figure
 from rotor_ida.plot.fits import plot_fit as plot_fit
 from rotor_ida.plot.fits import plot_fit_residuals as plot_fit_residuals
 from rotor_ida.plot.labels import parameter_text as parameter_text
+from rotor_ida.plot.legends import shared_legend as shared_legend
 from rotor_ida.plot.motion import plot_force_peaks as plot_force_peaks
 from rotor_ida.plot.motion import plot_forces as plot_forces
 from rotor_ida.plot.responses import plot_amplitude as plot_amplitude

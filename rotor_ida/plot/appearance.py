@@ -1,88 +1,26 @@
-"""Appearance of the plots: style, distinguishable colours and lines, panels and legends."""
+"""Appearance of the plots: style, layout, panels, and what is drawn in many of them."""
 
 from __future__ import annotations
 
 import math
 import warnings
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import Any, cast
+from typing import Any
 
 import matplotlib as mpl
 import numpy as np
 import numpy.typing as npt
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.figure import Figure, SubFigure
+from matplotlib.figure import Figure
 from matplotlib.layout_engine import ConstrainedLayoutEngine
-from matplotlib.legend import Legend
-from matplotlib.lines import Line2D
-from matplotlib.transforms import Bbox, ScaledTranslation
+from matplotlib.transforms import Bbox
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_count, check_panels
+from rotor_ida.checks import check_count
 from rotor_ida.errors import InputError
-from rotor_ida.plot.labels import KIND_WORDS
-
-# From matplotlib's petroff10, chosen so that the greys differ too.
-BLUE, ORANGE, RED, PURPLE, GREY = "#3f90da", "#e76300", "#bd1f01", "#832db6", "#94a4a2"
-BROWN, DARK_BROWN = "#a96b59", "#8a4f3d"
-GREEN = "#2f8f57"
-INK = "#1a1a1a"
-DASHES = (0, (4, 2))
-# Where a legend under the axes begins, clear of ticks and label [point].
-BELOW = 36.0
-# Longest legend inside the axes, and size of the least mark in one [point].
-MOST_INSIDE, LEGIBLE = 4, 3.0
-SHADE = "#ffe3c4"
-PALE_SHADE = "#fff0df"
-# Colour and dashes, so that the curves are distinguishable without colour too.
-LOOKS: tuple[tuple[str, object], ...] = (
-    (INK, "-"),
-    (BLUE, (0, (6, 1.8))),
-    (ORANGE, (0, (1.2, 1.4))),
-    (PURPLE, (0, (6, 1.6, 1.2, 1.6))),
-    (RED, (0, (3, 1.2))),
-)
-# What differs by colour alone has one family of colours for each kind of response.
-KIND_SHADES = {
-    "synchronous": (BLUE, "#c6dcf5", "#12427a", "#7a6fd0"),
-    "contact_free": ("#92dadd", "#4f9b9f", "#d5f2f3", "#1f6f73"),
-    "bouncing": (ORANGE, "#ffc48a", "#a96b59", "#ffa90e"),
-    "full_contact": (PURPLE, "#d7b3ea", "#4b1a68", "#b9ac70"),
-    "rolling": (DARK_BROWN, "#dcc3b9", "#5c3222", "#c48a73"),
-    "touching": ("#c08878", "#d8b8ae", "#6b3a2c", "#8a7a75"),
-    "quasi_periodic": (GREEN, "#a9d3b4", "#174a2b", "#7da453"),
-    "chaotic": (RED, "#f0a898", "#6e1200", "#d97b66"),
-    "unresolved": (GREY, "#717581", "#c9d1d0", "#5a5f5e"),
-}
-
-# Legends use this order, whatever was drawn first.
-_ORDER = (
-    STABLE := "stable whirl",
-    UNSTABLE := "unstable whirl",
-    NEUTRAL := "neutral whirl",
-    CONTACT_FREE := "contact-free whirl",
-    FOLD := "fold",
-    HOPF := "Hopf point",
-    *KIND_WORDS.values(),
-    FROM_REST := "each speed from rest",
-    FROM_WHIRL := "each speed from its contact-free whirl",
-    FROM_START := "each speed from its start",
-    GOING_UP := "speed going up",
-    GOING_DOWN := "speed going down",
-    BOUNCING_CYCLE := "bouncing cycle",
-    FULL_CONTACT_CYCLE := "full-contact cycle",
-    ROLLING_CYCLE := "dry whip",
-    STABLE_CYCLE := "stable cycle",
-    UNSTABLE_CYCLE := "unstable cycle",
-    FOLD_OF_CYCLES := "fold of cycles",
-    DOUBLING := "period doubling",
-    GRAZE := "graze",
-    SLIDING := "slip falls to 0",
-    DISCONTINUOUS := "multipliers jump",
-)
+from rotor_ida.plot import palette
 
 _SETTINGS: Any = {
     # the second for what the first lacks, as in names of nodes
@@ -283,114 +221,9 @@ def mixed_panels(
     return figure, axes
 
 
-def in_panels(
-    count: int, draw: Callable[[int, Axes | None], Axes], *, shared: bool = False
-) -> Figure:
-    """Draw panels with one legend, perhaps of the same axes; a single one has its own figure."""
-    if check_panels(count) < 2:
-        return cast(Figure, draw(0, None).figure)
-    columns = math.ceil(math.sqrt(count))
-    rows = math.ceil(count / columns)
-    arrange = panels if shared else mixed_panels
-    figure, axes = arrange(rows, columns, width=2.0 + 2.8 * columns, height=1.6 + 2.2 * rows)
-    for number, ax in enumerate(axes[:count]):
-        draw(number, ax)
-    for ax in axes[count:]:
-        ax.remove()
-    words = axes[0].get_xlabel()
-    shared_legend(figure, axes[:count], outer=shared)
-    for ax in axes[max(0, count - columns) : count] if shared else ():
-        ax.tick_params(labelbottom=True)
-        ax.set_xlabel(words)
-    return figure
-
-
 def _letter(axes: Sequence[Axes]) -> None:
     for number, ax in enumerate(axes if len(axes) > 1 else ()):
         ax.set_title(chr(ord("a") + number), loc="left", fontweight="bold")
-
-
-def shared_legend(
-    figure: Figure | SubFigure, axes: Sequence[Axes], *, columns: int = 4, outer: bool = True
-) -> Legend:
-    """Put one legend, without duplicates, under the panels.
-
-    Parameters
-    ----------
-    figure : Figure
-        The figure.
-    axes : sequence of Axes
-        Its panels; their separate legends are removed.
-    columns : int
-        Number of columns of the legend; fewer if the figure is too narrow.
-    outer : bool
-        Whether to label the axes of the outer panels only.
-
-    Examples
-    --------
-    >>> figure, axes = panels(1, 2)
-    >>> lines = [ax.plot([0, 1], label="same") for ax in axes]
-    >>> [text.get_text() for text in shared_legend(figure, axes).get_texts()]
-    ['same']
-    """
-    with style():
-        legend = _fitting_legend(figure, axes, columns)
-        for ax in axes:
-            own = ax.get_legend()
-            if own is not None:
-                own.remove()
-            if outer:
-                ax.label_outer()
-    return _legible(legend)
-
-
-def _fitting_legend(figure: Figure | SubFigure, axes: Sequence[Axes], columns: int) -> Legend:
-    """Return a legend under the panels with as many columns as fit."""
-    for number in range(columns, 0, -1):
-        legend = figure.legend(
-            *_entries(axes), loc="outside lower center", ncols=number, handlelength=2.4
-        )
-        if number == 1 or legend.get_window_extent().width <= figure.bbox.width:
-            break
-        legend.remove()
-    return legend
-
-
-def own_legend(ax: Axes, *, inside: bool = False) -> Legend:
-    """Replace the legend of `ax` by one without duplicates.
-
-    A long one, which would hide curves, has its place below the label unless `inside`.
-    """
-    handles, labels = _entries([ax])
-    if inside or len(handles) <= MOST_INSIDE:
-        return _legible(ax.legend(handles, labels, handlelength=2.4))
-    place = ax.get_subplotspec()
-    room = ax.figure.bbox.width / (place.get_gridspec().ncols if place else 1)
-    for columns in (3, 2, 1):
-        legend = legend_below(ax, columns=columns)
-        if legend.get_window_extent().width <= room:
-            break
-    return legend
-
-
-def legend_below(ax: Axes, *, columns: int = 3, handles: Sequence[Artist] | None = None) -> Legend:
-    """Give `ax` a legend below its label, where it hides nothing."""
-    shown, labels = _entries([ax])
-    if handles is not None:
-        shown, labels = list(handles), [str(handle.get_label()) for handle in handles]
-    below = ScaledTranslation(0.0, -BELOW / 72.0, ax.figure.dpi_scale_trans)
-    return _legible(ax.legend(
-        shown, labels, loc="upper center", bbox_to_anchor=(0.5, 0.0),
-        bbox_transform=ax.transAxes + below, ncols=columns, handlelength=2.0, borderaxespad=0.0,
-    ))  # fmt: skip
-
-
-def _legible(legend: Legend) -> Legend:
-    """Show dots that are read as lines larger in a legend."""
-    for handle in legend.legend_handles:
-        if isinstance(handle, Line2D) and handle.get_markersize() < LEGIBLE:
-            handle.set_markersize(LEGIBLE)
-    return legend
 
 
 @contextmanager
@@ -426,7 +259,7 @@ def draw_ring(ax: Axes, clearance: float, centre: complex = 0j) -> None:
     """Draw the clearance circle, unless the clearance is 0."""
     if clearance > 0.0:
         x, y = circle(clearance)
-        ax.plot(x + centre.real, y + centre.imag, color=INK, lw=0.9, ls=DASHES,
+        ax.plot(x + centre.real, y + centre.imag, color=palette.INK, lw=0.9, ls=palette.DASHES,
                 label="clearance", zorder=2.6)  # fmt: skip
 
 
@@ -481,23 +314,3 @@ def keep_resolved(ax: Axes) -> None:
     is_plain = np.array([ax.get_xscale(), ax.get_yscale()]) == "linear"
     if ax.name == "rectilinear" and np.isfinite(ends).all():
         widen(ax, *np.where(is_plain & (spans < RESOLVED * sizes), LEAST_SPAN * sizes, 0.0))
-
-
-def look(number: int) -> tuple[str, object]:
-    """Return colour and line style of the curve with this number; they repeat after five."""
-    return LOOKS[number % len(LOOKS)]
-
-
-def _entries(axes: Sequence[Axes]) -> tuple[list[Artist], list[str]]:
-    handles: dict[str, Artist] = {}
-    for ax in axes:
-        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
-            handles.setdefault(label, handle)
-    labels = sorted(handles, key=_place)
-    return [handles[label] for label in labels], labels
-
-
-def _place(label: str) -> int:
-    """Return the position of a label in a legend, from its text before a colon."""
-    word = label.partition(":")[0]
-    return _ORDER.index(word) if word in _ORDER else len(_ORDER)

@@ -11,7 +11,6 @@ import numpy as np
 import xarray as xr
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
-from matplotlib.axis import Axis
 from matplotlib.colors import BoundaryNorm, ListedColormap, LogNorm
 from matplotlib.patches import Patch
 
@@ -20,32 +19,31 @@ from rotor_ida.checks import COMPONENTS, check_choice
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import HERTZ_EXPONENT, contact_force
 from rotor_ida.model.parameters import PARAMETERS
-from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
-from rotor_ida.plot.appearance import (
-    INK,
-    KIND_SHADES,
-    circle,
-    draw_ring,
-    drawing,
-    legend_below,
-)
-from rotor_ida.plot.datasets import check_dataset, clearance_of, parameters_in, table_of
+from rotor_ida.model.system_parameters import SPEED
+from rotor_ida.plot import palette
+from rotor_ida.plot.appearance import circle, draw_ring, drawing
+from rotor_ida.plot.datasets import check_dataset, clearance_of, parameters_in, table_of, units_in
 from rotor_ida.plot.labels import (
     KIND_WORDS,
     LABELS,
     label_axis,
+    label_of,
+    label_parameter,
+    lengths_text,
     number_text,
     speed_text,
     title_of,
     unit_of,
 )
-from rotor_ida.results.si_units import in_rpm
-from rotor_ida.schema import FATE, QUANTITIES, RESPONSE, check_as_computed, flags_of, words_of
+from rotor_ida.plot.legends import legend_below
+from rotor_ida.results.si_units import dimensionless, is_in_si, scale_of
+from rotor_ida.schema import FATE, QUANTITIES, RESPONSE, flags_of, words_of
 from rotor_ida.signals.nodes import Ring
+from rotor_ida.units import read_in
 
 NEEDED = ("label", "kind", "amplitude", "radius_min", "radius_max", "count")
 OF_CONTACTS = ("speed", "contact_node", "contact_stator", "clearance", "centre_x", "centre_y")
-UNDECIDED, NOT_COMPUTED = INK, "white"
+UNDECIDED, NOT_COMPUTED = palette.INK, "white"
 NOTHING_ELSE = "#d5e8d4"
 FATE_WORDS = {"undecided": "undecided", "not_computed": "not computed"}
 CONSTANT_RADIUS = 1e-3
@@ -93,14 +91,11 @@ def plot_basin(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         label_axis(ax.yaxis, vertical, dataset[vertical])
         ax.grid(visible=False)
         ax.pcolormesh(
-            dataset[horizontal].values,
-            dataset[vertical].values,
-            label.transpose(vertical, horizontal).values,
-            cmap=ListedColormap(colours),
+            dataset[horizontal].values, dataset[vertical].values,
+            label.transpose(vertical, horizontal).values, cmap=ListedColormap(colours),
             norm=BoundaryNorm(np.arange(FATE["not_computed"], count + 1) - 0.5, len(colours)),
-            shading="nearest",
-            rasterized=True,
-        )
+            shading="nearest", rasterized=True,
+        )  # fmt: skip
         if QUANTITIES[horizontal].scale == QUANTITIES[vertical].scale:
             ax.set_aspect("equal")
         else:
@@ -142,12 +137,11 @@ def plot_basin_fractions(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes
     numbers = table["response"].values
     shares = [
         (table.values[:, numbers == RESPONSE[kind]].sum(axis=1), colour, KIND_WORDS[kind])
-        for kind, (colour, *_) in KIND_SHADES.items()
+        for kind, (colour, *_) in palette.KIND_SHADES.items()
     ]
     alone = ax is None
     with drawing(ax) as ax:
-        _draw_shares(ax, table["omega"].values, shares)
-        ax.set_xlabel(LABELS["omega"])
+        _draw_shares(ax, label_parameter(ax.xaxis, "omega", dataset), shares)
         ax.set_title(title_of("dataset", dataset, ("zeta", "delta0")))
         if alone:
             legend_below(ax)
@@ -188,7 +182,7 @@ def plot_attractor_fractions(dataset: xr.Dataset, *, ax: Axes | None = None) -> 
     with drawing(ax, width=6.4, height=1.4 + 0.3 * len(rows)) as ax:
         for place, (_, share, error, colour) in enumerate(rows):
             ax.barh(place, share, xerr=error or None, color=colour, height=0.7,
-                    error_kw={"lw": 0.9, "capsize": 2.5, "ecolor": INK})  # fmt: skip
+                    error_kw={"lw": 0.9, "capsize": 2.5, "ecolor": palette.INK})  # fmt: skip
         ax.set_yticks(range(len(rows)), [name for name, *_ in rows])
         ax.grid(visible=False, axis="y")
         ax.set_xlim(0.0, 1.0)
@@ -230,7 +224,7 @@ def plot_attractors(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     shares = _shares_by_attractor(line)
     alone = ax is None
     with drawing(ax) as ax:
-        places = _label(ax.xaxis, name, dataset)
+        places = label_parameter(ax.xaxis, name, dataset)
         top = _draw_shares(ax, places, shares)
         if (top < 1.0 - ROUNDING).any():
             ax.fill_between(places, top, 1.0, color=UNDECIDED, lw=0.0, label="undecided")
@@ -251,7 +245,7 @@ def _shares_by_attractor(line: xr.Dataset) -> list[tuple[Values, str, str]]:
             found.setdefault(kind, []).append(np.nan_to_num(own["fraction"].values))
     shares = []
     for kind, members in found.items():
-        shades, words = KIND_SHADES[kind], KIND_WORDS[kind]
+        shades, words = palette.KIND_SHADES[kind], KIND_WORDS[kind]
         for number, share in enumerate(members):
             last = min(number, len(shades) - 1)
             is_shared = len(members) > len(shades) and last == len(shades) - 1
@@ -292,13 +286,14 @@ def plot_attractor_map(dataset: xr.Dataset, *, by: str = "kind", ax: Axes | None
     check_choice("by", by, ("kind", "force", "shock"))
     if by == "shock" and "velocity_shock" not in dataset:
         raise InputError("dataset must have been computed with shocks to be mapped by them")
-    check_as_computed("dataset", dataset)
     varying, plane = _varying_part(dataset, 2, "two parameters to be mapped")
     right, upwards = varying
     alone = ax is None
     with drawing(ax, width=5.0, height=4.4) as ax:
         ax.grid(visible=False)
-        places = _label(ax.xaxis, right, dataset), _label(ax.yaxis, upwards, dataset)
+        places = (
+            label_parameter(ax.xaxis, right, dataset), label_parameter(ax.yaxis, upwards, dataset)
+        )  # fmt: skip
         if by == "kind":
             _colour_by_kind(ax, places, plane)
         else:
@@ -335,17 +330,6 @@ def _varying_part(dataset: xr.Dataset, number: int, what: str) -> tuple[list[str
     return varying, part.transpose(*reversed(varying), ..., "attractor")
 
 
-def _label(axis: Axis, name: str, dataset: xr.Dataset) -> Values:
-    """Label an axis with a parameter, and return its values; speeds of a system in rpm."""
-    turns = in_rpm(dataset[name]) if name == SPEED else None
-    if turns is not None:
-        axis.set_label_text("spin speed [rpm]")
-        return np.asarray(turns)
-    known = PARAMETERS_OF_SYSTEM.get(name) if "contact_node" in dataset.variables else None
-    label_axis(axis, name, dataset[name], words=None if known is None else known.label)
-    return np.asarray(dataset[name].values)
-
-
 def _title_of_part(part: xr.Dataset, varying: Sequence[str]) -> str:
     """Return the parameters that do not vary as a title."""
     if "contact_node" in part.variables:
@@ -358,15 +342,15 @@ def _colour_by_kind(ax: Axes, places: tuple[Values, Values], plane: xr.Dataset) 
     flags = flags_of(plane["kind"])
     shares = [
         plane["fraction"].where(plane["kind"] == flags[kind], 0.0).sum("attractor").values
-        for kind in KIND_SHADES
+        for kind in palette.KIND_SHADES
     ]
     numbers = np.argmax(shares, axis=0)
-    shades = [family[0] for family in KIND_SHADES.values()]
+    shades = [family[0] for family in palette.KIND_SHADES.values()]
     ax.pcolormesh(
         *places, numbers, cmap=ListedColormap(shades), vmin=-0.5, vmax=len(shades) - 0.5,
         shading="nearest", rasterized=True,
     )  # fmt: skip
-    for number, (kind, shade) in enumerate(zip(KIND_SHADES, shades, strict=True)):
+    for number, (kind, shade) in enumerate(zip(palette.KIND_SHADES, shades, strict=True)):
         if (numbers == number).any():
             ax.fill_between([], [], color=shade, lw=0.0, label=KIND_WORDS[kind])
 
@@ -375,10 +359,11 @@ def _colour_by_number(ax: Axes, places: tuple[Values, Values], plane: xr.Dataset
     """Colour a plane by the force or the smallest shock of the most frequent attractor."""
     likeliest = plane.isel(attractor=plane["fraction"].fillna(-1.0).argmax("attractor"))
     if by == "force":
-        values, label = _largest_force(likeliest), "largest contact force"
+        shown, words = _largest_force(likeliest), "largest contact force"
     else:
-        values = likeliest["velocity_shock"].min("target").values
-        label = "smallest change of velocity that leaves it"
+        shown = likeliest["velocity_shock"].min("target", keep_attrs=True)
+        words = "smallest change of velocity that leaves it"
+    values = shown.values
     known = np.isfinite(values)
     if not known.all():
         ax.set_facecolor(NOTHING_ELSE)
@@ -389,16 +374,19 @@ def _colour_by_number(ax: Axes, places: tuple[Values, Values], plane: xr.Dataset
         rasterized=True,
     )  # fmt: skip
     if known.any():
-        ax.figure.colorbar(mesh, ax=ax, label=label)
+        ax.figure.colorbar(mesh, ax=ax, label=label_of(by, shown, words=words))
 
 
-def _largest_force(attractors: xr.Dataset) -> Values:
+def _largest_force(attractors: xr.Dataset) -> xr.DataArray:
     """Return the largest contact force of attractors; 0 where there is none."""
     if "largest_force" in attractors:  # of each contact of a rotor system
-        return np.asarray(attractors["largest_force"].max("contact").fillna(0.0).values)
-    exponent = float(attractors.get("contact_exponent", HERTZ_EXPONENT))
-    force = contact_force(attractors["radius_max"], attractors["delta0"], exponent)
-    return np.nan_to_num(force)
+        return attractors["largest_force"].max("contact", keep_attrs=True).fillna(0.0)
+    plain = dimensionless(attractors)
+    exponent = float(plain.get("contact_exponent", HERTZ_EXPONENT))
+    force = np.nan_to_num(contact_force(plain["radius_max"], plain["delta0"], exponent))
+    force = force * scale_of(attractors, "force")
+    unit, parts = read_in("N", [force.max()]) if is_in_si(attractors) else ("1", 1.0)
+    return xr.DataArray(force / parts, attrs={"units": unit})
 
 
 def _directions(label: xr.DataArray) -> tuple[str, str]:
@@ -465,7 +453,7 @@ def _title(dataset: xr.Dataset) -> str:
 
 def _shades(kinds: xr.DataArray) -> list[str]:
     """Return a colour for each attractor, from the family of its kind."""
-    families = {kind: cycle(family) for kind, family in KIND_SHADES.items()}
+    families = {kind: cycle(family) for kind, family in palette.KIND_SHADES.items()}
     return [next(families[kind]) for kind in words_of(kinds)]
 
 
@@ -478,7 +466,9 @@ def _handles(dataset: xr.Dataset, colours: list[str]) -> list[Artist]:
         if dataset["count"].values[number] > 0
     ]
     handles += [
-        Patch(facecolor=colours[FATE[fate] + shift], edgecolor=INK, linewidth=0.5, label=words)
+        Patch(
+            facecolor=colours[FATE[fate] + shift], edgecolor=palette.INK, linewidth=0.5, label=words
+        )
         for fate, words in FATE_WORDS.items()
         if (dataset["label"] == FATE[fate]).any()
     ]
@@ -491,13 +481,16 @@ def _name(attractor: xr.Dataset) -> str:
     kind = KIND_WORDS[word]
     if word == "touching":  # its kind implies its limit
         return kind
-    unit = unit_of(attractor["amplitude"])
+    unit = units_in(attractor["amplitude"])
     low, high = float(attractor["radius_min"]), float(attractor["radius_max"])
     amplitude = float(attractor["amplitude"])
     if math.isnan(high) or high - low <= CONSTANT_RADIUS * high:
         # a circle that does not turn at the spin speed, as dry whip, has another radius
         is_synchronous = not abs(amplitude - high) > CONSTANT_RADIUS * high
         symbol, size = ("A", amplitude) if is_synchronous else ("|z|", high)
-        return f"{kind}, ${symbol} = {number_text(size)}$ {unit}".rstrip()
-    low_text, high_text = number_text(low), number_text(high)
-    return f"{kind}, ${low_text} \\leq |z| \\leq {high_text}$ {unit}".rstrip()
+        (said,), unit = lengths_text(unit, size)
+        return f"{kind}, ${symbol} = {said}$ {unit}".rstrip()
+    (least, most), unit = lengths_text(unit, low, high)
+    if least == most:
+        return f"{kind}, $|z| = {most}$ {unit}".rstrip()
+    return f"{kind}, ${least} \\leq |z| \\leq {most}$ {unit}".rstrip()

@@ -19,38 +19,16 @@ from rotor_ida.cycles.branch_course import VARIED, Course, course_of, parameters
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.model.system_parameters import SPEED
+from rotor_ida.plot import legends, palette
 from rotor_ida.plot.appearance import (
-    BLUE,
-    BOUNCING_CYCLE,
-    BROWN,
-    DASHES,
-    DISCONTINUOUS,
-    DOUBLING,
-    FOLD_OF_CYCLES,
-    FULL_CONTACT_CYCLE,
-    GRAZE,
-    GREY,
-    HOPF,
-    INK,
-    ORANGE,
-    PURPLE,
-    RED,
-    ROLLING_CYCLE,
-    SLIDING,
-    STABLE_CYCLE,
-    UNSTABLE_CYCLE,
     circle,
     draw_marks,
     draw_ring,
     drawing,
     keep_resolved,
-    legend_below,
-    look,
     new_figure,
-    own_legend,
     raise_limit,
     say_in_middle,
-    shared_legend,
     style,
 )
 from rotor_ida.plot.datasets import (
@@ -73,11 +51,12 @@ from rotor_ida.plot.labels import (
     in_lines,
     label_axis,
     label_parameter,
-    parameter_text,
     speed_text,
     speeds_in,
+    text_of,
     title_of,
 )
+from rotor_ida.plot.legends import legend_below, own_legend, shared_legend
 from rotor_ida.plot.motion import WAYS, draw_motion
 from rotor_ida.plot.responses import draw_clearance
 from rotor_ida.results.archived_system import clearance_of_contacts
@@ -98,10 +77,10 @@ FLOOR = 1e-5
 ROLLS = 1e-9
 # How the kinds of lines are drawn.
 LINE_LOOKS = {
-    "backward": ("backward whirl", ORANGE, "v"),
-    "forward": ("forward whirl", BLUE, "^"),
-    "spin": ("spin speed", INK, "o"),
-    "static": ("static", GREY, "s"),
+    "backward": ("backward whirl", palette.ORANGE, "v"),
+    "forward": ("forward whirl", palette.BLUE, "^"),
+    "spin": ("spin speed", palette.INK, "o"),
+    "static": ("static", palette.GREY, "s"),
 }
 Mask = npt.NDArray[np.bool_]
 # Room beside the first and the last point, over the distance between them.
@@ -111,11 +90,12 @@ SPECIALS = ("special_kind", "special_value", "special_point")
 BRANCH = ("radius_min", "radius_max", "stability", "response", *SPECIALS, "special_radius_max")
 # Opacity of a band and style of its edges, by stability.
 COVER = {"stable": 0.28, "unstable": 0.09}
-EDGES = {"stable": (STABLE_CYCLE, "-", 1.1), "unstable": (UNSTABLE_CYCLE, (0, (3.2, 1.8)), 0.9)}
+EDGES = {"stable": (legends.STABLE_CYCLE, "-", 1.1),
+         "unstable": (legends.UNSTABLE_CYCLE, (0, (3.2, 1.8)), 0.9)}  # fmt: skip
 BANDS = {
-    "bouncing": (BOUNCING_CYCLE, ORANGE),
-    "full_contact": (FULL_CONTACT_CYCLE, PURPLE),
-    "rolling": (ROLLING_CYCLE, BROWN),
+    "bouncing": (legends.BOUNCING_CYCLE, palette.ORANGE),
+    "full_contact": (legends.FULL_CONTACT_CYCLE, palette.PURPLE),
+    "rolling": (legends.ROLLING_CYCLE, palette.BROWN),
 }
 
 
@@ -213,11 +193,14 @@ def plot_cycle(cycle: xr.Dataset, *, node: str | None = None, ax: Axes | None = 
         if alone and rings:
             draw_motion(ax, path, path.x, path.y, width=1.2, heavier=1.3)
         else:
-            ax.plot(path.x, path.y, color=BLUE, lw=1.2, label="orbit")
-        for name, marker, face, entry in (("entry", "^", RED, True), ("exit", "v", "white", False)):
+            ax.plot(path.x, path.y, color=palette.BLUE, lw=1.2, label="orbit")
+        for name, marker, face, entry in (
+            ("entry", "^", palette.RED, True),
+            ("exit", "v", "white", False),
+        ):
             here = crossings[path.in_contact[crossings] == entry]
             if here.size:
-                draw_marks(ax, path.x[here], path.y[here], marker, RED, size=4.5, face=face,
+                draw_marks(ax, path.x[here], path.y[here], marker, palette.RED, size=4.5, face=face,
                            edge=0.8, label=name, level=3.0)  # fmt: skip
         _draw_arrow(ax, path)
         ax.set_aspect("equal", adjustable="datalim")
@@ -277,14 +260,14 @@ def plot_multipliers(cycle: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     others, along = _parted(multipliers, known)
     circles: list[tuple[float, Any, str]] = [(1.0, "-", "_")]
     if q is not None:
-        circles.append((math.sqrt(q), DASHES, rf"$\sqrt{{q}} = {math.sqrt(q):.4g}$"))
+        circles.append((math.sqrt(q), palette.DASHES, rf"$\sqrt{{q}} = {math.sqrt(q):.4g}$"))
     with drawing(ax, width=4.0, height=3.6) as ax:
         for radius, dashes, label in circles:
-            ax.plot(*circle(radius), color=GREY, lw=0.9, ls=dashes, label=label, zorder=2.0)
-        for points, face, label in ((along, "white", words), (others, BLUE, rest)):
+            ax.plot(*circle(radius), color=palette.GREY, lw=0.9, ls=dashes, label=label, zorder=2.0)
+        for points, face, label in ((along, "white", words), (others, palette.BLUE, rest)):
             if points.size:
-                draw_marks(ax, points.real, points.imag, "o", BLUE, size=5.0, face=face, edge=1.1,
-                           label=label, level=3.0)  # fmt: skip
+                draw_marks(ax, points.real, points.imag, "o", palette.BLUE, size=5.0, face=face,
+                           edge=1.1, label=label, level=3.0)  # fmt: skip
         ax.set_xlabel(LABELS["multiplier_real"])
         ax.set_ylabel(LABELS["multiplier_imag"])
         ax.margins(0.08)
@@ -408,7 +391,7 @@ def _modes(slip: Values, inside: npt.NDArray[np.bool_]) -> npt.NDArray[np.int8]:
 def _draw_arrow(ax: Axes, path: Path) -> None:
     """Show the direction of motion, at the largest radius."""
     place = min(int(np.argmax(path.radius)), path.time.size - 2)
-    colour = RED if path.in_contact[place] else BLUE
+    colour = palette.RED if path.in_contact[place] else palette.BLUE
     if path.mode is not None:
         colour = next(
             shade for modes, _, shade, *_ in WAYS if path.mode[place] in {*map(MODE.get, modes)}
@@ -458,12 +441,12 @@ def cycles_figure(cycles: xr.Dataset) -> Figure:
     with style():
         figure = new_figure(5.0, 5.0)
         upper, lower = figure.subplots(2, 1, sharex=True)
-        _draw(upper, part[over].values, part["period"].values, is_stable, INK)
+        _draw(upper, part[over].values, part["period"].values, is_stable, palette.INK)
         label_axis(upper.yaxis, "period", part["period"])
         is_system = "contact" in part["radius_max"].dims
         for number in range(part.sizes["contact"] if is_system else 1):
             own = part.isel(contact=number) if is_system else part
-            colour, _ = look(number + 1)
+            colour, _ = palette.look(number + 1)
             low, high = own["radius_min"].values, own["radius_max"].values
             lower.fill_between(part[over].values, low, high, color=colour, alpha=0.15, lw=0.0,
                                label=contact_text(own, number) if is_system else "_")  # fmt: skip
@@ -485,7 +468,10 @@ def cycles_figure(cycles: xr.Dataset) -> Figure:
 def _draw(ax: Axes, across: Values, up: Values, is_stable: Mask, colour: str) -> None:
     """Draw a number of the cycles, with marks that show their stability."""
     ax.plot(across, up, color=colour, lw=0.9)
-    for here, face, label in ((is_stable, "", STABLE_CYCLE), (~is_stable, "white", UNSTABLE_CYCLE)):
+    for here, face, label in (
+        (is_stable, "", legends.STABLE_CYCLE),
+        (~is_stable, "white", legends.UNSTABLE_CYCLE),
+    ):
         if np.isfinite(up[here]).any():
             draw_marks(ax, across[here], up[here], "o", colour, size=3.6, face=face, label=label)
 
@@ -500,22 +486,22 @@ class _Mark(NamedTuple):
 
 
 MARKS = {
-    "fold": _Mark(FOLD_OF_CYCLES, "s", 4.0, "white"),
-    "period_doubling": _Mark(DOUBLING, "P", 5.4, BROWN),
-    "graze": _Mark(GRAZE, "x", 3.8, BROWN),
+    "fold": _Mark(legends.FOLD_OF_CYCLES, "s", 4.0, "white"),
+    "period_doubling": _Mark(legends.DOUBLING, "P", 5.4, palette.BROWN),
+    "graze": _Mark(legends.GRAZE, "x", 3.8, palette.BROWN),
     "cusp": _Mark("cusp", "*", 7.5, "white"),
     "torus": _Mark("torus", "D", 3.8, "white"),
-    "sliding": _Mark(SLIDING, "1", 5.4, BROWN),
-    "hopf": _Mark(HOPF, "o", 4.2, "white"),
-    "discontinuous": _Mark(DISCONTINUOUS, "v", 4.2, "white"),
+    "sliding": _Mark(legends.SLIDING, "1", 5.4, palette.BROWN),
+    "hopf": _Mark(legends.HOPF, "o", 4.2, "white"),
+    "discontinuous": _Mark(legends.DISCONTINUOUS, "v", 4.2, "white"),
 }
 # Bifurcation curves: one style for each kind, if they are of one rotor.
 CURVES = {
-    "fold": (FOLD_OF_CYCLES, "-"),
-    "period_doubling": (DOUBLING, (0, (6, 1.8))),
+    "fold": (legends.FOLD_OF_CYCLES, "-"),
+    "period_doubling": (legends.DOUBLING, (0, (6, 1.8))),
     "torus": ("torus", (0, (1.2, 1.2))),
 }
-COLOURS = (BLUE, ORANGE, PURPLE, RED, BROWN)
+COLOURS = (palette.BLUE, palette.ORANGE, palette.PURPLE, palette.RED, palette.BROWN)
 
 
 def plot_branch(branch: xr.Dataset, *, contact: int | str = 0, ax: Axes | None = None) -> Axes:
@@ -587,11 +573,9 @@ def plot_branch(branch: xr.Dataset, *, contact: int | str = 0, ax: Axes | None =
 
 
 def plot_curves(
-    curves: xr.Dataset | Sequence[xr.Dataset],
-    *,
-    fold_points: xr.Dataset | None = None,
+    curves: xr.Dataset | Sequence[xr.Dataset], *, fold_points: xr.Dataset | None = None,
     ax: Axes | None = None,
-) -> Axes:
+) -> Axes:  # fmt: skip
     r"""Draw bifurcation curves of limit cycles in the plane of their two parameters.
 
     Parameters
@@ -682,7 +666,7 @@ def _held_text(curve: xr.Dataset, values: Mapping[str, float]) -> str:
     """Return what is the same along a curve: parameters of one disc, or the speed of a system."""
     if "contact" in curve.dims:
         return speed_text(curve[SPEED]) if SPEED in values else ""
-    return parameter_text(values)
+    return text_of(curve, values)
 
 
 def _kind_of_curve(curve: xr.Dataset) -> str:
@@ -718,8 +702,8 @@ def _draw_edges(ax: Axes, course: Course) -> None:
                 for edge in (course.low, course.high):
                     lines += [np.stack([course.value[piece], edge[piece]]), np.full((2, 1), np.nan)]
         if lines:
-            ax.plot(*np.concatenate(lines, axis=1), color=BROWN, ls=dashes, lw=width, label=words,
-                    zorder=2.4)  # fmt: skip
+            ax.plot(*np.concatenate(lines, axis=1), color=palette.BROWN, ls=dashes, lw=width,
+                    label=words, zorder=2.4)  # fmt: skip
 
 
 def draw_specials(
@@ -730,7 +714,7 @@ def draw_specials(
     for kind in kinds:
         mark, chosen = MARKS[kind], here == kind
         if chosen.any():
-            draw_marks(ax, across[chosen], up[chosen], mark.marker, BROWN, size=mark.size,
+            draw_marks(ax, across[chosen], up[chosen], mark.marker, palette.BROWN, size=mark.size,
                        face=mark.face, label=mark.words, level=2.8)  # fmt: skip
 
 
@@ -758,7 +742,7 @@ def _draw_folds_of_whirl(ax: Axes, fold_points: xr.Dataset, across: str) -> None
     places = xr.broadcast(fold_points["fold_omega"], fold_points["delta0"])
     omega, delta0 = (place.values.ravel() for place in places)
     x, y = (omega, delta0) if across == "omega" else (delta0, omega)
-    ax.plot(x, y, ls="", marker=".", ms=2.8, mew=0.0, color=INK, label="fold of the whirl",
+    ax.plot(x, y, ls="", marker=".", ms=2.8, mew=0.0, color=palette.INK, label="fold of the whirl",
             zorder=2.3)  # fmt: skip
 
 
@@ -767,4 +751,4 @@ def _colour_of(ax: Axes, words: str) -> str:
     drawn = {str(line.get_label()): str(line.get_color()) for line in ax.lines}
     if words in drawn:
         return drawn[words]
-    return next((colour for colour in COLOURS if colour not in drawn.values()), INK)
+    return next((colour for colour in COLOURS if colour not in drawn.values()), palette.INK)

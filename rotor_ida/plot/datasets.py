@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 import xarray as xr
@@ -13,9 +13,10 @@ from rotor_ida.checks import check_count, listed, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
+from rotor_ida.results.archived_system import clearance_of_contacts
 from rotor_ida.results.run import refuse_system
 from rotor_ida.results.si_units import in_suitable_units, scale_of
-from rotor_ida.schema import QUANTITIES, check_variables
+from rotor_ida.schema import QUANTITIES, check_variables, flags_of
 from rotor_ida.signals.nodes import Ring
 
 
@@ -134,6 +135,12 @@ def contact_text(dataset: xr.Dataset, number: int) -> str:
     return f"contact {number} at {Ring(node, stator, []).title}"
 
 
+def is_of_kind(variable: xr.DataArray, kinds: Iterable[str]) -> xr.DataArray:
+    """Return which values of a variable with flags are one of some kinds; it may lack some."""
+    flags = flags_of(variable)
+    return variable.isin([flags[kind] for kind in kinds if kind in flags])
+
+
 def varied_in(dataset: xr.Dataset) -> list[str]:
     """Return the speed and parameters that have several values."""
     return [name for name in parameters_in(dataset) if dataset[name].size > 1]
@@ -168,6 +175,13 @@ def drawn_over(name: str, dataset: xr.Dataset) -> tuple[str, dict[str, float]]:
 def clearance_of(dataset: xr.Dataset, name: str = "run") -> float:
     """Return the clearance in the units of the lengths of a dataset."""
     return one_value(name, dataset, "delta0") * scale_of(dataset, "length")
+
+
+def clearances_in(dataset: xr.Dataset) -> xr.DataArray:
+    """Return the clearances of a disc, or of the contacts of a system, in the units of lengths."""
+    if is_of_disc(dataset):
+        return dataset["delta0"] * scale_of(dataset, "length")
+    return clearance_of_contacts(dataset)
 
 
 def rings_about(name: str, dataset: xr.Dataset) -> list[float]:

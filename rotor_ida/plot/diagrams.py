@@ -16,19 +16,12 @@ from rotor_ida.checks import check_choice
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import SMALL_INDENTATION
 from rotor_ida.model.parameters import OPTIONAL, PARAMETERS
+from rotor_ida.plot import palette
 from rotor_ida.plot.appearance import (
-    BLUE,
-    DASHES,
-    GREY,
-    INK,
     LEAST_SPAN,
-    ORANGE,
-    PURPLE,
     draw_marks,
     draw_ring,
     drawing,
-    legend_below,
-    own_legend,
     say_in_middle,
     widen,
 )
@@ -38,14 +31,17 @@ from rotor_ida.plot.datasets import (
     check_dataset,
     check_same_parameters,
     check_same_units,
+    clearances_in,
     drawn_over,
     is_centred,
     is_of_disc,
+    is_of_kind,
     one_value,
     rings_about,
     units_in,
 )
 from rotor_ida.plot.labels import (
+    KIND_WORDS,
     SEPARATOR,
     in_lines,
     label_axis,
@@ -53,23 +49,22 @@ from rotor_ida.plot.labels import (
     label_parameter,
     text_of,
     title_of,
-    unit_of,
 )
-from rotor_ida.plot.responses import plot_amplitude
-from rotor_ida.results.archived_system import clearance_of_contacts
+from rotor_ida.plot.legends import legend_below, own_legend
+from rotor_ida.plot.responses import below_outliers, mark_beyond, plot_amplitude
 from rotor_ida.results.rows import own_rows
 from rotor_ida.results.si_units import scale_of
-from rotor_ida.schema import flags_of
+from rotor_ida.schema import words_of
 from rotor_ida.texts import in_figure
-from rotor_ida.units import number, with_error
+from rotor_ida.units import with_error
 
 # Parts of a bifurcation diagram.
 FREE = "extremum, free or unresolved"
 FREE_KINDS = ("contact_free", "touching", "unresolved")
 EXTREMA = {
-    "constant": ("constant radius", BLUE),
-    "maximum": ("local maximum of $|z|$", ORANGE),
-    "minimum": ("local minimum of $|z|$", PURPLE),
+    "constant": ("constant radius", palette.BLUE),
+    "maximum": ("local maximum of $|z|$", palette.ORANGE),
+    "minimum": ("local minimum of $|z|$", palette.PURPLE),
 }
 FEW_EXTREMA = 3000
 # Top of the axes over the largest extremum.
@@ -77,7 +72,7 @@ HEADROOM = 1.06
 WITH_EXTREMA = ("response", "extremum_count", "extremum_radius", "extremum_kind")
 OF_SYSTEM = ("speed", "node", "contact_node")
 # States once a revolution, by the direction of a sweep.
-WAYS = {0: ("once a revolution", BLUE), 1: ("going up", BLUE), -1: ("going down", ORANGE)}
+WAYS = {1: ("going up", palette.BLUE), -1: ("going down", palette.ORANGE)}
 UNRESOLVED = "unresolved"
 # Size of the points going up over that of those going down, which may lie on them.
 BENEATH = 1.5
@@ -96,17 +91,13 @@ WORDS = {
     "reverse": "where its sliding reverses",
 }
 # Styles of the exponents.
-LINES = ((BLUE, "-"), (ORANGE, "--"), (PURPLE, "-."), (INK, ":"))
+LINES = ((palette.BLUE, "-"), (palette.ORANGE, "--"), (palette.PURPLE, "-."), (palette.INK, ":"))
 
 
 def plot_extrema(
-    found: xr.Dataset,
-    *,
-    node: str | None = None,
-    exact: xr.Dataset | None = None,
-    fold_points: xr.Dataset | None = None,
-    ax: Axes | None = None,
-) -> Axes:
+    found: xr.Dataset, *, node: str | None = None, exact: xr.Dataset | None = None,
+    fold_points: xr.Dataset | None = None, ax: Axes | None = None,
+) -> Axes:  # fmt: skip
     """Draw the extrema of the radius over the varying parameter.
 
     Parameters
@@ -155,7 +146,7 @@ def plot_extrema(
             chosen = of_kind & within
             if not chosen.any():
                 continue
-            steady = words == EXTREMA["constant"][0]
+            steady = words.startswith(EXTREMA["constant"][0])
             face = "none" if steady else colour
             ax.plot(
                 extrema.across[chosen], extrema.radius[chosen], ls="", marker="o",
@@ -164,13 +155,14 @@ def plot_extrema(
             )  # fmt: skip
             draw_marks(ax, [], [], "o", colour, size=3.4, face=face, edge=0.7, label=words)
         for gap in gaps:
-            ax.plot(places, np.broadcast_to(gap, places.shape), color=INK, lw=0.9, ls=DASHES,
-                    marker="" if places.size > 1 else "_", label="clearance",
+            ax.plot(places, np.broadcast_to(gap, places.shape), color=palette.INK, lw=0.9,
+                    ls=palette.DASHES, marker="" if places.size > 1 else "_", label="clearance",
                     zorder=2.3)  # fmt: skip
         highest = [extrema.radius[within].max(initial=0.0), *(gap.max() for gap in gaps)]
         highest += [] if exact is None else [min(float(exact["amplitude"].max()), limit)]
         ax.set_ylim(bottom=min(0.0, ax.get_ylim()[0]), top=HEADROOM * max(highest))
-        _mark_beyond(ax, extrema, ~within, found["extremum_radius"])
+        mark_beyond(ax, extrema.across[~within], extrema.radius[~within],
+                    found["extremum_radius"], "beyond the model", palette.INK)  # fmt: skip
         ax.set_title(_title(found, held))
         own_legend(ax)
     return ax
@@ -212,10 +204,10 @@ def _on_curve(found: xr.Dataset, exact: xr.Dataset) -> xr.Dataset:
 
 def _clearances(found: xr.Dataset) -> list[Values]:
     """Return the clearances of the contacts that are shown: numbers, or along the axis."""
+    gaps = clearances_in(found)
     if is_of_disc(found):
-        return [np.asarray(found["delta0"].values, float) * scale_of(found, "length")]
-    node, gaps = str(found["node"].values), clearance_of_contacts(found)
-    here = np.flatnonzero(found["contact_node"].values == node).tolist()
+        return [np.asarray(gaps.values, float)]
+    here = np.flatnonzero(found["contact_node"].values == str(found["node"].values)).tolist()
     return [np.atleast_1d(gaps.isel(contact=number).squeeze().values) for number in here]
 
 
@@ -228,18 +220,6 @@ def _limit_of_model(found: xr.Dataset) -> float:
         radius = float(np.max(found["disc_radius"].values)) * scale_of(found, "length")
         depths.append(SMALL_INDENTATION * radius)
     return max(float(gap.max()) for gap in gaps) + min(depths) if depths else math.inf
-
-
-def _mark_beyond(
-    ax: Axes, extrema: _Extrema, beyond: npt.NDArray[np.bool_], radius: xr.DataArray
-) -> None:
-    """Mark extrema beyond the model at the upper edge, and tell the largest."""
-    if beyond.any():
-        largest = f"{number(extrema.radius[beyond].max(), 3)} {unit_of(radius)}".rstrip()
-        across = np.unique(extrema.across[beyond])
-        draw_marks(ax, across, np.full(across.size, 0.985 * ax.get_ylim()[1]), "^", INK, size=3.4,
-                   face="white", edge=0.7, label=f"beyond the model, up to {largest}",
-                   level=3.2)  # fmt: skip
 
 
 def _title(found: xr.Dataset, held: Mapping[str, float], words: str = "") -> str:
@@ -259,35 +239,23 @@ def _extrema_of(found: xr.Dataset, over: xr.DataArray) -> _Extrema:
     )
     if over.name == "omega" and "extremum_speed" in found.variables:
         across = found["extremum_speed"].values / scale_of(found, "speed")
+    response = found["extremum_kind"].copy(data=response).assign_attrs(found["response"].attrs)
+    of_kind = {kind: is_of_kind(found["extremum_kind"], [kind]).values for kind in EXTREMA}
     # the extrema of an unresolved motion may not last
-    free = _is_of(response, found["response"], FREE_KINDS)
-    of_kind = {
-        kind: _is_of(found["extremum_kind"].values, found["extremum_kind"], (kind,))
-        for kind in EXTREMA
-    }
-    swinging = free & ~of_kind["constant"]
-    groups = {
-        words: (colour, of_kind[kind] & ~swinging) for kind, (words, colour) in EXTREMA.items()
-    }
-    groups[FREE] = (GREY, swinging)
+    swinging = is_of_kind(response, FREE_KINDS).values & ~of_kind["constant"]
+    groups = {}
+    for kind, (words, colour) in EXTREMA.items():
+        chosen = of_kind[kind] & ~swinging
+        seen = ", ".join(KIND_WORDS[each] for each in dict.fromkeys(words_of(response[chosen])))
+        groups[f"{words}: {seen}"] = colour, chosen
+    groups[FREE] = (palette.GREY, swinging)
     return _Extrema(across, found["extremum_radius"].values, groups)
 
 
-def _is_of(
-    numbers: Values, variable: xr.DataArray, kinds: tuple[str, ...]
-) -> npt.NDArray[np.bool_]:
-    """Return a mask of the flags that are of some kinds."""
-    flags = flags_of(variable)
-    return np.isin(numbers, [flags[kind] for kind in kinds if kind in flags])
-
-
 def plot_strobes(
-    found: xr.Dataset,
-    *,
-    axis: Literal["x", "y"] = "x",
-    node: str | None = None,
+    found: xr.Dataset, *, axis: Literal["x", "y"] = "x", node: str | None = None,
     ax: Axes | None = None,
-) -> Axes:
+) -> Axes:  # fmt: skip
     """Draw a stroboscopic bifurcation diagram: a displacement once a revolution, over a parameter.
 
     Parameters
@@ -312,29 +280,37 @@ def plot_strobes(
     'once a revolution'
     """
     name = f"rotating_{check_choice('axis', axis, ('x', 'y'))}"
-    found = _checked(found, node, ("response", name))
+    found = _checked(found, node, ("response", *STATES[:2]))
     over, held = drawn_over("found", found)
-    ways = found["direction"].values.ravel().tolist() if "direction" in found.variables else [0]
+    ways = found["direction"].values.ravel().tolist() if "direction" in found.variables else []
     with drawing(ax) as ax:
         places = found[over].copy(data=label_parameter(ax.xaxis, over, found))
         places, values, response = xr.broadcast(places, found[name], found["response"])
         size = 2.6 if values.size < FEW_EXTREMA else 1.2
-        edge = BENEATH if len(ways) > 1 else 1.0
-        unresolved = _is_of(response.values, found["response"], (UNRESOLVED,))
-        groups = [(UNRESOLVED, GREY, unresolved)]
-        for way in ways:
-            here = xr.full_like(response, True, bool)
-            if len(ways) > 1:
-                here = xr.broadcast(found["direction"] == way, response)[0]
-            groups.append((*WAYS[way], here.transpose(*response.dims).values & ~unresolved))
-        for words, colour, chosen in groups:
+        unresolved = is_of_kind(response, [UNRESOLVED])
+        groups = [(UNRESOLVED, palette.GREY, unresolved, size)]
+        for way in ways if len(ways) > 1 else ():
+            # what goes down lies on what goes up, and would hide it
+            wide = BENEATH * size if way > 0 else size
+            groups.append((*WAYS[way], (found["direction"] == way) & ~unresolved, wide))
+        for kind, (shade, *_) in palette.KIND_SHADES.items() if len(ways) < 2 else ():
+            groups.append((KIND_WORDS[kind], shade, is_of_kind(response, [kind]), size))
+        for words, colour, of_group, width in groups:
+            chosen = of_group.broadcast_like(response).transpose(*response.dims).values
             if chosen.any():
-                larger = edge if words == WAYS[1][0] else 1.0  # what lies on it hides it otherwise
                 ax.plot(places.values[chosen], values.values[chosen], ls="", marker="o",
-                        ms=larger * size, mec="none", mfc=colour, rasterized=True)  # fmt: skip
-                if len(ways) > 1 or words == UNRESOLVED:
-                    draw_marks(ax, [], [], "o", colour, size=3.4, label=words)
+                        ms=width, mec="none", mfc=colour, rasterized=True)  # fmt: skip
+                draw_marks(ax, [], [], "o", colour, size=3.4, label=words)
         label_axis(ax.yaxis, name, found[name])
+        radius = np.hypot(found["rotating_x"], found["rotating_y"])
+        radius = radius.transpose(*values.dims, missing_dims="ignore").values
+        reach = max((float(gap.max()) for gap in _clearances(found)), default=0.0)
+        highest = below_outliers(reach, radius)
+        beyond = radius > highest
+        if beyond.any():
+            ax.set_ylim(-HEADROOM * highest, HEADROOM * highest)
+            mark_beyond(ax, places.values[beyond], radius[beyond], found[name], "radius",
+                        palette.INK)  # fmt: skip
         phase = float(found.attrs.get("phase", 0.0))
         words = f"unbalance at {math.degrees(phase):.4g}°" if phase else "once a revolution"
         ax.set_title(_title(found, held, words))
@@ -386,7 +362,8 @@ def plot_section(section: xr.Dataset, *, node: str | None = None, ax: Axes | Non
             for clearance in rings_about("section", section):
                 draw_ring(ax, clearance)
             ax.set_aspect("equal", adjustable="datalim")
-        ax.plot(across, up, ls="", marker="o", ms=_mark_size(z), mec="none", mfc=BLUE, zorder=3.0)
+        ax.plot(across, up, ls="", marker="o", ms=_mark_size(z), mec="none", mfc=palette.BLUE,
+                zorder=3.0)  # fmt: skip
         limits = zip((ax.get_xlim(), ax.get_ylim()), scales, strict=True)
         widen(ax, *(LEAST_SPAN * max(order, *map(abs, ends)) for ends, order in limits))
         if not z.size:
@@ -442,7 +419,7 @@ def plot_exponents(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     with drawing(ax) as ax:
         label_axis(ax.xaxis, "t", found["t"])
         label_axis(ax.yaxis, "running_exponent", found["running_exponent"])
-        ax.axhline(0.0, color=GREY, lw=0.7, zorder=1.5)
+        ax.axhline(0.0, color=palette.GREY, lw=0.7, zorder=1.5)
         for number, (colour, dashes) in enumerate(LINES[: found.sizes["exponent"]]):
             part = found.isel(exponent=number)
             value, error = part["lyapunov_exponent"].item(), part["lyapunov_error"].item()
@@ -463,7 +440,7 @@ def _plot_exponents_over(found: xr.Dataset, ax: Axes | None) -> Axes:
     part, over = along_one("found", found)
     with drawing(ax) as ax:
         label_axis(ax.yaxis, "running_exponent", found["lyapunov_exponent"])
-        ax.axhline(0.0, color=GREY, lw=0.7, zorder=1.5)
+        ax.axhline(0.0, color=palette.GREY, lw=0.7, zorder=1.5)
         for number, (colour, dashes) in enumerate(LINES[: found.sizes["exponent"]]):
             own = part.isel(exponent=number)
             ax.errorbar(own[over].values, own["lyapunov_exponent"], own["lyapunov_error"],

@@ -14,20 +14,11 @@ from matplotlib.lines import Line2D
 
 from rotor_ida.checks import check_count, check_instance, shown
 from rotor_ida.errors import InputError
-from rotor_ida.plot.appearance import (
-    BLUE,
-    DASHES,
-    INK,
-    ORANGE,
-    circle,
-    look,
-    new_figure,
-    say_in_middle,
-    shared_legend,
-    style,
-)
+from rotor_ida.plot import palette
+from rotor_ida.plot.appearance import circle, new_figure, say_in_middle, style
 from rotor_ida.plot.datasets import contact_text
 from rotor_ida.plot.labels import label_axis
+from rotor_ida.plot.legends import shared_legend
 from rotor_ida.results.files import check_target, file_to_write
 from rotor_ida.results.run import check_system_run
 from rotor_ida.results.si_units import in_suitable_units
@@ -108,7 +99,7 @@ def _draw_distribution(ax: Axes, drops: xr.Dataset, name: str, number: int) -> N
     values = np.sort(values[np.isfinite(values)])
     if not values.size:
         return
-    colour, dashes = look(1 + number)  # as in the figure of one drop
+    colour, dashes = palette.look(1 + number)  # as in the figure of one drop
     node = in_figure(drops["contact_node"].values[number])
     ax.step(values, np.arange(1, values.size + 1) / values.size, where="post", color=colour,
             ls=dashes, lw=1.0, label=node)  # fmt: skip
@@ -166,7 +157,7 @@ def _by_value(drops: xr.Dataset, name: str, values: np.ndarray) -> list[np.ndarr
 
 def _draw_range(ax: Axes, drops: xr.Dataset, name: str, figure_of: str, number: int) -> None:
     """Draw the range of a figure of a bearing, and its mean."""
-    colour, dashes = look(1 + number)
+    colour, dashes = palette.look(1 + number)
     groups = _by_value(drops, name, drops[figure_of].values[:, number])
     known = [each[np.isfinite(each)] for each in groups]
     kept = [place for place, each in enumerate(known) if each.size]
@@ -182,7 +173,7 @@ def _draw_shares(ax: Axes, drops: xr.Dataset, name: str) -> None:
     """Draw the share of drops that whirl backwards in each bearing."""
     across = np.unique(drops[f"drop_{name}"].values)
     for number in range(drops.sizes["contact"]):
-        colour, dashes = look(1 + number)
+        colour, dashes = palette.look(1 + number)
         groups = _by_value(drops, name, drops["whirl_sense"].values[:, number] < 0)
         ax.plot(across, [each.mean() for each in groups], color=colour, ls=dashes, marker="o",
                 ms=2.5)  # fmt: skip
@@ -206,13 +197,9 @@ def _draw_map(figure: Figure, ax: Axes, drops: xr.Dataset, names: tuple[str, str
 
 
 def save_orbit_film(
-    run: xr.Dataset,
-    path: str | os.PathLike[str],
-    *,
-    frames: int = 100,
-    rate: int = 20,
+    run: xr.Dataset, path: str | os.PathLike[str], *, frames: int = 100, rate: int = 20,
     overwrite: bool = False,
-) -> Path:
+) -> Path:  # fmt: skip
     """Write a film of the orbits in all bearings, as GIF, or as MP4 where ffmpeg is installed.
 
     Parameters
@@ -302,11 +289,11 @@ def check_film(
 def _film_panel(ax: Axes, run: xr.Dataset, number: int) -> tuple[Line2D, Line2D]:
     """Draw the clearance of a bearing; return the lines of orbit and rotor."""
     clearance = float(run["clearance"][number])
-    ax.plot(*circle(clearance), color=INK, lw=0.9, ls=DASHES)
+    ax.plot(*circle(clearance), color=palette.INK, lw=0.9, ls=palette.DASHES)
     x, y = (run[f"contact_{axis}"].values[:, number] for axis in "xy")
     reach = 1.1 * max(clearance, float(np.hypot(x, y).max()))
-    (trail,) = ax.plot([], [], color=BLUE, lw=0.8)
-    (dot,) = ax.plot([], [], "o", color=ORANGE, ms=5.0)
+    (trail,) = ax.plot([], [], color=palette.BLUE, lw=0.8)
+    (dot,) = ax.plot([], [], "o", color=palette.ORANGE, ms=5.0)
     ax.set(xlim=(-reach, reach), ylim=(-reach, reach))
     ax.set_aspect("equal")
     ax.set_title(contact_text(run, number), fontsize=9.5)

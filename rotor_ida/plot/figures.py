@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Sequence
 from itertools import product
 from typing import Any, cast
 
@@ -13,7 +13,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from rotor_ida.checks import check_one_varies
+from rotor_ida.checks import check_one_varies, check_panels
 from rotor_ida.closed_forms import (
     clearance_curve,
     folds,
@@ -25,7 +25,7 @@ from rotor_ida.closed_forms.whirls.synchronous import whirls_of_system
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import FRICTIONLESS
 from rotor_ida.model.system_parameters import SPEED, with_parameters
-from rotor_ida.plot.appearance import in_panels
+from rotor_ida.plot.appearance import mixed_panels, panels, style
 from rotor_ida.plot.basins import (
     plot_attractor_fractions,
     plot_attractor_map,
@@ -35,6 +35,8 @@ from rotor_ida.plot.basins import (
 from rotor_ida.plot.cycles import plot_curves
 from rotor_ida.plot.datasets import is_of_disc, parameters_in, touching_nodes, varied_in
 from rotor_ida.plot.diagrams import plot_extrema
+from rotor_ida.plot.labels import SEPARATOR, wrapped
+from rotor_ida.plot.legends import shared_legend
 from rotor_ida.plot.responses import plot_amplitude, plot_unbalance_response
 from rotor_ida.plot.runs import has_many_turns, plot_run, plot_run_up
 from rotor_ida.plot.signals import plot_bode, plot_orbit
@@ -287,3 +289,37 @@ def _limits_of(part: xr.Dataset) -> tuple[float, float]:
     if part["omega"].size < 3:
         lowest, highest = 0.5 * lowest, 1.2 * highest
     return lowest, highest or 1.0
+
+
+def in_panels(
+    count: int, draw: Callable[[int, Axes | None], Axes], *, shared: bool = False
+) -> Figure:
+    """Draw panels with one legend, perhaps of the same axes; a single one has its own figure."""
+    if check_panels(count) < 2:
+        return cast(Figure, draw(0, None).figure)
+    columns = math.ceil(math.sqrt(count))
+    rows = math.ceil(count / columns)
+    arrange = panels if shared else mixed_panels
+    figure, axes = arrange(rows, columns, width=2.0 + 2.8 * columns, height=1.6 + 2.2 * rows)
+    for number, ax in enumerate(axes[:count]):
+        draw(number, ax)
+    for ax in axes[count:]:
+        ax.remove()
+    words = axes[0].get_xlabel()
+    _share_title(figure, axes[:count])
+    shared_legend(figure, axes[:count], outer=shared)
+    for ax in axes[max(0, count - columns) : count] if shared else ():
+        ax.tick_params(labelbottom=True)
+        ax.set_xlabel(words)
+    return figure
+
+
+def _share_title(figure: Figure, axes: Sequence[Axes]) -> None:
+    """Put what the titles of all panels say above the figure, and leave the rest to each."""
+    titles = [ax.get_title().replace("\n", SEPARATOR).split(SEPARATOR) for ax in axes]
+    common = [part for part in titles[0] if part and all(part in other for other in titles)]
+    if common:
+        with style():
+            figure.suptitle(wrapped(common), fontsize=10.0)
+            for ax, parts in zip(axes, titles, strict=True):
+                ax.set_title(SEPARATOR.join(part for part in parts if part not in common))

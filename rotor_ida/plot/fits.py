@@ -16,9 +16,11 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import listed
 from rotor_ida.errors import InputError
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
-from rotor_ida.plot.appearance import BLUE, INK, ORANGE, drawing, new_figure, own_legend, style
+from rotor_ida.plot import palette
+from rotor_ida.plot.appearance import drawing, new_figure, style
 from rotor_ida.plot.datasets import check_dataset
 from rotor_ida.plot.labels import LABELS, label_axis, label_of, typeset
+from rotor_ida.plot.legends import own_legend
 from rotor_ida.plot.signals.units import Units, is_one_speed, units_of
 from rotor_ida.texts import in_figure
 from rotor_ida.units import quantity
@@ -35,7 +37,7 @@ CLEAR = 3.0
 # More windows than these are drawn with small marks.
 MANY = 300
 # Measured values are points with error bars.
-MEASURED: Any = {"fmt": ".", "ms": 3.5, "lw": 0.0, "elinewidth": 0.8, "color": INK}
+MEASURED: Any = {"fmt": ".", "ms": 3.5, "lw": 0.0, "elinewidth": 0.8, "color": palette.INK}
 
 
 def fit_figure(dataset: xr.Dataset, *, order: float = 1.0) -> Figure:
@@ -73,29 +75,25 @@ def fit_figure(dataset: xr.Dataset, *, order: float = 1.0) -> Figure:
     rows = 4 if "measured_time" in dataset.variables else 3
     nodes = _nodes_of(dataset)
     with style():
-        figure = new_figure(max(6.0, 3.6 * len(nodes)), 1.4 + 1.55 * rows)
+        figure = new_figure(max(6.0, 3.6 * len(nodes)), 1.8 + 1.7 * rows)
         grid = figure.add_gridspec(rows, len(nodes), height_ratios=[1.6, 1.2, 1.0, 1.0][:rows])
-    for column, node in enumerate(nodes):
-        axes = [figure.add_subplot(grid[0, column])]
-        axes += [figure.add_subplot(grid[row, column], sharex=axes[0]) for row in (1, 2)]
-        plot_fit(dataset, order=order, node=node, axes=axes[:2])
-        plot_fit_residuals(dataset, order=order, node=node, ax=axes[2])
-        for ax in axes[:2]:
-            ax.tick_params(labelbottom=False)
-            ax.set_xlabel("")
-        for ax in axes if column else []:
-            ax.set_ylabel("")
-        if len(nodes) > 1:
-            with style():
+        for column, node in enumerate(nodes):
+            axes = [figure.add_subplot(grid[0, column])]
+            axes += [figure.add_subplot(grid[row, column], sharex=axes[0]) for row in (1, 2)]
+            plot_fit(dataset, order=order, node=node, axes=axes[:2])
+            plot_fit_residuals(dataset, order=order, node=node, ax=axes[2])
+            for ax in axes[:2]:
+                ax.tick_params(labelbottom=False)
+                ax.set_xlabel("")
+            for ax in axes:
+                # in two lines, as the panels are low
+                ax.set_ylabel("" if column else ax.get_ylabel().replace(", ", ",\n"))
+            if len(nodes) > 1:
                 axes[0].set_title(in_figure(str(node)), fontsize=9.0)
-    if rows > 3:
-        _plot_touches(dataset, figure.add_subplot(grid[3, :]))
-    with style():
-        words = _estimates_in_words(dataset)
-        if len(nodes) > 1:
-            figure.suptitle(words, fontsize=9.0, x=0.01, ha="left")
-        else:
-            figure.axes[0].set_title(words, fontsize=9.0, loc="left")
+        if rows > 3:
+            _plot_touches(dataset, figure.add_subplot(grid[3, :]))
+        figure.suptitle(_estimates_in_words(dataset), fontsize=9.0)
+        figure.align_ylabels()
     return figure
 
 
@@ -163,11 +161,13 @@ def plot_fit_residuals(
     one, _, over = _order_of(dataset, order, node)
     left = (_complex(one, "") - _complex(one, "fitted_")) / one["forward_amplitude_error"].values
     with drawing(ax) as ax:
-        ax.axhspan(-RARE, RARE, color=INK, alpha=0.08, lw=0.0)
-        ax.axhline(0.0, color=INK, lw=0.7)
+        ax.axhspan(-RARE, RARE, color=palette.INK, alpha=0.08, lw=0.0)
+        ax.axhline(0.0, color=palette.INK, lw=0.7)
         small = 0.5 if left.size > MANY else 1.0
-        ax.plot(over.values, left.real, ".", ms=4.0 * small, color=BLUE, label="along the mark")
-        ax.plot(over.values, left.imag, "x", ms=3.5 * small, color=ORANGE, label="across it")
+        ax.plot(over.values, left.real, ".", ms=4.0 * small, color=palette.BLUE,
+                label="along the mark")  # fmt: skip
+        ax.plot(over.values, left.imag, "x", ms=3.5 * small, color=palette.ORANGE,
+                label="across it")  # fmt: skip
         most = 1.5 * max(float(np.abs(np.concatenate([left.real, left.imag])).max()), 1.5 * RARE)
         ax.set_ylim(-most, most)
         ax.set_xlabel(str(over.attrs["label"]))
@@ -217,7 +217,7 @@ def _complex(one: xr.Dataset, words: str) -> npt.NDArray[np.complex128]:
 
 def _draw_amplitude(ax: Axes, places: Values, one: xr.Dataset) -> None:
     """Draw measured over fitted amplitude of one record."""
-    ax.plot(places, one["fitted_forward_whirl_amplitude"].values, color=ORANGE, lw=1.3,
+    ax.plot(places, one["fitted_forward_whirl_amplitude"].values, color=palette.ORANGE, lw=1.3,
             label="fitted", zorder=3.0)  # fmt: skip
     ax.errorbar(
         places, one["forward_whirl_amplitude"].values, one["forward_amplitude_error"].values,
@@ -233,7 +233,7 @@ def _draw_phase(ax: Axes, places: Values, one: xr.Dataset) -> None:
     near = lag + np.angle(np.exp(1j * apart))
     error = one["forward_amplitude_error"].values / one["forward_whirl_amplitude"].values
     clear = error < 1.0 / CLEAR
-    ax.plot(places, np.degrees(lag), color=ORANGE, lw=1.3, zorder=3.0)
+    ax.plot(places, np.degrees(lag), color=palette.ORANGE, lw=1.3, zorder=3.0)
     ax.errorbar(places[clear], np.degrees(near[clear]), np.degrees(error[clear]), **MEASURED)
 
 
@@ -243,8 +243,11 @@ def _plot_touches(dataset: xr.Dataset, ax: Axes) -> None:
     apart = dataset["fitted_time"].values - times.values
     compared, error = dataset["compared"].values, float(dataset["time_error"])
     with style():
-        ax.axhline(0.0, color=INK, lw=0.7)
-        for kind, words, mark, colour in ((1, "entries", "^", BLUE), (-1, "exits", "v", ORANGE)):
+        ax.axhline(0.0, color=palette.INK, lw=0.7)
+        for kind, words, mark, colour in (
+            (1, "entries", "^", palette.BLUE),
+            (-1, "exits", "v", palette.ORANGE),
+        ):
             for used, face, addition in ((1, colour, ""), (0, "white", ", not compared")):
                 here = (dataset["event_kind"].values == kind) & (compared == used)
                 here &= np.isfinite(apart)

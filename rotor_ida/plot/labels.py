@@ -24,7 +24,7 @@ from rotor_ida.plot.datasets import hold_units, is_of_disc, one_value, units_in
 from rotor_ida.results.run import course_of
 from rotor_ida.results.si_units import in_rpm, machine_of, scale_of, si_of
 from rotor_ida.texts import in_figure
-from rotor_ida.units import SPEED_UNITS, number, quantity
+from rotor_ida.units import SPEED_UNITS, UNITS, number, quantity, read_in
 
 SEPARATOR = ",  "
 # With more parameters than this a title has two lines.
@@ -143,6 +143,28 @@ def typeset(said: str) -> str:
     return f"${digits}{ten}$ {unit}".rstrip()
 
 
+def lengths_text(unit: str, *lengths: float) -> tuple[list[str], str]:
+    """Return lengths as numbers in the unit in which the largest of them is read, and this unit.
+
+    Examples
+    --------
+    >>> lengths_text("um", 109.2, 23318.0), lengths_text("1", 1.88), lengths_text("mil", 3.0)
+    ((['0.109', '23.3'], 'mm'), (['1.88'], ''), (['3'], 'mil'))
+    """
+    size = metres_in(unit)
+    if size is None:
+        return [number(each, 3) for each in lengths], unit.removeprefix("1")
+    in_metres = [size * each for each in lengths]
+    shown, parts = read_in("m", in_metres, system="inch" if unit == "mil" else "metric")
+    return [number(each / parts, 3) for each in in_metres], re.sub("^u", "µ", shown)
+
+
+def metres_in(unit: str) -> float | None:
+    """Return the metres in a unit of length; None for any other unit."""
+    known = UNITS.get(unit)
+    return known.in_si("1") if known and known.dimension == UNITS["m"].dimension else None
+
+
 def unit_of(variable: xr.DataArray | xr.Variable) -> str:
     """Return the unit of a variable in common notation; empty for numbers and angles.
 
@@ -187,24 +209,28 @@ def label_axis(axis: Axis, name: str, variable: xr.DataArray, *, words: str | No
 def label_parameter(axis: Axis, name: str, dataset: xr.Dataset) -> Values:
     """Label an axis of a parameter of any rotor, and return its values as they are drawn there.
 
-    Spin speeds of a result in SI units are shown in rpm. Those of one disc stay dimensionless as
-    they are drawn, and the ticks are in rpm.
+    Spin speeds of a result in SI units are shown in rpm. Parameters of one disc stay dimensionless
+    as they are drawn, and of a machine the ticks are in the units of the field.
     """
     if name == SPEED:
         speeds = speeds_in(dataset[name])
         label_axis(axis, name, speeds)
         return np.asarray(speeds.values)
+    values = np.asarray(dataset[name].values if name in dataset.variables else [])
+    known = si_of(dataset, name)
     if name in PARAMETERS_OF_SYSTEM and not is_of_disc(dataset):
         label_axis(axis, name, dataset[name], words=PARAMETERS_OF_SYSTEM[name].label)
         axis.set_major_formatter(ScalarFormatter(useMathText=True))  # an unbalance has many digits
-    elif name != "omega" or "rate_scale" not in dataset.attrs:
+    elif known is None:
         axis.set_label_text(LABELS[name])
     else:
-        in_turns = scale_of(dataset, "rate") / SPEED_UNITS["rpm"]
-        axis.set_major_locator(_ScaledLocator(in_turns))
-        axis.set_major_formatter(FuncFormatter(lambda omega, _: f"{omega * in_turns:.6g}"))
-        axis.set_label_text("spin speed [rpm]")
-    return np.asarray(dataset[name].values) if name in dataset.variables else np.empty(0)
+        words, _, unit = known[0].removesuffix("]").partition(" [")
+        shown, parts = read_in(unit, np.ravel(known[1] * values).tolist())
+        scale = known[1] / parts
+        axis.set_major_locator(_ScaledLocator(scale))
+        axis.set_major_formatter(FuncFormatter(lambda at, _: f"{at * scale:.6g}"))
+        axis.set_label_text(f"{'spin ' * (name == 'omega')}{words} [{shown}]".replace("[u", "[µ"))
+    return values
 
 
 def speeds_in(speeds: xr.DataArray) -> xr.DataArray:
@@ -242,7 +268,7 @@ def title_of(name: str, dataset: xr.Dataset, parameters: Sequence[str] = PARAMET
     if (speeds := in_rpm(dataset["speed"])) is not None:  # omega is only the first
         del values["omega"]
         turns = speed_text(xr.DataArray(course_of(speeds), attrs={"units": "rpm"}))
-        return _wrapped([turns, *_in_si(dataset, values)])
+        return wrapped([turns, *_in_si(dataset, values)])
     last = float(dataset["speed"][-1]) / scale_of(dataset, "speed")
     text = text_of(dataset, values).replace("$,", rf" \ldots {last:.4g}$,", 1)
     return in_lines(text)
@@ -299,7 +325,7 @@ def text_of(dataset: xr.Dataset, values: Mapping[str, float]) -> str:
         return SEPARATOR.join(_of_system(dataset, name, value) for name, value in values.items())
     if machine_of(dataset) is None:
         return parameter_text(values)
-    return _wrapped(_in_si(dataset, values))
+    return wrapped(_in_si(dataset, values))
 
 
 def _of_system(dataset: xr.Dataset, name: str, value: float) -> str:
@@ -315,7 +341,7 @@ def _in_si(dataset: xr.Dataset, values: Mapping[str, float]) -> list[str]:
     return [_one_in_si(dataset, name, value) for name, value in values.items()]
 
 
-def _wrapped(parts: Sequence[str]) -> str:
+def wrapped(parts: Sequence[str]) -> str:
     """Return parts of a title in lines that no figure cuts off."""
     lines = [parts[0]]
     for part in parts[1:]:

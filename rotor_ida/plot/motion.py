@@ -15,27 +15,12 @@ from matplotlib.ticker import MaxNLocator
 
 from rotor_ida.arrays import Values
 from rotor_ida.model.parameters import PARAMETERS
-from rotor_ida.plot.appearance import (
-    BLUE,
-    DARK_BROWN,
-    DASHES,
-    INK,
-    ORANGE,
-    PALE_SHADE,
-    PURPLE,
-    RED,
-    SHADE,
-    draw_marks,
-    draw_ring,
-    drawing,
-    legend_below,
-    own_legend,
-    say_in_middle,
-    say_nothing,
-)
+from rotor_ida.plot import palette
+from rotor_ida.plot.appearance import draw_marks, draw_ring, drawing, say_in_middle, say_nothing
 from rotor_ida.plot.datasets import check_dataset, clearance_of, contact_in, contact_text
 from rotor_ida.plot.decimation import draw_path, kept_in_columns
 from rotor_ida.plot.labels import LABELS, label_axis
+from rotor_ida.plot.legends import legend_below, own_legend
 from rotor_ida.results.run import check_system_run, is_of_system
 from rotor_ida.results.si_units import in_suitable_units, scale_of
 from rotor_ida.schema import MODE, flags_of
@@ -53,21 +38,21 @@ FEW_EVENTS, MANY_EVENTS = 40, 120
 DENSE = 200_000
 # Events: the mark of each, its colour, and whether it is filled.
 MARKS = {
-    "entry": ("^", RED, True),
-    "exit": ("v", RED, False),
-    "roll": ("o", DARK_BROWN, True),
-    "slip": ("o", DARK_BROWN, False),
-    "reverse": ("x", PURPLE, True),
-    "press": ("s", INK, True),
-    "release": ("s", INK, False),
+    "entry": ("^", palette.RED, True),
+    "exit": ("v", palette.RED, False),
+    "roll": ("o", palette.DARK_BROWN, True),
+    "slip": ("o", palette.DARK_BROWN, False),
+    "reverse": ("x", palette.PURPLE, True),
+    "press": ("s", palette.INK, True),
+    "release": ("s", palette.INK, False),
 }
 # With friction each kind of motion has a colour, a line and a width. Flight counts as slip, at no
 # normal force.
 WAYS: tuple[tuple[tuple[str, ...], str, str, object, float], ...] = (
-    (("flight",), "flight", BLUE, "-", 1.0),
-    (("slipping_forward", "loose"), "slips forwards", RED, "-", 1.2),
-    (("slipping_backward",), "slips backwards", PURPLE, (0, (1.2, 0.7)), 1.7),
-    (("rolling",), "rolls", DARK_BROWN, "-", 3.0),
+    (("flight",), "flight", palette.BLUE, "-", 1.0),
+    (("slipping_forward", "loose"), "slips forwards", palette.RED, "-", 1.2),
+    (("slipping_backward",), "slips backwards", palette.PURPLE, (0, (1.2, 0.7)), 1.7),
+    (("rolling",), "rolls", palette.DARK_BROWN, "-", 3.0),
 )
 # Rolling is a double line, so that it differs from the others without colour too.
 CORE = "#f3e9e4"
@@ -172,7 +157,7 @@ def draw_orbit(ax: Axes, place: Place) -> None:
     draw_motion(ax, path, path.x, path.y, width=line_width(place.run), heavier=1.2)
     if "event_x" in place.run.variables:
         mark_events(ax, place.run, place.run["event_x"].values, place.run["event_y"].values)
-    draw_marks(ax, path.x[0], path.y[0], "s", INK, size=4.5, label="start", level=3.1)
+    draw_marks(ax, path.x[0], path.y[0], "s", palette.INK, size=4.5, label="start", level=3.1)
     ax.set_aspect("equal", adjustable="datalim")
     ax.autoscale_view()
 
@@ -191,7 +176,8 @@ def draw_radius(ax: Axes, place: Place) -> None:
     width = line_width(place.run)
     draw_motion(ax, place.path, place.path.time, place.radius, width=width)
     if place.clearance > 0.0:
-        ax.axhline(place.clearance, color=INK, lw=0.7, ls=DASHES, zorder=2.6, label="clearance")
+        ax.axhline(place.clearance, color=palette.INK, lw=0.7, ls=palette.DASHES, zorder=2.6,
+                   label="clearance")  # fmt: skip
     if "event_x" in place.run.variables:
         mark_events(ax, place.run, place.run["event_time"].values, place.event_radius)
     ax.set_ylim(bottom=0.0)
@@ -206,8 +192,8 @@ def draw_motion(ax: Any, path: Path, *columns: Values, width: float, heavier: fl
         _draw_ways(ax, path, path.mode, columns, width)
         return
     for chosen, colour, lw, label in (
-        (~path.in_contact, BLUE, width, "flight"),
-        (path.in_contact, RED, heavier * width, "contact"),
+        (~path.in_contact, palette.BLUE, width, "flight"),
+        (path.in_contact, palette.RED, heavier * width, "contact"),
     ):
         if not chosen[:-1].any():
             continue
@@ -328,15 +314,16 @@ def draw_forces(ax: Axes, forces: Forces) -> None:
         return
     lowest = 0.0
     for words, values, colour in (
-        ("normal force", (forces.time, forces.normal), BLUE),
-        ("force along the stator", forces.tangential, ORANGE),
+        ("normal force", (forces.time, forces.normal), palette.BLUE),
+        ("force along the stator", forces.tangential, palette.ORANGE),
     ):
         if values is not None:
             kept = kept_in_columns(*values)
             lowest = min(lowest, 1.1 * float(values[1].min(initial=0.0)))
             ax.plot(*(each[kept] for each in values), color=colour, lw=0.9, label=words)
     if forces.peaks[0].size:
-        draw_marks(ax, *forces.peaks, "o", RED, size=2.8, face="white", edge=0.8, label=PEAK)
+        draw_marks(ax, *forces.peaks, "o", palette.RED, size=2.8, face="white", edge=0.8,
+                   label=PEAK)  # fmt: skip
     ax.set_ylim(lowest, 1.12 * float(forces.normal.max()))
 
 
@@ -425,11 +412,12 @@ def plot_force_peaks(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     with drawing(ax) as ax:
         label_axis(ax.xaxis, "peak_force", forces["peak_force"])
         if peaks.size > 1:
-            ax.step(np.append(peaks[0], peaks), np.append(0.0, share), where="post", color=RED)
+            ax.step(np.append(peaks[0], peaks), np.append(0.0, share), where="post",
+                    color=palette.RED)  # fmt: skip
             ax.set_xlim(0.0, 1.08 * max(float(peaks[-1]), *cut))
             if cut.size:
                 heights = np.append(0.0, share)[np.searchsorted(peaks, cut, side="right")]
-                draw_marks(ax, cut, heights, ">", RED, size=5.0, face="white", edge=0.9,
+                draw_marks(ax, cut, heights, ">", palette.RED, size=5.0, face="white", edge=0.9,
                            label=CUT, clip=False)  # fmt: skip
                 own_legend(ax)
         else:
@@ -458,8 +446,8 @@ def shade_contacts(ax: Axes, run: xr.Dataset) -> None:
     several = ends > begins
     alone = exits - entries > narrow
     alone[begins[~several]] = True
-    _shade(ax, entries[begins[several]], exits[ends[several]], IN_AND_OUT, PALE_SHADE)
-    _shade(ax, entries[alone], exits[alone], "in contact", SHADE)
+    _shade(ax, entries[begins[several]], exits[ends[several]], IN_AND_OUT, palette.PALE_SHADE)
+    _shade(ax, entries[alone], exits[alone], "in contact", palette.SHADE)
 
 
 def _shade(ax: Axes, begins: Values, ends: Values, words: str, colour: str) -> None:

@@ -16,62 +16,43 @@ from rotor_ida.checks import COMPONENTS
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import OF_ROTOR, OPTIONAL, PARAMETERS
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
-from rotor_ida.plot.appearance import (
-    BLUE,
-    BROWN,
-    CONTACT_FREE,
-    DARK_BROWN,
-    FOLD,
-    FROM_REST,
-    FROM_START,
-    FROM_WHIRL,
-    GOING_DOWN,
-    GOING_UP,
-    GRAZE,
-    GREY,
-    HOPF,
-    INK,
-    KIND_SHADES,
-    NEUTRAL,
-    STABLE,
-    UNSTABLE,
-    draw_marks,
-    drawing,
-    legend_below,
-    look,
-    own_legend,
-    raise_limit,
-)
+from rotor_ida.plot import legends, palette
+from rotor_ida.plot.appearance import draw_marks, drawing, raise_limit
 from rotor_ida.plot.datasets import (
     at_contact,
     check_dataset,
     check_same_parameters,
     check_same_units,
+    clearances_in,
     contact_text,
     drawn_over,
     is_of_disc,
+    is_of_kind,
     one_value,
+    units_in,
 )
 from rotor_ida.plot.labels import (
     KIND_WORDS,
     in_lines,
     label_axis,
     label_parameter,
+    lengths_text,
     speeds_in,
     text_of,
 )
-from rotor_ida.results.archived_system import clearance_of_contacts
+from rotor_ida.plot.legends import legend_below, own_legend
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import SPECIAL, flags_of
 from rotor_ida.texts import in_figure
 
 # Whirls by their stability: their words, line and width on a curve, and colour of points.
 LINES = {
-    "stable": (STABLE, "-", 1.3, INK),
-    "unstable": (UNSTABLE, (0, (4, 2)), 1.0, GREY),
-    "neutral": (NEUTRAL, (0, (7, 1.6, 1.2, 1.6)), 1.0, BROWN),
+    "stable": (legends.STABLE, "-", 1.3, palette.INK),
+    "unstable": (legends.UNSTABLE, (0, (4, 2)), 1.0, palette.GREY),
+    "neutral": (legends.NEUTRAL, (0, (7, 1.6, 1.2, 1.6)), 1.0, palette.BROWN),
 }
-SPECIALS = {"fold": (FOLD, "D", 4.0), "hopf": (HOPF, "o", 4.6), "graze": (GRAZE, "s", 4.0)}
+SPECIALS = {"fold": (legends.FOLD, "D", 4.0), "hopf": (legends.HOPF, "o", 4.6),
+            "graze": (legends.GRAZE, "s", 4.0)}  # fmt: skip
 CURVE = ("omega", "zeta", "delta0", "amplitude", "phase_lag", "stability", "in_contact", "piece")
 NO_CURVE = "no exact curve"
 SIMULATED = ("response", "amplitude", "phase_lag", "radius_min", "radius_max", "direction")
@@ -108,18 +89,21 @@ class _Look:
 
 
 DOTS, LONG = (0, (1, 1.6)), (0, (4, 1.4))
-_SHADE = {kind: shades[0] for kind, shades in KIND_SHADES.items()}
+_SHADE = {kind: shades[0] for kind, shades in palette.KIND_SHADES.items()}
 KINDS = {
     "synchronous": _Look(_SHADE["synchronous"], True, False),
     "contact_free": _Look(_SHADE["synchronous"], False, False),
     "bouncing": _Look(_SHADE["bouncing"], False, True),
     "full_contact": _Look(_SHADE["full_contact"], True, True),
-    "rolling": _Look(DARK_BROWN, True, True, LONG),
-    "touching": _Look(INK, False, False),
+    "rolling": _Look(palette.DARK_BROWN, True, True, LONG),
+    "touching": _Look(palette.INK, False, False),
     "quasi_periodic": _Look(_SHADE["quasi_periodic"], False, True),
     "chaotic": _Look(_SHADE["chaotic"], True, True, DOTS),
-    "unresolved": _Look(GREY, False, True, DOTS),
+    "unresolved": _Look(palette.GREY, False, True, DOTS),
 }
+RANGES = [kind for kind, drawn in KINDS.items() if drawn.is_range]
+# Responses larger than all below them by this factor do not set the scale.
+FAR = 5.0
 # Whirls of constant amplitude, whose distance from the centre may vary by this part of it.
 STEADY, ASIDE = ("synchronous", "contact_free"), 1e-2
 DIRECTIONS = {0: ("o", 4.2), 1: ("^", 3.4), -1: ("v", 3.4)}
@@ -133,16 +117,11 @@ class _Axis(NamedTuple):
 
 
 def plot_amplitude(
-    exact: xr.Dataset | None,
-    *,
-    whirls: xr.Dataset | None = None,
-    simulated: xr.Dataset | None = None,
-    fold_points: xr.Dataset | None = None,
-    hopf_points: xr.Dataset | None = None,
-    special: xr.Dataset | None = None,
-    contact: int | str = 0,
-    ax: Axes | None = None,
-) -> Axes:
+    exact: xr.Dataset | None, *, whirls: xr.Dataset | None = None,
+    simulated: xr.Dataset | None = None, fold_points: xr.Dataset | None = None,
+    hopf_points: xr.Dataset | None = None, special: xr.Dataset | None = None,
+    contact: int | str = 0, ax: Axes | None = None,
+) -> Axes:  # fmt: skip
     """Draw the amplitude of whirls and settled responses over the parameter that varies.
 
     Parameters
@@ -192,14 +171,10 @@ def plot_amplitude(
 
 
 def plot_phase(
-    exact: xr.Dataset | None,
-    *,
-    whirls: xr.Dataset | None = None,
-    simulated: xr.Dataset | None = None,
-    fold_points: xr.Dataset | None = None,
-    contact: int | str = 0,
-    ax: Axes | None = None,
-) -> Axes:
+    exact: xr.Dataset | None, *, whirls: xr.Dataset | None = None,
+    simulated: xr.Dataset | None = None, fold_points: xr.Dataset | None = None,
+    contact: int | str = 0, ax: Axes | None = None,
+) -> Axes:  # fmt: skip
     r"""Draw the phase by which every whirl lags the unbalance over the spin speed.
 
     Parameters
@@ -225,23 +200,21 @@ def _plot(
     """Draw amplitude or phase of results over the parameter that varies."""
     found, axis = _checked(quantity, given, contact)
     shown = next(iter(found.values()))
-    simulated, of_disc = found.get("simulated"), is_of_disc(shown)
-    with drawing(ax) as ax:
+    simulated, reach = found.get("simulated"), _reach(found)
+    with drawing(ax, width=5.6, height=4.2) as ax:
         label_parameter(ax.xaxis, axis.over, shown)
         aside = quantity == "amplitude" and simulated is not None and _lies_aside(simulated)
         label_axis(ax.yaxis, "radius" if aside else quantity, shown[quantity])
-        if not of_disc and quantity == "amplitude":
+        if quantity == "amplitude":
             draw_clearance(ax, found.get("simulated", shown), over=axis.over)
         for name in ("exact", "whirls"):
             if name in found:
                 _draw_whirls(ax, found[name], axis.over, quantity, given=name == "whirls")
         _draw_specials(ax, found, quantity, axis)
         if simulated is not None:
-            _draw_simulated(ax, simulated, quantity, axis.over, as_ranges=aside)
-        if of_disc and axis.over == "omega":
-            ax.set_xlim(0.0, 1.02 * float(shown["omega"].max()))
+            _draw_simulated(ax, simulated, quantity, axis.over, reach[1], as_ranges=aside)
         if quantity == "amplitude":
-            raise_limit(ax, *_reach(found))
+            raise_limit(ax, *reach)
         else:
             ax.set_ylim(0.0, 1.06 * math.pi)
             ax.set_yticks([0.0, 0.5 * math.pi, math.pi], ["0", r"$\pi/2$", r"$\pi$"])
@@ -297,15 +270,34 @@ def _check_parameters(name: str, dataset: xr.Dataset, axis: _Axis) -> None:
 
 
 def _reach(found: Mapping[str, xr.Dataset]) -> tuple[float, float]:
-    """Return the smallest and largest amplitude or radius, with the clearance of a system."""
+    """Return the smallest and largest amplitude, radius or clearance that an axis shows."""
+    simulated = found.get("simulated")
     shown = [found[name]["amplitude"] for name in ("exact", "whirls") if name in found]
-    first = next(iter(found.values()))
-    if "simulated" in found:
-        shown += [found["simulated"][name] for name in ("amplitude", "radius_min", "radius_max")]
-    shown += [] if is_of_disc(first) else [clearance_of_contacts(found.get("simulated", first))]
-    values = np.concatenate([each.values.ravel() for each in shown])
-    highest = float(np.nanmax(values, initial=0.0)) or 1.0
-    return float(np.nanmin(values, initial=highest)), highest
+    shown.append(clearances_in(next(iter(found.values())) if simulated is None else simulated))
+    lowest, heights = list(shown), np.empty(0)
+    if simulated is not None:
+        is_range = is_of_kind(simulated["response"], RANGES)
+        shown += [simulated[name].where(~is_range) for name in ("amplitude", "radius_max")]
+        lowest += [simulated[name] for name in ("amplitude", "radius_min")]
+        heights = simulated["radius_max"].values
+    highest = below_outliers(max(float(each.max()) for each in shown), heights) or 1.0
+    return float(np.nanmin([each.min() for each in lowest])), highest
+
+
+def below_outliers(reference: float, heights: Values) -> float:
+    """Return the largest height that is not larger by a factor than all below, and a reference.
+
+    Where all are, as in a sweep of dry whip alone, they set the scale.
+
+    Examples
+    --------
+    >>> below_outliers(1.0, np.array([0.5, 3.0, 90.0, 99.0])), below_outliers(1.0, np.array([90.0]))
+    (3.0, 90.0)
+    """
+    rising = np.sort(heights[np.isfinite(heights)])
+    below = np.maximum(np.append(0.0, rising[:-1]), reference)
+    last = [*np.flatnonzero(rising > FAR * below), rising.size][0]
+    return max(reference, float(rising[(last or rising.size) - 1])) if rising.size else reference
 
 
 def _title(shown: xr.Dataset, axis: _Axis, has_curve: bool) -> str:
@@ -321,12 +313,25 @@ def _title(shown: xr.Dataset, axis: _Axis, has_curve: bool) -> str:
 
 
 def draw_clearance(ax: Axes, part: xr.Dataset, *, over: str = SPEED) -> None:
-    """Draw the clearance of a contact over a parameter."""
-    line: Any = {"color": GREY, "lw": 0.9, "ls": "--", "zorder": 1.5, "label": "clearance"}
+    """Draw the clearance of a contact over a parameter, unless it is 0."""
+    line: Any = {"color": palette.GREY, "lw": 0.9, "ls": "--", "zorder": 1.5, "label": "clearance"}
+    gaps = clearances_in(part).values
     if over in ("clearance", "delta0"):
-        ax.plot(part[over].values, clearance_of_contacts(part).values, **line)
-    else:
-        ax.axhline(clearance_of_contacts(part).item(), **line)
+        ax.plot(part[over].values.ravel(), gaps.ravel(), **line)
+    elif gaps.item() > 0.0:
+        ax.axhline(gaps.item(), **line)
+
+
+def mark_beyond(
+    ax: Axes, across: Values, heights: Values, variable: xr.DataArray, words: str, colour: str
+) -> None:
+    """Mark at the upper edge what lies above it, and tell how far."""
+    if across.size:
+        (least, most), unit = lengths_text(units_in(variable), heights.min(), heights.max())
+        told = " to ".join(dict.fromkeys([least, most]))
+        ax.plot(across, np.full(across.size, 0.985), ls="", marker="^", ms=3.6, mec=colour,
+                mfc="white", mew=0.8, label=f"{words}: off the axis, {told} {unit}".rstrip(),
+                zorder=3.3, transform=ax.get_xaxis_transform())  # fmt: skip
 
 
 def _draw_whirls(ax: Axes, whirls: xr.Dataset, over: str, quantity: str, *, given: bool) -> None:
@@ -338,7 +343,7 @@ def _draw_whirls(ax: Axes, whirls: xr.Dataset, over: str, quantity: str, *, give
     same = xr.broadcast(values, whirls[quantity], whirls["stability"])
     places, heights, stability = (each.values.ravel() for each in same)
     if given:
-        draw_marks(ax, places, heights, "o", BLUE, size=3.6, label="whirl at a given speed",
+        draw_marks(ax, places, heights, "o", palette.BLUE, size=3.6, label="whirl at a given speed",
                    level=3.1)  # fmt: skip
         return
     size = 1.5 if values.size > FEW_POINTS else 3.0
@@ -348,7 +353,7 @@ def _draw_whirls(ax: Axes, whirls: xr.Dataset, over: str, quantity: str, *, give
         chosen = (stability == flags_of(whirls["stability"])[word]) & np.isfinite(heights)
         if chosen.any():
             draw_marks(ax, places[chosen], heights[chosen], "o", colour, size=size, edge=0.0,
-                       label=CONTACT_FREE if is_free and word == "neutral" else label,
+                       label=legends.CONTACT_FREE if is_free and word == "neutral" else label,
                        level=2.5)  # fmt: skip
 
 
@@ -372,7 +377,7 @@ def _draw_specials(ax: Axes, found: Mapping[str, xr.Dataset], quantity: str, axi
         else:
             continue
         if speeds.size:
-            draw_marks(ax, speeds, heights, mark, INK, size=size, face="white", label=label,
+            draw_marks(ax, speeds, heights, mark, palette.INK, size=size, face="white", label=label,
                        level=3.7)  # fmt: skip
 
 
@@ -405,8 +410,8 @@ def draw_curve(ax: Axes, curve: xr.Dataset, *, over: str, quantity: str) -> None
             continue
         # without damping contacting whirls are neutral too
         free = word == "neutral" and not in_contact[stability == flag].any()
-        ax.plot(*np.concatenate(lines[flag], axis=1), ls=dashes, lw=width, color=INK,
-                label=CONTACT_FREE if free else label, zorder=2.5)  # fmt: skip
+        ax.plot(*np.concatenate(lines[flag], axis=1), ls=dashes, lw=width, color=palette.INK,
+                label=legends.CONTACT_FREE if free else label, zorder=2.5)  # fmt: skip
 
 
 def _of_each_kind(
@@ -428,27 +433,30 @@ def _lies_aside(simulated: xr.Dataset) -> bool:
 
     Then their amplitude is no distance from the centre, which is that of all other responses.
     """
-    flags = flags_of(simulated["response"])
-    whirls = simulated["response"].isin([flags[kind] for kind in STEADY if kind in flags])
     apart = simulated["radius_max"] - simulated["radius_min"] > ASIDE * simulated["radius_max"]
-    return bool((whirls & apart).any())
+    return bool((is_of_kind(simulated["response"], STEADY) & apart).any())
 
 
 def _draw_simulated(
-    ax: Axes, simulated: xr.Dataset, quantity: str, over: str, *, as_ranges: bool
+    ax: Axes, simulated: xr.Dataset, quantity: str, over: str, highest: float, *, as_ranges: bool
 ) -> None:
     """Draw the responses of a sweep: marks where a curve can show them, bars where it cannot."""
     if over == SPEED:
         simulated = simulated.assign_coords({over: speeds_in(simulated[over])})
     for kind, drawn, points in _of_each_kind(simulated, (over, *SIMULATED[1:])):
         if as_ranges or (drawn.is_range and quantity == "amplitude"):
-            ax.vlines(
-                points[over], points["radius_min"], points["radius_max"], color=drawn.colour,
-                lw=1.8 if drawn.filled else 0.9, ls=drawn.dashes, zorder=3.0,
-                label=f"{KIND_WORDS[kind]}: range of $|z|$",
-            )  # fmt: skip
-            for end in ("radius_min", "radius_max"):
-                _draw_by_direction(ax, drawn, points, over, points[end], 0.75)
+            ends = points["radius_min"], points["radius_max"]
+            within = ends[1] <= highest
+            mark_beyond(ax, points[over][~within], ends[1][~within], simulated["radius_max"],
+                        KIND_WORDS[kind], drawn.colour)  # fmt: skip
+            if within.any():
+                ax.vlines(
+                    points[over][within], *(end[within] for end in ends), color=drawn.colour,
+                    lw=1.8 if drawn.filled else 0.9, ls=drawn.dashes, zorder=3.0,
+                    label=f"{KIND_WORDS[kind]}: range of $|z|$",
+                )  # fmt: skip
+            for end in ends:
+                _draw_by_direction(ax, drawn, points, over, np.where(within, end, np.nan), 0.75)
             continue
         _draw_by_direction(ax, drawn, points, over, points[quantity], 1.0)
         draw_marks(ax, [], [], "s", drawn.colour, size=4.5, face=drawn.face, edge=0.9,
@@ -456,24 +464,24 @@ def _draw_simulated(
     along = str(simulated.attrs.get("along", "omega"))
     words = {
         0: _words_of(over, _start_words(simulated)),
-        1: _words_of(along, GOING_UP),
-        -1: _words_of(along, GOING_DOWN),
+        1: _words_of(along, legends.GOING_UP),
+        -1: _words_of(along, legends.GOING_DOWN),
     }
     for direction in np.unique(simulated["direction"]).tolist():
         marker, size = DIRECTIONS[direction]
-        draw_marks(ax, [], [], marker, INK, size=size, face="none", edge=0.8,
+        draw_marks(ax, [], [], marker, palette.INK, size=size, face="none", edge=0.8,
                    label=words[direction])  # fmt: skip
 
 
 def _draw_by_direction(
-    ax: Axes, look: _Look, points: dict[str, Values], over: str, heights: Values, scale: float
+    ax: Axes, drawn: _Look, points: dict[str, Values], over: str, heights: Values, scale: float
 ) -> None:
     """Mark points by the direction of their sweep, triangles over the larger circles."""
     for direction, (marker, size) in DIRECTIONS.items():
         here = points["direction"] == direction
         draw_marks(
-            ax, points[over][here], heights[here], marker, look.colour, size=scale * size,
-            face=look.face, edge=0.7, level=3.2 if direction else 3.1,
+            ax, points[over][here], heights[here], marker, drawn.colour, size=scale * size,
+            face=drawn.face, edge=0.7, level=3.2 if direction else 3.1,
         )  # fmt: skip
 
 
@@ -486,12 +494,12 @@ def _words_of(name: str, words: str) -> str:
 def _start_words(simulated: xr.Dataset) -> str:
     words = {*str(simulated.attrs.get("start_words", "")).split()}
     if words in ({"rest"}, {"settled"}):
-        return FROM_REST if words == {"rest"} else FROM_WHIRL
+        return legends.FROM_REST if words == {"rest"} else legends.FROM_WHIRL
     # older sweeps of systems have another name
     of_system = [name for name in ("initial_state", "start_state") if name in simulated]
     starts = of_system or [f"start_{name}" for name in COMPONENTS]
     at_rest = all(name in simulated and not simulated[name].values.any() for name in starts)
-    return FROM_REST if at_rest else FROM_START
+    return legends.FROM_REST if at_rest else legends.FROM_START
 
 
 def plot_unbalance_response(whirls: xr.Dataset, *, ax: Axes | None = None) -> Axes:
@@ -523,7 +531,7 @@ def plot_unbalance_response(whirls: xr.Dataset, *, ax: Axes | None = None) -> Ax
         speeds = label_parameter(ax.xaxis, SPEED, whirls)
         label_axis(ax.yaxis, "amplitude", whirls["node_amplitude"])
         for number, node in enumerate(chosen):
-            colour, dashes = look(number)
+            colour, dashes = palette.look(number)
             ax.plot(
                 speeds, amplitude[:, node], color=colour, ls=dashes, label=in_figure(names[node])
             )

@@ -14,28 +14,20 @@ from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.model.system_parameters import SPEED
-from rotor_ida.plot.appearance import (
-    GREY,
-    KIND_SHADES,
-    drawing,
-    legend_below,
-    look,
-    mixed_panels,
-    own_legend,
-    shared_legend,
-    style,
-)
+from rotor_ida.plot import palette
+from rotor_ida.plot.appearance import drawing, mixed_panels, style
 from rotor_ida.plot.datasets import check_dataset, contact_text, parameters_in, varied_in
 from rotor_ida.plot.labels import LABELS, label_axis, label_parameter, text_of
+from rotor_ida.plot.legends import legend_below, own_legend, shared_legend
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import ENDS_IN_WORDS
 from rotor_ida.units import SPEED_UNITS, number
 
 ENDING_COLOURS = {
-    "contact_free": KIND_SHADES["contact_free"][0],
-    "rub": KIND_SHADES["full_contact"][1],
-    "whip": KIND_SHADES["rolling"][0],
-    "unresolved": GREY,
+    "contact_free": palette.KIND_SHADES["contact_free"][0],
+    "rub": palette.KIND_SHADES["full_contact"][1],
+    "whip": palette.KIND_SHADES["rolling"][0],
+    "unresolved": palette.GREY,
 }
 ENDING_WORDS = {
     "contact_free": "ends contact-free", "rub": "ends in a rub", "whip": "ends in dry whip",
@@ -108,7 +100,7 @@ def plot_largest_force(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     over, highest = _over(dataset), 0.0
     with drawing(ax) as ax:
         for count, (words, one) in enumerate(_parts(dataset, "contact")):
-            colour, dashes = look(count)
+            colour, dashes = palette.look(count)
             across, order = _along(ax, one, over)
             force = one["largest_force"].transpose(over, ...).values
             force = force.reshape(order.size, -1)[order]

@@ -23,22 +23,14 @@ from matplotlib.ticker import MaxNLocator
 from rotor_ida.arrays import Values
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
+from rotor_ida.plot import palette
 from rotor_ida.plot.appearance import (
-    BLUE,
-    DASHES,
-    GREY,
-    INK,
-    ORANGE,
-    RED,
     SettledLayout,
     circle,
     draw_ring,
     drawing,
-    legend_below,
-    look,
     new_figure,
     say_nothing,
-    shared_legend,
     style,
 )
 from rotor_ida.plot.datasets import check_dataset, contact_text, one_value
@@ -52,6 +44,7 @@ from rotor_ida.plot.labels import (
     title_of,
     unit_of,
 )
+from rotor_ida.plot.legends import legend_below, shared_legend
 from rotor_ida.plot.motion import (
     NEEDED,
     Place,
@@ -91,6 +84,8 @@ MOST_CONTACTS = 5
 # at least this fraction of a uniform change.
 PARTS, LEAST_CHANGE = 20, 0.05
 TALL, ORBIT = 1.65, 2.7
+# A radius of more clearances than this is drawn on a logarithmic scale.
+FAR = 20.0
 
 
 def plot_run(run: xr.Dataset, *, node: str | None = None) -> Figure:
@@ -215,7 +210,7 @@ def _finish_rows(figure: Figure | SubFigure, run: xr.Dataset, axes: Sequence[Axe
 def _draw_displacements(ax: Axes, place: Place) -> None:
     """Draw the displacements over time."""
     path = place.path
-    for name, values, colour in (("x", path.x, INK), ("y", path.y, ORANGE)):
+    for name, values, colour in (("x", path.x, palette.INK), ("y", path.y, palette.ORANGE)):
         draw_over_time(ax, path.time, values, colour=colour, width=0.8, label=f"${name}$")
     label_axis(ax.yaxis, "displacement", place.run["x"])
 
@@ -238,8 +233,8 @@ def _draw_slip(ax: Axes, place: Place) -> None:
     """Draw the slip speed over time, in contact."""
     run = place.run
     slip = np.where(run["mode"].values == MODE["flight"], np.nan, run["slip_speed"].values)
-    ax.axhline(0.0, color=INK, lw=0.7, ls=DASHES)
-    ax.plot(run["t"].values, slip, color=INK, lw=line_width(run))
+    ax.axhline(0.0, color=palette.INK, lw=0.7, ls=palette.DASHES)
+    ax.plot(run["t"].values, slip, color=palette.INK, lw=line_width(run))
     label_axis(ax.yaxis, "slip_speed", run["slip_speed"])
 
 
@@ -315,7 +310,10 @@ def _draw_close_clearance(ax: Axes, run: xr.Dataset) -> None:
     """Draw the clearance of a node that has no contact, if it has one."""
     clearance = float(run.get("node_clearance", np.nan))
     if np.isfinite(clearance):
-        ax.plot(*circle(clearance), color=RED, lw=0.9, ls=":", label="close clearance", zorder=2.6)
+        ax.plot(
+            *circle(clearance), color=palette.RED, lw=0.9, ls=":", label="close clearance",
+            zorder=2.6,
+        )  # fmt: skip
 
 
 def plot_rotating_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
@@ -532,7 +530,9 @@ def _draw_speeds(ax: Axes, run: xr.Dataset, course: Course, races: Sequence[int]
     """Draw the speeds of the rotor and of races: those at events, extremes and the end."""
     if "speed" in run.variables:
         label_axis(ax.yaxis, "speed", course.speed)
-        ax.plot(course.time, course.speed, color=INK, lw=1.0, label="rotor" if races else "_")
+        ax.plot(
+            course.time, course.speed, color=palette.INK, lw=1.0, label="rotor" if races else "_"
+        )
     at_end = run["final_state"].values[-len(races) :].tolist() if races else []
     ends = ("race_speed_min", "race_speed_max")
     for number, last in zip(races, at_end, strict=True):
@@ -541,13 +541,13 @@ def _draw_speeds(ax: Axes, run: xr.Dataset, course: Course, races: Sequence[int]
         times = [*own["event_time"].values, *(own[f"{end}_time"].item() for end in ends),
                  course.time[-1]]  # fmt: skip
         order = np.argsort(times, kind="stable")
-        colour, dashes = look(1 + number)
+        colour, dashes = palette.look(1 + number)
         kept = order[kept_in_columns(np.array(times)[order], np.array(speeds)[order])]
         shown = speeds_in(xr.DataArray(np.array(speeds)[kept], attrs=own["event_race_speed"].attrs))
         label_axis(ax.yaxis, "speed", shown, words="speeds")
         ax.plot(np.array(times)[kept], shown, color=colour, ls=dashes, lw=0.9,
                 label=f"race of {contact_text(run, number)}")  # fmt: skip
-    ax.axhline(0.0, color=GREY, lw=0.6)
+    ax.axhline(0.0, color=palette.GREY, lw=0.6)
 
 
 def _draw_radii(ax: Axes, run: xr.Dataset, places: Sequence[Place], course: Course) -> None:
@@ -556,12 +556,18 @@ def _draw_radii(ax: Axes, run: xr.Dataset, places: Sequence[Place], course: Cour
         part = (place.clearance or 1.0) if len(places) > 1 else 1.0
         values = place.radius / part
         _draw_band(
-            ax, course, place.path.time, values, _colour(number, BLUE), _name(places, number)
-        )
+            ax, course, place.path.time, values, _colour(number, palette.BLUE),
+            _name(places, number),
+        )  # fmt: skip
         if place.clearance > 0.0:
-            ax.axhline(place.clearance / part, color=INK, lw=0.8, ls=DASHES, label="clearance",
-                       zorder=2.6)  # fmt: skip
-    ax.set_ylim(bottom=0.0)
+            ax.axhline(place.clearance / part, color=palette.INK, lw=0.8, ls=palette.DASHES,
+                       label="clearance", zorder=2.6)  # fmt: skip
+    clearance = 1.0 if len(places) > 1 else places[0].clearance
+    if 0.0 < FAR * clearance < ax.dataLim.y1:  # as in dry whip, beside which nothing else is seen
+        ax.set_yscale("log")
+        ax.set_ylim(bottom=clearance / FAR)
+    else:
+        ax.set_ylim(bottom=0.0)
     if len(places) > 1:
         ax.set_ylabel("radius over clearance")
         return
@@ -575,7 +581,7 @@ def _draw_normal_forces(ax: Axes, places: Sequence[Place], course: Course) -> No
     for number, each in enumerate(forces):
         label_axis(ax.yaxis, each.name, each.unit)
         if each.normal.any():
-            colour = _colour(number, RED)
+            colour = _colour(number, palette.RED)
             _draw_band(ax, course, each.time, each.normal, colour, _name(places, number))
     ax.set_ylim(bottom=0.0)
     if not any(each.normal.any() for each in forces):
@@ -584,7 +590,7 @@ def _draw_normal_forces(ax: Axes, places: Sequence[Place], course: Course) -> No
 
 def _colour(number: int, alone: str) -> str:
     """Return the colour of a place: one of its own if there are several."""
-    return alone if number == 0 else look(number + 1)[0]
+    return alone if number == 0 else palette.look(number + 1)[0]
 
 
 def _name(places: Sequence[Place], number: int) -> str:

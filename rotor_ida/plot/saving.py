@@ -33,12 +33,9 @@ _DOTS_PER_INCH = 200
 
 
 def save_figure(
-    figure: Figure,
-    stem: str | os.PathLike[str],
-    *,
-    overwrite: bool = False,
+    figure: Figure, stem: str | os.PathLike[str], *, overwrite: bool = False,
     formats: str | Sequence[str] = ("png", "svg"),
-) -> list[Path]:
+) -> list[Path]:  # fmt: skip
     """Write a figure as PNG (200 dots per inch), SVG or PDF.
 
     Parameters

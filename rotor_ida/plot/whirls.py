@@ -16,25 +16,15 @@ from rotor_ida.checks import check_real
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.model.system_parameters import SPEED
+from rotor_ida.plot import palette
 from rotor_ida.plot.appearance import (
-    BLUE,
-    DARK_BROWN,
-    DASHES,
-    GREY,
-    INK,
     LEAST_SPAN,
-    ORANGE,
-    RED,
-    SHADE,
     circle,
     draw_marks,
     draw_ring,
     drawing,
-    legend_below,
-    look,
     new_figure,
     say_in_middle,
-    shared_legend,
     style,
     widen,
 )
@@ -43,18 +33,20 @@ from rotor_ida.plot.labels import (
     SEPARATOR,
     label_axis,
     label_parameter,
+    lengths_text,
     number_text,
     speed_text,
     speeds_in,
     title_of,
     unit_of,
 )
+from rotor_ida.plot.legends import legend_below, shared_legend
 from rotor_ida.plot.motion import checked_run
 from rotor_ida.plot.responses import LINES
 from rotor_ida.results.run import check_system_run, nodes_in
 from rotor_ida.schema import MODE, WHIRL_DIRECTION, flags_of, words_of
 from rotor_ida.texts import in_figure
-from rotor_ida.units import number
+from rotor_ida.units import number, quantity
 
 WHIRLS = ("speed", "amplitude", "node_amplitude", "stability", "in_contact", "clearance", "node",
           "node_phase_lag", "contact_stator")  # fmt: skip
@@ -64,7 +56,11 @@ MOST_NAMES, MOST_CHARACTERS = 40, 60
 BESIDE = 0.01
 WIDTH = 7.2
 Indices = npt.NDArray[np.intp]
-SENSES = {"forward": (BLUE, "^"), "backward": (ORANGE, "v"), "none": (GREY, "o")}
+SENSES = {
+    "forward": (palette.BLUE, "^"),
+    "backward": (palette.ORANGE, "v"),
+    "none": (palette.GREY, "o"),
+}
 # Eigenvalues above this many times the largest speed are cut off.
 HIGHEST = 3.0
 # Upper end of the axis over the largest value that is drawn.
@@ -81,8 +77,8 @@ LOWEST, HIGHEST_ORBIT, ROOM = 1e-3, 2.0, 1.5
 BACKWARD = (*PARAMETERS, "amplitude", "whirl_speed", "kind", "stability", "birth_omega")
 # Backward whirls: colour, line, words, and an arrow on each circle, at a separate angle [rad].
 LOOKS = {
-    "slipping": (GREY, DASHES, "slipping whirl", 0.8),
-    "rolling": (DARK_BROWN, "-", "dry whip", 0.5),
+    "slipping": (palette.GREY, palette.DASHES, "slipping whirl", 0.8),
+    "rolling": (palette.DARK_BROWN, "-", "dry whip", 0.5),
 }
 # Circles that are smaller than the figure by this factor are drawn once more, enlarged.
 MAGNIFIED = 20.0
@@ -169,7 +165,7 @@ def plot_whirl_shapes(
         places = _label_nodes(ax, here)
         order = np.argsort(places, kind="stable")
         label_axis(ax.yaxis, "displacement", here["node_amplitude"])
-        ax.axhline(0.0, color=GREY, lw=0.7)
+        ax.axhline(0.0, color=palette.GREY, lw=0.7)
         fixed = here.isel(contact=here["contact_stator"].values == "")
         _draw_rooms(ax, fixed, places, np.zeros(fixed.sizes["contact"]))
         for word, (label, dashes, _, colour) in LINES.items():
@@ -203,15 +199,17 @@ def _draw_shape(ax: Axes, now: xr.Dataset, name: str, across: Values) -> None:
     up, nodes = now[name].values, nodes_in(now)
     now = now.isel(contact=np.isin(now["contact_node"].values, nodes))
     order = np.argsort(across, kind="stable")
-    ax.axhline(0.0, color=GREY, lw=0.7)
-    ax.plot(across[order], up[order], color=BLUE, marker="o", ms=3.2, label="shaft", zorder=2.8)
+    ax.axhline(0.0, color=palette.GREY, lw=0.7)
+    ax.plot(
+        across[order], up[order], color=palette.BLUE, marker="o", ms=3.2, label="shaft", zorder=2.8
+    )
     places = _places_of_contacts(now)
     if places.size:
         _draw_rooms(ax, now, across, up[places] - now[f"contact_{name}"].values)
     touching = places[now["mode"].values != MODE["flight"]]
     if touching.size:
-        draw_marks(ax, across[touching], up[touching], "o", RED, size=5.5, label="in contact",
-                   level=3.0)  # fmt: skip
+        draw_marks(ax, across[touching], up[touching], "o", palette.RED, size=5.5,
+                   label="in contact", level=3.0)  # fmt: skip
     label_axis(ax.yaxis, name, now[name])
 
 
@@ -222,7 +220,7 @@ def _draw_rooms(ax: Axes, now: xr.Dataset, across: Values, centres: Values) -> N
         shared = np.array([(places[:k] == place).sum() for k, place in enumerate(places)])
         aside = BESIDE * float(np.ptp(across)) * shared
         ax.errorbar(across[places] + aside, centres, now["clearance"].values, fmt="none",
-                    ecolor=INK, elinewidth=0.8, capsize=3.5, label="clearance")  # fmt: skip
+                    ecolor=palette.INK, elinewidth=0.8, capsize=3.5, label="clearance")  # fmt: skip
 
 
 def _places_of_contacts(now: xr.Dataset) -> Indices:
@@ -296,14 +294,14 @@ def plot_campbell(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
                 across = np.broadcast_to(speeds[:, np.newaxis], chosen.shape)
                 ax.plot(across[chosen], whirl[number][chosen], ls="", marker=mark, ms=2.8,
                         color=colour, alpha=float(faint), mec="none")  # fmt: skip
-        ax.plot(speeds, np.abs(speeds), color=INK, lw=0.9, ls="--", label="spin speed")
+        ax.plot(speeds, np.abs(speeds), color=palette.INK, lw=0.9, ls="--", label="spin speed")
         handles = [ax.lines[-1], *_handles(senses, springs, units_in(found["contact_stiffness"]))]
         # archives had none at first
         critical = np.empty(0)
         if "critical_speed" in found:
             critical = speeds_in(found["critical_speed"]).values
         if critical.size:
-            draw_marks(ax, critical, np.abs(critical), "o", INK, size=5.0, face="none",
+            draw_marks(ax, critical, np.abs(critical), "o", palette.INK, size=5.0, face="none",
                        label="critical speed", level=3.7)  # fmt: skip
             handles.append(ax.lines[-1])
         top = float(np.append(drawn, np.abs(critical)).max(initial=0.0))
@@ -320,11 +318,12 @@ def _handles(senses: Values, springs: Values, unit: str) -> list[Line2D]:
         for word, (colour, mark) in SENSES.items() if (senses == WHIRL_DIRECTION[word]).any()
     ]  # fmt: skip
     if springs.size > 1:
-        written = " N/m" if unit == "N m-1" else ""
+        written = "N/m" if unit == "N m-1" else "1"
         handles += [
-            Line2D([], [], ls="", marker="s", color=INK, alpha=float(faint),
-                   label=f"contacts {spring:.3g}{written}")
-            for spring, faint in zip(springs, np.linspace(1.0, 0.35, springs.size), strict=True)
+            Line2D([], [], ls="", marker="s", color=palette.INK, alpha=float(faint),
+                   label=f"contacts {quantity(spring, written, 3)}")
+            for spring, faint in zip(
+                springs.tolist(), np.linspace(1.0, 0.35, springs.size), strict=True)
         ]  # fmt: skip
     return handles
 
@@ -365,16 +364,16 @@ def plot_clearance(report: xr.Dataset, *, contact: int | str = 0, ax: Axes | Non
         factor = float(speeds[-1] / report["speed"].values[-1])
         label_axis(ax.yaxis, "major_axis", report["major_axis"], words=ORBIT)
         running = factor * np.asarray(report.attrs["running_speeds"])
-        ax.axvspan(running[0], running[1], color=SHADE, lw=0.0, zorder=0.5,
+        ax.axvspan(running[0], running[1], color=palette.SHADE, lw=0.0, zorder=0.5,
                    label="continuous speeds")  # fmt: skip
-        ax.axhline(diameter, color=INK, lw=1.0, zorder=1.6, label="diametral clearance")
-        ax.axhline(ALLOWED * diameter, color=INK, lw=0.9, ls=DASHES, zorder=1.6,
+        ax.axhline(diameter, color=palette.INK, lw=1.0, zorder=1.6, label="diametral clearance")
+        ax.axhline(ALLOWED * diameter, color=palette.INK, lw=0.9, ls=palette.DASHES, zorder=1.6,
                    label="75 % of it")  # fmt: skip
         for number, each in enumerate(factor * report["critical_speed"].values):
-            ax.axvline(each, color=GREY, lw=0.9, ls=":", zorder=1.4,
+            ax.axvline(each, color=palette.GREY, lw=0.9, ls=":", zorder=1.4,
                        label="_" if number else "critical speed")  # fmt: skip
         for number, axes in enumerate(scaled):
-            colour, dashes = look(number + 1)
+            colour, dashes = palette.look(number + 1)
             ax.plot(speeds, axes, color=colour, ls=dashes, label=f"case {number}", zorder=3.0)
         ax.set_yscale("log")
         ax.set_xlim(0.0, speeds[-1])
@@ -418,7 +417,7 @@ def plot_backward_whirl(whirls: xr.Dataset, *, ax: Axes | None = None) -> Axes:
             _draw_circles(inset, whirls, clearance, inner)
             inset.tick_params(labelsize=7.0)
             inset.locator_params(nbins=3)
-            ax.indicate_inset_zoom(inset, edgecolor=INK)
+            ax.indicate_inset_zoom(inset, edgecolor=palette.INK)
         legend_below(ax, columns=1)
         ax.set_title(title_of("whirls", whirls))
     return ax
@@ -426,7 +425,7 @@ def plot_backward_whirl(whirls: xr.Dataset, *, ax: Axes | None = None) -> Axes:
 
 def _draw_circles(ax: Axes, whirls: xr.Dataset, clearance: float, largest: float) -> None:
     """Draw the clearance and the circles of the whirls as far as the largest radius."""
-    length = unit_of(whirls["amplitude"])
+    length = units_in(whirls["amplitude"])
     rate = unit_of(whirls["whirl_speed"]).replace("1/s", "rad/s")
     draw_ring(ax, clearance)
     for radius, speed, kind, stability in zip(
@@ -435,7 +434,8 @@ def _draw_circles(ax: Axes, whirls: xr.Dataset, clearance: float, largest: float
     ):  # fmt: skip
         if math.isfinite(radius):
             colour, dashes, words, angle = LOOKS[kind]
-            size = f"{number_text(radius, '.4g')}$ {length}".rstrip()
+            (said,), unit = lengths_text(length, radius)
+            size = f"{said}$ {unit}".rstrip()
             turns = f"{number_text(speed, '.4g')}$ {rate}".rstrip()
             ax.plot(*circle(radius), color=colour, ls=dashes, lw=1.4,
                     label=rf"{words}: {stability}, $|z| = {size}, $\Omega = {turns}")  # fmt: skip

@@ -14,9 +14,9 @@ from rotor_ida import (
     continue_attractors,
 )
 from rotor_ida.plot import plot_attractor_fractions, plot_attractor_map, plot_attractors, plot_basin
-from rotor_ida.plot.appearance import KIND_SHADES
 from rotor_ida.plot.figures import figure_of
 from rotor_ida.plot.labels import LABELS
+from rotor_ida.plot.palette import KIND_SHADES
 from rotor_ida.schema import RESPONSE, flags_of
 from tests.plot.pictures import words_of
 
@@ -65,7 +65,7 @@ def changed(name, place, value):
     ("change", "first"),
     [
         (changed("label", 3, 0), ["synchronous response, $A = 1.88$"]),
-        (changed("radius_min", 0, 1.0), [r"synchronous response, $1.00 \leq |z| \leq 1.88$"]),
+        (changed("radius_min", 0, 1.0), [r"synchronous response, $1 \leq |z| \leq 1.88$"]),
         (changed("count", 0, 0), ["synchronous response, $A = 9.49$"]),
         # the radius of dry whip is not its part at the spin speed
         (changed("amplitude", 0, 0.3), ["synchronous response, $|z| = 1.88$"]),

@@ -20,8 +20,8 @@ from rotor_ida.plot import (
     plot_orbit,
     plot_trace,
 )
-from rotor_ida.plot.appearance import STABLE_CYCLE, UNSTABLE_CYCLE
 from rotor_ida.plot.labels import LABELS
+from rotor_ida.plot.legends import STABLE_CYCLE, UNSTABLE_CYCLE
 from rotor_ida.schema import labelled
 from tests.example_datasets import a_cycle, a_system_branch, a_system_curve, a_system_cycle
 from tests.plot.pictures import BOUNCING, lines_of, made, words_of

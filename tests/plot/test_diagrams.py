@@ -19,6 +19,8 @@ from rotor_ida import (
 from rotor_ida.closed_forms import response_curve
 from rotor_ida.plot import plot_exponents, plot_extrema, plot_section
 from rotor_ida.plot.figures import figure_of
+from rotor_ida.plot.labels import KIND_WORDS
+from rotor_ida.schema import words_of
 from rotor_ida.units import SPEED_UNITS
 from tests.plot.pictures import lines_of
 from tests.plot.test_responses import two_discs
@@ -69,7 +71,8 @@ def test_strobes_at_a_node_are_its_states_by_direction(axis):
     assert set(ax.get_legend_handles_labels()[1]) == {"going up", "going down"}
     assert ax.get_title() == "node two\nonce a revolution"
     alone = plot.plot_strobes(diagram.isel(direction=[0]))
-    assert not alone.get_legend_handles_labels()[1]
+    kinds = {KIND_WORDS[word] for word in words_of(diagram.response.isel(direction=0))}
+    assert set(alone.get_legend_handles_labels()[1]) == kinds
     with pytest.raises(InputError, match="axis must be one of 'x', 'y', got 'z'"):
         plot.plot_strobes(diagram, axis="z")
 
@@ -183,7 +186,8 @@ def test_extrema_beyond_the_model_do_not_set_the_scale_and_are_told():
     assert 20.0 * 0.9 < ax.get_ylim()[1] < 20.0 * 1.2
     largest = 5.0 * plain.extremum_radius.max().item()
     (words,) = [label for label in lines if "beyond the model" in label]
-    assert words == f"beyond the model, up to {largest:.3g} µm"
+    assert words.startswith("beyond the model: off the axis, ")
+    assert words.endswith(f"{largest:.3g} µm")
 
 
 def test_the_clearance_is_a_line_over_whatever_varies():
@@ -250,7 +254,7 @@ def test_extrema_lie_over_the_exact_curve_of_their_clearance():
     exact = response_curve(zeta=0.07, delta0=2.0, limits=(0.5, 2.5))
     ax = plot_extrema(found, exact=exact)
     words = ax.get_legend_handles_labels()[1]
-    assert "local maximum of $|z|$" in words
+    assert "local maximum of $|z|$: bouncing" in words
     assert "stable whirl" in words
     heights = np.concatenate([line.get_ydata() for line in ax.lines if line.get_rasterized()])
     shown = found.extremum_radius.values[int(found.extremum_count[0, 0, 0, 0]) :]

@@ -24,6 +24,10 @@ WRITTEN = {
 }
 
 
+# Axes of parameters, whose ticks alone are in units.
+IN_FIELD = {"omega": "spin speed [rpm]", "delta0": "clearance [µm]"}
+
+
 def in_units(dataset):
     return dimensional(dataset, MACHINE, units=UNITS)
 
@@ -76,7 +80,7 @@ def check_labels(plain, si, picture):
     ):
         assert shown == LABELS[name]
         unit = WRITTEN[kind][0]
-        plain_in_si = "spin speed [rpm]" if name == "omega" else LABELS[name]
+        plain_in_si = IN_FIELD.get(name, LABELS[name])
         assert in_si == (f"{IN_UNITS[name]} [{unit}]" if unit else plain_in_si)
 
 

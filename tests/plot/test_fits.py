@@ -90,7 +90,7 @@ def test_the_title_has_values_with_errors_in_units_of_the_field():
     up = run_up(machine, to=1500.0 * rpm, rate=300.0 * rpm, samples=4001)
     seen = signals_of(dimensional(up, units={"length": "µm"}))
     figure = fit_figure(fit(seen, machine, ["clearance", "damping"], noise=1.0))
-    title = figure.axes[0].get_title(loc="left")
+    title = figure.get_suptitle()
     assert re.match(r"clearance \$2[45]\.\d+\(\d+\)\$ µm;", title)
     assert re.search(r"damping \$8\d\.\d+\(\d+\)\$ N s/m", title)
     assert "µm" in figure.axes[0].get_ylabel()

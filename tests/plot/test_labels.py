@@ -7,9 +7,18 @@ import pytest
 import xarray as xr
 from matplotlib.figure import Figure
 
-from rotor_ida import DimensionalRotor, InputError, dimensional, run_ups, sweep
+from rotor_ida import (
+    DimensionalRotor,
+    InputError,
+    Rotor,
+    continue_attractors,
+    dimensional,
+    run_ups,
+    sweep,
+)
 from rotor_ida.plot import (
     plot_amplitude,
+    plot_attractor_map,
     plot_basin,
     plot_largest_force,
     plot_orbit,
@@ -163,3 +172,21 @@ def test_a_sweep_of_a_machine_has_the_exact_curve_behind_it(units):
     words = [text.get_text() for text in ax.get_legend().get_texts()]
     assert "stable whirl" in words
     assert ax.get_ylabel().endswith("[mm]" if units else "[µm]")
+
+
+def test_a_map_and_a_curve_of_a_machine_are_over_its_units():
+    found = continue_attractors(
+        Rotor(omega=1.6, zeta=0.07, delta0=0.0), omega=[1.6, 1.8], delta0=[0.0, 0.5],
+        x=(-15, 15), y=(-15, 15), starts=10,
+    )  # fmt: skip
+    for by in ("kind", "force"):
+        ax = plot_attractor_map(dimensional(found, MACHINE), by=by)
+        assert ax.get_xlabel() == "spin speed [rpm]"
+        assert ax.get_ylabel() == "clearance [µm]"
+        ax.figure.draw_without_rendering()
+        ticks = [float(text.get_text()) for text in ax.get_yticklabels()]
+        np.testing.assert_allclose(ticks, 1e6 * MACHINE.length_scale * ax.get_yticks(), rtol=1e-5)
+    bar = ax.figure.axes[-1]
+    plain = plot_attractor_map(found, by="force").figure.axes[-1]
+    np.testing.assert_allclose(bar.get_ylim()[1], plain.get_ylim()[1] * MACHINE.force_scale)
+    assert bar.get_ylabel() == "largest contact force [N]"

@@ -120,6 +120,7 @@ def test_legend_names_every_kind_and_direction_once(exact, simulated, fold_point
         "unresolved: range of $|z|$",
         "speed going up",
         "speed going down",
+        "clearance",
     ]
 
 
@@ -201,7 +202,7 @@ def test_over_clearance_every_whirl_is_on_a_line_of_its_stability(whirls_over_cl
     lines = {}
     for line in ax.lines:
         lines.setdefault(line.get_label(), []).append(line.get_ydata())
-    assert set(lines) == {"stable whirl", "unstable whirl", "contact-free whirl"}
+    assert set(lines) == {"stable whirl", "unstable whirl", "contact-free whirl", "clearance"}
     unstable = whirls_over_clearance.amplitude.where(whirls_over_clearance.stability == 0).values
     assert np.isin(unstable[np.isfinite(unstable)], np.concatenate(lines["unstable whirl"])).all()
 
@@ -382,3 +383,36 @@ def test_under_weight_all_responses_are_ranges_of_the_distance_from_the_centre()
     assert {word for word in words_of(ax) if "range" in word} == {
         "contact-free response: range of $|z|$", "bouncing: range of $|z|$"
     }  # fmt: skip
+
+
+def whipping(radius):
+    """Return a sweep of a disc with one dry whip of a radius; not a simulation."""
+    found = sweep(omega=[1.0, 1.5, 2.0], **SHAFT, method="taylor")
+    found.response[0] = RESPONSE["rolling"]
+    found.radius_max[0], found.radius_min[0] = radius, radius
+    return found
+
+
+def test_one_far_response_does_not_hide_the_rest_and_is_told():
+    ax = plot_amplitude(None, simulated=whipping(200.0))
+    others = whipping(200.0).radius_max.values.ravel()[1:].max()
+    assert ax.get_ylim()[1] < 1.2 * others
+    (mark,) = [line for line in ax.lines if "off the axis" in line.get_label()]
+    assert mark.get_label() == "rolling (dry whip): off the axis, 200"
+    assert mark.get_xdata() == [1.0]
+    near = plot_amplitude(None, simulated=whipping(2.0 * others))
+    assert near.get_ylim()[1] > 2.0 * others
+    assert not [line for line in near.lines if "off the axis" in line.get_label()]
+
+
+def test_a_sweep_of_dry_whip_alone_is_in_view():
+    alone = whipping(200.0).isel(omega=[0])
+    assert plot_amplitude(None, simulated=alone).get_ylim()[1] > 200.0
+
+
+def test_the_axis_of_speeds_is_that_of_the_sweep_and_the_clearance_is_a_line():
+    loaded = sweep(omega=[1.0, 1.5, 2.0], load=0.3, method="taylor", **SHAFT)
+    ax = plot_amplitude(None, simulated=loaded)
+    assert 0.9 < ax.get_xlim()[0] < 1.0
+    assert 2.0 < ax.get_xlim()[1] < 2.1
+    assert set(line_of(ax, "clearance").get_ydata()) == {1.0}

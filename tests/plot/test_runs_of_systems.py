@@ -16,8 +16,8 @@ from rotor_ida import (
     simulate,
 )
 from rotor_ida.plot import plot_forces, plot_node_orbits, plot_orbit, plot_run, plot_shape
-from rotor_ida.plot.appearance import BLUE, ORANGE, RED
 from rotor_ida.plot.figures import figure_of
+from rotor_ida.plot.palette import BLUE, ORANGE, RED
 from tests.plot.pictures import check_nothing_cut_off
 
 NODES = ["left", "disc", "seal", "right"]

@@ -90,7 +90,7 @@ def test_a_campbell_diagram_has_forward_and_backward_whirls():
     np.testing.assert_allclose(critical.get_xdata(), found.critical_speed * 30 / np.pi)
     np.testing.assert_array_equal(critical.get_xdata(), critical.get_ydata())
     words = words_of(ax)
-    assert words == ["spin speed", "forward", "backward", "contacts 0 N/m", "contacts 5e+06 N/m",
+    assert words == ["spin speed", "forward", "backward", "contacts 0 N/m", "contacts 5 MN/m",
                      "critical speed"]  # fmt: skip
     older = found.drop_vars([name for name in found.variables if name.startswith("critical_")])
     assert len(plot.plot_campbell(older).lines) == len(ax.lines) - 1

@@ -14,7 +14,8 @@ from matplotlib.axes import Axes
 
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
-from rotor_ida.plot.appearance import DARK_BROWN, FOLD, GREY, HOPF, INK, PURPLE, draw_marks
+from rotor_ida.plot import legends, palette
+from rotor_ida.plot.appearance import draw_marks
 from rotor_ida.plot.datasets import check_dataset, parameters_in
 from rotor_ida.plot.responses import CURVE, draw_curve
 from rotor_ida.plot.signals.units import Scales, Units, scales_of
@@ -36,20 +37,19 @@ KINDS = {
 CYCLE = "exact cycle"
 # Lines of a cycle weaker than this fraction of the strongest are left out.
 WEAKEST = 1e-4
-BACKWARD = {"slipping": ("exact slipping whirl", GREY), "rolling": ("exact dry whip", DARK_BROWN)}
+BACKWARD = {
+    "slipping": ("exact slipping whirl", palette.GREY),
+    "rolling": ("exact dry whip", palette.DARK_BROWN),
+}
 # Words and marks of special points.
-SPECIAL = {"fold": (FOLD, "D"), "hopf": (HOPF, "o")}
+SPECIAL = {"fold": (legends.FOLD, "D"), "hopf": (legends.HOPF, "o")}
 
 
 def made_beneath(
-    beneath: Beneath,
-    shown: xr.Dataset,
-    units: Units,
-    makers: Mapping[str, Callable[[xr.Dataset, Scales], list[T]]],
-    allowed: str,
-    *,
+    beneath: Beneath, shown: xr.Dataset, units: Units,
+    makers: Mapping[str, Callable[[xr.Dataset, Scales], list[T]]], allowed: str, *,
     of_any_speed: Collection[str] = tuple(KINDS),
-) -> list[T]:
+) -> list[T]:  # fmt: skip
     """Convert exact results to the units of a plot; refuse other kinds.
 
     Parameters
@@ -153,10 +153,10 @@ class Response:
     def _points(self, ax: Any, across: Values, up: Values) -> None:
         shown = np.isfinite(across + up)
         filled = np.zeros(shown.shape, dtype=bool) if self.filled is None else self.filled
-        for chosen, face in ((shown & filled, INK), (shown & ~filled, "white")):
+        for chosen, face in ((shown & filled, palette.INK), (shown & ~filled, "white")):
             if chosen.any():
-                draw_marks(ax, across[chosen], up[chosen], self.marker, INK, size=4.4, face=face,
-                           label=self.words, level=3.7)  # fmt: skip
+                draw_marks(ax, across[chosen], up[chosen], self.marker, palette.INK, size=4.4,
+                           face=face, label=self.words, level=3.7)  # fmt: skip
 
 
 def responses_of(beneath: Beneath, shown: xr.Dataset, units: Units) -> list[Response]:
@@ -293,7 +293,7 @@ def _lines_of_cycle(cycle: xr.Dataset, scales: Scales, units: Units) -> list[Lin
     places = units.frequencies(np.atleast_1d(cycle["frequency"].values) * scales.rate).values
     speed = float(units.speeds(float(cycle["omega"]) * scales.omega))
     return [
-        Line(float(place), float(height), f"line of {CYCLE}", PURPLE, "D", speed)
+        Line(float(place), float(height), f"line of {CYCLE}", palette.PURPLE, "D", speed)
         for place, height in zip(places, heights, strict=True)
         if height > WEAKEST * heights.max() and place  # no mean is drawn as vibration
     ]
@@ -314,7 +314,7 @@ def _special_lines(name: str, dataset: xr.Dataset, scales: Scales, units: Units)
         speed = float(units.speeds(omega * scales.omega))
         for rate in rates:
             frequency = float(units.frequencies(rate * scales.rate))
-            lines.append(Line(frequency, height, words, INK, marker, speed))
+            lines.append(Line(frequency, height, words, palette.INK, marker, speed))
     return lines
 
 
@@ -336,7 +336,7 @@ def _lines_of_whirls(whirls: xr.Dataset, scales: Scales, units: Units) -> list[L
     rates = omega * scales.omega
     return [
         Line(float(units.frequencies(rate)), float(height) * scales.length, "line of exact whirl",
-             INK, "s", float(units.speeds(rate)))
+             palette.INK, "s", float(units.speeds(rate)))
         for rate, height, kept in zip(rates, amplitude, stable, strict=True)
         if math.isfinite(height) and kept
     ]  # fmt: skip

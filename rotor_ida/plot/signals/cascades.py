@@ -17,10 +17,12 @@ from matplotlib.colors import LogNorm
 from rotor_ida.arrays import Values
 from rotor_ida.checks import check_array, check_choice, check_count, check_flag, check_positive
 from rotor_ida.errors import InputError
-from rotor_ida.plot.appearance import INK, RED, draw_marks, drawing, legend_below
+from rotor_ida.plot import palette
+from rotor_ida.plot.appearance import draw_marks, drawing
 from rotor_ida.plot.datasets import check_dataset
 from rotor_ida.plot.decimation import highest_in_bins
 from rotor_ida.plot.labels import label_axis, label_of, unit_of
+from rotor_ida.plot.legends import legend_below
 from rotor_ida.plot.signals.beneath import Beneath, Line, lines_of
 from rotor_ida.plot.signals.spectra import limit_of, lines_within, mark_frequencies, name_order
 from rotor_ida.plot.signals.speeds import title_of_signals
@@ -63,17 +65,10 @@ class Segments(NamedTuple):
 
 
 def plot_cascade(
-    signals: xr.Dataset,
-    *,
-    over: str | None = None,
-    orders: npt.ArrayLike = ORDERS,
-    span: float = 3.0,
-    rows: int = ROWS,
-    segment: int | None = None,
-    beneath: Beneath = (),
-    frequencies: Mapping[str, float] | None = None,
-    ax: Axes | None = None,
-) -> Axes:
+    signals: xr.Dataset, *, over: str | None = None, orders: npt.ArrayLike = ORDERS,
+    span: float = 3.0, rows: int = ROWS, segment: int | None = None, beneath: Beneath = (),
+    frequencies: Mapping[str, float] | None = None, ax: Axes | None = None,
+) -> Axes:  # fmt: skip
     r"""Draw full spectra over the speed as a waterfall, with lines of orders.
 
     Parameters
@@ -122,7 +117,9 @@ def plot_cascade(
         below = np.column_stack([frequency[[-1, 0]], np.full(2, places[0] - extent)])
         under = [np.vstack([line, below]) for line in lines]
         ax.add_collection(
-            PolyCollection(under, facecolors="white", edgecolors=INK, linewidths=0.45, zorder=2.2)
+            PolyCollection(
+                under, facecolors="white", edgecolors=palette.INK, linewidths=0.45, zorder=2.2
+            )
         )
         top = float((places[:, None] + scale * heights).max())
         ax.set_ylim(places[0] - 0.01 * extent, top + 0.03 * extent)
@@ -132,18 +129,10 @@ def plot_cascade(
 
 
 def plot_spectrogram(
-    signals: xr.Dataset,
-    *,
-    over: str | None = None,
-    orders: npt.ArrayLike = ORDERS,
-    span: float = 3.0,
-    floor: float = FLOOR,
-    segment: int | None = None,
-    beneath: Beneath = (),
-    frequencies: Mapping[str, float] | None = None,
-    colour_bar: bool = True,
-    ax: Axes | None = None,
-) -> Axes:
+    signals: xr.Dataset, *, over: str | None = None, orders: npt.ArrayLike = ORDERS,
+    span: float = 3.0, floor: float = FLOOR, segment: int | None = None, beneath: Beneath = (),
+    frequencies: Mapping[str, float] | None = None, colour_bar: bool = True, ax: Axes | None = None,
+) -> Axes:  # fmt: skip
     """Draw the amplitudes of forward and backward whirl as colours over frequency and speed.
 
     Parameters
@@ -283,10 +272,10 @@ def _draw_orders(ax: Axes, segments: Segments, orders: Sequence[float]) -> None:
     up = segments.up.values
     last = int(np.argmax(up))
     for order in orders:
-        ax.plot(order * spin, up, color=RED, lw=0.7, ls=(0, (5, 2)), zorder=2.8)
+        ax.plot(order * spin, up, color=palette.RED, lw=0.7, ls=(0, (5, 2)), zorder=2.8)
         end = order * spin[last]
         if abs(end) <= segments.limit:
-            name_order(ax, order, end, RED)
+            name_order(ax, order, end, palette.RED)
 
 
 def _mark_lines(ax: Axes, segments: Segments) -> None:
@@ -331,7 +320,7 @@ def _draw_scale(ax: Axes, units: Units, highest: float, scale: float) -> None:
     top = ax.get_ylim()[1]
     bottom = top - 0.03 * (top - ax.get_ylim()[0]) - size * scale
     left = ax.get_xlim()[0] * 0.96
-    ax.plot([left, left], [bottom, bottom + size * scale], color=INK, lw=2.0,
+    ax.plot([left, left], [bottom, bottom + size * scale], color=palette.INK, lw=2.0,
             solid_capstyle="butt", zorder=3.0)  # fmt: skip
     ax.annotate(f"{size:g}{unit} zero to peak", (left, bottom + 0.5 * size * scale), xytext=(4, 0),
                 textcoords="offset points", va="center", fontsize=8.0, zorder=3.0,

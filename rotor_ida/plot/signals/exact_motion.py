@@ -11,7 +11,8 @@ import xarray as xr
 
 from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.errors import InputError
-from rotor_ida.plot.appearance import DASHES, GREY, PURPLE, circle
+from rotor_ida.plot import palette
+from rotor_ida.plot.appearance import circle
 from rotor_ida.plot.signals.beneath import BACKWARD, CYCLE, KINDS, Beneath, made_beneath
 from rotor_ida.plot.signals.units import Scales, Units, is_one_speed
 from rotor_ida.results.si_units import scale_of
@@ -96,7 +97,7 @@ def _orbit_of_cycle(cycle: xr.Dataset, scales: Scales) -> list[Orbit]:
     closed = np.flatnonzero(np.abs(turns - np.round(turns)) < CLOSED)
     count = int(closed[0]) + 1 if closed.size else MOST_PERIODS
     z = np.concatenate([once * np.exp(1j * omega * times[-1] * each) for each in range(count)])
-    return [Orbit(z.real, z.imag, CYCLE, PURPLE, "-")]
+    return [Orbit(z.real, z.imag, CYCLE, palette.PURPLE, "-")]
 
 
 def _backward_orbits(whirls: xr.Dataset, scales: Scales) -> list[Orbit]:
@@ -129,9 +130,9 @@ def _circles(whirls: xr.Dataset, given: xr.Dataset, length: float) -> list[Orbit
         strict=True,
     ):  # fmt: skip
         x, y = circle(radius)
-        orbit = Orbit(x, y, "exact whirl", PURPLE, "-")
+        orbit = Orbit(x, y, "exact whirl", palette.PURPLE, "-")
         if stability == "unstable":
-            orbit = Orbit(x, y, "unstable whirl", GREY, DASHES)
+            orbit = Orbit(x, y, "unstable whirl", palette.GREY, palette.DASHES)
         if loose:
             orbit = orbit._replace(x=x + centre.real, y=y + centre.imag)
         orbits.append(orbit)

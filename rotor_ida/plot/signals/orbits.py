@@ -13,20 +13,12 @@ from matplotlib.axes import Axes
 from rotor_ida.arrays import Values
 from rotor_ida.checks import check_nonnegative
 from rotor_ida.errors import InputError
-from rotor_ida.plot.appearance import (
-    BLUE,
-    DASHES,
-    INK,
-    ORANGE,
-    PURPLE,
-    draw_marks,
-    draw_ring,
-    drawing,
-    legend_below,
-)
+from rotor_ida.plot import palette
+from rotor_ida.plot.appearance import draw_marks, draw_ring, drawing
 from rotor_ida.plot.datasets import check_dataset, clearance_of
 from rotor_ida.plot.decimation import draw_path, kept_in_columns, thinned
-from rotor_ida.plot.labels import label_axis, label_of, title_of
+from rotor_ida.plot.labels import label_axis, label_of, lengths_text, title_of
+from rotor_ida.plot.legends import legend_below
 from rotor_ida.plot.motion import NEEDED, draw_orbit, place_of_disc, shade_contacts
 from rotor_ida.plot.signals.beneath import Beneath
 from rotor_ida.plot.signals.exact_motion import (
@@ -39,7 +31,7 @@ from rotor_ida.plot.signals.exact_motion import (
 )
 from rotor_ida.plot.signals.orders import tracks_of
 from rotor_ida.plot.signals.speeds import mark_speeds, title_of_signals
-from rotor_ida.plot.signals.units import is_one_speed, length_text, units_of
+from rotor_ida.plot.signals.units import is_one_speed, units_of
 from rotor_ida.results.run import check_columns, samples_in
 from rotor_ida.schema import flags_of
 from rotor_ida.signals.record import Record, mean_of, record_of
@@ -53,17 +45,17 @@ FEW_PULSES, MANY_PULSES = 40, 400
 MANY_POINTS = 20_000
 # An exact orbit this many times wider than motion and clearance would make them a dot.
 FAR = 10.0
-TRACES = {"x": (BLUE, "$x$"), "y": (ORANGE, "$y$"), "radius": (INK, "radius")}
+TRACES = {
+    "x": (palette.BLUE, "$x$"),
+    "y": (palette.ORANGE, "$y$"),
+    "radius": (palette.INK, "radius"),
+}
 
 
 def plot_orbit(
-    run: xr.Dataset,
-    *,
-    keyphasor: bool | None = None,
-    clearance: float | None = None,
-    beneath: Beneath = (),
-    ax: Axes | None = None,
-) -> Axes:
+    run: xr.Dataset, *, keyphasor: bool | None = None, clearance: float | None = None,
+    beneath: Beneath = (), ax: Axes | None = None,
+) -> Axes:  # fmt: skip
     """Draw the orbit in the plane, with the clearance circle and keyphasor dots.
 
     Parameters
@@ -127,14 +119,9 @@ def plot_orbit(
 
 
 def plot_centre_line(
-    signals: xr.Dataset,
-    *,
-    clearance: float | None = None,
-    orders: npt.ArrayLike = 1.0,
-    revolutions: int | None = None,
-    beneath: Beneath = (),
-    ax: Axes | None = None,
-) -> Axes:
+    signals: xr.Dataset, *, clearance: float | None = None, orders: npt.ArrayLike = 1.0,
+    revolutions: int | None = None, beneath: Beneath = (), ax: Axes | None = None,
+) -> Axes:  # fmt: skip
     """Draw the mean position of the shaft as the speed changes, in the circle of the clearance.
 
     Parameters
@@ -178,12 +165,12 @@ def plot_centre_line(
         if one_speed:
             _draw_places(ax, means, x, y)
         else:
-            ax.plot(*thinned(x, y), color=BLUE, lw=1.1, label="centre line", zorder=3.0)
+            ax.plot(*thinned(x, y), color=palette.BLUE, lw=1.1, label="centre line", zorder=3.0)
         for place, words, marker in exact:
-            draw_marks(ax, place.real, place.imag, marker, PURPLE, size=8.0, face="none",
+            draw_marks(ax, place.real, place.imag, marker, palette.PURPLE, size=8.0, face="none",
                        edge=1.3, label=words, level=3.3)  # fmt: skip
         size = ring or float(max(np.ptp(x), np.ptp(y))) or 1.0
-        mark_speeds(ax, x + 1j * y, speeds, BLUE, apart=0.08 * size,
+        mark_speeds(ax, x + 1j * y, speeds, palette.BLUE, apart=0.08 * size,
                     label=label_of("speed", speeds))  # fmt: skip
         ax.set_aspect("equal", adjustable="datalim")
         title = title_of_signals(means, speeds, zero="gap" in means.attrs)
@@ -196,20 +183,16 @@ def plot_centre_line(
 
 def _draw_places(ax: Axes, means: xr.Dataset, x: Values, y: Values) -> None:
     """Draw the mean positions at one speed as dots, on axes as wide as the whirl about them."""
-    draw_marks(ax, x, y, "o", BLUE, size=3.0, label="mean of each window", level=3.0)
+    draw_marks(ax, x, y, "o", palette.BLUE, size=3.0, label="mean of each window", level=3.0)
     if "forward_whirl_amplitude" in means.variables:
         reach = float(means["forward_whirl_amplitude"].max())
         ax.update_datalim([(x.mean() + side * reach, y.mean() + side * reach) for side in (-1, 1)])
 
 
 def plot_trace(
-    signals: xr.Dataset,
-    *,
-    names: tuple[str, ...] = ("x", "y"),
-    clearance: float | None = None,
-    beneath: Beneath = (),
-    ax: Axes | None = None,
-) -> Axes:
+    signals: xr.Dataset, *, names: tuple[str, ...] = ("x", "y"), clearance: float | None = None,
+    beneath: Beneath = (), ax: Axes | None = None,
+) -> Axes:  # fmt: skip
     """Draw displacements over time, with contacts shaded and the pulses of the keyphasor.
 
     Parameters
@@ -265,7 +248,7 @@ def plot_trace(
         ring = _ring_of(given, clearance)
         if ring:
             for side in (ring,) if radius_alone else (ring, -ring):
-                ax.axhline(side, color=INK, lw=0.7, ls=DASHES, zorder=2.6,
+                ax.axhline(side, color=palette.INK, lw=0.7, ls=palette.DASHES, zorder=2.6,
                            label="clearance" if side > 0.0 else "_")  # fmt: skip
         ax.set_xlim(float(times[0]), float(times[-1]))
         if "file" in given.attrs:
@@ -283,7 +266,7 @@ def _draw_exact_trace(ax: Axes, trace: Trace, names: tuple[str, ...]) -> None:
     for name in names:
         values = _component(name, trace.z)
         kept = kept_in_columns(trace.times, values)
-        ax.plot(trace.times[kept], values[kept], color=PURPLE, lw=2.6, alpha=0.4,
+        ax.plot(trace.times[kept], values[kept], color=palette.PURPLE, lw=2.6, alpha=0.4,
                 label=trace.words, zorder=1.9)  # fmt: skip
 
 
@@ -297,7 +280,8 @@ def _draw_exact_orbits(
         radius = float(np.hypot(x, y).max())
         if radius > FAR * extent > 0.0:
             x, y = np.empty(0), np.empty(0)
-            words = f"{words}, outside:\nradius {length_text(radius, str(given['x'].units))}"
+            (size,), unit = lengths_text(str(given["x"].units), radius)
+            words = f"{words}, outside:\nradius {size} {unit}".rstrip()
         width = 2.6 if orbit.x.size < MANY_POINTS else 0.6
         ax.plot(x, y, color=orbit.colour, ls=orbit.dashes, lw=width, alpha=0.5, label=words,
                 zorder=1.9)  # fmt: skip
@@ -309,7 +293,7 @@ def _draw_orbit(ax: Axes, record: Record, *, marked: bool) -> None:
     if marked:
         blank = _blank(record)
         x, y = (np.where(blank, np.nan, each) for each in (x, y))
-    draw_path(ax, x, y, colour=BLUE, width=0.8, words="orbit", level=2.5)
+    draw_path(ax, x, y, colour=palette.BLUE, width=0.8, words="orbit", level=2.5)
     if marked:
         _draw_pulses(ax, record, times, record.z.real, record.z.imag)
 
@@ -325,7 +309,7 @@ def _draw_pulses(ax: Axes, record: Record, times: Values, x: Values, y: Values) 
     pulses = record.pulses()
     size = 4.0 if pulses.size <= FEW_PULSES else 2.4 if pulses.size <= MANY_PULSES else 1.4
     ax.plot(np.interp(pulses, times, x), np.interp(pulses, times, y), ls="", marker="o", ms=size,
-            mfc=INK, mec="white", mew=0.3, label="pulse of the keyphasor", zorder=3.4,
+            mfc=palette.INK, mec="white", mew=0.3, label="pulse of the keyphasor", zorder=3.4,
             rasterized=pulses.size > 10_000)  # fmt: skip
 
 

@@ -15,16 +15,11 @@ from matplotlib.ticker import MaxNLocator
 
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
-from rotor_ida.plot.appearance import (
-    drawing,
-    legend_below,
-    look,
-    new_figure,
-    own_legend,
-    style,
-)
+from rotor_ida.plot import palette
+from rotor_ida.plot.appearance import drawing, new_figure, style
 from rotor_ida.plot.datasets import check_dataset, hold_units, parameters_in
 from rotor_ida.plot.labels import LABELS, label_axis, label_of
+from rotor_ida.plot.legends import legend_below, own_legend
 from rotor_ida.plot.signals.beneath import Beneath, Response, responses_of
 from rotor_ida.plot.signals.exact_motion import is_of_one_speed
 from rotor_ida.plot.signals.speeds import legs_of, mark_speeds, title_of_signals
@@ -84,15 +79,9 @@ class _Fit(NamedTuple):
 
 
 def plot_bode(
-    signals: xr.Dataset,
-    *,
-    order: float = 1.0,
-    sense: str = "forward",
-    orders: npt.ArrayLike = (),
-    revolutions: int | None = None,
-    beneath: Beneath = (),
-    axes: Sequence[Axes] | None = None,
-) -> Figure:
+    signals: xr.Dataset, *, order: float = 1.0, sense: str = "forward", orders: npt.ArrayLike = (),
+    revolutions: int | None = None, beneath: Beneath = (), axes: Sequence[Axes] | None = None,
+) -> Figure:  # fmt: skip
     r"""Draw amplitude and phase of one order over the speed.
 
     Parameters
@@ -179,15 +168,9 @@ def plot_bode(
 
 
 def plot_polar(
-    signals: xr.Dataset,
-    *,
-    order: float = 1.0,
-    sense: str = "forward",
-    orders: npt.ArrayLike = (),
-    revolutions: int | None = None,
-    beneath: Beneath = (),
-    ax: Axes | None = None,
-) -> Axes:
+    signals: xr.Dataset, *, order: float = 1.0, sense: str = "forward", orders: npt.ArrayLike = (),
+    revolutions: int | None = None, beneath: Beneath = (), ax: Axes | None = None,
+) -> Axes:  # fmt: skip
     r"""Draw amplitude and phase of one order as a vector, with marks of the speed.
 
     Parameters
@@ -237,14 +220,10 @@ def plot_polar(
 
 
 def plot_orders(
-    signals: xr.Dataset,
-    *,
-    orders: npt.ArrayLike = (0.5, 1.0, 2.0),
-    revolutions: int | None = None,
-    logarithmic: bool = False,
-    beneath: Beneath = (),
+    signals: xr.Dataset, *, orders: npt.ArrayLike = (0.5, 1.0, 2.0),
+    revolutions: int | None = None, logarithmic: bool = False, beneath: Beneath = (),
     ax: Axes | None = None,
-) -> Axes:
+) -> Axes:  # fmt: skip
     r"""Draw the amplitudes of several orders, forward and backward, over the speed.
 
     Parameters
@@ -278,7 +257,7 @@ def plot_orders(
             response.draw_amplitude(ax)
         highest = 0.0
         for number, order in enumerate(tracks["order"].values.tolist()):
-            colour, dashes = look(number + 1)
+            colour, dashes = palette.look(number + 1)
             for sense in WHIRLS:
                 amplitude = tracks[f"{sense}_whirl_amplitude"].values[..., number]
                 highest = max(highest, float(amplitude.max()))

@@ -12,21 +12,12 @@ from matplotlib.axes import Axes
 from rotor_ida.arrays import Values
 from rotor_ida.checks import check_positive, check_real, shown
 from rotor_ida.errors import InputError
-from rotor_ida.plot.appearance import (
-    BLUE,
-    DASHES,
-    GREEN,
-    GREY,
-    INK,
-    ORANGE,
-    draw_marks,
-    drawing,
-    legend_below,
-    own_legend,
-)
+from rotor_ida.plot import palette
+from rotor_ida.plot.appearance import draw_marks, drawing
 from rotor_ida.plot.datasets import check_dataset
 from rotor_ida.plot.decimation import kept_in_columns
 from rotor_ida.plot.labels import label_axis, number_text, unit_of
+from rotor_ida.plot.legends import legend_below, own_legend
 from rotor_ida.plot.signals.beneath import Beneath, Line, lines_of
 from rotor_ida.plot.signals.exact_motion import speeds_along
 from rotor_ida.plot.signals.orders import order_words
@@ -73,12 +64,14 @@ def plot_spectrum(lines: xr.Dataset, *, span: float = 4.0, ax: Axes | None = Non
         label_axis(ax.xaxis, over, lines[over])
         label_axis(ax.yaxis, "whirl_amplitude", lines["whirl_amplitude"])
         for words, colour, chosen in (
-            ("backward whirl", ORANGE, frequency <= 0.0),
-            ("forward whirl", BLUE, frequency >= 0.0),
+            ("backward whirl", palette.ORANGE, frequency <= 0.0),
+            ("forward whirl", palette.BLUE, frequency >= 0.0),
         ):
             ax.semilogy(frequency[chosen], height[chosen], color=colour, lw=0.9, label=words)
         if over == "frequency_over_omega":
-            ax.axvline(1.0, color=GREY, lw=0.7, ls=DASHES, zorder=1.5, label="spin speed")
+            ax.axvline(
+                1.0, color=palette.GREY, lw=0.7, ls=palette.DASHES, zorder=1.5, label="spin speed"
+            )
         else:
             limit *= scale_of(lines, "rate")
         ax.set_xlim(-limit, limit)
@@ -89,14 +82,9 @@ def plot_spectrum(lines: xr.Dataset, *, span: float = 4.0, ax: Axes | None = Non
 
 
 def plot_full_spectrum(
-    signals: xr.Dataset,
-    *,
-    span: float = 4.0,
-    segment: int | None = None,
-    beneath: Beneath = (),
-    frequencies: Mapping[str, float] | None = None,
-    ax: Axes | None = None,
-) -> Axes:
+    signals: xr.Dataset, *, span: float = 4.0, segment: int | None = None, beneath: Beneath = (),
+    frequencies: Mapping[str, float] | None = None, ax: Axes | None = None,
+) -> Axes:  # fmt: skip
     """Draw forward and backward lines over the frequency, with bandwidth and noise floor.
 
     Parameters
@@ -147,15 +135,17 @@ def plot_full_spectrum(
         label_axis(ax.xaxis, "frequency", frequency)
         label_axis(ax.yaxis, "whirl_amplitude", units.lengths(height))
         for words, colour, chosen in (
-            ("backward", ORANGE, frequency.values <= 0.0),
-            ("forward", BLUE, frequency.values >= 0.0),
+            ("backward", palette.ORANGE, frequency.values <= 0.0),
+            ("forward", palette.BLUE, frequency.values >= 0.0),
         ):
             ax.semilogy(*_peaks_kept(frequency.values[chosen], height[chosen], limit), color=colour,
                         lw=0.9, label=words, zorder=2.4)  # fmt: skip
         if not math.isnan(spin):
-            ax.axvline(spin, color=INK, lw=0.6, ls=DASHES, zorder=1.6, label="spin speed")
+            ax.axvline(
+                spin, color=palette.INK, lw=0.6, ls=palette.DASHES, zorder=1.6, label="spin speed"
+            )
         words = f"noise floor ${number_text(noise)}$ {unit_of(units.lengths(noise))}".rstrip()
-        ax.axhline(noise, color=INK, lw=0.8, ls=(0, (1, 1.4)), zorder=2.6, label=words)
+        ax.axhline(noise, color=palette.INK, lw=0.8, ls=(0, (1, 1.4)), zorder=2.6, label=words)
         _draw_bandwidth(ax, spectrum, units, limit)
         for line in lines_within(exact, limit):
             draw_marks(ax, line.frequency, line.amplitude, line.marker, line.colour, size=5.0,
@@ -193,7 +183,7 @@ def _name_orders(ax: Axes, spin: float, limit: float) -> None:
     step = max(1, math.ceil(most / 6))
     for order in range(-most // step * step, most + 1, step):
         if order and abs(order) <= most:
-            name_order(ax, float(order), order * spin, INK)
+            name_order(ax, float(order), order * spin, palette.INK)
 
 
 def name_order(ax: Axes, order: float, frequency: float, colour: str) -> None:
@@ -211,7 +201,7 @@ def _draw_bandwidth(ax: Axes, spectrum: xr.Dataset, units: Units, limit: float) 
     unit = f" {width.attrs['units']}" if units.rate is not None else ""
     left = -0.97 * limit
     ax.plot([left, left + float(width)], [0.95, 0.95], transform=ax.get_xaxis_transform(),
-            color=GREEN, lw=2.5, solid_capstyle="butt",
+            color=palette.GREEN, lw=2.5, solid_capstyle="butt",
             label=f"bandwidth ${number_text(float(width))}${unit}")  # fmt: skip
 
 
@@ -229,4 +219,4 @@ def mark_frequencies(ax: Axes, frequencies: Mapping[str, float] | None) -> None:
     for number, (words, given) in enumerate((frequencies or {}).items()):
         place = check_real("a frequency", given)
         dashes = DASHES_OF_FREQUENCIES[number % len(DASHES_OF_FREQUENCIES)]
-        ax.axvline(place, color=GREEN, lw=0.9, ls=dashes, zorder=2.7, label=str(words))
+        ax.axvline(place, color=palette.GREEN, lw=0.9, ls=dashes, zorder=2.7, label=str(words))

@@ -11,10 +11,11 @@ import xarray as xr
 from matplotlib.ticker import MaxNLocator
 
 from rotor_ida.arrays import Values
-from rotor_ida.plot.appearance import BLUE, GOING_DOWN, GOING_UP, INK, ORANGE, draw_marks
+from rotor_ida.plot import legends, palette
+from rotor_ida.plot.appearance import draw_marks
 from rotor_ida.plot.datasets import parameters_in
-from rotor_ida.plot.labels import SEPARATOR, in_lines, text_of, title_of
-from rotor_ida.plot.signals.units import is_one_speed, length_text
+from rotor_ida.plot.labels import SEPARATOR, in_lines, lengths_text, text_of, title_of
+from rotor_ida.plot.signals.units import is_one_speed
 from rotor_ida.signals.record import MEAN
 from rotor_ida.texts import brief
 from rotor_ida.units import SPEED_UNITS, quantity
@@ -58,8 +59,8 @@ def title_of_signals(dataset: xr.Dataset, speeds: xr.DataArray, *, zero: bool = 
         lines += [told] if len(told) <= LONGEST else [SEPARATOR.join(parts[:-1]), parts[-1]]
     if zero and set(MEAN) <= set(dataset.variables):
         unit = str(dataset[MEAN[0]].attrs.get("units", "1"))
-        x, y = (length_text(float(dataset[name]), unit) for name in MEAN)
-        lines.append(f"mean position subtracted: $x$ {x}, $y$ {y}")
+        (x, y), shown = lengths_text(unit, *(float(dataset[name]) for name in MEAN))
+        lines.append(f"mean position subtracted: $x = {x}$, $y = {y}$ {shown}".rstrip())
     elif zero and dataset.attrs.get("gap", "0") != "0":
         gap = str(dataset.attrs["gap"]).replace("-", "\N{MINUS SIGN}")
         lines.append(f"displacements from the gap of {gap}")
@@ -96,14 +97,14 @@ def legs_of(speeds: Values, words: str) -> list[Leg]:
     """Return the parts in which the speed rises and falls, with their words and styles."""
     turns = _turning_points(speeds)
     if len(turns) == 2:
-        return [Leg(slice(None), words, BLUE, "-")]
+        return [Leg(slice(None), words, palette.BLUE, "-")]
     legs: list[Leg] = []
     for begin, end in pairwise(turns):
         part = slice(begin, end + 1)
         if speeds[end] > speeds[begin]:
-            legs.append(Leg(part, f"{words}: {GOING_UP}", BLUE, "-"))
+            legs.append(Leg(part, f"{words}: {legends.GOING_UP}", palette.BLUE, "-"))
         else:
-            legs.append(Leg(part, f"{words}: {GOING_DOWN}", ORANGE, (0, (6, 1.2))))
+            legs.append(Leg(part, f"{words}: {legends.GOING_DOWN}", palette.ORANGE, (0, (6, 1.2))))
     return legs
 
 
@@ -142,7 +143,7 @@ def mark_speeds(
     along = speeds.values[order]
     places = np.interp(ticks, along, z[order].real) + 1j * np.interp(ticks, along, z[order].imag)
     across, up = (np.angle(places), np.abs(places)) if polar else (places.real, places.imag)
-    draw_marks(ax, across, up, "o", INK, size=3.2, face=colour, edge=0.5, label=label,
+    draw_marks(ax, across, up, "o", palette.INK, size=3.2, face=colour, edge=0.5, label=label,
                level=3.4)  # fmt: skip
     named: list[complex] = []
     for tick, place, *point in zip(ticks, places.tolist(), across, up, strict=True):

@@ -12,9 +12,9 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
-from rotor_ida.plot.labels import typeset
+from rotor_ida.plot.labels import metres_in
 from rotor_ida.signals.spectra import STEADY
-from rotor_ida.units import PREFIXES, SPEED_UNITS, UNITS, quantity
+from rotor_ida.units import PREFIXES, SPEED_UNITS
 
 RATE = re.compile(r"^([pnumkM]?)s-1$")
 
@@ -107,26 +107,6 @@ def scales_of(exact: xr.Dataset, shown: xr.Dataset, units: Units) -> Scales:
     sizes = (metres_in(str(each.attrs.get("units", ""))) for each in exact.variables.values())
     length = next(size for size in sizes if size is not None)
     return Scales(length / here_in, float(here["rate_scale"]) / units.rate, 1.0 / units.rate)
-
-
-def length_text(value: float, unit: str) -> str:
-    """Return a length as text, in mm or µm where its unit is one of length.
-
-    Examples
-    --------
-    >>> length_text(16850.0, "um"), length_text(3.25, "1")
-    ('$16.9$ mm', '$3.25$')
-    """
-    size = metres_in(unit)
-    if size is None:
-        return typeset(f"{value:.3g} {unit.removeprefix('1')}".rstrip())
-    return typeset(quantity(value * size, "m", 3, system="inch" if unit == "mil" else "metric"))
-
-
-def metres_in(unit: str) -> float | None:
-    """Return the metres in a unit of length; None for any other unit."""
-    known = UNITS.get(unit)
-    return known.in_si("1") if known and known.dimension == UNITS["m"].dimension else None
 
 
 def is_one_speed(speeds: Values) -> bool:

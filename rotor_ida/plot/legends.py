@@ -1,0 +1,143 @@
+"""Legends of the plots, their words and order."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from matplotlib.artist import Artist
+from matplotlib.axes import Axes
+from matplotlib.figure import Figure, SubFigure
+from matplotlib.legend import Legend
+from matplotlib.lines import Line2D
+from matplotlib.transforms import ScaledTranslation
+
+from rotor_ida.plot.appearance import style
+from rotor_ida.plot.labels import KIND_WORDS
+
+# Where a legend under the axes begins, clear of ticks and label [point].
+BELOW = 36.0
+# Longest legend inside the axes, and size of the least mark in one [point].
+MOST_INSIDE, LEGIBLE = 4, 3.0
+# Legends use this order, whatever was drawn first.
+_ORDER = (
+    STABLE := "stable whirl",
+    UNSTABLE := "unstable whirl",
+    NEUTRAL := "neutral whirl",
+    CONTACT_FREE := "contact-free whirl",
+    FOLD := "fold",
+    HOPF := "Hopf point",
+    *KIND_WORDS.values(),
+    FROM_REST := "each speed from rest",
+    FROM_WHIRL := "each speed from its contact-free whirl",
+    FROM_START := "each speed from its start",
+    GOING_UP := "speed going up",
+    GOING_DOWN := "speed going down",
+    BOUNCING_CYCLE := "bouncing cycle",
+    FULL_CONTACT_CYCLE := "full-contact cycle",
+    ROLLING_CYCLE := "dry whip",
+    STABLE_CYCLE := "stable cycle",
+    UNSTABLE_CYCLE := "unstable cycle",
+    FOLD_OF_CYCLES := "fold of cycles",
+    DOUBLING := "period doubling",
+    GRAZE := "graze",
+    SLIDING := "slip falls to 0",
+    DISCONTINUOUS := "multipliers jump",
+)
+
+
+def shared_legend(
+    figure: Figure | SubFigure, axes: Sequence[Axes], *, columns: int = 4, outer: bool = True
+) -> Legend:
+    """Put one legend, without duplicates, under the panels.
+
+    Parameters
+    ----------
+    figure : Figure
+        The figure.
+    axes : sequence of Axes
+        Its panels; their separate legends are removed.
+    columns : int
+        Number of columns of the legend; fewer if the figure is too narrow.
+    outer : bool
+        Whether to label the axes of the outer panels only.
+
+    Examples
+    --------
+    >>> figure, axes = panels(1, 2)
+    >>> lines = [ax.plot([0, 1], label="same") for ax in axes]
+    >>> [text.get_text() for text in shared_legend(figure, axes).get_texts()]
+    ['same']
+    """
+    with style():
+        legend = _fitting_legend(figure, axes, columns)
+        for ax in axes:
+            own = ax.get_legend()
+            if own is not None:
+                own.remove()
+            if outer:
+                ax.label_outer()
+    return _legible(legend)
+
+
+def _fitting_legend(figure: Figure | SubFigure, axes: Sequence[Axes], columns: int) -> Legend:
+    """Return a legend under the panels with as many columns as fit."""
+    for number in range(columns, 0, -1):
+        legend = figure.legend(
+            *_entries(axes), loc="outside lower center", ncols=number, handlelength=2.4
+        )
+        if number == 1 or legend.get_window_extent().width <= figure.bbox.width:
+            break
+        legend.remove()
+    return legend
+
+
+def own_legend(ax: Axes, *, inside: bool = False) -> Legend:
+    """Replace the legend of `ax` by one without duplicates.
+
+    A long one, which would hide curves, has its place below the label unless `inside`.
+    """
+    handles, labels = _entries([ax])
+    if inside or len(handles) <= MOST_INSIDE:
+        return _legible(ax.legend(handles, labels, handlelength=2.4))
+    place = ax.get_subplotspec()
+    room = ax.figure.bbox.width / (place.get_gridspec().ncols if place else 1)
+    for columns in (3, 2, 1):
+        legend = legend_below(ax, columns=columns)
+        if legend.get_window_extent().width <= room:
+            break
+    return legend
+
+
+def legend_below(ax: Axes, *, columns: int = 3, handles: Sequence[Artist] | None = None) -> Legend:
+    """Give `ax` a legend below its label, where it hides nothing."""
+    shown, labels = _entries([ax])
+    if handles is not None:
+        shown, labels = list(handles), [str(handle.get_label()) for handle in handles]
+    below = ScaledTranslation(0.0, -BELOW / 72.0, ax.figure.dpi_scale_trans)
+    return _legible(ax.legend(
+        shown, labels, loc="upper center", bbox_to_anchor=(0.5, 0.0),
+        bbox_transform=ax.transAxes + below, ncols=columns, handlelength=2.0, borderaxespad=0.0,
+    ))  # fmt: skip
+
+
+def _legible(legend: Legend) -> Legend:
+    """Show dots that are read as lines larger in a legend."""
+    for handle in legend.legend_handles:
+        if isinstance(handle, Line2D) and handle.get_markersize() < LEGIBLE:
+            handle.set_markersize(LEGIBLE)
+    return legend
+
+
+def _entries(axes: Sequence[Axes]) -> tuple[list[Artist], list[str]]:
+    handles: dict[str, Artist] = {}
+    for ax in axes:
+        for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
+            handles.setdefault(label, handle)
+    labels = sorted(handles, key=_place)
+    return [handles[label] for label in labels], labels
+
+
+def _place(label: str) -> int:
+    """Return the position of a label in a legend, from its text before a colon."""
+    word = label.partition(":")[0]
+    return _ORDER.index(word) if word in _ORDER else len(_ORDER)
