@@ -6,6 +6,7 @@ import json
 import os
 import shutil
 import subprocess
+from dataclasses import replace
 from html.parser import HTMLParser
 from pathlib import Path
 from unicodedata import category
@@ -31,8 +32,7 @@ from rotor_ida import (
 from rotor_ida.cli import main
 from rotor_ida.cli.report import Report, console_on, text_of
 from rotor_ida.errors import ArchiveError, InputError
-from rotor_ida.explorer import cases
-from rotor_ida.explorer.files import finished, recording_of_nodes
+from rotor_ida.explorer.files import again_of, finished, recording_of_nodes
 from rotor_ida.explorer.messages import SystemQuestion
 from rotor_ida.plot import (
     figure_of,
@@ -351,9 +351,9 @@ def test_lines_of_the_explorer_name_their_file_and_run_nothing_else(folder, name
     asked = SystemQuestion(about="motion", number=0, path=place, revolutions=1,
                            changes=(("clearance", 4e-5),))  # fmt: skip
     lines: dict[str, object] = {}
-    exec(cases.lines_of(asked), lines)
+    exec(again_of(replace(asked, about="py")), lines)
     assert "run" in lines
-    first, command = cases.command_of(asked).splitlines()
+    first, command = again_of(replace(asked, about="sh")).splitlines()
     assert first.startswith("# first, in ")
     if shutil.which("bash"):
         shell = f"rotor-ida() {{ printf '%s\\0' \"$@\"; }}\n{command}"
@@ -362,6 +362,6 @@ def test_lines_of_the_explorer_name_their_file_and_run_nothing_else(folder, name
     assert not Path("ran").exists()
     save(lines["run"], folder / f"{name}.nc")
     again = SystemQuestion(about="motion", number=0, path=folder / f"{name}.nc")
-    exec(cases.lines_of(again), lines)
-    assert cases.command_of(again).startswith("rotor-ida show ")
+    exec(again_of(replace(again, about="py")), lines)
+    assert again_of(replace(again, about="sh")).startswith("rotor-ida show ")
     assert not Path("ran").exists()

@@ -102,13 +102,13 @@ def _recording(question: Question) -> Generator[tuple[int, int], None, str]:
 def _contents(question: Question | SystemQuestion) -> bytes:
     archived, kind = archive_of(question), question.about
     if kind in {"py", "sh"}:
-        return text_of(question).encode()
+        return again_of(question).encode()
     if archived is None or kind_of(archived) in PLAYED:
         archived = shown_of(question).saved()
     return archive_with(archived) if kind == "nc" else figure_in(archived, kind)
 
 
-def text_of(question: Question | SystemQuestion) -> str:
+def again_of(question: Question | SystemQuestion) -> str:
     """Return the Python lines, or the command, of what is shown."""
     kind, path = question.about, path_of(question)
     if path is not None and archive_of(question) is not None:

@@ -277,10 +277,14 @@ def _check_names(given: Mapping[str, object], names: list[str], what: str = "a q
         raise InputError(f"{what} must have {', '.join(names)}, got {which}")
 
 
-def _name(name: str, given: object, of: str) -> str:
-    if not isinstance(given, str) or len(given) > LONGEST_NAME:
-        raise InputError(f"{name} must be the name of {of}, got {shown(given)}")
-    return given
+def _is_name(given: object) -> bool:
+    return isinstance(given, str) and len(given) <= LONGEST_NAME
+
+
+def _name_of_file(given: Any) -> str:
+    if not _is_name(given):
+        raise InputError(f"name must be the name of a file, got {shown(given)}")
+    return str(given)
 
 
 def _mapping(name: str, given: object) -> dict[str, str]:
@@ -313,7 +317,7 @@ CHECKS: dict[str, Callable[[Any], Any]] = {
     "number": lambda given: check_count("number", given, 0, LARGEST_NUMBER_OF_QUESTION),
     "side": lambda given: check_count("side", given, 0, SIDES - 1),
     "revolutions": lambda given: check_count("revolutions", given, 1, MOST_REVOLUTIONS),
-    "name": lambda given: _name("name", given, "a file"),
+    "name": _name_of_file,
     "size": lambda given: check_count("size", given, 0, LARGEST_FILE),
     "quantities": _quantities,
     **{each: partial(_pair, each) for each in ("probe_angles", "gains")},
@@ -330,7 +334,8 @@ def _of_system(given: Mapping[str, Any]) -> SystemQuestion:
     _check_names(given, ["about", "machine", "number", "revolutions", "side"])
     machine = given["machine"]
     _check_names(machine, ["changes", "contact", "node", "speed"], "machine")
-    node = _name("node", machine["node"], "a node")
+    if not _is_name(node := machine["node"]):
+        raise InputError(f"node must be the name of a node, got {shown(node)}")
     changes, speed = machine["changes"], machine["speed"]
     if not isinstance(changes, dict) or not set(changes) <= set(CHANGES):
         raise InputError(f"changes must be numbers by {', '.join(CHANGES)}, got {shown(changes)}")

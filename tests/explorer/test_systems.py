@@ -116,11 +116,11 @@ def run_of(asked: SystemQuestion) -> Answer:
 
 def test_a_run_is_that_of_its_python_lines(path: Path) -> None:
     asked = question(path, changes={"clearance": 5e-5})
-    lines = files.text_of(replace(asked, about="py")).replace("disc.toml", str(path))
+    lines = files.again_of(replace(asked, about="py")).replace("disc.toml", str(path))
     there: dict[str, Any] = {}
     exec(lines, there)
     np.testing.assert_array_equal(run_of(asked).arrays["x"], there["run"]["contact_x"][:, 0])
-    assert files.text_of(replace(asked, about="sh")).startswith(
+    assert files.again_of(replace(asked, about="sh")).startswith(
         '# first, in disc.toml: set clearance = "50um" in contact 0\n'
         "rotor-ida simulate disc.toml --speed 2000rpm --duration "
     )
@@ -128,7 +128,7 @@ def test_a_run_is_that_of_its_python_lines(path: Path) -> None:
 
 def test_the_command_is_in_the_units_of_the_page_and_gives_the_run_shown(path: Path) -> None:
     asked = question(path, speed=2345.6 * np.pi / 30.0, changes={"clearance": 4.7e-5})
-    said, command = files.text_of(replace(asked, about="sh")).rstrip().splitlines()
+    said, command = files.again_of(replace(asked, about="sh")).rstrip().splitlines()
     assert said == '# first, in disc.toml: set clearance = "47um" in contact 0'
     assert "--speed 2345.6rpm" in command
     path.write_text(DISC.replace("60 um", "47um"))
@@ -182,8 +182,8 @@ def test_an_archived_run_up_of_a_disc_is_shown_with_order_1_and_its_cascade(path
     exact = orders(run).isel(order=0)
     np.testing.assert_array_equal(track.arrays["order_speed"], exact["speed"])
     assert track.arrays["cascade_speed"].size > 5
-    assert "load('up.nc')" in files.text_of(replace(asked, about="py"))
-    assert files.text_of(replace(asked, about="sh")).rstrip() == "rotor-ida show up.nc"
+    assert "load('up.nc')" in files.again_of(replace(asked, about="py"))
+    assert files.again_of(replace(asked, about="sh")).rstrip() == "rotor-ida show up.nc"
     with pytest.raises(InputError, match="html must be of a rotor or its run"):
         next(files.show_file(replace(asked, about="html")))
 
@@ -231,7 +231,7 @@ def test_a_drop_is_that_of_its_file_and_its_archive_the_same(of_drop: Path) -> N
         assert answer.facts["is_whole"]
         with pytest.raises(InputError, match="a run-up must be left out"):
             next(show_track(question(path, "track")))
-    assert files.text_of(replace(question(of_drop), about="sh")).startswith(
+    assert files.again_of(replace(question(of_drop), about="sh")).startswith(
         "rotor-ida drop drop.toml --speed 4800rpm"
     )
 
