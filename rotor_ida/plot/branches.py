@@ -119,7 +119,6 @@ def plot_branch(branch: xr.Dataset, *, contact: int | str = 0, ax: Axes | None =
         if fresh:
             label_parameter(ax.xaxis, parameter, branch)
             label_axis(ax.yaxis, "radius", branch["radius_max"])
-            draw_clearance(ax, part, over=parameter)
             ax.set_title(
                 title_of("branch", branch, [each for each in PARAMETERS if each != parameter])
                 if is_of_disc(branch) else contact_text(branch, number)
@@ -128,9 +127,10 @@ def plot_branch(branch: xr.Dataset, *, contact: int | str = 0, ax: Axes | None =
         _draw_edges(ax, course)
         places = across(part["special_value"].values), part["special_radius_max"].values
         draw_specials(ax, part, *places, tuple(MARKS))
-        heights = [part["radius_min"], part["radius_max"], clearances_in(part)]
-        raise_limit(ax, min(float(each.min()) for each in heights),
-                    max(float(each.max()) for each in heights))  # fmt: skip
+        lowest, highest = float(part["radius_min"].min()), float(part["radius_max"].max())
+        if fresh and float(clearances_in(part).max()) >= lowest:
+            draw_clearance(ax, part, over=parameter)
+        raise_limit(ax, lowest, highest)
         own_legend(ax)
     return ax
 
