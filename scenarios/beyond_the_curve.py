@@ -12,6 +12,7 @@ figure of all as PNG and SVG.
 
 import math
 import sys
+from dataclasses import replace
 
 import numpy as np
 
@@ -28,15 +29,19 @@ from rotor_ida.paper.scenario import Settings, run_script
 from rotor_ida.plot import (
     panels,
     plot_exponents,
-    plot_force_peaks,
     plot_forces,
     plot_orbit,
-    plot_rotating_orbit,
     plot_section,
     plot_spectrum,
     plot_trace,
     shared_legend,
 )
+from rotor_ida.plot.appearance import draw_ring, drawing
+from rotor_ida.plot.labels import LABELS, label_axis
+from rotor_ida.plot.legends import legend_below
+from rotor_ida.plot.motion import draw_motion
+from rotor_ida.plot.palette import RED
+from rotor_ida.signals.path import path_of, rotated_back
 from rotor_ida.units import with_error
 
 CASES = {
@@ -122,7 +127,7 @@ def draw(results, events):
     """Return the figure of one case."""
     figure, axes = panels(4, 2, width=7.2, height=10.6, shared=False)
     plot_orbit(results["run"], ax=axes[0])
-    plot_rotating_orbit(results["run"], ax=axes[1])
+    draw_rotating_orbit(results["run"], axes[1])
     shared_legend(figure, axes[:2], columns=6, outer=False)
     plot_section(results["section"], ax=axes[2])
     plot_section(events, ax=axes[3])
@@ -130,11 +135,34 @@ def draw(results, events):
     plot_exponents(results["exponents"], ax=axes[5])
     plot_forces(results["forces"].isel(t=slice(0, SHOWN * SAMPLES)), ax=axes[6])
     if results["forces"].sizes["contact"] > 1:
-        plot_force_peaks(results["forces"], ax=axes[7])
+        draw_force_peaks(results["forces"], axes[7])
     else:
         plot_trace(results["run"], names=("radius",), ax=axes[7])
         axes[7].set_ylim(bottom=0.0)
     return figure
+
+
+def draw_rotating_orbit(run, ax):
+    """Draw the orbit on axes that rotate with the unbalance: a synchronous whirl is a point."""
+    path = path_of(run)
+    x, y = rotated_back(path.x, path.y, float(run.omega) * path.time)
+    with drawing(ax):
+        label_axis(ax.xaxis, "rotating_x", run.x)
+        label_axis(ax.yaxis, "rotating_y", run.y)
+        draw_ring(ax, float(run.delta0))
+        draw_motion(ax, replace(path, x=x, y=y), x, y, width=0.7, heavier=1.2)
+        ax.set_aspect("equal", adjustable="datalim")
+        legend_below(ax)
+
+
+def draw_force_peaks(forces, ax):
+    """Draw the cumulative distribution of the peaks of whole contacts."""
+    whole = forces.peak_force[np.isfinite(forces.peak_fraction.values)]
+    with drawing(ax):
+        label_axis(ax.xaxis, "peak_force", forces.peak_force)
+        ax.ecdf(whole, color=RED)
+        ax.set_xlim(0.0, 1.08 * float(whole.max()))
+        ax.set_ylabel(LABELS["peak_fraction"])
 
 
 if __name__ == "__main__":

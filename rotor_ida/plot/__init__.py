@@ -34,10 +34,10 @@ from rotor_ida.plot.basins import plot_attractor_map as plot_attractor_map
 from rotor_ida.plot.basins import plot_attractors as plot_attractors
 from rotor_ida.plot.basins import plot_basin as plot_basin
 from rotor_ida.plot.basins import plot_basin_fractions as plot_basin_fractions
+from rotor_ida.plot.branches import plot_branch as plot_branch
+from rotor_ida.plot.branches import plot_curves as plot_curves
 from rotor_ida.plot.cycles import cycle_figure as cycle_figure
 from rotor_ida.plot.cycles import cycles_figure as cycles_figure
-from rotor_ida.plot.cycles import plot_branch as plot_branch
-from rotor_ida.plot.cycles import plot_curves as plot_curves
 from rotor_ida.plot.cycles import plot_cycle as plot_cycle
 from rotor_ida.plot.cycles import plot_lines as plot_lines
 from rotor_ida.plot.cycles import plot_multipliers as plot_multipliers
@@ -53,7 +53,6 @@ from rotor_ida.plot.fits import plot_fit as plot_fit
 from rotor_ida.plot.fits import plot_fit_residuals as plot_fit_residuals
 from rotor_ida.plot.labels import parameter_text as parameter_text
 from rotor_ida.plot.legends import shared_legend as shared_legend
-from rotor_ida.plot.motion import plot_force_peaks as plot_force_peaks
 from rotor_ida.plot.motion import plot_forces as plot_forces
 from rotor_ida.plot.responses import plot_amplitude as plot_amplitude
 from rotor_ida.plot.responses import plot_phase as plot_phase
@@ -62,7 +61,6 @@ from rotor_ida.plot.run_ups import plot_endings as plot_endings
 from rotor_ida.plot.run_ups import plot_largest_force as plot_largest_force
 from rotor_ida.plot.run_ups import plot_run_ups as plot_run_ups
 from rotor_ida.plot.runs import plot_node_orbits as plot_node_orbits
-from rotor_ida.plot.runs import plot_rotating_orbit as plot_rotating_orbit
 from rotor_ida.plot.runs import plot_run as plot_run
 from rotor_ida.plot.runs import plot_run_up as plot_run_up
 from rotor_ida.plot.saving import save_figure as save_figure

@@ -22,7 +22,14 @@ from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.model.system_parameters import SPEED
 from rotor_ida.plot import palette
 from rotor_ida.plot.appearance import circle, draw_ring, drawing
-from rotor_ida.plot.datasets import check_dataset, clearance_of, parameters_in, table_of, units_in
+from rotor_ida.plot.datasets import (
+    check_dataset,
+    clearance_of,
+    is_of_disc,
+    parameters_in,
+    table_of,
+    units_in,
+)
 from rotor_ida.plot.labels import (
     KIND_WORDS,
     LABELS,
@@ -81,7 +88,7 @@ def plot_basin(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     >>> [text.get_text() for text in ax.get_legend().get_texts()]
     ['synchronous response, $A = 1.88$', 'synchronous response, $A = 9.49$']
     """
-    dataset = _checked(dataset, NEEDED)
+    dataset = check_dataset("dataset", dataset, NEEDED, OF_CONTACTS)
     horizontal, vertical = _directions(dataset["label"])
     label = dataset["label"]
     count = dataset.sizes["attractor"]
@@ -167,7 +174,7 @@ def plot_attractor_fractions(dataset: xr.Dataset, *, ax: Axes | None = None) -> 
     ['synchronous response, $A = 1.88$', 'synchronous response, $A = 9.49$']
     """
     needed = ("kind", "fraction", "fraction_error", "amplitude", "radius_min", "radius_max")
-    dataset = _at_one_contact(_checked(dataset, needed))
+    dataset = _at_one_contact(check_dataset("dataset", dataset, needed, OF_CONTACTS))
     for name in needed:
         table_of("dataset", dataset, name, ("attractor",))
     shares = dataset["fraction"].values
@@ -218,7 +225,7 @@ def plot_attractors(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     >>> plot_attractors(found).get_ylabel()
     'fraction of starts'
     """
-    dataset = _checked(dataset, ("attractor", "fraction", "kind"), (SPEED,))
+    dataset = check_dataset("dataset", dataset, ("attractor", "fraction", "kind"), (SPEED,))
     varying, line = _varying_part(dataset, 1, "one parameter to be drawn")
     (name,) = varying
     shares = _shares_by_attractor(line)
@@ -282,7 +289,8 @@ def plot_attractor_map(dataset: xr.Dataset, *, by: str = "kind", ax: Axes | None
     >>> plot_attractor_map(found).get_ylabel()
     'clearance $\\delta_0$'
     """
-    dataset = _checked(dataset, ("attractor", "fraction", "kind", "radius_max"), (SPEED,))
+    needed = ("attractor", "fraction", "kind", "radius_max")
+    dataset = check_dataset("dataset", dataset, needed, (SPEED,))
     check_choice("by", by, ("kind", "force", "shock"))
     if by == "shock" and "velocity_shock" not in dataset:
         raise InputError("dataset must have been computed with shocks to be mapped by them")
@@ -332,7 +340,7 @@ def _varying_part(dataset: xr.Dataset, number: int, what: str) -> tuple[list[str
 
 def _title_of_part(part: xr.Dataset, varying: Sequence[str]) -> str:
     """Return the parameters that do not vary as a title."""
-    if "contact_node" in part.variables:
+    if not is_of_disc(part):
         return _title(part)
     return title_of("dataset", part, [name for name in PARAMETERS if name not in varying])
 
@@ -398,14 +406,6 @@ def _directions(label: xr.DataArray) -> tuple[str, str]:
     return horizontal, vertical
 
 
-def _checked(
-    dataset: xr.Dataset, needed: Sequence[str], of_system: Sequence[str] = OF_CONTACTS
-) -> xr.Dataset:
-    """Return a result of one disc or of a rotor system; refuse another."""
-    is_system = isinstance(dataset, xr.Dataset) and "contact_node" in dataset.variables
-    return check_dataset("dataset", dataset, (*(of_system if is_system else PARAMETERS), *needed))
-
-
 def _at_one_contact(dataset: xr.Dataset) -> xr.Dataset:
     """Return the attractors of a rotor system at one contact: that of the node, or the closest."""
     if "contact" not in dataset.dims:
@@ -438,7 +438,7 @@ def _draw_rings(ax: Axes, dataset: xr.Dataset) -> None:
 
 def _title(dataset: xr.Dataset) -> str:
     """Return the parameters, or node and speed, and the fixed start coordinates, as a title."""
-    if "contact_node" in dataset.variables:
+    if not is_of_disc(dataset):
         node = f"node {Ring(str(dataset.attrs.get('knocked_node', '')), '', []).title}"
         words = [node, *([speed_text(dataset["speed"])] if dataset["speed"].size == 1 else [])]
     else:

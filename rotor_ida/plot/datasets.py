@@ -11,7 +11,7 @@ from matplotlib.axis import Axis
 from rotor_ida.arrays import Flags
 from rotor_ida.checks import check_count, listed, shown
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS
+from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS, PARAMETERS
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
 from rotor_ida.results.archived_system import clearance_of_contacts
 from rotor_ida.results.run import refuse_system
@@ -20,10 +20,17 @@ from rotor_ida.schema import QUANTITIES, check_variables, flags_of
 from rotor_ida.signals.nodes import Ring
 
 
-def check_dataset(name: str, dataset: object, needed: Sequence[str]) -> xr.Dataset:
-    """Return `dataset` in suitable units; refuse one without a needed variable or its cycle."""
+def check_dataset(
+    name: str, dataset: object, needed: Sequence[str], of_system: Sequence[str] = ()
+) -> xr.Dataset:
+    """Return `dataset` in suitable units; refuse one without a needed variable or its cycle.
+
+    With variables that a result of a rotor system also needs, one of a disc needs its parameters.
+    """
     if not isinstance(dataset, xr.Dataset):
         raise InputError(f"{name} must be a Dataset, got {type(dataset).__name__}")
+    if of_system:
+        needed = (*(PARAMETERS if is_of_disc(dataset) else of_system), *needed)
     if not all(isinstance(variable, str) for variable in needed):
         chosen = next(variable for variable in needed if not isinstance(variable, str))
         raise InputError(f"{name} has variables named by text, got {shown(chosen)}")
@@ -102,7 +109,9 @@ def touching_nodes(dataset: xr.Dataset) -> list[str]:
 
 
 def contact_in(dataset: xr.Dataset, contact: int | str) -> int:
-    """Return the number of a contact, given by it or by the name of its node."""
+    """Return the number of a contact, given by it or by the name of its node; a disc has one."""
+    if is_of_disc(dataset):
+        return 0
     nodes = list(map(str, np.atleast_1d(dataset["contact_node"].values)))
     if isinstance(contact, str):
         here = [number for number, node in enumerate(nodes) if node == contact]
@@ -120,8 +129,10 @@ def contact_in(dataset: xr.Dataset, contact: int | str) -> int:
 
 
 def at_contact(dataset: xr.Dataset, contact: int | str) -> xr.Dataset:
-    """Return the part of a dataset at a contact; refuse one that it has not."""
+    """Return the part of a dataset at a contact; refuse one that it has not. A disc has one."""
     number = contact_in(dataset, contact)
+    if "contact" not in dataset.dims:
+        return dataset
     return dataset.isel(contact=number).assign(contact=number)
 
 

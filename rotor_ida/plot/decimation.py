@@ -169,9 +169,3 @@ def draw_path(
     colours[dots] = to_rgba(colour)
     ax.imshow(colours, extent=extent, origin="lower", interpolation="antialiased", zorder=level)
     ax.plot([], [], color=colour, lw=width, label=words)
-
-
-def highest_in_bins(values: Values, bins: npt.NDArray[np.intp], axis: int) -> Values:
-    """Return the largest value in each bin; bin numbers must not decrease."""
-    starts = np.flatnonzero(np.diff(bins, prepend=-1))
-    return np.asarray(np.maximum.reduceat(values, starts, axis=axis), dtype=np.float64)

@@ -15,7 +15,7 @@ from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.checks import check_choice
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import SMALL_INDENTATION
-from rotor_ida.model.parameters import OPTIONAL, PARAMETERS
+from rotor_ida.model.parameters import OPTIONAL
 from rotor_ida.plot import palette
 from rotor_ida.plot.appearance import (
     LEAST_SPAN,
@@ -129,7 +129,7 @@ def plot_extrema(
     >>> plot_extrema(found).get_ylabel()
     'radius $|z|$'
     """
-    found = _checked(found, node, WITH_EXTREMA)
+    found = at_node(check_dataset("found", found, WITH_EXTREMA, OF_SYSTEM), node)
     if exact is not None:
         found = _on_curve(found, exact)
     over, held = drawn_over("found", found)
@@ -174,13 +174,6 @@ class _Extrema(NamedTuple):
     across: Values
     radius: Values
     groups: dict[str, tuple[str, npt.NDArray[np.bool_]]]
-
-
-def _checked(found: object, node: str | None, needed: tuple[str, ...]) -> xr.Dataset:
-    """Return a diagram of a disc, or at a node of a system."""
-    is_system = isinstance(found, xr.Dataset) and "node" in found.variables
-    own = OF_SYSTEM if is_system else PARAMETERS
-    return at_node(check_dataset("found", found, (*own, *needed)), node)
 
 
 def _on_curve(found: xr.Dataset, exact: xr.Dataset) -> xr.Dataset:
@@ -239,14 +232,14 @@ def _extrema_of(found: xr.Dataset, over: xr.DataArray) -> _Extrema:
     )
     if over.name == "omega" and "extremum_speed" in found.variables:
         across = found["extremum_speed"].values / scale_of(found, "speed")
-    response = found["extremum_kind"].copy(data=response).assign_attrs(found["response"].attrs)
+    own = found["extremum_kind"].copy(data=response).assign_attrs(found["response"].attrs)
     of_kind = {kind: is_of_kind(found["extremum_kind"], [kind]).values for kind in EXTREMA}
     # the extrema of an unresolved motion may not last
-    swinging = is_of_kind(response, FREE_KINDS).values & ~of_kind["constant"]
+    swinging = is_of_kind(own, FREE_KINDS).values & ~of_kind["constant"]
     groups = {}
     for kind, (words, colour) in EXTREMA.items():
         chosen = of_kind[kind] & ~swinging
-        seen = ", ".join(KIND_WORDS[each] for each in dict.fromkeys(words_of(response[chosen])))
+        seen = ", ".join(KIND_WORDS[each] for each in dict.fromkeys(words_of(own[chosen])))
         groups[f"{words}: {seen}"] = colour, chosen
     groups[FREE] = (palette.GREY, swinging)
     return _Extrema(across, found["extremum_radius"].values, groups)
@@ -280,7 +273,7 @@ def plot_strobes(
     'once a revolution'
     """
     name = f"rotating_{check_choice('axis', axis, ('x', 'y'))}"
-    found = _checked(found, node, ("response", *STATES[:2]))
+    found = at_node(check_dataset("found", found, ("response", *STATES[:2]), OF_SYSTEM), node)
     over, held = drawn_over("found", found)
     ways = found["direction"].values.ravel().tolist() if "direction" in found.variables else []
     with drawing(ax) as ax:
@@ -302,8 +295,8 @@ def plot_strobes(
                         ms=width, mec="none", mfc=colour, rasterized=True)  # fmt: skip
                 draw_marks(ax, [], [], "o", colour, size=3.4, label=words)
         label_axis(ax.yaxis, name, found[name])
-        radius = np.hypot(found["rotating_x"], found["rotating_y"])
-        radius = radius.transpose(*values.dims, missing_dims="ignore").values
+        x, y = (found[each].transpose(*values.dims, missing_dims="ignore") for each in STATES[:2])
+        radius = np.hypot(x.values, y.values)
         reach = max((float(gap.max()) for gap in _clearances(found)), default=0.0)
         highest = below_outliers(reach, radius)
         beyond = radius > highest
@@ -343,9 +336,8 @@ def plot_section(section: xr.Dataset, *, node: str | None = None, ax: Axes | Non
     >>> ax.get_title()
     '$\\omega = 1.7$,  $\\zeta = 0.07$,  $\\delta_0 = 0.5$\nonce a revolution'
     """
-    is_system = isinstance(section, xr.Dataset) and "node" in section.variables
-    needed = OF_SECTION if is_system else PARAMETERS
-    section = at_node(check_dataset("section", section, (*needed, *STATES, "crossing_time")), node)
+    section = check_dataset("section", section, (*STATES, "crossing_time"), OF_SECTION)
+    section = at_node(section, node)
     at = str(section.attrs.get("section", ""))
     z = section["rotating_x"].values + 1j * section["rotating_y"].values
     with drawing(ax, width=4.0, height=4.0) as ax:

@@ -32,7 +32,7 @@ from rotor_ida.plot.basins import (
     plot_attractors,
     plot_basin_fractions,
 )
-from rotor_ida.plot.cycles import plot_curves
+from rotor_ida.plot.branches import plot_curves
 from rotor_ida.plot.datasets import is_of_disc, parameters_in, touching_nodes, varied_in
 from rotor_ida.plot.diagrams import plot_extrema
 from rotor_ida.plot.labels import SEPARATOR, wrapped

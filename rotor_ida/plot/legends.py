@@ -63,6 +63,7 @@ def shared_legend(
 
     Examples
     --------
+    >>> from rotor_ida.plot import panels
     >>> figure, axes = panels(1, 2)
     >>> lines = [ax.plot([0, 1], label="same") for ax in axes]
     >>> [text.get_text() for text in shared_legend(figure, axes).get_texts()]

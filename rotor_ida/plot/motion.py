@@ -16,11 +16,11 @@ from matplotlib.ticker import MaxNLocator
 from rotor_ida.arrays import Values
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.plot import palette
-from rotor_ida.plot.appearance import draw_marks, draw_ring, drawing, say_in_middle, say_nothing
+from rotor_ida.plot.appearance import draw_marks, draw_ring, drawing, say_nothing
 from rotor_ida.plot.datasets import check_dataset, clearance_of, contact_in, contact_text
 from rotor_ida.plot.decimation import draw_path, kept_in_columns
-from rotor_ida.plot.labels import LABELS, label_axis
-from rotor_ida.plot.legends import legend_below, own_legend
+from rotor_ida.plot.labels import label_axis
+from rotor_ida.plot.legends import legend_below
 from rotor_ida.results.run import check_system_run, is_of_system
 from rotor_ida.results.si_units import in_suitable_units, scale_of
 from rotor_ida.schema import MODE, flags_of
@@ -57,7 +57,6 @@ WAYS: tuple[tuple[tuple[str, ...], str, str, object, float], ...] = (
 # Rolling is a double line, so that it differs from the others without colour too.
 CORE = "#f3e9e4"
 PEAK = "peak of a contact"
-CUT = "contact cut off by the run: at least"
 IN_AND_OUT = "in and out of contact"
 # Contacts are drawn apart if the gap between them is at least the time shown over this number:
 # half a point of a panel.
@@ -381,50 +380,6 @@ def _peaks_on_curve(run: xr.Dataset, time: Values, force: Values) -> tuple[Value
         for one, other in zip(first.tolist(), last.tolist(), strict=True)
     ]
     return time[np.minimum(places, time.size - 1).astype(int)], peaks
-
-
-def plot_force_peaks(forces: xr.Dataset, *, ax: Axes | None = None) -> Axes:
-    """Draw the cumulative distribution of peak contact forces.
-
-    A contact in which the run begins or ends does not count: its peak may be larger than the
-    largest force in the run, which is a mark on the curve.
-
-    Parameters
-    ----------
-    forces : Dataset
-        Result of `rotor_ida.contact_forces`.
-    ax : Axes, optional
-        Axes to draw on and return; default: those of a new figure.
-
-    Examples
-    --------
-    >>> from rotor_ida import Rotor, contact_forces, simulate
-    >>> run = simulate(Rotor(omega=1.7, zeta=0.07, delta0=0.5), start=(0, 0, 0, 0), duration=20)
-    >>> plot_force_peaks(contact_forces(run)).get_xlabel()
-    'peak force $f$'
-    """
-    forces = check_dataset("forces", forces, ("peak_force", "peak_fraction"))
-    peaks, share = forces["peak_force"].values, forces["peak_fraction"].values
-    whole = np.flatnonzero(np.isfinite(share))
-    order = whole[np.argsort(peaks[whole], kind="stable")]
-    cut = peaks[~np.isfinite(share) & np.isfinite(peaks)]
-    peaks, share = peaks[order], share[order]
-    with drawing(ax) as ax:
-        label_axis(ax.xaxis, "peak_force", forces["peak_force"])
-        if peaks.size > 1:
-            ax.step(np.append(peaks[0], peaks), np.append(0.0, share), where="post",
-                    color=palette.RED)  # fmt: skip
-            ax.set_xlim(0.0, 1.08 * max(float(peaks[-1]), *cut))
-            if cut.size:
-                heights = np.append(0.0, share)[np.searchsorted(peaks, cut, side="right")]
-                draw_marks(ax, cut, heights, ">", palette.RED, size=5.0, face="white", edge=0.9,
-                           label=CUT, clip=False)  # fmt: skip
-                own_legend(ax)
-        else:
-            say_in_middle(ax, "fewer than two whole contacts")
-        ax.set_ylim(0.0, 1.02)
-        ax.set_ylabel(LABELS["peak_fraction"])
-    return ax
 
 
 def shade_contacts(ax: Axes, run: xr.Dataset) -> None:

@@ -238,11 +238,10 @@ def _checked(
     for name, dataset in given.items():
         if dataset is None:
             continue
-        of_system = isinstance(dataset, xr.Dataset) and not is_of_disc(dataset)
         alone = name in ("fold_points", "hopf_points")
-        own = ("contact_node",) if of_system else PARAMETERS[1:] if alone else PARAMETERS
-        drawn = () if alone or name == "special" else (quantity,)
-        found[name] = check_dataset(name, dataset, (*own, *NEEDED[name], *drawn))
+        drawn = PARAMETERS[1:] if alone else () if name == "special" else (quantity,)
+        of_system = () if alone else ("contact_node",)
+        found[name] = check_dataset(name, dataset, (*NEEDED[name], *drawn), of_system)
     if not {"exact", "simulated", "whirls"} & set(found):
         raise InputError("exact must be a Dataset, or None beside simulated, got neither")
     first, shown = next(iter(found.items()))
@@ -251,9 +250,10 @@ def _checked(
         check_same_units(name, dataset, shown)
         if is_of_disc(shown):
             _check_parameters(name, dataset, axis)
-    if not is_of_disc(shown):
-        found = {name: at_contact(dataset, contact) for name, dataset in found.items()}
-    elif "simulated" in found:  # whirls without friction have no radius of the disc
+    found = {name: at_contact(dataset, contact) for name, dataset in found.items()}
+    if (
+        is_of_disc(shown) and "simulated" in found
+    ):  # whirls without friction have no radius of the disc
         held = drawn_over("simulated", found["simulated"].assign_attrs(along=axis.over))[1]
         axis.held.update({name: held[name] for name in held if name in OPTIONAL})
     return found, axis
@@ -445,17 +445,17 @@ def _draw_simulated(
         simulated = simulated.assign_coords({over: speeds_in(simulated[over])})
     for kind, drawn, points in _of_each_kind(simulated, (over, *SIMULATED[1:])):
         if as_ranges or (drawn.is_range and quantity == "amplitude"):
-            ends = points["radius_min"], points["radius_max"]
-            within = ends[1] <= highest
-            mark_beyond(ax, points[over][~within], ends[1][~within], simulated["radius_max"],
+            low, high = points["radius_min"], points["radius_max"]
+            within = high <= highest
+            mark_beyond(ax, points[over][~within], high[~within], simulated["radius_max"],
                         KIND_WORDS[kind], drawn.colour)  # fmt: skip
             if within.any():
                 ax.vlines(
-                    points[over][within], *(end[within] for end in ends), color=drawn.colour,
+                    points[over][within], low[within], high[within], color=drawn.colour,
                     lw=1.8 if drawn.filled else 0.9, ls=drawn.dashes, zorder=3.0,
                     label=f"{KIND_WORDS[kind]}: range of $|z|$",
                 )  # fmt: skip
-            for end in ends:
+            for end in (low, high):
                 _draw_by_direction(ax, drawn, points, over, np.where(within, end, np.nan), 0.75)
             continue
         _draw_by_direction(ax, drawn, points, over, points[quantity], 1.0)

@@ -12,7 +12,6 @@ from matplotlib.figure import Figure
 
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.model.system_parameters import SPEED
 from rotor_ida.plot import palette
 from rotor_ida.plot.appearance import drawing, mixed_panels, style
@@ -33,6 +32,7 @@ ENDING_WORDS = {
     "contact_free": "ends contact-free", "rub": "ends in a rub", "whip": "ends in dry whip",
     "unresolved": "undecided",
 }  # fmt: skip
+OF_SYSTEM = ("speed", "clearance")
 NEEDED = ("rate", "to", "largest_force", *(f"{word}_fraction" for word in ENDS_IN_WORDS))
 RATE, FORCE = "rate", "largest normal force"
 # If there are more rates, only this many are labelled under the bars.
@@ -59,7 +59,7 @@ def plot_run_ups(dataset: xr.Dataset) -> Figure:
     >>> [ax.get_ylabel() for ax in plot_run_ups(found).axes]
     ['largest normal force', 'fraction of run-ups', 'fraction of run-ups']
     """
-    dataset = _checked(dataset)
+    dataset = check_dataset("dataset", dataset, NEEDED, OF_SYSTEM)
     rotors = _parts(dataset)
     columns = math.ceil(math.sqrt(1 + len(rotors)))
     rows = math.ceil((1 + len(rotors)) / columns)
@@ -96,7 +96,7 @@ def plot_largest_force(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     >>> plot_largest_force(found).get_xlabel()
     'rate $a$'
     """
-    dataset = _checked(dataset)
+    dataset = check_dataset("dataset", dataset, NEEDED, OF_SYSTEM)
     over, highest = _over(dataset), 0.0
     with drawing(ax) as ax:
         for count, (words, one) in enumerate(_parts(dataset, "contact")):
@@ -146,7 +146,7 @@ def plot_endings(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     >>> [text.get_text() for text in plot_endings(found).get_legend().get_texts()]
     ['ends contact-free', 'ends in a rub']
     """
-    dataset = _checked(dataset)
+    dataset = check_dataset("dataset", dataset, NEEDED, OF_SYSTEM)
     over, alone = _over(dataset), ax is None
     _, one = _parts(dataset)[0]
     with drawing(ax) as ax:
@@ -173,13 +173,6 @@ def plot_endings(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         if alone:
             legend_below(ax)
     return ax
-
-
-def _checked(dataset: object) -> xr.Dataset:
-    """Return run-ups of one disc or of a rotor system, in suitable units."""
-    is_of_system = isinstance(dataset, xr.Dataset) and "contact_node" in dataset.variables
-    own = ("speed", "clearance") if is_of_system else PARAMETERS
-    return check_dataset("dataset", dataset, (*own, *NEEDED))
 
 
 def _over(dataset: xr.Dataset) -> str:

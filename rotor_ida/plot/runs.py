@@ -28,12 +28,11 @@ from rotor_ida.plot.appearance import (
     SettledLayout,
     circle,
     draw_ring,
-    drawing,
     new_figure,
     say_nothing,
     style,
 )
-from rotor_ida.plot.datasets import check_dataset, contact_text, one_value
+from rotor_ida.plot.datasets import contact_text
 from rotor_ida.plot.decimation import kept_in_columns
 from rotor_ida.plot.labels import (
     label_axis,
@@ -44,9 +43,8 @@ from rotor_ida.plot.labels import (
     title_of,
     unit_of,
 )
-from rotor_ida.plot.legends import legend_below, shared_legend
+from rotor_ida.plot.legends import shared_legend
 from rotor_ida.plot.motion import (
-    NEEDED,
     Place,
     checked_run,
     draw_forces,
@@ -66,7 +64,6 @@ from rotor_ida.results.run import check_system_run, is_of_system, nodes_in
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import MODE
 from rotor_ida.signals.nodes import Ring, check_node, path_in, rings_of
-from rotor_ida.signals.path import rotated_back
 
 # Panels in a row, nodes of the figure of a run that shows all of them, and panels of one figure.
 COLUMNS, FEW_NODES, MOST_ORBITS = 4, 12, 100
@@ -314,43 +311,6 @@ def _draw_close_clearance(ax: Axes, run: xr.Dataset) -> None:
             *circle(clearance), color=palette.RED, lw=0.9, ls=":", label="close clearance",
             zorder=2.6,
         )  # fmt: skip
-
-
-def plot_rotating_orbit(run: xr.Dataset, *, ax: Axes | None = None) -> Axes:
-    r"""Draw the orbit on axes that rotate with the unbalance, with the stator.
-
-    A synchronous whirl is a point there. Any remaining motion is what a one-harmonic response curve
-    cannot show.
-
-    Parameters
-    ----------
-    run, ax
-        As for `plot_orbit`; a result of `rotor_ida.rotating` also works.
-
-    Examples
-    --------
-    >>> from rotor_ida import Rotor, simulate
-    >>> rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
-    >>> ax = plot_rotating_orbit(simulate(rotor, start=(0, 0, 0, 0), duration=20, samples=401))
-    >>> ax.get_ylabel()
-    'across it $\\operatorname{Im}\\,z\\,e^{-i\\omega t}$'
-    """
-    run = check_dataset("run", run, NEEDED)
-    if "speed" in run.variables:
-        raise InputError("run must be at one speed for axes that turn, got a run of run_up")
-    omega = one_value("run", run, "omega") / scale_of(run, "time")
-    place = place_of_disc(run)
-    x, y = rotated_back(place.path.x, place.path.y, omega * place.path.time)
-    angle = omega * run["event_time"].values
-    event_x, event_y = rotated_back(run["event_x"].values, run["event_y"].values, angle)
-    rotated = run.assign(event_x=("event", event_x), event_y=("event", event_y))
-    with drawing(ax, width=4.0, height=4.9) as ax:
-        label_axis(ax.xaxis, "rotating_x", run["x"])
-        label_axis(ax.yaxis, "rotating_y", run["y"])
-        draw_orbit(ax, place._replace(run=rotated, path=replace(place.path, x=x, y=y)))
-        legend_below(ax)
-        ax.set_title(title_of("run", run))
-    return ax
 
 
 class Course(NamedTuple):

@@ -141,9 +141,7 @@ ON_CURVE = {"fold_points": "folds", "simulated": "sweep", "whirls": "whirls"}
 
 PICTURES = (
     Picture(plot.plot_orbit, "run", X, Y),
-    Picture(plot.plot_rotating_orbit, "run", ALONG, ACROSS),
     Picture(plot.plot_forces, "forces", T, ("force", "force")),
-    Picture(plot.plot_force_peaks, "forces", ("peak_force", "force"), ("peak_fraction", NUMBER)),
     Picture(plot.plot_spectrum, "spectrum", ("frequency_over_omega", NUMBER),
             ("whirl_amplitude", LENGTH)),
     Picture(plot.plot_section, "entries", ("angle", NUMBER), ("radial_velocity", "velocity")),

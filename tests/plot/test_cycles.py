@@ -179,6 +179,7 @@ def test_special_points_are_marked_and_named(branch):
         "fold of cycles",
         "period doubling",
         "graze",
+        "clearance",
     ]
     assert (ax.get_xlabel(), ax.get_ylabel()) == (LABELS["omega"], LABELS["radius"])
     assert ax.get_title() == r"$\zeta = 0.07$,  $\delta_0 = 2$"

@@ -35,7 +35,3 @@ def test_other_kinds_are_refused_in_one_line_or_drawn(name, tmp_path, monkeypatc
             except Exception as error:
                 troubles.append(f"{kind}: raw {type(error).__name__}: {error}")
     assert not troubles, "\n".join(troubles)
-
-
-def test_the_plots_are_many():
-    assert len(PLOTS) > 40

@@ -14,16 +14,13 @@ from rotor_ida import (
     Unbalance,
     contact_forces,
     dimensional,
-    rotating,
     run_up,
     simulate,
 )
 from rotor_ida.plot import (
     panels,
-    plot_force_peaks,
     plot_forces,
     plot_orbit,
-    plot_rotating_orbit,
     plot_run,
     plot_run_up,
     plot_trace,
@@ -107,7 +104,7 @@ def test_points_between_outputs_lie_on_the_motion(run):
     assert np.abs(error).max() < 2e-3
 
 
-@pytest.mark.parametrize("draw", [plot_run, plot_orbit, plot_trace, plot_rotating_orbit])
+@pytest.mark.parametrize("draw", [plot_run, plot_orbit, plot_trace])
 def test_a_run_of_too_few_samples_is_refused_with_the_number_that_would_do(run, draw):
     sparse = run.isel(t=slice(None, None, 13), event=slice(0, 0))
     with pytest.raises(InputError, match="more than 4 samples in each revolution, got 2") as no:
@@ -308,18 +305,6 @@ def test_a_run_up_in_si_units_is_drawn_alike_whatever_its_unit_of_speed(unit):
     assert drawn.radius == pytest.approx(without.radius * MACHINE.length_scale, rel=1e-9)
 
 
-def test_orbit_on_rotating_axes_passes_through_the_rotated_samples(run):
-    seen = rotating(run)
-    ax = plot_rotating_orbit(seen)
-    lines = {line.get_label(): line for line in ax.lines}
-    drawn = np.concatenate([lines[name].get_xydata() for name in ("flight", "contact")])
-    for x, y in zip(seen.rotating_x.values[::20], seen.rotating_y.values[::20], strict=True):
-        assert np.nanmin(np.hypot(*(drawn - [x, y]).T)) < 1e-12
-    entries = seen.event_kind.values == 1
-    np.testing.assert_allclose(lines["entry"].get_xdata(), seen.event_rotating_x[entries])
-    assert ax.get_aspect() == 1.0
-
-
 @pytest.fixture(scope="module")
 def up():
     return run_up(RISING, start=REST, to=2.0, rate=0.01)
@@ -449,21 +434,6 @@ def test_forces_and_their_peaks():
     at = np.searchsorted(line.get_xdata(), forces.t)
     np.testing.assert_array_equal(line.get_ydata()[at], forces.force)
     assert set(forces.peak_force.values[:-1]) <= set(line.get_ydata())
-    step = plot_force_peaks(forces).lines[0]
-    assert step.get_ydata()[-1] == 1.0
-    none = forces.isel(contact=slice(0, 0))
-    texts = [text.get_text() for text in plot_force_peaks(none).texts]
-    assert texts == ["fewer than two whole contacts"]
-
-
-def test_force_of_a_contact_that_the_run_cuts_off_is_a_mark():
-    """It is the largest so far, and may exceed all whole contacts."""
-    forces = contact_forces(simulate(BOUNCING, start=REST, duration=20.0))
-    ax = plot_force_peaks(forces)
-    mark = lines_of(ax)["contact cut off by the run: at least"]
-    assert mark.get_xdata().tolist() == forces.peak_force[-1:].values.tolist()
-    assert mark.get_ydata().tolist() == [1.0]
-    assert ax.get_xlim()[1] > mark.get_xdata()[0] > ax.lines[0].get_xdata()[-1]
 
 
 def test_largest_force_at_the_end_of_a_run_is_no_peak():

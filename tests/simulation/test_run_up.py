@@ -22,7 +22,6 @@ from rotor_ida import (
     synchronous_response,
 )
 from rotor_ida.closed_forms import ramp_flight
-from rotor_ida.plot import plot_rotating_orbit
 from rotor_ida.simulation import run as run_module
 from rotor_ida.simulation.invariants import check_orbit
 from rotor_ida.verification.verify import differences, rerun
@@ -345,8 +344,6 @@ def test_what_follows_from_a_run_up():
         spectrum(run)
     with pytest.raises(InputError, match="run must be at one speed for contact forces with fric"):
         contact_forces(run)
-    with pytest.raises(InputError, match="run must be at one speed for axes that turn"):
-        plot_rotating_orbit(run)
 
 
 RAMP = {"to": 2.0, "rate": 0.1}

@@ -20,7 +20,6 @@ from rotor_ida.errors import InputError
 from rotor_ida.plot import palette
 from rotor_ida.plot.appearance import draw_marks, drawing
 from rotor_ida.plot.datasets import check_dataset
-from rotor_ida.plot.decimation import highest_in_bins
 from rotor_ida.plot.labels import label_axis, label_of, unit_of
 from rotor_ida.plot.legends import legend_below
 from rotor_ida.plot.signals.beneath import Beneath, Line, lines_of
@@ -222,20 +221,23 @@ def _in_rows(up: Values, heights: Values, rows: int) -> tuple[Values, Values]:
     low, high = float(up[0]), float(up[-1])
     if up.size <= rows or high == low:
         return up, heights
-    bins = np.minimum(((up - low) / (high - low) * rows).astype(np.intp), rows - 1)
-    starts = np.flatnonzero(np.diff(bins, prepend=-1))
-    middles = np.add.reduceat(up, starts) / np.diff(starts, append=up.size)
-    return middles, highest_in_bins(heights, bins, 0)
+    return _binned(up, heights, np.minimum((up - low) / (high - low) * rows, rows - 1), axis=0)
 
 
 def _in_columns(frequency: Values, heights: Values, columns: int) -> tuple[Values, Values]:
     """Return frequencies, and for each the largest amplitude of the nearest ones."""
     if frequency.size <= columns:
         return frequency, heights
-    bins = np.arange(frequency.size) * columns // frequency.size
-    starts = np.flatnonzero(np.diff(bins, prepend=-1))
-    middles = np.add.reduceat(frequency, starts) / np.diff(starts, append=frequency.size)
-    return middles, highest_in_bins(heights, bins, 1)
+    return _binned(frequency, heights, np.arange(frequency.size) * columns // frequency.size, 1)
+
+
+def _binned(
+    places: Values, heights: Values, bins: npt.NDArray[np.number], axis: int
+) -> tuple[Values, Values]:
+    """Return the mean place and the largest heights in each bin, by numbers that only rise."""
+    starts = np.flatnonzero(np.diff(bins.astype(np.intp), prepend=-1))
+    middles = np.add.reduceat(places, starts) / np.diff(starts, append=places.size)
+    return middles, np.maximum.reduceat(heights, starts, axis=axis)
 
 
 def _edges(middles: Values) -> Values:

@@ -71,13 +71,6 @@ class Track(NamedTuple):
         return label_of("whirl_amplitude", self.units.lengths(self.amplitude), words=words)
 
 
-class _Fit(NamedTuple):
-    """The orders to fit together with the one drawn, and the length of the windows."""
-
-    orders: npt.ArrayLike
-    revolutions: int | None
-
-
 def plot_bode(
     signals: xr.Dataset, *, order: float = 1.0, sense: str = "forward", orders: npt.ArrayLike = (),
     revolutions: int | None = None, beneath: Beneath = (), axes: Sequence[Axes] | None = None,
@@ -132,7 +125,7 @@ def plot_bode(
     >>> [ax.get_ylabel() for ax in plot_bode(up, beneath=exact).axes]
     ['whirl amplitude, zero to peak $|c|$', 'phase lag $\\theta$ [°]']
     """
-    one = _track(signals, order, sense, beneath, _Fit(orders, revolutions))
+    one = _track(signals, order, sense, beneath, orders, revolutions)
     speeds, amplitude = one.speeds, one.amplitude
     with style():
         upper, lower = _pair_of(axes)
@@ -195,7 +188,7 @@ def plot_polar(
     >>> ax.name, ax.get_theta_direction().item()
     ('polar', -1.0)
     """
-    one = _track(signals, order, sense, beneath, _Fit(orders, revolutions))
+    one = _track(signals, order, sense, beneath, orders, revolutions)
     speeds, amplitude, lag = one.speeds, one.amplitude, one.lag
     apart, jumps = 0.1 * float(amplitude.max()), jumps_of(amplitude, lag)
     with style():
@@ -343,10 +336,13 @@ def jumps_of(amplitude: Values, lag: Values) -> npt.NDArray[np.bool_]:
     return np.append(False, steps > least)
 
 
-def _track(signals: xr.Dataset, order: float, sense: str, beneath: Beneath, fit: _Fit) -> Track:
+def _track(
+    signals: xr.Dataset, order: float, sense: str, beneath: Beneath, orders: npt.ArrayLike,
+    revolutions: int | None,
+) -> Track:  # fmt: skip
     """Return one order of signals, with exact results for the order 1 forward only."""
-    beside = np.atleast_1d(fit.orders)
-    tracks = tracks_of(signals, np.append(order, beside[beside != order]), fit.revolutions)
+    beside = np.atleast_1d(orders)
+    tracks = tracks_of(signals, np.append(order, beside[beside != order]), revolutions)
     units = units_of(tracks, "forward_whirl_amplitude", "speed")
     one = one_order(tracks, order, sense)
     exact = responses_of(beneath, tracks, units)
