@@ -21,7 +21,6 @@ from rotor_ida.core.runs import NO_STOP, PIECE, Rows
 from rotor_ida.model.bearing import Bearing, Films
 
 FIRST_ROOM = 256
-NO_FILMS = Films((), np.zeros((0, 2, 0)))
 LANES_A_VECTOR = 4
 # A skew part of a stiffness below this part of it is rounding.
 SYMMETRIC = 1e-12
@@ -70,6 +69,7 @@ EXTREMUM_OF_PLACE = np.dtype(
 )
 PLACE = np.dtype([("centre", np.float64, 2), ("sign", np.float64), ("last", EXTREMUM_OF_PLACE)])
 LEDGER = ("unbalance", "damping", "stiffness_rate", "normal", "tangential", "bearings")
+NO_FILMS = Films((), np.zeros((0, 2, 0)))
 
 
 class Standstill(NamedTuple):
