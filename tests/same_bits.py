@@ -40,6 +40,7 @@ OUTSIDE = {
 def results():
     """Return results of every kind by name, as arrays of numbers."""
     from rotor_ida import (
+        Bearing,
         Contact,
         Race,
         Rotor,
@@ -89,6 +90,9 @@ def results():
     around["contacts"] = [Contact(node=node, **rubs, race=race) for node in "ab"]
     keep("system with races", simulate(system, speed=1.1, duration=100.0, **around))
     keep("system, run-up", run_up(system, speed=0.3, to=2.0, rate=0.02, **around))
+    rows = np.multiply.outer([0.5, 1.0, 0.8], [[0.3, 0.2], [-0.1, 0.4]])
+    film = Bearing(node="b", speed=[0.3, 0.9, 2.0], stiffness=rows, damping=0.5 * rows)
+    keep("system, film", run_up(system, speed=0.3, to=2.0, rate=0.02, bearings=[film], **around))
     for word in ("bouncing", "full contact"):
         rotor, start = rotors[word]
         keep(f"cycle, {word}", limit_cycle(rotor, start=start))

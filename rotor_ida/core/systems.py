@@ -70,6 +70,7 @@ EXTREMUM_OF_PLACE = np.dtype(
 )
 PLACE = np.dtype([("centre", np.float64, 2), ("sign", np.float64), ("last", EXTREMUM_OF_PLACE)])
 LEDGER = ("unbalance", "damping", "stiffness_rate", "normal", "tangential", "bearings")
+NO_FILMS = Films((), np.zeros((0, 2, 0)))
 
 
 class Standstill(NamedTuple):

@@ -684,17 +684,6 @@ static void lanes(void)
 /* Systems of odd sizes, with and without each matrix, in tables that are filled again and again;
  * they are in the general model alone. */
 #if defined(WHOLE_MODEL) && !defined(RUN_UP)
-/* Two bearings with a table that a speed may pass or leave. */
-static void make_bearings(const double *rows, double *table, struct system_bearing *bearings)
-{
-    enum { KNOTS = 5, CUBICS = (KNOTS - 1) * BEARING_POWERS * BEARING_ENTRIES };
-    static const double knots[KNOTS] = {0.9, 1.2, 1.3, 1.6, 1.9};
-    for (int i = 0; i < CUBICS; i++)
-        table[i] = 0.1 * uniform();
-    for (int i = 0; i < 2; i++)
-        bearings[i] = (struct system_bearing){rows, knots, table, KNOTS, i};
-}
-
 static void systems(void)
 {
     enum { ROWS = 8, MOST = 16 };
@@ -735,9 +724,14 @@ static void systems(void)
         int32_t *kinds = room_for(2 * ROWS, sizeof(int32_t));
         double *room = room_for(core_system_room(size, contacts), sizeof(double));
         double *cvode_room = room_for(core_system_cvode_room(size, contacts), sizeof(double));
-        double *bearing_room = room_for(core_system_bearing_room(2, 0), sizeof(double)), table[128];
-        struct system_bearing bearings[2];
-        make_bearings(vectors, table, bearings);
+        /* two bearings whose table a speed may leave */
+        const double knots[] = {0.9, 1.2, 1.3, 1.6, 1.9};
+        double *bearing_room = room_for(core_system_bearing_room(2, 56), sizeof(double));
+        double cubics[4 * BEARING_POWERS * BEARING_ENTRIES];
+        for (size_t i = 0; i < sizeof cubics / sizeof *cubics; i++)
+            cubics[i] = 0.1 * uniform();
+        struct system_bearing bearings[] = {{vectors, knots, cubics, 5, 0},
+                                            {vectors, knots, cubics, 5, 1}};
         calls_until_failure = kind % 8 == 5 ? 200 : -1;
         struct system_run run = {.size = size,
                                  .stride = stride,
@@ -758,6 +752,9 @@ static void systems(void)
                                  .displacement = 0.1,
                                  .velocity = 0.1,
                                  .fastest = 3.0,
+                                 .bearings = bearings,
+                                 .bearing_count = kind % 4 == 1 ? 2 : 0,
+                                 .bearing_room = bearing_room,
                                  .order = kind % 2 ? HIGHEST_ORDER : 12,
                                  .duration = kind == 11 ? 0.0 : 6.0,
                                  .stop = &stop,
@@ -782,20 +779,17 @@ static void systems(void)
                                  .room = room,
                                  .method = kind / 4 % 2 ? ADAMS : TAYLOR,
                                  .sundials = &made_up,
-                                 .cvode_room = cvode_room,
-                                 .bearings = bearings,
-                                 .bearing_count = kind % 4 == 1 ? 2 : 0,
-                                 .bearing_room = bearing_room};
+                                 .cvode_room = cvode_room};
         stop_after(50000);
         while (core_system_run(&run) == FULL)
             run.events = run.episode_count = 0; /* what is full is written over */
         require(objects == 0, "an object of SUNDIALS was not freed");
         calls_until_failure = -1;
-        free(bearing_room);
         free(cvode_room);
         free(room);
         free(kinds);
         free(events);
+        free(bearing_room);
         free(sampled);
         free(state);
         free(episodes);
