@@ -81,45 +81,6 @@ static inline double rate_of_force(const struct parameters *m, double q, double 
     return (1.0 - m->loose) * w5 + (1.0 - m->loose) * m->contact_damping * w7;
 }
 
-/* The motion on the rotating axes: what a lane is given, and what follows. */
-enum { LANE_X, LANE_Y, LANE_U, LANE_V, LANE_INVERSE, LANE_ROOT, LANE_APPROACH, LANE_DOWN_X, LANE_DOWN_Y, LANE_GIVEN };
-/* Of approach, slip. */
-static inline __attribute__((always_inline)) void motion_in_lane(
-    const struct parameters *m, const double *state, double *answers)
-{
-    (void)m;
-    const double x = state[LANE_X];
-    const double y = state[LANE_Y];
-    const double u = state[LANE_U];
-    const double v = state[LANE_V];
-    const double inverse = state[LANE_INVERSE];
-    const double approach = fma(y, v, x * u) * inverse;
-    const double slip = fma(-y, u, x * v) * inverse;
-    answers[0] = approach;
-    answers[1] = slip;
-}
-/* Of x, y, u, v. */
-static inline __attribute__((always_inline)) void rates_in_lane(
-    const struct parameters *m, const double *state, double *answers)
-{
-    const double x = state[LANE_X];
-    const double y = state[LANE_Y];
-    const double u = state[LANE_U];
-    const double v = state[LANE_V];
-    const double inverse = state[LANE_INVERSE];
-    const double root = state[LANE_ROOT];
-    const double approach = state[LANE_APPROACH];
-    const double down_x = state[LANE_DOWN_X];
-    const double down_y = state[LANE_DOWN_Y];
-    const double push = fma(m->hertz, root, m->linear) * (root * root) * fma(m->contact_damping, approach, 1.0) * inverse;
-    const double w1 = push * x;
-    const double w2 = push * y;
-    answers[0] = u;
-    answers[1] = v;
-    answers[2] = fma(m->friction, w2, fma(m->load, down_x, fma(-m->shaft_stiffness, x, fma((-2.0 * m->zeta), u, -w1))));
-    answers[3] = fma(-m->friction, w1, fma(m->load, down_y, fma(-m->shaft_stiffness, y, fma((-2.0 * m->zeta), v, -w2))));
-}
-
 enum { CONTACT_Q, CONTACT_P, CONTACT_H, CONTACT_C, CONTACT_S, CONTACT_DOWN_R, CONTACT_DOWN_T, CONTACT_SPEED, CONTACT_T, CONTACT_ANGLE, CONTACT_J, CONTACT_WORK, CONTACT_SPENT, CONTACT_SIZE };
 enum { CONTACT_EXIT_GUARD = CONTACT_Q };
 enum { CONTACT_EXTREMUM_GUARD = CONTACT_P };

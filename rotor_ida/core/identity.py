@@ -29,12 +29,12 @@ def core_sources(folder: Path) -> list[Path]:
 
 
 def model_sources(folder: Path, model: str) -> list[Path]:
-    """Return the C sources of a model, in a fixed order; systems are in the general one alone."""
-    return [
-        path
-        for path in sorted(folder.glob("*.c"))
-        if model == "whole" or not path.stem.startswith("system")
-    ]
+    """Return the C sources of a model, in a fixed order.
+
+    Systems are in the general one alone, and lanes not in that whose speed changes.
+    """
+    absent = {"whole": (), "paper": ("system",), "run_up": ("system", "lanes")}[model]
+    return [each for each in sorted(folder.glob("*.c")) if not each.stem.startswith(absent)]
 
 
 def sources_digest(folder: Path) -> str:

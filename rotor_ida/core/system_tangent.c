@@ -186,6 +186,26 @@ static void push_by(const struct system_run *run, const double *row, const doubl
 
 /* ---- Room ---- */
 
+/* Give sums their room; gather those of the contacts. */
+static void open_sums(const struct work *work, struct columns *columns, double *room)
+{
+    const struct system_run *run = work->run;
+    columns->linear = (struct sum *)(void *)room;
+    struct term *terms = (struct term *)(void *)(columns->linear + run->size);
+    for (int64_t i = 0; i < run->size; i++) {
+        columns->linear[i].terms = terms;
+        terms += 2 * run->size;
+    }
+    for (int64_t i = 0; i < run->contact_count; i++) {
+        for (int j = 0; j < 2; j++) {
+            columns->touching[i].seen[j] = (struct sum){terms, 0};
+            gather(1.0, work->touching[i].rows + j * run->stride, 1, run->size, 0, columns->count,
+                   &columns->touching[i].seen[j]);
+            terms += run->size;
+        }
+    }
+}
+
 void open_columns(struct work *work)
 {
     const struct system_run *run = work->run;
@@ -213,20 +233,7 @@ void open_columns(struct work *work)
     }
     columns->before = taken(&room, run->stride);
     columns->forced = taken(&room, run->stride);
-    columns->linear = (struct sum *)(void *)room;
-    struct term *terms = (struct term *)(void *)(columns->linear + run->size);
-    for (int64_t i = 0; i < run->size; i++) {
-        columns->linear[i].terms = terms;
-        terms += 2 * run->size;
-    }
-    for (int64_t i = 0; i < run->contact_count; i++) {
-        for (int j = 0; j < 2; j++) {
-            columns->touching[i].seen[j] = (struct sum){terms, 0};
-            gather(1.0, work->touching[i].rows + j * run->stride, 1, run->size, 0, count,
-                   &columns->touching[i].seen[j]);
-            terms += run->size;
-        }
-    }
+    open_sums(work, columns, room);
 }
 
 void begin_column_piece(struct work *work)

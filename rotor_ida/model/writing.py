@@ -110,7 +110,7 @@ def _parameters(model: Model) -> list[str]:
         "",
         "/* The law of contact, by the root q of the indentation and the radial velocity. */",
         *_law("parameters", model.constants, OF_DISC),
-        *_in_lanes(model),
+        *([] if model is RUN_UP else _in_lanes(model)),
     ]
 
 

@@ -627,8 +627,9 @@ static void single_states(void)
     }
 }
 
-/* ---- Lanes ---- */
+/* ---- Lanes, which know no speed that changes ---- */
 
+#ifndef RUN_UP
 enum { LANES_OF_KERNEL = 64, REGION = 14, SECTION = 21 };
 
 static double uniform(void) { return 8.0 * (double)rand() / RAND_MAX - 4.0; }
@@ -681,13 +682,76 @@ static void lanes(void)
     }
 }
 
+#else
+static void lanes(void) {}
+#endif
+
 /* Systems of odd sizes, with and without each matrix, in tables that are filled again and again;
  * they are in the general model alone. */
 #if defined(WHOLE_MODEL) && !defined(RUN_UP)
+enum { ROWS = 8, MOST = 16, KINDS = 72, PARAMETERS_OF_SYSTEM = 2, WATCHED_ROWS = 3 };
+
+/* Numbers of any size in a table of their own. */
+static double *random_table(int64_t count)
+{
+    double *table = room_for(count, sizeof(double));
+    for (int64_t i = 0; i < count; i++)
+        table[i] = 0.1 * uniform();
+    return table;
+}
+
+/* What a run with columns has beside, each in a table to the last byte. */
+struct beside {
+    double *columns, *room, *watched, *at_samples, *at_events, *matrix, *rows;
+    struct law_change laws[MOST];
+    struct parameter parameters[PARAMETERS_OF_SYSTEM];
+};
+
+/* Give a run small changes of its start, of which the last are by parameters. */
+static void add_columns(struct system_run *run, int kind, struct beside *beside)
+{
+    const int64_t count = 8 * (1 + kind % 7), long_one = 2 * run->size + run->contact_count;
+    beside->columns = random_table(long_one * count);
+    beside->room = room_for(core_system_column_room(run->size, run->contact_count, count),
+                            sizeof(double));
+    beside->watched = random_table(WATCHED_ROWS * run->stride);
+    beside->at_samples = room_for(run->sample_count * WATCHED_ROWS * count, sizeof(double));
+    beside->at_events = room_for(2 * ROWS * count, sizeof(double));
+    beside->matrix = random_table(run->size * run->stride);
+    beside->rows = random_table(2 * run->stride);
+    for (int i = 0; i < MOST; i++)
+        beside->laws[i] = (struct law_change){1.0, 0.5, 0.3, 0.2};
+    beside->parameters[0] = (struct parameter){.stiffness = beside->matrix,
+                                               .damping = beside->matrix,
+                                               .unbalance = beside->rows,
+                                               .laws = beside->laws,
+                                               .mass = beside->matrix,
+                                               .force = beside->rows};
+    beside->parameters[1] = (struct parameter){.speed = 1.0, .laws = beside->laws};
+    run->column_count = count;
+    run->columns = beside->columns;
+    run->column_room = beside->room;
+    run->parameters = beside->parameters;
+    run->parameter_count = kind % 3;
+    run->first_of_parameters = count - run->parameter_count - kind % 2;
+    run->watched = beside->watched;
+    run->watched_count = WATCHED_ROWS;
+    run->sample_columns = beside->at_samples;
+    run->event_columns = beside->at_events;
+}
+
+static void remove_columns(struct beside *beside)
+{
+    double *tables[] = {beside->columns,   beside->room,   beside->watched, beside->at_samples,
+                        beside->at_events, beside->matrix, beside->rows};
+    for (size_t i = 0; i < sizeof tables / sizeof *tables; i++)
+        free(tables[i]);
+}
+
 static void systems(void)
 {
-    enum { ROWS = 8, MOST = 16 };
-    for (int kind = 0; kind < 24; kind++) {
+    srand(1); /* the same systems, whatever was exercised before */
+    for (int kind = 0; kind < KINDS; kind++) {
         const int64_t size = kind == 0 ? 2 : 1 + 3 * (kind % 5) + 1, stride = (size + 3) / 4 * 4;
         const int64_t contacts = kind % 4, square = size * stride, width = 2 * stride + contacts;
         const int64_t samples = kind % 3 == 0 ? 0 : 20;
@@ -713,6 +777,14 @@ static void systems(void)
                                           .race_radius = kind % 7 == 1,
                                           .inverse_race_inertia = kind % 7 == 1,
                                           .race_drag = 0.1};
+        const int has_columns = kind >= 24 && kind % 3 != 2, is_centred = kind % 5 == 3;
+        if (is_centred && contacts > 0)
+            laws[0].clearance = 0.0;
+        const int64_t places = kind % 4 ? kind % 3 : 0, extrema = (ORDERS + 1) * places;
+        struct place observed[2] = {{.centre = {0.1, -0.1}}, {.centre = {0.0, 0.0}}};
+        double *by_place = random_table(4 * places * size);
+        struct extremum_of_place *farthest = room_for(extrema, sizeof *farthest);
+        struct beside beside = {0};
         struct piece pieces[] = {{1.0, kind % 3 == 1 ? 0.5 : 0.0, 1.0, 0.3, kind % 3 == 2, 1.2},
                                  {9.0, 0.0, 1.0, 0.3, kind % 3 == 2, 1.7}};
         double *state = room_for(2 * stride, sizeof(double)), times[20];
@@ -777,14 +849,26 @@ static void systems(void)
                                  .races = races,
                                  .episode_room = ROWS,
                                  .room = room,
-                                 .method = kind / 4 % 2 ? ADAMS : TAYLOR,
+                                 .method = kind / 4 % 2 && !has_columns && !is_centred ? ADAMS
+                                                                                       : TAYLOR,
                                  .sundials = &made_up,
-                                 .cvode_room = cvode_room};
+                                 .cvode_room = cvode_room,
+                                 .place_columns = by_place,
+                                 .places = observed,
+                                 .place_count = places,
+                                 .extrema = farthest,
+                                 .extremum_room = extrema};
+        if (has_columns)
+            add_columns(&run, kind, &beside);
         stop_after(50000);
         while (core_system_run(&run) == FULL)
-            run.events = run.episode_count = 0; /* what is full is written over */
+            run.events = run.episode_count = run.extremum_count = 0; /* which are written over */
         require(objects == 0, "an object of SUNDIALS was not freed");
+        require(run.extremum_count <= extrema, "there are more extrema than their room");
         calls_until_failure = -1;
+        remove_columns(&beside);
+        free(farthest);
+        free(by_place);
         free(cvode_room);
         free(room);
         free(kinds);
