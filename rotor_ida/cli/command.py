@@ -223,8 +223,6 @@ class Case:
     def _of_disc(self, given: dict[str, Any]) -> tuple[list[Any], dict[str, Any]]:
         if self.without_gravity:
             raise InputError("without_gravity must be left out without a rotor system")
-        if self.of.begins is not None and "start" not in given:
-            given["start"] = [self.of.begins] if self.of.starts else self.of.begins
         if self.of.rotors == "of a file":
             self.output.check()
             if self.rotors.machine is None:
@@ -338,8 +336,6 @@ class Command:
         What it does, with its help as docstring: by default it asks and answers.
     rotors : str
         What rotors it takes besides that of a system file, which the function itself may take.
-    begins : str, optional
-        The start of one disc where none is given.
     most : int, optional
         Rows of its tables.
     quiet : bool
@@ -358,7 +354,6 @@ class Command:
 
     body: Callable[..., Report]
     rotors: Rotors
-    begins: str | None = None
     most: int | None = FIRST_ROWS
     quiet: bool = False
     label: str = ""

@@ -174,7 +174,12 @@ def show_run(dataset: xr.Dataset, most: int | None) -> Description:
     summary = {name: _largest(dataset, name) for name in ("peak_indentation", "peak_force")}
     summary |= {name: float(dataset[name].sum()) for name in ("heat", "rolling_time")
                 if name in dataset}  # fmt: skip
-    return record, [facts("Run", [*facts_of_run(dataset), *lines_of(dataset, summary)]), *parts]
+    from rotor_ida.steady.run_up_summary import start_in_words  # noqa: PLC0415 - heavy
+
+    start = start_in_words(dataset) if "load" in dataset.coords else ""
+    told = [f"{start[0].upper()}{start[1:]}."] if start else []
+    sheet = facts("Run", [*facts_of_run(dataset), *lines_of(dataset, summary)])
+    return record, [*told, sheet, *parts]
 
 
 def facts_of_run(run: xr.Dataset) -> list[Line]:

@@ -22,10 +22,11 @@ from rotor_ida.cli.variables import (
     tabled,
 )
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
-from rotor_ida.results.archived_system import clearance_of_contacts
+from rotor_ida.results.archived_system import START, clearance_of_contacts
 from rotor_ida.results.growth_words import stability_words
 from rotor_ida.results.sheets import Sheet, facts, shown
 from rotor_ida.schema import EVENT_KIND, OF_BEARING, QUANTITIES, words_of
+from rotor_ida.units import quantity
 
 EPISODES = Rows(
     title="Episodes of contact", key="episodes", lead="entry_time",
@@ -73,6 +74,7 @@ def show_system_run(dataset: xr.Dataset, most: int | None) -> Description:
     units = "SI" if dataset["t"].attrs.get("units") == "s" else "1"
     return record, [
         _sentence(dataset, first),
+        *_start_in_words(dataset),
         *stability_words(dataset.attrs, units),
         Sheet(f"Contacts: {len(contacts)}", lines) if contacts else "Contacts: none",
         facts("Run", facts_of_run(dataset)),
@@ -153,6 +155,20 @@ def _of_contact(run: xr.Dataset, number: int) -> dict[str, Any]:
         "rolling_time": float(own["rolling_time"].sum(skipna=False)),
         "ends": words_of(own["mode"][-1])[0].replace("_", " "),
     }
+
+
+def _start_in_words(run: xr.Dataset) -> list[str]:
+    """Return a sentence on how far below the axis a rotor begins at rest; none if it does not."""
+    if not {"constant_force", START} <= {*run.variables} or float(run["t"][0]) != 0.0:
+        return []
+    _, velocity = run[START].values.reshape(2, -1)
+    below = -run["y"].isel(t=0).values
+    if velocity.any() or not run["constant_force"].values.any() or not (below > 0.0).any():
+        return []
+    node = int(below.argmax())
+    unit = "m" if run["t"].attrs.get("units") == "s" else ""
+    sag, name = quantity(float(below[node]), unit, 3), str(run["node"].values[node])
+    return [f"It starts at rest, {sag} below the axis at node {name!r}."]
 
 
 def _sentence(run: xr.Dataset, first: Record | None) -> str:

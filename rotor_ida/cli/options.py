@@ -154,8 +154,8 @@ OPTIONS: dict[Group | None, dict[str, Parameter]] = {
             "rest. Default: it is fitted too."),
         "starts": _states(
             "Initial states, one or more, or the words settled (steady whirl without contact) and "
-            "rest (in equilibrium with the load) for those of each rotor. Default: at rest on the "
-            "axis, or what a system file says."),
+            "rest (in equilibrium with the load) for those of each rotor. Default: rest, or "
+            "what a system file says."),
         "bifurcation_diagram starts": _states(
             "Initial states, one or more, instead of random ones; also settled (steady whirl "
             "without contact) and rest (in equilibrium with the load)."),

@@ -26,6 +26,7 @@ from rotor_ida.checks import (
     shown,
 )
 from rotor_ida.errors import InputError
+from rotor_ida.model.data_sheet import WEIGHT
 
 SYSTEM_ENDING = ".toml"
 LARGEST_RANGE = 1_000_000
@@ -264,6 +265,8 @@ def quantity(name: str, words: Sequence[str], *allowed: str) -> Quantity:
     rotor_ida.errors.InputError: the unit of mass must be kg or g, got '12 mm'
     """
     word = words[0]
+    if (name, word) == ("load", WEIGHT):  # a number once the mass is known
+        return Quantity(math.nan, word)
     found = None if isinstance(_float(word), float) else WITH_UNIT.fullmatch(word)
     if found is None or not _may_be_number(found["number"]):
         return Quantity(number(name, words))
@@ -510,6 +513,8 @@ def _range(name: str, word: str, *allowed: str) -> list[float]:
     parts = word.split(":")
     if len(parts) != 3:
         raise InputError(f"{name} must be numbers or START:STOP:COUNT, got {shown(word)}")
+    if WEIGHT in parts:
+        raise InputError(f"{name} must be {WEIGHT} alone or beside numbers, got {shown(word)}")
     first, last = (_one(name, part, *allowed) for part in parts[:2])
     count = whole_number(f"COUNT of {name}", parts[2:])
     if not 2 <= count <= LARGEST_RANGE:

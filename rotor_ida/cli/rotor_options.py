@@ -21,7 +21,14 @@ from rotor_ida.cli.option_types import (
 )
 from rotor_ida.cli.parsing import Quantity
 from rotor_ida.errors import InputError
-from rotor_ida.model.data_sheet import check_keys, machine_from_data_sheet, overridden, units_of
+from rotor_ida.model.data_sheet import (
+    GRAVITY,
+    WEIGHT,
+    check_keys,
+    machine_from_data_sheet,
+    overridden,
+    units_of,
+)
 from rotor_ida.model.parameters import MACHINE_PARAMETERS, OF_MACHINE, OPTIONAL, PARAMETERS, TABLE
 from rotor_ida.model.parameters import Parameter as Row
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
@@ -31,8 +38,6 @@ from rotor_ida.model.scales import BECOMES
 ANY_SPEED = 1.0
 # Required parameters of a rotor, dimensionless or in SI units.
 KINDS = (PARAMETERS, MACHINE_PARAMETERS)
-# The start of one disc where none is given: in equilibrium with its load.
-REST = "rest"
 # The speed of a rotor, without dimensions and in SI units.
 SPEEDS = ("omega", "speed")
 MachineFile = Annotated[
@@ -49,11 +54,16 @@ def _units_of(parameter: Row) -> tuple[str, ...]:
     return units_of(parameter.name)
 
 
+def _help(name: str, text: str) -> str:
+    """Return the help of an option for a parameter."""
+    return f"{text[:-1]}; or weight, that of a machine." if name == "load" else text
+
+
 # For one rotor or several, dimensionless or in SI units, or in an archive.
 ONE = {
     each.name: Annotated[
         float | None,
-        quantity_option(each.either_help, *_units_of(each))
+        quantity_option(_help(each.name, each.either_help), *_units_of(each))
         if _units_of(each)
         else number_option(each.either_help),
     ]
@@ -61,7 +71,8 @@ ONE = {
 }
 SEVERAL = {
     each.name: Annotated[
-        list[float] | None, numbers_option(each.either_axis_help, *_units_of(each))
+        list[float] | None,
+        numbers_option(_help(each.name, each.either_axis_help), *_units_of(each)),
     ]
     for each in TABLE
 }
@@ -145,7 +156,11 @@ class RotorsOptions(Given):
                     f"{len(each)}"
                 )
         first = {name: each[0] for name, each in values.items()}
-        return of_sheet(sheet_of(first, self.machine), self.machine), several
+        machine = of_sheet(sheet_of(first, self.machine), self.machine)
+        if "load" in several:
+            weight = machine.mass * GRAVITY
+            several["load"] = [weight if is_weight(each) else each for each in several["load"]]
+        return machine, several
 
     def panels(self, over: str = "") -> int:
         """Return the number of panels of a figure over one of the parameters."""
@@ -179,7 +194,7 @@ class AllSpeedsOptions(RotorsOptions):
 def sheet_of(given: Mapping[str, object], file: Path | None) -> dict[str, object]:
     """Return the data sheet from options, which override those of a file."""
     given = {name: float(each) if isinstance(each, float) else each
-             for name, each in given.items()} | _with_its_unit(given)  # fmt: skip
+             for name, each in given.items()} | _as_given(given)  # fmt: skip
     if file is None:
         return given
     from rotor_ida.results.machine_file import read_data_sheet  # noqa: PLC0415 - not for --help
@@ -192,12 +207,18 @@ def sheet_of(given: Mapping[str, object], file: Path | None) -> dict[str, object
     return sheet
 
 
-def _with_its_unit(given: Mapping[str, object]) -> dict[str, object]:
-    """Return the contact stiffness as given: its unit decides the contact law."""
-    stiffness = given.get("contact_stiffness")
+def _as_given(given: Mapping[str, object]) -> dict[str, object]:
+    """Return a contact stiffness, whose unit decides its law, and a load that is the weight."""
+    stiffness, load = given.get("contact_stiffness"), given.get("load")
+    found: dict[str, object] = {}
     if isinstance(stiffness, Quantity) and stiffness.word:
-        return {"contact_stiffness": stiffness.word}
-    return {}
+        found["contact_stiffness"] = stiffness.word
+    return found | ({"load": WEIGHT} if is_weight(load) else {})
+
+
+def is_weight(load: object) -> bool:
+    """Return whether a load is the word for the weight of the rotor."""
+    return isinstance(load, Quantity) and load.word == WEIGHT
 
 
 def check_complete(

@@ -12,7 +12,6 @@ import xarray as xr
 
 from rotor_ida.arrays import Arrays, Values
 from rotor_ida.checks import (
-    AT_REST,
     MOST_NUMBERS,
     Names,
     check_choice,
@@ -87,12 +86,12 @@ def parameters_of(flow: Flow) -> tuple[str, ...]:
 @shows_progress
 @takes_rotors(
     system=("modes",), needed=(),
-    defaults={"start": (AT_REST, None), "parameter": ("omega", "speed")},
+    defaults={"parameter": ("omega", "speed")},
 )  # fmt: skip
 def continue_cycle(
     rotor: Rotor | DimensionalRotor | RotorSystem,
     *,
-    start: Start = AT_REST,
+    start: Start = None,
     parameter: Parameter = "omega",
     limits: tuple[float, float],
     direction: Direction = "both",
@@ -413,13 +412,13 @@ def _point(branch: Continuation, unknowns: Values, tangent: Values, before: Poin
 @takes_rotors(
     system=("modes",), needed=(),
     defaults={
-        "start": (AT_REST, None), "parameters": (("omega", "delta0"), ("speed", "clearance")),
+        "parameters": (("omega", "delta0"), ("speed", "clearance")),
     },
 )  # fmt: skip
 def bifurcation_curve(
     rotor: Rotor | DimensionalRotor | RotorSystem,
     *,
-    start: Start = AT_REST,
+    start: Start = None,
     kind: Kind,
     parameters: tuple[str, str] = ("omega", "delta0"),
     limits: Mapping[str, tuple[float, float]] | Sequence[tuple[float, float]],
@@ -440,7 +439,7 @@ def bifurcation_curve(
     start : array_like, shape (4,), (q, velocity), "settled", "rest" or Dataset
         A special point of this kind of a branch, ``branch.isel(special=...)``. Or a limit cycle, a
         point of a branch, or a start ``(x, y, vx, vy)`` or word, as for `simulate`, that leads to a
-        cycle [1], by default at rest on the axis; then the branch over the first parameter is
+        cycle [1], by default at rest; then the branch over the first parameter is
         followed to the nearest one.
     kind : {"fold", "period_doubling", "torus"}
         The bifurcation to follow. A torus is born only with contact damping, friction or a load.

@@ -14,7 +14,6 @@ import xarray as xr
 
 from rotor_ida.arrays import Stop, Values, Watch
 from rotor_ida.checks import (
-    AT_REST,
     COMPONENTS,
     State,
     check_instance,
@@ -93,11 +92,11 @@ COME_BACK = 1e-6
 
 
 @shows_progress
-@takes_rotors(system=("modes",), needed=(), defaults={"start": (AT_REST, None)}, varies=True)
+@takes_rotors(system=("modes",), needed=(), varies=True)
 def limit_cycle(
     rotor: Rotor | DimensionalRotor | RotorSystem,
     *,
-    start: Start = AT_REST,
+    start: Start = None,
     period: float | None = None,
     speed: npt.ArrayLike | None = None,
     modes: int | None = None,
@@ -115,7 +114,7 @@ def limit_cycle(
         The rotor. It must turn and be damped. For a `DimensionalRotor` numbers with a unit are in
         SI units, as for `rotor_ida.simulate`; a dataset has its own.
     start : array_like, shape (4,), (q, velocity), "settled", "rest" or Dataset
-        ``(x, y, vx, vy)`` at time 0 [1], by default at rest on the axis; of a `RotorSystem` as in
+        ``(x, y, vx, vy)`` at time 0 [1], by default at rest; of a `RotorSystem` as in
         `simulate`. A start of one disc that returns to itself to a relative 1e-3 is taken as a
         guess of a cycle, stable or not. From any other start the rotor is followed to its
         attractor. Another limit cycle, or one point of a branch, serves as a guess, and of a

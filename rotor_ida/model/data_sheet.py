@@ -21,6 +21,8 @@ from rotor_ida.model.parameters import EXPONENTS, OF_MACHINE
 from rotor_ida.model.rotor import DimensionalRotor
 
 GRAVITY = 9.80665
+# The word for a load that is the weight of the rotor.
+WEIGHT = "weight"
 # Quantities that a data sheet may give instead of a parameter of a machine, with their units.
 IN_OTHER_WORDS = {
     "critical_speed": "rad s-1",
@@ -364,6 +366,6 @@ def _eccentricity(numbers: Mapping[str, float], grade: Quantity) -> float:
 
 
 def _load(load: Quantity, mass: float) -> float:
-    if isinstance(load, str) and load == "weight":
+    if isinstance(load, str) and load == WEIGHT:
         return mass * GRAVITY
     return in_si("load", load, "N")

@@ -94,7 +94,7 @@ class Course:
     speed : float, optional
         Running speed.
     start : (q, velocity), "settled" or "rest", optional
-        State at time 0. Where the file has none, but a weight or another constant force: at rest.
+        State at time 0. Default: as for `rotor_ida.simulate`.
     modes : int, optional
         Number of modes to which the system is reduced.
     more_modes : int, optional
@@ -232,12 +232,8 @@ def _system_file(entries: Mapping[str, object], folder: Path) -> tuple[RotorSyst
         unbalance=_at_nodes(Unbalance, file, "unbalance", system),
         gravity=file.pair("gravity", "m s-2") if "gravity" in entries else None,
     )  # fmt: skip
-    start = _start(file)
-    forces = (system.gravity, system.static_force)
-    if start is None and any(each is not None and np.any(each) for each in forces):
-        start = "rest"
     return system, Course(
-        start=start,
+        start=_start(file),
         modes=check_count("modes", entries["modes"], minimum=0) if "modes" in entries else None,
         more_modes=check_count("more_modes", entries["more_modes"])
         if "more_modes" in entries

@@ -9,7 +9,7 @@ from typing import Unpack
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.checks import AT_REST, check_progress
+from rotor_ida.checks import check_progress
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.parallel import Progress, shows_progress
@@ -27,7 +27,7 @@ def run_up(
     rotor: Rotor | DimensionalRotor | RotorSystem,
     *,
     speed: float | None = None,
-    start: Start = AT_REST,
+    start: Start = None,
     to: float | None = None,
     rate: float | None = None,
     ramp_time: float | None = None,

@@ -12,7 +12,6 @@ import xarray as xr
 
 from rotor_ida.arrays import Values, Watch
 from rotor_ida.checks import (
-    AT_REST,
     MOST_NUMBERS,
     State,
     check_between,
@@ -70,7 +69,7 @@ PLACES = ("revolution", "entry", "exit", "peak", *RUBS)
 # How often a motion of a system is simulated until its peaks are located, about.
 RUNS_TO_PEAKS = 8
 # The absolute tolerance of one disc; a rotor system scales its own.
-DEFAULTS = {"start": (AT_REST, None), "method": ("adams", "taylor")}
+DEFAULTS = {"method": ("adams", "taylor")}
 ATOL = 1e-12
 NAMES = ("rotating_x", "rotating_y", "rotating_vx", "rotating_vy")
 
@@ -81,7 +80,7 @@ def poincare_section(
     rotor: Rotor | DimensionalRotor | RotorSystem,
     *,
     speed: float | None = None,
-    start: Start = AT_REST,
+    start: Start = None,
     revolutions: int,
     skip: int = 0,
     at: At = "revolution",
@@ -104,9 +103,9 @@ def poincare_section(
     speed : float, optional
         Spin speed of a `RotorSystem`, not 0; it may be negative. That of one disc is a parameter of
         the rotor.
-    start : array_like, shape (4,), (q, velocity), "settled", "rest" or Dataset
-        ``(x, y, vx, vy)`` at time 0 [1]; default: at rest on the axis. Or a word, or a result that
-        ends in a state, as for `rotor_ida.simulate`; of a `RotorSystem` as there too.
+    start : array_like, shape (4,), (q, velocity), "settled", "rest" or Dataset, optional
+        ``(x, y, vx, vy)`` at time 0 [1], a word, or a result that ends in a state; default: at
+        rest, in equilibrium with the load. See `rotor_ida.simulate`, also for a `RotorSystem`.
     revolutions : int
         Number of revolutions in the section, at most 10 million.
     skip : int

@@ -8,7 +8,6 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.checks import (
-    AT_REST,
     check_duration,
     check_positive,
     check_progress,
@@ -25,7 +24,7 @@ from rotor_ida.simulation.starts import Start, start_of
 
 # Arguments that only one disc, or only a rotor system, takes, and defaults that differ.
 OF_DISC, OF_SYSTEM = ("atol",), ("modes", "more_modes")
-DEFAULTS = {"start": (AT_REST, None), "method": ("adams", "taylor")}
+DEFAULTS = {"method": ("adams", "taylor")}
 
 
 @shows_progress
@@ -34,7 +33,7 @@ def simulate(
     rotor: Rotor | DimensionalRotor | RotorSystem,
     *,
     speed: float | None = None,
-    start: Start = AT_REST,
+    start: Start = None,
     duration: float,
     samples: int | npt.ArrayLike | None = None,
     modes: int | None = None,
@@ -57,13 +56,14 @@ def simulate(
         ``zeta`` and so on, stay dimensionless. A `RotorSystem` has units of its own.
     speed : float
         Spin speed of a `RotorSystem`, required; one disc has its own.
-    start : array_like, shape (4,), (q, velocity), "settled", "rest" or Dataset
+    start : array_like, shape (4,), (q, velocity), "settled", "rest" or Dataset, optional
         ``(x, y, vx, vy)`` at time 0 [1], of a `RotorSystem` displacement and velocity of the rotor,
-        or of rotor and stators; default: at rest on the axis, from which a load drops it.
-        ``"rest"`` is where supports, contacts and shaft hold the rotor against its constant forces,
-        ``"settled"`` the steady whirl without contact. A result that ends in a state is continued,
-        with the unbalance at angle 0 again: a run, a limit cycle, or one point of a sweep or of
-        many run-ups.
+        or of rotor and stators. ``"rest"`` is where supports, contacts and shaft hold the rotor
+        against its constant forces, ``"settled"`` the steady whirl without contact. Default:
+        ``"rest"`` under a load, so that the rotor hangs on its shaft or lies on the stator, and
+        else, or where nothing holds it, at rest on the axis. A result that ends in a state is
+        continued, with the unbalance at angle 0 again: a run, a limit cycle, or one point of a
+        sweep or of many run-ups.
     duration : float
         Time to simulate [1]. For one disc the spacing of doubles at its end must be below
         ``1e-6/max(omega, 1)``.

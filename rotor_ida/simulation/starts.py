@@ -12,6 +12,7 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import (
+    AT_REST,
     COMPONENTS,
     STARTS,
     State,
@@ -43,6 +44,8 @@ Start = (
 Starts = npt.ArrayLike | xr.Dataset | Sequence[Start]
 # A start of any disc: a state, or the word for one that depends on the rotor.
 GivenStart = State | str
+# The word for the start at rest, in equilibrium.
+REST = "rest"
 # Where turning back is not possible, the unbalance must be where it is at time 0, to this part of a
 # radian.
 IN_STEP = 1e-6
@@ -71,8 +74,9 @@ def start_of(
     start : array_like, shape (4,), (q, velocity), "settled", "rest", Dataset or None
         A state; a word: on the whirl without contact, or where supports, contacts and shaft hold
         the rotor against its constant forces; or a result that ends in a state: a run, one point of
-        a sweep or of many run-ups, a limit cycle, or one point of a branch. A system without a
-        start is at rest on the axis.
+        a sweep or of many run-ups, a limit cycle, or one point of a branch. Without a start the
+        rotor is at rest: in equilibrium with its constant forces, or on the axis if there are none
+        or nothing holds it against them.
     speed : float
         The speed at time 0 of a rotor system.
     phase : float
@@ -107,6 +111,8 @@ def start_of(
             return disc_starts.settled(rotor, phase) if settles else disc_starts.hanging(rotor)
         return given
     given = state_at_end(rotor, start)
+    if given is None:
+        return hanging(rotor, speed)
     if isinstance(given, str):
         chosen, rotor = check_choice(name, given, STARTS), rotor.at(speed)
         return settled(rotor, speed) if chosen == "settled" else rest(rotor, speed)
@@ -118,6 +124,8 @@ def start_of(
 
 def given_start(name: str, start: object, *, loaded: bool) -> GivenStart:
     """Return a start of one disc as a state or a word: see `start_of`."""
+    if start is None:
+        return REST if loaded else AT_REST
     if isinstance(start, str):
         return str(check_choice(name, start, STARTS))
     if not isinstance(start, xr.Dataset):
@@ -153,11 +161,11 @@ def given_start(name: str, start: object, *, loaded: bool) -> GivenStart:
 
 
 def states_of(name: str, starts: object, *, loaded: bool = False) -> list[GivenStart]:
-    """Return starts, each as for `given_start`; a result or a word alone is one start."""
-    if isinstance(starts, xr.Dataset | str):
+    """Return starts, each as for `given_start`; a result, a word or None alone is one start."""
+    if isinstance(starts, xr.Dataset | str | None):
         return [given_start(name, starts, loaded=loaded)]
     if isinstance(starts, list | tuple) and any(
-        isinstance(each, xr.Dataset | str) for each in starts
+        isinstance(each, xr.Dataset | str | None) for each in starts
     ):
         return [given_start("start", each, loaded=loaded) for each in starts]
     return [*check_states(name, starts)]
@@ -184,8 +192,6 @@ def _angle_at_end(end: xr.Dataset, speed: str, time: str) -> float:
 def _checked_motion(assembly: Assembly, start: object) -> Values:
     """Return displacement and velocity as given, with those of stators that are left out at 0."""
     state = np.zeros((2, assembly.size))
-    if start is None:
-        return state
     if not isinstance(start, tuple | list) or len(start) != 2:
         raise InputError(f'start must be (q, velocity), "settled" or "rest", got {shown(start)}')
     own = assembly.system.size
@@ -287,6 +293,15 @@ def _deflected(assembly: Assembly) -> Values:
                 "system against its constant forces"
             ) from error
         return np.asarray(found)
+
+
+def hanging(assembly: Assembly, speed: float) -> Values:
+    """Return the equilibrium under the constant forces, or the axis where there is none."""
+    on_axis = np.zeros((2, assembly.size))
+    try:
+        return rest(assembly, speed) if assembly.force.any() else on_axis
+    except InputError:  # it falls
+        return on_axis
 
 
 def rest(assembly: Assembly, speed: float = 0.0) -> Values:

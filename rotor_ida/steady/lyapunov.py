@@ -13,7 +13,6 @@ import xarray as xr
 
 from rotor_ida.arrays import Column, Stop, Values
 from rotor_ida.checks import (
-    AT_REST,
     check_choice,
     check_count,
     check_duration,
@@ -106,7 +105,7 @@ def lyapunov_exponent(
     rotor: Rotor | DimensionalRotor | RotorSystem | None = None,
     *,
     speed: npt.ArrayLike | None = None,
-    start: Start = AT_REST,
+    start: Start = None,
     transient: float | None = None,
     duration: float = 5000.0,
     revolutions: int = 2000,
@@ -131,7 +130,7 @@ def lyapunov_exponent(
     speed : float or array_like, shape (n,)
         Spin speeds of a `RotorSystem`, not 0. Those of a `DimensionalRotor` are a parameter of it.
     start : array_like, shape (4,), (q, velocity), "settled", "rest" or Dataset
-        ``(x, y, vx, vy)`` at time 0 [1], by default at rest on the axis; of a `RotorSystem`
+        ``(x, y, vx, vy)`` at time 0 [1], by default at rest; of a `RotorSystem`
         displacements and velocities, as in `simulate`. Or a word, for the start of each rotor, or a
         result that ends in a state.
     transient : float, optional

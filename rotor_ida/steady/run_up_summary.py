@@ -18,6 +18,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS, check_instance
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import bounds_exceeded
+from rotor_ida.model.disc_starts import hanging
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.parallel import interruptible
 from rotor_ida.results.contact_facts import run_up_facts
@@ -46,6 +47,9 @@ NEEDED = (
 OF_CHANGE = ("to", "rate", "speeds", "torque", "inertia")
 # Allowed distance of the last sample from the end, relative to the duration.
 AT_END = 1e-9
+# Allowed distance of a start from that at rest, relative to its size.
+SAME_START = 1e-9
+LIES = "at rest on the stator"
 RUBS = {
     "synchronous": "full annular rub, forwards with the unbalance",
     "full_contact": "full annular rub, with a radius that pulsates",
@@ -116,7 +120,8 @@ def summary(run: xr.Dataset) -> xr.Dataset:
     attributes = {name: each for name, each in origin_of(plain).items() if name not in OF_CHANGE}
     backward = int((plain["whirl_direction"] == WHIRL_DIRECTION["backward"]).sum())
     last = float(plain["speed"][-1])
-    attributes["sentence"] = _in_words(facts, ended, rotor, last, machine, backward)
+    sentence = _in_words(facts, ended, rotor, last, machine, backward, start_in_words(run))
+    attributes["sentence"] = sentence
     found = labelled_dataset(
         "Summary of a run-up", columns, coordinates, attributes, kind="run_up_summary"
     )
@@ -146,6 +151,29 @@ def _ending(run: xr.Dataset, rotor: Rotor) -> Outcome:
 # ---- In words ----
 
 
+def start_in_words(run: xr.Dataset) -> str:
+    """Return a clause about where one disc is at rest under its load when a run begins, or "".
+
+    Examples
+    --------
+    >>> from rotor_ida import Rotor, simulate
+    >>> rotor = Rotor(omega=0.5, zeta=0.1, delta0=1.0, shaft_stiffness=2.0, load=0.5)
+    >>> start_in_words(simulate(rotor, duration=1.0))
+    'it starts hanging 0.25 below the axis'
+    >>> start_in_words(simulate(rotor, start=(0, 0, 0, 0), duration=1.0))
+    ''
+    """
+    machine, plain = (machine_of(run), dimensionless(run)) if is_in_si(run) else (None, run)
+    rotor, start = rotor_of(plain), np.asarray(plain.attrs.get("start", ()), float)
+    if rotor.load == 0.0 or start.size != len(COMPONENTS):
+        return ""
+    at_rest = np.array(hanging(rotor))
+    if np.abs(start - at_rest).max() > SAME_START * np.abs(at_rest).max():
+        return ""
+    how = f"{LIES}," if np.hypot(*start[:2]) > rotor.delta0 else "hanging"
+    return f"it starts {how} {_length(-start[1], machine)} below the axis"
+
+
 def _in_words(
     facts: dict[str, float],
     ended: Outcome,
@@ -153,10 +181,17 @@ def _in_words(
     last: float,
     machine: DimensionalRotor | None,
     backward: int,
+    start: str,
 ) -> str:
-    """Return a summary in sentences, the verdict first, given the contacts that whirl backward."""
+    """Return a summary in sentences, the verdict first.
+
+    Given are the number of contacts that whirl backward, and a clause about the start.
+    """
     held = f"Held at {_speed(last, machine)} it"
-    sentences = [contact_in_words(facts, ended.ending, rotor, machine)]
+    lies = LIES in start  # it has touched the stator before
+    sentences = [contact_in_words(facts, ended.ending, rotor, machine, start if lies else "")]
+    if start and not lies:
+        sentences.append(f"{start[0].upper()}{start[1:]}.")
     if facts["contact_count"] and "first_roll_speed" in facts:
         rolls = facts["first_roll_speed"]
         sentences.append(
@@ -189,9 +224,12 @@ def _in_words(
 
 
 def contact_in_words(
-    facts: Mapping[str, float], ending: str, rotor: Rotor, machine: DimensionalRotor | None
-) -> str:
+    facts: Mapping[str, float], ending: str, rotor: Rotor, machine: DimensionalRotor | None,
+    lies: str = "",
+) -> str:  # fmt: skip
     """Return the verdict, with the closest approach to the stator or the largest force on it.
+
+    Of a rotor that lies on the stator before, the words for that are given.
 
     Examples
     --------
@@ -206,9 +244,9 @@ def contact_in_words(
             f"where {gap} of the clearance of {clearance} are left."
         )
     verdicts = {CONTACT_FREE: "Rub on the way, none at the end", WHIP: "Dry whip"}
+    touch = f"it first touches the stator at {_speed(facts['first_touch_speed'], machine)}"
     return (
-        f"{verdicts.get(ending, 'Rub')}: it first touches the stator at "
-        f"{_speed(facts['first_touch_speed'], machine)}, and presses up to "
+        f"{verdicts.get(ending, 'Rub')}: {lies or touch}, and presses up to "
         f"{_length(-facts['smallest_gap'], machine)} into it, with up to "
         f"{_force(facts['largest_force'], machine)} at "
         f"{_speed(facts['largest_force_speed'], machine)}."

@@ -69,7 +69,7 @@ def run_ups(
     to: float,
     rate: npt.ArrayLike,
     phase: npt.ArrayLike = 0.0,
-    starts: Starts = (AT_REST,),
+    starts: Starts = (None,),
     modes: int | None = None,
     rtol: float = 1e-10,
     atol: float = 1e-12,

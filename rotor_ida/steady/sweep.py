@@ -16,7 +16,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Column
-from rotor_ida.checks import AT_REST, check_flag, check_progress
+from rotor_ida.checks import check_flag, check_progress
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parameters import SPEED, AnyAxes
@@ -55,7 +55,7 @@ def sweep(
     rotor: Rotor | DimensionalRotor | RotorSystem | None = None,
     *,
     speed: npt.ArrayLike | None = None,
-    starts: Starts = (AT_REST,),
+    starts: Starts = (None,),
     direction: Direction | None = None,
     along: str | None = None,
     events: bool = False,
@@ -82,7 +82,7 @@ def sweep(
     starts : array_like, shape (n, 4), "settled", "rest", Dataset, or sequence of these
         Starts ``(x, y, vx, vy)`` [1], words for those at each speed, or results that end in one, as
         for `simulate`. Those of a `RotorSystem` are a sequence of ``(q, velocity)``, words, None
-        (at rest at 0) or results, or one result. Default: one, at rest on the axis.
+        or results, or one result. Default: one, at rest, as None is for `simulate`.
     direction : {"up", "down", "both"}, optional
         Quasi-static run-up or run-down: only the first speed (the last, going down) begins from
         the starts, and each other from the end of the one before, so that jumps and their

@@ -12,7 +12,7 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Column, Stop, Values
-from rotor_ida.checks import AT_REST, check_between, check_distinct, shown
+from rotor_ida.checks import check_between, check_distinct, shown
 from rotor_ida.closed_forms.receptances import checked_speeds
 from rotor_ida.core.runs import NO_STOP
 from rotor_ida.errors import InputError, SimulationError, warn
@@ -229,7 +229,7 @@ def warn_if_long(problem: SettlingProblem, speeds: Values, times: int) -> None:
 
 
 def _checked_starts(starts: object) -> list[Start | xr.Dataset]:
-    """Return the starts, one or more; a result alone is one start, and at rest on the axis None."""
+    """Return the starts, one or more; a result alone is one start."""
     if isinstance(starts, xr.Dataset):
         return [starts]
     if not isinstance(starts, list | tuple) or not starts:
@@ -237,7 +237,7 @@ def _checked_starts(starts: object) -> list[Start | xr.Dataset]:
             f'starts must be a list of (q, velocity), "settled", "rest", None or a result, got '
             f"{shown(starts)}"
         )
-    return [None if each is AT_REST else each for each in starts]
+    return list(starts)
 
 
 def point_of(problem: SettlingProblem) -> np.dtype[np.void]:

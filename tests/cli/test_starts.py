@@ -90,3 +90,32 @@ def test_the_page_of_the_explorer_begins_from_a_word():
     state, _ = _beginning(RotorOptions(**given), "settled", None)
     start = tuple(state[name] for name in ("x", "y", "vx", "vy"))
     assert start == pytest.approx((z.real, z.imag - SAG, -0.7 * z.imag, 0.7 * z.real), rel=1e-12)
+
+
+def test_the_load_of_a_machine_may_be_its_weight(program: Program):
+    """It starts hanging by its weight over the stiffness of the shaft, and says so."""
+    sheet = ("--mass", "4kg", "--contact-stiffness", 3.2e7, "--damping", "89.1Ns/m",
+             "--eccentricity", "10um", "--clearance", "200um", "--speed", "300rpm",
+             "--shaft-stiffness", 1e6)  # fmt: skip
+    sag = 4.0 * 9.80665 / 1e6
+    ramp = ("--to", "1000rpm", "--rate", "1000rpm/s", "--out", "run.nc")
+    answer = program("run-up", *sheet, "--load", "weight", *ramp)
+    assert (answer.status, answer.err) == (0, "")
+    assert f"It starts hanging {1e6 * sag:.3g} um below the axis." in " ".join(answer.out.split())
+    assert rotor_ida.load("run.nc").y[0].item() == pytest.approx(-sag, rel=1e-12)
+    sweep = ("sweep", *sheet, "--load", "0", "weight", "--workers", 1, "--out", "map.nc")
+    assert program(*sweep).status == 0
+    weight = f"{4.0 * 9.80665!r}N"
+    assert program(*sweep[:-7], "--load", "0", weight, "--workers", 1, "--out", "n.nc").status == 0
+    assert rotor_ida.load("map.nc").equals(rotor_ida.load("n.nc"))
+
+
+@pytest.mark.parametrize(
+    ("load", "says"),
+    [("weight", "no unit for a dimensionless rotor"), ("heavy", "finite real number")],
+)
+def test_a_load_without_a_mass_is_a_number(program: Program, load: str, says: str):
+    disc = ("--omega", 0.5, "--zeta", 0.1, "--delta0", 2, "--load", load)
+    answer = program("simulate", *disc, "--duration", 1)
+    assert answer.status == 2
+    assert says in answer.err

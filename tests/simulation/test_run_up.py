@@ -396,7 +396,7 @@ def test_a_torque_that_never_turns_the_rotor_is_refused():
 def test_a_disc_that_falls_freely_touches_when_it_has_fallen_by_the_clearance(delta0, load):
     """Its flight is a polynomial, whose step nothing limits."""
     touch = np.sqrt(2.0 * delta0 / load)
-    run = run_up(Rotor(omega=0.0, zeta=0.0, delta0=delta0, load=load),
+    run = run_up(Rotor(omega=0.0, zeta=0.0, delta0=delta0, load=load), start=(0, 0, 0, 0),
                  speeds=[(0.0, 0.0), (2.0 * touch, 0.0)])  # fmt: skip
     assert run.entry_time.values[0] == pytest.approx(touch, rel=1e-13)
     assert run.entry_speed.values[0] == pytest.approx(load * touch, rel=1e-13)

@@ -75,8 +75,10 @@ def test_the_load_of_a_disc_has_the_moment_of_its_weight():
     assert system.gravity == (0.0, -0.2)
     told = replace(system, gravity=None, static_force=[0.0, -0.2],
                    gravity_in_static_force=(0.0, -0.2))  # fmt: skip
+    on_axis = np.zeros(2), np.zeros(2)
     for run in (run_up(disc, start=(0.0, 0.0, 0.0, 0.0), **case),
-                run_up(system, speed=0.7, **case), run_up(told, speed=0.7, **case)):  # fmt: skip
+                run_up(system, speed=0.7, start=on_axis, **case),
+                run_up(told, speed=0.7, start=on_axis, **case)):  # fmt: skip
         np.testing.assert_allclose(run.speed, exact, rtol=0.0, atol=6e-9)
 
 

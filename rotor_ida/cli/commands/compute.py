@@ -8,14 +8,13 @@ import rotor_ida
 from rotor_ida.checks import check_one_varies, shown
 from rotor_ida.cli.command import Case, command
 from rotor_ida.cli.report import Report
-from rotor_ida.cli.rotor_options import REST
 from rotor_ida.cli.verb_options import OF_CHANGE
 from rotor_ida.errors import InputError
 from rotor_ida.model.scales import BECOMES
 from rotor_ida.model.system_parameters import SPEED
 
 
-@command("one", label="simulate [%]", begins=REST, quiet=True)
+@command("one", label="simulate [%]", quiet=True)
 def simulate(case: Case) -> Report:
     r"""Simulate a rotor at constant speed, with every contact entry and exit.
 
@@ -36,7 +35,7 @@ def simulate(case: Case) -> Report:
     return case.answer()
 
 
-@command("one", label="run-up [%]", begins=REST, quiet=True)
+@command("one", label="run-up [%]", quiet=True)
 def run_up(case: Case, *, begin: float | None = None) -> Report:
     r"""Simulate a rotor whose speed changes: a ramp, a speed profile, or a drive torque.
 
@@ -140,7 +139,7 @@ def bifurcation_diagram(case: Case, *, node: str | None = None) -> Report:
     return case.answer()
 
 
-@command("one", label="section [%]", begins=REST)
+@command("one", label="section [%]")
 def poincare_section(case: Case, *, node: str | None = None) -> Report:
     r"""Compute a Poincaré section: the states of one motion once a revolution or at its events.
 
@@ -158,7 +157,7 @@ def poincare_section(case: Case, *, node: str | None = None) -> Report:
     return case.answer()
 
 
-@command("several", label="run-ups", begins=REST)
+@command("several", label="run-ups")
 def run_ups(case: Case, *, begin: float | None = None) -> Report:
     r"""Simulate run-ups or run-downs at many rates, and summarise each.
 

@@ -16,7 +16,6 @@ from rotor_ida.cli.command import Case, command
 from rotor_ida.cli.option_types import ROTOR
 from rotor_ida.cli.output import read
 from rotor_ida.cli.report import Report
-from rotor_ida.cli.rotor_options import REST
 from rotor_ida.errors import InputError, RotorError, SimulationError
 from rotor_ida.model.data_sheet import in_si
 from rotor_ida.model.parameters import OF_MACHINE
@@ -55,7 +54,7 @@ class Origin:
         return {name for name, each in vars(self).items() if name != "from_" and each is not None}
 
 
-@command("one", label="cycle", begins=REST, without=("workers", "executor", "study"))
+@command("one", label="cycle", without=("workers", "executor", "study"))
 def limit_cycle(case: Case, *, without_gravity: bool = False) -> Report:
     r"""Compute the limit cycle reached from an initial state, with multipliers and spectrum.
 
@@ -88,7 +87,7 @@ def limit_cycle(case: Case, *, without_gravity: bool = False) -> Report:
     return replace(report, parts=[*report.parts, "drew no figure: there is no limit cycle"])
 
 
-@command("one", label="points", begins=REST)
+@command("one", label="points")
 def continue_cycle(
     case: Case, *, origin: Origin = Origin(), without_gravity: bool = False
 ) -> Report:
@@ -113,7 +112,7 @@ def continue_cycle(
     return _followed(case, [parameter], origin)
 
 
-@command("one", label="points", begins=REST)
+@command("one", label="points")
 def bifurcation_curve(
     case: Case, *, origin: Origin = Origin(), without_gravity: bool = False
 ) -> Report:
@@ -156,7 +155,7 @@ def _followed(case: Case, names: Sequence[str], origin: Origin) -> Report:
         limits = asked["limits"]
         _check_units(rotor, names, limits)
         if origin.period is not None:
-            asked["start"] = _closed(rotor, asked["start"], origin.period)
+            asked["start"] = _closed(rotor, asked.get("start"), origin.period)
         return asked | {"limits": limits if len(names) == 1 else (limits[:2], limits[2:])}
 
     case.adapted = adapted

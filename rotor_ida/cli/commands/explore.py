@@ -10,7 +10,7 @@ from pathlib import Path
 from rotor_ida.checks import COMPONENTS, State, check_state, shown
 from rotor_ida.cli.output import FORCED, working
 from rotor_ida.cli.parsing import refuse_units
-from rotor_ida.cli.rotor_options import REST, RotorOptions
+from rotor_ida.cli.rotor_options import RotorOptions
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.messages import ROTOR_ENDINGS, SystemQuestion, machine_of, state_of
 from rotor_ida.model.parameters import MACHINE_PARAMETERS, OPTIONAL, PARAMETERS
@@ -106,7 +106,7 @@ def _first_state(chosen: Rotor | DimensionalRotor, start: State | str | None) ->
 
     rotor = chosen if isinstance(chosen, Rotor) else chosen.rotor()
     if isinstance(start, str | None):
-        state = start_of(rotor, start or REST)
+        state = start_of(rotor, start)
     elif isinstance(chosen, Rotor):
         refuse_units({"start": start})
         state = start
