@@ -496,11 +496,13 @@ class FitProblem:
         self.left_work -= 2.0 * len(changes) * motion.work  # at most: as two motions of each
         z_by = motion.z_by.copy()
         for column, place in enumerate(places):
-            if place < len(self.unknown):
+            if place < len(self.unknown) and any(each.slow_rolls):
                 low, high = around[place]
-                before, after = (self._body_at(trial.sought, place, value) for value in (low, high))
-                moved = each.slow_whirl(after) - each.slow_whirl(before)
-                z_by[..., column] -= moved / (high - low)
+                before, after = (
+                    each.slow_whirl(self._body_at(trial.sought, place, value))
+                    for value in (low, high)
+                )
+                z_by[..., column] -= (after - before) / (high - low)
         moved = each.tracks.weighed(z_by.reshape(len(motion.z), -1))
         slopes = [
             moved.reshape(-1, len(changes)) / self.noise,

@@ -172,6 +172,8 @@ class Measured:
 
         Signals from which a slow roll was subtracted lack it; it is 0 at the other nodes.
         """
+        if not any(self.slow_rolls):
+            return np.zeros(1, dtype=np.complex128)
         found = np.zeros(self.z.shape, dtype=np.complex128)
         turned = self._turned()
         for place, (node, slow) in enumerate(zip(self.nodes, self.slow_rolls, strict=True)):
@@ -185,15 +187,15 @@ class Measured:
         """Yield what each independent error of the subtracted slow rolls adds to displacements."""
         turned = self._turned()
         for place, slow in enumerate(self.slow_rolls):
-            for error in (
-                () if slow is None else (turned, 1j * turned, turned.conj(), 1j * turned.conj())
-            ):
+            if slow is None:
+                continue
+            for whirl in (turned, 1j * turned, turned.conj(), 1j * turned.conj()):
                 found = np.zeros(self.z.shape, dtype=np.complex128)
-                found[:, place] = slow.error * error
+                found[:, place] = slow.error * whirl
                 yield found
 
     def _turned(self) -> ComplexValues:
-        return np.exp(1j * self.record.known_angles())
+        return np.asarray(np.exp(1j * self.record.known_angles()), dtype=np.complex128)
 
     @property
     def largest(self) -> float:
