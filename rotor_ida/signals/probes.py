@@ -192,7 +192,10 @@ def subtract_runout(
 
 def slow_part(signals: xr.Dataset, times: npt.ArrayLike) -> xr.Dataset:
     """Return the part of signals between two times, in which the rotor turns slowly."""
-    low, high = check_increasing("slow_roll", check_vector("slow_roll", times)).tolist()
+    ends = check_increasing("slow_roll", check_vector("slow_roll", times))
+    if ends.size != 2:
+        raise InputError(f"slow_roll must be two times or a file, got {shown(ends.tolist())}")
+    low, high = ends.tolist()
     whole = signals["t"].values
     room = ROOM * np.ptp(whole)  # a record of 10 s ends one step before
     if low < whole[0] - room or high > whole[-1] + room:
