@@ -62,7 +62,6 @@ from .signals.reading import read_signals as read_signals
 from .signals.record import signals_of as signals_of
 from .signals.spectra import full_spectrum as full_spectrum
 from .signals.spectra import spectrogram as spectrogram
-from .signals.spectra import spectrum as spectrum
 from .simulation.contact_table import contact_summary as contact_summary
 from .simulation.run_up import run_up as run_up
 from .simulation.sections import poincare_section as poincare_section

@@ -19,20 +19,20 @@ import numpy as np
 from rotor_ida import (
     Rotor,
     contact_forces,
+    full_spectrum,
     lyapunov_exponent,
     poincare_section,
     rotating,
     simulate,
-    spectrum,
 )
 from rotor_ida.paper.scenario import Settings, run_script
 from rotor_ida.plot import (
     panels,
     plot_exponents,
     plot_forces,
+    plot_full_spectrum,
     plot_orbit,
     plot_section,
-    plot_spectrum,
     plot_trace,
     shared_legend,
 )
@@ -72,7 +72,7 @@ def main(settings: Settings) -> None:
         results = {
             "run": rotating(run_on(rotor, start, SHOWN)),
             "section": poincare_section(rotor, start=start, revolutions=revolutions),
-            "spectrum": spectrum(long.isel(t=slice(None, -1))),
+            "spectrum": full_spectrum(long.isel(t=slice(None, -1))),
             "forces": contact_forces(long),
             "exponents": lyapunov_exponent(rotor, start=start, duration=duration),
         }
@@ -131,7 +131,7 @@ def draw(results, events):
     shared_legend(figure, axes[:2], columns=6, outer=False)
     plot_section(results["section"], ax=axes[2])
     plot_section(events, ax=axes[3])
-    plot_spectrum(results["spectrum"], ax=axes[4])
+    plot_full_spectrum(results["spectrum"], ax=axes[4])
     plot_exponents(results["exponents"], ax=axes[5])
     plot_forces(results["forces"].isel(t=slice(0, SHOWN * SAMPLES)), ax=axes[6])
     if results["forces"].sizes["contact"] > 1:

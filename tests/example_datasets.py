@@ -208,7 +208,6 @@ KINDS: dict[str, Callable[[], xr.Dataset]] = {
     ),
     "contact_summary": lambda: rotor_ida.contact_summary(a_run()),
     "rotating": lambda: rotor_ida.rotating(a_run()),
-    "spectrum": lambda: rotor_ida.spectrum(a_run()),
     "contact_forces": lambda: rotor_ida.contact_forces(a_run()),
     "poincare_section": lambda: rotor_ida.poincare_section(CENTRED, start=REST, revolutions=5),
     "system_section": lambda: rotor_ida.poincare_section(

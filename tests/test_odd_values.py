@@ -160,7 +160,6 @@ GIVEN: dict[str, Callable[[Path], dict[str, object]]] = {
     "fit": lambda _: {"signals": seen(), "machine": ROTOR, "unknown": ["zeta"], "time_error": 0.1,
         "entries": [15.0]},
     "read_signals": lambda folder: {"path": measured_in(folder)},
-    "spectrum": lambda _: {"run": run()},
     "contact_forces": lambda _: {"run": run()},
     "contact_summary": lambda _: {"run": run()},
     "compare": lambda _: {"dataset": swept()},

@@ -21,7 +21,7 @@ RESULTS = {
     name: KINDS[name]
     for name in (
         *("run", "contact_summary", "sweep", "comparison", "whirls", "folds", "basin"),
-        *("basin_fractions", "rotating", "spectrum", "contact_forces", "poincare_section"),
+        *("basin_fractions", "rotating", "contact_forces", "poincare_section"),
         *("lyapunov_exponent", "bifurcation_diagram"),
     )
 } | {
@@ -29,7 +29,7 @@ RESULTS = {
         Rotor(omega=1.0, zeta=0.5, delta0=9.0), start=REST, revolutions=5, at="exit"
     )
 }
-ANALYSED = ("rotating", "spectrum", "contact_forces", "poincare_section", "empty_section",
+ANALYSED = ("rotating", "contact_forces", "poincare_section", "empty_section",
             "lyapunov_exponent", "bifurcation_diagram")  # fmt: skip
 
 

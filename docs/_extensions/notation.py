@@ -10,7 +10,7 @@ from sphinx import addnodes
 # Words of the field that are names of functions too; as links they need their brackets or module.
 WORDS = {
     *("basin", "cusp", "flight", "folds", "impact", "jumps", "load", "peaks"),
-    *("rest", "rotating", "spectrum", "status"),
+    *("rest", "rotating", "status"),
 }
 # Where a name in single backticks is looked for.
 HOMES = ("rotor_ida", "rotor_ida.closed_forms", "rotor_ida.plot", "rotor_ida.testing")

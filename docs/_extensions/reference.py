@@ -24,7 +24,6 @@ TASKS = {
     ],
     "Steady states, sweeps and chaos": [
         *("sweep", "compare", "bifurcation_diagram", "poincare_section", "lyapunov_exponent"),
-        "spectrum",
     ],
     "Limit cycles and branches": [
         *("limit_cycle", "continue_cycle", "bifurcation_curve", "branches_through"),

@@ -120,6 +120,11 @@ OF_CYCLES = ("period", "radius_max", "largest_force")
 RANGES = ("omega", "amplitude", "radius_max")
 # Digits of estimates of a fit.
 OF_FITTED = 6
+# What a fitted angle of the unbalance counts from.
+OF_ANGLE = (
+    "unbalance_angle counts from the phase mark of these signals, in the direction of rotation: "
+    "another record may have another mark."
+)
 OF_FIT = ("chi_square", "degrees_of_freedom", "noise")
 ENDS_OF_BRANCH = ("first_end", "first_reason", "last_end", "last_reason")
 # Attributes of a branch whose names a record uses otherwise.
@@ -489,6 +494,8 @@ def show_fit(dataset: xr.Dataset, most: int | None) -> Description:
              for row in rows]  # fmt: skip
     heads = [name.replace("_", " ") for name in numbers]
     told = [f"{each}." for each in str(dataset.attrs.get("identifiability", "")).split("; ")]
+    if "unbalance_angle" in dataset["unknown"].values:
+        told.append(OF_ANGLE)
     summary: Record = {
         "machine": dataset.attrs.get("machine", ""),
         "windows": dataset.sizes["window"],

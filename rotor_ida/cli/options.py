@@ -28,6 +28,7 @@ from rotor_ida.cli.option_types import (
     several_numbers_option,
     words_option,
 )
+from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import TABLE
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
 
@@ -422,3 +423,15 @@ class ReadingOptions:
             if name in found:
                 found[name] = dict(parsing.named(name, found[name]))
         return found
+
+    def runout(self) -> dict[str, Any]:
+        """Return the slow roll, and up to which order, as arguments of the same function."""
+        times, file, orders = self.slow_roll, self.slow_roll_file, self.runout_orders
+        if times is None and file is None:
+            if orders is not None:
+                raise InputError("runout_orders must be given with slow_roll or slow_roll_file")
+            return {}
+        if times is not None and file is not None:
+            raise InputError("slow_roll must be left out with slow_roll_file")
+        slow = file or tuple(parsing.in_unit("slow_roll", each, "s") for each in times or ())
+        return {"slow_roll": slow} | ({} if orders is None else {"runout_orders": orders})

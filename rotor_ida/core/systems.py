@@ -21,7 +21,6 @@ from rotor_ida.core.runs import NO_STOP, PIECE, Rows
 from rotor_ida.model.bearing import Bearing, Films
 
 FIRST_ROOM = 256
-NO_FILMS = Films((), np.zeros((0, 2, 0)))
 LANES_A_VECTOR, COLUMNS_A_VECTOR = 4, 8
 # A skew part of a stiffness below this part of it is rounding.
 SYMMETRIC = 1e-12

@@ -16,6 +16,7 @@ from html import escape
 from pathlib import Path
 from tempfile import NamedTemporaryFile
 from types import FrameType
+from typing import Any
 from urllib.parse import urlencode
 
 from rotor_ida.checks import check_count
@@ -50,6 +51,7 @@ def explore(
     report: Callable[[str], None],
     longest_visit: float = LONGEST_VISIT,
     file: Path | None = None,
+    reading: Mapping[str, Any] | None = None,
 ) -> None:
     """Serve the explorer on this machine until it is interrupted.
 
@@ -67,6 +69,8 @@ def explore(
         Longest time of a connection that has not shown the key [s].
     file : Path, optional
         File of a rotor system or of a measurement, which the page may ask for.
+    reading : mapping, optional
+        Arguments of `rotor_ida.read_signals` for the latter.
 
     Raises
     ------
@@ -76,7 +80,7 @@ def explore(
         If the worker processes do not start.
     """
     with closing(_listen(port)) as listening:
-        asyncio.run(_serve(listening, state, browser, report, longest_visit, file))
+        asyncio.run(_serve(listening, state, browser, report, longest_visit, file, reading))
 
 
 def _listen(port: int) -> socket.socket:
@@ -103,6 +107,7 @@ async def _serve(
     report: Callable[[str], None],
     longest_visit: float,
     file: Path | None,
+    reading: Mapping[str, Any] | None,
 ) -> None:
     ready, failed, stop = asyncio.Event(), asyncio.Event(), asyncio.Event()
     with _ended_by_signals(stop):
@@ -123,7 +128,9 @@ async def _serve(
             if failed.is_set():
                 raise RotorError("the processes that compute the panels do not start")
             if not stop.is_set():
-                await _let_in(listening, queues, state, browser, report, longest_visit, stop, file)
+                await _let_in(
+                    listening, queues, state, browser, report, longest_visit, stop, file, reading
+                )
         finally:
             await queues.close()
 
@@ -151,10 +158,11 @@ async def _let_in(
     listening: socket.socket, queues: Queues, state: Mapping[str, object], browser: bool,
     report: Callable[[str], None], longest_visit: float, stop: asyncio.Event,
     file: Path | None,
+    reading: Mapping[str, Any] | None,
 ) -> None:  # fmt: skip
     """Serve the page until `stop`."""
     key = secrets.token_hex(16)
-    server = server_of(application(queues, key, file), longest_visit)
+    server = server_of(application(queues, key, file, reading), longest_visit)
     serving = asyncio.create_task(server.serve([listening]))
     port = listening.getsockname()[1]
     address = f"http://{LOOPBACK}:{port}/#{urlencode({**state, 'key': key})}"

@@ -48,7 +48,9 @@ def show_measured(measurement: Upload) -> Iterator[Answer]:
         "units": dict(measurement.units),
     }
     try:
-        columns = columns_of(table, measurement.columns, timed=rate_in(table) is not None)
+        told = measurement.reading.get("columns", {}) | measurement.columns
+        timed = rate_in(table) is not None or "rate" in measurement.reading
+        columns = columns_of(table, told, timed=timed)
         signals = _signals(table, measurement)
         record = record_of(signals)
     except InputError as error:  # the user may choose other columns
@@ -73,14 +75,18 @@ def show_measured(measurement: Upload) -> Iterator[Answer]:
 
 
 def _signals(table: Table, measurement: Upload) -> xr.Dataset:
-    """Return the signals in a table, as the user says it is to be read."""
-    return read_signals(
-        table,
-        columns=measurement.columns,
-        units=measurement.units,
-        probe_angles=measurement.probe_angles,
-        gains=measurement.gains,
-    )
+    """Return the signals in a table, as the user says it is to be read.
+
+    Choices on the page go before those of the command; the page sends all of them, changed or not.
+    """
+    given = dict(measurement.reading)
+    given |= {
+        name: given.get(name, {}) | getattr(measurement, name) for name in ("columns", "units")
+    }
+    for name, unchanged in (("probe_angles", (0.0, 90.0)), ("gains", (1.0, 1.0))):
+        if getattr(measurement, name) != unchanged:
+            given[name] = getattr(measurement, name)
+    return read_signals(table, **given)
 
 
 def _panels(signals: xr.Dataset, record: Record, notes: list[str]) -> Arrays:

@@ -182,6 +182,8 @@ class Upload(Asked):
         Choices of the user on the page, as in `rotor_ida.read_signals`.
     path : Path, optional
         Path of the file, set by the server.
+    reading : mapping
+        Further arguments of `rotor_ida.read_signals`, of the file that was given to the server.
     """
 
     name: str
@@ -191,6 +193,7 @@ class Upload(Asked):
     columns: Mapping[str, str] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
     path: Path | None = None
+    reading: Mapping[str, Any] = field(default_factory=dict)
 
     @property
     def ending(self) -> str:

@@ -11,13 +11,14 @@ import asyncio
 import re
 import secrets
 import socket
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Mapping
 from contextlib import closing, contextmanager, suppress
 from dataclasses import replace
 from functools import partial
 from itertools import count
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import h11
 import uvicorn
@@ -84,10 +85,13 @@ HEADERS = {
 TOO_MANY_PAGES, TOO_SLOW = 4429, 4408
 
 
-def application(queues: Queues, key: str, file: Path | None = None) -> ASGIApp:
+def application(
+    queues: Queues, key: str, file: Path | None = None, reading: Mapping[str, Any] | None = None
+) -> ASGIApp:
     """Return the application that serves the pages, and answers to those with the key.
 
-    `file` is that given to the command, of a rotor system or a measurement.
+    `file` is that given to the command, of a rotor system or a measurement, and `reading` how the
+    latter is read.
     """
     contents, numbers, pages = page_files(), count(1), set[int]()
 
@@ -112,7 +116,7 @@ def application(queues: Queues, key: str, file: Path | None = None) -> ASGIApp:
                 return
             pages.add(number)
             try:
-                await _converse(socket, queues, number, file)
+                await _converse(socket, queues, number, file, reading)
             finally:
                 pages.discard(number)
                 queues.forget(number)
@@ -123,7 +127,13 @@ def application(queues: Queues, key: str, file: Path | None = None) -> ASGIApp:
     return _only_from_here(Starlette(routes=routes))
 
 
-async def _converse(socket: WebSocket, queues: Queues, page: int, file: Path | None = None) -> None:
+async def _converse(
+    socket: WebSocket,
+    queues: Queues,
+    page: int,
+    file: Path | None,
+    reading: Mapping[str, Any] | None,
+) -> None:
     """Accept the questions of a page and send the answers, until it disconnects."""
     unread, held = asyncio.Queue[bytes](), 0
 
@@ -142,7 +152,7 @@ async def _converse(socket: WebSocket, queues: Queues, page: int, file: Path | N
             held -= len(answer)
 
     async def take() -> None:
-        with closing(Inbox(partial(queues.ask, page), deliver, file)) as inbox:
+        with closing(Inbox(partial(queues.ask, page), deliver, file, reading)) as inbox:
             while (message := await socket.receive())["type"] != "websocket.disconnect":
                 try:
                     inbox.take(message.get("text") or "", message.get("bytes"))
@@ -170,11 +180,13 @@ class Inbox:
     """
 
     def __init__(
-        self, ask: Callable[[Asked, Deliver], None], deliver: Deliver, file: Path | None = None
-    ) -> None:
+        self, ask: Callable[[Asked, Deliver], None], deliver: Deliver, file: Path | None = None,
+        reading: Mapping[str, Any] | None = None,
+    ) -> None:  # fmt: skip
         self._ask = ask
         self._deliver = deliver
         self._given = self._system = file
+        self._reading = reading or {}
         self._folder_of_system: TemporaryDirectory[str] | None = None
         self._folder: TemporaryDirectory[str] | None = None
         self._coming: Upload | None = None
@@ -193,7 +205,8 @@ class Inbox:
             return
         self._forget()
         if not question.size and self._given is not None and question.name == self._given.name:
-            self._ask(replace(question, path=self._given), self._deliver)
+            given = replace(question, path=self._given, reading=self._reading)
+            self._ask(given, self._deliver)
             return
         self._folder = TemporaryDirectory(prefix="rotor-ida-")
         # its own name is in messages, and in the lines that compute a system again

@@ -11,7 +11,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import ComplexValues, Values
+from rotor_ida.arrays import Values
 from rotor_ida.checks import (
     STARTS,
     check_between,
@@ -21,7 +21,6 @@ from rotor_ida.checks import (
     did_you_mean,
     shown,
 )
-from rotor_ida.closed_forms.receptances import solved_motions
 from rotor_ida.errors import InputError
 from rotor_ida.fitting.identifiability import ANGLE
 from rotor_ida.fitting.motion import Body, Word
@@ -239,19 +238,11 @@ def _unbalance_angle(machine: AnyRotor, records: list[Measured]) -> float:
         wide = np.append(sizes > FREE * min(clearance, float(sizes.max())), True)
         free = (np.arange(speeds.size) < wide.argmax())[:, None]
         slower, expected, faster = (
-            _free_whirls(body, each.nodes, part * speeds) for part in (1 - NEARBY, 1, 1 + NEARBY)
+            body.free_whirls(each.nodes, part * speeds)[0] for part in (1 - NEARBY, 1, 1 + NEARBY)
         )
         free = free & (np.abs(np.angle(faster / slower)) < TURNED)
         lead += complex((whirls * np.exp(-1j * np.angle(expected)))[free].sum())
     return float(np.angle(lead))
-
-
-def _free_whirls(body: Body, nodes: Sequence[str], speeds: Values) -> ComplexValues:
-    """Return the forward whirl of nodes without contact, shape (speed, node), over the speed^2."""
-    unbalance = body.assembly.unbalance[0] - 1j * body.assembly.unbalance[1]
-    motions = solved_motions(body.assembly, speeds, unbalance[:, None])[:, :, 0]
-    rows = body.rows(nodes)
-    return np.asarray(0.5 * motions @ (rows[:, 0] + 1j * rows[:, 1]).T, complex)
 
 
 def _checked_orders(orders: npt.ArrayLike) -> Values:

@@ -153,7 +153,10 @@ def fit(
     covariance is that of least squares, with the initial states fitted too. The angle by a
     keyphasor is a smooth curve through its pulses; the errors of that curve, from pulses with a
     standard error of ``step/sqrt(12)`` and a common one of ``step/10``, are part of the covariance
-    of the residuals. An angle that is given at each sample counts as exact. The covariance holds
+    of the residuals. An angle that is given at each sample counts as exact. Where a slow roll was
+    subtracted (`rotor_ida.subtract_runout`), so is the whirl without contact that the trial has at
+    the speeds of the slow roll, and the error of the slow roll is part of the covariance too. It
+    holds
     for white noise that is equal in all directions and small enough for the motion to change
     linearly.
 
@@ -224,7 +227,7 @@ def _refined(
     for _ in range(MOST_ROUNDS):
         before, clear = problem.noise, problem.clear
         _weigh(problem, solution, noise)
-        problem.renew(angle_errors=problem.errors_of_angle(solution))
+        problem.renew(shared_errors=problem.errors_in_common(solution))
         solution, converged = _least(problem, solution, TOLERANCE)
         same = all(np.array_equal(each, clear.get(key, [])) for key, each in problem.clear.items())
         if same and abs(problem.noise - before) <= SETTLED * before:
@@ -268,7 +271,7 @@ def _weigh(problem: FitProblem, solution: Values, noise: float | None) -> None:
     motions = problem.motions(solution)
     if noise is None:
         problem.renew(noise=noise_of(problem.records, [each.z for each in motions]))
-    problem.renew(clear=problem.clear_in(motions), angle_errors=None)
+    problem.renew(clear=problem.clear_in(motions), shared_errors=None)
 
 
 def _with_clearance(problem: FitProblem, sought: Values) -> Values:

@@ -13,6 +13,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import ComplexValues, Stop, Values
+from rotor_ida.closed_forms.receptances import solved_motions
 from rotor_ida.core.runs import NO_STOP
 from rotor_ida.core.systems import ByParameter, SystemRequest, SystemResult, law_changes
 from rotor_ida.errors import BudgetError
@@ -157,6 +158,17 @@ class Body:
         """Return the displacements of nodes by q, shape (node, 2, n)."""
         places = list(self.assembly.system.nodes)
         return self.assembly.node_rows()[[places.index(each) for each in nodes]]
+
+    def free_whirls(self, nodes: Sequence[str], speeds: Values) -> ComplexValues:
+        """Return the whirl of nodes by unbalance without contact, over the speed^2.
+
+        The forward and the backward part have the shape (speed, node).
+        """
+        unbalance = self.assembly.unbalance[0] - 1j * self.assembly.unbalance[1]
+        motions = solved_motions(self.assembly, speeds, unbalance[:, None])[:, :, 0]
+        rows = self.rows(nodes)
+        ahead, back = (motions @ (rows[:, 0] + turn * rows[:, 1]).T for turn in (1j, -1j))
+        return np.asarray(0.5 * np.stack([ahead, back.conj()]), complex)
 
     def begun(self, start: Values | Word, speed: float) -> Values:
         """Return displacement and velocity at time 0, shape (2, n)."""

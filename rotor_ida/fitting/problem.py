@@ -89,8 +89,10 @@ class Trial:
 
 
 @dataclass(frozen=True)
-class AngleErrors:
-    """Changes of the residuals by errors of the measured angle, beside independent unit noise.
+class SharedErrors:
+    """Changes of the residuals by errors that they share, beside independent unit noise.
+
+    They are those of the measured angle and of a subtracted slow roll.
 
     Their covariance is ``1 + D D'`` of the changes D by each independent standard error.
 
@@ -106,7 +108,7 @@ class AngleErrors:
     parts: Values
 
     @classmethod
-    def of(cls, changes: Sequence[Values]) -> AngleErrors:
+    def of(cls, changes: Sequence[Values]) -> SharedErrors:
         """Return them from the columns of D."""
         directions, sizes, _ = np.linalg.svd(np.stack(changes, axis=1), full_matrices=False)
         return cls(directions, 1.0 - 1.0 / np.sqrt(1.0 + sizes**2))
@@ -171,8 +173,8 @@ class FitProblem:
         Fraction of the windows, from the first, that the search uses: 1 is all.
     clear : dict
         For each record and kind, which of the measured times are compared; by default all.
-    angle_errors : AngleErrors, optional
-        The effect of errors of the measured angle.
+    shared_errors : SharedErrors, optional
+        The effect of errors that many residuals share.
     """
 
     rotor: Rotor | DimensionalRotor | RotorSystem
@@ -189,7 +191,7 @@ class FitProblem:
     stop: Stop | None = None
     part: float = 1.0
     clear: dict[tuple[int, int], Mask] = field(default_factory=dict)
-    angle_errors: AngleErrors | None = None
+    shared_errors: SharedErrors | None = None
     _last: Trial | None = field(default=None, repr=False)
     _best: Trial | None = field(default=None, repr=False)
     _residuals: tuple[bytes, Values, Values] | None = field(default=None, repr=False)
@@ -332,13 +334,17 @@ class FitProblem:
         self, number: int, sought: Values, turning: Turning | None = None,
         start: Values | None = None, changes: Sequence[Change] = (),
     ) -> Motion:  # fmt: skip
-        """Return the motion for one record; along another angle or from another state, if given."""
-        each = self.records[number]
-        return self.body(sought).motion(
+        """Return the motion for one record; along another angle or from another state, if given.
+
+        The whirl of a slow roll is subtracted where that of the signals is.
+        """
+        each, body = self.records[number], self.body(sought)
+        motion = body.motion(
             each.turning if turning is None else turning,
             self._start(number, sought) if start is None else start, each.times, each.nodes,
             budget=self.budget, stop=self.stop, changes=changes,
         )  # fmt: skip
+        return replace(motion, z=motion.z - each.slow_whirl(body))
 
     def _start(self, number: int, sought: Values) -> Values | Word:
         """Return the first state of a record, or the word for it."""
@@ -418,22 +424,25 @@ class FitProblem:
         )
         return int(measured.sum()) - lost - round(used)
 
-    def errors_of_angle(self, sought: Values) -> AngleErrors | None:
-        """Return the effect of errors of the measured angle; None if none are known."""
+    def errors_in_common(self, sought: Values) -> SharedErrors | None:
+        """Return the effect of errors of angle and slow roll; None if none are known."""
         trial, rows, changes = self.trial(sought), self._rows(), []
         for number, each in enumerate(self.records):
-            known = self._of_record(number, trial, trial.motions[number])
+            own = trial.motions[number]
+            known, moved = self._of_record(number, trial, own), []
             for turning in each.other_turnings:
                 self._check_end()
+                moved.append(self._motion(number, sought, turning))
+            moved += [replace(own, z=own.z + error) for error in each.slow_roll_errors()]
+            for motion in moved:
                 change = np.zeros(rows[-1].stop)
-                moved = self._motion(number, sought, turning)
-                change[rows[number]] = self._of_record(number, trial, moved) - known
+                change[rows[number]] = self._of_record(number, trial, motion) - known
                 changes.append(change)
-        return AngleErrors.of(changes) if changes else None
+        return SharedErrors.of(changes) if changes else None
 
     def independent(self, values: Values) -> Values:
         """Return residuals, or columns of their derivatives, with independent unit noise."""
-        return values if self.angle_errors is None else self.angle_errors.independent(values)
+        return values if self.shared_errors is None else self.shared_errors.independent(values)
 
     def apart(self, trial: Trial, *, matched_only: bool = False) -> Values:
         """Return the residuals of a trial, over all windows."""
@@ -485,7 +494,16 @@ class FitProblem:
         changes = [self._change(number, trial.sought, place, *around[place]) for place in places]
         motion = self._motion(number, trial.sought, changes=changes)
         self.left_work -= 2.0 * len(changes) * motion.work  # at most: as two motions of each
-        moved = each.tracks.weighed(motion.z_by.reshape(len(motion.z), -1))
+        z_by = motion.z_by.copy()
+        for column, place in enumerate(places):
+            if place < len(self.unknown) and any(each.slow_rolls):
+                low, high = around[place]
+                before, after = (
+                    each.slow_whirl(self._body_at(trial.sought, place, value))
+                    for value in (low, high)
+                )
+                z_by[..., column] -= (after - before) / (high - low)
+        moved = each.tracks.weighed(z_by.reshape(len(motion.z), -1))
         slopes = [
             moved.reshape(-1, len(changes)) / self.noise,
             np.equal.outer(np.arange(own.start, own.stop), places),

@@ -3,17 +3,18 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import ComplexValues, Values
-from rotor_ida.checks import check_increasing, check_vector, shown
+from rotor_ida.checks import check_increasing, check_nonnegative, check_vector, shown
 from rotor_ida.errors import InputError
 from rotor_ida.fitting.measured_angle import angle_at_samples, angle_by_pulses
-from rotor_ida.fitting.motion import Turning
+from rotor_ida.fitting.motion import Body, Turning
 from rotor_ida.results.run import samples_in
 from rotor_ida.schema.quantities import UNITS
 from rotor_ida.signals.keyphasor import check_per_revolution
@@ -100,6 +101,13 @@ class Tracks:
         return float((np.abs(later) ** 2).sum()), max(free, 1)
 
 
+class SlowRoll(NamedTuple):
+    """A slow roll that was subtracted at a node: its speeds [rad/s], and its error [m]."""
+
+    speeds: Values
+    error: float
+
+
 @dataclass(frozen=True)
 class Measured:
     """One record of signals as it is compared; in SI units if the machine is.
@@ -130,6 +138,8 @@ class Measured:
         The units of the signals in metres and seconds.
     units : tuple of str
         These units.
+    slow_rolls : tuple
+        The slow roll that was subtracted at each node, or None.
     """
 
     record: Record
@@ -146,6 +156,7 @@ class Measured:
     metre: float
     second: float
     units: tuple[str, str]
+    slow_rolls: tuple[SlowRoll | None, ...]
 
     @property
     def tracked(self) -> int:
@@ -155,6 +166,36 @@ class Measured:
     def first(self, part: float) -> Values:
         """Return 1 for each of these numbers in the first part of the windows, else 0."""
         return np.repeat(self.tracks.first(part), len(self.nodes))
+
+    def slow_whirl(self, body: Body) -> ComplexValues:
+        """Return the whirl without contact that a slow roll of a body has, at all samples.
+
+        Signals from which a slow roll was subtracted lack it; it is 0 at the other nodes.
+        """
+        if not any(self.slow_rolls):
+            return np.zeros(1, dtype=np.complex128)
+        found = np.zeros(self.z.shape, dtype=np.complex128)
+        turned = self._turned()
+        for place, (node, slow) in enumerate(zip(self.nodes, self.slow_rolls, strict=True)):
+            if slow is not None:
+                whirls = body.free_whirls([node], slow.speeds)[..., 0] * slow.speeds**2
+                ahead, back = whirls.mean(axis=1)
+                found[:, place] = ahead * turned + back * turned.conj()
+        return found
+
+    def slow_roll_errors(self) -> Iterator[ComplexValues]:
+        """Yield what each independent error of the subtracted slow rolls adds to displacements."""
+        turned = self._turned()
+        for place, slow in enumerate(self.slow_rolls):
+            if slow is None:
+                continue
+            for whirl in (turned, 1j * turned, turned.conj(), 1j * turned.conj()):
+                found = np.zeros(self.z.shape, dtype=np.complex128)
+                found[:, place] = slow.error * whirl
+                yield found
+
+    def _turned(self) -> ComplexValues:
+        return np.asarray(np.exp(1j * self.record.known_angles()), dtype=np.complex128)
 
     @property
     def largest(self) -> float:
@@ -216,7 +257,17 @@ def measured(
             for kind, each in touches.items() if each is not None
         },
         begin, length, time, (first.length, first.time),
+        tuple(_slow_roll_of(each.attributes, length, time) for each in given),
     )  # fmt: skip
+
+
+def _slow_roll_of(attributes: Mapping[str, object], length: float, time: float) -> SlowRoll | None:
+    """Return the slow roll that `rotor_ida.subtract_runout` has subtracted, None without."""
+    if "slow_roll_speeds" not in attributes:
+        return None
+    speeds = check_vector("slow_roll_speeds", attributes["slow_roll_speeds"])
+    error = check_nonnegative("slow_roll_error", attributes.get("slow_roll_error"))
+    return SlowRoll(speeds / time, error * length)
 
 
 def _scale(unit: str, kind: str, in_si: bool) -> float:

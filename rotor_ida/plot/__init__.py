@@ -72,7 +72,6 @@ from rotor_ida.plot.signals import plot_orbit as plot_orbit
 from rotor_ida.plot.signals import plot_orders as plot_orders
 from rotor_ida.plot.signals import plot_polar as plot_polar
 from rotor_ida.plot.signals import plot_spectrogram as plot_spectrogram
-from rotor_ida.plot.signals import plot_spectrum as plot_spectrum
 from rotor_ida.plot.signals import plot_trace as plot_trace
 from rotor_ida.plot.whirls import plot_backward_whirl as plot_backward_whirl
 from rotor_ida.plot.whirls import plot_campbell as plot_campbell

@@ -289,7 +289,6 @@ KINDS = {
              shown=f"{_SHOWN}:show_run_up_summary"),
         Kind(name="contact_summary", meaning="summary of contacts"),
         Kind(name="contact_forces", meaning="contact forces", drawn="rotor_ida.plot:plot_forces"),
-        Kind(name="spectrum", meaning="spectrum of a run", drawn="rotor_ida.plot:plot_spectrum"),
         Kind(name="section", meaning="section", variables="crossing_time(crossing) " + _STATES,
              dims="crossing", shown=f"{_SHOWN}:show_section", drawn="rotor_ida.plot:plot_section"),
         Kind(name="lyapunov_exponent", meaning="Lyapunov exponents",

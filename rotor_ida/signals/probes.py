@@ -12,7 +12,14 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import LARGEST_NUMBER, check_array, check_count, shown
+from rotor_ida.checks import (
+    LARGEST_NUMBER,
+    check_array,
+    check_count,
+    check_increasing,
+    check_vector,
+    shown,
+)
 from rotor_ida.errors import InputError
 from rotor_ida.signals.files.columns import unit_called
 from rotor_ida.signals.files.text import number_in
@@ -25,6 +32,11 @@ from rotor_ida.units import UNITS
 # Sine of the smallest angle between two probes.
 NEARLY_ALONG = 1e-3
 MOST_HARMONICS = 50
+# A rotor turns slowly below this part of the largest speed of a record. A slow roll may end this
+# part of the record after it.
+HOW_SLOW, ROOM = 0.5, 1e-3
+# Speeds of a slow roll that are kept.
+MOST_SPEEDS = 64
 # Volts or millivolts over a unit of length.
 SENSITIVITIES = (1e-12, 1e12)
 # Units of length in which displacements can be shown, in metres.
@@ -127,7 +139,8 @@ def subtract_runout(
     In the slow roll ``sum(c_n exp(i n theta))`` is fitted to ``z`` over whole revolutions. Its
     terms from -harmonics to harmonics except 0 are subtracted at each angle. The actual whirl at
     low speed is subtracted too: in a rigid bearing about ``(omega/omega_n)**2`` of the
-    eccentricity.
+    eccentricity. The attributes ``slow_roll_speeds`` and ``slow_roll_error`` keep the speeds and
+    the standard error of an amplitude, by which `fit` allows for both.
 
     References
     ----------
@@ -160,7 +173,8 @@ def subtract_runout(
             f"{window.edges[1] / whole:.3g}"
         )
     orders = np.arange(-most, most + 1.0)
-    amplitudes = fit_orders(slow, window, orders).amplitudes[0]
+    fitted = fit_orders(slow, window, orders)
+    amplitudes = fitted.amplitudes[0]
     z = record.z.copy()
     for order, amplitude in zip(orders, amplitudes, strict=True):
         if order != 0.0:
@@ -169,7 +183,36 @@ def subtract_runout(
     up_to = "order 1" if most == 1 else f"orders up to {most}"
     told = f"the runout of {up_to} in {whole} revolutions of a slow roll is subtracted"
     notes = "; ".join(filter(None, [str(found.attrs.get("notes", "")), told]))
-    return found.assign_attrs(notes=notes)
+    speeds = windows_of(slow, 1).speeds
+    chosen = np.linspace(0.0, speeds.size - 1.0, min(speeds.size, MOST_SPEEDS)).astype(int)
+    return found.assign_attrs(
+        notes=notes, slow_roll_speeds=speeds[chosen], slow_roll_error=fitted.errors[0].mean()
+    )
+
+
+def slow_part(signals: xr.Dataset, times: npt.ArrayLike) -> xr.Dataset:
+    """Return the part of signals between two times, in which the rotor turns slowly."""
+    ends = check_increasing("slow_roll", check_vector("slow_roll", times))
+    if ends.size != 2:
+        raise InputError(f"slow_roll must be two times or a file, got {shown(ends.tolist())}")
+    low, high = ends.tolist()
+    whole = signals["t"].values
+    room = ROOM * np.ptp(whole)  # a record of 10 s ends one step before
+    if low < whole[0] - room or high > whole[-1] + room:
+        raise InputError(
+            f"slow_roll must lie within {whole[0]:g} to {whole[-1]:g}, got {low:g} {high:g}"
+        )
+    part = signals.sel(t=slice(low, high))
+    record, slow = record_of(signals), record_of(part, "slow_roll")
+    angles, turned = record.known_angles(), slow.known_angles()
+    fastest = float(np.abs(np.diff(angles) / np.diff(record.times)).max())
+    part_of_it = abs(float((turned[-1] - turned[0]) / np.ptp(slow.times))) / fastest
+    if part_of_it > HOW_SLOW:
+        raise InputError(
+            "slow_roll must be a part in which the rotor turns slowly, but there it turns at "
+            f"{part_of_it:.0%} of its largest speed on average"
+        )
+    return part
 
 
 def displacements(z: Complex, angles: npt.ArrayLike, gains: npt.ArrayLike) -> Complex:
@@ -303,11 +346,21 @@ def scaled(
 
 
 def displacements_at(
-    sensitivity: str | None, length: str, angles: Values, gains: npt.ArrayLike,
+    sensitivity: str | None, length: str, angles: Values, gains: npt.ArrayLike, seen: Values,
     readings: Values, unit: str,
 ) -> Complex:  # fmt: skip
-    """Return ``x + i y`` in a unit of length where two probes have these readings, one number."""
+    """Return ``x + i y`` in a unit of length where two probes have these readings, one number.
+
+    Readings of the other sign than all of those `seen`, shape (2, n), are refused.
+    """
     (x, y), _ = scaled("gap", readings, unit, sensitivity, length)
+    for probe, each, own in zip("xy", (x, y), seen, strict=True):
+        if (own * each < 0.0).all():
+            raise InputError(
+                f"gap must have the sign of the readings, which are all "
+                f"{'negative' if each > 0.0 else 'positive'} at {probe}, got "
+                f"{readings['xy'.index(probe)]:g} {unit}"
+            )
     return displacements(np.array([x + 1j * y]), angles, gains)
 
 

@@ -7,7 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -60,6 +60,8 @@ from rotor_ida.signals.probes import (
     mean_position,
     question_of_swapped,
     scaled,
+    slow_part,
+    subtract_runout,
 )
 from rotor_ida.signals.record import MEAN, UNKNOWN, position_text
 from rotor_ida.signals.sample_times import at_times_of_x, times_of, with_times_of_x
@@ -68,6 +70,8 @@ from rotor_ida.signals.teeth import Teeth, teeth_in, teeth_of
 NO_UNIT = "times have no unit: give it in units (t=s)"
 Keyphasor = Literal["auto", "signal", "times"]
 
+# Arguments of one file alone, while another is read alike.
+OWN = ("path", "slow_roll", "runout_orders")
 # Samples per second.
 RATES = (1e-9, 1e12)
 INTEGRATED = (
@@ -105,6 +109,8 @@ def read_signals(
     length: str | None = None,
     rotation: Rotation = "counterclockwise",
     caption: str | None = None,
+    slow_roll: tuple[float, float] | str | os.PathLike[str] | None = None,
+    runout_orders: int = 1,
 ) -> xr.Dataset:
     """Read the signals of two probes and a keyphasor, or a speed, from a measured file.
 
@@ -154,6 +160,11 @@ def read_signals(
         45 and 135 degrees are then at 135 and 45.
     caption : str, optional
         What figures say of the record, such as machine and date, beside the name of the file.
+    slow_roll : tuple of float, or path, optional
+        Times between which the rotor turns slowly, or another file of the same probes, read alike:
+        the runout there is subtracted by `rotor_ida.subtract_runout`.
+    runout_orders : int
+        Highest multiple of the speed of that runout [1].
 
     Returns
     -------
@@ -192,6 +203,7 @@ def read_signals(
     >>> read.attrs["columns"], read.x.attrs["units"]
     ('t=t x=x y=y angle=angle (guessed: t x y angle)', 'um')
     """
+    alike = {name: value for name, value in locals().items() if name not in OWN}
     for name, (word, words) in {
         "keyphasor": (keyphasor, ("auto", "signal", "times")),
         "rotation": (rotation, ("counterclockwise", "clockwise")),
@@ -210,8 +222,7 @@ def read_signals(
     found |= {each: scaled(each, *found[each], sensitivity, length) for each in ("x", "y")}
     times, time = times_of(found, rate, table, names)
     notes += [NO_UNIT] if time == "1" else []
-    factor = _unit_of("t", names, table, given).factor if own else 1.0
-    own = {each: factor * own_times for each, own_times in own.items()}
+    own = {each: _unit_of("t", names, table, given).factor * at for each, at in own.items()}
     unit = check_probes(found, {"x": times, "y": own.get("y", times)}, accept_clipped)
     if "angle" in own:  # before it is interpolated
         found["angle"] = _angle(found["angle"], own["angle"], names["angle"]), "rad"
@@ -242,21 +253,45 @@ def read_signals(
     turning = _rotation(found, teeth, times, time, names.get("angle", ""))
     coordinates = {"t": _labelled("t", "t", times, time)}
     if gap is None:
-        zero, said = mean_position(z, times, turning), "the mean position is subtracted"
+        zero = mean_position(z, times, turning)
         coordinates |= _mean_of(zero, unit)
     else:
-        said = "displacements are counted from the gap"
-        probes = partial(displacements_at, sensitivity, unit, angles, gains)
+        readings = np.stack([found[each][0] for each in ("x", "y")])
+        probes = partial(displacements_at, sensitivity, unit, angles, gains, readings)
         zero, attributes["gap"] = gap_position(gap, z, times, probes)
-    if gap is None or zero:
-        notes.append(f"{said}: {position_text(zero, unit)}")
-    z = z - zero
-    both = {name: _labelled(name, "t", part, unit) for name, part in (("x", z.real), ("y", z.imag))}
+    parts = (("x", z.real - zero.real), ("y", z.imag - zero.imag))
+    both = {name: _labelled(name, "t", part, unit) for name, part in parts}
     signals = labelled_dataset(
         "Signals of two probes", both | turning, coordinates, attributes, kind="signals"
     )
-    said = "; ".join([*notes, *question_of_swapped(signals)])
-    return signals.assign_attrs(notes=said) if said else signals
+    notes += [*_from_where(zero, unit, is_mean=gap is None), *question_of_swapped(signals)]
+    if said := "; ".join(notes):
+        signals.attrs["notes"] = said
+    return _without_runout(signals, slow_roll, runout_orders, alike)
+
+
+def _from_where(zero: complex, unit: str, *, is_mean: bool) -> list[str]:
+    """Return a note of the position from which displacements are counted, if that is not 0."""
+    said = (
+        "the mean position is subtracted" if is_mean else "displacements are counted from the gap"
+    )
+    return [f"{said}: {position_text(zero, unit)}"] if is_mean or zero else []
+
+
+def _without_runout(
+    signals: xr.Dataset,
+    slow_roll: tuple[float, float] | str | os.PathLike[str] | None,
+    orders: int,
+    alike: dict[str, Any],
+) -> xr.Dataset:
+    """Return signals less the runout in a part of them, or in another file that is read alike."""
+    if slow_roll is None:
+        return signals
+    if isinstance(slow_roll, str | os.PathLike):
+        slow = read_signals(slow_roll, **alike)
+    else:
+        slow = slow_part(signals, slow_roll)
+    return subtract_runout(signals, slow, harmonics=orders)
 
 
 def _origin_of_angle(

@@ -141,7 +141,8 @@ def position_text(mean: complex, length: str) -> str:
     'x 1275 um, y -8 um'
     """
     unit = "" if length == "1" else f" {length}"
-    return f"x {mean.real:.4g}{unit}, y {mean.imag:.4g}{unit}"
+    x, y = (0.0 if abs(each) < 1e-9 * abs(mean) else each for each in (mean.real, mean.imag))
+    return f"x {x:.4g}{unit}, y {y:.4g}{unit}"
 
 
 def equal_step(times: Values, name: str, unequal: float) -> float:

@@ -12,110 +12,17 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import check_choice, check_count, check_nonnegative
 from rotor_ida.errors import InputError
-from rotor_ida.results.in_si import keeps_si
-from rotor_ida.results.run import check_one_speed, check_run, parameter_coordinates, rotor_of
-from rotor_ida.schema import Column, labelled_dataset, origin_of
-from rotor_ida.signals.record import FEWEST_SAMPLES, Record, equal_step, record_of
-from rotor_ida.signals.sampling import check_run_sampling
+from rotor_ida.schema import Column
+from rotor_ida.signals.record import FEWEST_SAMPLES, Record, record_of
 from rotor_ida.signals.windows import MOST_OVERLAP, Complex
 
 Window = Literal["flattop", "hann", "boxcar"]
 WINDOWS = ("flattop", "hann", "boxcar")
-# Times of a run differ from equally spaced ones by rounding only: of a step.
-ROUNDING = 1e-6
 # A speed that changes by less than this in the record counts as constant.
 STEADY = 1e-3
 MOST_LINES = 100_000_000
 # Smallest length of a segment that is chosen here.
 LEAST_SEGMENT = 64
-
-
-@keeps_si
-def spectrum(run: xr.Dataset, *, window: Window = "flattop") -> xr.Dataset:
-    """Compute the amplitudes of forward and backward whirl in a run at each frequency.
-
-    Parameters
-    ----------
-    run : Dataset
-        A run of `rotor_ida.simulate` with equally spaced samples, or a part of one:
-        ``run.sel(t=slice(100, None))`` omits the transient.
-    window : {"flattop", "hann", "boxcar"}
-        Weights of the samples. Flat-top shows the amplitude of a line to 0.1 %, wherever it
-        lies between the frequencies of the grid, but makes it 9 steps wide; Hann makes it 4
-        steps wide and up to 15 % too low; boxcar, no weights, is exact for lines on the grid
-        and smears all others.
-
-    Returns
-    -------
-    Dataset
-        ``whirl_amplitude`` on ``frequency`` [1], from minus to plus half the sampling rate;
-        ``frequency_over_omega`` beside it if the rotor turns.
-
-    Raises
-    ------
-    InputError
-        If the dataset is not a run, or its samples are unequally spaced, too few or too far apart.
-
-    Notes
-    -----
-    With N samples of ``z = x + i y`` and weights w,
-    ``c(Omega) = sum(w z exp(-i Omega t)) / sum(w)``. A whirl ``A exp(i Omega t)`` is a line of
-    height A at +Omega; a planar vibration ``x = A cos(Omega t)`` is two lines of height A/2, a
-    forward and a backward one. Steps of the grid are 2 pi over the length of the record; a
-    record of whole revolutions has the spin speed on its grid.
-
-    References
-    ----------
-    G. Heinzel, A. Rüdiger, R. Schilling, "Spectrum and spectral density estimation by the
-    discrete Fourier transform", Max-Planck-Institut für Gravitationsphysik, 2002, section 9.
-    C. W. Lee, "Vibration Analysis of Rotors", Kluwer, 1993: directional spectra.
-
-    Examples
-    --------
-    >>> from rotor_ida import Rotor, simulate
-    >>> run = simulate(Rotor(omega=1.2, zeta=0.5, delta0=0.5), start=(0, 0, 0, 0),
-    ...                duration=200.0, samples=2001)
-    >>> lines = spectrum(run.sel(t=slice(100, None)))
-    >>> lines.whirl_amplitude.max().round(3).item()
-    0.85
-    >>> lines.frequency[lines.whirl_amplitude.argmax("frequency")].round(1).item()
-    1.2
-    """
-    run = check_run(run, ("t", "x", "y"))
-    check_one_speed(run, "a spectrum")
-    check_choice("window", window, WINDOWS)
-    rotor = rotor_of(run)
-    times = run["t"].values
-    step = equal_step(times, "run", ROUNDING)
-    check_run_sampling(run)
-    frequency, height = lines_of(run["x"].values + 1j * run["y"].values, step, window)
-    coordinates = parameter_coordinates(rotor) | {"frequency": ("frequency", frequency)}
-    if rotor.omega > 0.0:
-        coordinates["frequency_over_omega"] = ("frequency", frequency / rotor.omega)
-    attributes = {**origin_of(run), "window": window, "record_length": times.size * step}
-    columns: dict[str, Column] = {"whirl_amplitude": ("frequency", height)}
-    return labelled_dataset(
-        "Two-sided spectrum of one run", columns, coordinates, attributes, kind="spectrum"
-    )
-
-
-def lines_of(z: npt.NDArray[np.complex128], step: float, window: Window) -> tuple[Values, Values]:
-    """Return frequencies [1] and amplitudes [1] of the whirls in displacements.
-
-    Parameters
-    ----------
-    z : ndarray, shape (n,)
-        ``x + i y`` at equally spaced times [1].
-    step : float
-        Time from one to the next [1].
-    window : {"flattop", "hann", "boxcar"}
-        Weights, as for `spectrum`.
-    """
-    from scipy.signal import get_window  # noqa: PLC0415 - takes 0.3 s, and few who import this ask
-
-    weights = get_window(window, z.size, fftbins=True)
-    height = np.abs(np.fft.fftshift(np.fft.fft(weights * z))) / weights.sum()
-    return 2.0 * math.pi * np.fft.fftshift(np.fft.fftfreq(z.size, step)), height
 
 
 def full_spectrum(
@@ -128,7 +35,10 @@ def full_spectrum(
     signals : Dataset
         Signals of `signals_of` or `read_signals`, or a run, with equally spaced samples.
     window : {"flattop", "hann", "boxcar"}
-        Weights of the samples, as of `spectrum`.
+        Weights of the samples. Flat-top shows the amplitude of a line to 0.1 %, wherever it
+        lies between the frequencies of the grid, but makes it 9 steps wide; Hann makes it 4
+        steps wide and up to 15 % too low; boxcar, no weights, is exact for lines on the grid
+        and smears all others.
     segment : int, optional
         Number of samples in a segment: the squares of the amplitudes are means over segments that
         overlap by half, which steadies the noise. By default the record is one segment.
@@ -149,20 +59,23 @@ def full_spectrum(
     Notes
     -----
     The spectrum is scipy.signal.welch's of ``z = x + i y``, two-sided, scaled so that a whirl
-    ``A exp(i Omega t)`` is a line of height A: with one segment, that of `spectrum`. With N
-    weights w a step h apart the equivalent noise bandwidth is
-    ``2 pi sum(w**2)/(h sum(w)**2)``. The mean position of each segment, weighted alike, is no
-    vibration and is subtracted: there is no line at 0, whatever the gap. The noise floor is the
-    root of the mean power of noise with the median power of all lines; a few strong lines do not
-    change a median. Segments that overlap count as fewer independent ones, by Welch's formula. The
-    floor falls with longer segments; the
+    ``A exp(i Omega t)`` is a line of height A at +Omega; a planar vibration ``x = A cos(Omega t)``
+    is two lines of height A/2, a forward and a backward one. Steps of the grid are 2 pi over the
+    length of a segment; one of whole revolutions has the spin speed on its grid. With N weights w
+    a step h apart the equivalent noise bandwidth is ``2 pi sum(w**2)/(h sum(w)**2)``.
+
+    The mean position of each segment, weighted alike, is no vibration and is subtracted: there is
+    no line at 0, whatever the gap. The noise floor is the root of the mean power of noise with the
+    median power of all lines; a few strong lines do not change a median. Segments that overlap
+    count as fewer independent ones, by Welch's formula. The floor falls with longer segments; the
     density ``noise_floor**2/bandwidth`` does not.
 
     References
     ----------
     P. D. Welch, IEEE Transactions on Audio and Electroacoustics 15, 1967; G. Heinzel, A. Rüdiger,
     R. Schilling, "Spectrum and spectral density estimation by the discrete Fourier transform",
-    Max-Planck-Institut für Gravitationsphysik, 2002, section 8.
+    Max-Planck-Institut für Gravitationsphysik, 2002, sections 8 and 9; C. W. Lee, "Vibration
+    Analysis of Rotors", Kluwer, 1993: directional spectra.
 
     Examples
     --------
@@ -219,7 +132,7 @@ def spectrogram(
     signals : Dataset
         Signals of `signals_of` or `read_signals`, or a run, with equally spaced samples.
     window : {"flattop", "hann", "boxcar"}
-        Weights of the samples, as of `spectrum`.
+        Weights of the samples, as of `full_spectrum`.
     segment : int
         Number of samples in a segment; the whole record if that is shorter.
     overlap : float

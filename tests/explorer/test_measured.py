@@ -47,7 +47,7 @@ def test_order_1_and_one_spectrum_at_one_speed(changes: dict[str, object], tmp_p
     drawn = np.abs(lines.frequency_over_omega.values) <= measured.ORDERS
     np.testing.assert_array_equal(found.arrays["full_frequency"], lines.frequency[drawn])
     np.testing.assert_array_equal(found.arrays["full_amplitude"], lines.whirl_amplitude[drawn])
-    unit, mean = found.facts["notes"]
+    unit, *_, mean = found.facts["notes"]
     assert unit == NO_UNIT
     assert mean.startswith("the mean position is subtracted: x ")
     assert found.facts["by"] == "angle"

@@ -26,7 +26,6 @@ from rotor_ida import (
     plot,
     poincare_section,
     simulate,
-    spectrum,
     sweep,
     synchronous_response,
 )
@@ -51,7 +50,6 @@ def _starts() -> dict[str, object]:
 _MAKERS: dict[str, Callable[[], xr.Dataset]] = {
     "run": lambda: simulate(ROTOR, start=REST, duration=40.0, samples=2001),
     "forces": lambda: contact_forces(made("run")),
-    "spectrum": lambda: spectrum(made("run")),
     "entries": lambda: poincare_section(ROTOR, start=REST, revolutions=10, at="entry"),
     "turns": lambda: poincare_section(ROTOR, start=REST, revolutions=10),
     "exponents": lambda: lyapunov_exponent(ROTOR, start=REST, duration=200.0),
@@ -142,8 +140,6 @@ ON_CURVE = {"fold_points": "folds", "simulated": "sweep", "whirls": "whirls"}
 PICTURES = (
     Picture(plot.plot_orbit, "run", X, Y),
     Picture(plot.plot_forces, "forces", T, ("force", "force")),
-    Picture(plot.plot_spectrum, "spectrum", ("frequency_over_omega", NUMBER),
-            ("whirl_amplitude", LENGTH)),
     Picture(plot.plot_section, "entries", ("angle", NUMBER), ("radial_velocity", "velocity")),
     Picture(plot.plot_section, "turns", ALONG, ACROSS),
     Picture(plot.plot_exponents, "exponents", T, ("running_exponent", "rate")),

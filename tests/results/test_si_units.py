@@ -21,7 +21,6 @@ from rotor_ida import (
     run_up,
     save,
     simulate,
-    spectrum,
     sweep,
 )
 from rotor_ida.cli.describe import describe
@@ -41,7 +40,7 @@ def plain():
     return simulate(MACHINE.rotor(), start=REST, duration=20.0, samples=201)
 
 
-@pytest.mark.parametrize("analysed", [lambda run: run, spectrum, contact_forces])
+@pytest.mark.parametrize("analysed", [lambda run: run, contact_forces])
 def test_every_quantity_has_the_unit_and_the_scale_of_its_kind(plain, analysed):
     chosen = {"length": "um", "time": "ms", "force": "kN", "impulse": "mN s"}
     plain = analysed(plain)
@@ -117,7 +116,7 @@ def test_units_can_be_chosen_again(plain):
         dimensional(plain)
 
 
-@pytest.mark.parametrize("analysis", [contact_summary, spectrum, rotating, contact_forces])
+@pytest.mark.parametrize("analysis", [contact_summary, rotating, contact_forces])
 def test_an_analysis_of_a_run_in_si_units_is_in_them(plain, analysis):
     expected = dimensional(analysis(plain), MACHINE, units={"length": "um", "time": "ms"})
     found = analysis(dimensional(plain, MACHINE, units={"length": "um", "time": "ms"}))

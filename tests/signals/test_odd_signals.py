@@ -166,7 +166,6 @@ RUN = rotor_ida.simulate(
 )  # fmt: skip
 OF_RUN = {
     "rotating": (rotor_ida.rotating, ("t", "x", "vy", "event_time", "event_x")),
-    "spectrum": (rotor_ida.spectrum, ("t", "x", "y")),
     "contact_forces": (rotor_ida.contact_forces, ("t", "x", "vy")),
     "signals_of": (rotor_ida.signals_of, ("t", "x", "vx")),
     "plot_run": (plot.plot_run, ("t", "x", "vx", "event_time", "event_x", "event_kind")),

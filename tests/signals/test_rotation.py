@@ -4,8 +4,9 @@ import json
 
 import numpy as np
 import pytest
+import xarray as xr
 
-from rotor_ida import centre_line, orders, read_signals, whirl_ratio
+from rotor_ida import centre_line, orders, read_signals, subtract_runout, whirl_ratio
 from rotor_ida.cli.program import main
 
 # A clockwise rotor as its probes see it, 45 degrees right and left of vertical: X leads Y
@@ -123,3 +124,50 @@ def test_the_command_line_names_the_option_for_columns(tmp_path, capsys):
     named = ["--columns", "x=left", "y=right", "--figure", str(tmp_path / "a"), "--json"]
     assert main(["plot", str(path), *named]) == 0
     assert "x=left y=right" in json.loads(capsys.readouterr().out)["columns"]
+
+
+def test_a_slow_roll_is_read_with_the_file_as_by_hand(tmp_path):
+    part = (SPEEDS / (2.0 * np.pi * 60.0)) ** 2
+    whirl = 20.0 * part / (1.0 - part + 0.2j) * np.exp(1j * ANGLES)
+    path = written(tmp_path / "bent.csv", whirl + 8j * np.exp(1j * ANGLES))
+    whole = read_signals(path)
+    both = read_signals(path, slow_roll=(0.0, 0.3)), read_signals(path, slow_roll=path)
+    for found, slow in zip(both, (whole.sel(t=slice(0.0, 0.3)), whole), strict=True):
+        xr.testing.assert_allclose(found, subtract_runout(whole, slow), rtol=1e-9)
+
+
+@pytest.mark.parametrize("gap", ["10V", "9.8V -10V", "1270um"])
+def test_a_gap_of_the_other_sign_than_the_readings_is_refused(tmp_path, capsys, gap):
+    path = tmp_path / "coupled.csv"
+    readings = -10.0 + 0.2 * np.array([np.cos(ANGLES), np.sin(ANGLES)])
+    table = np.column_stack([TIMES, *readings, ANGLES])
+    np.savetxt(path, table, "%.9g", ",", header="t [s],x [V],y [V],angle [rad]", comments="")
+    words = ["plot", str(path), "--sensitivity", "7.87V/mm", "--figure", str(tmp_path / "a")]
+    assert main([*words, *(f"--gap={each}" for each in gap.split())]) == 2
+    assert "gap must have the sign of the readings, which are all negative at x, got" in (
+        capsys.readouterr().err
+    )
+    assert main([*words, *(f"--gap=-{each.lstrip('-')}" for each in gap.split())]) == 0
+
+
+def test_show_names_the_commands_for_measured_files(clockwise, capsys):
+    assert main(["show", str(clockwise)]) == 2
+    assert "rotor-ida plot draws measured files" in capsys.readouterr().err
+
+
+def test_explore_takes_the_options_of_reading_and_only_for_a_measurement(clockwise, monkeypatch):
+    from rotor_ida.cli.commands import explore
+    from rotor_ida.explorer.measured import show_measured
+    from rotor_ida.explorer.messages import Upload
+
+    given = []
+    monkeypatch.setattr(explore, "_serve", lambda *words: given.append(words))
+    assert main(["explore", str(clockwise), "--rotation", "clockwise", "--length", "mil"]) == 0
+    reading = given[0][-1]
+    assert reading == {"rotation": "clockwise", "length": "mil"}
+    upload = Upload(
+        about="upload", number=1, name=clockwise.name, size=0, path=clockwise, reading=reading
+    )
+    (answer,) = show_measured(upload)
+    assert answer.facts["length"] == "mil"
+    assert main(["explore", "--rotation", "clockwise"]) == 2

@@ -21,7 +21,6 @@ from rotor_ida import (
     signals_of,
     simulate,
     spectrogram,
-    spectrum,
     whirl_ratio,
 )
 from rotor_ida.schema import labelled
@@ -57,12 +56,6 @@ def test_the_number_in_the_message_would_do(coarse):
     assert float(track.backward_whirl_amplitude.max()) < 0.02 * float(
         track.forward_whirl_amplitude.max()
     )
-
-
-def test_a_spectrum_of_one_speed_is_refused_too():
-    run = simulate(Rotor(omega=2.0, zeta=0.1, delta0=9.0), start=REST, duration=400.0, samples=400)
-    with pytest.raises(InputError, match=r"more than 4 samples in each revolution, got 3\.1"):
-        spectrum(run)
 
 
 def test_dry_whip_that_turns_faster_than_the_rotor_is_refused_by_its_velocities():

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rotor_ida import InputError, Rotor, load, rotating, save, simulate, spectrum
+from rotor_ida import InputError, Rotor, load, rotating, save, simulate
 from rotor_ida.model.parameters import FRICTIONLESS
 from rotor_ida.results.run import check_run, rotor_of
 from rotor_ida.schema import DAMPED_EVENT_KIND, EVENT_KIND, QUANTITIES, flags_of, labelled
@@ -74,4 +74,3 @@ def test_a_run_has_one_value_of_each_parameter(whole: xr.Dataset):
 
 def test_what_only_reads_the_motion_passes_the_rotor_on(whole: xr.Dataset):
     assert rotor_of(rotating(whole)) == WHOLE
-    assert rotor_of(spectrum(whole)) == WHOLE

@@ -18,7 +18,6 @@ from rotor_ida import (
     rotating,
     run_up,
     simulate,
-    spectrum,
     synchronous_response,
 )
 from rotor_ida.closed_forms import ramp_flight
@@ -340,8 +339,6 @@ def test_what_follows_from_a_run_up():
     assert summary.heat_per_revolution * run.revolutions == pytest.approx(run.heat.values.sum())
     slid = np.abs(run.slip_speed.values) * (run.normal_force.values > 0.0)
     assert summary.total_slip_distance == pytest.approx(simpson(slid, x=run.t.values), rel=1e-2)
-    with pytest.raises(InputError, match="run must be at one speed for a spectrum"):
-        spectrum(run)
     with pytest.raises(InputError, match="run must be at one speed for contact forces with fric"):
         contact_forces(run)
 

@@ -8,6 +8,7 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from rotor_ida.checks import COMPONENTS, State, check_state, shown
+from rotor_ida.cli import options
 from rotor_ida.cli.output import FORCED, working
 from rotor_ida.cli.parsing import refuse_units
 from rotor_ida.cli.rotor_options import RotorOptions
@@ -29,6 +30,7 @@ def explore(
     file: Path | None = None, *, rotor: RotorOptions = RotorOptions(),
     start: State | str | None = None, port: int = 8765, no_browser: bool = False,
     export: Path | None = None, speeds: list[float] | None = None, force: bool = False,
+    reading: options.ReadingOptions = options.ReadingOptions(),
 ) -> int:  # fmt: skip
     r"""Open an interactive page in the browser, with sliders for the parameters.
 
@@ -49,24 +51,34 @@ def explore(
         rotor-ida explore run.nc
         rotor-ida explore probes.csv
 
+    A measurement is read by the same options as by plot:
+
+        rotor-ida explore probes.csv --sensitivity 7.87V/mm --gap=-10V
+
     As a page that needs no server, with a slider over the speeds of one disc:
 
         rotor-ida explore --omega 2 --zeta 0.07 --delta0 2 --export page.html \
             --speeds 1.9:2.1:3
     """
     state, served = _beginning(rotor, start, file)
+    read = reading.given() | reading.runout()
+    if read and "measured" not in state:
+        raise InputError(f"{next(iter(read))} must be left out without a measured file")
     if speeds is not None and "node" in state:
         raise InputError("speeds must be left out with a rotor system")
     if export is None:
         if speeds is not None:
             raise InputError("speeds must be left out without --export")
-        _serve(state, port, not no_browser, served)
+        _serve(state, port, not no_browser, served, read)
         return 0
     _check_page(export, force)
     return _write(export, _recorded(state, served, speeds), force)
 
 
-def _serve(state: Mapping[str, object], port: int, browser: bool, file: Path | None) -> None:
+def _serve(
+    state: Mapping[str, object], port: int, browser: bool, file: Path | None,
+    reading: Mapping[str, object],
+) -> None:  # fmt: skip
     missing = [name for name in NEEDED if find_spec(name) is None]
     if missing:
         raise InputError(
@@ -74,7 +86,7 @@ def _serve(state: Mapping[str, object], port: int, browser: bool, file: Path | N
         )
     from rotor_ida.explorer.explore import explore as serve  # noqa: PLC0415 - not for --help
 
-    serve(state, port=port, browser=browser, report=_say, file=file)
+    serve(state, port=port, browser=browser, report=_say, file=file, reading=reading)
 
 
 def _beginning(

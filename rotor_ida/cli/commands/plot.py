@@ -39,8 +39,6 @@ OF_SYSTEM = {
 # Those of sections and diagrams, at a node of a rotor system.
 OF_RESULTS = {"section": "plot_section", "diagram": "plot_extrema"}
 DRAWN_BY = FUNCTIONS | OF_SYSTEM | OF_RESULTS
-# A rotor turns slowly below this part of the largest speed of a record.
-HOW_SLOW = 0.4
 # Options of arguments by another name.
 OPTIONS = {"t": "at"}
 # Dimensions besides time that have times, the first and last of each.
@@ -280,43 +278,20 @@ def _dataset_in(file: Path, reading: options.ReadingOptions) -> xr.Dataset:
         )
     if given and file.suffix == OUT_ENDING:
         raise InputError(f"{next(iter(given))} must be left out with an archive, got {shown(file)}")
-    signals = read(file) if file.suffix == OUT_ENDING else rotor_ida.read_signals(file, **given)
-    slow, other = reading.slow_roll, reading.slow_roll_file
-    if slow is None and other is None:
-        if reading.runout_orders is not None:
-            raise InputError("runout_orders must be given with slow_roll or slow_roll_file")
+    slow = reading.runout()
+    if file.suffix != OUT_ENDING:
+        return rotor_ida.read_signals(file, **given, **slow)
+    signals = read(file)
+    if not slow:
         return signals
-    if slow is not None and other is not None:
-        raise InputError("slow_roll must be left out with slow_roll_file")
+    from rotor_ida.signals.probes import slow_part  # noqa: PLC0415 - heavy, and not for --help
+
+    part = slow["slow_roll"]
     return rotor_ida.subtract_runout(
         _checked_signals(signals),
-        _slow_part(signals, slow) if other is None else rotor_ida.read_signals(other, **given),
-        harmonics=reading.runout_orders or 1,
+        rotor_ida.read_signals(part) if isinstance(part, Path) else slow_part(signals, part),
+        harmonics=slow.get("runout_orders", 1),
     )
-
-
-def _slow_part(signals: xr.Dataset, times: tuple[float, float] | None) -> xr.Dataset:
-    """Return the part of signals in which the rotor is said to turn slowly."""
-    assert times is not None
-    part, whole = _between(signals, times), signals["t"].values
-    unit = str(signals["t"].attrs.get("units", "1"))
-    low, high = (in_unit("slow_roll", each, unit) for each in times)
-    if low < whole[0] or high > whole[-1]:
-        raise InputError(
-            f"slow_roll must lie within {whole[0]:g} to {whole[-1]:g}, got {low:g} {high:g}"
-        )
-    from rotor_ida.signals.record import record_of  # noqa: PLC0415 - heavy, and not for --help
-
-    record, slow = record_of(signals), record_of(part)
-    angles, turned = record.known_angles(), slow.known_angles()
-    fastest = float(np.abs(np.diff(angles) / np.diff(record.times)).max())
-    part_of_it = abs(float((turned[-1] - turned[0]) / np.ptp(slow.times))) / fastest
-    if part_of_it > HOW_SLOW:
-        raise InputError(
-            "slow_roll must be a part in which the rotor turns slowly, but there it turns at "
-            f"{part_of_it:.0%} of its largest speed on average"
-        )
-    return part
 
 
 def _between(dataset: xr.Dataset, times: tuple[float, float] | None) -> xr.Dataset:

@@ -36,7 +36,15 @@ def show(file: Path, /, *, output: Output = Output()) -> Report:
         rotor-ida show run.nc --report report
     """
     output.check()
-    from rotor_ida.cli.describe import origin  # noqa: PLC0415 - heavy, and not for --help
+    from rotor_ida.signals.files.columns import ENDINGS  # noqa: PLC0415 - heavy, likewise below
+
+    measured = {ending for each in ENDINGS.values() for ending in each} | {".csv", ".txt", ".tsv"}
+    if file.is_file() and file.suffix.lower() in measured:
+        raise InputError(
+            f"file must be an archive, got {shown(file)}: rotor-ida plot draws measured files, and "
+            "rotor-ida explore opens them"
+        )
+    from rotor_ida.cli.describe import origin  # noqa: PLC0415
 
     dataset = read(file)
     report = answer(dataset, output, most=FIRST_ROWS)

@@ -9,7 +9,7 @@ unit, dimensionless otherwise. Exact results go `beneath` the picture.
 from rotor_ida.plot.signals.cascades import plot_cascade, plot_spectrogram
 from rotor_ida.plot.signals.orbits import plot_centre_line, plot_orbit, plot_trace
 from rotor_ida.plot.signals.orders import plot_bode, plot_orders, plot_polar
-from rotor_ida.plot.signals.spectra import plot_full_spectrum, plot_spectrum
+from rotor_ida.plot.signals.spectra import plot_full_spectrum
 
 __all__ = [
     "plot_bode",
@@ -20,6 +20,5 @@ __all__ = [
     "plot_orders",
     "plot_polar",
     "plot_spectrogram",
-    "plot_spectrum",
     "plot_trace",
 ]

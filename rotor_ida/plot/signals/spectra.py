@@ -17,13 +17,12 @@ from rotor_ida.plot.appearance import draw_marks, drawing
 from rotor_ida.plot.datasets import check_dataset
 from rotor_ida.plot.decimation import kept_in_columns
 from rotor_ida.plot.labels import label_axis, number_text, unit_of
-from rotor_ida.plot.legends import legend_below, own_legend
+from rotor_ida.plot.legends import legend_below
 from rotor_ida.plot.signals.beneath import Beneath, Line, lines_of
 from rotor_ida.plot.signals.exact_motion import speeds_along
 from rotor_ida.plot.signals.orders import order_words
 from rotor_ida.plot.signals.speeds import title_of_signals
 from rotor_ida.plot.signals.units import Units, units_of
-from rotor_ida.results.si_units import scale_of
 from rotor_ida.signals.spectra import full_spectrum
 
 # The side lobes of the flat-top window lie below this fraction of the largest.
@@ -32,53 +31,6 @@ FLOOR = 3e-5
 SLACK = 1e-9
 # Styles of further frequencies.
 DASHES_OF_FREQUENCIES = ((0, (7, 1.6, 1.2, 1.6)), (0, (3, 1.2)), (0, (1, 1)))
-
-
-def plot_spectrum(lines: xr.Dataset, *, span: float = 4.0, ax: Axes | None = None) -> Axes:
-    """Draw the amplitude of forward and backward whirl over the frequency.
-
-    The amplitude, on a logarithmic scale, is shown down to 3e-5 of the largest.
-
-    Parameters
-    ----------
-    lines : Dataset
-        Result of `rotor_ida.spectrum`.
-    span : float
-        Largest frequency shown, over the spin speed, or over 1 at speed 0 [1].
-    ax : Axes, optional
-        Axes to draw on and return; default: those of a new figure.
-
-    Examples
-    --------
-    >>> from rotor_ida import Rotor, simulate, spectrum
-    >>> run = simulate(Rotor(omega=1.7, zeta=0.07, delta0=0.5), start=(0, 0, 0, 0), duration=60)
-    >>> plot_spectrum(spectrum(run)).get_yscale()
-    'log'
-    """
-    lines = check_dataset("lines", lines, ("frequency", "whirl_amplitude"))
-    limit = check_positive("span", span)
-    over = "frequency_over_omega" if "frequency_over_omega" in lines.variables else "frequency"
-    frequency, height = lines[over].values, lines["whirl_amplitude"].values
-    highest = float(height.max(initial=0.0)) or 1.0
-    with drawing(ax) as ax:
-        label_axis(ax.xaxis, over, lines[over])
-        label_axis(ax.yaxis, "whirl_amplitude", lines["whirl_amplitude"])
-        for words, colour, chosen in (
-            ("backward whirl", palette.ORANGE, frequency <= 0.0),
-            ("forward whirl", palette.BLUE, frequency >= 0.0),
-        ):
-            ax.semilogy(frequency[chosen], height[chosen], color=colour, lw=0.9, label=words)
-        if over == "frequency_over_omega":
-            ax.axvline(
-                1.0, color=palette.GREY, lw=0.7, ls=palette.DASHES, zorder=1.5, label="spin speed"
-            )
-        else:
-            limit *= scale_of(lines, "rate")
-        ax.set_xlim(-limit, limit)
-        # room for the legend
-        ax.set_ylim(FLOOR * highest, 30.0 * highest)
-        own_legend(ax, inside=True).set_loc("upper left")
-    return ax
 
 
 def plot_full_spectrum(

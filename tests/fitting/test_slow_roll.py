@@ -1,0 +1,54 @@
+"""Fits to signals from which a slow roll was subtracted, with its runout and the whirl in it."""
+
+import numpy as np
+import pytest
+
+from rotor_ida import DimensionalRotor, dimensional, fit, run_up, signals_of, subtract_runout
+
+NAMES = ("damping", "shaft_stiffness", "eccentricity", "unbalance_angle")
+TRUTH = np.array([60.0, 4e4, 2e-5, 0.0])
+TRIALS = 8
+
+
+def machine(damping=60.0, shaft_stiffness=4e4, eccentricity=2e-5):
+    return DimensionalRotor(
+        mass=4.0, contact_stiffness=3.2e7, damping=damping, eccentricity=eccentricity,
+        clearance=2e-3, speed=6.0, shaft_stiffness=shaft_stiffness,
+    )  # fmt: skip
+
+
+@pytest.fixture(scope="module")
+def seen():
+    run = run_up(machine(), start="settled", to=160.0, rate=8.0, samples=12_001)
+    return signals_of(dimensional(run, units={"length": "um"}))
+
+
+def fitted(seen, seed, slow=None):
+    """Return a fit to signals with a runout of 30 um and noise, less its slow roll."""
+    noise = np.random.default_rng(seed).normal(size=(2, seen.sizes["t"]))
+    bent = 30.0 * np.exp(1j * (seen.angle.values + 1.0)) + noise[0] + 1j * noise[1]
+    made = seen.assign(
+        x=seen.x.copy(data=seen.x.values + bent.real), y=seen.y.copy(data=seen.y.values + bent.imag)
+    )
+    kept = subtract_runout(made, made.sel(t=slice(0.0, 2.0)))
+    if slow is not None:
+        kept = {
+            "unknown": kept.assign_attrs(slow_roll_speeds=[0.0], slow_roll_error=0.0),
+            "left out": kept.sel(t=slice(2.0, None)),
+        }[slow]
+    found = fit(kept, machine(70.0, 4.2e4, 1.8e-5), NAMES, start="settled")
+    return (found.estimate.values - TRUTH) / found.standard_error.values
+
+
+@pytest.mark.parametrize("slow", [None, "left out"])
+def test_the_whirl_in_a_slow_roll_is_not_taken_from_the_fit(seen, slow):
+    """At 6 to 22 rad/s the whirl is 0.07 to 1 um of the slow roll; the errors contain its noise."""
+    scores = np.array([fitted(seen, seed, slow) for seed in range(TRIALS)])
+    # the mean of independent scores, and the mean of their squares, with a chance of 1e-4 a side
+    assert np.abs(scores.mean(axis=0)).max() < 3.7 / np.sqrt(TRIALS)
+    assert (scores**2).mean(axis=0).min() > 0.05
+    assert (scores**2).mean(axis=0).max() < 4.0
+
+
+def test_without_the_speeds_of_the_slow_roll_the_same_fit_is_far_off(seen):
+    assert np.abs(fitted(seen, 0, "unknown")).max() > 10.0
