@@ -33,6 +33,7 @@ READ_IN: dict[UnitSystem, dict[str, tuple[tuple[str, float], ...]]] = {
         "J": (("J", 1.0), ("nJ", 1e-9), ("uJ", 1e-6), ("mJ", 1e-3), ("kJ", 1e3), ("MJ", 1e6)),
         "rad/s": (("rpm", SPEED_UNITS["rpm"]),),
         "rad/s2": (("rpm/s", SPEED_UNITS["rpm"]),),
+        "N/m": (("N/m", 1.0), ("kN/m", 1e3), ("MN/m", 1e6)),
         "kg m": (("g mm", 1e-6),),
         "radian": (("deg", math.pi / 180.0),),
     },
