@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -135,7 +135,7 @@ def facts_of_machine(machine: DimensionalRotor) -> list[Line]:
 def _sheets_of_system(system: RotorSystem, speed: float | None) -> list[Sheet]:
     found = [facts("Rotor system", _of_whole(system, speed))]
     if system.contacts:
-        found.append(contacts_sheet(system, "Given contacts"))
+        found.append(_contacts(system))
     if system.unbalance:
         lines = [
             Line("unbalance", [each.moment for each in system.unbalance], _si(system, "kg m")),
@@ -143,11 +143,11 @@ def _sheets_of_system(system: RotorSystem, speed: float | None) -> list[Sheet]:
         ]
         found.append(Sheet("Unbalance", lines, [each.node for each in system.unbalance]))
     if system.supports:
-        found.append(supports_sheet(system, "Supports"))
+        found.append(_supports(system))
     return found
 
 
-def supports_sheet(system: RotorSystem, title: str, more: Sequence[Line] = ()) -> Sheet:
+def _supports(system: RotorSystem) -> Sheet:
     """Return the supports of a system, a column for each."""
     lines = [
         Line(f"{name} {axis}", [getattr(each, name)[place] for each in system.supports],
@@ -155,10 +155,10 @@ def supports_sheet(system: RotorSystem, title: str, more: Sequence[Line] = ()) -
         for name, unit in (("stiffness", "N/m"), ("damping", "N s/m"))
         for place, axis in enumerate("xy")
     ]  # fmt: skip
-    return Sheet(title, [*lines, *more], [each.node for each in system.supports])
+    return Sheet("Supports", lines, [each.node for each in system.supports])
 
 
-def contacts_sheet(system: RotorSystem, title: str, more: Sequence[Line] = ()) -> Sheet:
+def _contacts(system: RotorSystem) -> Sheet:
     """Return the contacts of a system, a column for each."""
     lines = []
     for name, (unit, read) in OF_CONTACT.items():
@@ -168,7 +168,7 @@ def contacts_sheet(system: RotorSystem, title: str, more: Sequence[Line] = ()) -
     nodes = [each.stator if isinstance(each.stator, str) else "" for each in system.contacts]
     if any(nodes):
         lines.append(Line("node of the stator", nodes))
-    return Sheet(title, [*lines, *more], [each.node for each in system.contacts])
+    return Sheet("Given contacts", lines, [each.node for each in system.contacts])
 
 
 def _of_whole(system: RotorSystem, speed: float | None) -> list[Line]:

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 import xarray as xr
 
-from rotor_ida.arrays import Values
 from rotor_ida.results.depths import beyond_model
 from rotor_ida.results.si_units import NOTE
 from rotor_ida.schema import words_of
@@ -23,7 +22,7 @@ def sentences(report: xr.Dataset) -> str:
     found = [(_excess(report, number), _of_contact(report, number))
              for number in range(report.sizes["contact"])]  # fmt: skip
     near = _too_near(report)
-    found.append((1.0 + near.size, _of_critical_speeds(report, near)))
+    found.append((1.0 + len(near), _of_critical_speeds(report, near)))
     if (least := float(report["scale_factor"].min())) < 1.0:
         found.append((1.0 / least if least > 0.0 else np.inf,
             "At the probes the response exceeds the vibration limit: the scale factor is "
@@ -106,13 +105,14 @@ def _whip(report: xr.Dataset, own: xr.Dataset) -> str:
     )
 
 
-def _too_near(report: xr.Dataset) -> Values:
+def _too_near(report: xr.Dataset) -> list[int]:
     """Return the numbers of the critical speeds that are too near to the running speeds."""
     needed = report["required_margin"].values
-    return np.flatnonzero((needed > 0.0) & (report["separation_margin"].values < needed))
+    near = (needed > 0.0) & (report["separation_margin"].values < needed)
+    return [place for place, is_near in enumerate(near) if is_near]
 
 
-def _of_critical_speeds(report: xr.Dataset, near: Values) -> str:
+def _of_critical_speeds(report: xr.Dataset, near: list[int]) -> str:
     """Return whether all critical speeds are far enough from the running speeds."""
     margin, needed = report["separation_margin"].values, report["required_margin"].values
     speeds = [_speed(report, each) for each in report["critical_speed"].values]
