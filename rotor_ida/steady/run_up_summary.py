@@ -210,7 +210,7 @@ def _of_system(run: xr.Dataset, running_speed: float | None) -> xr.Dataset:
         else {}
     )
     columns |= {"ending": ((), ENDING[ended.ending]), "response": ((), RESPONSE[ended.response])}
-    columns |= {name: run[name].variable for name in ("contact_node", "clearance")}
+    columns |= {name: ("contact", run[name].values) for name in ("contact_node", "clearance")}
     attributes = {name: each for name, each in origin_of(run).items() if name not in OF_CHANGE}
     scales = SI if system.units == "SI" else None
     told = [*_of_contacts(run, contacts, ended.ending, scales, running_speed),
