@@ -123,7 +123,8 @@ def tables_of(dataset: xr.Dataset) -> dict[str, Table]:
     >>> {name: list(table.columns) for name, table in tables_of(found).items()}
     {'zeta-delta0-fold': ['zeta', 'delta0', 'fold', 'fold_omega', 'fold_amplitude']}
     """
-    left = [name for name, each in dataset.variables.items() if COMPUTED_FROM & {*each.dims}]
+    own = COMPUTED_FROM - {*dataset.coords}  # the unbalance may be an axis
+    left = [name for name, each in dataset.variables.items() if own & {*each.dims}]
     whole = _in_si(dataset.drop_vars(left))
     scalars = [name for name, each in whole.variables.items() if not each.dims]
     tables = {}
