@@ -439,10 +439,11 @@ class Command:
         if self.rotors == "of a file":
             found = [apart("machine", default=None, annotation=MachineFile)]
         if self.files:
-            kind = inspect.Parameter.VAR_POSITIONAL
-            found = [inspect.Parameter("files", kind, annotation=options.FILES), *found]
+            several = inspect.Parameter.VAR_POSITIONAL
+            found = [inspect.Parameter("files", several, annotation=options.FILES), *found]
         elif self.takes_systems:
-            kind, default = inspect.Parameter.POSITIONAL_ONLY, None
+            kind = inspect.Parameter.POSITIONAL_ONLY
+            default: object = None
             of = options.System if group else Annotated[options.System, options.OR_MACHINE]
             if self.rotors == "a system":
                 of, default = Annotated[options.System, options.SYSTEM_ALONE], NEEDED

@@ -19,6 +19,7 @@ from rotor_ida.cli.variables import (
     counted,
     line_of,
     lines_of,
+    names_on,
     parameters_in,
     rows_of,
     scalars_of,
@@ -205,7 +206,11 @@ def show_run_up_summary(dataset: xr.Dataset, _most: int | None) -> Description:
     """Return the summary of a run-up, the sentence first."""
     record, _ = tabled(dataset, None)
     sentence = str(dataset.attrs.get("sentence", ""))
-    return record, [sentence, facts("Run-up", lines_of(dataset, scalars_of(dataset)))]
+    if "contact" not in dataset.dims:
+        return record, [sentence, facts("Run-up", lines_of(dataset, scalars_of(dataset)))]
+    names = [name for name in names_on(dataset, "contact") if name != "contact_node"]
+    lines = [line_of(dataset, name, dataset[name].values.tolist(), 6) for name in names]
+    return record, [sentence, Sheet("Run-up", lines, dataset["contact_node"].values.tolist())]
 
 
 def _speed_of(run: xr.Dataset, attributes: Record) -> list[Line]:
@@ -418,6 +423,12 @@ def show_cycle(dataset: xr.Dataset, most: int | None) -> Description:
     error = float(dataset["period_error"] / dataset["period"])
     told = [replace(each, values=[error], unit="1", digits=1, note="of the period")
             if each.name == "period error" else each for each in told]  # fmt: skip
+    # multipliers of a contact with friction are not paired, so that there is no defect
+    told = [
+        each
+        for each in told
+        if not (each.name.endswith("defect") and math.isnan(float(str(each.values[0]))))
+    ]
     return record, [facts("Limit cycle", told), *parts]
 
 

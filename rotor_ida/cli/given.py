@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -13,7 +13,7 @@ from rotor_ida.model.parameters import OF_MACHINE
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.system_parts import Contact, Stator
 from rotor_ida.results.sheets import Line, Sheet, facts
-from rotor_ida.units import SPEED_UNITS
+from rotor_ida.units import SPEED_UNITS, number, quantity
 
 if TYPE_CHECKING:
     from rotor_ida.model.rotor_system import RotorSystem
@@ -65,6 +65,45 @@ def sheets_of_rotor(
     return _sheets_of_system(rotor, speed)
 
 
+def given_in_words(
+    rotor: Rotor | DimensionalRotor | RotorSystem | None, speed: float | None
+) -> str:
+    """Return mass, unbalance, balance grade, stiffness and clearance in a line; "" without units.
+
+    Examples
+    --------
+    >>> machine = DimensionalRotor(
+    ...     mass=12.0, contact_stiffness=1e8, damping=416.0, eccentricity=17e-6, clearance=1.5e-4,
+    ...     speed=377.0, shaft_stiffness=4e6, contact_exponent=1.0)
+    >>> given_in_words(machine, 377.0)
+    'Given: mass 12 kg, unbalance 204 g mm, balance grade G6.41 at 3,600 rpm, shaft stiffness
+    4 MN/m, contact stiffness 100 MN/m, clearance 150 um.'
+    """
+    if isinstance(rotor, DimensionalRotor):
+        mass: float | None = rotor.mass
+        moment = rotor.mass * rotor.eccentricity
+        law = "N/m" if rotor.contact_exponent == LINEAR else "N/m^1.5"
+        parts = {"shaft stiffness": (rotor.shaft_stiffness, "N/m"),
+                 "contact stiffness": (rotor.contact_stiffness, law),
+                 "clearance": (rotor.clearance, "m")}  # fmt: skip
+    elif rotor is None or isinstance(rotor, Rotor) or rotor.units != "SI":
+        return ""
+    else:
+        mass, moment, parts = _mass(rotor), sum(each.moment for each in rotor.unbalance), {}
+        for each in rotor.contacts:
+            unit = "N/m" if each.exponent == LINEAR else "N/m^1.5"
+            parts[f"contact stiffness at {each.node!r}"] = (each.stiffness, unit)
+            parts[f"clearance at {each.node!r}"] = (each.clearance, "m")
+    told = [f"unbalance {quantity(moment, 'kg m')}"]
+    if mass:
+        told.insert(0, f"mass {quantity(mass, 'kg')}")
+    if mass and speed:
+        grade = number(1e3 * moment / mass * abs(speed), 3)
+        told.append(f"balance grade G{grade} at {quantity(speed, 'rad/s')}")
+    told += [f"{name} {quantity(*each)}" for name, each in parts.items() if each[0]]
+    return f"Given: {', '.join(told)}."
+
+
 def _numbers(machine: DimensionalRotor) -> list[Line]:
     """Return the given numbers of a machine."""
     is_linear = machine.contact_exponent == LINEAR
@@ -96,7 +135,7 @@ def facts_of_machine(machine: DimensionalRotor) -> list[Line]:
 def _sheets_of_system(system: RotorSystem, speed: float | None) -> list[Sheet]:
     found = [facts("Rotor system", _of_whole(system, speed))]
     if system.contacts:
-        found.append(contacts_sheet(system, "Given contacts"))
+        found.append(_contacts(system))
     if system.unbalance:
         lines = [
             Line("unbalance", [each.moment for each in system.unbalance], _si(system, "kg m")),
@@ -104,11 +143,11 @@ def _sheets_of_system(system: RotorSystem, speed: float | None) -> list[Sheet]:
         ]
         found.append(Sheet("Unbalance", lines, [each.node for each in system.unbalance]))
     if system.supports:
-        found.append(supports_sheet(system, "Supports"))
+        found.append(_supports(system))
     return found
 
 
-def supports_sheet(system: RotorSystem, title: str, more: Sequence[Line] = ()) -> Sheet:
+def _supports(system: RotorSystem) -> Sheet:
     """Return the supports of a system, a column for each."""
     lines = [
         Line(f"{name} {axis}", [getattr(each, name)[place] for each in system.supports],
@@ -116,10 +155,10 @@ def supports_sheet(system: RotorSystem, title: str, more: Sequence[Line] = ()) -
         for name, unit in (("stiffness", "N/m"), ("damping", "N s/m"))
         for place, axis in enumerate("xy")
     ]  # fmt: skip
-    return Sheet(title, [*lines, *more], [each.node for each in system.supports])
+    return Sheet("Supports", lines, [each.node for each in system.supports])
 
 
-def contacts_sheet(system: RotorSystem, title: str, more: Sequence[Line] = ()) -> Sheet:
+def _contacts(system: RotorSystem) -> Sheet:
     """Return the contacts of a system, a column for each."""
     lines = []
     for name, (unit, read) in OF_CONTACT.items():
@@ -129,7 +168,7 @@ def contacts_sheet(system: RotorSystem, title: str, more: Sequence[Line] = ()) -
     nodes = [each.stator if isinstance(each.stator, str) else "" for each in system.contacts]
     if any(nodes):
         lines.append(Line("node of the stator", nodes))
-    return Sheet(title, [*lines, *more], [each.node for each in system.contacts])
+    return Sheet("Given contacts", lines, [each.node for each in system.contacts])
 
 
 def _of_whole(system: RotorSystem, speed: float | None) -> list[Line]:

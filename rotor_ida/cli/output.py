@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager, nullcontext, suppress
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -105,14 +105,16 @@ def answer(
     summary: xr.Dataset | None = None,
     rotor: Any = None,
     files: Sequence[Path] = (),
+    given: str = "",
 ) -> Report:
     """Return the answer with a dataset, and write its files.
 
     A file that cannot be written becomes the trouble of the answer, so that the result is printed
     even then. Tables have `most` rows; `result` is the file of a study, which may be replaced. The
-    answer begins with the `summary` of a run-up. A report has the `rotor` and its `files`.
+    answer begins with the `summary` of a run-up and the words on what was `given`. A report has the
+    `rotor` and its `files`.
     """
-    record, parts = _described(dataset, summary, most)
+    record, parts = _described(dataset, summary, most, given)
     written: list[str] = []
     failures: list[str] = []
 
@@ -136,7 +138,7 @@ def answer(
             write(*write_figure(drawn, output.figure, overwrite=output.force))
     with _noting(failures):
         if output.report is not None:
-            told = _described(dataset, summary, MOST_IN_REPORT)[1]
+            told = _described(dataset, summary, MOST_IN_REPORT, given)[1]
             write(*_write_report(dataset, output, told, drawn, rotor, files))
     return Report(
         record=record,
@@ -171,7 +173,7 @@ def _noting(failures: list[str], before: str = "") -> Iterator[None]:
 
 
 def _described(
-    dataset: xr.Dataset, summary: xr.Dataset | None, most: int | None
+    dataset: xr.Dataset, summary: xr.Dataset | None, most: int | None, given: str
 ) -> tuple[dict[str, object], Parts]:
     """Return the record and the parts of a dataset, after those of its summary, if it has one."""
     from rotor_ida.cli.describe import describe  # noqa: PLC0415 - heavy, and not for --help
@@ -183,7 +185,7 @@ def _described(
     sentence = str(summary.attrs["sentence"])
     told = {"summary": first | {"sentence": sentence}}
     others = [each for each in parts if not (isinstance(each, str) and each in sentence)]
-    return told | record, [*before, *others]
+    return told | record, [*before[:1], *filter(None, [given]), *before[1:], *others]
 
 
 def _figure(dataset: xr.Dataset, output: Output) -> Figure:
@@ -291,13 +293,13 @@ def read(file: Path) -> xr.Dataset:
 
 
 @contextmanager
-def working(name: str, study: Path | None = None) -> Iterator[Callable[[int, int], None] | None]:
-    """Show a progress bar on a terminal; after a failure, print how to continue the study."""
-    from rotor_ida.parallel.progress import progress_bar  # noqa: PLC0415 - not for --help
+def working(name: str, study: Path | None = None) -> Iterator[Callable[[int, int], None]]:
+    """Show a progress bar, or lines of it; after a failure, print how to continue the study."""
+    from rotor_ida.parallel.progress import progress_bar, progress_lines  # noqa: PLC0415 - heavy
 
     watched = sys.stderr is not None and sys.stderr.isatty()
     try:
-        with progress_bar(name) if watched else nullcontext() as told:
+        with (progress_bar if watched else progress_lines)(name) as told:
             yield told
     except InputError:
         raise

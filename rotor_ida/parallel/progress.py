@@ -1,7 +1,10 @@
-"""A progress bar for many jobs, with the remaining time."""
+"""A progress bar for many jobs, or lines without a terminal, with the remaining time."""
 
 from __future__ import annotations
 
+import math
+import sys
+import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
@@ -17,6 +20,9 @@ from rich.progress import (
     TimeRemainingColumn,
 )
 from rich.text import Text
+
+# Interval between lines where there is no terminal [s].
+TOLD_EVERY = 30.0
 
 
 class _RateColumn(ProgressColumn):
@@ -43,3 +49,25 @@ def progress_bar(description: str) -> Iterator[Callable[[int, int], None]]:
     with Progress(*columns, console=Console(stderr=True)) as bar:
         task = bar.add_task(description, total=None)
         yield lambda done, total: bar.update(task, completed=done, total=total)
+
+
+@contextmanager
+def progress_lines(description: str) -> Iterator[Callable[[int, int], None]]:
+    """Write a line to standard error every half a minute, where there is no terminal.
+
+    Yields
+    ------
+    callable
+        Takes the number of points done and their total, as `progress_bar` yields.
+    """
+    begun = told = time.monotonic()
+
+    def tell(done: int, total: int) -> None:
+        nonlocal told
+        if sys.stderr is not None and (now := time.monotonic()) - told >= TOLD_EVERY:
+            told = now
+            left = (now - begun) * (total - done) / done if done else math.nan
+            also = "" if math.isnan(left) else f", about {left:.0f} s left"
+            print(f"{description}: {done} of {total}{also}", file=sys.stderr, flush=True)
+
+    yield tell

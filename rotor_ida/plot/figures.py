@@ -24,6 +24,7 @@ from rotor_ida.closed_forms import (
 from rotor_ida.closed_forms.whirls.synchronous import whirls_of_system
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import FRICTIONLESS
+from rotor_ida.model.scales import IS_OF_MACHINE
 from rotor_ida.model.system_parameters import SPEED, with_parameters
 from rotor_ida.plot.appearance import mixed_panels, panels, style
 from rotor_ida.plot.basins import (
@@ -215,7 +216,8 @@ def _whirls_of_system(part: xr.Dataset, over: str) -> xr.Dataset | None:
 def figure_of_diagram(dataset: xr.Dataset) -> Axes:
     """Draw a bifurcation diagram of one disc over one parameter; over speeds on the exact curve."""
     varied = varied_in(dataset)
-    check_one_varies(varied)
+    check_one_varies([IS_OF_MACHINE.get(each, each) if "length_scale" in dataset.attrs else each
+                      for each in varied])  # fmt: skip
     exact: dict[str, Any] = {}
     if varied in ([], ["omega"]):
         exact = _exact_beside(dataset, "omega")

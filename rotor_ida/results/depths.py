@@ -83,7 +83,7 @@ def _of_disc(result: xr.Dataset) -> str:
         depth = result["peak_indentation"]
     elif "radius_max" in result:
         depth = result["radius_max"] - gap
-    elif "in_contact" in result:
+    elif "amplitude" in result:
         depth = result["amplitude"] - gap
     elif "rotating_x" in result:
         depth = np.hypot(result["rotating_x"], result["rotating_y"]) - gap

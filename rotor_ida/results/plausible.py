@@ -14,6 +14,8 @@ from rotor_ida.units import quantity
 # How far beyond a known speed one without a unit is questioned, and from where on [rad/s].
 BEYOND, LEAST = 10.0, 500.0
 MOST_CONDITION = 1e14
+# A contact should be stiffer than the rotor where it is pressed in by this or its clearance [m].
+LEAST_DEPTH = 1e-4
 # Larger systems are not searched for their frequencies; a mean eccentricity is at most this [m].
 MOST_SIZE, LARGEST_ECCENTRICITY = 400, 5.0 * MILLIMETRE
 WITHOUT_UNIT = "; without a unit it is in {}: write {} if you meant that"
@@ -99,8 +101,10 @@ def _of_contacts(system: RotorSystem, entries: Mapping[str, object]) -> Iterator
             largest = quantity(LARGEST_CLEARANCE, "m")
             said = f"{place}.clearance is {quantity(contact.clearance, 'm')}; those of rotors are "
             yield f"{said}below {largest}{_meant(given, 'm', 'mm')}"
-        secant = contact.stiffness * contact.clearance ** (contact.exponent - 1.0)
-        if contact.clearance and secant < _stiffness_at(system, contact.node):
+        depth = max(contact.clearance, LEAST_DEPTH)
+        if contact.stiffness * depth ** (contact.exponent - 1.0) < _stiffness_at(
+            system, contact.node
+        ):
             said = f"{place}.stiffness is below that of the rotor at {contact.node!r}"
             yield said + _meant(raw.get("stiffness"), "N/m^1.5, of a Hertz contact", "N/m")
 

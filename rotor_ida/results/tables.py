@@ -15,8 +15,11 @@ import xarray as xr
 
 from rotor_ida.checks import check_instance, shown
 from rotor_ida.errors import InputError
+from rotor_ida.model.parameters import ALL_PARAMETERS, OF_MACHINE
+from rotor_ida.model.scales import IS_OF_MACHINE, scale_of
 from rotor_ida.results.archived_system import NAMES, NEEDED
 from rotor_ida.results.files import already_there, check_target, file_to_write
+from rotor_ida.results.si_units import machine_of
 from rotor_ida.schema import RESULT_KIND, words_of
 
 # A pandas DataFrame; pandas has no annotations.
@@ -31,6 +34,11 @@ PARTS = {
 }  # fmt: skip
 
 
+# Dimensions of what a result is computed again from, which stays in its archive.
+COMPUTED_FROM = {
+    "freedom", "freedom_too", "assembled_freedom", "coordinate", "component", "axis", "stator",
+    "unbalance",
+}  # fmt: skip
 # Kinds of result that are one point, with what belongs to it.
 CYCLES = ("cycle", "system_cycle")
 # Dimension of the states of a stroboscopic diagram at a point.
@@ -105,7 +113,8 @@ def tables_of(dataset: xr.Dataset) -> dict[str, Table]:
         For each set of dimensions, the variables and coordinates on them. Headers are names with
         units, flags are words, and rows follow the order of the dimensions. What is on contacts or
         nodes besides has a column for each, as in `to_dataframe`. The table ``numbers`` has one row
-        for each variable or coordinate without dimensions.
+        for each variable or coordinate without dimensions. The parameters of machines are in SI
+        units too. Matrices and states from which the result is computed again are left out.
 
     Examples
     --------
@@ -114,11 +123,14 @@ def tables_of(dataset: xr.Dataset) -> dict[str, Table]:
     >>> {name: list(table.columns) for name, table in tables_of(found).items()}
     {'zeta-delta0-fold': ['zeta', 'delta0', 'fold', 'fold_omega', 'fold_amplitude']}
     """
-    whole, scalars = dataset, [name for name, each in dataset.variables.items() if not each.dims]
+    own = COMPUTED_FROM - {*dataset.coords}  # the unbalance may be an axis
+    left = [name for name, each in dataset.variables.items() if own & {*each.dims}]
+    whole = _in_si(dataset.drop_vars(left))
+    scalars = [name for name, each in whole.variables.items() if not each.dims]
     tables = {}
     if scalars:
-        tables[NUMBERS] = _numbers(dataset[scalars])
-        whole = dataset.drop_vars(scalars)
+        tables[NUMBERS] = _numbers(whole[scalars])
+        whole = whole.drop_vars(scalars)
     whole = _with_parts_as_columns(whole)
     for dims in dict.fromkeys(variable.dims for variable in whole.data_vars.values()):
         names = [name for name, variable in whole.data_vars.items() if variable.dims == dims]
@@ -193,6 +205,21 @@ def check_tables(
             if other.name.startswith(f"{given.stem}.") and other.suffix == ENDING:
                 raise already_there(name, other, permission)
     return given
+
+
+def _in_si(dataset: xr.Dataset) -> xr.Dataset:
+    """Return a result of machines with their parameters in SI units, speeds in rad/s."""
+    machine = machine_of(dataset) if "length_scale" in dataset.attrs else None
+    if machine is None:
+        return dataset
+    found = {}
+    for name in (each for each in ALL_PARAMETERS if each in dataset.coords):
+        own = IS_OF_MACHINE.get(name, name)
+        unit = OF_MACHINE[own].unit
+        if unit != "1" and (own == name or own not in dataset.variables):
+            value = dataset[name].variable * scale_of(machine, unit)
+            found[own] = xr.Variable(value.dims, value.values, {"units": unit})
+    return dataset.assign_coords(found)
 
 
 def _with_parts_as_columns(dataset: xr.Dataset) -> xr.Dataset:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 
 import numpy as np
@@ -16,20 +17,25 @@ NOT_ACTING = "a touch there does not act on the rotor"
 
 
 def sentence_of(run: xr.Dataset, drops: xr.Dataset | None) -> str:
-    """Return in words whether the drop is survived, as far as figures say."""
+    """Return in words whether the drop is survived, as far as figures say, the worst first."""
     forces, nodes = run["largest_force"].values, run["contact_node"].values
     worst = int(forces.argmax())
     unit = str(run["largest_force"].attrs.get("units", ""))
-    said = [
+    touched = touched_clearances(run)
+    warned = [beyond_model(each) for each in (drops, run) if each is not None]
+    ratio = float(run["load_ratio"].max()) if "load_ratio" in run.variables else math.nan
+    said = [f"The rotor touches {_clearances_at(touched)}; {NOT_ACTING}."] if touched else []
+    loads = f"Loads reach {number(100.0 * ratio, 3)} % of the load capacities that were given."
+    said += [loads] if ratio > 1.0 else []
+    said += list(filter(None, warned))[:1]
+    said += [
         f"The largest force of this drop is {quantity(float(forces[worst]), unit)}, in the bearing "
         f"at {str(nodes[worst])!r}; the rotor goes as far as "
         f"{float(run['excursion'].max()):.3g} clearances."
         if forces[worst] > 0.0
         else "In this drop the rotor touches no bearing.",
     ]
-    if "load_ratio" in run.variables:
-        percent = number(100.0 * float(run["load_ratio"].max()), 3)
-        said.append(f"Loads reach {percent} % of the load capacities that were given.")
+    said += [loads] if ratio <= 1.0 else []
     if (run["whirl_sense"].values < 0).any():
         said.append("It whirls backwards for three turns or more.")
     if np.isfinite(run["rest_time"].values).all():
@@ -39,11 +45,7 @@ def sentence_of(run: xr.Dataset, drops: xr.Dataset | None) -> str:
             f"After {_time(run, run['horizon'])} of {_time(run, run['t'][-1])} this one motion "
             "depends on rounding: what follows is one of many possible ones."
         )
-    if touched := touched_clearances(run):
-        said.append(f"It touches {_clearances_at(touched)}; {NOT_ACTING}.")
     said += [] if drops is None else _of_many(drops, unit)
-    warned = [beyond_model(each) for each in (drops, run) if each is not None]
-    said += list(filter(None, warned))[:1]
     said += [f"Note: {run.attrs['note']}."] if "note" in run.attrs else []
     return " ".join(said)
 
@@ -62,10 +64,10 @@ def _of_many(drops: xr.Dataset, unit: str) -> list[str]:
     if "cell" in drops.sizes:
         at = place_of(drops, int(np.nanargmax(forces)) // forces.shape[1])
         where = f", at {places_in(drops)} = {at}" if at else ""
-        return [f"Over a grid of {count} drops the largest force is {most}{where}. "
-                f"Of the grid {' and '.join(facts)}.", *others]  # fmt: skip
-    return [f"Of {count} drops the largest force is {most}; {' and '.join(facts)} "
-            "(95 % intervals).", *others]  # fmt: skip
+        return [*others, f"Over a grid of {count} drops the largest force is {most}{where}. "
+                f"Of the grid {' and '.join(facts)}."]  # fmt: skip
+    return [*others, f"Of {count} drops the largest force is {most}; {' and '.join(facts)} "
+            "(95 % intervals)."]  # fmt: skip
 
 
 def _time(run: xr.Dataset, value: xr.DataArray) -> str:

@@ -242,7 +242,7 @@ def follow_system_run_up(rtol: float, run_up: RunUp, start: Start, stop: Stop) -
             modes={},
         )  # fmt: skip
         facts = _facts(run, run_up.phase)
-        figures, message = _settled(system, run, run_up, rtol, stop)
+        figures, message = settled_system(system, run, run_up.to, run_up.phase, rtol, stop)
     except (*EXPECTED, InputError) as error:  # it must not end the others
         return Answer(facts, reason_of(error), failed=True)
     return Answer(figures | facts, message)
@@ -263,8 +263,8 @@ def _facts(run: xr.Dataset, phase: float) -> dict[str, Any]:
     }
 
 
-def _settled(
-    system: RotorSystem, run: xr.Dataset, run_up: RunUp, rtol: float, stop: Stop
+def settled_system(
+    system: RotorSystem, run: xr.Dataset, to: float, phase: float, rtol: float, stop: Stop
 ) -> tuple[dict[str, Any], str]:
     """Return the settled response at the last speed and the ending, with a message.
 
@@ -272,11 +272,11 @@ def _settled(
     """
     angle = math.remainder(float(run["angle"][-1]), math.tau)
     problem = SettlingProblem.of(assemble(with_unbalance_at(system, angle)), rtol)
-    flow = SystemFlow.at(problem, run_up.to, stop)
+    flow = SystemFlow.at(problem, to, stop)
     size, end = problem.assembly.size, run["final_state"].values
     motion = np.array([problem.found.to_y(each) for each in end[: 2 * size].reshape(2, size)])
     settled = settle(flow, flow.state_of(motion, end[2 * size :]))
-    features, turn = settled.features, np.exp(-1j * (angle + run_up.phase))
+    features, turn = settled.features, np.exp(-1j * (angle + phase))
     whirls = {name: turn * getattr(features, name) for name in ("contact_whirl", "node_whirl")}
     turned = replace(settled, features=replace(features, **whirls))
     figures = figures_of(turned, flow, settled.state * flow.scales)

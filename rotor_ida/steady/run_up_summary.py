@@ -8,8 +8,9 @@ put both into words, with a warning outside the validity of the model.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from typing import NamedTuple
 
 import numpy as np
 import xarray as xr
@@ -21,15 +22,23 @@ from rotor_ida.model.contact import bounds_exceeded
 from rotor_ida.model.disc_starts import hanging
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.parallel import interruptible
-from rotor_ida.results.contact_facts import run_up_facts
+from rotor_ida.results.archived_system import problem_of
+from rotor_ida.results.contact_facts import columns_of_contact, run_up_facts
 from rotor_ida.results.depths import beyond_in_words
-from rotor_ida.results.run import check_run, rotor_of
-from rotor_ida.results.si_units import dimensional, dimensionless, is_in_si, machine_of
+from rotor_ida.results.run import check_run, check_system_run, is_of_system, rotor_of
+from rotor_ida.results.si_units import (
+    dimensional,
+    dimensionless,
+    is_in_si,
+    machine_of,
+    with_system_units,
+)
 from rotor_ida.schema import (
     ENDING,
     RESPONSE,
     WHIRL_DIRECTION,
     Column,
+    by_number,
     labelled_dataset,
     origin_of,
 )
@@ -37,7 +46,15 @@ from rotor_ida.simulation.options import Options
 from rotor_ida.steady.follow import FAILED
 from rotor_ida.steady.grid import EXPECTED, reason_of
 from rotor_ida.steady.response import CONTACT_FREE
-from rotor_ida.steady.run_up_outcome import ONLY_WITH, RUB, WHIP, Outcome, ending_at, failed
+from rotor_ida.steady.run_up_outcome import (
+    ONLY_WITH,
+    RUB,
+    WHIP,
+    Outcome,
+    ending_at,
+    failed,
+    settled_system,
+)
 from rotor_ida.units import quantity
 
 NEEDED = (
@@ -60,13 +77,16 @@ RUBS = {
 }
 
 
-def summary(run: xr.Dataset) -> xr.Dataset:
+def summary(run: xr.Dataset, *, running_speed: float | None = None) -> xr.Dataset:
     """Summarise a run-up: first touch, largest radius and force, first roll, and how it ends.
 
     Parameters
     ----------
     run : Dataset
-        A run of `rotor_ida.run_up`, dimensionless or in SI units.
+        A run of `rotor_ida.run_up`, dimensionless or in SI units, of any rotor.
+    running_speed : float, optional
+        Speed of the machine in service, in the unit of the run: the sentence tells how far above
+        or below it the rotor first touches.
 
     Returns
     -------
@@ -78,7 +98,8 @@ def summary(run: xr.Dataset) -> xr.Dataset:
         with contact damping ``total_contact_loss``, and as flags
         ``ending`` (``contact_free``, ``rub``, ``whip``, ``unresolved`` or ``failed``) and
         ``response``, the settled response at the constant last speed, as from `run_ups`. The speed
-        of an event that did not occur is NaN. The attribute ``sentence`` is the summary in words.
+        of an event that did not occur is NaN. Of a rotor system what belongs to a contact is along
+        ``contact``. The attribute ``sentence`` is the summary in words.
 
     Raises
     ------
@@ -102,6 +123,8 @@ def summary(run: xr.Dataset) -> xr.Dataset:
     """
     machine = None
     plain = check_instance("run", run, xr.Dataset)
+    if is_of_system(plain):
+        return _of_system(plain, running_speed)
     if is_in_si(plain):
         machine, plain = machine_of(plain), dimensionless(plain)
         if machine is None:
@@ -120,8 +143,16 @@ def summary(run: xr.Dataset) -> xr.Dataset:
     attributes = {name: each for name, each in origin_of(plain).items() if name not in OF_CHANGE}
     backward = int((plain["whirl_direction"] == WHIRL_DIRECTION["backward"]).sum())
     last = float(plain["speed"][-1])
-    sentence = _in_words(facts, ended, rotor, last, machine, backward, start_in_words(run))
-    attributes["sentence"] = sentence
+    scales = None if machine is None else scales_of(machine)
+    start = start_in_words(run)
+    lies = start if LIES in start else ""  # it has touched the stator before
+    verdict = contact_in_words(facts, ended.ending, rotor, machine, running_speed, lies)
+    hangs = "" if lies or not start else f"{start[0].upper()}{start[1:]}."
+    rubs = bool(ended.features.radius_max > rotor.delta0)
+    told = _in_words([facts], ended, last, scales, backward, rubs)
+    uncertain = _after_horizon(run)
+    beyond = beyond_model(-facts["smallest_gap"], rotor, machine)
+    attributes["sentence"] = " ".join(filter(None, [verdict, hangs, *told, uncertain, beyond]))
     found = labelled_dataset(
         "Summary of a run-up", columns, coordinates, attributes, kind="run_up_summary"
     )
@@ -130,12 +161,8 @@ def summary(run: xr.Dataset) -> xr.Dataset:
 
 def _ending(run: xr.Dataset, rotor: Rotor) -> Outcome:
     """Return the settled outcome at the constant last speed."""
-    last, duration = run.isel(t=-1), float(run.attrs["duration"])
-    if not math.isclose(float(last["t"]), duration, rel_tol=AT_END):
-        raise InputError(
-            f"run must be sampled at its end {duration:g}, got the last sample at "
-            f"{float(last['t']):g}"
-        )
+    _check_end(run)
+    last = run.isel(t=-1)
     state: Values = np.array([float(last[name]) for name in COMPONENTS])
     options = Options(
         rtol=float(run.attrs["rtol"]), atol=float(run.attrs["atol"]), method=run.attrs["method"]
@@ -146,6 +173,85 @@ def _ending(run: xr.Dataset, rotor: Rotor) -> Outcome:
         return interruptible(lambda stop: ending_at(held, state, angle, options, stop))
     except EXPECTED as error:
         return failed(reason_of(error))
+
+
+def _check_end(run: xr.Dataset) -> None:
+    """Raise `InputError` for a run that was not sampled at its end."""
+    last, duration = float(run["t"][-1]), float(run.attrs["duration"])
+    if not math.isclose(last, duration, rel_tol=AT_END):
+        raise InputError(
+            f"run must be sampled at its end {duration:g}, got the last sample at {last:g}"
+        )
+
+
+# ---- Of a rotor system ----
+
+
+def _of_system(run: xr.Dataset, running_speed: float | None) -> xr.Dataset:
+    """Return the summary of a run-up of a rotor system."""
+    check_system_run(run)
+    if "event_speed" not in run or "speed" not in run:
+        raise InputError("run must be a run of run_up, whose speed changes")
+    _check_end(run)
+    clearances = run["clearance"].values
+    contacts = [run_up_facts(columns_of_contact(run, number), float(each))
+                for number, each in enumerate(clearances)]  # fmt: skip
+    system, last = problem_of(run)[0], float(run["speed"][-1])
+    rubs = False
+    try:
+        found, message = interruptible(
+            lambda stop: settled_system(system, run, last, 0.0, float(run.attrs["rtol"]), stop)
+        )
+        words = (by_number(ENDING)[int(found["ending"])], by_number(RESPONSE)[found["response"]])
+        ended = Outcome(*words, message=message)
+        rubs = bool(np.any(found["radius_max"] > clearances))
+    except (*EXPECTED, InputError) as error:
+        ended = failed(reason_of(error))
+    for parameter, names in ONLY_WITH.items():
+        if not (run[f"law_{parameter.removeprefix('contact_')}"] > 0.0).any():
+            contacts = [{name: each for name, each in facts.items() if name not in names}
+                        for facts in contacts]  # fmt: skip
+    columns: dict[str, Column] = (
+        {name: ("contact", np.array([each[name] for each in contacts])) for name in contacts[0]}
+        if contacts
+        else {}
+    )
+    columns |= {"ending": ((), ENDING[ended.ending]), "response": ((), RESPONSE[ended.response])}
+    columns |= {name: ("contact", run[name].values) for name in ("contact_node", "clearance")}
+    attributes = {name: each for name, each in origin_of(run).items() if name not in OF_CHANGE}
+    scales = SI if system.units == "SI" else None
+    told = [*_of_contacts(run, contacts, ended.ending, scales, running_speed),
+            *_in_words(contacts, ended, last, scales, 0, rubs), _after_horizon(run)]  # fmt: skip
+    attributes["sentence"] = " ".join(filter(None, told))
+    made = labelled_dataset("Summary of a run-up", columns, {}, attributes, kind="run_up_summary")
+    return with_system_units(made, system)
+
+
+def _of_contacts(
+    run: xr.Dataset, contacts: Sequence[Mapping[str, float]], ending: str, scales: Scales | None,
+    running_speed: float | None,
+) -> list[str]:  # fmt: skip
+    """Return the verdict on the contact that is touched first, or is nearest, then the others."""
+    if not contacts:
+        return ["The system has no contacts."]
+    clearances, own = run["clearance"].values, run["episode_contact"].values
+    times = [np.nan_to_num(run["entry_time"].values[own == number]).min(initial=math.inf)
+             for number in range(len(contacts))]  # fmt: skip
+    left = [facts["smallest_gap"] / gap if gap else 1.0
+            for facts, gap in zip(contacts, clearances, strict=True)]  # fmt: skip
+    touched = [number for number in np.argsort(times).tolist() if math.isfinite(times[number])]
+    first = touched[0] if touched else int(np.argmin(left))
+    nodes = run["contact_node"].values.tolist()
+    where = [f"contact {number} at {node!r}" for number, node in enumerate(nodes)]
+    gap = float(clearances[first])
+    said = [_verdict(contacts[first], ending, gap, scales, where[first], running_speed)]
+    return said + [
+        f"It also touches {where[number]}, first at "
+        f"{_speed(contacts[number]['first_touch_speed'], scales)}, with up to "
+        f"{_force(contacts[number]['largest_force'], scales)} at "
+        f"{_speed(contacts[number]['largest_force_speed'], scales)}."
+        for number in touched[1:]
+    ]
 
 
 # ---- In words ----
@@ -170,62 +276,68 @@ def start_in_words(run: xr.Dataset) -> str:
     at_rest = np.array(hanging(rotor))
     if np.abs(start - at_rest).max() > SAME_START * np.abs(at_rest).max():
         return ""
+    scales = None if machine is None else scales_of(machine)
     how = f"{LIES}," if np.hypot(*start[:2]) > rotor.delta0 else "hanging"
-    return f"it starts {how} {_length(-start[1], machine)} below the axis"
+    return f"it starts {how} {_length(-start[1], scales)} below the axis"
 
 
 def _in_words(
-    facts: dict[str, float],
+    contacts: Sequence[Mapping[str, float]],
     ended: Outcome,
-    rotor: Rotor,
     last: float,
-    machine: DimensionalRotor | None,
+    scales: Scales | None,
     backward: int,
-    start: str,
-) -> str:
-    """Return a summary in sentences, the verdict first.
-
-    Given are the number of contacts that whirl backward, and a clause about the start.
-    """
-    held = f"Held at {_speed(last, machine)} it"
-    lies = LIES in start  # it has touched the stator before
-    sentences = [contact_in_words(facts, ended.ending, rotor, machine, start if lies else "")]
-    if start and not lies:
-        sentences.append(f"{start[0].upper()}{start[1:]}.")
-    if facts["contact_count"] and "first_roll_speed" in facts:
-        rolls = facts["first_roll_speed"]
+    rubs: bool,
+) -> list[str]:
+    """Return sentences after the verdict: of `backward` whirls, and whether it still `rubs`."""
+    held = f"Held at {_speed(last, scales)} it"
+    count = sum(int(each["contact_count"]) for each in contacts)
+    rolls = [each["first_roll_speed"] for each in contacts if "first_roll_speed" in each]
+    sentences = []
+    if count and rolls:
+        first = next((each for each in rolls if not math.isnan(each)), None)
         sentences.append(
             "No dry whip: the disc never rolls on the stator."
-            if math.isnan(rolls)
-            else f"The disc first rolls on the stator at {_speed(rolls, machine)}."
+            if first is None
+            else f"The disc first rolls on the stator at {_speed(first, scales)}."
         )
-        if backward and math.isnan(rolls):
+        if backward and first is None:
             sentences.append(
                 f"But friction makes it whirl backward, slipping, in {backward:,} of its "
-                f"{facts['contact_count']:,} contacts."
+                f"{count:,} contacts."
             )
     if ended.ending == CONTACT_FREE:
-        sentences.append(f"{held} {'runs clear of' if facts['contact_count'] else 'stays off'} "
-                         "the stator.")  # fmt: skip
-    elif ended.ending == WHIP:
-        sentences.append(
-            f"{held} stays in dry whip: it whirls backwards, rolling on the stator, driven by "
-            "friction and not by the unbalance, until the speed is brought down."
+        return [*sentences, f"{held} {'runs clear of' if count else 'stays off'} the stator."]
+    if ended.ending == WHIP:
+        said = (
+            "stays in dry whip: it whirls backwards, rolling on the stator, driven by friction and "
+            "not by the unbalance, until the speed is brought down."
         )
     elif ended.ending == RUB:
-        sentences.append(f"{held} keeps rubbing: {RUBS[ended.response]}.")
+        said = f"keeps rubbing: {RUBS[ended.response]}."
     elif ended.ending == FAILED:
-        sentences.append(f"{held} could not be followed: {ended.message}.")
+        said = f"could not be followed: {ended.message}."
     else:
-        rubs = "still rubs, and " if ended.features.radius_max > rotor.delta0 else ""
-        sentences.append(f"{held} {rubs}had not settled: {ended.message}.")
-    beyond = beyond_model(-facts["smallest_gap"], rotor, machine)
-    return " ".join([*sentences, beyond]).rstrip()
+        said = f"{'still rubs, and ' * rubs}had not settled: {ended.message}."
+    return [*sentences, f"{held} {said}"]
+
+
+def _after_horizon(run: xr.Dataset) -> str:
+    """Return that what follows a time is one of many possible motions, if it is."""
+    end = run["t"][-1]
+    if "horizon" not in run or not run["horizon"] < end:
+        return ""
+    unit = str(run["t"].attrs.get("units", "1"))
+    times = [quantity(float(each), unit, 3) for each in (run["horizon"], end)]
+    return (
+        f"After {times[0]} of {times[1]} this one motion depends on rounding: what follows, and "
+        "how it ends, is one of many possible ones."
+    )
 
 
 def contact_in_words(
     facts: Mapping[str, float], ending: str, rotor: Rotor, machine: DimensionalRotor | None,
-    lies: str = "",
+    running_speed: float | None = None, lies: str = "",
 ) -> str:  # fmt: skip
     """Return the verdict, with the closest approach to the stator or the largest force on it.
 
@@ -237,20 +349,46 @@ def contact_in_words(
     >>> contact_in_words(facts, CONTACT_FREE, Rotor(omega=0.5, zeta=0.07, delta0=3.0), None)
     'No rub: closest to the stator at a speed of 1.1, where 0.5 of the clearance of 3 are left.'
     """
+    scales = None if machine is None else scales_of(machine)
+    return _verdict(facts, ending, rotor.delta0, scales, "the stator", running_speed, lies)
+
+
+def _verdict(
+    facts: Mapping[str, float], ending: str, clearance: float, scales: Scales | None, at: str,
+    running_speed: float | None, lies: str = "",
+) -> str:  # fmt: skip
+    """Return the verdict on one contact at a place, with words for a rotor that lies there."""
     if math.isnan(facts["first_touch_speed"]):
-        gap, clearance = _length(facts["smallest_gap"], machine), _length(rotor.delta0, machine)
+        gap, clearance_told = (_length(each, scales) for each in (facts["smallest_gap"], clearance))
         return (
-            f"No rub: closest to the stator at {_speed(facts['largest_radius_speed'], machine)}, "
-            f"where {gap} of the clearance of {clearance} are left."
+            f"No rub: closest to {at} at {_speed(facts['largest_radius_speed'], scales)}, "
+            f"where {gap} of the clearance of {clearance_told} are left."
         )
     verdicts = {CONTACT_FREE: "Rub on the way, none at the end", WHIP: "Dry whip"}
-    touch = f"it first touches the stator at {_speed(facts['first_touch_speed'], machine)}"
+    touch = facts["first_touch_speed"]
+    margin = margin_in_words(touch * (scales.speed if scales else 1.0), running_speed)
+    first = f"it first touches {at} at {_speed(touch, scales)}{margin}"
     return (
-        f"{verdicts.get(ending, 'Rub')}: {lies or touch}, and presses up to "
-        f"{_length(-facts['smallest_gap'], machine)} into it, with up to "
-        f"{_force(facts['largest_force'], machine)} at "
-        f"{_speed(facts['largest_force_speed'], machine)}."
+        f"{verdicts.get(ending, 'Rub')}: {lies or first}, and presses up to {_length(-facts['smallest_gap'], scales)} into it, with up to "
+        f"{_force(facts['largest_force'], scales)} at "
+        f"{_speed(facts['largest_force_speed'], scales)}."
     )
+
+
+def margin_in_words(speed: float, running_speed: float | None) -> str:
+    """Return how far a speed is above or below the running speed; empty without one.
+
+    Examples
+    --------
+    >>> margin_in_words(5287.0, 3600.0), margin_in_words(2000.0, 3600.0)
+    (', 47 % above the running speed', ', 44 % below the running speed')
+    """
+    if not running_speed:
+        return ""
+    percent = 100.0 * (abs(speed / running_speed) - 1.0)
+    if abs(percent) < 0.5:
+        return ", the running speed"
+    return f", {abs(percent):.0f} % {'above' if percent > 0.0 else 'below'} the running speed"
 
 
 def beyond_model(indentation: float, rotor: Rotor, machine: DimensionalRotor | None) -> str:
@@ -267,22 +405,37 @@ def beyond_model(indentation: float, rotor: Rotor, machine: DimensionalRotor | N
     )
     if not bounds:
         return ""
-    return beyond_in_words(_length(indentation, machine), bounds)
+    scales = None if machine is None else scales_of(machine)
+    return beyond_in_words(_length(indentation, scales), bounds)
 
 
-def _speed(speed: float, machine: DimensionalRotor | None) -> str:
-    if machine is None:
+class Scales(NamedTuple):
+    """The SI values of a dimensionless 1 of speed, length and force."""
+
+    speed: float
+    length: float
+    force: float
+
+
+SI = Scales(1.0, 1.0, 1.0)
+
+
+def scales_of(machine: DimensionalRotor) -> Scales:
+    """Return the scales of a machine."""
+    return Scales(machine.reference_frequency, machine.length_scale, machine.force_scale)
+
+
+def _speed(speed: float, scales: Scales | None) -> str:
+    if scales is None:
         return f"a speed of {quantity(speed)}"
-    return quantity(speed * machine.reference_frequency, "rad/s")
+    return quantity(speed * scales.speed, "rad/s")
 
 
-def _length(length: float, machine: DimensionalRotor | None) -> str:
-    if machine is None:
-        return quantity(length, digits=3)
-    return quantity(length * machine.length_scale, "m", 3)
+def _length(length: float, scales: Scales | None) -> str:
+    return quantity(length * (scales.length if scales else 1.0), "m" if scales else "1", 3)
 
 
-def _force(force: float, machine: DimensionalRotor | None) -> str:
-    if machine is None:
+def _force(force: float, scales: Scales | None) -> str:
+    if scales is None:
         return f"a force of {quantity(force, digits=3)}"
-    return quantity(force * machine.force_scale, "N", 3)
+    return quantity(force * scales.force, "N", 3)

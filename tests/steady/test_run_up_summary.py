@@ -2,11 +2,13 @@
 
 import math
 import sys
+from dataclasses import replace
 
 import pytest
 
 from rotor_ida import DimensionalRotor, InputError, Rotor, run_up, run_ups, simulate, summary
 from rotor_ida.schema import words_of
+from rotor_ida.steady.run_up_summary import margin_in_words
 from rotor_ida.units import SPEED_UNITS
 
 REST = (0.0, 0.0, 0.0, 0.0)
@@ -116,3 +118,48 @@ def test_a_long_run_up_tells_how_far_it_is(monkeypatch):
     assert done[0] >= 0
     assert done[-1] == 100
     assert len(done) > 1
+
+
+def test_a_system_has_the_summary_of_its_disc():
+    """The other kernel: facts, verdict and sentence of one disc as a system, on every ending."""
+    for rotor, to, rate, start in (ENDINGS["rub"], ENDINGS["contact_free"]):
+        disc = summary(run_up(rotor, start=start, to=to, rate=rate))
+        system = rotor.system()
+        run = run_up(system, speed=rotor.omega, to=to, rate=rate, start=(start[:2], start[2:]))
+        found = summary(run, running_speed=0.5 * float(disc.first_touch_speed))
+        for name in ("first_touch_speed", "largest_radius", "largest_force", "contact_time"):
+            assert float(found[name].squeeze()) == pytest.approx(float(disc[name]), rel=1e-6), name
+        assert int(found.ending) == int(disc.ending)
+        said, expected = found.attrs["sentence"], disc.attrs["sentence"]
+        assert ", 100 % above the running speed, and" in said
+        assert said.replace(", 100 % above the running speed", "").replace(
+            "contact 0 at 'disc'", "the stator"
+        ) == expected  # fmt: skip
+
+
+def test_the_sentence_says_where_a_system_is_touched_and_what_rounding_decides():
+    """Two contacts, the nearer first; the horizon is put before the end of the run."""
+    rotor = ENDINGS["rub"][0]
+    system = rotor.system()
+    gaps = [
+        replace(system.contacts[0], clearance=each) for each in (rotor.delta0 * 1.1, rotor.delta0)
+    ]
+    two = replace(system, contacts=gaps)
+    run = run_up(two, speed=rotor.omega, to=ENDINGS["rub"][1], rate=ENDINGS["rub"][2])
+    said = summary(run).attrs["sentence"]
+    assert said.startswith("Rub: it first touches contact 1 at 'disc' at a speed of ")
+    assert "It also touches contact 0 at 'disc', first at a speed of " in said
+    assert "rounding" not in said
+    early = run.assign(horizon=run["horizon"] * 0.0 + 1.0)
+    assert "After 1 of " in summary(early).attrs["sentence"]
+    assert "how it ends, is one of many possible ones." in summary(early).attrs["sentence"]
+
+
+@pytest.mark.parametrize(
+    ("speed", "running", "said"),
+    [(5287.0, 3600.0, ", 47 % above the running speed"),
+     (1800.0, 3600.0, ", 50 % below the running speed"),
+     (-1800.0, -1800.5, ", the running speed"), (3.0, None, "")],
+)  # fmt: skip
+def test_a_margin_is_said_in_per_cent_of_the_running_speed(speed, running, said):
+    assert margin_in_words(speed, running) == said

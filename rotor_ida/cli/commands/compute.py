@@ -7,6 +7,7 @@ from pathlib import Path
 import rotor_ida
 from rotor_ida.checks import check_one_varies, shown
 from rotor_ida.cli.command import Case, command
+from rotor_ida.cli.given import given_in_words
 from rotor_ida.cli.report import Report
 from rotor_ida.cli.verb_options import OF_CHANGE
 from rotor_ida.errors import InputError
@@ -66,10 +67,11 @@ def run_up(case: Case, *, begin: float | None = None) -> Report:
     """
     if case.is_system:
         _change_of_file(case, begin)
-        return case.answer()
-    _begun(case, begin)
-    run = case.ask()
-    return case.report(run, summary=rotor_ida.summary(run))
+    else:
+        _begun(case, begin)
+    run, speed = case.ask(), case.running_speed
+    summary = rotor_ida.summary(run, running_speed=speed)
+    return case.report(run, summary=summary, given=given_in_words(case.rotor, speed))
 
 
 @command("several")

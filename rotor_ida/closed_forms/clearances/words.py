@@ -10,16 +10,24 @@ from rotor_ida.results.si_units import NOTE
 from rotor_ida.schema import words_of
 from rotor_ida.units import quantity
 
+# The part of a clearance that a scaled orbit may fill.
+ALLOWED = 0.75
+
 
 def sentences(report: xr.Dataset) -> str:
-    """Return a line for each clearance, one on critical speeds, and one on the probes if needed."""
-    lines = [_of_contact(report, number) for number in range(report.sizes["contact"])]
-    lines.append(_of_critical_speeds(report))
+    """Return a line for each clearance, one on critical speeds, and one on the probes if needed.
+
+    What is not kept comes first, the worst before the others.
+    """
+    found = [(_excess(report, number), _of_contact(report, number))
+             for number in range(report.sizes["contact"])]  # fmt: skip
+    near = _too_near(report)
+    found.append((1.0 + len(near), _of_critical_speeds(report, near)))
     if (least := float(report["scale_factor"].min())) < 1.0:
-        lines.append(
+        found.append((1.0 / least if least > 0.0 else np.inf,
             "At the probes the response exceeds the vibration limit: the scale factor is "
-            f"{least:.3g}, below 1."
-        )
+            f"{least:.3g}, below 1."))  # fmt: skip
+    lines = [line for _, line in sorted(found, key=lambda each: -max(each[0], 1.0))]
     if "not_exact" in report.attrs:
         lines.append(f"What follows a touch is not known: {report.attrs['not_exact']}.")
     if beyond := beyond_model(report):
@@ -27,6 +35,16 @@ def sentences(report: xr.Dataset) -> str:
     if note := report.attrs.get(NOTE):
         lines.append(f"Note: {note}.")
     return "\n".join(lines)
+
+
+def _excess(report: xr.Dataset, number: int) -> float:
+    """Return by what factor a clearance is filled beyond what is allowed; at most 1 if it is not.
+
+    A touch on the way to the trip speed counts as filling it.
+    """
+    own = report.isel(contact=number)
+    shares = (float(own["running_share"].max()) / ALLOWED, float(own["passage_share"].max()))
+    return max(shares)
 
 
 def _of_contact(report: xr.Dataset, number: int) -> str:
@@ -87,11 +105,17 @@ def _whip(report: xr.Dataset, own: xr.Dataset) -> str:
     )
 
 
-def _of_critical_speeds(report: xr.Dataset) -> str:
+def _too_near(report: xr.Dataset) -> list[int]:
+    """Return the numbers of the critical speeds that are too near to the running speeds."""
+    needed = report["required_margin"].values
+    near = (needed > 0.0) & (report["separation_margin"].values < needed)
+    return [place for place, is_near in enumerate(near) if is_near]
+
+
+def _of_critical_speeds(report: xr.Dataset, near: list[int]) -> str:
     """Return whether all critical speeds are far enough from the running speeds."""
     margin, needed = report["separation_margin"].values, report["required_margin"].values
     speeds = [_speed(report, each) for each in report["critical_speed"].values]
-    near = np.flatnonzero((needed > 0.0) & (margin < needed))
     told = [
         f"{speeds[i]} (amplification {report['amplification_factor'].values[i]:.3g})" for i in near
     ]
