@@ -297,16 +297,18 @@ class RotorSystem:
 
     @classmethod
     def from_ross(
-        cls, rotor: Any, *, speed: float, **changed: Unpack[SystemParameters]
+        cls, rotor: Any, *, speed: float | None = None, **changed: Unpack[SystemParameters]
     ) -> RotorSystem:
         """Return the system of a rotor of the package ROSS.
 
         Parameters
         ----------
         rotor : ross.Rotor
-            The rotor. Nothing of ROSS is imported: any object with its methods ``M K C G`` will do.
-        speed : float
-            Speed at which coefficients of bearings and seals are taken [rad/s].
+            The rotor. Nothing of ROSS is imported: any object with its methods ``M K C G``, or
+            with its matrices ``M0 K0 C0`` and its ``bearing_elements``, will do.
+        speed : float, optional
+            Speed at which coefficients of bearings and seals are frozen, where tables are not
+            wanted [rad/s]. Default: each bearing and seal is a `Bearing` with its own table.
         contacts, unbalance, supports, gravity, static_force : optional
             As for a system by its matrices.
 
@@ -320,13 +322,18 @@ class RotorSystem:
         ------
         InputError
             If the object has no such methods, or is a ``MultiRotor``, whose shafts turn at
-            different speeds.
+            different speeds; without `speed`, if the added mass of a seal depends on the speed.
 
         Warns
         -----
         UserWarning
-            If coefficients depend on the speed: they stay those at `speed` at any other speed,
-            which the system's `note` says in every result.
+            If coefficients depend on the speed and are frozen: they stay those at `speed` at any
+            other speed, which the system's `note` says in every result.
+
+        Notes
+        -----
+        Tables are those that were given to ROSS, with monotone cubics in between. ROSS 2.3 fits a
+        smoothing spline to a table, which need not pass through its rows.
         """
         from rotor_ida.model.ross_rotors import system_of_ross  # noqa: PLC0415
 
