@@ -351,6 +351,31 @@ class RotorSystem:
 
         return changed_system(cls.from_file, cls(**read_system(path)), changed)
 
+    def to_file(self, path: str | Path, *, overwrite: bool = False) -> Path:
+        """Write the system with all that acts on it to a file that `load_system` reads.
+
+        Parameters
+        ----------
+        path : path-like
+            The file, ending in .toml. Its matrices are in a file .npz of the same name beside it.
+        overwrite : bool
+            Whether existing files may be replaced.
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        InputError
+            If a file exists or cannot be written; if a part of the static force is a weight that
+            `gravity_in_static_force` describes, or acts on stators.
+        """
+        from rotor_ida.model.system_writing import write_system  # noqa: PLC0415
+
+        return write_system(self, path, overwrite=overwrite)
+
     def reduced(self, *, modes: int, keep: Sequence[str] | None = None) -> RotorSystem:
         """Return the system in fewer coordinates, with the same contacts, unbalance and supports.
 
