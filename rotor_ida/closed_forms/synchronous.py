@@ -52,7 +52,7 @@ def synchronous_response(
     **varied : float or array_like, shape (n,)
         Parameters of `Rotor` by name [1], in place of those of `rotor`; all are combined. The load
         must be 0. The radius of the disc has no effect.
-    contacts, unbalance, supports, gravity, static_force : optional
+    contacts, unbalance, supports, bearings, gravity, static_force : optional
         In place of those of a `RotorSystem`, as in `simulate`.
 
     Returns

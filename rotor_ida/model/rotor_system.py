@@ -309,7 +309,7 @@ class RotorSystem:
         speed : float, optional
             Speed at which coefficients of bearings and seals are frozen, where tables are not
             wanted [rad/s]. Default: each bearing and seal is a `Bearing` with its own table.
-        contacts, unbalance, supports, gravity, static_force : optional
+        contacts, unbalance, supports, bearings, gravity, static_force : optional
             As for a system by its matrices.
 
         Returns
@@ -344,8 +344,8 @@ class RotorSystem:
     def from_file(cls, path: str | Path, **changed: Unpack[SystemParameters]) -> RotorSystem:
         """Return a system from a file: .npz, .mat, or a folder of Matrix Market files.
 
-        Contacts, unbalance, supports, gravity and a static force are given as for a system by its
-        matrices. See `rotor_ida.model.system_files.read_system`.
+        Contacts, unbalance, supports, bearings, gravity and a static force are given as for a
+        system by its matrices. See `rotor_ida.model.system_files.read_system`.
         """
         from rotor_ida.model.system_files import read_system  # noqa: PLC0415
 

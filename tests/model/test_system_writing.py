@@ -80,11 +80,11 @@ def test_tables_are_read_from_the_file_or_from_beside_it(tmp_path: Path):
         row[1:5] = [1e3 * value for value in row[1:5]]  # N/mm
     text = "\n".join(",".join(map(repr, map(float, row))) for row in rows)
     (tmp_path / "film.csv").write_text(f"{','.join(head)}\n{text}\n")
-    np.savez(
-        tmp_path / "film.npz", speed=film.speed, stiffness=film.stiffness, damping=film.damping
-    )
-    inline = (f"speed = {[f'{n!r} rpm' for n in rpm.tolist()]}\nstiffness = "
-              f"{film.stiffness.tolist()}\ndamping = {film.damping.tolist()}").replace("'", '"')  # fmt: skip
+    table = {"speed": film.speed, "stiffness": film.stiffness, "damping": film.damping}
+    np.savez(tmp_path / "film.npz", **table)
+    speeds = ", ".join(f'"{n!r} rpm"' for n in rpm.tolist())
+    coefficients = (f"{name} = {table[name].tolist()}" for name in ("stiffness", "damping"))
+    inline = "\n".join([f"speed = [{speeds}]", *coefficients])
     for own in ('table = "film.csv"', 'table = "film.npz"', inline):
         path = tmp_path / "rotor.toml"
         path.write_text(f'{MATRICES}[[bearings]]\nnode = "disc"\n{own}\n')

@@ -15,6 +15,7 @@ from rotor_ida import (
     lyapunov_exponent,
     poincare_section,
     simulate,
+    special_speeds,
     sweep,
 )
 from rotor_ida.core.runs import NO_STOP
@@ -55,7 +56,11 @@ def test_few_modes_hold_films_as_all_do(system):
     [
         (sweep, {}, ("radius_max", "node_radius_max")),
         (limit_cycle, {"start": "settled"}, ("radius_max", "multiplier_real")),
-        (lyapunov_exponent, {"revolutions": 80, "batches": 4, "transient": 0.01}, ("lyapunov_exponent",)),
+        (
+            lyapunov_exponent,
+            {"revolutions": 80, "batches": 4, "transient": 0.01},
+            ("lyapunov_exponent",),
+        ),
         (poincare_section, {"revolutions": 5}, ("rotating_x", "rotating_y")),
         (bifurcation_diagram, {"revolutions": 5}, ("extremum_radius",)),
     ],
@@ -111,3 +116,13 @@ def test_a_speed_outside_the_table_is_refused(system):
         more = {"duration": 0.1} if verb is simulate else {}
         with pytest.raises(InputError, match="speed must lie within the table of the bearing"):
             verb(system, speed=3000.0, **more)
+
+
+def test_a_growth_is_told_with_the_speed_at_which_it_begins():
+    """The same threshold as that of `special_speeds`, by other eigenvalues."""
+    system = on_films(unequal=0.3, cross=6000.0)
+    with pytest.warns(UserWarning, match=r"unstable from [\d,]+ rpm on"):
+        run = simulate(system, speed=2300.0, duration=1e-3, samples=3)
+    found = special_speeds(system, limits=(160.0, 2390.0), points=20)
+    threshold = found.special_speed.item()
+    assert run.attrs["growth_begins_at"] == pytest.approx(threshold, rel=1e-4)
