@@ -518,7 +518,10 @@ def plot_unbalance_response(whirls: xr.Dataset, *, ax: Axes | None = None) -> Ax
     chosen = np.sort(np.argsort(-axes.max(axis=0), kind="stable")[:MOST_NODES])
     with drawing(ax) as ax:
         speeds = label_parameter(ax.xaxis, SPEED, whirls)
-        label_axis(ax.yaxis, "largest axis, peak to peak", whirls["node_major_axis"])
+        label_axis(
+            ax.yaxis, "node_major_axis", whirls["node_major_axis"],
+            words="largest axis, peak to peak",
+        )  # fmt: skip
         for number, node in enumerate(chosen):
             colour, dashes = look(number)
             ax.plot(speeds, axes[:, node], color=colour, ls=dashes, label=in_figure(names[node]))
