@@ -25,10 +25,6 @@
     moment = "1200 g mm"
     phase = "90 deg"
 
-    [[bearings]]                      # an oil film or seal
-    node = "disc"
-    table = "film.csv"                # speed, kxx, kxy, ...; or speed, stiffness and damping here
-
     [run_up]                          # for run_up alone
     from = "600 rpm"
     to = "6000 rpm"
