@@ -7,12 +7,12 @@ import numpy as np
 from rotor_ida import Bearing, Contact, Unbalance
 from tests.axisymmetric_systems import beam
 
-SPEEDS = np.array([50.0, 150.0, 300.0, 500.0, 800.0])
+SPEEDS = np.array([150.0, 450.0, 900.0, 1500.0, 2400.0])
 
 
 def table(cross, unequal=0.0):
     """Return the rows of an oil film: softer and less damped with the speed, and cross-coupled."""
-    direct = 3e6 + 4e8 / SPEEDS
+    direct = 3e6 + 1.2e9 / SPEEDS
     stiffness = np.zeros((SPEEDS.size, 2, 2))
     stiffness[:, 0, 0], stiffness[:, 1, 1] = direct, direct * (1.0 + unequal)
     stiffness[:, 0, 1] = cross * SPEEDS
@@ -20,7 +20,7 @@ def table(cross, unequal=0.0):
     return {"speed": SPEEDS, "stiffness": stiffness, "damping": 4e4 / np.sqrt(SPEEDS)}
 
 
-def on_films(*, unequal=0.0, cross=900.0, friction=0.1, gap=1e-4, count=10):
+def on_films(*, unequal=0.0, cross=300.0, friction=0.1, gap=3e-5, count=4):
     """Return the beam on two films, with a contact and unbalance at its discs."""
     plain = beam(count, soft=0.0)
     films = [Bearing(node=node, **table(cross, unequal)) for node in ("0", str(count))]

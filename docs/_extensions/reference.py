@@ -14,7 +14,7 @@ HERE = Path(__file__).parents[1]
 TASKS = {
     "Describe a rotor": ["Rotor", "DimensionalRotor", "dimensional"],
     "Describe a rotor system": [
-        *("RotorSystem", "Contact", "Stator", "Race", "Unbalance", "Support"),
+        *("RotorSystem", "Contact", "Stator", "Race", "Unbalance", "Support", "Bearing"),
         *("load_system", "load_course"),
     ],
     "Simulate": ["simulate", "run_up", "run_ups", "contact_summary", "contact_forces", "rotating"],

@@ -79,7 +79,7 @@ def basin(
         computation can then be resumed, and the starts need not fit into memory.
     progress : callable or bool, optional
         Called with the number of starts done and their total; True shows a bar on standard error.
-    contacts, unbalance, supports, gravity, static_force : optional
+    contacts, unbalance, supports, bearings, gravity, static_force : optional
         In place of those of a `RotorSystem`, as in `simulate`.
 
     Returns
@@ -209,7 +209,7 @@ def basin_fractions(
         Seed of the random numbers: the same seed gives the same starts.
     start, modes, rtol, workers, executor, study, progress
         As for `basin`.
-    contacts, unbalance, supports, gravity, static_force : optional
+    contacts, unbalance, supports, bearings, gravity, static_force : optional
         In place of those of a `RotorSystem`, as in `simulate`.
 
     Returns

@@ -26,8 +26,24 @@ BACKWARD_WHIRL = Layout("Rotor", (Rows(
     names=("kind", "amplitude", "whirl_speed", "stability", "growth_rate", "normal_force",
            "tangential_force"),
 ),))  # fmt: skip
+CRITICAL = Rows(
+    title="Critical speeds", key="critical_speeds", lead="critical_speed", digits=5,
+    names=("critical_speed", "critical_damping_ratio", "peak_node", "peak_speed",
+           "peak_major_axis", "amplification_factor"),
+)  # fmt: skip
+OF_UNBALANCE = (
+    CRITICAL,
+    Rows(
+        title="At contacts", key="contacts", lead="unbalance_radius",
+        names=("speed", "contact", "contact_node", "clearance", "unbalance_radius")),
+    Rows(
+        title="At nodes", key="nodes", lead="node_major_axis",
+        names=("speed", "node", "node_major_axis", "node_minor_axis", "node_forward_amplitude",
+               "node_forward_phase_lag", "node_backward_amplitude", "node_backward_phase_lag")),
+)  # fmt: skip
 _OF_WHIRL = ("stability", "growth_rate")
 WHIRLS_OF_SYSTEM = Layout("Whirls", (
+    CRITICAL,
     Rows(
         title="At contacts", key="whirls", lead="amplitude", gaps=True,
         names=("speed", "branch", "contact", "amplitude", "phase_lag", "normal_force",
@@ -36,7 +52,7 @@ WHIRLS_OF_SYSTEM = Layout("Whirls", (
         title="At nodes", key="nodes", lead="node_amplitude", gaps=True,
         names=("speed", "branch", "node", "node_amplitude", "node_phase_lag", *_OF_WHIRL)),
 ))  # fmt: skip
-SPECIAL_SPEEDS = Layout("Special speeds", (
+OF_SPECIAL = (
     Rows(
         title="Special speeds", key="special_speeds", lead="special_speed", prefix="special_",
         names=("special_speed", "special_kind", "whirl_speed", "grazed_contact",
@@ -44,7 +60,7 @@ SPECIAL_SPEEDS = Layout("Special speeds", (
     Rows(
         title="At contacts", key="contacts", lead="amplitude",
         names=("special", "contact", "contact_node", "amplitude", "in_contact")),
-))  # fmt: skip
+)  # fmt: skip
 EIGENVALUES = Layout("Eigenvalues", (
     Rows(
         title="Critical speeds", key="critical_speeds", lead="critical_speed", prefix="critical_",
@@ -78,3 +94,20 @@ def show_clearance_report(dataset: xr.Dataset, most: int | None) -> Description:
     record, parts = tabled(dataset, most, *OF_REPORT)
     told = lines_of(dataset, scalars_of(dataset))
     return record, [str(dataset.attrs.get("sentence", "")), facts("Report", told), *parts]
+
+
+def show_unbalance_response(dataset: xr.Dataset, most: int | None) -> Description:
+    """Return the unbalance response of a system, with why its rubs are not known."""
+    record, parts = tabled(dataset, most, *OF_UNBALANCE)
+    return record, [*_not_exact(dataset), *parts]
+
+
+def show_special_speeds(dataset: xr.Dataset, most: int | None) -> Description:
+    """Return special speeds, with why those of whirls are not known."""
+    record, parts = tabled(dataset, most, *OF_SPECIAL)
+    return record, [*_not_exact(dataset), *parts]
+
+
+def _not_exact(dataset: xr.Dataset) -> list[str]:
+    reason = dataset.attrs.get("not_exact")
+    return [f"Whirls in contact are not known: {reason}"] if reason else []

@@ -36,6 +36,7 @@ from rotor_ida.cli.commands.explore import explore
 from rotor_ida.cli.commands.fit import fit
 from rotor_ida.cli.commands.machine import machine
 from rotor_ida.cli.commands.plot import plot
+from rotor_ida.cli.commands.ross import from_ross
 from rotor_ida.cli.option_types import OPTIONS, STUDY
 from rotor_ida.cli.options import with_options
 from rotor_ida.cli.output import Output
@@ -59,7 +60,7 @@ Exit status: 0 done, 1 the run or the check failed, 2 bad input.
 # The commands in the groups of the help, in order.
 COMMANDS: dict[str, tuple[Command | Callable[..., object], ...]] = {
     "Simulate": (
-        machine, compute.simulate, compute.run_up, compute.run_ups, compute.sweep,
+        machine, from_ross, compute.simulate, compute.run_up, compute.run_ups, compute.sweep,
         compute.bifurcation_diagram, compute.poincare_section, drop,
     ),
     "Exact whirls": (

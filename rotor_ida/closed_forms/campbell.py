@@ -49,7 +49,7 @@ def campbell(
         that along the force.
     modes : int, optional
         Number of eigenvalues to keep, the slowest first. Default: all that move a node.
-    contacts, unbalance, supports, gravity, static_force : optional
+    contacts, unbalance, supports, bearings, gravity, static_force : optional
         In place of those of the system, as in `simulate`.
 
     Returns

@@ -64,11 +64,8 @@ def receptances(assembly: Assembly, speeds: Values) -> Receptances:
     forces = np.column_stack([unbalance, contacts.conj().T])
     rows = 0.5 * np.concatenate([contacts, nodes])
     found = np.zeros((speeds.size, len(rows), forces.shape[1]), complex)
-    step = max(_AT_A_TIME // assembly.size**2, 1)
     turning = np.nonzero(speeds)[0]
-    for first in range(0, turning.size, step):
-        chosen = turning[first : first + step]
-        found[chosen] = rows @ solved_motions(assembly, speeds[chosen], forces)
+    found[turning] = rows @ solved_motions(assembly, speeds[turning], forces)
     found[:, :, 0] *= speeds[:, np.newaxis] ** 2
     count = len(contacts)
     return Receptances(
@@ -84,6 +81,13 @@ def _forward(rows: Values) -> ComplexValues:
 
 def solved_motions(assembly: Assembly, speeds: Values, forces: ComplexValues) -> ComplexValues:
     """Return the motions by forces at speeds, shape (speed, n, force)."""
+    step = max(_AT_A_TIME // assembly.size**2, 1)
+    parts = [_motions(assembly, speeds[first : first + step], forces)
+             for first in range(0, speeds.size, step)]  # fmt: skip
+    return np.concatenate([np.zeros((0, *forces.shape), complex), *parts])
+
+
+def _motions(assembly: Assembly, speeds: Values, forces: ComplexValues) -> ComplexValues:
     omega = speeds[:, np.newaxis, np.newaxis]
     dynamic = (assembly.stiffness_at(speeds) - omega**2 * assembly.mass).astype(complex)
     dynamic += 1j * omega * assembly.damping_at(speeds)

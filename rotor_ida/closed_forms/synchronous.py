@@ -16,7 +16,7 @@ from rotor_ida.closed_forms.contacting_whirls import ContactingWhirls, contactin
 from rotor_ida.closed_forms.linear_whirls import linear_whirls
 from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
 from rotor_ida.closed_forms.stability import growth_rate
-from rotor_ida.closed_forms.whirls.synchronous import whirls_of_system
+from rotor_ida.closed_forms.unbalance_response import response_of_system
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.model.system_parameters import AnyAxes
@@ -44,15 +44,15 @@ def synchronous_response(
     Parameters
     ----------
     rotor : Rotor, DimensionalRotor or RotorSystem
-        The rotor. Without it, ``omega``, ``zeta`` and ``delta0`` must be given. A `RotorSystem` is
-        the same in all directions, as are its stators, with contacts without offset centres.
-        Without any contact, the result is its unbalance response.
+        The rotor. Without it, ``omega``, ``zeta`` and ``delta0`` must be given. The whirls of a
+        `RotorSystem` in contact are found where it is the same in all directions, as are its
+        stators, with contacts without offset centres and without a load.
     speed : float or array_like, shape (n,)
         Spin speeds of a `RotorSystem`. Those of a `DimensionalRotor` are a parameter of it.
     **varied : float or array_like, shape (n,)
         Parameters of `Rotor` by name [1], in place of those of `rotor`; all are combined. The load
         must be 0. The radius of the disc has no effect.
-    contacts, unbalance, supports, gravity, static_force : optional
+    contacts, unbalance, supports, bearings, gravity, static_force : optional
         In place of those of a `RotorSystem`, as in `simulate`.
 
     Returns
@@ -64,9 +64,21 @@ def synchronous_response(
         Of the optional parameters, an array becomes a dimension before ``branch``, in the order of
         those of `Rotor`, and a number other than the default becomes a coordinate.
 
-        Of a `RotorSystem` on ``(speed, branch, contact)``: ``amplitude`` of the displacement at
-        each contact, relative to a stator that moves, its ``phase_lag`` in the sense of the spin
-        [rad], ``normal_force`` and ``in_contact``; on ``(speed, branch, node)``:
+        Of any `RotorSystem` its unbalance response without contact: on ``(speed, node)``
+        ``node_major_axis`` and ``node_minor_axis`` of the orbit, from peak to peak, the latter
+        negative if the orbit is backward, ``node_forward_amplitude`` and
+        ``node_backward_amplitude`` of its two circles, with ``node_forward_phase_lag`` and
+        ``node_backward_phase_lag``; on ``(speed, contact)`` ``unbalance_radius``, the largest
+        distance from the centre of the stator, with the static deflection by a load. On
+        ``critical``, for each critical speed between the lowest and the highest speed that
+        unbalance drives: ``critical_speed``, ``critical_damping_ratio``, and of the peak near it,
+        at the node that moves most: ``peak_node``, ``peak_speed``, ``peak_major_axis`` and
+        ``amplification_factor``. Where there are no exact whirls, the attribute ``not_exact`` says
+        why.
+
+        Of an axisymmetric `RotorSystem` on ``(speed, branch, contact)``: ``amplitude`` of the
+        displacement at each contact, relative to a stator that moves, its ``phase_lag`` in the
+        sense of the spin [rad], ``normal_force`` and ``in_contact``; on ``(speed, branch, node)``:
         ``node_amplitude`` and ``node_phase_lag``; on ``(speed, branch)``: ``stability`` and
         ``growth_rate``. The branches are in order of the largest amplitude over its clearance, the
         contact-free whirl first where it exists.
@@ -76,7 +88,7 @@ def synchronous_response(
     InputError
         If a value is not a finite real number from 0 to 1e15, or is a speed between 0 and 1e-50; if
         an exponent is neither 1.5 nor 1; if there is contact damping or friction without clearance;
-        if a system is not axisymmetric, or a speed is a resonance without damping.
+        if a speed of a system is a resonance without damping, or is outside the table of a bearing.
 
     Notes
     -----
@@ -104,6 +116,10 @@ def synchronous_response(
     forces are constant on axes that turn with the rotor. See `rotor_ida.closed_forms.whirls` for
     how all solutions are isolated. Whirls that touch more than two contacts at a time are not
     sought; ``most_touching`` says so.
+
+    A critical speed is that at which an eigenvalue turns with the rotor, with the coefficients of
+    bearings at that speed. The amplification factor is the speed of the peak over its width at
+    0.707 of its height, as in `clearance_report`.
 
     Phases lag the direction that points along x at time 0, as an unbalance of phase 0 does. A
     growth rate is the largest real part of the eigenvalues on turning axes (`turning_axes`).
@@ -133,7 +149,7 @@ def synchronous_response(
     """
     if isinstance(rotor, RotorSystem):
         changed = cast("SystemParameters", varied)
-        return whirls_of_system(changed_system(synchronous_response, rotor, changed), speed)
+        return response_of_system(changed_system(synchronous_response, rotor, changed), speed)
     ranges = {"omega": (SMALLEST_SPEED, LARGEST_NUMBER)}
     asked = whirls_asked(synchronous_response, rotor, varied, ranges)
     grid = RotorColumns.of(asked.columns)

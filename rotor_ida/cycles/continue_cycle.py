@@ -140,7 +140,7 @@ def continue_cycle(
         Speed of a `RotorSystem` at the start; by default that of the start.
     modes : int, optional
         Of a `RotorSystem`, as in `simulate`.
-    contacts, unbalance, supports, gravity, static_force : optional
+    contacts, unbalance, supports, bearings, gravity, static_force : optional
         In place of those of a `RotorSystem`, as in `simulate`.
 
     Returns
@@ -454,7 +454,7 @@ def bifurcation_curve(
     progress : callable or bool, optional
         Called with the number of points found and the largest possible number; True shows a bar on
         standard error.
-    speed, modes, contacts, unbalance, supports, gravity, static_force
+    speed, modes, contacts, unbalance, supports, bearings, gravity, static_force
         Of a `RotorSystem`, as for `continue_cycle`.
 
     Returns

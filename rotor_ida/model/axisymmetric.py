@@ -134,8 +134,7 @@ def forward_motions(assembly: Assembly) -> ForwardMotions:
     Examples
     --------
     >>> from rotor_ida import RotorSystem
-    >>> from rotor_ida.model.bearing import Films
-    from rotor_ida.model.assembly import assemble
+    >>> from rotor_ida.model.assembly import assemble
     >>> system = RotorSystem(mass=np.eye(2), stiffness=4 * np.eye(2), nodes={"disc": (0, 1)})
     >>> forward_motions(assemble(system)).stiffness.real
     array([[4.]])

@@ -132,13 +132,13 @@ class Bearing:
         if not self.varies:
             return
         least, most = self.knots[[0, -1]].tolist()
-        outside = speeds[np.abs(np.clip(speeds, least, most) - speeds) > ROUNDED * most]
-        if outside.size:
+        outside = np.abs(np.clip(speeds, least, most) - speeds)
+        if outside.max(initial=0.0) > ROUNDED * most:
             raise InputError(
                 "{name} must lie within the table of the bearing at {node}, from {least:.6g} to "
                 "{most:.6g}, got {value}",
                 name="speed", node=shown(self.node), least=least, most=most,
-                value=float(outside.ravel()[0]),
+                value=float(speeds.flat[outside.argmax()]),
             )  # fmt: skip
 
     def coefficients(self, name: str, speeds: Values, derivative: int = 0) -> Values:

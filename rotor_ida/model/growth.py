@@ -14,6 +14,8 @@ FREE = 1e-9
 # Growth rates below this part of the largest eigenvalue are rounding; so are those of eigenvalues
 # that are themselves below this part of it, as of a rotor that nothing holds: a double 0.
 GROWING, HELD = 1e-9, 1e-6
+# Steps in which the speed falls where growth is followed to its beginning, and how near to that.
+STEPS, PLACED = 16, 1e-6
 
 
 class Growth(NamedTuple):
@@ -47,6 +49,25 @@ def growth_of(found: Canonical, speed: float) -> Growth | None:
     if not fastest.real > GROWING * float(sizes.max()):
         return None
     return Growth(float(fastest.real), abs(float(fastest.imag)))
+
+
+def growth_begins(found: Canonical, speed: float) -> float | None:
+    """Return from which speed on the motion without contact grows up to a speed at which it does.
+
+    It is sought on films alone, down to the lowest speed of their tables; None if it grows there.
+    """
+    first = found.films.reach[0]
+    high = speed
+    for low in np.linspace(speed, first, STEPS + 1)[1:].tolist():
+        if growth_of(found, low) is None:
+            break
+        high = low
+    else:
+        return None
+    while high - low > PLACED * speed:
+        middle = 0.5 * (low + high)
+        low, high = (middle, high) if growth_of(found, middle) is None else (low, middle)
+    return high
 
 
 def nothing_holds(found: Canonical) -> bool:

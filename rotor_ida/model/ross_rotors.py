@@ -11,6 +11,7 @@ import numpy as np
 from rotor_ida.arrays import Values
 from rotor_ida.checks import check_real, shown
 from rotor_ida.errors import InputError, warn
+from rotor_ida.model.bearing import Bearing
 from rotor_ida.units import quantity
 
 # Coefficients that differ by less than this part of them are constant.
@@ -18,36 +19,75 @@ CONSTANT = 1e-6
 MOST_NAMED = 4
 
 
-def system_of_ross(rotor: Any, *, speed: float) -> dict[str, Any]:
+def system_of_ross(rotor: Any, *, speed: float | None) -> dict[str, Any]:
     """Return the arguments of a `RotorSystem` from a rotor of ROSS; see `RotorSystem.from_ross`."""
-    omega = check_real("speed", speed)
+    omega = None if speed is None else check_real("speed", speed)
     if any(each.__name__ == "MultiRotor" for each in type(rotor).__mro__):
         raise InputError(
             "rotor must be one shaft line, got a MultiRotor: its shafts turn at different speeds"
         )
     try:
-        mass = rotor.M(omega) if inspect.signature(rotor.M).parameters else rotor.M()
-        found = {
-            "mass": mass, "stiffness": rotor.K(omega), "damping": rotor.C(omega),
-            "gyroscopic": rotor.G(),
-        }  # fmt: skip
-        nodes = _nodes(rotor, len(mass))
+        found = _with_tables(rotor) if omega is None else _frozen(rotor, omega)
+        nodes = _nodes(rotor, len(found["mass"]))
+        found["gyroscopic"] = rotor.G()
     except (AttributeError, TypeError) as error:
         raise InputError(
             f"rotor must be a rotor of ROSS, with M, K, C and G, got {shown(rotor)} ({error})"
         ) from error
     if hasattr(rotor, "Ksdt"):
         found["stiffness_rate"] = rotor.Ksdt()
-    fluid = mass - getattr(rotor, "M0", mass)
+    fluid = found["mass"] - getattr(rotor, "M0", found["mass"])
     if fluid.any():
         found["added_mass"] = fluid
     along = list(getattr(rotor, "nodes_pos", []))
     # nodes of links have no position
     positions = dict(zip(nodes, along, strict=True)) if len(along) == len(nodes) else None
-    note = _frozen(rotor, omega)
+    return {**found, "nodes": nodes, "positions": positions}
+
+
+def _with_tables(rotor: Any) -> dict[str, Any]:
+    """Return the matrices without bearings and seals, and these with their own tables.
+
+    What acts on them along the axis stays in the matrices, by the first row of a table.
+    """
+    matrices = {"stiffness": rotor.K0.copy(), "damping": rotor.C0.copy(), "mass": rotor.M0.copy()}
+    bearings = []
+    for each in rotor.bearing_elements:
+        if _varies(each, "m"):
+            raise InputError(
+                f"speed must be given, as the added mass of {each.tag} depends on the speed"
+            )
+        first = 0.0 if each.frequency is None else float(np.ravel(each.frequency)[0])
+        at = list(each.dof_global_index.values())
+        matrices["mass"][np.ix_(at, at)] += each.M(first)
+        across = [name[:2] in {"x_", "y_"} for name in each.dof_global_index]
+        for name, whole in (("stiffness", each.K(first)), ("damping", each.C(first))):
+            along = whole.copy()
+            along[np.ix_(across, across)] = 0.0
+            matrices[name][np.ix_(at, at)] += along
+        node, *link = [name[2:] for name in each.dof_global_index if name.startswith("x_")]
+        bearings.append(Bearing(
+            node=node, stator=link[0] if link else None, speed=each.frequency,
+            stiffness=_table(each, "k"), damping=_table(each, "c"),
+        ))  # fmt: skip
+    return {**matrices, "bearings": bearings}
+
+
+def _table(element: Any, letter: str) -> Values:
+    """Return the table of a coefficient as it was given: ROSS itself smooths it."""
+    rows = np.array([
+        [np.ravel(getattr(element, f"{letter}{one}{other}")) for other in "xy"] for one in "xy"
+    ], float)  # fmt: skip
+    return np.moveaxis(rows, -1, 0)
+
+
+def _frozen(rotor: Any, omega: float) -> dict[str, Any]:
+    """Return the matrices with the coefficients at a speed, and a note on those that vary."""
+    mass = rotor.M(omega) if inspect.signature(rotor.M).parameters else rotor.M()
+    note = _note(rotor, omega)
     if note:
         warn(note)
-    return {**found, "nodes": nodes, "positions": positions, "note": note}
+    return {"mass": mass, "stiffness": rotor.K(omega), "damping": rotor.C(omega), "note": note}
 
 
 def _nodes(rotor: Any, size: int) -> dict[str, tuple[int, int]]:
@@ -66,7 +106,7 @@ def _nodes(rotor: Any, size: int) -> dict[str, tuple[int, int]]:
     return {str(i): (places[f"x_{i}"], places[f"y_{i}"]) for i in numbers}
 
 
-def _frozen(rotor: Any, omega: float) -> str:
+def _note(rotor: Any, omega: float) -> str:
     """Return a note on coefficients that depend on the speed, "" if there are none."""
     varying = [each for each in getattr(rotor, "bearing_elements", ()) if _varies(each)]
     if not varying:
@@ -87,14 +127,11 @@ def _listed(elements: Sequence[Any]) -> str:
     return ", ".join(str(each.tag) for each in elements)
 
 
-def _varies(element: Any) -> bool:
-    """Return whether the coefficients of a bearing or seal depend on the speed."""
+def _varies(element: Any, letters: str = "kcm") -> bool:
+    """Return whether coefficients of a bearing or seal depend on the speed."""
     if element.frequency is None:
         return False
-    rows: list[Values] = [
-        np.array([matrix(each) for each in element.frequency])
-        for matrix in (element.K, element.C, element.M)
-    ]
+    rows = [_table(element, letter) for letter in letters]
     return any(
         bool((np.abs(each - each[0]) > CONSTANT * np.abs(each).max()).any()) for each in rows
     )

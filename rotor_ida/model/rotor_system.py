@@ -297,17 +297,19 @@ class RotorSystem:
 
     @classmethod
     def from_ross(
-        cls, rotor: Any, *, speed: float, **changed: Unpack[SystemParameters]
+        cls, rotor: Any, *, speed: float | None = None, **changed: Unpack[SystemParameters]
     ) -> RotorSystem:
         """Return the system of a rotor of the package ROSS.
 
         Parameters
         ----------
         rotor : ross.Rotor
-            The rotor. Nothing of ROSS is imported: any object with its methods ``M K C G`` will do.
-        speed : float
-            Speed at which coefficients of bearings and seals are taken [rad/s].
-        contacts, unbalance, supports, gravity, static_force : optional
+            The rotor. Nothing of ROSS is imported: any object with its methods ``M K C G``, or
+            with its matrices ``M0 K0 C0`` and its ``bearing_elements``, will do.
+        speed : float, optional
+            Speed at which coefficients of bearings and seals are frozen, where tables are not
+            wanted [rad/s]. Default: each bearing and seal is a `Bearing` with its own table.
+        contacts, unbalance, supports, bearings, gravity, static_force : optional
             As for a system by its matrices.
 
         Returns
@@ -320,13 +322,18 @@ class RotorSystem:
         ------
         InputError
             If the object has no such methods, or is a ``MultiRotor``, whose shafts turn at
-            different speeds.
+            different speeds; without `speed`, if the added mass of a seal depends on the speed.
 
         Warns
         -----
         UserWarning
-            If coefficients depend on the speed: they stay those at `speed` at any other speed,
-            which the system's `note` says in every result.
+            If coefficients depend on the speed and are frozen: they stay those at `speed` at any
+            other speed, which the system's `note` says in every result.
+
+        Notes
+        -----
+        Tables are those that were given to ROSS, with monotone cubics in between. ROSS 2.3 fits a
+        smoothing spline to a table, which need not pass through its rows.
         """
         from rotor_ida.model.ross_rotors import system_of_ross  # noqa: PLC0415
 
@@ -337,12 +344,37 @@ class RotorSystem:
     def from_file(cls, path: str | Path, **changed: Unpack[SystemParameters]) -> RotorSystem:
         """Return a system from a file: .npz, .mat, or a folder of Matrix Market files.
 
-        Contacts, unbalance, supports, gravity and a static force are given as for a system by its
-        matrices. See `rotor_ida.model.system_files.read_system`.
+        Contacts, unbalance, supports, bearings, gravity and a static force are given as for a
+        system by its matrices. See `rotor_ida.model.system_files.read_system`.
         """
         from rotor_ida.model.system_files import read_system  # noqa: PLC0415
 
         return changed_system(cls.from_file, cls(**read_system(path)), changed)
+
+    def to_file(self, path: str | Path, *, overwrite: bool = False) -> Path:
+        """Write the system with all that acts on it to a file that `load_system` reads.
+
+        Parameters
+        ----------
+        path : path-like
+            The file, ending in .toml. Its matrices are in a file .npz of the same name beside it.
+        overwrite : bool
+            Whether existing files may be replaced.
+
+        Returns
+        -------
+        Path
+            The file.
+
+        Raises
+        ------
+        InputError
+            If a file exists or cannot be written; if a part of the static force is a weight that
+            `gravity_in_static_force` describes, or acts on stators.
+        """
+        from rotor_ida.model.system_writing import write_system  # noqa: PLC0415
+
+        return write_system(self, path, overwrite=overwrite)
 
     def reduced(self, *, modes: int, keep: Sequence[str] | None = None) -> RotorSystem:
         """Return the system in fewer coordinates, with the same contacts, unbalance and supports.

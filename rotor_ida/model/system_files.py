@@ -13,17 +13,20 @@ from typing import Any
 
 import numpy as np
 
+from rotor_ida.arrays import Values
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
 from rotor_ida.formats.matlab import HEAD, arrays_of, is_hdf5
 from rotor_ida.formats.matrix_market import matrix_of
 from rotor_ida.formats.npz import member_of
+from rotor_ida.model.data_sheet import OF_LINEAR, in_si
 from rotor_ida.model.rotor_system import MOST_COORDINATES, check_dimensions
 
 NAMES = {
     "M": "mass", "K": "stiffness", "C": "damping", "G": "gyroscopic", "K_dot": "stiffness_rate",
 }  # fmt: skip
 OTHERS = ("translations", "static_force", "added_mass")
+PAIRS = ("xx", "xy", "yx", "yy")
 NODE, NOTE = "node_", "note"
 # Names in a message.
 MOST_SHOWN = 8
@@ -68,6 +71,79 @@ def read_system(path: str | Path) -> dict[str, Any]:
         told = " ".join(str(error).split()) or type(error).__name__
         raise InputError(f"cannot read the system {shown(place)}: {told[:200]}") from error
     return _arguments(arrays, shown(place))
+
+
+def read_table(path: str | Path) -> dict[str, Any]:
+    """Return the columns of a table of a bearing, by name, from a file .npz or .csv.
+
+    Names are ``speed stiffness damping``, or ``kxx kxy kyx kyy cxx cxy cyx cyy`` for these. The
+    first line of a .csv file has the names, each with its unit in brackets, if it is not the one in
+    SI: ``speed [rpm],kxx [N/m],cxx [N s/m]``. Coefficients that are not there are those of the
+    other direction, or 0 across.
+
+    Returns
+    -------
+    dict
+        ``speed``, ``stiffness`` and ``damping``.
+
+    Raises
+    ------
+    InputError
+        If the file cannot be read, or has other columns.
+    """
+    place = Path(path)
+    _check_file(place)
+    try:
+        if place.suffix == ".npz":
+            with np.load(place, allow_pickle=False) as file:
+                columns = {name: np.asarray(file[name], float) for name in file.files}
+        elif place.suffix == ".csv":
+            columns = _csv(place)
+        else:
+            raise InputError(f"a table must be a .npz or .csv file, got {shown(place)}")
+    except InputError:
+        raise
+    except (OSError, ValueError, IndexError, zipfile.BadZipFile) as error:
+        told = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(f"cannot read the table {shown(place)}: {told[:200]}") from error
+    known = ("speed", "stiffness", "damping", *(f"{letter}{pair}" for letter in "kc"
+                                                 for pair in PAIRS))  # fmt: skip
+    for name in columns:
+        if name not in known:
+            raise InputError(
+                f"columns of {shown(place)} must be {', '.join(known)}, got {shown(name)}"
+            )
+    if "speed" not in columns or not {"stiffness", "kxx"} & columns.keys():
+        raise InputError(f"{shown(place)} must hold speed and stiffness or kxx")
+    return {"speed": columns["speed"], "stiffness": _coefficients(columns, "stiffness", "k"),
+            "damping": _coefficients(columns, "damping", "c")}  # fmt: skip
+
+
+def _coefficients(columns: dict[str, Values], name: str, letter: str) -> Values:
+    """Return a column of matrices, or one of them made of its entries."""
+    if name in columns:
+        return columns[name]
+    zero = np.zeros_like(columns["speed"])
+    xx = columns.get(f"{letter}xx", zero)
+    rows = [[xx, columns.get(f"{letter}xy", zero)],
+            [columns.get(f"{letter}yx", zero), columns.get(f"{letter}yy", xx)]]  # fmt: skip
+    return np.moveaxis(np.array(rows), -1, 0)
+
+
+def _csv(place: Path) -> dict[str, Values]:
+    """Return the columns of a .csv file in SI units."""
+    _check_bytes(place, place.stat().st_size)
+    head, *lines = place.read_text(encoding="utf-8-sig").splitlines()
+    rows = [line.split(",") for line in lines if line.strip()]
+    numbers = np.array([list(map(float, row)) for row in rows]).reshape(len(rows), -1)
+    found = {}
+    for number, title in enumerate(head.split(",")):
+        name, _, unit = title.strip().rstrip("]").partition("[")
+        name = name.strip()
+        wanted = {"s": "rad s-1", "k": OF_LINEAR, "c": "N s m-1"}.get(name[:1], "1")
+        factor = in_si(f"the unit of {name}", f"1 {unit.strip()}", wanted) if unit.strip() else 1.0
+        found[name] = factor * numbers[:, number]
+    return found
 
 
 def _arguments(arrays: dict[str, Any], path: str) -> dict[str, Any]:

@@ -126,7 +126,7 @@ def figure_of_responses(dataset: xr.Dataset) -> Figure:
 
     There is a panel for each rotor and contact, over the speed or another parameter that varies.
     """
-    if "node_amplitude" in dataset and not dataset.sizes["contact"]:
+    if "node_major_axis" in dataset and not (dataset.sizes["contact"] and "branch" in dataset.dims):
         return cast(Figure, plot_unbalance_response(dataset).figure)
     over = _axis_of(dataset)
     beside = [(part, _exact_beside(part, over)) for part in _parts(dataset, over)]

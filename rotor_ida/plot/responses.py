@@ -503,13 +503,13 @@ def _start_words(simulated: xr.Dataset) -> str:
 
 
 def plot_unbalance_response(whirls: xr.Dataset, *, ax: Axes | None = None) -> Axes:
-    """Draw the amplitude of the contact-free whirl at each node over the spin speed.
+    """Draw the largest axis of the orbit of each node by unbalance over the spin speed.
 
     Parameters
     ----------
     whirls : Dataset
         Result of `rotor_ida.synchronous_response` for a rotor system. Of more than five nodes,
-        those with the largest amplitudes are drawn.
+        those with the largest orbits are drawn.
     ax : Axes, optional
         Axes to draw on and return; default: those of a new figure.
 
@@ -521,21 +521,19 @@ def plot_unbalance_response(whirls: xr.Dataset, *, ax: Axes | None = None) -> Ax
     >>> plot_unbalance_response(whirls).lines[0].get_label()
     'disc'
     """
-    whirls = check_dataset("whirls", whirls, ("speed", "in_contact", "node_amplitude", "node"))
-    free = ~(whirls["in_contact"].values == 1).any(axis=2)
-    amplitude = np.where(free[:, :, np.newaxis], whirls["node_amplitude"].values, np.nan)[:, 0]
-    names = whirls["node"].values
-    largest = np.nanmax(np.where(np.isnan(amplitude), -1.0, amplitude), axis=0, initial=-1.0)
-    chosen = np.sort(np.argsort(-largest, kind="stable")[:MOST_NODES])
+    whirls = check_dataset("whirls", whirls, ("speed", "node_major_axis", "node"))
+    axes, names = whirls["node_major_axis"].values, whirls["node"].values
+    chosen = np.sort(np.argsort(-axes.max(axis=0), kind="stable")[:MOST_NODES])
     with drawing(ax) as ax:
         speeds = label_parameter(ax.xaxis, SPEED, whirls)
-        label_axis(ax.yaxis, "amplitude", whirls["node_amplitude"])
+        label_axis(
+            ax.yaxis, "node_major_axis", whirls["node_major_axis"],
+            words="largest axis, peak to peak",
+        )  # fmt: skip
         for number, node in enumerate(chosen):
             colour, dashes = palette.look(number)
-            ax.plot(
-                speeds, amplitude[:, node], color=colour, ls=dashes, label=in_figure(names[node])
-            )
+            ax.plot(speeds, axes[:, node], color=colour, ls=dashes, label=in_figure(names[node]))
         ax.set_yscale("log")
-        ax.set_title("contact-free whirl by node")
+        ax.set_title("unbalance response by node")
         legend_below(ax, columns=4)
     return ax

@@ -7,8 +7,8 @@ from typing import Any
 
 from rotor_ida.units import number, quantity
 
-RATE, WHIRL_SPEED, NOT_HELD = (
-    "growth_rate_without_contact", "whirl_speed_of_growth", "nothing_holds",
+RATE, WHIRL_SPEED, NOT_HELD, BEGINS = (
+    "growth_rate_without_contact", "whirl_speed_of_growth", "nothing_holds", "growth_begins_at",
 )  # fmt: skip
 
 
@@ -35,7 +35,7 @@ def stability_words(attributes: Mapping[str, Any], units: str) -> list[str]:
         whirl = float(attributes.get(WHIRL_SPEED, 0.0))
         words.append(
             f"Without contact the motion {growing(float(rate), whirl, units)}: the linear system "
-            "is unstable."
+            f"is unstable{_begins(attributes, units)}."
         )
     if attributes.get(NOT_HELD):
         words.append(
@@ -43,3 +43,10 @@ def stability_words(attributes: Mapping[str, Any], units: str) -> list[str]:
             "away without bound."
         )
     return words
+
+
+def _begins(attributes: Mapping[str, Any], units: str) -> str:
+    """Return from which speed on a motion grows, on bearings whose coefficients depend on it."""
+    if BEGINS not in attributes:
+        return ""
+    return f" from {quantity(float(attributes[BEGINS]), 'rad/s' if units == 'SI' else '1')} on"

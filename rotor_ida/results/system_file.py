@@ -48,10 +48,11 @@ import numpy as np
 from rotor_ida.arrays import Values
 from rotor_ida.checks import STARTS, check_array, check_choice, check_count, did_you_mean, shown
 from rotor_ida.errors import InputError
+from rotor_ida.model.bearing import Bearing
 from rotor_ida.model.data_sheet import KEYS, OF_LINEAR, exponent_of, units_of
 from rotor_ida.model.rotor_system import UNITS, RotorSystem, check_dimensions
 from rotor_ida.model.scales import errors_in_units
-from rotor_ida.model.system_files import read_system
+from rotor_ida.model.system_files import read_system, read_table
 from rotor_ida.model.system_parts import Contact, Race, Stator, Support, Unbalance
 from rotor_ida.results.toml_files import Table, naming, read_toml
 from rotor_ida.texts import brief
@@ -60,7 +61,7 @@ Part = TypeVar("Part", Contact, Race, Stator, Support, Unbalance)
 MATRICES = ("mass", "stiffness", "damping", "gyroscopic", "stiffness_rate")
 # What may stand in each table of a file; with units where it is a number.
 TOP = ("units", "speed", "gravity", "static_force", "start", "modes", "more_modes", "system",
-       "stators", "contacts", "unbalance", "run_up", "supports", "drop")  # fmt: skip
+       "stators", "contacts", "unbalance", "run_up", "supports", "bearings", "drop")  # fmt: skip
 OF_SYSTEM = (*MATRICES, "translations", "nodes", "positions")
 # The units of the numbers of each part; of those with a direction two, along x and y.
 UNITS_OF: dict[type, dict[str, str]] = {
@@ -70,6 +71,8 @@ UNITS_OF: dict[type, dict[str, str]] = {
     Race: {"radius": "m", "inertia": "kg m2", "drag": "N m s", "speed": "rad s-1"},
     Unbalance: {"moment": "kg m", "phase": "rad"},
 }
+# The coefficients of bearings: a number, a matrix, or a row for each speed.
+COEFFICIENTS = {"stiffness": OF_LINEAR, "damping": "N s m-1"}
 OF_RUN_UP = {
     "from": "rad s-1", "to": "rad s-1", "rate": "rad s-2", "ramp_time": "s", "inertia": "kg m2",
     "duration": "s",
@@ -229,6 +232,7 @@ def _system_file(entries: Mapping[str, object], folder: Path) -> tuple[RotorSyst
     system = replace(
         system, contacts=list(_contacts(file, system)),
         supports=_at_nodes(Support, file, "supports", system),
+        bearings=[_bearing(table, system, folder) for table in file.tables("bearings")],
         unbalance=_at_nodes(Unbalance, file, "unbalance", system),
         gravity=file.pair("gravity", "m s-2") if "gravity" in entries else None,
     )  # fmt: skip
@@ -385,6 +389,39 @@ def _at_nodes(kind: type[Part], file: Table, key: str, system: RotorSystem) -> l
     return [
         _part(kind, table, {"node": partial(_node, table, system)}) for table in file.tables(key)
     ]
+
+
+def _bearing(table: Table, system: RotorSystem, folder: Path) -> Bearing:
+    """Return a bearing, whose coefficients are in the file or in a table of another one."""
+    own = ("speed", *COEFFICIENTS)
+    table.check(("node", "stator", "table", *own), needed=("node",))
+    found: dict[str, Any] = {"node": _node(table, system)}
+    if "stator" in table.entries:
+        found["stator"] = table.entries["stator"]
+    place = table.entries.get("table")
+    with naming(table.place):
+        if place is None:
+            for key, unit in {"speed": "rad s-1", **COEFFICIENTS}.items():
+                if key in table.entries:
+                    found[key] = _nested(table, table.name(key), table.entries[key], unit)
+            if "stiffness" not in found:
+                raise InputError("stiffness or table must be given")
+        else:
+            given = [key for key in own if key in table.entries]
+            if given or not isinstance(place, str):
+                raise InputError(
+                    "table must be the path of a file, without speed, stiffness and damping, got "
+                    f"{shown(given[0] if given else place)}"
+                )
+            found |= read_table(folder / place)
+        return Bearing(**found)
+
+
+def _nested(table: Table, name: str, given: object, unit: str) -> Any:
+    """Return a number, or rows of numbers, in SI units."""
+    if isinstance(given, list):
+        return [_nested(table, name, each, unit) for each in given]
+    return table.one(name, given, unit)
 
 
 def _start(file: Table) -> Any:

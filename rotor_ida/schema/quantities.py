@@ -168,6 +168,24 @@ QUANTITIES: dict[str, Quantity] = {
     },
     "event_contact": Quantity("number of the contact of an event"),
     "node_amplitude": length("amplitude of a node at the spin speed"),
+    "node_major_axis": length("largest axis of the orbit of a node, from peak to peak"),
+    "node_minor_axis": length(
+        "smallest axis of the orbit of a node, from peak to peak, negative if it is backward"
+    ),
+    **{
+        f"node_{sense}_{name}": Quantity(words.format(sense), unit, scale)
+        for sense in ("forward", "backward")
+        for name, words, unit, scale in (
+            ("amplitude", "amplitude of the {} circle of the orbit of a node", "1", "length"),
+            ("phase_lag", "phase by which the {} circle of the orbit lags", "radian", ""),
+        )
+    },
+    "unbalance_radius": length(
+        "largest distance from the centre of the stator by unbalance and load, without contact"
+    ),
+    "peak_speed": speed("speed of the peak of the response near the critical speed"),
+    "peak_node": text("node with the largest peak near the critical speed"),
+    "peak_major_axis": length("largest axis of the orbit at the peak, from peak to peak"),
     "contact_stiffness": Quantity("stiffness of springs at the contacts"),
     "eigenvalue": Quantity("number of the eigenvalue, in order of whirl speed"),
     "damping_ratio": Quantity("damping ratio of the motion, negative if it grows"),

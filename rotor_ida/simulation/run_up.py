@@ -89,7 +89,7 @@ def run_up(
         series, the reference by the method itself.
     backend : {"auto", "python", "compiled"}
         As in `simulate`.
-    contacts, unbalance, supports, gravity, static_force : optional
+    contacts, unbalance, supports, bearings, gravity, static_force : optional
         In place of those of a `RotorSystem`, as in `simulate`.
 
     Returns

@@ -22,11 +22,11 @@ from rotor_ida.core.systems import Places, SystemRequest, SystemResult
 from rotor_ida.errors import InputError, InstallationError, warn
 from rotor_ida.model.assembly import Assembly, Canonical, assemble, canonical
 from rotor_ida.model.few_modes import check_modes, in_modes
-from rotor_ida.model.growth import growth_of, nothing_holds
+from rotor_ida.model.growth import growth_begins, growth_of, nothing_holds
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.parallel import Progress, interruptible, run_with_progress
-from rotor_ida.results.growth_words import NOT_HELD, RATE, WHIRL_SPEED, stability_words
+from rotor_ida.results.growth_words import BEGINS, NOT_HELD, RATE, WHIRL_SPEED, stability_words
 from rotor_ida.simulation.course import MOST_RADIANS, Course
 from rotor_ida.simulation.dataset import fastest_whirl, run_dataset, system_dataset
 from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors, shifts_of
@@ -117,11 +117,16 @@ def run_of_system(
 ) -> xr.Dataset:  # fmt: skip
     """Return the run of a system along a course of its speed, with a warning if it is unstable."""
     check_modes(modes, more_modes)
+    films = system
     if course.profile.is_held:
         system = system.at(course.speed)
     cases = [in_modes(system, number, start)
              for number in ([modes] if more_modes is None else [modes, more_modes])]  # fmt: skip
     run = run_of_cases(cases, course, modes={"modes": modes, "more_modes": more_modes}, **how)
+    if RATE in run.attrs and course.profile.is_held and films is not system:
+        begins = growth_begins(canonical(assemble(films)), course.speed)
+        if begins is not None:
+            run.attrs[BEGINS] = begins
     for words in stability_words(run.attrs, system.units):
         warn(words)
     return run

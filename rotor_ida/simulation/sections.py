@@ -132,7 +132,7 @@ def poincare_section(
         and a `RotorSystem` are computed by Taylor series.
     progress : callable or bool, optional
         As for `rotor_ida.simulate`.
-    contacts, unbalance, supports, gravity, static_force : optional
+    contacts, unbalance, supports, bearings, gravity, static_force : optional
         In place of those of a `RotorSystem`, as in `simulate`.
 
     Returns

@@ -98,7 +98,7 @@ def simulate(
     progress : callable or bool, optional
         Called from time to time with the percentage completed, and 100; True shows a bar on
         standard error.
-    contacts, unbalance, supports, gravity, static_force : optional
+    contacts, unbalance, supports, bearings, gravity, static_force : optional
         In place of those of a `RotorSystem`: ``simulate(system, contacts=[...], ...)`` is
         ``simulate(replace(system, contacts=[...]), ...)``.
 

@@ -183,7 +183,7 @@ def bifurcation_diagram(
         Parameters of `Rotor` by name [1], as for `rotor_ida.sweep`.
     clearance, friction, unbalance, damping, stiffness : float or array_like, shape (n,), optional
         Parameters of a `RotorSystem`, as in `sweep`.
-    contacts, unbalance, supports, gravity, static_force : optional
+    contacts, unbalance, supports, bearings, gravity, static_force : optional
         In place of those of a `RotorSystem`, as in `simulate`.
 
     Returns

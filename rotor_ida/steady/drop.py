@@ -99,7 +99,7 @@ def drop(
     samples, modes, more_modes, rtol, method, progress : optional
         As in `simulate`. By default the samples resolve the whirls in the bearings too; of
         given ones, a whirl that turns by half a turn between two shows the wrong sense.
-    contacts, unbalance, supports, gravity, static_force : optional
+    contacts, unbalance, supports, bearings, gravity, static_force : optional
         In place of those of the system, as in `simulate`.
 
     Returns

@@ -110,7 +110,7 @@ def drop_ensemble(
         Of the random numbers.
     workers, executor, study, progress
         As for `sweep`, with drops instead of points. The result is the same, bit for bit.
-    contacts, unbalance, supports, gravity, static_force : optional
+    contacts, unbalance, supports, bearings, gravity, static_force : optional
         In place of those of the system, as in `simulate`.
 
     Returns

@@ -160,7 +160,7 @@ def lyapunov_exponent(
         dimension of the result, before ``exponent``, with each value once; all are combined.
     clearance, friction, unbalance, damping, stiffness : float or array_like, shape (n,), optional
         Parameters of a `RotorSystem`, as in `sweep`; each array becomes a dimension too.
-    contacts, unbalance, supports, gravity, static_force : optional
+    contacts, unbalance, supports, bearings, gravity, static_force : optional
         In place of those of a `RotorSystem`, as in `simulate`.
 
     Returns

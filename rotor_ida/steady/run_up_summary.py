@@ -369,7 +369,8 @@ def _verdict(
     margin = margin_in_words(touch * (scales.speed if scales else 1.0), running_speed)
     first = f"it first touches {at} at {_speed(touch, scales)}{margin}"
     return (
-        f"{verdicts.get(ending, 'Rub')}: {lies or first}, and presses up to {_length(-facts['smallest_gap'], scales)} into it, with up to "
+        f"{verdicts.get(ending, 'Rub')}: {lies or first}, and presses up to "
+        f"{_length(-facts['smallest_gap'], scales)} into it, with up to "
         f"{_force(facts['largest_force'], scales)} at "
         f"{_speed(facts['largest_force_speed'], scales)}."
     )

@@ -117,7 +117,7 @@ def run_ups(
         Parameters of `Rotor` by name [1], as for `sweep`; ``omega`` are the speeds at time 0.
     clearance, friction, unbalance, damping, stiffness : float or array_like, shape (n,), optional
         Parameters of a `RotorSystem`, as for `sweep`; each array becomes a dimension of the result.
-    contacts, unbalance, supports, gravity, static_force : optional
+    contacts, unbalance, supports, bearings, gravity, static_force : optional
         In place of those of a `RotorSystem`, as in `simulate`.
 
     Returns

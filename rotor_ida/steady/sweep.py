@@ -131,7 +131,7 @@ def sweep(
     damping, stiffness : float or array_like, shape (n,), optional
         Factors of the damping and stiffness matrices of a `RotorSystem`, with supports; 1 leaves
         them as they are.
-    contacts, unbalance, supports, gravity, static_force : optional
+    contacts, unbalance, supports, bearings, gravity, static_force : optional
         In place of those of a `RotorSystem`, as in `simulate`.
 
     Returns

@@ -324,8 +324,10 @@ def test_a_report_begins_with_its_words_and_weight_has_no_whirl(program: Program
     applied = json.loads(own.out)["unbalance"]
     assert [row["applied_unbalance"] for row in applied] == [pytest.approx(2.4e-3), 0.0]
     answer = program("synchronous-response", plain)
-    assert (answer.status, answer.out) == (2, "")
-    assert "gravity and static_force must be 0 for a whirl" in answer.err
+    assert answer.status == 0
+    assert "not known: gravity and static_force must be 0 for a whirl" in " ".join(
+        answer.out.split()
+    )
     found = json.loads(program("synchronous-response", plain, STILL, "--json").out)
     assert {row["speed"] for row in found["whirls"]} == {4300 * RPM}
 

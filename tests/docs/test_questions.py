@@ -140,8 +140,10 @@ QUESTIONS = [
            "limits": [(875.0, 925.0), (1.95e-6, 2.05e-6)], "points": 3},
           {"start": fold_of_two_discs, "kind": "fold", "limits": [(1.4, 1.55), (2.9, 3.1)],
            "points": 3}),
-    Asked("synchronous_response", "every synchronous whirl", {}, {}, {"speed": [0.9, 1.1]}),
-    Asked("special_speeds", "speeds at which whirls fold, begin to oscillate or graze",
+    Asked("synchronous_response", "every synchronous whirl; response to unbalance", {}, {},
+          {"speed": [0.9, 1.1]}),
+    Asked("special_speeds",
+          "speeds at which a rotor grows unstable, and whirls fold, oscillate or graze",
           {"limits": (0.5, 2.5), "points": 20}, {"limits": (250.0, 1250.0), "points": 20},
           {"limits": (0.5, 1.5), "points": 20}),
     Asked("folds", "folds of the whirl", refused=of_parameters(

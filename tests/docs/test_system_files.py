@@ -49,6 +49,7 @@ def fields_of(kind):
         ("stators.race.", fields_of(Race)),
         ("unbalance.", fields_of(Unbalance)),
         ("supports.", fields_of(Support)),
+        ("bearings.", ("node", "stator", "table", "speed", *system_file.COEFFICIENTS)),
         ("drop.", (*system_file.OF_DROP, "failing", "clearances", "capacities", "vary", "grid")),
         ("run_up.", (*system_file.OF_RUN_UP, "speeds", "torque")),
     ],

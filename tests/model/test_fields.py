@@ -175,7 +175,7 @@ def test_the_help_of_one_name_describes_both_kinds():
         assert list(signature.parameters)[-1] in {"changed", "varied"}
         told = inspect.getdoc(function)
         assert told.index("\nrotor : Rotor, DimensionalRotor or RotorSystem\n") > 0
-        assert "contacts, unbalance, supports, gravity, static_force : optional" in told
+        assert "contacts, unbalance, supports, bearings, gravity, static_force : optional" in told
         assert f"{verb}_system" not in told
         titles = re.findall(r"(\w+)\n---", told)
         assert "Parameters" in titles

@@ -4,8 +4,10 @@ The stand-in is a chain in each direction, ground, spring, pedestal, bearing, ro
 has a closed form.
 """
 
+import json
 import warnings
 from functools import cache
+from pathlib import Path
 from types import SimpleNamespace
 
 import numpy as np
@@ -42,6 +44,10 @@ class Spring:
         self.dof_global_index, self.frequency, self.tag = places, frequency, tag
         self.axial = len(places) // 3
         self.coefficients = (stiffness, damping, mass)
+        for letter, given in zip("kcm", self.coefficients, strict=True):
+            own = np.broadcast_to(given, np.shape(frequency) if frequency is not None else (1,))
+            for pair in ("xx", "xy", "yx", "yy"):
+                setattr(self, letter + pair, (own if pair in {"xx", "yy"} else 0.0 * own).tolist())
 
     def _matrix(self, coefficient, frequency):
         here = coefficient if self.frequency is None or np.ndim(coefficient) == 0 else np.interp(
@@ -80,6 +86,7 @@ class Rotor:
         self.nodes_pos = [0.0, 1.0]
         self.M0, self.K0 = np.eye(18), np.diag([0.0] * 2 + [1e6] * 4 + [0.0] * 2 + [1e6] * 4
                                                + [0.0, 0.0, 1e6] * 2)  # fmt: skip
+        self.C0 = np.zeros((18, 18))
         for start, mass in zip(self.starts, MASSES + PEDESTALS, strict=True):
             self.M0[[start, start + 1], [start, start + 1]] = mass
 
@@ -279,3 +286,89 @@ def test_ross_itself_has_the_same_response_weight_and_critical_speeds(kind):
         np.testing.assert_allclose(
             found, [known[np.abs(known - each).argmin()] for each in found], rtol=1e-4
         )
+
+
+# ---- Each bearing with its own table ----
+
+
+@cache
+def recorded():
+    """Return what ROSS has computed, and the rotor of which: see tests/data/README.md."""
+    held = json.loads((Path(__file__).parents[1] / "data" / "ross_films.json").read_text())
+    matrices = {}
+    for name, each in held["matrices"].items():
+        matrices[name] = np.zeros((each["size"],) * 2)
+        matrices[name][each["rows"], each["columns"]] = each["values"]
+    frequency = np.array(held["speed"])
+    elements = [
+        SimpleNamespace(
+            **{name: each[name] for name in each if name != "places"}, frequency=frequency,
+            dof_global_index=each["places"],
+            **dict.fromkeys(("mxx", "mxy", "myx", "myy"), 0.0 * frequency),
+            **dict.fromkeys("KCM", lambda _: np.zeros((3, 3))),
+        )
+        for each in held["elements"]
+    ]  # fmt: skip
+    rotor = SimpleNamespace(
+        **{name: matrices[name] for name in ("M0", "K0", "C0")}, G=lambda: matrices["G"],
+        Ksdt=lambda: matrices["Ksdt"], nodes_pos=held["nodes_pos"], number_dof=6,
+        bearing_elements=elements,
+    )  # fmt: skip
+    return held, rotor
+
+
+def test_eigenvalues_on_tables_are_those_recorded():
+    held, rotor = recorded()
+    system = RotorSystem.from_ross(rotor)
+    assert sorted(each.node for each in system.bearings) == ["0", "2", "4"]
+    found = campbell(system, speed=held["speed"], modes=16)
+    for number, values in enumerate(held["eigenvalues"]):
+        known = np.array(values) @ [1.0, 1.0j]
+        one = found.isel(speed=number, contact_stiffness=0)
+        ratio, turning = one.damping_ratio.values, np.abs(one.whirl_speed.values)
+        oscillates = (turning > 0.0) & (turning < known.imag.max())
+        size = turning[oscillates] / np.sqrt(1.0 - ratio[oscillates] ** 2)
+        mine = -ratio[oscillates] * size + 1j * turning[oscillates]
+        apart = np.abs(mine[:, np.newaxis] - known).min(axis=1)
+        assert oscillates.sum() >= 4
+        assert (apart < 1e-9 * np.abs(mine)).all()
+    assert (found.damping_ratio.values < 0.0).any() == any(
+        np.array(values)[:, 0].max() > 0.0 for values in held["eigenvalues"]
+    )
+
+
+def test_the_unbalance_response_on_tables_is_that_recorded():
+    held, rotor = recorded()
+    system = RotorSystem.from_ross(
+        rotor,
+        unbalance=[Unbalance(node="1", moment=2e-3), Unbalance(node="2", moment=1e-3, phase=1.0)],
+    )
+    found = synchronous_response(system, speed=held["speed"])
+    ahead, back = (
+        found[f"node_{sense}_amplitude"] * np.exp(side * 1j * found[f"node_{sense}_phase_lag"])
+        for sense, side in (("forward", -1.0), ("backward", 1.0))
+    )
+    x, y = ahead + np.conj(back), -1j * (ahead - np.conj(back))
+    known = np.array(held["response"]["real"]) + 1j * np.array(held["response"]["imag"])
+    for name, (one, other) in system.nodes.items():
+        for mine, theirs in ((x, known[one]), (y, known[other])):
+            scale = np.abs(theirs).max()
+            np.testing.assert_allclose(mine.sel(node=name), theirs, atol=1e-9 * scale)
+
+
+def test_tables_and_frozen_coefficients_agree_at_the_speed():
+    varying = seal(damping=np.array([300.0, 500.0]), frequency=np.array([0.0, 400.0]))
+    tables = RotorSystem.from_ross(Rotor(varying))
+    with pytest.warns(UserWarning, match="frozen at 400 rad/s"):
+        frozen = RotorSystem.from_ross(Rotor(varying), speed=400.0)
+    held = tables.at(400.0)
+    for name in ("mass", "stiffness", "damping"):
+        np.testing.assert_allclose(getattr(held, name), getattr(frozen, name), rtol=1e-12)
+    assert len(tables.bearings) == len(Rotor(varying).bearing_elements)
+    assert [each.stator for each in tables.bearings] == ["2", "3", None, None, None]
+
+
+def test_an_added_mass_that_depends_on_the_speed_needs_a_speed():
+    varying = seal(mass=np.array([2.0, 4.0]), frequency=np.array([0.0, 400.0]))
+    with pytest.raises(InputError, match="speed must be given, as the added mass of Seal 0"):
+        RotorSystem.from_ross(Rotor(varying))

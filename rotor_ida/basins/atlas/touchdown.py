@@ -83,7 +83,7 @@ def touchdown_report(
     progress : callable or bool, optional
         Called with the number of starts and shocks followed and their total, to which shocks are
         added once the attractors are known; True shows a bar on standard error.
-    contacts, unbalance, supports, gravity, static_force : optional
+    contacts, unbalance, supports, bearings, gravity, static_force : optional
         In place of those of a `RotorSystem`, as in `simulate`.
 
     Returns

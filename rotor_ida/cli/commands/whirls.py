@@ -89,7 +89,7 @@ def backward_whirl(case: Case) -> Report:
 
 @command("of a file")
 def special_speeds(case: Case, *, without_gravity: bool = False) -> Report:
-    r"""List the speeds at which the whirls of a rotor system fold, oscillate or graze.
+    r"""List the speeds at which a rotor system grows unstable, and its whirls fold or graze.
 
     Between two speeds, with the whirls drawn to special.png and special.svg:
 

@@ -21,7 +21,7 @@ from scipy.linalg import eig, eigvals
 from scipy.optimize import brentq, minimize_scalar
 
 from rotor_ida.arrays import ComplexValues, Values
-from rotor_ida.closed_forms.linear_motions import PARTS, roots_of
+from rotor_ida.closed_forms.linear_motions import roots_of
 from rotor_ida.closed_forms.receptances import solved_motions
 from rotor_ida.model.assembly import Assembly
 
@@ -35,6 +35,8 @@ FREE = 1e-4
 EQUAL, PARALLEL = 1e-7, 0.999
 # A lobe is driven if its antinode moves at least this part of the largest one.
 LOBE = 0.3
+# Least number of parts of the range of speeds in which critical speeds on films are sought.
+CELLS = 16
 # Part of a peak at which its width is measured, and the relative tolerance of its place.
 HALF_POWER, PLACED = math.sqrt(0.5), 1e-9
 
@@ -122,7 +124,11 @@ def _speeds_of_films(assembly: Assembly, largest: float) -> list[float]:
     """
 
     def gaps(speed: float) -> Values:
-        found = eigvals(*_pencil(assembly, speed))
+        left, right = _pencil(assembly, speed)
+        try:  # three times as fast
+            found = np.linalg.eigvals(np.linalg.solve(right, left))
+        except np.linalg.LinAlgError:
+            found = eigvals(left, right)
         turning = np.where(np.isfinite(found), found.imag, np.inf)
         return np.asarray(np.sort(turning) - speed)
 
@@ -132,7 +138,8 @@ def _speeds_of_films(assembly: Assembly, largest: float) -> list[float]:
         return []
     knots = assembly.films.knots
     edges = [first, *knots[(knots > first) & (knots < last)].tolist(), last]
-    parts = [np.linspace(*ends, PARTS, endpoint=False) for ends in pairwise(edges)]
+    count = max(CELLS // (len(edges) - 1), 1)
+    parts = [np.linspace(*ends, count, endpoint=False) for ends in pairwise(edges)]
     return list(roots_of(gaps, [*np.concatenate(parts).tolist(), last]))
 
 

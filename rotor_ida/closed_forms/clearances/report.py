@@ -103,7 +103,7 @@ def clearance_report(
         Mass of the rotor, for the residual unbalance. Default: that which moves with all nodes.
     points : int
         Number of speeds, besides those about each critical speed.
-    contacts, unbalance, supports, gravity, static_force : optional
+    contacts, unbalance, supports, bearings, gravity, static_force : optional
         In place of those of the system, as in `simulate`.
 
     Returns

@@ -95,7 +95,7 @@ def special_speeds(
     progress : callable or bool, optional
         Called with the number of parts done and their total, for each set of contacts that may
         touch its branches, their Hopf points and their grazes; True shows a bar on standard error.
-    contacts, unbalance, supports, gravity, static_force : optional
+    contacts, unbalance, supports, bearings, gravity, static_force : optional
         In place of those of the system, as in `simulate`.
 
     Returns

@@ -1,0 +1,69 @@
+"""The command from-ross: from a saved rotor of ROSS to a system file."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Annotated
+
+from cyclopts import Parameter
+
+from rotor_ida.checks import shown
+from rotor_ida.cli import parsing
+from rotor_ida.cli.output import FORCED
+from rotor_ida.cli.report import Report
+from rotor_ida.errors import InputError, InstallationError
+from rotor_ida.results.sheets import facts
+
+
+def _speed(_name: str, words: list[str]) -> float:
+    from rotor_ida.model.data_sheet import in_si  # noqa: PLC0415 - takes a moment
+
+    return in_si("speed", " ".join(words), "rad s-1")
+
+
+def from_ross(
+    file: Path,
+    /,
+    *,
+    speed: Annotated[
+        float | None,
+        Parameter(
+            help="Speed at which coefficients are frozen. Default: they keep their tables.",
+            metavar="3000rpm", converter=parsing.converter(_speed),
+        ),
+    ] = None,
+    out: Path,
+    as_json: bool = False,
+    force: bool = False,
+) -> Report:  # fmt: skip
+    r"""Turn a saved rotor of ROSS into a system file, with the tables of its bearings and seals.
+
+    The file is one that its method save has written. ROSS must be installed:
+
+        rotor-ida from-ross compressor.toml --out rotor.toml
+    """
+    from rotor_ida.model.rotor_system import RotorSystem  # noqa: PLC0415 - takes a moment
+
+    if out.exists() and not force:
+        raise InputError(f"out must not exist unless {FORCED}, got {shown(out)}")
+    try:
+        import ross  # noqa: PLC0415 - takes seconds
+    except ImportError as error:
+        raise InstallationError(
+            f"from-ross needs ROSS: pip install ross-rotordynamics ({error})"
+        ) from error
+    try:
+        rotor = ross.Rotor.load(file)
+    except Exception as error:  # a damaged file can make it raise anything
+        told = " ".join(str(error).split()) or type(error).__name__
+        raise InputError(f"cannot read the rotor {shown(file)}: {told[:200]}") from error
+    system = RotorSystem.from_ross(rotor, speed=speed)
+    system.to_file(out, overwrite=force)
+    numbers: dict[str, float] = {
+        "degrees of freedom": system.size, "nodes": len(system.nodes),
+        "bearings and seals": len(system.bearings),
+    }  # fmt: skip
+    return Report(
+        record={"system": numbers}, parts=[facts("System", numbers), f"wrote {out}"],
+        as_json=as_json,
+    )  # fmt: skip

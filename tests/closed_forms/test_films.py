@@ -1,0 +1,193 @@
+"""Answers over the speed on bearings with tables: each is that of the plain system at its speed."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from rotor_ida import (
+    Bearing,
+    InputError,
+    campbell,
+    clearance_report,
+    special_speeds,
+    synchronous_response,
+)
+from rotor_ida.results.archived_system import problem_of
+from rotor_ida.schema import SPECIAL
+from tests.films import SPEEDS, on_films
+
+HELD = (333.0, 1250.0, 1700.0)
+
+
+@pytest.fixture(scope="module", params=[0.0, 0.3], ids=["equal", "unequal"])
+def system(request):
+    return on_films(unequal=request.param)
+
+
+def dynamic(system, speed):
+    """Return the plain system at a speed, and its matrices for a motion at the speed."""
+    plain = system.at(speed)
+    resisted = plain.damping + speed * plain.gyroscopic
+    return plain, plain.stiffness - speed**2 * plain.mass + 1j * speed * resisted
+
+
+def test_whirls_are_those_at_each_speed():
+    system = on_films()
+    found = synchronous_response(system, speed=HELD)
+    assert (found.in_contact == 1).any()
+    for number, speed in enumerate(HELD):
+        one = synchronous_response(system.at(speed), speed=speed)
+        here = found.isel(speed=number, branch=slice(one.sizes["branch"]))
+        for name in ("amplitude", "normal_force", "node_amplitude", "node_major_axis"):
+            np.testing.assert_allclose(here[name], one[name].isel(speed=0), rtol=1e-11)
+        np.testing.assert_allclose(here.growth_rate, one.growth_rate.isel(speed=0), rtol=1e-9)
+
+
+def test_eigenvalues_and_critical_speeds_are_those_at_each_speed(system):
+    speeds = (160.0, *HELD, 2390.0)
+    found = campbell(system, speed=speeds, modes=6)
+    for number, speed in enumerate(speeds):
+        one = campbell(system.at(speed), speed=speed, modes=6).isel(speed=0)
+        for name in ("whirl_speed", "damping_ratio"):
+            here = found[name].isel(speed=number)
+            np.testing.assert_allclose(here, one[name], rtol=1e-9, atol=1e-11)
+    assert found.sizes["critical"] > 0
+    for speed in found.critical_speed.values:
+        one = campbell(system.at(speed), speed=[0.99 * speed, 1.01 * speed]).critical_speed
+        assert np.abs(one - speed).min() < 1e-9 * speed
+
+
+def test_a_growth_that_cross_coupling_drives_begins_at_the_threshold():
+    """The eigenvalues of the whole matrices cross the imaginary axis there."""
+    system = on_films(unequal=0.3, cross=6000.0)
+    found = special_speeds(system, limits=(160.0, 2390.0), points=20)
+    assert "not the same along x and y" in found.attrs["not_exact"]
+    assert found.special_kind.values.tolist() == [SPECIAL["threshold"]]
+    (threshold,) = found.special_speed.values.tolist()
+
+    def fastest(speed):
+        plain = system.at(speed)
+        n, inverse = plain.size, np.linalg.inv(plain.mass)
+        resisted = plain.damping + speed * plain.gyroscopic
+        values = np.linalg.eigvals(
+            np.block(
+                [[np.zeros((n, n)), np.eye(n)], [-inverse @ plain.stiffness, -inverse @ resisted]]
+            )
+        )
+        return values[values.real.argmax()]  # fmt: skip
+
+    assert fastest(threshold * (1.0 - 1e-6)).real < 0.0 < fastest(threshold * (1.0 + 1e-6)).real
+    assert found.whirl_speed.item() == pytest.approx(abs(fastest(threshold).imag), rel=1e-6)
+
+
+def test_a_threshold_of_an_axisymmetric_system_stands_beside_its_rubs():
+    found = special_speeds(on_films(cross=6000.0), limits=(160.0, 2390.0), points=30)
+    kinds = found.special_kind.values
+    assert (kinds == SPECIAL["threshold"]).sum() == 1
+    assert (kinds != SPECIAL["threshold"]).any()
+    assert np.isnan(found.amplitude.values[kinds == SPECIAL["threshold"]]).all()
+
+
+def test_orbits_are_those_of_a_direct_solution(system):
+    found = synchronous_response(system, speed=HELD)
+    for number, speed in enumerate(HELD):
+        plain, matrix = dynamic(system, speed)
+        force = np.zeros(plain.size, complex)
+        for each in plain.unbalance:
+            x, y = plain.rows(each.node)
+            force += each.moment * speed**2 * np.exp(1j * each.phase) * (x - 1j * y)
+        motion = np.linalg.solve(matrix, force)
+        angles = np.linspace(0.0, 2.0 * np.pi, 100_001)
+        for node in plain.nodes:
+            here = found.isel(speed=number).sel(node=node)
+            x, y = ((row @ motion * np.exp(1j * angles)).real for row in plain.rows(node))
+            radius = np.hypot(x, y)
+            assert here.node_major_axis == pytest.approx(2.0 * radius.max(), rel=1e-8)
+            assert abs(here.node_minor_axis) == pytest.approx(2.0 * radius.min(), rel=1e-6)
+            ahead, back = (
+                here[f"node_{sense}_amplitude"].item()
+                * np.exp(sign * (angles - here[f"node_{sense}_phase_lag"].item()))
+                for sense, sign in (("forward", 1j), ("backward", -1j))
+            )
+            np.testing.assert_allclose((ahead + back), x + 1j * y, atol=1e-12 * radius.max())
+
+
+def test_the_radius_at_a_contact_counts_load_and_offset():
+    system = on_films(unequal=0.3)
+    contact = replace(system.contacts[0], centre=(2e-5, -1e-5))
+    system = replace(system, contacts=[contact], gravity=(0.0, -9.81),
+                     translations=system.unit_translations())  # fmt: skip
+    found = synchronous_response(system, speed=[333.0])
+    plain, matrix = dynamic(system, 333.0)
+    still = np.linalg.solve(plain.stiffness, plain.weight((0.0, -9.81)))
+    force = sum(
+        each.moment * 333.0**2 * np.exp(1j * each.phase)
+        * (plain.rows(each.node)[0] - 1j * plain.rows(each.node)[1]) for each in plain.unbalance
+    )  # fmt: skip
+    angles = np.exp(1j * np.linspace(0.0, 2.0 * np.pi, 100_001))[:, np.newaxis]
+    moved = (np.linalg.solve(matrix, force) * angles).real + still
+    places = moved @ plain.rows(contact.node).T - np.array(contact.centre)
+    assert found.unbalance_radius.item() == pytest.approx(
+        np.hypot(*places.T).max(), rel=1e-8
+    )  # fmt: skip
+
+
+def test_peaks_are_where_the_response_is_largest(system):
+    """A dense scan finds the same top, and the width at 0.707 of it."""
+    found = synchronous_response(system, speed=[160.0, 2390.0])
+    peaks = found.isel(critical=np.flatnonzero(found.amplification_factor.notnull()))
+    assert peaks.sizes["critical"] > 0
+    one = peaks.isel(critical=int(peaks.peak_major_axis.values.argmax()))
+    top, factor = one.peak_speed.item(), one.amplification_factor.item()
+    near = np.linspace(top * (1.0 - 2.0 / factor), top * (1.0 + 2.0 / factor), 4001)
+    axis = synchronous_response(system, speed=near).node_major_axis.sel(node=one.peak_node.item())
+    assert axis.max().item() == pytest.approx(one.peak_major_axis.item(), rel=1e-6)
+    assert near[int(axis.values.argmax())] == pytest.approx(top, rel=2e-3 / factor)
+    above = near[axis.values >= axis.values.max() / np.sqrt(2.0)]
+    assert top / (above[-1] - above[0]) == pytest.approx(factor, rel=5e-3)
+    assert one.critical_speed.item() == pytest.approx(top, rel=0.1)
+
+
+def test_close_clearances_are_reported_within_the_tables(system):
+    around = {"speed": (1500.0, 1560.0), "points": 60, "probes": ["2"]}
+    found = clearance_report(replace(system, unbalance=()), **around)
+    assert found.speed.values.min() >= SPEEDS[0]
+    assert found.speed.values.max() <= SPEEDS[-1]
+    assert (found.attrs.get("not_exact") is None) == system.bearings[0].is_isotropic
+    with pytest.raises(InputError, match="speed must lie within the table of the bearing"):
+        clearance_report(system, **around | {"speed": (40.0, 1560.0)})
+
+
+@pytest.mark.parametrize("verb", [synchronous_response, campbell])
+def test_a_result_keeps_its_tables(system, verb):
+    found = verb(system, speed=[333.0, 1250.0])
+    again = problem_of(found)[0]
+    assert verb(again, speed=[333.0, 1250.0]).equals(found)
+
+
+@pytest.mark.parametrize(
+    "ask",
+    [
+        lambda system: synchronous_response(system, speed=[200.0, 2500.0]),
+        lambda system: campbell(system, speed=[200.0, 2500.0]),
+        lambda system: special_speeds(system, limits=(200.0, 2500.0)),
+    ],
+)
+def test_a_speed_outside_the_tables_is_refused(system, ask):
+    with pytest.raises(InputError, match=r"from 150 rad/s to 2400 rad/s, got 2500 rad/s"):
+        ask(system)
+
+
+def test_constant_coefficients_are_those_of_plain_matrices(system):
+    """One bearing between two nodes stands for a spring and a damper written into matrices."""
+    plain = system.at(333.0)
+    joint = np.zeros((2, plain.size))
+    joint[:, [0, 1]], joint[:, [4, 5]] = np.eye(2), -np.eye(2)
+    stiff, damped = np.array([[2e6, 5e5], [-5e5, 1e6]]), np.array([[300.0, 10.0], [-10.0, 200.0]])
+    written = replace(plain, stiffness=plain.stiffness + joint.T @ stiff @ joint,
+                      damping=plain.damping + joint.T @ damped @ joint)  # fmt: skip
+    given = replace(plain, bearings=[Bearing(node="0", stator="1", stiffness=stiff,
+                                             damping=damped)])  # fmt: skip
+    one, other = (synchronous_response(each, speed=333.0) for each in (given, written))
+    np.testing.assert_allclose(one.node_major_axis, other.node_major_axis, rtol=1e-12)
