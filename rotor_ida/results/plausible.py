@@ -44,7 +44,7 @@ def first_critical(system: RotorSystem) -> float:
     """Return the lowest natural frequency above 0 of a system at standstill [rad/s], or NaN."""
     if system.size > MOST_SIZE:
         return float("nan")
-    held = with_supports(system, system.supports)
+    held = _held(system)
     squares = np.linalg.eigvals(np.linalg.solve(held.mass, held.stiffness)).real
     above = squares[squares > 1e-9 * max(float(np.abs(squares).max()), 1e-300)]
     return float(np.sqrt(above.min())) if above.size else float("nan")
@@ -111,10 +111,16 @@ def _of_contacts(system: RotorSystem, entries: Mapping[str, object]) -> Iterator
 
 def _stiffness_at(system: RotorSystem, node: str) -> float:
     """Return the smaller static stiffness of a rotor at a node; 0 where it is free."""
-    rows, held = system.rows(node), with_supports(system, system.supports)
+    rows, held = system.rows(node), _held(system)
     if system.size > MOST_SIZE or np.linalg.cond(held.stiffness) > MOST_CONDITION:
         return 0.0
     return 1.0 / float(np.linalg.eigvals(rows @ np.linalg.solve(held.stiffness, rows.T)).real.max())
+
+
+def _held(system: RotorSystem) -> RotorSystem:
+    """Return a system with supports in its matrices, and bearings as where their tables begin."""
+    begins = max((float(each.knots[0]) for each in system.bearings if each.varies), default=0.0)
+    return with_supports(system.at(begins), system.supports)
 
 
 def _of_unbalance(system: RotorSystem, entries: Mapping[str, object]) -> Iterator[str]:
