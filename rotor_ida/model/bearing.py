@@ -8,7 +8,6 @@ from typing import Any
 
 import numpy as np
 import numpy.typing as npt
-from scipy.interpolate import PchipInterpolator, PPoly
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import check_array, check_axis, check_increasing, check_real, shown
@@ -85,6 +84,8 @@ class Bearing:
         where = f"of the bearing at {named_node(self.node)}"
         if self.stator is not None and not isinstance(self.stator, str):
             raise InputError(f"stator {where} must be the name of a node, got {shown(self.stator)}")
+        from scipy.interpolate import PchipInterpolator  # noqa: PLC0415 - takes long to import
+
         speeds = np.zeros(0)
         if self.speed is not None:
             name = f"speed {where}"
@@ -149,6 +150,8 @@ class Bearing:
         if not self.varies:
             rows = np.asarray(getattr(self, name)) if derivative == 0 else np.zeros((2, 2))
             return np.broadcast_to(rows, (*speeds.shape, 2, 2))
+        from scipy.interpolate import PPoly  # noqa: PLC0415 - takes long to import
+
         cubics = PPoly(getattr(self, f"{name}_cubics"), self.knots)
         held = np.clip(speeds, self.knots[0], self.knots[-1])
         return np.asarray(cubics(held, derivative))
