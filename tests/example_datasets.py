@@ -153,6 +153,19 @@ def a_curve() -> xr.Dataset:
 
 
 @computed_once
+def an_unbalance_response() -> xr.Dataset:
+    """Return the response of a system whose bearing is stiffer along x than along y."""
+    stiff = rotor_ida.Bearing(node="end", stiffness=[[3.0, 0.0], [0.0, 1.0]], damping=0.2)
+    system = rotor_ida.RotorSystem(
+        mass=np.eye(4), stiffness=np.kron([[1.0, -1.0], [-1.0, 1.0]], np.eye(2)), units="1",
+        nodes={"disc": (0, 1), "end": (2, 3)}, bearings=[stiff],
+        contacts=[rotor_ida.Contact(node="disc", clearance=0.5, stiffness=4.0)],
+        unbalance=[rotor_ida.Unbalance(node="disc", moment=1.0)],
+    )  # fmt: skip
+    return rotor_ida.synchronous_response(system, speed=np.linspace(0.1, 2.5, 25))
+
+
+@computed_once
 def a_sweep(direction: str = "up") -> xr.Dataset:
     return rotor_ida.sweep(omega=[1.2, 1.3], zeta=0.07, delta0=[0.0, 0.5], direction=direction)
 
@@ -169,6 +182,7 @@ KINDS: dict[str, Callable[[], xr.Dataset]] = {
     "system_branch": a_system_branch,
     "system_curve": a_system_curve,
     "system_whirls": lambda: over_speed("synchronous_response"),
+    "unbalance_response": an_unbalance_response,
     "special_speeds": lambda: over_speed("special_speeds"),
     "campbell": lambda: over_speed("campbell"),
     "clearance_report": lambda: over_speed("clearance_report"),

@@ -222,6 +222,9 @@ TOUCHING = replace(
 GIVEN |= {
     "RotorSystem": lambda _: {"mass": np.eye(2), "stiffness": np.eye(2), "nodes": {"a": (0, 1)}},
     "Contact": lambda _: {"node": "disc", "clearance": 0.5, "stiffness": 4.0},
+    "Bearing": lambda _: {
+        "node": "disc", "speed": [0.0, 1.0], "stiffness": [1.0, 2.0], "damping": [0.1, 0.2],
+    },
     "Stator": lambda _: {"mass": 1.0, "stiffness": 2.0},
     "Race": lambda _: {"radius": 1.0, "inertia": 2.0},
     "Unbalance": lambda _: {"node": "disc", "moment": 1.0},

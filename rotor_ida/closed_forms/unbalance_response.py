@@ -34,6 +34,8 @@ from rotor_ida.schema import labelled_dataset
 
 # Speeds at which peaks are sought, besides those about each critical speed.
 POINTS = 300
+# A decay below this part of the speed is none: the response there has no bound.
+UNDAMPED = 1e-12
 # Angles at which the farthest point of an ellipse is sought, and Newton's steps from the best.
 ANGLES, STEPS = 64, 6
 
@@ -157,18 +159,26 @@ def _peaks(
 ) -> list[tuple[int, float, float, float]]:
     """Return the peak of each mode between its neighbours, at the node that moves most.
 
-    It is the number of the node, speed, axis and amplification factor; -1 and NaN without a peak.
+    It is the number of the node, speed, axis and amplification factor; -1 and NaN without a peak,
+    and -1 and infinite where nothing damps the mode.
     """
     if not modes:
         return []
+    undamped = np.array([each.decay <= UNDAMPED * each.speed for each in modes])
+    poles = np.array([each.speed for each in modes])[undamped]
     grid = np.concatenate([np.linspace(low, high, POINTS), about(modes)])
     grid = np.unique(grid[(grid > 0.0) & (grid >= low) & (grid <= high)])
+    apart = np.abs(grid[:, np.newaxis] - poles).min(axis=1, initial=np.inf)
+    grid = grid[apart > UNDAMPED * high]
     rows = assembly.node_rows()
     force = (assembly.unbalance[0] - 1j * assembly.unbalance[1])[:, np.newaxis]
     axes = orbit_axes(assembly, rows, force, grid)[0]
     between = [0.5 * (one.speed + other.speed) for one, other in pairwise(modes)]
     found = []
-    for ends in pairwise([grid[0], *between, grid[-1]]):
+    for mode, ends in zip(modes, pairwise([grid[0], *between, grid[-1]]), strict=True):
+        if mode.speed in poles:
+            found.append((-1, mode.speed, np.inf, np.inf))
+            continue
         inside = grid[(grid >= ends[0]) & (grid <= ends[1])]
         node = int(axes[np.isin(grid, inside)].max(axis=0).argmax())
 

@@ -15,7 +15,6 @@ from contextlib import closing, contextmanager, nullcontext
 from html import escape
 from pathlib import Path
 from tempfile import NamedTemporaryFile
-from types import FrameType
 from typing import Any
 from urllib.parse import urlencode
 
@@ -110,48 +109,41 @@ async def _serve(
     reading: Mapping[str, Any] | None,
 ) -> None:
     ready, failed, stop = asyncio.Event(), asyncio.Event(), asyncio.Event()
-    with _ended_by_signals(stop):
-        with progress_bar("starting") as bar:
+    _heed_signals(stop)
+    with progress_bar("starting") as bar:
 
-            def progress(done: int, total: int) -> None:
-                if done == NEVER:
-                    failed.set()
-                else:
-                    bar(done, total)
-                if done == total:
-                    ready.set()
+        def progress(done: int, total: int) -> None:
+            if done == NEVER:
+                failed.set()
+            else:
+                bar(done, total)
+            if done == total:
+                ready.set()
 
-            queues = Queues(progress)
-            queues.open()
-            await _first(ready, stop)
-        try:
-            if failed.is_set():
-                raise RotorError("the processes that compute the panels do not start")
-            if not stop.is_set():
-                await _let_in(
-                    listening, queues, state, browser, report, longest_visit, stop, file, reading
-                )
-        finally:
-            await queues.close()
-
-
-@contextmanager
-def _ended_by_signals(stop: asyncio.Event) -> Iterator[None]:
-    """Set an event when the user or the system ends the program, on any platform."""
-    loop = asyncio.get_running_loop()
-
-    def end(_signal: int, _frame: FrameType | None) -> None:
-        loop.call_soon_threadsafe(stop.set)
-
-    before = {each: signal.getsignal(each) for each in ENDS}
-    heeded = {each: did for each, did in before.items() if did != signal.SIG_IGN}  # as of nohup
-    for each in heeded:
-        signal.signal(each, end)
+        queues = Queues(progress)
+        queues.open()
+        await _first(ready, stop)
     try:
-        yield
+        if failed.is_set():
+            raise RotorError("the processes that compute the panels do not start")
+        if not stop.is_set():
+            await _let_in(
+                listening, queues, state, browser, report, longest_visit, stop, file, reading
+            )
     finally:
-        for each, did in heeded.items():
-            signal.signal(each, did)
+        await queues.close()
+
+
+def _heed_signals(stop: asyncio.Event) -> None:
+    """Set an event when the user or the system ends the program."""
+    loop = asyncio.get_running_loop()
+    for each in ENDS:
+        if signal.getsignal(each) == signal.SIG_IGN:  # as of nohup
+            continue
+        if sys.platform == "win32":
+            signal.signal(each, lambda *_: loop.call_soon_threadsafe(stop.set))
+        else:
+            loop.add_signal_handler(each, stop.set)
 
 
 async def _let_in(

@@ -421,9 +421,10 @@ def machine_of(given: object) -> Rotor | DimensionalRotor:
 def _of_disc(given: Mapping[str, Any]) -> Question:
     machine = machine_of(given["machine"])
     rotor = machine if isinstance(machine, Rotor) else machine.rotor()
-    from rotor_ida.model.disc_starts import hanging  # noqa: PLC0415 - heavy, and not for --help
+    from rotor_ida.simulation.starts import start_of  # noqa: PLC0415 - heavy, and not for --help
 
-    start = hanging(rotor) if given["start"] is None else check_state("start", given["start"])
+    first = None if given["start"] is None else check_state("start", given["start"])
+    start = start_of(rotor, first)
     check_can_be_followed(rotor, start)
     speeds = given["speeds"]
     if not isinstance(speeds, list) or len(speeds) != 2:

@@ -112,7 +112,7 @@ def _depths(result: xr.Dataset, clearance: xr.DataArray) -> Values | None:
         found = (result["excursion"] - 1.0) * clearance * result.get("drop_clearance", 1.0)
     elif "radius_max" in result:
         found = result["radius_max"] - clearance
-    elif "in_contact" in result:
+    elif {"in_contact", "amplitude"} <= result.variables.keys():
         found = result["amplitude"] - clearance
     elif "rub_force" in result:
         forces = xr.concat([result[name] for name in OF_RUBS if name in result], "rub")

@@ -75,8 +75,8 @@ def start_of(
         A state; a word: on the whirl without contact, or where supports, contacts and shaft hold
         the rotor against its constant forces; or a result that ends in a state: a run, one point of
         a sweep or of many run-ups, a limit cycle, or one point of a branch. Without a start the
-        rotor is at rest: in equilibrium with its constant forces, or on the axis if there are none
-        or nothing holds it against them.
+        rotor is at rest: in equilibrium with its constant forces, or on the axis, if there are none
+        or neither shaft nor supports hold it against them: then it falls.
     speed : float
         The speed at time 0 of a rotor system.
     phase : float
@@ -105,6 +105,8 @@ def start_of(
     (True, True)
     """
     if isinstance(rotor, Rotor):
+        if start is None and rotor.shaft_stiffness == 0.0:  # nothing holds it: it falls
+            return AT_REST
         given = given_start(name, start, loaded=rotor.load > 0.0)
         if isinstance(given, str):
             settles = given == "settled"
@@ -296,12 +298,18 @@ def _deflected(assembly: Assembly) -> Values:
 
 
 def hanging(assembly: Assembly, speed: float) -> Values:
-    """Return the equilibrium under the constant forces, or the axis where there is none."""
-    on_axis = np.zeros((2, assembly.size))
-    try:
-        return rest(assembly, speed) if assembly.force.any() else on_axis
-    except InputError:  # it falls
+    """Return the equilibrium under the constant forces, or the axis where the rotor falls.
+
+    What neither stiffness nor supports hold falls, even where a contact would hold it.
+    """
+    on_axis, force = np.zeros((2, assembly.size)), assembly.force
+    if not force.any():
         return on_axis
+    stiffness = assembly.at(speed).stiffness
+    sag = np.linalg.lstsq(stiffness, force)[0]
+    if not np.abs(stiffness @ sag - force).max() <= BALANCED * float(np.abs(force).max()):
+        return on_axis
+    return rest(assembly.at(speed), speed)
 
 
 def rest(assembly: Assembly, speed: float = 0.0) -> Values:

@@ -16,7 +16,7 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import COMPONENTS, check_instance
+from rotor_ida.checks import COMPONENTS, check_instance, check_positive
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import bounds_exceeded
 from rotor_ida.model.disc_starts import hanging
@@ -122,6 +122,8 @@ def summary(run: xr.Dataset, *, running_speed: float | None = None) -> xr.Datase
     Held at a speed of 2 it stays off the stator.
     """
     machine = None
+    if running_speed is not None:
+        running_speed = check_positive("running_speed", running_speed)
     plain = check_instance("run", run, xr.Dataset)
     if is_of_system(plain):
         return _of_system(plain, running_speed)

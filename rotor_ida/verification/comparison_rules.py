@@ -205,6 +205,9 @@ VERIFIED = {
     "system_run_ups": Verification(("ending", "response", "rate", "phase", "to", *NUMBERS),
         ("rtol",)),
     "system_whirls": Verification(("amplitude", "normal_force", "growth_rate", "speed", *PROBLEM)),
+    "unbalance_response": Verification(
+        ("node_major_axis", "unbalance_radius", "critical_speed", "peak_major_axis", "speed",
+         *PROBLEM)),
     "system_special_points": Verification(("special_speed", "special_kind", "amplitude", *PROBLEM),
         ("limits", "points")),
     "system_cycle": Verification(("period", "multiplier_real", "speed", "final_state", *PROBLEM)),

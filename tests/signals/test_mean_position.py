@@ -181,7 +181,7 @@ def test_the_offset_is_kept_if_asked(file):
 
 def test_figures_say_what_was_subtracted_and_draw_the_clearance_about_the_mean(file):
     signals = seen(file)
-    words = "mean position subtracted: $x$ $-1.27$ mm, $y$ $-1.27$ mm"
+    words = "mean position subtracted: $x = -1.27$, $y = -1.27$ mm"
     assert words in plot_orbit(signals, clearance=0.15).get_title()
     assert words in plot_trace(signals).get_title()
     ax = plot_centre_line(signals, clearance=0.15)

@@ -92,17 +92,17 @@ def test_runout_goes_by_the_first_revolutions_of_the_file_or_by_another(tmp_path
 def test_options_of_runout_that_contradict_are_refused(clockwise, capsys):
     words = ["plot", str(clockwise), "--kind", "bode"]
     assert main([*words, "--runout-orders", "2"]) == 2
-    assert "runout_orders must be given with slow_roll" in capsys.readouterr().err
+    assert "--runout-orders must be given with --slow-roll" in capsys.readouterr().err
     assert main([*words, "--slow-roll", "0", "1", "--slow-roll-file", str(clockwise)]) == 2
-    assert "slow_roll must be left out with slow_roll_file" in capsys.readouterr().err
+    assert "--slow-roll must be left out with --slow-roll-file" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(
     ("times", "message"),
     [
-        (("0", "300"), "slow_roll must lie within 0 to"),
-        (("-2", "0.3"), "slow_roll must lie within 0 to"),
-        (("1.7", "1.95"), "slow_roll must be a part in which the rotor turns slowly, but"),
+        (("0", "300"), "--slow-roll must lie within 0 to"),
+        (("-2", "0.3"), "--slow-roll must lie within 0 to"),
+        (("1.7", "1.95"), "--slow-roll must be a part in which the rotor turns slowly, but"),
     ],
 )
 def test_a_slow_roll_lies_in_the_record_and_is_slow(tmp_path, capsys, times, message):

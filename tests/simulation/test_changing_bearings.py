@@ -44,6 +44,7 @@ ROTOR = RotorSystem(
 RUB = Contact(node="a", clearance=0.3, stiffness=50.0, friction=0.1, radius=2.0, damping=0.2)
 TOUCHES = [RUB, replace(RUB, node="b", clearance=0.4, exponent=1.0)]
 RUBBING = replace(ROTOR, contacts=TOUCHES, gravity=(0.0, -0.3))
+ON_AXIS = (np.zeros(4), np.zeros(4))
 
 
 def coefficients(speed):
@@ -171,7 +172,7 @@ def test_equal_rows_are_constant_coefficients(contacts):
 
 @pytest.mark.parametrize("method", ["taylor", "adams"])
 def test_events_are_those_of_the_reference_simulator(method):
-    given: dict[str, Any] = {"speed": 0.3, "to": 1.2, "rate": 0.04}
+    given: dict[str, Any] = {"start": ON_AXIS, "speed": 0.3, "to": 1.2, "rate": 0.04}
     run = run_up(RUBBING, method=method, rtol=1e-11, **given)
     slow = run_up(RUBBING, method="adams", backend="python", rtol=1e-12, samples=2, **given)
     assert run.sizes["event"] >= 8
@@ -181,7 +182,7 @@ def test_events_are_those_of_the_reference_simulator(method):
 
 
 def test_the_energy_balances_with_the_work_of_the_bearings():
-    run = run_up(RUBBING, speed=0.3, to=2.8, rate=0.02)
+    run = run_up(RUBBING, start=ON_AXIS, speed=0.3, to=2.8, rate=0.02)
     q, v = run.final_state.values.reshape(2, 4)
     kept = 0.5 * v @ ROTOR.mass @ v + 0.5 * q @ ROTOR.stiffness @ q
     kept -= ROTOR.weight((0.0, -0.3)) @ q
@@ -253,7 +254,7 @@ def test_a_speed_outside_a_table_is_refused_before_the_run(given, told):
 def request_of_ramp():
     """Return the request of a run-up to the core."""
     course = course_of(0.3, {"to": 1.2, "rate": 0.06}, None, SYSTEM_LIMITS)
-    return _prepared(RUBBING, None, course, np.array([0.0, course.end]), 1e-12).request
+    return _prepared(RUBBING, ON_AXIS, course, np.array([0.0, course.end]), 1e-12).request
 
 
 def test_columns_are_derivatives_of_the_motion():
@@ -285,7 +286,7 @@ def test_a_run_that_goes_on_with_more_room_is_the_same(monkeypatch):
 
 
 def test_all_modes_are_the_whole_system():
-    given: dict[str, Any] = {"speed": 0.3, "to": 1.2, "rate": 0.06}
+    given: dict[str, Any] = {"start": ON_AXIS, "speed": 0.3, "to": 1.2, "rate": 0.06}
     whole, reduced = run_up(RUBBING, **given), run_up(RUBBING, modes=4, **given)
     assert whole.sizes["event"] == reduced.sizes["event"] >= 4
     np.testing.assert_allclose(reduced.event_time, whole.event_time, rtol=0.0, atol=1e-9)

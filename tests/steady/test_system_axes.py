@@ -107,7 +107,8 @@ def test_it_is_archived_shown_drawn_and_computed_again(grid, tmp_path):
     figure = figure_of(found)
     assert len(figure.axes) == 2 * found.sizes["contact"]
     assert figure.axes[0].get_xlabel() == "largest friction"
-    assert figure.axes[0].get_title() == "contact 0 at one\nspeed 1,  largest clearance 2"
+    assert figure.axes[0].get_title() == "contact 0 at one,  speed 1"
+    assert figure.get_suptitle() == "largest clearance 2"
 
 
 def test_it_is_resumed_and_joined_to_the_same(grid, tmp_path):

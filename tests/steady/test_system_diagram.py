@@ -24,6 +24,7 @@ from tests.example_datasets import MACHINE
 from tests.simulation.test_system_sections import LOADED, TOUCHING, chain, response, states
 
 REST = (0.0, 0.0, 0.0, 0.0)
+ON_AXIS = (np.zeros(2), np.zeros(2))
 DISC = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 JUMPING = Rotor(omega=1.5, zeta=0.07, delta0=0.5)
 
@@ -94,9 +95,11 @@ def test_a_disc_and_the_same_as_a_system_have_one_stroboscopic_section(phase):
         assert point.sizes["crossing"] == (6 if phase else 7)
         np.testing.assert_allclose(point, np.broadcast_to(exact, point.shape), atol=1e-8)
     twice = bifurcation_diagram(LOADED, starts=[REST], **given)
-    again = bifurcation_diagram(LOADED.system(), speed=2.0, **given)
+    again = bifurcation_diagram(LOADED.system(), speed=2.0, starts=[ON_AXIS], **given)
     points = [states(found.squeeze())[:, :] for found in (twice, again)]
-    section = poincare_section(LOADED, revolutions=6, skip=300, phase=phase, method="taylor")
+    section = poincare_section(
+        LOADED, start=REST, revolutions=6, skip=300, phase=phase, method="taylor"
+    )
     for each in points:
         np.testing.assert_allclose(each[2:], each[:-2], atol=1e-9)
         order = np.argsort(states(section)[:2, 0])

@@ -134,7 +134,7 @@ def _first_state(chosen: Rotor | DimensionalRotor, start: State | str | None) ->
 def _recorded(state: Mapping[str, object], served: Path | None, speeds: list[float] | None) -> str:
     """Return a page that needs no server."""
     from rotor_ida.explorer import files  # noqa: PLC0415 - heavy, and not for --help
-    from rotor_ida.model.disc_starts import hanging  # noqa: PLC0415
+    from rotor_ida.simulation.starts import start_of  # noqa: PLC0415
 
     if "node" in state:
         steps = files.recording_of_nodes(SystemQuestion(about="html", number=0, path=served))
@@ -148,7 +148,7 @@ def _recorded(state: Mapping[str, object], served: Path | None, speeds: list[flo
             refuse_units({"speeds": speeds})
         first = [float(str(state[name])) for name in COMPONENTS if name in state]
         steps = files.recording(
-            machine, start=check_state("start", first) if first else hanging(rotor),
+            machine, start=start_of(rotor, check_state("start", first) if first else None),
             revolutions=int(str(state.get("revolutions", REVOLUTIONS))),
             speeds=files.check_speeds(machine, speeds),
         )  # fmt: skip

@@ -39,7 +39,7 @@ def show(file: Path, /, *, output: Output = Output()) -> Report:
     from rotor_ida.signals.files.columns import ENDINGS  # noqa: PLC0415 - heavy, likewise below
 
     measured = {ending for each in ENDINGS.values() for ending in each} | {".csv", ".txt", ".tsv"}
-    if file.is_file() and file.suffix.lower() in measured:
+    if file.suffix.lower() in measured and os.path.isfile(file):
         raise InputError(
             f"file must be an archive, got {shown(file)}: rotor-ida plot draws measured files, and "
             "rotor-ida explore opens them"
