@@ -17,7 +17,6 @@ from rotor_ida import (
     run_up,
     signals_of,
     simulate,
-    spectrum,
 )
 
 ROTOR = Rotor(omega=1.2, zeta=0.3, delta0=1.1, shaft_stiffness=0.2)
@@ -153,7 +152,7 @@ def test_a_node_is_not_named_of_one_disc():
         signals_of(run, node="a")
 
 
-@pytest.mark.parametrize("function", [full_spectrum, orders, spectrum, contact_forces])
+@pytest.mark.parametrize("function", [full_spectrum, orders, contact_forces])
 def test_a_whole_system_is_no_signal(clear, function):
     words = r"must be of one disc, got a run of a rotor system: signals_of\(run, node=...\) gives "
     with pytest.raises(InputError, match=words + "signals of 'disc' or 'seal'"):

@@ -5,7 +5,6 @@ import math
 import numpy as np
 import pytest
 import xarray as xr
-from scipy.signal import get_window
 
 from rotor_ida import (
     InputError,
@@ -17,7 +16,6 @@ from rotor_ida import (
     orders,
     simulate,
     spectral_lines,
-    spectrum,
     whirl_ratio,
 )
 
@@ -55,16 +53,6 @@ def test_a_backward_whirl_has_its_lag_and_ratio():
     np.testing.assert_allclose(found.backward_phase_lag, 0.2, rtol=1e-9)
     np.testing.assert_allclose(whirl_ratio(signals).whirl_over_spin, -2.0, rtol=1e-9)
     np.testing.assert_allclose(whirl_ratio(signals).whirl_sense, -1)
-
-
-def test_full_spectrum_of_a_run_is_its_spectrum_about_the_mean():
-    rotor = Rotor(omega=3.0, zeta=0.07, delta0=0.5)
-    run = simulate(rotor, start=(3.0, 1.0, 0.0, 0.0), duration=100.0, samples=2001)
-    weights = get_window("flattop", 2001)
-    about = {each: run[each] - np.average(run[each], weights=weights) for each in ("x", "y")}
-    np.testing.assert_allclose(
-        full_spectrum(run).whirl_amplitude, spectrum(run.assign(about)).whirl_amplitude, atol=1e-12
-    )
 
 
 def test_filtered_orbit_keeps_one_order():
