@@ -22,6 +22,7 @@ def test_the_example_runs_as_the_page_shows(tmp_path, monkeypatch, capfd):
     documented = [line[4:] for line in system_file.__doc__.splitlines() if line.startswith("    ")]
     # without blank lines, whose number a docstring does not keep
     assert [line for line in text.splitlines() if line] == [each for each in documented if each]
+    monkeypatch.delenv("COLUMNS", raising=False)
     monkeypatch.chdir(tmp_path)
     Path("rotor.toml").write_text(text)
     for block in blocks("console"):
