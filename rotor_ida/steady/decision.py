@@ -138,10 +138,10 @@ def _with_disturbances(decision: Decision, count: int) -> Decision:
 def _decision(motion: Motion, approach: _Approach, *, again: bool = False) -> Decision:
     """Return the kind of a motion, as its last window shows it.
 
-    In this order: of one disc what a single state shows (at rest, just reaching the stator, whirling
-    steadily, free of the stator for good); a cycle that it has reached (rolling, bouncing, free,
-    synchronous or in full contact); touches that fade; late, if it has not settled, rolling, and
-    else by its exponents chaotic or on a torus; else unresolved. A run that fails has no kind:
+    In this order: of one disc what a single state shows (at rest, just reaching the stator,
+    whirling steadily, free of the stator for good); a cycle that it has reached (rolling, bouncing,
+    free, synchronous or in full contact); touches that fade; late, if it has not settled, rolling,
+    and else by its exponents chaotic or on a torus; else unresolved. A run that fails has no kind:
     `rotor_ida.steady.follow` reports that.
     """
     kind = kind_of_state(motion.window)
