@@ -138,7 +138,7 @@ def _heed_signals(stop: asyncio.Event) -> None:
     """Set an event when the user or the system ends the program."""
     loop = asyncio.get_running_loop()
     for each in ENDS:
-        if signal.getsignal(each) == signal.SIG_IGN:  # as of nohup
+        if each.name == "SIGHUP" and signal.getsignal(each) == signal.SIG_IGN:  # nohup ignores it
             continue
         if sys.platform == "win32":
             signal.signal(each, lambda *_: loop.call_soon_threadsafe(stop.set))
