@@ -85,31 +85,46 @@ double turned_by(const struct work *work, double point)
     return summed(points.weight, read(&points, work->spin, 1, work->order));
 }
 
-/* The integral of the scalar product of two series of rows, times values: the sum of the products
- * of their coefficients, by the moments of these values. CVODE steps so far that those of high
- * terms count as well: the terms of a product fall as those of a motion of twice the frequency. */
+/* The integral of the scalar product of two series of rows, times values: the sum of all products
+ * of their coefficients, by the moments of these values. Those of high terms count as well, as the
+ * terms of a product fall as those of a motion of twice the frequency. */
 static double integral_of_power(const struct work *work, const struct points *points,
                                 struct values factor, const double *a, const double *b)
 {
     double moments[2 * ORDERS];
-    const int all = work->cvode != NULL;
-    for (int n = 0; n < (all ? 2 * work->order - 1 : work->order); n++) {
+    for (int n = 0; n < 2 * work->order - 1; n++) {
         moments[n] = summed(points->weight, factor);
         factor = times_each(factor, points->u);
     }
-    vec4 total = spread(0.0);
-    for (int64_t i = 0; i < work->stride; i += 4) {
+    vec8 eights = {0.0};
+    int64_t i = 0;
+    for (; i + 8 <= work->stride; i += 8)
+        for (int k = 0; k < work->order; k++) {
+            const double *row = &b[i];
+            vec8 even = {0.0}, odd = {0.0};
+            int j = 0;
+            for (; j + 1 < work->order; j += 2) {
+                even = fma8(moments[k + j], load8(row), even);
+                odd = fma8(moments[k + j + 1], load8(row + work->stride), odd);
+                row += 2 * work->stride;
+            }
+            if (j < work->order)
+                even = fma8(moments[k + j], load8(row), even);
+            eights += (even + odd) * load8(&a[k * work->stride + i]);
+        }
+    vec4 total = {eights[0] + eights[4], eights[1] + eights[5], eights[2] + eights[6],
+                  eights[3] + eights[7]};
+    for (; i < work->stride; i += 4) {
         for (int k = 0; k < work->order; k++) {
             const double *row = &b[i];
             vec4 even = spread(0.0), odd = spread(0.0);
-            const int last = all ? work->order : work->order - k;
             int j = 0;
-            for (; j + 1 < last; j += 2) {
+            for (; j + 1 < work->order; j += 2) {
                 even = fma4(spread(moments[k + j]), load(row), even);
                 odd = fma4(spread(moments[k + j + 1]), load(row + work->stride), odd);
                 row += 2 * work->stride;
             }
-            if (j < last)
+            if (j < work->order)
                 even = fma4(spread(moments[k + j]), load(row), even);
             total = fma4(even + odd, load(&a[k * work->stride + i]), total);
         }
