@@ -61,9 +61,9 @@ def simulate(
         or of rotor and stators. ``"rest"`` is where supports, contacts and shaft hold the rotor
         against its constant forces, ``"settled"`` the steady whirl without contact. Default:
         ``"rest"`` under a load, so that the rotor hangs on its shaft or lies on the stator, and
-        else, or where neither shaft nor supports hold it, at rest on the axis, from where it falls.
-        A result that ends in a state is continued, with the unbalance at angle 0 again: a run, a
-        limit cycle, or one point of a sweep or of many run-ups.
+        else, or where neither shaft nor supports hold a rotor system, at rest on the axis. A result
+        that ends in a state is continued, with the unbalance at angle 0 again: a run, a limit
+        cycle, or one point of a sweep or of many run-ups.
     duration : float
         Time to simulate [1]. For one disc the spacing of doubles at its end must be below
         ``1e-6/max(omega, 1)``.

@@ -75,8 +75,8 @@ def start_of(
         A state; a word: on the whirl without contact, or where supports, contacts and shaft hold
         the rotor against its constant forces; or a result that ends in a state: a run, one point of
         a sweep or of many run-ups, a limit cycle, or one point of a branch. Without a start the
-        rotor is at rest: in equilibrium with its constant forces, or on the axis, if there are none
-        or neither shaft nor supports hold it against them: then it falls.
+        rotor is at rest: in equilibrium with its constant forces, or on the axis if there are none.
+        A rotor system that neither shaft nor supports hold against them falls from the axis.
     speed : float
         The speed at time 0 of a rotor system.
     phase : float
@@ -105,8 +105,6 @@ def start_of(
     (True, True)
     """
     if isinstance(rotor, Rotor):
-        if start is None and rotor.shaft_stiffness == 0.0:  # nothing holds it: it falls
-            return AT_REST
         given = given_start(name, start, loaded=rotor.load > 0.0)
         if isinstance(given, str):
             settles = given == "settled"
