@@ -381,7 +381,8 @@ QUANTITIES: dict[str, Quantity] = {
     "revolutions": Quantity("number of revolutions in the run"),
     "event_angle": Quantity("angle of the unbalance at the event", "radian"),
     "whirl_direction": Quantity(
-        "whirl direction about the bearing axis at the peak", flags=WHIRL_DIRECTION
+        "whirl direction about the bearing axis at the peak, none for a straight bounce",
+        flags=WHIRL_DIRECTION,
     ),
     # a summary of contacts
     "contact_count": Quantity("number of contacts"),
