@@ -48,7 +48,8 @@ def campbell(
         large where they are closed. A rub of indentation d has ``k d**(n - 1)`` across and n times
         that along the force.
     modes : int, optional
-        Number of eigenvalues to keep, the slowest first. Default: all that move a node.
+        Number of eigenvalues to keep, the slowest first, without overdamped motions, which decay
+        without whirling. Default: all that move a node.
     contacts, unbalance, supports, bearings, gravity, static_force : optional
         In place of those of the system, as in `simulate`.
 
@@ -97,7 +98,10 @@ def campbell(
     assembly = assemble(system, speeds=speeds)
     most = None if modes is None else check_count("modes", modes, maximum=2 * assembly.size)
     motions = linear_motions(assembly)
-    found = [_seen(motions.at(spring, omega)) for spring in springs for omega in speeds]
+    found = [
+        _seen(motions.at(spring, omega), whirling=most is not None)
+        for spring in springs for omega in speeds
+    ]  # fmt: skip
     widest = max(each.senses.size for each in found)
     shape = (springs.size, speeds.size, min(widest, most or widest))
     whirl, damping = np.full((2, *shape), np.nan)
@@ -149,9 +153,11 @@ def _critical(motions: LinearMotions, springs: Values, speeds: Values) -> dict[s
     }
 
 
-def _seen(motions: Motions) -> Motions:
-    """Return the motions that move a node."""
+def _seen(motions: Motions, *, whirling: bool) -> Motions:
+    """Return the motions that move a node; without those that decay without whirling, if asked."""
     seen = motions.seen
+    if whirling:
+        seen = seen & ((motions.eigenvalues.imag != 0.0) | (motions.eigenvalues.real >= 0.0))
     return Motions(motions.eigenvalues[seen], motions.senses[seen], seen[seen])
 
 

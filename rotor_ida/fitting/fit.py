@@ -119,8 +119,9 @@ def fit(
         half of the value) and ``unit``; on (``unknown``, ``unknown_too``) ``covariance``. On
         ``window``, over all records, the compared tracks: measured ``forward_whirl_amplitude``,
         ``forward_phase_lag`` and so on, as in `rotor_ida.orders`, and fitted
-        ``fitted_forward_whirl_amplitude`` and so on; ``record``, ``t``, ``speed``, and of a rotor
-        system ``node``. On ``touch``,
+        ``fitted_forward_whirl_amplitude`` and so on; ``forward_residual_real`` and so on, the
+        residuals over their standard errors, without what residuals share (errors of the angle and
+        of a slow roll); ``record``, ``t``, ``speed``, and of a rotor system ``node``. On ``touch``,
         where contact times are compared, ``measured_time``, ``fitted_time``, ``event_kind``,
         ``compared``. ``chi_square``, ``degrees_of_freedom`` and ``noise``. The attributes
         ``search``, ``identifiability``, ``remainder`` and ``contact_times`` state in words how the

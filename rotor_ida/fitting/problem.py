@@ -11,7 +11,7 @@ from typing import Any, TypeAlias
 import numpy as np
 import numpy.typing as npt
 
-from rotor_ida.arrays import Stop, Values
+from rotor_ida.arrays import ComplexValues, Stop, Values
 from rotor_ida.errors import BudgetError, InputError, RotorError
 from rotor_ida.fitting.identifiability import ANGLE, ROUNDING
 from rotor_ida.fitting.motion import ANY_WORK, Body, Change, Motion, Turning, Word
@@ -450,6 +450,20 @@ class FitProblem:
             self._of_record(number, trial, motion, matched_only=matched_only)
             for number, motion in enumerate(trial.motions)
         ]))  # fmt: skip
+
+    def tracks_apart(self, trial: Trial) -> list[ComplexValues]:
+        """Return the residuals of the orders of each record, over their standard errors.
+
+        They are those that the sum of squares judges, without the errors that they share. Shape
+        (windows, k, node).
+        """
+        left, found = self.apart(trial), []
+        for each, rows in zip(self.records, self._rows(), strict=True):
+            root = each.tracks.root
+            parts = left[rows][: each.tracked].reshape(2, *root.shape[:2], -1)
+            errors = np.linalg.norm(root, axis=2)
+            found.append(root @ (parts[0] + 1j * parts[1]) / errors[..., None])
+        return found
 
     def _of_record(
         self, number: int, trial: Trial, motion: Motion, *, matched_only: bool = False

@@ -50,7 +50,7 @@ def dataset_of(
         told = _of_no_minimum(told, names)
     variables: dict[str, Column] = {
         **_estimates(problem, solution, told, level),
-        **_tracks(problem, motions),
+        **_tracks(problem, Trial(solution, motions)),
         **_touches(problem, motions),
         "chi_square": ((), chi_square),
         "degrees_of_freedom": ((), freedom),
@@ -135,8 +135,10 @@ def _estimates(
     from scipy.stats import norm  # noqa: PLC0415 - takes long to import
 
     quantile = float(norm.ppf(0.5 + 0.5 * level))
-    count = len(problem.unknown)
-    values = solution[:count]
+    values = np.array([
+        math.remainder(value, 2.0 * math.pi) if each.name == ANGLE else value
+        for each, value in zip(problem.unknown, solution.tolist(), strict=False)
+    ])  # fmt: skip
     errors = np.sqrt(np.diag(told.covariance))
     least = np.array([each.least for each in problem.unknown])
     return {
@@ -151,16 +153,20 @@ def _estimates(
     }
 
 
-def _tracks(problem: FitProblem, motions: list[Motion]) -> dict[str, Column]:
-    """Return measured and fitted tracks of all records and nodes."""
+def _tracks(problem: FitProblem, trial: Trial) -> dict[str, Column]:
+    """Return measured and fitted tracks of all records and nodes, and their residuals."""
     found: dict[str, list[npt.NDArray[Any]]] = {}
-    for number, (each, motion) in enumerate(zip(problem.records, motions, strict=True)):
+    residuals = problem.tracks_apart(trial)
+    for number, (each, motion) in enumerate(zip(problem.records, trial.motions, strict=True)):
         tracks = each.tracks
         errors = problem.noise * np.sqrt(np.einsum("wkk->wk", tracks.inverse).real)
         # the orders are symmetric about 0
         ahead = np.flatnonzero(tracks.orders >= 0.0)
         back = tracks.orders.size - 1 - ahead
-        for node, measured, fitted in zip(each.nodes, each.z.T, motion.z.T, strict=True):
+        apart = np.moveaxis(-residuals[number], 2, 0)
+        for node, measured, fitted, left in zip(
+            each.nodes, each.z.T, motion.z.T, apart, strict=True
+        ):
             parts: dict[str, npt.NDArray[Any]] = {
                 "record": np.full(tracks.windows.times.size, number),
                 "node": np.full(tracks.windows.times.size, node),
@@ -168,6 +174,10 @@ def _tracks(problem: FitProblem, motions: list[Motion]) -> dict[str, Column]:
                 "speed": tracks.windows.speeds * each.second,
                 "forward_amplitude_error": errors[:, ahead] / each.metre,
                 "backward_amplitude_error": errors[:, back] / each.metre,
+                "forward_residual_real": left[:, ahead].real,
+                "forward_residual_imag": left[:, ahead].imag,
+                "backward_residual_real": left[:, back].real,
+                "backward_residual_imag": left[:, back].imag,
             }
             both = tracks.amplitudes(np.column_stack([measured, fitted]))
             for words, column in (("", 0), ("fitted_", 1)):

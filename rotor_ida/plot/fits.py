@@ -7,7 +7,6 @@ from collections.abc import Sequence
 from typing import Any, cast
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -30,6 +29,7 @@ NEEDED = (
     *("fitted_forward_whirl_amplitude", "fitted_forward_phase_lag", "forward_amplitude_error"),
     *("record", "speed", "t"),
 )
+RESIDUALS = ("forward_residual_real", "forward_residual_imag")
 # A residual above this many standard errors is rare.
 RARE = 2.0
 # A phase is shown if the amplitude exceeds this many times its error.
@@ -146,6 +146,9 @@ def plot_fit_residuals(
 ) -> Axes:
     """Draw the residuals of an order over their standard errors, in both components.
 
+    They are those that the sum of squares judges, without what the errors that they share explain:
+    of the measured angle, and of a subtracted slow roll.
+
     Parameters
     ----------
     dataset : Dataset
@@ -157,18 +160,18 @@ def plot_fit_residuals(
     ax : Axes, optional
         Axes to draw on and return; default: those of a new figure.
     """
-    dataset = check_dataset("dataset", dataset, NEEDED)
+    dataset = check_dataset("dataset", dataset, (*NEEDED, *RESIDUALS))
     one, _, over = _order_of(dataset, order, node)
-    left = (_complex(one, "") - _complex(one, "fitted_")) / one["forward_amplitude_error"].values
+    along, across = (one[name].values for name in RESIDUALS)
     with drawing(ax) as ax:
         ax.axhspan(-RARE, RARE, color=palette.INK, alpha=0.08, lw=0.0)
         ax.axhline(0.0, color=palette.INK, lw=0.7)
-        small = 0.5 if left.size > MANY else 1.0
-        ax.plot(over.values, left.real, ".", ms=4.0 * small, color=palette.BLUE,
+        small = 0.5 if along.size > MANY else 1.0
+        ax.plot(over.values, along, ".", ms=4.0 * small, color=palette.BLUE,
                 label="along the mark")  # fmt: skip
-        ax.plot(over.values, left.imag, "x", ms=3.5 * small, color=palette.ORANGE,
+        ax.plot(over.values, across, "x", ms=3.5 * small, color=palette.ORANGE,
                 label="across it")  # fmt: skip
-        most = 1.5 * max(float(np.abs(np.concatenate([left.real, left.imag])).max()), 1.5 * RARE)
+        most = 1.5 * max(float(np.abs([along, across]).max()), 1.5 * RARE)
         ax.set_ylim(-most, most)
         ax.set_xlabel(str(over.attrs["label"]))
         ax.set_ylabel("residual over its error")
@@ -206,13 +209,6 @@ def _order_of(
         over = units.speeds(one["speed"].values)
         over.attrs["label"] = label_of("speed", over)
     return one, units, over
-
-
-def _complex(one: xr.Dataset, words: str) -> npt.NDArray[np.complex128]:
-    """Return the complex amplitude of forward whirl."""
-    size = one[f"{words}forward_whirl_amplitude"].values
-    lag = one[f"{words}forward_phase_lag"].values
-    return np.asarray(size * np.exp(-1j * lag), dtype=np.complex128)
 
 
 def _draw_amplitude(ax: Axes, places: Values, one: xr.Dataset) -> None:

@@ -92,13 +92,14 @@ def _fitting_legend(figure: Figure | SubFigure, axes: Sequence[Axes], columns: i
     return legend
 
 
-def own_legend(ax: Axes, *, inside: bool = False) -> Legend:
+def own_legend(ax: Axes, *, inside: bool | None = None) -> Legend:
     """Replace the legend of `ax` by one without duplicates.
 
-    A long one, which would hide curves, has its place below the label unless `inside`.
+    By default a long one, which would hide curves, has its place below the label, a short one
+    inside the axes.
     """
     handles, labels = _entries([ax])
-    if inside or len(handles) <= MOST_INSIDE:
+    if len(handles) <= MOST_INSIDE if inside is None else inside:
         return _legible(ax.legend(handles, labels, handlelength=2.4))
     place = ax.get_subplotspec()
     room = ax.figure.bbox.width / (place.get_gridspec().ncols if place else 1)

@@ -219,7 +219,9 @@ def _plot(
             ax.set_ylim(0.0, 1.06 * math.pi)
             ax.set_yticks([0.0, 0.5 * math.pi, math.pi], ["0", r"$\pi/2$", r"$\pi$"])
         ax.set_title(_title(shown, axis, "exact" in found))
-        own_legend(ax)
+        # bars across the axes leave no room
+        has_bars = aside or ("simulated" in found and bool(_are_ranges(found["simulated"]).any()))
+        own_legend(ax, inside=False if has_bars else None)
     return ax
 
 
@@ -276,7 +278,7 @@ def _reach(found: Mapping[str, xr.Dataset]) -> tuple[float, float]:
     shown.append(clearances_in(next(iter(found.values())) if simulated is None else simulated))
     lowest, heights = list(shown), np.empty(0)
     if simulated is not None:
-        is_range = is_of_kind(simulated["response"], RANGES)
+        is_range = _are_ranges(simulated)
         shown += [simulated[name].where(~is_range) for name in ("amplitude", "radius_max")]
         lowest += [simulated[name] for name in ("amplitude", "radius_min")]
         heights = simulated["radius_max"].values
@@ -298,6 +300,11 @@ def below_outliers(reference: float, heights: Values) -> float:
     below = np.maximum(np.append(0.0, rising[:-1]), reference)
     last = [*np.flatnonzero(rising > FAR * below), rising.size][0]
     return max(reference, float(rising[(last or rising.size) - 1])) if rising.size else reference
+
+
+def _are_ranges(simulated: xr.Dataset) -> xr.DataArray:
+    """Return whether each response is drawn as a range of the distance from the centre."""
+    return is_of_kind(simulated["response"], RANGES)
 
 
 def _title(shown: xr.Dataset, axis: _Axis, has_curve: bool) -> str:

@@ -68,7 +68,7 @@ from rotor_ida.signals.nodes import Ring, check_node, path_in, rings_of
 # Panels in a row, nodes of the figure of a run that shows all of them, and panels of one figure.
 COLUMNS, FEW_NODES, MOST_ORBITS = 4, 12, 100
 # Width of a figure, size of a panel of an orbit, at most, and height of one over time [inch].
-WIDTH, SIDE, ROW = 7.2, 3.0, 1.3
+WIDTH, SIDE, ROW = 7.2, 3.0, 1.55
 # Columns of the legend under all panels.
 ENTRIES = 6
 # Revolutions of an orbit, and of a run from which on it is drawn as bands.
@@ -231,7 +231,9 @@ def _draw_slip(ax: Axes, place: Place) -> None:
     run = place.run
     slip = np.where(run["mode"].values == MODE["flight"], np.nan, run["slip_speed"].values)
     ax.axhline(0.0, color=palette.INK, lw=0.7, ls=palette.DASHES)
-    ax.plot(run["t"].values, slip, color=palette.INK, lw=line_width(run))
+    # a short contact is less than a dot of a line
+    ax.plot(run["t"].values, slip, color=palette.INK, lw=line_width(run), marker=".", ms=2.0)
+    ax.margins(y=0.15)
     label_axis(ax.yaxis, "slip_speed", run["slip_speed"])
 
 

@@ -63,6 +63,8 @@ SENSES = {
 }
 # Eigenvalues above this many times the largest speed are cut off.
 HIGHEST = 3.0
+# Critical speeds above this damping ratio show no resonance that is worth the name.
+RESONANT = 0.5
 # Upper end of the axis over the largest value that is drawn.
 ABOVE = 1.08
 # More entries of a legend than this do not fit in lines of four.
@@ -266,7 +268,7 @@ def plot_campbell(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     ----------
     found : Dataset
         Result of `rotor_ida.campbell`. Stiffer contacts are drawn fainter, critical speeds as
-        rings.
+        rings, or as crosses where the damping ratio is above 0.5. Red rings show whirls that grow.
     ax : Axes, optional
         Axes to draw on and return; default: those of a new figure.
 
@@ -287,27 +289,45 @@ def plot_campbell(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         label_axis(ax.yaxis, "whirl_speed", shown, words="size of the whirl speed")
         highest = HIGHEST * float(np.abs(speeds).max(initial=0.0)) or np.inf
         drawn = whirl[whirl <= highest]
+        is_one = np.isfinite(whirl)
         senses = found["whirl_sense"].values
         for word, (colour, mark) in SENSES.items():
             for number, faint in enumerate(np.linspace(1.0, 0.35, springs.size)):
-                chosen = (senses[number] == WHIRL_DIRECTION[word]) & np.isfinite(whirl[number])
+                chosen = (senses[number] == WHIRL_DIRECTION[word]) & is_one[number]
                 across = np.broadcast_to(speeds[:, np.newaxis], chosen.shape)
                 ax.plot(across[chosen], whirl[number][chosen], ls="", marker=mark, ms=2.8,
                         color=colour, alpha=float(faint), mec="none")  # fmt: skip
+        unstable = np.nonzero(found["damping_ratio"].values < 0.0)
+        if unstable[0].size:
+            draw_marks(ax, speeds[unstable[1]], whirl[unstable], "o", palette.RED, size=5.0,
+                       face="none", edge=0.8, label="unstable", level=3.6)  # fmt: skip
+        growing = [ax.lines[-1]] if unstable[0].size else []
         ax.plot(speeds, np.abs(speeds), color=palette.INK, lw=0.9, ls="--", label="spin speed")
-        handles = [ax.lines[-1], *_handles(senses, springs, units_in(found["contact_stiffness"]))]
+        unit = units_in(found["contact_stiffness"])
+        handles = [ax.lines[-1], *_handles(senses[is_one], springs, unit), *growing]
         # archives had none at first
         critical = np.empty(0)
         if "critical_speed" in found:
             critical = speeds_in(found["critical_speed"]).values
-        if critical.size:
-            draw_marks(ax, critical, np.abs(critical), "o", palette.INK, size=5.0, face="none",
-                       label="critical speed", level=3.7)  # fmt: skip
-            handles.append(ax.lines[-1])
+            handles += _draw_critical(ax, critical, found["critical_damping_ratio"].values)
         top = float(np.append(drawn, np.abs(critical)).max(initial=0.0))
         ax.set_ylim(0.0, ABOVE * top or 1.0)
         legend_below(ax, columns=4 if len(handles) < MOST else 3, handles=handles)
     return ax
+
+
+def _draw_critical(ax: Axes, critical: Values, damping: Values) -> list[Line2D]:
+    """Mark critical speeds, and others where damping leaves no resonance; return the entries."""
+    handles = []
+    for chosen, marker, colour, label in (
+        (damping <= RESONANT, "o", palette.INK, "critical speed"),
+        (damping > RESONANT, "x", palette.GREY, f"damping ratio above {RESONANT:g}"),
+    ):
+        if chosen.any():
+            draw_marks(ax, critical[chosen], np.abs(critical[chosen]), marker, colour, size=5.0,
+                       face="none", label=label, level=3.7)  # fmt: skip
+            handles.append(ax.lines[-1])
+    return handles
 
 
 def _handles(senses: Values, springs: Values, unit: str) -> list[Line2D]:

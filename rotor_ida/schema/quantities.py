@@ -119,6 +119,14 @@ QUANTITIES: dict[str, Quantity] = {
     "fitted_backward_whirl_amplitude": length("fitted amplitude of backward whirl"),
     "fitted_forward_phase_lag": Quantity("fitted phase lag of forward whirl", "radian"),
     "fitted_backward_phase_lag": Quantity("fitted phase lag of backward whirl", "radian"),
+    **{
+        f"{sense}_residual_{part}": Quantity(
+            f"residual of the {sense} whirl over its standard error, without the errors that "
+            f"residuals share, {words}"
+        )
+        for sense in ("forward", "backward")
+        for part, words in (("real", "along the mark"), ("imag", "across it"))
+    },
     "measured_time": time("measured time of contact entry or exit"),
     "fitted_time": time("fitted time of contact entry or exit"),
     "time_error": time("standard error of a measured contact time"),
@@ -373,7 +381,8 @@ QUANTITIES: dict[str, Quantity] = {
     "revolutions": Quantity("number of revolutions in the run"),
     "event_angle": Quantity("angle of the unbalance at the event", "radian"),
     "whirl_direction": Quantity(
-        "whirl direction about the bearing axis at the peak", flags=WHIRL_DIRECTION
+        "whirl direction about the bearing axis at the peak, none for a straight bounce",
+        flags=WHIRL_DIRECTION,
     ),
     # a summary of contacts
     "contact_count": Quantity("number of contacts"),

@@ -31,6 +31,9 @@ from rotor_ida.simulation.orbit import Orbit, stretches_of_rolling
 Columns = dict[str, Column]
 # Below this fraction of radius times speed, angular momentum is rounding: there is no whirl.
 NO_WHIRL = 1e-12
+# A disc that meets the stator at less than this angle from its normal, and turns by less than this
+# about the bearing axis in the contact, bounces straight off, in whatever sense [rad].
+STRAIGHT = 0.25
 
 
 def contact_columns(orbit: Orbit) -> Columns:
@@ -45,7 +48,7 @@ def contact_columns(orbit: Orbit) -> Columns:
         "entry_speed": speed,
         "entry_angle": _angle_of_incidence(at_entry),
         "energy_lost": 0.5 * (speed**2 - left_with**2),
-        "whirl_direction": _whirl_direction(orbit),
+        "whirl_direction": _whirl_direction(orbit, speed),
     }
     if rotor.contact_damping > 0.0:
         columns["contact_loss"] = contacts["lost"]
@@ -211,14 +214,19 @@ def _angle_of_incidence(states: Values) -> Values:
     return np.asarray(np.arctan2(x * vy - y * vx, x * vx + y * vy))
 
 
-def _whirl_direction(orbit: Orbit) -> npt.NDArray[np.int8]:
-    """Return the sense of the whirl about the bearing axis at the peaks."""
-    moment = orbit.contacts["momentum"]
+def _whirl_direction(orbit: Orbit, entry_speed: Values) -> npt.NDArray[np.int8]:
+    """Return the sense of the whirl about the bearing axis at the peaks; 0 for straight bounces."""
+    contacts, moment = orbit.contacts, orbit.contacts["momentum"]
     if not moment.size:
         return np.empty(0, dtype=np.int8)
     fastest = np.abs(orbit.states[:, 2:]).max(initial=1.0)
-    scale = (orbit.rotor.delta0 + orbit.contacts["peak_root"] ** 2) * fastest
-    turning = np.where(np.abs(moment) > NO_WHIRL * scale, np.sign(moment), 0.0)
+    radius = orbit.rotor.delta0 + contacts["peak_root"] ** 2
+    around = np.abs(moment) / np.where(radius > 0.0, radius, 1.0)
+    began = np.nan_to_num(contacts["entry"], nan=0.0)
+    swept = around * (np.nan_to_num(contacts["exit"], nan=orbit.duration) - began)
+    straight = (around < STRAIGHT * entry_speed) & (swept < STRAIGHT * radius)
+    whirls = (np.abs(moment) > NO_WHIRL * radius * fastest) & ~straight
+    turning = np.where(whirls, np.sign(moment), 0.0)
     return turning.astype(np.int8)
 
 

@@ -96,6 +96,19 @@ def test_an_overdamped_tilt_hides_no_critical_speed():
         np.testing.assert_allclose(forward, expected, rtol=1e-9)
 
 
+def test_overdamped_motions_do_not_take_the_places_of_whirls():
+    """A tilt with c = 20 over 2 sqrt(k I) = 4 only decays; the shaft whirls at sqrt(k/m) = 2."""
+    disc = RotorSystem(
+        mass=np.diag([1.0, 1.0, 0.5, 0.5]), stiffness=np.diag([4.0, 4.0, 8.0, 8.0]),
+        damping=np.diag([0.0, 0.0, 20.0, 20.0]),
+        nodes={"disc": [[1, 0, 0.2, 0], [0, 1, 0, 0.2]]}, units="1",
+    )  # fmt: skip
+    found = campbell(disc, speed=[1.0], modes=2)
+    np.testing.assert_allclose(found.whirl_speed.values.ravel(), [-2.0, 2.0], rtol=1e-12)
+    every = campbell(disc, speed=[1.0])
+    assert (every.whirl_speed.values == 0.0).sum() == 2
+
+
 @pytest.mark.parametrize("seed", range(6))
 def test_critical_speeds_of_random_damped_systems_are_those_of_a_scan(seed):
     """Also where cross-coupled stiffness, gyroscopic moments and dampers are large."""

@@ -74,6 +74,14 @@ MISTAKES = [
 ]  # fmt: skip
 
 
+def test_a_clearance_alone_beside_a_measured_file_is_refused_by_what_draws_it(
+    tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    (tmp_path / "probes.csv").write_text("t,x,y\n0,1,2\n")
+    said = said_of([str(tmp_path / "probes.csv"), "--clearance", "150um"], capfd)
+    assert said.endswith("plot with kind orbit or centreline draws it")
+
+
 @pytest.mark.parametrize(("words", "told"), MISTAKES, ids=lambda value: value)
 def test_a_mistake_gets_one_line(words: str, told: str, capfd: pytest.CaptureFixture[str]):
     assert told in said_of(words.split(), capfd)

@@ -23,8 +23,8 @@ def seen():
     return signals_of(dimensional(run, units={"length": "um"}))
 
 
-def fitted(seen, seed, slow=None):
-    """Return a fit to signals with a runout of 30 um and noise, less its slow roll."""
+def signals(seen, seed, slow=None):
+    """Return signals with a runout of 30 um and noise, less its slow roll."""
     noise = np.random.default_rng(seed).normal(size=(2, seen.sizes["t"]))
     bent = 30.0 * np.exp(1j * (seen.angle.values + 1.0)) + noise[0] + 1j * noise[1]
     made = seen.assign(
@@ -36,14 +36,24 @@ def fitted(seen, seed, slow=None):
             "unknown": kept.assign_attrs(slow_roll_speeds=[0.0], slow_roll_error=0.0),
             "left out": kept.sel(t=slice(2.0, None)),
         }[slow]
-    found = fit(kept, machine(70.0, 4.2e4, 1.8e-5), NAMES, start="settled")
+    return kept
+
+
+def fitted(seen, seed, slow=None):
+    """Return a fit to these signals."""
+    return fit(signals(seen, seed, slow), machine(70.0, 4.2e4, 1.8e-5), NAMES, start="settled")
+
+
+def scores_of(seen, seed, slow=None):
+    """Return the errors of the estimates over their standard errors."""
+    found = fitted(seen, seed, slow)
     return (found.estimate.values - TRUTH) / found.standard_error.values
 
 
 @pytest.mark.parametrize("slow", [None, "left out"])
 def test_the_whirl_in_a_slow_roll_is_not_taken_from_the_fit(seen, slow):
     """At 6 to 22 rad/s the whirl is 0.07 to 1 um of the slow roll; the errors contain its noise."""
-    scores = np.array([fitted(seen, seed, slow) for seed in range(TRIALS)])
+    scores = np.array([scores_of(seen, seed, slow) for seed in range(TRIALS)])
     # the mean of independent scores, and the mean of their squares, with a chance of 1e-4 a side
     assert np.abs(scores.mean(axis=0)).max() < 3.7 / np.sqrt(TRIALS)
     assert (scores**2).mean(axis=0).min() > 0.05
@@ -51,4 +61,35 @@ def test_the_whirl_in_a_slow_roll_is_not_taken_from_the_fit(seen, slow):
 
 
 def test_without_the_speeds_of_the_slow_roll_the_same_fit_is_far_off(seen):
-    assert np.abs(fitted(seen, 0, "unknown")).max() > 10.0
+    assert np.abs(scores_of(seen, 0, "unknown")).max() > 10.0
+
+
+def test_residuals_of_order_1_are_white_where_errors_are_shared(seen):
+    """The slow roll has one error for all windows, which is in none of the residuals judged."""
+    found = fitted(seen, 0).sel(order=1)
+    left = np.concatenate([found.forward_residual_real, found.forward_residual_imag])
+    assert left.size > 200
+    # neighbours are uncorrelated, and squares have a mean of 1, with a chance of 1e-4
+    bound = 4.0 / np.sqrt(left.size)
+    assert abs(np.mean(left[1:] * left[:-1])) < bound
+    assert abs(np.mean(left**2) - 1.0) < np.sqrt(2.0) * bound
+    raw = [
+        found[f"{words}forward_whirl_amplitude"] * np.exp(-1j * found[f"{words}forward_phase_lag"])
+        for words in ("", "fitted_")
+    ]
+    together = ((raw[0] - raw[1]) / found.forward_amplitude_error).mean()
+    assert abs(together) > 2.0 * bound
+    assert abs(left.mean()) < bound
+    both = np.concatenate([found.backward_residual_real, found.backward_residual_imag, left])
+    # while the speed rises, orders in a window of whole revolutions are almost uncorrelated
+    np.testing.assert_allclose((both**2).sum(), found.chi_square, rtol=1e-3)
+
+
+def test_the_unbalance_angle_lies_within_half_a_turn(seen):
+    """A mark 3.14 rad ahead turns the unbalance back by as much; the search ends at 3.144."""
+    kept = signals(seen, 0)
+    kept = kept.assign(angle=kept.angle + 3.14)
+    found = fit(kept, machine(70.0, 4.2e4, 1.8e-5), NAMES, start="settled")
+    angle = found.sel(unknown="unbalance_angle")
+    assert abs(angle.estimate + 3.14) < 4.0 * angle.standard_error
+    assert angle.lower < angle.estimate < angle.upper

@@ -61,6 +61,7 @@ def test_residuals_are_those_of_both_components(found):
     one = found.sel(order=2)
     ax = plot_fit_residuals(found, order=2)
     along, across = (line.get_ydata() for line in ax.lines[1:3])
+    # no error is shared, so the residuals are those of the amplitudes
     both = [
         one[f"{words}forward_whirl_amplitude"] * np.exp(-1j * one[f"{words}forward_phase_lag"])
         for words in ("", "fitted_")

@@ -7,6 +7,7 @@ from rotor_ida import (
     Contact,
     InputError,
     Rotor,
+    RotorSystem,
     Unbalance,
     backward_whirl,
     campbell,
@@ -98,6 +99,24 @@ def test_a_campbell_diagram_has_forward_and_backward_whirls():
     drawn = values[values <= 3.0 * SPEEDS[-1] * 30 / np.pi].max()
     assert ax.get_ylim() == (0.0, pytest.approx(1.08 * drawn))
     check_nothing_cut_off(ax.figure)
+
+
+def test_a_campbell_diagram_tells_growing_whirls_and_damped_criticals():
+    """Damping 2.6 of the disc's translation crosses the spin speed with a ratio of 0.65."""
+    cross = np.diag([0.0, 0, 0.5], 1) - np.diag([0.0, 0, 0.5], -1)
+    system = RotorSystem(
+        mass=np.eye(4), stiffness=np.diag([4.0, 4.0, 9.0, 9.0]) + cross,
+        damping=np.diag([2.6, 2.6, 0.0, 0.0]), units="1",
+        nodes={"disc": [[1, 0, 0.2, 0], [0, 1, 0, 0.2]]},
+    )  # fmt: skip
+    ax = plot.plot_campbell(campbell(system, speed=[1.0, 4.0]))
+    drawn = {line.get_label(): line.get_xydata() for line in ax.lines}
+    # a cross-coupling q of 0.5 lets one of the two whirls at 3 grow
+    np.testing.assert_allclose(drawn["unstable"][:, 0], [1.0, 4.0])
+    np.testing.assert_allclose(drawn["unstable"][:, 1], 3.0, atol=0.01)
+    damped = np.sqrt(4.0 - 1.3**2)
+    np.testing.assert_allclose(np.unique(drawn["damping ratio above 0.5"][:, 0]), damped)
+    assert (drawn["critical speed"][:, 0] > 2.9).all()
 
 
 def test_special_speeds_are_drawn_on_their_whirls_at_each_contact():

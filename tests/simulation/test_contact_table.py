@@ -53,6 +53,19 @@ def test_whirl_direction_and_angle_follow_the_angular_momentum(vy, direction):
     assert np.sin(angle) * run.entry_speed.values[0] == pytest.approx(0.5 * vy, rel=1e-12)
 
 
+@pytest.mark.parametrize("vy", [-0.05, 0.05])
+def test_a_bounce_straight_off_the_stator_is_no_whirl(vy):
+    """It meets the stator at sin(a) = 0.5 |vy| / v, which is 3 degrees."""
+    rotor = Rotor(omega=0.0, zeta=0.0, delta0=1.0)
+    run = simulate(rotor, start=(0.5, 0, 0.5, vy), duration=20.0)
+    assert run.sizes["contact"] > 2
+    assert np.abs(np.degrees(run.entry_angle)).max() < 3.0
+    assert (run.whirl_direction == 0).all()
+    # a contact that lasts for turns is a whirl, however straight it began
+    whirl = simulate(Rotor(omega=1.2, zeta=0.5, delta0=0.5), start=(0, 0, 2, 0.1), duration=200.0)
+    assert whirl.whirl_direction[-1] == 1
+
+
 def test_open_contacts_are_nan_where_an_end_is_missing():
     run = simulate(Rotor(omega=0.0, zeta=0.0, delta0=1.0), start=(2.0, 0, 0, 0), duration=6.2)
     assert run.starts_in_contact == 1

@@ -35,6 +35,9 @@ HIGH = 0.3
 # A jump between windows exceeds this fraction of the largest amplitude, and this multiple of the
 # median of so many steps around it: few enough for a sharp resonance to make all of them large.
 JUMP, UNUSUAL, NEIGHBOURS = 0.1, 5.0, 7
+# On a linear scale an order below the second fraction of the largest amplitude lies flat on 0; on a
+# logarithmic one what is below the first is not shown.
+LEAST, FLAT = 1e-4, 0.05
 # Fewest windows of a curve and of a record at one speed, and the most revolutions of one. An even
 # number of revolutions contains no part of a period of ½X.
 WINDOWS, AT_ONE_SPEED, LONGEST = 250, 8, 8
@@ -214,7 +217,7 @@ def plot_polar(
 
 def plot_orders(
     signals: xr.Dataset, *, orders: npt.ArrayLike = (0.5, 1.0, 2.0),
-    revolutions: int | None = None, logarithmic: bool = False, beneath: Beneath = (),
+    revolutions: int | None = None, logarithmic: bool | None = None, beneath: Beneath = (),
     ax: Axes | None = None,
 ) -> Axes:  # fmt: skip
     r"""Draw the amplitudes of several orders, forward and backward, over the speed.
@@ -228,7 +231,8 @@ def plot_orders(
     revolutions
         As in `plot_bode`.
     logarithmic : bool
-        Whether the amplitude scale is logarithmic.
+        Whether the amplitude scale is logarithmic; by default if the largest amplitude of an
+        order is between 1e-4 and 0.05 of the largest of all.
     beneath
         As in `plot_bode`: under the order 1 forward.
     ax : Axes, optional
@@ -248,12 +252,12 @@ def plot_orders(
     with drawing(ax) as ax:
         for response in responses_of(beneath, tracks, units):
             response.draw_amplitude(ax)
-        highest = 0.0
+        largest: list[float] = []
         for number, order in enumerate(tracks["order"].values.tolist()):
             colour, dashes = palette.look(number + 1)
             for sense in WHIRLS:
                 amplitude = tracks[f"{sense}_whirl_amplitude"].values[..., number]
-                highest = max(highest, float(amplitude.max()))
+                largest.append(float(amplitude.max()))
                 ax.plot(speeds, amplitude, color=colour, lw=1.1, zorder=3.2,
                         ls="-" if order == 1.0 else dashes, ms=3.0, mfc="white", mew=0.7,
                         marker="" if sense == "forward" else "v",
@@ -262,9 +266,12 @@ def plot_orders(
         label_axis(ax.xaxis, "speed", speeds)
         label_axis(ax.yaxis, "whirl_amplitude", units.lengths(speeds))
         _speed_limits(ax, speeds.values)
+        highest = max(largest)
+        if logarithmic is None:
+            logarithmic = any(LEAST * highest < each < FLAT * highest for each in largest)
         if logarithmic:
             ax.set_yscale("log")
-            ax.set_ylim(1e-4 * highest, 2.0 * highest)
+            ax.set_ylim(LEAST * highest, 2.0 * highest)
         else:
             ax.set_ylim(0.0, 1.06 * _highest(ax))
         ax.set_title(title_of_signals(tracks, speeds))

@@ -24,6 +24,8 @@ from rotor_ida.units import SPEED_UNITS, quantity
 # multiple of the noise of the speed.
 WOBBLE, NOISE = 0.02, 5.0
 MOST_MARKS = 8
+# Where a number begins beside its mark, of its width.
+BESIDE = 0.15
 # Characters of a file's name or a caption in a title, and of a line of it in a narrow figure.
 LONGEST = 48
 
@@ -151,7 +153,8 @@ def mark_speeds(
         right = (place.real >= 0.0) == rising
         width = 2.4 * apart if right else -2.4 * apart  # a number is wider than it is high
         if any(abs(place - other) <= apart for other in named) or any(
-            0.0 < (other - place).real / width <= 1.0 and abs((other - place).imag) <= 0.5 * apart
+            BESIDE < (other - place).real / width <= 1.0
+            and abs((other - place).imag) <= 0.5 * apart
             for other in places.tolist()
         ):
             continue
