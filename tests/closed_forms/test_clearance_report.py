@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from rotor_ida import (
+    Bearing,
     Contact,
     InputError,
     RotorSystem,
@@ -274,3 +275,22 @@ def test_what_cannot_be_reported_is_refused(change, words):
     with pytest.raises(InputError, match=words) as refusal:
         clearance_report(**{**given, **change})
     assert "\n" not in str(refusal.value)
+
+
+def test_growth_above_the_trip_speed_is_no_reason_to_refuse():
+    """A film drives its disc from the threshold on; its critical speed is above the trip speed."""
+    film = Bearing(
+        node="disc", speed=[10.0, 4000.0], damping=[800.0, 800.0],
+        stiffness=[[[4e6, 1e3 * w], [-1e3 * w, 4e6]] for w in (10.0, 4000.0)],
+    )  # fmt: skip
+    system = RotorSystem(mass=10.0 * np.eye(2), stiffness=np.zeros((2, 2)), nodes={"disc": (0, 1)},
+                         bearings=[film], contacts=[SEAL])  # fmt: skip
+    threshold = 0.8 * np.sqrt(4e5)  # where the cross-coupling is the damping at sqrt(k/m)
+    (mode,) = critical_modes(assemble(system), 700.0)
+    assert mode.decay < 0.0
+    speeds = (0.5 * threshold, 0.95 * threshold)
+    assert speeds[1] < mode.speed < 1.5 * speeds[1]
+    report = clearance_report(system, speed=speeds, probes=["disc"])
+    assert "disc" in report.attrs["sentence"]
+    with pytest.raises(InputError, match=r"must be stable for a report: at .* rad/s its motion"):
+        clearance_report(system, speed=(*speeds, 1.01 * threshold), probes=["disc"])
