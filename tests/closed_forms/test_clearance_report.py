@@ -17,7 +17,12 @@ from rotor_ida import (
     simulate,
     synchronous_response,
 )
-from rotor_ida.closed_forms.clearances.critical_speeds import Peak, critical_modes, margins
+from rotor_ida.closed_forms.clearances.critical_speeds import (
+    Peak,
+    critical_modes,
+    margins,
+    peak_between,
+)
 from rotor_ida.model.assembly import assemble
 from rotor_ida.units import quantity
 from tests.axisymmetric_systems import beam
@@ -294,3 +299,16 @@ def test_growth_above_the_trip_speed_is_no_reason_to_refuse():
     assert "disc" in report.attrs["sentence"]
     with pytest.raises(InputError, match=r"must be stable for a report: at .* rad/s its motion"):
         clearance_report(system, speed=(*speeds, 1.01 * threshold), probes=["disc"])
+
+
+@pytest.mark.parametrize("ends", [(0.5, 1.0), (1.0, 1.5), (0.5, 1.5)])
+def test_a_peak_at_the_end_of_its_range_is_one(ends):
+    """Where the ranges of two modes meet: the response of half-width 0.1 is 0.707 of its peak."""
+    speeds = np.linspace(0.0, 2.0, 41)
+
+    def response(speed):
+        return 1.0 / np.hypot(1.0, (speed - 1.0) / 0.1)
+
+    peak = peak_between(response, speeds, response(speeds), *ends)
+    assert peak.speed == pytest.approx(1.0, rel=1e-6)
+    assert peak.amplification == pytest.approx(5.0, rel=1e-4)

@@ -207,12 +207,13 @@ def largest_between(
 def peak_between(
     function: Callable[[float], float], speeds: Values, values: Values, low: float, high: float
 ) -> Peak | None:
-    """Return the largest peak of a response between two speeds, None where it has none inside.
+    """Return the largest peak of a response between two speeds, None where it has none there.
 
+    A speed at an end is one of a peak where the response falls on both sides of it.
     Its amplification factor is its speed over the width at 0.707 of its height, or over twice the
     half that lies within the speeds.
     """
-    inside = np.flatnonzero((speeds >= low) & (speeds <= high))[1:-1]
+    inside = 1 + np.flatnonzero((speeds >= low)[1:-1] & (speeds <= high)[1:-1])
     tops = inside[(values[inside] > values[inside - 1]) & (values[inside] > values[inside + 1])]
     if not tops.size:
         return None
