@@ -79,7 +79,7 @@ def _eigenvalues(assembly: Assembly, speed: float) -> tuple[ComplexValues, Compl
     if assembly.gyroscopic is not None:
         slope[size:, size:] -= assembly.gyroscopic
     try:  # three times as fast
-        left, slope = np.linalg.solve(right, left), np.linalg.solve(right, slope)
+        left, slope = (np.asarray(np.linalg.solve(right, each), float) for each in (left, slope))
         right = np.eye(len(right))
         values, lefts, rights = eig(left, left=True)
     except np.linalg.LinAlgError:
