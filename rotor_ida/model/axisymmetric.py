@@ -3,9 +3,9 @@
 In an axisymmetric system a rotation J by a quarter turn commutes with all matrices. Its
 eigenvectors of eigenvalue i span the circular motions forwards: half of the coordinates that the
 nodes reach, complex, ``z = x + i y``. They are found from the nodes: the force ``(1, -i)`` at a
-node is forward, and so is its part in each group of equal frequencies, and whatever damping and
-gyroscopic moments make of it. A system in which a backward motion arises from these is not
-axisymmetric.
+node is forward, and so is its part in each group of equal frequencies, with springs at the nodes,
+and whatever damping and gyroscopic moments make of it. A system in which a backward motion arises
+from these is not axisymmetric.
 """
 
 from __future__ import annotations
@@ -28,6 +28,8 @@ from rotor_ida.model.system_parts import Stator
 # Two squares of frequencies are one where they differ by less than these parts of themselves and of
 # the largest: rounding.
 EQUAL, OF_LARGEST = 1e-7, 1e-13
+# Stiffness of springs at nodes that tell motions apart, as a part of the largest.
+SPRINGS = 0.1
 # A part of a motion below this is rounding.
 REACHED = 1e-7
 # A forward motion is at a right angle to the backward ones. Unequal matrices leave an angle of 0.
@@ -193,11 +195,11 @@ def _basis(matrices: dict[str, Values], seeds: list[tuple[str, ComplexValues]]) 
         name: each / max(float(np.linalg.norm(each)), smallest)
         for name, (each, smallest) in others.items() if each.any()
     }  # fmt: skip
-    groups = list(_groups(symmetric))
     basis = np.zeros((len(symmetric), 0), complex)
     for name, force in seeds:
         if abs(force @ force) > ROUNDED:
             _refuse(name)
+    groups = list(_groups(symmetric + _springs(symmetric, [force for _, force in seeds])))
     pending = [("stiffness", force) for _, force in seeds]
     while pending:
         names = [name for name, _ in pending for _ in groups]
@@ -224,6 +226,19 @@ def _independent(basis: ComplexValues, names: list[str], parts: ComplexValues) -
         found = np.column_stack([found, column])
         parts = parts - np.outer(column, column.conj() @ parts)
     return found[:, basis.shape[1] :]
+
+
+def _springs(symmetric: Values, forces: list[ComplexValues]) -> Values:
+    """Return the stiffness of springs between nodes and ground, the same in all directions.
+
+    What nodes move stays in the motions that forces at them reach. Without springs the motions of a
+    shaft that hardly anything holds are nearly of equal frequencies, and rounding mixes them.
+    """
+    held = np.zeros_like(symmetric)
+    sizes = SPRINGS * float(np.linalg.norm(symmetric)) * np.linspace(0.5, 1.0, len(forces))
+    for size, force in zip(sizes.tolist(), forces, strict=True):
+        held += size * np.outer(force, force.conj()).real
+    return held
 
 
 def _groups(symmetric: Values) -> Iterator[Values]:

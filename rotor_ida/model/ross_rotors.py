@@ -65,12 +65,17 @@ def _with_tables(rotor: Any) -> dict[str, Any]:
             along = whole.copy()
             along[np.ix_(across, across)] = 0.0
             matrices[name][np.ix_(at, at)] += along
-        node, *link = [name[2:] for name in each.dof_global_index if name.startswith("x_")]
-        bearings.append(Bearing(
-            node=node, stator=link[0] if link else None, speed=each.frequency,
-            stiffness=_table(each, "k"), damping=_table(each, "c"),
-        ))  # fmt: skip
+        bearings.append(_bearing(each, "k", "c"))
     return {**matrices, "bearings": bearings}
+
+
+def _bearing(element: Any, stiffness: str, damping: str) -> Bearing:
+    """Return a bearing whose coefficients are two of an element, by their letters."""
+    node, *link = [name[2:] for name in element.dof_global_index if name.startswith("x_")]
+    return Bearing(
+        node=node, stator=link[0] if link else None, speed=element.frequency,
+        stiffness=_table(element, stiffness), damping=_table(element, damping),
+    )  # fmt: skip
 
 
 def _table(element: Any, letter: str) -> Values:
@@ -82,12 +87,28 @@ def _table(element: Any, letter: str) -> Values:
 
 
 def _frozen(rotor: Any, omega: float) -> dict[str, Any]:
-    """Return the matrices with the coefficients at a speed, and a note on those that vary."""
-    mass = rotor.M(omega) if inspect.signature(rotor.M).parameters else rotor.M()
-    note = _note(rotor, omega)
+    """Return the matrices with the coefficients at a speed, and a note on those that vary.
+
+    Those across the axis are on the same cubics as those of a table that is kept.
+    """
+    of_speed = bool(inspect.signature(rotor.M).parameters)
+    found = {"stiffness": rotor.K(omega), "damping": rotor.C(omega),
+             "mass": rotor.M(omega) if of_speed else rotor.M()}  # fmt: skip
+    varying = [each for each in getattr(rotor, "bearing_elements", ()) if _varies(each)]
+    for each in varying:
+        across = [name[:2] in {"x_", "y_"} for name in each.dof_global_index]
+        at = np.array(list(each.dof_global_index.values()))[across]
+        stiffness, damping = _bearing(each, "k", "c").at(omega)
+        pairs = {"stiffness": (stiffness, each.K), "damping": (damping, each.C)}
+        if of_speed:
+            pairs["mass"] = (_bearing(each, "m", "m").at(omega)[0], each.M)
+        for name, (own, smoothed) in pairs.items():
+            whole = own if len(at) == 2 else np.kron([[1.0, -1.0], [-1.0, 1.0]], own)
+            found[name][np.ix_(at, at)] += whole - smoothed(omega)[np.ix_(across, across)]
+    note = _note(varying, omega) if varying else ""
     if note:
         warn(note)
-    return {"mass": mass, "stiffness": rotor.K(omega), "damping": rotor.C(omega), "note": note}
+    return found | {"note": note}
 
 
 def _nodes(rotor: Any, size: int) -> dict[str, tuple[int, int]]:
@@ -106,18 +127,12 @@ def _nodes(rotor: Any, size: int) -> dict[str, tuple[int, int]]:
     return {str(i): (places[f"x_{i}"], places[f"y_{i}"]) for i in numbers}
 
 
-def _note(rotor: Any, omega: float) -> str:
-    """Return a note on coefficients that depend on the speed, "" if there are none."""
-    varying = [each for each in getattr(rotor, "bearing_elements", ()) if _varies(each)]
-    if not varying:
-        return ""
-    note = (
+def _note(varying: Sequence[Any], omega: float) -> str:
+    """Return a note on coefficients that depend on the speed."""
+    return (
         f"coefficients that depend on the speed are frozen at {omega:.6g} rad/s "
         f"({quantity(omega, 'rad/s')}): {_listed(varying)}"
     )
-    outside = [each for each in varying
-               if not min(each.frequency) <= omega <= max(each.frequency)]  # fmt: skip
-    return f"{note}; the tables do not reach this speed: {_listed(outside)}" if outside else note
 
 
 def _listed(elements: Sequence[Any]) -> str:

@@ -322,7 +322,8 @@ class RotorSystem:
         ------
         InputError
             If the object has no such methods, or is a ``MultiRotor``, whose shafts turn at
-            different speeds; without `speed`, if the added mass of a seal depends on the speed.
+            different speeds; if `speed` is outside a table; without it, if the added mass of a seal
+            depends on the speed.
 
         Warns
         -----
@@ -332,8 +333,9 @@ class RotorSystem:
 
         Notes
         -----
-        Tables are those that were given to ROSS, with monotone cubics in between. ROSS 2.3 fits a
-        smoothing spline to a table, which need not pass through its rows.
+        Tables are those that were given to ROSS, with monotone cubics in between, also where they
+        are frozen. ROSS 2.3 fits a smoothing spline to a table, which need not pass through its
+        rows.
         """
         from rotor_ida.model.ross_rotors import system_of_ross  # noqa: PLC0415
 

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from rotor_ida import (
+    Bearing,
     Contact,
     InputError,
     RotorSystem,
@@ -16,7 +17,12 @@ from rotor_ida import (
     simulate,
     synchronous_response,
 )
-from rotor_ida.closed_forms.clearances.critical_speeds import Peak, critical_modes, margins
+from rotor_ida.closed_forms.clearances.critical_speeds import (
+    Peak,
+    critical_modes,
+    margins,
+    peak_between,
+)
 from rotor_ida.model.assembly import assemble
 from rotor_ida.units import quantity
 from tests.axisymmetric_systems import beam
@@ -274,3 +280,35 @@ def test_what_cannot_be_reported_is_refused(change, words):
     with pytest.raises(InputError, match=words) as refusal:
         clearance_report(**{**given, **change})
     assert "\n" not in str(refusal.value)
+
+
+def test_growth_above_the_trip_speed_is_no_reason_to_refuse():
+    """A film drives its disc from the threshold on; its critical speed is above the trip speed."""
+    film = Bearing(
+        node="disc", speed=[10.0, 4000.0], damping=[800.0, 800.0],
+        stiffness=[[[4e6, 1e3 * w], [-1e3 * w, 4e6]] for w in (10.0, 4000.0)],
+    )  # fmt: skip
+    system = RotorSystem(mass=10.0 * np.eye(2), stiffness=np.zeros((2, 2)), nodes={"disc": (0, 1)},
+                         bearings=[film], contacts=[SEAL])  # fmt: skip
+    threshold = 0.8 * np.sqrt(4e5)  # where the cross-coupling is the damping at sqrt(k/m)
+    (mode,) = critical_modes(assemble(system), 700.0)
+    assert mode.decay < 0.0
+    speeds = (0.5 * threshold, 0.95 * threshold)
+    assert speeds[1] < mode.speed < 1.5 * speeds[1]
+    report = clearance_report(system, speed=speeds, probes=["disc"])
+    assert "disc" in report.attrs["sentence"]
+    with pytest.raises(InputError, match=r"must be stable for a report: at .* rad/s its motion"):
+        clearance_report(system, speed=(*speeds, 1.01 * threshold), probes=["disc"])
+
+
+@pytest.mark.parametrize("ends", [(0.5, 1.0), (1.0, 1.5), (0.5, 1.5)])
+def test_a_peak_at_the_end_of_its_range_is_one(ends):
+    """Where the ranges of two modes meet: the response of half-width 0.1 is 0.707 of its peak."""
+    speeds = np.linspace(0.0, 2.0, 41)
+
+    def response(speed):
+        return 1.0 / np.hypot(1.0, (speed - 1.0) / 0.1)
+
+    peak = peak_between(response, speeds, response(speeds), *ends)
+    assert peak.speed == pytest.approx(1.0, rel=1e-6)
+    assert peak.amplification == pytest.approx(5.0, rel=1e-4)

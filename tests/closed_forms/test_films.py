@@ -4,15 +4,20 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq, linear_sum_assignment
 
 from rotor_ida import (
     Bearing,
     InputError,
+    RotorSystem,
     campbell,
     clearance_report,
     special_speeds,
     synchronous_response,
 )
+from rotor_ida.closed_forms.clearances.critical_speeds import critical_modes
+from rotor_ida.closed_forms.clearances.crossings import film_pencil, film_speeds
+from rotor_ida.model.assembly import assemble
 from rotor_ida.results.archived_system import problem_of
 from rotor_ida.schema import SPECIAL
 from tests.films import SPEEDS, on_films
@@ -191,3 +196,86 @@ def test_constant_coefficients_are_those_of_plain_matrices(system):
                                              damping=damped)])  # fmt: skip
     one, other = (synchronous_response(each, speed=333.0) for each in (given, written))
     np.testing.assert_allclose(one.node_major_axis, other.node_major_axis, rtol=1e-12)
+
+
+def tabled_system(seed):
+    """Return a random system of one to three nodes, some of its motions overdamped by films."""
+    random = np.random.default_rng(seed)
+    count = int(random.integers(1, 4))
+    stiff, damped, turning = random.normal(size=(3, 2 * count, 2 * count))
+    turning = random.choice([0.0, 0.2]) * (turning - turning.T)
+    films = []
+    for _ in range(int(random.integers(1, 3))):
+        rows = int(random.integers(2, 9))
+        sides = random.normal(size=(2, rows, 2, 2))
+        squares = sides @ np.swapaxes(sides, -1, -2)
+        films.append(Bearing(
+            node=f"{random.integers(count)}", speed=np.linspace(0.2, 4.5, rows),
+            stiffness=random.uniform(0.5, 4.0) * squares[0]
+            + 0.5 * random.normal(size=(rows, 2, 2)) * [[0, 1], [1, 0]],
+            damping=random.choice([0.1, 1.0, 3.0]) * squares[1],
+        ))  # fmt: skip
+    return RotorSystem(
+        mass=np.eye(2 * count), stiffness=stiff @ stiff.T, damping=0.02 * damped @ damped.T,
+        gyroscopic=turning, nodes={f"{i}": (2 * i, 2 * i + 1) for i in range(count)},
+        bearings=films, units="1",
+    )  # fmt: skip
+
+
+def on_grid(assembly, speeds):
+    """Return where eigenvalues on a dense grid, each matched to the nearest, pass the speed."""
+    stiffness = assembly.stiffness_at(speeds)
+    resisted = assembly.damping_at(speeds) + speeds[:, None, None] * assembly.gyroscopic
+    one = np.broadcast_to(np.eye(assembly.size), stiffness.shape)
+    values = np.linalg.eigvals(np.block([[0.0 * one, one], [-stiffness, -resisted]]))
+    found = []
+    for before, behind, low, high in zip(values, values[1:], speeds, speeds[1:], strict=False):
+        if np.abs(before.imag - low).min() > 0.2:
+            continue
+        _, partners = linear_sum_assignment(np.abs(before[:, None] - behind))
+        gaps = before.imag - low, behind[partners].imag - high
+        found += [0.5 * (low + high)] * int(((gaps[0] > 0.0) != (gaps[1] > 0.0)).sum())
+    return found
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_no_critical_speed_of_a_dense_grid_is_missed(seed):
+    assembly = assemble(tabled_system(seed))
+    speeds = np.linspace(0.2, 4.5, 4001)
+    found = film_speeds(assembly, 0.2, 4.5)
+    left = list(found)
+    for speed in on_grid(assembly, speeds):
+        nearest = min(left, key=lambda each: abs(each - speed), default=np.inf)
+        assert abs(nearest - speed) < 2.0 * (speeds[1] - speeds[0])
+        left.remove(nearest)
+    for speed in found:
+        values = np.linalg.eigvals(film_pencil(assembly, speed)[0])  # with a unit mass
+        assert np.abs(values.imag - speed).min() < 1e-9
+
+
+def test_a_critical_speed_that_an_overdamped_motion_passes_nearby_is_found():
+    """Two circles: at 1 with light damping, and one whose whirl speed passes that near 1 too.
+
+    Their imaginary parts are the roots of ``K - C**2/4``: each film is a single disc.
+    """
+    light = Bearing(node="a", speed=[0.2, 2.0], stiffness=[1.01, 1.01], damping=[0.2, 0.2])
+    knots = np.linspace(0.2, 2.0, 10)
+    heavy = Bearing(
+        node="b", speed=knots, damping=np.full(10, 4.0), stiffness=4.0 + (knots * 0.99) ** 8
+    )
+    system = RotorSystem(mass=np.eye(4), stiffness=np.zeros((4, 4)), bearings=[light, heavy],
+                         nodes={"a": (0, 1), "b": (2, 3)}, units="1")  # fmt: skip
+    passing = brentq(lambda speed: heavy.at(speed)[0][0, 0] - 4.0 - speed**2, 0.9, 1.2)
+    found = film_speeds(assemble(system), 0.2, 2.0)
+    np.testing.assert_allclose(found, sorted([1.0, 1.0, passing, passing]), rtol=1e-9)
+    (mode,) = critical_modes(assemble(system), 2.0)
+    assert mode.speed == pytest.approx(1.0, rel=1e-9)
+
+
+def test_a_critical_speed_that_is_only_touched_is_found():
+    """The whirl speed ``sqrt(2 W - 1)`` touches W at 1, and is below it elsewhere."""
+    film = Bearing(node="a", speed=[0.6, 2.0], stiffness=[0.2, 3.0])
+    system = RotorSystem(mass=np.eye(2), stiffness=np.zeros((2, 2)), bearings=[film],
+                         nodes={"a": (0, 1)}, units="1")  # fmt: skip
+    (mode,) = critical_modes(assemble(system), 2.0)
+    assert mode.speed == pytest.approx(1.0, rel=1e-6)

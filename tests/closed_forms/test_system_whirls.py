@@ -8,6 +8,7 @@ import pytest
 from scipy.optimize import brentq, fsolve
 
 from rotor_ida import (
+    Bearing,
     Contact,
     InputError,
     Race,
@@ -21,6 +22,8 @@ from rotor_ida import (
     synchronous_response,
 )
 from rotor_ida.closed_forms.whirls.double_rubs import Pairs, double_rubs
+from rotor_ida.model.assembly import assemble
+from rotor_ida.model.axisymmetric import forward_motions
 from tests.axisymmetric_systems import beam, random_axisymmetric
 
 
@@ -404,3 +407,43 @@ def test_lags_at_negative_speeds_are_those_of_the_mirror_image(verb):
     for name in ("phase_lag", "node_phase_lag"):
         assert (np.abs(there[name]) > 1e-3).any()
         np.testing.assert_allclose(back[name].values, there[name].values, atol=1e-6)
+
+
+@pytest.mark.parametrize("unequal", [0.0, 1e-5])
+def test_a_shaft_that_oil_films_alone_hold_is_axisymmetric_as_far_as_it_is(unequal):
+    """Its stiffness has ten digits: what is left of that of the rigid motions is rounding."""
+    rows = np.array([
+        [62472079.84, -128499481.3, 83804009.54, -22347735.88, 4571127.793],
+        [-128499481.3, 303867130.9, -262275511.3, 109255597.6, -22347735.88],
+        [83804009.54, -262275511.3, 356943003.6, -262275511.3, 83804009.54],
+        [-22347735.88, 109255597.6, -262275511.3, 303867130.9, -128499481.3],
+        [4571127.793, -22347735.88, 83804009.54, -128499481.3, 62472079.84],
+    ])  # fmt: skip
+    stiffness = np.kron(rows, np.eye(2))
+    stiffness[4, 4] *= 1.0 + unequal
+    films = [Bearing(node=node, speed=[50.0, 1500.0], damping=[6e4, 5e4],
+                     stiffness=[[[5e7, cross], [-cross, 5e7]] for cross in (5e6, 9e7)])
+             for node in ("0", "4")]  # fmt: skip
+    system = RotorSystem(
+        mass=np.kron(np.diag([12.0, 30, 90, 30, 12]), np.eye(2)), stiffness=stiffness,
+        damping=1e-5 * np.kron(rows, np.eye(2)),
+        nodes={f"{i}": (2 * i, 2 * i + 1) for i in range(5)}, bearings=films,
+    )  # fmt: skip
+    if unequal:
+        with pytest.raises(InputError, match="whose stiffness is not the same"):
+            forward_motions(assemble(system))
+        return
+    forward = forward_motions(assemble(system))
+    held, damped = forward.stiffness_at(200.0), forward.damping_at(200.0)
+    zero, one = np.zeros((5, 5)), np.eye(5)
+    found = np.linalg.eigvals(np.block([[zero, one], [-held, -damped]]))
+    plain = system.at(200.0)
+    inverse = np.linalg.inv(plain.mass)
+    zero, one = np.zeros((10, 10)), np.eye(10)
+    known = np.linalg.eigvals(
+        np.block([[zero, one], [-inverse @ plain.stiffness, -inverse @ plain.damping]])
+    )
+    every = np.concatenate([found, found.conj()])
+    apart = np.abs(every[:, np.newaxis] - known)
+    assert (apart.min(axis=0) < 1e-8 * np.abs(known).max()).all()
+    assert (apart.min(axis=1) < 1e-8 * np.abs(known).max()).all()

@@ -180,10 +180,13 @@ def test_a_constant_table_is_no_table():
     assert not RotorSystem.from_ross(Rotor(constant), speed=SPEED).note
 
 
-def test_a_table_that_ends_below_the_speed_is_named():
+def test_a_speed_outside_a_table_is_refused():
     varying = seal(damping=np.array([300.0, 500.0]), frequency=np.array([0.0, 150.0]))
-    with pytest.warns(UserWarning, match="the tables do not reach this speed: Seal 0"):
+    with pytest.raises(InputError, match=r"speed must lie within .* '0', from 0 to 150, got 200"):
         RotorSystem.from_ross(Rotor(varying), speed=SPEED)
+
+
+def test_many_tables_are_counted():
     with pytest.warns(UserWarning, match=r"\): 5 bearings and seals$"):
         RotorSystem.from_ross(
             Rotor(*[seal(damping=np.array([3.0, 5.0]), frequency=np.array([0.0, 400.0]))] * 5),
@@ -356,16 +359,23 @@ def test_the_unbalance_response_on_tables_is_that_recorded():
             np.testing.assert_allclose(mine.sel(node=name), theirs, atol=1e-9 * scale)
 
 
-def test_tables_and_frozen_coefficients_agree_at_the_speed():
-    varying = seal(damping=np.array([300.0, 500.0]), frequency=np.array([0.0, 400.0]))
+@pytest.mark.parametrize("node", [0, 2])
+def test_tables_and_frozen_coefficients_agree_between_rows(node):
+    """Of a seal to the ground and one between a node and a link, by cubics through their rows."""
+    places_of = places(0, 0) | (places(12, 2) if node else {})
+    rows, speed = np.array([300.0, 500.0, 450.0]), 130.0
+    varying = Spring(places_of, 1e3 * rows, damping=rows, tag="Seal 0",
+                     frequency=np.array([0.0, 200.0, 400.0]))  # fmt: skip
     tables = RotorSystem.from_ross(Rotor(varying))
-    with pytest.warns(UserWarning, match="frozen at 400 rad/s"):
-        frozen = RotorSystem.from_ross(Rotor(varying), speed=400.0)
-    held = tables.at(400.0)
+    with pytest.warns(UserWarning, match="frozen at 130 rad/s"):
+        frozen = RotorSystem.from_ross(Rotor(varying), speed=speed)
+    held = tables.at(speed)
     for name in ("mass", "stiffness", "damping"):
-        np.testing.assert_allclose(getattr(held, name), getattr(frozen, name), rtol=1e-12)
+        apart = np.abs(getattr(held, name) - getattr(frozen, name))
+        assert apart.max() < 1e-12 * np.abs(getattr(held, name)).max()
     assert len(tables.bearings) == len(Rotor(varying).bearing_elements)
-    assert [each.stator for each in tables.bearings] == ["2", "3", None, None, None]
+    stators = [each.stator for each in tables.bearings]
+    assert stators == ["2", "3", None, None, "2" if node else None]
 
 
 def test_an_added_mass_that_depends_on_the_speed_needs_a_speed():

@@ -1,8 +1,8 @@
 """Critical speeds of a rotor system, where its unbalance acts on each, and how sharp each peak is.
 
 1. *Modes*: with the spin speed at the whirl speed, ``s = i Omega``, motions obey
-   ``(K + s C + s**2 (M - i G)) Q = 0``. The imaginary parts of s are critical speeds, where K and
-   C depend on the speed those at it.
+   ``(K + s C + s**2 (M - i G)) Q = 0``. The imaginary parts of s are critical speeds. Where K and C
+   depend on the speed, it is critical where an eigenvalue turns with it: see `crossings`.
 2. *Antinodes*: neighbouring nodes that move to the same side are a lobe of the shape. The node of a
    lobe that moves most is where unbalance drives the mode best.
 3. *Peaks*: the response to it, as the largest axis of each orbit, and its width where it is
@@ -17,11 +17,11 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.linalg import eig, eigvals
+from scipy.linalg import eig
 from scipy.optimize import brentq, minimize_scalar
 
 from rotor_ida.arrays import ComplexValues, Values
-from rotor_ida.closed_forms.linear_motions import roots_of
+from rotor_ida.closed_forms.clearances.crossings import film_pencil, film_speeds
 from rotor_ida.closed_forms.receptances import solved_motions
 from rotor_ida.model.assembly import Assembly
 
@@ -35,8 +35,6 @@ FREE = 1e-4
 EQUAL, PARALLEL = 1e-7, 0.999
 # A lobe is driven if its antinode moves at least this part of the largest one.
 LOBE = 0.3
-# Least number of parts of the range of speeds in which critical speeds on films are sought.
-CELLS = 16
 # Part of a peak at which its width is measured, and the relative tolerance of its place.
 HALF_POWER, PLACED = math.sqrt(0.5), 1e-9
 
@@ -94,7 +92,8 @@ def critical_modes(assembly: Assembly, largest: float) -> list[Mode]:
 def _driven_modes(assembly: Assembly, speed: float, largest: float) -> list[Mode]:
     """Return the modes that unbalance drives, with the coefficients of films at a speed."""
     size = assembly.size
-    values, vectors = eig(*_pencil(assembly, speed))
+    pencil = film_pencil(assembly, speed) if assembly.films else _pencil(assembly)
+    values, vectors = eig(*pencil)
     moved = np.einsum("njk,ks->jns", assembly.node_rows(), vectors[:size])
     forward, backward = (moved[0] + side * 1j * moved[1] for side in (1.0, -1.0))
     driven, other = ((np.abs(each) ** 2).sum(axis=0) for each in (forward, backward))
@@ -107,40 +106,20 @@ def _driven_modes(assembly: Assembly, speed: float, largest: float) -> list[Mode
     return [Mode(float(values[i].imag), float(-values[i].real), forward[:, i]) for i in chosen]
 
 
-def _pencil(assembly: Assembly, speed: float) -> tuple[Values, ComplexValues]:
+def _pencil(assembly: Assembly) -> tuple[Values, ComplexValues]:
     """Return the matrices whose eigenvalues turn with the rotor at their own speeds."""
     one, zero = np.eye(assembly.size), np.zeros_like(assembly.mass)
     turning = zero if assembly.gyroscopic is None else assembly.gyroscopic
-    stiffness, damping = assembly.stiffness_at(speed), assembly.damping_at(speed)
-    left = np.block([[zero, one], [-stiffness, -damping]])
+    damping = zero if assembly.damping is None else assembly.damping
+    left = np.block([[zero, one], [-assembly.stiffness, -damping]])
     return left, np.block([[one, zero], [zero, assembly.mass - 1j * turning]])
 
 
 def _speeds_of_films(assembly: Assembly, largest: float) -> list[float]:
-    """Return the speeds at which an eigenvalue turns with the rotor, up to a speed or the first.
-
-    With the coefficients of films at a speed the imaginary parts of the eigenvalues, in order of
-    size, are continuous functions of it. Each interval between knots is divided in parts.
-    """
-
-    def gaps(speed: float) -> Values:
-        left, right = _pencil(assembly, speed)
-        try:  # three times as fast
-            found = np.linalg.eigvals(np.linalg.solve(right, left))
-        except np.linalg.LinAlgError:
-            found = eigvals(left, right)
-        turning = np.where(np.isfinite(found), found.imag, np.inf)
-        return np.asarray(np.sort(turning) - speed)
-
+    """Return the speeds at which an eigenvalue turns with the rotor, up to a speed."""
     first, last = assembly.films.reach
     first, last = max(first, FREE * largest), min(last, largest)
-    if not first < last:
-        return []
-    knots = assembly.films.knots
-    edges = [first, *knots[(knots > first) & (knots < last)].tolist(), last]
-    count = max(CELLS // (len(edges) - 1), 1)
-    parts = [np.linspace(*ends, count, endpoint=False) for ends in pairwise(edges)]
-    return list(roots_of(gaps, [*np.concatenate(parts).tolist(), last]))
+    return film_speeds(assembly, first, last) if first < last else []
 
 
 def _same(one: Mode, other: Mode) -> bool:
@@ -228,12 +207,13 @@ def largest_between(
 def peak_between(
     function: Callable[[float], float], speeds: Values, values: Values, low: float, high: float
 ) -> Peak | None:
-    """Return the largest peak of a response between two speeds, None where it has none inside.
+    """Return the largest peak of a response between two speeds, None where it has none there.
 
+    A speed at an end is one of a peak where the response falls on both sides of it.
     Its amplification factor is its speed over the width at 0.707 of its height, or over twice the
     half that lies within the speeds.
     """
-    inside = np.flatnonzero((speeds >= low) & (speeds <= high))[1:-1]
+    inside = 1 + np.flatnonzero((speeds >= low)[1:-1] & (speeds <= high)[1:-1])
     tops = inside[(values[inside] > values[inside - 1]) & (values[inside] > values[inside + 1])]
     if not tops.size:
         return None

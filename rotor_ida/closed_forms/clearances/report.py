@@ -126,7 +126,8 @@ def clearance_report(
     ------
     InputError
         If an argument cannot be used; if a critical speed has no damping; if the motion without
-        contact grows at a critical speed or one of `speed`: the message has rate and whirl speed.
+        contact grows at one of `speed` or at a critical speed below the last of them: the message
+        has rate and whirl speed.
 
     Notes
     -----
@@ -183,7 +184,7 @@ def clearance_report(
     modes = critical_modes(problem.assembly, min(REACH * problem.high, problem.top))
     _check_stable(problem, [each.speed for each in modes])
     for mode in modes:
-        if not mode.decay > UNDAMPED * mode.speed:
+        if abs(mode.decay) <= UNDAMPED * mode.speed:
             raise InputError(
                 "system must be damped at its critical speeds for a report, got no damping at "
                 "{speed:.6g}",
@@ -222,15 +223,16 @@ def _problem(system: RotorSystem, speed: object, probes: object, limit: object) 
 
 
 def _check_stable(problem: Problem, critical: Sequence[float]) -> None:
-    """Refuse a system whose motion without contact grows at one of its speeds."""
+    """Refuse a system whose motion without contact grows at one of the speeds that it reaches."""
     system = problem.assembly.system
     units = system.units
-    for speed in sorted({*critical, problem.low, problem.high, problem.trip}):
+    reached = [each for each in critical if each < problem.trip]
+    for speed in sorted({*reached, problem.low, problem.high, problem.trip}):
         if growth := growth_of(canonical(assemble(system.at(speed))), speed):
             raise InputError(
-                "system must be stable for a report: at "
-                f"{speed:.6g}{' rad/s' if units == 'SI' else ''} its motion without contact "
-                f"{growing(growth.rate, growth.whirl_speed, units)}"
+                "system must be stable for a report: at {speed} its motion without contact "
+                f"{growing(growth.rate, growth.whirl_speed, units)}",
+                speed=speed,
             )
 
 
