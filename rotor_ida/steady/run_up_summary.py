@@ -25,6 +25,7 @@ from rotor_ida.parallel import interruptible
 from rotor_ida.results.archived_system import problem_of
 from rotor_ida.results.contact_facts import columns_of_contact, run_up_facts
 from rotor_ida.results.depths import beyond_in_words
+from rotor_ida.results.growth_words import BEGINS, RATE, stability_words
 from rotor_ida.results.run import check_run, check_system_run, is_of_system, rotor_of
 from rotor_ida.results.si_units import (
     dimensional,
@@ -222,11 +223,24 @@ def _of_system(run: xr.Dataset, running_speed: float | None) -> xr.Dataset:
     columns |= {name: ("contact", run[name].values) for name in ("contact_node", "clearance")}
     attributes = {name: each for name, each in origin_of(run).items() if name not in OF_CHANGE}
     scales = SI if system.units == "SI" else None
-    told = [*_of_contacts(run, contacts, ended.ending, scales, running_speed),
+    told = [*_self_excited(run, ended, last, scales),
+            *_of_contacts(run, contacts, ended.ending, scales, running_speed),
             *_in_words(contacts, ended, last, scales, 0, rubs), _after_horizon(run)]  # fmt: skip
     attributes["sentence"] = " ".join(filter(None, told))
     made = labelled_dataset("Summary of a run-up", columns, {}, attributes, kind="run_up_summary")
     return with_system_units(made, system)
+
+
+def _self_excited(
+    run: xr.Dataset, ended: Outcome, last: float, scales: Scales | None
+) -> list[str]:  # fmt: skip
+    """Return that the motion grows at the last speed by itself, and from which speed on."""
+    begins = run.attrs.get(BEGINS, 0.0)
+    grows = RATE in run.attrs and begins <= last < math.nextafter(run["speed"].max(), math.inf)
+    if not grows or ended.ending == CONTACT_FREE:
+        return []
+    where = f" beyond the threshold of instability at {_speed(begins, scales)}" if begins else ""
+    return [f"Self-excited whirl{where}.", *stability_words(run.attrs, "SI" if scales else "1")]
 
 
 def _of_contacts(
@@ -310,6 +324,8 @@ def _in_words(
             )
     if ended.ending == CONTACT_FREE:
         return [*sentences, f"{held} {'runs clear of' if count else 'stays off'} the stator."]
+    if not count and ended.ending in (RUB, WHIP):
+        held += " touches at last, and"
     if ended.ending == WHIP:
         said = (
             "stays in dry whip: it whirls backwards, rolling on the stator, driven by friction and "
@@ -361,9 +377,10 @@ def _verdict(
 ) -> str:  # fmt: skip
     """Return the verdict on one contact at a place, with words for a rotor that lies there."""
     if math.isnan(facts["first_touch_speed"]):
+        no_rub = "No rub on the way" if ending in (RUB, WHIP) else "No rub"
         gap, clearance_told = (_length(each, scales) for each in (facts["smallest_gap"], clearance))
         return (
-            f"No rub: closest to {at} at {_speed(facts['largest_radius_speed'], scales)}, "
+            f"{no_rub}: closest to {at} at {_speed(facts['largest_radius_speed'], scales)}, "
             f"where {gap} of the clearance of {clearance_told} are left."
         )
     verdicts = {CONTACT_FREE: "Rub on the way, none at the end", WHIP: "Dry whip"}

@@ -4,9 +4,22 @@ import math
 import sys
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
-from rotor_ida import DimensionalRotor, InputError, Rotor, run_up, run_ups, simulate, summary
+from rotor_ida import (
+    Bearing,
+    Contact,
+    DimensionalRotor,
+    InputError,
+    Rotor,
+    RotorSystem,
+    Unbalance,
+    run_up,
+    run_ups,
+    simulate,
+    summary,
+)
 from rotor_ida.schema import words_of
 from rotor_ida.steady.run_up_summary import margin_in_words
 from rotor_ida.units import SPEED_UNITS
@@ -163,3 +176,26 @@ def test_the_sentence_says_where_a_system_is_touched_and_what_rounding_decides()
 )  # fmt: skip
 def test_a_margin_is_said_in_per_cent_of_the_running_speed(speed, running, said):
     assert margin_in_words(speed, running) == said
+
+
+def test_a_whirl_that_excites_itself_is_told_first_with_its_threshold():
+    # (s**2 + c s + k)**2 + q**2 = 0 has s = i sqrt(k) at q = c sqrt(k)
+    cross = np.array([[0.0, 1.0], [-1.0, 0.0]])
+    film = Bearing(node="disc", speed=(0.0, 10.0), stiffness=[0.0 * cross, 10.0 * cross],
+                   damping=[0.2 * np.eye(2)] * 2)  # fmt: skip
+    system = RotorSystem(
+        mass=np.eye(2), stiffness=4.0 * np.eye(2), nodes={"disc": (0, 1)}, bearings=[film],
+        contacts=[Contact(node="disc", clearance=3.0, stiffness=10.0, exponent=1.0)],
+        unbalance=[Unbalance(node="disc", moment=0.1)], units="1",
+    )  # fmt: skip
+    with pytest.warns(UserWarning, match="the linear system is unstable from 0.4 on"):
+        run = run_up(system, speed=0.1, to=0.5, rate=0.1, start="settled")
+    assert run.attrs["growth_begins_at"] == pytest.approx(0.4, rel=1e-5)
+    said = summary(run).attrs["sentence"]
+    assert said.startswith(
+        "Self-excited whirl beyond the threshold of instability at a speed of 0.4"
+    )
+    assert "No rub on the way: closest to contact 0 at 'disc'" in said
+    assert "Held at a speed of 0.5 it touches at last, and keeps rubbing" in said
+    calm = summary(run_up(system, speed=0.1, to=0.3, rate=0.1, start="settled")).attrs["sentence"]
+    assert calm.startswith("No rub: closest")
