@@ -86,7 +86,7 @@ def _ends(text: str, words: str) -> Parameter:
 OPTIONS: dict[Group | None, dict[str, Parameter]] = {
     ROTOR: {
         "without_gravity": flag_option(
-            "Leave out the gravity of the system's file, or the load of a machine: whirls have none."),
+            "Leave out the gravity of a system or the load of a machine: whirls have none."),
         "period": quantity_option(
             "Estimate of the period, for a start near a cycle on the rotating axes (SI: s).", "s"),
         "from_": path_option("Archive of a cycle, branch or curve to start from.", name="--from"),
