@@ -226,6 +226,8 @@ def show_run_up_summary(dataset: xr.Dataset, _most: int | None) -> Description:
         return record, [sentence, facts("Run-up", lines_of(dataset, scalars_of(dataset)))]
     names = [name for name in names_on(dataset, "contact") if name != "contact_node"]
     lines = [line_of(dataset, name, dataset[name].values.tolist(), 6) for name in names]
+    if not dataset.sizes["contact"]:
+        return record, [sentence]
     return record, [sentence, Sheet("Run-up", lines, dataset["contact_node"].values.tolist())]
 
 

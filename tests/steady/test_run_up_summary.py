@@ -59,7 +59,8 @@ def test_the_words_say_how_it_ends():
     assert said["contact_free"].endswith("Held at a speed of 2.5 it runs clear of the stator.")
     assert said["rub"].startswith("Rub: it first touches the stator at a speed of 0.")
     assert "Held at a speed of 1.2 it keeps rubbing: " in said["rub"]
-    assert said["whip"].startswith("Dry whip: it first touches the stator at a speed of 0.6")
+    assert said["whip"].startswith("Beyond the model: an indentation of ")
+    assert "Dry whip: it first touches the stator at a speed of 0.6" in said["whip"]
     assert "The disc first rolls on the stator at a speed of 0.6" in said["whip"]
     assert "it stays in dry whip: it whirls backwards, rolling on the stator" in said["whip"]
 
@@ -199,3 +200,18 @@ def test_a_whirl_that_excites_itself_is_told_first_with_its_threshold():
     assert "Held at a speed of 0.5 it touches at last, and keeps rubbing" in said
     calm = summary(run_up(system, speed=0.1, to=0.3, rate=0.1, start="settled")).attrs["sentence"]
     assert calm.startswith("No rub: closest")
+
+
+def test_a_system_without_contacts_is_said_to_vibrate():
+    """The unbalance response at rest at the last speed: m e w**2 / |k - w**2 m + i w c|."""
+    system = RotorSystem(
+        mass=np.eye(2), stiffness=np.eye(2), damping=0.5 * np.eye(2), nodes={"disc": (0, 1)},
+        unbalance=[Unbalance(node="disc", moment=0.1)], units="1",
+    )  # fmt: skip
+    run = run_up(system, speed=2.0, to=3.0, rate=0.01, start="settled")
+    last = 0.1 * 9.0 / abs(1.0 - 9.0 + 1.5j)
+    found = summary(run)
+    assert found.attrs["sentence"].startswith("The system has no contacts. Of the samples ")
+    said = found.attrs["sentence"].removesuffix(" there.").split()[-1]
+    assert float(said) == pytest.approx(last, rel=5e-3)
+    assert "had not settled" not in found.attrs["sentence"]
