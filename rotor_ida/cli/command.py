@@ -76,7 +76,7 @@ class Case:
     panels : int
         Panels of the figure.
     without_gravity : bool
-        Whether to leave out the gravity of the file.
+        Whether to leave out the gravity of the file, or the load of its machine.
     rotor : Rotor, DimensionalRotor or RotorSystem, optional
         The rotor that was asked; None for several without dimensions. A command may know it.
     adapted : callable, optional
@@ -221,15 +221,19 @@ class Case:
     # ---- One disc ----
 
     def _of_disc(self, given: dict[str, Any]) -> tuple[list[Any], dict[str, Any]]:
-        if self.without_gravity:
+        of_a_file = self.of.rotors == "of a file"
+        if self.without_gravity and not (of_a_file and self.rotors.machine is not None):
             raise InputError("without_gravity must be left out without a rotor system")
-        if self.of.rotors == "of a file":
+        if of_a_file:
             self.output.check()
             if self.rotors.machine is None:
                 raise InputError(
                     "a rotor must be given: a system file, or a machine with --machine"
                 )
-            return [self._given_machine()], given
+            machine = self._given_machine()
+            if self.without_gravity and machine is not None:
+                machine = replace(machine, load=0.0)
+            return [machine], given
         if self.of.rotors == "one":
             rotor = self.rotor or self.rotors.chosen(self.known)
             self.output.check(panels=self.panels)

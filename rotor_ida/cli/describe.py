@@ -184,8 +184,24 @@ def show_run(dataset: xr.Dataset, most: int | None) -> Description:
 
     start = start_in_words(dataset) if "load" in dataset.coords else ""
     told = [f"{start[0].upper()}{start[1:]}."] if start else []
+    if "speed" not in dataset:  # a run-up has a summary
+        told.insert(0, _touched(dataset, summary["peak_force"]))
     sheet = facts("Run", [*facts_of_run(dataset), *lines_of(dataset, summary)])
     return record, [*told, sheet, *parts]
+
+
+def _touched(run: xr.Dataset, force: float) -> str:
+    """Return when a run touches first, how often and how hard."""
+    entries, unit = run["entry_time"].values, str(run["t"].attrs.get("units", "1"))
+    if not entries.size:
+        return "The stator is not touched."
+    first = entries[0]
+    when = "from the beginning" if np.isnan(first) else f"at {quantity(float(first), unit, 3)}"
+    number = f"{entries.size:,} contact{'s' * (entries.size > 1)}"
+    if math.isnan(force):
+        return f"First touch {when}; {number}."
+    pressed = quantity(force, str(run["peak_force"].attrs.get("units", "1")), 3)
+    return f"First touch {when}; {number}, with up to {pressed}."
 
 
 def facts_of_run(run: xr.Dataset) -> list[Line]:
@@ -210,6 +226,8 @@ def show_run_up_summary(dataset: xr.Dataset, _most: int | None) -> Description:
         return record, [sentence, facts("Run-up", lines_of(dataset, scalars_of(dataset)))]
     names = [name for name in names_on(dataset, "contact") if name != "contact_node"]
     lines = [line_of(dataset, name, dataset[name].values.tolist(), 6) for name in names]
+    if not dataset.sizes["contact"]:
+        return record, [sentence]
     return record, [sentence, Sheet("Run-up", lines, dataset["contact_node"].values.tolist())]
 
 

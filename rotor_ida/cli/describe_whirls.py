@@ -6,6 +6,7 @@ import xarray as xr
 
 from rotor_ida.cli.variables import Description, Layout, Rows, lines_of, scalars_of, tabled
 from rotor_ida.model.parameters import ALL_PARAMETERS
+from rotor_ida.results.growth_words import stability_words
 from rotor_ida.results.sheets import facts
 
 FOUND_FOLDS = Rows(
@@ -74,9 +75,9 @@ EIGENVALUES = Layout("Eigenvalues", (
 OF_REPORT = (
     Rows(
         title="Clearances", key="clearances", lead="clearance_verdict", digits=5,
-        names=("contact", "contact_node", "clearance", "clearance_verdict", "rub_force",
-               "rub_speed", "rub_stability", "passage_rub_force", "whip_speed", "whip_force",
-               "whip_stability")),
+        names=("contact", "contact_node", "clearance", "clearance_verdict", "sag_share",
+               "rub_force", "rub_speed", "rub_stability", "passage_rub_force", "whip_speed",
+               "whip_force", "whip_stability")),
     Rows(
         title="Shares of the clearances", key="shares", lead="running_share", digits=5,
         names=("case", "contact", "running_share", "running_share_speed", "passage_share")),
@@ -99,7 +100,11 @@ def show_clearance_report(dataset: xr.Dataset, most: int | None) -> Description:
 def show_unbalance_response(dataset: xr.Dataset, most: int | None) -> Description:
     """Return the unbalance response of a system, with why its rubs are not known."""
     record, parts = tabled(dataset, most, *OF_UNBALANCE)
-    return record, [*_not_exact(dataset), *parts]
+    units = "SI" if dataset["clearance"].attrs.get("units") == "m" else "1"
+    grows = [
+        f"{each} There no response persists." for each in stability_words(dataset.attrs, units)
+    ]
+    return record, [*grows, *_not_exact(dataset), *parts]
 
 
 def show_special_speeds(dataset: xr.Dataset, most: int | None) -> Description:

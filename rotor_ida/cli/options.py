@@ -86,7 +86,7 @@ def _ends(text: str, words: str) -> Parameter:
 OPTIONS: dict[Group | None, dict[str, Parameter]] = {
     ROTOR: {
         "without_gravity": flag_option(
-            "Leave out the gravity of the system's file: whirls have none."),
+            "Leave out the gravity of a system or the load of a machine: whirls have none."),
         "period": quantity_option(
             "Estimate of the period, for a start near a cycle on the rotating axes (SI: s).", "s"),
         "from_": path_option("Archive of a cycle, branch or curve to start from.", name="--from"),
@@ -120,6 +120,7 @@ OPTIONS: dict[Group | None, dict[str, Parameter]] = {
             "Save results in this folder as they are computed, so that resume can continue."),
         "out": path_option("Write the result to this netCDF file (.nc)."),
         "machine out": path_option("Write the machine to this TOML file."),
+        "from_ross out": path_option("Write the rotor to this system file (.toml)."),
         "drop out": path_option("Folder of the report, which is made.", name=("--out", "--report")),
         "reproduce out": path_option("Folder for archives and figures."),
         "figure": path_option("Draw the result to NAME.png and NAME.svg, or to NAME.pdf."),

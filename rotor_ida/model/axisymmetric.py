@@ -38,7 +38,7 @@ ASKEW = 0.1
 # is one.
 ROUNDED = 1e-7
 # What takes a system that has no circular whirls.
-INSTEAD = 'use sweep or simulate(start="settled")'
+INSTEAD = "use sweep, or simulate from a settled start (--start settled)"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

@@ -134,6 +134,11 @@ def _csv(place: Path) -> dict[str, Values]:
     """Return the columns of a .csv file in SI units."""
     _check_bytes(place, place.stat().st_size)
     head, *lines = place.read_text(encoding="utf-8-sig").splitlines()
+    if ";" in head:
+        raise InputError(
+            f"{shown(place)} must have commas between its columns and points in its numbers, got "
+            "semicolons"
+        )
     rows = [line.split(",") for line in lines if line.strip()]
     numbers = np.array([list(map(float, row)) for row in rows]).reshape(len(rows), -1)
     found = {}

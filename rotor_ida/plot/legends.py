@@ -26,6 +26,7 @@ _ORDER = (
     CONTACT_FREE := "contact-free whirl",
     FOLD := "fold",
     HOPF := "Hopf point",
+    THRESHOLD := "threshold of instability",
     *KIND_WORDS.values(),
     FROM_REST := "each speed from rest",
     FROM_WHIRL := "each speed from its contact-free whirl",

@@ -130,7 +130,7 @@ def plot_amplitude(
         The exact whirls: a curve of `rotor_ida.closed_forms.response_curve` or
         `rotor_ida.closed_forms.clearance_curve`, or points of `rotor_ida.synchronous_response` or
         `rotor_ida.special_speeds`, for one value of each parameter but one. None for `simulated`
-        alone.
+        alone. Special speeds of a system without exact whirls are its thresholds of instability.
     whirls : Dataset, optional
         Result of `rotor_ida.synchronous_response` for the same rotor: its whirls are marked.
     simulated : Dataset, optional
@@ -142,7 +142,7 @@ def plot_amplitude(
         Results of `rotor_ida.folds` and `rotor_ida.hopf_points` for the same disc.
     special : Dataset, optional
         Result of `rotor_ida.special_speeds`, for the same system: its folds, Hopf points and grazes
-        are marked.
+        are marked, and its thresholds of instability are vertical lines.
     contact : int or str
         Contact of a rotor system, by its number or its node. Its clearance is a dashed line.
     ax : Axes, optional
@@ -218,6 +218,8 @@ def _plot(
         else:
             ax.set_ylim(0.0, 1.06 * math.pi)
             ax.set_yticks([0.0, 0.5 * math.pi, math.pi], ["0", r"$\pi/2$", r"$\pi$"])
+        if "special" in found:
+            _draw_thresholds(ax, found["special"])
         ax.set_title(_title(shown, axis, "exact" in found))
         # bars across the axes leave no room
         has_bars = aside or ("simulated" in found and bool(_are_ranges(found["simulated"]).any()))
@@ -232,10 +234,13 @@ def _checked(
     given = dict(given)
     exact = given.get("exact")
     if isinstance(exact, xr.Dataset) and "special_speed" in exact.variables:
-        given["special"] = exact
-        exact = check_dataset("special", exact, (*NEEDED["special"], *BRANCHES))
-        exact = exact.drop_vars(["amplitude", "stability"], errors="ignore").rename(BRANCHES)
-        given["exact"] = exact
+        if "not_exact" in exact.attrs:  # there are no branches, only thresholds of instability
+            given["exact"], given["special"] = None, exact.assign(speed=exact["special_speed"])
+        else:
+            given["special"] = exact
+            exact = check_dataset("special", exact, (*NEEDED["special"], *BRANCHES))
+            exact = exact.drop_vars(["amplitude", "stability"], errors="ignore").rename(BRANCHES)
+            given["exact"] = exact
     found: dict[str, xr.Dataset] = {}
     for name, dataset in given.items():
         if dataset is None:
@@ -244,7 +249,8 @@ def _checked(
         drawn = PARAMETERS[1:] if alone else () if name == "special" else (quantity,)
         of_system = () if alone else ("contact_node",)
         found[name] = check_dataset(name, dataset, (*NEEDED[name], *drawn), of_system)
-    if not {"exact", "simulated", "whirls"} & set(found):
+    alone = "special" in found and "not_exact" in found["special"].attrs
+    if not (alone or {"exact", "simulated", "whirls"} & set(found)):
         raise InputError("exact must be a Dataset, or None beside simulated, got neither")
     first, shown = next(iter(found.items()))
     axis = _Axis(*drawn_over(first, shown))
@@ -311,6 +317,7 @@ def _title(shown: xr.Dataset, axis: _Axis, has_curve: bool) -> str:
     """Return the contact of a system, and the parameters that are held."""
     held = text_of(shown, axis.held) if axis.held else ""
     if not is_of_disc(shown):
+        held = held or "no exact whirls" * ("not_exact" in shown.attrs and not has_curve)
         return f"{contact_text(shown, shown['contact'].item())}\n{held}".rstrip()
     if has_curve or axis.over != "omega" or "load" not in axis.held:
         return in_lines(held)
@@ -386,6 +393,18 @@ def _draw_specials(ax: Axes, found: Mapping[str, xr.Dataset], quantity: str, axi
         if speeds.size:
             draw_marks(ax, speeds, heights, mark, palette.INK, size=size, face="white", label=label,
                        level=3.7)  # fmt: skip
+
+
+def _draw_thresholds(ax: Axes, special: xr.Dataset) -> None:
+    """Draw a line at the speeds beyond which the linear system is unstable, or no longer is."""
+    chosen = special["special_kind"].values == SPECIAL["threshold"]
+    for speed in np.unique(speeds_in(special["special_speed"]).values[chosen]).tolist():
+        ax.axvline(speed, color=palette.DARK_BROWN, lw=0.9, ls=DOTS, zorder=1.6,
+                   label=legends.THRESHOLD)  # fmt: skip
+    if "not_exact" in special.attrs:
+        limits = xr.DataArray(special.attrs["limits"], attrs=special["special_speed"].attrs)
+        ax.set_xlim(*speeds_in(limits).values.tolist())
+        ax.set_ylim(bottom=0.0)
 
 
 def _special_points(dataset: xr.Dataset, name: str, exact: xr.Dataset) -> tuple[Values, Values]:

@@ -209,6 +209,9 @@ QUANTITIES: dict[str, Quantity] = {
     "running_share": Quantity(
         "scaled largest axis over the diametral clearance, at continuous speeds"
     ),
+    "sag_share": Quantity(
+        "largest static deflection from the centre over the radial clearance, at continuous speeds"
+    ),
     "running_share_speed": speed("continuous speed of the largest such share"),
     "passage_share": Quantity(
         "scaled largest axis over the diametral clearance, from rest to the trip speed"

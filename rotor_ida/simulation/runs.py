@@ -123,8 +123,8 @@ def run_of_system(
     cases = [in_modes(system, number, start)
              for number in ([modes] if more_modes is None else [modes, more_modes])]  # fmt: skip
     run = run_of_cases(cases, course, modes={"modes": modes, "more_modes": more_modes}, **how)
-    if RATE in run.attrs and course.profile.is_held and films is not system:
-        begins = growth_begins(canonical(assemble(films)), course.speed)
+    if RATE in run.attrs and not (course.profile.is_held and films is system):
+        begins = growth_begins(canonical(assemble(films)), course.largest_speed)
         if begins is not None:
             run.attrs[BEGINS] = begins
     for words in stability_words(run.attrs, system.units):

@@ -25,6 +25,8 @@ from rotor_ida.parallel import interruptible
 from rotor_ida.results.archived_system import problem_of
 from rotor_ida.results.contact_facts import columns_of_contact, run_up_facts
 from rotor_ida.results.depths import beyond_in_words
+from rotor_ida.results.depths import beyond_model as beyond_of_system
+from rotor_ida.results.growth_words import BEGINS, RATE, stability_words
 from rotor_ida.results.run import check_run, check_system_run, is_of_system, rotor_of
 from rotor_ida.results.si_units import (
     dimensional,
@@ -154,7 +156,7 @@ def summary(run: xr.Dataset, *, running_speed: float | None = None) -> xr.Datase
     told = _in_words([facts], ended, last, scales, backward, rubs)
     uncertain = _after_horizon(run)
     beyond = beyond_model(-facts["smallest_gap"], rotor, machine)
-    attributes["sentence"] = " ".join(filter(None, [verdict, hangs, *told, uncertain, beyond]))
+    attributes["sentence"] = " ".join(filter(None, [beyond, verdict, hangs, *told, uncertain]))
     found = labelled_dataset(
         "Summary of a run-up", columns, coordinates, attributes, kind="run_up_summary"
     )
@@ -216,17 +218,31 @@ def _of_system(run: xr.Dataset, running_speed: float | None) -> xr.Dataset:
     columns: dict[str, Column] = (
         {name: ("contact", np.array([each[name] for each in contacts])) for name in contacts[0]}
         if contacts
-        else {}
+        else {"smallest_gap": ("contact", np.empty(0))}
     )
     columns |= {"ending": ((), ENDING[ended.ending]), "response": ((), RESPONSE[ended.response])}
     columns |= {name: ("contact", run[name].values) for name in ("contact_node", "clearance")}
     attributes = {name: each for name, each in origin_of(run).items() if name not in OF_CHANGE}
     scales = SI if system.units == "SI" else None
-    told = [*_of_contacts(run, contacts, ended.ending, scales, running_speed),
-            *_in_words(contacts, ended, last, scales, 0, rubs), _after_horizon(run)]  # fmt: skip
+    after = _in_words(contacts, ended, last, scales, 0, rubs) if contacts else []
+    told = [beyond_of_system(run), *_self_excited(run, ended, last, scales),
+            *_of_contacts(run, contacts, ended.ending, scales, running_speed),
+            *after, _after_horizon(run)]  # fmt: skip
     attributes["sentence"] = " ".join(filter(None, told))
     made = labelled_dataset("Summary of a run-up", columns, {}, attributes, kind="run_up_summary")
     return with_system_units(made, system)
+
+
+def _self_excited(
+    run: xr.Dataset, ended: Outcome, last: float, scales: Scales | None
+) -> list[str]:  # fmt: skip
+    """Return that the motion grows at the last speed by itself, and from which speed on."""
+    begins = run.attrs.get(BEGINS, 0.0)
+    grows = RATE in run.attrs and begins <= last < math.nextafter(run["speed"].max(), math.inf)
+    if not grows or ended.ending == CONTACT_FREE:
+        return []
+    where = f" beyond the threshold of instability at {_speed(begins, scales)}" if begins else ""
+    return [f"Self-excited whirl{where}.", *stability_words(run.attrs, "SI" if scales else "1")]
 
 
 def _of_contacts(
@@ -235,7 +251,7 @@ def _of_contacts(
 ) -> list[str]:  # fmt: skip
     """Return the verdict on the contact that is touched first, or is nearest, then the others."""
     if not contacts:
-        return ["The system has no contacts."]
+        return [f"The system has no contacts.{_largest_vibration(run, scales)}"]
     clearances, own = run["clearance"].values, run["episode_contact"].values
     times = [np.nan_to_num(run["entry_time"].values[own == number]).min(initial=math.inf)
              for number in range(len(contacts))]  # fmt: skip
@@ -254,6 +270,21 @@ def _of_contacts(
         f"{_speed(contacts[number]['largest_force_speed'], scales)}."
         for number in touched[1:]
     ]
+
+
+def _largest_vibration(run: xr.Dataset, scales: Scales | None) -> str:
+    """Return where a sampled run is farthest from the axis, and how far it is at its end."""
+    radii = np.hypot(*(run[name].transpose("t", "node").values for name in ("x", "y")))
+    if not radii.size:
+        return ""
+    when, node = np.unravel_index(int(radii.argmax()), radii.shape)
+    last = _speed(float(run["speed"][-1]), scales)
+    return (
+        f" Of the samples {_length(radii[when, node], scales)} at node "
+        f"{str(run['node'].values[node])!r} is farthest from the axis, at "
+        f"{_speed(float(run['speed'][when]), scales)}; at the end, at {last}, it is "
+        f"{_length(radii[-1, node], scales)} there."
+    )
 
 
 # ---- In words ----
@@ -310,6 +341,8 @@ def _in_words(
             )
     if ended.ending == CONTACT_FREE:
         return [*sentences, f"{held} {'runs clear of' if count else 'stays off'} the stator."]
+    if not count and ended.ending in (RUB, WHIP):
+        held += " touches at last, and"
     if ended.ending == WHIP:
         said = (
             "stays in dry whip: it whirls backwards, rolling on the stator, driven by friction and "
@@ -361,9 +394,10 @@ def _verdict(
 ) -> str:  # fmt: skip
     """Return the verdict on one contact at a place, with words for a rotor that lies there."""
     if math.isnan(facts["first_touch_speed"]):
+        no_rub = "No rub on the way" if ending in (RUB, WHIP) else "No rub"
         gap, clearance_told = (_length(each, scales) for each in (facts["smallest_gap"], clearance))
         return (
-            f"No rub: closest to {at} at {_speed(facts['largest_radius_speed'], scales)}, "
+            f"{no_rub}: closest to {at} at {_speed(facts['largest_radius_speed'], scales)}, "
             f"where {gap} of the clearance of {clearance_told} are left."
         )
     verdicts = {CONTACT_FREE: "Rub on the way, none at the end", WHIP: "Dry whip"}

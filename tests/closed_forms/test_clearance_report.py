@@ -217,6 +217,30 @@ def test_a_scale_factor_below_1_is_said_beside_the_verdict():
     assert f"the scale factor is {0.4 / axis:.3g}, below 1." in report.attrs["sentence"]
 
 
+def test_the_static_sag_is_told_beside_the_orbit():
+    """The weight over the stiffness, as where a settled simulation without unbalance rests."""
+    sag = 40e-6
+    heavy = replace(DISC, static_force=(0.0, -sag * STIFFNESS))
+    given = {"contacts": [SEAL], "unbalance": [Unbalance(node="disc", moment=2e-3)]}
+    report, light = (
+        clearance_report(each, speed=(600.0, 1500.0), **given) for each in (heavy, DISC)
+    )
+    assert report.sag_share.item() == pytest.approx(0.4, rel=1e-12)
+    np.testing.assert_allclose(report.running_share, light.running_share, rtol=1e-12)
+    most = (report.running_share / report.scale_factor).item()
+    said = (
+        "The static sag, which the rule leaves out, takes 40 % of it: with the sag the orbit "
+        f"reaches up to {100.0 * (0.4 + most):.3g} %."
+    )
+    assert most > 0.6
+    assert said in report.attrs["sentence"]
+    assert "sag" not in light.attrs["sentence"]
+    run = simulate(heavy, contacts=[SEAL], unbalance=[], speed=600.0, start="rest", duration=0.01)
+    assert -run.y.values[-1].item() / SEAL.clearance == pytest.approx(0.4, rel=1e-6)
+    free = replace(heavy, stiffness=np.diag([STIFFNESS, 0.0]))
+    assert "sag" not in clearance_report(free, speed=(600.0, 1500.0), **given).attrs["sentence"]
+
+
 def test_without_probes_the_clearances_are_where_vibration_is_measured():
     """There the scaled orbit is the vibration limit, where the scale factor is below 6."""
     report = clearance_report(DISC, contacts=[SEAL], speed=(460.0, 700.0))

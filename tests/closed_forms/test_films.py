@@ -82,6 +82,11 @@ def test_a_growth_that_cross_coupling_drives_begins_at_the_threshold():
         )
         return values[values.real.argmax()]  # fmt: skip
 
+    beyond = synchronous_response(system, speed=[200.0, 1.2 * threshold]).attrs
+    assert beyond["growth_begins_at"] == pytest.approx(threshold, rel=1e-5)
+    assert beyond["growth_rate_without_contact"] == pytest.approx(fastest(1.2 * threshold).real)
+    below = synchronous_response(system, speed=[200.0, 0.9 * threshold]).attrs
+    assert "growth_begins_at" not in below
     assert fastest(threshold * (1.0 - 1e-6)).real < 0.0 < fastest(threshold * (1.0 + 1e-6)).real
     assert found.whirl_speed.item() == pytest.approx(abs(fastest(threshold).imag), rel=1e-6)
 

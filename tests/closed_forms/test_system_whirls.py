@@ -370,7 +370,7 @@ def test_what_is_not_axisymmetric_has_no_exact_whirls_in_contact(system, contact
     told = found.attrs["not_exact"]
     assert re.search(words, told)
     assert "\n" not in told
-    assert 'use sweep or simulate(start="settled")' in told
+    assert "use sweep, or simulate from a settled start (--start settled)" in told
     assert ("--without-gravity" in told) == ("static_force" in system)
 
 

@@ -4,6 +4,7 @@ import numpy as np
 import pytest
 
 from rotor_ida import (
+    Bearing,
     Contact,
     InputError,
     Rotor,
@@ -147,6 +148,24 @@ def test_special_speeds_are_drawn_on_their_whirls_at_each_contact():
     assert [ax.get_title() for ax in older] == [ax.get_title() for ax in axes]
     with pytest.raises(InputError, match="it lacks branch_amplitude"):
         plot.plot_amplitude(special.drop_vars("branch_amplitude"))
+
+
+def test_thresholds_are_drawn_where_no_whirl_is_exact():
+    # unit mass on unequal springs with damping c: (s**2 + c s + k)**2 - d**2 + q**2 = 0, with the
+    # mean k and half the difference d, has s = i sqrt(k) at q**2 = c**2 k + d**2
+    q = [[0.0, 0.1], [-0.1, 0.0]]
+    growing = Bearing(node="0", speed=(0.1, 10.1), damping=np.stack([0.2 * np.eye(2)] * 2),
+                      stiffness=np.array([np.zeros((2, 2)), 100.0 * np.array(q)]))  # fmt: skip
+    system = RotorSystem(mass=np.eye(2), stiffness=np.diag([1.0, 1.001]), bearings=[growing],
+                         nodes={"0": (0, 1)},
+                         contacts=[Contact(node="0", clearance=2.0, stiffness=1.0)],
+                         unbalance=[Unbalance(node="0", moment=0.1)])  # fmt: skip
+    special = special_speeds(system, limits=(0.2, 1.0))
+    assert "not_exact" in special.attrs
+    (line,) = [each for each in figure_of(special).axes[0].lines
+               if each.get_label() == "threshold of instability"]  # fmt: skip
+    threshold = 0.1 + np.hypot(0.2 * np.sqrt(1.0005), 0.0005)  # q grows by 1 per unit of speed
+    assert line.get_xdata()[0] == pytest.approx(threshold * 30 / np.pi, rel=1e-6)
 
 
 def test_a_clearance_report_is_drawn_with_its_limits_and_critical_speeds():

@@ -4,9 +4,22 @@ import math
 import sys
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
-from rotor_ida import DimensionalRotor, InputError, Rotor, run_up, run_ups, simulate, summary
+from rotor_ida import (
+    Bearing,
+    Contact,
+    DimensionalRotor,
+    InputError,
+    Rotor,
+    RotorSystem,
+    Unbalance,
+    run_up,
+    run_ups,
+    simulate,
+    summary,
+)
 from rotor_ida.schema import words_of
 from rotor_ida.steady.run_up_summary import margin_in_words
 from rotor_ida.units import SPEED_UNITS
@@ -46,7 +59,8 @@ def test_the_words_say_how_it_ends():
     assert said["contact_free"].endswith("Held at a speed of 2.5 it runs clear of the stator.")
     assert said["rub"].startswith("Rub: it first touches the stator at a speed of 0.")
     assert "Held at a speed of 1.2 it keeps rubbing: " in said["rub"]
-    assert said["whip"].startswith("Dry whip: it first touches the stator at a speed of 0.6")
+    assert said["whip"].startswith("Beyond the model: an indentation of ")
+    assert "Dry whip: it first touches the stator at a speed of 0.6" in said["whip"]
     assert "The disc first rolls on the stator at a speed of 0.6" in said["whip"]
     assert "it stays in dry whip: it whirls backwards, rolling on the stator" in said["whip"]
 
@@ -163,3 +177,41 @@ def test_the_sentence_says_where_a_system_is_touched_and_what_rounding_decides()
 )  # fmt: skip
 def test_a_margin_is_said_in_per_cent_of_the_running_speed(speed, running, said):
     assert margin_in_words(speed, running) == said
+
+
+def test_a_whirl_that_excites_itself_is_told_first_with_its_threshold():
+    # (s**2 + c s + k)**2 + q**2 = 0 has s = i sqrt(k) at q = c sqrt(k)
+    cross = np.array([[0.0, 1.0], [-1.0, 0.0]])
+    film = Bearing(node="disc", speed=(0.0, 10.0), stiffness=[0.0 * cross, 10.0 * cross],
+                   damping=[0.2 * np.eye(2)] * 2)  # fmt: skip
+    system = RotorSystem(
+        mass=np.eye(2), stiffness=4.0 * np.eye(2), nodes={"disc": (0, 1)}, bearings=[film],
+        contacts=[Contact(node="disc", clearance=3.0, stiffness=10.0, exponent=1.0)],
+        unbalance=[Unbalance(node="disc", moment=0.1)], units="1",
+    )  # fmt: skip
+    with pytest.warns(UserWarning, match="the linear system is unstable from 0.4 on"):
+        run = run_up(system, speed=0.1, to=0.5, rate=0.1, start="settled")
+    assert run.attrs["growth_begins_at"] == pytest.approx(0.4, rel=1e-5)
+    said = summary(run).attrs["sentence"]
+    assert said.startswith(
+        "Self-excited whirl beyond the threshold of instability at a speed of 0.4"
+    )
+    assert "No rub on the way: closest to contact 0 at 'disc'" in said
+    assert "Held at a speed of 0.5 it touches at last, and keeps rubbing" in said
+    calm = summary(run_up(system, speed=0.1, to=0.3, rate=0.1, start="settled")).attrs["sentence"]
+    assert calm.startswith("No rub: closest")
+
+
+def test_a_system_without_contacts_is_said_to_vibrate():
+    """The unbalance response at rest at the last speed: m e w**2 / |k - w**2 m + i w c|."""
+    system = RotorSystem(
+        mass=np.eye(2), stiffness=np.eye(2), damping=0.5 * np.eye(2), nodes={"disc": (0, 1)},
+        unbalance=[Unbalance(node="disc", moment=0.1)], units="1",
+    )  # fmt: skip
+    run = run_up(system, speed=2.0, to=3.0, rate=0.01, start="settled")
+    last = 0.1 * 9.0 / abs(1.0 - 9.0 + 1.5j)
+    found = summary(run)
+    assert found.attrs["sentence"].startswith("The system has no contacts. Of the samples ")
+    said = found.attrs["sentence"].removesuffix(" there.").split()[-1]
+    assert float(said) == pytest.approx(last, rel=5e-3)
+    assert "had not settled" not in found.attrs["sentence"]

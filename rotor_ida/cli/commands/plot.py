@@ -309,5 +309,7 @@ def _between(dataset: xr.Dataset, times: tuple[float, float] | None) -> xr.Datas
             part = part.isel({dim: ~is_outside})  # what has no end lasts
     if not part.sizes["t"]:
         ends = dataset["t"].values[[0, -1]].tolist()
-        raise InputError(f"times must lie within {ends[0]:g} to {ends[1]:g}, got {low:g} {high:g}")
+        raise InputError(
+            f"times must lie within {ends[0]:.3g} to {ends[1]:.6g}, got {low:g} {high:g}"
+        )
     return part

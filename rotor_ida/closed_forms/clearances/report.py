@@ -63,6 +63,8 @@ MOST_POINTS = 20_000
 MULTIPLES = (1e-6, 1e6)
 # Decay rates below this part of a critical speed are rounding.
 UNDAMPED = 1e-12
+# Largest part of the constant forces that may be left without balance.
+HELD = 1e-6
 REFERENCES = (
     "Public statements of API 617, 6.8.2, and API RP 684, SP6.8.2; H. F. Black, Journal of "
     "Mechanical Engineering Science 10, 1968, for dry whip"
@@ -139,7 +141,8 @@ def clearance_report(
 
     *Scale.* The vibration limit ``A = min(25.4, 25.4 sqrt(12000/N))`` um over the largest axis at a
     probe at continuous speeds, at most 6. Scaled axes may fill 75 per cent of the diametral
-    clearance. A static deflection or an offset centre is not counted.
+    clearance. A static deflection or an offset centre is not counted in the verdict; the sentence
+    adds it, by ``sag_share``, as if it pointed along the largest axis.
 
     *Margins.* Amplification factors are the speed of a peak over its width at 0.707 of the height;
     see `rotor_ida.closed_forms.clearances.critical_speeds.margins`.
@@ -263,7 +266,7 @@ def _dataset(
     variables: dict[str, Column] = {
         "major_axis": (("case", "speed", "contact"), response.axes[..., :count]),
         "probe_major_axis": (("case", "speed", "probe"), response.axes[..., count:]),
-        **_shares(response),
+        **_shares(response), **_sag(problem),
         **_applied(cases, list(assembly.system.nodes)),
         "critical_speed": ("critical", np.array([each.speed for each in peaks])),
         "amplification_factor": ("critical", np.array([each.amplification for each in peaks])),
@@ -312,6 +315,24 @@ def _shares(response: Response) -> dict[str, Column]:
         "passage_share": (along, passing[..., 1] * part),
         "clearance_verdict": ("contact", verdict.astype(np.int8)),
     }  # fmt: skip
+
+
+def _sag(problem: Problem) -> dict[str, Column]:
+    """Return how much of each clearance the rotor fills at rest, where supports alone hold it."""
+    assembly, parts = problem.assembly, []
+    centres = np.array([each.centre for each in assembly.contacts])
+    if not assembly.force.any():
+        return {}
+    for speed in (problem.low, problem.high):
+        stiffness = assembly.stiffness_at(speed)
+        at_rest = np.linalg.lstsq(stiffness, assembly.force)[0]
+        if not np.allclose(
+            stiffness @ at_rest, assembly.force, rtol=0.0, atol=HELD * np.abs(assembly.force).max()
+        ):
+            return {}
+        aside = (assembly.rows @ at_rest).reshape(centres.shape) - centres
+        parts.append(2.0 * np.hypot(*aside.T) / problem.diameters[: len(centres)])
+    return {"sag_share": ("contact", np.max(parts, axis=0))}
 
 
 def _applied(cases: Cases, names: list[str]) -> dict[str, Column]:

@@ -54,19 +54,31 @@ def _of_contact(report: xr.Dataset, number: int) -> str:
     worst = int(np.argmax(shares))
     where = _speed(report, float(own["running_share_speed"].values[worst]))
     verdict = words_of(own["clearance_verdict"])[0]
-    scales, by, unscaled = report["scale_factor"].values, "", ""
+    scales, by, unscaled, most = report["scale_factor"].values, "", "", float(shares[worst])
     if (scales < 1.0).any():
         by = f" with the scale factor {scales[worst]:.3g}"
         applied = np.divide(shares, scales, out=np.full_like(shares, np.inf), where=scales > 0.0)
-        unscaled = f", that of the applied unbalance {_per_cent(float(applied.max()))}"
+        most = float(applied.max())
+        unscaled = f", that of the applied unbalance {_per_cent(most)}"
     said = (
         f"Contact {number} at {own['contact_node'].item()!r} {verdict}{by}: the scaled orbit fills "
         f"at most {_per_cent(shares[worst])} of the clearance at {where}{unscaled}; 75 % are "
-        f"allowed. {_passage(own)}"
+        f"allowed. {_sag(own, most)}{_passage(own)}"
     )
     if "not_exact" in report.attrs:
         return said
     return f"{said} {_rub(own, 'rub', 'at continuous speeds')} {_whip(report, own)}"
+
+
+def _sag(own: xr.Dataset, share: float) -> str:
+    """Return how much of a clearance the static sag fills, alone and with the largest orbit."""
+    if not own.get("sag_share", 0.0) > 0.0:
+        return ""
+    sag = float(own["sag_share"])
+    return (
+        f"The static sag, which the rule leaves out, takes {_per_cent(sag)} of it: with the sag "
+        f"the orbit reaches up to {_per_cent(sag + share)}. "
+    )
 
 
 def _passage(own: xr.Dataset) -> str:
