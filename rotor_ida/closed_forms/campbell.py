@@ -25,6 +25,9 @@ from rotor_ida.results.in_si import takes_system
 from rotor_ida.results.si_units import with_system_units
 from rotor_ida.schema import labelled_dataset
 
+# A motion whirls if it turns by more than this part of its rate: what turns less is rounding.
+WHIRLS = 1e-9
+
 
 @takes_system
 def campbell(
@@ -157,7 +160,8 @@ def _seen(motions: Motions, *, whirling: bool) -> Motions:
     """Return the motions that move a node; without those that decay without whirling, if asked."""
     seen = motions.seen
     if whirling:
-        seen = seen & ((motions.eigenvalues.imag != 0.0) | (motions.eigenvalues.real >= 0.0))
+        found = motions.eigenvalues
+        seen = seen & ((np.abs(found.imag) > WHIRLS * np.abs(found)) | (found.real >= 0.0))
     return Motions(motions.eigenvalues[seen], motions.senses[seen], seen[seen])
 
 

@@ -106,7 +106,7 @@ def test_overdamped_motions_do_not_take_the_places_of_whirls():
     found = campbell(disc, speed=[1.0], modes=2)
     np.testing.assert_allclose(found.whirl_speed.values.ravel(), [-2.0, 2.0], rtol=1e-12)
     every = campbell(disc, speed=[1.0])
-    assert (every.whirl_speed.values == 0.0).sum() == 2
+    assert (np.abs(every.whirl_speed.values) < 1e-12).sum() == 2
 
 
 @pytest.mark.parametrize("seed", range(6))
