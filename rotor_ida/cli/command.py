@@ -201,7 +201,7 @@ class Case:
         return rotor, given if self.adapted is None else self.adapted(rotor[0], given)
 
     def _ask_about_speeds(self, given: Mapping[str, Any]) -> None:
-        """Say what speeds without a unit are that are far beyond those of the rotor."""
+        """Ask whether a speed without a unit, far beyond those of the rotor, was meant in rpm."""
         from rotor_ida.results.plausible import first_critical, speed_in_doubt  # noqa: PLC0415
 
         speeds = {name: given.get(name, self.rotor_values.get(name)) for name in ("to", SPEED)}

@@ -31,7 +31,7 @@ OUT_ENDING = ".nc"
 PICTURES = (".png", ".svg")
 PDF = ".pdf"
 FORCED = "--force is given"
-# Most rows of a table in a report. The archive beside it has all of them.
+# Most rows of a table in a report. The archive in the same folder has all of them.
 MOST_IN_REPORT = 20
 
 

@@ -45,7 +45,7 @@ ANGLES, STEPS = 64, 6
 def response_of_system(system: RotorSystem, speed: npt.ArrayLike | None) -> xr.Dataset:
     """Return the response of a rotor system to unbalance: see `rotor_ida.synchronous_response`.
 
-    The exact whirls are beside it where the system is axisymmetric.
+    Where the system is axisymmetric, the exact whirls are added.
     """
     speeds = checked_speeds(speed)
     assembly = assemble(system, speeds=speeds)

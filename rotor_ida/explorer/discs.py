@@ -1,4 +1,4 @@
-"""One disc as the panels see it: its run, what is told of it, and the lines that compute it."""
+"""One disc for the panels of the explorer: its run, its answers, and the code that repeats them."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What is told in numbers of the last half of a run, of one disc or in a contact of a system."""
+"""Numbers on the last half of a run: of one disc, or of a contact of a rotor system."""
 
 from __future__ import annotations
 

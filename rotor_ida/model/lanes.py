@@ -1,7 +1,7 @@
 """One disc on the rotating axes, as the lanes of basins follow it.
 
-Many starts are followed side by side (``core/lanes.c``) in Cartesian components, with roots and the
-direction of the load computed beside them. Their equations are stated here, with the forces of
+Many starts are followed side by side (``core/lanes.c``) in Cartesian components. Roots and the
+direction of the load are computed apart. The equations are stated here, with the forces of
 `rotor_ida.model.forces` and the law of `rotor_ida.model.contact`; `rotor_ida.model.writing` derives
 the C from them.
 """

@@ -359,7 +359,7 @@ class RotorSystem:
         Parameters
         ----------
         path : path-like
-            The file, ending in .toml. Its matrices are in a file .npz of the same name beside it.
+            The file, ending in .toml. Its matrices go into an .npz file of the same name.
         overwrite : bool
             Whether existing files may be replaced.
 

@@ -1,4 +1,4 @@
-"""Write a rotor system as a system file: TOML, with its matrices in a file .npz beside it."""
+"""Write a rotor system as a system file: TOML, with its matrices in an .npz file."""
 
 from __future__ import annotations
 
@@ -7,6 +7,7 @@ import os
 from collections.abc import Iterator
 from dataclasses import MISSING, fields
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import numpy as np
@@ -49,9 +50,15 @@ def write_system(system: RotorSystem, path: str | Path, *, overwrite: bool = Fal
     if system.note:
         arrays["note"] = np.array(system.note)
     try:
-        with beside.open("wb") as file:
-            np.savez(file, allow_pickle=False, **arrays)
-        place.write_text("\n".join(_lines(system, beside.name)) + "\n", encoding="utf-8")
+        # whole, or not at all: without room what is there stays
+        with TemporaryDirectory(dir=place.parent, prefix=".rotor-") as name:
+            written = Path(name, place.name), Path(name, beside.name)
+            with written[1].open("wb") as file:
+                np.savez(file, allow_pickle=False, **arrays)
+            lines = "\n".join(_lines(system, beside.name)) + "\n"
+            written[0].write_text(lines, encoding="utf-8")
+            for part, target in zip(written, (place, beside), strict=True):
+                part.replace(target)
     except OSError as error:
         raise InputError(f"cannot write {shown(place)}: {error.strerror or error}") from error
     return place
@@ -59,7 +66,7 @@ def write_system(system: RotorSystem, path: str | Path, *, overwrite: bool = Fal
 
 def _lines(system: RotorSystem, matrices: str) -> Iterator[str]:
     """Yield the lines of a system file."""
-    yield "# A rotor system for rotor_ida; its matrices are in the file beside it."
+    yield "# A rotor system for rotor_ida; its matrices are in the .npz file."
     if system.units != "SI":
         yield f"units = {_text(system.units)}"
     if system.gravity is not None:

@@ -60,10 +60,10 @@ def simulate(
         ``(x, y, vx, vy)`` at time 0 [1], of a `RotorSystem` displacement and velocity of the rotor,
         or of rotor and stators. ``"rest"`` is where supports, contacts and shaft hold the rotor
         against its constant forces, ``"settled"`` the steady whirl without contact. Default:
-        ``"rest"`` under a load, so that the rotor hangs on its shaft or lies on the stator, and
-        else, or where neither shaft nor supports hold a rotor system, at rest on the axis. A result
-        that ends in a state is continued, with the unbalance at angle 0 again: a run, a limit
-        cycle, or one point of a sweep or of many run-ups.
+        under a load ``"rest"``, hanging on the shaft or lying on the stator; without one, and in a
+        `RotorSystem` that neither shaft nor supports hold, at rest on the axis. A result that ends
+        in a state is continued, with the unbalance at angle 0 again: a run, a limit cycle, or one
+        point of a sweep or of many run-ups.
     duration : float
         Time to simulate [1]. For one disc the spacing of doubles at its end must be below
         ``1e-6/max(omega, 1)``.

@@ -13,32 +13,9 @@ import pytest
 import rotor_ida
 from rotor_ida.results.plausible import first_critical
 from rotor_ida.units import SPEED_UNITS
+from tests.cli.test_answers import MACHINE, SYSTEM
 
 Program = Callable[..., Any]
-SYSTEM = """
-speed = "3000 rpm"
-[system]
-mass = [12, 12]
-stiffness = [4e6, 4e6]
-damping = [400, 400]
-nodes = { disc = [0, 1] }
-[[contacts]]
-node = "disc"
-clearance = "150 um"
-stiffness = "1e8 N/m"
-[[unbalance]]
-node = "disc"
-moment = "200 g mm"
-"""
-MACHINE = """
-mass = "12 kg"
-shaft_stiffness = "4e6 N/m"
-damping = 400
-clearance = "150 um"
-unbalance = "200 g mm"
-speed = "3000 rpm"
-contact_stiffness = "1e8 N/m"
-"""
 pytestmark = pytest.mark.filterwarnings("always::UserWarning")
 RUN = ("--duration", "1ms")
 

@@ -1,5 +1,7 @@
 """Systems written to files and read again, and bearings in system files."""
 
+import errno
+import os
 from dataclasses import replace
 from pathlib import Path
 
@@ -120,3 +122,16 @@ def test_bearings_in_a_file_are_refused_with_their_place(tmp_path: Path, own, wo
     with pytest.raises(InputError, match=words) as refused:
         load_system(path)
     assert "\n" not in str(refused.value)
+
+
+def test_without_room_on_the_disk_the_old_files_stay(tmp_path, monkeypatch):
+    path = on_films().to_file(tmp_path / "rotor.toml")
+    before = {each.name: each.read_bytes() for each in tmp_path.iterdir()}
+
+    def full(*_: object, **__: object) -> None:
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(np, "savez", full)
+    with pytest.raises(InputError, match=r"cannot write '.*rotor\.toml': No space left on device"):
+        on_films().to_file(path, overwrite=True)
+    assert {each.name: each.read_bytes() for each in tmp_path.iterdir()} == before

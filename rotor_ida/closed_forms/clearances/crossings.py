@@ -22,7 +22,8 @@ from rotor_ida.model.assembly import Assembly
 
 # Least number of cells at first, and how often one may be halved.
 CELLS, HALVINGS = 16, 16
-# A branch is known to this part of its change, and crosses nothing within so many of its errors.
+# Relative error of the change of an eigenvalue over a cell that is accepted, and the number of
+# such errors within which two eigenvalues may be confused.
 KNOWN, ERRORS = 0.02, 4.0
 # A gap below this part of the speed, where it is smallest, is one speed.
 TOUCH = 1e-9

@@ -33,7 +33,8 @@ WHIRLS, PROBES = ("forward", "backward"), ("x", "y")
 # Peaks of at least this fraction of the largest amplitude are named.
 HIGH = 0.3
 # A jump between windows exceeds this fraction of the largest amplitude, and this multiple of the
-# median of so many steps around it: few enough for a sharp resonance to make all of them large.
+# median of this number of steps around it. At a sharp resonance several neighbouring steps are
+# large, so that their median is large too and none of them is a jump.
 JUMP, UNUSUAL, NEIGHBOURS = 0.1, 5.0, 7
 # On a linear scale an order below the second fraction of the largest amplitude lies flat on 0; on a
 # logarithmic one what is below the first is not shown.
