@@ -37,7 +37,7 @@ from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema.flags import ENTRY, ROLLS, SLIDES_BACKWARDS, SLIDES_FORWARDS
 from rotor_ida.simulation.options import Options
-from rotor_ida.simulation.orbit import stretches_of_rolling
+from rotor_ida.simulation.orbit import Orbit, stretches_of_rolling
 from rotor_ida.simulation.run import run
 
 MAXIMUM = 1.0  # the kind of an extremum
@@ -313,12 +313,8 @@ class DiscFlow:
 
     def observed(self, state: Values, times: Values) -> Window:
         """Return a motion with samples: see `Flow`; as `options` say, a little tighter [1]."""
-        x, y, vx, vy = state.tolist()
-        orbit = run(
-            self.rotor, (x, y, vx, vy), float(times[-1]), times, self.options,
-            scale=TIGHTER if self.options.rtol >= TIGHTENED_FROM else 1.0,
-            extrema=times.size > 1, stop=self.stop, watch=self.watch,
-        )  # fmt: skip
+        scale = TIGHTER if self.options.rtol >= TIGHTENED_FROM else 1.0
+        orbit = self.orbit(state, float(times[-1]), times, scale=scale, extrema=times.size > 1)
         states = rotated(orbit.states, -self.rotor.omega * times)
         touches = int((np.abs(orbit.event_kinds) == ENTRY).sum())
         began = np.array([orbit.starts_in_contact])
@@ -327,6 +323,17 @@ class DiscFlow:
             orbit.event_times, orbit.event_kinds, np.zeros(orbit.event_kinds.size, np.int8),
             [stretches_of_rolling(orbit)], orbit.contacts,
             NO_EXTREMA if orbit.extrema is None else orbit.extrema, orbit.event_states,
+        )  # fmt: skip
+
+    def orbit(
+        self, state: Values, duration: float, times: Values, *, scale: float = 1.0,
+        extrema: bool = False,
+    ) -> Orbit:  # fmt: skip
+        """Return a motion as `options` say, on fixed axes; `scale` multiplies tolerances [1]."""
+        x, y, vx, vy = state.tolist()
+        return run(
+            self.rotor, (x, y, vx, vy), duration, times, self.options, scale=scale,
+            extrema=extrema, stop=self.stop, watch=self.watch,
         )  # fmt: skip
 
     def run(
@@ -342,10 +349,10 @@ class DiscFlow:
         if tangents is not None:
             bundle[:DIFFERENCES] = 0.0
             bundle[: len(tangents)] = tangents
-        result = self._followed(start, until, events=True, extrema=True, bundle=bundle, whole=whole)
+        result = self.followed(start, until, events=True, extrema=True, bundle=bundle, whole=whole)
         end, modes = np.array(result.state), result.modes
         if not math.isfinite(sum(bundle.ravel().tolist()) + sum(result.state)):
-            raise _failed(STUCK, start)
+            raise _failed(STUCK, 0.0, start)
         first, last = (0, 0) if modes is None else (int(modes[0]), int(modes[-1]))
         count = DIFFERENCES if tangents is None else len(tangents)
         return Piece(
@@ -363,11 +370,11 @@ class DiscFlow:
 
     def after(self, state: Values, duration: float) -> Values:
         """Return the state after a time [1]."""
-        return np.array(self._followed(state, duration).state)
+        return np.array(self.followed(state, duration).state)
 
     def states(self, state: Values, times: Values) -> Values:
         """Return the states at increasing times from 0 on, shape (time, 4) [1]."""
-        return self._followed(state, float(times[-1]), sample_times=times).samples
+        return self.followed(state, float(times[-1]), sample_times=times).samples
 
     def places(self, states: Values) -> ComplexValues:
         """Return displacement and velocity of the disc, shape (2, time, 1) [1]."""
@@ -398,7 +405,7 @@ class DiscFlow:
             self.options, self.watch if watch is None else watch,
         )  # fmt: skip
 
-    def _followed(self, state: Values, duration: float, **asked: Any) -> RunResult:
+    def followed(self, state: Values, duration: float, **asked: Any) -> RunResult:
         """Return a run of the core that has reached its end."""
         result = follow_run(
             RunRequest(
@@ -407,7 +414,8 @@ class DiscFlow:
             )
         )  # fmt: skip
         if result.status != DONE:
-            raise _failed(result.status, state)
+            here = rotated(result.state, self.rotor.omega * result.time)
+            raise _failed(result.status, result.time, here)
         return result
 
 
@@ -434,10 +442,10 @@ def nontrivial(flow: Flow, piece: Piece) -> ComplexValues:
     return np.asarray(np.linalg.eigvals(matrix), np.complex128)
 
 
-def _failed(status: int, state: Values) -> SimulationError:
+def _failed(status: int, time: float, state: Values) -> SimulationError:
     x, y, vx, vy = state.tolist()
     reason = f"an orbit could not be followed: {message_of(status)}"
-    return SimulationError(reason, time=0.0, state=(x, y, vx, vy))
+    return SimulationError(reason, time=time, state=(x, y, vx, vy))
 
 
 def put_on_rolling(rotor: Rotor, state: Values) -> Values:

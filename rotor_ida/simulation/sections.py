@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import replace
-from typing import Any, Literal, Unpack
+from typing import Any, Literal, NamedTuple, Unpack
 
 import numpy as np
 import xarray as xr
 
-from rotor_ida.arrays import Values, Watch
+from rotor_ida.arrays import Values
 from rotor_ida.checks import (
     MOST_NUMBERS,
-    State,
     check_between,
     check_choice,
     check_count,
@@ -39,32 +37,22 @@ from rotor_ida.results.question import Question
 from rotor_ida.results.run import parameter_coordinates
 from rotor_ida.results.si_units import with_system_units
 from rotor_ida.schema import Column, labelled_dataset
-from rotor_ida.schema.flags import ENTRY, EXIT, REVERSE, ROLL, SLIP
 from rotor_ida.simulation.course import MOST_RADIANS
 from rotor_ida.simulation.crossings import (
+    EVENTS,
+    RUBS,
     Crossings,
-    at_events,
-    at_peaks,
-    on_turning_axes,
-    once_a_revolution,
-    times_of_revolutions,
+    check_knots,
+    crossings_of,
 )
-from rotor_ida.simulation.extrema import MAXIMUM, check_knots, radius_extrema
+from rotor_ida.simulation.flow import DiscFlow, Flow
 from rotor_ida.simulation.options import Method, Options, check_can_be_followed
-from rotor_ida.simulation.run import run
 from rotor_ida.simulation.runs import LOOSEST_RTOL, TIGHTEST_RTOL
 from rotor_ida.simulation.starts import Start, start_of, state_at_end
-from rotor_ida.simulation.systems.flow import (
-    SAMPLES_A_REVOLUTION,
-    SettlingProblem,
-    SystemFlow,
-)
+from rotor_ida.simulation.systems.flow import SAMPLES_A_REVOLUTION, SettlingProblem, SystemFlow
 
 At = Literal["revolution", "entry", "exit", "peak", "roll", "slip", "reverse"]
 
-# Events of a run by name; the last ones need friction.
-RUBS = {"roll": ROLL, "slip": SLIP, "reverse": REVERSE}
-EVENTS = {"entry": ENTRY, "exit": EXIT, **RUBS}
 PLACES = ("revolution", "entry", "exit", "peak", *RUBS)
 # How often a motion of a system is simulated until its peaks are located, about.
 RUNS_TO_PEAKS = 8
@@ -183,18 +171,74 @@ def poincare_section(
     >>> same.rotating_x.dims, float(same.rotating_x.std("crossing").max()) < 1e-7
     (('crossing', 'node'), True)
     """
-    how: dict[str, Any] = {
-        "revolutions": revolutions, "skip": skip, "at": at, "phase": phase, "rtol": rtol,
-        "progress": progress,
-    }  # fmt: skip
+    progress = check_progress(progress)
+    count, left_out = check_count("revolutions", revolutions), check_count("skip", skip, minimum=0)
+    angle, watch = _checked_place(at, phase), list[Callable[[], float]]()
     if isinstance(rotor, RotorSystem):
         check_taylor(method, "a section")
         given = changed_system(poincare_section, rotor, changed)
-        return _section_of_system(
-            given, speed=speed, start=start, contact=contact, modes=modes, **how
-        )
-    assert isinstance(rotor, Rotor)
-    return _section_of_disc(rotor, start=start, atol=atol, method=method, **how)
+        asked = _of_system(given, start, {
+            "speed": _checked_speed(speed), "revolutions": count, "skip": left_out, "at": at,
+            "contact": contact, "phase": angle, "modes": modes,
+            "rtol": check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL),
+        })  # fmt: skip
+    else:
+        assert isinstance(rotor, Rotor)
+        options = Options(rtol=rtol, atol=atol, method=method)
+        asked = _of_disc(rotor, start, options, count, left_out, at, angle)
+    flow, lead = asked.flow, left_out * asked.flow.revolution
+
+    def follow(stop: Stop) -> Crossings:
+        own = flow.but(stop=stop, watch=watch)
+        begun = _later(own, asked.state, lead) if left_out else asked.state
+        return crossings_of(own, begun, count, at, angle, asked.contact)
+
+    runs = RUNS_TO_PEAKS if at == "peak" and isinstance(flow, SystemFlow) else 1
+    told = percentage(progress, watch, lead + runs * count * flow.revolution)
+    found = interruptible(follow, told=told)
+    if progress is not None:
+        progress(100, 100)
+    return _dataset(flow, found._replace(times=lead + found.times), asked.attributes)
+
+
+class _Asked(NamedTuple):
+    """A section that is asked for: how a rotor moves, and from where; at which contact."""
+
+    flow: Flow
+    state: Values
+    contact: int
+    attributes: Mapping[str, Any]
+
+
+def _later(flow: Flow, state: Values, duration: float) -> Values:
+    """Return the state after a time; of one disc by the method of the section."""
+    if isinstance(flow, DiscFlow):
+        end = flow.orbit(state, duration, np.empty(0)).end
+        return rotated(end, -flow.speed * duration)
+    return flow.after(state, duration)
+
+
+def _dataset(flow: Flow, crossings: Crossings, attributes: Mapping[str, Any]) -> xr.Dataset:
+    """Return a section through a motion as a labelled dataset."""
+    is_disc, dims = isinstance(flow, DiscFlow), ("crossing", "node")
+    columns: dict[str, Column] = {"crossing_time": ("crossing", crossings.times)}
+    columns |= {name: (dims[: each.ndim], np.ascontiguousarray(each))
+                for name, each in zip(NAMES, crossings.states, strict=True)}  # fmt: skip
+    coordinates = parameter_coordinates(flow.rotor) if isinstance(flow, DiscFlow) else {}
+    coordinates["crossing"] = ("crossing", np.arange(crossings.times.size))
+    if isinstance(flow, SystemFlow):
+        assert crossings.motions is not None and crossings.end is not None
+        assembly, moved = flow.problem.assembly, flow.problem.found.to_q(crossings.motions)
+        coordinates["node"] = ("node", np.array(list(assembly.system.nodes), str))
+        columns |= {
+            "crossing_state": (("crossing", "coordinate"), moved.reshape(-1, 2 * assembly.size)),
+            "final_state": ("component", flow.in_q(crossings.end)), **described_problem(assembly),
+        }  # fmt: skip
+    found = labelled_dataset(
+        "Section through one motion" if is_disc else "Rotor system: section through one motion",
+        columns, coordinates, attributes, kind="section" if is_disc else "system_section",
+    )  # fmt: skip
+    return found if is_disc else with_system_units(found, flow.problem.assembly.system)
 
 
 def check_taylor(method: object, what: str) -> None:
@@ -219,21 +263,16 @@ def checked_angle(phase: object) -> float:
     return angle
 
 
-def _section_of_disc(
-    rotor: Rotor, *, start: Any, revolutions: int, skip: int, at: At, phase: float, rtol: float,
-    atol: float, method: Any, progress: Progress | bool | None,
-) -> xr.Dataset:  # fmt: skip
-    """Return a section through a motion of one disc: see `poincare_section`."""
-    progress = check_progress(progress)
+def _of_disc(
+    rotor: Rotor, start: Any, options: Options, count: int, skip: int, at: At, angle: float
+) -> _Asked:
+    """Return a section that is asked for of one disc, checked."""
     first = start_of(rotor, start)
     check_can_be_followed(rotor, first)
     if rotor.omega == 0.0:
         raise InputError(
             "{name} must be positive for a section, got {value}", name="omega", value=0.0
         )
-    count = check_count("revolutions", revolutions)
-    left_out = check_count("skip", skip, minimum=0)
-    angle = _checked_place(at, phase)
     if at in RUBS and rotor.friction == 0.0:
         raise InputError(f"friction must be positive for a section at each {at}, got 0.0")
     if at in EVENTS and rotor.delta0 == 0.0:
@@ -241,146 +280,44 @@ def _section_of_disc(
             "{name} must be positive for a section at each {at}, got {value}",
             name="delta0", at=at, value=0.0,
         )  # fmt: skip
-    options = Options(rtol=rtol, atol=atol, method=method)
-    period = 2.0 * math.pi / rotor.omega
-    check_duration("the time of skip and revolutions", (left_out + count) * period, rotor.omega)
+    flow = DiscFlow(rotor, options=options)
+    duration = (skip + count) * flow.revolution
+    check_duration("the time of skip and revolutions", duration, rotor.omega)
     if at == "peak":
-        check_knots("the time of revolutions", rotor, count * period)
-
-    watch: Watch = []
-
-    def follow(stop: Stop) -> tuple[Values, Values]:
-        state = first
-        if left_out:
-            lead = left_out * period
-            end = run(rotor, first, lead, np.empty(0), options, stop=stop, watch=watch).end
-            x, y, vx, vy = rotated(end, -rotor.omega * left_out * period).tolist()
-            state = (x, y, vx, vy)
-        return crossings_of_disc(rotor, state, count, at, angle, options, stop, watch)
-
-    told = percentage(progress, watch, (left_out + count) * period)
-    times, states = interruptible(follow, told=told)
-    if progress is not None:
-        progress(100, 100)
-    columns: dict[str, Column] = {"crossing_time": ("crossing", left_out * period + times)}
-    columns |= {
-        name: ("crossing", np.ascontiguousarray(column))
-        for name, column in zip(NAMES, states.T, strict=True)
-    }
-    coordinates = parameter_coordinates(rotor) | {"crossing": ("crossing", np.arange(times.size))}
-    attributes = provenance(options.attributes()) | {
-        "section": at, "start": np.array(first), "revolutions": count, "skip": left_out,
+        check_knots("the time of revolutions", rotor, count * flow.revolution)
+    told: dict[str, Any] = {
+        "section": at, "start": np.array(first), "revolutions": count, "skip": skip,
     }  # fmt: skip
-    if at == "revolution":
-        attributes["phase"] = angle
-    return labelled_dataset(
-        "Section through one motion", columns, coordinates, attributes, kind="section"
-    )
+    told |= {"phase": angle} if at == "revolution" else {}
+    return _Asked(flow, np.array(first), 0, provenance(options.attributes()) | told)
 
 
-def crossings_of_disc(
-    rotor: Rotor,
-    start: State,
-    count: int,
-    at: str,
-    phase: float,
-    options: Options,
-    stop: Stop,
-    watch: Watch,
-) -> tuple[Values, Values]:
-    """Return the times of the crossings after `start`, and the states in the rotating frame."""
-    duration = count * (2.0 * math.pi / rotor.omega)
-    if at == "peak":
-        extrema = radius_extrema(rotor, start, duration, options.step_rtol, stop, watch)
-        chosen = extrema.kinds == MAXIMUM
-        return extrema.times[chosen], extrema.states[chosen]
-    if at == "revolution":
-        times = times_of_revolutions(count, rotor.omega, phase)
-        orbit = run(rotor, start, duration, times, options, stop=stop, watch=watch)
-        # turning by whole revolutions would only add rounding
-        return times, rotated(orbit.states, np.float64(-phase)) if phase else orbit.states
-    orbit = run(rotor, start, duration, np.empty(0), options, stop=stop, watch=watch)
-    chosen = orbit.event_kinds == EVENTS[at]
-    times = orbit.event_times[chosen]
-    return times, rotated(orbit.event_states[chosen], -rotor.omega * times)
-
-
-def _section_of_system(
-    system: RotorSystem, *, speed: float | None, start: Any, revolutions: int, skip: int, at: At,
-    contact: int | str | None, phase: float, modes: int | None, rtol: float,
-    progress: Progress | bool | None,
-) -> xr.Dataset:  # fmt: skip
-    """Return a section through a motion of a rotor system: see `poincare_section`."""
-    progress = check_progress(progress)
-    omega = _checked_speed(speed)
-    count = check_count("revolutions", revolutions)
-    left_out, angle = check_count("skip", skip, minimum=0), _checked_place(at, phase)
-    tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
+def _of_system(system: RotorSystem, start: Any, told: dict[str, Any]) -> _Asked:
+    """Return a section that is asked for of a rotor system by arguments, checked."""
+    at, modes, contact = told["at"], told["modes"], told["contact"]
     if modes is not None and isinstance(start, xr.Dataset):
         raise InputError(f"start must be (q, velocity) with modes, got a result and {modes!r}")
     taken, begun = in_modes(system, modes, start)
     assembly = assemble(taken)
-    number = None if at == "revolution" else _number_of(assembly, contact, at)
     if at == "revolution" and contact is not None:
         raise InputError(
             f"contact must be left out for a section once a revolution, got {shown(contact)}"
         )
+    number = None if at == "revolution" else _number_of(assembly, contact, at)
     begun = state_at_end(assembly, begun)
-    asked_start = begun if isinstance(start, xr.Dataset) else start
-    problem, first = SettlingProblem.of(assembly, tolerance), start_of(assembly, begun, omega)
-    flow = SystemFlow.at(problem, omega, NO_STOP)
-    _check_size(flow, left_out, count, at)
-    lead, watch = left_out * flow.revolution, list[Callable[[], float]]()
-
-    def follow(stop: Stop) -> tuple[Crossings, Values]:
-        own = replace(flow, stop=stop, watch=watch)
-        state = own.given_state(np.append(first, problem.race_speeds))
-        if left_out:
-            state = own.after(state, lead)
-        return crossings_of_system(own, state, count, at, angle, number)
-
-    runs = RUNS_TO_PEAKS if at == "peak" else 1
-    told = percentage(progress, watch, lead + runs * count * flow.revolution)
-    crossings, states = interruptible(follow, told=told)
-    if progress is not None:
-        progress(100, 100)
-    asked = {
-        "speed": omega, "revolutions": count, "skip": left_out, "at": at, "contact": number,
-        "phase": angle, "modes": modes, "rtol": tolerance,
-    }  # fmt: skip
-    known = {name: each for name, each in asked.items() if each is not None}
+    problem, first = (
+        SettlingProblem.of(assembly, told["rtol"]), start_of(assembly, begun, told["speed"])
+    )  # fmt: skip
+    flow = SystemFlow.at(problem, told["speed"], NO_STOP)
+    _check_size(flow, told["skip"], told["revolutions"], at)
+    known = {name: each for name, each in (told | {"contact": number}).items() if each is not None}
     left = {"at"} if number is None else {"at", "phase"}
     attributes = provenance({"method": "taylor"}) | {"section": at}
     attributes |= {name: each for name, each in known.items() if name not in left}
-    question = Question("poincare_section", {"rotor": system, "start": asked_start, **known})
-    attributes |= question.attribute()
-    crossings = crossings._replace(times=lead + crossings.times)
-    return _dataset_of_system(flow, crossings, states, attributes)
-
-
-def _dataset_of_system(
-    flow: SystemFlow, crossings: Crossings, states: Values, attributes: Mapping[str, Any]
-) -> xr.Dataset:
-    """Return a section through a motion of a rotor system as a labelled dataset."""
-    assembly, found, count = flow.problem.assembly, flow.problem.found, len(crossings.times)
-    columns: dict[str, Column] = {
-        "crossing_time": ("crossing", crossings.times),
-        **{name: (("crossing", "node"), each) for name, each in zip(NAMES, states, strict=True)},
-        "crossing_state": (
-            ("crossing", "coordinate"),
-            found.to_q(crossings.motions).reshape(count, 2 * assembly.size),
-        ),
-        "final_state": ("component", flow.in_q(crossings.end)), **described_problem(assembly),
-    }  # fmt: skip
-    coordinates: dict[str, Column] = {
-        "crossing": ("crossing", np.arange(count)),
-        "node": ("node", np.array(list(assembly.system.nodes), str)),
-    }
-    section = labelled_dataset(
-        "Rotor system: section through one motion", columns, coordinates, attributes,
-        kind="system_section",
-    )  # fmt: skip
-    return with_system_units(section, assembly.system)
+    kept = begun if isinstance(start, xr.Dataset) else start
+    question = Question("poincare_section", {"rotor": system, "start": kept, **known})
+    state = flow.given_state(np.append(first, problem.race_speeds))
+    return _Asked(flow, state, number or 0, attributes | question.attribute())
 
 
 def _checked_speed(speed: object) -> float:
@@ -432,27 +369,3 @@ def _named(nodes: Sequence[str], contact: object) -> int:
         raise InputError(f"contact must be a number, as {shown(contact)} has {here} contacts")
     allowed = listed([shown(each) for each in dict.fromkeys(nodes)], "or")
     raise InputError(f"contact must be {allowed}, got {shown(contact)}")
-
-
-def crossings_of_system(
-    flow: SystemFlow, state: Values, count: int, at: str, phase: float, contact: int | None
-) -> tuple[Crossings, Values]:
-    """Return the crossings after a state, and the states of the nodes on rotating axes.
-
-    The states have the shape (4, crossing, node), in the order of `NAMES`.
-    """
-    duration = count * flow.revolution
-    if contact is None:
-        found = once_a_revolution(flow, state, count, phase)
-    elif at == "peak":
-        found = at_peaks(flow, state, duration, contact)
-    else:
-        found = at_events(flow, state, duration, EVENTS[at], contact)
-    place, velocity = np.moveaxis(
-        on_turning_axes(
-            flow, found.motions, phase if contact is None else flow.speed * found.times
-        ),
-        1,
-        0,
-    )
-    return found, np.stack([place.real, place.imag, velocity.real, velocity.imag])

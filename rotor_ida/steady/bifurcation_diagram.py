@@ -46,8 +46,12 @@ from rotor_ida.results.rows import counted
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import labelled
 from rotor_ida.simulation.course import MOST_RADIANS
-from rotor_ida.simulation.crossings import distance_extrema
-from rotor_ida.simulation.extrema import check_knots, radius_extrema
+from rotor_ida.simulation.crossings import (
+    check_knots,
+    crossings_of,
+    distance_extrema,
+    radius_extrema,
+)
 from rotor_ida.simulation.flow import DiscFlow, Flow
 from rotor_ida.simulation.options import Method
 from rotor_ida.simulation.sections import (
@@ -55,8 +59,6 @@ from rotor_ida.simulation.sections import (
     NAMES,
     check_taylor,
     checked_angle,
-    crossings_of_disc,
-    crossings_of_system,
 )
 from rotor_ida.simulation.starts import GivenStart, Starts, box_of, drawn_from
 from rotor_ida.simulation.systems.flow import SystemFlow
@@ -363,33 +365,19 @@ class _Window:
     def shown(self, flow: Flow, state: Values) -> tuple[dict[str, Any], Table | None]:
         """Return what is shown of the motion from a state: its columns, and those of extrema."""
         if self.is_strobed:
-            return dict(zip(NAMES, _states(flow, state, self), strict=True)), None
+            found = crossings_of(flow, state, self.revolutions, self.at, self.phase)
+            return dict(zip(NAMES, found.states, strict=True)), None
         counts, *columns = _extrema(flow, state, self)
         extrema = _table(EXTREMUM, *columns)
         return {"event_count": extrema.size, "extremum_count": counts}, extrema
-
-
-def _states(flow: Flow, state: Values, window: _Window) -> Values:
-    """Return the states once a revolution, of a system at each node, a row each component."""
-    count, phase = window.revolutions, window.phase
-    if isinstance(flow, DiscFlow):
-        x, y, vx, vy = state.tolist()
-        return crossings_of_disc(
-            flow.rotor, (x, y, vx, vy), count, window.at, phase, flow.options, flow.stop, []
-        )[1].T  # fmt: skip
-    assert isinstance(flow, SystemFlow)
-    return crossings_of_system(flow, state, count, window.at, phase, None)[1]
 
 
 def _extrema(flow: Flow, state: Values, window: _Window) -> tuple[Any, Values, Any]:
     """Return how many extrema there are, of each node of a system, their distances and kinds."""
     if isinstance(flow, DiscFlow):
         assert window.time is not None
-        x, y, vx, vy = state.tolist()
-        of_disc = radius_extrema(
-            flow.rotor, (x, y, vx, vy), window.time, rtol=flow.options.step_rtol, stop=flow.stop
-        )
-        return of_disc.radii.size, of_disc.radii, of_disc.kinds
+        of_disc = radius_extrema(flow.but(rtol=flow.options.step_rtol), state, window.time)
+        return of_disc.size, of_disc["radius"], of_disc["kind"]
     assert isinstance(flow, SystemFlow)
     rows = flow.problem.found.rows_in_y(flow.problem.assembly.node_rows())
     nodes = Places(rows, np.zeros((len(rows), 2)))

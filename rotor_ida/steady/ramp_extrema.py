@@ -14,7 +14,7 @@ from rotor_ida.core.runs import RunRequest, follow_run
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema import RESPONSE
-from rotor_ida.simulation.extrema import CONSTANT
+from rotor_ida.simulation.crossings import CONSTANT
 from rotor_ida.simulation.flow import ATOL
 from rotor_ida.simulation.spin import through
 

@@ -11,8 +11,9 @@ from rotor_ida.closed_forms import planar_period
 from rotor_ida.core.interface import STUCK
 from rotor_ida.core.runs import follow_run
 from rotor_ida.schema import RESPONSE
-from rotor_ida.simulation import extrema
-from rotor_ida.simulation.extrema import MAXIMUM, MINIMUM, radius_extrema
+from rotor_ida.simulation import flow
+from rotor_ida.simulation.crossings import MAXIMUM, MINIMUM, radius_extrema
+from rotor_ida.simulation.flow import DiscFlow
 
 GO_ON = np.zeros(1, np.uint8)
 REST = (0.0, 0.0, 0.0, 0.0)
@@ -25,17 +26,16 @@ def test_planar_vibration_turns_back_at_its_amplitude_every_half_period():
     Without clearance the force lacks a second derivative there; each passage costs up to some
     hundred tolerances.
     """
-    found = radius_extrema(
-        Rotor(omega=0.0, zeta=0.0, delta0=0.0), (2.0, 0, 0, 0), 20.0, 1e-12, GO_ON
-    )
+    free = DiscFlow(Rotor(omega=0.0, zeta=0.0, delta0=0.0), rtol=1e-12)
+    found = radius_extrema(free, np.array([2.0, 0.0, 0.0, 0.0]), 20.0)
     half = 0.5 * float(planar_period(2.0))
-    highest, lowest = found.kinds == MAXIMUM, found.kinds == MINIMUM
+    highest, lowest = found["kind"] == MAXIMUM, found["kind"] == MINIMUM
     # the start, where the motion turns back too, may count or not
-    late = found.times[highest] > 1.0
+    late = found["time"][highest] > 1.0
     times = half * np.arange(1, late.sum() + 1)
-    np.testing.assert_allclose(found.times[highest][late], times, atol=1e-9)
-    np.testing.assert_allclose(found.radii[highest], 2.0, rtol=1e-9)
-    assert found.radii[lowest].max() < 1e-6
+    np.testing.assert_allclose(found["time"][highest][late], times, atol=1e-9)
+    np.testing.assert_allclose(found["radius"][highest], 2.0, rtol=1e-9)
+    assert found["radius"][lowest].max() < 1e-6
     assert late.sum() == int(20.0 / half)
 
 
@@ -102,10 +102,10 @@ def test_failure_says_where(monkeypatch):
     def stuck(asked):
         return replace(follow_run(replace(asked, duration=0.04, sample_times=None)), status=STUCK)
 
-    monkeypatch.setattr(extrema, "follow_run", stuck)
-    message = r"followed to its extrema: time no longer advances \(at t = 0\.04"
+    monkeypatch.setattr(flow, "follow_run", stuck)
+    message = r"could not be followed: time no longer advances \(at t = 0\.04"
     with pytest.raises(SimulationError, match=message):
-        radius_extrema(BOUNCING, REST, 10.0, 1e-10, GO_ON)
+        radius_extrema(DiscFlow(BOUNCING, rtol=1e-10), np.array(REST), 10.0)
 
 
 def test_with_friction_the_extrema_of_dry_whip_are_those_of_its_samples():

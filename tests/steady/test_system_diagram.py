@@ -17,7 +17,7 @@ from rotor_ida import (
     synchronous_response,
 )
 from rotor_ida.schema import STATUS
-from rotor_ida.simulation.extrema import CONSTANT, MAXIMUM, MINIMUM
+from rotor_ida.simulation.crossings import CONSTANT, MAXIMUM, MINIMUM
 from rotor_ida.steady import bifurcation_diagram as diagram_module
 from rotor_ida.verification.verify import differences, rerun
 from tests.example_datasets import MACHINE
@@ -159,7 +159,7 @@ def test_workers_studies_and_verification_leave_no_trace(at, tmp_path):
     assert table.response.size == 4
 
 
-@pytest.mark.parametrize("name", ["distance_extrema", "crossings_of_system"])
+@pytest.mark.parametrize("name", ["distance_extrema", "crossings_of"])
 def test_a_point_that_cannot_be_followed_on_has_failed(monkeypatch, name):
     real = getattr(diagram_module, name)
 
@@ -169,7 +169,7 @@ def test_a_point_that_cannot_be_followed_on_has_failed(monkeypatch, name):
         return real(flow, *given)
 
     monkeypatch.setattr(diagram_module, name, stuck)
-    at = "revolution" if name == "crossings_of_system" else "extrema"
+    at = "revolution" if name == "crossings_of" else "extrema"
     found = bifurcation_diagram(TOUCHING, speed=[1.0, 1.1], at=at, revolutions=3)
     assert found.status.values.ravel().tolist() == [STATUS["done"], STATUS["failed"]]
     assert found.message.values.ravel()[1].startswith("stuck")
