@@ -316,16 +316,11 @@ def stretch(request: RunRequest, spans: int) -> tuple[Values, RunResult]:
     """
     if request.bundle is None:
         raise ValueError("a stretching must have a bundle, got none")
-    run, stretches, done = _struct_of(request), np.empty((spans, STRETCH_COLUMNS)), c_int64(0)
+    tables, stretches, done = _Tables(request, 0), np.empty((spans, STRETCH_COLUMNS)), c_int64(0)
     written = pointer(stretches, np.float64, writeable=True)
-    status = library_of(request.rotor).core_stretch(byref(run), spans, written, byref(done))
-    x, y, vx, vy = run.state
-    result = RunResult(
-        status, run.time, (x, y, vx, vy), run.began, run.where, _NO_STATES, _NO_TIMES, _NO_KINDS,
-        _NO_STATES, None, _NO_CONTACTS, NO_EXTREMA, run.evaluations, run.steps,
-        np.zeros((), SPIN), _NO_SPINS, _NO_SPINS,
-    )  # fmt: skip
-    return stretches[: done.value], result
+    core = library_of(request.rotor)
+    status = core.core_stretch(byref(tables.run), spans, written, byref(done))
+    return stretches[: done.value], tables.result(status)
 
 
 def _struct_of(request: RunRequest) -> RunStruct:

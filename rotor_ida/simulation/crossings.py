@@ -50,8 +50,8 @@ class Crossings(NamedTuple):
 
     times: Values
     states: Values
-    motions: Values | None = None
-    end: Values | None = None
+    motions: Values = np.empty((0, 2, 0))
+    end: Values = np.empty(0)
 
 
 def crossings_of(

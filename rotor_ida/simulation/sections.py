@@ -227,7 +227,6 @@ def _dataset(flow: Flow, crossings: Crossings, attributes: Mapping[str, Any]) ->
     coordinates = parameter_coordinates(flow.rotor) if isinstance(flow, DiscFlow) else {}
     coordinates["crossing"] = ("crossing", np.arange(crossings.times.size))
     if isinstance(flow, SystemFlow):
-        assert crossings.motions is not None and crossings.end is not None
         assembly, moved = flow.problem.assembly, flow.problem.found.to_q(crossings.motions)
         coordinates["node"] = ("node", np.array(list(assembly.system.nodes), str))
         columns |= {

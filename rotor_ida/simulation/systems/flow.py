@@ -51,7 +51,9 @@ MOST_UNEQUAL = 1e12
 LOST = 1e-12
 # Differences of a parameter are this long, in parts of it or, of one that may be 0, of 1: short
 # enough for a branch to pass a corner, where rolling begins. Those of time are in revolutions.
-OF_PARAMETER, MAY_BE_ZERO, OF_TIME = 1e-7, ("friction",), 1e-5
+OF_PARAMETER, OF_TIME = 1e-7, 1e-5
+# A friction of 0 shows no sense of sliding, by which alone one can differentiate; this one does.
+LEAST_FRICTION = 1e-30
 # Samples of an orbit in a revolution, and at least.
 SAMPLES_A_REVOLUTION, FEWEST_SAMPLES = 64, 192
 
@@ -293,21 +295,16 @@ class SystemFlow:
             laws=law_changes(here.laws, here.laws, other.laws, step),
         )  # fmt: skip
 
-    def _by_difference(self, name: str, state: Values, until: float) -> Values:
-        """Return the derivative of the state after a time by a parameter.
+    def _by_difference(self, name: str, state: Values, until: float, end: Values) -> Values:
+        """Return the derivative of the state after a time, `end`, by a parameter that may be 0.
 
-        It is a difference of second order: central, or forward where the parameter begins at 0.
+        It is a difference of second order towards larger values.
         """
         value = self.value_of(name)
-        step = OF_PARAMETER * (1.0 if name in MAY_BE_ZERO else abs(value))
-
-        def end(steps: float) -> Values:
-            changed: dict[str, Any] = {name: value + steps * step}
-            return self.but(**changed).after(state, until)
-
-        if name in MAY_BE_ZERO and value < step:
-            return (4.0 * end(1.0) - 3.0 * end(0.0) - end(2.0)) / (2.0 * step)
-        return (end(1.0) - end(-1.0)) / (2.0 * step)
+        step = OF_PARAMETER * (abs(value) or 1.0)
+        near, far = (self.but(**{name: value + each}).after(state, until)
+                     for each in (step, 2.0 * step))  # fmt: skip
+        return (4.0 * near - 3.0 * end - far) / (2.0 * step)
 
     def value_of(self, name: str) -> float:
         """Return the speed, or a parameter of the system."""
@@ -486,41 +483,30 @@ class SystemFlow:
         """Return a run, and what small changes of its start and parameters have become, in rows.
 
         The core follows the changes, by the linearised motion and its jumps at events. Differences
-        of runs stand for them in a system that has stators without mass, and for a friction of 0,
-        with which no sense of sliding is known.
+        of runs stand for them in a system that has stators without mass.
         """
+        if "friction" in by and not (self.request.massless or self.request.laws["friction"].any()):
+            return self.but(friction=LEAST_FRICTION)._changed(state, changes, duration, by)
         size, races = 2 * self.problem.assembly.size, self.problem.with_race
-        apart = [each for each in by if self._needs_differences(each)]
-        own = [each for each in by if each not in apart]
-        columns = np.zeros((len(changes) + len(own), size + races.size))
+        if self.request.massless:
+            run = self.sampled(state, np.array([duration]), only_events=True)
+            image = self.end_of(run)
+            ends = [self.after(state + APART * change, duration) for change in changes]
+            ends_by = [self._by_difference(each, state, duration, image) for each in by]
+            return run, (np.array(ends) - image) / APART, np.array(ends_by)
+        columns = np.zeros((len(changes) + len(by), size + races.size))
         known = np.concatenate([np.ones(size, bool), races])
         columns[: len(changes), known] = changes * self.scales
         columns[:, size:] = columns[:, size + self.request.laws["race"]]
         run = self.sampled(
-            state, np.array([duration]), only_events=True,
-            columns=None if self.request.massless else columns,
-            parameters=[self._by(each) for each in own],
+            state, np.array([duration]), only_events=True, columns=columns,
+            parameters=[self._by(each) for each in by],
         )  # fmt: skip
-        if self.request.massless:
-            image = self.end_of(run)
-            ends = [self.after(state + APART * change, duration) for change in changes]
-            moved = (np.array(ends) - image) / APART
-        else:
-            moved = self.turned_back(run.columns[:, known] / self.scales, run.time)
-        ends_by = dict(zip(own, moved[len(changes) :], strict=True))
-        if SPEED in ends_by:  # by which the axes turn, too
-            ends_by[SPEED] = ends_by[SPEED] + self._turning_back(self.end_of(run)) * run.time
-        found = [
-            self._by_difference(each, state, duration) if each in apart else ends_by[each]
-            for each in by
-        ]
-        return run, moved[: len(changes)], np.array(found)
-
-    def _needs_differences(self, name: str) -> bool:
-        """Whether the core cannot follow what changes by a parameter."""
-        return bool(self.request.massless) or (
-            name in MAY_BE_ZERO and not self.request.laws[name].any()
-        )
+        moved = self.turned_back(run.columns[:, known] / self.scales, run.time)
+        if SPEED in by:  # by which the axes turn, too
+            place = len(changes) + list(by).index(SPEED)
+            moved[place] += self._turning_back(self.end_of(run)) * run.time
+        return run, moved[: len(changes)], moved[len(changes) :]
 
     def _turning_back(self, state: Values) -> Values:
         """Return the rate at which a state on turning axes changes by their angle alone."""
