@@ -14,9 +14,13 @@ from rotor_ida.arrays import Stop, Values, Watch
 from rotor_ida.checks import (
     SAMPLES_A_REVOLUTION,
     State,
+    check_axis,
     check_between,
     check_choice,
+    check_count,
+    check_increasing,
     check_progress,
+    is_scalar,
 )
 from rotor_ida.core.systems import Places, SystemRequest, SystemResult
 from rotor_ida.errors import InputError, InstallationError, warn
@@ -34,7 +38,6 @@ from rotor_ida.simulation.invariants import check_run
 from rotor_ida.simulation.options import Backend, Options, backend_of
 from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.run import run
-from rotor_ida.simulation.sampling import FEWEST, sample_times, times_of
 from rotor_ida.simulation.starts import Start, start_of
 from rotor_ida.simulation.system_run import (
     Followed,
@@ -58,6 +61,12 @@ TIGHTEST_RTOL, LOOSEST_RTOL = 1e-14, 1e-4
 MOST_SAMPLES = 200_000
 # Radians by which a whirl in a contact turns from a sample to the next, in a drop: its sense shows.
 MOST_TURNED = 0.8
+# In a period of the contact, which is the shortest period of dry whip.
+SAMPLES_A_CONTACT = 8
+# Smallest number of samples, for a smooth plot of a short run.
+FEWEST = 1001
+# Limit on memory: about 160 MB in a run, and twice as much during the run.
+MOST_CHOSEN = 2_000_000
 
 
 # ---- Of one disc ----
@@ -260,3 +269,56 @@ def _finer(prepared: _Prepared, result: SystemResult, times: Values) -> Values |
     )
     count = min(math.ceil(rate * times[-1] / MOST_TURNED) + 1, MOST_SAMPLES)
     return np.linspace(0.0, times[-1], count) if count > times.size else None
+
+
+# ---- The times at which a run is reported ----
+
+
+def sample_times(samples: object, duration: float, rotor: Rotor, fastest: float) -> Values:
+    """Return the times to report: as given, equally spaced, or chosen per revolution.
+
+    Parameters
+    ----------
+    samples : int, array_like or None
+        The times, their number, or None.
+    duration : float
+        The end of the run [1].
+    rotor : Rotor
+        The rotor.
+    fastest : float
+        The largest speed of the run [1].
+
+    Examples
+    --------
+    >>> rotor = Rotor(omega=2.0, zeta=0.1, delta0=1.0)
+    >>> sample_times(None, 1000.0, rotor, 2.0).size  # 318.3 revolutions
+    10187
+    >>> sample_times(None, 10.0, rotor, 2.0).size, sample_times(3, 10.0, rotor, 2.0).size
+    (1001, 3)
+    """
+    return times_of(samples, duration, _chosen(duration, rotor, fastest))
+
+
+def times_of(samples: object, duration: float, chosen: int) -> Values:
+    """Return the times to report: as given, or equally spaced, by default as many as `chosen`."""
+    if samples is None:
+        return np.linspace(0.0, duration, chosen)
+    if is_scalar("samples", samples):
+        return np.linspace(0.0, duration, check_count("samples", samples, minimum=2))
+    times = check_increasing("samples", check_axis("samples", samples))
+    if times[-1] > duration:
+        raise InputError(
+            "{name} must lie from 0 to the {duration=}, got {value}",
+            name="samples", duration=duration, value=float(times[-1]),
+        )  # fmt: skip
+    return times
+
+
+def _chosen(duration: float, rotor: Rotor, fastest: float) -> int:
+    """Return how many samples resolve revolutions, shaft and contact, as far as memory allows."""
+    shaft = math.sqrt(rotor.shaft_stiffness)
+    on_the_ring = math.sqrt(1.0 + rotor.shaft_stiffness)
+    rate = max(
+        SAMPLES_A_REVOLUTION * max(fastest, shaft), SAMPLES_A_CONTACT * on_the_ring
+    ) / (2.0 * math.pi)  # fmt: skip
+    return math.ceil(min(max(rate * duration + 1.0, FEWEST), MOST_CHOSEN))

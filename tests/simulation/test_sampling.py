@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from rotor_ida import Rotor, load, run_up, save, simulate
-from rotor_ida.simulation.sampling import FEWEST, MOST_CHOSEN, sample_times
+from rotor_ida.simulation.runs import FEWEST, MOST_CHOSEN, sample_times
 from rotor_ida.verification.verify import differences, rerun
 
 REST = (0.0, 0.0, 0.0, 0.0)

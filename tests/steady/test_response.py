@@ -12,7 +12,7 @@ from rotor_ida.core.runs import CONTACT, EXTREMUM
 from rotor_ida.schema.flags import ENTRY, EXIT
 from rotor_ida.simulation.flow import DiscFlow, Window
 from rotor_ida.steady.decision import Decision
-from rotor_ida.steady.features import features_of_disc
+from rotor_ida.steady.follow import features_of_disc
 from rotor_ida.steady.response import (
     BOUNCING,
     phase_lag_of,
