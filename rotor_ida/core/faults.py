@@ -3,14 +3,14 @@
 from __future__ import annotations
 
 from ctypes import byref, c_int64
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Values
 from rotor_ida.core.interface import RotorStruct, RunStruct, address, library_of
-from rotor_ida.core.runs import CONTACT, Rows
+from rotor_ida.core.runs import Rows
 from rotor_ida.model.rotor import Rotor
 
 # Contradictions of a run to the mechanics, by the names of `enum fault` and in its order.
@@ -33,39 +33,21 @@ FIRST_OF_SAMPLES = [*MESSAGE_OF_FAULT].index("SAMPLE_NOT_FINITE")
 OF_CONTACTS = [*MESSAGE_OF_FAULT].index("PEAKS_OUTSIDE")
 
 
-class Samples(NamedTuple):
-    """Times and states of samples, in either frame [1]."""
-
-    times: Values
-    states: Values
-
-
-class Events(NamedTuple):
-    """Times, kinds and states of events, in the frame of the samples [1]."""
-
-    times: Values
-    kinds: npt.NDArray[np.int8]
-    states: Values
-
-
 def fault_of(
-    rotor: Rotor,
-    samples: Samples,
-    events: Events,
-    contacts: Rows,
-    *,
-    began: int,
-    allowed: float,
-    modes: npt.NDArray[np.int8] | None = None,
-) -> tuple[int, int]:
+    rotor: Rotor, samples: tuple[Values, Values],
+    events: tuple[Values, npt.NDArray[np.int8], Values], contacts: Rows, *, began: int,
+    allowed: float, modes: npt.NDArray[np.int8] | None = None,
+) -> tuple[int, int]:  # fmt: skip
     """Return the first contradiction of a run to the mechanics, by `FAULTS`, and its row.
 
     Parameters
     ----------
     rotor : Rotor
         The rotor.
-    samples, events : Samples, Events
-        The data to check.
+    samples : tuple of ndarray
+        Times and states of samples, in either frame [1].
+    events : tuple of ndarray
+        Times, kinds and states of events, in the frame of the samples [1].
     contacts : ndarray of `CONTACT`
         The contacts [1].
     began : int
@@ -76,31 +58,14 @@ def fault_of(
         With friction, the mode from the start, and from each event on.
     """
     run, row = RunStruct(rotor=RotorStruct.of(rotor), began=began), c_int64(0)
-    sampled, happened = len(samples.times), len(events.times)
-    tables = {
-        "sample_times": _table(samples.times, np.float64, (sampled,)),
-        "samples": _table(samples.states, np.float64, (sampled, 4)),
-        "event_times": _table(events.times, np.float64, (happened,)),
-        "event_kinds": _table(events.kinds, np.int8, (happened,)),
-        "event_states": _table(events.states, np.float64, (happened, 4)),
-        "contacts": _table(contacts, contacts.dtype, (len(contacts),)),
+    names = ("sample_times", "samples", "event_times", "event_kinds", "event_states", "contacts")
+    tables: dict[str, npt.NDArray[Any]] = {
+        name: np.ascontiguousarray(each)
+        for name, each in zip(names, (*samples, *events, contacts), strict=True)
     }
-    if contacts.dtype.itemsize != CONTACT.itemsize:
-        raise ValueError(f"contacts must be rows of {CONTACT}, got {contacts.dtype}")
     if modes is not None:
-        modes = _table(modes, np.int8, (happened + 1,))
-        run.mode_began = int(modes[0])
-        tables["event_modes"] = np.append(modes[1:], np.int8(0))
+        run.mode_began, tables["event_modes"] = int(modes[0]), np.append(modes[1:], np.int8(0))
     for name, table in tables.items():
         setattr(run, name, address(table))
-    run.sampled, run.events, run.contact_count = sampled, happened, len(contacts)
+    run.sampled, run.events, run.contact_count = len(samples[0]), len(events[0]), len(contacts)
     return int(library_of(rotor).core_fault(byref(run), allowed, byref(row))), row.value
-
-
-def _table(
-    table: npt.NDArray[Any], dtype: npt.DTypeLike, shape: tuple[int, ...]
-) -> npt.NDArray[Any]:
-    """Return a table as the core reads it, or raise `ValueError` if its shape is wrong."""
-    if table.shape != shape:
-        raise ValueError(f"tables must fit together, got {table.shape} instead of {shape}")
-    return np.ascontiguousarray(table, dtype)

@@ -7,7 +7,7 @@ import math
 import numpy as np
 
 from rotor_ida.arrays import Values
-from rotor_ida.core.faults import FAULTS, FIRST_OF_SAMPLES, OF_CONTACTS, Events, Samples, fault_of
+from rotor_ida.core.faults import FAULTS, FIRST_OF_SAMPLES, OF_CONTACTS, fault_of
 from rotor_ida.core.systems import SystemRequest, SystemResult
 from rotor_ida.errors import InvariantError
 from rotor_ida.model.assembly import Assembly, Canonical
@@ -33,8 +33,8 @@ def check_orbit(orbit: Orbit) -> None:
     event_times, event_states = orbit.event_times[kept], orbit.event_states[kept]
     fault, row = fault_of(
         orbit.rotor,
-        Samples(orbit.times, orbit.states),
-        Events(event_times, orbit.event_kinds[kept], event_states),
+        (orbit.times, orbit.states),
+        (event_times, orbit.event_kinds[kept], event_states),
         orbit.contacts,
         began=orbit.starts_in_contact,
         allowed=allowed,
