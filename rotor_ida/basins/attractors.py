@@ -1,7 +1,7 @@
 """The attractors on which starts of a rotor end: rows of numbers, matched with those met before.
 
 A row is what a motion has settled on: of one disc numbers (`OF_DISC`), of a rotor system arrays
-over its contacts and nodes (`rotor_ida.steady.system_sweep.point_of`). Both are matched in the same
+over its contacts and nodes (`rotor_ida.steady.points.point_of`). Both are matched in the same
 way: by kind, period and radii, and state. A batch of starts numbers its own attractors; those of
 all batches are then matched again, so that the labels do not depend on who followed what.
 """
@@ -28,7 +28,7 @@ from rotor_ida.simulation.systems.flow import SystemFlow
 from rotor_ida.steady import response
 from rotor_ida.steady.follow import SettledResponse, follow_to_steady_state
 from rotor_ida.steady.grid import Table
-from rotor_ida.steady.system_sweep import OF_CONTACT, OF_NODE
+from rotor_ida.steady.points import OF_CONTACT, OF_NODE
 
 Indices = npt.NDArray[np.int64]
 

@@ -26,7 +26,7 @@ from rotor_ida.results.si_units import with_system_units
 from rotor_ida.results.studies.arrays import scratch
 from rotor_ida.schema import FATE, RESPONSE, labelled, labelled_dataset
 from rotor_ida.simulation.options import Options
-from rotor_ida.steady.system_sweep import VariedSystem
+from rotor_ida.steady.points import VariedSystem
 
 # Dimensions of the numbers of an attractor of a rotor system besides the attractor.
 BEHIND = VariedSystem.behind

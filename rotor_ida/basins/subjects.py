@@ -31,7 +31,7 @@ from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
 from rotor_ida.steady import response
 from rotor_ida.steady.follow import settle
 from rotor_ida.steady.grid import EXPECTED, reason_of
-from rotor_ida.steady.system_sweep import (
+from rotor_ida.steady.points import (
     Turnings,
     VariedSystem,
     figures_of,

@@ -118,7 +118,11 @@ def advance(branch: Continuation, side: Side) -> None:
         ]
     if cycle is not None:
         specials, point, side.end = [*specials, Special(DOUBLING, cycle)], cycle, HALVED
-    elif (born := _birth(branch, last, step.point)) is not None:
+    elif (
+        branch.birth is not None
+        and turns_round(last, step.point)
+        and (born := branch.birth(last, step.point)) is not None
+    ):
         # the rest of the step repeats what came before, half a period later
         specials = [each for each in specials if not turns_round(last, each.point)]
         specials, point, side.end = [*specials, Special(HOPF, born)], born, BORN
@@ -127,7 +131,8 @@ def advance(branch: Continuation, side: Side) -> None:
     side.length = step.length
     if side.end:
         return
-    if _is_too_unstable(point.orbit):
+    # rounding hides multipliers that depend on more than the trace of M
+    if point.orbit.pair_product is None and np.abs(point.orbit.monodromy).max() > LARGEST_M:
         side.end, side.reason = UNSTABLE, _how_unstable(point.orbit)
     elif len(side.points) >= branch.most:
         side.end = ENOUGH
@@ -166,18 +171,6 @@ def _is_close_by(branch: Continuation, last: Point, cycle: Point) -> bool:
     """Return whether a cycle of half the period is as near to a point as its halves agree."""
     apart = (cycle.unknowns - halved(last.unknowns, branch.place)) / branch.line.scale
     return bool((np.abs(apart[branch.place - 1 :]) <= NEAR_A_DOUBLING).all())
-
-
-def _is_too_unstable(orbit: Orbit) -> bool:
-    """Return whether rounding hides multipliers that depend on more than the trace of M."""
-    return orbit.pair_product is None and bool(np.abs(orbit.monodromy).max() > LARGEST_M)
-
-
-def _birth(branch: Continuation, last: Point, point: Point) -> Point | None:
-    """Return the cycle at which a branch over one parameter is born on a step, if there is one."""
-    if branch.birth is None or not turns_round(last, point):
-        return None
-    return branch.birth(last, point)
 
 
 def _how_unstable(orbit: Orbit) -> str:

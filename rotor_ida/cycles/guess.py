@@ -27,7 +27,7 @@ from rotor_ida.schema.quantities import SPECIAL_VALUES
 from rotor_ida.simulation.flow import DiscFlow, Flow
 from rotor_ida.simulation.starts import RUNS, start_of
 from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
-from rotor_ida.steady.system_sweep import check_slowest, state_of_start
+from rotor_ida.steady.points import check_slowest, state_of_start
 
 DOUBLING, HOPF = "period_doubling", "hopf"
 NO_CYCLE = "start must be a limit cycle, got a result without one"
@@ -85,7 +85,9 @@ def guess_of(rotor: Rotor, start: object, period: object = None) -> Guess:
 
 def has_period(start: object, period: object) -> TypeGuard[xr.Dataset]:
     """Return whether a start is a cycle with its period, or a point of a branch."""
-    if not isinstance(start, xr.Dataset) or _ends_a_run(start):
+    if not isinstance(start, xr.Dataset):
+        return False
+    if "end_x" in start or ("x" in start and "period" not in start):  # the end of a run
         return False
     if period is not None:
         raise InputError("period must be left out with a start that has one")
@@ -114,11 +116,6 @@ def guess_in(start: xr.Dataset, rotor: Rotor | None = None) -> Guess:
         raise InputError("start must be one point of a branch: choose it with isel(point=...)")
     state = np.array([each for name in numbers[1:] for each in start[name].values.flat[:1]])
     return _guess_at(DiscFlow(_rotor_at(rotor, place, start)), state, start, prefix)
-
-
-def _ends_a_run(start: xr.Dataset) -> bool:
-    """Return whether a result has the state at its end alone, not a cycle with its period."""
-    return "end_x" in start or ("x" in start and "period" not in start)
 
 
 def as_start(guess: Guess, parameters: Sequence[str]) -> xr.Dataset:

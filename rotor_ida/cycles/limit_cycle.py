@@ -42,7 +42,7 @@ from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parameters import SPEED, AnyAxes
 from rotor_ida.model.varied import Varied, varied_of, varied_system_of
-from rotor_ida.parallel import Progress, Workers, choose, interruptible, percentage, shows_progress
+from rotor_ida.parallel import Progress, choose, interruptible, percentage, shows_progress
 from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
@@ -56,8 +56,7 @@ from rotor_ida.steady.decision import decide
 from rotor_ida.steady.follow import FAILED, limits_of
 from rotor_ida.steady.grid import answers_at_each
 from rotor_ida.steady.motion import Motion
-from rotor_ida.steady.response import BOUNCING, FULL_CONTACT, ROLLING, UNRESOLVED
-from rotor_ida.steady.system_sweep import (
+from rotor_ida.steady.points import (
     Turning,
     Turnings,
     clearances_of,
@@ -65,6 +64,7 @@ from rotor_ida.steady.system_sweep import (
     turning_speeds,
     with_meanings,
 )
+from rotor_ida.steady.response import BOUNCING, FULL_CONTACT, ROLLING, UNRESOLVED
 
 OF_PLACES = ("node", "contact_node", "axial_position")
 NOT_FOUND = "not_found"
@@ -237,7 +237,7 @@ def limit_cycle(
     else:
         asked = varied_of(limit_cycle, check_instance("rotor", rotor, Rotor), varied, always=())
     if asked.dims:
-        jobs = Jobs(chosen, study, check_progress(progress))
+        jobs = {"workers": chosen, "study": study, "progress": check_progress(progress)}
         if is_system:
             return cycles_of_system(asked, start, speed, period, modes, jobs)
         return cycles_of_disc(asked, start, period, jobs)
@@ -301,15 +301,6 @@ def _near_guess(guess: Guess, progress: Progress | bool | None) -> xr.Dataset:
 
 
 @dataclass(frozen=True, slots=True)
-class Jobs:
-    """How the points are worked on, and where they are kept."""
-
-    workers: Workers
-    study: Folder | None
-    progress: Progress | None
-
-
-@dataclass(frozen=True, slots=True)
 class Begun:
     """Where a rotor begins at each point: a start, or the state of a cycle of a system in q."""
 
@@ -318,7 +309,9 @@ class Begun:
     cycle: tuple[float, ...] = ()
 
 
-def cycles_of_disc(varied: Varied, start: object, period: object, jobs: Jobs) -> xr.Dataset:
+def cycles_of_disc(
+    varied: Varied, start: object, period: object, jobs: Mapping[str, Any]
+) -> xr.Dataset:
     """Return the cycles of one disc to which a start leads, or which lie near a guess."""
     lowest = {name: float(varied.values(name).min()) for name in ("omega", "zeta")}
     check_turns_and_settles(Rotor(**lowest, delta0=1.0))
@@ -344,7 +337,12 @@ def cycles_of_disc(varied: Varied, start: object, period: object, jobs: Jobs) ->
 
 
 def cycles_of_system(
-    asked: Varied, start: Any, speed: object, period: object, modes: int | None, jobs: Jobs
+    asked: Varied,
+    start: Any,
+    speed: object,
+    period: object,
+    modes: int | None,
+    jobs: Mapping[str, Any],
 ) -> xr.Dataset:
     """Return the cycles of a rotor system to which a start leads, or which lie near a guess.
 
@@ -393,7 +391,7 @@ def _begun(asked: Varied, start: Any, guess: Guess, modes: int | None) -> tuple[
 
 def _numbers(first: Begun, point: Rotor | Turning, stop: Stop) -> dict[str, Any]:
     """Return the numbers of the cycle at a point, as columns."""
-    guess = _disc_at(first, point) if isinstance(point, Rotor) else _system_at(first, point, stop)
+    guess = _guess_at(first, point, stop)
     found = cycle_dataset(guess, *found_cycle(guess, stop))
     numbers: dict[str, Any] = {name: found[name].values for name in _names(guess.flow)}
     if isinstance(guess.flow, DiscFlow):
@@ -402,23 +400,19 @@ def _numbers(first: Begun, point: Rotor | Turning, stop: Stop) -> dict[str, Any]
     return numbers
 
 
-def _disc_at(first: Begun, rotor: Rotor) -> Guess:
-    """Return the guess of a cycle of one disc."""
+def _guess_at(first: Begun, point: Rotor | Turning, stop: Stop) -> Guess:
+    """Return the guess of a cycle at a point."""
+    if not isinstance(point, Rotor):
+        flow = SystemFlow.at(*point, stop)
+        known = flow.given_state(np.array(first.cycle)) if first.cycle else None
+        begun = started(point, first.start) / flow.scales if known is None else known
+        return Guess(flow, begun, first.period)
     try:
-        guess = Guess(DiscFlow(rotor), np.array(start_of(rotor, first.start)), first.period)
+        guess = Guess(DiscFlow(point), np.array(start_of(point, first.start)), first.period)
         check_revolutions(guess)
     except InputError as error:  # a resonance has no settled whirl
         raise SimulationError(str(error)) from error
     return guess
-
-
-def _system_at(first: Begun, point: Turning, stop: Stop) -> Guess:
-    """Return the guess of a cycle of a rotor system."""
-    flow = SystemFlow.at(*point, stop)
-    known = flow.given_state(np.array(first.cycle)) if first.cycle else None
-    return Guess(
-        flow, started(point, first.start) / flow.scales if known is None else known, first.period
-    )
 
 
 def _names(flow: Flow) -> list[str]:
@@ -428,7 +422,7 @@ def _names(flow: Flow) -> list[str]:
 
 def _at_each(
     varied: Varied, point_at: Callable[[Sequence[int]], Any], first: Begun, flow: Flow,
-    question: Question, how: Mapping[str, Any], jobs: Jobs,
+    question: Question, how: Mapping[str, Any], jobs: Mapping[str, Any],
 ) -> xr.Dataset:  # fmt: skip
     """Return the cycle at each point, with the labels of a result without one."""
     lost = cycle_dataset(Guess(flow, np.zeros(0)), None, FAILED)
@@ -438,7 +432,7 @@ def _at_each(
     found = answers_at_each(
         varied, point_at, partial(_numbers, first), columns, question,
         whole={name: lost[name].values for name in names if lost[name].dtype.kind != "f"},
-        workers=jobs.workers, study=jobs.study, progress=jobs.progress,
+        **jobs,
     )  # fmt: skip
     for name in columns:
         found[name].attrs = lost[name].attrs

@@ -141,11 +141,6 @@ class Orbit:
         return min(gaps, key=lambda each: abs(each[0]), default=(math.inf, 0))
 
     @property
-    def nearest_gap(self) -> float:
-        """That distance, as measured in a state."""
-        return self.nearest[0] / self.flow.length
-
-    @property
     def touches(self) -> bool:
         """Whether a contact is ever closed."""
         largest = self.sizes[len(self.radii) :].tolist()

@@ -41,7 +41,7 @@ TESTS: dict[str, Callable[[Orbit], float]] = {
 }
 # Counts on an orbit; no function of the orbit is 0 where the second changes.
 COUNTS: dict[str, Count] = {
-    GRAZE: Count(lambda orbit: orbit.contacts, lambda orbit: orbit.nearest_gap),
+    GRAZE: Count(lambda orbit: orbit.contacts, lambda orbit: orbit.nearest[0] / orbit.flow.length),
     SLIDING: Count(lambda orbit: orbit.sliding_changes, lambda _: math.inf),
 }
 # Names of the speed, on which the duration of a revolution depends.

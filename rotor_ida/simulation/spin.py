@@ -168,10 +168,6 @@ class SpeedProfile:
         """Return the number of the spin that applies from a time on."""
         return bisect_right(self.ends, time, hi=len(self.ends) - 1)
 
-    def number_at(self, times: Values) -> Any:
-        """Return the number of the spin at each time; an end belongs to the spin it ends."""
-        return np.searchsorted(self.ends[:-1], times, side="left")
-
     def spins_at(self, times: Values, states: Values) -> Rows:
         """Return angle and speed at given times and states, as rows of `SPIN`."""
         rows = np.empty(times.size, SPIN)
@@ -195,7 +191,8 @@ class SpeedProfile:
 
     def _spans_of(self, times: Values) -> Iterator[tuple[int, npt.NDArray[np.intp]]]:
         """Yield each spin that applies at some of the times, and their places."""
-        numbers = self.number_at(times)
+        # an end belongs to the spin that it ends
+        numbers = np.searchsorted(self.ends[:-1], times, side="left")
         order = np.argsort(numbers, kind="stable")
         begins = np.flatnonzero(np.diff(numbers[order], prepend=-1))
         for begin, end in pairwise([*begins.tolist(), times.size]):

@@ -62,7 +62,6 @@ from rotor_ida.simulation.sections import (
 )
 from rotor_ida.simulation.starts import GivenStart, Starts, box_of, drawn_from
 from rotor_ida.simulation.systems.flow import SystemFlow
-from rotor_ida.steady.disc_sweep import VariedDisc
 from rotor_ida.steady.grid import (
     EXPECTED,
     NO_COLUMNS,
@@ -72,17 +71,17 @@ from rotor_ida.steady.grid import (
     Direction,
     RampJob,
     Ramps,
-    Row,
     Table,
     check_size,
+    failed,
     in_order,
     labelled_points,
     reason_of,
     run_study,
 )
+from rotor_ida.steady.points import VariedDisc, VariedSystem, turning_speeds
 from rotor_ida.steady.ramp_extrema import ramp_extrema
 from rotor_ida.steady.sweep import study_dataset
-from rotor_ida.steady.system_sweep import VariedSystem, turning_speeds
 
 Shown = Literal["extrema", "revolution"]
 SHOWN = ("extrema", "revolution")
@@ -478,23 +477,23 @@ def _watch(
     return settled._replace(figures={**settled.figures, **found[0]}, events=found[1])
 
 
-def _passed(rate: float, rtol: float, ramp: RampJob[Rotor, GivenStart], stop: Stop) -> list[Row]:
+def _passed(rate: float, rtol: float, ramp: RampJob[Rotor, GivenStart], stop: Stop) -> list[Answer]:
     """Settle at the first speed of a ramp, and pass the others at a rate."""
     answers, first = ramp.answers, ramp.points[0]
     try:
         settled = answers.work(first, ramp.start, stop)
         if settled.end is None:
-            return [answers.failed(settled.message)] * len(ramp.points)
+            return [failed(settled.message)] * len(ramp.points)
         speeds = np.array([rotor.omega for rotor in ramp.points])
         bands = ramp_extrema(first, settled.end, speeds=speeds, rate=rate, rtol=rtol, stop=stop)
     except EXPECTED as error:
-        return [answers.failed(reason_of(error))] * len(ramp.points)
+        return [failed(reason_of(error))] * len(ramp.points)
     return [
-        answers.row(Answer(
+        Answer(
             {"response": band.response, "radius_min": band.smallest, "radius_max": band.largest,
              "event_count": band.radii.size, "extremum_count": band.radii.size}, settled.message,
             events=_table(EXTREMUM_AT_A_RATE, band.radii, band.kinds, band.speeds),
-        ))
+        )
         for band in bands
     ]  # fmt: skip
 

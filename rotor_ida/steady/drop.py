@@ -8,7 +8,7 @@ drop.
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Unpack
 
 import numpy as np
@@ -185,11 +185,11 @@ def drop(
     cases = [_released(*in_modes(free, number, start), system.supports, fails, omega)
              for number in all_modes]  # fmt: skip
     run = run_of_cases(
-        [(case.system, case.start) for case in cases], course,
+        [(left, begun) for left, begun, _ in cases], course,
         samples=samples, rtol=rtol, method=method, progress=progress,
         modes={"modes": modes, "more_modes": more_modes}, whirls=True,
     )  # fmt: skip
-    columns = figures_of_drop(run, gaps, limits) | cases[0].told
+    columns = figures_of_drop(run, gaps, limits) | cases[0][2]
     return _dataset(system, run, columns, {"phase": turned})
 
 
@@ -224,31 +224,6 @@ def _by_node(
     return {node: check_positive(f"{one} at {shown(node)}", each) for node, each in given.items()}
 
 
-@dataclass(frozen=True, slots=True)
-class _Case:
-    """The system from the drop on, its start, and the variables that describe the supports."""
-
-    system: RotorSystem
-    start: Start
-    told: dict[str, Column]
-
-
-@dataclass(frozen=True, slots=True)
-class _Levitated:
-    """The state of a levitated rotor, and the loads of its supports.
-
-    Parameters
-    ----------
-    start : ndarray, shape (2, n)
-        Displacement and velocity on the steady whirl.
-    loads : ndarray, shape (support, 2)
-        Static force of each support on the rotor.
-    """
-
-    start: Values
-    loads: Values
-
-
 def _check_failing(supports: Sequence[Support], failing: object) -> list[bool]:
     """Return which supports fail."""
     names = [each.node for each in supports]
@@ -265,8 +240,13 @@ def _check_failing(supports: Sequence[Support], failing: object) -> list[bool]:
     return [name in failing for name in names]
 
 
-def _levitated(assembly: Assembly, supports: Sequence[Support], speed: float) -> _Levitated:
+def _levitated(
+    assembly: Assembly, supports: Sequence[Support], speed: float
+) -> tuple[Values, Values]:
     """Return the steady state of a system whose supports hold their nodes at the centre.
+
+    It is displacement and velocity on the steady whirl, shape (2, n); with it come the static
+    forces of the supports on the rotor, shape (support, 2).
 
     Parameters
     ----------
@@ -293,38 +273,36 @@ def _levitated(assembly: Assembly, supports: Sequence[Support], speed: float) ->
     if force.any():
         whirl = solved_motions(assembly, np.array([speed]), force[:, np.newaxis])[0, :, 0]
     start = np.array([still + whirl.real, (1j * speed * whirl).real])
-    return _Levitated(start, loads.reshape(-1, 2))
+    return start, loads.reshape(-1, 2)
 
 
 def _released(
     free: RotorSystem, start: Start, supports: Sequence[Support], fails: Sequence[bool],
     speed: float,
-) -> _Case:  # fmt: skip
-    """Return the system that the failing supports have left, in its levitated state."""
+) -> tuple[RotorSystem, Start, dict[str, Column]]:  # fmt: skip
+    """Return the system that the failing supports have left, its start, and what supports are."""
     held = assemble(with_supports(free, supports)).at(speed)
-    state = _levitated(held, supports, speed)
+    state, loads = _levitated(held, supports, speed)
     if start is None:
         for number, contact in enumerate(held.contacts):
-            reach = float(np.hypot(*(held.rows[number] @ state.start[0] - contact.centre)))
+            reach = float(np.hypot(*(held.rows[number] @ state[0] - contact.centre)))
             if not reach < contact.clearance:
                 raise InputError(
                     "contacts must be clear of the levitated rotor, got contact {number} at node "
                     "{node!r} at {reach:.4g} with {clearance=}",
                     number=number, node=contact.node, reach=reach, clearance=contact.clearance,
                 )  # fmt: skip
-        start = (state.start[0], state.start[1])
+        start = (state[0], state[1])
     stays = [each for each, gone in zip(supports, fails, strict=True) if not gone]
     own = np.zeros(free.size) if free.static_force is None else free.static_force.copy()
-    for each, load, gone in zip(supports, state.loads, fails, strict=True):
+    for each, load, gone in zip(supports, loads, fails, strict=True):
         own[: free.size] += 0.0 if gone else free.rows(each.node).T @ load
     left = with_supports(free, stays) if stays else free
     system = replace(left, static_force=own if own.any() else None)
-    return _Case(system, start, _told(supports, fails, state))
+    return system, start, _told(supports, fails, loads)
 
 
-def _told(
-    supports: Sequence[Support], fails: Sequence[bool], state: _Levitated
-) -> dict[str, Column]:
+def _told(supports: Sequence[Support], fails: Sequence[bool], loads: Values) -> dict[str, Column]:
     """Return the supports as variables."""
     both = ("support", "axis")
 
@@ -336,7 +314,7 @@ def _told(
         "support_fails": ("support", np.array(fails, np.int8)),
         "support_stiffness": (both, column("stiffness")),
         "support_damping": (both, column("damping")),
-        "support_load": (both, state.loads),
+        "support_load": (both, loads),
     }
 
 

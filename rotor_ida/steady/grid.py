@@ -90,15 +90,6 @@ class Answer(NamedTuple):
     events: Table | None = None
 
 
-class Row(NamedTuple):
-    """A point as a row of a table, with the rows of its events."""
-
-    values: tuple[Any, ...]
-    message: str
-    end: Any
-    events: Table | None
-
-
 class Rows(NamedTuple):
     """Some points of a study.
 
@@ -148,26 +139,29 @@ class Answers(Generic[Point, Start]):
             for name in self.kind.names or ()
         }  # fmt: skip
 
-    def settle(self, point: Point, start: Start, stop: Stop) -> Row:
-        """Return the row of a point, from a start or from where another point ends."""
+    def settle(self, point: Point, start: Start, stop: Stop) -> Answer:
+        """Return the answer at a point, from a start or from where another point ends."""
         try:
-            answer = self.work(point, start, stop)
+            return self.work(point, start, stop)
         except EXPECTED as error:  # it must not end the other points
-            return self.failed(reason_of(error))
-        return self.row(answer)
+            return failed(reason_of(error))
 
-    def failed(self, reason: str) -> Row:
-        """Return the row of a point that could not be followed."""
-        return self.row(Answer({}, reason, failed=True))
+    def rows(self, found: Sequence[Answer]) -> Rows:
+        """Return answers as rows of a study."""
+        values = []
+        for each in found:
+            figures = {**each.figures, "status": STATUS["failed" if each.failed else "done"]}
+            values.append(tuple([figures.get(name, blank) for name, blank in self.blank.items()]))
+        events = [each.events for each in found if each.events is not None]
+        return Rows(
+            np.array(values, self.kind), [each.message for each in found],
+            np.concatenate([np.empty(0, self.event), *events]) if self.event.names else None,
+        )  # fmt: skip
 
-    def row(self, answer: Answer) -> Row:
-        """Return an answer as a row."""
-        status = STATUS["failed" if answer.failed else "done"]
-        figures, events = {**answer.figures, "status": status}, answer.events
-        values = tuple([figures.get(name, each) for name, each in self.blank.items()])
-        if events is None and self.event.names:
-            events = np.empty(0, self.event)
-        return Row(values, answer.message, answer.end, events)
+
+def failed(reason: str) -> Answer:
+    """Return the answer at a point that could not be followed."""
+    return Answer({}, reason, failed=True)
 
 
 # ---- Ramps: points that are followed one after the other, each in exactly one ----
@@ -325,7 +319,7 @@ def run_study(
     *,
     word: str,
     table: str = "points",
-    follow: Work[Any, list[Row]] | None = None,
+    follow: Work[Any, list[Answer]] | None = None,
     study: Folder | None,
     workers: Workers,
     progress: Progress | None,
@@ -345,9 +339,9 @@ def run_study(
     return Columns(points, events)
 
 
-def follow_along(ramp: RampJob[Any, Any], stop: Stop) -> list[Row]:
+def follow_along(ramp: RampJob[Any, Any], stop: Stop) -> list[Answer]:
     """Follow one ramp: each point begins where the last one that did not fail has ended."""
-    start, rows = ramp.start, list[Row]()
+    start, rows = ramp.start, list[Answer]()
     for point in ramp.points:
         if stop[0]:
             break
@@ -356,18 +350,9 @@ def follow_along(ramp: RampJob[Any, Any], stop: Stop) -> list[Row]:
     return rows
 
 
-def rows_of(rows: Sequence[Row], kind: np.dtype[np.void]) -> Rows:
-    """Return the rows of points as those of a study."""
-    events = [row.events for row in rows if row.events is not None]
-    return Rows(
-        np.array([row.values for row in rows], kind), [row.message for row in rows],
-        np.concatenate(events) if events else None,
-    )  # fmt: skip
-
-
 def _do_jobs(
     plan: Ramps[Any, Any],
-    follow: Work[Any, list[Row]],
+    follow: Work[Any, list[Answer]],
     kept: Results[Rows],
     workers: Workers,
     progress: Progress | None,
@@ -389,8 +374,8 @@ def _do_jobs(
             number = due[turn]
             died = isinstance(result, FailedJob)
             if isinstance(result, FailedJob):
-                result = [plan.answers.failed(result.reason)] * plan.length  # noqa: PLW2901
-            rows = rows_of(result, plan.answers.kind)
+                result = [failed(result.reason)] * plan.length  # noqa: PLW2901
+            rows = plan.answers.rows(result)
             failures = np.flatnonzero(rows.points["status"] == STATUS["failed"]).tolist()
             reasons = [rows.messages[place] for place in failures]
             if died or any(reason.startswith(PASSING) for reason in reasons):

@@ -51,7 +51,7 @@ from rotor_ida.simulation.options import check_can_be_followed, check_rtol
 from rotor_ida.simulation.starts import Start, given_start, start_of
 from rotor_ida.simulation.systems.flow import SystemFlow
 from rotor_ida.steady.grid import answers_at_each
-from rotor_ida.steady.system_sweep import (
+from rotor_ida.steady.points import (
     Turning,
     Turnings,
     VariedSystem,
@@ -266,7 +266,7 @@ def lyapunov_exponent(
             **dict.fromkeys(OF_EXPONENTS, ("exponent", run.exponents)), **dict.fromkeys(numbers)
         }  # fmt: skip
         variables = answers_at_each(
-            points, case.point_at, partial(_columns, case.work, run),
+            points, case.point_at, partial(_columns, run),
             behind, case.question,
             workers=chosen, study=study, progress=reports,
         )  # fmt: skip
@@ -312,12 +312,11 @@ class Run(NamedTuple):
 
 
 class Case(NamedTuple):
-    """The exponents that are asked for, at each point of `varied`, by `work` on its rotor."""
+    """The exponents that are asked for, at each point of `varied`."""
 
     varied: Varied
     point_at: Callable[[Sequence[int]], Any]
     run: Run
-    work: Callable[[Run, Any, Stop], Exponents]
     question: Question
     attributes: dict[str, Any]
 
@@ -354,22 +353,10 @@ def _case_of_disc(
     given = {"start": first, **told, "rtol": run.rtol, "method": method}
     how = provenance({"method": method, "flight": "exact", "rtol": run.rtol})
     return Case(
-        asked, asked.rotor, run, exponents_of_disc,
+        asked, asked.rotor, run,
         Question("lyapunov_exponent", {**asked.design, **given}),
         how | {"start": first if isinstance(first, str) else np.array(first)} | told,
     )  # fmt: skip
-
-
-def exponents_of_disc(run: Run, rotor: Rotor, stop: Stop) -> Exponents:
-    """Return the exponents of the motion of one disc."""
-    stretches = stretches_of(
-        rotor, start_of(rotor, run.start), run.lead, run.batches * run.each, run.span, run.rtol,
-        stop, run.method,
-    )  # fmt: skip
-    rates = stretches / run.span
-    exponents, errors, divergence = means_of(rates, run.batches, divergence_of(rotor))
-    total = float(exponents.sum())
-    return ordered(rates[:, :4], exponents, errors, exponent_sum=total, divergence=divergence)
 
 
 # ---- Of a rotor system ----
@@ -411,25 +398,31 @@ def _case_of_system(
         attributes |= {name: revolution * turns for name, turns in of_time.items()}
     else:
         attributes |= {"transient_revolutions": lead, "revolutions": batches * each}
-    return Case(varied, turnings.at, run, exponents_of_system, question, attributes)
-
-
-def exponents_of_system(run: Run, point: Turning, stop: Stop) -> Exponents:
-    """Return the largest exponents of the motion of a rotor system."""
-    flow = SystemFlow.at(*point, stop)
-    state = started(point, run.start) / flow.scales
-    rates = flow.growth(state, run.exponents, run.total, run.done)[run.lead :]
-    return ordered(rates, *means_of_rates(rates, run.batches))
+    return Case(varied, turnings.at, run, question, attributes)
 
 
 # ---- Of any rotor ----
 
 
-def _columns(
-    work: Callable[[Run, Any, Stop], Exponents], run: Run, point: Any, stop: Stop
-) -> Mapping[str, Any]:
+def exponents_at(run: Run, point: Rotor | Turning, stop: Stop) -> Exponents:
+    """Return the largest exponents of the motion of a rotor."""
+    if not isinstance(point, Rotor):
+        flow = SystemFlow.at(*point, stop)
+        state = started(point, run.start) / flow.scales
+        rates = flow.growth(state, run.exponents, run.total, run.done)[run.lead :]
+        return ordered(rates, *means_of_rates(rates, run.batches))
+    rates = stretches_of(
+        point, start_of(point, run.start), run.lead, run.batches * run.each, run.span, run.rtol,
+        stop, run.method,
+    ) / run.span  # fmt: skip
+    exponents, errors, divergence = means_of(rates, run.batches, divergence_of(point))
+    total = float(exponents.sum())
+    return ordered(rates[:, :4], exponents, errors, exponent_sum=total, divergence=divergence)
+
+
+def _columns(run: Run, point: Rotor | Turning, stop: Stop) -> Mapping[str, Any]:
     """Return the columns of a point."""
-    return work(run, point, stop).columns
+    return exponents_at(run, point, stop).columns
 
 
 def _of_one(case: Case, progress: Progress | None) -> Exponents:
@@ -441,7 +434,7 @@ def _of_one(case: Case, progress: Progress | None) -> Exponents:
         progress(len(run.done or ()), total)
 
     told = progress and partial(tell, progress)
-    found = interruptible(lambda stop: case.work(run, point, stop), told=told)
+    found = interruptible(lambda stop: exponents_at(run, point, stop), told=told)
     if progress is not None:
         progress(total, total)
     return found

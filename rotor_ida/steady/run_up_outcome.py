@@ -36,8 +36,8 @@ from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
 from rotor_ida.steady.drop import with_unbalance_at
 from rotor_ida.steady.follow import FAILED, follow_to_steady_state, settle
 from rotor_ida.steady.grid import EXPECTED, Answer, reason_of
+from rotor_ida.steady.points import figures_of, point_of
 from rotor_ida.steady.response import CONTACT_FREE, TOUCHING, UNRESOLVED, Features
-from rotor_ida.steady.system_sweep import figures_of, point_of
 
 RUB, WHIP = "rub", "whip"
 # What requires friction, or contact damping.

@@ -29,8 +29,15 @@ from rotor_ida.simulation.course import SYSTEM_LIMITS, course_of, ramp_of
 from rotor_ida.simulation.options import LARGEST, Backend, Method, check_can_be_followed
 from rotor_ida.simulation.starts import Starts, start_of
 from rotor_ida.simulation.systems.flow import SettlingProblem
-from rotor_ida.steady.disc_sweep import FEATURES, VariedDisc, check_varied_can_be_followed
 from rotor_ida.steady.grid import Answers, Array, Ramps, check_size, labelled_points, run_study
+from rotor_ida.steady.points import (
+    FEATURES,
+    Turnings,
+    VariedDisc,
+    VariedSystem,
+    check_varied_can_be_followed,
+    clearances_of,
+)
 from rotor_ida.steady.run_up_outcome import (
     OF_RAMP,
     ONLY_WITH,
@@ -41,11 +48,6 @@ from rotor_ida.steady.run_up_outcome import (
     follow_system_run_up,
 )
 from rotor_ida.steady.sweep import study_dataset
-from rotor_ida.steady.system_sweep import (
-    Turnings,
-    VariedSystem,
-    clearances_of,
-)
 
 POINT = np.dtype(
     [

@@ -30,7 +30,6 @@ from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import labelled, labelled_dataset
 from rotor_ida.simulation.options import Backend, Flight, Method
 from rotor_ida.simulation.starts import Starts
-from rotor_ida.steady.disc_sweep import EVENT, VariedDisc, answer_of_disc
 from rotor_ida.steady.grid import (
     Columns,
     Direction,
@@ -40,8 +39,11 @@ from rotor_ida.steady.grid import (
     labelled_points,
     run_study,
 )
-from rotor_ida.steady.system_sweep import (
+from rotor_ida.steady.points import (
+    EVENT,
+    VariedDisc,
     VariedSystem,
+    answer_of_disc,
     turning_speeds,
     with_meanings,
 )

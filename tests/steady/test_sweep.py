@@ -10,8 +10,8 @@ from rotor_ida import InputError, Rotor, SimulationError, compare, sweep, synchr
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.parallel import FailedJob
 from rotor_ida.schema import EXACT, RESPONSE, STABILITY, flags_of, words_of
-from rotor_ida.steady import disc_sweep
 from rotor_ida.steady import grid as grid_module
+from rotor_ida.steady import points
 from tests.rotors import KNOCKED
 
 REST = (0.0, 0.0, 0.0, 0.0)
@@ -156,7 +156,7 @@ def test_a_fault_of_the_program_is_no_failed_point(monkeypatch):
     def slips(*_, **__):
         raise KeyError("a slip")
 
-    monkeypatch.setattr(disc_sweep, "follow_to_steady_state", slips)
+    monkeypatch.setattr(points, "follow_to_steady_state", slips)
     with pytest.raises(KeyError, match="a slip"):
         sweep(omega=[1.0, 2.0, 3.0], zeta=0.5, delta0=0.5, executor="threads")
 

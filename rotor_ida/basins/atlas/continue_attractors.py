@@ -41,7 +41,7 @@ from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import open_results
 from rotor_ida.simulation.options import LARGEST
 from rotor_ida.simulation.starts import Start, box_of, drawn_from, range_of
-from rotor_ida.steady.system_sweep import turning_speeds
+from rotor_ida.steady.points import turning_speeds
 
 # The atlas is drawn over a line or a plane.
 MOST_AXES = 2

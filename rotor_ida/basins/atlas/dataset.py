@@ -33,7 +33,7 @@ from rotor_ida.schema import (
     Column,
     labelled_dataset,
 )
-from rotor_ida.steady.system_sweep import VariedSystem, with_meanings
+from rotor_ida.steady.points import VariedSystem, with_meanings
 
 # Largest probability that the sample misses an attractor with more than `missed_fraction`.
 RISK = 0.05

@@ -11,11 +11,11 @@ from rotor_ida.cycles import continue_cycle
 from rotor_ida.results.studies import Piece, opened
 from rotor_ida.results.studies.arrays import packed
 from rotor_ida.results.studies.results import open_results
-from rotor_ida.steady import disc_sweep, run_ups
+from rotor_ida.steady import points, run_ups
 from rotor_ida.steady.grid import form_of
 
 FORMS = {
-    "points of a sweep": form_of("points of a sweep", "points", disc_sweep.POINT, disc_sweep.EVENT),
+    "points of a sweep": form_of("points of a sweep", "points", points.POINT, points.EVENT),
     "run-up": form_of("run-up", "run_ups", run_ups.POINT),
     "labelled batch of starts": following.FORM,
     "stretch of a branch": continue_cycle.FORM,

@@ -104,7 +104,7 @@ def test_an_interrupt_leaves_a_study_that_goes_on(tmp_path):
 
 
 def test_a_failure_of_the_surroundings_is_tried_again(tmp_path, monkeypatch):
-    from rotor_ida.steady import disc_sweep as sweeps
+    from rotor_ida.steady import points as sweeps
 
     def has_no_memory(rotor, *rest, **options):
         if rotor.omega == 2.0:
@@ -165,7 +165,7 @@ def test_a_seed_of_numpy_leaves_no_trace(tmp_path):
 
 
 def test_a_point_that_fails_is_recorded_and_the_others_go_on(tmp_path, monkeypatch):
-    from rotor_ida.steady import disc_sweep as sweeps
+    from rotor_ida.steady import points as sweeps
 
     def fails_at_two(rotor, *rest, **options):
         if rotor.omega == 2.0:
@@ -185,7 +185,7 @@ def test_a_point_that_fails_is_recorded_and_the_others_go_on(tmp_path, monkeypat
 
 
 def test_a_fault_of_the_program_is_raised_and_what_was_done_is_kept(tmp_path, monkeypatch):
-    from rotor_ida.steady import disc_sweep as sweeps
+    from rotor_ida.steady import points as sweeps
 
     def slips_at_two(rotor, *rest, **options):
         if rotor.omega == 2.0:
