@@ -36,7 +36,6 @@ from rotor_ida.cycles.multipliers import is_stable
 from rotor_ida.cycles.orbit import Orbit
 from rotor_ida.cycles.shooting import close_orbit, once_round, periods_of
 from rotor_ida.errors import InputError, SimulationError
-from rotor_ida.model.assembly import assemble
 from rotor_ida.model.few_modes import in_modes
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem
@@ -50,7 +49,14 @@ from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import RESULT_KIND, labelled_dataset
 from rotor_ida.simulation.flow import RTOL, DiscFlow, Flow
 from rotor_ida.simulation.options import check_can_be_followed
-from rotor_ida.simulation.starts import RUNS, GivenStart, Start, given_start, start_of, state_at_end
+from rotor_ida.simulation.starts import (
+    RUNS,
+    GivenStart,
+    Start,
+    begun_in_modes,
+    given_start,
+    start_of,
+)
 from rotor_ida.simulation.systems.flow import SystemFlow
 from rotor_ida.steady.decision import decide
 from rotor_ida.steady.follow import FAILED, limits_of
@@ -383,9 +389,7 @@ def _begun(asked: Varied, start: Any, guess: Guess, modes: int | None) -> tuple[
         state = flow.in_q(guess.state)
         kept = {"speed": flow.speed, "period": guess.period, "final_state": ("component", state)}
         return varied, Begun(None, guess.period, tuple(state.tolist())), xr.Dataset(kept)
-    if modes is not None:
-        raise InputError(f"start must be (q, velocity) with modes, got a result and {modes!r}")
-    ended = state_at_end(assemble(taken), start)
+    _, ended = begun_in_modes(asked.base, modes, start)
     return varied, Begun(ended, guess.period), ended
 
 

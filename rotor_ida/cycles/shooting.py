@@ -60,7 +60,8 @@ def close_orbit(flow: Flow, state: Values, period: float) -> Orbit:
     orbit, last = followed(flow, state, period), math.inf
     for _ in range(MOST_STEPS):
         step = _newton_step(orbit)
-        size = _relative_size(step, orbit)
+        scale = float(np.linalg.norm(orbit.start)) or 1.0
+        size = max(float(np.linalg.norm(step[:-1])) / scale, abs(float(step[-1])) / orbit.duration)
         if size > STALLED and closes(orbit):  # at a fold: rounding, divided by nothing
             return checked_cycle(orbit)
         if size > LONGEST_STEP:
@@ -145,9 +146,3 @@ def _newton_step(orbit: Orbit) -> Values:
     if not np.isfinite(step).all():
         raise failure(orbit, "Newton's method reached an orbit whose neighbours close as well")
     return step
-
-
-def _relative_size(step: Values, orbit: Orbit) -> float:
-    """Return the size of a step relative to state and period."""
-    scale = float(np.linalg.norm(orbit.start)) or 1.0
-    return max(float(np.linalg.norm(step[:-1])) / scale, abs(float(step[-1])) / orbit.duration)

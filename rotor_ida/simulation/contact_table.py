@@ -41,12 +41,13 @@ def contact_columns(orbit: Orbit) -> Columns:
     rotor, contacts = orbit.rotor, orbit.contacts
     at_entry = _states_at(orbit, contacts["entry"], ENTRY)
     at_exit = _states_at(orbit, contacts["exit"], EXIT)
-    speed = np.hypot(at_entry[:, 2], at_entry[:, 3])
+    x, y, vx, vy = at_entry.T
+    speed = np.hypot(vx, vy)
     left_with = np.hypot(at_exit[:, 2], at_exit[:, 3])
     columns = {
         "peak_force": peak_forces(orbit),
         "entry_speed": speed,
-        "entry_angle": _angle_of_incidence(at_entry),
+        "entry_angle": np.arctan2(x * vy - y * vx, x * vx + y * vy),  # positive in forward whirl
         "energy_lost": 0.5 * (speed**2 - left_with**2),
         "whirl_direction": _whirl_direction(orbit, speed),
     }
@@ -206,12 +207,6 @@ def _states_at(orbit: Orbit, times: Values, kind: int) -> Values:
     states = np.full((times.size, 4), np.nan)
     states[np.isfinite(times)] = orbit.event_states[orbit.event_kinds == kind]
     return states
-
-
-def _angle_of_incidence(states: Values) -> Values:
-    """Return the angle between velocity and the stator's normal, positive for forward whirl."""
-    x, y, vx, vy = states.T
-    return np.asarray(np.arctan2(x * vy - y * vx, x * vx + y * vy))
 
 
 def _whirl_direction(orbit: Orbit, entry_speed: Values) -> npt.NDArray[np.int8]:

@@ -24,9 +24,8 @@ from rotor_ida.checks import (
 )
 from rotor_ida.core.runs import NO_STOP
 from rotor_ida.errors import InputError
-from rotor_ida.model.assembly import Assembly, assemble
+from rotor_ida.model.assembly import Assembly
 from rotor_ida.model.equations import rotated
-from rotor_ida.model.few_modes import in_modes
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.parallel import Progress, Stop, interruptible, percentage, shows_progress
@@ -48,7 +47,7 @@ from rotor_ida.simulation.crossings import (
 from rotor_ida.simulation.flow import DiscFlow, Flow
 from rotor_ida.simulation.options import Method, Options, check_can_be_followed
 from rotor_ida.simulation.runs import LOOSEST_RTOL, TIGHTEST_RTOL
-from rotor_ida.simulation.starts import Start, start_of, state_at_end
+from rotor_ida.simulation.starts import Start, begun_in_modes, start_of
 from rotor_ida.simulation.systems.flow import SAMPLES_A_REVOLUTION, SettlingProblem, SystemFlow
 
 At = Literal["revolution", "entry", "exit", "peak", "roll", "slip", "reverse"]
@@ -184,6 +183,7 @@ def poincare_section(
         })  # fmt: skip
     else:
         assert isinstance(rotor, Rotor)
+        assert method is not None
         options = Options(rtol=rtol, atol=atol, method=method)
         asked = _of_disc(rotor, start, options, count, left_out, at, angle)
     flow, lead = asked.flow, left_out * asked.flow.revolution
@@ -220,24 +220,31 @@ def _later(flow: Flow, state: Values, duration: float) -> Values:
 
 def _dataset(flow: Flow, crossings: Crossings, attributes: Mapping[str, Any]) -> xr.Dataset:
     """Return a section through a motion as a labelled dataset."""
-    is_disc, dims = isinstance(flow, DiscFlow), ("crossing", "node")
+    dims = ("crossing", "node")
     columns: dict[str, Column] = {"crossing_time": ("crossing", crossings.times)}
     columns |= {name: (dims[: each.ndim], np.ascontiguousarray(each))
                 for name, each in zip(NAMES, crossings.states, strict=True)}  # fmt: skip
-    coordinates = parameter_coordinates(flow.rotor) if isinstance(flow, DiscFlow) else {}
-    coordinates["crossing"] = ("crossing", np.arange(crossings.times.size))
-    if isinstance(flow, SystemFlow):
-        assembly, moved = flow.problem.assembly, flow.problem.found.to_q(crossings.motions)
-        coordinates["node"] = ("node", np.array(list(assembly.system.nodes), str))
-        columns |= {
-            "crossing_state": (("crossing", "coordinate"), moved.reshape(-1, 2 * assembly.size)),
-            "final_state": ("component", flow.in_q(crossings.end)), **described_problem(assembly),
-        }  # fmt: skip
+    coordinates: dict[str, Column] = {"crossing": ("crossing", np.arange(crossings.times.size))}
+    if isinstance(flow, DiscFlow):
+        coordinates = parameter_coordinates(flow.rotor) | coordinates
+        return labelled_dataset(
+            "Section through one motion", columns, coordinates, attributes, kind="section"
+        )
+    assert isinstance(flow, SystemFlow)
+    assembly, moved = flow.problem.assembly, flow.problem.found.to_q(crossings.motions)
+    coordinates["node"] = ("node", np.array(list(assembly.system.nodes), str))
+    columns |= {
+        "crossing_state": (("crossing", "coordinate"), moved.reshape(-1, 2 * assembly.size)),
+        "final_state": ("component", flow.in_q(crossings.end)), **described_problem(assembly),
+    }  # fmt: skip
     found = labelled_dataset(
-        "Section through one motion" if is_disc else "Rotor system: section through one motion",
-        columns, coordinates, attributes, kind="section" if is_disc else "system_section",
-    )  # fmt: skip
-    return found if is_disc else with_system_units(found, flow.problem.assembly.system)
+        "Rotor system: section through one motion",
+        columns,
+        coordinates,
+        attributes,
+        kind="system_section",
+    )
+    return with_system_units(found, assembly.system)
 
 
 def check_taylor(method: object, what: str) -> None:
@@ -294,16 +301,12 @@ def _of_disc(
 def _of_system(system: RotorSystem, start: Any, told: dict[str, Any]) -> _Asked:
     """Return a section that is asked for of a rotor system by arguments, checked."""
     at, modes, contact = told["at"], told["modes"], told["contact"]
-    if modes is not None and isinstance(start, xr.Dataset):
-        raise InputError(f"start must be (q, velocity) with modes, got a result and {modes!r}")
-    taken, begun = in_modes(system, modes, start)
-    assembly = assemble(taken)
+    assembly, begun = begun_in_modes(system, modes, start)
     if at == "revolution" and contact is not None:
         raise InputError(
             f"contact must be left out for a section once a revolution, got {shown(contact)}"
         )
     number = None if at == "revolution" else _number_of(assembly, contact, at)
-    begun = state_at_end(assembly, begun)
     problem, first = (
         SettlingProblem.of(assembly, told["rtol"]), start_of(assembly, begun, told["speed"])
     )  # fmt: skip

@@ -27,10 +27,12 @@ from rotor_ida.checks import (
 )
 from rotor_ida.errors import InputError
 from rotor_ida.model import disc_starts
-from rotor_ida.model.assembly import Assembly, canonical
+from rotor_ida.model.assembly import Assembly, assemble, canonical
 from rotor_ida.model.axisymmetric import check_axisymmetric_parts, forward_motions
 from rotor_ida.model.contact import spring_force, spring_slope
+from rotor_ida.model.few_modes import in_modes
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.results.dataset_kinds import KINDS, kind_of
 from rotor_ida.results.si_units import dimensionless
 from rotor_ida.simulation.options import LARGEST
@@ -203,6 +205,17 @@ def _checked_motion(assembly: Assembly, start: object) -> Values:
             )
         row[: values.size] = values
     return state
+
+
+def begun_in_modes(
+    system: RotorSystem, modes: int | None, start: Any, word: str = "start"
+) -> tuple[Assembly, Any]:
+    """Return a system in a number of modes, and a start there: see `state_at_end`."""
+    if modes is not None and isinstance(start, xr.Dataset):
+        raise InputError(f"{word} must be (q, velocity) with modes, got a result and {modes!r}")
+    taken, begun = in_modes(system, modes, start)
+    assembly = assemble(taken)
+    return assembly, state_at_end(assembly, begun)
 
 
 def state_at_end(assembly: Assembly, start: Any) -> Any:

@@ -38,7 +38,7 @@ from rotor_ida.results.si_units import with_system_units
 from rotor_ida.schema import labelled
 from rotor_ida.simulation.course import MOST_RADIANS, SYSTEM_LIMITS, Course, course_of, held
 from rotor_ida.simulation.runs import SystemMethod, run_of_cases
-from rotor_ida.simulation.starts import Start, state_at_end
+from rotor_ida.simulation.starts import Start, begun_in_modes
 from rotor_ida.steady.drop_figures import figures_of_drop
 
 TITLE = "Rotor system: drop on its touchdown bearings"
@@ -176,11 +176,9 @@ def drop(
     if course.profile.is_held:
         free = free.at(omega)
     if isinstance(start, xr.Dataset):
-        if modes is not None:
-            raise InputError(f"start must be (q, velocity) with modes, got a result and {modes!r}")
         if turned:
             raise InputError(f"phase must be left out with a result as the start, got {phase!r}")
-        start = state_at_end(assemble(free), start)
+        _, start = begun_in_modes(free, modes, start)
     all_modes = [modes] if more_modes is None else [modes, more_modes]
     cases = [_released(*in_modes(free, number, start), system.supports, fails, omega)
              for number in all_modes]  # fmt: skip

@@ -121,18 +121,13 @@ def _whirl(run: xr.Dataset, number: int) -> tuple[float, float]:
     spin = run["angle"].values if "angle" in run else float(run.attrs["speed"]) * times
     best, rate = 0.0, math.nan
     for begin, end in edges.reshape(-1, 2):
-        first, last = _farthest_apart(total[begin : end + 1])
+        angles = total[begin : end + 1]
+        first, last = sorted((int(angles.argmin()), int(angles.argmax())))
         turned = float(total[begin + last] - total[begin + first])
         turned *= math.copysign(1.0, spin[begin + last] - spin[begin + first])
         if abs(turned) > abs(best):
             best, rate = turned, turned / float(times[begin + last] - times[begin + first])
     return best / math.tau, rate
-
-
-def _farthest_apart(angles: Values) -> tuple[int, int]:
-    """Return the places, in order, between which an angle changes most."""
-    low, high = int(angles.argmin()), int(angles.argmax())
-    return min(low, high), max(low, high)
 
 
 def _rest(own: Mapping[str, Values], end: float) -> float:

@@ -35,7 +35,8 @@ def grid_statistics_of(
         The other dimension of a figure, where it is not the contact.
     """
     found: dict[str, Column] = {}
-    weights, thinner = _weights(axes), _thinner(axes)
+    full = [weights_of(each, circular=name == "phase") for name, each in axes.items()]
+    weights, thinner = _product(full), _thinner(axes)
     for name, values in numbers.items():
         dim = along.get(name, "contact")
         for end, pick in (("min", np.fmin), ("max", np.fmax)):
@@ -131,11 +132,6 @@ def _closing(gaps: Values) -> float:
     """Return the gap from the last angle to the first if they go round the circle, else 0."""
     closing = max(0.0, math.tau - float(gaps.sum()))
     return closing if closing <= SLACK * float(gaps.max(initial=0.0)) else 0.0
-
-
-def _weights(axes: Mapping[str, Values]) -> Values:
-    """Return the weights of all drops."""
-    return _product([weights_of(each, circular=name == "phase") for name, each in axes.items()])
 
 
 def _thinner(axes: Mapping[str, Values]) -> list[Values] | None:

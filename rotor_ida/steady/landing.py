@@ -228,7 +228,9 @@ def _newton(
         return None  # it stands still
     for count in range(MOST_PARTS, 1, -1):
         part = period / count
-        if _is_period(part, flow, candidate) and _closes(flow, cycle, part):
+        revolutions = part / flow.revolution
+        is_whole = abs(revolutions - round(revolutions)) < 1e-9 <= revolutions
+        if (candidate.is_free or is_whole) and _closes(flow, cycle, part):
             return cycle, part, flow.monodromy(cycle, part)
     return cycle, period, derivative
 
@@ -237,12 +239,6 @@ def _closes(flow: SystemFlow, cycle: Values, period: float) -> bool:
     """Return whether a state comes back after a period."""
     missed = np.abs(flow.after(cycle, period) - cycle).max()
     return bool(missed <= NEARLY * np.abs(cycle).max())
-
-
-def _is_period(period: float, flow: SystemFlow, candidate: Candidate) -> bool:
-    """Return whether it may be one: any on turning axes, else whole revolutions."""
-    revolutions = period / flow.revolution
-    return candidate.is_free or abs(revolutions - round(revolutions)) < 1e-9 <= revolutions
 
 
 def _step(derivative: Values, missed: Values, rate: Values, is_free: bool) -> tuple[Values, float]:

@@ -223,8 +223,9 @@ class Motion:
         if self.cycle is not None:
             state, growing = self.cycle.state, self.cycle.growing
         elif self.system is None and flow.speed > 0.0 and flow.has_damping:
-            if self.repeats is None and self._came_from_afar():
-                return False
+            apart = float(np.abs(self.begun - state).max())
+            if self.repeats is None and apart > FAR * float(np.abs(state).max()):
+                return False  # it came here from afar
             period = flow.revolution if self.repeats is None else self.repeats.period
             growing = growing_direction(flow.run(state, period).tangents)
         if growing is None:
@@ -239,11 +240,6 @@ class Motion:
         size = reach if reach > UNMOVED * largest else largest
         self.state = self.begun = state + growing * (DISTURBANCE / size)
         return True
-
-    def _came_from_afar(self) -> bool:
-        """Return whether the whirl on which it stands was not where it began."""
-        apart = float(np.abs(self.begun - self.state).max())
-        return apart > FAR * float(np.abs(self.state).max())
 
     def lasts(self, duration: float) -> bool:
         """Return whether the motion is as large a time later; if it is not, go on from there."""

@@ -17,7 +17,6 @@ from rotor_ida.closed_forms.receptances import checked_speeds
 from rotor_ida.core.runs import NO_STOP
 from rotor_ida.errors import InputError, SimulationError, warn
 from rotor_ida.model.assembly import assemble
-from rotor_ida.model.few_modes import in_modes
 from rotor_ida.model.parameters import OF_ROTOR
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED, with_parameters
@@ -29,7 +28,7 @@ from rotor_ida.schema import RESPONSE
 from rotor_ida.simulation.flow import DiscFlow, Flow
 from rotor_ida.simulation.options import Options, check_can_be_followed, options_of_study
 from rotor_ida.simulation.runs import LOOSEST_RTOL, TIGHTEST_RTOL
-from rotor_ida.simulation.starts import GivenStart, Start, start_of, state_at_end, states_of
+from rotor_ida.simulation.starts import GivenStart, Start, begun_in_modes, start_of, states_of
 from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
 from rotor_ida.steady.follow import FAILED, SettledSystem, follow_to_steady_state, settle
 from rotor_ida.steady.grid import Answer, Answers, Ramps
@@ -159,19 +158,15 @@ class VariedSystem:
         """Return a system in a number of modes; InputError for starts that it does not have."""
         tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
         given = _checked_starts(starts)
-        if modes is not None and any(isinstance(each, xr.Dataset) for each in given):
-            raise InputError(f"{word} must be (q, velocity) with modes, got a result and {modes!r}")
-        taken = [in_modes(asked.base, modes, each) for each in given]
-        first = []
-        for system, start in taken:
-            assembly = assemble(system)
-            first.append(state_at_end(assembly, start))
-            if not isinstance(first[-1], str):  # before a study keeps it
-                start_of(assembly, first[-1], 1.0)
+        taken = [begun_in_modes(asked.base, modes, each, word) for each in given]
+        for assembly, start in taken:  # before a study keeps it
+            if not isinstance(start, str):
+                start_of(assembly, start, 1.0)
+        first = [start for _, start in taken]
         kept = [end if isinstance(each, xr.Dataset) else each
                 for each, end in zip(given, first, strict=True)]  # fmt: skip
         arguments = {"rotor": asked.base, "modes": modes, "rtol": tolerance}
-        return cls(replace(asked, system=taken[0][0]), first, kept, tolerance, arguments)
+        return cls(replace(asked, system=taken[0][0].system), first, kept, tolerance, arguments)
 
     @property
     def attributes(self) -> dict[str, Any]:

@@ -273,9 +273,7 @@ def settled_system(
     angle = math.remainder(float(run["angle"][-1]), math.tau)
     problem = SettlingProblem.of(assemble(with_unbalance_at(system, angle)), rtol)
     flow = SystemFlow.at(problem, to, stop)
-    size, end = problem.assembly.size, run["final_state"].values
-    motion = np.array([problem.found.to_y(each) for each in end[: 2 * size].reshape(2, size)])
-    settled = settle(flow, flow.state_of(motion, end[2 * size :]))
+    settled = settle(flow, flow.given_state(run["final_state"].values))
     features, turn = settled.features, np.exp(-1j * (angle + phase))
     whirls = {name: turn * getattr(features, name) for name in ("contact_whirl", "node_whirl")}
     turned = replace(settled, features=replace(features, **whirls))

@@ -133,7 +133,9 @@ def compare_attributes(
     """
     for name, there in archived.attrs.items():
         reason = why_no_result(str(name)) or ("" if name in again.attrs else NO_MORE)
-        if by_other and (name in OF_METHOD or _is_nan(again.attrs.get(name))):
+        computed = again.attrs.get(name)
+        is_nan = isinstance(computed, float) and math.isnan(computed)
+        if by_other and (name in OF_METHOD or is_nan):
             reason = NOT_BY_METHOD
         if reason:
             found.attributes_left_out[str(name)] = reason
@@ -145,11 +147,6 @@ def compare_attributes(
             found.trouble = found.trouble or (
                 f"attribute {name} differs: {shown(here)} computed again, {shown(there)} archived"
             )
-
-
-def _is_nan(value: object) -> bool:
-    """Return whether an attribute is no number, as what a method does not compute."""
-    return isinstance(value, float) and math.isnan(value)
 
 
 def _is_same(here: object, there: object, tolerance: float) -> bool:

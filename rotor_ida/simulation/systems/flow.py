@@ -302,8 +302,8 @@ class SystemFlow:
         """
         value = self.value_of(name)
         step = OF_PARAMETER * (abs(value) or 1.0)
-        near, far = (self.but(**{name: value + each}).after(state, until)
-                     for each in (step, 2.0 * step))  # fmt: skip
+        both: list[dict[str, Any]] = [{name: value + step}, {name: value + 2.0 * step}]
+        near, far = (self.but(**changed).after(state, until) for changed in both)
         return (4.0 * near - 3.0 * end - far) / (2.0 * step)
 
     def value_of(self, name: str) -> float:
@@ -456,26 +456,23 @@ class SystemFlow:
 
     def turned_back(self, states: Values, times: Values | float) -> Values:
         """Return states, shape (..., n), turned back by the angle of the unbalance at times."""
-        forward = self.problem.forward
-        if forward is None:
-            return states
         turn = np.exp(-1j * self.speed * np.asarray(times)) - 1.0
-        turned, size = states.copy(), self.problem.assembly.size
-        for part in (slice(size), slice(size, 2 * size)):
-            along = states[..., part] @ forward.conj()
-            turned[..., part] += 2.0 * ((turn[..., np.newaxis] * along) @ forward.T).real
-        return turned
+        return states + self._forward_part(states, turn[..., np.newaxis])
+
+    def _forward_part(self, states: Values, factor: Any) -> Values:
+        """Return the forward motions in states, shape (..., n), by a complex factor; 0 without."""
+        basis, found, size = self.problem.forward, np.zeros_like(states), self.problem.assembly.size
+        if basis is not None:
+            for part in (slice(size), slice(size, 2 * size)):
+                along = factor * (states[..., part] @ basis.conj())
+                found[..., part] = 2.0 * (along @ basis.T).real
+        return found
 
     def rate(self, state: Values) -> Values:
         """Return the rate of a state on turning axes, by differences of second order in time."""
         time = OF_TIME * self.revolution
         near, far = (self.after(state, each) - state for each in (0.5 * time, time))
         return (4.0 * near - far) / time
-
-    def changes(self, state: Values, changes: Values, duration: float) -> tuple[Values, Values]:
-        """Return the state after a time, and what small changes of it become, a row each."""
-        run, moved, _ = self._changed(state, changes, duration)
-        return self.end_of(run), moved
 
     def _changed(
         self, state: Values, changes: Values, duration: float, by: Sequence[str] = ()
@@ -505,18 +502,8 @@ class SystemFlow:
         moved = self.turned_back(run.columns[:, known] / self.scales, run.time)
         if SPEED in by:  # by which the axes turn, too
             place = len(changes) + list(by).index(SPEED)
-            moved[place] += self._turning_back(self.end_of(run)) * run.time
+            moved[place] += self._forward_part(self.end_of(run), -1j) * run.time
         return run, moved[: len(changes)], moved[len(changes) :]
-
-    def _turning_back(self, state: Values) -> Values:
-        """Return the rate at which a state on turning axes changes by their angle alone."""
-        forward, rate = self.problem.forward, np.zeros_like(state)
-        if forward is None:
-            return rate
-        size = self.problem.assembly.size
-        for part in (slice(size), slice(size, 2 * size)):
-            rate[part] = 2.0 * (-1j * (state[part] @ forward.conj()) @ forward.T).real
-        return rate
 
     def touch_fading(self, number: int, amplitude: float) -> float:
         """Return by how much 1/h grows from one ever slighter touch of a contact to the next.
@@ -545,7 +532,7 @@ class SystemFlow:
 
     def monodromy(self, state: Values, period: float) -> Values:
         """Return the derivative of the state after a period by that before."""
-        return self.changes(state, np.eye(state.size), period)[1].T
+        return self._changed(state, np.eye(state.size), period)[1].T
 
     def growth(
         self, state: Values, count: int, revolutions: int, done: list[int] | None = None
@@ -561,7 +548,8 @@ class SystemFlow:
         for number, row in enumerate(factors):
             if done is not None:
                 done.append(number)
-            state, changes = self.changes(state, bundle.T, self.revolution)
+            run, changes, _ = self._changed(state, bundle.T, self.revolution)
+            state = self.end_of(run)
             bundle, grown = np.linalg.qr(changes.T)
             row[:] = np.abs(grown.diagonal())
         with np.errstate(divide="ignore"):
