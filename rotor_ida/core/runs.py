@@ -39,7 +39,8 @@ COLUMNS = WHOLE.columns
 NO_STOP: Stop = np.zeros(1, np.uint8)
 
 
-def _rows_of_numbers(*names: str) -> np.dtype[np.void]:
+def rows_of_numbers(*names: str) -> np.dtype[np.void]:
+    """Return the type of rows of numbers by these names."""
     return np.dtype([(name, np.float64) for name in names])
 
 
@@ -47,7 +48,7 @@ def _rows_of_numbers(*names: str) -> np.dtype[np.void]:
 # indentation, and entry or exit NaN if outside the run; `struct extremum` of the radius,
 # a maximum (1) or a minimum (-1); `struct piece`, a piece of a speed profile up to its end; and
 # angle and speed of a rotor whose speed changes.
-CONTACT = _rows_of_numbers(
+CONTACT = rows_of_numbers(
     "entry", "exit", "peak_time", "peak_root", "impulse", "momentum", "lost", "largest_force",
     "heat", "slip_distance",
 )  # fmt: skip
@@ -59,8 +60,8 @@ EXTREMUM = np.dtype(
         ("state", np.float64, 4),
     ]
 )
-PIECE = _rows_of_numbers("end", "rate", "torque", "slope", "inverse_inertia", "speed")
-SPIN = _rows_of_numbers("angle", "speed")
+PIECE = rows_of_numbers("end", "rate", "torque", "slope", "inverse_inertia", "speed")
+SPIN = rows_of_numbers("angle", "speed")
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)

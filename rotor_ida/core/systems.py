@@ -17,7 +17,7 @@ from rotor_ida.arrays import Stop, Values, Watch
 from rotor_ida.core import library as found
 from rotor_ida.core import sundials
 from rotor_ida.core.interface import DONE, FULL, METHODS, pointer
-from rotor_ida.core.runs import NO_STOP, PIECE, Rows
+from rotor_ida.core.runs import NO_STOP, PIECE, Rows, rows_of_numbers
 from rotor_ida.model.bearing import Bearing, Films
 
 FIRST_ROOM = 256
@@ -39,9 +39,7 @@ LAW = np.dtype(
         ("race", np.int64),
     ]
 )  # fmt: skip
-LAW_CHANGE = np.dtype(
-    [(name, np.float64) for name in ("clearance", "stiffness", "contact_damping", "friction")]
-)
+LAW_CHANGE = rows_of_numbers("clearance", "stiffness", "contact_damping", "friction")
 TOUCH = np.dtype(
     [
         *((name, np.float64) for name in ("root", "race", "sense")),
@@ -49,19 +47,12 @@ TOUCH = np.dtype(
         ("zeros", np.int32, 3),
     ]
 )
-EPISODE = np.dtype(
-    [
-        (name, np.float64)
-        for name in (
-            "contact", "entry", "exit", "peak_root", "peak_time", "largest_force", "force_time",
-            "impulse", "work", "heat", "slip_distance", "rolling_time",
-        )
-    ]
+EPISODE = rows_of_numbers(
+    "contact", "entry", "exit", "peak_root", "peak_time", "largest_force", "force_time",
+    "impulse", "work", "heat", "slip_distance", "rolling_time",
 )  # fmt: skip
 # The extreme speeds of a race, and their times.
-RACE = np.dtype(
-    [(name, np.float64) for name in ("largest", "largest_time", "smallest", "smallest_time")]
-)
+RACE = rows_of_numbers("largest", "largest_time", "smallest", "smallest_time")
 # An extremum of the distance of a place, of the kinds -1 minimum and 1 maximum; at the ends of a
 # run 0.
 EXTREMUM_OF_PLACE = np.dtype(
@@ -396,14 +387,9 @@ class SystemEvents(NamedTuple):
 @cache
 def _library() -> ctypes.CDLL:
     core = found.library("whole")
-    core.core_system_room.restype = c_int64
-    core.core_system_room.argtypes = [c_int64, c_int64]
-    core.core_system_cvode_room.restype = c_int64
-    core.core_system_cvode_room.argtypes = [c_int64, c_int64]
-    core.core_system_column_room.restype = c_int64
-    core.core_system_column_room.argtypes = [c_int64, c_int64, c_int64]
-    core.core_system_bearing_room.restype = c_int64
-    core.core_system_bearing_room.argtypes = [c_int64, c_int64]
+    for name, count in (("room", 2), ("cvode_room", 2), ("column_room", 3), ("bearing_room", 2)):
+        function = getattr(core, f"core_system_{name}")
+        function.restype, function.argtypes = c_int64, count * [c_int64]
     core.core_system_run.restype = c_int
     core.core_system_run.argtypes = [ctypes.POINTER(SystemRunStruct)]
     return core

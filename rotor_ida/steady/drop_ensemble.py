@@ -43,8 +43,7 @@ from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import STATUS, WHIRL_DIRECTION, labelled_dataset
 from rotor_ida.steady.drop import drop
 from rotor_ida.steady.drop_figures import NUMBERS
-from rotor_ida.steady.drop_grid import cells_of, grid_statistics_of
-from rotor_ida.steady.drop_statistics import QUANTILES, statistics_of
+from rotor_ida.steady.drop_statistics import QUANTILES, cells_of, grid_statistics_of, statistics_of
 from rotor_ida.steady.grid import EXPECTED, Answer, Answers, Ramps, run_study
 
 # What varies, with the ranges that are allowed. Factors multiply what is given.

@@ -15,8 +15,13 @@ from rotor_ida import (
     drop_ensemble,
     resume,
 )
-from rotor_ida.steady.drop_grid import grid_statistics_of
-from rotor_ida.steady.drop_statistics import mean_of, quantiles_of, statistics_of, wilson
+from rotor_ida.steady.drop_statistics import (
+    grid_statistics_of,
+    mean_of,
+    quantiles_of,
+    statistics_of,
+    wilson,
+)
 
 DISC = RotorSystem(mass=20.0 * np.eye(2), stiffness=np.zeros((2, 2)), nodes={"disc": (0, 1)})
 GIVEN = {
