@@ -280,16 +280,6 @@ def test_extrema_are_drawn_over_whatever_varies():
         plot_extrema(found)
 
 
-def test_extrema_of_another_machine_than_the_curve_are_refused():
-    found = bifurcation_diagram(
-        omega=[1.0, 1.2], zeta=0.2, delta0=1.0, shaft_stiffness=0.25, starts=[(0, 0, 0, 0)]
-    )
-    exact = response_curve(zeta=0.2, delta0=1.0, limits=(0.5, 2.0))
-    message = "found must have the shaft_stiffness of exact, 0.0, got 0.25"
-    with pytest.raises(InputError, match=message):
-        plot_extrema(found, exact=exact)
-
-
 def test_exponents_of_several_points_are_drawn_over_the_parameter_that_varies():
     given = {"transient": 50.0, "duration": 200.0, "batches": 4}
     found = lyapunov_exponent(Rotor(omega=1.7, zeta=0.1, delta0=0.5), zeta=[0.1, 0.2], **given)
