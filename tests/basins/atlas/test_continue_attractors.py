@@ -12,6 +12,7 @@ from rotor_ida import (
     limit_cycle,
     synchronous_response,
 )
+from rotor_ida.basins.atlas.cells import CellJob, fill_cell, form_of
 from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.schema import RESPONSE
 from tests.basins.atlas.reports import BOX, WIDE, of_kind
@@ -109,6 +110,21 @@ def test_from_one_law_of_contact_to_the_other_nothing_is_followed():
     assert np.isin(kinds, family).all()
 
 
+def test_a_stored_cell_comes_back_whole():
+    rotor = Rotor(**PLAIN, shaft_stiffness=0.25, contact_exponent=1.0, contact_damping=0.1)
+    states = np.array([[0.0, 4.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]])
+    cell, form = fill_cell(CellJob(rotor, states, 16, 1e-6), np.zeros(1, np.uint8)), form_of(rotor)
+    back = form.unpack(form.pack(cell))
+    assert (back.rotor, back.undecided, back.largest_shocks) == (rotor, 0, cell.largest_shocks)
+    assert sum(each.count for each in back.members) == 2
+    for one, other in zip(back.members, cell.members, strict=True):
+        assert (one.kind, one.count) == (other.kind, other.count)
+        assert one.row.tobytes() == other.row.tobytes()
+        np.testing.assert_array_equal(one.settling, other.settling)
+        np.testing.assert_array_equal(one.resilience.extents, other.resilience.extents)
+        np.testing.assert_array_equal(one.resilience.before, other.resilience.before)
+
+
 def test_a_load_is_refused():
     with pytest.raises(InputError, match=r"^load must be 0 for an atlas"):
         continue_attractors(**PLAIN, load=0.125, **BOX, starts=4)
@@ -156,3 +172,10 @@ def test_limit_cycles_keep_their_numbers_over_friction_from_none_on():
     other = of_kind(found.isel(friction=3), "full_contact").attractor.item()
     periods = found.period.sel(attractor=other).values
     assert np.isnan(periods).tolist() == [True, True, False, False]
+
+
+def test_a_disc_that_slides_forwards_all_the_time_does_not_know_how_large_it_is():
+    given = {"omega": 1.2, "zeta": 0.3, "delta0": 0.5, "disc_radius": [5.0, 10.0], "friction": 0.1}
+    atlas = continue_attractors(**given, **WIDE, starts=10)
+    assert atlas.fraction.squeeze("attractor").values.ravel().tolist() == [1.0, 1.0]
+    assert np.ptp(atlas.amplitude.values) == 0.0
