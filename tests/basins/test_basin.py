@@ -143,6 +143,7 @@ def test_an_interrupt_of_the_confirmation_keeps_the_labels(monkeypatch, figure_7
     found = basin(FIGURE_7, x=AXIS, y=AXIS)
     assert found.attrs["interrupted"] == 1
     assert found.label.equals(figure_7.label)
+    assert not any(name.startswith("confirmation_") for name in found.attrs)
     assert found.confirmed.values.tolist() == [0, 0]
     assert not [name for name in found.attrs if name.startswith("confirmation_")]
     assert found.amplitude.values == pytest.approx([1.8796312367, 9.4872069457])

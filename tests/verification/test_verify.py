@@ -149,6 +149,8 @@ def test_another_kind_of_dataset_cannot_be_verified():
         ("sweep", lambda of: of.assign(amplitude=of.amplitude.astype(str)),
          "amplitude of this sweep must be real nu"),
         ("basin", lambda of: of.drop_vars("vy"), "this basin cannot be verified: it lacks vy"),
+        ("basin", lambda of: of.assign_attrs(question=0).assign_coords(contact_node="disc"),
+         "cannot be verified: it lacks its question"),
         ("basin_fractions", lambda of: of.assign_attrs(starts="many", question=0),
          "starts must be a whole number, got"),
         ("basin_fractions", lambda of: of.assign_attrs(starts=1e300, question=0),

@@ -310,6 +310,7 @@ def test_what_another_program_has_done_is_loaded_and_says_so(tmp_path):
         ({"mass": [[1.0] * 9, [0.0] * 9]}, {"mass": [[1.0] * 9, [0.0] * 8 + [2.0]]},
          r"given mass 1 8 0\.0, got 2\.0"),
         ({"a": None}, {"b": None}, r"given a None, got 'nothing'"),
+        ([1.2, 1.7], [1.2, 1.8], r"given \[1\.2, 1\.7\], got \[1\.2, 1\.8\]"),
         ([0.0] * 9, [0.0] * 8 + [-0.0], r"given 8 0\.0, got -0\.0"),
     ],
 )  # fmt: skip
