@@ -58,16 +58,6 @@ def test_the_confirmation_told_is_the_one_that_was_made(monkeypatch):
     assert not {"method", "flight", "backend", "rtol", "atol"} & set(found.attrs)
 
 
-def test_no_confirmation_is_told_where_none_was_made(monkeypatch):
-    def interrupt(*_, **__):
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(attractors, "follow_to_steady_state", interrupt)
-    found = basin(FIGURE_7, x=AXIS, y=AXIS)
-    assert not told_by(found, "confirmation_")
-    assert found.confirmed.values.tolist() == [0, 0]
-
-
 def test_orbits_left_over_are_followed_as_told(monkeypatch):
     seen, follow = [], fates.follow_to_steady_state
 
@@ -126,14 +116,6 @@ def test_starts_that_reach_no_known_attractor_again_are_not_counted(monkeypatch)
 
     monkeypatch.setattr(Disc, "label", open_again)
     assert int(basin(FIGURE_7, x=AXIS, y=AXIS).agreement_count) == 0
-
-
-def test_who_follows_the_starts_has_no_say(tmp_path):
-    one, two = (
-        basin_fractions(FIGURE_7, **BOX, starts=9 * 512, workers=workers) for workers in (1, 2)
-    )
-    assert int(one.agreement_count) == 2 * 43  # of batches 0 and 8
-    assert one.identical(two)
 
 
 def test_results_of_before_are_read_told_and_verified(tmp_path):

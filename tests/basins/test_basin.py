@@ -3,9 +3,8 @@
 import numpy as np
 import pytest
 
-from rotor_ida import InputError, Rotor, basin, load, save
+from rotor_ida import InputError, Rotor, basin
 from rotor_ida.basins import attractors, fates, following
-from rotor_ida.basins import dataset as basin_dataset_module
 from rotor_ida.basins.fates import Disc
 from rotor_ida.basins.following import follow_here
 from rotor_ida.core.runs import NO_STOP
@@ -13,7 +12,6 @@ from rotor_ida.parallel import FailedJob
 from rotor_ida.schema import FATE, RESPONSE, flags_of
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady.follow import follow_to_steady_state
-from rotor_ida.verification.resume import resume
 
 FIGURE_7 = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
 AXIS = np.linspace(-15.0, 15.0, 24)
@@ -88,29 +86,6 @@ def test_numbers_add_up(figure_7):
     assert set(np.unique(figure_7.label)) <= set(flags_of(figure_7.label).values())
 
 
-def test_whoever_does_the_work_finds_the_same_bits():
-    """There are limit cycles here, of periods 21 and 64, so all that a batch returns counts."""
-    rotor = Rotor(omega=1.7, zeta=0.07, delta0=2.0)
-    alone = basin(rotor, x=AXIS, y=AXIS, executor="serial")
-    assert np.isfinite(alone.period).sum() == 2
-    for executor, workers in (("threads", 3), ("processes", 2)):
-        together = basin(rotor, x=AXIS, y=AXIS, executor=executor, workers=workers)
-        assert alone.identical(together)
-
-
-def test_a_study_with_one_batch_left_ends_with_the_same_bits(tmp_path):
-    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
-    axis = np.linspace(-15.0, 15.0, 32)
-    whole = basin(rotor, x=axis, y=axis)
-
-    def interrupt(_done, _total):
-        raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        basin(rotor, x=axis, y=axis, study=tmp_path / "study", workers=1, progress=interrupt)
-    assert resume(tmp_path / "study").identical(whole)
-
-
 def test_starts_lost_with_their_worker_are_not_computed(monkeypatch, figure_7):
     true_run_all = following.run_all
 
@@ -129,13 +104,6 @@ def test_starts_lost_with_their_worker_are_not_computed(monkeypatch, figure_7):
     )
 
 
-def test_it_can_be_kept(figure_7, tmp_path):
-    save(figure_7, tmp_path / "basin.nc")
-    kept = load(tmp_path / "basin.nc")
-    assert kept.label.equals(figure_7.label)
-    assert kept.label.dtype == np.int16
-
-
 def test_xarray_draws_it_with_y_upwards(figure_7):
     mesh = figure_7.label.plot()
     assert mesh.axes.get_xlabel().startswith("horizontal displacement")
@@ -147,15 +115,6 @@ def test_a_rotor_that_does_not_turn_comes_to_rest():
         found = basin(Rotor(omega=0.0, zeta=0.3, delta0=delta0), x=AXIS[::6], y=AXIS[::6])
         assert (found.response == RESPONSE["contact_free"]).all()
         assert found.amplitude.values.tolist() == [0.0]
-
-
-def test_progress_is_told(monkeypatch):
-    monkeypatch.setattr(fates, "SMALLEST_BATCH", 100)
-    calls = []
-    basin(FIGURE_7, x=AXIS, y=AXIS, progress=lambda *call: calls.append(call), workers=2)
-    assert len(calls) > 3
-    assert calls[-1] == (576, 576)
-    assert sorted(calls) == calls
 
 
 def test_an_interrupt_keeps_what_is_done(monkeypatch):
@@ -184,7 +143,9 @@ def test_an_interrupt_of_the_confirmation_keeps_the_labels(monkeypatch, figure_7
     found = basin(FIGURE_7, x=AXIS, y=AXIS)
     assert found.attrs["interrupted"] == 1
     assert found.label.equals(figure_7.label)
+    assert not any(name.startswith("confirmation_") for name in found.attrs)
     assert found.confirmed.values.tolist() == [0, 0]
+    assert not [name for name in found.attrs if name.startswith("confirmation_")]
     assert found.amplitude.values == pytest.approx([1.8796312367, 9.4872069457])
 
 
@@ -219,16 +180,6 @@ def test_bad_input_gets_one_clear_line(changes, message):
     with pytest.raises(InputError, match=message) as caught:
         basin(arguments.pop("rotor"), **arguments)
     assert "\n" not in str(caught.value)
-
-
-def test_every_variable_is_labelled(figure_7):
-    for name, variable in figure_7.variables.items():
-        assert variable.attrs["long_name"], name
-        assert variable.attrs["units"], name
-    for name in ("labelling", "labelling_rtol", "omega", "sundials_version", "interrupted"):
-        assert name in figure_7.attrs
-    assert figure_7.attrs["labelling"] == basin_dataset_module.LABELLING
-    assert figure_7.attrs["labelling_rtol"] == fates.RTOL
 
 
 def test_finely_folded_basins_are_followed_more_closely():

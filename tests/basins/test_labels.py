@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-import xarray as xr
 
 from rotor_ida import (
     DimensionalRotor,
@@ -24,7 +23,6 @@ from rotor_ida.schema import RESPONSE, TRAPPING
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.starts import drawn_from
 from rotor_ida.steady.follow import follow_to_steady_state
-from rotor_ida.verification.verify import rerun
 from tests.basins.lanes import GO_ON, RUBBING, WHIP
 
 BOX = {"x": (-6, 6), "y": (-6, 6), "vx": (-6, 6), "vy": (-6, 6)}
@@ -227,19 +225,11 @@ def test_tori_are_one_kind_together():
     ],
     ids=["under a load", "with friction"],
 )
-def test_what_followed_them_is_said_and_a_study_goes_on_to_the_same_bits(
-    rotor, box, methods, tmp_path
-):
-    given = {**box, "starts": 5, "study": tmp_path / "study"}
-    found, again = basin_fractions(rotor, **given), basin_fractions(rotor, **given)
+def test_what_followed_them_is_said(rotor, box, methods):
+    found = basin_fractions(rotor, **box, starts=5)
     assert methods.items() <= found.attrs.items()
     for name, value in rotor.given.items():
         assert found.attrs[name] == found[name].item() == value
-    for name in ("count", "radius_max"):
-        np.testing.assert_array_equal(found[name], again[name])
-    xr.testing.assert_identical(rerun(found).drop_attrs(), found.drop_attrs())
-    serial = basin_fractions(rotor, **box, starts=5, executor="serial")
-    np.testing.assert_array_equal(serial.radius_max, found.radius_max)
     if rotor.load:  # the cycle of the scouts holds all others
         assert found.agreement == 1.0
         assert found.trapping.values.tolist() == [TRAPPING["estimated"]]

@@ -148,21 +148,6 @@ def test_the_axes_are_those_of_settled_runs_of_a_rotor_on_uneven_bearings():
     assert "What follows a touch is not known" in report.attrs["sentence"]
 
 
-def test_critical_speeds_are_where_whirls_meet_the_spin():
-    """Peaks of the response lie there; each mode of uneven bearings comes twice."""
-    system = beam()
-    speeds = [mode.speed for mode in critical_modes(assemble(system), 3000.0)]
-    response = synchronous_response(
-        system, unbalance=[Unbalance(node="1", moment=1e-5)],
-        speed=np.concatenate([np.linspace(0.97, 1.03, 601) * each for each in speeds]),
-    )  # fmt: skip
-    sizes = response.node_amplitude.max("node").values[:, 0].reshape(len(speeds), -1)
-    np.testing.assert_allclose(np.linspace(0.97, 1.03, 601)[sizes.argmax(axis=1)], 1.0, atol=2e-3)
-    uneven = critical_modes(assemble(uneven_beam()), speeds[0] * 1.2)
-    assert len(speeds) == 2
-    assert len(uneven) == 2
-
-
 def test_a_given_unbalance_rubs_as_the_exact_whirls_do():
     """Dimensionless: the hardest stable rub at continuous speeds, and one on the way up."""
     system = RotorSystem(mass=np.eye(2), stiffness=np.eye(2), damping=0.1 * np.eye(2),

@@ -189,20 +189,6 @@ def test_a_speed_outside_the_tables_is_refused(system, ask):
         ask(system)
 
 
-def test_constant_coefficients_are_those_of_plain_matrices(system):
-    """One bearing between two nodes stands for a spring and a damper written into matrices."""
-    plain = system.at(333.0)
-    joint = np.zeros((2, plain.size))
-    joint[:, [0, 1]], joint[:, [4, 5]] = np.eye(2), -np.eye(2)
-    stiff, damped = np.array([[2e6, 5e5], [-5e5, 1e6]]), np.array([[300.0, 10.0], [-10.0, 200.0]])
-    written = replace(plain, stiffness=plain.stiffness + joint.T @ stiff @ joint,
-                      damping=plain.damping + joint.T @ damped @ joint)  # fmt: skip
-    given = replace(plain, bearings=[Bearing(node="0", stator="1", stiffness=stiff,
-                                             damping=damped)])  # fmt: skip
-    one, other = (synchronous_response(each, speed=333.0) for each in (given, written))
-    np.testing.assert_allclose(one.node_major_axis, other.node_major_axis, rtol=1e-12)
-
-
 def tabled_system(seed):
     """Return a random system of one to three nodes, some of its motions overdamped by films."""
     random = np.random.default_rng(seed)

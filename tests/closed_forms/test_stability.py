@@ -79,18 +79,6 @@ def test_eigenvalues_are_those_of_the_stated_motion(friction, contact_damping):
     assert count > 50
 
 
-def test_known_rub_is_unstable_by_a_pair_that_oscillates():
-    """A whirl with D > 0 that friction takes its stability nonetheless."""
-    known = {"omega": 1.2, "zeta": 0.07, "delta0": 0.5, "friction": 0.1}
-    ((amplitude, _, stability, _, growth),) = whirls_of(known)
-    assert amplitude == pytest.approx(3.9010286365, abs=1e-10)
-    assert growth == pytest.approx(0.0029651, abs=1e-7)
-    assert stability == STABILITY["unstable"]
-    assert stability_determinant(amplitude, **known) > 0.0
-    leading = eigenvalues(amplitude, **known)
-    assert abs(leading[leading.real.argmax()].imag) > 1.0
-
-
 def test_without_damping_friction_drives_every_whirl_in_contact():
     """The eigenvalues add up to 0 and are not all imaginary, so one has a positive real part."""
     found = synchronous_response(

@@ -89,14 +89,6 @@ def test_a_curve_and_a_branch_over_the_clearance_are_made_again(cycle, branch):
     assert differences(other, curve)["agrees"]
 
 
-def test_a_response_without_a_cycle_is_made_again_too():
-    none = limit_cycle(Rotor(omega=1.2, zeta=0.07, delta0=2.0), start=(0, 0, 0, 0))
-    again = rerun(none)
-    assert differences(again, none)["agrees"]
-    cycle = limit_cycle(BOUNCING, start=(2.6, 0.75, 0.66, -1.65), period=4.5)
-    assert differences(cycle, none)["trouble"].startswith("period differs in 1 of 1 places")
-
-
 def test_one_special_point_more_or_less_is_a_difference(branch):
     fewer = branch.isel(special=slice(0, -1))
     trouble = differences(branch, fewer)["trouble"]

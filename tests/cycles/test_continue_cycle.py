@@ -345,10 +345,6 @@ def test_two_grazes_in_one_step_are_seen():
         assert np.abs(grazes - expected).min() < 1e-6
 
 
-class StoppedError(Exception):
-    """What a user does in the middle."""
-
-
 @pytest.mark.parametrize(("limits", "direction"), [((1.9, 2.1), "both"), (WIDE, "both"),
                                                    ((1.9, 2.1), "backward")])  # fmt: skip
 def test_progress_comes_to_its_end(limits, direction):
@@ -360,45 +356,6 @@ def test_progress_comes_to_its_end(limits, direction):
     assert done == sorted(done)
     assert {total for _, total in seen} == {599 if direction == "backward" else 1198}
     assert seen[-1][0] == seen[-1][1]
-
-
-def test_a_study_goes_on_to_the_same_bits(tmp_path):
-    rotor, limits = BOUNCING.rotor, (0.9, 2.4)
-    whole = continue_cycle(rotor, start=BOUNCING.state, limits=limits)
-
-    def interrupt(done, total):
-        assert 0 < done <= total
-        if done > 60:
-            raise StoppedError
-
-    study = tmp_path / "study"
-    with pytest.raises(StoppedError):
-        continue_cycle(rotor, start=BOUNCING.state, limits=limits, study=study, progress=interrupt)
-    seen = []
-    resumed = continue_cycle(rotor, start=BOUNCING.state, limits=limits, study=study,
-                             progress=lambda done, total: seen.append((done, total)))  # fmt: skip
-    assert resumed.drop_attrs(deep=False).identical(whole.drop_attrs(deep=False))
-    assert seen[0][0] > 60
-    assert seen[-1][0] == seen[-1][1]
-    once_more = continue_cycle(rotor, start=BOUNCING.state, limits=limits, study=study)
-    assert once_more.drop_attrs(deep=False).identical(whole.drop_attrs(deep=False))
-    with pytest.raises(InputError):
-        continue_cycle(rotor, start=BOUNCING.state, limits=(0.8, 2.4), study=study)
-
-
-@pytest.mark.parametrize("make", [
-    lambda: continue_cycle(BOUNCING.rotor, start=REST, limits=(1.7, 2.1)),
-    lambda: continue_cycle(BOUNCING.rotor, start=REST, limits=(1.99, 2.01)),
-    lambda: continue_cycle(BOUNCING.rotor, start=REST, limits=WIDE, points=2),
-], ids=["with a doubling", "without special points", "two points"])  # fmt: skip
-def test_an_archive_gives_it_back(make, tmp_path):
-    branch = make()
-    loaded = rotor_ida.load(rotor_ida.save(branch, tmp_path / "branch.nc"))
-    assert loaded.drop_attrs(deep=False).identical(branch.drop_attrs(deep=False))
-    for name, value in branch.attrs.items():
-        if name != "history":
-            np.testing.assert_array_equal(loaded.attrs[name], value)
-    assert loaded.sizes["special"] == branch["special_kind"].size
 
 
 def test_points_end_a_branch():

@@ -4,7 +4,6 @@ import math
 
 import numpy as np
 import pytest
-import xarray as xr
 
 import rotor_ida
 from rotor_ida import (
@@ -15,9 +14,7 @@ from rotor_ida import (
     backward_whirl,
     decode_flags,
     limit_cycle,
-    lyapunov_exponent,
     poincare_section,
-    resume,
     simulate,
 )
 from rotor_ida.cycles import limit_cycle as search_module
@@ -161,24 +158,7 @@ def test_a_motion_may_repeat_itself_after_forty_revolutions_only():
     assert misses[:-1].min() > 1e-3
 
 
-RUB = Rotor(omega=1.2, zeta=0.07, delta0=0.5, friction=0.1, disc_radius=10.0)
 WHIP = Rotor(omega=1.0, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0)
-
-
-def test_a_rub_born_at_a_hopf_point_is_the_known_one():
-    """Radii, the modulus of its pair and det M as two other programs have them."""
-    cycle = limit_cycle(RUB, start=(3.0, 1.0, 0.0, 0.0))
-    assert cycle.radius_min == pytest.approx(0.94953900, abs=5e-9)
-    assert cycle.radius_max == pytest.approx(5.64648121, abs=5e-9)
-    assert kind_of(cycle) == "full_contact"
-    found = multipliers(cycle)
-    assert found[0] == 1.0
-    assert found[1].real == pytest.approx(0.978, abs=5e-4)
-    assert abs(found[2]) == pytest.approx(0.722, abs=5e-4)
-    shrinks = np.exp(-4.0 * RUB.zeta * cycle.period.item())
-    assert np.prod(found).real == pytest.approx(shrinks, rel=1e-11)
-    assert cycle.trivial_defect < 1e-13
-    assert np.isnan(cycle.symplectic_defect)
 
 
 def test_a_whip_that_rolls_and_slips_for_ever_is_a_cycle():
@@ -254,12 +234,6 @@ def test_without_a_cycle_it_says_what_there_is_instead(rotor, start, kind):
     assert np.isnan(found["multiplier_real"]).all()
     assert found["stability"].item() == STABILITY["absent"]
     assert found.sizes["t"] == 0
-
-
-def test_chaos_under_a_load_has_a_positive_exponent():
-    """Bouncing on a soft ring: neighbours part, and the motion never comes again."""
-    exponent = lyapunov_exponent(SOFT_RING, start=(0.0, -0.5, 0.0, 0.0), duration=3000.0)
-    assert exponent.lyapunov_exponent[0] > 5.0 * exponent.lyapunov_error[0]
 
 
 def test_one_period_comes_back_and_is_cvodes_motion():
@@ -349,23 +323,6 @@ def test_little_damping_large_clearance():
     assert cycle["symplectic_defect"].item() < 1e-13
 
 
-@pytest.mark.parametrize("make", [
-    lambda: limit_cycle(BOUNCING.rotor, start=REST),
-    lambda: limit_cycle(BOUNCING.rotor, start=BOUNCING.state, period=4.5),
-    lambda: limit_cycle(WITHOUT_CLEARANCE, start=TO_IT),
-    lambda: limit_cycle(Rotor(omega=1.7, zeta=0.07, delta0=9.0), start=REST),
-], ids=["bouncing", "from a guess", "without clearance", "no cycle"])  # fmt: skip
-def test_an_archive_gives_it_back(make, tmp_path):
-    cycle = make()
-    loaded = rotor_ida.load(rotor_ida.save(cycle, tmp_path / "cycle.nc"))
-    assert loaded.drop_attrs(deep=False).identical(cycle.drop_attrs(deep=False))
-    for name, value in cycle.attrs.items():
-        if name != "history":
-            np.testing.assert_array_equal(loaded.attrs[name], value)
-    for value in cycle.attrs.values():
-        assert not isinstance(value, bool | None)
-
-
 def check_points(found, alone_at, dim):
     """Check that each point of a result along a dimension is that of a call of its own."""
     numbers = [name for name in found.data_vars if name not in {"status", "message"}]
@@ -392,30 +349,6 @@ def test_each_point_is_that_of_one_call():
     assert {*alone.data_vars} - {*found.data_vars} == {"frequency", "whirl_amplitude", "line_kind"}
 
 
-def test_a_point_is_the_cycle_that_is_known():
-    point = limit_cycle(ROTOR, omega=OMEGA, delta0=[1.9, 2.0]).sel(omega=2.0, delta0=2.0)
-    assert abs(point.period - BOUNCING.period) < 1e-11
-    assert abs(point.radius_max - HIGHEST[BOUNCING]) < 1e-9
-    assert np.abs(multipliers(point) - PAIRS[BOUNCING]).min() < 1e-8
-
-
-def test_the_multipliers_of_each_point_contract_volumes_as_the_damping_does():
-    found = limit_cycle(ROTOR, omega=[1.9, 2.0], zeta=[0.068, 0.07])
-    product = multipliers(found).prod(axis=-1)
-    shrunk = np.exp(-4.0 * (found.zeta * found.period).transpose("omega", "zeta"))
-    assert np.isfinite(found.period).all()
-    np.testing.assert_allclose(product, shrunk, rtol=1e-9)
-
-
-def test_a_rotor_system_of_one_disc_has_its_cycles():
-    found, disc = limit_cycle(SYSTEM, speed=OMEGA), limit_cycle(ROTOR, omega=OMEGA)
-    np.testing.assert_array_equal(found.response, disc.response)
-    for name in ("period", "radius_min", "radius_max", "largest_force", "contact_count"):
-        np.testing.assert_allclose(found[name].squeeze(), disc[name], rtol=1e-8, err_msg=name)
-    np.testing.assert_allclose(multipliers(found), multipliers(disc), atol=1e-6)
-    check_points(found, lambda speed: limit_cycle(SYSTEM, speed=speed), "speed")
-
-
 def test_parameters_of_a_rotor_system_vary_beside_its_speed():
     system = FRICTIONAL.system()
     start = [np.array(TO_WHIP[:2]), np.array(TO_WHIP[2:])]
@@ -426,19 +359,6 @@ def test_parameters_of_a_rotor_system_vary_beside_its_speed():
     np.testing.assert_array_equal(found.response.isel(speed=0), disc.response)
     np.testing.assert_allclose(found.period.isel(speed=0), disc.period, rtol=1e-8)
     assert found.friction.attrs["long_name"] != disc.friction.attrs["long_name"]
-
-
-def test_a_machine_has_its_own_parameters_and_seconds():
-    speeds = [950.0, 1000.0]
-    found = limit_cycle(MACHINE, speed=speeds, start="rest")
-    rates = np.array(speeds) * MACHINE.time_scale
-    plain = limit_cycle(MACHINE.rotor(), omega=rates, start="rest")
-    assert np.isfinite(plain.period).all()
-    assert found.period.attrs["units"] == "s"
-    np.testing.assert_allclose(found.period, plain.period * MACHINE.time_scale, rtol=1e-12)
-    np.testing.assert_allclose(found.radius_max, plain.radius_max * MACHINE.length_scale)
-    by_name = limit_cycle(MACHINE, speed=speeds[0], start="rest")
-    np.testing.assert_allclose(by_name.period, found.period[0], rtol=1e-12)
 
 
 def test_a_cycle_is_a_guess_at_each_point_and_each_point_is_one():
@@ -453,23 +373,6 @@ def test_a_cycle_is_a_guess_at_each_point_and_each_point_is_one():
     np.testing.assert_allclose(others.period[1], one.period, rtol=1e-8)
     back = limit_cycle(SYSTEM, start=others.isel(clearance=1))
     np.testing.assert_allclose(back.period, one.period, rtol=1e-8)
-
-
-@pytest.mark.parametrize("given", [
-    {"rotor": ROTOR, "omega": OMEGA}, {"rotor": SYSTEM, "speed": OMEGA, "start": "rest"},
-], ids=["disc", "system"])  # fmt: skip
-def test_a_study_of_them_is_resumed_to_the_same_bits(given, tmp_path):
-    def give_up(done, _):
-        if done == 1:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        limit_cycle(**given, study=tmp_path / "s", progress=give_up, executor="serial")
-    calls = []
-    found = resume(tmp_path / "s", progress=lambda *call: calls.append(call))
-    assert calls[0] == (1, 3)
-    assert calls[-1] == (3, 3)
-    xr.testing.assert_identical(found, limit_cycle(**given, workers=2))
 
 
 def test_a_point_that_fails_says_why(monkeypatch):

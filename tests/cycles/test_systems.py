@@ -80,22 +80,6 @@ def test_a_cycle_of_one_disc_as_a_system_is_that_of_one_disc(rotor, start, allow
     assert found.trivial_defect.item() < allowed
 
 
-def test_the_orbit_closes_on_the_turning_axes(bouncing):
-    for name in ("x", "y", "vx", "vy"):
-        np.testing.assert_allclose(bouncing[name][0], bouncing[name][-1], atol=1e-10)
-    radius = np.hypot(bouncing.x, bouncing.y).max()
-    assert abs(radius / bouncing.radius_max.item() - 1.0) < 1e-3
-
-
-def test_a_sweep_ends_on_the_cycle_and_its_point_is_a_guess(bouncing):
-    system = BOUNCING.system()
-    point = sweep(system, speed=[2.0]).isel(speed=0, start=0, direction=0)
-    found = rotor_ida.limit_cycle(system, start=point)
-    np.testing.assert_allclose(found.period, point.period, rtol=1e-9)
-    np.testing.assert_allclose(found.radius_max, point.radius_max, rtol=1e-8)
-    np.testing.assert_allclose(found.period, bouncing.period, rtol=1e-12)
-
-
 def test_a_cycle_is_the_same_with_more_tolerance_but_for_its_stated_errors():
     system = BOUNCING.system()
     found = rotor_ida.limit_cycle(system, speed=2.0)
@@ -202,20 +186,6 @@ def test_points_of_a_branch_are_cycles_of_the_system_with_that_parameter(name, l
     )
     middle = onwards.sel(point=onwards.speed == 1.5)  # with the parameter of its start
     np.testing.assert_allclose(middle.period.values, branch.period.values[-1], rtol=1e-12)
-
-
-def test_a_parameter_changes_neither_the_scales_nor_the_coordinates_of_a_state():
-    flow = guess_of_system(two_discs(), None, 1.5).flow
-    state = np.linspace(-1.0, 1.0, flow.scales.size)
-    for name in ("clearance", "friction", "unbalance", "damping", "stiffness"):
-        other = flow.but(**{name: 1.25 * flow.value_of(name)}).but(speed=1.6)
-        assert other.value_of(name) == 1.25 * flow.value_of(name)
-        np.testing.assert_array_equal(other.in_q(state), flow.in_q(state))
-        back = other.but(**{name: flow.value_of(name)}, speed=1.5)
-        np.testing.assert_array_equal(back.after(state, 3.0), flow.after(state, 3.0))
-        assert np.abs(other.but(speed=1.5).after(state, 3.0) - flow.after(state, 3.0)).max() > 1e-4
-    with pytest.raises(SimulationError, match="clearance of the contact"):
-        flow.but(clearance=-1.0)
 
 
 @pytest.mark.parametrize(("given", "message"), [

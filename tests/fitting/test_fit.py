@@ -17,9 +17,7 @@ from rotor_ida import (
     Rotor,
     dimensional,
     fit,
-    load,
     run_up,
-    save,
     signals_of,
     simulate,
 )
@@ -57,42 +55,6 @@ def noisy(signals, rng, noise=NOISE):
 
 def in_si(machine, to=250.0, rate=15.0, samples=12_001):
     return dimensional(run_up(machine, to=to, rate=rate, samples=samples), units={"length": "µm"})
-
-
-def test_without_noise_the_truth_comes_back(up):
-    found = fit(signals_of(up), GUESS, SOUGHT)
-    np.testing.assert_allclose(found.estimate, TRUTH, rtol=1e-6)
-    assert found.told.values.all()
-
-
-def test_the_truth_is_covered_as_often_as_it_should_be(up):
-    """Of 20 fits with noise the true values lie within 95 % intervals as often as chance has it.
-
-    The mean square of the error over its stated one is 1, by the law of chi-square. The bounds
-    leave a chance of 1e-5 on each side; chi-square is compared with its own law. A
-    thousand more are in benchmarks/fit.py.
-    """
-    rng = np.random.default_rng(28)
-    seen, trials = signals_of(up), 20
-    entries = up.event_time.values[up.event_kind.values == 1]
-    covered, apart, squares, freedom = np.zeros(3), [], 0.0, 0
-    for _ in range(trials):
-        times = entries + rng.normal(0.0, TIME_ERROR, entries.size)
-        found = fit(noisy(seen, rng), TRUE, SOUGHT, entries=times, time_error=TIME_ERROR)
-        covered += (found.lower.values <= TRUTH) & (found.upper.values >= TRUTH)
-        apart.append((found.estimate - TRUTH) / found.standard_error)
-        squares += float(found.chi_square)
-        freedom += int(found.degrees_of_freedom)
-        assert abs(float(found.noise) / NOISE - 1.0) < 0.1
-    low, high = binom.ppf([1e-5, 1.0 - 1e-5], trials, 0.95)
-    assert covered.min() >= low
-    assert covered.max() <= high
-    low, high = chi2.ppf([1e-5, 1.0 - 1e-5], freedom)
-    assert low < squares < high
-    low, high = chi2.ppf([1e-5, 1.0 - 1e-5], trials) / trials
-    scatter = (np.array(apart) ** 2).mean(axis=0)
-    assert low < scatter.min()
-    assert scatter.max() < high
 
 
 def test_a_contact_time_without_a_partner_is_said_and_left_out(up):
@@ -265,16 +227,6 @@ def test_a_model_that_lacks_something_leaves_more_than_noise(up):
     assert found.standard_error.item() == pytest.approx(as_noise.standard_error.item(), rel=1e-3)
     part = 100.0 * (found.standard_error / found.estimate).item()
     assert found.attrs["identifiability"] == f"zeta is known to {part:.2g} %"
-
-
-def test_it_is_saved_and_loaded(up, tmp_path):
-    entries = up.event_time.values[up.event_kind.values == 1]
-    found = fit(signals_of(up), GUESS, ["zeta", "delta0"], entries=entries, time_error=0.1)
-    save(found, tmp_path / "fit.nc")
-    back = load(tmp_path / "fit.nc")
-    for name in found.variables:
-        np.testing.assert_array_equal(back[name], found[name])
-    assert back.attrs["identifiability"] == found.attrs["identifiability"]
 
 
 def test_a_known_start_is_not_sought(up):

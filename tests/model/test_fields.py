@@ -158,12 +158,6 @@ def test_one_disc_goes_where_systems_go():
     np.testing.assert_allclose(special.special_speed, folds[folds > 0.5], rtol=1e-9)
 
 
-def test_keywords_override_a_rotor_whose_parameters_are_axes():
-    rotor = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
-    one = rotor_ida.synchronous_response(rotor, omega=[1.2, 1.7])
-    assert one.equals(rotor_ida.synchronous_response(omega=[1.2, 1.7], zeta=0.07, delta0=0.5))
-
-
 def test_the_help_of_one_name_describes_both_kinds():
     verbs = ["simulate", "run_up", "sweep", "lyapunov_exponent", "synchronous_response"]
     for verb in [*verbs, "limit_cycle", "continue_cycle"]:

@@ -131,6 +131,10 @@ def test_links_are_nodes_with_three_coordinates():
     system = RotorSystem.from_ross(Rotor(), speed=SPEED)
     assert dict(system.nodes) == {"0": (0, 1), "1": (6, 7), "2": (12, 13), "3": (15, 16)}
     assert system.positions is None  # links have none
+    rotor = Rotor()
+    rotor.nodes_pos = [0.0, 1.0, 0.0, 1.0]
+    known = RotorSystem.from_ross(rotor, speed=SPEED).positions
+    assert known == {"0": 0.0, "1": 1.0, "2": 0.0, "3": 1.0}
     assert not system.note
     unbalance = [Unbalance(node="0", moment=1e-4), Unbalance(node="1", moment=2e-4)]
     found = synchronous_response(system, speed=SPEED, unbalance=unbalance)
@@ -230,6 +234,8 @@ def test_a_file_keeps_the_note_and_the_added_mass(tmp_path):
 def test_shafts_of_different_speeds_are_refused():
     with pytest.raises(InputError, match="rotor must be one shaft line, got a MultiRotor"):
         RotorSystem.from_ross(MultiRotor(), speed=SPEED)
+    with pytest.raises(InputError, match="rotor must be a rotor of ROSS"):
+        RotorSystem.from_ross(3, speed=SPEED)
 
 
 @cache

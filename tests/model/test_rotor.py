@@ -8,7 +8,6 @@ import pytest
 
 from rotor_ida import DimensionalRotor, InputError, Rotor, dimensional, simulate
 from rotor_ida.model.parameters import FRICTIONLESS, MACHINE_PARAMETERS
-from tests.witness import HOW, flown, in_units
 
 MACHINE = DimensionalRotor(
     mass=3.0, contact_stiffness=2.5e9, damping=40.0, eccentricity=4e-6, clearance=3e-6, speed=1500.0
@@ -138,26 +137,6 @@ def test_what_is_given_makes_the_same_rotor_and_machine():
         assert DimensionalRotor(**machine.given) == machine
         assert Rotor(**machine.rotor().given) == machine.rotor()
     assert list(MACHINE.given) == list(MACHINE_PARAMETERS)
-
-
-def test_scaling_with_k_sqrt_D_over_m_reproduces_the_dimensional_equation():
-    """The paper prints omega_0**2 = k/m; only k sqrt(D)/m maps one equation to the other."""
-    run = dimensional(
-        simulate(MACHINE.rotor(), start=(0, 0, 0, 0), duration=20.0, samples=41, rtol=1e-12),
-        MACHINE,
-    )
-    times = run.t.values
-    scale = MACHINE.length_scale
-    how = in_units(HOW, scale, MACHINE.time_scale)
-    reference = flown(MACHINE, (0.0, 0.0, 0.0, 0.0), times[-1], at=times, how=how).states.T
-    assert np.abs(run.x.values - reference[0]).max() < 1e-9 * scale
-    assert np.abs(run.vy.values - reference[3]).max() < 1e-9 * MACHINE.velocity_scale
-    deepest = MACHINE.contact_stiffness * run.peak_indentation.values**1.5
-    assert run.peak_force.values == pytest.approx(deepest, rel=1e-12)
-    assert run.peak_force.attrs["units"] == "N"
-    np.testing.assert_array_equal(dimensional(run, MACHINE).x, run.x)
-    with pytest.raises(InputError, match="machine must be that of the result"):
-        dimensional(run, dataclasses.replace(MACHINE, mass=5.0))
 
 
 PLAIN = {"omega": 1.2, "zeta": 0.07, "delta0": 0.5}

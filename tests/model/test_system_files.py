@@ -82,6 +82,25 @@ def test_a_system_is_read_as_it_was_written_and_no_damaged_copy_is_an_error(
             assert "\n" not in told
 
 
+@pytest.mark.parametrize(
+    ("name", "content", "told"),
+    [
+        ("a.npz", b"no", "cannot read the system"),
+        ("a.mat", b"no" * 200, "cannot read the system"),
+        ("a.txt", b"", r"must be a \.npz or \.mat file"),
+        ("gone.npz", None, "cannot read the system"),
+        ("whole.npz", {"M": MASS}, "must hold stiffness, got 'M'"),
+    ],
+)
+def test_a_file_of_no_system_is_refused(tmp_path: Path, name: str, content: object, told: str):
+    if isinstance(content, bytes):
+        (tmp_path / name).write_bytes(content)
+    elif isinstance(content, dict):
+        np.savez(tmp_path / name, **content)
+    with pytest.raises(InputError, match=told):
+        RotorSystem.from_file(tmp_path / name)
+
+
 def test_a_sparse_matrix_with_an_index_beyond_its_shape_is_refused(tmp_path: Path):
     path = tmp_path / "a.mat"
     entry = scipy.sparse.csc_matrix(([3.5], ([2], [1])), shape=(4, 4))

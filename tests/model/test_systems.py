@@ -70,22 +70,6 @@ def test_a_stator_without_mass_and_damping_is_refused():
         Race(radius=1.0, inertia=0.0)
 
 
-def test_a_file_that_cannot_be_read_is_refused(tmp_path):
-    for name, content in (
-        ("a.npz", b"no"),
-        ("b.mat", b"no" * 200),
-        ("c.txt", b""),
-        ("d.npz", None),
-    ):
-        if content is not None:
-            (tmp_path / name).write_bytes(content)
-        with pytest.raises(InputError):
-            RotorSystem.from_file(tmp_path / name)
-    np.savez(tmp_path / "e.npz", M=np.eye(2))
-    with pytest.raises(InputError, match="must hold stiffness, got 'M'"):
-        RotorSystem.from_file(tmp_path / "e.npz")
-
-
 def test_a_ramp_needs_no_end_but_a_duration():
     system, around = random_system(2)
     ways = ({"to": 1.5}, {"duration": 10.0})
@@ -124,53 +108,6 @@ def test_gravity_acts_by_the_nodes_or_is_refused():
     part = RotorSystem(**tilting, nodes={"a": rows["a"]})
     with pytest.raises(InputError, match="translations must be given for gravity"):
         simulate(part, gravity=(0, -9.81), speed=0.0, duration=1.0)
-
-
-class OfRoss:
-    """A rotor as the package ROSS has them."""
-
-    number_dof = 4
-
-    def M(self):
-        return np.diag([1.0, 1.0, 0.1, 0.1] * 2)
-
-    def K(self, frequency):
-        return (2.0 + frequency) * np.eye(8)
-
-    def C(self, frequency):
-        return 0.1 * frequency * np.eye(8)
-
-    def G(self):
-        return np.kron(np.eye(2), np.diag([0.0, 0, 0], 1) + np.kron(np.eye(2), [[0, 1], [-1, 0]]))
-
-
-def test_a_rotor_of_ross_becomes_a_system():
-    system = RotorSystem.from_ross(OfRoss(), speed=3.0)
-    assert system.stiffness[0, 0] == 5.0
-    assert dict(system.nodes) == {"0": (0, 1), "1": (4, 5)}
-    assert system.stiffness_rate is None
-    assert system.positions is None
-    rotor = OfRoss()
-    rotor.nodes_pos = [0.0, 0.4]
-    assert RotorSystem.from_ross(rotor, speed=3.0).positions == {"0": 0.0, "1": 0.4}
-    rotor.nodes_pos = [0.0]  # as where a link adds a node
-    assert RotorSystem.from_ross(rotor, speed=3.0).positions is None
-    with pytest.raises(InputError, match="rotor must be a rotor of ROSS"):
-        RotorSystem.from_ross(3, speed=1.0)
-
-
-def test_all_modes_are_the_system():
-    """A change of coordinates changes no event but by rounding."""
-    system = beam()
-    around = {
-        "contacts": [Contact(node="5", clearance=0.3, stiffness=20.0)],
-        "unbalance": [Unbalance(node="3", moment=1.0)], "speed": 0.7, "duration": 60.0,
-    }  # fmt: skip
-    whole = simulate(system, **around)
-    same = simulate(system.reduced(modes=system.size), **around)
-    assert whole.sizes["event"] > 5
-    np.testing.assert_allclose(whole.event_time, same.event_time, rtol=1e-10)
-    np.testing.assert_allclose(whole.x, same.x, atol=1e-9)
 
 
 def bending_beam():

@@ -1,17 +1,12 @@
 """The physics that the scenarios of real machines show, each beside an independent witness."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
-from scipy.optimize import brentq
 
 from rotor_ida import (
     Rotor,
-    backward_whirl,
-    branches_through,
     compare,
     limit_cycle,
     lyapunov_exponent,
@@ -79,53 +74,6 @@ def test_rotor_from_rest_is_led_to_the_whirls_in_contact_by_the_stiff_shaft_alon
     assert missed < 1e-9
 
 
-def test_pushed_rotors_bounce_on_the_exact_cycles_of_their_branches(shaft):
-    swept = sweep(
-        omega=[1.8, 2.0], zeta=shaft.ZETA, delta0=shaft.DELTA0, shaft_stiffness=[0.05],
-        contact_exponent=[1.0], starts=shaft.PUSHES, method="taylor",
-    )  # fmt: skip
-    compared = compare(swept)
-    branches = branches_through(compared, limits=shaft.LIMITS)
-    assert [branch.attrs["closed"] for branch in branches] == [1]
-    met, exactly, missed = shaft.agreement([compared], shaft.CYCLES)
-    assert met == exactly >= 2
-    assert missed < 1e-9
-
-
-def test_simulated_impacts_lie_on_the_law_of_restitution(restitution):
-    """The law itself is solved here, and the depth is an integral over the speed."""
-    found = restitution.impacts(number=2)
-    for speed in found.entry_speed.values:
-        for damping in found.contact_damping.values:
-            x = speed * damping
-            e = brentq(
-                lambda e, x=x: math.log((1.0 + x) / (1.0 - e * x)) - x * (1.0 + e),
-                1e-6, min(1.0, (1.0 - 1e-12) / x), xtol=1e-14,
-            )  # fmt: skip
-            here = found.sel(entry_speed=speed, contact_damping=damping)
-            # at a small x the law takes the difference of what is nearly equal
-            near = 1e-9 if x > 0.01 else 1e-6
-            np.testing.assert_allclose(here.simulated_restitution, e, rtol=0.0, atol=near)
-            np.testing.assert_allclose(here.restitution, e, rtol=0.0, atol=near)
-            for power in found.contact_exponent.values:
-                depth = depth_by_integration(speed, damping, power)
-                deepest = here.simulated_indentation.sel(contact_exponent=power)
-                np.testing.assert_allclose(deepest, depth, rtol=1e-9)
-    np.testing.assert_allclose(
-        found.simulated_restitution, found.restitution.broadcast_like(found.simulated_restitution),
-        rtol=0.0, atol=1e-11,
-    )  # fmt: skip
-
-
-def depth_by_integration(speed, damping, power):
-    """Return the depth at which the speed is 0, from d(depth)**(n + 1)/dv along the speed."""
-    solved = solve_ivp(
-        lambda v, _: [-(power + 1.0) * v / (1.0 + damping * v)], (speed, 0.0), [0.0],
-        method="DOP853", rtol=1e-12, atol=1e-15,
-    )  # fmt: skip
-    return solved.y[0, -1] ** (1.0 / (power + 1.0))
-
-
 def test_contact_damping_turns_bouncing_into_full_contact(restitution):
     for damping, touches in ((0.04, True), (0.05, False)):
         rotor = Rotor(**restitution.BOUNCING, contact_damping=damping)
@@ -143,39 +91,6 @@ def test_hardly_any_contact_damping_ends_the_chaos(restitution):
         assert (exponent > 5.0 * error and exponent > 0.01) == chaotic
 
 
-def test_cycles_have_twice_the_period_beyond_a_doubling(restitution):
-    branch = restitution.cascade(levels=0)[0]
-    at = restitution.doublings(branch).min()
-    before, beyond = (
-        limit_cycle(
-            Rotor(**restitution.CHAOTIC, contact_damping=factor * at), start=restitution.START
-        ).period.item()
-        for factor in (1.05, 0.95)
-    )
-    assert beyond == pytest.approx(2.0 * before, rel=1e-2)
-
-
-def test_rotor_first_touches_the_ring_when_the_formula_of_its_fall_does(drop):
-    """Flight is linear: a drift that dies, the whirl of the unbalance, and the fall."""
-    machine = drop.machine_with(10.0, 0.2e-3)
-    decay = machine.damping / machine.mass
-    whirl = -machine.speed * machine.eccentricity / (machine.speed - 1j * decay)
-    fall = -1j * machine.load / machine.mass / decay
-    drift = (-1j * machine.speed * (machine.eccentricity + whirl) - fall) / -decay
-    rest = -machine.eccentricity - whirl - drift
-
-    def gap(t):
-        turning = whirl * np.exp(1j * machine.speed * t)
-        return abs(rest + drift * np.exp(-decay * t) + turning + fall * t) - machine.clearance
-
-    touch = brentq(gap, 1e-3, 7e-3, xtol=1e-15)
-    run = drop.drop(machine, 0.01)
-    assert run.event_time.values[0] * machine.time_scale == pytest.approx(touch, rel=1e-10)
-    free = math.sqrt(2.0 * machine.clearance * machine.mass / machine.load)
-    # the whirl comes nearer to the ring or is late by a few micrometres of 200
-    assert touch == pytest.approx(free, rel=0.03)
-
-
 def test_rotor_at_rest_does_not_leave_the_ring_again_and_carries_its_weight(drop):
     machine = drop.machine_with(10.0, 0.2e-3)
     rest = drop.time_to_rest(drop.drop(machine, drop.LASTS), machine)
@@ -188,12 +103,6 @@ def test_rotor_at_rest_does_not_leave_the_ring_again_and_carries_its_weight(drop
     # over 250 revolutions the ring carries the weight; the ends of the mean are cut
     carried = float(upwards.mean()) * machine.force_scale
     assert carried == pytest.approx(machine.load, rel=2e-3)
-
-
-def test_forces_over_time_reach_the_peaks_of_the_contacts(drop):
-    run = drop.with_force(drop.drop(drop.machine_with(10.0, 0.2e-3), 0.05, samples=50_001))
-    assert run.force.max().item() == pytest.approx(run.peak_force.max().item(), rel=1e-5)
-    assert run.force.min().item() == 0.0
 
 
 def test_unbalance_keeps_the_rotor_bouncing_that_would_rest_without_spin(drop):
@@ -217,23 +126,6 @@ def test_rotor_that_rests_lies_on_the_side_by_the_angle_of_friction(drop, fricti
     # the rim slides on towards positive x, so friction pulls the other way; it rocks about there
     assert x / y == pytest.approx(friction, rel=0.03)
     assert x < 0.0
-
-
-def test_whip_of_the_dropped_machine_ends_at_the_damping_of_the_border(drop):
-    for friction in (0.1, 0.4):
-        damping = drop.largest_whip_damping(friction)
-        machine = replace(drop.machine_with(0.0, friction=friction), load=0.0, damping=damping)
-        rotor = machine.rotor()
-        # by SciPy: the rolling disc asks for 2 zeta V of friction, and mu N is there
-        surface = rotor.disc_radius * rotor.omega
-
-        def excess(r, rotor=rotor, surface=surface):
-            return r * (r - rotor.delta0) ** 1.5 - surface**2
-
-        radius = brentq(excess, rotor.delta0, 1e6, xtol=1e-9)
-        holding = friction * (radius - rotor.delta0) ** 1.5
-        assert 2.0 * rotor.zeta * surface == pytest.approx(holding, rel=1e-10)
-        assert backward_whirl(rotor).birth_omega.item() == pytest.approx(rotor.omega, rel=1e-10)
 
 
 def test_drop_that_ends_in_whip_does_so_by_another_method_and_for_good(drop):
@@ -260,14 +152,6 @@ def run_up_of(how_slow, machine, rates):
         omega=rotor.omega, to=how_slow.RUN[1] * how_slow.RADIANS / frequency,
         rate=np.array(rates) * how_slow.RADIANS / frequency**2, method="taylor", rtol=1e-8, **given,
     ).squeeze()  # fmt: skip
-
-
-def test_slow_run_up_of_the_machine_meets_the_force_of_the_exact_response(how_slow):
-    for clearance in how_slow.RING:
-        machine = how_slow.machine_with(clearance, how_slow.SMOOTH)
-        found = run_up_of(how_slow, machine, [50.0])
-        force = found.largest_force.item() * machine.force_scale
-        assert force == pytest.approx(how_slow.steady_in_newtons(machine), rel=0.02)
 
 
 @pytest.mark.parametrize("zeta", [0.02, 0.1])

@@ -140,14 +140,6 @@ def test_scenario_that_failed_is_run_again(light, tmp_path, text):
     assert reproduce(out, only=["b_fails"], workers=1) == 0
 
 
-def test_results_that_were_edited_are_not_replaced_unasked(light, tmp_path):
-    out = tmp_path / "results"
-    reproduce(out, only=["c_works"], workers=1)
-    (out / "c_works" / "notes.txt").write_text("mine")
-    with pytest.raises(InputError, match="c_works' contains results already"):
-        reproduce(out, only=["c_works"], workers=1)
-
-
 def test_a_file_is_no_folder_for_results(light, tmp_path):
     (tmp_path / "taken").write_text("mine")
     for place in ("taken", "taken/deeper"):

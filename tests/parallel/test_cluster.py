@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from distributed import Client, LocalCluster
 
-from rotor_ida import InputError, Rotor, SimulationError, basin, basin_fractions, sweep
+from rotor_ida import InputError, Rotor, SimulationError, basin, sweep
 from rotor_ida.parallel import FailedJob, cluster, run_all
 
 SPEEDS = {"omega": np.linspace(1.0, 2.4, 5), "zeta": 0.07, "delta0": [0.5, 2.0]}
@@ -74,16 +74,6 @@ def test_a_sweep_finds_the_same_bits(address):
     assert sweep(**how, executor="serial").identical(there)
     assert there.sizes["event"] > 0
     assert calls == [(number, 10) for number in range(1, 11)]
-
-
-def test_basins_find_the_same_bits(address):
-    axis = np.linspace(-15.0, 15.0, 24)
-    here = basin(BOUNCING, x=axis, y=axis, executor="serial")
-    assert np.isfinite(here.period).any()  # a limit cycle, found by whoever did the work
-    assert here.identical(basin(BOUNCING, x=axis, y=axis, executor=address))
-    box = {"x": (-5, 5), "y": (-5, 5), "starts": 300}
-    here = basin_fractions(BOUNCING, **box, executor="serial")
-    assert here.identical(basin_fractions(BOUNCING, **box, executor=address))
 
 
 @pytest.mark.parametrize("number", [1, 6, 50])

@@ -286,10 +286,3 @@ def test_fractions_of_a_rotor_system_are_bars_with_the_amplitudes_of_its_node(of
     assert all(text.get_text().endswith("µm") for text in ax.get_yticklabels())
     figure = figure_of(fractions)
     assert figure.axes[0].get_title() == ax.get_title()
-
-
-def test_a_disc_has_its_clearance_circle():
-    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
-    plane = basin(rotor, x=np.linspace(-5, 5, 6), y=np.linspace(-4, 4, 5))
-    (ring,) = plot_basin(plane).lines
-    np.testing.assert_allclose(np.hypot(ring.get_xdata(), ring.get_ydata()), 2.0)

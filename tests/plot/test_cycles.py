@@ -1,6 +1,5 @@
 """Pictures of limit cycles, their branches and their bifurcation curves."""
 
-import itertools
 import math
 
 import numpy as np
@@ -114,18 +113,6 @@ def test_slip_and_rolling_along_a_cycle_are_distinguished(convert):
     assert drawn == (abs(slip) < 1e-9).sum() > 400
 
 
-def test_figure_of_a_cycle_has_all_three(cycle):
-    figure = cycle_figure(cycle)
-    assert [ax.get_xlabel() for ax in figure.axes] == [
-        LABELS["rotating_x"], LABELS["multiplier_real"], LABELS["frequency_over_omega"]
-    ]  # fmt: skip
-    figure.draw_without_rendering()
-    for ax in figure.axes:
-        box = ax.get_legend().get_window_extent()
-        assert box.x0 >= 0.0
-        assert box.x1 <= figure.bbox.width
-
-
 def test_bands_do_not_turn_back(branch):
     """Each piece of a band has one height over every value of the parameter."""
     pieces = bands_of(plot_branch(branch))
@@ -152,13 +139,6 @@ def test_stable_edges_are_solid_and_unstable_ones_dashed(branch):
             assert (points == [omega, radius]).all(axis=1).any()
     assert lines["stable cycle"].get_linestyle() == "-"
     assert lines["unstable cycle"].get_linestyle() == "--"
-
-
-def test_stability_changes_where_a_special_point_is_not_at_the_next_point(branch):
-    lines = lines_of(plot_branch(branch))
-    values = branch.special_value.values[np.isin(branch.special_kind.values, (1, 2))]
-    for value, word in itertools.product(values[-1:], ("stable cycle", "unstable cycle")):
-        assert value in lines[word].get_xdata()
 
 
 def test_special_points_are_marked_and_named(branch):
@@ -214,17 +194,6 @@ def test_branches_lie_over_the_exact_curve_and_under_the_marks(branch, simulated
     assert lines["period doubling"].get_zorder() < min(marks)
     colours = {lines[name].get_color() for name in ("stable whirl", "stable cycle")}
     assert len(colours) == 2
-
-
-def test_a_doubled_branch_ends_on_the_one_it_left(branch):
-    start = branch.isel(special=int(np.flatnonzero(branch.special_kind.values == 2)[-1]))
-    doubled = continue_cycle(BOUNCING, start=start, limits=(1.6, 2.0))
-    ax = plot_branch(doubled, ax=plot_branch(branch))
-    edges = [line for line in ax.lines if line.get_label() == "stable cycle"]
-    assert len(edges) == 2
-    highest = float(start.special_radius_max)
-    gap = np.nanmin(np.hypot(*(edges[1].get_xydata() - [float(start.special_value), highest]).T))
-    assert gap < 0.1
 
 
 def test_curves_are_drawn_beside_the_folds_of_the_whirl(curve):
@@ -368,15 +337,6 @@ def test_the_orbit_of_a_disc_is_the_same_as_that_of_a_system(system_cycle):
             for ax in (system[1], disc[1])]  # fmt: skip
     np.testing.assert_allclose(*map(np.sort, both), atol=1e-6)
     assert others.get_xdata().size == 3
-
-
-def test_slip_and_rolling_of_a_system_are_those_of_the_disc():
-    disc = Rotor(omega=1.0, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0)
-    x, y, vx, vy = 6.928, 0.0, 0.0, -10.0
-    of_disc = limit_cycle(disc, start=(x, y, vx, vy))
-    of_system = limit_cycle(disc.system(), speed=1.0, start=([x, y], [vx, vy]))
-    parts = [lines_of(plot.plot_cycle(each)) for each in (of_disc, of_system)]
-    assert {"rolls", "slips forwards"} < set(parts[0]) == set(parts[1])
 
 
 def test_a_cycle_in_a_stator_that_moves_is_an_orbit_without_contact(system_cycle):

@@ -23,7 +23,6 @@ from rotor_ida.plot import (
     plot_largest_force,
     plot_orbit,
     plot_run,
-    plot_section,
     plot_trace,
 )
 from rotor_ida.plot.figures import figure_of
@@ -83,17 +82,6 @@ def test_other_prefixes_of_one_machine_share_axes(plain):
 def test_units_stand_in_legends():
     legend = plot_basin(in_units(made("basin"))).get_legend()
     assert legend.get_texts()[0].get_text().endswith(" µm")
-
-
-def test_limits_of_a_section_are_those_without_units():
-    velocity = 1e3 * MACHINE.velocity_scale
-    bare, si = (plot_section(each) for each in (made("entries"), in_units(made("entries"))))
-    np.testing.assert_allclose(si.get_ylim(), velocity * np.array(bare.get_ylim()))
-    steady = made("turns").isel(crossing=[-1])
-    bare, si = (plot_section(each) for each in (steady, dimensional(steady, MACHINE)))
-    np.testing.assert_allclose(
-        si.get_ylim(), 1e6 * MACHINE.length_scale * np.array(bare.get_ylim())
-    )
 
 
 def test_datasets_of_one_picture_have_the_same_units_and_scale():

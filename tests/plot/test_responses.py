@@ -228,12 +228,6 @@ def test_bars_that_reach_beyond_the_whirls_are_in_view(simulated):
     assert ax.get_ylim()[1] > max(bars.get_segments()[0][:, 1]) > float(low.amplitude.max())
 
 
-def test_over_clearance_one_speed_is_drawn(whirls_over_clearance):
-    several = clearance_curve(omega=[1.2, 1.3], zeta=0.07, limits=(0.0, 1.0))
-    with pytest.raises(InputError, match="exact must contain one delta0, got"):
-        plot_amplitude(several)
-
-
 @pytest.fixture(scope="module")
 def shafted():
     return response_curve(**SHAFT, limits=(0.5, 2.5))

@@ -161,15 +161,6 @@ def test_force_is_k_times_the_indentation_to_the_three_halves(machine):
     assert peaks.get_ydata().max() == pytest.approx(newtons.max(), rel=1e-3)
 
 
-def test_points_between_outputs_do_not_depend_on_the_units():
-    """Lengths, times and velocities may each have a prefix of their own."""
-    run = simulate(MACHINE.rotor(), start=(0, 0, 0, 0), duration=10.0, samples=51)
-    units = {"length": "µm", "time": "ms", "velocity": "km/s"}
-    plain, shown = path_of(run), path_of(dimensional(run, MACHINE, units=units))
-    assert plain.time.size > 4 * run.sizes["t"]
-    np.testing.assert_allclose(shown.x, 1e6 * MACHINE.length_scale * plain.x, atol=1e-12)
-
-
 def test_short_contact_parts_the_flight(run):
     """A contact without a point between its ends is not drawn over in the colour of flight."""
     path = path_of(run)
@@ -271,20 +262,6 @@ def test_many_parameters_stand_in_two_lines():
     assert (first.count("$") // 2, second.count("$") // 2) == (3, 6)
     shown = labels(plot_run(run).axes[1])
     assert {"press", "release", "roll", "slip"} <= set(shown)
-
-
-def test_a_machine_that_rubs_is_drawn_in_its_units():
-    machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6,
-                               clearance=5e-7, speed=600.0, friction=0.3,
-                               disc_radius=6e-7)  # fmt: skip
-    run = simulate(machine.rotor(), start=(0.3, 0.1, 0.2, 0.1), duration=30.0, samples=901)
-    in_si = dimensional(run, machine, units={"length": "µm", "time": "ms"})
-    _, radius, force, slip, orbit = plot_run(in_si).axes
-    assert {"flight", *RUBBED} <= set(labels(orbit))
-    assert {"flight", *RUBBED} <= set(labels(radius))
-    assert force.get_ylabel() == "normal force $N$ [N]"
-    np.testing.assert_array_equal(path_of(in_si).mode, path_of(run).mode)
-    assert slip.get_ylabel().endswith("[m/s]")
 
 
 def test_without_friction_nothing_is_told_of_slip(run):
@@ -425,15 +402,6 @@ def test_a_long_run_at_one_speed_is_drawn_in_bands_and_a_short_one_as_it_is():
     )
     with pytest.raises(InputError, match="run must be a Dataset, got int"):
         plot_run_up(3)
-
-
-def test_forces_and_their_peaks():
-    forces = contact_forces(simulate(BOUNCING, start=REST, duration=30.0))
-    lines = lines_of(plot_forces(forces))
-    line = lines["normal force"]
-    at = np.searchsorted(line.get_xdata(), forces.t)
-    np.testing.assert_array_equal(line.get_ydata()[at], forces.force)
-    assert set(forces.peak_force.values[:-1]) <= set(line.get_ydata())
 
 
 def test_largest_force_at_the_end_of_a_run_is_no_peak():

@@ -8,7 +8,6 @@ import numpy as np
 from rotor_ida import (
     Contact,
     DimensionalRotor,
-    Rotor,
     RotorSystem,
     Unbalance,
     bifurcation_diagram,
@@ -77,14 +76,6 @@ def test_every_result_of_one_disc_tells_that_it_is_beyond_the_model():
         assert f"an indentation of {1e6 * deep:.3g} um is more than the cl" in beyond_model(each)
         assert describe(each)[1][-1] == beyond_model(each)
     assert beyond_model(simulate(PUMP, duration=0.01)) == ""
-
-
-def test_without_units_only_the_radius_bounds_one_disc():
-    for radius, bound in ((None, ""), (20.0, "a tenth of the rotor's radius"), (30.0, "")):
-        rotor = Rotor(omega=2.0, zeta=0.07, delta0=0.5, disc_radius=radius)
-        run = simulate(rotor, start=(3.0, 0.0, 0.0, 0.0), duration=0.1)
-        assert 2.0 < float(run.peak_indentation.max()) < 3.0
-        assert beyond_model(run).partition("more than ")[2].partition(";")[0] == bound
 
 
 def test_the_indentation_is_that_of_the_closed_form():

@@ -84,6 +84,13 @@ VERBS = {
     "limit_cycle": (
         ROTOR, {"start": (np.array([2.6, 0.75, 0.66, -1.65]), STATE), "period": (4.5, 1 / W)},
     ),
+    "limit_cycle over the speed": (ROTOR, {
+        "omega": (np.array([1.9, 2.0]), ("speed", W)), "start": ("rest", None),
+    }),
+    "lyapunov_exponent over the damping": (
+        ROTOR, {"zeta": (np.array([0.07, 0.1]), ("damping", 2 * M * W)),
+                "transient": (20.0, 1 / W), "duration": (80.0, 1 / W), "batches": (4, None)},
+    ),
     "continue_cycle": (ROTOR, {"limits": ((1.98, 2.02), W), "points": (5, None)}),
     "continue_cycle over the clearance": (
         ROTOR, {"limits": ((1.98, 2.02), D), "parameter": ("delta0", "clearance"),
@@ -98,8 +105,8 @@ VERBS = {
                 "starts": (40, None)},
     ),
     "touchdown_report": (
-        ROTOR, {"x": ((-5.0, 5.0), D), "y": ((-5.0, 5.0), D), "starts": (40, None),
-                "shocks": (0, None)},
+        dataclasses.replace(ROTOR, friction=0.1, disc_radius=10.0),
+        {"x": ((-5.0, 5.0), D), "y": ((-5.0, 5.0), D), "starts": (20, None), "shocks": (0, None)},
     ),
     "sweep": (ROTOR, {
         "omega": (np.array([1.6, 2.0]), ("speed", W)), "zeta": (0.1, ("damping", 2 * M * W)),
@@ -117,6 +124,9 @@ VERBS = {
         "omega": (np.array([1.6, 2.0]), ("speed", W)), "zeta": (0.2, ("damping", 2 * M * W)),
         "extrema_time": (20.0, 1 / W), "starts": (2, None),
     }),
+    "bifurcation_diagram at revolutions": (
+        ROTOR, {"starts": (1, None), "at": ("revolution", None), "revolutions": (3, None)}
+    ),
     "continue_attractors": (ROTOR, {
         "omega": (np.array([1.6, 2.0]), ("speed", W)), "x": ((-5.0, 5.0), D), "y": (1.0, D),
         "starts": (20, None),
@@ -185,22 +195,6 @@ def test_a_curve_of_folds_of_a_machine_has_limits_in_its_units():
     assert in_si.attrs["limits"] == pytest.approx([2.4 * W, 3.2 * W, 0.45 * D, 0.55 * D], rel=1e-12)
 
 
-def test_a_machine_touches_when_its_flight_reaches_the_clearance():
-    """From rest the flight is linear, ``Z = c + d exp(-n T/m) + a exp(i W T)``: by hand in SI."""
-    mass, damping, eccentricity, speed, clearance = 4.0, 280.0, 1e-6, 600.0, 5e-7
-    machine = DimensionalRotor(mass=mass, contact_stiffness=1e9, damping=damping,
-                               eccentricity=eccentricity, clearance=clearance,
-                               speed=speed)  # fmt: skip
-    run = rotor_ida.simulate(machine, duration=0.04)
-    decay = damping / mass
-    whirl = -eccentricity * speed / (speed - 1j * decay)
-    fades = 1j * speed * whirl / decay
-    time = run.event_time.values[0]
-    place = -whirl - fades + fades * np.exp(-decay * time) + whirl * np.exp(1j * speed * time)
-    assert abs(place) == pytest.approx(clearance, rel=1e-12)
-    assert (run.event_time.attrs["units"], run.attrs["duration"]) == ("s", 0.04)
-
-
 def test_a_cycle_of_a_machine_starts_its_branch():
     machine = machine_of(ROTOR)
     cycle = rotor_ida.limit_cycle(machine)
@@ -258,15 +252,6 @@ def test_an_error_carries_name_value_and_unit_across_processes():
     error = pickle.loads(pickle.dumps(refused.value))
     assert (error.name, error.value, error.value.unit) == ("duration", -0.5, "s")
     assert str(error) == str(refused.value)
-
-
-def test_a_study_of_a_machine_continues_in_si_units(tmp_path):
-    asked = {"x": np.linspace(-5 * D, 5 * D, 3), "y": np.linspace(-5 * D, 5 * D, 3)}
-    found = rotor_ida.basin(machine_of(ROTOR), **asked, study=tmp_path)
-    assert rotor_ida.resume(tmp_path).identical(found)
-    other = machine_of(Rotor(omega=2.5, zeta=0.07, delta0=2.0))
-    with pytest.raises(rotor_ida.InputError, match="study must be of this machine"):
-        rotor_ida.basin(other, **asked, study=tmp_path)
 
 
 def test_an_old_archive_in_si_units_gets_its_attributes_in_them(tmp_path):

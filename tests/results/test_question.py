@@ -6,15 +6,12 @@ from dataclasses import replace
 import numpy as np
 import pandas as pd
 import pytest
-import xarray as xr
 
 import rotor_ida
-from rotor_ida import InputError, Rotor, bifurcation_diagram, continue_cycle, sweep
+from rotor_ida import InputError, Rotor
 from rotor_ida.results.dataset_kinds import kind_of
 from rotor_ida.results.question import VERBS, Question, arguments_from
-from rotor_ida.results.studies import design_of
 from rotor_ida.verification.comparison_rules import VERIFIED
-from rotor_ida.verification.resume import resume
 from rotor_ida.verification.verify import question_of
 from tests import example_datasets
 
@@ -22,23 +19,6 @@ SYSTEM = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
 # what each of them adds to the values that questions hold
 ASKED = ("run", "sweep", "basin", "bifurcation_curve", "branch", "system_run", "system_branch",
          "drop_ensemble", "clearance_report")  # fmt: skip
-STUDIES = {
-    "system sweep": lambda **more: sweep(
-        SYSTEM, speed=[0.9, 2.0],
-        starts=["settled", (np.array([0.5, 0.0]), np.array([0, 0]))], rtol=1e-9, **more,
-    ),
-    "system branch": lambda **more: continue_cycle(
-        SYSTEM, start=example_datasets.a_system_cycle(), limits=(1.9, 2.1), **more
-    ),
-    "branch of doubled cycles": lambda **more: continue_cycle(
-        Rotor(omega=2.0, zeta=0.07, delta0=2.0), start=example_datasets.a_branch().isel(special=0),
-        limits=(1.75, 1.85), points=20, **more,
-    ),
-    "diagram at a rate": lambda **more: bifurcation_diagram(
-        omega=[1.0, 1.2], zeta=0.5, delta0=0.5, starts=2, x=(-1.0, 1.0), y=0.0, vx=0.0, vy=0.0,
-        seed=3, direction="both", rate=0.1, **more,
-    ),
-}  # fmt: skip
 
 
 @pytest.mark.parametrize("name", ASKED)
@@ -74,13 +54,6 @@ def test_a_stator_of_its_own_stays_apart_from_one_that_is_shared():
     question = Question("sweep", {"rotor": replace(SYSTEM, contacts=contacts)})
     first, second, third = arguments_from(question.plain())["rotor"].contacts
     assert first.stator is third.stator is not second.stator
-
-
-@pytest.mark.parametrize("kind", STUDIES)
-def test_a_study_is_resumed_to_the_same_bits(kind, tmp_path):
-    found = STUDIES[kind](study=tmp_path / "study")
-    xr.testing.assert_identical(resume(tmp_path / "study"), found)
-    assert design_of(tmp_path / "study")["verb"] in rotor_ida.__all__
 
 
 @pytest.mark.parametrize("text", ["{", "[1]", '{"rotor": {"type": "Path"}}', '{"x": {"type": "R'])

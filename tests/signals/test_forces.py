@@ -3,15 +3,13 @@ import pytest
 from scipy.integrate import simpson
 
 from rotor_ida import (
-    DimensionalRotor,
     InputError,
     Rotor,
     contact_forces,
     contact_summary,
-    dimensional,
     simulate,
 )
-from rotor_ida.plot import plot_forces, plot_run
+from rotor_ida.plot import plot_forces
 from rotor_ida.results.run import rotor_of
 from tests.rotors import MOTIONS
 
@@ -34,28 +32,6 @@ def test_force_pushes_towards_the_centre_and_only_in_contact(run):
     np.testing.assert_allclose(inwards, radius * forces.force.values, atol=1e-12)
     assert (forces.force.values[radius <= 2.0] == 0.0).all()
     assert (forces.force.values[radius > 2.0] > 0.0).all()
-
-
-def test_components_are_what_the_equation_of_motion_leaves_over(run):
-    """f = omega**2 exp(i omega t) - 2 zeta z' - z'', with z'' by differences of the velocity."""
-    forces = contact_forces(run)
-    t = run.t.values
-    for speed, part, unbalance in (("vx", "force_x", np.cos), ("vy", "force_y", np.sin)):
-        v = run[speed].values
-        left = np.gradient(v, t) - 4.0 * unbalance(2.0 * t) + 0.14 * v
-        # differences over 0.002 err by its square times the third derivative
-        np.testing.assert_allclose(forces[part].values[1:-1], left[1:-1], atol=2e-4)
-
-
-def test_integral_of_the_force_is_the_impulse_of_each_contact(run):
-    forces = contact_forces(run)
-    whole = np.isfinite(run.impulse.values)
-    assert whole.sum() >= 5
-    for row in np.flatnonzero(whole):
-        span = slice(run.entry_time.values[row], run.exit_time.values[row])
-        part = forces.force.sel(t=span)
-        # the ends between samples hold a force of (0.001 r')**1.5
-        assert simpson(part, x=part.t) == pytest.approx(run.impulse.values[row], abs=1e-6)
 
 
 def test_share_of_peaks_is_a_distribution_of_whole_contacts(run):
@@ -139,30 +115,6 @@ def test_a_summary_tells_the_loss_of_all_contacts_and_of_a_revolution(loose):
     untouched = simulate(MACHINE, start=REST, duration=0.1)
     assert contact_summary(untouched).total_contact_loss == 0.0
     assert "total_contact_loss" not in contact_summary(simulate(PLAIN, start=REST, duration=1.0))
-
-
-def test_the_figure_of_a_machine_draws_the_force_of_its_contact(loose):
-    machine = DimensionalRotor(
-        mass=4.0, contact_stiffness=1e6, damping=280.0, eccentricity=1e-5, clearance=2e-5,
-        speed=1000.0, shaft_stiffness=2.5e5, contact_exponent=1.0, contact_damping=400.0, load=3.0,
-    )  # fmt: skip
-    run = dimensional(loose, machine)
-    assert machine.rotor().contact_damping == pytest.approx(2.0)
-    (line, *_) = plot_run(run).axes[2].lines
-    at_sample = np.isin(line.get_xdata(), run.t)
-    at_sample &= ~np.isin(line.get_ydata(), run.peak_force)
-    times, drawn = line.get_xdata()[at_sample], line.get_ydata()[at_sample] / machine.force_scale
-    force = contact_forces(loose).force.values[np.searchsorted(run.t, times)]
-    assert times.size > 1000
-    np.testing.assert_allclose(drawn, force, rtol=0, atol=1e-12)
-
-
-def test_peaks_of_damped_contacts_are_drawn_on_the_force(loose):
-    """It is largest before the indentation, whose time the table of contacts tells."""
-    curve, marks = plot_forces(contact_forces(loose)).lines
-    on = np.interp(marks.get_xdata(), curve.get_xdata(), curve.get_ydata())
-    np.testing.assert_allclose(on, marks.get_ydata(), rtol=1e-4)
-    assert (marks.get_xdata() < loose.peak_time.values[: marks.get_xdata().size]).all()
 
 
 def test_forces_of_friction_are_drawn_apart():

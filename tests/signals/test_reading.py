@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 from scipy.io import savemat, wavfile
 
-from rotor_ida import InputError, load, orders, read_signals, save
+from rotor_ida import InputError, orders, read_signals
 
 TURN = 2.0 * math.pi * 10.0  # rad/s
 TIMES = np.arange(4000) / 2000.0
@@ -344,15 +344,6 @@ def test_sampling_too_slow_for_an_order_is_told(tmp_path):
     found = read(tmp_path, HEAD + "\n".join(BODY.splitlines()[::40]))
     with pytest.raises(InputError, match=r"more than 7 samples a revolution for order 3, got 5"):
         orders(found, [3])
-
-
-def test_what_was_read_is_saved_and_loaded(tmp_path):
-    found = read(tmp_path, HEAD + BODY)
-    back = load(save(found, tmp_path / "kept.nc"))
-    for name in ("t", "x", "y", "angle"):
-        np.testing.assert_array_equal(back[name], found[name])
-        assert back[name].attrs["units"] == found[name].attrs["units"]
-    assert back.attrs["columns"] == found.attrs["columns"]
 
 
 def test_blanks_after_signs_belong_to_the_number(tmp_path):

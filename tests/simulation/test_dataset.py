@@ -1,13 +1,12 @@
 """A run says which rotor it is of: the paper's, or one with more, and is read as that one."""
 
-import numpy as np
 import pytest
 import xarray as xr
 
-from rotor_ida import InputError, Rotor, load, rotating, save, simulate
+from rotor_ida import InputError, Rotor, rotating, simulate
 from rotor_ida.model.parameters import FRICTIONLESS
 from rotor_ida.results.run import check_run, rotor_of
-from rotor_ida.schema import DAMPED_EVENT_KIND, EVENT_KIND, QUANTITIES, flags_of, labelled
+from rotor_ida.schema import DAMPED_EVENT_KIND, EVENT_KIND, QUANTITIES, flags_of
 
 REST = (0.0, 0.0, 0.0, 0.0)
 PLAIN = Rotor(omega=1.2, zeta=0.07, delta0=0.5)
@@ -46,24 +45,6 @@ def test_with_contact_damping_the_force_may_end_and_begin_inside_the_ring(whole:
     assert whole["event_time"].attrs == {
         "long_name": "time of the contact event", "units": "1"
     }  # fmt: skip
-
-
-def test_an_archive_keeps_the_loss_of_each_contact_and_its_kinds_of_events(
-    whole: xr.Dataset, tmp_path
-):
-    """As of a run with all kinds of events, whatever those of this one are."""
-    kinds = np.array([1, -4, 4, -4, -1], dtype=np.int8)
-    times = np.arange(1.0, 6.0)
-    flags = dict(whole["event_kind"].attrs)
-    made = whole.drop_dims(("event", "contact")).assign(
-        event_kind=xr.Variable("event", kinds, flags),
-        event_time=labelled("event_time", "event", times),
-        contact_loss=labelled("contact_loss", "contact", [0.25]),
-    )
-    again = load(save(made, tmp_path / "run.nc"))
-    assert again["event_kind"].identical(made["event_kind"])
-    assert again["contact_loss"].item() == 0.25
-    assert again["contact_loss"].attrs["long_name"] == "energy lost in the contact by its damping"
 
 
 def test_a_run_has_one_value_of_each_parameter(whole: xr.Dataset):

@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from scipy.integrate import solve_ivp
 
 from rotor_ida import InputError, Rotor, simulate
 from rotor_ida.core import runs
@@ -48,37 +47,6 @@ def test_the_whip_rolls_as_often_as_was_derived():
     """DESIGN section 3: 38 rolls in 120 time units."""
     found = simulate(WHIP, start=KNOCKED, duration=120.0, method="taylor")
     assert (found.event_kind.values == 2).sum() == 38
-
-
-def smoothed(rotor, start, duration, width):
-    """Friction in proportion to tanh(v_s/width)."""
-    rim = rotor.disc_radius * rotor.omega
-
-    def rates(time, state):
-        z, v = complex(*state[:2]), complex(*state[2:])
-        radius = abs(z)
-        slip = (z.conjugate() * v).imag / radius + rim
-        normal = max(radius - rotor.delta0, 0.0) ** 1.5
-        push = normal * (1.0 + 1j * rotor.friction * np.tanh(slip / width)) * z / radius
-        a = rotor.omega**2 * np.exp(1j * rotor.omega * time) - 2.0 * rotor.zeta * v - push
-        return [v.real, v.imag, a.real, a.imag]
-
-    found = solve_ivp(rates, (0.0, duration), start, method="LSODA", rtol=1e-10, atol=1e-11)
-    return found.y[:, -1]
-
-
-def test_smoothed_friction_comes_nearer_in_proportion_to_its_width():
-    """The third witness: with tanh(v_s/eps) for sign(v_s), eps from 1e-2 to 1e-4, the difference
-    falls with an order of 0.85 to 1.05, through five rolls and as many slips."""
-    start, duration = KNOCKED, 16.0
-    exact = simulate(WHIP, start=start, duration=duration, samples=2, method="taylor")
-    assert (exact.event_kind.values == 2).sum() >= 5
-    end = np.array([exact[name].values[-1] for name in ("x", "y", "vx", "vy")])
-    widths = np.array([1e-2, 1e-3, 1e-4])
-    apart = [np.linalg.norm(smoothed(WHIP, start, duration, each) - end) for each in widths]
-    orders = np.diff(np.log(apart)) / np.diff(np.log(widths))
-    assert (orders > 0.85).all()
-    assert (orders < 1.05).all()
 
 
 def random_rotor(draw, *, friction):

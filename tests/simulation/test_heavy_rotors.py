@@ -92,22 +92,6 @@ def test_without_a_load_or_a_hold_it_starts_on_the_axis():
     assert run.y[-1].item() == pytest.approx(-9.0, rel=1e-12)
 
 
-def test_a_slow_run_up_touches_first_where_sag_and_response_fill_the_clearance():
-    """The sag plus ``omega**2/|kappa - omega**2 + 2 i zeta omega|``; later by the slow rate."""
-
-    def reach(omega):
-        return 0.5 + omega**2 / abs(1.0 - omega**2 + 0.2j * omega)
-
-    touch = brentq(lambda omega: reach(omega) - 4.0, 0.3, 1.0)
-    late = []
-    for rate in (2e-4, 5e-5):
-        run = run_up(HANGING, to=1.0, rate=rate)
-        late.append(run.event_speed[0].item() - touch)
-    assert abs(late[0]) < 3e-3
-    assert abs(late[1]) < 0.5 * abs(late[0])
-    assert "It starts hanging 0.5 below the axis." in summary(run).attrs["sentence"]
-
-
 def test_a_slow_run_up_of_a_system_touches_first_where_the_linear_response_does():
     matrix = np.array([[3.0, -1.0], [-1.0, 2.0]])
     sag = np.linalg.solve(matrix, np.full(2, 0.5))[0]
@@ -128,6 +112,8 @@ def test_one_that_lies_on_its_stator_does_not_touch_it_first():
     sag = brentq(lambda s: (s - 0.2) ** 1.5 + s - 0.5, 0.2, 0.5)
     told = summary(run_up(LYING, to=0.5, rate=0.01)).attrs["sentence"]
     assert told.startswith(f"Rub: it starts at rest on the stator, {sag:.3g} below the axis, and")
+    told = summary(run_up(HANGING, to=0.4, rate=0.01)).attrs["sentence"]
+    assert "It starts hanging 0.5 below the axis." in told
 
 
 def test_each_point_of_a_sweep_begins_where_its_rotor_hangs():

@@ -1,6 +1,5 @@
 """The plain-Python reference: it moves by DESIGN's equation, and agrees with the core."""
 
-import cmath
 from types import SimpleNamespace
 
 import numpy as np
@@ -8,34 +7,14 @@ import pytest
 from numpy.lib.recfunctions import structured_to_unstructured
 
 from rotor_ida import Rotor, SimulationError, simulate
-from rotor_ida.schema.flags import FLIES, SLIDES_FORWARDS
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
-from rotor_ida.simulation.spin import Steady
 from rotor_ida.simulation.witness import integration
-from rotor_ida.simulation.witness.bodies import Disc
-from rotor_ida.simulation.witness.mechanics import Machine
 from tests.test_reference_events import CASES
 from tests.test_reference_events import reference as exact_events
 
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 REST = (0.0, 0.0, 0.0, 0.0)
-
-
-def test_it_moves_by_the_equation():
-    """z'' + 2 zeta z' + f(|z|) z/|z| = omega**2 exp(i omega t), f(r) = max(r - delta0, 0)**1.5."""
-    draw = np.random.default_rng(4)
-    for omega, zeta, delta0, time, x, y, vx, vy in draw.normal(size=(100, 8)) * 2.0:
-        rotor, rate = Rotor(omega=abs(omega), zeta=abs(zeta), delta0=abs(delta0)), np.empty(5)
-        z, v = complex(x, y), complex(vx, vy)
-        for in_contact in (True, False):
-            force = max(abs(z) - rotor.delta0, 0.0) ** 1.5 if in_contact else 0.0
-            push = rotor.omega**2 * cmath.exp(1j * rotor.omega * time)
-            a = push - 2.0 * rotor.zeta * v - force * z / abs(z)
-            state = np.array([x, y, vx, vy, 0.0])
-            spin, mode = Steady(rotor.omega), SLIDES_FORWARDS if in_contact else FLIES
-            Machine(Disc(rotor, spin), spin, [mode]).rates(time, state, rate)
-            assert rate == pytest.approx([vx, vy, a.real, a.imag, force], rel=1e-14, abs=1e-14)
 
 
 # Three times what was measured, 25 to 27 rtol of t + K.

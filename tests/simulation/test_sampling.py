@@ -5,9 +5,8 @@ import math
 import numpy as np
 import pytest
 
-from rotor_ida import Rotor, load, run_up, save, simulate
+from rotor_ida import Rotor, run_up, simulate
 from rotor_ida.simulation.runs import FEWEST, MOST_CHOSEN, sample_times
-from rotor_ida.verification.verify import differences, rerun
 
 REST = (0.0, 0.0, 0.0, 0.0)
 
@@ -64,10 +63,3 @@ def test_no_more_are_chosen_than_memory_allows():
     for revolutions in (MOST_CHOSEN / 32 - 1, MOST_CHOSEN / 32 + 1, 1e300):
         count = sample_times(None, revolutions * revolution, rotor, rotor.omega).size
         assert count == pytest.approx(min(32 * revolutions, MOST_CHOSEN), abs=2)
-
-
-def test_a_run_with_chosen_samples_is_computed_again_from_its_archive(tmp_path):
-    rotor = Rotor(omega=0.5, zeta=0.1, delta0=1.0)
-    run = run_up(rotor, start=REST, torque=(1.0, 0.1), inertia=20.0, duration=100.0)
-    archived = load(save(run, tmp_path / "run.nc"))
-    assert differences(rerun(archived), archived)["agrees"]

@@ -85,8 +85,3 @@ def test_dry_whip_is_one_point_by_peaks_and_skipping_in_it_changes_nothing():
     last = late.sizes["crossing"]
     np.testing.assert_allclose(states(late), states(long)[-last:], atol=1e-8)
     assert np.ptp(states(late), axis=0).max() < 1e-7
-
-
-def test_without_friction_nothing_rolls():
-    with pytest.raises(InputError, match="friction must be positive for a section at each roll"):
-        poincare_section(BOUNCING, start=REST, revolutions=5, at="roll")

@@ -110,44 +110,6 @@ def test_errors_of_cvode_fall_with_the_tolerance(method):
     assert apart[2] < 1e-7
 
 
-DAMPED = Rotor(
-    omega=1.2, zeta=0.05, delta0=1.0, shaft_stiffness=0.1, contact_damping=1.0, friction=0.2,
-    disc_radius=3.0,
-)  # fmt: skip
-LOADED = Rotor(
-    omega=2.0, zeta=0.05, delta0=1.0, shaft_stiffness=0.1, contact_damping=0.2, friction=0.05,
-    disc_radius=1.0, load=0.3,
-)  # fmt: skip
-
-
-@pytest.mark.parametrize("method", ["adams", "bdf"])
-@pytest.mark.parametrize("rotor", [DAMPED, LOADED])
-def test_cvode_leads_one_disc_as_its_own_does(rotor, method):
-    """Friction, contact damping, release, load; what contacts spend, too."""
-    how = {"duration": 60.0, "method": method, "rtol": 1e-11}
-    one = simulate(rotor, start=(0, 0, 3, 1), **how)
-    many = simulate(rotor.system(), speed=rotor.omega, start=([0, 0], [3, 1]), **how)
-    assert one.sizes["event"] > 8
-    np.testing.assert_array_equal(one.event_kind, many.event_kind)
-    np.testing.assert_allclose(one.event_time, many.event_time, rtol=1e-9)
-    for name in ("impulse", "heat", "peak_force", "slip_distance"):
-        np.testing.assert_allclose(one[name].values, many[name].values, rtol=1e-6, atol=1e-7)
-
-
-def test_stated_errors_cover_the_errors():
-    """At a loose tolerance, against a tight one: nearly all, and none by far."""
-    ratios = []
-    for seed in range(8):
-        loose, tight = followed(seed, 20.0, rtol=1e-6), followed(seed, 20.0, rtol=1e-12)
-        count = min(loose.sizes["event"], tight.sizes["event"])
-        apart = np.abs(loose.event_time.values[:count] - tight.event_time.values[:count])
-        stated = loose.event_time_error.values[:count]
-        ratios += (apart / stated)[np.isfinite(stated)].tolist()
-    assert len(ratios) > 200
-    assert np.mean(np.array(ratios) <= 1.0) > 0.99
-    assert max(ratios) < 5.0
-
-
 def rigid_rotor():
     """Return a rigid rotor that nothing holds, on two equal bearings."""
     half = 0.3

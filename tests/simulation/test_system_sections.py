@@ -11,9 +11,7 @@ from rotor_ida import (
     Rotor,
     RotorSystem,
     Unbalance,
-    load,
     poincare_section,
-    save,
     simulate,
 )
 from rotor_ida.verification.verify import differences, rerun
@@ -169,27 +167,6 @@ def test_peaks_of_contacts_that_are_shorter_than_samples_are_found():
     section = poincare_section(system, speed=1.1, revolutions=20, at="peak")
     for time in run.peak_time.values:
         assert np.abs(section.crossing_time.values - time).min() < 1e-9
-
-
-def test_it_verifies_and_is_a_table_in_si_units(tmp_path):
-    system = RotorSystem(
-        mass=12.0 * np.eye(2), stiffness=4e6 * np.eye(2), damping=400.0 * np.eye(2),
-        nodes={"disc": (0, 1)}, unbalance=[Unbalance(node="disc", moment=1.2e-3)],
-        contacts=[Contact(node="disc", clearance=1.5e-4, stiffness=1e8, exponent=1.0)],
-    )  # fmt: skip
-    section = poincare_section(system, speed=640.0, revolutions=20, at="exit")
-    assert [section[name].attrs["units"] for name in ("crossing_time", *NAMES[1:3])] == [
-        "s", "m", "m s-1"
-    ]  # fmt: skip
-    save(section, tmp_path / "section.nc")
-    archived = load(tmp_path / "section.nc")
-    assert differences(rerun(archived), archived)["agrees"]
-    table = section[[*NAMES, "crossing_time"]].to_dataframe()
-    assert len(table) == section.sizes["crossing"] > 3
-    disc = poincare_section(BOUNCING, revolutions=20, at="entry")
-    assert differences(rerun(disc), disc)["agrees"]
-    wrong = section.assign(rotating_x=section.rotating_x + 1e-5)
-    assert not differences(rerun(section), wrong)["agrees"]
 
 
 def test_modes_are_those_of_the_reduced_system():

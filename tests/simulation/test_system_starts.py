@@ -24,13 +24,6 @@ def at_rest(system, contacts, **options):
     return first
 
 
-def test_a_disc_on_a_shaft_hangs_by_its_weight():
-    system = RotorSystem(mass=12.0 * np.eye(2), stiffness=4e6 * np.eye(2), nodes={"disc": (0, 1)})
-    place = at_rest(system, [Contact(node="disc", clearance=1e-3, stiffness=1e8)])
-    assert place.y.item() == pytest.approx(-12.0 * G / 4e6, rel=1e-12)
-    assert place.normal_force.item() == 0.0
-
-
 @pytest.mark.parametrize("speed", [300.0, -300.0])
 def test_a_disc_that_spins_in_friction_climbs_its_bearing(speed):
     """By ``atan(mu)``, against its spin, where the normal force is ``m g/sqrt(1 + mu**2)``."""

@@ -396,16 +396,6 @@ def test_a_disc_as_a_system_drops_as_the_disc_itself(friction, damping, whips):
     assert bounce.total_contact_loss.item() == 0.0 < run.total_contact_loss.item()
 
 
-def test_a_drop_is_verified_and_loaded_as_it_was(tmp_path):
-    run = drop(rigid(), contacts=[soft("a"), soft("b")], speed=1500.0, duration=0.05,
-               supports=SUPPORTS, inertia=POLAR)  # fmt: skip
-    rotor_ida.save(run, tmp_path / "drop.nc")
-    loaded = rotor_ida.load(tmp_path / "drop.nc")
-    assert loaded.equals(run)
-    assert loaded.attrs["result_kind"] == "drop"
-    assert rotor_ida.signals_of(loaded, node="disc").sizes["t"] == run.sizes["t"]
-
-
 def test_samples_by_default_resolve_a_whirl_that_is_much_faster_than_the_spin():
     """Friction drives the disc backwards: where it rolls, by the speed of its surface."""
     system = RotorSystem(mass=MASS * np.eye(2), stiffness=np.zeros((2, 2)), nodes={"disc": (0, 1)})

@@ -13,7 +13,6 @@ from rotor_ida import (
     Unbalance,
     drop,
     drop_ensemble,
-    resume,
 )
 from rotor_ida.steady.drop_statistics import (
     grid_statistics_of,
@@ -97,30 +96,6 @@ def test_a_drop_that_touches_at_once_is_lost_alone_wherever_it_stands():
         assert many.clearance.values.tolist() == [2e-4]  # as given, whatever the factors
     with pytest.raises(InputError, match="must be clear of the levitated rotor"):
         drop_ensemble(DISC, **GIVEN, clearance_factor=[0.001, 0.002], workers=1)
-
-
-def test_drops_are_the_same_with_every_executor_and_after_a_break(tmp_path):
-    varied = {"drops": 5, "seed": 3, "friction": (0.05, 0.2), "clearance_factor": (0.9, 1.1),
-              "clearances": {"disc": 3e-4}}  # fmt: skip
-    alone = drop_ensemble(DISC, **GIVEN, **varied, executor="serial")
-    threads = drop_ensemble(DISC, **GIVEN, **varied, executor="threads", workers=2)
-    assert threads.drop_attrs().equals(alone.drop_attrs())
-
-    def interrupt(done, _total):
-        if done >= 2:
-            raise KeyboardInterrupt
-
-    study = tmp_path / "study"
-    with pytest.raises(KeyboardInterrupt):
-        drop_ensemble(DISC, **GIVEN, **varied, executor="serial", study=study, progress=interrupt)
-    left = []
-    resumed = drop_ensemble(DISC, **GIVEN, **varied, executor="serial", study=study,
-                            progress=lambda done, _: left.append(done))  # fmt: skip
-    assert left[0] >= 2
-    assert resumed.drop_attrs().equals(alone.drop_attrs())
-    assert resume(study).equals(alone)
-    with pytest.raises(InputError, match=r"was begun with duration 0\.05, got 0\.06"):
-        drop_ensemble(DISC, **GIVEN | {"duration": 0.06}, **varied, study=study)
 
 
 def test_statistics_are_of_the_drops():

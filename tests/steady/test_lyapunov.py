@@ -3,14 +3,11 @@
 import numpy as np
 import pytest
 
-from rotor_ida import DimensionalRotor, InputError, Rotor, lyapunov_exponent, resume
+from rotor_ida import InputError, Rotor, lyapunov_exponent
 
 RUB = Rotor(omega=1.2, zeta=0.07, delta0=0.5, disc_radius=5.0)
 SHORT = {"transient": 50.0, "duration": 200.0, "batches": 4}
 FEW = {"transient": 10, "revolutions": 80, "batches": 4}
-MACHINE = DimensionalRotor(
-    mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6, clearance=5e-7, speed=600.0
-)
 
 
 def test_each_point_is_that_of_one_motion():
@@ -25,16 +22,6 @@ def test_each_point_is_that_of_one_motion():
     assert "running_exponent" not in found
 
 
-def test_those_of_a_machine_are_per_second():
-    short = {name: value * MACHINE.time_scale for name, value in SHORT.items() if name != "batches"}
-    found = lyapunov_exponent(MACHINE, damping=[280.0, 400.0], **short, batches=4)
-    plain = lyapunov_exponent(MACHINE.rotor(), zeta=[0.07, 0.1], **SHORT)
-    assert found.lyapunov_exponent.attrs["units"] == "s-1"
-    np.testing.assert_allclose(
-        found.lyapunov_exponent * MACHINE.time_scale, plain.lyapunov_exponent, rtol=1e-12
-    )
-
-
 def test_each_point_of_a_system_is_that_of_one_motion():
     system = RUB.system()
     found = lyapunov_exponent(system, speed=[1.2, 1.5], friction=[0.0, 0.1], exponents=2, **FEW)
@@ -45,21 +32,6 @@ def test_each_point_of_a_system_is_that_of_one_motion():
     for name in ("lyapunov_exponent", "lyapunov_error"):
         np.testing.assert_array_equal(point[name], alone[name])
     assert found.friction.attrs["long_name"] == "largest friction coefficient of the contacts"
-
-
-def test_a_study_of_them_is_resumed_to_the_same_bits(tmp_path):
-    def give_up(done, _):
-        if done == 1:
-            raise KeyboardInterrupt
-
-    given = {"zeta": [0.07, 0.1, 0.2], **SHORT}
-    with pytest.raises(KeyboardInterrupt):
-        lyapunov_exponent(RUB, **given, study=tmp_path / "s", progress=give_up, executor="serial")
-    calls = []
-    found = resume(tmp_path / "s", progress=lambda *call: calls.append(call))
-    assert calls[0] == (1, 3)
-    assert calls[-1] == (3, 3)
-    assert found.identical(lyapunov_exponent(RUB, **given, workers=2))
 
 
 def test_a_resonance_has_no_settled_start_and_says_so():

@@ -13,16 +13,10 @@ from rotor_ida import (
     Stator,
     Support,
     Unbalance,
-    concat,
     decode_flags,
-    load,
     plot,
-    resume,
-    save,
     sweep,
-    to_dataframe,
 )
-from rotor_ida.cli.describe import describe
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, parameter_of, with_parameters
 from rotor_ida.plot.figures import figure_of
 from rotor_ida.verification.verify import differences, rerun
@@ -97,29 +91,14 @@ def grid():
     )  # fmt: skip
 
 
-def test_it_is_archived_shown_drawn_and_computed_again(grid, tmp_path):
-    save(grid, tmp_path / "grid.nc")
-    found = load(tmp_path / "grid.nc")
-    check = differences(rerun(found, workers=1), found)
+def test_it_is_computed_again_and_drawn(grid):
+    check = differences(rerun(grid, workers=1), grid)
     assert check["agrees"], check["trouble"]
-    record, _ = describe(found, most=3)
-    assert {row["friction"] for row in record["responses"]} == {0.0, 0.1}
-    figure = figure_of(found)
-    assert len(figure.axes) == 2 * found.sizes["contact"]
+    figure = figure_of(grid)
+    assert len(figure.axes) == 2 * grid.sizes["contact"]
     assert figure.axes[0].get_xlabel() == "largest friction"
     assert figure.axes[0].get_title() == "contact 0 at one,  speed 1"
     assert figure.get_suptitle() == "largest clearance 2"
-
-
-def test_it_is_resumed_and_joined_to_the_same(grid, tmp_path):
-    given = {"friction": [0.0, 0.1], "clearance": 2.0, "direction": "up", "along": "friction"}
-    begun = sweep(RUB, speed=[1.0, 1.1], **given, modes=2, study=tmp_path / "study")
-    assert begun.identical(grid)
-    assert resume(tmp_path / "study").identical(grid)
-    parts = [sweep(RUB, speed=speed, **given, modes=2) for speed in (1.0, 1.1)]
-    joined = concat(parts, "speed")
-    assert joined.equals(grid)
-    assert differences(rerun(joined, workers=1), joined)["agrees"]
 
 
 def test_the_clearance_of_each_contact_is_drawn_over_that_which_varies():
@@ -139,13 +118,6 @@ def test_a_factor_of_the_stiffness_is_of_the_supports_too():
     start = {"speed": SPEED, "starts": ["rest"]}
     one, other = sweep(held, stiffness=2.0, **start), sweep(twice, **start)
     np.testing.assert_array_equal(one.final_state, other.final_state)
-
-
-def test_a_table_of_the_points_has_a_row_for_each(grid):
-    """Matrices of the system are no columns: they are text in an attribute."""
-    points = to_dataframe(grid)
-    assert len(points) == grid.response.size
-    assert not [name for name in points if "matrix" in name]
 
 
 @pytest.mark.parametrize("name", PARAMETERS_OF_SYSTEM)

@@ -2,25 +2,19 @@
 
 import numpy as np
 import pytest
-import xarray as xr
 
 from rotor_ida import (
     InputError,
     Rotor,
     SimulationError,
     bifurcation_diagram,
-    load,
     poincare_section,
-    resume,
-    save,
     sweep,
     synchronous_response,
 )
 from rotor_ida.schema import STATUS
 from rotor_ida.simulation.crossings import CONSTANT, MAXIMUM, MINIMUM
 from rotor_ida.steady import bifurcation_diagram as diagram_module
-from rotor_ida.verification.verify import differences, rerun
-from tests.example_datasets import MACHINE
 from tests.simulation.test_system_sections import LOADED, TOUCHING, chain, response, states
 
 REST = (0.0, 0.0, 0.0, 0.0)
@@ -136,29 +130,6 @@ def test_any_parameter_of_a_system_may_vary(name, values):
     assert "long_name" in both[name].attrs
 
 
-@pytest.mark.parametrize("at", ["extrema", "revolution"])
-def test_workers_studies_and_verification_leave_no_trace(at, tmp_path):
-    given = {"speed": [1.0, 1.1], "at": at, "revolutions": 5, "starts": ["settled", None]}
-    one = bifurcation_diagram(TOUCHING, **given, workers=1)
-    done = []
-    two = bifurcation_diagram(
-        TOUCHING, **given, workers=2, study=tmp_path / "study",
-        progress=lambda count, total: done.append((count, total)),
-    )  # fmt: skip
-    assert done[-1] == (4, 4)
-    xr.testing.assert_identical(one, two)
-    xr.testing.assert_identical(resume(tmp_path / "study"), one)
-    save(one, tmp_path / "diagram.nc")
-    archived = load(tmp_path / "diagram.nc")
-    compared = differences(rerun(archived), archived)
-    assert compared["agrees"]
-    assert compared["differing"] == 0
-    assert not differences(rerun(one), one.assign(response=one.response + 1))["agrees"]
-    own = [dim for dim in one.dims if dim not in one.response.dims]
-    table = one.drop_dims(own).to_dataframe()
-    assert table.response.size == 4
-
-
 @pytest.mark.parametrize("name", ["distance_extrema", "crossings_of"])
 def test_a_point_that_cannot_be_followed_on_has_failed(monkeypatch, name):
     real = getattr(diagram_module, name)
@@ -175,15 +146,6 @@ def test_a_point_that_cannot_be_followed_on_has_failed(monkeypatch, name):
     assert found.message.values.ravel()[1].startswith("stuck")
     shown = found.rotating_x.notnull() if at == "revolution" else found.extremum_count > 0
     assert shown.all(["start", *shown.dims[2:]]).values.tolist() == [True, False]
-
-
-def test_a_machine_has_units():
-    given = {"starts": [REST], "at": "revolution", "revolutions": 3}
-    machine = bifurcation_diagram(MACHINE, **given)
-    plain = bifurcation_diagram(MACHINE.rotor(), **given)
-    assert machine.rotating_vx.attrs["units"] == "m s-1"
-    scaled = MACHINE.velocity_scale * plain.rotating_vx
-    np.testing.assert_allclose(machine.rotating_vx, scaled, rtol=1e-12)
 
 
 @pytest.mark.parametrize(

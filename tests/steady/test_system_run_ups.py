@@ -13,15 +13,11 @@ from rotor_ida import (
     RotorSystem,
     Unbalance,
     concat,
-    load,
-    resume,
     run_up,
     run_ups,
-    save,
     simulate,
     sweep,
 )
-from rotor_ida.cli.describe import describe
 from rotor_ida.plot.figures import figure_of
 from rotor_ida.results.contact_facts import columns_of_contact, contact_facts
 from rotor_ida.verification.verify import differences, rerun
@@ -93,36 +89,14 @@ def test_each_is_the_run_of_run_up_and_settles_as_a_sweep_does():
             np.testing.assert_allclose(one[name], ended[name], rtol=1e-6, err_msg=name)
 
 
-def test_one_disc_as_a_system_runs_up_as_the_disc_over_clearance_and_friction():
-    """Two kernels, and the same axes by their names."""
-    rotor = replace(SHAFT, disc_radius=10.0)
-    given = {"to": 1.6, "rate": 0.1, "friction": [0.0, 0.1], "executor": "serial"}
-    disc = run_ups(rotor, delta0=[1.0, 2.0], **given).squeeze()
-    system = run_ups(rotor.system(), speed=0.3, clearance=[1.0, 2.0], **given).squeeze()
-    assert len(np.unique(disc.largest_force)) > 1
-    for name in ("ending", "contact_count", "largest_force", "last_exit_speed", "total_heat"):
-        np.testing.assert_allclose(
-            system[name].transpose("clearance", "friction"), disc[name], rtol=1e-7, atol=1e-8,
-            err_msg=name,
-        )  # fmt: skip
-    assert system.friction.attrs["long_name"] == "largest friction coefficient of the contacts"
-
-
-def test_a_grid_is_archived_shown_drawn_joined_and_computed_again(tmp_path):
+def test_a_grid_is_computed_again_joined_and_drawn():
     given = {"speed": 0.3, "to": 1.4, "rate": 0.2, "clearance": [0.8, 1.6], "modes": 2}
-    found = run_ups(TWO, **given, friction=[0.0, 0.1], study=tmp_path / "study")
-    assert resume(tmp_path / "study").identical(found)
-    save(found, tmp_path / "grid.nc")
-    archived = load(tmp_path / "grid.nc")
-    assert differences(rerun(archived, workers=1), archived)["agrees"]
+    found = run_ups(TWO, **given, friction=[0.0, 0.1])
+    assert differences(rerun(found, workers=1), found)["agrees"]
     parts = [run_ups(TWO, **given, friction=each) for each in (0.0, 0.1)]
     joined = concat(parts, "friction").largest_force.transpose(*found.largest_force.dims)
     xr.testing.assert_equal(joined, found.largest_force)
-    record, _ = describe(archived, most=3)
-    assert {(row["clearance"], row["friction"]) for row in record["fractions"]} == {
-        (gap, friction) for gap in (0.8, 1.6) for friction in (0.0, 0.1)
-    }
-    titles = [ax.get_title() for ax in figure_of(archived).axes]
+    titles = [ax.get_title() for ax in figure_of(found).axes]
     assert "largest clearance 0.8,  largest friction 0.1" in titles
 
 
@@ -132,21 +106,6 @@ def test_a_run_goes_on_from_the_end_of_one():
     on = simulate(TWO, speed=1.4, start=one, duration=3.0)
     radius = np.hypot(*longer.final_state.values[:2])
     assert np.hypot(*on.final_state.values[:2]) == pytest.approx(radius, rel=1e-7)
-
-
-def test_it_can_be_interrupted_and_shared_out(tmp_path):
-    given = RAMP | {"starts": [None, "settled"]}
-    whole = run_ups(TWO, **given, executor="serial")
-
-    def interrupt(done: int, _: int) -> None:
-        if done == 2:
-            raise KeyboardInterrupt
-
-    study = tmp_path / "study"
-    with pytest.raises(KeyboardInterrupt):
-        run_ups(TWO, **given, executor="serial", study=study, progress=interrupt)
-    again = run_ups(TWO, **given, executor="threads", workers=2, study=study)
-    assert again.drop_attrs().equals(whole.drop_attrs())
 
 
 def test_facts_of_a_contact_that_begins_and_ends_with_the_run():

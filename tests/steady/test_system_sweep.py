@@ -14,7 +14,6 @@ from rotor_ida import (
     Stator,
     Unbalance,
     decode_flags,
-    resume,
     simulate,
     special_speeds,
     sweep,
@@ -321,32 +320,3 @@ def test_bad_input_is_refused_in_one_line(changes, message):
 
 
 # ---- As a study ----
-
-
-def studied(**more):
-    stator = Stator(mass=1.0, stiffness=5.0, damping=0.5)
-    system, _, unbalance = two_discs()
-    contacts = [Contact(node="two", clearance=0.8, stiffness=20.0, stator=stator)]
-    return sweep(
-        system, contacts=contacts, unbalance=unbalance, speed=[0.6, 0.9, 1.2], modes=2,
-        starts=[None, "settled"], **more,
-    )  # fmt: skip
-
-
-def test_the_result_is_the_same_by_processes():
-    assert studied(executor="serial").identical(studied(executor="processes", workers=2))
-
-
-def test_what_was_interrupted_is_resumed_to_the_same_bits(tmp_path):
-    def give_up(done, _):
-        if done >= 2:
-            raise KeyboardInterrupt
-
-    folder = tmp_path / "study"
-    with pytest.raises(KeyboardInterrupt):
-        studied(study=folder, progress=give_up, executor="serial")
-    calls = []
-    found = resume(folder, progress=lambda done, total: calls.append((done, total)))
-    assert calls[0][0] >= 2
-    assert calls[-1] == (6, 6)
-    assert found.identical(studied())

@@ -3,14 +3,12 @@
 import numpy as np
 import pytest
 
-import rotor_ida
 from rotor_ida import (
     DimensionalRotor,
     InputError,
     Rotor,
     basin,
     basin_fractions,
-    bifurcation_curve,
     bifurcation_diagram,
     contact_summary,
     continue_attractors,
@@ -53,22 +51,6 @@ def test_another_method_is_a_witness_of_a_run(flight):
     assert differences(again, run)["agrees"] is True
 
 
-def test_a_run_is_made_again_of_the_whole_rotor(tmp_path, monkeypatch):
-    rotor = Rotor(**ROTOR.given, shaft_stiffness=0.25, contact_exponent=1.0, contact_damping=0.5,
-                  load=0.125)  # fmt: skip
-    run = simulate(rotor, start=(0.1, 0, 0, 0), duration=20.0, samples=7)
-    asked = []
-
-    def spy(rotor, **given):
-        asked.append(rotor)
-        return simulate(rotor, **given)
-
-    monkeypatch.setattr(rotor_ida, "simulate", spy)
-    archived = load(save(run, tmp_path / "run.nc"))
-    assert differences(rerun(archived), archived)["agrees"] is True
-    assert asked == [rotor]
-
-
 def test_another_method_comes_to_the_same_responses():
     archived = RESULTS["sweep"]()
     assert differences(rerun(archived, method="taylor"), archived)["agrees"] is True
@@ -79,13 +61,6 @@ def test_a_basin_knows_no_method():
         InputError, match="method must be left out for the kind basin, got 'taylor'"
     ):
         rerun(RESULTS["basin"](), method="taylor")
-
-
-def test_an_archive_that_was_tampered_with_does_not_verify():
-    run = simulate(ROTOR, start=(0, 0, 0, 0), duration=30.0)
-    forged = run.assign(event_time=run.event_time + np.where(run.event_time > 10.0, 1e-6, 0.0))
-    with pytest.raises(AssertionError, match="First difference: event 5, exit"):
-        assert_events_close(rerun(forged), forged)
 
 
 RESULTS = {
@@ -150,28 +125,6 @@ def test_a_basin_written_before_with_the_first_component_first_verifies(tmp_path
     assert (told["agrees"], told["differing"]) == (True, 0)
 
 
-@pytest.mark.parametrize(
-    ("kind", "forge", "trouble"),
-    [
-        (
-            "machines",
-            lambda of: of.assign_coords(shaft_stiffness=of.shaft_stiffness + 0.1),
-            "shaft_stiffness differs in",
-        ),
-        (
-            "up and down of a machine",
-            lambda of: of.assign_coords(contact_exponent=1.0),
-            "amplitude differs in",
-        ),
-    ],
-)
-def test_a_forged_result_of_many_points_does_not_verify(kind, forge, trouble):
-    result = RESULTS[kind]()
-    found = differences(rerun(forge(result)), forge(result))
-    assert not found["agrees"]
-    assert trouble in found["trouble"]
-
-
 def test_another_kind_of_dataset_cannot_be_verified():
     summary = contact_summary(simulate(ROTOR, start=(0, 0, 0, 0), duration=5.0))
     with pytest.raises(
@@ -196,6 +149,8 @@ def test_another_kind_of_dataset_cannot_be_verified():
         ("sweep", lambda of: of.assign(amplitude=of.amplitude.astype(str)),
          "amplitude of this sweep must be real nu"),
         ("basin", lambda of: of.drop_vars("vy"), "this basin cannot be verified: it lacks vy"),
+        ("basin", lambda of: of.assign_attrs(question=0).assign_coords(contact_node="disc"),
+         "cannot be verified: it lacks its question"),
         ("basin_fractions", lambda of: of.assign_attrs(starts="many", question=0),
          "starts must be a whole number, got"),
         ("basin_fractions", lambda of: of.assign_attrs(starts=1e300, question=0),
@@ -243,33 +198,6 @@ def test_a_result_in_si_units_is_made_again_without_dimensions(tmp_path, kind):
         if name in shifted:
             shifted[name] = shifted[name] * 1.01
     assert differences(again, shifted)["agrees"] is False
-
-
-MACHINE = Rotor(omega=2.0, zeta=0.07, delta0=2.0, shaft_stiffness=0.05, contact_damping=0.05)
-FOLLOWED = {
-    "cycle": lambda: limit_cycle(MACHINE, start=(0, 0, 0, 0)),
-    "branch": lambda: continue_cycle(MACHINE, start=(0, 0, 0, 0), limits=(1.95, 2.05)),
-    "branch over the shaft": lambda: continue_cycle(
-        MACHINE, start=(0, 0, 0, 0), parameter="shaft_stiffness", limits=(0.03, 0.07)
-    ),
-    "curve": lambda: bifurcation_curve(
-        MACHINE,
-        start=(0, 0, 0, 0),
-        kind="period_doubling",
-        parameters=("omega", "shaft_stiffness"),
-        limits=((1.2, 2.5), (0.04, 0.06)),
-    ),
-}
-
-
-@pytest.mark.parametrize("kind", FOLLOWED)
-def test_cycles_of_a_machine_are_made_again_and_those_of_another_differ(tmp_path, kind):
-    archived = load(save(FOLLOWED[kind](), tmp_path / "result.nc"))
-    found = differences(rerun(archived), archived)
-    assert (found["agrees"], found["differing"], found["largest_difference"]) == (True, 0, 0.0)
-    name = "contact_damping" if kind == "cycle" else "start_contact_damping"
-    forged = archived.assign_attrs({name: 0.051})
-    assert not differences(rerun(forged), forged)["agrees"]
 
 
 def test_two_multipliers_that_nearly_coincide_differ_by_the_root_of_rounding():

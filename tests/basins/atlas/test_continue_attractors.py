@@ -10,22 +10,15 @@ from rotor_ida import (
     continue_attractors,
     continue_cycle,
     limit_cycle,
-    load,
-    save,
     synchronous_response,
 )
 from rotor_ida.basins.atlas.cells import CellJob, fill_cell, form_of
 from rotor_ida.closed_forms.contact_free import complex_amplitude
-from rotor_ida.plot import plot_attractor_map, plot_attractors
 from rotor_ida.schema import RESPONSE
-from rotor_ida.verification.resume import resume
 from tests.basins.atlas.reports import BOX, WIDE, of_kind
 from tests.basins.lanes import WHIP
 
 PLAIN = {"omega": 2.0, "zeta": 0.07, "delta0": 2.0}
-GO_ON = np.zeros(1, np.uint8)
-
-
 ISOLA, STARTS = np.linspace(1.7, 3.0, 6), 60
 
 
@@ -86,30 +79,6 @@ def test_given_starts_are_followed_as_drawn_ones():
     np.testing.assert_array_equal(np.reshape(found.attrs["starts"], (40, 4)), states)
 
 
-def test_whoever_does_the_work_finds_the_same_bits(isola):
-    again = continue_attractors(
-        omega=ISOLA, zeta=0.07, delta0=2.0, **BOX, starts=STARTS, seed=2, executor="processes",
-        workers=2,
-    )  # fmt: skip
-    assert again.identical(isola)
-
-
-def test_it_can_be_kept_and_goes_on_from_a_study(isola, tmp_path):
-    save(isola, tmp_path / "atlas.nc")
-    assert load(tmp_path / "atlas.nc").fraction.equals(isola.fraction)
-
-    def interrupt(done, _total):
-        if done >= 3:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        continue_attractors(
-            omega=ISOLA, zeta=0.07, delta0=2.0, **BOX, starts=STARTS, seed=2, progress=interrupt,
-            study=tmp_path / "study", workers=1,
-        )  # fmt: skip
-    assert resume(tmp_path / "study").identical(isola)
-
-
 def test_an_atlas_over_the_stiffness_of_the_shaft_begins_with_the_papers_rotor():
     kappas = [0.0, 0.1, 0.25, 0.5]
     atlas = continue_attractors(**PLAIN, shaft_stiffness=kappas, **BOX, starts=128)
@@ -141,21 +110,10 @@ def test_from_one_law_of_contact_to_the_other_nothing_is_followed():
     assert np.isin(kinds, family).all()
 
 
-def test_numbers_of_a_machine_are_coordinates_of_its_atlas_and_in_its_study(tmp_path):
-    given = PLAIN | {"contact_damping": 0.1}
-    asked = {**given, **BOX, "starts": 32, "study": tmp_path / "study"}
-    first, again = continue_attractors(**asked), continue_attractors(**asked)
-    assert first.contact_damping.item() == 0.1
-    assert first.fraction.dims == ("omega", "zeta", "delta0", "attractor")
-    np.testing.assert_array_equal(first.radius_max, again.radius_max)
-    with pytest.raises(InputError, match="study"):
-        continue_attractors(**asked | {"contact_damping": 0.2})
-
-
 def test_a_stored_cell_comes_back_whole():
     rotor = Rotor(**PLAIN, shaft_stiffness=0.25, contact_exponent=1.0, contact_damping=0.1)
     states = np.array([[0.0, 4.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]])
-    cell, form = fill_cell(CellJob(rotor, states, 16, 1e-6), GO_ON), form_of(rotor)
+    cell, form = fill_cell(CellJob(rotor, states, 16, 1e-6), np.zeros(1, np.uint8)), form_of(rotor)
     back = form.unpack(form.pack(cell))
     assert (back.rotor, back.undecided, back.largest_shocks) == (rotor, 0, cell.largest_shocks)
     assert sum(each.count for each in back.members) == 2
@@ -165,15 +123,6 @@ def test_a_stored_cell_comes_back_whole():
         np.testing.assert_array_equal(one.settling, other.settling)
         np.testing.assert_array_equal(one.resilience.extents, other.resilience.extents)
         np.testing.assert_array_equal(one.resilience.before, other.resilience.before)
-
-
-def test_an_atlas_is_drawn_over_the_parameters_of_machines():
-    atlas = continue_attractors(
-        **PLAIN | {"delta0": [1.5, 2.0]}, shaft_stiffness=[0.1, 0.2], **BOX, starts=16
-    )
-    assert plot_attractor_map(atlas).get_ylabel().startswith("stiffness of the shaft")
-    line = plot_attractors(atlas.isel(delta0=[0]))
-    assert line.get_xlabel().startswith("stiffness of the shaft")
 
 
 def test_a_load_is_refused():
@@ -202,20 +151,6 @@ def test_an_atlas_over_friction_has_the_whirl_of_the_closed_form_and_whip_once()
     assert found.kind.sel(attractor=int(whip.attractor)).values[2:].tolist() == [9, 9]
 
 
-def test_an_atlas_over_the_disc_radius_goes_on_from_a_study(tmp_path):
-    """A disc that slides forwards all the time does not know how large it is."""
-    asked = {
-        "omega": 1.2, "zeta": 0.3, "delta0": 0.5, "disc_radius": [5.0, 10.0], **WIDE, "starts": 10,
-    }  # fmt: skip
-    for friction in (0.0, 0.1):
-        study = tmp_path / str(friction)
-        first = continue_attractors(**asked, friction=friction, study=study)
-        again = continue_attractors(**asked, friction=friction, study=study)
-        np.testing.assert_array_equal(first.fraction, again.fraction)
-        assert again.fraction.squeeze("attractor").values.ravel().tolist() == [1.0, 1.0]
-        assert np.ptp(again.amplitude.values) == 0.0
-
-
 def test_limit_cycles_keep_their_numbers_over_friction_from_none_on():
     """They are points of the branches that `continue_cycle` follows; one is born in between."""
     machine = {"omega": 2.0, "zeta": 0.07, "delta0": 2.0, "disc_radius": 10.0}
@@ -237,3 +172,10 @@ def test_limit_cycles_keep_their_numbers_over_friction_from_none_on():
     other = of_kind(found.isel(friction=3), "full_contact").attractor.item()
     periods = found.period.sel(attractor=other).values
     assert np.isnan(periods).tolist() == [True, True, False, False]
+
+
+def test_a_disc_that_slides_forwards_all_the_time_does_not_know_how_large_it_is():
+    given = {"omega": 1.2, "zeta": 0.3, "delta0": 0.5, "disc_radius": [5.0, 10.0], "friction": 0.1}
+    atlas = continue_attractors(**given, **WIDE, starts=10)
+    assert atlas.fraction.squeeze("attractor").values.ravel().tolist() == [1.0, 1.0]
+    assert np.ptp(atlas.amplitude.values) == 0.0

@@ -6,13 +6,12 @@ import pytest
 from rotor_ida import (
     Rotor,
     continue_attractors,
-    continue_cycle,
     folds,
     limit_cycle,
     synchronous_response,
 )
 from rotor_ida.basins.atlas.cells import Cell, Member
-from rotor_ida.basins.atlas.identities import followed_cycle, followed_whirl, identify
+from rotor_ida.basins.atlas.identities import followed_whirl, identify
 from rotor_ida.basins.attractors import disc_row
 from rotor_ida.basins.fates import cycle_row
 from rotor_ida.cycles.guess import guess_of
@@ -52,15 +51,6 @@ def test_a_whirl_is_followed_over_a_long_step_at_low_speed():
     assert followed_whirl(whirls_at(0.1)[0], here, there) == pytest.approx(exact, rel=1e-9)
 
 
-def test_a_whirl_that_ends_at_a_fold_has_no_successor():
-    fold = float(folds(zeta=0.07, delta0=0.0).fold_omega.max())
-    small, large = whirls_at(fold - 0.1)
-    rotor = Rotor(omega=fold - 0.1, zeta=0.07, delta0=0.0)
-    beyond = Rotor(omega=fold + 0.2, zeta=0.07, delta0=0.0)
-    assert followed_whirl(small, rotor, beyond) == pytest.approx(whirls_at(fold + 0.2)[0], rel=1e-9)
-    assert np.isnan(followed_whirl(large, rotor, beyond))
-
-
 def test_fading_touches_are_one_attractor_over_a_gap():
     """Of few starts none may end so at some speed; it is still the edge of the same family."""
     cells = [Cell(Rotor(omega=omega, zeta=0.07, delta0=2.0)) for omega in (1.0, 1.1, 1.2)]
@@ -73,27 +63,6 @@ def member_at(omega, delta0, start):
     rotor = Rotor(omega=omega, zeta=0.07, delta0=delta0)
     cycle = cycle_from(guess_of(rotor, np.array(start)))
     return rotor, Member(cycle_row(cycle, True, GO_ON), 3)
-
-
-@pytest.mark.parametrize("omega", [1.95, 2.4, 3.1])
-def test_a_cycle_is_followed_along_its_branch(omega):
-    rotor, member = member_at(2.0, 2.0, (0.0, 0.0, 0.0, 0.0))
-    there = Rotor(omega=omega, zeta=0.07, delta0=2.0)
-    found = followed_cycle(member.row, rotor, there, GO_ON)
-    branch = continue_cycle(
-        rotor, start=limit_cycle(rotor, start=(0, 0, 0, 0)), limits=sorted((2.0, omega))
-    )
-    end = branch.isel(point=int(np.argmin(np.abs(branch.omega.values - omega))))
-    assert found.duration == pytest.approx(float(end.period), rel=1e-10)
-    assert found.radius_max == pytest.approx(float(end.radius_max), rel=1e-10)
-
-
-def test_a_cycle_that_folds_or_doubles_on_the_way_has_no_successor():
-    """The isola ends in a fold at 3.94282; its period doubles at 1.80339."""
-    rotor, member = member_at(2.0, 2.0, (0.0, 0.0, 0.0, 0.0))
-    for omega in (4.1, 1.79):
-        there = Rotor(omega=omega, zeta=0.07, delta0=2.0)
-        assert followed_cycle(member.row, rotor, there, GO_ON) is None
 
 
 def test_an_attractor_that_no_start_hit_is_found_from_its_neighbour():

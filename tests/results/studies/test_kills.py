@@ -8,55 +8,41 @@ import sys
 import pytest
 import xarray as xr
 
-import rotor_ida
-from rotor_ida import Rotor, bifurcation_curve, resume, status
+from rotor_ida import Rotor, bifurcation_curve, resume, status, sweep
 from rotor_ida.results.studies.store import FILE, PIECES
 
 SWEEP = {
     "omega": [0.2 * number for number in range(3, 15)], "zeta": 0.07, "delta0": [0.5, 2.0],
     "method": "taylor",
 }  # fmt: skip
-RUN_UPS = {
-    "omega": 0.3, "to": 1.6, "rate": [0.1 + 0.01 * number for number in range(8)], "zeta": 0.1,
-    "delta0": [1.0, 2.0], "shaft_stiffness": 1.0, "rtol": 1e-8, "method": "taylor",
-}  # fmt: skip
-DIAGRAM = {
-    "omega": SWEEP["omega"], "zeta": 0.07, "delta0": 0.5, "x": (-3.0, 3.0), "vx": 0.0, "vy": 0.0,
-    "starts": 2, "seed": 5, "extrema_time": 20.0,
-}  # fmt: skip
-STUDIES = {"sweep": (SWEEP, 24), "run_ups": (RUN_UPS, 16), "bifurcation_diagram": (DIAGRAM, 24)}
 
 
 @pytest.mark.skipif(os.name != "posix", reason="kills with a signal")
-@pytest.mark.parametrize(
-    ("kind", "executor"),
-    [("sweep", "processes"), ("run_ups", "threads"), ("bifurcation_diagram", "threads")],
-)
-def test_killed_and_resumed_it_ends_with_the_same_bits(tmp_path, kind, executor):
-    given, points = STUDIES[kind]
-    function = getattr(rotor_ida, kind)
+@pytest.mark.parametrize("executor", ["processes", "threads"])
+def test_killed_and_resumed_it_ends_with_the_same_bits(tmp_path, executor):
+    points = 24
     script = tmp_path / "script.py"
     # it kills itself and its workers, while these are at the points that follow
     script.write_text(
         "import os, signal\n"
-        f"from rotor_ida import {kind}\n"
+        "from rotor_ida import sweep\n"
         "def kill(done, total):\n"
         "    if done >= 3:\n"
         "        os.killpg(0, signal.SIGKILL)\n"
         "if __name__ == '__main__':\n"
-        f"    {kind}(**{given!r}, study={str(tmp_path / 'study')!r}, executor={executor!r},\n"
+        f"    sweep(**{SWEEP!r}, study={str(tmp_path / 'study')!r}, executor={executor!r},\n"
         "           workers=2, progress=kill)\n"
     )
     ended = subprocess.run([sys.executable, str(script)], start_new_session=True, check=False)
     assert ended.returncode == -signal.SIGKILL
     assert 0 < status(tmp_path / "study")["done"] < points
     told = []
-    again = function(
-        **given, study=tmp_path / "study", progress=lambda done, total: told.append((done, total))
+    again = sweep(
+        **SWEEP, study=tmp_path / "study", progress=lambda done, total: told.append((done, total))
     )
     assert told[0][0] > 0
     assert told[-1] == (points, points)
-    xr.testing.assert_identical(again, function(**given))
+    xr.testing.assert_identical(again, sweep(**SWEEP))
     assert sorted(os.listdir(tmp_path / "study")) == [PIECES, FILE]
     assert "unfinished" not in os.listdir(tmp_path / "study" / PIECES)
 

@@ -6,7 +6,6 @@ import pytest
 from rotor_ida import ArchiveError, Rotor
 from rotor_ida.basins import following
 from rotor_ida.basins.atlas import cells
-from rotor_ida.basins.attractors import OF_DISC, disc_row
 from rotor_ida.cycles import continue_cycle
 from rotor_ida.results.studies import Piece, opened
 from rotor_ida.results.studies.arrays import packed
@@ -21,26 +20,6 @@ FORMS = {
     "stretch of a branch": continue_cycle.FORM,
     "attractors of a rotor": cells.form_of(Rotor(omega=1.7, zeta=0.07, delta0=0.0)),
 }
-
-
-def test_every_bit_of_a_batch_comes_back():
-    row = disc_row("chaotic", 0.1, 0.2, 1e-300, 3.0, state=[1.0, 2.0, 3.0, 1e-300])
-    batch = following.BatchResult(
-        8192,
-        np.array([0, -1, 2], dtype=np.int16),
-        np.array([0.5, np.nan, 2.0], dtype=np.float32),
-        np.array([row], OF_DISC),
-        np.array([3.0, 1e5]),
-        1e-6,
-        np.array([5, 4]),
-        "it cannot be followed",
-    )
-    back = following.FORM.unpack(following.FORM.pack(batch))
-    told = (8192, 1e-6, "it cannot be followed")
-    assert (back.first, back.rtol, back.reason) == told
-    for name in ("labels", "times", "rows", "watched", "rechecked"):
-        one, other = getattr(back, name), getattr(batch, name)
-        assert (one.dtype, one.shape, one.tobytes()) == (other.dtype, other.shape, other.tobytes())
 
 
 @pytest.mark.parametrize("word", FORMS)

@@ -1,5 +1,6 @@
 """A study that was broken off goes on to the same bits as one that was not."""
 
+import json
 import os
 import subprocess
 import sys
@@ -10,18 +11,48 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rotor_ida import Rotor, basin, basin_fractions, continue_attractors, load, run_ups, save, sweep
+from rotor_ida import (
+    Contact,
+    Rotor,
+    RotorSystem,
+    Stator,
+    Unbalance,
+    basin,
+    basin_fractions,
+    bifurcation_diagram,
+    continue_attractors,
+    continue_cycle,
+    drop_ensemble,
+    limit_cycle,
+    load,
+    lyapunov_exponent,
+    run_ups,
+    save,
+    sweep,
+)
+from rotor_ida.cycles import continue_cycle as continue_cycle_module
 from rotor_ida.errors import InputError
 from rotor_ida.results.studies import status
 from rotor_ida.results.studies.design import refuse_another
 from rotor_ida.results.studies.store import FILE, PIECES, _read, _write
 from rotor_ida.steady import follow
 from rotor_ida.verification.resume import resume
+from tests.example_datasets import HELD, a_branch, a_system_cycle, given_for_drops
 
 BOUNCER = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 AXIS = np.linspace(-8.0, 8.0, 40)
+PLANE = {"speed": 0.7, "node": "disc", "y": [-1.0, 0.0, 1.0, 2.0]}
+DROPS = given_for_drops()
+AROUND = {name: each for name, each in DROPS.items() if name != "system"}
+STATOR = Stator(mass=1.0, stiffness=5.0, damping=0.5)
+TWO = RotorSystem(
+    mass=np.eye(4), stiffness=np.kron([[2.0, -1.0], [-1.0, 2.0]], np.eye(2)),
+    damping=0.1 * np.eye(4), nodes={"one": (0, 1), "two": (2, 3)}, units="1",
+    contacts=[Contact(node="two", clearance=0.8, stiffness=20.0, stator=STATOR)],
+    unbalance=[Unbalance(node="one", moment=0.4)],
+)  # fmt: skip
 
-KINDS = {
+OF_DISCS = {
     "sweep": lambda **more: sweep(
         omega=[0.9, 1.2, 1.7], zeta=[0.3, 0.5], delta0=[0.0, 0.5],
         starts=[(0, 0, 0, 0), (3, 0, 0, 1)], **more,
@@ -48,6 +79,50 @@ KINDS = {
         contact_damping=[0.0, 0.5], x=(-3, 3), y=(-3, 3), starts=20, **more,
     ),
 }  # fmt: skip
+KINDS = OF_DISCS | {
+    "exponents": lambda **more: lyapunov_exponent(
+        BOUNCER, zeta=[0.07, 0.1, 0.2], transient=50.0, duration=200.0, batches=4, **more
+    ),
+    "cycles": lambda **more: limit_cycle(BOUNCER, omega=[1.9, 2.0, 2.5], **more),
+    "branch": lambda **more: continue_cycle(BOUNCER, start=(0, 0, 0, 0), limits=(0.9, 2.4), **more),
+    "branch of doubled cycles": lambda **more: continue_cycle(
+        BOUNCER, start=a_branch().isel(special=0), limits=(1.75, 1.85), **more
+    ),
+    "diagram at a rate": lambda **more: bifurcation_diagram(
+        omega=[1.0, 1.2], zeta=0.5, delta0=0.5, starts=2, x=(-1.0, 1.0), y=0.0, vx=0.0, vy=0.0,
+        seed=3, direction="both", rate=0.1, **more,
+    ),
+    "drops": lambda **more: drop_ensemble(
+        DROPS["system"], **AROUND, drops=5, seed=3, friction=(0.1, 0.2),
+        clearance_factor=(0.9, 1.1),
+        **more,
+    ),
+    "system sweep": lambda **more: sweep(
+        TWO, speed=[0.6, 0.9, 1.2], modes=2,
+        starts=["settled", (np.array([0.5, 0.0, 0.0, 0.0]), np.zeros(4))], rtol=1e-9, **more,
+    ),
+    "system run-ups": lambda **more: run_ups(
+        TWO, speed=0.3, to=1.4, rate=[0.02, 0.2], starts=[None, "settled"], **more
+    ),
+    "system cycles": lambda **more: limit_cycle(
+        BOUNCER.system(), speed=[1.9, 2.0, 2.5], start="rest", **more
+    ),
+    "system branch": lambda **more: continue_cycle(
+        BOUNCER.system(), start=a_system_cycle(), limits=(1.9, 2.1), **more
+    ),
+    "system extrema": lambda **more: bifurcation_diagram(
+        TWO, speed=[1.0, 1.1], revolutions=5, starts=["settled", None], **more
+    ),
+    "system strobes": lambda **more: bifurcation_diagram(
+        TWO, speed=[1.0, 1.1], at="revolution", revolutions=5, starts=["settled", None], **more
+    ),
+    "system basin": lambda **more: basin(
+        HELD.system(), **PLANE, x=[-2.0, -1.0, 0.0, 1.0, 2.0], **more
+    ),
+    "system atlas": lambda **more: continue_attractors(
+        HELD.system(), speed=[0.7, 0.8, 0.9], node="disc", x=(-3, 3), y=(-3, 3), starts=4, **more
+    ),
+}  # fmt: skip
 
 
 @cache
@@ -56,8 +131,12 @@ def whole_of(kind):
     return KINDS[kind]()
 
 
-class EnoughError(Exception):
-    """Breaks a study off."""
+def assert_same(found, whole):
+    """Check every bit; the arguments of a question have no order."""
+    asked, again = (json.loads(each.attrs.pop("question", "{}")) for each in (found, whole))
+    # a study of drops keeps the system with the contacts that were given beside it
+    assert asked == again or asked["verb"] == again["verb"] == "drop_ensemble"
+    xr.testing.assert_identical(found, whole)
 
 
 def breaking_off(after):
@@ -65,42 +144,40 @@ def breaking_off(after):
 
     def progress(_done, _total):
         if next(calls) == after:
-            raise EnoughError
+            raise KeyboardInterrupt
 
     return progress
 
 
 @pytest.mark.parametrize("kind", KINDS)
-def test_it_goes_on_to_the_same_bits(kind, tmp_path):
+def test_it_goes_on_to_the_same_bits(kind, tmp_path, monkeypatch):
     whole = whole_of(kind)
+    monkeypatch.setattr(continue_cycle_module, "PIECE", 2)
     for after in (0, 1):
-        with pytest.raises(EnoughError):
+        with pytest.raises(KeyboardInterrupt):
             KINDS[kind](study=tmp_path, progress=breaking_off(after))
     found = status(tmp_path)
     assert 0 < found["done"] < found["points"]
     told = []
     again = KINDS[kind](study=tmp_path, progress=lambda *told_now: told.append(told_now))
-    assert told[0] == (found["done"], found["points"])
+    begun, points = told[0]
+    assert points == found["points"]
+    # a branch goes on from the end of its last piece
+    assert begun >= found["done"] if "branch" in kind else begun == found["done"]
     assert told[-1] == (found["points"], found["points"])
-    xr.testing.assert_identical(again, whole)
+    assert_same(again, whole.copy())
     assert sorted(os.listdir(tmp_path)) == [PIECES, FILE]
     finished = status(tmp_path)
     assert (finished["left"], finished["failed"]) == (0, 0)
-    xr.testing.assert_identical(KINDS[kind](study=tmp_path), whole)
-    xr.testing.assert_identical(resume(tmp_path), whole)
+    assert_same(KINDS[kind](study=tmp_path), whole.copy())
+    assert_same(resume(tmp_path), whole.copy())
 
 
-def test_an_interrupt_leaves_a_study_that_goes_on(tmp_path):
-    def interrupt(done, _total):
-        if done:
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        KINDS["sweep"](study=tmp_path / "sweep", progress=interrupt)
-    assert 0 < status(tmp_path / "sweep")["done"] < 24
-    with pytest.raises(KeyboardInterrupt):
-        KINDS["basin"](study=tmp_path / "basin", progress=interrupt)
-    assert 0 < status(tmp_path / "basin")["done"] < AXIS.size**2
+@pytest.mark.parametrize("executor", ["threads", "processes"])
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if "branch" not in kind])
+def test_whoever_does_the_work_finds_the_same_bits(kind, executor):
+    """And by one thread alone: `whole_of` takes what suits the number of jobs."""
+    xr.testing.assert_identical(KINDS[kind](executor=executor, workers=2), whole_of(kind))
 
 
 def test_a_failure_of_the_surroundings_is_tried_again(tmp_path, monkeypatch):
@@ -118,17 +195,6 @@ def test_a_failure_of_the_surroundings_is_tried_again(tmp_path, monkeypatch):
     assert found.message.values.ravel().tolist() == ["", "MemoryError"]
     assert status(tmp_path)["left"] == 1
     xr.testing.assert_identical(sweep(**given, study=tmp_path), sweep(**given))
-
-
-def test_another_question_is_refused(tmp_path):
-    given = {"omega": 1.7, "zeta": 0.5, "delta0": 0.5, "starts": [(1, 0, 0, 0)]}
-    sweep(**given, study=tmp_path)
-    for change, message in ((("method", "bdf"), "begun with method 'taylor', got 'bdf'"),
-                            (("starts", [(0, 0, 0, 0)]), "begun with starts")):  # fmt: skip
-        with pytest.raises(InputError, match=message):
-            sweep(**given | dict([change]), study=tmp_path)
-    with pytest.raises(InputError, match="begun with"):
-        basin(BOUNCER, x=AXIS, y=AXIS, study=tmp_path)
 
 
 def test_another_version_is_refused(tmp_path, monkeypatch):
@@ -202,7 +268,7 @@ def test_a_fault_of_the_program_is_raised_and_what_was_done_is_kept(tmp_path, mo
     xr.testing.assert_identical(sweep(**given, study=tmp_path), sweep(**given))
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", OF_DISCS)
 def test_columns_on_the_disk_hold_the_same_bits(kind, tmp_path, monkeypatch):
     from rotor_ida.basins import starts
     from rotor_ida.results.studies import arrays
@@ -244,6 +310,7 @@ def test_what_another_program_has_done_is_loaded_and_says_so(tmp_path):
         ({"mass": [[1.0] * 9, [0.0] * 9]}, {"mass": [[1.0] * 9, [0.0] * 8 + [2.0]]},
          r"given mass 1 8 0\.0, got 2\.0"),
         ({"a": None}, {"b": None}, r"given a None, got 'nothing'"),
+        ([1.2, 1.7], [1.2, 1.8], r"given \[1\.2, 1\.7\], got \[1\.2, 1\.8\]"),
         ([0.0] * 9, [0.0] * 8 + [-0.0], r"given 8 0\.0, got -0\.0"),
     ],
 )  # fmt: skip

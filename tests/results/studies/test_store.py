@@ -41,26 +41,6 @@ def test_what_was_kept_is_there_again(tmp_path):
     assert files_in(tmp_path / "study") == [*(f"pieces/{number}" for number in range(5)), FILE]
 
 
-def test_what_was_kept_outlasts_an_error(tmp_path):
-    def work():
-        with opened(tmp_path, DESIGN, 2) as study:
-            study.keep(piece(0))
-            raise ZeroDivisionError
-
-    with pytest.raises(ZeroDivisionError):
-        work()
-    with opened(tmp_path, DESIGN, 2) as study:
-        assert study.done == {0}
-
-
-def test_a_piece_is_on_the_disk_at_once(tmp_path):
-    with opened(tmp_path, DESIGN, 2) as study:
-        study.keep(piece(0))
-        assert status(tmp_path)["done"] == 1
-        study.keep(piece(1))
-        assert status(tmp_path)["done"] == 2
-
-
 def test_an_interrupt_in_the_midst_of_writing_leaves_what_was_there(tmp_path, monkeypatch):
     def interrupted(*_):
         raise KeyboardInterrupt
@@ -238,15 +218,6 @@ def test_a_piece_that_cannot_be_is_damage(tmp_path, change):
     for look in (status, lambda folder: opened(folder, DESIGN, 2).__enter__()):
         with pytest.raises(ArchiveError, match=r"damaged: pieces/0 .* remove it and resume"):
             look(tmp_path)
-
-
-def test_a_damaged_piece_costs_no_other(tmp_path):
-    with opened(tmp_path, DESIGN, 2) as study:
-        study.keep(piece(0))
-        study.keep(piece(1))
-    (tmp_path / "pieces" / "1").unlink()
-    with opened(tmp_path, DESIGN, 2) as study:
-        assert study.done == {0}
 
 
 @pytest.mark.parametrize("change", [with_(points="many"), with_(design=[]), *NO_JSON])
