@@ -30,7 +30,7 @@ from rotor_ida.cli.rotor_options import (
     of_sheet,
     sheet_of,
 )
-from rotor_ida.cli.verb_options import options_of, system_axes
+from rotor_ida.cli.verb_options import Option, options_of, system_axes
 from rotor_ida.cli.verbs import NEEDED, Argument, arguments_of
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import DimensionalRotor
@@ -51,9 +51,8 @@ GROUPS: dict[Rotors, Any] = {
 # Keywords of functions that are no options: the file of a system has some.
 NO_OPTIONS = {"progress", "modes", "more_modes", "**changed", "**varied"}
 THAT_OF_FILE = "Default: that of the file."
-# The function whose keywords are the options of measured files, and another of these options.
+# The function whose keywords are the options of measured files.
 READS = "read_signals"
-OF_READING = {*arguments_of(READS), "slow_roll_file"}
 # What a function takes before the rotor.
 FIRST = ("signals",)
 # Functions that take each of these from the file of a system, where no option gives it.
@@ -437,7 +436,8 @@ class Command:
             output: Output = Output(), **given: Any,
         ) -> Report | int:  # fmt: skip
             own = {name: given.pop(name) for name in list(given) if name in self.own}
-            reading = {name: given.pop(name) for name in OF_READING & given.keys() if self.reads}
+            of_reading = {name for name, *_ in self.of_reading}
+            reading = {name: given.pop(name) for name in list(given) if name in of_reading}
             group = rotors or GROUPS.get(self.rotors, RotorOptions)()
             if machine is not None:
                 group = RotorOptions(machine=machine)
@@ -464,6 +464,14 @@ class Command:
         _, *found = inspect.signature(options.with_options(self.body)).parameters.values()
         return {each.name: each for each in found}
 
+    @cached_property
+    def of_reading(self) -> list[Option]:
+        """The options of measured files, if it has them."""
+        if not self.reads:
+            return []
+        other = options.option(Path | None, "slow_roll_file")
+        return [*options_of(READS, arguments_of(READS)), ("slow_roll_file", other, None)]
+
     def _options(self) -> list[inspect.Parameter]:
         """Return all options in the order of the help."""
         apart = partial(inspect.Parameter, kind=inspect.Parameter.KEYWORD_ONLY)
@@ -471,7 +479,7 @@ class Command:
         found = [] if group is None else [apart("rotors", default=group(), annotation=group)]
         if self.rotors == "of a file":
             found = [apart("machine", default=None, annotation=MachineFile)]
-        kind = inspect.Parameter.POSITIONAL_ONLY
+        kind: Any = inspect.Parameter.POSITIONAL_ONLY
         default: object = None
         if "..." in self.file:
             several = inspect.Parameter.VAR_POSITIONAL
@@ -488,14 +496,9 @@ class Command:
             found = [inspect.Parameter("system", kind, default=default, annotation=of), *found]
         for name, annotation, default in options_of(self.verb, self.arguments):
             found.append(apart(name, default=default, annotation=annotation))
-        if self.reads:
-            for name, annotation, default in options_of(READS, arguments_of(READS)):
-                found.append(apart(name, default=default, annotation=annotation))
-            other = options.option(Path | None, "slow_roll_file")
-            found.append(apart("slow_roll_file", default=None, annotation=other))
-        if self.rotors == "several" and self.takes_systems:
-            for name, annotation, default in system_axes():
-                found.append(apart(name, default=default, annotation=annotation))
+        axes = system_axes() if self.rotors == "several" and self.takes_systems else ()
+        for name, annotation, default in (*self.of_reading, *axes):
+            found.append(apart(name, default=default, annotation=annotation))
         output = [apart("output", default=Output(), annotation=Output)] * self.writes
         return [*found, *self.own.values(), *output]
 

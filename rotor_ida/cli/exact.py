@@ -72,7 +72,8 @@ def exact_beneath(dataset: xr.Dataset, kind: str) -> list[xr.Dataset]:
         return _some(_steady(last, dataset, record) + backward, rotor, kind)
     if kind == "trace":
         return [_flight(dataset, record, rotor)]
-    whips = _backward([_at(rotor, each) for each in _few(speeds)])
+    few = np.linspace(speeds.min(), speeds.max(), WHIP_SPEEDS).tolist()
+    whips = _backward([_at(rotor, each) for each in few])
     points = _special_points(rotor, speeds)
     over = points + whips if kind in OVER_FREQUENCY else _backward([last])
     return _some(over, rotor, kind, changes=True)
@@ -246,12 +247,6 @@ def _flight(dataset: xr.Dataset, record: Record, rotor: Rotor) -> xr.Dataset:
         {"t": ("t", whole[seen]), **parameter_coordinates(rotor)},
         kind="exact_motion",
     )
-
-
-def _few(speeds: Values) -> list[float]:
-    """Return speeds over the range of a run."""
-    found: list[float] = np.linspace(speeds.min(), speeds.max(), WHIP_SPEEDS).tolist()
-    return found
 
 
 def _rotor_of(dataset: xr.Dataset) -> Rotor:

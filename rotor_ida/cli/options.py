@@ -159,10 +159,6 @@ OPTIONS: dict[Group | None, dict[str, Parameter]] = {
         "bifurcation_diagram starts": _states(
             "Initial states, one or more, instead of random ones; also settled (steady whirl "
             "without contact) and rest (in equilibrium with the load)."),
-        "run_ups starts": _states(
-            "Initial states, one or more, or the words settled (steady whirl without contact) and "
-            "rest (in equilibrium with the load) for those of each rotor. Default: rest, or what a "
-            "system file says."),
         "parameters": Parameter(
             help="The two parameters to vary, from the choices of continue-cycle; of a rotor "
             "system by default speed and clearance.",
@@ -184,6 +180,10 @@ OPTIONS: dict[Group | None, dict[str, Parameter]] = {
             parsing.component_or_ends, "FLOAT|LOW:HIGH",
         ) for name in COMPONENTS},
         "folds": flag_option("List the folds too."),
+        "from_ross speed": quantity_option(
+            "Speed at which coefficients are frozen (SI: rad/s, or as 3000rpm). Default: they keep "
+            "their tables.",
+            "rad s-1"),
         "own_unbalance": flag_option(
             "Take the unbalance of the file as residual, instead of that of the formula."),
         "quick": flag_option("Compute coarser results, faster."),

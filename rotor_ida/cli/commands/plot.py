@@ -148,20 +148,13 @@ def plot(
         from rotor_ida.cli.exact import exact_beneath  # noqa: PLC0415 - heavy, and not for --help
 
         chosen["beneath"] = exact_beneath(dataset, kind)
-    drawn = _suiting(dataset) if kind is None else _of_kind(kind, dataset, chosen)
+    drawn = _drawn(kind, dataset, chosen)
     report = _written(file, dataset, drawn, figure, kind=kind, as_json=as_json, force=force)
     notes = [each.attrs["comment"] for each in chosen.get("beneath", ()) if "comment" in each.attrs]
     return replace(
         report, record={**report.record, **({"notes": notes} if notes else {})},
         parts=[*report.parts, *notes],
     )  # fmt: skip
-
-
-def _suiting(dataset: xr.Dataset) -> Figure:
-    """Return the default figure of a kind of dataset."""
-    from rotor_ida.plot.figures import figure_of  # noqa: PLC0415 - only who draws needs it
-
-    return figure_of(dataset)
 
 
 def _kind_suiting(dataset: xr.Dataset) -> str:
@@ -184,10 +177,12 @@ def _kind_with_nodes(dataset: xr.Dataset) -> KindOfPlot | None:
     return kinds.get(kind_of(dataset))
 
 
-def _of_kind(kind: KindOfPlot, dataset: xr.Dataset, chosen: dict[str, Any]) -> Figure:
-    """Return the figure of a kind of plot of signals."""
+def _drawn(kind: KindOfPlot | None, dataset: xr.Dataset, chosen: dict[str, Any]) -> Figure:
+    """Return the figure of a kind of plot, by default that of the dataset."""
     from rotor_ida import plot as plots  # noqa: PLC0415 - only who draws needs it
 
+    if kind is None:
+        return plots.figure_of(dataset)
     if "clearance" in chosen:
         unit = str(dataset["x"].attrs.get("units", "1"))
         chosen["clearance"] = in_unit("clearance", chosen["clearance"], unit)
