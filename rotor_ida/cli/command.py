@@ -30,8 +30,8 @@ from rotor_ida.cli.rotor_options import (
     of_sheet,
     sheet_of,
 )
-from rotor_ida.cli.verb_options import options_of, system_axes
-from rotor_ida.cli.verbs import NEEDED, arguments_of
+from rotor_ida.cli.verb_options import Option, options_of, system_axes
+from rotor_ida.cli.verbs import NEEDED, Argument, arguments_of
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import DimensionalRotor
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
@@ -42,15 +42,17 @@ if TYPE_CHECKING:
     from rotor_ida.model.rotor_system import RotorSystem
     from rotor_ida.results.system_file import Course
 
-# The rotors of a command: one, several, those at all speeds, or a machine or a system of a file
-# alone, whose speeds are an argument of the function.
-Rotors = Literal["one", "several", "all speeds", "of a file", "a system"]
+# The rotors of a command: one, several, those at all speeds, a machine or a system of a file
+# alone, whose speeds are an argument of the function, or none.
+Rotors = Literal["one", "several", "all speeds", "of a file", "a system", "none"]
 GROUPS: dict[Rotors, Any] = {
     "one": RotorOptions, "several": RotorsOptions, "all speeds": AllSpeedsOptions,
 }  # fmt: skip
 # Keywords of functions that are no options: the file of a system has some.
 NO_OPTIONS = {"progress", "modes", "more_modes", "**changed", "**varied"}
 THAT_OF_FILE = "Default: that of the file."
+# The function whose keywords are the options of measured files.
+READS = "read_signals"
 # What a function takes before the rotor.
 FIRST = ("signals",)
 # Functions that take each of these from the file of a system, where no option gives it.
@@ -82,7 +84,9 @@ class Case:
     adapted : callable, optional
         Checks the arguments with the rotor, and returns those of the function.
     measured : list of Path
-        The files besides that of a rotor system, of a command that takes several.
+        The files besides that of a rotor system.
+    reading : dict
+        The options of measured files that were given.
     """
 
     of: Command
@@ -96,6 +100,7 @@ class Case:
     rotor: Any = None
     adapted: Callable[[Any, dict[str, Any]], dict[str, Any]] | None = None
     measured: list[Path] = field(default_factory=list)
+    reading: dict[str, Any] = field(default_factory=dict)
 
     @property
     def is_system(self) -> bool:
@@ -289,7 +294,7 @@ class Case:
         """Return speed and parameters of the system; what is of one disc is refused."""
         values = self.rotor_values
         # signals have their own speed
-        shared = {*self.known} if self.of.files else {SPEED, *self.known}
+        shared = {*self.known} if self.of.file else {SPEED, *self.known}
         found = {name: values.pop(name) for name in [*values] if name in shared}
         if self.of.rotors == "several":
             own = {name: values.pop(name) for name in PARAMETERS_OF_SYSTEM if name in values}
@@ -350,20 +355,29 @@ class Command:
         Keywords of the function that are no options.
     of_file : tuple of str
         Those that the file of a system may give instead.
-    files : bool
-        Whether it takes several files, of which one may be that of a rotor system.
+    asks : tuple of str
+        The functions whose keywords are options: by default that by the same name.
+    only : tuple of str
+        The keywords of these that are options; by default all.
+    file : str
+        Its files in the usage, one or several of any kind; by default that of a rotor system.
+    reads : bool
+        Whether it has the options of measured files.
     writes : bool
         Whether it writes its result as others do.
     """
 
-    body: Callable[..., Report]
+    body: Callable[..., Report | int]
     rotors: Rotors
     most: int | None = FIRST_ROWS
     quiet: bool = False
     label: str = ""
     without: tuple[str, ...] = ()
     of_file: tuple[str, ...] = ()
-    files: bool = False
+    asks: tuple[str, ...] | None = None
+    only: tuple[str, ...] = ()
+    file: str = ""
+    reads: bool = False
     writes: bool = True
 
     @property
@@ -372,11 +386,22 @@ class Command:
         return self.body.__name__
 
     @cached_property
-    def arguments(self) -> dict[str, Any]:
-        """The keywords of the function that are options."""
+    def keywords(self) -> dict[str, Argument]:
+        """The keywords of the functions."""
+        found: dict[str, Argument] = {}
+        for name in (self.verb,) if self.asks is None else self.asks:
+            found |= {key: each for key, each in arguments_of(name).items() if key not in found}
+        return found
+
+    @cached_property
+    def arguments(self) -> dict[str, Argument]:
+        """The keywords of the functions that are options."""
+        if self.only:  # each function has a default
+            return {name: each._replace(default=None) for name, each in self.keywords.items()
+                    if name in self.only}  # fmt: skip
         no = {*NO_OPTIONS, *self.without}
         no = no - ({"modes"} - {*self.without}) if self.of_one_file else no | {SPEED}
-        found = {name: each for name, each in arguments_of(self.verb).items() if name not in no}
+        found = {name: each for name, each in self.keywords.items() if name not in no}
         return found | {
             name: found[name]._replace(default=None, text=f"{found[name].text} {THAT_OF_FILE}")
             for name in self.of_file
@@ -395,32 +420,36 @@ class Command:
     @property
     def takes_systems(self) -> bool:
         """Whether the function takes a rotor system."""
-        return SPEED in arguments_of(self.verb) or "**changed" in arguments_of(self.verb)
+        return not self.only and bool({SPEED, "**changed"} & self.keywords.keys())
 
     @property
     def named(self) -> str:
         """The file or files of the command in its usage."""
-        if self.files:
-            return "FILE..."
-        return "SYSTEM" if self.rotors == "a system" else "[SYSTEM]" * self.takes_systems
+        system = "SYSTEM" if self.rotors == "a system" else "[SYSTEM]" * self.takes_systems
+        return self.file or system
 
-    def function(self) -> Callable[..., Report]:
+    def function(self) -> Callable[..., Report | int]:
         """Return the command with its options, for cyclopts."""
 
         def run(
             *files: Path | None, rotors: Any = None, machine: Path | None = None,
             output: Output = Output(), **given: Any,
-        ) -> Report:  # fmt: skip
+        ) -> Report | int:  # fmt: skip
             own = {name: given.pop(name) for name in list(given) if name in self.own}
+            of_reading = {name for name, *_ in self.of_reading}
+            reading = {name: given.pop(name) for name in list(given) if name in of_reading}
             group = rotors or GROUPS.get(self.rotors, RotorOptions)()
             if machine is not None:
                 group = RotorOptions(machine=machine)
-            systems = [each for each in files if each and each.name.endswith(SYSTEM_ENDING)]
+            of_any = self.file in {"FILE", "[FILE]"}
+            systems = [each for each in files if each and not of_any
+                       and each.name.endswith(SYSTEM_ENDING)]  # fmt: skip
             if len(systems) > 1:
                 raise InputError("FILE must be given with one rotor system at most, got two")
             case = Case(
                 of=self, file=next(iter(systems), None), rotors=group, output=output, given=given,
                 measured=[each for each in files if each and each not in systems],
+                reading=reading,
             )  # fmt: skip
             return self.body(case, **own)
 
@@ -435,6 +464,14 @@ class Command:
         _, *found = inspect.signature(options.with_options(self.body)).parameters.values()
         return {each.name: each for each in found}
 
+    @cached_property
+    def of_reading(self) -> list[Option]:
+        """The options of measured files, if it has them."""
+        if not self.reads:
+            return []
+        other = options.option(Path | None, "slow_roll_file")
+        return [*options_of(READS, arguments_of(READS)), ("slow_roll_file", other, None)]
+
     def _options(self) -> list[inspect.Parameter]:
         """Return all options in the order of the help."""
         apart = partial(inspect.Parameter, kind=inspect.Parameter.KEYWORD_ONLY)
@@ -442,31 +479,36 @@ class Command:
         found = [] if group is None else [apart("rotors", default=group(), annotation=group)]
         if self.rotors == "of a file":
             found = [apart("machine", default=None, annotation=MachineFile)]
-        if self.files:
+        kind: Any = inspect.Parameter.POSITIONAL_ONLY
+        default: object = None
+        if "..." in self.file:
             several = inspect.Parameter.VAR_POSITIONAL
             found = [inspect.Parameter("files", several, annotation=options.FILES), *found]
+        elif self.file:
+            of = options.option(Path | None, f"{self.verb} file")
+            default = None if self.file.startswith("[") else NEEDED
+            kind = inspect.Parameter.POSITIONAL_OR_KEYWORD if default is None else kind
+            found = [inspect.Parameter("file", kind, default=default, annotation=of), *found]
         elif self.takes_systems:
-            kind = inspect.Parameter.POSITIONAL_ONLY
-            default: object = None
             of = options.System if group else Annotated[options.System, options.OR_MACHINE]
             if self.rotors == "a system":
                 of, default = Annotated[options.System, options.SYSTEM_ALONE], NEEDED
             found = [inspect.Parameter("system", kind, default=default, annotation=of), *found]
         for name, annotation, default in options_of(self.verb, self.arguments):
             found.append(apart(name, default=default, annotation=annotation))
-        if self.rotors == "several" and self.takes_systems:
-            for name, annotation, default in system_axes():
-                found.append(apart(name, default=default, annotation=annotation))
+        axes = system_axes() if self.rotors == "several" and self.takes_systems else ()
+        for name, annotation, default in (*self.of_reading, *axes):
+            found.append(apart(name, default=default, annotation=annotation))
         output = [apart("output", default=Output(), annotation=Output)] * self.writes
         return [*found, *self.own.values(), *output]
 
 
 def command(
     rotors: Rotors, label: str = "", **how: Any
-) -> Callable[[Callable[..., Report]], Command]:
+) -> Callable[[Callable[..., Report | int]], Command]:
     """Return a decorator that makes a command of its body."""
 
-    def decorated(body: Callable[..., Report]) -> Command:
+    def decorated(body: Callable[..., Report | int]) -> Command:
         name = body.__name__.replace("_", " ")
         return Command(body=body, rotors=rotors, label=label or name, **how)
 

@@ -19,10 +19,11 @@ from rotor_ida.checks import COMPONENTS
 from rotor_ida.closed_forms import ramp_flight, response_curve, rest
 from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
+from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.results.run import parameter_coordinates, rotor_of
 from rotor_ida.results.si_units import EXACT
-from rotor_ida.schema import LINE_KIND, Column, labelled, labelled_dataset, words_of
+from rotor_ida.schema import LINE_KIND, labelled, labelled_dataset, words_of
 from rotor_ida.signals.record import Record, record_of
 
 OVER_SPEED = ("bode", "polar", "orders")
@@ -71,7 +72,8 @@ def exact_beneath(dataset: xr.Dataset, kind: str) -> list[xr.Dataset]:
         return _some(_steady(last, dataset, record) + backward, rotor, kind)
     if kind == "trace":
         return [_flight(dataset, record, rotor)]
-    whips = _backward([_at(rotor, each) for each in _few(speeds)])
+    few = np.linspace(speeds.min(), speeds.max(), WHIP_SPEEDS).tolist()
+    whips = _backward([_at(rotor, each) for each in few])
     points = _special_points(rotor, speeds)
     over = points + whips if kind in OVER_FREQUENCY else _backward([last])
     return _some(over, rotor, kind, changes=True)
@@ -188,7 +190,7 @@ def _hanging(rotor: Rotor) -> xr.Dataset:
             "line_kind": ("line", kinds),
             "frequency": ("line", np.array([0.0, rotor.omega])),
         },
-        {"t": ("t", times), **_labels(rotor)},
+        {"t": ("t", times), **parameter_coordinates(rotor)},
         kind="exact_motion",
     )
 
@@ -242,19 +244,9 @@ def _flight(dataset: xr.Dataset, record: Record, rotor: Rotor) -> xr.Dataset:
     return labelled_dataset(
         "Flight until the first touch",
         columns,
-        {"t": ("t", whole[seen]), **_labels(rotor)},
+        {"t": ("t", whole[seen]), **parameter_coordinates(rotor)},
         kind="exact_motion",
     )
-
-
-def _few(speeds: Values) -> list[float]:
-    """Return speeds over the range of a run."""
-    found: list[float] = np.linspace(speeds.min(), speeds.max(), WHIP_SPEEDS).tolist()
-    return found
-
-
-def _labels(rotor: Rotor) -> dict[str, Column]:
-    return {name: ((), value) for name, value in rotor.given.items()}
 
 
 def _rotor_of(dataset: xr.Dataset) -> Rotor:
@@ -264,8 +256,7 @@ def _rotor_of(dataset: xr.Dataset) -> Rotor:
         raise InputError(
             f"exact must be left out: the file lacks the parameters {', '.join(missing)}"
         )
-    names = (name for name in ALL_PARAMETERS if name in dataset.variables)
-    return Rotor(**{name: float(dataset[name]) for name in names})
+    return rotor_of(dataset)
 
 
 def _at(rotor: Rotor, omega: float) -> Rotor:

@@ -16,8 +16,8 @@ STUDY, OPTIONS = Group("Study", sort_key=3), Group("Options", sort_key=3)
 READING = Group("Measured files", sort_key=4)
 SOLVER = Group("Solver", sort_key=5)
 OUTPUT = Group("Output", sort_key=6)
-IN_ROTOR, IN_CHANGE, IN_SOLVER, IN_OUTPUT = (
-    Parameter(group=each) for each in (ROTOR, SPEED, SOLVER, OUTPUT)
+IN_ROTOR, IN_CHANGE, IN_READING, IN_SOLVER, IN_OUTPUT = (
+    Parameter(group=each) for each in (ROTOR, SPEED, READING, SOLVER, OUTPUT)
 )
 
 

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable
-from dataclasses import asdict, dataclass
+from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any, Literal, TypeVar, get_type_hints
+from typing import Annotated, Any, TypeVar, get_type_hints
 
 from cyclopts import Group, Parameter
 
@@ -28,15 +28,9 @@ from rotor_ida.cli.option_types import (
     several_numbers_option,
     words_option,
 )
-from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import TABLE
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
 
-# What can vary along a branch or a sweep, of a rotor, a machine or a rotor system.
-OfRotor = Literal[
-    "omega", "zeta", "delta0", "speed", "damping", "clearance", "shaft_stiffness",
-    "contact_damping", "load", "friction", "disc_radius", "stiffness", "unbalance",
-]  # fmt: skip
 System = Annotated[
     Path | None,
     Parameter(
@@ -115,6 +109,10 @@ OPTIONS: dict[Group | None, dict[str, Parameter]] = {
         "verify method": Parameter(
             help="Solver of the new computation. Default: that of the archive."),
     },
+    READING: {
+        "slow_roll_file": path_option(
+            "Subtract the runout in this file of the same probes, read alike."),
+    },
     OUTPUT: {
         "study": path_option(
             "Save results in this folder as they are computed, so that resume can continue."),
@@ -161,17 +159,6 @@ OPTIONS: dict[Group | None, dict[str, Parameter]] = {
         "bifurcation_diagram starts": _states(
             "Initial states, one or more, instead of random ones; also settled (steady whirl "
             "without contact) and rest (in equilibrium with the load)."),
-        "run_ups starts": _states(
-            "Initial states, one or more, or the words settled (steady whirl without contact) and "
-            "rest (in equilibrium with the load) for those of each rotor. Default: rest, or what a "
-            "system file says."),
-        "along": Parameter(
-            help="Parameter that rises or falls with --direction; for a machine speed, damping or "
-            "clearance replace omega, zeta or delta0. Default: the speed, or else the only one "
-            "with several values."),
-        "contact": read_by(
-            "Contact of a rotor system whose events or peaks are meant: number or node.",
-            parsing.number_or_name, "NUMBER|NODE"),
         "parameters": Parameter(
             help="The two parameters to vary, from the choices of continue-cycle; of a rotor "
             "system by default speed and clearance.",
@@ -193,6 +180,10 @@ OPTIONS: dict[Group | None, dict[str, Parameter]] = {
             parsing.component_or_ends, "FLOAT|LOW:HIGH",
         ) for name in COMPONENTS},
         "folds": flag_option("List the folds too."),
+        "from_ross speed": quantity_option(
+            "Speed at which coefficients are frozen (SI: rad/s, or as 3000rpm). Default: they keep "
+            "their tables.",
+            "rad s-1"),
         "own_unbalance": flag_option(
             "Take the unbalance of the file as residual, instead of that of the formula."),
         "quick": flag_option("Compute coarser results, faster."),
@@ -225,44 +216,13 @@ OPTIONS: dict[Group | None, dict[str, Parameter]] = {
             "Nodes of a rotor system at which the probes look, if --columns does not name them, as "
             "by disc:x=A disc:y=B seal:x=C seal:y=D.",
             "NAME"),
-        "entries": numbers_option(
-            "Measured times at which contacts begin, in the unit of the signals or as 20ms.", "s"),
-        "exits": numbers_option("The same, at which contacts end.", "s"),
-        "time_error": quantity_option("Standard error of these times.", "s"),
-        "noise": quantity_option(
-            "Standard deviation of the noise, in the unit of the probes or as 2um. Default: that "
-            "of the residuals.",
-            "m"),
-        "limit": number_option("Longest time to search, in s. The best trial is reported then."),
         "plot kind": Parameter(
             help="Plot to draw. Default: one that suits the file. Also understood: waterfall for "
             "cascade, spectrum for full-spectrum, campbell for spectrogram."),
         "plot node": Parameter(
             help="Node of a rotor system at which probes look at the shaft.", metavar="NAME"),
-        "plot contact": count_option(
-            "Contact whose forces are drawn, counted from 0.", 0, MOST_NUMBERS),
-        "at": quantity_option(
-            "Instant of a deflected shape. Default: the largest deflection.", "s"),
         "exact": flag_option(
             "Also draw the exact response, cycle or backward whirl of the archived rotor."),
-        "order": number_option(
-            "Order in Bode and polar plots, as a multiple of the speed. Default: 1."),
-        "plot orders": numbers_option(
-            "Orders to track, to fit together with the one of a Bode or polar plot or the mean "
-            "position, or to mark in a cascade or spectrogram."),
-        "revolutions": count_option(
-            "Revolutions in each window of an order or a mean position. Default: as suits the "
-            "record.",
-            1, MOST_NUMBERS),
-        "sense": Parameter(
-            help="The whirl of Bode and polar plots, zero to peak, or the probe, peak to peak."
-        ),
-        "over": Parameter(help="Axis of a cascade or spectrogram: speed or time."),
-        "span": number_option("Largest frequency to show, as a multiple of the speed."),
-        "segment": count_option(
-            "Number of samples in each segment of a spectrum.", 16, MOST_NUMBERS),
-        "plot clearance": quantity_option(
-            "Clearance of a measured machine, in the unit of the probes or as 150um.", "m"),
     },
 }  # fmt: skip
 BY_NAME = {name: (each, *([] if group is None else [Parameter(group=group)]))
@@ -318,121 +278,3 @@ class JobOptions:
         every_core = self.workers is None and self.executor == "auto"
         workers = count_workers(None) if every_core else self.workers
         return {"workers": workers, "executor": self.executor}
-
-
-# Options of a measured file that `rotor_ida.subtract_runout` takes.
-OF_RUNOUT = ("slow_roll", "slow_roll_file", "runout_orders")
-
-
-@Parameter(name="*", group=READING)
-@dataclass(frozen=True, kw_only=True)
-class ReadingOptions:
-    """Options for reading a measured file; not for archives."""
-
-    columns: Annotated[
-        list[str] | None,
-        words_option(
-            "Columns of t, x, y and keyphasor, angle or speed. Default: guessed from their names.",
-            "SIGNAL=COLUMN",
-        ),
-    ] = None
-    units: Annotated[
-        list[str] | None,
-        words_option(
-            "Units of the columns: s, ms, m, mm, um, mil, V, rad, deg, rpm, Hz.", "SIGNAL=UNIT"
-        ),
-    ] = None
-    rate: Annotated[
-        float | None,
-        number_option("Sampling rate in samples per second, for a file without times."),
-    ] = None
-    probe_angles: Annotated[
-        tuple[float, float] | None,
-        several_numbers_option(
-            "Angles of the probes from the x axis in degrees. Default: 0 90.", "X Y"
-        ),
-    ] = None
-    gains: Annotated[
-        tuple[float, float] | None,
-        several_numbers_option("Gain of each probe: reading divided by displacement.", "X Y"),
-    ] = None
-    sensitivity: Annotated[
-        str | None,
-        Parameter(
-            help="Sensitivity of both probes, such as 200mV/mil or 7.87V/mm.",
-            metavar="VOLTS/LENGTH",
-        ),
-    ] = None
-    keyphasor: Annotated[
-        Literal["auto", "signal", "times"] | None,
-        Parameter(help="Form of the keyphasor: a sampled signal, or pulse times."),
-    ] = None
-    pulses_per_revolution: Annotated[
-        int | None, count_option("Keyphasor pulses per revolution.", 1, MOST_NUMBERS)
-    ] = None
-    accept_clipped: Annotated[bool, flag_option("Accept clipped probe signals.")] = False
-    fill_pulses: Annotated[bool, flag_option("Replace lost pulses by evenly spaced ones.")] = False
-    gap: Annotated[
-        list[str] | None,
-        words_option(
-            "Position from which displacements and the centre line are counted: the reading of "
-            "both probes or of each, as -10V, the mean of a stretch, as 0s 2s, or 0. Default: the "
-            "mean position, which is subtracted.",
-            "READING|START END",
-        ),
-    ] = None
-    length: Annotated[
-        Literal["um", "mm", "m", "nm", "mil", "in"] | None,
-        Parameter(help="Unit of displacements, whatever that of the sensitivity."),
-    ] = None
-    rotation: Annotated[
-        Literal["counterclockwise", "clockwise"] | None,
-        Parameter(
-            help="How the rotor turns, seen from where probe angles are counted; clockwise shows "
-            "it from its other end. Default: counterclockwise."
-        ),
-    ] = None
-    caption: Annotated[
-        str | None,
-        Parameter(
-            help="What figures say of the record, as 'Pump 3, 1 March 2026'.", metavar="WORDS"
-        ),
-    ] = None
-    slow_roll: Annotated[
-        tuple[float, float] | None,
-        several_numbers_option(
-            "Subtract the runout between these times, in which the rotor turns slowly.",
-            "START END", "s", "s",
-        ),
-    ] = None  # fmt: skip
-    slow_roll_file: Annotated[
-        Path | None, path_option("Subtract the runout in this file of the same probes, read alike.")
-    ] = None
-    runout_orders: Annotated[
-        int | None,
-        count_option("Highest multiple of the speed of that runout. Default: 1.", 1, MOST_NUMBERS),
-    ] = None
-
-    def given(self) -> dict[str, Any]:
-        """Return the given options as arguments of `rotor_ida.read_signals`."""
-        found = {
-            name: value
-            for name, value in asdict(self).items()
-            if value not in (None, False) and name not in OF_RUNOUT
-        }
-        for name in ("columns", "units"):
-            if name in found:
-                found[name] = dict(parsing.named(name, found[name]))
-        return found
-
-    def runout(self) -> dict[str, Any]:
-        """Return the slow roll, and up to which order, as arguments of the same function."""
-        times, file, orders = self.slow_roll, self.slow_roll_file, self.runout_orders
-        if times is None and file is None:
-            if orders is not None:
-                raise InputError("runout_orders must be given with slow_roll or slow_roll_file")
-            return {}
-        if times is not None and file is not None:
-            raise InputError("slow_roll must be left out with slow_roll_file")
-        slow = file or tuple(parsing.in_unit("slow_roll", each, "s") for each in times or ())
-        return {"slow_roll": slow} | ({} if orders is None else {"runout_orders": orders})

@@ -472,6 +472,11 @@ def number_or_name(_name: str, words: Sequence[str]) -> int | str:
     return int(words[0]) if words[0].isdecimal() else words[0]
 
 
+def word(_name: str, words: Sequence[str]) -> str:
+    """Return a word unchanged, for what is parsed elsewhere."""
+    return words[0]
+
+
 def path(name: str, words: Sequence[str]) -> Path:
     """Return a word as a path."""
     if not words[0]:  # which pathlib reads as the current folder

@@ -85,10 +85,6 @@ SHORT = {
     "bifurcation-curve": "curve", "basin-fractions": "fractions", "touchdown-report": "touchdown",
     "continue-attractors": "atlas",
 }  # fmt: skip
-# Usage of commands whose files cyclopts does not name.
-USAGE: dict[Callable[..., object], str] = {
-    explore: "Usage: rotor-ida explore [OPTIONS] [FILE]",
-}
 # Values of options that a command needs and its function does not have.
 OF_OWN = {"unknown": "NAME", "out": "PATH"}
 # A name in a message, neither quoted nor of an entry of a table.
@@ -198,17 +194,14 @@ def _listed(command: Command | Callable[..., object]) -> Callable[..., object]:
 
 
 def _usage(command: Command | Callable[..., object]) -> str | None:
-    if isinstance(command, Command):
-        needed = [
-            f"--{name} {metavar_of(command.verb, each)}"
-            for name, each in command.arguments.items()
-            if each.default is NEEDED
-        ]
-        needed += [f"--{name} {OF_OWN[name]}" for name, each in command.own.items()
-                   if each.default is NEEDED]  # fmt: skip
-        ends = ["[OPTIONS]", *([command.named] if command.named else [])]
-        return " ".join(["Usage: rotor-ida", name_of(command), *needed, *ends])
-    return USAGE.get(command)
+    if not isinstance(command, Command):
+        return None
+    needed = [f"--{name} {metavar_of(command.verb, each)}"
+              for name, each in command.arguments.items() if each.default is NEEDED]  # fmt: skip
+    needed += [f"--{name} {OF_OWN[name]}" for name, each in command.own.items()
+               if each.default is NEEDED]  # fmt: skip
+    ends = ["[OPTIONS]", *filter(None, [command.named])]
+    return " ".join(["Usage: rotor-ida", name_of(command), *needed, *ends])
 
 
 def _run(words: list[str], results: TextIO) -> int:

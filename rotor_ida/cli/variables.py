@@ -148,11 +148,9 @@ def show_by_dimension(dataset: xr.Dataset, most: int | None) -> Description:
     ]
     layout = Layout("Numbers", tuple(_along(dataset, dims) for dims in _dimensions(dataset)))
     record, parts = layout(dataset, most)
-    heads = list(variables[0]) if variables else ()
-    return {**record, "variables": variables}, [
-        *rows_table("Variables", variables, heads, None),
-        *parts,
-    ]
+    title = counted("Variables", len(variables), None)
+    listed = table(title, variables, list(variables[0])) if variables else title
+    return {**record, "variables": variables}, [listed, *parts]
 
 
 def _dimensions(dataset: xr.Dataset) -> list[tuple[str, ...]]:
@@ -312,14 +310,6 @@ def counted(title: str, count: int, most: int | None) -> str:
     if most is not None and count > most:
         return f"{title}: first {most} of {count} (all with --json)"
     return f"{title}: {count or 'none'}"
-
-
-def rows_table(
-    title: str, rows: Sequence[Record], columns: Sequence[str], most: int | None, digits: int = 8
-) -> Parts:
-    """Return at most a number of rows without units as a table, with their total in its title."""
-    title = counted(title, len(rows), most)
-    return [table(title, rows[:most], columns, digits) if rows else title]
 
 
 def spread_on(dataset: xr.Dataset, name: str, other: xr.DataArray) -> xr.DataArray:

@@ -16,11 +16,12 @@ from typing import NamedTuple
 PACKAGE = Path(__file__).parents[1]
 NEEDED = inspect.Parameter.empty
 # An entry of the section on parameters: names, and the indented text below them.
-ENTRY = re.compile(r"^(\S[^\n]*?)(?: : [^\n]*)?\n((?:    [^\n]*\n?)+)", re.MULTILINE)
+ENTRY = re.compile(r"^(\S[^\n]*?)(?: : ([^\n]*))?\n((?:    [^\n]*\n?)+)", re.MULTILINE)
 DEFAULT = re.compile(r"[Dd]efault\b|By default\b")
 # Words of Python and of formulas, and those of the command line for them.
 MARKUP = (
-    (r" \[rad\]", ", in radians"), (r" \[(?:1|s|m)\](?=[ ,.;:])", ""), (r"``|\*\*", ""),
+    (r" \[rad\]", ", in radians"), (r" \[degree\]", ", in degrees"),
+    (r" \[[^]|]+\](?=[ ,.;:])", ""), (r"``|\*\*", ""),
     (r"`(\w+)`", r"\1"), (r"RotorSystem", "rotor system"),
 )  # fmt: skip
 
@@ -39,6 +40,8 @@ class Argument(NamedTuple):
 def arguments_of(verb: str) -> dict[str, Argument]:
     """Return the keywords of a public function by name; others are in ``**`` of a kind.
 
+    The function is one of the package, or of a room of it such as ``plot.plot_orbit``.
+
     Examples
     --------
     >>> skip = arguments_of("poincare_section")["skip"]
@@ -47,19 +50,17 @@ def arguments_of(verb: str) -> dict[str, Argument]:
     >>> arguments_of("sweep")["direction"].choices
     ('up', 'down', 'both')
     """
-    place, found = _definition("rotor_ida", verb)
-    assert isinstance(found, ast.FunctionDef)
+    place, found = _function(verb)
     texts = _texts(verb)
     told = {}
     for each, default in zip(found.args.kwonlyargs, found.args.kw_defaults, strict=True):
         assert each.annotation is not None
         value = NEEDED if default is None else _value(place, default)
-        has_words = each.arg not in {"start", "starts", "progress"}
-        told[each.arg] = Argument(
-            each.arg, ast.unparse(each.annotation),
-            _choices(place, each.annotation) if has_words else (), value,
-            texts.get(each.arg, ""),
-        )  # fmt: skip
+        kind, (text, words) = ast.unparse(each.annotation), texts.get(each.arg, ("", ()))
+        if not kind.startswith("str"):
+            has_words = each.arg not in {"start", "starts", "progress"}
+            words = _choices(place, each.annotation) if has_words else ()
+        told[each.arg] = Argument(each.arg, kind, words, value, text)
     if found.args.kwarg is not None and found.args.kwarg.annotation is not None:
         name = found.args.kwarg.arg
         kind = ast.unparse(found.args.kwarg.annotation)
@@ -82,18 +83,28 @@ def short_text(text: str) -> str:
     return " ".join([first, *(each for each in others if DEFAULT.match(each))])
 
 
-@cache
-def _texts(verb: str) -> dict[str, str]:
-    """Return the texts on the arguments of a function, or those of another one it refers to."""
-    _, found = _definition("rotor_ida", verb)
+def _function(verb: str) -> tuple[str, ast.FunctionDef]:
+    """Return the module that defines a public function, and the function."""
+    room, _, name = f"rotor_ida.{verb}".rpartition(".")
+    place, found = _definition(room, name)
     assert isinstance(found, ast.FunctionDef)
-    section = (ast.get_docstring(found) or "").partition("Parameters\n----------\n")[2]
-    texts: dict[str, str] = {}
-    for names, text in ENTRY.findall(section.partition("\nReturns\n")[0]):
+    return place, found
+
+
+@cache
+def _texts(verb: str) -> dict[str, tuple[str, tuple[str, ...]]]:
+    """Return text and choices of the arguments of a function, or of another one it refers to."""
+    room = verb[: verb.rfind(".") + 1]
+    section = (ast.get_docstring(_function(verb)[1]) or "").partition("Parameters\n----------\n")[2]
+    texts: dict[str, tuple[str, tuple[str, ...]]] = {}
+    for names, kind, text in ENTRY.findall(section.partition("\nReturns\n")[0]):
         line = " ".join(text.split())
-        other = re.match(r"As (?:in|for) `(?:rotor_ida\.)?(\w+)`", line)
+        only = re.fullmatch(r"\{(.*)\}(?:, optional)?", kind)
+        words = tuple(re.findall(r'"(\w+)"', only[1])) if only else ()
+        other = re.match(r"As (?:in|for) `(rotor_ida\.)?(\w+)`", line)
+        of = other and (other[2] if other[1] else room + other[2])
         for name in names.split(", "):
-            texts[name] = (other and _texts(other[1]).get(name)) or line
+            texts[name] = (of and _texts(of).get(name)) or (line, words)
     return texts
 
 

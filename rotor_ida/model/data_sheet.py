@@ -84,31 +84,39 @@ def machine_from_data_sheet(
     Parameters
     ----------
     mass : float or str
-        Mass of the disc [kg].
+        Mass of the disc [kg], such as ``"12kg"``.
     contact_stiffness : float or str
-        Stiffness of the contact [N/m^n].
+        Stiffness of the contact, such as ``"1e8N/m"`` for a linear contact or ``"1e9N/m^1.5"`` for
+        that of Hertz.
     clearance : float or str
-        Radial clearance [m].
+        Radial clearance [m], such as ``"150um"``.
     speed : float or str
-        Running speed [rad/s].
-    shaft_stiffness, critical_speed : float or str, optional
-        Stiffness of the shaft at the disc [N/m], or the critical speed ``sqrt(k_s/m)`` [rad/s].
-    damping, damping_ratio : float or str
-        Viscous damping coefficient [N s/m], or the damping ratio *of the critical speed*,
-        ``n/(2 sqrt(k_s m))`` [1].
-    eccentricity, unbalance, balance_grade : float or str
-        Distance of the mass centre from the disc centre [m]; unbalance, mass times that distance
-        [kg m]; or the balance quality grade, ``"G6.3"`` or a number in mm/s, with `balance_speed`.
+        Running speed [rad/s], such as ``"3600rpm"``.
+    shaft_stiffness : float or str, optional
+        Stiffness of the shaft at the disc [N/m], such as ``"4e6N/m"``.
+    critical_speed : float or str, optional
+        Or the critical speed [rad/s], ``sqrt(stiffness/mass)``.
+    damping : float or str, optional
+        Damping coefficient [N s/m], such as ``"416Ns/m"``.
+    damping_ratio : float or str, optional
+        Or the damping ratio at the critical speed [1], ``c/(2 sqrt(k m))``, such as ``"3%"``.
+    eccentricity : float or str, optional
+        Distance of the mass centre from the disc centre [m].
+    unbalance : float or str, optional
+        Or the unbalance [kg m], mass times eccentricity, such as ``"200g.mm"``.
+    balance_grade : float or str, optional
+        Or the balance quality grade of ISO 21940, such as ``"G6.3"`` or a number in mm/s, with its
+        speed.
     balance_speed : float or str, optional
-        Speed to which the balance grade belongs [rad/s].
+        Largest service speed [rad/s] for which the grade is specified.
     contact_exponent : {1.5, 1.0}, optional
-        Exponent of the contact force; default: 1 if the stiffness has a unit such as N/m, else 1.5.
+        Exponent of the contact force. Default: 1 if the stiffness has a unit such as N/m, else 1.5.
     contact_damping : float or str, optional
-        Coefficient of Hunt and Crossley [s/m].
+        Contact damping coefficient of Hunt and Crossley [s/m].
     load : float or str, optional
-        Static load, downwards [N], or ``"weight"``.
+        Static load [N], downwards, or the word ``weight``.
     friction : float or str, optional
-        Coefficient of Coulomb friction in the contact [1].
+        Friction coefficient of the contact [1].
     disc_radius : float or str, optional
         Radius of the disc [m], required with friction.
 

@@ -13,7 +13,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.checks import (
     LARGEST_SAMPLE,
     check_array,
@@ -120,9 +120,9 @@ def read_signals(
         A table in text, or a file of a recorder, read by its ending: WAV, MATLAB, HDF5, NumPy
         (.npz), UFF 58 and 58b, TDMS, LabVIEW (.lvm), COMTRADE (.cfg and .dat, or .cff).
     columns : mapping of str to str, optional
-        The columns of ``t``, ``x``, ``y`` and of ``keyphasor``, ``angle`` or ``speed``, such as
-        ``{"x": "Probe A"}``. Columns without names, and channels, are numbered from "1". The others
-        are guessed from their names; the attribute ``columns`` lists all.
+        The columns of ``t``, ``x``, ``y`` and of ``keyphasor``, ``angle`` or ``speed``. For
+        instance ``{"x": "Probe A"}``; columns without names, and channels, are numbered from "1".
+        By default guessed from their names. The attribute ``columns`` lists all.
     units : mapping of str to str, optional
         Units by the same names: s, ms, us, min; m, mm, um, nm, in, mil, V, mV; rad, deg, rev;
         rad/s, rpm, Hz. By default those in the file, or at the end of a name as in ``probe_A_um``;
@@ -140,29 +140,30 @@ def read_signals(
         Reading in volts over displacement of both probes, such as ``"200 mV/mil"`` or
         ``"7.87 V/mm"``. Displacements then have the unit of length in it; mil become um.
     keyphasor : {"auto", "signal", "times"}
-        Whether the keyphasor was sampled with the probes or is a list of pulse times; by default
+        Whether the keyphasor was sampled with the probes or is a list of pulse times. By default
         times if there are fewer of them than samples.
     pulses_per_revolution : int
         Pulses of the keyphasor in one revolution [1].
-    accept_clipped, fill_pulses : bool
-        Whether a clipped probe is accepted, and lost pulses are filled in. By default both are
-        refused.
+    accept_clipped : bool
+        Accept clipped probe signals, which are refused otherwise.
+    fill_pulses : bool
+        Replace lost pulses by evenly spaced ones. They are refused otherwise.
     gap : str or sequence of str, optional
         Position from which ``x``, ``y`` and the centre line are counted: the reading of both probes
-        there, ``"-10 V"``, or of each, ``("-9.8 V", "-10.1 V")``, in volts or a unit of length; or
-        the mean of a stretch, ``("0 s", "2 s")``; or ``"0"`` for data that are counted from the
-        centre of the stator. By default the mean position of the record.
+        there, such as ``"-10 V"``, or of each, in volts or a unit of length; or the mean of a
+        stretch, such as ``"0 s"`` to ``"2 s"``; or ``"0"`` for data that are counted from the
+        centre of the stator. Two words are a sequence. By default the mean position of the record.
     length : {"um", "mm", "m", "nm", "mil", "in"}, optional
         Unit of displacements, whatever that of the file or the sensitivity.
     rotation : {"counterclockwise", "clockwise"}
-        How the rotor turns, seen from where the angles of the probes are counted. A machine that
-        turns clockwise is shown from its other end, from which it turns counterclockwise: probes at
-        45 and 135 degrees are then at 135 and 45.
+        How the rotor turns, seen from where the angles of the probes are counted; clockwise shows
+        it from its other end, from which it turns counterclockwise. Probes at 45 and 135 degrees
+        are then at 135 and 45.
     caption : str, optional
         What figures say of the record, such as machine and date, beside the name of the file.
     slow_roll : tuple of float, or path, optional
-        Times between which the rotor turns slowly, or another file of the same probes, read alike:
-        the runout there is subtracted by `rotor_ida.subtract_runout`.
+        Subtract the runout between these times, in which the rotor turns slowly. Or a path:
+        that in another file of the same probes, read alike. See `rotor_ida.subtract_runout`.
     runout_orders : int
         Highest multiple of the speed of that runout [1].
 
@@ -204,15 +205,9 @@ def read_signals(
     ('t=t x=x y=y angle=angle (guessed: t x y angle)', 'um')
     """
     alike = {name: value for name, value in locals().items() if name not in OWN}
-    for name, (word, words) in {
-        "keyphasor": (keyphasor, ("auto", "signal", "times")),
-        "rotation": (rotation, ("counterclockwise", "clockwise")),
-        "length": ("um" if length is None else length, tuple(LENGTHS)),
-    }.items():
-        check_choice(name, word, words)
-    per_revolution = check_per_revolution(pulses_per_revolution)
-    for name, flag in (("accept_clipped", accept_clipped), ("fill_pulses", fill_pulses)):
-        check_flag(name, flag)
+    per_revolution = _check_choices(
+        keyphasor, rotation, length, pulses_per_revolution, accept_clipped, fill_pulses
+    )
     told, given = _words("columns", columns), _words("units", units)
     if rate is not None:
         rate = check_between("rate", rate, *RATES)
@@ -236,7 +231,6 @@ def read_signals(
         notes.append(f"the times of {listed(list(own))} are not those of x: interpolated at those")
     angles, more = angles_of_probes(probe_angles, names, rotation)
     notes += more
-    z = displacements(found["x"][0] + 1j * found["y"][0], angles, gains)
     attributes: dict[str, object] = {
         "source": "measured signals",
         "file": table.file,
@@ -251,23 +245,53 @@ def read_signals(
     attributes |= origin
     notes += more
     turning = _rotation(found, teeth, times, time, names.get("angle", ""))
-    coordinates = {"t": _labelled("t", "t", times, time)}
+    readings = np.stack([found[each][0] for each in ("x", "y")])
+    probes = partial(displacements_at, sensitivity, unit, angles, gains, readings)
+    z = displacements(readings[0] + 1j * readings[1], angles, gains)
+    signals, more = _counted_from(gap, z, probes, (times, time), unit, turning, attributes)
+    notes += more
+    if said := "; ".join(notes):
+        signals.attrs["notes"] = said
+    return _without_runout(signals, slow_roll, runout_orders, alike)
+
+
+def _check_choices(
+    keyphasor: str, rotation: str, length: str | None, pulses: int, clipped: bool, fill: bool
+) -> int:
+    """Refuse wrong words, flags and numbers of pulses; return the pulses in a revolution."""
+    for name, (word, words) in {
+        "keyphasor": (keyphasor, ("auto", "signal", "times")),
+        "rotation": (rotation, ("counterclockwise", "clockwise")),
+        "length": ("um" if length is None else length, tuple(LENGTHS)),
+    }.items():
+        check_choice(name, word, words)
+    for name, flag in (("accept_clipped", clipped), ("fill_pulses", fill)):
+        check_flag(name, flag)
+    return check_per_revolution(pulses)
+
+
+def _counted_from(
+    gap: str | Sequence[str] | None,
+    z: ComplexValues,
+    probes: Callable[[Values, str], ComplexValues],
+    clock: tuple[Values, str],
+    unit: str,
+    turning: dict[str, xr.Variable],
+    attributes: dict[str, object],
+) -> tuple[xr.Dataset, list[str]]:
+    """Return signals counted from their gap or their mean position, and notes on that."""
+    coordinates = {"t": _labelled("t", "t", *clock)}
     if gap is None:
-        zero = mean_position(z, times, turning)
+        zero = mean_position(z, clock[0], turning)
         coordinates |= _mean_of(zero, unit)
     else:
-        readings = np.stack([found[each][0] for each in ("x", "y")])
-        probes = partial(displacements_at, sensitivity, unit, angles, gains, readings)
-        zero, attributes["gap"] = gap_position(gap, z, times, probes)
+        zero, attributes["gap"] = gap_position(gap, z, clock[0], probes)
     parts = (("x", z.real - zero.real), ("y", z.imag - zero.imag))
     both = {name: _labelled(name, "t", part, unit) for name, part in parts}
     signals = labelled_dataset(
         "Signals of two probes", both | turning, coordinates, attributes, kind="signals"
     )
-    notes += [*_from_where(zero, unit, is_mean=gap is None), *question_of_swapped(signals)]
-    if said := "; ".join(notes):
-        signals.attrs["notes"] = said
-    return _without_runout(signals, slow_roll, runout_orders, alike)
+    return signals, [*_from_where(zero, unit, is_mean=gap is None), *question_of_swapped(signals)]
 
 
 def _from_where(zero: complex, unit: str, *, is_mean: bool) -> list[str]:

@@ -9,9 +9,14 @@ import sys
 from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import Any
+from typing import Any, get_args
 
 import pytest
+from cyclopts import Token
+
+from rotor_ida.cli.program import application
+from rotor_ida.errors import InputError
+from tests.cli.test_help import COMMANDS
 
 Program = Callable[..., Any]
 
@@ -46,22 +51,17 @@ MISTAKES = [
     # values
     (simulate(omega="nan"), f"omega {FINITE} nan"),
     (simulate(omega="inf"), f"omega {FINITE} inf"),
-    (simulate(omega="-inf"), f"omega {FINITE} -inf"),
     (simulate(omega="-1"), "omega must be zero or positive, got -1.0"),
-    (simulate(omega="fast"), f"omega {FINITE} 'fast'"),
     (simulate(omega="1,2"), "omega must have no comma, got '1,2': write '1.2' with a point"),
-    (simulate(omega="\u0661"), f"omega {FINITE} '\u0661'"),
     (simulate(samples="\u0661\u0662"), "samples must be a whole number, got '\u0661\u0662'"),
     (f"show {'a' * 100_000}", "path must be a shorter path, got 'aaa"),
     (simulate(out="a" * 5000 + ".nc"), "out must be a shorter path, got 'aaa"),
-    (simulate(omega="a" * 5000), f"omega {FINITE} 'aaa"),
     (simulate(delta0="1e-100"), "delta0 must be 0 or at least 1e-12 to be simulated, got 1e-100"),
     ("reproduce --out taken.nc", "out must be a folder, got 'taken.nc'"),
     ("reproduce --out taken.nc/deeper", "out must be a folder, got 'taken.nc/deeper'"),
     (follow(**{"from": "{run}"}), "run.nc', of the kind run"),
     (simulate(omega="1 2"), "unexpected argument '2'"),
     (simulate(zeta="-1e-3"), "zeta must be zero or positive, got -0.001"),
-    (simulate(delta0="nan"), f"delta0 {FINITE} nan"),
     (simulate(start="1 2 3"), "start must be four numbers X Y VX VY, settled or rest, got 3"),
     (simulate(start="1 2 3 4 5"), "unexpected argument '5'"),
     (simulate(start=""), "--start must be given a value"),
@@ -70,21 +70,13 @@ MISTAKES = [
         "start must be four numbers X Y VX VY, settled or rest, got 'setled'; "
         "did you mean 'settled'?",
     ),
-    (simulate(start="x 0 0 0"), f"start x {FINITE} 'x'"),
-    (simulate(start="rest rest"), "unexpected argument 'rest'"),
-    (simulate(start="1 2 3 1_7"), f"start vy {FINITE} '1_7'"),
-    (simulate(start="1 2 3 nan"), f"start vy {FINITE} nan"),
-    (simulate(start="1 -x 3 4"), "start must be four numbers X Y VX VY, settled or rest, got 1"),
     (simulate(start="0 0 0 0 --start 1 0 0 0"), "--start specified multiple times"),
     (simulate(duration="0"), "duration must be positive, got 0.0"),
     (simulate(duration="-5"), "duration must be positive, got -5.0"),
     (simulate(samples="1"), "samples must be at least 2, got 1"),
     (simulate(samples="10.5"), "samples must be a whole number, got '10.5'"),
-    (simulate(samples="1_000"), "samples must be a whole number, got '1_000'"),
     (simulate(samples="1000000000000"), "samples must be at most 10000000"),
-    (simulate(rtol="0"), "rtol must be positive, got 0.0"),
     (simulate(rtol="0.5"), "rtol must lie from"),
-    (simulate(atol="nan"), f"atol {FINITE} nan"),
     (simulate(method="rk4"), "method must be one of 'adams', 'bdf', 'ida', 'taylor', got 'rk4'"),
     (
         simulate(method="taylor", flight="cvode"),
@@ -92,19 +84,9 @@ MISTAKES = [
     ),
     (simulate(method="taylor", rtol="1e-3"), "rtol must lie from 1e-15 to 0.0001, got 0.001"),
     (simulate(flight="up"), "flight must be one of 'exact', 'cvode', got 'up'"),
-    (simulate(backend="gpu"), "backend must be one of"),
     # ranges and grids
     ("response --omega 1:2 --zeta 0 --delta0 0", "omega must be numbers or START:STOP:COUNT"),
-    (
-        "response --omega 1:2:1 --zeta 0 --delta0 0",
-        "COUNT of omega must lie from 2 to 1000000, got 1",
-    ),
-    ("response --omega 1:2:x --zeta 0 --delta0 0", "COUNT of omega must be a whole number"),
-    ("response --omega 1:nan:3 --zeta 0 --delta0 0", f"omega {FINITE} nan"),
-    ("response --omega 0:-1:3 --zeta 0 --delta0 0", "omega must be zero or positive, got -0.5"),
-    ("response --omega 1:2:9999999 --zeta 0 --delta0 0", "must lie from 2 to 1000000, got 9999999"),
     ("response --omega 0:1:9999 --zeta 0:1:9999 --delta0 0", "at most 5000000 points"),
-    ("response --omega 1 -1 --zeta 0 --delta0 0", "omega must be zero or positive, got -1.0"),
     ("response --omega 1e300 --zeta 0 --delta0 0", "omega must be 0 or between"),
     ("response --zeta 0 --delta0 0", "--omega must be given with --zeta and --delta0"),
     ("folds --zeta 0.1 --delta0 0 --omega 1", "omega must be left out: all speeds are searched"),
@@ -123,10 +105,6 @@ MISTAKES = [
     (
         "campbell rotor.toml --speed 4500rpm:9000:3",
         "speed must have a unit at each number or at none, got '4500rpm:9000:3'",
-    ),
-    (
-        "campbell rotor.toml --speed 0:9000rpm:3 4500",
-        "speed must have a unit at each number or at none, got '0:9000rpm:3 4500'",
     ),
     (
         "special-speeds rotor.toml --limits 3000rpm 900",
@@ -149,24 +127,18 @@ MISTAKES = [
         "x must have a unit at each number or at none, got '-15um:15'",
     ),
     (
+        "campbell rotor.toml --speed 0:9000rpm:3 4500",
+        "speed must have a unit at each number or at none, got '0:9000rpm:3 4500'",
+    ),
+    (
         "explore --omega 2 --zeta 0.07 --delta0 2 --export page.html --speeds 3000rpm",
         "speeds must have no unit for a dimensionless rotor, got '3000rpm'",
     ),
     # sweeps
-    (sweep(direction="sideways"), "direction must be one of 'up', 'down', 'both'"),
     (sweep(omega="2 1", direction="up"), "omega must increase"),
-    (sweep(workers="0"), "workers must be at least 1, got 0"),
-    (sweep(executor="gpu"), "executor must be one of 'auto', 'serial'"),
     (sweep(executor="serial", workers="2"), "workers must be 1 with executor 'serial', got 2"),
-    (sweep(workers="two"), "workers must be a whole number, got 'two'"),
-    (sweep(workers="100000"), "workers must be at most 512"),
-    (sweep(start="1 0 0 --start 1 0 0 0 0"), "start must be four numbers"),
-    (sweep(method="rk4"), "method must be one of"),
     # run-ups
-    (run_ups(rate="0.1 -0.1"), "rate must be positive to change the speed from 0.5 to 2.0, got"),
     (run_ups(to="0.5"), "to must differ from the rotor's omega 0.5, got 0.5"),
-    (run_ups(phase="9"), "phase must lie within 6.28319 of zero, got 9.0"),
-    (run_ups(rate="fast"), f"rate {FINITE} 'fast'"),
     (run_ups(friction="0.1"), "--disc-radius must be given with --friction"),
     (
         run_ups(rate="0.1:0.3:4", delta0="1:2:13", figure="many"),
@@ -175,28 +147,18 @@ MISTAKES = [
     # limit cycles
     (cycle(omega="0"), "omega must be above 0 for a limit cycle, got 0.0"),
     (cycle(zeta="0"), "zeta must be above 0 for a limit cycle, got 0.0"),
-    (cycle(period="0"), "period must be positive, got 0.0"),
-    (cycle(period="nan"), f"period {FINITE} nan"),
     (cycle(period="1"), "start and period must be near a limit cycle: Newton's method came to a"),
-    (cycle(start="1 2 3"), "start must be four numbers X Y VX VY, settled or rest, got 3"),
     (cycle(out="taken.nc"), "out must not exist unless --force is given"),
-    (follow(limits="1"), "limits must be two numbers LOW HIGH, got 1"),
-    (follow(limits="1 2 3"), "unexpected argument '3'"),
-    (follow(limits="1 x"), f"limits {FINITE} 'x'"),
     (
         follow(limits="3 1"),
         "limits of omega must be two increasing numbers from 0 on, got (3.0, 1.0)",
     ),
     (follow(limits="-1 3"), "limits of omega must be two increasing numbers from 0 on"),
-    (follow(limits="0 3"), "limits of omega must be above 0"),
     (follow(limits="2.5 3"), "limits of omega must contain that of the start, 2.0, got (2.5, 3.0)"),
     (follow(parameter="mass"), "'stiffness', 'unbalance', got 'mass'"),
-    (follow(direction="up"), "direction must be one of 'both', 'forward', 'backward', got 'up'"),
-    (follow(points="1"), "points must be at least 2, got 1"),
     (follow(point="3"), "point and special must be left out with a cycle"),
     (follow(**{"from": "{branch}"}), "--point or --special must be given with a branch"),
     (follow(**{"from": "{branch}"}, point="999"), "point must be from 0 to"),
-    (follow(**{"from": "{branch}"}, point="-1"), "point must be at least 0, got -1"),
     (follow(**{"from": "{branch}"}, special="2"), "special must be from 0 to 1, got 2"),
     (follow(**{"from": "{branch}"}, special="1", point="1"), "special must be left out with"),
     (follow(**{"from": "{run}"}), "from must be a cycle, a branch or a curve, got"),
@@ -218,11 +180,7 @@ MISTAKES = [
         "continue --omega 2 --zeta 0.07 --delta0 2 --period 1 --limits 1 3",
         "start and period must be near a limit cycle",
     ),
-    (turn(limits="1 2"), "limits must be four numbers LOW HIGH LOW HIGH, got 2"),
     (turn(limits="1 3 3 4"), "limits of delta0 must contain that of the start"),
-    (turn(kind="hopf"), "kind must be one of 'fold', 'period_doubling', 'torus', got 'hopf'"),
-    (turn(kind="torus"), "--contact-damping, friction or load must be above 0 for a torus"),
-    (turn(parameters="omega"), "parameters must be two names NAME NAME, got 1"),
     (turn(parameters="omega mass"), "got 'mass'"),
     (turn(parameters="omega omega"), "parameters must be two of 'omega', 'zeta', 'delta0'"),
     (turn(kind="fold"), "limits must contain a fold of the branch through the start, got none"),
@@ -231,26 +189,14 @@ MISTAKES = [
         run_up(""),
         "the speed must change in one way, by to and rate or --ramp-time, by speeds, or by",
     ),
-    (run_up("--to 2 --rate -0.1"), "rate must be positive to change the speed from 0.5 to 2.0"),
     (run_up("--to 0 --rate 0.1"), "rate must be negative to change the speed from 0.5 to 0.0"),
-    (run_up("--to 2 --rate 0"), "rate must be positive to change the speed from 0.5 to 2.0"),
-    (run_up("--to -1 --rate -1"), "to must be zero or positive: a run through zero is not"),
     (run_up("--to 2 --rate 0.1 --in 5"), "rate must be left out with --ramp-time, got 0.1"),
     (run_up("--in 5"), "--to must be given with --ramp-time"),
-    (run_up("--to 2 --in 0"), "--ramp-time must be positive, got 0.0"),
     (run_up("--from 1 --to 2 --in 5"), "omega must be left out with --from, got both"),
     (run_up("--to 2 --rate 0.1 --torque 1 0"), "must change in one way, by to and rate"),
     (run_up("--to 2"), "--rate or --ramp-time must be given with --to"),
-    (run_up("--torque 1 0 --inertia -2 --duration 9"), "inertia must be positive, got -2.0"),
-    (run_up("--torque 1 0 --inertia 0 --duration 9"), "inertia must be positive, got 0.0"),
     (run_up("--torque 1 0 --inertia 2"), "--duration must be given with --torque"),
-    (run_up("--torque 1 --inertia 2"), "torque must be two numbers TAU0 SLOPE, got 1"),
-    (
-        run_up("--torque -1 0 --inertia 2 --duration 9", omega="0"),
-        "tau0 of torque must be positive to turn a rotor that is at rest, got -1.0",
-    ),
     (run_up("--speeds 0:1 2:2 1:3"), "times of speeds must increase, got 1.0 after 2.0"),
-    (run_up("--speeds 0:1 2:-2"), "a speed of speeds must be zero or positive"),
     (run_up("--speeds 1 2"), "speeds must be pairs TIME:SPEED, got '1'"),
     (run_up("--to 2 --rate 0.1 --method taylor --backend python"), "with taylor, got 'python'"),
     (run_up("--to 2 --rate 1e-9 --backend python"), "which would take an hour or more, got"),
@@ -282,8 +228,6 @@ MISTAKES = [
         "node must be left out with one disc, got 'disc'",
     ),
     (simulate() + " --omega 2", "--omega specified multiple times"),
-    (simulate() + " --json yes", "unexpected argument 'yes'"),
-    ("doctor now", "unexpected argument 'now'"),
     ("compare", "FILE must be given"),
     ("plot", "FILE must be given"),
     ("curve --from {cycle}", "--kind and --limits must be given"),
@@ -342,7 +286,6 @@ MISTAKES = [
         "plot {run} --kind orbit --figure a --clearance 1um",
         "clearance must have no unit, got '1um': the data have none; a measured file is given its ",
     ),
-    ("plot {run} --kind pie --figure a", "kind must be one of 'bode', 'polar', 'orders', 'orbit'"),
     (
         "plot {run} --kind orbit --figure a.gif",
         "figure must be NAME, NAME.png, NAME.svg or NAME.pdf",
@@ -351,10 +294,6 @@ MISTAKES = [
     ("plot {run} --kind orbit --figure nowhere/a", "figure must be in a folder that exists"),
     ("plot {run} --kind orbit --figure a --order 2", "order must be left out with --kind orbit"),
     ("plot {run} --kind bode --figure a --span 2", "span must be left out with --kind bode"),
-    ("plot {run} --kind bode --figure a --order -1", "orders must be positive, got -1.0"),
-    ("plot {run} --kind cascade --figure a --segment 3", "segment must be at least 16, got 3"),
-    ("plot {run} --kind trace --figure a --times 5 1", "times must increase, got 1.0 after 5.0"),
-    ("plot {run} --kind trace --figure a --times 5", "times must be two numbers START END, got 1"),
     ("plot {run} --kind trace --figure a --rate 5", "rate must be left out with an archive, got"),
     ("plot {sweep} --kind trace --figure a", "file must contain a run, a run-up or signals"),
     ("plot {text} --kind trace --figure a", "is not an archive of rotor_ida"),
@@ -370,11 +309,29 @@ MISTAKES = [
         "columns must give x once, got it twice",
     ),
     # reproduce
-    ("reproduce --workers -1", "workers must be at least 1, got -1"),
-    ("reproduce --only nothing", "must be one of"),
     ("reproduce --only fig06_jump fig6_jumps", "got 'fig6_jumps'; did you mean 'fig06_jumps'?"),
     ("reproduce --fast", "unknown option '--fast'"),
 ]
+
+
+def kinds_in(hint: object) -> set[object]:
+    """Return the plain types in a type."""
+    parts = [each for each in get_args(hint) if each not in {type(None), ...}]
+    return set().union(*map(kinds_in, parts)) if parts else {hint}
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_option_for_numbers_refuses_what_is_no_number(command: str):
+    """Not a number, digits of another script, Python's underscores, a comma and a word."""
+    found = [each for each in application(command)[command].assemble_argument_collection()
+             if kinds_in(each.hint) <= {int, float} and each.parameter.converter]  # fmt: skip
+    for option in found:
+        read: Any = option.parameter.converter
+        for word in ("nan", "1_7", "\u0661", "1,2", "fast", "-inf"):
+            tokens = [Token(keyword=option.name, value=word)] * max(1, option.token_count()[0])
+            name = option.name.removeprefix("--")
+            with pytest.raises(InputError, match=f"{name}.* must (be|have)"):
+                read(option.hint, tokens)
 
 
 @pytest.mark.parametrize(("line", "message"), MISTAKES, ids=[line for line, _ in MISTAKES])

@@ -176,30 +176,60 @@ def test_response_lists_folds_beside_the_whirls(program: Program):
     assert {"amplitude", "fold_omega"} <= set(rotor_ida.load("both.nc").data_vars)
 
 
-@pytest.mark.parametrize(
-    ("command", "given"),
-    [
-        ("folds", {"zeta": [0.07, 0.1], "delta0": [0.0, 0.5]}),
-        ("folds", {"zeta": [0.07], "delta0": [0.5], "contact_damping": [0.2]}),
-        ("hopf-points", {"zeta": [0.07], "delta0": [0.5], "friction": [0.0, 0.1]}),
-    ],
-)
-def test_special_points_are_those_of_the_library(
-    program: Program, command: str, given: dict[str, list[float]]
+BOUNCING = {"omega": 2.0, "zeta": 0.07, "delta0": 2.0}
+DIAGRAM = {"omega": [1.2, 1.7], "zeta": 0.5, "delta0": 0.5, "workers": 1}
+SMALL = {"mass": 4.0, "contact_stiffness": 1e9, "damping": 280.0, "eccentricity": 1e-6,
+         "clearance": 2e-6, "speed": 1000.0}  # fmt: skip
+# Lines, and the functions by whose names they are with the same arguments.
+SAME: dict[str, tuple[Any, dict[str, Any]]] = {
+    "folds --zeta 0.07 0.1 --delta0 0 0.5": (None, {"zeta": [0.07, 0.1], "delta0": [0.0, 0.5]}),
+    "folds --zeta 0.07 --delta0 0.5 --contact-damping 0.2": (
+        None, {"zeta": [0.07], "delta0": [0.5], "contact_damping": 0.2},
+    ),
+    "hopf-points --zeta 0.07 --delta0 0.5 --friction 0 0.1": (
+        None, {"zeta": [0.07], "delta0": [0.5], "friction": [0.0, 0.1]},
+    ),
+    "bifurcation-diagram --omega 1.2 1.7 --zeta 0.5 --delta0 0.5 --workers 1 --starts 2 --seed 3 "
+    "--x=-2:2 --vy 1 --extrema-time 20 --rtol 1e-9": (None, DIAGRAM | {
+        "starts": 2, "seed": 3, "x": (-2.0, 2.0), "vy": 1.0, "extrema_time": 20.0, "rtol": 1e-9,
+    }),
+    "bifurcation-diagram --omega 1.2 1.7 --zeta 0.5 --delta0 0.5 --workers 1 --start 0 0 0 0 "
+    "--start 1 0 0 0 --direction up --rate 0.01 --method taylor": (None, DIAGRAM | {
+        "starts": [(0, 0, 0, 0), (1, 0, 0, 0)], "direction": "up", "rate": 0.01, "method": "taylor",
+    }),
+    "bifurcation-diagram --omega 1.2 2 --zeta 0.07 --delta0 2 --start 0 0 0 0 --at revolution "
+    "--revolutions 5 --phase 0.5": (None, BOUNCING | {
+        "omega": [1.2, 2.0], "starts": [(0, 0, 0, 0)], "at": "revolution", "revolutions": 5,
+        "phase": 0.5,
+    }),
+    "poincare-section --omega 2 --zeta 0.07 --delta0 2 --revolutions 6 --skip 3 --at entry "
+    "--method taylor": (rotor_ida.Rotor(**BOUNCING), {
+        "start": "rest", "revolutions": 6, "skip": 3, "at": "entry", "method": "taylor",
+    }),
+    "poincare-section --mass 4kg --contact-stiffness 1e9 --damping 280 --eccentricity 1um "
+    "--clearance 2um --speed 1000 --revolutions 4 --at peak": (
+        rotor_ida.DimensionalRotor(**SMALL), {"start": "rest", "revolutions": 4, "at": "peak"},
+    ),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("line", SAME)
+def test_the_archive_is_what_the_library_returns_and_can_be_drawn_and_verified(
+    program: Program, line: str
 ):
-    options = [f"--{name.replace('_', '-')} {' '.join(map(str, values))}"
-               for name, values in given.items()]  # fmt: skip
-    answer = program(*f"{command} {' '.join(options)} --out found.nc --json".split())
+    answer = program(*line.split(), "--out", "found.nc", "--figure", "found", "--csv", "t.csv")
     assert (answer.status, answer.err) == (0, "")
-    compute, name = {"folds": (rotor_ida.folds, "fold_omega"),
-                     "hopf-points": (rotor_ida.hopf_points, "hopf_omega")}[command]  # fmt: skip
-    exact = compute(**{name: values[0] if name == "contact_damping" else values
-                       for name, values in given.items()})  # fmt: skip
-    omega = exact[name].values
-    assert np.isfinite(omega).any()
-    rows = json.loads(answer.out)[command.replace("-", "_")]
-    assert column(rows, name) == omega[np.isfinite(omega)].tolist()
-    xr.testing.assert_equal(rotor_ida.load("found.nc"), exact)
+    (rotor, given), name = SAME[line], line.split(maxsplit=1)[0].replace("-", "_")
+    expected = getattr(rotor_ida, name)(*([] if rotor is None else [rotor]), **given)
+    xr.testing.assert_equal(rotor_ida.load("found.nc"), expected)
+    assert Path("found.png").exists()
+    told, shown = (json.loads(program(*words, "--json").out)
+                   for words in (line.split(), ("show", "found.nc")))  # fmt: skip
+    rows = next(name for name in ("folds", "hopf_points", "responses", "crossings") if name in told)
+    assert len(told[rows]) > 1
+    assert shown[rows] == told[rows]
+    if name in {"bifurcation_diagram", "poincare_section"}:
+        assert program("verify", "found.nc").status == 0
 
 
 def test_no_fold_is_said_in_words(program: Program):
@@ -221,24 +251,6 @@ def test_folds_of_a_machine_are_in_si_units(program: Program):
     assert "fold speed [rpm]" in answer.out
     assert f"{fastest:.6g}" in answer.out
     assert len(Path("folds.csv").read_text().splitlines()) > exact.fold.size
-
-
-def test_a_bifurcation_diagram_is_that_of_the_library(program: Program):
-    line = "bifurcation-diagram --omega 1.2 1.7 --zeta 0.5 --delta0 0.5 --workers 1"
-    random = "--starts 2 --seed 3 --x=-2:2 --vy 1 --extrema-time 20 --rtol 1e-9"
-    ramp = "--start 0 0 0 0 --start 1 0 0 0 --direction up --rate 0.01 --method taylor"
-    given = {"omega": [1.2, 1.7], "zeta": 0.5, "delta0": 0.5, "workers": 1}
-    expected = [
-        {"starts": 2, "seed": 3, "x": (-2.0, 2.0), "vy": 1.0, "extrema_time": 20.0, "rtol": 1e-9},
-        {"starts": [(0, 0, 0, 0), (1, 0, 0, 0)], "direction": "up", "rate": 0.01,
-         "method": "taylor"},
-    ]  # fmt: skip
-    for options, same in zip((random, ramp), expected, strict=True):
-        answer = program(*line.split(), *options.split(), "--out", "diagram.nc", "--force")
-        assert (answer.status, answer.err) == (0, "")
-        assert "synchronous" in answer.out
-        diagram = rotor_ida.bifurcation_diagram(**given, **same)
-        xr.testing.assert_equal(rotor_ida.load("diagram.nc"), diagram)
 
 
 def test_options_of_a_diagram_of_a_machine_have_units(program: Program):

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import rotor_ida
-from rotor_ida import DimensionalRotor, Rotor
+from rotor_ida import Rotor
 from rotor_ida.cli.describe import places_of_section
 
 Program = Callable[..., Any]
@@ -42,35 +42,6 @@ def rotor(program: Program) -> str:
     """Return a system file in the folder of the program."""
     Path("rotor.toml").write_text(FILE)
     return "rotor.toml"
-
-
-def test_a_section_of_one_disc_is_that_of_the_library(program: Program):
-    line = "poincare-section --omega 2 --zeta 0.07 --delta0 2 --revolutions 6 --skip 3 --at entry"
-    answer = program(*line.split(), "--method", "taylor", "--out", "section.nc", "--figure", "fig")
-    assert (answer.status, answer.err) == (0, "")
-    assert "Crossings" in answer.out
-    disc = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
-    same = rotor_ida.poincare_section(
-        disc, start="rest", revolutions=6, skip=3, at="entry", method="taylor"
-    )
-    assert rotor_ida.load("section.nc").equals(same)
-    assert Path("fig.png").exists()
-    assert program("verify", "section.nc").status == 0
-    record = json.loads(program("show", "section.nc", "--json").out)
-    assert record["kind"] == "section"
-    assert [row["rotating_x"] for row in record["crossings"]] == same.rotating_x.values.tolist()
-
-
-def test_a_section_of_a_machine_is_in_si_units(program: Program):
-    line = ("section --mass 4kg --contact-stiffness 1e9 --damping 280 --eccentricity 1um "
-            "--clearance 2um --speed 1000 --revolutions 4 --at peak --out section.nc")  # fmt: skip
-    assert program(*line.split()).status == 0
-    machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6,
-                               clearance=2e-6, speed=1000.0)  # fmt: skip
-    same = rotor_ida.poincare_section(machine, start="rest", revolutions=4, at="peak")
-    found = rotor_ida.load("section.nc")
-    assert found.equals(same)
-    assert found.rotating_x.attrs["units"] == "m"
 
 
 @pytest.mark.parametrize(
@@ -179,20 +150,6 @@ def test_a_diagram_of_a_file_is_that_of_python_and_a_study(program: Program, rot
     assert json.loads(program("verify", "diagram.nc", "--json").out)["agrees"]
     for options in (["--node", "two"], ["--kind", "diagram"]):
         assert program("plot", "diagram.nc", *options, "--figure", "at", "--force").status == 0
-
-
-def test_a_stroboscopic_diagram_of_one_disc_is_that_of_the_library(program: Program):
-    line = ("diagram --omega 1.2 2 --zeta 0.07 --delta0 2 --start 0 0 0 0 --at revolution "
-            "--revolutions 5 --phase 0.5 --out diagram.nc --figure fig --csv t.csv")  # fmt: skip
-    answer = program(*line.split())
-    assert (answer.status, answer.err) == (0, "")
-    same = rotor_ida.bifurcation_diagram(
-        omega=[1.2, 2.0], zeta=0.07, delta0=2.0, starts=[(0, 0, 0, 0)], at="revolution",
-        revolutions=5, phase=0.5,
-    )  # fmt: skip
-    found = rotor_ida.load("diagram.nc")
-    np.testing.assert_array_equal(found.rotating_y, same.rotating_y)
-    assert program("verify", "diagram.nc").status == 0
 
 
 @pytest.mark.parametrize(

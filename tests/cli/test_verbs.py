@@ -14,6 +14,7 @@ from rotor_ida.cli.program import COMMANDS
 from rotor_ida.cli.verbs import NEEDED, arguments_of, short_text
 
 ASKING = [each for group in COMMANDS.values() for each in group if isinstance(each, Command)]
+VERBS = [each for each in ASKING if each.asks is None]
 
 
 def literals(kind: Any) -> list[str]:
@@ -23,7 +24,7 @@ def literals(kind: Any) -> list[str]:
     return [word for each in get_args(kind) for word in literals(each)]
 
 
-@pytest.mark.parametrize("command", ASKING, ids=[each.verb for each in ASKING])
+@pytest.mark.parametrize("command", VERBS, ids=[each.verb for each in VERBS])
 def test_names_defaults_and_choices_are_those_of_the_function(command: Command):
     function = getattr(rotor_ida, command.verb)
     known = inspect.signature(function).parameters.values()
@@ -37,19 +38,28 @@ def test_names_defaults_and_choices_are_those_of_the_function(command: Command):
         if isinstance(default, str | float | int | None) and not differs:
             assert each.default == default, name
         assert (each.default is NEEDED) == (default is inspect.Parameter.empty), name
-        if name not in {"start", "starts"}:
+        if name not in {"start", "starts"} and not each.kind.startswith("str"):
             assert list(each.choices) == literals(kinds[name]), name
 
 
 @pytest.mark.parametrize("command", ASKING, ids=[each.verb for each in ASKING])
 def test_each_keyword_is_an_option_with_a_text(command: Command):
     options = inspect.signature(command.function()).parameters
-    for name in {*arguments_of(command.verb)} - NO_OPTIONS - {*command.without}:
+    of_verb = {*command.keywords} - NO_OPTIONS - {*command.without}
+    for name in {*command.only} or of_verb:
         if name not in {"speed", "starts"}:
             assert name in options
             texts = [each.help for each in options[name].annotation.__metadata__ if each.help]
             assert texts
             assert not set("`*[") & set("".join(texts).split(" or START:STOP")[0]), texts
+
+
+def test_commands_that_read_measured_files_have_all_keywords_of_the_function():
+    reading = [each for each in ASKING if each.reads]
+    assert [each.verb for each in reading] == ["explore", "plot", "fit"]
+    for command in reading:
+        options = inspect.signature(command.function()).parameters
+        assert {*arguments_of("read_signals")} <= {*options}
 
 
 def test_a_text_that_refers_to_another_function_is_that_one():

@@ -77,11 +77,10 @@ def test_runout_goes_by_the_first_revolutions_of_the_file_or_by_another(tmp_path
         ("--slow-roll-file", str(other), "--runout-orders", "2"), (),
     ]  # fmt: skip
     from rotor_ida.cli.commands.plot import signals_in
-    from rotor_ida.cli.options import ReadingOptions
 
     exact = 20.0 * np.abs(part / (1.0 - part + 0.2j))
     for given, atol in (({"slow_roll_file": other}, 0.5), ({"slow_roll": (0.0, 0.3)}, 1.5)):
-        tracked = orders(signals_in(path, ReadingOptions(**given), None)).isel(order=0)
+        tracked = orders(signals_in(path, given, None)).isel(order=0)
         expected = np.interp(tracked.t, TIMES, exact)
         np.testing.assert_allclose(tracked.forward_whirl_amplitude, expected, atol=atol)
     for number, options in enumerate(seen):

@@ -8,7 +8,8 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from rotor_ida.checks import COMPONENTS, State, check_state, shown
-from rotor_ida.cli import options
+from rotor_ida.cli.command import Case, command
+from rotor_ida.cli.commands.plot import as_read
 from rotor_ida.cli.output import FORCED, working
 from rotor_ida.cli.parsing import refuse_units
 from rotor_ida.cli.rotor_options import RotorOptions
@@ -26,11 +27,10 @@ REVOLUTIONS = 60
 PAGE = ".html"
 
 
+@command("one", asks=(), file="[FILE]", reads=True, writes=False)
 def explore(
-    file: Path | None = None, *, rotor: RotorOptions = RotorOptions(),
-    start: State | str | None = None, port: int = 8765, no_browser: bool = False,
+    case: Case, *, start: State | str | None = None, port: int = 8765, no_browser: bool = False,
     export: Path | None = None, speeds: list[float] | None = None, force: bool = False,
-    reading: options.ReadingOptions = options.ReadingOptions(),
 ) -> int:  # fmt: skip
     r"""Open an interactive page in the browser, with sliders for the parameters.
 
@@ -60,8 +60,8 @@ def explore(
         rotor-ida explore --omega 2 --zeta 0.07 --delta0 2 --export page.html \
             --speeds 1.9:2.1:3
     """
-    state, served = _beginning(rotor, start, file)
-    read = reading.given() | reading.runout()
+    state, served = _beginning(case.rotors, start, next(iter(case.measured), None))
+    read = as_read(case.reading)
     if read and "measured" not in state:
         raise InputError(f"{next(iter(read))} must be left out without a measured file")
     if speeds is not None and "node" in state:

@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import rotor_ida
 from rotor_ida.checks import shown
-from rotor_ida.cli import options
 from rotor_ida.cli.command import Case, command
 from rotor_ida.cli.commands.plot import OF_FILE, signals_in
 from rotor_ida.cli.output import troubled
@@ -25,11 +23,10 @@ if TYPE_CHECKING:
 IN_UNIT_OF = {"entries": "t", "exits": "t", "time_error": "t", "noise": "x"}
 
 
-@command("one", label="trials", most=None, files=True)
+@command("one", label="trials", most=None, file="FILE...", reads=True)
 def fit(
     case: Case, *, unknown: list[str], node: list[str] | None = None,
     times: tuple[float, float] | None = None,
-    reading: options.ReadingOptions = options.ReadingOptions(),
 ) -> Report:  # fmt: skip
     r"""Fit rotor parameters to measured signals, with their errors.
 
@@ -66,7 +63,7 @@ def fit(
     each_node: list[xr.Dataset] = []
 
     def with_signals(_rotor: Any, asked: dict[str, Any]) -> dict[str, Any]:
-        signals = [_signals(each, reading, times, node) for each in case.measured]
+        signals = [_signals(each, case.reading, times, node) for each in case.measured]
         for one in signals:
             each_node.extend(one.values() if isinstance(one, dict) else [one])
         for name, of in IN_UNIT_OF.items():
@@ -87,19 +84,19 @@ def fit(
 
 def _signals(
     file: Path,
-    reading: options.ReadingOptions,
+    reading: Mapping[str, Any],
     times: tuple[float, float] | None,
     nodes: Sequence[str] | None,
 ) -> xr.Dataset | dict[str, xr.Dataset]:
     """Return the signals in a file, by node where nodes are chosen."""
-    named = dict.fromkeys(filter(None, map(_node_of, reading.columns or [])))
+    named = dict.fromkeys(filter(None, map(_node_of, reading.get("columns", []))))
     if named and nodes is not None:
         raise InputError("node must be left out with columns of nodes")
     known = named or nodes or ()
-    for word in reading.units or []:
+    for word in reading.get("units", []):
         if (node := _node_of(word)) and node not in known:
             raise InputError(f"units must be of the given nodes, got {shown(word)}")
-    if named or (reading.units and nodes):
+    if named or ("units" in reading and nodes):
         return {node: signals_in(file, _at(reading, node), times) for node in known}
     from rotor_ida.results.run import is_of_system  # noqa: PLC0415 - heavy
 
@@ -117,20 +114,19 @@ def _node_of(word: str) -> str:
     return signal.partition(":")[0] if ":" in signal else ""
 
 
-def _at(reading: options.ReadingOptions, node: str) -> options.ReadingOptions:
+def _at(reading: Mapping[str, Any], node: str) -> dict[str, Any]:
     """Return how a file is read at a node: by the columns and units of it, and those of no node.
 
     Examples
     --------
-    >>> given = options.ReadingOptions(columns=["disc:x=A", "end:x=C:1", "keyphasor=K"])
-    >>> _at(given, "end").columns
-    ['x=C:1', 'keyphasor=K']
+    >>> _at({"columns": ["disc:x=A", "end:x=C:1", "keyphasor=K"]}, "end")
+    {'columns': ['x=C:1', 'keyphasor=K']}
     """
-    columns, units = (
-        words and [word.removeprefix(f"{node}:") for word in words if _node_of(word) in {"", node}]
-        for words in (reading.columns, reading.units)
-    )
-    return replace(reading, columns=columns, units=units)
+    return {**reading} | {
+        name: [each.removeprefix(f"{node}:") for each in reading[name]
+               if _node_of(each) in {"", node}]
+        for name in ("columns", "units") if name in reading
+    }  # fmt: skip
 
 
 def _in(unit: str, name: str, value: Any) -> Any:

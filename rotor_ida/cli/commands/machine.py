@@ -2,81 +2,25 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
-from typing import Annotated, Any
-
-from cyclopts import Parameter
 
 from rotor_ida.checks import shown
-from rotor_ida.cli import parsing
+from rotor_ida.cli.command import Case, command
 from rotor_ida.cli.given import facts_of_machine
-from rotor_ida.cli.option_types import ROTOR
 from rotor_ida.cli.output import FORCED
 from rotor_ida.cli.report import Report
-from rotor_ida.cli.rotor_options import of_sheet, with_parameters
+from rotor_ida.cli.rotor_options import of_sheet
 from rotor_ida.errors import InputError
-from rotor_ida.model.data_sheet import check_keys, implausible
+from rotor_ida.model.data_sheet import KEYS, check_keys, implausible
 from rotor_ida.results.sheets import Line, Parts, facts
 from rotor_ida.units import read_in
 
 ENDING = ".toml"
 
 
-def _word(_name: str, words: list[str]) -> str:
-    """Return a word unchanged: the data sheet is parsed elsewhere, with its units."""
-    return words[0]
-
-
-def _quantity(text: str, metavar: str) -> Any:
-    return Annotated[
-        str | None, Parameter(help=text, metavar=metavar, converter=parsing.converter(_word))
-    ]
-
-
-# Help of each option of a data sheet, with an example value.
-SHEET = {
-    "mass": ("Mass of the disc.", "12kg"),
-    "shaft_stiffness": ("Shaft stiffness at the disc.", "4e6N/m"),
-    "critical_speed": ("Or the critical speed, sqrt(stiffness/mass).", "5500rpm"),
-    "damping_ratio": ("Damping ratio at the critical speed, c/(2 sqrt(k m)).", "3%"),
-    "damping": ("Or the damping coefficient c.", "416Ns/m"),
-    "clearance": ("Radial clearance.", "150um"),
-    "eccentricity": ("Distance of the mass centre from the disc centre.", "17um"),
-    "unbalance": ("Or the unbalance, mass times eccentricity.", "200g.mm"),
-    "balance_grade": ("Or the balance quality grade of ISO 21940, with its speed.", "G6.3"),
-    "balance_speed": ("Largest service speed for which the grade is specified.", "3600rpm"),
-    "speed": ("Running speed.", "3600rpm"),
-    "friction": ("Friction coefficient of the contact.", "0.12"),
-    "disc_radius": ("Disc radius, required with friction.", "60mm"),
-    "contact_stiffness": (
-        "Contact stiffness: in N/m for a linear contact, in N/m^1.5 for Hertz.", "1e8N/m",
-    ),
-    "contact_exponent": (
-        "Exponent of the contact force. Default: from the unit of the stiffness.", "1|1.5",
-    ),
-    "contact_damping": ("Contact damping coefficient of Hunt and Crossley.", "1s/m"),
-    "load": ("Static load, downwards, or the word weight.", "100N"),
-}  # fmt: skip
-
-
-@Parameter(name="*", group=ROTOR)
-@dataclass(frozen=True, kw_only=True)
-@with_parameters({name: _quantity(*told) for name, told in SHEET.items()})
-class SheetOptions:
-    """The entries of a data sheet."""
-
-    def given(self) -> dict[str, str]:
-        """Return the given entries."""
-        return {name: getattr(self, name) for name in SHEET if getattr(self, name) is not None}
-
-
+@command("none", asks=("machine_from_data_sheet",), only=tuple(KEYS), writes=False)
 def machine(
-    *,
-    sheet: SheetOptions = SheetOptions(),
-    out: Path | None = None,
-    as_json: bool = False,
-    force: bool = False,
+    case: Case, *, out: Path | None = None, as_json: bool = False, force: bool = False
 ) -> Report:
     r"""Describe a machine by its data sheet, and write a file for the option --machine.
 
@@ -89,7 +33,7 @@ def machine(
 
     Numbers without a unit are in SI units. Without --out the file is printed.
     """
-    given = sheet.given()
+    given = case.given
     check_keys(given, "machine")
     found = of_sheet(given, None)
     from rotor_ida.results.machine_file import machine_text, save_machine  # noqa: PLC0415

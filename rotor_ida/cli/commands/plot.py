@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import inspect
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, cast, get_args
@@ -13,10 +12,12 @@ from cyclopts import Parameter
 
 import rotor_ida
 from rotor_ida.checks import check_increasing, did_you_mean, shown
-from rotor_ida.cli import options, parsing
+from rotor_ida.cli import parsing
+from rotor_ida.cli.command import Case, command
 from rotor_ida.cli.output import OUT_ENDING, Output, read, write_figure
 from rotor_ida.cli.parsing import in_unit
 from rotor_ida.cli.report import Report
+from rotor_ida.cli.verbs import arguments_of
 from rotor_ida.errors import InputError, RotorError
 from rotor_ida.results.sheets import facts
 
@@ -39,7 +40,9 @@ OF_SYSTEM = {
 # Those of sections and diagrams, at a node of a rotor system.
 OF_RESULTS = {"section": "plot_section", "diagram": "plot_extrema"}
 DRAWN_BY = FUNCTIONS | OF_SYSTEM | OF_RESULTS
-# Options of arguments by another name.
+# The keywords of these functions that are options, and one by another name.
+OF_PLOTS = ("order", "orders", "revolutions", "sense", "over", "span", "segment", "clearance",
+            "contact", "t")  # fmt: skip
 OPTIONS = {"t": "at"}
 # Dimensions besides time that have times, the first and last of each.
 OF_TIMES = (
@@ -77,16 +80,12 @@ def _kind_of_plot(name: str, words: Sequence[str]) -> str:
 READ_KIND = Parameter(converter=parsing.converter(_kind_of_plot))
 
 
+@command("none", asks=tuple(f"plot.{each}" for each in DRAWN_BY.values()), only=OF_PLOTS,
+         file="FILE", reads=True, writes=False)  # fmt: skip
 def plot(
-    file: Path, /, *, kind: Annotated[KindOfPlot | None, READ_KIND] = None,
-    figure: Path | None = None, exact: bool = False, order: float | None = None,
-    orders: list[float] | None = None, revolutions: int | None = None,
-    sense: Literal["forward", "backward", "x", "y"] | None = None,
-    over: Literal["speed", "t", "time"] | None = None, span: float | None = None,
-    segment: int | None = None, clearance: float | None = None, node: str | None = None,
-    contact: int | None = None, at: float | None = None, times: tuple[float, float] | None = None,
-    reading: options.ReadingOptions = options.ReadingOptions(), as_json: bool = False,
-    force: bool = False,
+    case: Case, *, kind: Annotated[KindOfPlot | None, READ_KIND] = None,
+    figure: Path | None = None, exact: bool = False, node: str | None = None,
+    times: tuple[float, float] | None = None, as_json: bool = False, force: bool = False,
 ) -> Report:  # fmt: skip
     r"""Plot an archive or a measured file: Bode, orbit, cascade and others.
 
@@ -119,12 +118,9 @@ def plot(
 
         rotor-ida plot strobes.nc --node seal
     """
-    given: dict[str, Any] = {
-        "order": order, "orders": orders, "revolutions": revolutions, "sense": sense,
-        "over": "t" if over == "time" else over, "span": span, "segment": segment,
-        "clearance": clearance, "contact": contact, "t": at,
-    }  # fmt: skip
-    chosen = {name: value for name, value in given.items() if value is not None}
+    (file,), chosen = case.measured, case.given
+    if chosen.get("over") == "time":
+        chosen["over"] = "t"
     if kind is not None:
         _check_options(kind, chosen, exact=exact, node=node)
     elif chosen or exact:
@@ -133,7 +129,7 @@ def plot(
     if figure is None:
         figure = file.with_name(f"{file.stem}_{kind}.png" if kind else f"{file.stem}.png")
     Output(figure=figure, force=force).check()
-    dataset, is_whole = _dataset_in(file, reading), kind is None and times is None
+    dataset, is_whole = _dataset_in(file, case.reading), kind is None and times is None
     if is_whole and node is not None:
         kind = _kind_with_nodes(dataset)
     if kind in OF_RESULTS and times is not None:
@@ -152,20 +148,13 @@ def plot(
         from rotor_ida.cli.exact import exact_beneath  # noqa: PLC0415 - heavy, and not for --help
 
         chosen["beneath"] = exact_beneath(dataset, kind)
-    drawn = _suiting(dataset) if kind is None else _of_kind(kind, dataset, chosen)
+    drawn = _drawn(kind, dataset, chosen)
     report = _written(file, dataset, drawn, figure, kind=kind, as_json=as_json, force=force)
     notes = [each.attrs["comment"] for each in chosen.get("beneath", ()) if "comment" in each.attrs]
     return replace(
         report, record={**report.record, **({"notes": notes} if notes else {})},
         parts=[*report.parts, *notes],
     )  # fmt: skip
-
-
-def _suiting(dataset: xr.Dataset) -> Figure:
-    """Return the default figure of a kind of dataset."""
-    from rotor_ida.plot.figures import figure_of  # noqa: PLC0415 - only who draws needs it
-
-    return figure_of(dataset)
 
 
 def _kind_suiting(dataset: xr.Dataset) -> str:
@@ -188,10 +177,12 @@ def _kind_with_nodes(dataset: xr.Dataset) -> KindOfPlot | None:
     return kinds.get(kind_of(dataset))
 
 
-def _of_kind(kind: KindOfPlot, dataset: xr.Dataset, chosen: dict[str, Any]) -> Figure:
-    """Return the figure of a kind of plot of signals."""
+def _drawn(kind: KindOfPlot | None, dataset: xr.Dataset, chosen: dict[str, Any]) -> Figure:
+    """Return the figure of a kind of plot, by default that of the dataset."""
     from rotor_ida import plot as plots  # noqa: PLC0415 - only who draws needs it
 
+    if kind is None:
+        return plots.figure_of(dataset)
     if "clearance" in chosen:
         unit = str(dataset["x"].attrs.get("units", "1"))
         chosen["clearance"] = in_unit("clearance", chosen["clearance"], unit)
@@ -233,9 +224,7 @@ def _check_options(
     kind: KindOfPlot, chosen: Iterable[str], *, exact: bool, node: str | None
 ) -> None:
     """Raise `InputError` for an option that does not apply to a kind of plot."""
-    from rotor_ida import plot as plots  # noqa: PLC0415 - only who draws needs it
-
-    known = {*inspect.signature(getattr(plots, DRAWN_BY[kind])).parameters}
+    known = {*arguments_of(f"plot.{DRAWN_BY[kind]}")}
     if kind in FUNCTIONS:
         known |= {"exact", "node"}
     others = {"exact": exact, "node": node is not None}
@@ -254,7 +243,7 @@ def _at_node(dataset: xr.Dataset, node: str | None) -> xr.Dataset:
 
 
 def signals_in(
-    file: Path, reading: options.ReadingOptions, times: tuple[float, float] | None
+    file: Path, reading: Mapping[str, Any], times: tuple[float, float] | None
 ) -> xr.Dataset:
     """Return the part between two times of a run or of signals in a file."""
     return _between(_checked_signals(_dataset_in(file, reading)), times)
@@ -268,29 +257,45 @@ def _checked_signals(dataset: xr.Dataset) -> xr.Dataset:
     return dataset
 
 
-def _dataset_in(file: Path, reading: options.ReadingOptions) -> xr.Dataset:
+def as_read(reading: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the options of a measured file as arguments of `rotor_ida.read_signals`."""
+    found = dict(reading)
+    for name in {"columns", "units"} & found.keys():
+        found[name] = dict(parsing.named(name, found[name]))
+    file = found.pop("slow_roll_file", None)
+    if file is not None and "slow_roll" in found:
+        raise InputError("slow_roll must be left out with slow_roll_file")
+    if "slow_roll" in found:
+        found["slow_roll"] = tuple(in_unit("slow_roll", each, "s") for each in found["slow_roll"])
+    elif file is not None:
+        found["slow_roll"] = file
+    elif "runout_orders" in found:
+        raise InputError("runout_orders must be given with slow_roll or slow_roll_file")
+    return found
+
+
+def _dataset_in(file: Path, reading: Mapping[str, Any]) -> xr.Dataset:
     """Return the dataset in an archive, or the signals in a measured file."""
-    given = reading.given()
     if file.suffix == parsing.SYSTEM_ENDING and file.is_file():
         raise InputError(
             f"file must contain signals or results, got {shown(file)}: a machine file is for the "
             "option --machine of commands such as run-up, and a system file for simulate"
         )
-    if given and file.suffix == OUT_ENDING:
-        raise InputError(f"{next(iter(given))} must be left out with an archive, got {shown(file)}")
-    slow = reading.runout()
+    given = as_read(reading)
     if file.suffix != OUT_ENDING:
-        return rotor_ida.read_signals(file, **given, **slow)
+        return rotor_ida.read_signals(file, **given)
+    part, orders = given.pop("slow_roll", None), given.pop("runout_orders", 1)
+    if given:
+        raise InputError(f"{next(iter(given))} must be left out with an archive, got {shown(file)}")
     signals = read(file)
-    if not slow:
+    if part is None:
         return signals
     from rotor_ida.signals.probes import slow_part  # noqa: PLC0415 - heavy, and not for --help
 
-    part = slow["slow_roll"]
     return rotor_ida.subtract_runout(
         _checked_signals(signals),
         rotor_ida.read_signals(part) if isinstance(part, Path) else slow_part(signals, part),
-        harmonics=slow.get("runout_orders", 1),
+        harmonics=orders,
     )
 
 

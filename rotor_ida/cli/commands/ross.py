@@ -3,37 +3,16 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Annotated
-
-from cyclopts import Parameter
 
 from rotor_ida.checks import shown
-from rotor_ida.cli import parsing
 from rotor_ida.cli.output import FORCED
 from rotor_ida.cli.report import Report
 from rotor_ida.errors import InputError, InstallationError
 from rotor_ida.results.sheets import facts
 
 
-def _speed(_name: str, words: list[str]) -> float:
-    from rotor_ida.model.data_sheet import in_si  # noqa: PLC0415 - takes a moment
-
-    return in_si("speed", " ".join(words), "rad s-1")
-
-
 def from_ross(
-    file: Path,
-    /,
-    *,
-    speed: Annotated[
-        float | None,
-        Parameter(
-            help="Speed at which coefficients are frozen. Default: they keep their tables.",
-            metavar="3000rpm", converter=parsing.converter(_speed),
-        ),
-    ] = None,
-    out: Path,
-    as_json: bool = False,
+    file: Path, /, *, speed: float | None = None, out: Path, as_json: bool = False,
     force: bool = False,
 ) -> Report:  # fmt: skip
     r"""Turn a saved rotor of ROSS into a system file, with the tables of its bearings and seals.
