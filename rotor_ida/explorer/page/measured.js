@@ -1,5 +1,6 @@
 // A measured file, dropped on the page or chosen: the program reads and analyses it, and it goes nowhere else.
 
+import { nearestIn, scaled } from "./arrays.js";
 import { colour } from "./plot.js";
 import { NOTHING, hasPanel, rowsOf } from "./signals.js";
 import { LARGEST_FILE } from "./tables.js";
@@ -226,9 +227,9 @@ export class Measured {
   #scaled({ length, rate }) {
     const { order, rows, full } = this.found;
     const mark = (Math.PI / 180) * ($("measured-mark").valueAsNumber || 0);
-    const whirl = (each) => ({ ...each, frequency: each.frequency.map((value) => value * rate), amplitude: each.amplitude.map((value) => value * length), speed: each.speed && each.speed * rate });
+    const whirl = (each) => ({ ...each, frequency: scaled(each.frequency, rate), amplitude: scaled(each.amplitude, length), speed: each.speed && each.speed * rate });
     return {
-      order: order ? { speed: order.speed.map((each) => each * rate), amplitude: order.amplitude.map((each) => each * length), lag: order.lag.map((each) => each + mark) } : NOTHING,
+      order: order ? { speed: scaled(order.speed, rate), amplitude: scaled(order.amplitude, length), lag: order.lag.map((each) => each + mark) } : NOTHING,
       rows: rows.map(whirl), full: full && whirl(full),
     };
   }
@@ -260,11 +261,11 @@ function chosenShown() {
   };
 }
 
-const linesAt = ({ frequency, amplitude }, speed, words = "") => (speed > 0 ? { over: frequency.map((each) => each / speed), amplitude, told: words } : null);
+const linesAt = ({ frequency, amplitude }, speed, words = "") => (speed > 0 ? { over: scaled(frequency, 1 / speed), amplitude, told: words } : null);
 
 /** Return the lines at the speed that is nearest to another. */
 function nearest(rows, speed, scales) {
   if (!rows.length || !(speed > 0)) return null;
-  const row = rows.reduce((best, each) => (Math.abs(each.speed - speed) < Math.abs(best.speed - speed) ? each : best));
+  const row = rows[nearestIn(rows.map((each) => each.speed), speed)];
   return linesAt(row, row.speed, `at speed ${scales?.rate ? withUnit(scales, "rate", row.speed, 4) : told(row.speed)}, Hann window`);
 }

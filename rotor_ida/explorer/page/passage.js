@@ -1,5 +1,6 @@
 // A run-up or run-down at a rate: pieces of a ramp, each continuing the last one.
 
+import { extremes } from "./arrays.js";
 import { NOTHING, joined, trackOf } from "./signals.js";
 
 const TURN = 2 * Math.PI;
@@ -90,12 +91,11 @@ class Track {
 
   /** The smallest and the largest radius over the last revolution. */
   get extent() {
-    const radii = this.turn.map(([, , radius]) => radius);
-    return [Math.min(...radii), Math.max(...radii)];
+    return extremes(this.turn.map(([, , radius]) => radius));
   }
 
   get highest() {
-    return this.high.reduce((top, each) => (each > top ? each : top), 0);
+    return extremes(this.high, [0, 0])[1];
   }
 }
 

@@ -16,17 +16,10 @@ export function pngOf(panel) {
   return new Promise((resolve) => canvas.toBlob(resolve, "image/png"));
 }
 
-/** Return columns of numbers and words as CSV, a blob. */
-export function csvOf(columns) {
-  const names = Object.keys(columns);
-  const rows = [names.map(quoted).join(",")];
-  const count = Math.max(...names.map((name) => columns[name].length));
-  for (let i = 0; i < count; i++) rows.push(names.map((name) => cell(columns[name][i])).join(","));
-  return new Blob([`${rows.join("\n")}\n`], { type: "text/csv" });
-}
+/** Return rows of numbers and words as CSV, a blob; the first one has the names. */
+export const csvOf = (rows) => new Blob(rows.map((cells) => `${cells.map(cell).join(",")}\n`), { type: "text/csv" });
 
-const cell = (value) => (value === undefined || value === null || Number.isNaN(value) ? "" : typeof value === "number" ? String(value) : quoted(value));
-const quoted = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
+const cell = (value) => (Number.isNaN(value) ? "" : /[",\n]/.test(value) ? `"${value.replaceAll('"', '""')}"` : String(value ?? ""));
 
 /** Return the size of the picture of a panel: its plots below each other, a title, and its key. */
 function sizeOf({ plots, key }) {

@@ -35,7 +35,7 @@ export async function copy(name, text, say) {
 /**
  * Put the buttons into the head of a panel.
  *
- * `told` returns the subtitle of a picture, `table` returns the columns of the numbers.
+ * `told` returns the subtitle of a picture, `table` returns the rows of its numbers, the first with their names.
  */
 export function addTools(panel, plots, { name, told, table }) {
   const head = Object.assign(document.createElement("div"), { className: "head" });
