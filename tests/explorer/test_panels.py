@@ -6,7 +6,6 @@ import base64
 
 import numpy as np
 import pytest
-from scipy.io import wavfile
 from selenium.webdriver import Keys
 
 from rotor_ida import Rotor, run_up
@@ -121,12 +120,9 @@ def check_as_analysed(page, path, **chosen):
     return arrays
 
 
-def written(names, columns, separator=","):
-    lines = [separator.join(names)]
-    for row in zip(*columns, strict=True):
-        cells = [repr(float(each)) for each in row]
-        lines.append(separator.join(c.replace(".", ",") if separator == ";" else c for c in cells))
-    return "\n".join(lines) + "\n"
+def written(names, columns):
+    rows = (",".join(repr(float(each)) for each in row) for row in zip(*columns, strict=True))
+    return "\n".join([",".join(names), *rows]) + "\n"
 
 
 def test_the_panels_show_a_run_up_as_the_library_has_it(page):
@@ -196,21 +192,6 @@ def test_a_dropped_run_up_is_analysed_by_the_library_and_goes_to_the_program_alo
     ) == [None, True]
 
 
-def test_a_sound_file_is_read_by_its_channels(page, tmp_path):
-    """Two probes and a keyphasor at 4 kHz, 25 revolutions a second."""
-    turn = 2.0 * np.pi * 25.0 * np.arange(8000) / 4000.0
-    key = np.where(np.mod(turn, 2.0 * np.pi) < 0.5, 0.9, 0.0)
-    channels = np.stack([0.5 * np.cos(turn), 0.25 * np.sin(turn), key], axis=1)
-    wavfile.write(tmp_path / "probes.wav", 4000, channels.astype(np.float32))
-    said = drop(page, (tmp_path / "probes.wav").read_bytes(), "probes.wav")
-    assert "8,000 samples, turned by keyphasor" in said
-    check_as_analysed(page, tmp_path / "probes.wav")
-    assert measured(page, "full.amplitude").max() == pytest.approx(0.375, rel=1e-3)
-    assert "probes.wav is not shown: 'bad.wav' must be a WAV file" not in said
-    said = drop(page, b"RIFF", "bad.wav")
-    assert said.startswith("bad.wav is not shown: 'bad.wav' must be a WAV file")
-
-
 def test_the_two_files_of_a_comtrade_record_are_read_together(page, tmp_path):
     write_comtrade(tmp_path / "pump.cfg", kind="BINARY")
     files = {each.name: each.read_bytes() for each in tmp_path.iterdir()}
@@ -241,11 +222,14 @@ def test_probes_at_45_and_135_degrees_with_gains_are_turned_as_by_the_library(pa
         page.until("!rotorIda.measured.reading")
     (tmp_path / "probes.csv").write_text(text)
     check_as_analysed(page, tmp_path / "probes.csv", probe_angles=(45.0, 135.0), gains=(2.0, 0.5))
-    assert measured(page, "order.amplitude") == pytest.approx(12.0, abs=1e-9)
-    page.type("#measured-gain-x", 0)
-    page.until("!rotorIda.measured.reading")
-    assert "gains must be at least 1e-15 in size" in page.find("#measured-said").text
-    page.type("#measured-gain-x", 2)
+    found = measured(page, "order.amplitude")
+    assert found == pytest.approx(12.0, abs=1e-9)
+    # the page has no dimensions: a unit of its length is told to be 2 um, of its time 0.01 s
+    page.type("#measured-scale", 2)
+    page.type("#measured-period", 0.01)
+    order = page.run("return rotorIda.measured.source(undefined, 2).order")
+    assert order["amplitude"][5] == pytest.approx(0.5 * found[5])
+    assert order["speed"][5] == pytest.approx(0.01 * measured(page, "order.speed")[5])
     page.type("#measured-angle-y", 225)
     page.until("!rotorIda.measured.reading")
     assert "do not point along one line" in page.find("#measured-said").text
@@ -294,47 +278,21 @@ def test_columns_and_units_are_chosen_by_hand_where_names_do_not_tell(page, tmp_
     assert page.run("return document.getElementById('measured-columns').hidden")
 
 
-def test_a_keyphasor_and_decimal_commas_give_the_library_s_spectrum(page, tmp_path):
-    t = np.arange(5003) / 2000.0
-    angle = 2.0 * np.pi * 31.3 * t + 1.0
-    z = 12.0 * np.exp(1j * (angle - 0.7)) + 2.5 * np.exp(-0.5j * angle) + 4.0
-    pulse = np.where(np.mod(angle, 2.0 * np.pi) < 0.6, 4.9, 0.1)
-    names = ("Time [ms]", "Probe X [um]", "Probe Y [um]", "Keyphasor")
-    text = written(names, (1e3 * t, z.real, z.imag, pulse), ";")
-    said = drop(page, text)
-    assert "turned by keyphasor" in said
-    (tmp_path / "probes.csv").write_text(text)
-    found = check_as_analysed(page, tmp_path / "probes.csv")
-    # the page has no dimensions: a unit of its length is told to be 2 um, of its time 0.01 s
-    page.type("#measured-scale", 2)
-    page.type("#measured-period", 0.01)
-    order = page.run("return rotorIda.measured.source(undefined, 2).order")
-    assert order["amplitude"][5] == pytest.approx(0.5 * found["order_amplitude"][5])
-    assert order["speed"][5] == pytest.approx(0.01 * found["order_speed"][5])
-
-
 def test_odd_files_are_told_of_in_one_line_and_nothing_is_lost(page, tmp_path):
     t = np.arange(400) / 100.0
     x, y, turn = np.cos(30 * t), np.sin(30 * t), 30 * t
     good = written(("t", "x", "y", "angle"), (t, x, y, turn))
     assert "400 samples" in drop(page, good, "good.csv")
     gap = np.where(t < 2.0, t, t + 1.0)
-    odd = (
-        "",
-        good.replace("x,", "radius,", 1),
-        good + "4.01,1,zwei,5\n",
-        written(("t", "x", "y"), (gap, x, y)),
-    )
-    for text in odd:
-        (tmp_path / "odd.csv").write_text(text)
-        with pytest.raises(InputError) as refused:
-            read_signals(tmp_path / "odd.csv")
-        why = str(refused.value).replace(str(tmp_path / "odd.csv"), "odd.csv")
-        assert drop(page, text, "odd.csv") == f"odd.csv is not shown: {why}. good.csv stays."
+    odd = written(("t", "x", "y"), (gap, x, y))
+    (tmp_path / "odd.csv").write_text(odd)
+    with pytest.raises(InputError) as refused:
+        read_signals(tmp_path / "odd.csv")
+    why = str(refused.value).replace(str(tmp_path / "odd.csv"), "odd.csv")
+    assert drop(page, odd, "odd.csv") == f"odd.csv is not shown: {why}. good.csv stays."
     larger = page.run(LARGE, LARGEST_FILE + 10**6)
     assert larger == "large.csv has 269.4 MB, and at most 268 MB can be read."
     assert page.run("return rotorIda.measured.found.name") == "good.csv"
-    assert "400 samples" in drop(page, "\ufeff" + good, "mark.csv")  # as spreadsheets write it
     plain = written(("t", "x", "y"), (t, x, y))
     assert "neither speed nor phase is known" in drop(page, plain, "no_key.csv")
     assert page.run("return rotorIda.measured.source(undefined, 2).lines.over.length") > 0

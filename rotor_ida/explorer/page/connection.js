@@ -69,13 +69,13 @@ export class Live {
 
 /** Answers that were recorded in this page, by course (from the start, up, down) and speed. */
 export class Recorded {
-  constructor(recorded, { answered }) {
-    this.answered = answered;
-    this.recorded = recorded;
+  constructor(recorded, answered) {
+    Object.assign(this, { recorded, answered });
   }
 
-  ask(question, course, place) {
-    for (const text of [...this.recorded.common, ...this.recorded.courses[course][place]]) {
+  ask(question) {
+    const { common, courses, course, place } = this.recorded;
+    for (const text of [...common, ...courses[course][place]]) {
       const bytes = Uint8Array.from(atob(text), (character) => character.charCodeAt(0));
       this.answered({ ...unpack(bytes.buffer), number: question.number, side: 0 });
     }

@@ -193,15 +193,12 @@ const namesOfSystem = () => (file && !file.is_archive && !document.getElementByI
 export class Controls {
   constructor(changed, unitChanged) {
     this.machine = document.getElementById("machine");
-    this.unitChanged = () => {
-      this.show();
-      unitChanged();
-    };
     // the meaning of one slider may depend on the value of another
-    this.changed = () => {
+    const andShow = (then) => () => {
       this.show();
-      changed();
+      then();
     };
+    Object.assign(this, { changed: andShow(changed), unitChanged: andShow(unitChanged) });
     for (const radio of document.querySelectorAll('[name="exponent"]')) {
       radio.addEventListener("change", () => {
         changeExponent(Number(radio.value));

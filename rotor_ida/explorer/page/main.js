@@ -11,7 +11,7 @@ import { Response } from "./response.js";
 import { Shape, Sketch } from "./shaft.js";
 import { DataSheetForm } from "./sheet.js";
 import { Side } from "./side.js";
-import { Signals, trackOf } from "./signals.js";
+import { NOTHING, Signals, trackOf } from "./signals.js";
 import {
   NO_FILE, SECOND_START, SIGNALS, USUAL, address, chooseContact, file, inSI, isSystem, machine, ramp, readAddress, referenceFrequency, roundUp, setRotor, showAlone, speedName, speedOf, speedsShown,
   state, tellFile, tellsOfRotor, toDimensionless, toSI,
@@ -24,7 +24,6 @@ const $ = (id) => document.getElementById(id);
 // The panels of a rotor, and what panels of signals need beside: of the run, and of a system its whole run-up.
 const PANELS = ["motion", "responses", "starts"];
 const OF_SIGNALS = { lines: ["full"], campbell: ["campbell"], track: ["bode", "polar", "cascade"] };
-const FILES = { nc: "application/x-netcdf", png: "image/png", svg: "image/svg+xml", py: "text/x-python", html: "text/html" };
 // No start lies further from the axis.
 const FURTHEST = 1e6;
 // Scales of a measurement that is shown alone.
@@ -83,10 +82,8 @@ const passage = (page.passage = new Passage({ begin: beginPassage, ask: askPiece
 function ask({ again = false } = {}) {
   if (!connection || file?.measured) return;
   if (!again) passage.forget();
-  const names = sides.map((_, side) => side);
-  number += 1;
-  page.asked = number;
-  for (const side of names) {
+  page.asked = number += 1;
+  for (const side of sides.keys()) {
     if (!again) {
       const begun = startOf(side);
       hanging[side] = !begun;
@@ -94,8 +91,7 @@ function ask({ again = false } = {}) {
     }
     const wanted = PANELS.filter((about) => (about === "starts" ? sides[side].wantsBasin && !isSystem() : about === "motion" || !isSystem() || !side));
     sides[side].forget();
-    if (recorded) connection.ask({ number }, recorded.course, recorded.place);
-    else connection.ask(question(side), wanted);
+    connection.ask(recorded ? { number } : question(side), wanted);
   }
   showStart();
   keepAddress();
@@ -168,7 +164,11 @@ function takePanel(answer) {
     if (unitsChanged) measured.refresh();
     unitsChanged = false;
     if (state.from === "here") released = false;
-    if (hanging[answer.side] && answer.number === number && !isSystem()) takeStart(answer);
+    if (hanging[answer.side] && answer.number === number && !isSystem()) {
+      starts[answer.side] = answer.facts.start;
+      if (!answer.side) START.forEach((name, i) => (state[name] = answer.facts.start[i]));
+      showStart();
+    }
   }
   sides[answer.side].take(answer);
   response.take(answer);
@@ -183,7 +183,7 @@ function takeRotor(answer) {
   if (about === "upload" && !measured.isOfRotor(answer)) return;
   forgetRotor();
   setRotor(told);
-  sheet.close();
+  $("sheet").close();
   showState();
   ask();
   $("sheet-notes").textContent = notes.length ? `Please check: ${notes.join("; ")}.` : "";
@@ -271,16 +271,9 @@ function choosePart({ node, contact }) {
   else ask();
 }
 
-/** Show where a rotor hangs at rest. */
-function takeStart({ side, facts: { start } }) {
-  starts[side] = start;
-  if (side === 0) START.forEach((name, i) => (state[name] = start[i]));
-  showStart();
-}
-
 /** Handle an error in a whole answer or one of its parts. */
 function refused({ part, about, side, number: asked = number, facts: { message } }) {
-  if (about === "machine") sheet.fail(message);
+  if (about === "machine") $("sheet-wrong").textContent = message;
   else if (about === "upload") measured.fail(message.replace(/\.$/, ""), asked);
   else if (about === "starts") sides[side]?.noBasin(message);
   else if (about === "track" && isSystem()) $("of-run-up").textContent = message;
@@ -326,19 +319,14 @@ function draw() {
     if (has(place, "basin")) side.drawStarts(starts[place], reach(place));
   });
   // a curve and its run arrive one after the other, and are drawn together
-  const places = sides.map((_, place) => place);
-  if (places.some((place) => has(place, "motion", "curve", "branch")) && places.every(isWhole)) response.show();
+  if (sides.some((_, place) => has(place, "motion", "curve", "branch")) && page.shown.slice(0, sides.length).every(isWhole)) response.show();
   dirty.forEach(drawLater);
   dirty.clear();
   page.drawn = page.shown[0].motion?.number ?? 0;
 }
 
-/** Return whether curve and run of a side are answers to the same question. */
-function isWhole(place) {
-  const { motion, curve } = page.shown[place];
-  if (isSystem() && place) return true; // the curve is of the first contact
-  return motion?.number === curve?.number;
-}
+/** Return whether curve and run of a side are answers to the same question; of a system there is one curve. */
+const isWhole = ({ motion, curve }, place) => (isSystem() && place) || motion?.number === curve?.number;
 
 /** Draw the panels that may lag behind the slider, to keep both cores free for the others. */
 function drawRest() {
@@ -412,7 +400,7 @@ function scalesShown() {
 function showMeasured(isThere) {
   if (isThere && (!state.panels || state.panels === USUAL)) {
     const { order, rows } = measured.found;
-    state.panels = !order ? "full" : file?.measured ? `bode,polar,${rows.length ? "cascade" : "full"}` : "bode,full";
+    state.panels = order === NOTHING ? "full" : file?.measured ? `bode,polar,${rows.length ? "cascade" : "full"}` : "bode,full";
     chooseSignals();
     keepAddress();
   } else signals.show();
@@ -503,10 +491,10 @@ function heldAt(verdict) {
   return `Held at this speed: ${words[0].toLowerCase()}${words.slice(1)}`;
 }
 
-function complain(text) {
+const complain = (text) => {
   $("message").textContent = text;
   $("trouble").hidden = !text;
-}
+};
 
 // the address, and files
 
@@ -539,7 +527,7 @@ function keepFile(answer) {
     return;
   }
   if (kind === "html") say(`Saved ${answer.facts.name}.`);
-  keep(new Blob([answer.arrays.contents], { type: FILES[kind] }), answer.facts.name);
+  keep(new Blob([answer.arrays.contents]), answer.facts.name);
 }
 
 // a passage at a rate
@@ -558,11 +546,6 @@ function waysFrom(speed) {
   const [low, range] = speedsShown();
   const fastest = inSI() ? state.fastest / referenceFrequency() : range;
   return { speed, range, limits: [low, speed < fastest * 0.9999 ? fastest : range] };
-}
-
-/** Run up from standstill, at rest where the rotor hangs. */
-function runUpFromStandstill() {
-  passage.pressFrom({ ...waysFrom(0), starts: sides.map(() => null) }, ramp());
 }
 
 /** Request a piece of the run-up of one rotor. */
@@ -642,7 +625,7 @@ function showRamp() {
 
 // a machine by its data sheet
 
-const sheet = new DataSheetForm({ ask: (quantities) => connection.ask({ number, quantities }, ["machine"]), given: () => (inSI() && !isSystem() ? machine(0) : {}) });
+new DataSheetForm({ ask: (quantities) => connection.ask({ number, quantities }, ["machine"]), given: () => (inSI() && !isSystem() ? machine(0) : {}) });
 
 // controls beside the sliders
 
@@ -761,7 +744,8 @@ function listen() {
   });
   $("run-up").addEventListener("click", () => passage.press(1, ramp()));
   $("run-down").addEventListener("click", () => passage.press(-1, ramp()));
-  $("run-up-0").addEventListener("click", runUpFromStandstill);
+  // at rest where the rotor hangs
+  $("run-up-0").addEventListener("click", () => passage.press(1, ramp(), { ...waysFrom(0), starts: sides.map(() => null) }));
   const onNumber = (name, take) => $(name).addEventListener("change", () => {
     if (!($(name).valueAsNumber > 0)) return;
     take($(name).valueAsNumber);
@@ -783,10 +767,7 @@ function listen() {
     controls.show();
     ask();
   });
-  $("sheet-open").addEventListener("click", () => sheet.open());
-  for (const button of document.querySelectorAll("[data-file]")) {
-    button.addEventListener("click", () => connection.ask(question(0), [button.dataset.file]));
-  }
+  $("saving").addEventListener("click", ({ target: { dataset: { file: kind } } }) => kind && connection.ask(question(0), [kind]));
   $("share").addEventListener("click", () => {
     copy("address", new Blob([location.origin + location.pathname + address(starts)], { type: "text/plain" }), say);
   });
@@ -879,7 +860,7 @@ function said(text) {
 function beginRecorded() {
   const { places, place, state: rotorShown } = recorded;
   setRotor(rotorShown);
-  connection = new Recorded(recorded, { answered });
+  connection = new Recorded(recorded, answered);
   if (isSystem()) {
     recorded.course = "nodes";
     moveTo = (node) => {

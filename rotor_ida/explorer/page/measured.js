@@ -2,7 +2,7 @@
 
 import { nearestIn, scaled } from "./arrays.js";
 import { colour } from "./plot.js";
-import { NOTHING, hasPanel, rowsOf } from "./signals.js";
+import { trackOf } from "./signals.js";
 import { LARGEST_FILE } from "./tables.js";
 import { told, withUnit } from "./units.js";
 
@@ -114,15 +114,11 @@ export class Measured {
       return;
     }
     this.reading = null;
-    const { order_speed: speed, order_amplitude: amplitude, order_lag: lag, full_frequency: frequency } = arrays;
-    const answer = {
-      ...facts, order: speed ? { speed, amplitude, lag } : null, rows: arrays.cascade_speed ? rowsOf(arrays) : [],
-      full: frequency ? { frequency, amplitude: arrays.full_amplitude, speed: facts.speed } : null,
-    };
-    this.found = answer;
+    const { full_frequency: frequency, full_amplitude: amplitude } = arrays;
+    this.found = { ...facts, ...trackOf({ arrays }), full: frequency ? { frequency, amplitude, speed: facts.speed } : null };
     const isNew = file !== this.shown || probes === PROBES;
     this.file = this.shown = file;
-    if (isNew) this.#suggest(answer);
+    if (isNew) this.#suggest(this.found);
     this.#show();
   }
 
@@ -177,7 +173,7 @@ export class Measured {
     $("measured-scale-name").textContent = volts && isMachine ? "µm a volt" : `1 of length [${SHOWN[$("measured-length").value] ?? $("measured-length").value}]`;
     $("measured-period").closest("label").hidden = isMachine || $("measured-time").value === "1";
     const { scales } = this;
-    const speeds = order?.speed.length ? `, ${this.#speeds(scales())}` : "";
+    const speeds = order.speed.length ? `, ${this.#speeds(scales())}` : "";
     const asked = isMachine ? "enter the µm per volt" : "enter the scale of the page, or choose SI units for it";
     const isOpen = this.#units(scales()) ? "" : ` To draw it, ${asked}.`;
     const guessed = [time === "1" && isMachine ? "times are assumed to be in s" : "", length === "1" && isMachine ? "lengths in the unit chosen below" : ""].filter(Boolean).join(" and ");
@@ -220,7 +216,6 @@ export class Measured {
     return {
       name: "measured", icon: "line-key measured", ink: () => colour("measured"), order, rows, curve: null, exact: null, sparse: true,
       lines: full ? linesAt(full, full.speed ?? speed) : nearest(rows, speed, scales),
-      has: hasPanel,
     };
   }
 
@@ -229,7 +224,7 @@ export class Measured {
     const mark = (Math.PI / 180) * ($("measured-mark").valueAsNumber || 0);
     const whirl = (each) => ({ ...each, frequency: scaled(each.frequency, rate), amplitude: scaled(each.amplitude, length), speed: each.speed && each.speed * rate });
     return {
-      order: order ? { speed: scaled(order.speed, rate), amplitude: scaled(order.amplitude, length), lag: order.lag.map((each) => each + mark) } : NOTHING,
+      order: { speed: scaled(order.speed, rate), amplitude: scaled(order.amplitude, length), lag: order.lag.map((each) => each + mark) },
       rows: rows.map(whirl), full: full && whirl(full),
     };
   }

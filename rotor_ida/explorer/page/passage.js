@@ -114,21 +114,15 @@ export class Passage {
     return this.way !== 0;
   }
 
-  /** Begin or continue up (1) or down (-1); stop if it already moves this way. */
-  press(way, rate) {
-    if (!this.begun && !this.#begin(this.begin())) return;
+  /** Begin or continue up (1) or down (-1), or begin anew elsewhere than at the drawn runs; stop if it already moves this way. */
+  press(way, rate, elsewhere = null) {
+    if (elsewhere) this.forget();
+    if (!this.begun && !this.#begin(elsewhere ?? this.begin())) return;
     this.setRate(rate);
     this.way = this.way === way ? 0 : way;
     if (!this.running) this.#rest();
     else if (!this.waiting.size && !this.timer) this.#next();
     this.changed();
-  }
-
-  /** Begin at speeds and states other than those of the drawn runs. */
-  pressFrom(beginning, rate) {
-    this.forget();
-    this.#begin(beginning);
-    this.press(1, rate);
   }
 
   /** Change the rate, from the next piece on. */

@@ -286,15 +286,12 @@ export class Plot {
     const [left, top, right, bottom] = [box.left, box.top, box.left + box.width, box.top + box.height].map((each) => each / pixel);
     const pen = new Pen(ctx, x, y, pixel, box);
     const muted = { fill: colour("muted") };
+    const ends = ["x", "y"].map((scale) => [plot.scales[scale].min, plot.scales[scale].max]);
     plot.axes.forEach(({ _splits: splits, _values: values, label }, i) => {
       const at = i ? y : x;
       splits.forEach((each, place) => {
         const [a, b] = [at(each) / pixel, values[place]];
-        ctx.beginPath();
-        ctx.moveTo(...(i ? [box.left, a * pixel] : [a * pixel, box.top]));
-        ctx.lineTo(...(i ? [box.left + box.width, a * pixel] : [a * pixel, box.top + box.height]));
-        Object.assign(ctx, { strokeStyle: colour("grid"), lineWidth: pixel });
-        ctx.stroke();
+        pen.line(...[0, 1].map((axis) => (axis === i ? [each, each] : ends[axis])), { stroke: colour("grid") });
         if (b) text(b, i ? left - 6 : a, i ? a : bottom + 12, { ...muted, align: i ? "right" : "center" });
       });
       if (!label) return;
@@ -445,13 +442,16 @@ export class Pen {
     if (stroke) this.#stroke(stroke, width, [], 1);
   }
 
-  /** Many discs of one kind, some pixels wide. */
+  /** Many discs of one kind, some pixels wide; one that nobody could tell from that before is left out. */
   dots(xs, ys, size, { fill, alpha = 1 }) {
     const { ctx, pixel } = this;
     const half = 0.5 * size * pixel;
+    let last = [NaN, NaN];
     ctx.beginPath();
     for (let i = 0; i < xs.length; i++) {
       const [left, top] = [this.x(xs[i]), this.y(ys[i])];
+      if (Math.max(Math.abs(left - last[0]), Math.abs(top - last[1])) < 0.5 * pixel) continue;
+      last = [left, top];
       ctx.moveTo(left + half, top);
       ctx.arc(left, top, half, 0, 2 * Math.PI);
     }

@@ -15,6 +15,8 @@ export const UNSTABLE = STABILITY.unstable;
 const { fold: FOLD, period_doubling: DOUBLING, torus: TORUS, sliding: SLIDING, hopf: HOPF, discontinuous: DISCONTINUOUS } = SPECIAL;
 const SPECIAL_WORDS = { [FOLD]: "fold of limit cycles", [DOUBLING]: "period doubling", [TORUS]: "torus point", [SLIDING]: "slip falls to 0", [HOPF]: "Hopf point", [DISCONTINUOUS]: "multipliers jump" };
 const SHAPES = { [FOLD]: "diamond", [DOUBLING]: "square", [TORUS]: "disc", [SLIDING]: "cross", [HOPF]: "disc", [DISCONTINUOUS]: "down" };
+// Points of branches that are in the key only where there are some.
+const RARE = [[TORUS, "mark open cycle"], [SLIDING, "mark cross cycle"], [DISCONTINUOUS, "mark down"]];
 // Friction-driven whirls: the name, the radii and the stability of each.
 const WHIRLS = [["slipping backward whirl", "saddle_radius", "unstable"], ["dry whip without unbalance", "whip_radius", "stable"]];
 // Points of the curve: the name, that of its arrays, and the shape; a Hopf point is open.
@@ -56,10 +58,10 @@ export class Response {
 
   /** Return the numbers of the panel: curves, folds, branches, and tracks of the rotors. */
   table() {
-    const [speed, largest] = [this.plot.label(0), this.plot.label(1)];
+    const largest = this.plot.label(1);
     const rows = this.#shown.flatMap((side, number) => this.#items(side).flatMap(({ what, omega, high, low, stability }) =>
       Array.from(omega, (each, i) => [number + 1, what(i), each * this.speed.factor, high[i] * this.length.factor, low[i] * this.length.factor, stability(i)])));
-    return [["rotor", "what", speed, largest, largest.replace("radius", "smallest radius"), "stability"], ...rows.filter(([, what, each]) => what && !Number.isNaN(each))];
+    return [["rotor", "what", this.plot.label(0), largest, largest.replace("radius", "smallest radius"), "stability"], ...rows.filter(([, what, each]) => what && !Number.isNaN(each))];
   }
 
   get #shown() {
@@ -129,19 +131,18 @@ export class Response {
     if (shown.some(({ curve }) => curve.arrays.in_contact.includes(1))) {
       parts.push(["line-key", "exact whirl in contact"], ["line-key dashed", "unstable"], ["mark diamond", "fold"]);
     }
-    if (shown.some(({ curve }) => curve.arrays.hopf_omega.length)) parts.push(["mark open", "Hopf point"]);
-    if (shown.some(({ curve }) => curve.arrays.graze_omega?.length)) parts.push(["mark up", "graze"]);
+    const hasAny = (name) => shown.some(({ curve }) => curve.arrays[name]?.length);
+    if (hasAny("hopf_omega")) parts.push(["mark open", "Hopf point"]);
+    if (hasAny("graze_omega")) parts.push(["mark up", "graze"]);
     if (shown.some(({ curve }) => curve.arrays.in_contact.includes(0))) parts.push(["line-key free", "contact-free whirl"]);
-    if (shown.some(({ curve }) => curve.arrays.whip_omega?.length)) {
+    if (hasAny("whip_omega")) {
       parts.push(["line-key whip", "dry whip without unbalance"], ["line-key saddle", "slipping backward whirl, a saddle"]);
     }
     if (shown.some(({ branches }) => branches.length)) {
       parts.push(["line-key cycle", "limit cycle, largest radius"], ["line-key cycle thin", "smallest"]);
       parts.push(["mark diamond open cycle", "its fold"], ["mark square cycle", "period doubling"]);
       const has = (kind) => shown.some(({ branches }) => branches.some(({ arrays }) => arrays.special_kind.includes(kind)));
-      if (has(TORUS)) parts.push(["mark open cycle", SPECIAL_WORDS[TORUS]]);
-      if (has(SLIDING)) parts.push(["mark cross cycle", SPECIAL_WORDS[SLIDING]]);
-      if (has(DISCONTINUOUS)) parts.push(["mark down", SPECIAL_WORDS[DISCONTINUOUS]]);
+      for (const [kind, look] of RARE) if (has(kind)) parts.push([look, SPECIAL_WORDS[kind]]);
     }
     parts.push(["line-key dashed ring", "clearance"]);
     if (shown.some(({ passage }) => passage)) parts.push(["line-key passage", "while the speed changes"]);

@@ -16,8 +16,6 @@ const ALONG = 0.05, DOWN = 0.35;
 const POINTS = 48; // of a ring
 const TRAIL = 1 / 20; // of the run, in bold behind the rotor
 
-/** Return the values of one node, by its place. */
-const column = (values, place, count) => values.subarray(place * count, (place + 1) * count);
 const lengthLabel = () => (file.has_positions ? labelled("axial position", file.units === "SI" ? "m" : "") : "nodes at equal distances");
 /** Without positions the axis has no scale, and no numbers. */
 const scaleOfAxis = (plot) => (plot.plot.axes[0].values = file.has_positions ? numbers : (_plot, splits) => splits.map(() => ""));
@@ -131,7 +129,7 @@ export class Shape extends Panel {
       path(positions[nodes.indexOf(node)], turns.map((a) => centre[0] + clearance * Math.cos(a)), turns.map((a) => centre[1] + clearance * Math.sin(a)), { stroke: colour("contact"), width: 1.4 });
     }
     const ends = nodes.map((_, i) => {
-      const [x, y] = [column(this.x, i, count), column(this.y, i, count)];
+      const [x, y] = [this.x, this.y].map((each) => each.subarray(i * count, (i + 1) * count));
       path(positions[i], x.subarray(begin, now + 1), y.subarray(begin, now + 1), { stroke: colour("accent"), alpha: 0.55 });
       return place(positions[i], x[now], y[now]);
     });

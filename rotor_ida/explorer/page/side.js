@@ -4,7 +4,7 @@ import { extremes, scaled } from "./arrays.js";
 import { Plot, colour, nearest } from "./plot.js";
 import { roundUp } from "./state.js";
 import { EVENTS, MODES, wordsOf } from "./tables.js";
-import { addTools, element as made } from "./tools.js";
+import { addTools, fillKey } from "./tools.js";
 import { labelled, shownIn, told } from "./units.js";
 
 // Above this number of events in view their marks would hide the motion.
@@ -505,9 +505,8 @@ export class Side {
 
   #keyOfBasin() {
     const key = this.panels.starts.querySelector("[data-key]");
-    key.replaceChildren();
     if (!this.basin) {
-      key.textContent = this.wantsBasin ? this.reason || "computing the basin …" : "";
+      fillKey(key, this.wantsBasin ? [["", this.reason || "computing the basin …"]] : []);
       this.starts.say("The plane of starts.");
       return;
     }
@@ -519,13 +518,8 @@ export class Side {
       return [KINDS[kind] + which, fraction, this.colours[place], kind];
     });
     if (undecided > 0) parts.push([KINDS.undecided, undecided, colour("undecided")]);
-    for (const [name, fraction, fill, kind] of parts.filter(([, part]) => part > 0)) {
-      const item = made("span", ""), swatch = made("i", "", `swatch ${HATCHED[kind] ? kind : ""}`);
-      swatch.style.backgroundColor = fill;
-      item.append(swatch, `${name} ${told(100 * fraction, 3)} %`);
-      key.append(item);
-    }
-    if (!finest) key.append(made("span", `${count}² starts, finer soon`));
+    const items = parts.filter(([, part]) => part > 0).map(([name, part, fill, kind]) => [`swatch ${HATCHED[kind] ? kind : ""}`, `${name} ${told(100 * part, 3)} %`, fill]);
+    fillKey(key, [...items, ...(finest ? [] : [["", `${count}² starts, finer soon`]])]);
     this.starts.say(`Basins of the starts at this velocity: ${parts.map(([name, part]) => `${name} ${told(100 * part, 3)} %`).join(", ")}.`);
   }
 
@@ -564,17 +558,8 @@ const markOf = (kind) => ({
 
 const maximum = (values) => extremes(values, [0, 0])[1];
 
-/** Return the red, green and blue of a colour. */
-function channels(text) {
-  if (!known.has(text)) {
-    brush.fillStyle = text;
-    brush.fillRect(0, 0, 1, 1);
-    known.set(text, [...brush.getImageData(0, 0, 1, 1).data.slice(0, 3)]);
-  }
-  return known.get(text);
-}
-const known = new Map();
-const brush = new OffscreenCanvas(1, 1).getContext("2d", { willReadFrequently: true });
+/** Return the red, green and blue of a computed colour. */
+const channels = (text) => text.match(/\d+/g).slice(0, 3).map(Number);
 
 /** Return a colour as four bytes of a picture, at a fraction of its lightness. */
 const packed = ([red, green, blue], light) =>

@@ -23,7 +23,7 @@ const TALLEST = 0.3, ROW = 0.75, APART = 3;
 const REACH = 2.3;
 // About so many speeds are marked in a polar plot.
 const MARKS = 7;
-const TICKS = [1, 2, 5];
+const TICKS = [1, 2, 5, 10];
 // How far the speeds that are shown reach beyond those of a measurement.
 const ROOM = 1.1;
 
@@ -67,8 +67,8 @@ class Panel {
   }
 
   /** Return the lines that are read under the pointer. */
-  points() {
-    return this.drawn.map(({ source, xs, ys }) => ({ name: source.name, xs, ys, at: source.order.speed }));
+  points(series) {
+    return this.drawn.map(({ source, xs, [series]: named, ys = named }) => ({ name: source.name, xs, ys, at: series ? undefined : source.order.speed }));
   }
 
   /** Describe the drawn sources that have come so far, with words on each. */
@@ -85,7 +85,7 @@ class Panel {
     if (shows((unstable, contact) => !contact && !unstable)) parts.push(["line-key free", "contact-free whirl"]);
     if (shows((unstable) => unstable)) parts.push(["line-key dashed", "unstable"]);
     if (curves.some((each) => each.fold_omega.some((fold) => fold <= fastest))) parts.push(["mark diamond", "fold"]);
-    for (const each of sources) if (each.has(this.name)) parts.push([each.icon, each.name]);
+    for (const each of sources) if (hasPanel(each, this.name)) parts.push([each.icon, each.name]);
     return parts;
   }
 }
@@ -123,10 +123,6 @@ class Bode extends Panel {
     this.sayNow(this.lag, "Phase lag of order 1 over the speed.", last);
   }
 
-  points(name) {
-    return this.drawn.map(({ source, xs, [name]: ys }) => ({ name: source.name, xs, ys }));
-  }
-
   draw(pen, name) {
     const { length, speed } = this.view;
     pen.kept(this.pictures[name], keyOfCurves(pen, this[name], this.view), (own) => {
@@ -136,7 +132,7 @@ class Bode extends Panel {
       }
     });
     for (const { source, xs, [name]: ys } of this.drawn) {
-      if (source.sparse) pen.dots(...unlessNear(pen, xs, ys), 4, { fill: source.ink(), alpha: 0.8 });
+      if (source.sparse) pen.dots(xs, ys, 4, { fill: source.ink(), alpha: 0.8 });
       pen.dense(xs, ys, { stroke: source.ink(), width: source.sparse ? 0.8 : 1.6, gap: name === "lag" ? jumps(ys) : undefined });
       if (!source.sparse && xs.length) pen.mark(xs.at(-1), ys.at(-1), 8, { fill: source.ink(), stroke: colour("card") });
     }
@@ -188,9 +184,8 @@ class Polar extends Panel {
     pen.line([0, 0], [-4 * ring, 4 * ring], { stroke: colour("line") });
     for (const { source, xs, ys, curve } of this.drawn) {
       if (curve) drawExact(pen, curve.xs, curve.ys, source);
-      const [near, far] = unlessNear(pen, xs, ys);
-      if (source.sparse) pen.dots(near, far, 4, { fill: source.ink(), alpha: 0.8 });
-      pen.line(near, far, { stroke: source.ink(), width: source.sparse ? 0.8 : 1.6 });
+      if (source.sparse) pen.dots(xs, ys, 4, { fill: source.ink(), alpha: 0.8 });
+      pen.line(xs, ys, { stroke: source.ink(), width: source.sparse ? 0.8 : 1.6 });
       this.#markSpeeds(pen, source, xs, ys);
       if (!source.sparse && xs.length) pen.arrow(0, 0, xs.at(-1), ys.at(-1), { stroke: source.ink(), width: 1.6 });
     }
@@ -201,7 +196,7 @@ class Polar extends Panel {
     const speeds = scaled(source.order.speed, this.view.speed.factor);
     const [low, high] = extremes(speeds);
     if (!(high > low)) return;
-    const step = roundStep((high - low) / MARKS);
+    const step = roundUp((high - low) / MARKS, TICKS);
     const written = [];
     for (let i = 1; i < speeds.length; i++) {
       const [from, to] = [speeds[i - 1], speeds[i]];
@@ -370,20 +365,6 @@ const keyOfCurves = (pen, plot, view) => JSON.stringify([
   view.sources.map(({ curve }) => curve && [curve.omega.length, curve.omega[0], curve.amplitude[curve.amplitude.length >> 1], curve.phase_lag[0]]),
 ]);
 
-/** Leave out points that nobody could tell from the one before. */
-function unlessNear(pen, xs, ys) {
-  const [near, far] = [[], []];
-  let [a, b] = [NaN, NaN];
-  for (let i = 0; i < xs.length; i++) {
-    const [c, d] = [pen.x(xs[i]), pen.y(ys[i])];
-    if (Math.abs(c - a) < pen.pixel && Math.abs(d - b) < pen.pixel && i < xs.length - 1) continue;
-    [a, b] = [c, d];
-    near.push(xs[i]);
-    far.push(ys[i]);
-  }
-  return [near, far];
-}
-
 /** Return the point that lies nearest to a place, or the tallest line near it. */
 function readPoints(plot, lines, x, _y, distance, near) {
   const { plot: own } = plot;
@@ -432,47 +413,31 @@ class Campbell extends Panel {
 }
 
 /** Return the height of the tallest line beside a place. */
-function heightAt(xs, ys, place) {
-  let top = NaN;
-  for (let i = 0; i < xs.length; i++) if (Math.abs(xs[i] - place) < 0.2 && !(ys[i] <= top)) top = ys[i];
-  return top;
-}
-
-/** Return a round step that is about as large as another. */
-function roundStep(about) {
-  const ten = 10 ** Math.floor(Math.log10(about));
-  return ten * (TICKS.find((each) => each * ten >= about) ?? 10);
-}
+const heightAt = (xs, ys, place) => extremes(ys.filter((_, i) => Math.abs(xs[i] - place) < 0.2))[1];
 
 const KINDS = { bode: Bode, polar: Polar, full: Full, cascade: Cascade, campbell: Campbell };
 /** Order 1 of what was never tracked. */
 export const NOTHING = { speed: [], amplitude: [], lag: [] };
 
-/** Return the spectra of a cascade one by one. */
-export const rowsOf = ({ cascade_speed: speeds, cascade_frequency: frequency, cascade_amplitude: heights }) =>
-  Array.from(speeds, (speed, i) => ({ speed, frequency, amplitude: heights.slice(i * frequency.length, (i + 1) * frequency.length) }));
-
 /** Return order 1 and spectra of an answer of the program; none before it has come. */
 export function trackOf(answer) {
-  const { order_speed: speed, order_amplitude: amplitude, order_lag: lag, cascade_speed: rows } = answer?.arrays ?? {};
-  return { order: speed ? { speed, amplitude, lag } : NOTHING, rows: rows ? rowsOf(answer.arrays) : [] };
+  const { order_speed: speed, order_amplitude: amplitude, order_lag: lag, cascade_speed: speeds, cascade_frequency: frequency, cascade_amplitude: heights } = answer?.arrays ?? {};
+  const row = (each, i) => ({ speed: each, frequency, amplitude: heights.slice(i * frequency.length, (i + 1) * frequency.length) });
+  return { order: speed ? { speed, amplitude, lag } : NOTHING, rows: Array.from(speeds ?? [], row) };
 }
 
 /** Return two pieces of order 1 as one, with a gap between them. */
 export const joined = (one, other) =>
   one.speed.length ? Object.fromEntries(Object.keys(one).map((name) => [name, [...one[name], NaN, ...other[name]]])) : other;
 
-/** Return whether a source, of which it is a method, has something to show in a panel. */
-export function hasPanel(panel) {
-  if (panel === "full") return Boolean(this.lines);
-  return panel === "cascade" ? this.rows.length > 0 : this.order.speed.length > 0;
-}
+/** Return whether a source has something to show in a panel. */
+const hasPanel = ({ lines, rows, order }, panel) => (panel === "full" ? Boolean(lines) : (panel === "cascade" ? rows : order.speed).length > 0);
 
 /** The panels that are chosen, and what they are shown of. */
 export class Signals {
   /** Build them in `element`; `view` returns what there is to show, `told` the words under a picture. */
   constructor(element, { view, told: words }) {
-    Object.assign(this, { element, view, words, panels: new Map(), tracks: [] });
+    Object.assign(this, { element, view, words, panels: new Map() });
   }
 
   get plots() {
@@ -491,18 +456,16 @@ export class Signals {
       panel.card.remove();
       this.panels.delete(name);
     }
-    for (const name of Object.keys(KINDS)) {
-      if (!names.includes(name) || this.panels.has(name)) continue;
-      const panel = new KINDS[name]({ told: this.words });
-      this.panels.set(name, panel);
+    // from the last one on; a card that is there is not moved: its plots would lose the focus
+    let behind = null;
+    for (const name of Object.keys(KINDS).reverse().filter((each) => names.includes(each))) {
+      if (!this.panels.has(name)) {
+        this.panels.set(name, new KINDS[name]({ told: this.words }));
+        this.element.insertBefore(this.panels.get(name).card, behind);
+      }
+      behind = this.panels.get(name).card;
     }
-    const order = Object.keys(KINDS).filter((name) => this.panels.has(name));
-    // a card that is where it belongs is not moved: its plots would lose the focus
-    order.forEach((name, place) => {
-      const { card } = this.panels.get(name);
-      if (this.element.children[place] !== card) this.element.insertBefore(card, this.element.children[place] ?? null);
-    });
-    this.element.hidden = !order.length;
+    this.element.hidden = !this.panels.size;
     this.show();
   }
 
@@ -514,7 +477,7 @@ export class Signals {
       name: rotors.length > 1 ? `${side ? "second" : "first"} rotor` : "the rotor",
       icon: side ? "line-key second" : "line-key passage thin",
       ink: (usual = "accent") => colour(side ? "second" : usual),
-      order: track?.order ?? NOTHING, rows: track?.rows ?? [], curve: curve?.omega.length ? curve : null, lines, exact, has: hasPanel,
+      order: track?.order ?? NOTHING, rows: track?.rows ?? [], curve: curve?.omega.length ? curve : null, lines, exact,
     }));
     if (measured) sources.push(measured);
     // a measurement may take up a small part of the speeds, and is what one looks at
