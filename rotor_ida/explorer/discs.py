@@ -154,8 +154,8 @@ class Disc:
         Examples
         --------
         >>> from rotor_ida.explorer.workers import example
-        >>> print(Disc(example("py", (1.7, 0.07, 0.5))).lines().splitlines()[6])
-        machine = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
+        >>> print(Disc(example("py", omega=1.7)).lines().splitlines()[6])
+        machine = Rotor(omega=1.7, zeta=0.07, delta0=2.0)
         """
         machine = self.question.machine
         return LINES.format(rotor=type(machine).__name__, machine=written(machine),
@@ -167,8 +167,8 @@ class Disc:
         Examples
         --------
         >>> from rotor_ida.explorer.workers import example
-        >>> Disc(example("sh", (1.7, 0.07, 0.5))).command().partition(" --start")[0]
-        'rotor-ida simulate --omega 1.7 --zeta 0.07 --delta0 0.5'
+        >>> Disc(example("sh", omega=1.7)).command().partition(" --start")[0]
+        'rotor-ida simulate --omega 1.7 --zeta 0.07 --delta0 2.0'
         """
         return f"{self.asked.command()} --out run.nc --figure run"
 

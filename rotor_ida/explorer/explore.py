@@ -89,7 +89,7 @@ def explore(
             report(f"The explorer is at {address}")
             with _open_in_a_browser(address) if browser and can_show_a_page() else nullcontext():
                 report("Ctrl-C ends it.")
-                await _first(stop, serving)
+                await _first(stop.wait(), serving)
             server.should_exit = True
             await serving
 
@@ -129,7 +129,7 @@ async def _with_queues(serve: Callable[[Queues, asyncio.Event], Awaitable[None]]
 
         queues = Queues(progress)
         queues.open()
-        await _first(ready, stop)
+        await _first(ready.wait(), stop.wait())
     try:
         if failed.is_set():
             raise RotorError("the processes that compute the panels do not start")
@@ -167,16 +167,12 @@ def _open_in_a_browser(address: str) -> Iterator[None]:
         yield
 
 
-async def _first(*awaited: asyncio.Event | asyncio.Task[None]) -> None:
-    """Wait for the first of several events and tasks."""
-    tasks = [
-        asyncio.create_task(each.wait()) if isinstance(each, asyncio.Event) else each
-        for each in awaited
-    ]
-    await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
-    for task, each in zip(tasks, awaited, strict=True):
-        if isinstance(each, asyncio.Event):
-            task.cancel()
+async def _first(*awaited: Awaitable[object]) -> None:
+    """Wait for the first of several things; a task among them goes on."""
+    waiting = {asyncio.ensure_future(each) for each in awaited}
+    await asyncio.wait(waiting, return_when=asyncio.FIRST_COMPLETED)
+    for each in waiting.difference(awaited):
+        each.cancel()
 
 
 def can_show_a_page() -> bool:

@@ -17,7 +17,7 @@ import xarray as xr
 from rotor_ida.arrays import Arrays
 from rotor_ida.checks import State, check_axis, check_increasing, shown
 from rotor_ida.errors import InputError
-from rotor_ida.explorer.archives import PLAYED, archive_of, check_played, path_of, reread
+from rotor_ida.explorer.archives import PLAYED, archive_of, check_played, reread
 from rotor_ida.explorer.cases import Node
 from rotor_ida.explorer.messages import (
     Answer,
@@ -107,7 +107,7 @@ def _contents(question: Question | SystemQuestion) -> bytes:
 
 def again_of(question: Question | SystemQuestion) -> str:
     """Return the Python lines, or the command, of what is shown."""
-    kind, path = question.about, path_of(question)
+    kind, path = question.about, question.path
     if path is not None and archive_of(question) is not None:
         return reread(path, kind)
     shown = shown_of(question)
@@ -165,7 +165,9 @@ def recording(
         frames: list[list[str]] = [[] for _ in speeds]
         here = start
         for place in range(len(speeds))[:: -1 if course == "down" else 1]:
-            question = replace(beginning, machine=_at(machine, speeds[place]), start=here)
+            question = replace(
+                beginning, machine=replace(machine, **{_named(machine): speeds[place]}), start=here
+            )
             answers = [*_motion(question), *show_lines(question), *show_responses(question)]
             frames[place] = _frame(answers, OF_ALL_SPEEDS, common)
             if course != "start":
@@ -267,14 +269,13 @@ def in_single(answer: Answer) -> Answer:
     return replace(answer, arrays=arrays)
 
 
-def _at(machine: Rotor | DimensionalRotor, speed: float) -> Rotor | DimensionalRotor:
-    if isinstance(machine, DimensionalRotor):
-        return replace(machine, speed=speed)
-    return replace(machine, omega=speed)
-
-
 def _speed(machine: Rotor | DimensionalRotor) -> float:
-    return machine.speed if isinstance(machine, DimensionalRotor) else machine.omega
+    return float(getattr(machine, _named(machine)))
+
+
+def _named(machine: Rotor | DimensionalRotor) -> str:
+    """Return the name of the speed of a rotor."""
+    return "speed" if isinstance(machine, DimensionalRotor) else "omega"
 
 
 def _end(answers: Sequence[Answer]) -> State:

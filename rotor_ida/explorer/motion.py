@@ -11,7 +11,7 @@ import xarray as xr
 
 from rotor_ida.arrays import Arrays
 from rotor_ida.arrays import Values as FloatArray
-from rotor_ida.explorer.archives import PLAYED, archive_of, archived_answers, path_of
+from rotor_ida.explorer.archives import PLAYED, archive_of, archived_answers
 from rotor_ida.explorer.cases import Node
 from rotor_ida.explorer.discs import METHOD, Disc, states_of, values_of, whirls_per_revolution
 from rotor_ida.explorer.endings import Values
@@ -50,7 +50,7 @@ def shown_of(question: Question | SystemQuestion) -> Shown:
 
 def show_motion(question: Question | SystemQuestion) -> Iterator[Answer]:
     """Yield the panels of one run, and what is in an archive of anything."""
-    path, archived = path_of(question), archive_of(question)
+    path, archived = question.path, archive_of(question)
     if archived is None or kind_of(archived) in PLAYED:
         shown = shown_of(question)
         yield from shown.begin()

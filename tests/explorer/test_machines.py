@@ -121,15 +121,6 @@ def test_a_run_up_below_the_critical_speed_is_summed_up_without_contact():
     assert facts["words"].endswith("of the clearance of 150 µm are left.")
 
 
-def test_a_run_up_through_the_critical_speed_tells_where_it_touches_and_how_hard():
-    facts = run_up_of(PUMP, UP_TO, 16, 2.0)
-    assert facts["now"] == "rub"
-    assert facts["words"].startswith(
-        "From 0 rpm to 6,000 rpm. Rub: it first touches the stator at 5,"
-    )
-    assert facts["largest_force"] > 0.0
-
-
 def test_a_run_up_under_weight_is_that_of_the_library():
     """Sag 29 µm, in a clearance of 60 µm: it first touches where the library says, and rubs on."""
     heavy = replace(PUMP, load=12.0 * GRAVITY, clearance=6e-5)

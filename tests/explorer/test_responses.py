@@ -77,21 +77,6 @@ def swept(asking: Question) -> xr.Dataset:
     )  # fmt: skip
 
 
-def test_the_curve_is_that_of_the_closed_forms_bit_for_bit(
-    asking: Question, parts: dict[str, Message]
-):
-    rotor, arrays = asking.rotor, parts["curve"].arrays
-    curve = response_curve(
-        zeta=rotor.zeta, delta0=rotor.delta0, limits=(0.05, 3.0), points=responses.POINTS_OF_CURVE
-    ).squeeze()
-    for name in ("omega", "amplitude", "piece", "stability", "in_contact"):
-        np.testing.assert_array_equal(arrays[name], curve[name].values, err_msg=name)
-    folds = rotor_ida.folds(zeta=rotor.zeta, delta0=rotor.delta0).squeeze(("zeta", "delta0"))
-    for name in ("fold_omega", "fold_amplitude"):
-        given = folds[name].values
-        np.testing.assert_array_equal(arrays[name], given[np.isfinite(given)], err_msg=name)
-
-
 def test_what_is_settled_on_is_what_sweep_and_compare_say(
     asking: Question, parts: dict[str, Message]
 ):
@@ -171,19 +156,24 @@ def test_a_machine_has_the_answer_of_its_rotor():
     assert ["largest radius", f"{told['radius_max']:.4g}", "µm"] in sheet["rows"]
 
 
-@pytest.mark.parametrize("asking", [DAMPED, HELD, UNSTEADY], ids=["damped", "held", "unsteady"])
-def test_of_a_machine_curve_and_folds_are_the_closed_forms(asking: Question):
+CURVES = ALL | {"damped": DAMPED, "held": HELD, "unsteady": UNSTEADY}
+
+
+@pytest.mark.parametrize("name", CURVES)
+def test_curve_folds_and_hopf_points_are_the_closed_forms(name: str):
+    asking = CURVES[name]
     curve = first_part(asking)
     given = {name: value for name, value in asking.rotor.given.items() if name != "omega"}
     exact = response_curve(**given, limits=(0.05, 3.0), points=responses.POINTS_OF_CURVE)
-    for name in ("omega", "amplitude", "piece", "stability", "in_contact"):
-        np.testing.assert_array_equal(curve.arrays[name], exact[name].values.ravel(), err_msg=name)
-    turns = rotor_ida.folds(**given)["fold_omega"].values.ravel()
-    np.testing.assert_array_equal(curve.arrays["fold_omega"], turns[np.isfinite(turns)])
-    hopf = rotor_ida.hopf_points(**given)
-    for name in responses.HOPF:
-        shown = hopf[name].values[hopf["hopf_omega"] <= 3.0]
-        np.testing.assert_array_equal(curve.arrays[name], shown, err_msg=name)
+    for each in ("omega", "amplitude", "phase_lag", "piece", "stability", "in_contact"):
+        np.testing.assert_array_equal(curve.arrays[each], exact[each].values.ravel(), err_msg=each)
+    folds, hopf = rotor_ida.folds(**given), rotor_ida.hopf_points(**given)
+    for each in responses.FOLD:
+        turns = folds[each].values.ravel()
+        np.testing.assert_array_equal(curve.arrays[each], turns[np.isfinite(turns)], err_msg=each)
+    for each in responses.HOPF:
+        shown = hopf[each].values[hopf["hopf_omega"] <= 3.0]
+        np.testing.assert_array_equal(curve.arrays[each], shown, err_msg=each)
     assert curve.arrays["hopf_omega"].size == (1 if asking is UNSTEADY else 0)
     assert "why" not in curve.facts
 

@@ -245,7 +245,7 @@ class Full extends Panel {
 
   points() {
     return this.drawn.flatMap(({ source: { name }, xs, ys, exact }) => [
-      ...(exact ? [{ name: `settled response, ${name}`, xs: exact.over, ys: exact.amplitude }] : []), { name, xs, ys, peaks: true },
+      { name, xs, ys, peaks: true }, ...(exact ? [{ name: `settled response, ${name}`, xs: exact.over, ys: exact.amplitude }] : []),
     ]);
   }
 
