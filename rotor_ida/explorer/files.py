@@ -75,8 +75,11 @@ def show_file(question: Question | SystemQuestion) -> Iterator[Answer]:
     """Yield a complete file with its name; for a page, yield its progress first."""
     if question.about == "html":
         contents = b""
-        steps = recording_of_nodes if isinstance(question, SystemQuestion) else _recording
-        for step in steps(question):
+        steps = (
+            recording_of_nodes(question) if isinstance(question, SystemQuestion)
+            else _recording(question)
+        )  # fmt: skip
+        for step in steps:
             if isinstance(step, str):
                 contents = step.encode()
             else:
@@ -165,9 +168,7 @@ def recording(
         frames: list[list[str]] = [[] for _ in speeds]
         here = start
         for place in range(len(speeds))[:: -1 if course == "down" else 1]:
-            question = replace(
-                beginning, machine=replace(machine, **{_named(machine): speeds[place]}), start=here
-            )
+            question = replace(beginning, machine=_at(machine, speeds[place]), start=here)
             answers = [*_motion(question), *show_lines(question), *show_responses(question)]
             frames[place] = _frame(answers, OF_ALL_SPEEDS, common)
             if course != "start":
@@ -269,13 +270,14 @@ def in_single(answer: Answer) -> Answer:
     return replace(answer, arrays=arrays)
 
 
+def _at(machine: Rotor | DimensionalRotor, speed: float) -> Rotor | DimensionalRotor:
+    if isinstance(machine, DimensionalRotor):
+        return replace(machine, speed=speed)
+    return replace(machine, omega=speed)
+
+
 def _speed(machine: Rotor | DimensionalRotor) -> float:
-    return float(getattr(machine, _named(machine)))
-
-
-def _named(machine: Rotor | DimensionalRotor) -> str:
-    """Return the name of the speed of a rotor."""
-    return "speed" if isinstance(machine, DimensionalRotor) else "omega"
+    return machine.speed if isinstance(machine, DimensionalRotor) else machine.omega
 
 
 def _end(answers: Sequence[Answer]) -> State:

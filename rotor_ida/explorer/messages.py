@@ -447,7 +447,7 @@ def _of_disc(given: Mapping[str, Any]) -> Question:
     )
 
 
-def _ramp(rotor: Rotor, given: Mapping[str, Any]) -> dict[str, float]:
+def _ramp(rotor: Rotor, given: Mapping[str, Any]) -> dict[str, Any]:
     """Return end, rate and first angle of a piece of a run-up, if it is short enough."""
     if given["about"] != "run_up":
         return {}
