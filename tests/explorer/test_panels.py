@@ -58,6 +58,25 @@ import("/plot.js").then(({ Pen }) => {
 });"""
 
 
+EQUAL = """
+const done = arguments[0];
+import("/plot.js").then(async ({ Plot }) => {
+  const style = "width: 330px; height: 280px";
+  const box = Object.assign(document.createElement("div"), { style });
+  document.body.append(box);
+  let most = 0, count = 0;
+  const plot = new Plot(box, { equal: true, x: "x", y: "y", draw: () => (count += 1) });
+  for (let top = 1; top < 3000; top *= 1.02) {
+    count = 0;
+    plot.show({ x: [-top, 0.9 * top], y: [-0.9 * top, 0.2 * top] });
+    await new Promise((resolve) => setTimeout(resolve, 0));
+    most = Math.max(most, count);
+  }
+  box.remove();
+  done(most);
+});"""
+
+
 @pytest.fixture(scope="module")
 def address():
     process, found = served(*(f"--{name}={value}" for name, value in START.items()),
@@ -293,3 +312,8 @@ def test_of_a_million_points_the_extremes_are_drawn_and_few_others(page):
     count, top, bottom, where = page.driver.execute_async_script(THIN)
     assert count < 4 * 110
     assert (top, bottom, where) == (50, -40, 12)
+
+
+def test_axes_with_one_scale_come_to_rest_whatever_they_show(page):
+    """The ranges decide the width of the numbers beside them, and this the ranges again."""
+    assert page.driver.execute_async_script(EQUAL) <= 3

@@ -70,8 +70,7 @@ const signals = new Signals($("signal-panels"), { view: viewOfSignals, told: () 
 const measured = (page.measured = new Measured({ send: (...given) => connection.send(...given), scales: scalesShown, changed: showMeasured, listens: !recorded }));
 const sketch = new Sketch(document.querySelector('[data-panel="sketch"]'), () => parametersOf(0), choosePart);
 const shape = new Shape(document.querySelector('[data-panel="shape"]'), () => parametersOf(0));
-let connection = null;
-let kept = null;
+let connection = null, kept = null;
 // The last run-up: its tracks, kept after other changes, and their rotors.
 let lastTracks = [], lastRotors = "";
 const passage = (page.passage = new Passage({ begin: beginPassage, ask: askPiece, moved: showPiece, rested: restPassage, changed: showPassage }));

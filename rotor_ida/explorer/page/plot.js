@@ -45,6 +45,9 @@ const roomBeside = ({ axes }) => Math.max(8, 2 + 0.5 * DIGIT * longest(axes[0]?.
 
 // Largest movement in pixels that counts as a click, not a box.
 const CLICK = 6;
+// Of axes with one scale the ranges decide the width of the numbers beside them, and this the ranges:
+// they need not come to rest.
+const MOST_TURNS = 2;
 // Reading distance from the pointer in pixels.
 const NEAR = 12;
 
@@ -71,7 +74,7 @@ export class Plot {
         drawClear: below ? [(plot) => this.#inside(plot, below)] : [],
         draw: draw ? [(plot) => this.#inside(plot, draw)] : [],
         setCursor: [() => this.#read()],
-        setSize: equal ? [() => queueMicrotask(() => this.#apply())] : [],
+        setSize: equal ? [() => this.turns > 0 && queueMicrotask(() => this.#apply(this.turns - 1))] : [],
       },
     };
     this.data = [[0, 1], ...series.map(() => [null, null])];
@@ -80,7 +83,10 @@ export class Plot {
     this.found = Object.assign(document.createElement("div"), { className: "found", hidden: true });
     this.plot.over.append(this.told, this.found);
     this.#listen();
-    new ResizeObserver(() => this.plot.setSize(this.#size())).observe(element);
+    new ResizeObserver(() => {
+      this.turns = MOST_TURNS;
+      this.plot.setSize(this.#size());
+    }).observe(element);
   }
 
   #size() {
@@ -128,7 +134,8 @@ export class Plot {
     this.#apply();
   }
 
-  #apply() {
+  #apply(turns = MOST_TURNS) {
+    this.turns = turns;
     const { x, y } = this.shown;
     this.plot.batch(() => {
       this.plot.setData(this.data, false);

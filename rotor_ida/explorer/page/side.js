@@ -50,9 +50,7 @@ export class Side {
   /** Build the panels in `element`; `moved` receives the start dragged on the plane. */
   constructor(element, number, { moved, asked, told, shown }) {
     element.append(document.getElementById("side").content.cloneNode(true));
-    Object.assign(this, { element, number, moved, asked, shown, motion: null, basin: null, sectionOf: null });
-    this.time = 1;
-    this.window = 8;
+    Object.assign(this, { element, number, moved, asked, shown, motion: null, basin: null, sectionOf: null, time: 1, window: 8 });
     for (const radio of element.querySelectorAll('[type="radio"]')) radio.name = `drag${number}`;
     const at = (panel, plot = ".plot") => element.querySelector(`[data-panel="${panel}"] ${plot}`);
     this.panels = Object.fromEntries([...element.querySelectorAll("[data-panel]")].map((each) => [each.dataset.panel, each]));
