@@ -15,11 +15,11 @@ import xarray as xr
 from rotor_ida.arrays import Arrays
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.measured import track_of
-from rotor_ida.explorer.messages import Answer, Question, SystemQuestion
+from rotor_ida.explorer.messages import Answer, Asked
 from rotor_ida.results.archive import load
 from rotor_ida.results.dataset_kinds import KINDS, kind_of
 from rotor_ida.results.dataset_kinds import loaded as described
-from rotor_ida.results.question import Question as Asked
+from rotor_ida.results.question import Question
 from rotor_ida.results.sheets import sheets_shown
 from rotor_ida.results.si_units import is_in_si
 from rotor_ida.texts import in_python
@@ -55,14 +55,9 @@ def archived_in(path: Path, _changed: int) -> xr.Dataset:
     return loaded(path)
 
 
-def path_of(question: Question | SystemQuestion) -> Path | None:
-    """Return the file of a question, if it has one."""
-    return question.path if isinstance(question, SystemQuestion) else None
-
-
-def archive_of(question: Question | SystemQuestion) -> xr.Dataset | None:
+def archive_of(question: Asked) -> xr.Dataset | None:
     """Return the result in the file of a question, if it is an archive."""
-    path = path_of(question)
+    path = question.path
     if path is None or path.suffix.lower() == ".toml":
         return None
     with named(path):
@@ -77,7 +72,7 @@ def scales_where(in_si: bool) -> dict[str, float]:
 def reread(path: Path, kind: str) -> str:
     """Return the Python lines or the command that load a result again."""
     if kind == "sh":
-        return f"{Asked('show', {'rotor': Path(path.name)}).command()}\n"
+        return f"{Question('show', {'rotor': Path(path.name)}).command()}\n"
     return f"from rotor_ida import load\n\nresult = load({in_python(path.name)})\n"
 
 

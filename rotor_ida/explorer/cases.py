@@ -12,7 +12,6 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rotor_ida.arrays import Values as FloatArray
 from rotor_ida.checks import COMPONENTS, shown
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.archives import (
@@ -32,7 +31,7 @@ from rotor_ida.results.archived_system import problem_of
 from rotor_ida.results.dataset_kinds import kind_of
 from rotor_ida.results.question import Question as Asked
 from rotor_ida.results.system_file import Course, read_system_file
-from rotor_ida.signals.nodes import angles_of_system, at_node
+from rotor_ida.signals.nodes import at_node
 from rotor_ida.simulation.run_up import run_up
 from rotor_ida.simulation.simulate import simulate
 from rotor_ida.steady.drop import drop
@@ -332,18 +331,6 @@ class Node:
     def probed(self, run: xr.Dataset) -> xr.Dataset:
         """Return the motion at the node as probes record it."""
         return at_node(run, self.name)
-
-    def turned(self, run: xr.Dataset, times: FloatArray) -> FloatArray:
-        """Return the angle of the unbalance at some times of a run [rad]."""
-        return np.interp(times, run["t"].values, angles_of_system(run))
-
-    def each(self, run: xr.Dataset) -> float:
-        """Return the number of samples per revolution, whole only at one speed."""
-        count, (first, last) = run.sizes["t"] - 1, angles_of_system(run)[[0, -1]].tolist()
-        turns = abs(last - first) / math.tau
-        each = count / turns if turns > 0.0 else float(count)
-        is_whole = "speed" not in run and math.isclose(each, round(each), rel_tol=1e-9)
-        return round(each) if is_whole else each
 
     def told(self, values: Values) -> dict[str, object]:
         """Return the numbers of the last half of a run."""

@@ -26,7 +26,7 @@ from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.results.question import Question as Asked
 from rotor_ida.results.question import written
-from rotor_ida.results.si_units import dimensional
+from rotor_ida.results.si_units import dimensional, scales_of
 from rotor_ida.schema import DAMPED_EVENT_KIND, MODE
 from rotor_ida.signals.forces import power_in_contact
 from rotor_ida.simulation.options import Method
@@ -74,14 +74,7 @@ class Disc:
     def scales(self) -> dict[str, float]:
         """The scales of a machine; none of a rotor without dimensions."""
         machine = self.question.machine
-        if isinstance(machine, Rotor):
-            return {}
-        return {
-            "length": machine.length_scale, "time": machine.time_scale,
-            "velocity": machine.velocity_scale, "force": machine.force_scale,
-            "energy": machine.force_scale * machine.length_scale,
-            "rate": machine.reference_frequency,
-        }  # fmt: skip
+        return {} if isinstance(machine, Rotor) else scales_of(machine)
 
     @property
     def facts(self) -> dict[str, Any]:
@@ -131,14 +124,6 @@ class Disc:
         """Return the run as probes record it."""
         return run
 
-    def turned(self, _run: xr.Dataset, times: FloatArray) -> FloatArray:
-        """Return the angle of the unbalance at some times of a run [rad]."""
-        return self.speed * times
-
-    def each(self, run: xr.Dataset) -> float:
-        """Return the number of samples per revolution."""
-        return (run.sizes["t"] - 1) // self.question.revolutions
-
     def told(self, values: Values) -> dict[str, object]:
         """Return the numbers of the last half of a run, and the state from which it goes on."""
         end = rotated(states_of(values)[-1], -self.speed * values["t"][-1])
@@ -169,8 +154,8 @@ class Disc:
         Examples
         --------
         >>> from rotor_ida.explorer.workers import example
-        >>> print(Disc(example("py", (1.7, 0.07, 0.5))).lines().splitlines()[6])
-        machine = Rotor(omega=1.7, zeta=0.07, delta0=0.5)
+        >>> print(Disc(example("py", omega=1.7)).lines().splitlines()[6])
+        machine = Rotor(omega=1.7, zeta=0.07, delta0=2.0)
         """
         machine = self.question.machine
         return LINES.format(rotor=type(machine).__name__, machine=written(machine),
@@ -182,8 +167,8 @@ class Disc:
         Examples
         --------
         >>> from rotor_ida.explorer.workers import example
-        >>> Disc(example("sh", (1.7, 0.07, 0.5))).command().partition(" --start")[0]
-        'rotor-ida simulate --omega 1.7 --zeta 0.07 --delta0 0.5'
+        >>> Disc(example("sh", omega=1.7)).command().partition(" --start")[0]
+        'rotor-ida simulate --omega 1.7 --zeta 0.07 --delta0 2.0'
         """
         return f"{self.asked.command()} --out run.nc --figure run"
 

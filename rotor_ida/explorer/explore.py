@@ -10,7 +10,7 @@ import socket
 import sys
 import threading
 import webbrowser
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Awaitable, Callable, Iterator, Mapping
 from contextlib import closing, contextmanager, nullcontext
 from html import escape
 from pathlib import Path
@@ -78,8 +78,22 @@ def explore(
     RotorError
         If the worker processes do not start.
     """
+    key = secrets.token_hex(16)
     with closing(_listen(port)) as listening:
-        asyncio.run(_serve(listening, state, browser, report, longest_visit, file, reading))
+        told = urlencode({**state, "key": key})
+        address = f"http://{LOOPBACK}:{listening.getsockname()[1]}/#{told}"
+
+        async def serve(queues: Queues, stop: asyncio.Event) -> None:
+            server = server_of(application(queues, key, file, reading), longest_visit)
+            serving = asyncio.create_task(server.serve([listening]))
+            report(f"The explorer is at {address}")
+            with _open_in_a_browser(address) if browser and can_show_a_page() else nullcontext():
+                report("Ctrl-C ends it.")
+                await _first(stop.wait(), serving)
+            server.should_exit = True
+            await serving
+
+        asyncio.run(_with_queues(serve))
 
 
 def _listen(port: int) -> socket.socket:
@@ -99,15 +113,8 @@ def _listen(port: int) -> socket.socket:
     return listening
 
 
-async def _serve(
-    listening: socket.socket,
-    state: Mapping[str, object],
-    browser: bool,
-    report: Callable[[str], None],
-    longest_visit: float,
-    file: Path | None,
-    reading: Mapping[str, Any] | None,
-) -> None:
+async def _with_queues(serve: Callable[[Queues, asyncio.Event], Awaitable[None]]) -> None:
+    """Start the processes, serve the page until the program is to end, and end them."""
     ready, failed, stop = asyncio.Event(), asyncio.Event(), asyncio.Event()
     _heed_signals(stop)
     with progress_bar("starting") as bar:
@@ -122,14 +129,12 @@ async def _serve(
 
         queues = Queues(progress)
         queues.open()
-        await _first(ready, stop)
+        await _first(ready.wait(), stop.wait())
     try:
         if failed.is_set():
             raise RotorError("the processes that compute the panels do not start")
         if not stop.is_set():
-            await _let_in(
-                listening, queues, state, browser, report, longest_visit, stop, file, reading
-            )
+            await serve(queues, stop)
     finally:
         await queues.close()
 
@@ -144,26 +149,6 @@ def _heed_signals(stop: asyncio.Event) -> None:
             signal.signal(each, lambda *_: loop.call_soon_threadsafe(stop.set))
         else:
             loop.add_signal_handler(each, stop.set)
-
-
-async def _let_in(
-    listening: socket.socket, queues: Queues, state: Mapping[str, object], browser: bool,
-    report: Callable[[str], None], longest_visit: float, stop: asyncio.Event,
-    file: Path | None,
-    reading: Mapping[str, Any] | None,
-) -> None:  # fmt: skip
-    """Serve the page until `stop`."""
-    key = secrets.token_hex(16)
-    server = server_of(application(queues, key, file, reading), longest_visit)
-    serving = asyncio.create_task(server.serve([listening]))
-    port = listening.getsockname()[1]
-    address = f"http://{LOOPBACK}:{port}/#{urlencode({**state, 'key': key})}"
-    report(f"The explorer is at {address}")
-    with _open_in_a_browser(address) if browser and can_show_a_page() else nullcontext():
-        report("Ctrl-C ends it.")
-        await _first(stop, serving)
-    server.should_exit = True
-    await serving
 
 
 @contextmanager
@@ -182,16 +167,12 @@ def _open_in_a_browser(address: str) -> Iterator[None]:
         yield
 
 
-async def _first(*awaited: asyncio.Event | asyncio.Task[None]) -> None:
-    """Wait for the first of several events and tasks."""
-    tasks = [
-        asyncio.create_task(each.wait()) if isinstance(each, asyncio.Event) else each
-        for each in awaited
-    ]
-    await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
-    for task, each in zip(tasks, awaited, strict=True):
-        if isinstance(each, asyncio.Event):
-            task.cancel()
+async def _first(*awaited: Awaitable[object]) -> None:
+    """Wait for the first of several things; a task among them goes on."""
+    waiting = {asyncio.ensure_future(each) for each in awaited}
+    await asyncio.wait(waiting, return_when=asyncio.FIRST_COMPLETED)
+    for each in waiting.difference(awaited):
+        each.cancel()
 
 
 def can_show_a_page() -> bool:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import base64
 import hashlib
 import re
-from collections.abc import Generator, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
@@ -17,7 +17,7 @@ import xarray as xr
 from rotor_ida.arrays import Arrays
 from rotor_ida.checks import State, check_axis, check_increasing, shown
 from rotor_ida.errors import InputError
-from rotor_ida.explorer.archives import PLAYED, archive_of, check_played, path_of, reread
+from rotor_ida.explorer.archives import PLAYED, archive_of, check_played, reread
 from rotor_ida.explorer.cases import Node
 from rotor_ida.explorer.messages import (
     Answer,
@@ -41,6 +41,8 @@ from rotor_ida.results.archive import save
 from rotor_ida.results.dataset_kinds import kind_of
 from rotor_ida.texts import in_page
 
+# The steps of a recording: runs done and their total, and at last the page.
+Recording = Iterator[tuple[int, int] | str]
 # Order of the speeds: each from the start, or each from the end of the previous one.
 COURSES = ("start", "up", "down")
 MOST_SPEEDS = 500
@@ -71,26 +73,24 @@ POLICY = (
 
 def show_file(question: Question | SystemQuestion) -> Iterator[Answer]:
     """Yield a complete file with its name; for a page, yield its progress first."""
-    contents = b""
     if question.about == "html":
+        contents = b""
         steps = (
             recording_of_nodes(question) if isinstance(question, SystemQuestion)
             else _recording(question)
         )  # fmt: skip
-        while not contents:
-            try:
-                done, total = next(steps)
-            except StopIteration as end:
-                contents = str(end.value).encode()
+        for step in steps:
+            if isinstance(step, str):
+                contents = step.encode()
             else:
-                yield Answer("progress", {"done": done, "total": total})
+                yield Answer("progress", {"done": step[0], "total": step[1]})
     else:
         contents = _contents(question)
     name = f"run.{question.about}"
     yield Answer("file", {"name": name}, {"contents": np.frombuffer(contents, dtype=np.int8)})
 
 
-def _recording(question: Question) -> Generator[tuple[int, int], None, str]:
+def _recording(question: Question) -> Recording:
     """Record the page over the default speeds, and at the one shown."""
     machine = question.machine
     low, high = _limits(machine)
@@ -110,7 +110,7 @@ def _contents(question: Question | SystemQuestion) -> bytes:
 
 def again_of(question: Question | SystemQuestion) -> str:
     """Return the Python lines, or the command, of what is shown."""
-    kind, path = question.about, path_of(question)
+    kind, path = question.about, question.path
     if path is not None and archive_of(question) is not None:
         return reread(path, kind)
     shown = shown_of(question)
@@ -131,23 +131,21 @@ def figure_in(result: xr.Dataset, ending: str) -> bytes:
         return place.with_suffix(f".{ending}").read_bytes()
 
 
-def finished(
-    recording: Generator[tuple[int, int], None, str], progress: Progress | None = None
-) -> str:
+def finished(recording: Recording, progress: Progress | None = None) -> str:
     """Return a page once it is recorded; `progress` is called with runs done and their total."""
-    while True:
-        try:
-            done, total = next(recording)
-        except StopIteration as end:
-            return str(end.value)
-        if progress is not None:
-            progress(done, total)
+    page = ""
+    for step in recording:
+        if isinstance(step, str):
+            page = step
+        elif progress is not None:
+            progress(*step)
+    return page
 
 
 def recording(
     machine: Rotor | DimensionalRotor, *, start: State, revolutions: int, speeds: Sequence[float]
-) -> Generator[tuple[int, int], None, str]:
-    """Yield the number of completed runs and their total after each run; return the page.
+) -> Recording:
+    """Yield the number of completed runs and their total after each run, and at last the page.
 
     Parameters
     ----------
@@ -178,14 +176,14 @@ def recording(
             done = sum(map(bool, frames)) + len(courses) * len(speeds)
             yield done, len(COURSES) * len(speeds)
         courses[course] = frames
-    return page_with({
+    yield page_with({
         "places": list(speeds), "place": _speed(machine), "courses": courses,
         "common": list(common.values()), "state": state_of(machine, start, revolutions),
     })  # fmt: skip
 
 
-def recording_of_nodes(question: SystemQuestion) -> Generator[tuple[int, int], None, str]:
-    """Yield the number of nodes done and their total; return the page, to be seen at each node."""
+def recording_of_nodes(question: SystemQuestion) -> Recording:
+    """Yield the number of nodes done and their total, and at last the page, seen at each node."""
     if (archived := archive_of(question)) is not None:
         check_played(archived)
     node = Node(question)
@@ -197,7 +195,7 @@ def recording_of_nodes(question: SystemQuestion) -> Generator[tuple[int, int], N
         answers = [answer for show in shows for answer in show(at)]
         frames.append(_frame(answers, OF_ALL_NODES, common))
         yield len(frames), len(nodes)
-    return page_with({
+    yield page_with({
         "places": nodes, "place": node.name, "courses": {"nodes": frames},
         "common": list(common.values()),
         "state": {"node": node.name, "contact": question.contact, **dict(question.changes)},

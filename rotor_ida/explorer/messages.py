@@ -83,11 +83,14 @@ class Asked:
         Number of the question, repeated in its answers.
     side : int
         Number of the rotor, of two side by side.
+    path : Path, optional
+        Path of the file that it is about, set by the server.
     """
 
     about: str
     number: int
     side: int = 0
+    path: Path | None = None
 
     @property
     def ticket(self) -> dict[str, object]:
@@ -154,8 +157,6 @@ class SystemQuestion(Asked):
         Length of the run.
     changes : tuple of (str, float)
         Values in place of the file's, by the names of `CHANGES`.
-    path : Path, optional
-        Path of the file, set by the server.
     """
 
     node: str = ""
@@ -163,7 +164,6 @@ class SystemQuestion(Asked):
     speed: float | None = None
     revolutions: int = 60
     changes: tuple[tuple[str, float], ...] = ()
-    path: Path | None = None
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -180,8 +180,6 @@ class Upload(Asked):
         Of a measurement, as in `rotor_ida.read_signals`, which checks them.
     columns, units : mapping of str to str
         Choices of the user on the page, as in `rotor_ida.read_signals`.
-    path : Path, optional
-        Path of the file, set by the server.
     reading : mapping
         Further arguments of `rotor_ida.read_signals`, of the file that was given to the server.
     """
@@ -192,7 +190,6 @@ class Upload(Asked):
     gains: tuple[float, float] = (1.0, 1.0)
     columns: Mapping[str, str] = field(default_factory=dict)
     units: Mapping[str, str] = field(default_factory=dict)
-    path: Path | None = None
     reading: Mapping[str, Any] = field(default_factory=dict)
 
     @property
@@ -262,7 +259,7 @@ def read_question(text: str) -> Asked:
                 return kind(**_entries(given, names))
         if isinstance(given.get("machine"), dict) and "node" in given["machine"]:
             return _of_system(given)
-    names = sorted(set(Question.__dataclass_fields__).difference(OF_RUN_UP))
+    names = sorted(set(Question.__dataclass_fields__).difference(OF_RUN_UP, ("path",)))
     if not isinstance(given, dict):
         raise InputError(f"a question must have {', '.join(names)}, got {shown(given)}")
     if given.get("about") == "run_up":
@@ -305,6 +302,18 @@ def _pair(name: str, given: object) -> tuple[float, float]:
     return one, other
 
 
+def _speeds(given: object) -> tuple[float, float]:
+    """Return the lowest and the highest speed of a curve."""
+    low, high = (check_nonnegative("speeds", each, LARGEST) for each in _pair("speeds", given))
+    if low >= high:
+        raise InputError(f"speeds must be two increasing numbers, got {(low, high)}")
+    return low, high
+
+
+def _reach(given: object) -> float:
+    return check_between("reach", check_real("reach", given), 1.0 / LARGEST, LARGEST)
+
+
 def _quantities(given: object) -> dict[str, str]:
     """Return the entries of a data sheet that are not empty."""
     if not isinstance(given, dict) or not all(
@@ -323,6 +332,8 @@ CHECKS: dict[str, Callable[[Any], Any]] = {
     "name": _name_of_file,
     "size": lambda given: check_count("size", given, 0, LARGEST_FILE),
     "quantities": _quantities,
+    "speeds": _speeds,
+    "reach": _reach,
     **{each: partial(_pair, each) for each in ("probe_angles", "gains")},
     **{each: partial(_mapping, each) for each in ("columns", "units")},
 }
@@ -426,24 +437,17 @@ def _of_disc(given: Mapping[str, Any]) -> Question:
     first = None if given["start"] is None else check_state("start", given["start"])
     start = start_of(rotor, first)
     check_can_be_followed(rotor, start)
-    speeds = given["speeds"]
-    if not isinstance(speeds, list) or len(speeds) != 2:
-        raise InputError(f"speeds must be two numbers, got {shown(speeds)}")
-    low, high = (check_nonnegative("speeds", each, LARGEST) for each in speeds)
-    if low >= high:
-        raise InputError(f"speeds must be two increasing numbers, got {(low, high)}")
-    reach = check_real("reach", given["reach"])
+    entries = _entries(given, ("number", "side", "revolutions", "speeds", "reach"))
     return Question(
         about=check_choice("about", given["about"], (*OF_DISC, *FILES)),
         machine=machine,
         start=start,
-        speeds=(low, high),
-        reach=check_between("reach", reach, 1.0 / LARGEST, LARGEST),
-        **(_entries(given, ("number", "side", "revolutions")) | _ramp(rotor, given)),
+        **entries,
+        **_ramp(rotor, given),
     )
 
 
-def _ramp(rotor: Rotor, given: Mapping[str, Any]) -> dict[str, float]:
+def _ramp(rotor: Rotor, given: Mapping[str, Any]) -> dict[str, Any]:
     """Return end, rate and first angle of a piece of a run-up, if it is short enough."""
     if given["about"] != "run_up":
         return {}

@@ -11,7 +11,7 @@ import xarray as xr
 
 from rotor_ida.arrays import Arrays
 from rotor_ida.arrays import Values as FloatArray
-from rotor_ida.explorer.archives import PLAYED, archive_of, archived_answers, path_of
+from rotor_ida.explorer.archives import PLAYED, archive_of, archived_answers
 from rotor_ida.explorer.cases import Node
 from rotor_ida.explorer.discs import METHOD, Disc, states_of, values_of, whirls_per_revolution
 from rotor_ida.explorer.endings import Values
@@ -23,6 +23,7 @@ from rotor_ida.results.dataset_kinds import kind_of
 from rotor_ida.results.sheets import Line, sheets_shown
 from rotor_ida.results.sheets import facts as facts_in
 from rotor_ida.schema import DAMPED_EVENT_KIND, OF_FRICTION_EVENT_KIND
+from rotor_ida.signals.nodes import angles_of_system
 from rotor_ida.signals.spectra import full_spectrum
 from rotor_ida.simulation.simulate import simulate
 
@@ -49,7 +50,7 @@ def shown_of(question: Question | SystemQuestion) -> Shown:
 
 def show_motion(question: Question | SystemQuestion) -> Iterator[Answer]:
     """Yield the panels of one run, and what is in an archive of anything."""
-    path, archived = path_of(question), archive_of(question)
+    path, archived = question.path, archive_of(question)
     if archived is None or kind_of(archived) in PLAYED:
         shown = shown_of(question)
         yield from shown.begin()
@@ -62,14 +63,21 @@ def show_motion(question: Question | SystemQuestion) -> Iterator[Answer]:
 def _motion(shown: Shown, run: xr.Dataset) -> Answer:
     """Return the panels of a run."""
     values = shown.seen(run)
-    angles = [shown.turned(run, values[name]) for name in ("t", "event_time")]
+    changes = "speed" in run
+    angles = [
+        np.interp(values[name], run["t"].values, angles_of_system(run)) if changes
+        else shown.speed * values[name] for name in ("t", "event_time")
+    ]  # fmt: skip
     facts = {**shown.facts, **shown.told(values)}
     facts |= told_of_run(values, facts["ending"], shown.scales)
-    changes = "speed" in run
     facts["is_whole"] = changes or kind_of(run) == "drop"
     if changes:  # of several speeds
         facts |= {"words": [], "sheets": facts["sheets"][1:]}
-    answer = drawn(values, facts, angles, shown.each(run))
+    # without spin a time of 2 pi counts as a revolution
+    turns = (np.ptp(angles[0]) or values["t"][-1]) / math.tau
+    each = float((run.sizes["t"] - 1) / turns)
+    is_one = not changes and math.isclose(each, round(each), rel_tol=1e-9)
+    answer = drawn(values, facts, angles, round(each) if is_one else each)
     if shown.changes_speed:
         answer.arrays.update(_extremes(run["speed"].values, angles[0], values["radius"]))
     return answer

@@ -11,11 +11,11 @@ from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from itertools import count
+from typing import NamedTuple
 
 from rotor_ida.explorer.messages import FILES, Answer, Asked, packed
 from rotor_ida.explorer.workers import (
     FIRST_MACHINE,
-    FIRST_ROTOR,
     LENGTH,
     SHOWN_BY,
     Order,
@@ -36,13 +36,40 @@ AGAIN = 0.5
 AT_A_TIME = 2**20
 # Keeps Ctrl-C of the console from a process on Windows, as a new session does elsewhere.
 NEW_GROUP: int = getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)
-# For each queue: its questions, pause, patience and rest in seconds, and niceness.
-PLANS: tuple[tuple[tuple[str, ...], float, float, float, int], ...] = (
-    (("motion", "run_up", "lines", "track", "machine"), 0.0, 0.25, 0.0, 0),
-    (("responses", "campbell", "upload", *FILES), 0.0, 0.25, 0.15, 0),
-    (("starts",), 0.08, 0.0, 0.0, 10),
-)
 DIED = "The process that computes this ended unexpectedly; it is being restarted."
+
+
+class Plan(NamedTuple):
+    """What a queue answers, and when.
+
+    Parameters
+    ----------
+    abouts : tuple of str
+        Kinds of question that it answers.
+    pause : float
+        Time without a newer question from the same origin before a question is begun [s].
+    patience : float
+        An answer is cancelled for a newer question only after one part, or this long after its
+        start [s]; so a slider in motion still shows results.
+    rest : float
+        Delay from the start of an answer to the parts after the first [s]: while a slider moves,
+        newer questions matter more.
+    niceness : int
+        Niceness of the process, as for `os.nice`.
+    """
+
+    abouts: tuple[str, ...] = ()
+    pause: float = 0.0
+    patience: float = 0.25
+    rest: float = 0.0
+    niceness: int = 0
+
+
+PLANS = (
+    Plan(("motion", "run_up", "lines", "track", "machine")),
+    Plan(("responses", "campbell", "upload", *FILES), rest=0.15),
+    Plan(("starts",), pause=0.08, patience=0.0, niceness=10),
+)
 
 
 class Queues:
@@ -59,7 +86,7 @@ class Queues:
         self._progress = progress
         self._shares: dict[int, tuple[int, int]] = {}
         self._queues = [
-            Queue(*plan, partial(self._report, number)) for number, plan in enumerate(PLANS)
+            Queue(plan, partial(self._report, number)) for number, plan in enumerate(PLANS)
         ]
         self._running: list[asyncio.Task[None]] = []
 
@@ -75,7 +102,7 @@ class Queues:
 
     def ask(self, page: int, question: Asked, deliver: Deliver) -> None:
         """Add a question to the queue that answers it."""
-        queue = next(queue for queue in self._queues if question.about in queue.abouts)
+        queue = next(queue for queue in self._queues if question.about in queue.plan.abouts)
         queue.ask(page, question, deliver)
 
     def forget(self, page: int) -> None:
@@ -113,36 +140,14 @@ class Queue:
 
     Parameters
     ----------
-    abouts : tuple of str
-        Kinds of question that it answers.
-    pause : float
-        Time without a newer question from the same origin before a question is begun [s].
-    patience : float
-        An answer is cancelled for a newer question only after one part, or this long after its
-        start [s]; so a slider in motion still shows results.
-    rest : float
-        Delay from the start of an answer to the parts after the first [s]: while a slider moves,
-        newer questions matter more.
-    niceness : int
-        Niceness of the process, as for `os.nice`.
+    plan : Plan
+        What it answers, and when.
     report : callable
         Called with the number of completed start-up steps and their total.
     """
 
-    def __init__(
-        self,
-        abouts: tuple[str, ...],
-        pause: float,
-        patience: float,
-        rest: float,
-        niceness: int,
-        report: Callable[[int, int], None],
-    ) -> None:
-        self.abouts = abouts
-        self.pause = pause
-        self.patience = patience
-        self.rest = rest
-        self.niceness = niceness
+    def __init__(self, plan: Plan, report: Callable[[int, int], None]) -> None:
+        self.plan = plan
         self._report = report
         self._ready = False
         self._numbers = count(1)
@@ -162,7 +167,7 @@ class Queue:
         if begun is not None and begun.shown:
             self._give_up(begun)
         elif begun is not None and older is None:
-            loop.call_at(begun.begun + self.patience, self._give_up, begun)
+            loop.call_at(begun.begun + self.plan.patience, self._give_up, begun)
 
     def forget(self, page: int) -> None:
         """Cancel all questions of a page."""
@@ -184,7 +189,7 @@ class Queue:
 
     async def _work(self) -> None:
         """Start a process and keep it busy, until it ends."""
-        worker = self._worker = await _Worker.begin(self.niceness, self._changed.set)
+        worker = self._worker = await _Worker.begin(self.plan.niceness, self._changed.set)
         try:
             await self._make_ready(worker)
             await self._answer_all(worker)
@@ -194,10 +199,10 @@ class Queue:
 
     async def _make_ready(self, worker: _Worker) -> None:
         """Have the process answer once, so that its imports are done."""
-        for about in set(self.abouts).intersection(SHOWN_BY):
+        for about in set(self.plan.abouts).intersection(SHOWN_BY):
             for beyond in ({}, FIRST_MACHINE):
                 number = next(self._numbers)
-                await worker.follow((number, example(about, FIRST_ROTOR, beyond)))
+                await worker.follow((number, example(about, **beyond)))
                 worker.tell((number, "drop"))
         if not self._ready:
             self._report(1, 1)
@@ -233,9 +238,9 @@ class Queue:
                 raise EOFError
             now = asyncio.get_running_loop().time()
             free = [pending for place, pending in self._waiting.items() if place not in self._begun]
-            due = [pending for pending in free if now >= pending.since + self.pause]
+            due = [pending for pending in free if now >= pending.since + self.plan.pause]
             open_ = {
-                pending: pending.begun + self.rest * pending.shown
+                pending: pending.begun + self.plan.rest * pending.shown
                 for pending in self._begun.values()
             }
             ready = due or [pending for pending, when in open_.items() if now >= when]
@@ -246,7 +251,7 @@ class Queue:
                 self._begun.pop(pending.place, None)
                 self._begun[pending.place] = pending  # it is now the last in turn
                 return pending
-            times = [*open_.values(), *(pending.since + self.pause for pending in free)]
+            times = [*open_.values(), *(pending.since + self.plan.pause for pending in free)]
             with suppress(TimeoutError):
                 wait = min(times) - now if times else None
                 await asyncio.wait_for(self._changed.wait(), wait)

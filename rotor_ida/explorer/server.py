@@ -116,7 +116,10 @@ def application(
                 return
             pages.add(number)
             try:
-                await _converse(socket, queues, number, file, reading)
+                await _converse(
+                    socket,
+                    lambda deliver: Inbox(partial(queues.ask, number), deliver, file, reading),
+                )
             finally:
                 pages.discard(number)
                 queues.forget(number)
@@ -128,11 +131,7 @@ def application(
 
 
 async def _converse(
-    socket: WebSocket,
-    queues: Queues,
-    page: int,
-    file: Path | None,
-    reading: Mapping[str, Any] | None,
+    socket: WebSocket, inbox_for: Callable[[Callable[[bytes], None]], Inbox]
 ) -> None:
     """Accept the questions of a page and send the answers, until it disconnects."""
     unread, held = asyncio.Queue[bytes](), 0
@@ -152,7 +151,7 @@ async def _converse(
             held -= len(answer)
 
     async def take() -> None:
-        with closing(Inbox(partial(queues.ask, page), deliver, file, reading)) as inbox:
+        with closing(inbox_for(deliver)) as inbox:
             while (message := await socket.receive())["type"] != "websocket.disconnect":
                 try:
                     inbox.take(message.get("text") or "", message.get("bytes"))

@@ -138,8 +138,7 @@ def words_of_run_up(machine: Rotor | DimensionalRotor, passed: Mapping[str, Any]
     of 3 are left.'
     """
     begin, end = (_rate(machine, passed[name]) for name in ("begin", "end"))
-    known = machine if isinstance(machine, DimensionalRotor) else None
-    rotor = machine if isinstance(machine, Rotor) else machine.rotor()
+    rotor, known = _both(machine)
     ending = CONTACT_FREE if passed["now"] == "clear" else passed["now"]
     told = contact_in_words(passed, ending, rotor, known)
     too_deep = _too_deep(machine, rotor.delta0 - passed["smallest_gap"])
@@ -148,7 +147,7 @@ def words_of_run_up(machine: Rotor | DimensionalRotor, passed: Mapping[str, Any]
 
 def _gap(machine: Rotor | DimensionalRotor, radius: float) -> str:
     """Return a radius inside the clearance and the gap, in words."""
-    clearance = (machine if isinstance(machine, Rotor) else machine.rotor()).delta0
+    clearance = _both(machine)[0].delta0
     gap = _length(machine, max(clearance - radius, 0.0))
     return f"radius {_length(machine, radius)}, gap {gap} left of the clearance " + _length(
         machine, clearance
@@ -157,8 +156,7 @@ def _gap(machine: Rotor | DimensionalRotor, radius: float) -> str:
 
 def _too_deep(machine: Rotor | DimensionalRotor, radius: float) -> str:
     """Return a warning if the indentation is too large for the contact law."""
-    known = machine if isinstance(machine, DimensionalRotor) else None
-    rotor = machine if isinstance(machine, Rotor) else machine.rotor()
+    rotor, known = _both(machine)
     warning = beyond_model(radius - rotor.delta0, rotor, known)
     return f" {warning}" if warning else ""
 
@@ -175,7 +173,7 @@ def words_of_response(machine: Rotor | DimensionalRotor, told: Mapping[str, Any]
     kind = told["response"]
     if kind == "failed":
         return f"It could not be followed: {told['message']}."
-    rotor = machine if isinstance(machine, Rotor) else machine.rotor()
+    rotor, _ = _both(machine)
     if rotor.omega == 0.0 and kind in {"contact_free", "synchronous"}:
         inside = "at the centre of the stator" if told["radius_max"] < CENTRE else INSIDE
         return f"It comes to rest {'on the stator' if kind == 'synchronous' else inside}."
@@ -262,6 +260,11 @@ def words_of_whip(
     if not math.isnan(birth):
         return f"Without unbalance dry whip begins at a speed of {_rate(machine, birth)}."
     return "Friction is too weak for dry whip at any speed."
+
+
+def _both(machine: Rotor | DimensionalRotor) -> tuple[Rotor, DimensionalRotor | None]:
+    """Return the rotor without dimensions, and the machine if it has any."""
+    return (machine, None) if isinstance(machine, Rotor) else (machine.rotor(), machine)
 
 
 def _said(machine: Rotor | DimensionalRotor, value: float, scale: str, unit: str) -> str:

@@ -13,7 +13,7 @@ import signal
 import sys
 import threading
 from _thread import interrupt_main
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator
 from contextlib import suppress
 from importlib import import_module
 from queue import SimpleQueue
@@ -32,9 +32,8 @@ from rotor_ida.explorer.messages import (
 # Orders about a numbered answer: compute its first part, continue, or cancel it.
 Order = tuple[int, Asked | Literal["next", "drop"]]
 
-# Rotor of the warm-up question, before a page may connect.
-FIRST_ROTOR = (2.0, 0.07, 2.0)
-# Further parameters of a machine, for which a separate library computes.
+# Rotor of the warm-up question, before a page may connect, and further parameters of a machine.
+FIRST_ROTOR = {"omega": 2.0, "zeta": 0.07, "delta0": 2.0}
 FIRST_MACHINE = {"shaft_stiffness": 0.25, "contact_exponent": 1.0, "contact_damping": 0.5}
 # Modules with the function ``show_...`` for each question about a rotor.
 SHOWN_BY = {
@@ -184,16 +183,12 @@ def _show(question: Asked) -> Iterator[Answer]:
     return cast(Iterator[Answer], show(question))
 
 
-def example(
-    about: str, rotor: tuple[float, float, float], beyond: Mapping[str, float] | None = None
-) -> Question:
+def example(about: str, **beyond: float) -> Question:
     """Return a question about a rotor that starts from rest."""
-    omega, zeta, delta0 = rotor
     asked = {
         "about": about, "number": 0, "side": 0, "start": [0, 0, 0, 0], "revolutions": 60,
-        "machine": {"omega": omega, "zeta": zeta, "delta0": delta0, **(beyond or {})},
-        "speeds": [1.6, 2.1], "reach": 8.0,
+        "machine": FIRST_ROTOR | beyond, "speeds": [1.6, 2.1], "reach": 8.0,
     }  # fmt: skip
     if about == "run_up":
-        asked |= {"to": omega + 0.01, "rate": 0.01, "angle": 0.0}
+        asked |= {"to": 2.01, "rate": 0.01, "angle": 0.0}
     return cast(Question, read_question(json.dumps(asked)))

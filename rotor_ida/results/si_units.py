@@ -105,7 +105,7 @@ def dimensional(
     machine = check_instance("machine", own if machine is None else machine, DimensionalRotor)
     if own not in {None, machine}:
         raise InputError(f"machine must be that of the result, {own!r}, got {machine!r}")
-    dataset, in_si = dimensionless(dataset), _scales_of(machine)
+    dataset, in_si = dimensionless(dataset), scales_of(machine)
     if units is None:
         units = {}
     if not isinstance(units, Mapping):
@@ -180,9 +180,9 @@ def dimensionless(dataset: xr.Dataset) -> xr.Dataset:
 def rescaled(dataset: xr.Dataset, machine: DimensionalRotor) -> xr.Dataset:
     """Return a result without dimensions; one of another machine by the scales of `machine`."""
     plain, own = dimensionless(dataset), machine_of(dataset)
-    if own is None or _scales_of(own) == _scales_of(machine):
+    if own is None or scales_of(own) == scales_of(machine):
         return plain
-    scales = {f"{kind}_scale": each for kind, each in _scales_of(machine).items()}
+    scales = {f"{kind}_scale": each for kind, each in scales_of(machine).items()}
     moved = dimensionless(dimensional(plain, own).assign_attrs(scales))
     for name in [each for each in ALL_PARAMETERS if each in plain.variables]:
         unit = unit_of_parameter(name)
@@ -349,7 +349,7 @@ def with_system_units(dataset: xr.Dataset, system: RotorSystem) -> xr.Dataset:
     return dataset
 
 
-def _scales_of(machine: DimensionalRotor) -> dict[str, float]:
+def scales_of(machine: DimensionalRotor) -> dict[str, float]:
     """Return the value of a dimensionless 1 in SI units, by kind."""
     return {
         "length": machine.length_scale,

@@ -40,7 +40,7 @@ MAIN = "import sys; from rotor_ida.cli import main; sys.exit(main())"
 SHORT_VISIT = 3.0
 IMPATIENT = (
     "import sys; from rotor_ida.explorer import queues; from rotor_ida.explorer.explore import "
-    "explore; queues.PLANS = (((), 0.0, 0.0, 0.0, 0),); "
+    "explore; queues.PLANS = (queues.Plan(),); "
     "explore({}, port=0, browser=False, report=lambda said: print(said, file=sys.stderr), "
     f"longest_visit={SHORT_VISIT})"
 )

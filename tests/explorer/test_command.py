@@ -56,7 +56,6 @@ MISTAKES = [
     ("--port 70000", "port must be at most 65535, got 70000"),
     ("--port -1", "port must be at least 0, got -1"),
     ("--port http", "port must be a whole number, got 'http'"),
-    ("--port 80.5", "port must be a whole number"),
     ("--omega 2", "--zeta and --delta0 must be given with --omega"),
     ("--omega 2 --zeta 0.07 --delta0 2 --mass 1", "in SI units, got omega and mass"),
     ("--load 1 --shaft-stiffness 2", "--omega, --zeta and --delta0 must be given, or a machine"),
@@ -101,17 +100,11 @@ def archives(tmp_path_factory: pytest.TempPathFactory) -> Path:
     return folder
 
 
-@pytest.mark.parametrize(
-    ("name", "told"),
-    [
-        ("text", "text.nc"),
-        ("empty", "empty.nc"),
-    ],
-)
+@pytest.mark.parametrize("name", ["text.nc", "empty.nc"])
 def test_a_file_that_is_no_run_of_ours_gets_one_line(
-    name: str, told: str, archives: Path, capfd: pytest.CaptureFixture[str]
+    name: str, archives: Path, capfd: pytest.CaptureFixture[str]
 ):
-    assert told in said_of(["--file", str(archives / f"{name}.nc")], capfd)
+    assert name in said_of(["--file", str(archives / name)], capfd)
 
 
 @pytest.mark.parametrize("words", ["--start 0 0 0 0", "--omega 2 --zeta 0.07 --delta0 2"])
@@ -159,24 +152,19 @@ def test_the_page_begins_with_a_machine(given: dict[str, float], monkeypatch: py
     assert first_state(words, monkeypatch).items() >= given.items()
 
 
-def test_the_page_begins_with_the_machine_of_a_file(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+STARTED = {"x": 0.5, "y": 0.0, "vx": 0.0, "vy": 1.0, "revolutions": 13}
+
+
+@pytest.mark.parametrize(
+    ("name", "told"),
+    [("run", ROTOR | STARTED), ("in_si", MACHINE | STARTED), ("folds", {"node": ""})],
+)
+def test_the_page_begins_with_what_is_in_a_file(
+    name: str, told: dict[str, float], archives: Path, monkeypatch: pytest.MonkeyPatch
 ):
-    rotor = rotor_ida.Rotor(**ROTOR, **BEYOND)
-    run = rotor_ida.simulate(rotor, start=(0.5, 0, 0, 1), duration=40.0)
-    rotor_ida.save(run, tmp_path / "run.nc")
-    state = first_state(["--file", str(tmp_path / "run.nc")], monkeypatch)
-    assert state.items() >= (ROTOR | BEYOND | {"x": 0.5, "vy": 1.0}).items()
-
-
-def test_an_archive_in_si_units_opens_in_si_units(archives: Path, monkeypatch: pytest.MonkeyPatch):
-    state = first_state([str(archives / "in_si.nc")], monkeypatch)
-    assert state.items() >= (MACHINE | {"x": 0.5, "vy": 1.0, "revolutions": 13}).items()
-    assert "omega" not in state
-
-
-def test_an_archive_of_another_result_opens_alone(archives: Path, monkeypatch: pytest.MonkeyPatch):
-    assert first_state([str(archives / "folds.nc")], monkeypatch) == {"node": ""}
+    state = first_state([str(archives / f"{name}.nc")], monkeypatch)
+    state.pop("fastest", None)
+    assert state == told
 
 
 posix = pytest.mark.skipif(sys.platform != "linux", reason="sends signals, looks into /proc")
@@ -230,8 +218,6 @@ def test_a_file_gives_rotor_start_and_revolutions_and_a_killed_program_takes_all
     program.wait_until_ready()
     state = state_of(program)
     assert {name: float(state[name]) for name in ROTOR} == ROTOR
-    assert [float(state[name]) for name in ("x", "y", "vx", "vy")] == [0.5, 0.0, 0.0, 1.0]
-    assert state["revolutions"] == "13"
     assert len(state["key"]) == 32
     children = program.children()
     assert len(children) == 3

@@ -121,14 +121,3 @@ def test_columns_that_are_not_clear_are_offered_with_what_is_wrong(tmp_path: Pat
     assert chosen.arrays["order_speed"].size > 5
     wrong = analysed(path, columns={"x": "none", "y": "right"})
     assert "the file must have the column 'none' for x" in wrong.facts["trouble"]
-
-
-def test_what_was_assumed_is_a_note(tmp_path: Path):
-    t = STEP * np.arange(6000.0)
-    table = np.stack([t, np.cos(t), np.sin(t), np.ones(t.size)], axis=1)
-    head = "time_s,probe_A,probe_B,speed [rad/s]"
-    np.savetxt(tmp_path / "a.csv", table, "%.17g", ",", header=head, comments="")
-    found = analysed(tmp_path / "a.csv")
-    assert found.facts["by"] == "speed"
-    assert any("phase lags have no known origin" in note for note in found.facts["notes"])
-    np.testing.assert_allclose(found.arrays["order_speed"], 1.0)

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import math
-from typing import Any
 
 import numpy as np
 import pytest
@@ -36,101 +35,52 @@ LONGEST_MESSAGE = 500
 
 MISTAKES = [
     ({"about": "weather"}, "about must be one of 'motion', 'run_up', 'lines', 'responses'"),
-    ({"about": None}, "about must be one of"),
     ({"about": ["motion"]}, "about must be one of"),
-    ({"about": "motion\n"}, "about must be one of"),
     ({"number": -1}, "number must be at least 0, got -1"),
-    ({"number": 2**53 + 1}, "number must be at most 9007199254740992, got 9007199254740993"),
     ({"number": HUGE}, "number must be at most 9007199254740992"),
     ({"number": 1.0}, f"number {WHOLE} 1.0"),
-    ({"number": True}, f"number {WHOLE} True"),
-    ({"number": "1"}, f"number {WHOLE} '1'"),
     ({"side": 2}, "side must be at most 1, got 2"),
-    ({"side": False}, f"side {WHOLE} False"),
     ({"revolutions": 0}, "revolutions must be at least 1, got 0"),
     ({"revolutions": 2001}, "revolutions must be at most 2000, got 2001"),
-    ({"revolutions": 60.0}, f"revolutions {WHOLE} 60.0"),
-    ({"revolutions": None}, f"revolutions {WHOLE} None"),
     ({"start": [0, 0, 0]}, "start must be four numbers (x, y, vx, vy), got [0, 0, 0]"),
-    ({"start": [0, 0, 0, 0, 0]}, "start must be four numbers"),
-    ({"start": {"x": 0}}, "start must be four numbers"),
-    ({"start": "0000"}, "start must be four numbers"),
-    ({"start": 0}, "start must be four numbers"),
     ({"start": [0, NAN, 0, 0]}, f"start y {FINITE} nan"),
-    ({"start": [0, 0, 0, -INFINITY]}, f"start vy {FINITE} -inf"),
-    ({"start": [True, 0, 0, 0]}, f"start x {FINITE} True"),
-    ({"start": ["0", 0, 0, 0]}, f"start x {FINITE} '0'"),
-    ({"start": [None, 0, 0, 0]}, f"start x {FINITE} None"),
-    ({"start": [[0], 0, 0, 0]}, f"start x {FINITE} [0]"),
-    ({"start": [[0], [0], [0], [0]]}, "start must be four numbers"),
     ({"start": [0, 0, 1.1e6, 0]}, "start vx must lie within 1e+06 of zero, got 1100000.0"),
-    ({"speeds": [3, 0.05]}, "speeds must be two increasing numbers, got (3.0, 0.05)"),
     ({"speeds": [1, 1]}, "speeds must be two increasing numbers, got (1.0, 1.0)"),
-    ({"speeds": [0, 0]}, "speeds must be two increasing numbers, got (0.0, 0.0)"),
     ({"speeds": [-1, 3]}, "speeds must be zero or positive, got -1.0"),
     ({"speeds": [0, 1.1e6]}, "speeds must be at most 1e+06, got 1100000.0"),
-    ({"speeds": [0, HUGE]}, f"speeds {FINITE}"),
     ({"speeds": [0.05]}, "speeds must be two numbers, got [0.05]"),
-    ({"speeds": {"0": 1, "1": 2}}, "speeds must be two numbers"),
-    ({"speeds": "12"}, "speeds must be two numbers"),
-    ({"reach": 0}, "reach must be positive, got 0.0"),
     ({"reach": 1e-7}, "reach must lie from 1e-06 to 1000000.0, got 1e-07"),
-    ({"reach": 2e6}, "reach must lie from 1e-06 to 1000000.0, got 2000000.0"),
-    ({"reach": NAN}, f"reach {FINITE} nan"),
     ({"reach": [8]}, f"reach {FINITE} [8]"),
-    ({"machine": {}}, "machine must have omega, zeta and delta0, or mass, contact_stiffness"),
-    ({"machine": None}, "machine must have"),
-    ({"machine": [2.0, 0.07, 2.0]}, "machine must have"),
-    ({"machine": "rotor"}, "machine must have"),
+    ({"machine": None}, "machine must have omega, zeta and delta0, or mass, contact_stiffness"),
     ({"machine": ROTOR | {"mass": 1}}, "machine must have"),
     ({"machine": {"omega": 2, "zeta": 0.07}}, "machine must have"),
     ({"machine": ROTOR | {"omega": 1.1e6}}, "omega must be at most 1e+06 to be simulated"),
     ({"machine": ROTOR | {"zeta": True}}, f"zeta {FINITE} True"),
-    ({"machine": ROTOR | {"delta0": "2"}}, f"delta0 {FINITE} '2'"),
-    ({"machine": ROTOR | {"delta0": {"a": 1}}}, f"delta0 {FINITE} {{'a': 1}}"),
-    ({"machine": ROTOR | {"omega": HUGE}}, f"omega {FINITE}"),
     ({"machine": ROTOR | {"mu": 0.1}}, "and may have shaft_stiffness, contact_exponent, "),
-    ({"machine": ROTOR | {"mu": 0.1}}, "load, friction, disc_radius, got"),
-    ({"machine": ROTOR | {"friction": 0.1}}, "disc_radius must be given with friction, got None"),
     ({"machine": MACHINE | {"friction": 0.1}}, "disc_radius must be given with friction, got None"),
-    ({"machine": {"load": 1.0}}, "machine must have"),
     ({"machine": MACHINE | {"mass": 0}}, "mass must be positive, got 0 kg"),
     ({"machine": MACHINE | {"mass": 1e300}}, "must give scales of frequency, velocity and force"),
-    ({"machine": MACHINE | {"speed": 1e300}}, "omega must be at most 1e+06 to be simulated"),
     ({"machine": MACHINE | {"clearance": 1e9}}, "delta0 must be at most 1e+06 to be simulated"),
 ]  # fmt: skip
 
 RAMP = {"about": "run_up", "to": 2.5, "rate": 0.01, "angle": 0.5}
 MISTAKES += [
     (RAMP | {"rate": -0.01}, "rate must lead from the speed 2.0 to 2.5, got -0.01"),
-    (RAMP | {"rate": 0}, "rate must lead from the speed 2.0 to 2.5, got 0.0"),
     (RAMP | {"to": 2.0}, "rate must lead from the speed 2.0 to 2.0, got 0.01"),
     (RAMP | {"to": -1}, "to must be zero or positive, got -1.0"),
-    (RAMP | {"to": NAN}, f"to {FINITE} nan"),
     (RAMP | {"to": None}, f"to {FINITE} None"),
-    (RAMP | {"rate": "1"}, f"rate {FINITE} '1'"),
-    (RAMP | {"rate": HUGE}, f"rate {FINITE}"),
     (RAMP | {"rate": 1e-5}, "a piece of a run-up must have at most 2000 revolutions, got 17904.9"),
-    (RAMP | {"rate": 5e-324}, "a piece of a run-up must have at most 2000 revolutions, got inf"),
     (RAMP | {"machine": ROTOR | {"omega": 1e-4}, "rate": 1e-9}, "at most 2000 revolutions, got"),
     ({"to": 2.5, "rate": 0.01}, "got also ['to', 'rate']"),
     ({"about": "run_up"}, "side, speeds, start, to, rate, angle, got not ['to', 'rate', 'angle']"),
 ]
 NAMES = "about, machine, number, reach, revolutions, side, speeds, start"
 TEXTS = [
-    ("", "a question must be JSON, got ''"),
     ("motion", "a question must be JSON, got 'motion'"),
-    ("{", "a question must be JSON"),
     ("[" * 4096, "a question must be JSON"),
-    ('{"a":' * 800, "a question must be JSON"),
-    ('"\\ud800', "a question must be JSON"),
     ("1" * 4096, "a question must"),
     ("null", f"a question must have {NAMES}, got None"),
-    ("NaN", f"a question must have {NAMES}, got nan"),
-    ("[]", f"a question must have {NAMES}, got []"),
     ("{}", f"a question must have {NAMES}, got not ['about', 'machine', 'number', 'reach'"),
-    ('"motion"', f"a question must have {NAMES}, got 'motion'"),
-    ('{"about": "motion"}', f"a question must have {NAMES}, got not ['machine', 'number'"),
     ('{"a\\nb\\u2028c": 1}', f"a question must have {NAMES}, got not"),
     (" " * 4097, "a question must have at most 4096 characters, got 4097"),
 ]
@@ -155,16 +105,12 @@ def test_a_mistake_gets_one_line_that_names_it(changes: dict[str, object], told:
     [({"about": "starts"}, {}, "about must be one of 'motion', 'lines', 'responses', 'campbell'"),
      ({"about": "run_up"}, {}, "about must be one of"),
      ({"start": [0, 0, 0, 0]}, {}, "revolutions, side, got also ['start']"),
-     ({"path": "/etc/passwd"}, {}, "got also ['path']"),
-     ({"revolutions": 2001}, {}, "revolutions must be at most 2000"),
      ({}, {"node": 7}, "node must be the name of a node, got 7"),
      ({}, {"node": "a" * 256}, "node must be the name of a node, got 'aaa"),
      ({}, {"path": "x"}, "machine must have changes, contact, node, speed, got also ['path']"),
      ({}, {"contact": -1}, "contact must be at least 0"),
-     ({}, {"contact": 1001}, "contact must be at most 1000"),
      ({}, {"speed": -1.0}, "speed must be zero or positive"),
      ({}, {"changes": {"mass": 1.0}}, "changes must be numbers by clearance, contact_stiffness"),
-     ({}, {"changes": [1.0]}, "changes must be numbers by"),
      ({}, {"changes": {"friction": NAN}}, f"friction {FINITE} nan")],
     ids=str,
 )  # fmt: skip
@@ -205,12 +151,6 @@ def test_the_limits_themselves_are_allowed():
     assert isinstance(read_question(json.dumps(asked()).ljust(4096)), Question)
 
 
-def test_a_machine_in_si_units_is_its_rotor():
-    read = read_question(json.dumps(asked(machine=MACHINE)))
-    assert read.machine == DimensionalRotor(**MACHINE)
-    assert read.rotor == Rotor(omega=2.0, zeta=0.07, delta0=2.0)
-
-
 def test_what_a_machine_has_beside_comes_along():
     beyond, in_si = BEYOND | RUB, BEYOND_IN_SI | RUB_IN_SI
     read = read_question(json.dumps(asked(machine=ROTOR | beyond)))
@@ -236,19 +176,12 @@ def read_or_refused(text: str) -> None:
         message_of(text)
 
 
-@given(st.text(max_size=5000))
+ASKED = st.builds(lambda name, value: asked(**{name: value}), FIELDS, JSON)
+
+
+@given(st.text(max_size=5000) | (JSON | ASKED).map(json.dumps))
 def test_any_text_is_a_question_or_refused(text: str):
     read_or_refused(text)
-
-
-@given(JSON)
-def test_any_json_is_a_question_or_refused(value: Any):
-    read_or_refused(json.dumps(value))
-
-
-@given(FIELDS, JSON)
-def test_any_value_of_any_name_is_taken_or_refused(name: str, value: Any):
-    read_or_refused(json.dumps(asked(**{name: value})))
 
 
 @given(st.sampled_from([ROTOR, MACHINE, ROTOR | BEYOND | RUB, MACHINE | BEYOND_IN_SI]), st.data())

@@ -109,18 +109,6 @@ def test_a_slider_moves_by_key_and_is_kept_in_the_address(page):
     page.until(f"!/{'|'.join(SLIDERS[3:])}/.test(location.hash)")  # the paper's rotor again
 
 
-def test_friction_moves_by_key_with_the_radius_of_the_disc(page):
-    page.find("#machine summary").click()
-    page.find("#slider-friction").send_keys(Keys.ARROW_RIGHT, Keys.ARROW_RIGHT)
-    page.settle()
-    rotor = Rotor(**page.facts("motion")["rotor"])
-    assert rotor.beyond == {"friction": page.state()["friction"], "disc_radius": 10.0}
-    assert rotor.friction == pytest.approx(0.01)
-    page.until("location.hash.includes(arguments[0])", f"friction={rotor.friction}")
-    page.find("#slider-friction").send_keys(Keys.ARROW_LEFT, Keys.ARROW_LEFT)
-    page.until("!/friction/.test(location.hash)")
-
-
 def test_what_a_machine_has_beside_is_folded_away_until_it_is_there(page, address):
     assert not page.find("#slider-load").is_displayed()
     page.find("#machine summary").send_keys(Keys.ENTER)
@@ -139,14 +127,10 @@ def test_how_it_slips_and_rolls_is_told_and_drawn_with_friction_alone(page, addr
     page.settle("settled")
     assert page.run(f"return {keys}.every(Boolean)") is True
     assert not page.find("[data-frictionless]").is_displayed()
-    kinds = page.array("motion", "event_kind").tolist()
-    entries, exits, rolls, slips, reverses = (kinds.count(kind) for kind in (1, -1, 2, -2, 3))
-    assert min(entries, exits, rolls, slips, reverses) > 50
-    assert f"\nroll {rolls}\n" in page.words()
-    assert "of it rolling" in page.words()
+    kinds = page.array("motion", "event_kind")
     times, radii = (page.array("motion", f"event_{name}") for name in ("time", "radius"))
     for kind, name in {2: "roll:", -2: "slip:", 3: "reverse:"}.items():
-        event = np.flatnonzero(np.equal(kinds, kind))[-3]
+        event = np.flatnonzero(kinds == kind)[-3]
         told = hovered(page, '[data-plot="radius"]', [times[event], radii[event]])
         assert told.startswith(name)
     for colour, least in {"rolling": 300, "backwards": 40, "contact": 100}.items():
@@ -168,13 +152,6 @@ def test_the_response_has_hopf_points_and_the_whirls_that_friction_keeps_up(page
     told = hovered(page, '[data-panel="response"]', [omega[at], radii[at]])
     assert told.startswith("unstable slipping backward whirl")
     assert page.words().startswith("What it does\nIt settles on dry whip")
-
-
-def test_the_contact_law_is_switched_by_key(page):
-    page.find("#machine summary").click()
-    page.find('[name="exponent"][value="1.5"]').send_keys(Keys.ARROW_RIGHT)
-    page.settle()
-    assert page.facts("motion")["rotor"]["contact_exponent"] == 1.0
 
 
 def test_the_whole_machine_in_si_units_is_the_same_rotor(page, address):
@@ -211,24 +188,6 @@ def test_the_whole_machine_in_si_units_is_the_same_rotor(page, address):
     assert not page.find("#weight").is_displayed()
 
 
-def test_sliders_of_a_machine_move_by_key(page):
-    page.find('[name="units"][value="si"]').click()
-    page.settle("settled")
-    names = ("mass", "contact_stiffness", "damping", "eccentricity", "clearance", "speed")
-    for name in names:
-        page.find(f"#slider-{name}").send_keys(Keys.ARROW_LEFT)
-        page.settle()
-    machine, told = machine_of(page, names), page.facts("motion")
-    assert Rotor(**told["rotor"]) == machine.rotor()
-    assert told["scales"]["force"] == machine.force_scale
-    page.settle("settled")
-    assert "µm" in page.words()
-    assert " N" in page.words()
-    page.find('[name="units"][value="none"]').click()
-    page.settle()
-    assert page.facts("motion")["rotor"]["omega"] == pytest.approx(machine.rotor().omega)
-
-
 def machine_of(page, names):
     state = page.state()
     return DimensionalRotor(**{name: state[name] for name in names})
@@ -239,11 +198,6 @@ def test_releases_and_presses_are_counted_and_drawn_with_contact_damping_alone(p
     assert page.run(f"return {keys}.some(Boolean)") is False
     page = with_machine(page, address, **WHOLE, x=0, y=0, vx=0, vy=0)
     assert page.run(f"return {keys}.every(Boolean)") is True
-    kinds = page.array("motion", "event_kind").tolist()
-    presses, releases = (kinds.count(kind) for kind in (4, -4))
-    assert releases > presses > 0
-    assert f"\nrelease {releases}\n" in page.words()
-    assert "loss of a contact" in page.words()
     shown = page.array("motion", "event_kind") == -4
     times, radii = (page.array("motion", f"event_{name}")[shown] for name in ("time", "radius"))
     told = hovered(page, '[data-plot="radius"]', [times[-1], radii[-1]])
@@ -261,17 +215,9 @@ def test_a_bad_value_is_told_and_the_page_lives_on(page):
     page.settle()
     assert page.facts("motion")["rotor"]["zeta"] == 0.1
     assert not page.find("#trouble").is_displayed()
-    assert page.run("return document.querySelectorAll('.stale').length") == 0
-
-
-def test_odd_speeds_are_told_of(page):
-    page.type("#field-omega", 1e-5)
-    page.settle()
+    page.type("#field-omega", 1e-5)  # it moves, but nothing settles
     page.until("document.getElementById('words').textContent.includes('omega must be 0 or from')")
     assert page.run("return document.querySelectorAll('.stale').length") == 0
-    page.type("#field-omega", 0)
-    page.settle("settled")
-    page.until("document.getElementById('words').textContent.includes('It comes to rest')")
 
 
 def test_a_second_clearance_that_is_refused_leaves_the_first_rotor_as_it_is(whole):
@@ -496,14 +442,12 @@ COPIED = {
 }
 
 
-@pytest.mark.parametrize("whole", [False, True])
-def test_what_makes_the_run_again_is_copied(page, address, whole):
-    if whole:
-        page = with_machine(page, address, **WHOLE)
+def test_what_makes_the_run_again_is_copied(page, address):
+    page = with_machine(page, address, **WHOLE)
     for button, (told, beginning) in COPIED.items():
         text = copied(page, button, f"The {told} is copied.")
         assert text.startswith(beginning)
-        assert ("load" in text) == whole
+        assert "load" in text
 
 
 LISTEN = """
@@ -525,16 +469,6 @@ def test_the_page_is_recorded_at_the_press_of_a_button(page, address):
     place = downloaded(page.driver.folder / "run.html")
     other = Page(page.driver, place.as_uri())
     assert other.facts("motion")["rotor"] == rotor
-
-
-def test_hopf_points_are_read_under_the_pointer(page, address):
-    page = with_machine(page, address, shaft_stiffness=3.0, contact_damping=2.0)
-    page.settle("curve")
-    omega, radius = (page.array("curve", f"hopf_{name}")[0] for name in ("omega", "amplitude"))
-    text = hovered(page, '[data-panel="response"]', [omega, radius])
-    assert text.startswith("Hopf point: ")
-    assert number_after("speed ω", text) == pytest.approx(omega, rel=1e-5)
-    assert "Hopf point" in page.find("#response-key").text
 
 
 def test_radii_times_and_lines_are_read_under_the_pointer(whole):

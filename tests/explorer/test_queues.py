@@ -49,13 +49,6 @@ def states_of(pid: int) -> list[str]:
     return [stat.read_text().rpartition(")")[2].split()[0] for stat in found]
 
 
-def test_an_answer_bears_the_ticket_of_its_question(answering: Answering):
-    answering.ask(1, question(number=77, side=1))
-    message = answering.wait_for(1, 77, "motion")
-    assert (message.header["about"], message.header["side"]) == ("motion", 1)
-    assert message.facts["rotor"] == ROTOR
-
-
 def test_of_questions_asked_at_once_only_the_newest_is_answered(answering: Answering):
     answering.ask(1, *speeds(200))
     message = answering.wait_for(1, 200, "motion")
@@ -88,14 +81,6 @@ def test_two_rotors_side_by_side_become_finer_together(answering: Answering):
     answering.ask(1, question("starts", number=1, side=0), question("starts", number=2, side=1))
     wait_until(lambda: len(answering.got[1]) == 6, "two basins")
     assert [each.header["side"] for each in answering.got[1]] == [0, 1, 0, 1, 0, 1]
-
-
-def test_two_pages_get_their_own_answers(answering: Answering):
-    answering.ask(1, question(number=1, machine=ROTOR | {"omega": 1.1}))
-    answering.ask(2, question(number=1, machine=ROTOR | {"omega": 1.2}))
-    for page, omega in ((1, 1.1), (2, 1.2)):
-        assert answering.wait_for(page, 1, "motion").facts["rotor"]["omega"] == omega
-        assert len(answering.got[page]) == 1
 
 
 def test_a_page_that_is_gone_stops_its_work(answering: Answering):

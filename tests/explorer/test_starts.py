@@ -17,28 +17,6 @@ ASKING = question(
 )
 
 
-def test_a_machine_has_a_basin():
-    machine = ROTOR | {"shaft_stiffness": 0.25, "contact_exponent": 1.0, "contact_damping": 0.5}
-    asking = question("starts", machine=machine)
-    first, coarse, _ = answer_to(asking)
-    assert first.facts["attractors"]
-    count = coarse.facts["count"]
-    found = library_basin(asking, count, starts.RTOL)
-    np.testing.assert_array_equal(coarse.arrays["label"], found["label"].values.ravel())
-
-
-def test_under_a_load_the_basin_is_the_library_s(monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr(starts, "COARSE", 16)
-    machine = {"omega": 1.0, "zeta": 0.1, "delta0": 3.0, "shaft_stiffness": 0.25, "load": 0.2}
-    asking = question("starts", machine=machine)
-    pictures = answer_to(asking)
-    assert [each.facts["count"] for each in pictures] == [8, 16]
-    found = library_basin(asking, 16, None)
-    np.testing.assert_array_equal(pictures[-1].arrays["label"], found["label"].values.ravel())
-    fractions = [each["fraction"] for each in pictures[-1].facts["attractors"]]
-    assert sum(fractions) + pictures[-1].facts["undecided"] == pytest.approx(1.0, abs=1e-12)
-
-
 @pytest.fixture(scope="module")
 def pictures() -> list[Message]:
     return answer_to(ASKING)
@@ -162,13 +140,24 @@ def test_odd_planes_have_a_basin_or_one_reason(changes: dict[str, object]):
         assert last.facts["finest"]
 
 
-def test_with_friction_pictures_are_coarser_and_are_the_library_s(monkeypatch: pytest.MonkeyPatch):
+MACHINES = {
+    "a machine": ROTOR | {"shaft_stiffness": 0.25, "contact_exponent": 1.0, "contact_damping": 0.5},
+    "a load": {"omega": 1.0, "zeta": 0.1, "delta0": 3.0, "shaft_stiffness": 0.25, "load": 0.2},
+    "friction": WHIP,
+}
+
+
+@pytest.mark.parametrize("name", MACHINES)
+def test_the_basin_of_a_machine_is_the_library_s_and_coarser_with_load_or_friction(
+    name: str, monkeypatch: pytest.MonkeyPatch
+):
     monkeypatch.setattr(starts, "COARSE", 24)
-    asking = question("starts", machine=WHIP)
-    pictures = starts.show_starts(asking)
-    first = next(pictures)
-    count = first.facts["count"]
-    assert (count, first.facts["finest"]) == (starts.COARSE // 2, False)
+    monkeypatch.setattr(starts, "FINE", 24)
+    asking, is_plain = question("starts", machine=MACHINES[name]), name == "a machine"
+    coarse = answer_to(asking, 2)[is_plain]
+    count = coarse.facts["count"]
+    assert (count, coarse.facts["finest"]) == (24 if is_plain else 12, False)
     found = library_basin(asking, count, starts.RTOL)
-    np.testing.assert_array_equal(first.arrays["label"], found["label"].values.ravel())
-    assert {"synchronous", "rolling"} <= {each["kind"] for each in first.facts["attractors"]}
+    np.testing.assert_array_equal(coarse.arrays["label"], found["label"].values.ravel())
+    fractions = [each["fraction"] for each in coarse.facts["attractors"]]
+    assert sum(fractions) + coarse.facts["undecided"] == pytest.approx(1.0, abs=1e-12)

@@ -45,7 +45,7 @@ from rotor_ida.model.data_sheet import implausible
 from rotor_ida.results.sheets import sheets_shown
 from rotor_ida.results.system_file import read_system_file
 from rotor_ida.units import quantity
-from tests.explorer.asking import Message, answer_to
+from tests.explorer.asking import OF_SYSTEM, Message, answer_to
 from tests.explorer.asking import question as asking
 
 DISC = """
@@ -76,8 +76,6 @@ DISC_ALONE = {
 ALONE = DISC.replace("2000 rpm", "200 rad/s")
 SPEEDS_ALONE = [0.01, 3.0]
 LENGTHS = ("x", "y", "radius", "event_x", "event_y", "rotating_x", "section_y")
-MACHINE = {"node": "", "contact": 0, "speed": None, "changes": {}}
-ASKED = {"about": "motion", "number": 1, "side": 0, "revolutions": 10}
 
 
 @pytest.fixture
@@ -96,7 +94,8 @@ def of_drop(tmp_path: Path) -> Path:
 
 def question(path: Path, about: str = "motion", **changes: object) -> SystemQuestion:
     beside = {"about": about, "revolutions": changes.pop("revolutions", 10)}
-    found = read_question(json.dumps(ASKED | beside | {"machine": MACHINE | changes}))
+    whole = {**OF_SYSTEM["machine"], **changes}  # type: ignore[dict-item]
+    found = read_question(json.dumps(OF_SYSTEM | beside | {"machine": whole}))
     assert isinstance(found, SystemQuestion)
     return replace(found, path=path)
 
@@ -120,10 +119,6 @@ def test_a_run_is_that_of_its_python_lines(path: Path) -> None:
     there: dict[str, Any] = {}
     exec(lines, there)
     np.testing.assert_array_equal(run_of(asked).arrays["x"], there["run"]["contact_x"][:, 0])
-    assert files.again_of(replace(asked, about="sh")).startswith(
-        '# first, in disc.toml: set clearance = "50um" in contact 0\n'
-        "rotor-ida simulate disc.toml --speed 2000rpm --duration "
-    )
 
 
 def test_the_command_is_in_the_units_of_the_page_and_gives_the_run_shown(path: Path) -> None:

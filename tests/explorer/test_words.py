@@ -14,7 +14,6 @@ from rotor_ida.explorer.words import (
     sheet_of,
     words_of_response,
     words_of_run,
-    words_of_transient,
     words_of_whip,
 )
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
@@ -105,17 +104,6 @@ def test_with_a_shaft_there_is_one_contact_free_whirl_unless_a_load_moves_it():
     assert told.startswith("It settles on the contact-free whirl, which is the only one")
     for other in (PLAIN, replace(shaft, load=0.5)):
         assert words_of_response(other, FREE).startswith("It settles on a contact-free whirl")
-
-
-def test_words_of_a_failure_are_its_reason():
-    told = words_of_response(PLAIN, {"response": "failed", "message": "too much work"})
-    assert told == "It could not be followed: too much work."
-
-
-def test_words_of_a_run_that_ends_too_early_are_in_the_units_of_the_machine():
-    assert "ends at t = 188.5 (60 revolutions)" in words_of_transient(PLAIN, 2.0, 188.5, 17_000.0)
-    assert "settled at t = 34 s (5,411" in words_of_transient(IN_SI, 2.0, 188.5, 17_000.0)
-    assert "revolutions" not in words_of_transient(PLAIN, 0.0, 377.0, 17_000.0)
 
 
 def test_dry_whip_is_told_in_the_units_of_the_machine():

@@ -2,8 +2,6 @@
 
 const KINDS = { f8: Float64Array, f4: Float32Array, i1: Int8Array };
 const PROTOCOL = "rotor-ida";
-// Milliseconds after which a newer question is sent while an older one is unanswered.
-const PATIENCE = 150;
 // Bytes of a file sent at a time, and allowed to wait.
 const PIECE = 2 ** 16, MOST_UNSENT = 2 ** 20;
 const REASONS = {
@@ -23,12 +21,10 @@ export function unpack(buffer) {
   return { ...header, arrays };
 }
 
-/** The program, over a websocket. The newest question waits while an older one is pending. */
+/** The program, over a websocket; of each kind of question it answers the newest one. */
 export class Live {
   constructor(key, { answered, opened, said }) {
     Object.assign(this, { key, answered, opened, said });
-    this.out = new Map(); // by place: number and time of the motion that is not answered
-    this.waiting = new Map();
     this.delay = 500;
     this.#open();
   }
@@ -39,11 +35,10 @@ export class Live {
     socket.binaryType = "arraybuffer";
     socket.onopen = () => {
       this.delay = 500;
-      this.out.clear();
       this.said("");
       this.opened();
     };
-    socket.onmessage = (message) => this.#take(unpack(message.data));
+    socket.onmessage = (message) => this.answered(unpack(message.data));
     socket.onclose = (event) => {
       this.said(REASONS[event.code] ?? GONE);
       if (event.code !== 4429) setTimeout(() => this.#open(), this.delay);
@@ -52,19 +47,9 @@ export class Live {
     this.socket = socket;
   }
 
-  /** Ask the questions `abouts` about a rotor; a file is requested alone. */
+  /** Ask the questions `abouts` about a rotor, each in place of an older one; a file is requested alone. */
   ask(question, abouts) {
-    const place = question.side;
-    const motion = abouts.includes("motion");
-    const out = motion && this.out.get(place);
-    if (out && performance.now() - out.since < PATIENCE) {
-      this.waiting.set(place, [question, abouts]);
-      clearTimeout(this.timer);
-      this.timer = setTimeout(() => this.#go(place), PATIENCE);
-      return;
-    }
     if (this.socket.readyState !== WebSocket.OPEN) return;
-    if (motion) this.out.set(place, { number: question.number, since: performance.now() });
     for (const about of abouts) this.socket.send(JSON.stringify({ ...question, about }));
   }
 
@@ -80,32 +65,17 @@ export class Live {
       socket.send(piece);
     }
   }
-
-  #take(answer) {
-    if (answer.about === "motion" && this.out.get(answer.side)?.number === answer.number) {
-      this.out.delete(answer.side);
-    }
-    if (answer.part === "mistake") this.out.clear();
-    this.answered(answer);
-    for (const place of [...this.waiting.keys()]) if (!this.out.has(place)) this.#go(place);
-  }
-
-  #go(place) {
-    const waiting = this.waiting.get(place);
-    this.waiting.delete(place);
-    if (waiting) this.ask(...waiting);
-  }
 }
 
 /** Answers that were recorded in this page, by course (from the start, up, down) and speed. */
 export class Recorded {
-  constructor(recorded, { answered }) {
-    this.answered = answered;
-    this.recorded = recorded;
+  constructor(recorded, answered) {
+    Object.assign(this, { recorded, answered });
   }
 
-  ask(question, course, place) {
-    for (const text of [...this.recorded.common, ...this.recorded.courses[course][place]]) {
+  ask(question) {
+    const { common, courses, course, place } = this.recorded;
+    for (const text of [...common, ...courses[course][place]]) {
       const bytes = Uint8Array.from(atob(text), (character) => character.charCodeAt(0));
       this.answered({ ...unpack(bytes.buffer), number: question.number, side: 0 });
     }

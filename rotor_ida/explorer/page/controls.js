@@ -2,6 +2,7 @@
 
 import { SYSTEM, changeExponent, file, inSI, isSystem, namesBeyond, roundUp, scalesBeyond, state } from "./state.js";
 import { GRAVITY, PARAMETERS, ROOM, SPEED_UNITS } from "./tables.js";
+import { element } from "./tools.js";
 import { prefixed, speedTyped, told } from "./units.js";
 
 const STEPS = 1000;
@@ -94,16 +95,16 @@ function unitChoice(units, changed) {
 
 /** A slider with a number field; both change `state[key]` and call `changed`. */
 function control(key, parameter, changed, unitChanged) {
-  const box = Object.assign(document.createElement("div"), { className: "control" });
+  const box = element("div", "", "control");
   box.title = parameter.meaning;
   const { name, unit, units } = parameter;
   const sliderOf = () => (isGiven() ? parameter.slider() : parameter.slider);
   let slider = sliderOf();
   const shown = () => (units ? units[state.speedIn] : parameter.factor);
   let typed = null; // what was typed, as long as it holds
-  const head = Object.assign(document.createElement("span"), { className: "name" });
+  const head = element("span", "", "name");
   const label = document.createElement("label");
-  label.append(name, unit && !units ? Object.assign(document.createElement("span"), { className: "unit", textContent: ` [${unit}]` }) : "");
+  label.append(name, unit && !units ? element("span", ` [${unit}]`, "unit") : "");
   const field = Object.assign(document.createElement("input"), { type: units ? "text" : "number", inputMode: "decimal", step: "any", id: `field-${key}`, min: 0, required: true });
   const range = Object.assign(document.createElement("input"), { type: "range", id: `slider-${key}` });
   label.htmlFor = field.id;
@@ -192,15 +193,12 @@ const namesOfSystem = () => (file && !file.is_archive && !document.getElementByI
 export class Controls {
   constructor(changed, unitChanged) {
     this.machine = document.getElementById("machine");
-    this.unitChanged = () => {
-      this.show();
-      unitChanged();
-    };
     // the meaning of one slider may depend on the value of another
-    this.changed = () => {
+    const andShow = (then) => () => {
       this.show();
-      changed();
+      then();
     };
+    Object.assign(this, { changed: andShow(changed), unitChanged: andShow(unitChanged) });
     for (const radio of document.querySelectorAll('[name="exponent"]')) {
       radio.addEventListener("change", () => {
         changeExponent(Number(radio.value));

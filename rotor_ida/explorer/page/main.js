@@ -1,6 +1,7 @@
 // The page: changes become questions, answers become plots.
 
 import { Address, keyKept } from "./address.js";
+import { nearestIn } from "./arrays.js";
 import { Live, Recorded } from "./connection.js";
 import { Controls, UP_AND_DOWN, onArrows, parameterShown, written } from "./controls.js";
 import { Measured } from "./measured.js";
@@ -10,7 +11,7 @@ import { Response } from "./response.js";
 import { Shape, Sketch } from "./shaft.js";
 import { DataSheetForm } from "./sheet.js";
 import { Side } from "./side.js";
-import { Signals, trackOf } from "./signals.js";
+import { NOTHING, Signals, trackOf } from "./signals.js";
 import {
   NO_FILE, SECOND_START, SIGNALS, USUAL, address, chooseContact, file, inSI, isSystem, machine, ramp, readAddress, referenceFrequency, roundUp, setRotor, showAlone, speedName, speedOf, speedsShown,
   state, tellFile, tellsOfRotor, toDimensionless, toSI,
@@ -23,7 +24,6 @@ const $ = (id) => document.getElementById(id);
 // The panels of a rotor, and what panels of signals need beside: of the run, and of a system its whole run-up.
 const PANELS = ["motion", "responses", "starts"];
 const OF_SIGNALS = { lines: ["full"], campbell: ["campbell"], track: ["bode", "polar", "cascade"] };
-const FILES = { nc: "application/x-netcdf", png: "image/png", svg: "image/svg+xml", py: "text/x-python", html: "text/html" };
 // No start lies further from the axis.
 const FURTHEST = 1e6;
 // Scales of a measurement that is shown alone.
@@ -37,15 +37,15 @@ const sides = [];
 let number = 0;
 let starts = [[0, 0, 0, 0], [0, 0, 0, 0]];
 let hanging = [true, true]; // by side, whether its run starts at rest where the rotor hangs
-// Parts of answers since the last frame, and those not drawn yet.
-const seen = new Set(), dirty = new Set();
+// Parts of answers not drawn yet.
+const dirty = new Set();
 // Parts with details drawn this many milliseconds later.
 const later = new Set();
 const LATER = 100;
 // For tests: the displayed parts, and the numbers of the newest question and of what is drawn.
 const page = (window.rotorIda = {
   shown: [{}, {}], state, asked: 0, drawn: 0,
-  hasAllDrawn: () => seen.size + later.size === 0,
+  hasAllDrawn: () => dirty.size + later.size === 0,
   plotOf: (over) => [response.plot, sketch.plot, shape.plot, ...signals.plots, ...sides.flatMap((side) => side.plots)].map(({ plot }) => plot).find((plot) => plot.over === over),
 });
 
@@ -70,8 +70,7 @@ const signals = new Signals($("signal-panels"), { view: viewOfSignals, told: () 
 const measured = (page.measured = new Measured({ send: (...given) => connection.send(...given), scales: scalesShown, changed: showMeasured, listens: !recorded }));
 const sketch = new Sketch(document.querySelector('[data-panel="sketch"]'), () => parametersOf(0), choosePart);
 const shape = new Shape(document.querySelector('[data-panel="shape"]'), () => parametersOf(0));
-let connection = null;
-let kept = null;
+let connection = null, kept = null;
 // The last run-up: its tracks, kept after other changes, and their rotors.
 let lastTracks = [], lastRotors = "";
 const passage = (page.passage = new Passage({ begin: beginPassage, ask: askPiece, moved: showPiece, rested: restPassage, changed: showPassage }));
@@ -82,10 +81,8 @@ const passage = (page.passage = new Passage({ begin: beginPassage, ask: askPiece
 function ask({ again = false } = {}) {
   if (!connection || file?.measured) return;
   if (!again) passage.forget();
-  const names = sides.map((_, side) => side);
-  number += 1;
-  page.asked = number;
-  for (const side of names) {
+  page.asked = number += 1;
+  for (const side of sides.keys()) {
     if (!again) {
       const begun = startOf(side);
       hanging[side] = !begun;
@@ -93,8 +90,7 @@ function ask({ again = false } = {}) {
     }
     const wanted = PANELS.filter((about) => (about === "starts" ? sides[side].wantsBasin && !isSystem() : about === "motion" || !isSystem() || !side));
     sides[side].forget();
-    if (recorded) connection.ask({ number }, recorded.course, recorded.place);
-    else connection.ask(question(side), wanted);
+    connection.ask(recorded ? { number } : question(side), wanted);
   }
   showStart();
   keepAddress();
@@ -167,7 +163,11 @@ function takePanel(answer) {
     if (unitsChanged) measured.refresh();
     unitsChanged = false;
     if (state.from === "here") released = false;
-    if (hanging[answer.side] && answer.number === number && !isSystem()) takeStart(answer);
+    if (hanging[answer.side] && answer.number === number && !isSystem()) {
+      starts[answer.side] = answer.facts.start;
+      if (!answer.side) START.forEach((name, i) => (state[name] = answer.facts.start[i]));
+      showStart();
+    }
   }
   sides[answer.side].take(answer);
   response.take(answer);
@@ -182,7 +182,7 @@ function takeRotor(answer) {
   if (about === "upload" && !measured.isOfRotor(answer)) return;
   forgetRotor();
   setRotor(told);
-  sheet.close();
+  $("sheet").close();
   showState();
   ask();
   $("sheet-notes").textContent = notes.length ? `Please check: ${notes.join("; ")}.` : "";
@@ -270,16 +270,9 @@ function choosePart({ node, contact }) {
   else ask();
 }
 
-/** Show where a rotor hangs at rest. */
-function takeStart({ side, facts: { start } }) {
-  starts[side] = start;
-  if (side === 0) START.forEach((name, i) => (state[name] = start[i]));
-  showStart();
-}
-
 /** Handle an error in a whole answer or one of its parts. */
 function refused({ part, about, side, number: asked = number, facts: { message } }) {
-  if (about === "machine") sheet.fail(message);
+  if (about === "machine") $("sheet-wrong").textContent = message;
   else if (about === "upload") measured.fail(message.replace(/\.$/, ""), asked);
   else if (about === "starts") sides[side]?.noBasin(message);
   else if (about === "track" && isSystem()) $("of-run-up").textContent = message;
@@ -290,8 +283,7 @@ function refused({ part, about, side, number: asked = number, facts: { message }
   }
   else if (about === "responses") {
     page.shown[side].unsettled = { number: asked, message };
-    if (!later.size) setTimeout(() => requestAnimationFrame(drawRest), LATER);
-    later.add(`${side} settled`);
+    drawLater(`${side} settled`);
   } else {
     complain(message);
     if (part === "mistake" || about === "motion") lose(asked);
@@ -319,23 +311,21 @@ function showStale() {
 }
 
 /** Draw the main panels, and news on the plane of starts. The rest follows later. */
-function draw(parts) {
-  const has = (place, ...names) => names.some((name) => parts.includes(`${place} ${name}`));
+function draw() {
+  const has = (place, ...names) => names.some((name) => dirty.has(`${place} ${name}`));
   sides.forEach((side, place) => {
     if (has(place, "motion")) side.drawMotion();
     if (has(place, "basin")) side.drawStarts(starts[place], reach(place));
   });
   // a curve and its run arrive one after the other, and are drawn together
-  const places = sides.map((_, place) => place);
-  if (places.some((place) => has(place, "motion", "curve", "branch")) && places.every(isWhole)) response.show();
+  if (sides.some((_, place) => has(place, "motion", "curve", "branch")) && page.shown.slice(0, sides.length).every(isWhole)) response.show();
+  dirty.forEach(drawLater);
+  dirty.clear();
+  page.drawn = page.shown[0].motion?.number ?? 0;
 }
 
-/** Return whether curve and run of a side are answers to the same question. */
-function isWhole(place) {
-  const { motion, curve } = page.shown[place];
-  if (isSystem() && place) return true; // the curve is of the first contact
-  return motion?.number === curve?.number;
-}
+/** Return whether curve and run of a side are answers to the same question; of a system there is one curve. */
+const isWhole = ({ motion, curve }, place) => (isSystem() && place) || motion?.number === curve?.number;
 
 /** Draw the panels that may lag behind the slider, to keep both cores free for the others. */
 function drawRest() {
@@ -352,24 +342,16 @@ function drawRest() {
   later.clear();
 }
 
-/** Draw a new part: at once if it is the first since the last frame, else with the next. */
+/** Draw a new part with the next frame. */
 function drawSoon(part) {
-  if (seen.size) dirty.add(part);
-  else {
-    requestAnimationFrame(drawFrame);
-    draw([part]);
-  }
-  seen.add(part);
+  if (!dirty.size) requestAnimationFrame(draw);
+  dirty.add(part);
 }
 
-function drawFrame() {
-  draw([...dirty]);
-  const parts = [...seen];
-  dirty.clear();
-  seen.clear();
+/** Draw the rest of a part some time later. */
+function drawLater(part) {
   if (!later.size) setTimeout(() => requestAnimationFrame(drawRest), LATER);
-  for (const part of parts) later.add(part);
-  page.drawn = page.shown[0].motion?.number ?? 0;
+  later.add(part);
 }
 
 // panels of signals
@@ -417,7 +399,7 @@ function scalesShown() {
 function showMeasured(isThere) {
   if (isThere && (!state.panels || state.panels === USUAL)) {
     const { order, rows } = measured.found;
-    state.panels = !order ? "full" : file?.measured ? `bode,polar,${rows.length ? "cascade" : "full"}` : "bode,full";
+    state.panels = order === NOTHING ? "full" : file?.measured ? `bode,polar,${rows.length ? "cascade" : "full"}` : "bode,full";
     chooseSignals();
     keepAddress();
   } else signals.show();
@@ -442,10 +424,12 @@ const rotorsOf = () => sides.map((_, place) => (page.shown[place].motion ? param
 
 /** Show the panels named in the state. */
 function chooseSignals() {
-  for (const box of document.querySelectorAll('[name="signals"]')) box.checked = state.panels.split(",").includes(box.value);
-  const lacks = isSystem() ? SIGNALS.filter((name) => !says(name)) : recorded ? SIGNALS.filter((name) => name !== USUAL) : [];
-  for (const box of document.querySelectorAll('[name="signals"]')) box.closest("label").hidden = lacks.includes(box.value);
-  signals.choose(state.panels.split(",").filter((name) => name && !lacks.includes(name)));
+  const chosen = state.panels.split(","), lacks = isSystem() ? SIGNALS.filter((name) => !says(name)) : recorded ? SIGNALS.filter((name) => name !== USUAL) : [];
+  for (const box of document.getElementsByName("signals")) {
+    box.checked = chosen.includes(box.value);
+    box.closest("label").hidden = lacks.includes(box.value);
+  }
+  signals.choose(chosen.filter((name) => name && !lacks.includes(name)));
   if (page.shown[0].motion) {
     askSignals();
     showSignals();
@@ -494,7 +478,7 @@ function showVerdict() {
     return ["unknown", `${which}${run}Following the rotor until it settles …`];
   });
   const box = $("verdict");
-  box.replaceChildren(...lines.map(([level, textContent]) => Object.assign(document.createElement("span"), { className: level, textContent })));
+  box.replaceChildren(...lines.map(([level, words]) => element("span", words, level)));
   // during a run-up the text changes its length many times a second: the buttons below must not move
   box.style.minHeight = passage.begun ? `${box.offsetHeight}px` : "";
   document.documentElement.style.setProperty("--verdict", `${box.offsetHeight}px`);
@@ -506,17 +490,15 @@ function heldAt(verdict) {
   return `Held at this speed: ${words[0].toLowerCase()}${words.slice(1)}`;
 }
 
-function complain(text) {
+const complain = (text) => {
   $("message").textContent = text;
   $("trouble").hidden = !text;
-}
+};
 
 // the address, and files
 
 /** Store the state in the address; the state before a change stays in the history. */
-function keepAddress() {
-  kept?.keep();
-}
+const keepAddress = () => kept?.keep();
 
 /** Show the state of the address after the browser went back or forward. */
 function goBack() {
@@ -534,9 +516,7 @@ function goBack() {
 // Receiver of a requested text, by its kind.
 const copying = new Map();
 
-function say(text) {
-  $("connection").textContent = text;
-}
+const say = (text) => ($("connection").textContent = text);
 
 function keepFile(answer) {
   const kind = answer.facts.name.split(".").pop();
@@ -546,7 +526,7 @@ function keepFile(answer) {
     return;
   }
   if (kind === "html") say(`Saved ${answer.facts.name}.`);
-  keep(new Blob([answer.arrays.contents], { type: FILES[kind] }), answer.facts.name);
+  keep(new Blob([answer.arrays.contents]), answer.facts.name);
 }
 
 // a passage at a rate
@@ -567,21 +547,17 @@ function waysFrom(speed) {
   return { speed, range, limits: [low, speed < fastest * 0.9999 ? fastest : range] };
 }
 
-/** Run up from standstill, at rest where the rotor hangs. */
-function runUpFromStandstill() {
-  passage.pressFrom({ ...waysFrom(0), starts: sides.map(() => null) }, ramp());
-}
-
 /** Request a piece of the run-up of one rotor. */
 function askPiece({ number: piece, side, start, angle, speed, to, rate }) {
-  const here = { [inSI() ? "speed" : "omega"]: inSI() ? speed * referenceFrequency() : speed };
-  const asked = { ...question(side), number: piece, machine: { ...machine(side), ...here }, start, angle, revolutions: 1, to, rate };
-  connection.ask(asked, ["run_up"]);
+  connection.ask({ ...question(side), number: piece, machine: { ...machine(side), ...atSpeed(speed) }, start, angle, revolutions: 1, to, rate }, ["run_up"]);
 }
+
+/** Return the entry of the state for a dimensionless speed. */
+const atSpeed = (speed) => (inSI() ? { speed: speed * referenceFrequency() } : { omega: speed });
 
 /** Show the progress of a run-up. */
 function showPiece(speed) {
-  state[inSI() ? "speed" : "omega"] = Number((inSI() ? speed * referenceFrequency() : speed).toPrecision(12));
+  for (const [name, value] of Object.entries(atSpeed(speed))) state[name] = Number(value.toPrecision(12));
   controls.show();
   response.pass(passage.tracks, speed);
   response.show();
@@ -593,10 +569,7 @@ function showPiece(speed) {
 /** Request order 1 and spectra of a run-up so far, if they are shown. */
 function askTracks() {
   if (!signals.has([...OF_SIGNALS.track, "full"])) return;
-  passage.askTracks(({ number: piece, side, start, speed }) => {
-    const here = { [speedName()]: inSI() ? speed * referenceFrequency() : speed };
-    connection.ask({ ...question(side), number: piece, machine: { ...machine(side), ...here }, start }, ["track"]);
-  });
+  passage.askTracks(({ number: piece, side, start, speed }) => connection.ask({ ...question(side), number: piece, machine: { ...machine(side), ...atSpeed(speed) }, start }, ["track"]));
 }
 
 /** Hold the current speed of a run-up, and show the response there. */
@@ -643,21 +616,17 @@ function showRamp() {
   $("ramp-name").textContent = unit ? `${unit}/s` : "rate";
   $("ramp").value = written(Number((ramp() * factor).toPrecision(4)));
   $("run-up-to").hidden = !unit;
+  if (!unit) return;
   $("fastest-name").textContent = unit;
-  if (unit) $("fastest").value = Number((state.fastest * SPEED_UNITS[unit]).toPrecision(4));
-  if (unit) $("seconds").value = Number(state.seconds.toPrecision(4));
+  $("fastest").value = Number((state.fastest * SPEED_UNITS[unit]).toPrecision(4));
+  $("seconds").value = Number(state.seconds.toPrecision(4));
 }
 
 // a machine by its data sheet
 
-const sheet = new DataSheetForm({ ask: (quantities) => connection.ask({ number, quantities }, ["machine"]), given: () => (inSI() && !isSystem() ? machine(0) : {}) });
+new DataSheetForm({ ask: (quantities) => connection.ask({ number, quantities }, ["machine"]), given: () => (inSI() && !isSystem() ? machine(0) : {}) });
 
 // controls beside the sliders
-
-function choose(name, value) {
-  state[name] = value;
-  for (const radio of document.querySelectorAll(`input[name="${name}"]`)) radio.checked = radio.value === value;
-}
 
 function showStart() {
   if (isSystem()) return;
@@ -679,25 +648,24 @@ function startShown(name) {
   return { factor: factor * state.eccentricity * (velocity ? referenceFrequency() : 1), unit };
 }
 
+/** Begin at the start that was moved. */
 function release() {
   released = true;
   ask();
 }
 
 function buildSides() {
-  const two = state.second !== null && !recorded;
-  const count = two ? 2 : 1;
+  const two = state.second !== null && !recorded, count = two ? 2 : 1;
   while (sides.length > count) {
     $("sides").lastElementChild.remove();
     sides.pop();
     page.shown[sides.length] = {};
   }
   while (sides.length < count) {
-    const element = Object.assign(document.createElement("div"), { className: "side" });
-    element.append(document.createElement("h2"));
-    $("sides").append(element);
-    const isFirst = !sides.length;
-    sides.push(new Side(element, sides.length, { moved: moveStart, asked: () => ask({ again: true }), told: ({ number: place }) => parametersOf(place), shown: (part) => isFirst && isSystem() && shape.show(part) }));
+    const box = element("div", "", "side"), isFirst = !sides.length;
+    box.append(element("h2", ""));
+    $("sides").append(box);
+    sides.push(new Side(box, sides.length, { moved: moveStart, asked: () => ask({ again: true }), told: ({ number: place }) => parametersOf(place), shown: (part) => isFirst && isSystem() && shape.show(part) }));
   }
   if (isSystem()) showSystem(); // the panels of a new side, too
   $("sides").classList.toggle("two", two);
@@ -713,12 +681,14 @@ function moveStart({ x, y, velocity }) {
   release();
 }
 
+/** Call `take` with the value of a button of a name when another one is chosen. */
+function onChoice(name, take) {
+  for (const each of document.getElementsByName(name)) each.addEventListener("change", () => take(each.value));
+}
+
 function listen() {
   for (const name of START) {
-    const label = document.createElement("label");
-    const field = Object.assign(document.createElement("input"), { type: "number", step: "any", id: `start-${name}` });
-    label.append(name, field);
-    $("start").append(label);
+    const field = $(`start-${name}`);
     const put = (value) => {
       state[name] = Number(value.toPrecision(12));
       state.hangs = false;
@@ -742,24 +712,20 @@ function listen() {
     state.revolutions = $("revolutions").valueAsNumber;
     ask({ again: true });
   });
-  for (const radio of document.querySelectorAll('input[name="from"]')) {
-    radio.addEventListener("change", () => {
-      state.from = radio.value;
-      released = radio.value === "start";
-      response.forgetTrail();
-      ask();
-    });
-  }
-  for (const radio of document.querySelectorAll('input[name="units"]')) {
-    radio.addEventListener("change", () => {
-      if (radio.value === "si") toSI();
-      else toDimensionless();
-      unitsChanged = true;
-      controls.build();
-      showRamp();
-      ask({ again: true });
-    });
-  }
+  onChoice("from", (from) => {
+    state.from = from;
+    released = from === "start";
+    response.forgetTrail();
+    ask();
+  });
+  onChoice("units", (units) => {
+    if (units === "si") toSI();
+    else toDimensionless();
+    unitsChanged = true;
+    controls.build();
+    showRamp();
+    ask({ again: true });
+  });
   $("beside").addEventListener("change", () => {
     state.second = $("beside").checked ? state[inSI() ? "clearance" : "delta0"] / 2 : null;
     controls.show();
@@ -770,16 +736,15 @@ function listen() {
   new IntersectionObserver(([{ isIntersecting }]) => {
     document.body.classList.toggle("has-sliders", isIntersecting);
   }).observe($("controls"));
-  for (const box of document.querySelectorAll('[name="signals"]')) {
-    box.addEventListener("change", () => {
-      state.panels = [...document.querySelectorAll('[name="signals"]:checked')].map(({ value }) => value).join();
-      chooseSignals();
-      keepAddress();
-    });
-  }
+  onChoice("signals", () => {
+    state.panels = [...document.querySelectorAll('[name="signals"]:checked')].map(({ value }) => value).join();
+    chooseSignals();
+    keepAddress();
+  });
   $("run-up").addEventListener("click", () => passage.press(1, ramp()));
   $("run-down").addEventListener("click", () => passage.press(-1, ramp()));
-  $("run-up-0").addEventListener("click", runUpFromStandstill);
+  // at rest where the rotor hangs
+  $("run-up-0").addEventListener("click", () => passage.press(1, ramp(), { ...waysFrom(0), starts: sides.map(() => null) }));
   const onNumber = (name, take) => $(name).addEventListener("change", () => {
     if (!($(name).valueAsNumber > 0)) return;
     take($(name).valueAsNumber);
@@ -801,10 +766,7 @@ function listen() {
     controls.show();
     ask();
   });
-  $("sheet-open").addEventListener("click", () => sheet.open());
-  for (const button of document.querySelectorAll("[data-file]")) {
-    button.addEventListener("click", () => connection.ask(question(0), [button.dataset.file]));
-  }
+  $("saving").addEventListener("click", ({ target: { dataset: { file: kind } } }) => kind && connection.ask(question(0), [kind]));
   $("share").addEventListener("click", () => {
     copy("address", new Blob([location.origin + location.pathname + address(starts)], { type: "text/plain" }), say);
   });
@@ -868,8 +830,9 @@ function begin() {
 
 /** Show the state in all controls. */
 function showState() {
-  choose("from", state.from);
-  for (const radio of document.querySelectorAll('input[name="units"]')) radio.checked = (radio.value === "si") === inSI();
+  const { from, units } = $("controls").elements;
+  from.value = state.from;
+  units.value = inSI() ? "si" : "none";
   $("beside").checked = state.second !== null;
   showSystem();
   $("revolutions").value = state.revolutions;
@@ -894,9 +857,9 @@ function said(text) {
 
 /** Offer the recorded speeds and courses, or the nodes, and show the requested one. */
 function beginRecorded() {
-  const { places, place, courses, state: rotorShown } = recorded;
+  const { places, place, state: rotorShown } = recorded;
   setRotor(rotorShown);
-  connection = new Recorded(recorded, { answered });
+  connection = new Recorded(recorded, answered);
   if (isSystem()) {
     recorded.course = "nodes";
     moveTo = (node) => {
@@ -907,49 +870,25 @@ function beginRecorded() {
     moveTo(place);
     return;
   }
-  const speeds = places;
-  Object.assign(recorded, { course: "start", place: nearest(speeds, place) });
-  const box = $("courses");
-  const names = { start: "each speed from the start", up: "running up", down: "running down" };
-  const choice = Object.assign(document.createElement("div"), { className: "choice" });
-  choice.setAttribute("role", "radiogroup");
-  choice.setAttribute("aria-label", "Order of the speeds");
-  for (const course of Object.keys(courses)) {
-    const label = document.createElement("label");
-    const radio = Object.assign(document.createElement("input"), { type: "radio", name: "course", value: course, checked: course === "start" });
-    radio.addEventListener("change", () => {
-      recorded.course = course;
-      response.forgetTrail();
-      ask();
-    });
-    label.append(radio, ` ${names[course]}`);
-    choice.append(label);
-  }
-  const label = Object.assign(document.createElement("label"), { htmlFor: "recorded-speed" });
-  const range = Object.assign(document.createElement("input"), { type: "range", id: "recorded-speed", min: 0, max: speeds.length - 1, step: 1, value: recorded.place });
+  recorded.course = "start";
+  const range = Object.assign($("recorded-speed"), { max: places.length - 1 });
   const given = Object.entries(rotorShown).filter(([name]) => name in PARAMETERS && !["omega", "speed"].includes(name));
-  const rest = given.map(([name, value]) => parameterShown(name, value)).join(", ");
-  const rotor = Object.assign(document.createElement("p"), { className: "quiet", textContent: rest });
-  const show = () => {
-    const value = speeds[recorded.place];
-    label.textContent = inSI() ? `Speed ${told(value * SPEED_UNITS[state.speedIn])} ${state.speedIn}` : `Speed ${told(value, 5)}`;
-    range.setAttribute("aria-valuetext", label.textContent);
+  $("recorded-rotor").textContent = given.map(([name, value]) => parameterShown(name, value)).join(", ");
+  const goTo = (number) => {
+    recorded.place = range.value = number;
+    const words = `Speed ${inSI() ? `${told(places[number] * SPEED_UNITS[state.speedIn])} ${state.speedIn}` : told(places[number], 5)}`;
+    $("recorded-name").textContent = words;
+    range.setAttribute("aria-valuetext", words);
+    ask();
   };
-  range.addEventListener("input", () => {
-    recorded.place = range.valueAsNumber;
-    show();
+  onChoice("course", (course) => {
+    recorded.course = course;
+    response.forgetTrail();
     ask();
   });
-  box.replaceChildren(label, range, choice, rotor);
-  show();
-  moveTo = (value) => {
-    recorded.place = range.value = nearest(speeds, value);
-    show();
-    ask();
-  };
-  ask();
+  range.addEventListener("input", () => goTo(range.valueAsNumber));
+  moveTo = (value) => goTo(nearestIn(places, value));
+  moveTo(place);
 }
-
-const nearest = (values, value) => values.reduce((best, each, place) => (Math.abs(each - value) < Math.abs(values[best] - value) ? place : best), 0);
 
 begin();

@@ -1,7 +1,8 @@
 // A measured file, dropped on the page or chosen: the program reads and analyses it, and it goes nowhere else.
 
+import { nearestIn, scaled } from "./arrays.js";
 import { colour } from "./plot.js";
-import { NOTHING, hasPanel, rowsOf } from "./signals.js";
+import { trackOf } from "./signals.js";
 import { LARGEST_FILE } from "./tables.js";
 import { told, withUnit } from "./units.js";
 
@@ -113,15 +114,11 @@ export class Measured {
       return;
     }
     this.reading = null;
-    const { order_speed: speed, order_amplitude: amplitude, order_lag: lag, full_frequency: frequency } = arrays;
-    const answer = {
-      ...facts, order: speed ? { speed, amplitude, lag } : null, rows: arrays.cascade_speed ? rowsOf(arrays) : [],
-      full: frequency ? { frequency, amplitude: arrays.full_amplitude, speed: facts.speed } : null,
-    };
-    this.found = answer;
+    const { full_frequency: frequency, full_amplitude: amplitude } = arrays;
+    this.found = { ...facts, ...trackOf({ arrays }), full: frequency ? { frequency, amplitude, speed: facts.speed } : null };
     const isNew = file !== this.shown || probes === PROBES;
     this.file = this.shown = file;
-    if (isNew) this.#suggest(answer);
+    if (isNew) this.#suggest(this.found);
     this.#show();
   }
 
@@ -176,7 +173,7 @@ export class Measured {
     $("measured-scale-name").textContent = volts && isMachine ? "µm a volt" : `1 of length [${SHOWN[$("measured-length").value] ?? $("measured-length").value}]`;
     $("measured-period").closest("label").hidden = isMachine || $("measured-time").value === "1";
     const { scales } = this;
-    const speeds = order?.speed.length ? `, ${this.#speeds(scales())}` : "";
+    const speeds = order.speed.length ? `, ${this.#speeds(scales())}` : "";
     const asked = isMachine ? "enter the µm per volt" : "enter the scale of the page, or choose SI units for it";
     const isOpen = this.#units(scales()) ? "" : ` To draw it, ${asked}.`;
     const guessed = [time === "1" && isMachine ? "times are assumed to be in s" : "", length === "1" && isMachine ? "lengths in the unit chosen below" : ""].filter(Boolean).join(" and ");
@@ -219,16 +216,15 @@ export class Measured {
     return {
       name: "measured", icon: "line-key measured", ink: () => colour("measured"), order, rows, curve: null, exact: null, sparse: true,
       lines: full ? linesAt(full, full.speed ?? speed) : nearest(rows, speed, scales),
-      has: hasPanel,
     };
   }
 
   #scaled({ length, rate }) {
     const { order, rows, full } = this.found;
     const mark = (Math.PI / 180) * ($("measured-mark").valueAsNumber || 0);
-    const whirl = (each) => ({ ...each, frequency: each.frequency.map((value) => value * rate), amplitude: each.amplitude.map((value) => value * length), speed: each.speed && each.speed * rate });
+    const whirl = (each) => ({ ...each, frequency: scaled(each.frequency, rate), amplitude: scaled(each.amplitude, length), speed: each.speed && each.speed * rate });
     return {
-      order: order ? { speed: order.speed.map((each) => each * rate), amplitude: order.amplitude.map((each) => each * length), lag: order.lag.map((each) => each + mark) } : NOTHING,
+      order: { speed: scaled(order.speed, rate), amplitude: scaled(order.amplitude, length), lag: order.lag.map((each) => each + mark) },
       rows: rows.map(whirl), full: full && whirl(full),
     };
   }
@@ -260,11 +256,11 @@ function chosenShown() {
   };
 }
 
-const linesAt = ({ frequency, amplitude }, speed, words = "") => (speed > 0 ? { over: frequency.map((each) => each / speed), amplitude, told: words } : null);
+const linesAt = ({ frequency, amplitude }, speed, words = "") => (speed > 0 ? { over: scaled(frequency, 1 / speed), amplitude, told: words } : null);
 
 /** Return the lines at the speed that is nearest to another. */
 function nearest(rows, speed, scales) {
   if (!rows.length || !(speed > 0)) return null;
-  const row = rows.reduce((best, each) => (Math.abs(each.speed - speed) < Math.abs(best.speed - speed) ? each : best));
+  const row = rows[nearestIn(rows.map((each) => each.speed), speed)];
   return linesAt(row, row.speed, `at speed ${scales?.rate ? withUnit(scales, "rate", row.speed, 4) : told(row.speed)}, Hann window`);
 }

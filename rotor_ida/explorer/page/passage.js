@@ -1,5 +1,6 @@
 // A run-up or run-down at a rate: pieces of a ramp, each continuing the last one.
 
+import { extremes } from "./arrays.js";
 import { NOTHING, joined, trackOf } from "./signals.js";
 
 const TURN = 2 * Math.PI;
@@ -90,12 +91,11 @@ class Track {
 
   /** The smallest and the largest radius over the last revolution. */
   get extent() {
-    const radii = this.turn.map(([, , radius]) => radius);
-    return [Math.min(...radii), Math.max(...radii)];
+    return extremes(this.turn.map(([, , radius]) => radius));
   }
 
   get highest() {
-    return this.high.reduce((top, each) => (each > top ? each : top), 0);
+    return extremes(this.high, [0, 0])[1];
   }
 }
 
@@ -114,21 +114,15 @@ export class Passage {
     return this.way !== 0;
   }
 
-  /** Begin or continue up (1) or down (-1); stop if it already moves this way. */
-  press(way, rate) {
-    if (!this.begun && !this.#begin(this.begin())) return;
+  /** Begin or continue up (1) or down (-1), or begin anew elsewhere than at the drawn runs; stop if it already moves this way. */
+  press(way, rate, elsewhere = null) {
+    if (elsewhere) this.forget();
+    if (!this.begun && !this.#begin(elsewhere ?? this.begin())) return;
     this.setRate(rate);
     this.way = this.way === way ? 0 : way;
     if (!this.running) this.#rest();
     else if (!this.waiting.size && !this.timer) this.#next();
     this.changed();
-  }
-
-  /** Begin at speeds and states other than those of the drawn runs. */
-  pressFrom(beginning, rate) {
-    this.forget();
-    this.#begin(beginning);
-    this.press(1, rate);
   }
 
   /** Change the rate, from the next piece on. */

@@ -7,59 +7,43 @@ const MARGIN = 10, TITLE = 48, LINE = 18;
 // Pixels of a PNG for each pixel of the page.
 const FINE = 3;
 
-/** Return a panel as PNG, a promise of a blob. */
-export function pngOf(panel) {
-  const { width, height } = sizeOf(panel);
-  const canvas = Object.assign(document.createElement("canvas"), { width: FINE * width, height: FINE * height });
-  // a pen uses pixels of the picture, everything else those of the page
-  paint(panel, canvas.getContext("2d"), FINE);
-  return new Promise((resolve) => canvas.toBlob(resolve, "image/png"));
-}
-
-/** Return columns of numbers and words as CSV, a blob. */
-export function csvOf(columns) {
-  const names = Object.keys(columns);
-  const rows = [names.map(quoted).join(",")];
-  const count = Math.max(...names.map((name) => columns[name].length));
-  for (let i = 0; i < count; i++) rows.push(names.map((name) => cell(columns[name][i])).join(","));
-  return new Blob([`${rows.join("\n")}\n`], { type: "text/csv" });
-}
-
-const cell = (value) => (value === undefined || value === null || Number.isNaN(value) ? "" : typeof value === "number" ? String(value) : quoted(value));
-const quoted = (text) => (/[",\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
-
-/** Return the size of the picture of a panel: its plots below each other, a title, and its key. */
-function sizeOf({ plots, key }) {
+/** Return a panel as PNG, a promise of a blob: its plots below each other, a title, and its key. */
+export function pngOf({ plots, key, title, subtitle }) {
   const sizes = plots.map(({ element }) => [element.clientWidth, element.clientHeight]);
   const width = Math.max(...sizes.map(([each]) => each), 320) + 2 * MARGIN;
-  const plotted = sizes.reduce((sum, [, each]) => sum + each, 0);
-  return { width, height: TITLE + plotted + LINE * placed(key, width).rows + 2 * MARGIN };
-}
-
-function paint(panel, ctx, pixel) {
-  const { width, height } = sizeOf(panel);
+  const { items, rows } = placed(key, width);
+  const height = sizes.reduce((sum, [, each]) => sum + each, TITLE) + LINE * rows + 2 * MARGIN;
+  const canvas = Object.assign(document.createElement("canvas"), { width: FINE * width, height: FINE * height });
+  const ctx = canvas.getContext("2d");
+  // a pen uses pixels of the picture, everything else those of the page
   const text = (words, x, y, { size = 12, align = "left", fill = colour("ink"), weight = "" } = {}) => {
-    Object.assign(ctx, { font: `${weight} ${size * pixel}px ${FONT}`.trim(), textAlign: align, fillStyle: fill, textBaseline: "middle" });
-    ctx.fillText(words, x * pixel, y * pixel);
+    Object.assign(ctx, { font: `${weight} ${size * FINE}px ${FONT}`.trim(), textAlign: align, fillStyle: fill, textBaseline: "middle" });
+    ctx.fillText(words, x * FINE, y * FINE);
   };
   ctx.fillStyle = colour("card");
-  ctx.fillRect(0, 0, width * pixel, height * pixel);
-  text(panel.title, MARGIN, MARGIN + 8, { size: 14, weight: "600" });
-  text(panel.subtitle, MARGIN, MARGIN + 25, { size: 11, fill: colour("muted") });
+  ctx.fillRect(0, 0, canvas.width, canvas.height);
+  text(title, MARGIN, MARGIN + 8, { size: 14, weight: "600" });
+  text(subtitle, MARGIN, MARGIN + 25, { size: 11, fill: colour("muted") });
   let top = TITLE;
-  for (const plot of panel.plots) {
+  for (const plot of plots) {
     ctx.save();
-    ctx.translate(MARGIN * pixel, top * pixel);
-    plot.paint(ctx, pixel, text);
+    ctx.translate(MARGIN * FINE, top * FINE);
+    plot.paint(ctx, FINE, text);
     ctx.restore();
     top += plot.element.clientHeight;
   }
-  for (const { words, icon, left, row } of placed(panel.key, width).items) {
+  for (const { words, icon, left, row } of items) {
     const middle = top + MARGIN + LINE * (row + 0.5);
-    paintIcon(ctx, icon, (MARGIN + left) * pixel, middle * pixel, pixel);
+    paintIcon(ctx, icon, (MARGIN + left) * FINE, middle * FINE, FINE);
     text(words, MARGIN + left + (icon ? ICON : 0), middle, { size: 11, fill: colour("muted") });
   }
+  return new Promise((resolve) => canvas.toBlob(resolve, "image/png"));
 }
+
+/** Return rows of numbers and words as CSV, a blob; the first one has the names. */
+export const csvOf = (rows) => new Blob(rows.map((cells) => `${cells.map(cell).join(",")}\n`), { type: "text/csv" });
+
+const cell = (value) => (Number.isNaN(value) ? "" : /[",\n]/.test(value) ? `"${value.replaceAll('"', '""')}"` : String(value ?? ""));
 
 const ICON = 26, GAP = 14, LETTER = 6.2;
 
@@ -81,29 +65,18 @@ function paintIcon(ctx, icon, left, middle, pixel) {
   if (!icon) return;
   const style = getComputedStyle(icon);
   const is = (name) => icon.classList.contains(name);
-  ctx.beginPath();
-  ctx.setLineDash([]);
+  // as it draws in a plot: in pixels of the picture
+  const pen = new Pen(ctx, (x) => x, (y) => y, pixel, null);
   const centre = left + 10 * pixel;
   if (is("line-key")) {
     const dash = is("free") ? [12, 3, 2, 3] : { dashed: [5, 4], dotted: [2, 1.5] }[style.borderTopStyle] ?? [];
-    const line = (stroke, width, dashes) => {
-      ctx.strokeStyle = stroke;
-      ctx.lineWidth = width * pixel;
-      ctx.setLineDash(dashes.map((each) => each * pixel));
-      ctx.moveTo(left, middle);
-      ctx.lineTo(left + 20 * pixel, middle);
-      ctx.stroke();
-      ctx.setLineDash([]);
-    };
+    const line = (stroke, width, dashes) => pen.line([left, left + 20 * pixel], [middle, middle], { stroke, width, dash: dashes });
     if (is("rolling")) {
       line(colour("rolling"), 3.4, []);
-      ctx.beginPath();
       line(colour("card"), 1, [3, 4]);
     } else line(is("free") ? colour("contact_free") : style.borderTopColor, parseFloat(style.borderTopWidth) || 2, dash);
     return;
   }
-  // as the pen draws marks: in pixels of the picture
-  const pen = new Pen(ctx, (x) => x, (y) => y, pixel, null);
   const drawn = ["up", "down", "cross"].find(is);
   if (drawn) {
     pen.mark(centre, middle, 8, { shape: drawn, fill: colour(is("down") ? "card" : "ink"), stroke: colour(is("cycle") ? "full_contact" : "ink"), width: 1.2 });

@@ -45,6 +45,9 @@ const roomBeside = ({ axes }) => Math.max(8, 2 + 0.5 * DIGIT * longest(axes[0]?.
 
 // Largest movement in pixels that counts as a click, not a box.
 const CLICK = 6;
+// Of axes with one scale the ranges decide the width of the numbers beside them, and this the ranges:
+// they need not come to rest.
+const MOST_TURNS = 2;
 // Reading distance from the pointer in pixels.
 const NEAR = 12;
 
@@ -62,8 +65,8 @@ export class Plot {
       legend: { show: false },
       cursor: { points: { show: false }, drag: { x: false, y: false, setScale: false } },
       scales: {
-        x: { time: false, range: () => this.#widened().x },
-        y: { range: () => this.#widened().y, distr: log ? 3 : 1 },
+        x: { time: false, range: () => this.shown.x },
+        y: { range: () => this.shown.y, distr: log ? 3 : 1 },
       },
       axes: [axis(x, { size: 24, space: 44 }), axis(y, { size: roomFor, space: 28, ...(log ? LOG : {}), ...(steps ? { incrs: steps } : {}), ...(unnumbered ? { values: (_plot, splits) => splits.map(() => "") } : {}) })],
       series: [{}, ...series],
@@ -71,7 +74,7 @@ export class Plot {
         drawClear: below ? [(plot) => this.#inside(plot, below)] : [],
         draw: draw ? [(plot) => this.#inside(plot, draw)] : [],
         setCursor: [() => this.#read()],
-        setSize: equal ? [() => queueMicrotask(() => this.#apply())] : [],
+        setSize: equal ? [() => this.turns > 0 && queueMicrotask(() => this.#apply(this.turns - 1))] : [],
       },
     };
     this.data = [[0, 1], ...series.map(() => [null, null])];
@@ -80,15 +83,18 @@ export class Plot {
     this.found = Object.assign(document.createElement("div"), { className: "found", hidden: true });
     this.plot.over.append(this.told, this.found);
     this.#listen();
-    new ResizeObserver(() => this.plot.setSize(this.#size())).observe(element);
+    new ResizeObserver(() => {
+      this.turns = MOST_TURNS;
+      this.plot.setSize(this.#size());
+    }).observe(element);
   }
 
   #size() {
     return { width: Math.max(this.element.clientWidth, 80), height: Math.max(this.element.clientHeight, 80) };
   }
 
-  /** Return the ranges, one widened if both must have the same scale. */
-  #widened() {
+  /** Return the ranges shown, one widened if both must have the same scale. */
+  get shown() {
     const { x, y } = this.zoomed ?? this.range;
     if (!this.equal || !this.plot?.bbox?.width) return { x, y };
     const { width, height } = this.plot.bbox;
@@ -128,8 +134,9 @@ export class Plot {
     this.#apply();
   }
 
-  #apply() {
-    const { x, y } = this.#widened();
+  #apply(turns = MOST_TURNS) {
+    this.turns = turns;
+    const { x, y } = this.shown;
     this.plot.batch(() => {
       this.plot.setData(this.data, false);
       this.plot.setScale("x", { min: x[0], max: x[1] });
@@ -183,7 +190,7 @@ export class Plot {
   /** Return values with the names and units of the axes. */
   tell(values, names = []) {
     return values.map((value, i) => {
-      const { label } = this.plot.axes[i];
+      const label = this.label(i);
       const name = names[i] ?? label.replace(/ \[.*\]$/, "");
       const unit = unitOf(label);
       return `${name} ${told(value, 6)}${unit && ` ${unit}`}`;
@@ -200,20 +207,10 @@ export class Plot {
     this.onZoom?.();
   }
 
-  /** Show a part of x and y. */
-  zoomTo(part) {
-    this.#zoom(part);
-    this.#apply();
-  }
-
   /** Show all again. */
   reset() {
-    this.zoomTo(null);
-  }
-
-  /** Return the ranges shown. */
-  get shown() {
-    return this.#widened();
+    this.#zoom(null);
+    this.#apply();
   }
 
   #listen() {
@@ -275,7 +272,8 @@ export class Plot {
 
   #zoomToPixels(left, top, width, height) {
     const value = (pixel, scale) => this.plot.posToVal(pixel, scale);
-    this.zoomTo({ x: [value(left, "x"), value(left + width, "x")], y: [value(top + height, "y"), value(top, "y")] });
+    this.#zoom({ x: [value(left, "x"), value(left + width, "x")], y: [value(top + height, "y"), value(top, "y")] });
+    this.#apply();
   }
 
   #zoomAbout(left, top, by) {
@@ -295,15 +293,12 @@ export class Plot {
     const [left, top, right, bottom] = [box.left, box.top, box.left + box.width, box.top + box.height].map((each) => each / pixel);
     const pen = new Pen(ctx, x, y, pixel, box);
     const muted = { fill: colour("muted") };
+    const ends = ["x", "y"].map((scale) => [plot.scales[scale].min, plot.scales[scale].max]);
     plot.axes.forEach(({ _splits: splits, _values: values, label }, i) => {
       const at = i ? y : x;
       splits.forEach((each, place) => {
         const [a, b] = [at(each) / pixel, values[place]];
-        ctx.beginPath();
-        ctx.moveTo(...(i ? [box.left, a * pixel] : [a * pixel, box.top]));
-        ctx.lineTo(...(i ? [box.left + box.width, a * pixel] : [a * pixel, box.top + box.height]));
-        Object.assign(ctx, { strokeStyle: colour("grid"), lineWidth: pixel });
-        ctx.stroke();
+        pen.line(...[0, 1].map((axis) => (axis === i ? [each, each] : ends[axis])), { stroke: colour("grid") });
         if (b) text(b, i ? left - 6 : a, i ? a : bottom + 12, { ...muted, align: i ? "right" : "center" });
       });
       if (!label) return;
@@ -323,6 +318,11 @@ export class Plot {
     });
     this.drawn.draw?.(pen, plot);
     ctx.restore();
+  }
+
+  /** Return the label of an axis: 0 for x, 1 for y. */
+  label(axis) {
+    return this.plot.axes[axis].label;
   }
 
   /** Describe the plot in words. */
@@ -356,6 +356,13 @@ const tens = (value) => {
   return `10${power < 0 ? "⁻" : ""}${[...String(Math.abs(power))].map((digit) => RAISED[digit]).join("")}`;
 };
 
+// Outlines of marks, in halves of their size; each side of a cross is a line there and back.
+const OUTLINES = {
+  diamond: [[[0, -1], [1, 0], [0, 1], [-1, 0]]], square: [[[-1, -1], [1, -1], [1, 1], [-1, 1]]],
+  up: [[[0, -1], [1, 1], [-1, 1]]], down: [[[0, 1], [1, -1], [-1, -1]]],
+  cross: [[[-1, -1], [1, 1]], [[-1, 1], [1, -1]]],
+};
+
 /** Draws in values. */
 export class Pen {
   constructor(ctx, x, y, pixel, box) {
@@ -380,34 +387,25 @@ export class Pen {
   }
 
   /** A line through very many points from left to right, or back: of those in one pixel the extremes. */
-  dense(xs, ys, { stroke, width = 1, alpha = 1, dash = [], gap }) {
+  dense(xs, ys, { stroke, width = 1, gap }) {
     const { ctx, pixel } = this;
     let column = NaN, low = 0, high = 0, last = 0;
     const close = () => {
       if (Number.isNaN(column)) return;
-      ctx.lineTo(column * pixel, low);
-      ctx.lineTo(column * pixel, high);
-      ctx.lineTo(column * pixel, last);
+      for (const height of [low, high, last]) ctx.lineTo(column * pixel, height);
     };
     ctx.beginPath();
     for (let i = 0; i < xs.length; i++) {
-      if (Number.isNaN(xs[i]) || Number.isNaN(ys[i]) || gap?.(i)) {
-        close();
-        column = NaN;
-        if (Number.isNaN(xs[i]) || Number.isNaN(ys[i])) continue;
-      }
-      const at = Math.round(this.x(xs[i]) / pixel), height = this.y(ys[i]);
-      if (at === column) [low, high, last] = [Math.min(low, height), Math.max(high, height), height];
+      const at = Math.round(this.x(xs[i]) / pixel), height = this.y(ys[i]), isThere = !Number.isNaN(at + height);
+      if (at === column && isThere && !gap?.(i)) [low, high, last] = [Math.min(low, height), Math.max(high, height), height];
       else {
-        const begins = Number.isNaN(column);
         close();
-        [column, low, high, last] = [at, height, height, height];
-        if (begins) ctx.moveTo(at * pixel, height);
-        else ctx.lineTo(at * pixel, height);
+        if (isThere) ctx[Number.isNaN(column) || gap?.(i) ? "moveTo" : "lineTo"](at * pixel, height);
+        [column, low, high, last] = [isThere ? at : NaN, height, height, height];
       }
     }
     close();
-    this.#stroke(stroke, width, dash, alpha);
+    this.#stroke(stroke, width, [], 1);
   }
 
   /** Words beside a place, offset in pixels to the right and below. */
@@ -420,8 +418,6 @@ export class Pen {
   /** The area between two lines through points, in pieces where one of them is not a number. */
   area(xs, lows, highs, { fill, alpha = 1 }) {
     const { ctx } = this;
-    ctx.globalAlpha = alpha;
-    ctx.fillStyle = fill;
     for (let from = 0, to = 0; from < xs.length; from = to + 1) {
       for (to = from; to < xs.length && !Number.isNaN(xs[to]); to++);
       if (to === from) continue;
@@ -429,71 +425,44 @@ export class Pen {
       ctx.moveTo(this.x(xs[from]), this.y(highs[from]));
       for (let i = from + 1; i < to; i++) ctx.lineTo(this.x(xs[i]), this.y(highs[i]));
       for (let i = to - 1; i >= from; i--) ctx.lineTo(this.x(xs[i]), this.y(lows[i]));
-      ctx.closePath();
-      ctx.fill();
+      this.#fill(fill, alpha);
     }
-    ctx.globalAlpha = 1;
   }
 
-  circle(x, y, radius, { stroke, width = 1, dash = [], fill, alpha = 1 }) {
-    const { ctx } = this;
-    ctx.beginPath();
-    ctx.ellipse(this.x(x), this.y(y), Math.abs(this.x(x + radius) - this.x(x)), Math.abs(this.y(y + radius) - this.y(y)), 0, 0, 2 * Math.PI);
-    if (fill) {
-      ctx.globalAlpha = alpha;
-      ctx.fillStyle = fill;
-      ctx.fill();
-    }
-    if (stroke) this.#stroke(stroke, width, dash, alpha);
+  circle(x, y, radius, { stroke, width = 1, dash = [], alpha = 1 }) {
+    this.ctx.beginPath();
+    this.ctx.ellipse(this.x(x), this.y(y), Math.abs(this.x(x + radius) - this.x(x)), Math.abs(this.y(y + radius) - this.y(y)), 0, 0, 2 * Math.PI);
+    this.#stroke(stroke, width, dash, alpha);
   }
 
   /** A mark of a size in pixels: a disc, or another shape. */
-  mark(x, y, size, { shape = "disc", fill, stroke, width = 1.5, alpha = 1 }) {
-    const { ctx, pixel } = this;
-    const [left, top, half] = [this.x(x), this.y(y), 0.5 * size * pixel];
+  mark(x, y, size, { shape = "disc", fill, stroke, width = 1.5 }) {
+    const { ctx } = this;
+    const [left, top, half] = [this.x(x), this.y(y), 0.5 * size * this.pixel];
     ctx.beginPath();
-    if (shape === "diamond") {
-      ctx.moveTo(left, top - half);
-      ctx.lineTo(left + half, top);
-      ctx.lineTo(left, top + half);
-      ctx.lineTo(left - half, top);
+    if (shape === "disc") ctx.arc(left, top, half, 0, 2 * Math.PI);
+    for (const outline of OUTLINES[shape] ?? []) {
+      outline.forEach(([across, down], i) => ctx[i ? "lineTo" : "moveTo"](left + half * across, top + half * down));
       ctx.closePath();
-    } else if (shape === "up" || shape === "down") {
-      const tip = shape === "up" ? -half : half;
-      ctx.moveTo(left, top + tip);
-      ctx.lineTo(left + half, top - tip);
-      ctx.lineTo(left - half, top - tip);
-      ctx.closePath();
-    } else if (shape === "cross") {
-      ctx.moveTo(left - half, top - half);
-      ctx.lineTo(left + half, top + half);
-      ctx.moveTo(left - half, top + half);
-      ctx.lineTo(left + half, top - half);
-    } else if (shape === "square") ctx.rect(left - half, top - half, 2 * half, 2 * half);
-    else ctx.arc(left, top, half, 0, 2 * Math.PI);
-    ctx.globalAlpha = alpha;
-    if (fill) {
-      ctx.fillStyle = fill;
-      ctx.fill();
     }
-    if (stroke) this.#stroke(stroke, width, [], alpha);
-    ctx.globalAlpha = 1;
+    if (fill) this.#fill(fill, 1);
+    if (stroke) this.#stroke(stroke, width, [], 1);
   }
 
-  /** Many discs of one kind, some pixels wide. */
+  /** Many discs of one kind, some pixels wide; one that nobody could tell from that before is left out. */
   dots(xs, ys, size, { fill, alpha = 1 }) {
     const { ctx, pixel } = this;
     const half = 0.5 * size * pixel;
+    let last = [NaN, NaN];
     ctx.beginPath();
     for (let i = 0; i < xs.length; i++) {
       const [left, top] = [this.x(xs[i]), this.y(ys[i])];
+      if (Math.max(Math.abs(left - last[0]), Math.abs(top - last[1])) < 0.5 * pixel) continue;
+      last = [left, top];
       ctx.moveTo(left + half, top);
       ctx.arc(left, top, half, 0, 2 * Math.PI);
     }
-    ctx.globalAlpha = alpha;
-    ctx.fillStyle = fill;
-    ctx.fill();
-    ctx.globalAlpha = 1;
+    this.#fill(fill, alpha);
   }
 
   arrow(x, y, dx, dy, { stroke, width = 1.5 }) {
@@ -531,19 +500,20 @@ export class Pen {
   }
 
   /** A picture between two corners. */
-  image(picture, left, top, right, bottom, alpha = 1) {
-    const { ctx } = this;
-    ctx.imageSmoothingEnabled = false;
-    ctx.globalAlpha = alpha;
-    ctx.drawImage(picture, this.x(left), this.y(top), this.x(right) - this.x(left), this.y(bottom) - this.y(top));
-    ctx.globalAlpha = 1;
+  image(picture, left, top, right, bottom) {
+    this.ctx.imageSmoothingEnabled = false;
+    this.ctx.drawImage(picture, this.x(left), this.y(top), this.x(right) - this.x(left), this.y(bottom) - this.y(top));
+  }
+
+  #fill(fillStyle, alpha) {
+    Object.assign(this.ctx, { fillStyle, globalAlpha: alpha });
+    this.ctx.fill();
+    this.ctx.globalAlpha = 1;
   }
 
   #stroke(stroke, width, dash, alpha) {
     const { ctx, pixel } = this;
-    ctx.globalAlpha = alpha;
-    ctx.strokeStyle = stroke;
-    ctx.lineWidth = width * pixel;
+    Object.assign(ctx, { strokeStyle: stroke, lineWidth: width * pixel, globalAlpha: alpha });
     ctx.setLineDash(dash.map((each) => each * pixel));
     ctx.stroke();
     ctx.setLineDash([]);

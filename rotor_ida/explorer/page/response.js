@@ -1,5 +1,6 @@
 // The response curve: exact whirls with their folds and Hopf points, branches of limit cycles, and the rotors.
 
+import { extremes, scaled } from "./arrays.js";
 import { Plot, colour, nearest } from "./plot.js";
 import { isSystem, roundUp, speedsShown } from "./state.js";
 import { SPECIAL, STABILITY, wordsOf } from "./tables.js";
@@ -14,9 +15,12 @@ export const UNSTABLE = STABILITY.unstable;
 const { fold: FOLD, period_doubling: DOUBLING, torus: TORUS, sliding: SLIDING, hopf: HOPF, discontinuous: DISCONTINUOUS } = SPECIAL;
 const SPECIAL_WORDS = { [FOLD]: "fold of limit cycles", [DOUBLING]: "period doubling", [TORUS]: "torus point", [SLIDING]: "slip falls to 0", [HOPF]: "Hopf point", [DISCONTINUOUS]: "multipliers jump" };
 const SHAPES = { [FOLD]: "diamond", [DOUBLING]: "square", [TORUS]: "disc", [SLIDING]: "cross", [HOPF]: "disc", [DISCONTINUOUS]: "down" };
+// Points of branches that are in the key only where there are some.
+const RARE = [[TORUS, "mark open cycle"], [SLIDING, "mark cross cycle"], [DISCONTINUOUS, "mark down"]];
 // Friction-driven whirls: the name, the radii and the stability of each.
 const WHIRLS = [["slipping backward whirl", "saddle_radius", "unstable"], ["dry whip without unbalance", "whip_radius", "stable"]];
-const MARKED = [["fold", "fold"], ["graze", "graze"], ["Hopf point", "hopf"]];
+// Points of the curve: the name, that of its arrays, and the shape; a Hopf point is open.
+const MARKED = [["fold", "fold", "diamond"], ["graze", "graze", "up"], ["Hopf point", "hopf", "disc"]];
 const WHIP_ROOM = 1.5;
 
 export class Response {
@@ -54,18 +58,14 @@ export class Response {
 
   /** Return the numbers of the panel: curves, folds, branches, and tracks of the rotors. */
   table() {
-    const [speed, largest] = this.plot.plot.axes.map(({ label }) => label);
-    const columns = { rotor: [], what: [], [speed]: [], [largest]: [], [largest.replace("radius", "smallest radius")]: [], stability: [] };
-    this.sides.slice(0, this.two ? 2 : 1).forEach((side, number) => {
-      for (const { what, omega, high, low, stability } of this.#items(side)) {
-        omega.forEach((each, i) => {
-          if (!what(i) || Number.isNaN(each)) return;
-          const row = [number + 1, what(i), each * this.speed.factor, high[i] * this.length.factor, low[i] * this.length.factor, stability(i)];
-          Object.values(columns).forEach((column, place) => column.push(row[place]));
-        });
-      }
-    });
-    return columns;
+    const largest = this.plot.label(1);
+    const rows = this.#shown.flatMap((side, number) => this.#items(side).flatMap(({ what, omega, high, low, stability }) =>
+      Array.from(omega, (each, i) => [number + 1, what(i), each * this.speed.factor, high[i] * this.length.factor, low[i] * this.length.factor, stability(i)])));
+    return [["rotor", "what", this.plot.label(0), largest, largest.replace("radius", "smallest radius"), "stability"], ...rows.filter(([, what, each]) => what && !Number.isNaN(each))];
+  }
+
+  get #shown() {
+    return this.sides.slice(0, this.two ? 2 : 1);
   }
 
   take(answer) {
@@ -81,7 +81,7 @@ export class Response {
       const { rotor, ending } = answer.facts;
       side.place = { omega: rotor.omega, low: ending.radius_min, high: ending.radius_max, scales: answer.facts.scales };
       const { band_speed: omega, band_low: low, band_high: high } = answer.arrays;
-      if (omega) side.passage = { omega, low, high, jumps: [], highest: high.reduce((top, each) => Math.max(top, each), 0), isArchived: true };
+      if (omega) side.passage = { omega, low, high, jumps: [], highest: extremes(high)[1], isArchived: true };
       else if (side.passage?.isArchived) side.passage = undefined;
       if (omega) Object.assign(side.place, { omega: omega.at(-1), low: low.at(-1), high: high.at(-1) });
       side.trail.push(side.place);
@@ -105,23 +105,16 @@ export class Response {
   }
 
   show() {
-    const shown = this.sides.slice(0, this.two ? 2 : 1).filter((side) => side.curve);
+    const shown = this.#shown.filter((side) => side.curve);
     if (!shown.length) return;
     const scales = shown[0].place?.scales;
-    let top = isSystem() ? 0 : 1, [, last] = speedsShown();
-    for (const { curve, place, branches, passage } of shown) {
-      for (const each of curve.arrays.omega) if (each > last) last = each;
-      for (const each of curve.arrays.amplitude) if (each > top) top = each;
-      for (const branch of branches) for (const each of branch.arrays.radius_max) if (each > top) top = each;
-      if (passage) top = Math.max(top, passage.highest);
-      if (place) [top, last] = [Math.max(top, place.high), Math.max(last, place.omega)];
-      top = Math.max(top, curve.facts.rotor.delta0);
-    }
+    const largest = (valuesOf, least) => shown.flatMap(valuesOf).reduce((most, each) => extremes(each ?? [], [0, most])[1], least);
+    const last = largest(({ curve, place }) => [curve.arrays.omega, [place?.omega]], speedsShown()[1]);
+    const least = largest(({ curve, place, branches, passage }) => [
+      curve.arrays.amplitude, ...branches.map(({ arrays }) => arrays.radius_max), [passage?.highest, place?.high, curve.facts.rotor.delta0],
+    ], isSystem() ? 0 : 1);
     // of dry whip, which may lie far above the rest, as much as leaves the rest its room
-    const most = WHIP_ROOM * top;
-    for (const { curve } of shown) {
-      for (const [, key] of WHIRLS) for (const each of curve.arrays[key] ?? []) if (each > top) top = Math.min(each, most);
-    }
+    const top = Math.min(largest(({ curve }) => WHIRLS.map(([, key]) => curve.arrays[key]), least), WHIP_ROOM * least);
     this.length = shownIn(scales, "length", top);
     this.speed = shownIn(scales, "rate", 1);
     this.plot.show({
@@ -138,19 +131,18 @@ export class Response {
     if (shown.some(({ curve }) => curve.arrays.in_contact.includes(1))) {
       parts.push(["line-key", "exact whirl in contact"], ["line-key dashed", "unstable"], ["mark diamond", "fold"]);
     }
-    if (shown.some(({ curve }) => curve.arrays.hopf_omega.length)) parts.push(["mark open", "Hopf point"]);
-    if (shown.some(({ curve }) => curve.arrays.graze_omega?.length)) parts.push(["mark up", "graze"]);
+    const hasAny = (name) => shown.some(({ curve }) => curve.arrays[name]?.length);
+    if (hasAny("hopf_omega")) parts.push(["mark open", "Hopf point"]);
+    if (hasAny("graze_omega")) parts.push(["mark up", "graze"]);
     if (shown.some(({ curve }) => curve.arrays.in_contact.includes(0))) parts.push(["line-key free", "contact-free whirl"]);
-    if (shown.some(({ curve }) => curve.arrays.whip_omega?.length)) {
+    if (hasAny("whip_omega")) {
       parts.push(["line-key whip", "dry whip without unbalance"], ["line-key saddle", "slipping backward whirl, a saddle"]);
     }
     if (shown.some(({ branches }) => branches.length)) {
       parts.push(["line-key cycle", "limit cycle, largest radius"], ["line-key cycle thin", "smallest"]);
       parts.push(["mark diamond open cycle", "its fold"], ["mark square cycle", "period doubling"]);
       const has = (kind) => shown.some(({ branches }) => branches.some(({ arrays }) => arrays.special_kind.includes(kind)));
-      if (has(TORUS)) parts.push(["mark open cycle", SPECIAL_WORDS[TORUS]]);
-      if (has(SLIDING)) parts.push(["mark cross cycle", SPECIAL_WORDS[SLIDING]]);
-      if (has(DISCONTINUOUS)) parts.push(["mark down", SPECIAL_WORDS[DISCONTINUOUS]]);
+      for (const [kind, look] of RARE) if (has(kind)) parts.push([look, SPECIAL_WORDS[kind]]);
     }
     parts.push(["line-key dashed ring", "clearance"]);
     if (shown.some(({ passage }) => passage)) parts.push(["line-key passage", "while the speed changes"]);
@@ -162,7 +154,7 @@ export class Response {
 
   #draw(pen) {
     if (!this.length) return;
-    const shown = this.sides.slice(0, this.two ? 2 : 1);
+    const shown = this.#shown;
     pen.kept(this, this.#keyOfCurves(shown, pen), (own) => shown.forEach((side, number) => {
       const ink = number ? colour("second") : colour("ink");
       if (side.curve) this.#drawCurve(own, side.curve.arrays, ink);
@@ -172,8 +164,9 @@ export class Response {
       const ring = curve && curve.facts.rotor.delta0 * this.length.factor;
       if (curve) pen.line(this.plot.shown.x, [ring, ring], { stroke: colour("muted"), dash: [5, 4] });
     }
-    shown.forEach((side, number) => side.passage && this.#drawPassage(pen, side.passage, number ? colour("second") : colour("accent")));
-    shown.forEach((side, number) => this.#drawPlace(pen, side, number ? colour("second") : colour("accent"), number ? "square" : "disc"));
+    const ink = (number) => colour(number ? "second" : "accent");
+    shown.forEach((side, number) => side.passage && this.#drawPassage(pen, side.passage, ink(number)));
+    shown.forEach((side, number) => this.#drawPlace(pen, side, ink(number), number ? "square" : "disc"));
   }
 
   /** Return a key for the picture of the curves. */
@@ -187,7 +180,7 @@ export class Response {
   #reading(x, _y, distance, near) {
     if (!this.length) return null;
     const [points, places] = [[], []];
-    this.sides.slice(0, this.two ? 2 : 1).forEach((side, number) => {
+    this.#shown.forEach((side, number) => {
       for (const { what, omega, high, low, stability, isPoint, joins } of this.#items(side)) {
         const lines = low === high ? [["", high]] : [[isPoint ? "" : ", largest", high], [isPoint ? "" : ", smallest", low]];
         for (let i = isPoint ? 0 : 1; i < omega.length; i++) {
@@ -206,24 +199,29 @@ export class Response {
   }
 
   #drawCurve(pen, arrays, ink) {
-    const { omega, amplitude, fold_omega: folds, fold_amplitude: heights } = arrays;
-    drawWhirls(pen, omega.map((each) => each * this.speed.factor), amplitude.map((each) => each * this.length.factor), arrays, ink);
+    drawWhirls(pen, this.#xs(arrays.omega), this.#ys(arrays.amplitude), arrays, ink);
     for (const [, key, stability] of WHIRLS) {
       const look = stability === "stable" ? { width: 2 } : { width: 1.2, dash: UNSTABLE_DASH };
-      const radii = (arrays[key] ?? []).map((each) => each * this.length.factor);
-      if (radii.length) pen.line(arrays.whip_omega.map((each) => each * this.speed.factor), radii, { stroke: colour("rolling"), ...look });
+      if (arrays[key]?.length) pen.line(this.#xs(arrays.whip_omega), this.#ys(arrays[key]), { stroke: colour("rolling"), ...look });
     }
-    folds.forEach((each, i) => pen.mark(each * this.speed.factor, heights[i] * this.length.factor, 8, { shape: "diamond", fill: ink }));
-    arrays.graze_omega?.forEach((each, i) => pen.mark(each * this.speed.factor, arrays.graze_amplitude[i] * this.length.factor, 8, { shape: "up", fill: ink }));
-    arrays.hopf_omega.forEach((each, i) => {
-      pen.mark(each * this.speed.factor, arrays.hopf_amplitude[i] * this.length.factor, 8, { fill: colour("card"), stroke: ink });
-    });
+    for (const [, name, shape] of MARKED) {
+      const xs = this.#xs(arrays[`${name}_omega`] ?? []), ys = this.#ys(arrays[`${name}_amplitude`] ?? []);
+      xs.forEach((x, i) => pen.mark(x, ys[i], 8, { shape, ...(name === "hopf" ? { fill: colour("card"), stroke: ink } : { fill: ink }) }));
+    }
+  }
+
+  #xs(speeds) {
+    return scaled(speeds, this.speed.factor);
+  }
+
+  #ys(radii) {
+    return scaled(radii, this.length.factor);
   }
 
   #drawBranch(pen, arrays, ink) {
-    const xs = arrays.omega.map((each) => each * this.speed.factor);
+    const xs = this.#xs(arrays.omega);
     for (const [name, width] of [["radius_min", 0.8], ["radius_max", 1.6]]) {
-      const ys = arrays[name].map((each) => each * this.length.factor);
+      const ys = this.#ys(arrays[name]);
       for (const [from, to] of runsOf(xs.length, (i) => arrays.stability[i] === STABLE)) {
         const stable = arrays.stability[from] === STABLE;
         pen.line(xs, ys, { from: Math.max(from - 1, 0), to, stroke: ink, width, dash: stable ? [] : [4, 4] });
@@ -242,8 +240,7 @@ export class Response {
 
   /** Draw the radius while the speed changes, and the midpoints of jumps. */
   #drawPassage(pen, { omega, low, high, jumps }, ink) {
-    const xs = omega.map((each) => each * this.speed.factor);
-    const [lows, highs] = [low, high].map((radii) => radii.map((each) => each * this.length.factor));
+    const [xs, lows, highs] = [this.#xs(omega), this.#ys(low), this.#ys(high)];
     pen.area(xs, lows, highs, { fill: ink, alpha: 0.25 });
     pen.line(xs, lows, { stroke: ink, width: 0.7 });
     pen.line(xs, highs, { stroke: ink, width: 1.4 });
@@ -254,13 +251,11 @@ export class Response {
 
   #drawPlace(pen, { place, trail }, ink, shape) {
     if (!place) return;
-    const at = (each, height) => [each.omega * this.speed.factor, height * this.length.factor];
-    const speeds = trail.map(({ omega }) => omega * this.speed.factor);
+    const speeds = this.#xs(trail.map(({ omega }) => omega));
     for (const [name, size] of [["high", 4], ["low", 2]]) {
-      pen.dots(speeds, trail.map((each) => each[name] * this.length.factor), size, { fill: ink, alpha: 0.45 });
+      pen.dots(speeds, this.#ys(trail.map((each) => each[name])), size, { fill: ink, alpha: 0.45 });
     }
-    const [x, high] = at(place, place.high);
-    const [, low] = at(place, place.low);
+    const x = place.omega * this.speed.factor, [low, high] = this.#ys([place.low, place.high]);
     pen.line([x, x], [-1e9, 1e9], { stroke: ink, width: 0.8, alpha: 0.5 });
     pen.line([x, x], [low, high], { stroke: ink, width: 3 });
     pen.mark(x, high, 10, { shape, fill: ink, stroke: colour("card") });
@@ -290,11 +285,9 @@ export function drawWhirls(pen, xs, ys, { omega, stability, piece, in_contact: c
 /** Return the intervals over which `key` of the index is constant. */
 function runsOf(count, key) {
   const runs = [];
-  for (let from = 0; from < count; ) {
-    let to = from + 1;
-    while (to < count && key(to) === key(from)) to += 1;
-    runs.push([from, to]);
-    from = to;
+  for (let i = 0; i < count; i++) {
+    if (i && key(i) === key(i - 1)) runs.at(-1)[1] = i + 1;
+    else runs.push([i, i + 1]);
   }
   return runs;
 }

@@ -1,5 +1,6 @@
 // Panels of a rotor of some nodes: its sketch, and the shape of its shaft as it moves.
 
+import { extremes, nearestIn } from "./arrays.js";
 import { Plot, colour, numbers } from "./plot.js";
 import { file, state } from "./state.js";
 import { addTools } from "./tools.js";
@@ -15,16 +16,13 @@ const ALONG = 0.05, DOWN = 0.35;
 const POINTS = 48; // of a ring
 const TRAIL = 1 / 20; // of the run, in bold behind the rotor
 
-/** Return the values of one node, by its place. */
-const column = (values, place, count) => values.subarray(place * count, (place + 1) * count);
-const largest = (values) => values.reduce((top, each) => (Math.abs(each) > top ? Math.abs(each) : top), 0);
 const lengthLabel = () => (file.has_positions ? labelled("axial position", file.units === "SI" ? "m" : "") : "nodes at equal distances");
 /** Without positions the axis has no scale, and no numbers. */
 const scaleOfAxis = (plot) => (plot.plot.axes[0].values = file.has_positions ? numbers : (_plot, splits) => splits.map(() => ""));
 
 /** Return the ends of the axis along the shaft; a single node is in its middle. */
 function along(positions, margin) {
-  const [low, high] = [Math.min(...positions), Math.max(...positions)];
+  const [low, high] = extremes(positions);
   const beyond = margin * (high - low) || 0.5;
   return [low - beyond, high + beyond];
 }
@@ -54,17 +52,16 @@ export class Sketch extends Panel {
 
   #choose(x, y, choose) {
     const { positions, nodes, contacts } = file;
-    const nearest = (places) => places.reduce((best, each, i) => (Math.abs(each - x) < Math.abs(places[best] - x) ? i : best), 0);
     const ofContacts = contacts.map(({ node }) => positions[nodes.indexOf(node)]);
-    if (Math.abs(y) > ABOVE && contacts.length) choose({ contact: nearest(ofContacts) });
-    else choose({ node: nodes[nearest(positions)] });
+    if (Math.abs(y) > ABOVE && contacts.length) choose({ contact: nearestIn(ofContacts, x) });
+    else choose({ node: nodes[nearestIn(positions, x)] });
   }
 
   draw(pen) {
     const { positions, nodes, masses, contacts, supports, unbalance, node } = file;
     const at = (name) => positions[nodes.indexOf(name)];
     const heaviest = Math.max(...masses) || 1;
-    pen.line([Math.min(...positions), Math.max(...positions)], [0, 0], { stroke: colour("muted"), width: 5 });
+    pen.line(extremes(positions), [0, 0], { stroke: colour("muted"), width: 5 });
     positions.forEach((x, i) => {
       const half = TALLEST * Math.sqrt(masses[i] / heaviest);
       pen.line([x, x], [-half, half], { stroke: colour("muted"), width: 9, alpha: 0.55 });
@@ -87,7 +84,7 @@ export class Sketch extends Panel {
 
   table() {
     const { nodes, positions, masses } = file;
-    return { node: nodes, position: positions, mass: masses };
+    return [["node", "position", "mass"], ...nodes.map((node, i) => [node, positions[i], masses[i]])];
   }
 }
 
@@ -107,10 +104,10 @@ export class Shape extends Panel {
     const { positions, contacts, units } = file;
     this.count = this.x.length / positions.length;
     this.now = Math.round(part * (this.count - 1));
-    const top = Math.max(largest(this.x), largest(this.y), ...contacts.map(({ clearance }) => clearance)) || 1;
+    const top = Math.max(...[this.x, this.y].flatMap((each) => extremes(each)).map(Math.abs), ...contacts.map(({ clearance }) => clearance)) || 1;
     this.drawn = units === "SI" ? prefixed("m", top) : { factor: 1, unit: "" };
-    const span = Math.max(...positions) - Math.min(...positions) || 1;
-    this.along = (ALONG * span) / (top * this.drawn.factor);
+    const [low, high] = extremes(positions);
+    this.along = (ALONG * (high - low || 1)) / (top * this.drawn.factor);
     const limit = (1 + DOWN) * top * this.drawn.factor;
     scaleOfAxis(this.plot);
     this.plot.show({ x: along(positions, 0.08), y: [-limit, limit], labels: [lengthLabel(), labelled("deflection", this.drawn.unit)] });
@@ -126,13 +123,13 @@ export class Shape extends Panel {
       const points = Array.from(xs, (x, i) => place(z, x, ys[i]));
       pen.line(points.map(([x]) => x), points.map(([, y]) => y), style);
     };
-    pen.line([Math.min(...positions), Math.max(...positions)], [0, 0], { stroke: colour("muted"), dash: [8, 3, 2, 3] });
+    pen.line(extremes(positions), [0, 0], { stroke: colour("muted"), dash: [8, 3, 2, 3] });
     const turns = Array.from({ length: POINTS + 1 }, (_, i) => (TURN * i) / POINTS);
     for (const { node, clearance, centre } of contacts) {
       path(positions[nodes.indexOf(node)], turns.map((a) => centre[0] + clearance * Math.cos(a)), turns.map((a) => centre[1] + clearance * Math.sin(a)), { stroke: colour("contact"), width: 1.4 });
     }
     const ends = nodes.map((_, i) => {
-      const [x, y] = [column(this.x, i, count), column(this.y, i, count)];
+      const [x, y] = [this.x, this.y].map((each) => each.subarray(i * count, (i + 1) * count));
       path(positions[i], x.subarray(begin, now + 1), y.subarray(begin, now + 1), { stroke: colour("accent"), alpha: 0.55 });
       return place(positions[i], x[now], y[now]);
     });
@@ -142,7 +139,7 @@ export class Shape extends Panel {
 
   table() {
     const { nodes, positions } = file;
-    const at = (values) => nodes.map((_, i) => values[i * this.count + this.now]);
-    return { node: nodes, position: positions, x: at(this.x), y: at(this.y) };
+    const at = (values, i) => values[i * this.count + this.now];
+    return [["node", "position", "x", "y"], ...nodes.map((node, i) => [node, positions[i], at(this.x, i), at(this.y, i)])];
   }
 }

@@ -2,6 +2,7 @@
 
 import { valueShown } from "./controls.js";
 import { PARAMETERS, SHEET } from "./tables.js";
+import { element } from "./tools.js";
 
 const $ = (id) => document.getElementById(id);
 const inWords = (name) => {
@@ -15,8 +16,10 @@ export class DataSheetForm {
     this.given = given;
     this.rows = SHEET.map(({ names, example }) => this.#row(names, example));
     $("sheet-fields").replaceChildren(...this.rows.map(({ box }) => box));
-    $("sheet-cancel").addEventListener("click", () => this.close());
+    $("sheet-open").addEventListener("click", () => this.#open());
+    $("sheet").addEventListener("close", () => this.rows.forEach(({ field }) => (field.value = "")));
     $("sheet-form").addEventListener("submit", (event) => {
+      if (event.submitter === $("sheet-cancel")) return; // which closes it
       event.preventDefault();
       $("sheet-wrong").textContent = "";
       ask(Object.fromEntries(this.rows.map(({ way, field }) => [way.value, field.value])));
@@ -25,7 +28,7 @@ export class DataSheetForm {
 
   /** A quantity: the ways to give it, and a field for a value with a unit. */
   #row(names, example) {
-    const box = Object.assign(document.createElement("div"), { className: "control" });
+    const box = element("div", "", "control");
     const way = Object.assign(document.createElement("select"), { disabled: names.length === 1 });
     for (const name of names) way.add(new Option(inWords(name), name));
     way.setAttribute("aria-label", `Quantity: ${inWords(names[0])}`);
@@ -41,21 +44,12 @@ export class DataSheetForm {
   }
 
   /** Open the form with the data of the machine shown. */
-  open() {
+  #open() {
     const given = this.given();
     for (const { way, field } of this.rows) {
       if (!field.value && way.value in given) field.value = valueShown(way.value, given[way.value]).replace("¹·⁵", "^1.5");
     }
     $("sheet-wrong").textContent = "";
     $("sheet").showModal();
-  }
-
-  fail(message) {
-    $("sheet-wrong").textContent = message;
-  }
-
-  close() {
-    for (const { field } of this.rows) field.value = "";
-    $("sheet").close();
   }
 }

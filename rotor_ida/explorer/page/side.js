@@ -1,9 +1,10 @@
 // The panels of one rotor: starts and basin, orbits, radius and force over time, section.
 
+import { extremes, scaled } from "./arrays.js";
 import { Plot, colour, nearest } from "./plot.js";
 import { roundUp } from "./state.js";
 import { EVENTS, MODES, wordsOf } from "./tables.js";
-import { addTools } from "./tools.js";
+import { addTools, fillKey } from "./tools.js";
 import { labelled, shownIn, told } from "./units.js";
 
 // Above this number of events in view their marks would hide the motion.
@@ -49,9 +50,7 @@ export class Side {
   /** Build the panels in `element`; `moved` receives the start dragged on the plane. */
   constructor(element, number, { moved, asked, told, shown }) {
     element.append(document.getElementById("side").content.cloneNode(true));
-    Object.assign(this, { element, number, moved, asked, shown, motion: null, settled: null, basin: null, sectionOf: null });
-    this.time = 1;
-    this.window = 8;
+    Object.assign(this, { element, number, moved, asked, shown, motion: null, basin: null, sectionOf: null, time: 1, window: 8 });
     for (const radio of element.querySelectorAll('[type="radio"]')) radio.name = `drag${number}`;
     const at = (panel, plot = ".plot") => element.querySelector(`[data-panel="${panel}"] ${plot}`);
     this.panels = Object.fromEntries([...element.querySelectorAll("[data-panel]")].map((each) => [each.dataset.panel, each]));
@@ -101,12 +100,6 @@ export class Side {
     });
   }
 
-  /** Show a number of revolutions, or the whole run if it is 0. */
-  #showWindow(count) {
-    this.window = count;
-    this.element.querySelector("[data-window]").value = count;
-  }
-
   #goTo(part) {
     this.time = part;
     this.slider.value = part;
@@ -141,17 +134,18 @@ export class Side {
 
   take(answer) {
     if (answer.part === "motion") {
-      if (answer.facts.is_whole && !this.motion?.facts.is_whole) this.#showWindow(0);
+      if (answer.facts.is_whole && !this.motion?.facts.is_whole) {
+        this.window = 0;
+        this.element.querySelector("[data-window]").value = 0;
+      }
       this.motion = answer;
-    }
-    else if (answer.part === "settled") this.settled = answer;
-    else if (answer.part === "section") this.sectionOf = answer;
+    } else if (answer.part === "section") this.sectionOf = answer;
     else if (answer.part === "basin") this.#takeBasin(answer);
   }
 
   /** Discard the data of a rotor no longer shown. */
   forget() {
-    this.basin = this.sectionOf = this.settled = null;
+    this.basin = this.sectionOf = null;
     this.reason = "";
   }
 
@@ -207,7 +201,7 @@ export class Side {
     if (wide && now < wide) this.view.to = Math.min(last, wide);
     this.shown(this.time);
     const top = facts.ending.radius_max;
-    const drawn = Math.max(top, facts.rotor.delta0, maximum(arrays.radius, this.view.from, this.view.to));
+    const drawn = Math.max(top, facts.rotor.delta0, maximum(arrays.radius.subarray(this.view.from, this.view.to)));
     this.length = this.#scale("length", drawn);
     const reach = roundUp(1.08 * drawn * this.length.factor);
     this.plane = { x: [-reach, reach], y: [-reach, reach] };
@@ -239,40 +233,28 @@ export class Side {
     const time = this.#scale("time", arrays.t.at(-1));
     const force = this.#scale("force", this.motion.facts.ending.largest_force);
     const end = this.window ? to : arrays.t.length - 1;
-    const times = scaled(arrays.t, time.factor, from, end + 1);
     Object.assign(this, { timeUnit: time, forceUnit: force });
+    const seen = (name, { factor }) => scaled(arrays[name].subarray(from, end + 1), factor);
+    const [times, radii, forces] = [seen("t", time), seen("radius", this.length), seen("force", force)];
     const x = [arrays.t[from] * time.factor, arrays.t[end] * time.factor];
-    const radii = scaled(arrays.radius, this.length.factor, from, end + 1);
-    const forces = scaled(arrays.force, force.factor, from, end + 1);
     const most = Math.max(maximum(radii), this.motion.facts.rotor.delta0 * this.length.factor);
-    const labels = (name, unit) => [labelled("time", time.unit), labelled(name, unit)];
     this.radius.show({ data: [times, radii], x, y: [0, roundUp(1.05 * most)], labels: ["", labelled("radius", this.length.unit)] });
     const hardest = Math.max(maximum(forces), ...this.#peaks(from, end).map(([, peak]) => peak), 0);
-    this.force.show({ data: [times, forces], x, y: [0, roundUp(1.05 * hardest || 1)], labels: labels("force", force.unit) });
+    this.force.show({ data: [times, forces], x, y: [0, roundUp(1.05 * hardest || 1)], labels: [labelled("time", time.unit), labelled("force", force.unit)] });
   }
 
   #peaks(from, to) {
     const { t, peak_time: times, peak_force: forces } = this.motion.arrays;
-    const found = [];
-    for (let i = 0; i < times.length; i++) {
-      if (times[i] >= t[from] && times[i] <= t[to]) found.push([times[i] * this.timeUnit.factor, forces[i] * this.forceUnit.factor]);
-    }
-    return found;
+    const found = Array.from(times, (time, i) => [time, forces[i]]).filter(([time]) => time >= t[from] && time <= t[to]);
+    return found.map(([time, force]) => [time * this.timeUnit.factor, force * this.forceUnit.factor]);
   }
 
   #shadeContacts(pen) {
     if (!this.forceUnit) return;
     const { entry_time: entries, exit_time: exits, t, mode } = this.motion.arrays;
     const { factor } = this.timeUnit;
-    if (mode) {
-      this.#shadeModes(pen);
-      return;
-    }
-    for (let i = 0; i < entries.length; i++) {
-      const from = Number.isNaN(entries[i]) ? t[0] : entries[i];
-      const to = Number.isNaN(exits[i]) ? t.at(-1) : exits[i];
-      pen.band(from * factor, to * factor, tint(colour("contact"), 0.09));
-    }
+    if (mode) this.#shadeModes(pen);
+    else entries.forEach((entry, i) => pen.band((Number.isNaN(entry) ? t[0] : entry) * factor, (Number.isNaN(exits[i]) ? t.at(-1) : exits[i]) * factor, tint(colour("contact"), 0.09)));
   }
 
   /** Shade the phases of contact between events; those shorter than a sample are invisible. */
@@ -294,13 +276,8 @@ export class Side {
     const ring = this.motion.facts.rotor.delta0 * this.length.factor;
     pen.line([t[0] * this.timeUnit.factor, t.at(-1) * this.timeUnit.factor], [ring, ring], { stroke: colour("muted"), dash: [5, 4] });
     const [low, high] = this.radius.range.x;
-    const seen = [];
-    times.forEach((time, i) => {
-      const at = time * this.timeUnit.factor;
-      if (at >= low && at <= high) seen.push([at, this.#radiusOf(i), kinds[i]]);
-    });
-    if (seen.length <= MANY_EVENTS) {
-      for (const [at, radius, kind] of seen) pen.mark(at, radius, 7, markOf(kind));
+    for (const i of this.#eventsIn(low / this.timeUnit.factor, high / this.timeUnit.factor)) {
+      pen.mark(times[i] * this.timeUnit.factor, this.#radiusOf(i), 7, markOf(kinds[i]));
     }
     this.#line(pen, t, 1e9);
   }
@@ -367,20 +344,21 @@ export class Side {
 
   #drawEvents(pen, axes) {
     const { arrays } = this.motion;
-    const { t, event_time: times, event_kind: kinds } = arrays;
     const { from, now } = this.#turnsDrawn();
-    const [low, high] = [t[from], t[now]];
-    const [xs, ys] = [arrays[`event_${axes}x`], arrays[`event_${axes}y`]];
-    const seen = [];
-    times.forEach((time, i) => time >= low && time <= high && seen.push(i));
-    if (seen.length > MANY_EVENTS) return;
-    for (const i of seen) pen.mark(xs[i] * this.length.factor, ys[i] * this.length.factor, 6, markOf(kinds[i]));
+    const [xs, ys] = ["x", "y"].map((axis) => scaled(arrays[`event_${axes}${axis}`], this.length.factor));
+    for (const i of this.#eventsIn(arrays.t[from], arrays.t[now])) pen.mark(xs[i], ys[i], 6, markOf(arrays.event_kind[i]));
+  }
+
+  /** Return the events between two times; none where they are so many that they would hide the motion. */
+  #eventsIn(low, high) {
+    const times = this.motion.arrays.event_time;
+    const seen = [...times.keys()].filter((i) => times[i] >= low && times[i] <= high);
+    return seen.length > MANY_EVENTS ? [] : seen;
   }
 
   #drawSectionPlot() {
     const { xs, ys } = this.#sectionPoints();
-    let reach = 0;
-    for (let i = 0; i < xs.length; i++) reach = Math.max(reach, Math.abs(xs[i]), Math.abs(ys[i]));
+    const reach = Math.max(...[xs, ys].flatMap((each) => extremes(each, [0, 0])).map(Math.abs));
     const { factor, unit } = this.length;
     const all = roundUp(1.15 * reach || this.motion.facts.rotor.delta0) * factor;
     this.section.show({ x: [-all, all], y: [-all, all], labels: [labelled("along the unbalance", unit), labelled("across it", unit)] });
@@ -398,8 +376,7 @@ export class Side {
 
   #drawSection(pen) {
     if (!this.length) return;
-    const { xs, ys } = this.#sectionPoints();
-    const { factor } = this.length;
+    const { xs, ys } = this.#sectionPoints(), { factor } = this.length;
     pen.circle(0, 0, this.motion.facts.rotor.delta0 * factor, { stroke: colour("muted"), dash: [5, 4] });
     const many = xs.length > 1000;
     pen.dots(scaled(xs, factor), scaled(ys, factor), many ? 2 : 5, { fill: colour("ink"), alpha: many ? 0.6 : 0.8 });
@@ -431,49 +408,50 @@ export class Side {
   /** Return the numbers of a panel, by the names of its columns. */
   #table(panel) {
     const { arrays } = this.motion;
-    const label = (plot, axis) => plot.plot.axes[axis].label;
-    const time = label(this.force, 0), radius = label(this.radius, 1), force = label(this.force, 1);
+    const time = this.force.label(0), radius = this.radius.label(1), force = this.force.label(1);
     const [times, radii, forces] = [[arrays.t, this.timeUnit], [arrays.radius, this.length], [arrays.force, this.forceUnit]]
       .map(([values, { factor }]) => [...scaled(values, factor)]);
-    const pair = (plot, xs, ys) => ({ [label(plot, 0)]: [...scaled(xs, this.length.factor)], [label(plot, 1)]: [...scaled(ys, this.length.factor)] });
-    if (panel === "orbit") return { [time]: times, ...pair(this.orbit, arrays.x, arrays.y), [radius]: radii };
-    if (panel === "turning") return { [time]: times, ...pair(this.turning, arrays.rotating_x, arrays.rotating_y), [radius]: radii };
     if (panel === "section") {
-      const { xs, ys } = this.#sectionPoints();
-      return pair(this.section, xs, ys);
+      const { xs, ys } = this.#sectionPoints(), { factor } = this.length;
+      return [[0, 1].map((axis) => this.section.label(axis)), ...Array.from(xs, (x, i) => [x * factor, ys[i] * factor])];
     }
     if (panel === "starts") return this.#tableOfStarts();
-    const rows = [...times.map((each, i) => [each, "sample", radii[i], forces[i]])];
+    if (panel !== "history") {
+      const [xs, ys] = ["x", "y"].map((axis) => scaled(arrays[panel === "orbit" ? axis : `rotating_${axis}`], this.length.factor));
+      return [[time, this[panel].label(0), this[panel].label(1), radius], ...times.map((each, i) => [each, xs[i], ys[i], radii[i]])];
+    }
+    const rows = times.map((each, i) => [each, "sample", radii[i], forces[i]]);
     arrays.event_time.forEach((each, i) => rows.push([each * this.timeUnit.factor, EVENT_WORDS[arrays.event_kind[i]], this.#radiusOf(i), HELD.includes(arrays.event_kind[i]) ? NaN : 0]));
     for (const [at, peak] of this.#peaks(0, times.length - 1)) rows.push([at, "peak", NaN, peak]);
     rows.sort(([one], [other]) => one - other);
-    return Object.fromEntries([time, "what", radius, force].map((name, i) => [name, rows.map((row) => row[i])]));
+    return [[time, "what", radius, force], ...rows];
   }
 
   /** Return each start of the plane and its end, or without a basin the start alone. */
   #tableOfStarts() {
     const { factor } = this.#scale("length", this.reach);
-    const [x, y] = [0, 1].map((axis) => this.starts.plot.axes[axis].label);
-    if (!this.basin) return { [x]: [this.start[0] * factor], [y]: [this.start[1] * factor] };
-    const { count, reach, attractors } = this.basin.facts;
+    const names = [this.starts.label(0), this.starts.label(1)];
+    if (!this.basin) return [names, [this.start[0] * factor, this.start[1] * factor]];
+    const { count, reach } = this.basin.facts;
     const middle = (place) => factor * reach * ((2 * place + 1) / count - 1);
-    const labels = [...this.basin.arrays.label];
-    return {
-      [x]: labels.map((_, i) => middle(Math.floor(i / count))), [y]: labels.map((_, i) => middle(i % count)),
-      attractor: labels, "settles on": labels.map((label) => KINDS[attractors[label]?.kind ?? "undecided"]),
-    };
+    const row = (label, i) => [middle(Math.floor(i / count)), middle(i % count), label, this.#kindOf(label)];
+    return [[...names, "attractor", "settles on"], ...Array.from(this.basin.arrays.label, row)];
+  }
+
+  /** Return in words the kind of motion that a label of the basin is of. */
+  #kindOf(label) {
+    return KINDS[this.basin.facts.attractors[label]?.kind ?? "undecided"];
   }
 
   // description of the place under the pointer
 
   #readStart(x, y) {
     if (!this.basin) return null;
-    const { count, reach, attractors } = this.basin.facts;
+    const { count, reach } = this.basin.facts;
     const { factor } = this.#scale("length", this.reach);
     const [column, row] = [x, y].map((each) => Math.floor(0.5 * count * (each / (factor * reach) + 1)));
     if (Math.min(column, row) < 0 || Math.max(column, row) >= count) return null;
-    const label = this.basin.arrays.label[column * count + row];
-    return { text: `${KINDS[attractors[label]?.kind ?? "undecided"]}: ${this.starts.tell([x, y], ["x", "y"])}` };
+    return { text: `${this.#kindOf(this.basin.arrays.label[column * count + row])}: ${this.starts.tell([x, y], ["x", "y"])}` };
   }
 
   #readOrbit(axes, x, y, distance, near) {
@@ -483,8 +461,7 @@ export class Side {
     const { factor } = this.length;
     const { from, now } = this.#turnsDrawn();
     const [low, high] = [t[from], t[now]];
-    const [xs, ys] = [arrays[`${axes}x`], arrays[`${axes}y`]].map((values) => scaled(values, factor));
-    const [ex, ey] = [arrays[`event_${axes}x`], arrays[`event_${axes}y`]].map((values) => scaled(values, factor));
+    const [xs, ys, ex, ey] = [`${axes}x`, `${axes}y`, `event_${axes}x`, `event_${axes}y`].map((name) => scaled(arrays[name], factor));
     const places = this.#turns(from, now).map((i) => [xs[i], ys[i], "once a revolution", t[i]]);
     times.forEach((time, i) => time >= low && time <= high && places.push([ex[i], ey[i], EVENT_WORDS[kinds[i]], time]));
     const samples = Array.from({ length: now - from + 1 }, (_, i) => [xs[from + i], ys[from + i], "at", t[from + i]]);
@@ -498,10 +475,9 @@ export class Side {
   #readTime(name, x, _y, distance, near) {
     if (!this.forceUnit) return null;
     const { plot } = this[name];
-    const { arrays } = this.motion;
-    const lines = [this.force.plot.axes[0].label, plot.axes[1].label].map(withoutUnit);
-    const told_ = (kind, at) => ({ text: `${kind}${this.#tellTime(name, at, lines)}`, at });
-    const { factor } = this.timeUnit;
+    const { arrays } = this.motion, { factor, unit } = this.timeUnit;
+    const { unit: other } = name === "radius" ? this.length : this.forceUnit;
+    const told_ = (kind, [time, value]) => ({ text: `${kind}time ${told(time, 8)}${unit && ` ${unit}`}, ${name} ${told(value, 6)}${other && ` ${other}`}`, at: [time, value] });
     const beside = (time) => Math.abs(plot.valToPos(time * factor, "x") - plot.valToPos(x, "x"));
     if (name === "force") {
       const peak = this.#peaks(0, arrays.t.length - 1).find((at) => distance(...at) < near);
@@ -509,36 +485,26 @@ export class Side {
     }
     const height = (event) => (name === "radius" ? this.#radiusOf(event) : 0);
     const isShown = (event) => name === "radius" || !HELD.includes(arrays.event_kind[event]);
-    let event = -1, best = near;
-    arrays.event_time.forEach((time, i) => {
-      if (!isShown(i) || beside(time) >= 0.5 * near) return;
-      const away = distance(time * factor, height(i));
-      if (away < best) [best, event] = [away, i];
-    });
-    if (event >= 0) return told_(`${EVENT_WORDS[arrays.event_kind[event]]}: `, [arrays.event_time[event] * factor, height(event)]);
+    const events = [];
+    arrays.event_time.forEach((time, i) => isShown(i) && beside(time) < 0.5 * near && events.push([time * factor, height(i), EVENT_WORDS[arrays.event_kind[i]]]));
+    const event = nearest(events, distance, near);
+    if (event) return told_(`${event[2]}: `, event);
     const [times, values] = this[name].data;
     const i = plot.valToIdx(x);
     return times.length ? told_("", [times[i], values[i]]) : null;
   }
 
-  #tellTime(name, [time, value], [first, second]) {
-    const { unit } = this.timeUnit;
-    const { unit: other } = name === "radius" ? this.length : this.forceUnit;
-    return `${first} ${told(time, 8)}${unit && ` ${unit}`}, ${second} ${told(value, 6)}${other && ` ${other}`}`;
-  }
-
   #readSection(_x, _y, distance, near) {
     if (!this.length) return null;
     const { xs, ys } = this.#sectionPoints();
-    const at = nearest(Array.from(xs, (x, i) => [x * this.length.factor, ys[i] * this.length.factor]), distance, near);
+    const at = nearest(Array.from(xs, (x, i) => [x, ys[i]].map((each) => each * this.length.factor)), distance, near);
     return at ? { text: `point: ${this.section.tell(at)}`, at } : null;
   }
 
   #keyOfBasin() {
     const key = this.panels.starts.querySelector("[data-key]");
-    key.replaceChildren();
     if (!this.basin) {
-      key.textContent = this.wantsBasin ? this.reason || "computing the basin …" : "";
+      fillKey(key, this.wantsBasin ? [["", this.reason || "computing the basin …"]] : []);
       this.starts.say("The plane of starts.");
       return;
     }
@@ -550,14 +516,8 @@ export class Side {
       return [KINDS[kind] + which, fraction, this.colours[place], kind];
     });
     if (undecided > 0) parts.push([KINDS.undecided, undecided, colour("undecided")]);
-    for (const [name, fraction, fill, kind] of parts.filter(([, part]) => part > 0)) {
-      const item = document.createElement("span");
-      const swatch = Object.assign(document.createElement("i"), { className: `swatch ${HATCHED[kind] ? kind : ""}` });
-      swatch.style.backgroundColor = fill;
-      item.append(swatch, `${name} ${told(100 * fraction, 3)} %`);
-      key.append(item);
-    }
-    if (!finest) key.append(Object.assign(document.createElement("span"), { textContent: `${count}² starts, finer soon` }));
+    const items = parts.filter(([, part]) => part > 0).map(([name, part, fill, kind]) => [`swatch ${HATCHED[kind] ? kind : ""}`, `${name} ${told(100 * part, 3)} %`, fill]);
+    fillKey(key, [...items, ...(finest ? [] : [["", `${count}² starts, finer soon`]])]);
     this.starts.say(`Basins of the starts at this velocity: ${parts.map(([name, part]) => `${name} ${told(100 * part, 3)} %`).join(", ")}.`);
   }
 
@@ -574,8 +534,6 @@ export class Side {
     this.section.say("Section: the rotor once a revolution, on axes that turn with the unbalance.");
   }
 }
-
-const withoutUnit = (label) => label.replace(/ \[.*\]$/, "");
 
 /** Draw an orbit in the colours of flight, forward and backward slip, and rolling. */
 function drawModes(pen, xs, ys, modes, stretch) {
@@ -596,29 +554,10 @@ const markOf = (kind) => ({
   ...(SHAPES[kind] === "cross" ? { stroke: colour("ink"), width: 1.5 } : kind > 0 ? { fill: colour("ink"), stroke: colour("card"), width: 0.8 } : { fill: colour("card"), stroke: colour("ink"), width: 1.2 }),
 });
 
-/** Return a part of an array times a factor; a view if the factor is 1. */
-function scaled(values, factor, from = 0, to = values.length) {
-  const part = values.subarray(from, to);
-  return factor === 1 ? part : part.map((each) => each * factor);
-}
+const maximum = (values) => extremes(values, [0, 0])[1];
 
-function maximum(values, from = 0, to = values.length) {
-  let most = 0;
-  for (let i = from; i < to; i++) if (values[i] > most) most = values[i];
-  return most;
-}
-
-/** Return the red, green and blue of a colour. */
-function channels(text) {
-  if (!known.has(text)) {
-    brush.fillStyle = text;
-    brush.fillRect(0, 0, 1, 1);
-    known.set(text, [...brush.getImageData(0, 0, 1, 1).data.slice(0, 3)]);
-  }
-  return known.get(text);
-}
-const known = new Map();
-const brush = new OffscreenCanvas(1, 1).getContext("2d", { willReadFrequently: true });
+/** Return the red, green and blue of a computed colour. */
+const channels = (text) => text.match(/\d+/g).slice(0, 3).map(Number);
 
 /** Return a colour as four bytes of a picture, at a fraction of its lightness. */
 const packed = ([red, green, blue], light) =>

@@ -1,10 +1,11 @@
 // What the probes and the keyphasor of a machine would show: Bode and polar plot and cascade of the
 // last run-up, and the full spectrum; beside them a measurement.
 
-import { Plot, colour } from "./plot.js";
+import { extremes, nearestIn, scaled } from "./arrays.js";
+import { Plot, colour, nearest } from "./plot.js";
 import { UNSTABLE, drawWhirls } from "./response.js";
 import { roundUp, speedsShown } from "./state.js";
-import { addTools, fillKey } from "./tools.js";
+import { addTools, element, fillKey } from "./tools.js";
 import { labelled, shownIn, told } from "./units.js";
 
 const TITLES = { bode: "Bode: order 1", polar: "Polar: order 1", full: "Full spectrum", cascade: "Cascade", campbell: "Campbell diagram, contacts open" };
@@ -22,200 +23,169 @@ const TALLEST = 0.3, ROW = 0.75, APART = 3;
 const REACH = 2.3;
 // About so many speeds are marked in a polar plot.
 const MARKS = 7;
-const TICKS = [1, 2, 5];
+const TICKS = [1, 2, 5, 10];
 // How far the speeds that are shown reach beyond those of a measurement.
 const ROOM = 1.1;
 
 /** Return phase lags in degrees, within one turn. */
 const lagsOf = (lags) => Array.from(lags, (each) => wrapped(each * DEGREES));
 const wrapped = (lag) => lag - 360 * Math.floor((lag - LEAST_LAG) / 360);
-const times = (values, factor) => (factor === 1 ? values : values.map((each) => each * factor));
-const largest = (values, top = 0) => {
-  for (const each of values) if (each > top) top = each;
-  return top;
-};
 const jumps = (lags) => (i) => Math.abs(lags[i] - lags[i - 1]) > 180;
+const signed = (order) => `${order < 0 ? "−" : ""}${Math.abs(order)}X`;
 
-/** Add a row to a table that is held as columns. */
-const addRow = (columns, row) => Object.values(columns).forEach((column, i) => column.push(row[i]));
+/** Return the sources with order 1 or exact whirls to draw. */
+const ordersOf = ({ sources }) => sources.filter((each) => each.order.speed.length || each.curve);
 
 /** A panel: its card, its plots, and what they show. */
 class Panel {
-  constructor(name, plots, say) {
-    this.card = Object.assign(document.createElement("section"), { className: "card" });
-    this.card.dataset.panel = name;
-    this.card.append(Object.assign(document.createElement("h2"), { textContent: TITLES[name] }));
-    this.areas = plots.map(([className, key]) => {
-      const element = Object.assign(document.createElement("div"), { className: `plot ${className}` });
-      element.setAttribute("role", "img");
-      if (key) element.dataset.plot = key;
-      this.card.append(element);
-      return element;
-    });
-    this.keyBox = Object.assign(document.createElement("p"), { className: "key" });
-    this.card.append(this.keyBox);
+  drawn = [];
+
+  /** Build it with plots of a style each; `plots` returns the options of the one of some number. */
+  constructor(name, { told: words }, plots, styles = ["square"]) {
     this.name = name;
-    Object.assign(this, say);
+    this.card = element("section", "", "card");
+    this.card.dataset.panel = name;
+    this.keyBox = element("p", "", "key");
+    this.card.append(element("h2", TITLES[name]), this.keyBox);
+    this.plotOf = plots;
+    this.plots = [];
+    for (const style of styles) this.add(style);
+    [this.plot] = this.plots;
+    addTools(this.card, this.plots, { name: () => name, told: words, table: () => this.table() });
   }
 
-  tools() {
-    addTools(this.card, this.plots, { name: () => this.name, told: () => this.told(), table: () => this.table() });
+  /** Add a plot before the key. */
+  add(style) {
+    const box = element("div", "", `plot ${style}`);
+    box.setAttribute("role", "img");
+    this.keyBox.before(box);
+    const { series: name, ...options } = this.plotOf(this.plots.length);
+    if (name) box.dataset.plot = name;
+    const reading = (...where) => readPoints(plot, this.points(name), ...where);
+    const plot = new Plot(box, { reading, draw: (pen) => this.view && this.draw(pen, name), ...options });
+    this.plots.push(plot);
+  }
+
+  /** Return the lines that are read under the pointer. */
+  points(series) {
+    return this.drawn.map(({ source, xs, [series]: named, ys = named }) => ({ name: source.name, xs, ys, at: series ? undefined : source.order.speed }));
+  }
+
+  /** Describe the drawn sources that have come so far, with words on each. */
+  sayNow(plot, words, of) {
+    plot.say(`${words} ${this.drawn.filter(({ xs }) => xs.length).map((each) => `${each.source.name}: ${of(each)}`).join("; ")}`);
   }
 
   /** Return the names and keys of the lines that are drawn. */
   keyOfSources({ sources, fastest }, { curve = false } = {}) {
     const parts = [];
-    const shows = (is) => curve && sources.some(({ curve: each }) => each?.omega.some((omega, i) => each.piece[i] >= 0 && omega <= fastest && is(each.stability[i] === UNSTABLE, each.in_contact[i])));
+    const curves = sources.map((each) => curve && each.curve).filter(Boolean);
+    const shows = (is) => curves.some((each) => each.omega.some((omega, i) => each.piece[i] >= 0 && omega <= fastest && is(each.stability[i] === UNSTABLE, each.in_contact[i])));
     if (shows((unstable, contact) => contact && !unstable)) parts.push(["line-key", "exact whirl in contact"]);
     if (shows((unstable, contact) => !contact && !unstable)) parts.push(["line-key free", "contact-free whirl"]);
     if (shows((unstable) => unstable)) parts.push(["line-key dashed", "unstable"]);
-    if (curve && sources.some(({ curve: each }) => each?.fold_omega.some((fold) => fold <= fastest))) parts.push(["mark diamond", "fold"]);
-    for (const each of sources) if (each.has(this.name)) parts.push([each.icon, each.name]);
+    if (curves.some((each) => each.fold_omega.some((fold) => fold <= fastest))) parts.push(["mark diamond", "fold"]);
+    for (const each of sources) if (hasPanel(each, this.name)) parts.push([each.icon, each.name]);
     return parts;
   }
+}
+
+/** Draw the exact whirls of a source at some places, with their folds. */
+function drawExact(pen, xs, ys, { curve, ink }) {
+  drawWhirls(pen, xs, ys, curve, ink("ink"));
+  for (const i of foldsOf(curve)) pen.mark(xs[i], ys[i], 8, { shape: "diamond", fill: ink("ink") });
 }
 
 /** Amplitude and phase lag of order 1 over the speed. */
 class Bode extends Panel {
   constructor(say) {
-    super("bode", [["low", "amplitude"], ["low", "lag"]], say);
-    const [upper, lower] = this.areas;
-    const reading = (plot, name) => (...where) => readPoints(plot(), this.#points(name), ...where);
-    this.amplitude = new Plot(upper, { x: "", y: "amplitude", draw: (pen) => this.#draw(pen, "amplitude"), reading: reading(() => this.amplitude, "amplitude") });
-    this.lag = new Plot(lower, { x: "speed", y: "phase lag [°]", steps: LAG_STEPS, draw: (pen) => this.#draw(pen, "lag"), reading: reading(() => this.lag, "lag") });
-    this.plots = [this.amplitude, this.lag];
+    const options = [{ series: "amplitude", x: "", y: "amplitude" }, { series: "lag", x: "speed", y: "phase lag [°]", steps: LAG_STEPS }];
+    super("bode", say, (place) => options[place], ["low", "low"]);
+    [this.amplitude, this.lag] = this.plots;
     this.amplitude.linked = [this.lag];
     this.lag.linked = [this.amplitude];
-    this.tools();
+    this.pictures = { amplitude: {}, lag: {} };
   }
 
   show(view) {
     this.view = view;
-    this.drawn = view.sources.filter((each) => each.order.speed.length || each.curve).map((each) => ({
-      source: each,
-      speed: times(each.order.speed, view.speed.factor), amplitude: times(each.order.amplitude, view.length.factor), lag: lagsOf(each.order.lag),
+    this.drawn = ordersOf(view).map((source) => ({
+      source, xs: scaled(source.order.speed, view.speed.factor), amplitude: scaled(source.order.amplitude, view.length.factor), lag: lagsOf(source.order.lag),
     }));
-    let low = 0, high = 180;
-    for (const { lag } of this.drawn) {
-      for (const each of lag) {
-        if (each < -LAG_ROOM) low = LEAST_LAG;
-        if (each > 180 + LAG_ROOM) high = 360 + LEAST_LAG;
-      }
-    }
+    const reaches = (beyond) => this.drawn.some(({ lag }) => lag.some(beyond));
+    const y = [reaches((each) => each < -LAG_ROOM) ? LEAST_LAG : 0, reaches((each) => each > 180 + LAG_ROOM) ? 360 + LEAST_LAG : 180];
     const x = [0, view.fastest * view.speed.factor];
     this.amplitude.show({ x, y: [0, roundUp(1.05 * view.top * view.length.factor)], labels: ["", labelled("amplitude", view.length.unit)] });
-    this.lag.show({ x, y: [low, high], labels: [labelled(view.speed.unit ? "speed" : "speed ω", view.speed.unit), "phase lag [°]"] });
+    this.lag.show({ x, y, labels: [labelled(view.speed.unit ? "speed" : "speed ω", view.speed.unit), "phase lag [°]"] });
     fillKey(this.keyBox, [...this.keyOfSources(view, { curve: true }), ...view.missing]);
-    const last = (values) => told(values.at(-1));
-    const now = this.drawn.filter(({ speed }) => speed.length).map(({ source, speed, amplitude, lag }) => `${source.name}: at speed ${last(speed)} amplitude ${last(amplitude)}, phase lag ${last(lag)} degrees`).join("; ");
-    this.amplitude.say(`Amplitude of order 1 over the speed. ${now}`);
-    this.lag.say(`Phase lag of order 1 over the speed. ${now}`);
+    const last = ({ xs, amplitude, lag }) => `at speed ${told(xs.at(-1))} amplitude ${told(amplitude.at(-1))}, phase lag ${told(lag.at(-1))} degrees`;
+    this.sayNow(this.amplitude, "Amplitude of order 1 over the speed.", last);
+    this.sayNow(this.lag, "Phase lag of order 1 over the speed.", last);
   }
 
-  #points(name) {
-    return (this.drawn ?? []).map(({ source, speed, ...values }) => ({ name: source.name, xs: speed, ys: values[name] }));
-  }
-
-  #draw(pen, name) {
-    if (!this.view) return;
+  draw(pen, name) {
     const { length, speed } = this.view;
-    const owner = (this.pictures ??= { amplitude: {}, lag: {} })[name];
-    pen.kept(owner, keyOfCurves(pen, this[name], this.view), (own) => {
-      for (const { source: { curve, ink } } of this.drawn) {
-        if (!curve) continue;
-        const ys = name === "lag" ? lagsOf(curve.phase_lag) : times(curve.amplitude, length.factor);
-        drawWhirls(own, times(curve.omega, speed.factor), ys, curve, ink("ink"));
-        for (const i of foldsOf(curve)) own.mark(curve.omega[i] * speed.factor, ys[i], 8, { shape: "diamond", fill: ink("ink") });
+    pen.kept(this.pictures[name], keyOfCurves(pen, this[name], this.view), (own) => {
+      for (const { source } of this.drawn) {
+        const { curve } = source;
+        if (curve) drawExact(own, scaled(curve.omega, speed.factor), name === "lag" ? lagsOf(curve.phase_lag) : scaled(curve.amplitude, length.factor), source);
       }
     });
-    for (const { source, speed: xs, [name]: ys } of this.drawn) {
-      if (source.sparse) pen.dots(...unlessNear(pen, xs, ys), 4, { fill: source.ink(), alpha: 0.8 });
+    for (const { source, xs, [name]: ys } of this.drawn) {
+      if (source.sparse) pen.dots(xs, ys, 4, { fill: source.ink(), alpha: 0.8 });
       pen.dense(xs, ys, { stroke: source.ink(), width: source.sparse ? 0.8 : 1.6, gap: name === "lag" ? jumps(ys) : undefined });
       if (!source.sparse && xs.length) pen.mark(xs.at(-1), ys.at(-1), 8, { fill: source.ink(), stroke: colour("card") });
     }
   }
 
   table() {
-    const [{ label: speed }, { label: lag }] = this.lag.plot.axes;
-    const columns = { what: [], [speed]: [], [this.amplitude.plot.axes[1].label]: [], [lag]: [] };
-    const add = (...row) => addRow(columns, row);
-    const { view } = this;
-    for (const each of this.drawn) {
-      const { curve } = each.source;
-      curve?.omega.forEach((omega, i) => add(`exact whirl, ${each.source.name}`, omega * view.speed.factor, curve.amplitude[i] * view.length.factor, wrapped(curve.phase_lag[i] * DEGREES)));
-      each.speed.forEach((at, i) => Number.isNaN(at) || add(each.source.name, at, each.amplitude[i], each.lag[i]));
-    }
-    return columns;
+    const { speed, length } = this.view;
+    const rows = this.drawn.flatMap(({ source: { name, curve }, xs, amplitude, lag }) => [
+      ...Array.from(curve?.omega ?? [], (omega, i) => [`exact whirl, ${name}`, omega * speed.factor, curve.amplitude[i] * length.factor, wrapped(curve.phase_lag[i] * DEGREES)]),
+      ...Array.from(xs, (each, i) => [name, each, amplitude[i], lag[i]]).filter(([, each]) => !Number.isNaN(each)),
+    ]);
+    return [["what", this.lag.label(0), this.amplitude.label(1), this.lag.label(1)], ...rows];
   }
 }
 
 /** Order 1 as a vector, on axes that turn with the unbalance. */
 class Polar extends Panel {
   constructor(say) {
-    super("polar", [["square"]], say);
-    this.plot = new Plot(this.areas[0], { equal: true, x: "along the unbalance", y: "across it", draw: (pen) => this.#draw(pen), reading: (...where) => readPoints(this.plot, this.#points(), ...where) });
-    this.plots = [this.plot];
-    this.tools();
+    super("polar", say, () => ({ equal: true, x: "along the unbalance", y: "across it" }));
   }
 
   show(view) {
     this.view = view;
-    const place = ({ amplitude, lag }) => {
-      const [xs, ys] = [new Array(lag.length), new Array(lag.length)];
-      for (let i = 0; i < lag.length; i++) {
-        xs[i] = view.length.factor * amplitude[i] * Math.cos(lag[i]);
-        ys[i] = -view.length.factor * amplitude[i] * Math.sin(lag[i]);
-      }
-      return { xs, ys };
-    };
-    this.drawn = view.sources.filter((each) => each.order.speed.length || each.curve).map((source) => ({
-      source, ...place(source.order), curve: source.curve && place({ amplitude: source.curve.amplitude, lag: source.curve.phase_lag }),
+    const along = (amplitude, lag, of) => Array.from(lag, (each, i) => view.length.factor * amplitude[i] * of(each));
+    const place = (amplitude, lag) => ({ xs: along(amplitude, lag, Math.cos), ys: along(amplitude, lag, (each) => -Math.sin(each)) });
+    this.drawn = ordersOf(view).map((source) => ({
+      source, ...place(source.order.amplitude, source.order.lag), curve: source.curve && place(source.curve.amplitude, source.curve.phase_lag),
     }));
+    this.top = view.top * view.length.factor;
     // what matters lies on the side to which the whirl lags
-    let [left, right, low, high] = [0, 0, 0, 0];
-    const reach = (xs, ys, isSeen) => {
-      for (let i = 0; i < xs.length; i++) {
-        if (!isSeen(i)) continue;
-        if (xs[i] < left) left = xs[i];
-        if (xs[i] > right) right = xs[i];
-        if (ys[i] < low) low = ys[i];
-        if (ys[i] > high) high = ys[i];
+    const room = 0.08 * this.top || 1, { unit } = view.length;
+    const [x, y] = ["xs", "ys"].map((axis) => {
+      let ends = [0, 0];
+      for (const { source, [axis]: values, curve } of this.drawn) {
+        ends = extremes(values, ends);
+        if (curve) ends = extremes(curve[axis].filter((_, i) => source.curve.omega[i] <= view.fastest), ends);
       }
-    };
-    for (const { source, xs, ys, curve } of this.drawn) {
-      reach(xs, ys, () => true);
-      if (curve) reach(curve.xs, curve.ys, (i) => source.curve.omega[i] <= view.fastest);
-    }
-    const top = view.top * view.length.factor;
-    const room = 0.08 * top || 1;
-    const { unit } = view.length;
-    this.plot.show({ x: [left - room, right + room], y: [low - room, high + room], labels: [labelled("along the unbalance", unit), labelled("across it", unit)] });
-    this.top = top;
+      return [ends[0] - room, ends[1] + room];
+    });
+    this.plot.show({ x, y, labels: [labelled("along the unbalance", unit), labelled("across it", unit)] });
     fillKey(this.keyBox, [...this.keyOfSources(view, { curve: true }), ["dot", `speeds${view.speed.unit && ` [${view.speed.unit}]`}`], ...view.missing]);
-    const now = this.drawn.filter(({ xs }) => xs.length).map(({ source, xs, ys }) => `${source.name}: ${told(xs.at(-1))} along the unbalance, ${told(ys.at(-1))} across it`).join("; ");
-    this.plot.say(`Order 1 as a vector on axes that turn with the unbalance. ${now}`);
+    this.sayNow(this.plot, "Order 1 as a vector on axes that turn with the unbalance.", ({ xs, ys }) => `${told(xs.at(-1))} along the unbalance, ${told(ys.at(-1))} across it`);
   }
 
-  #points() {
-    return (this.drawn ?? []).map(({ source, xs, ys }) => ({ name: source.name, xs, ys, at: source.order.speed }));
-  }
-
-  #draw(pen) {
-    if (!this.view) return;
-    const grid = { stroke: colour("grid"), width: 1 };
+  draw(pen) {
     const ring = roundUp(this.top) / 2;
-    pen.circle(0, 0, ring, grid);
-    pen.circle(0, 0, 2 * ring, grid);
+    for (const radius of [ring, 2 * ring]) pen.circle(0, 0, radius, { stroke: colour("grid"), width: 1 });
     pen.line([-4 * ring, 4 * ring], [0, 0], { stroke: colour("line") });
     pen.line([0, 0], [-4 * ring, 4 * ring], { stroke: colour("line") });
     for (const { source, xs, ys, curve } of this.drawn) {
-      if (curve) {
-        drawWhirls(pen, curve.xs, curve.ys, source.curve, source.ink("ink"));
-        for (const i of foldsOf(source.curve)) pen.mark(curve.xs[i], curve.ys[i], 8, { shape: "diamond", fill: source.ink("ink") });
-      }
-      const [near, far] = unlessNear(pen, xs, ys);
-      if (source.sparse) pen.dots(near, far, 4, { fill: source.ink(), alpha: 0.8 });
-      pen.line(near, far, { stroke: source.ink(), width: source.sparse ? 0.8 : 1.6 });
+      if (curve) drawExact(pen, curve.xs, curve.ys, source);
+      if (source.sparse) pen.dots(xs, ys, 4, { fill: source.ink(), alpha: 0.8 });
+      pen.line(xs, ys, { stroke: source.ink(), width: source.sparse ? 0.8 : 1.6 });
       this.#markSpeeds(pen, source, xs, ys);
       if (!source.sparse && xs.length) pen.arrow(0, 0, xs.at(-1), ys.at(-1), { stroke: source.ink(), width: 1.6 });
     }
@@ -223,18 +193,13 @@ class Polar extends Panel {
 
   /** Mark round speeds along a track, and write them beside it. */
   #markSpeeds(pen, source, xs, ys) {
-    const { factor } = this.view.speed;
-    const speeds = source.order.speed;
-    let [low, high] = [Infinity, -Infinity];
-    for (const each of speeds) {
-      if (each < low) low = each;
-      if (each > high) high = each;
-    }
+    const speeds = scaled(source.order.speed, this.view.speed.factor);
+    const [low, high] = extremes(speeds);
     if (!(high > low)) return;
-    const step = roundStep(((high - low) * factor) / MARKS);
+    const step = roundUp((high - low) / MARKS, TICKS);
     const written = [];
     for (let i = 1; i < speeds.length; i++) {
-      const [from, to] = [speeds[i - 1] * factor, speeds[i] * factor];
+      const [from, to] = [speeds[i - 1], speeds[i]];
       const round = step * (to > from ? Math.floor(to / step) : Math.ceil(to / step));
       // NaN, where the way has changed, lies between nothing
       if (!((to > from && round > from) || (to < from && round < from))) continue;
@@ -249,33 +214,25 @@ class Polar extends Panel {
   }
 
   table() {
-    const [x, y] = this.plot.plot.axes.map(({ label }) => label);
-    const columns = { what: [], [labelled("speed", this.view.speed.unit)]: [], [x]: [], [y]: [] };
-    for (const { source, xs, ys } of this.drawn) {
-      xs.forEach((each, i) => Number.isNaN(each) || addRow(columns, [source.name, source.order.speed[i] * this.view.speed.factor, each, ys[i]]));
-    }
-    return columns;
+    const { factor, unit } = this.view.speed;
+    const rows = this.drawn.flatMap(({ source: { name, order }, xs, ys }) => xs.map((each, i) => [name, order.speed[i] * factor, each, ys[i]]));
+    return [["what", labelled("speed", unit), this.plot.label(0), this.plot.label(1)], ...rows.filter(([, , x]) => !Number.isNaN(x))];
   }
 }
 
 /** Forward and backward lines of the motion now. */
 class Full extends Panel {
   constructor(say) {
-    super("full", [["square"]], say);
-    this.plot = new Plot(this.areas[0], { x: "frequency / speed", y: "amplitude", log: true, draw: (pen) => this.#draw(pen), reading: (...where) => readPoints(this.plot, this.#points(), ...where) });
-    this.plots = [this.plot];
-    this.tools();
+    super("full", say, () => ({ x: "frequency / speed", y: "amplitude", log: true }));
   }
 
   show(view) {
     this.view = view;
     this.drawn = view.sources.filter((each) => each.lines).map((source) => ({
-      source, xs: source.lines.over, ys: times(source.lines.amplitude, view.length.factor), exact: source.exact && { over: source.exact.over, amplitude: times(source.exact.amplitude, view.length.factor) },
+      source, xs: source.lines.over, ys: scaled(source.lines.amplitude, view.length.factor), exact: source.exact && { over: source.exact.over, amplitude: scaled(source.exact.amplitude, view.length.factor) },
     }));
-    let top = 0;
     const reach = Math.max(ORDERS, ...this.drawn.map(({ source }) => source.lines.orders ?? 0));
-    for (const { xs, ys } of this.drawn) for (let i = 0; i < xs.length; i++) if (Math.abs(xs[i]) <= reach && ys[i] > top) top = ys[i];
-    top ||= 1;
+    const top = this.drawn.reduce((most, { xs, ys }) => extremes(ys.filter((_, i) => Math.abs(xs[i]) <= reach), [0, most])[1], 0) || 1;
     const ceiling = Math.ceil(Math.log10(1.5 * top));
     this.floor = 10 ** (ceiling - DECADES);
     this.plot.show({ x: [-reach, reach], y: [this.floor, 10 ** ceiling], labels: ["frequency / speed", labelled("amplitude", view.length.unit)] });
@@ -283,26 +240,21 @@ class Full extends Panel {
     if (this.drawn.some(({ exact }) => exact)) parts.push(["mark diamond open cycle", "settled response"]);
     for (const { source: { name, lines } } of this.drawn) if (lines.told) parts.push(["", this.drawn.length > 1 ? `${name}: ${lines.told}` : lines.told]);
     fillKey(this.keyBox, parts);
-    const now = this.drawn.map(({ source, xs, ys }) => `${source.name}: 1X ${told(heightAt(xs, ys, 1))}, −1X ${told(heightAt(xs, ys, -1))}`).join("; ");
-    this.plot.say(`Full spectrum: amplitude over frequency, backward whirl on the left, forward on the right. ${now}`);
+    this.sayNow(this.plot, "Full spectrum: amplitude over frequency, backward whirl on the left, forward on the right.", ({ xs, ys }) => `1X ${told(heightAt(xs, ys, 1))}, −1X ${told(heightAt(xs, ys, -1))}`);
   }
 
-  #points() {
-    return (this.drawn ?? []).flatMap(({ source, xs, ys, exact }) => [
-      ...(exact ? [{ name: `settled response, ${source.name}`, xs: exact.over, ys: exact.amplitude }] : []), { name: source.name, xs, ys, peaks: true },
+  points() {
+    return this.drawn.flatMap(({ source: { name }, xs, ys, exact }) => [
+      { name, xs, ys, peaks: true }, ...(exact ? [{ name: `settled response, ${name}`, xs: exact.over, ys: exact.amplitude }] : []),
     ]);
   }
 
-  #markOrders(pen) {
-    for (const [order, words] of [[1, "1X"], [-1, "−1X"]]) {
-      pen.line([order, order], [this.floor, this.plot.shown.y[1]], { stroke: colour("muted"), dash: [3, 3] });
-      pen.text(words, order, this.plot.shown.y[1], { fill: colour("muted"), right: 4, below: 9 });
+  draw(pen) {
+    const top = this.plot.shown.y[1];
+    for (const order of [1, -1]) {
+      pen.line([order, order], [this.floor, top], { stroke: colour("muted"), dash: [3, 3] });
+      pen.text(signed(order), order, top, { fill: colour("muted"), right: 4, below: 9 });
     }
-  }
-
-  #draw(pen) {
-    if (!this.view) return;
-    this.#markOrders(pen);
     for (const { source, xs, ys, exact } of this.drawn) {
       pen.dense(xs, ys.map((each) => Math.max(each, 1e-3 * this.floor)), { stroke: source.ink("flight"), width: 1.3 });
       exact?.over.forEach((order, i) => {
@@ -312,53 +264,32 @@ class Full extends Panel {
   }
 
   table() {
-    const [x, y] = this.plot.plot.axes.map(({ label }) => label);
-    const columns = { what: [], [x]: [], [y]: [] };
-    for (const { source, xs, ys, exact } of this.drawn) {
-      xs.forEach((each, i) => addRow(columns, [source.name, each, ys[i]]));
-      exact?.over.forEach((each, i) => addRow(columns, [`settled response, ${source.name}`, each, exact.amplitude[i]]));
-    }
-    return columns;
+    const rows = this.points().flatMap(({ name, xs, ys }) => Array.from(xs, (each, i) => [name, each, ys[i]]));
+    return [["what", this.plot.label(0), this.plot.label(1)], ...rows];
   }
 }
 
 /** Full spectra over the speed, one behind the other; those of each rotor in a plot of its own. */
 class Cascade extends Panel {
   constructor(say) {
-    super("cascade", [["square"]], say);
-    this.plots = [this.#plot(this.areas[0], 0)];
-    this.tools();
-  }
-
-  #plot(element, place) {
-    return new Plot(element, { x: "frequency", y: "speed", draw: (pen) => this.#draw(pen, place), reading: (x, y) => this.#reading(place, x, y) });
-  }
-
-  /** Have as many plots as there is something to draw, and at least one. */
-  #makeRoom(count) {
-    while (this.plots.length > Math.max(count, 1)) {
-      this.plots.pop();
-      this.areas.pop().remove();
-    }
-    while (this.plots.length < count) {
-      const element = this.areas[0].cloneNode(false);
-      this.areas.at(-1).after(element);
-      this.areas.push(element);
-      this.plots.push(this.#plot(element, this.plots.length));
-      this.plots.at(-1).onZoom = this.plots[0].onZoom;
-    }
-    this.card.classList.toggle("several", count > 1);
+    super("cascade", say, (place) => ({ x: "frequency", y: "speed", draw: (pen) => this.#draw(pen, place), reading: (x, y) => this.#reading(place, x, y) }));
   }
 
   show(view) {
     this.view = view;
     const { factor, unit } = view.speed;
     this.drawn = view.sources.filter(({ rows }) => rows.length).map((source) => ({
-      source, rows: [...source.rows].sort((one, other) => other.speed - one.speed), top: source.rows.reduce((top, { amplitude }) => largest(amplitude, top), 0),
+      source, rows: [...source.rows].sort((one, other) => other.speed - one.speed), top: source.rows.reduce((top, { amplitude }) => extremes(amplitude, [0, top])[1], 0),
     }));
-    this.#makeRoom(this.drawn.length);
+    // as many plots as there is something to draw, and at least one
+    while (this.plots.length > Math.max(this.drawn.length, 1)) this.plots.pop().element.remove();
+    while (this.plots.length < this.drawn.length) {
+      this.add("square");
+      this.plots.at(-1).onZoom = this.plot.onZoom;
+    }
+    this.card.classList.toggle("several", this.drawn.length > 1);
     const speeds = this.drawn.flatMap(({ rows }) => [rows[0].speed, rows.at(-1).speed]);
-    const [low, high] = speeds.length ? [Math.min(...speeds), Math.max(...speeds)] : [0, view.fastest];
+    const [low, high] = speeds.length ? extremes(speeds) : [0, view.fastest];
     const room = Math.max(high - low, 0.05 * high) * factor;
     const reach = REACH * high * factor;
     const labels = [labelled("frequency", unit), labelled(unit ? "speed" : "speed ω", unit)];
@@ -373,92 +304,59 @@ class Cascade extends Panel {
   }
 
   #reading(place, x, y) {
-    if (!this.drawn?.[place]) return null;
+    if (!this.drawn[place]) return null;
     const { source, rows } = this.drawn[place];
     const { length, speed: { factor } } = this.view;
-    const row = rows.reduce((best, each) => (Math.abs(each.speed * factor - y) < Math.abs(best.speed * factor - y) ? each : best));
-    let best = 0;
-    row.frequency.forEach((each, i) => {
-      if (Math.abs(each * factor - x) < Math.abs(row.frequency[best] * factor - x)) best = i;
-    });
-    return { text: `${source.name}, speed ${told(row.speed * factor, 5)}: frequency ${told(row.frequency[best] * factor, 4)} (${told(row.frequency[best] / row.speed, 3)}X), amplitude ${told(row.amplitude[best] * length.factor, 4)}${length.unit && ` ${length.unit}`}` };
+    const { speed, frequency, amplitude } = rows[nearestIn(rows.map((row) => row.speed * factor), y)];
+    const best = nearestIn(frequency, x / factor);
+    return { text: `${source.name}, speed ${told(speed * factor, 5)}: frequency ${told(frequency[best] * factor, 4)} (${told(frequency[best] / speed, 3)}X), amplitude ${told(amplitude[best] * length.factor, 4)}${length.unit && ` ${length.unit}`}` };
   }
 
   #draw(pen, place) {
-    if (!this.drawn?.[place]) return;
+    if (!this.drawn[place]) return;
     const { source, rows, top } = this.drawn[place];
     const { factor } = this.view.speed;
     const high = rows[0].speed * factor;
-    const base = (row) => pen.y(row.speed * factor);
     let last = Infinity;
     for (const row of rows) {
-      if (Math.abs(base(row) - last) < APART * pen.pixel) continue;
-      last = base(row);
-      ridge(pen, row, factor, last, (ROW * TALLEST * pen.box.height) / (top || 1), source.ink("flight"));
+      const base = pen.y(row.speed * factor);
+      if (Math.abs(base - last) < APART * pen.pixel) continue;
+      last = base;
+      ridge(pen, row, factor, base, (ROW * TALLEST * pen.box.height) / (top || 1), source.ink("flight"));
     }
     for (const order of [-2, -1, 1, 2]) {
       pen.line([0, order * high], [0, high], { stroke: colour("muted"), dash: Math.abs(order) > 1 ? [1, 4] : [4, 4] });
-      pen.text(`${order < 0 ? "−" : ""}${Math.abs(order)}X`, order * high, high, { fill: colour("muted"), align: "center", below: -10 });
+      pen.text(signed(order), order * high, high, { fill: colour("muted"), align: "center", below: -10 });
     }
   }
 
   table() {
-    const { factor } = this.view.speed;
-    const [x, y] = this.plots[0].plot.axes.map(({ label }) => label);
-    const columns = { what: [], [y]: [], [x]: [], [labelled("amplitude", this.view.length.unit)]: [] };
-    for (const { source, rows } of this.drawn) {
-      for (const { speed, frequency, amplitude } of rows) {
-        frequency.forEach((each, i) => addRow(columns, [source.name, speed * factor, each * factor, amplitude[i] * this.view.length.factor]));
-      }
-    }
-    return columns;
+    const { speed: { factor }, length } = this.view;
+    const rows = this.drawn.flatMap(({ source, rows: spectra }) => spectra.flatMap(({ speed, frequency, amplitude }) => Array.from(frequency, (each, i) => [source.name, speed * factor, each * factor, amplitude[i] * length.factor])));
+    return [["what", this.plot.label(1), this.plot.label(0), labelled("amplitude", length.unit)], ...rows];
   }
 }
 
 /** Draw one spectrum of a cascade, before those of higher speeds; of the lines in one pixel the tallest. */
-function ridge(pen, { frequency, amplitude }, factor, base, scale, stroke) {
-  const { ctx, box, pixel } = pen;
-  const trace = () => {
-    ctx.beginPath();
-    let column = NaN, top = 0, first = NaN;
-    for (let i = 0; i < frequency.length; i++) {
-      const at = Math.round(pen.x(frequency[i] * factor) / pixel);
-      if (at < box.left / pixel - 1 || at > (box.left + box.width) / pixel + 1) continue;
-      if (at === column) top = Math.max(top, amplitude[i]);
-      else {
-        if (!Number.isNaN(column)) {
-          if (Number.isNaN(first)) ctx.moveTo((first = column) * pixel, base - scale * top);
-          else ctx.lineTo(column * pixel, base - scale * top);
-        }
-        [column, top] = [at, amplitude[i]];
-      }
-    }
-    if (!Number.isNaN(column)) ctx.lineTo(column * pixel, base - scale * top);
-    return [first, column];
-  };
-  const [first, last] = trace();
-  ctx.lineTo(last * pixel, base);
-  ctx.lineTo(first * pixel, base);
-  ctx.closePath();
-  ctx.globalAlpha = 0.75;
-  ctx.fillStyle = colour("card");
-  ctx.fill();
-  ctx.globalAlpha = 1;
-  trace();
-  Object.assign(ctx, { strokeStyle: stroke, lineWidth: pixel });
-  ctx.stroke();
+function ridge({ ctx, box, pixel, x }, { frequency, amplitude }, factor, base, scale, stroke) {
+  const tops = new Map(); // by the column of pixels
+  frequency.forEach((each, i) => {
+    const at = Math.round(x(each * factor) / pixel);
+    if (at >= box.left / pixel - 1 && at <= (box.left + box.width) / pixel + 1) tops.set(at, Math.max(tops.get(at) ?? 0, amplitude[i]));
+  });
+  const columns = [...tops.keys()], path = new Path2D();
+  for (const [at, top] of tops) path.lineTo(at * pixel, base - scale * top);
+  const filled = new Path2D(path);
+  for (const at of [columns.at(-1), columns[0]]) filled.lineTo(at * pixel, base);
+  Object.assign(ctx, { globalAlpha: 0.75, fillStyle: colour("card") });
+  ctx.fill(filled);
+  Object.assign(ctx, { globalAlpha: 1, strokeStyle: stroke, lineWidth: pixel });
+  ctx.stroke(path);
 }
 
 /** Return which points of a curve are its folds. */
 function foldsOf({ omega, amplitude, fold_omega: folds, fold_amplitude: heights }) {
-  return Array.from(folds, (fold, which) => {
-    let best = 0, least = Infinity;
-    omega.forEach((each, i) => {
-      const away = Math.hypot(each - fold, amplitude[i] - heights[which]);
-      if (away < least) [best, least] = [i, away];
-    });
-    return best;
-  });
+  return Array.from(folds, (fold, which) => nearestIn(omega.map((each, i) => Math.hypot(each - fold, amplitude[i] - heights[which])), 0));
 }
 
 /** Return what a picture of exact curves depends on. */
@@ -467,125 +365,79 @@ const keyOfCurves = (pen, plot, view) => JSON.stringify([
   view.sources.map(({ curve }) => curve && [curve.omega.length, curve.omega[0], curve.amplitude[curve.amplitude.length >> 1], curve.phase_lag[0]]),
 ]);
 
-/** Leave out points that nobody could tell from the one before. */
-function unlessNear(pen, xs, ys) {
-  const [near, far] = [[], []];
-  let [a, b] = [NaN, NaN];
-  for (let i = 0; i < xs.length; i++) {
-    const [c, d] = [pen.x(xs[i]), pen.y(ys[i])];
-    if (Math.abs(c - a) < pen.pixel && Math.abs(d - b) < pen.pixel && i < xs.length - 1) continue;
-    [a, b] = [c, d];
-    near.push(xs[i]);
-    far.push(ys[i]);
-  }
-  return [near, far];
-}
-
 /** Return the point that lies nearest to a place, or the tallest line near it. */
 function readPoints(plot, lines, x, _y, distance, near) {
-  const { plot: { valToPos, posToVal } } = plot;
-  const [low, high] = [-near, near].map((pixels) => posToVal.call(plot.plot, valToPos.call(plot.plot, x, "x") + pixels, "x"));
-  let best = near, found = null, tallest = -Infinity;
+  const { plot: own } = plot;
+  const [low, high] = [-near, near].map((pixels) => own.posToVal(own.valToPos(x, "x") + pixels, "x"));
+  const points = [], tallest = [];
   for (const { name, xs, ys, at, peaks } of lines) {
-    for (let i = 0; i < xs.length; i++) {
-      if (!(xs[i] >= low && xs[i] <= high)) continue;
-      if (peaks && !found && ys[i] > tallest) {
-        tallest = ys[i];
-        found = { name, place: [xs[i], ys[i]], peak: true };
-        continue;
-      }
-      if (peaks && found?.peak && ys[i] > tallest) {
-        tallest = ys[i];
-        found.place = [xs[i], ys[i]];
-      }
-      const away = peaks ? Infinity : distance(xs[i], ys[i]);
-      if (away < best) [best, found] = [away, { name, place: [xs[i], ys[i]], speed: at?.[i] }];
-    }
+    for (let i = 0; i < xs.length; i++) if (xs[i] >= low && xs[i] <= high) (peaks ? tallest : points).push([xs[i], ys[i], name, at?.[i]]);
   }
+  const found = nearest(points, distance, near) ?? tallest.sort(([, one], [, other]) => other - one)[0];
   if (!found) return null;
-  return { text: `${found.name}: ${found.speed === undefined ? "" : `speed ω ${told(found.speed, 5)}, `}${plot.tell(found.place, plot.plot.axes[0].label ? [] : ["speed"])}`, at: found.place };
+  const [a, b, name, speed] = found;
+  return { text: `${name}: ${speed === undefined ? "" : `speed ω ${told(speed, 5)}, `}${plot.tell([a, b], plot.label(0) ? [] : ["speed"])}`, at: found };
 }
 
 /** Whirl speeds without contacts over the speed of the rotor, with the line on which they are equal. */
 class Campbell extends Panel {
   constructor(say) {
-    super("campbell", [["square"]], say);
-    this.plot = new Plot(this.areas[0], { x: "speed", y: "whirl speed", draw: (pen) => this.#draw(pen) });
-    this.plots = [this.plot];
-    this.tools();
+    super("campbell", say, () => ({ x: "speed", y: "whirl speed", reading: undefined }));
   }
 
-  show({ campbell, speed: { factor, unit }, now }) {
-    this.drawn = campbell?.arrays.speed && { ...campbell.arrays, factor, now: now * factor };
-    if (this.drawn) {
-      const { speed, whirl_speed: rates } = this.drawn;
-      const top = 2 * speed.at(-1) * factor;
-      this.plot.show({ x: [speed[0] * factor, speed.at(-1) * factor], y: [rates.some((each) => each < 0) ? -top : 0, top], labels: [labelled("speed", unit), labelled("whirl speed", unit)] });
+  show(view) {
+    this.view = view;
+    const { campbell, speed: { factor, unit }, now } = view;
+    const { speed, whirl_speed: rates, damping } = campbell?.arrays ?? {};
+    this.drawn = Array.from(speed ? rates : [], (rate, i) => [speed[i % speed.length] * factor, rate * factor, damping[i]]);
+    this.now = now * factor;
+    this.ends = speed && [speed[0] * factor, speed.at(-1) * factor];
+    if (speed) {
+      const top = 2 * this.ends[1];
+      this.plot.show({ x: this.ends, y: [rates.some((each) => each < 0) ? -top : 0, top], labels: [labelled("speed", unit), labelled("whirl speed", unit)] });
     } else this.plot.show({});
-    fillKey(this.keyBox, [...(this.drawn ? [["dot", "damped"], ["dot growing", "growing"], ["line-key dashed", "speed of the rotor, ±1X"]] : []), ...(campbell?.facts.notes ?? []).map((each) => ["", each])]);
+    fillKey(this.keyBox, [...(speed ? [["dot", "damped"], ["dot growing", "growing"], ["line-key dashed", "speed of the rotor, ±1X"]] : []), ...(campbell?.facts.notes ?? []).map((each) => ["", each])]);
     this.plot.say("Campbell diagram: whirl speeds over the speed, backward whirl below 0");
   }
 
-  #draw(pen) {
-    if (!this.drawn) return;
-    const { speed, whirl_speed: rates, damping, factor, now } = this.drawn;
-    const xs = times(speed, factor);
-    rates.forEach((each, i) => {
-      const grows = damping[i] < 0;
-      pen.dots([xs[i % xs.length]], [each * factor], grows ? 4 : 3, { fill: colour(grows ? "contact" : "ink") });
-    });
-    for (const order of [-1, 1]) pen.line([xs[0], xs.at(-1)], [order * xs[0], order * xs.at(-1)], { stroke: colour("muted"), dash: [5, 4] });
-    pen.line([now, now], this.plot.shown.y, { stroke: colour("accent"), width: 1.5 });
+  draw(pen) {
+    if (!this.ends) return;
+    for (const [speed, rate, damping] of this.drawn) pen.dots([speed], [rate], damping < 0 ? 4 : 3, { fill: colour(damping < 0 ? "contact" : "ink") });
+    for (const order of [-1, 1]) pen.line(this.ends, this.ends.map((each) => order * each), { stroke: colour("muted"), dash: [5, 4] });
+    pen.line([this.now, this.now], this.plot.shown.y, { stroke: colour("accent"), width: 1.5 });
   }
 
   table() {
-    const { speed, whirl_speed: rates, damping } = this.drawn ?? { speed: [], whirl_speed: [], damping: [] };
-    return { speed: Array.from(rates, (_, i) => speed[i % speed.length]), "whirl speed": Array.from(rates), "damping ratio": Array.from(damping) };
+    return [[this.plot.label(0), this.plot.label(1), "damping ratio"], ...this.drawn];
   }
 }
 
 /** Return the height of the tallest line beside a place. */
-function heightAt(xs, ys, place) {
-  let top = NaN;
-  for (let i = 0; i < xs.length; i++) if (Math.abs(xs[i] - place) < 0.2 && !(ys[i] <= top)) top = ys[i];
-  return top;
-}
-
-/** Return a round step that is about as large as another. */
-function roundStep(about) {
-  const ten = 10 ** Math.floor(Math.log10(about));
-  return ten * (TICKS.find((each) => each * ten >= about) ?? 10);
-}
+const heightAt = (xs, ys, place) => extremes(ys.filter((_, i) => Math.abs(xs[i] - place) < 0.2))[1];
 
 const KINDS = { bode: Bode, polar: Polar, full: Full, cascade: Cascade, campbell: Campbell };
 /** Order 1 of what was never tracked. */
 export const NOTHING = { speed: [], amplitude: [], lag: [] };
 
-/** Return the spectra of a cascade one by one. */
-export const rowsOf = ({ cascade_speed: speeds, cascade_frequency: frequency, cascade_amplitude: heights }) =>
-  Array.from(speeds, (speed, i) => ({ speed, frequency, amplitude: heights.slice(i * frequency.length, (i + 1) * frequency.length) }));
-
 /** Return order 1 and spectra of an answer of the program; none before it has come. */
 export function trackOf(answer) {
-  const { order_speed: speed, order_amplitude: amplitude, order_lag: lag, cascade_speed: rows } = answer?.arrays ?? {};
-  return { order: speed ? { speed, amplitude, lag } : NOTHING, rows: rows ? rowsOf(answer.arrays) : [] };
+  const { order_speed: speed, order_amplitude: amplitude, order_lag: lag, cascade_speed: speeds, cascade_frequency: frequency, cascade_amplitude: heights } = answer?.arrays ?? {};
+  const row = (each, i) => ({ speed: each, frequency, amplitude: heights.slice(i * frequency.length, (i + 1) * frequency.length) });
+  return { order: speed ? { speed, amplitude, lag } : NOTHING, rows: Array.from(speeds ?? [], row) };
 }
 
 /** Return two pieces of order 1 as one, with a gap between them. */
 export const joined = (one, other) =>
   one.speed.length ? Object.fromEntries(Object.keys(one).map((name) => [name, [...one[name], NaN, ...other[name]]])) : other;
 
-/** Return whether a source, of which it is a method, has something to show in a panel. */
-export function hasPanel(panel) {
-  if (panel === "full") return Boolean(this.lines);
-  return panel === "cascade" ? this.rows.length > 0 : this.order.speed.length > 0;
-}
+/** Return whether a source has something to show in a panel. */
+const hasPanel = ({ lines, rows, order }, panel) => (panel === "full" ? Boolean(lines) : (panel === "cascade" ? rows : order.speed).length > 0);
 
 /** The panels that are chosen, and what they are shown of. */
 export class Signals {
   /** Build them in `element`; `view` returns what there is to show, `told` the words under a picture. */
   constructor(element, { view, told: words }) {
-    Object.assign(this, { element, view, words, panels: new Map(), tracks: [] });
+    Object.assign(this, { element, view, words, panels: new Map() });
   }
 
   get plots() {
@@ -604,18 +456,16 @@ export class Signals {
       panel.card.remove();
       this.panels.delete(name);
     }
-    for (const name of Object.keys(KINDS)) {
-      if (!names.includes(name) || this.panels.has(name)) continue;
-      const panel = new KINDS[name]({ told: this.words });
-      this.panels.set(name, panel);
+    // from the last one on; a card that is there is not moved: its plots would lose the focus
+    let behind = null;
+    for (const name of Object.keys(KINDS).reverse().filter((each) => names.includes(each))) {
+      if (!this.panels.has(name)) {
+        this.panels.set(name, new KINDS[name]({ told: this.words }));
+        this.element.insertBefore(this.panels.get(name).card, behind);
+      }
+      behind = this.panels.get(name).card;
     }
-    const order = Object.keys(KINDS).filter((name) => this.panels.has(name));
-    // a card that is where it belongs is not moved: its plots would lose the focus
-    order.forEach((name, place) => {
-      const { card } = this.panels.get(name);
-      if (this.element.children[place] !== card) this.element.insertBefore(card, this.element.children[place] ?? null);
-    });
-    this.element.hidden = !order.length;
+    this.element.hidden = !this.panels.size;
     this.show();
   }
 
@@ -627,18 +477,15 @@ export class Signals {
       name: rotors.length > 1 ? `${side ? "second" : "first"} rotor` : "the rotor",
       icon: side ? "line-key second" : "line-key passage thin",
       ink: (usual = "accent") => colour(side ? "second" : usual),
-      order: track?.order ?? NOTHING, rows: track?.rows ?? [], curve: curve?.omega.length ? curve : null, lines, exact, has: hasPanel,
+      order: track?.order ?? NOTHING, rows: track?.rows ?? [], curve: curve?.omega.length ? curve : null, lines, exact,
     }));
     if (measured) sources.push(measured);
     // a measurement may take up a small part of the speeds, and is what one looks at
-    const seen = sources.reduce((most, { order }) => largest(order.speed, most), 0);
-    const fastest = measured?.order.speed.length ? ROOM * seen : sources.reduce((most, { curve }) => largest(curve?.omega ?? [], most), Math.max(seen, speedsShown()[1]));
-    let top = 1e-9;
-    for (const { order, curve } of sources) {
-      top = largest(order.amplitude, top);
-      curve?.omega.forEach((omega, i) => (top = omega <= fastest && curve.amplitude[i] > top ? curve.amplitude[i] : top));
-    }
-    if (top === 1e-9) for (const { lines } of sources) top = largest(lines?.amplitude ?? [], top);
+    const largest = (valuesOf, least) => sources.reduce((most, source) => extremes(valuesOf(source) ?? [], [0, most])[1], least);
+    const seen = largest(({ order }) => order.speed, 0);
+    const fastest = measured?.order.speed.length ? ROOM * seen : largest(({ curve }) => curve?.omega, Math.max(seen, speedsShown()[1]));
+    const whirls = largest(({ curve }) => curve?.amplitude.filter((_, i) => curve.omega[i] <= fastest), largest(({ order }) => order.amplitude, 0));
+    const top = whirls || largest(({ lines }) => lines?.amplitude, 0) || 1e-9;
     const shown = {
       sources, fastest, top, campbell, now: speed, length: shownIn(scales, "length", top), speed: shownIn(scales, "rate", 1),
       missing: sources.some(({ order }) => order.speed.length) ? [] : [["", "Run the speed up or down to see the response."]],

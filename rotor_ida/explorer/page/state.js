@@ -153,10 +153,10 @@ export function machine(side) {
 }
 
 /** Return a round number just above another, so that an axis stays still. */
-export function roundUp(value) {
+export function roundUp(value, steps = [1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10]) {
   if (!(value > 0)) return 1;
   const ten = 10 ** Math.floor(Math.log10(value));
-  return ten * [1, 1.2, 1.5, 2, 2.5, 3, 4, 5, 6, 8, 10].find((step) => step * ten >= value * 0.999999);
+  return ten * steps.find((step) => step * ten >= value * 0.999999);
 }
 
 /** Return the reference frequency in rad/s, the rate of a dimensionless 1. */

@@ -35,30 +35,29 @@ export async function copy(name, text, say) {
 /**
  * Put the buttons into the head of a panel.
  *
- * `told` returns the subtitle of a picture, `table` returns the columns of the numbers.
+ * `told` returns the subtitle of a picture, `table` returns the rows of its numbers, the first with their names.
  */
 export function addTools(panel, plots, { name, told, table }) {
-  const head = Object.assign(document.createElement("div"), { className: "head" });
+  const head = element("div", "", "head"), tools = element("span", "", "tools");
   const title = panel.querySelector("h2");
   title.before(head);
-  const tools = Object.assign(document.createElement("span"), { className: "tools" });
   tools.append(zoomButton(plots, title.textContent), saveMenu(panel, plots, title.textContent, { name, told, table }));
   head.append(title, tools);
 }
 
 /** A button that lets the next drag choose a part, and one that resets the view. */
 function zoomButton(plots, title) {
-  const button = Object.assign(document.createElement("button"), { type: "button", textContent: "Zoom" });
+  const button = buttonOf("Zoom");
   button.title = "Then drag a box. By mouse also: Ctrl and drag, or Ctrl and wheel";
+  const isZoomed = () => plots.some((plot) => plot.zoomed);
   const show = () => {
-    const zoomed = plots.some((plot) => plot.zoomed);
-    if (zoomed) for (const plot of plots) setBoxing(plot, false);
-    button.textContent = zoomed ? "Show all" : "Zoom";
+    if (isZoomed()) for (const plot of plots) setBoxing(plot, false);
+    button.textContent = isZoomed() ? "Show all" : "Zoom";
     button.setAttribute("aria-pressed", String(plots[0].boxing));
     button.setAttribute("aria-label", `${button.textContent}: ${title}`);
   };
   button.addEventListener("click", () => {
-    const zoomed = plots.some((plot) => plot.zoomed);
+    const zoomed = isZoomed();
     for (const plot of plots) {
       if (zoomed) plot.reset();
       else setBoxing(plot, !plot.boxing);
@@ -70,20 +69,21 @@ function zoomButton(plots, title) {
   return button;
 }
 
+const buttonOf = (text) => Object.assign(element("button", text), { type: "button" });
+
 function setBoxing(plot, on) {
   plot.boxing = on;
   plot.element.classList.toggle("boxing", on);
 }
 
 function saveMenu(panel, plots, title, { name, told, table }) {
-  const menu = Object.assign(document.createElement("details"), { className: "menu" });
-  const summary = Object.assign(document.createElement("summary"), { textContent: "Save" });
+  const menu = element("details", "", "menu"), summary = element("summary", "Save");
   summary.setAttribute("aria-label", `Save: ${title}`);
   const drawn = () => ({ plots, title, subtitle: told(), key: keyOf(panel) });
   const makers = { png: () => pngOf(drawn()), csv: () => csvOf(table()) };
   const box = document.createElement("div");
   for (const [ending, make] of Object.entries(makers)) {
-    const button = Object.assign(document.createElement("button"), { type: "button", textContent: ending.toUpperCase() });
+    const button = buttonOf(ending.toUpperCase());
     button.dataset.keep = ending;
     button.addEventListener("click", async () => {
       menu.open = false;
@@ -98,15 +98,15 @@ function saveMenu(panel, plots, title, { name, told, table }) {
   return menu;
 }
 
-/** Show a legend: pairs of a class and its words; the class may be empty. */
+/** Show a legend: a class, which may be empty, and its words each, and a colour where the class has none. */
 export function fillKey(box, parts) {
   const text = JSON.stringify(parts);
   if (text === box.filled) return;
   box.filled = text;
-  box.replaceChildren(...parts.map(([className, words]) => {
-    const item = Object.assign(document.createElement("span"), { className: className ? "" : "reason" });
-    if (className) item.append(Object.assign(document.createElement("i"), { className }));
-    item.append(words);
+  box.replaceChildren(...parts.map(([className, words, fill = ""]) => {
+    const item = element("span", words, className ? "" : "reason"), icon = element("i", "", className);
+    icon.style.backgroundColor = fill;
+    if (className) item.prepend(icon);
     return item;
   }));
 }

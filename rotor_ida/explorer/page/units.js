@@ -37,7 +37,7 @@ export const labelled = (name, unit) => (unit ? `${name} [${unit}]` : name);
 
 /** Return a number with about this many digits, in common notation. */
 export function told(value, digits = 4) {
-  if (value === null || value === undefined || Number.isNaN(value)) return "–";
+  if (!Number.isFinite(value)) return "–";
   if (value === 0) return "0";
   const size = Math.abs(value);
   return size >= 1e6 || size < 1e-4 ? value.toExponential(digits - 1) : String(Number(value.toPrecision(digits)));
