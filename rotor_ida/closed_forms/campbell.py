@@ -82,7 +82,7 @@ def campbell(
     Forward is the sense of the spin; at rest, that from x to y.
 
     At a critical speed W an eigenvalue is ``-d + i W`` in a damped system too, at the spin speed W.
-    How many speeds are given does not matter to them: see `rotor_ida.closed_forms.linear_motions`.
+    How many speeds are given does not matter to them: see `rotor_ida.closed_forms.crossings`.
 
     References
     ----------

@@ -127,7 +127,7 @@ def static_sag(load: npt.ArrayLike, shaft_stiffness: npt.ArrayLike) -> Values:
     weight, kappa = np.broadcast_arrays(*(np.asarray(x, float) for x in (load, shaft_stiffness)))
     falls = np.where(weight > 0.0, np.inf, 0.0)
     with np.errstate(over="ignore"):
-        return np.divide(weight, kappa, out=falls, where=kappa > 0.0)
+        return np.asarray(np.divide(weight, kappa, out=falls, where=kappa > 0.0))
 
 
 def contact_free_whirl(rotor: Rotor) -> ContactFreeWhirl:

@@ -89,7 +89,8 @@ def growth_between(found: Canonical, low: float, high: float) -> list[tuple[floa
 
 def _end_between(found: Canonical, low: float, high: float, grows: bool) -> float:
     """Return where growth begins between two speeds, or ends: a speed at which there is growth."""
-    while high - low > PLACED * high:
+    near = PLACED * max(abs(low), abs(high))
+    while high - low > near:
         middle = 0.5 * (low + high)
         same = (growth_of(found, middle) is not None) == grows
         low, high = (low, middle) if same else (middle, high)

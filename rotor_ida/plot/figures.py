@@ -130,7 +130,8 @@ def figure_of_responses(dataset: xr.Dataset) -> Figure:
     There is a panel for each rotor and contact, over the speed or another parameter that varies.
     """
     if "special_speed" in dataset and "not_exact" in dataset.attrs:  # there are no branches
-        speeds = np.linspace(*dataset.attrs["limits"], FEWEST_SPEEDS)
+        low, high = dataset.attrs["limits"].tolist()
+        speeds = np.linspace(low, high, FEWEST_SPEEDS)
         response = response_of_system(problem_of(dataset)[0], speeds)
         return cast(Figure, plot_unbalance_response(response, special=dataset).figure)
     if "node_major_axis" in dataset and not (dataset.sizes["contact"] and "branch" in dataset.dims):

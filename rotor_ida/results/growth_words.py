@@ -44,7 +44,8 @@ def grows_at(attributes: Mapping[str, Any], speeds: Values) -> Flags:
     ends = np.ravel(attributes.get(RANGES, []))
     if not ends.size:
         return np.full(speeds.shape, RATE in attributes)
-    return np.asarray((speeds >= ends[::2, np.newaxis]) & (speeds <= ends[1::2, np.newaxis])).any(0)
+    inside = (speeds >= ends[::2, np.newaxis]) & (speeds <= ends[1::2, np.newaxis])
+    return np.asarray(inside.any(axis=0))
 
 
 def growing(rate: float, whirl_speed: float, units: str) -> str:

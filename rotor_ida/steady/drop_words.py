@@ -19,7 +19,7 @@ NOT_ACTING = "a touch there does not act on the rotor"
 def sentence_of(run: xr.Dataset, drops: xr.Dataset | None) -> str:
     """Return in words whether the drop is survived, as far as figures say, the worst first."""
     forces, nodes = run["largest_force"].values, run["contact_node"].values
-    worst = int(forces.argmax()) if forces.size else 0
+    worst = int(forces.argmax())
     unit = str(run["largest_force"].attrs.get("units", ""))
     touched = touched_clearances(run)
     warned = [beyond_model(each) for each in (drops, run) if each is not None]
@@ -32,7 +32,7 @@ def sentence_of(run: xr.Dataset, drops: xr.Dataset | None) -> str:
         f"The largest force of this drop is {quantity(float(forces[worst]), unit)}, in the bearing "
         f"at {str(nodes[worst])!r}; the rotor goes as far as "
         f"{float(run['excursion'].max()):.3g} clearances."
-        if forces.max(initial=0.0) > 0.0
+        if forces[worst] > 0.0
         else _untouched(run),
     ]
     said += [loads] if ratio <= 1.0 else []
@@ -52,8 +52,6 @@ def sentence_of(run: xr.Dataset, drops: xr.Dataset | None) -> str:
 
 def _untouched(run: xr.Dataset) -> str:
     """Return why no bearing is touched in a drop."""
-    if not run.sizes["contact"]:
-        return "The system has no contacts: there is no touchdown bearing to fall on."
     if not run.sizes.get("support", 0):
         return "The system has no supports that could fail: it does not drop on a bearing."
     return "In this drop the rotor touches no bearing."

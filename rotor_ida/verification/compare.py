@@ -265,7 +265,7 @@ def _under_load(exact: xr.Dataset) -> xr.Dataset:
     load, kappa = exact["load"], exact.get("shaft_stiffness", xr.zeros_like(exact["load"]))
     turns = (load == 0.0) | (exact["omega"] > 0.0)
     offset = xr.apply_ufunc(static_sag, *xr.broadcast(load, kappa))
-    absent = {"stability": STABILITY["absent"], "in_contact": 0}
+    absent: dict[Any, float] = {"stability": STABILITY["absent"], "in_contact": 0}
     dims = exact["amplitude"].dims
     found = exact[["amplitude", "phase_lag", *absent]]
     columns = {name: found[name].where(turns, absent.get(name, np.nan)) for name in found.data_vars}

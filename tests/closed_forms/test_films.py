@@ -20,7 +20,7 @@ from rotor_ida import (
 )
 from rotor_ida.cli.describe import describe
 from rotor_ida.closed_forms.clearances.critical_speeds import critical_modes
-from rotor_ida.closed_forms.clearances.crossings import film_pencil, film_speeds
+from rotor_ida.closed_forms.crossings import film_pencil, film_speeds
 from rotor_ida.model.assembly import assemble
 from rotor_ida.results.archived_system import problem_of
 from rotor_ida.schema import SPECIAL
@@ -312,7 +312,11 @@ def test_a_range_of_instability_that_ends_is_told():
     both = campbell(system, speed=[0.2, 7.5]).attrs
     np.testing.assert_allclose(both["unstable_speeds"], [*ends, beyond, 7.5], rtol=3e-6)
     assert both["growth_begins_at"] == pytest.approx(beyond, rel=1e-5)
-    report = clearance_report(system, speed=(4.2, 4.6, 4.8), vibration_limit=0.05)
+    rising = np.array([0.0, 0.0, 0.0, 0.4])
+    film = replace(film, stiffness=rising[:, np.newaxis, np.newaxis] * turn)
+    q = PchipInterpolator(knots, rising)
+    beyond = brentq(lambda speed: q(speed) - 0.2, 4.0, 8.0)
+    report = clearance_report(system, bearings=[film], speed=(4.2, 4.6, 4.8), vibration_limit=0.05)
     first = report.attrs["sentence"].splitlines()[0]
     assert report.attrs["growth_begins_at"] == pytest.approx(beyond, rel=3e-6)
     assert f"unstable from a speed of {report.attrs['growth_begins_at']:.4g} on" in first
