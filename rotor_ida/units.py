@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from functools import lru_cache
 from operator import itemgetter
 from typing import Literal, NamedTuple
@@ -21,6 +23,8 @@ POWERS = {"p": -12, "n": -9, "u": -6, "m": -3, "": 0, "k": 3, "M": 6}
 PREFIXES = {prefix: 10.0**-power for prefix, power in POWERS.items()}
 
 UnitSystem = Literal["metric", "inch"]
+# The system in which `quantity` writes where it is told none.
+_SENTENCES: ContextVar[UnitSystem] = ContextVar("sentences", default="metric")
 # The units in which the field reads quantities, by their SI units, with their values in these; the
 # first is the usual one.
 READ_IN: dict[UnitSystem, dict[str, tuple[tuple[str, float], ...]]] = {
@@ -284,13 +288,31 @@ def with_error(value: float, error: float, *, most: int | None = None) -> str:
     return said + (f"({last})" if last else "") + (f"e{power:+03d}" if power else "")
 
 
+@contextmanager
+def sentences_in(system: UnitSystem) -> Iterator[None]:
+    """Let `quantity` write in a system of units where it is told none.
+
+    Examples
+    --------
+    >>> with sentences_in("inch"):
+    ...     quantity(1e-4, "m")
+    '3.937 mil'
+    """
+    before = _SENTENCES.set(system)
+    try:
+        yield
+    finally:
+        _SENTENCES.reset(before)
+
+
 def quantity(
     value: float, unit: str = "1", digits: int = 4, *, error: float = 0.0,
-    system: UnitSystem = "metric",
+    system: UnitSystem | None = None,
 ) -> str:  # fmt: skip
     """Return a value in SI units as people of the field read it, with its error if it has one.
 
-    Speeds in rpm are whole numbers from 1000 on.
+    Speeds in rpm are whole numbers from 1000 on. The system is metric, unless `sentences_in` says
+    otherwise.
 
     Examples
     --------
@@ -301,7 +323,7 @@ def quantity(
     >>> quantity(1e-4, "m", error=2e-6), quantity(1e-4, "m", system="inch")
     ('100.0(20) um', '3.937 mil')
     """
-    word, parts = read_in(unit, [value], system=system)
+    word, parts = read_in(unit, [value], system=system or _SENTENCES.get())
     value /= parts
     if error:
         said = with_error(value, error / parts)

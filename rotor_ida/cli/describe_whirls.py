@@ -62,7 +62,7 @@ OF_SPECIAL = (
         title="At contacts", key="contacts", lead="amplitude",
         names=("special", "contact", "contact_node", "amplitude", "in_contact")),
 )  # fmt: skip
-EIGENVALUES = Layout("Eigenvalues", (
+OF_CAMPBELL = (
     Rows(
         title="Critical speeds", key="critical_speeds", lead="critical_speed", prefix="critical_",
         names=("critical_stiffness", "critical_speed", "critical_sense",
@@ -71,7 +71,7 @@ EIGENVALUES = Layout("Eigenvalues", (
         title="Eigenvalues", key="eigenvalues", lead="whirl_speed", gaps=True,
         names=("contact_stiffness", "speed", "eigenvalue", "whirl_speed", "damping_ratio",
                "whirl_sense")),
-))  # fmt: skip
+)  # fmt: skip
 OF_REPORT = (
     Rows(
         title="Clearances", key="clearances", lead="clearance_verdict", digits=5,
@@ -100,11 +100,33 @@ def show_clearance_report(dataset: xr.Dataset, most: int | None) -> Description:
 def show_unbalance_response(dataset: xr.Dataset, most: int | None) -> Description:
     """Return the unbalance response of a system, with why its rubs are not known."""
     record, parts = tabled(dataset, most, *OF_UNBALANCE)
-    units = "SI" if dataset["clearance"].attrs.get("units") == "m" else "1"
-    grows = [
-        f"{each} There no response persists." for each in stability_words(dataset.attrs, units)
-    ]
+    grows = [f"{each} There no response persists." for each in _growth(dataset)]
     return record, [*grows, *_not_exact(dataset), *parts]
+
+
+def show_campbell(dataset: xr.Dataset, most: int | None) -> Description:
+    """Return critical speeds and eigenvalues, after the speeds at which the system is unstable."""
+    record, parts = tabled(dataset, most, *OF_CAMPBELL)
+    return record, [*_growth(dataset), *parts]
+
+
+def show_whirls(dataset: xr.Dataset, most: int | None) -> Description:
+    """Return the whirls of one disc, with why those in contact are not known under a load."""
+    record, parts = WHIRLS(dataset, most)
+    why = str(dataset.attrs.get("not_exact", ""))
+    return record, [*[f"{why[:1].upper()}{why[1:]}."] * bool(why), *parts]
+
+
+def show_whirls_of_system(dataset: xr.Dataset, most: int | None) -> Description:
+    """Return the whirls of a system, after the speeds at which it is unstable without contact."""
+    record, parts = WHIRLS_OF_SYSTEM(dataset, most)
+    return record, [*_growth(dataset), *parts]
+
+
+def _growth(dataset: xr.Dataset) -> list[str]:
+    """Return sentences on the speeds at which a linear system is unstable."""
+    units = "SI" if dataset["speed"].attrs.get("units") == "s-1" else "1"
+    return stability_words(dataset.attrs, units)
 
 
 def show_special_speeds(dataset: xr.Dataset, most: int | None) -> Description:

@@ -23,7 +23,7 @@ from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.results.run import parameter_coordinates, rotor_of
 from rotor_ida.results.si_units import EXACT
-from rotor_ida.schema import LINE_KIND, labelled, labelled_dataset, words_of
+from rotor_ida.schema import LINE_KIND, labelled_dataset, words_of
 from rotor_ida.signals.record import Record, record_of
 
 OVER_SPEED = ("bode", "polar", "orders")
@@ -33,10 +33,6 @@ BEYOND_RUN = 0.02
 # Responses for which a limit cycle is computed; no other response has separate exact lines.
 CYCLES = ("bouncing", "full_contact", "rolling")
 STEADY = 1e-3
-NOT_CLEAR = (
-    "the exact curve is drawn where the rotor whirls clear of the stator: under a load there is no "
-    "synchronous whirl in contact"
-)
 # Number of speeds of a run-up with backward whirls, and points of one revolution.
 WHIP_SPEEDS, POINTS = 24, 361
 
@@ -97,27 +93,10 @@ def _some(
 def _over_speed(rotor: Rotor, speeds: Values) -> list[xr.Dataset]:
     """Return the response curve over the speeds of a run, with its folds and Hopf points."""
     low, high = (1.0 - BEYOND_RUN) * speeds.min(), (1.0 + BEYOND_RUN) * speeds.max()
-    curve = response_curve(rotor, limits=(max(1e-6, float(low)), float(high)), load=0.0)
+    curve = response_curve(rotor, limits=(max(1e-6, float(low)), float(high)))
     if rotor.load > 0.0:
-        return _clear_of_ring(curve, rotor)
+        return [curve] if curve.sizes["point"] else []
     return [curve, *_folds_and_hopf_points(rotor)]
-
-
-def _clear_of_ring(curve: xr.Dataset, rotor: Rotor) -> list[xr.Dataset]:
-    """Return the part of a curve without contact, where a rotor whirls about its place of rest.
-
-    The equation is linear there, so the effects of load and unbalance add.
-    """
-    offset = _offset(rotor)
-    if offset is None:
-        return []
-    clear = (curve["in_contact"] == 0) & (curve["amplitude"] <= rotor.delta0 - offset)
-    if not clear.any():
-        return []
-    shown = curve.assign({name: curve[name].where(clear) for name in ("amplitude", "phase_lag")})
-    if not clear.all():
-        shown.attrs["comment"] = NOT_CLEAR
-    return [shown.assign_coords(load=labelled("load", (), rotor.load))]
 
 
 def _folds_and_hopf_points(rotor: Rotor) -> list[xr.Dataset]:

@@ -48,6 +48,7 @@ from rotor_ida.cli.verb_options import metavar_of
 from rotor_ida.cli.verbs import NEEDED
 from rotor_ida.errors import InputError, RotorError, SimulationError
 from rotor_ida.texts import in_shell, printable
+from rotor_ida.units import sentences_in
 
 HELP = """Simulate rotors that touch their stators, and compare with exact results.
 
@@ -91,6 +92,7 @@ OF_OWN = {"unknown": "NAME", "out": "PATH"}
 NAME = re.compile(r"(?<![\w.'\"-])[a-z]\w*(?![\w.'\"(=])")
 PYTHON_NAME = re.compile(r"(?<![\w.'\"-])[a-z]\w*_\w+(?![\w.'\"(=])")
 # The beginning of a message about options that are missing.
+OF_LOAD = re.compile(r"^(load|shocks)(?= must be 0)")
 LACKING = re.compile(r"^[\w ,]+ must be given(?: with (?:\w+, )*\w+(?: and \w+)?)?(?! with --)")
 # Groups whose commands compute studies.
 COMPUTING = ("Simulate", "Exact whirls", "Limit cycles", "Explore")
@@ -227,7 +229,9 @@ def _run(words: list[str], results: TextIO) -> int:
 def _answer(command: Callable[..., object], bound: BoundArguments) -> object:
     """Run a command; the message of an error is in the units in which its arguments were given."""
     try:
-        with warnings.catch_warnings():
+        outputs = [each for each in bound.arguments.values() if isinstance(each, Output)]
+        system = outputs[0].system if outputs else "metric"
+        with warnings.catch_warnings(), sentences_in(system):
             warnings.showwarning = _note  # type: ignore[assignment]
             return command(*bound.args, **bound.kwargs)
     except (InputError, SimulationError) as error:
@@ -261,6 +265,7 @@ def with_options_named(message: str, command: str) -> str:
     if re.match(rf"\S+{SYSTEM_ENDING}\b", message):
         return message
     said = LACKING.sub(lambda found: NAME.sub(typed, found[0]), message)
+    said = OF_LOAD.sub(typed, said)
     return re.sub(r", got None( with [\w .]+)?$", "", PYTHON_NAME.sub(typed, said))
 
 

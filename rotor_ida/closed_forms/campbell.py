@@ -21,6 +21,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.assembly import assemble
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.results.archived_system import described_problem
+from rotor_ida.results.growth_words import growth_over_speeds
 from rotor_ida.results.in_si import takes_system
 from rotor_ida.results.si_units import with_system_units
 from rotor_ida.schema import labelled_dataset
@@ -65,6 +66,8 @@ def campbell(
         speed in size between the lowest and the highest speed, but for 0: ``critical_speed``,
         ``critical_stiffness`` of the contacts, ``critical_damping_ratio`` and ``critical_sense``.
         Unbalance excites the forward ones; the others only if the system is not axisymmetric.
+        The attribute ``unstable_speeds`` has the ends of the ranges in which it grows without
+        contact, in pairs.
 
     Raises
     ------
@@ -79,7 +82,7 @@ def campbell(
     Forward is the sense of the spin; at rest, that from x to y.
 
     At a critical speed W an eigenvalue is ``-d + i W`` in a damped system too, at the spin speed W.
-    How many speeds are given does not matter to them: see `rotor_ida.closed_forms.linear_motions`.
+    How many speeds are given does not matter to them: see `rotor_ida.closed_forms.crossings`.
 
     References
     ----------
@@ -132,6 +135,7 @@ def campbell(
         "node": ("node", np.array(list(system.nodes), str)),
     }  # fmt: skip
     told: dict[str, object] = {"source": "rotor_ida closed forms"}
+    told |= growth_over_speeds(assembly, speeds)
     if most is not None:
         told["modes"] = most
     dataset = labelled_dataset(

@@ -114,23 +114,34 @@ def _held_amplitude(omega: Values, zeta: Values, kappa: Values) -> ComplexValues
     return np.asarray(amplitude * cosine - 1j * (amplitude * sine) + 0.0)
 
 
+def static_sag(load: npt.ArrayLike, shaft_stiffness: npt.ArrayLike) -> Values:
+    """Return by how much a load moves the centre of a contact-free whirl below the axis.
+
+    It is ``gamma/kappa``, and infinite where no shaft carries the load.
+
+    Examples
+    --------
+    >>> static_sag([0.0, 0.3, 0.3], [0.0, 0.5, 0.0])
+    array([0. , 0.6, inf])
+    """
+    weight, kappa = np.broadcast_arrays(*(np.asarray(x, float) for x in (load, shaft_stiffness)))
+    falls = np.where(weight > 0.0, np.inf, 0.0)
+    with np.errstate(over="ignore"):
+        return np.asarray(np.divide(weight, kappa, out=falls, where=kappa > 0.0))
+
+
 def contact_free_whirl(rotor: Rotor) -> ContactFreeWhirl:
     """Return the neutral family of contact-free whirls, or the single one with a shaft.
 
     Parameters
     ----------
     rotor : Rotor
-        Parameters of the rotor, without a load.
+        Parameters of the rotor.
 
     Returns
     -------
     ContactFreeWhirl
         Its amplitude, phase lag and the largest offset of its centre.
-
-    Raises
-    ------
-    InputError
-        If the rotor has a load.
 
     Notes
     -----
@@ -142,6 +153,7 @@ def contact_free_whirl(rotor: Rotor) -> ContactFreeWhirl:
     ``A_f = omega**2/sqrt((kappa - omega**2)**2 + 4 zeta**2 omega**2)`` and
     ``theta = atan2(2 zeta omega, kappa - omega**2)``. With damping it attracts all motion that
     stays free of contact. `touch_speeds` gives the speeds at which it fits into the clearance.
+    Under a load its centre is ``gamma/kappa`` below the axis, and its amplitude is the same.
 
     References
     ----------
@@ -154,12 +166,11 @@ def contact_free_whirl(rotor: Rotor) -> ContactFreeWhirl:
     (0.6, 0.4)
     """
     check_instance("rotor", rotor, Rotor)
-    if rotor.load > 0.0:
-        raise InputError(f"load must be 0 for a whirl about the bearing axis, got {rotor.load!r}")
     kappa = rotor.shaft_stiffness
     whirl = complex(complex_amplitude(rotor.omega, rotor.zeta, kappa))
-    room = rotor.delta0 - abs(whirl)
-    offset = room if kappa == 0.0 else 0.0
+    sag = float(static_sag(rotor.load, kappa))
+    room = rotor.delta0 - abs(whirl) - sag
+    offset = room if kappa == 0.0 else sag
     return ContactFreeWhirl(
         amplitude=abs(whirl),
         phase_lag=abs(cmath.phase(whirl)),

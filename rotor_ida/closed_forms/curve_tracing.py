@@ -199,7 +199,8 @@ def driven(piece: Piece, varied: str, rotor: RotorColumns) -> Piece:
     if not chosen.size:
         return piece
     at = rotors[chosen]
-    rates = eigenvalues(piece.amplitude[chosen], **asdict(at)).real.max(axis=-1)
+    given = {name: each for name, each in asdict(at).items() if name != "load"}
+    rates = eigenvalues(piece.amplitude[chosen], **given).real.max(axis=-1)
     stability = piece.stability.copy()
     # at a fold one eigenvalue is 0, up to rounding
     stability[chosen] = np.where(rates > 1e-10 * at.omega, unstable, STABILITY["stable"])

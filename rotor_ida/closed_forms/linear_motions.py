@@ -1,15 +1,7 @@
 """Eigenvalues of a rotor system at a spin speed, and its critical speeds.
 
 A speed is critical where an eigenvalue turns with it: where a whirl speed is the spin speed in
-size. In order of size each whirl speed is a continuous function of the spin speed, also where a
-motion ceases to whirl, so that critical speeds are changes of sign.
-
-1. *Cells*: with ``s = i W`` motions at a critical speed W obey
-   ``(K + s C + s**2 (M - i G)) Q = 0`` where they do not decay, and nearly so where they do. The
-   speeds are divided between the roots of this equation, with C and without.
-2. *Refinement*: a cell is halved as long as a whirl speed bends so much within it that it might be
-   the spin speed twice. Without damping the roots are exact, and no cell is halved.
-3. *Roots*: in each cell, by Brent's method.
+size. See `rotor_ida.closed_forms.crossings` for how all of them are found.
 """
 
 from __future__ import annotations
@@ -22,10 +14,10 @@ from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.linalg import eigvals
 from scipy.optimize import brentq
 
 from rotor_ida.arrays import ComplexValues, Flags, Values
+from rotor_ida.closed_forms.crossings import Motion, crossing_speeds, eigenvalues_and_slopes
 from rotor_ida.errors import InputError
 from rotor_ida.model.assembly import Assembly, canonical
 from rotor_ida.model.axisymmetric import check_masses, forward_motions
@@ -41,10 +33,8 @@ SINGULAR = 1e-11
 ROUNDING = 100.0 * np.finfo(float).eps
 # The lowest critical speed that is sought, over the highest.
 LOWEST = 1e-6
-# Relative distances: of roots that share a cell, and of critical speeds that are one.
-NEAR, ONE = 1e-3, 1e-9
-# Parts of each cell at first, and how often a part may be halved.
-PARTS, HALVINGS = 4, 12
+# Relative distance of critical speeds that are one.
+ONE = 1e-9
 
 
 class Motions(NamedTuple):
@@ -126,37 +116,27 @@ class LinearMotions:
         found = _exact(np.linalg.eigvals(_first_order(stiffness, resisted)), stiffness, resisted)
         return np.asarray(found[found != 0.0])
 
-    def is_conservative(self) -> bool:
-        """Return whether energy is kept, so that `synchronous_speeds` are critical speeds."""
-        skew = self.stiffness - self.stiffness.conj().T
-        rounded = ROUNDING * np.abs(self.stiffness).max(initial=0.0)
-        return (
-            not self.films
-            and not self.damping.any()
-            and bool(np.abs(skew).max(initial=0.0) <= rounded)
-        )
+    def turning(self, spring: float, side: float, sense: float) -> Callable[[float], Motion]:
+        """Return the eigenvalues at sizes of the speed, conjugate for the sense -1.
 
-    def synchronous_speeds(self, spring: float, side: float, first: float, last: float) -> Values:
-        """Return the sizes of speeds of one sign, between two, by which they are divided.
-
-        They are the roots, and the knots of films: between these the roots with the coefficients
-        in the middle.
+        `side` is the sign of the speed; of an axisymmetric system, whose motions are complex, one
+        sense has those whose whirl speeds are positive.
         """
-        knots = np.sort(side * self.films.knots)
-        edges = [first, *knots[(knots > first) & (knots < last)].tolist(), last]
-        one = np.eye(len(self.stiffness))
-        zero = np.zeros_like(one)
-        found = [np.array(edges[1:-1])]
-        for low, high in pairwise(edges):
-            stiffness, damped = self.held(spring, side * 0.5 * (low + high))
-            for sense in (1.0,) if self.nodes is not None else (1.0, -1.0):
-                inert = one - 1j * sense * self.gyroscopic
-                for damping in (zero, damped) if damped.any() else (zero,):
-                    left = np.block([[zero, one], [-stiffness, -damping]])
-                    roots = eigvals(left, np.block([[one, zero], [zero, inert]]))
-                    sizes = side * sense * roots.imag[np.isfinite(roots)]
-                    found.append(sizes[(sizes > low) & (sizes < high)])
-        return np.sort(np.concatenate(found))
+        size = len(self.stiffness)
+
+        def at(speed: float) -> Motion:
+            omega = side * speed
+            stiffness, damping = self.held(spring, omega)
+            left = _first_order(stiffness, damping + omega * self.gyroscopic)
+            slope = np.zeros_like(left)
+            slope[size:, size:] = -side * self.gyroscopic
+            if self.films:
+                slope[size:, :size] = -side * self.films.matrix("stiffness", omega, 1)
+                slope[size:, size:] -= side * self.films.matrix("damping", omega, 1)
+            values, slopes = eigenvalues_and_slopes(left, slope)
+            return (values, slopes) if sense > 0.0 else (values.conj(), slopes.conj())
+
+        return at
 
 
 def linear_motions(assembly: Assembly) -> LinearMotions:
@@ -191,74 +171,18 @@ def critical_speeds(
         first = max(min(side * low, side * high), LOWEST * last)
         if not 0.0 < first < last:
             continue
-        at = cache(lambda size, side=side: motions.at(spring, side * size))
-        count = len(motions.stiffness) * (2 if motions.nodes is None else 1)
-
-        def gaps(size: float, at: Callable[[float], Motions] = at, count: int = count) -> Values:
-            turning = np.sort(np.abs(at(size).eigenvalues.imag))[::-1]
-            return np.asarray(turning[:count] - size)
-
-        between = motions.synchronous_speeds(spring, side, first, last)
-        cells = _cells(motions, between, gaps, first, last)
-        for size, number in _merged(roots_of(gaps, cells)):
-            here = at(size)
+        knots = np.sort(side * motions.films.knots)
+        found = [
+            size
+            for sense in ((1.0,) if motions.nodes is not None else (1.0, -1.0))
+            for size in crossing_speeds(motions.turning(spring, side, sense), knots, first, last)
+        ]
+        for size, number in _merged(found):
+            here = motions.at(spring, side * size)
             nearest = np.argsort(np.abs(np.abs(here.eigenvalues.imag) - size))[:number]
             for i in nearest[here.seen[nearest]].tolist():
                 ratio = -here.eigenvalues[i].real / np.abs(here.eigenvalues[i])
                 yield CriticalSpeed(side * size, int(here.senses[i]), float(ratio))
-
-
-def _cells(
-    motions: LinearMotions,
-    inside: Values,
-    gaps: Callable[[float], Values],
-    first: float,
-    last: float,
-) -> list[float]:
-    """Return speeds between which no gap vanishes twice."""
-    apart = np.diff(inside) > NEAR * inside[1:]
-    middles = 0.5 * (inside[1:] + inside[:-1])[apart]
-    edges = [first, *middles.tolist(), last]
-    if motions.is_conservative():
-        return edges
-    parts = [np.linspace(*ends, PARTS, endpoint=False) for ends in pairwise(edges)]
-    edges = [*np.concatenate(parts).tolist(), last]
-    return [each for ends in pairwise(edges) for each in _refined(gaps, *ends, HALVINGS)] + [last]
-
-
-def _refined(
-    gaps: Callable[[float], Values], low: float, high: float, halvings: int
-) -> list[float]:
-    """Return the ends of the parts of a cell, but for the last.
-
-    Within half a cell a gap that bends by less than it changes has no extremum, and one that bends
-    by less than its size does not vanish.
-    """
-    middle = 0.5 * (low + high)
-    ends = [gaps(each) for each in (low, middle, high)]
-    bend = np.abs(ends[0] - 2.0 * ends[1] + ends[2])
-    sure = True
-    for before, behind in pairwise(ends):
-        sizes = np.minimum(np.abs(before), np.abs(behind))
-        stays = (before > 0.0) == (behind > 0.0)
-        sure &= bool(((np.abs(before - behind) > bend) | (stays & (sizes > bend))).all())
-    if sure or not halvings:
-        return [low, middle]
-    return [
-        *_refined(gaps, low, middle, halvings - 1),
-        *_refined(gaps, middle, high, halvings - 1),
-    ]
-
-
-def roots_of(gaps: Callable[[float], Values], cells: Sequence[float]) -> Iterator[float]:
-    """Yield where a gap vanishes, in ascending order of the cells."""
-    for low, high in pairwise(cells):
-        for number in np.flatnonzero((gaps(low) > 0.0) != (gaps(high) > 0.0)).tolist():
-
-            def gap(size: float, number: int = number) -> float:
-                return float(gaps(size)[number])
-
-            yield float(brentq(gap, low, high, xtol=1e-12 * high))
 
 
 def growth_thresholds(motions: LinearMotions, speeds: Values) -> Iterator[tuple[float, float]]:
@@ -289,9 +213,9 @@ def _threshold(growth: Callable[[float], float], low: float, high: float) -> flo
     return high
 
 
-def _merged(roots: Iterator[float]) -> Iterator[tuple[float, int]]:
+def _merged(roots: Sequence[float]) -> Iterator[tuple[float, int]]:
     """Yield roots in ascending order, with the number of those that are one."""
-    every = np.sort(np.array(list(roots)))
+    every = np.sort(np.array(roots))
     first = np.flatnonzero(np.diff(every, prepend=-1.0) > ONE * every)
     yield from zip(every[first].tolist(), np.diff(first, append=every.size).tolist(), strict=True)
 

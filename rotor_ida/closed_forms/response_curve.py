@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from itertools import pairwise
 from typing import Unpack
 
@@ -12,7 +12,7 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import check_count
-from rotor_ida.closed_forms.contact_free import complex_amplitude, touch_speeds
+from rotor_ida.closed_forms.contact_free import complex_amplitude, static_sag, touch_speeds
 from rotor_ida.closed_forms.curve_polynomials import CurveEquations, equations_of, flanks
 from rotor_ida.closed_forms.curve_tracing import (
     MOST_POINTS,
@@ -33,7 +33,11 @@ from rotor_ida.closed_forms.curve_tracing import (
 from rotor_ida.closed_forms.folds import RANGES, fold_table
 from rotor_ida.closed_forms.peaks import speeds_of_stiffness, tips
 from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
-from rotor_ida.closed_forms.synchronous import SMALLEST_SPEED, whirls_in_contact
+from rotor_ida.closed_forms.synchronous import (
+    SMALLEST_SPEED,
+    whirls_in_contact,
+    why_linear_alone,
+)
 from rotor_ida.model.parameters import Parameters
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.varied import Varied
@@ -71,7 +75,8 @@ def response_curve(
         ``amplitude`` [1], ``phase_lag`` [rad], ``stability`` and ``in_contact`` (flags), and
         ``piece``, the number of the connected piece: first the contact-free whirl, then those in
         contact. The first and the last point of an isola are the same. Shorter curves are padded
-        with NaN, the flag ``absent`` and piece -1.
+        with NaN, the flag ``absent`` and piece -1. Under a load there is the whirl clear of the
+        stator alone, up to the touch, as from `synchronous_response`.
 
     Raises
     ------
@@ -111,7 +116,7 @@ def response_curve(
     >>> round(isola.amplitude.max().item(), 3), bool(isola.omega[0] == isola.omega[-1])
     (11.346, True)
     """
-    asked = whirls_asked(response_curve, rotor, varied, RANGES, BETWEEN_LIMITS)
+    asked = whirls_asked(response_curve, rotor, varied, RANGES, BETWEEN_LIMITS, under_load=True)
     return curve_over_speed(asked, limits, points)
 
 
@@ -123,13 +128,18 @@ def curve_over_speed(asked: Varied, limits: object, points: object) -> xr.Datase
     grid, table = RotorColumns.of(asked.columns), fold_table(asked)
     turns = table.reshape(asked.points, *table.shape[-2:])
     curves = []
+    rooms = grid.delta0 - static_sag(grid.load, grid.shaft_stiffness)
     for row, equations in enumerate(equations_of(grid)):
+        if grid.load[row] > 0.0:
+            room = replace(equations, law=replace(equations.law, delta0=float(rooms[row])))
+            curves.append(_contact_free_pieces(room, span, count) if rooms[row] > 0.0 else [])
+            continue
         pieces = _contact_free_pieces(equations, span, count)
         pieces += _contacting_pieces(equations, turns[row], span, count)
         if equations.contact_damping > 0.0 or equations.law.friction > 0.0:
             pieces = [driven(piece, "omega", grid[row]) for piece in pieces]
         curves.append(pieces)
-    return labelled_curves("omega", curves, asked)
+    return labelled_curves("omega", curves, asked).assign_attrs(why_linear_alone(grid))
 
 
 def _contact_free_pieces(equations: CurveEquations, limits: _Span, points: int) -> list[Piece]:

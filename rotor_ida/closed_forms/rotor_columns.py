@@ -33,6 +33,7 @@ class RotorColumns:
     contact_exponent: Values
     contact_damping: Values
     friction: Values
+    load: Values
 
     @classmethod
     def of(cls, values: Mapping[str, npt.ArrayLike]) -> RotorColumns:
@@ -68,16 +69,18 @@ def whirls_asked(
     given: Parameters,
     ranges: Mapping[str, Range],
     left_out: Mapping[str, str] = {},
+    *,
+    under_load: bool = False,
 ) -> Varied:
     """Return what a function of synchronous whirls is asked to vary: see `varied_of`.
 
-    The radius of the disc moves no whirl and is left out; a load must be 0. The largest value is
-    1e15 where `ranges` name no other.
+    The radius of the disc moves no whirl and is left out; a load must be 0, unless the function
+    takes one. The largest value is 1e15 where `ranges` name no other.
     """
     asked = varied_of(
         verb, rotor, given, left_out=left_out, ranges=ranges, others=(0.0, LARGEST_NUMBER)
     )
-    if (load := asked.values("load")).any():
+    if not under_load and (load := asked.values("load")).any():
         raise InputError(
             "{name} must be 0 for {verb}, as there is no synchronous whirl under a load, got "
             "{value}",
@@ -85,4 +88,5 @@ def whirls_asked(
         )  # fmt: skip
     if (radii := asked.values("disc_radius")).size > 1:
         raise InputError(f"disc_radius must be one number: it moves no whirl, got {shown(radii)}")
-    return asked.without("load", "disc_radius").check_size()
+    loaded = asked.values("load").any()
+    return asked.without(*([] if loaded else ["load"]), "disc_radius").check_size()

@@ -175,7 +175,7 @@ def _checked(given: dict[str, npt.ArrayLike]) -> tuple[Values, RotorColumns]:
         raise InputError(
             f"{', '.join(given)} must broadcast, got arrays of shapes {shapes}"
         ) from None
-    rotors = RotorColumns(*others)
+    rotors = RotorColumns.of(dict(zip(list(arrays)[1:], others, strict=True)))
     for name, values in arrays.items():
         if values.size:
             check_axis(name, np.ravel(values))

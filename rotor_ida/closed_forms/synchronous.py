@@ -11,7 +11,7 @@ import xarray as xr
 
 from rotor_ida.arrays import Flags, Values
 from rotor_ida.checks import LARGEST_NUMBER
-from rotor_ida.closed_forms.contact_free import complex_amplitude
+from rotor_ida.closed_forms.contact_free import complex_amplitude, static_sag
 from rotor_ida.closed_forms.contacting_whirls import ContactingWhirls, contacting_whirls
 from rotor_ida.closed_forms.linear_whirls import linear_whirls
 from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
@@ -25,6 +25,10 @@ from rotor_ida.schema import STABILITY, labelled_dataset
 
 _POINTS_AT_A_TIME = 16384  # keeps the working arrays inside the processor's cache
 SMALLEST_SPEED = 1e-50
+UNDER_LOAD = (
+    "under a load no whirl in contact is synchronous: the response is linear up to the touch, and "
+    "limit_cycle computes the exact cycles beyond it"
+)
 _SOURCE = "rotor_ida closed forms: real roots of the amplitude equation, with 32-digit residuals"
 _REFERENCES = (
     "Analytical Nonlinear Response for a Rotor with the Hertz Contact and Clearance, "
@@ -50,8 +54,8 @@ def synchronous_response(
     speed : float or array_like, shape (n,)
         Spin speeds of a `RotorSystem`. Those of a `DimensionalRotor` are a parameter of it.
     **varied : float or array_like, shape (n,)
-        Parameters of `Rotor` by name [1], in place of those of `rotor`; all are combined. The load
-        must be 0. The radius of the disc has no effect.
+        Parameters of `Rotor` by name [1], in place of those of `rotor`; all are combined. Under a
+        load only the whirl clear of the stator is known. The radius of the disc has no effect.
     contacts, unbalance, supports, bearings, gravity, static_force : optional
         In place of those of a `RotorSystem`, as in `simulate`.
 
@@ -103,6 +107,10 @@ def synchronous_response(
     change amplitudes and lags, as the indentation of a whirl is constant. It may destabilise a
     whirl that lags by more than a quarter turn: see `eigenvalues`.
 
+    Under a load gamma the motion clear of the stator is linear: a whirl of the same amplitude about
+    the sag ``gamma/kappa`` below the axis. It exists where the two together fit into the clearance.
+    Beyond that `limit_cycle` computes the exact motion; the attribute ``not_exact`` says so.
+
     With friction mu the disc slips forwards on the stator, for any disc radius, and
     ``(kappa A + f - omega**2 A)**2 + (2 zeta omega A + mu f)**2 = omega**4``. The squared terms are
     proportional to the cosine and the sine of theta. Friction too may destabilise a whirl where D
@@ -151,7 +159,7 @@ def synchronous_response(
         changed = cast("SystemParameters", varied)
         return response_of_system(changed_system(synchronous_response, rotor, changed), speed)
     ranges = {"omega": (SMALLEST_SPEED, LARGEST_NUMBER)}
-    asked = whirls_asked(synchronous_response, rotor, varied, ranges)
+    asked = whirls_asked(synchronous_response, rotor, varied, ranges, under_load=True)
     grid = RotorColumns.of(asked.columns)
     parts = [
         _branches(grid[first : first + _POINTS_AT_A_TIME])
@@ -169,9 +177,21 @@ def synchronous_response(
             for name, values in columns.items()
         },
         asked.coordinates | {"branch": ("branch", np.arange(present))},
-        {"source": _SOURCE, "references": _REFERENCES},
+        {"source": _SOURCE, "references": _REFERENCES} | why_linear_alone(grid),
         kind="whirls",
     )
+
+
+def why_linear_alone(rotors: RotorColumns) -> dict[str, object]:
+    """Return, as an attribute, why no whirl in contact is known under a load; none without one."""
+    loaded = rotors.load > 0.0
+    if not loaded.any():
+        return {}
+    rests = (static_sag(rotors.load, rotors.shaft_stiffness) >= rotors.delta0)[loaded]
+    if not rests.any():
+        return {"not_exact": UNDER_LOAD}
+    where = "" if rests.all() else "in a part of the cases "
+    return {"not_exact": f"{UNDER_LOAD}; {where}the sag alone lays the rotor on the stator"}
 
 
 def _branches(rotors: RotorColumns) -> dict[str, npt.NDArray[np.generic]]:
@@ -179,10 +199,13 @@ def _branches(rotors: RotorColumns) -> dict[str, npt.NDArray[np.generic]]:
     omega, zeta, delta0 = rotors.omega, rotors.zeta, rotors.delta0
     turning = omega > 0.0
     contacting = whirls_in_contact(replace(rotors, omega=np.where(turning, omega, 1.0)))
-    contact_free = contacting.contact_free | ~turning
     free = complex_amplitude(omega, zeta, rotors.shaft_stiffness)
+    loaded, sag = rotors.load > 0.0, static_sag(rotors.load, rotors.shaft_stiffness)
+    contact_free = np.where(
+        loaded, sag + np.abs(free) <= delta0, contacting.contact_free | ~turning
+    )
 
-    touching = np.where(turning[:, None], contacting.amplitude, np.nan)
+    touching = np.where((turning & ~loaded)[:, None], contacting.amplitude, np.nan)
     amplitude = _side_by_side(np.minimum(np.abs(free), delta0), touching, contact_free)
     lag = _side_by_side(np.abs(np.angle(free)), contacting.phase_lag, contact_free)
     in_contact = _side_by_side(np.zeros_like(omega), np.ones_like(touching), contact_free)

@@ -25,12 +25,11 @@ from rotor_ida.closed_forms.clearances.response import about
 from rotor_ida.closed_forms.receptances import checked_speeds, solved_motions
 from rotor_ida.closed_forms.whirls.synchronous import whirls_of_system
 from rotor_ida.errors import InputError
-from rotor_ida.model.assembly import Assembly, assemble, canonical
-from rotor_ida.model.growth import growth_begins, growth_of
+from rotor_ida.model.assembly import Assembly, assemble
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import check_clearances
 from rotor_ida.results.archived_system import described_problem
-from rotor_ida.results.growth_words import BEGINS, RATE, WHIRL_SPEED
+from rotor_ida.results.growth_words import growth_over_speeds
 from rotor_ida.results.si_units import with_system_units
 from rotor_ida.schema import labelled_dataset
 
@@ -52,6 +51,7 @@ def response_of_system(system: RotorSystem, speed: npt.ArrayLike | None) -> xr.D
     check_clearances(assembly.contacts)
     nodes: dict[str, Column] = {"node": ("node", np.array(list(system.nodes), str))}
     variables = linear_response(assembly, speeds) | critical_speeds_of(assembly, speeds)
+    growth = growth_over_speeds(assembly, speeds)
     try:
         whirls = whirls_of_system(system, speeds)
     except InputError as error:
@@ -59,23 +59,12 @@ def response_of_system(system: RotorSystem, speed: npt.ArrayLike | None) -> xr.D
             "Unbalance response of a rotor system", variables | described_problem(assembly),
             {"speed": ("speed", speeds), **nodes},
             {"source": "rotor_ida closed forms", "not_exact": str(error)}
-            | _growth(assembly, float(speeds.max())),
+            | growth,
             kind="unbalance_response",
         )  # fmt: skip
         return with_system_units(dataset, system)
     found = labelled_dataset("", variables, nodes, {}, kind="unbalance_response")
-    return whirls.assign(with_system_units(found, system).data_vars)
-
-
-def _growth(assembly: Assembly, speed: float) -> dict[str, object]:
-    """Return attributes that say how the motion grows at the largest speed; none if it does not."""
-    found = canonical(assembly)
-    growth = growth_of(found, speed)
-    if growth is None:
-        return {}
-    begins = growth_begins(found, speed)
-    told: dict[str, object] = {RATE: growth.rate, WHIRL_SPEED: growth.whirl_speed}
-    return told if begins is None else told | {BEGINS: begins}
+    return whirls.assign(with_system_units(found, system).data_vars).assign_attrs(growth)
 
 
 def linear_response(assembly: Assembly, speeds: Values) -> dict[str, Column]:

@@ -13,6 +13,7 @@ import xarray as xr
 
 from rotor_ida.arrays import Arrays
 from rotor_ida.closed_forms.backward_whirl import backward_whirl
+from rotor_ida.closed_forms.contact_free import static_sag
 from rotor_ida.closed_forms.folds import folds
 from rotor_ida.closed_forms.hopf import hopf_points
 from rotor_ida.closed_forms.response_curve import response_curve
@@ -23,7 +24,6 @@ from rotor_ida.explorer.messages import Answer, Question, SystemQuestion
 from rotor_ida.explorer.motion import exact_lines
 from rotor_ida.explorer.whirls import FOLD, HOPF, NO_WHIRLS, show_whirls
 from rotor_ida.explorer.words import (
-    NO_CURVE,
     numbers_of_response,
     sheet_of,
     verdict_of,
@@ -74,7 +74,7 @@ def show_responses(question: Question | SystemQuestion) -> Iterator[Answer]:
     compared = compare(swept).squeeze(ONE)
     settled = {**_seen(swept.squeeze(ONE)), **_exact(compared)}
     yield _settled(question, settled, swept)
-    if rotor.friction > 0.0 and curve.arrays["omega"].size:
+    if rotor.friction > 0.0 and rotor.load == 0.0 and curve.arrays["omega"].size:
         yield _with_hopf_points(question, curve)
     if settled["response"] == "failed" or rotor.omega == 0.0:
         return
@@ -90,13 +90,11 @@ def _curve(question: Question) -> Answer:
     """
     rotor = question.rotor
     facts = Disc(question).facts
-    if rotor.load > 0.0:
-        return Answer("curve", {**facts, "why": NO_CURVE}, NO_WHIRLS)
     try:
-        arrays = _arrays_of_curve(at_rest(rotor), question.speeds)
+        why, arrays = _arrays_of_curve(at_rest(rotor), question.speeds)
     except InputError as error:
         return Answer("curve", {**facts, "why": f"No exact curve: {error}."}, NO_WHIRLS)
-    return Answer("curve", facts, arrays)
+    return Answer("curve", facts | ({"why": f"{why[0].upper()}{why[1:]}."} if why else {}), arrays)
 
 
 def at_rest(rotor: Rotor) -> Rotor:
@@ -105,15 +103,22 @@ def at_rest(rotor: Rotor) -> Rotor:
 
 
 @lru_cache(maxsize=MOST_KEPT)
-def _arrays_of_curve(rotor: Rotor, speeds: tuple[float, float]) -> Arrays:
-    """Return the response curve with its folds and Hopf points, except those of rubs."""
+def _arrays_of_curve(rotor: Rotor, speeds: tuple[float, float]) -> tuple[str, Arrays]:
+    """Return the response curve with its folds and Hopf points, except those of rubs.
+
+    Under a load its radius is the largest one, from the axis; with it, why it ends at the touch.
+    """
     curve = response_curve(rotor, limits=speeds, points=POINTS_OF_CURVE)
     names = ("omega", "amplitude", "phase_lag", "stability", "in_contact", "piece")
     arrays = {name: curve[name].values[0, 0] for name in names}
+    if rotor.load > 0.0:
+        radius = arrays["amplitude"] + static_sag(rotor.load, rotor.shaft_stiffness)
+        return str(curve.attrs["not_exact"]), NO_WHIRLS | arrays | {"amplitude": radius}
     arrays |= _marked(folds(rotor), FOLD, (0.0, math.inf))
     if rotor.friction > 0.0:
-        return arrays | dict.fromkeys(HOPF, np.empty(0)) | _backward_whirls(rotor, speeds)
-    return arrays | _marked(hopf_points(rotor), HOPF, speeds)
+        nothing = dict.fromkeys(HOPF, np.empty(0))
+        return "", arrays | nothing | _backward_whirls(rotor, speeds)
+    return "", arrays | _marked(hopf_points(rotor), HOPF, speeds)
 
 
 def _marked(found: xr.Dataset, marks: tuple[str, str], limits: tuple[float, float]) -> Arrays:

@@ -25,7 +25,6 @@ KINDS = {
     "chaotic": "chaos: it never repeats itself, and neighbouring motions diverge",
     "unresolved": "no known kind of motion within the longest simulated time",
 }
-NO_CURVE = "Under a static load there is no synchronous whirl, so no exact curve."
 HELD = "the contact-free whirl, which is the only one with a shaft: it stays inside the clearance"
 INSIDE = "inside the clearance"
 # A rotor at rest counts as centred if its distance is below this fraction of the eccentricity.

@@ -154,17 +154,14 @@ def _by_node(signals: Any, machine: AnyRotor) -> dict[str, xr.Dataset]:
 def _unknowns(unknown: object, machine: AnyRotor) -> list[Unknown]:
     """Return the unknowns, checked."""
     units = _units_of(machine)
-    names = _several(unknown)
+    names, known = _several(unknown), ", ".join(map(shown, units))
     if names is None:
-        raise InputError(
-            f"unknown must be a list of names from {', '.join(units)}, got {shown(unknown)}"
-        )
+        raise InputError(f"unknown must be a list of names from {known}, got {shown(unknown)}")
     wrong = [each for each in names if not isinstance(each, str) or each not in units]
     if wrong or not names:
         meant = did_you_mean(wrong[0], units) if wrong else ""
         raise InputError(
-            f"unknown must be of {', '.join(units)}, got {shown(wrong[0] if wrong else names)}"
-            f"{meant}"
+            f"unknown must be of {known}, got {shown(wrong[0] if wrong else names)}{meant}"
         )
     if len(set(names)) < len(names):
         raise InputError(f"unknown must name each once, got {shown(names)}")

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
@@ -16,6 +17,8 @@ FREE = 1e-9
 GROWING, HELD = 1e-9, 1e-6
 # Steps in which the speed falls where growth is followed to its beginning, and how near to that.
 STEPS, PLACED = 16, 1e-6
+# Speeds at which ranges of growth are sought.
+POINTS = 65
 
 
 class Growth(NamedTuple):
@@ -64,10 +67,34 @@ def growth_begins(found: Canonical, speed: float) -> float | None:
         high = low
     else:
         return None
-    while high - low > PLACED * speed:
+    return _end_between(found, low, high, True)
+
+
+def growth_between(found: Canonical, low: float, high: float) -> list[tuple[float, float]]:
+    """Return the ranges of speeds between two in which the motion without contact grows.
+
+    Ranges, and gaps between them, that lie between neighbours of `POINTS` speeds are not seen.
+    """
+    knots = found.films.knots
+    inside = knots[(knots > low) & (knots < high)]
+    speeds = np.unique(np.concatenate([np.linspace(low, high, POINTS), inside])).tolist()
+    grow = [growth_of(found, each) is not None for each in speeds]
+    ends = [low] if grow[0] else []
+    for (below, above), grows in zip(pairwise(speeds), grow[1:], strict=True):
+        if grows != (len(ends) % 2 == 1):
+            ends.append(_end_between(found, below, above, grows))
+    ends += [high] if len(ends) % 2 else []
+    return list(zip(ends[::2], ends[1::2], strict=True))
+
+
+def _end_between(found: Canonical, low: float, high: float, grows: bool) -> float:
+    """Return where growth begins between two speeds, or ends: a speed at which there is growth."""
+    near = PLACED * max(abs(low), abs(high))
+    while high - low > near:
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if growth_of(found, middle) is None else (low, middle)
-    return high
+        same = (growth_of(found, middle) is not None) == grows
+        low, high = (low, middle) if same else (middle, high)
+    return high if grows else low
 
 
 def nothing_holds(found: Canonical) -> bool:

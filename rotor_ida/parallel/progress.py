@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import sys
+import threading
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -60,14 +61,24 @@ def progress_lines(description: str) -> Iterator[Callable[[int, int], None]]:
     callable
         Takes the number of points done and their total, as `progress_bar` yields.
     """
-    begun = told = time.monotonic()
+    begun, reached, ended = time.monotonic(), [0, 0], threading.Event()
 
-    def tell(done: int, total: int) -> None:
-        nonlocal told
-        if sys.stderr is not None and (now := time.monotonic()) - told >= TOLD_EVERY:
-            told = now
-            left = (now - begun) * (total - done) / done if done else math.nan
+    def report(done: int, total: int) -> None:
+        reached[:] = done, total
+
+    def write() -> None:
+        while not ended.wait(TOLD_EVERY):
+            done, total = reached
+            left = (time.monotonic() - begun) * (total - done) / done if done else math.nan
             also = "" if math.isnan(left) else f", about {left:.0f} s left"
-            print(f"{description}: {done} of {total}{also}", file=sys.stderr, flush=True)
+            said = f"{done} of {total}{also}" if total else "nothing done so far"
+            if sys.stderr is not None:
+                print(f"{description}: {said}", file=sys.stderr, flush=True)
 
-    yield tell
+    writer = threading.Thread(target=write, daemon=True)
+    writer.start()
+    try:
+        yield report
+    finally:
+        ended.set()
+        writer.join()

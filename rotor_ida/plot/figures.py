@@ -21,6 +21,7 @@ from rotor_ida.closed_forms import (
     response_curve,
     synchronous_response,
 )
+from rotor_ida.closed_forms.unbalance_response import response_of_system
 from rotor_ida.closed_forms.whirls.synchronous import whirls_of_system
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import FRICTIONLESS
@@ -44,7 +45,9 @@ from rotor_ida.plot.signals import plot_bode, plot_orbit
 from rotor_ida.results.archived_system import problem_of
 from rotor_ida.results.concat import concat
 from rotor_ida.results.dataset_kinds import KINDS, kind_of, loaded, why_not
+from rotor_ida.results.growth_words import grows_at
 from rotor_ida.results.si_units import dimensionless, in_units_of
+from rotor_ida.schema import STABILITY, labelled
 from rotor_ida.signals.record import Record, record_of
 
 # Largest number of speeds of a table of whirls that are marked.
@@ -126,6 +129,11 @@ def figure_of_responses(dataset: xr.Dataset) -> Figure:
 
     There is a panel for each rotor and contact, over the speed or another parameter that varies.
     """
+    if "special_speed" in dataset and "not_exact" in dataset.attrs:  # there are no branches
+        low, high = dataset.attrs["limits"].tolist()
+        speeds = np.linspace(low, high, FEWEST_SPEEDS)
+        response = response_of_system(problem_of(dataset)[0], speeds)
+        return cast(Figure, plot_unbalance_response(response, special=dataset).figure)
     if "node_major_axis" in dataset and not (dataset.sizes["contact"] and "branch" in dataset.dims):
         return cast(Figure, plot_unbalance_response(dataset).figure)
     over = _axis_of(dataset)
@@ -169,21 +177,20 @@ def _exact_beside(part: xr.Dataset, over: str) -> dict[str, xr.Dataset | None]:
     if not is_of_disc(part):
         return {"exact": _whirls_of_system(part, over) if "response" in part else part}
     given = {name: part[name].item() for name in parameters_in(part) if name != over}
-    under_load = given.get("load", 0.0) > 0.0
+    under_load = over == "load" or given.get("load", 0.0) > 0.0
     if over != "omega":
-        if under_load or over in {"load", "contact_exponent", "disc_radius"}:
+        if over in {"contact_exponent", "disc_radius"}:
             return {"exact": None}
         ends = float(part[over].min()), float(part[over].max())
-        if over == "delta0":
+        if over == "delta0" and not under_load:
             return {"exact": in_units_of(clearance_curve(**given, limits=ends), part)}
         asked: dict[str, Any] = {**given, over: np.linspace(*ends, ALONG)}
         return {"exact": in_units_of(synchronous_response(**asked), part)}
-    given.pop("load", None)
+    curve = response_curve(**given, limits=_limits_of(part))
     if under_load:
-        return {"exact": None}
-    found = {
-        "exact": response_curve(**given, limits=_limits_of(part)), "fold_points": folds(**given),
-    }  # fmt: skip
+        return {"exact": in_units_of(curve, part) if curve.sizes["point"] else None}
+    given.pop("load", None)
+    found = {"exact": curve, "fold_points": folds(**given)}
     if given.get("friction") or given.get("contact_damping"):
         found["hopf_points"] = hopf_points(**given)
     return {name: in_units_of(each, part) for name, each in found.items()}
@@ -200,7 +207,8 @@ def _whirls_of_system(part: xr.Dataset, over: str) -> xr.Dataset | None:
             if values.size > 1:
                 count = max(FEWEST_SPEEDS, values.size)
                 values = np.linspace(values.min(), values.max(), count)
-            return whirls_of_system(system, values)
+            response = response_of_system(system, values)
+            return response if "amplitude" in response else _clear_whirl(response)
         found = []
         for value in np.linspace(values.min(), values.max(), VALUES).tolist():
             own = with_parameters(system, {over: value})
@@ -209,8 +217,21 @@ def _whirls_of_system(part: xr.Dataset, over: str) -> xr.Dataset | None:
             found[-1] = found[-1].assign_coords({over: ((), value, part[over].attrs)})
         speed, nodes = part[SPEED].squeeze(drop=True), part["contact_node"]
         return concat(found, over).assign_coords({SPEED: speed, "contact_node": nodes})
-    except InputError:  # not axisymmetric, under a constant force, or a part of a sweep
+    except InputError:  # no whirls over another parameter, or a part of a sweep
         return None
+
+
+def _clear_whirl(response: xr.Dataset) -> xr.Dataset:
+    """Return the response to unbalance up to the touch, as the only branch of whirls."""
+    radius = response["unbalance_radius"]
+    is_free = (radius <= response["clearance"]).all("contact")
+    grows = grows_at(response.attrs, response["speed"].values)
+    stability = np.where(grows, STABILITY["unstable"], STABILITY["stable"])
+    stability = np.where(is_free, stability, STABILITY["absent"]).astype(np.int8)
+    return response.assign({
+        "amplitude": radius.where(is_free).expand_dims(branch=1).assign_attrs(radius.attrs),
+        "stability": labelled("stability", ("speed",), stability),
+    })  # fmt: skip
 
 
 def figure_of_diagram(dataset: xr.Dataset) -> Axes:

@@ -27,6 +27,7 @@ _ORDER = (
     FOLD := "fold",
     HOPF := "Hopf point",
     THRESHOLD := "threshold of instability",
+    BEYOND_TOUCH := "beyond a touch, as without contact",
     *KIND_WORDS.values(),
     FROM_REST := "each speed from rest",
     FROM_WHIRL := "each speed from its contact-free whirl",

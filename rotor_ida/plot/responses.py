@@ -13,6 +13,7 @@ from matplotlib.axes import Axes
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS
+from rotor_ida.closed_forms.contact_free import static_sag
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import OF_ROTOR, OPTIONAL, PARAMETERS
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
@@ -54,7 +55,8 @@ LINES = {
 SPECIALS = {"fold": (legends.FOLD, "D", 4.0), "hopf": (legends.HOPF, "o", 4.6),
             "graze": (legends.GRAZE, "s", 4.0)}  # fmt: skip
 CURVE = ("omega", "zeta", "delta0", "amplitude", "phase_lag", "stability", "in_contact", "piece")
-NO_CURVE = "no exact curve"
+LINEAR = "linear up to the touch, limit_cycle beyond"
+ON_STATOR = "no linear response: at rest on the stator"
 SIMULATED = ("response", "amplitude", "phase_lag", "radius_min", "radius_max", "direction")
 # Whirls of more points than this are dots that are read as lines, of fewer points are marks.
 FEW_POINTS = 120
@@ -69,6 +71,7 @@ NEEDED = {
     "hopf_points": ("hopf_omega", "hopf_amplitude"),
     "special": ("special_speed", "special_kind", "amplitude"),
 }
+OF_RESPONSE = ("speed", "node_major_axis", "unbalance_radius")
 # Nodes of an unbalance response that are drawn at most.
 MOST_NODES = 5
 
@@ -130,7 +133,8 @@ def plot_amplitude(
         The exact whirls: a curve of `rotor_ida.closed_forms.response_curve` or
         `rotor_ida.closed_forms.clearance_curve`, or points of `rotor_ida.synchronous_response` or
         `rotor_ida.special_speeds`, for one value of each parameter but one. None for `simulated`
-        alone. Special speeds of a system without exact whirls are its thresholds of instability.
+        alone. Under a load the whirl is drawn up to the touch, by its largest distance from the
+        centre of the stator.
     whirls : Dataset, optional
         Result of `rotor_ida.synchronous_response` for the same rotor: its whirls are marked.
     simulated : Dataset, optional
@@ -203,7 +207,9 @@ def _plot(
     simulated, reach = found.get("simulated"), _reach(found)
     with drawing(ax, width=5.6, height=4.2) as ax:
         label_parameter(ax.xaxis, axis.over, shown)
-        aside = quantity == "amplitude" and simulated is not None and _lies_aside(simulated)
+        aside = quantity == "amplitude" and (
+            _is_loaded(shown) or (simulated is not None and _lies_aside(simulated))
+        )
         label_axis(ax.yaxis, "radius" if aside else quantity, shown[quantity])
         if quantity == "amplitude":
             draw_clearance(ax, found.get("simulated", shown), over=axis.over)
@@ -220,7 +226,7 @@ def _plot(
             ax.set_yticks([0.0, 0.5 * math.pi, math.pi], ["0", r"$\pi/2$", r"$\pi$"])
         if "special" in found:
             _draw_thresholds(ax, found["special"])
-        ax.set_title(_title(shown, axis, "exact" in found))
+        ax.set_title(_title(shown, axis))
         # bars across the axes leave no room
         has_bars = aside or ("simulated" in found and bool(_are_ranges(found["simulated"]).any()))
         own_legend(ax, inside=False if has_bars else None)
@@ -234,13 +240,10 @@ def _checked(
     given = dict(given)
     exact = given.get("exact")
     if isinstance(exact, xr.Dataset) and "special_speed" in exact.variables:
-        if "not_exact" in exact.attrs:  # there are no branches, only thresholds of instability
-            given["exact"], given["special"] = None, exact.assign(speed=exact["special_speed"])
-        else:
-            given["special"] = exact
-            exact = check_dataset("special", exact, (*NEEDED["special"], *BRANCHES))
-            exact = exact.drop_vars(["amplitude", "stability"], errors="ignore").rename(BRANCHES)
-            given["exact"] = exact
+        given["special"] = exact
+        exact = check_dataset("special", exact, (*NEEDED["special"], *BRANCHES))
+        exact = exact.drop_vars(["amplitude", "stability"], errors="ignore").rename(BRANCHES)
+        given["exact"] = exact
     found: dict[str, xr.Dataset] = {}
     for name, dataset in given.items():
         if dataset is None:
@@ -249,8 +252,7 @@ def _checked(
         drawn = PARAMETERS[1:] if alone else () if name == "special" else (quantity,)
         of_system = () if alone else ("contact_node",)
         found[name] = check_dataset(name, dataset, (*NEEDED[name], *drawn), of_system)
-    alone = "special" in found and "not_exact" in found["special"].attrs
-    if not (alone or {"exact", "simulated", "whirls"} & set(found)):
+    if not {"exact", "simulated", "whirls"} & set(found):
         raise InputError("exact must be a Dataset, or None beside simulated, got neither")
     first, shown = next(iter(found.items()))
     axis = _Axis(*drawn_over(first, shown))
@@ -259,12 +261,29 @@ def _checked(
         if is_of_disc(shown):
             _check_parameters(name, dataset, axis)
     found = {name: at_contact(dataset, contact) for name, dataset in found.items()}
+    if quantity == "amplitude":
+        found |= {name: _from_axis(found[name]) for name in ("exact", "whirls") if name in found}
     if (
         is_of_disc(shown) and "simulated" in found
     ):  # whirls without friction have no radius of the disc
         held = drawn_over("simulated", found["simulated"].assign_attrs(along=axis.over))[1]
         axis.held.update({name: held[name] for name in held if name in OPTIONAL})
     return found, axis
+
+
+def _is_loaded(shown: xr.Dataset) -> bool:
+    """Return whether a result is of one disc under a load."""
+    return is_of_disc(shown) and bool((shown.get("load", xr.DataArray(0.0)) > 0.0).any())
+
+
+def _from_axis(whirls: xr.Dataset) -> xr.Dataset:
+    """Return whirls of one disc under a load by their largest distance from the axis."""
+    if not _is_loaded(whirls):
+        return whirls
+    kappa = whirls.get("shaft_stiffness", xr.zeros_like(whirls["load"]))
+    sag = xr.apply_ufunc(static_sag, *xr.broadcast(whirls["load"], kappa))
+    radius = whirls["amplitude"] + sag * scale_of(whirls, "length")
+    return whirls.assign(amplitude=radius.assign_attrs(whirls["amplitude"].attrs))
 
 
 def _check_parameters(name: str, dataset: xr.Dataset, axis: _Axis) -> None:
@@ -313,17 +332,18 @@ def _are_ranges(simulated: xr.Dataset) -> xr.DataArray:
     return is_of_kind(simulated["response"], RANGES)
 
 
-def _title(shown: xr.Dataset, axis: _Axis, has_curve: bool) -> str:
+def _title(shown: xr.Dataset, axis: _Axis) -> str:
     """Return the contact of a system, and the parameters that are held."""
     held = text_of(shown, axis.held) if axis.held else ""
     if not is_of_disc(shown):
-        held = held or "no exact whirls" * ("not_exact" in shown.attrs and not has_curve)
         return f"{contact_text(shown, shown['contact'].item())}\n{held}".rstrip()
-    if has_curve or axis.over != "omega" or "load" not in axis.held:
+    if not axis.held.get("load"):
         return in_lines(held)
     before = {name: value for name, value in axis.held.items() if name != "load"}
     last = text_of(shown, {"load": axis.held["load"]})
-    return f"{text_of(shown, before)}\n{last}: {NO_CURVE} under a load"
+    sag = static_sag(axis.held["load"], axis.held.get("shaft_stiffness", 0.0))
+    lies = bool(sag >= axis.held.get("delta0", math.inf))
+    return f"{text_of(shown, before)}\n{last}: {ON_STATOR if lies else LINEAR}"
 
 
 def draw_clearance(ax: Axes, part: xr.Dataset, *, over: str = SPEED) -> None:
@@ -401,10 +421,6 @@ def _draw_thresholds(ax: Axes, special: xr.Dataset) -> None:
     for speed in np.unique(speeds_in(special["special_speed"]).values[chosen]).tolist():
         ax.axvline(speed, color=palette.DARK_BROWN, lw=0.9, ls=DOTS, zorder=1.6,
                    label=legends.THRESHOLD)  # fmt: skip
-    if "not_exact" in special.attrs:
-        limits = xr.DataArray(special.attrs["limits"], attrs=special["special_speed"].attrs)
-        ax.set_xlim(*speeds_in(limits).values.tolist())
-        ax.set_ylim(bottom=0.0)
 
 
 def _special_points(dataset: xr.Dataset, name: str, exact: xr.Dataset) -> tuple[Values, Values]:
@@ -528,14 +544,20 @@ def _start_words(simulated: xr.Dataset) -> str:
     return legends.FROM_REST if at_rest else legends.FROM_START
 
 
-def plot_unbalance_response(whirls: xr.Dataset, *, ax: Axes | None = None) -> Axes:
+def plot_unbalance_response(
+    whirls: xr.Dataset, *, special: xr.Dataset | None = None, ax: Axes | None = None
+) -> Axes:
     """Draw the largest axis of the orbit of each node by unbalance over the spin speed.
 
     Parameters
     ----------
     whirls : Dataset
         Result of `rotor_ida.synchronous_response` for a rotor system. Of more than five nodes,
-        those with the largest orbits are drawn.
+        those with the largest orbits are drawn. Beyond a touch, where the response is not linear,
+        lines are thin and dotted.
+    special : Dataset, optional
+        Result of `rotor_ida.special_speeds` for the same system, whose thresholds of instability
+        are vertical lines.
     ax : Axes, optional
         Axes to draw on and return; default: those of a new figure.
 
@@ -547,7 +569,10 @@ def plot_unbalance_response(whirls: xr.Dataset, *, ax: Axes | None = None) -> Ax
     >>> plot_unbalance_response(whirls).lines[0].get_label()
     'disc'
     """
-    whirls = check_dataset("whirls", whirls, ("speed", "node_major_axis", "node"))
+    whirls = check_dataset(
+        "whirls", whirls, ("speed", "node_major_axis", "node", "unbalance_radius")
+    )
+    linear = (whirls["unbalance_radius"] <= clearances_in(whirls)).all("contact").values
     axes, names = whirls["node_major_axis"].values, whirls["node"].values
     chosen = np.sort(np.argsort(-axes.max(axis=0), kind="stable")[:MOST_NODES])
     with drawing(ax) as ax:
@@ -558,7 +583,14 @@ def plot_unbalance_response(whirls: xr.Dataset, *, ax: Axes | None = None) -> Ax
         )  # fmt: skip
         for number, node in enumerate(chosen):
             colour, dashes = palette.look(number)
-            ax.plot(speeds, axes[:, node], color=colour, ls=dashes, label=in_figure(names[node]))
+            if not linear.all():
+                ax.plot(speeds, axes[:, node], color=colour, lw=0.7, ls=DOTS)
+            ax.plot(speeds, np.where(linear, axes[:, node], np.nan), color=colour, ls=dashes,
+                    label=in_figure(names[node]))  # fmt: skip
+        if not linear.all():
+            ax.plot([], [], color=palette.GREY, lw=0.7, ls=DOTS, label=legends.BEYOND_TOUCH)
+        if special is not None:
+            _draw_thresholds(ax, special)
         ax.set_yscale("log")
         ax.set_title("unbalance response by node")
         legend_below(ax, columns=4)

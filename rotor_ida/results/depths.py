@@ -8,7 +8,7 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.model.contact import SMALL_INDENTATION, bounds_exceeded
+from rotor_ida.model.contact import HERTZ_EXPONENT, SMALL_INDENTATION, bounds_exceeded
 from rotor_ida.results.archived_system import clearance_of_contacts
 from rotor_ida.units import quantity
 
@@ -83,6 +83,10 @@ def _of_disc(result: xr.Dataset) -> str:
         depth = result["peak_indentation"]
     elif "radius_max" in result:
         depth = result["radius_max"] - gap
+        if "rate" in result.dims:  # the radii are those of the last speed, forces of the whole ramp
+            force = result["largest_force"] / result.attrs.get("force_scale", 1.0)
+            pressed = scale * force ** (1.0 / result.get("contact_exponent", HERTZ_EXPONENT))
+            depth = np.fmax(depth, pressed)
     elif "amplitude" in result:
         depth = result["amplitude"] - gap
     elif "rotating_x" in result:

@@ -5,11 +5,47 @@ from __future__ import annotations
 from collections.abc import Mapping
 from typing import Any
 
+import numpy as np
+
+from rotor_ida.arrays import Flags, Values
+from rotor_ida.model.assembly import Assembly, canonical
+from rotor_ida.model.growth import growth_begins, growth_between, growth_of
 from rotor_ida.units import number, quantity
 
-RATE, WHIRL_SPEED, NOT_HELD, BEGINS = (
+RATE, WHIRL_SPEED, NOT_HELD, BEGINS, RANGES = (
     "growth_rate_without_contact", "whirl_speed_of_growth", "nothing_holds", "growth_begins_at",
+    "unstable_speeds",
 )  # fmt: skip
+
+
+def growth_over_speeds(assembly: Assembly, speeds: Values) -> dict[str, object]:
+    """Return attributes that say where and how the motion grows over speeds; none if it does not.
+
+    They are the rate and the whirl speed at the largest speed, and the ranges as pairs of ends.
+    """
+    found, low, high = canonical(assembly), float(speeds.min()), float(speeds.max())
+    told: dict[str, object] = {}
+    if growth := growth_of(found, high) if high > 0.0 else None:
+        told |= {RATE: growth.rate, WHIRL_SPEED: growth.whirl_speed}
+        begins = growth_begins(found, high)
+        told |= {} if begins is None else {BEGINS: begins}
+    ranges = growth_between(found, low, high) if low < high else []
+    return told | ({RANGES: np.ravel(ranges)} if ranges else {})
+
+
+def grows_at(attributes: Mapping[str, Any], speeds: Values) -> Flags:
+    """Return at which of the speeds of a result the motion without contact grows.
+
+    Examples
+    --------
+    >>> grows_at({RANGES: [1.0, 2.0, 4.0, 5.0]}, np.array([0.5, 1.5, 3.0, 5.0]))
+    array([False,  True, False,  True])
+    """
+    ends = np.ravel(attributes.get(RANGES, []))
+    if not ends.size:
+        return np.full(speeds.shape, RATE in attributes)
+    inside = (speeds >= ends[::2, np.newaxis]) & (speeds <= ends[1::2, np.newaxis])
+    return np.asarray(inside.any(axis=0))
 
 
 def growing(rate: float, whirl_speed: float, units: str) -> str:
@@ -36,6 +72,15 @@ def stability_words(attributes: Mapping[str, Any], units: str) -> list[str]:
         words.append(
             f"Without contact the motion {growing(float(rate), whirl, units)}: the linear system "
             f"is unstable{_begins(attributes, units)}."
+        )
+    ends = np.reshape(attributes.get(RANGES, []), (-1, 2)).tolist()
+    if ended := ends[:-1] if RATE in attributes else ends:
+        unit = "rad/s" if units == "SI" else "1"
+        told = " and ".join(f"from {quantity(low, unit)} to {quantity(high, unit)}"
+                            for low, high in ended)  # fmt: skip
+        words.append(
+            f"Without contact the motion {'also ' if words else ''}grows at speeds {told}: the "
+            "linear system is unstable there."
         )
     if attributes.get(NOT_HELD):
         words.append(

@@ -33,7 +33,7 @@ def sentence_of(run: xr.Dataset, drops: xr.Dataset | None) -> str:
         f"at {str(nodes[worst])!r}; the rotor goes as far as "
         f"{float(run['excursion'].max()):.3g} clearances."
         if forces[worst] > 0.0
-        else "In this drop the rotor touches no bearing.",
+        else _untouched(run),
     ]
     said += [loads] if ratio <= 1.0 else []
     if (run["whirl_sense"].values < 0).any():
@@ -48,6 +48,13 @@ def sentence_of(run: xr.Dataset, drops: xr.Dataset | None) -> str:
     said += [] if drops is None else _of_many(drops, unit)
     said += [f"Note: {run.attrs['note']}."] if "note" in run.attrs else []
     return " ".join(said)
+
+
+def _untouched(run: xr.Dataset) -> str:
+    """Return why no bearing is touched in a drop."""
+    if not run.sizes.get("support", 0):
+        return "The system has no supports that could fail: it does not drop on a bearing."
+    return "In this drop the rotor touches no bearing."
 
 
 def _of_many(drops: xr.Dataset, unit: str) -> list[str]:

@@ -307,6 +307,7 @@ def features_of_system(window: Window) -> SystemFeatures:
     places = flow.places(window.states, nodes=True)[0]
     turn = np.exp(-1j * flow.speed * window.times) if flow.problem.forward is None else np.ones(1)
     whirl = (places * turn[:, np.newaxis])[:-1].mean(axis=0)
+    whirl = whirl if flow.speed else np.zeros_like(whirl)  # a place of rest is no whirl
     low, high = extremes(np.abs(places), flow.radii(window, nodes=True))
     count, table = flow.clearances.size, window.contacts
     largest, numbers = window.forces.max(axis=0, initial=0.0), table["contact"].astype(int)
@@ -331,7 +332,7 @@ def features_of_disc(window: Window, decision: Decision) -> Features:
         # its period is not one of revolutions, over which alone the other parts vanish
         times = np.linspace(0.0, period, SAMPLES + 1)
         turning = window.flow.places(window.flow.states(window.end, times))[0]
-    whirl = complex(turning[:-1].mean())
+    whirl = complex(turning[:-1].mean()) if window.flow.speed else 0j  # rest is no whirl
     low, high = extremes(np.abs(place[last]), [extrema["radius"][extrema["time"] >= since]])
     return Features(
         abs(whirl), phase_lag_of(whirl), float(low[0]), float(high[0]),

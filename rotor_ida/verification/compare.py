@@ -17,6 +17,7 @@ import xarray as xr
 from rotor_ida.arrays import Stop, Values
 from rotor_ida.checks import COMPONENTS, check_instance, check_progress
 from rotor_ida.closed_forms import rest, synchronous_response
+from rotor_ida.closed_forms.contact_free import static_sag
 from rotor_ida.cycles.multipliers import is_stable
 from rotor_ida.cycles.orbit import Orbit
 from rotor_ida.cycles.shooting import close_orbit
@@ -124,6 +125,7 @@ def compare(
     chosen = choose("threads", workers, compiled=True)
     dims = dataset["response"].dims
     exact = _exact_whirls(dataset)
+    dataset = _with_rest(dataset)
     nearest, distance = _nearest_whirl(dataset, exact)
     matched = distance < ON_BRANCH
     errors = _errors_on_branches(dataset, exact)
@@ -156,6 +158,18 @@ def compare(
     comment = {"comment": UNDER_LOAD} if "exact_offset" in exact else {}
     attributes = origin_of(dataset) | comment
     return labelled_dataset(title, variables, coordinates, attributes, kind="comparison")
+
+
+def _with_rest(dataset: xr.Dataset) -> xr.Dataset:
+    """Return responses with the place of rest under a load, at speed 0, as amplitude and phase."""
+    if "load" not in dataset.variables or "radius_max" not in dataset.variables:
+        return dataset
+    turns = (dataset["omega"] > 0.0) | (dataset["load"] == 0.0)
+    dims = dataset["amplitude"].dims
+    return dataset.assign(
+        amplitude=dataset["amplitude"].where(turns, dataset["radius_max"]).transpose(*dims),
+        phase_lag=dataset["phase_lag"].where(turns, 0.5 * np.pi).transpose(*dims),
+    )
 
 
 def _nearest_whirl(dataset: xr.Dataset, exact: xr.Dataset) -> tuple[xr.DataArray, xr.DataArray]:
@@ -240,40 +254,29 @@ def _exact_whirls(dataset: xr.Dataset) -> xr.Dataset:
     given: dict[str, Any] = {
         name: dataset[name].values[()]
         for name in ALL_PARAMETERS
-        if name in dataset.variables and name not in {"load", "disc_radius"}
+        if name in dataset.variables and name != "disc_radius"
     }
     exact = synchronous_response(**given)
-    if "load" not in dataset.variables or not (dataset["load"] > 0.0).any():
-        return exact
-    return _under_load(exact, dataset["load"])
+    return _under_load(exact) if "load" in exact.variables else exact
 
 
-def _under_load(exact: xr.Dataset, load: xr.DataArray) -> xr.Dataset:
-    """Return the exact whirls that exist under a load, with the offset of their centres.
-
-    Only the contact-free branch remains, if there is one; it is the first.
-    """
-    kappa = (
-        exact["shaft_stiffness"] if "shaft_stiffness" in exact.variables else xr.zeros_like(load)
-    )
-    held = kappa > 0.0
-    offset = (load / kappa.where(held)).fillna(0.0)
-    fits = held & (offset + exact["amplitude"] <= exact["delta0"])
-    stays = (load == 0.0) | ((exact["in_contact"] == 0) & fits & (exact["omega"] > 0.0))
-    of_parameters = [name for name in ALL_PARAMETERS if name in {*exact.dims, *load.dims}]
-    dims = (*of_parameters, "branch")
-    absent = {"stability": STABILITY["absent"], "in_contact": 0}
-    columns = {
-        name: exact[name].where(stays, absent.get(name, np.nan)).transpose(*dims)
-        for name in ("amplitude", "phase_lag", "stability", "in_contact")
-    }
-    columns["exact_offset"] = offset.where(stays & exact["amplitude"].notnull()).transpose(*dims)
-    found = xr.Dataset({
-        name: labelled(name, dims, column.values.astype(np.int8 if name in absent else np.float64))
+def _under_load(exact: xr.Dataset) -> xr.Dataset:
+    """Return exact whirls with the offset of their centres under a load, and rest beside them."""
+    load, kappa = exact["load"], exact.get("shaft_stiffness", xr.zeros_like(exact["load"]))
+    turns = (load == 0.0) | (exact["omega"] > 0.0)
+    offset = xr.apply_ufunc(static_sag, *xr.broadcast(load, kappa))
+    absent: dict[Any, float] = {"stability": STABILITY["absent"], "in_contact": 0}
+    dims = exact["amplitude"].dims
+    found = exact[["amplitude", "phase_lag", *absent]]
+    columns = {name: found[name].where(turns, absent.get(name, np.nan)) for name in found.data_vars}
+    columns["exact_offset"] = offset.where(columns["amplitude"].notnull())
+    whirls = xr.Dataset({
+        name: labelled(str(name), dims,
+                       column.transpose(*dims).values.astype(found.get(name, offset).dtype))
         for name, column in columns.items()
-    }, columns["amplitude"].coords)  # fmt: skip
-    _rest_beside(found)
-    return found
+    }, exact["amplitude"].coords)  # fmt: skip
+    _rest_beside(whirls)
+    return whirls
 
 
 def _rest_beside(exact: xr.Dataset) -> None:

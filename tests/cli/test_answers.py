@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -85,10 +86,20 @@ def test_a_stiffness_is_read_in_meganewtons_and_a_defect_that_does_not_exist_is_
 
 
 def test_progress_is_told_in_lines_without_a_terminal(monkeypatch, capfd):
-    monkeypatch.setattr(progress, "TOLD_EVERY", 0.0)
+    """Every half a minute, also while nothing is reported."""
+    monkeypatch.setattr(progress, "TOLD_EVERY", 0.01)
+    said = ""
+
+    def waited(words: str) -> str:
+        nonlocal said
+        ends = time.monotonic() + 60.0
+        while words not in said and time.monotonic() < ends:
+            said += capfd.readouterr().err
+        return said
+
     with progress.progress_lines("touchdown") as tell:
+        assert "touchdown: nothing done so far\n" in waited("so far")
         tell(0, 50)
+        assert "touchdown: 0 of 50\n" in waited("0 of 50\n")
         tell(25, 50)
-    first, second = capfd.readouterr().err.splitlines()
-    assert first == "touchdown: 0 of 50"
-    assert second.startswith("touchdown: 25 of 50, about 0 s left")
+        assert "touchdown: 25 of 50, about 0 s left\n" in waited("left\n")

@@ -92,7 +92,7 @@ MISTAKES = [
     ("folds --zeta 0.1 --delta0 0 --omega 1", "omega must be left out: all speeds are searched"),
     ("hopf-points --zeta 0.1", "--delta0 must be given with --zeta"),
     ("hopf-points", "--zeta and --delta0 must be given, or a machine in SI units"),
-    ("folds --zeta 0.1 --delta0 1 --load 1", "load must be 0 for folds"),
+    ("folds --zeta 0.1 --delta0 1 --load 1", "--load must be 0 for folds"),
     (f"{DIAGRAM} --start 0 0 0 0 --starts 3", "starts must be left out with --start, got 3"),
     (f"{DIAGRAM} --rate 1", "--direction must be given with --rate"),
     (f"{DIAGRAM} --x 3um:5um", "x must have no unit for a dimensionless rotor, got '3um'"),

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 import rotor_ida
+from rotor_ida import Contact, RotorSystem
 from rotor_ida.cli import main
 from rotor_ida.cli.commands.drop import NOT_OF_MANY
 from rotor_ida.cli.describe import describe
@@ -326,3 +327,13 @@ def test_bad_input_is_refused_before_a_file_is_written(capfd):
     assert main(["drop", "rotor.toml", "--out", "report", "--film", "mine.gif"]) == 2
     assert "film must not exist unless --force is given" in capfd.readouterr().err
     assert not Path("report").exists()
+
+
+def test_a_rotor_that_no_support_lets_fall_is_told_of():
+    touch = Contact(node="disc", clearance=1e-4, stiffness=1e8)
+    system = RotorSystem(mass=20.0 * np.eye(2), stiffness=1e6 * np.eye(2), nodes={"disc": (0, 1)},
+                         contacts=[touch])  # fmt: skip
+    run = rotor_ida.drop(system, speed=100.0, duration=1e-3, gravity=(0.0, 0.0), samples=3)
+    assert sentence_of(run, None).startswith(
+        "The system has no supports that could fail: it does not drop on a bearing."
+    )

@@ -127,7 +127,7 @@ def test_the_usage_names_the_files(program: Program):
 @pytest.mark.parametrize(
     ("words", "told"),
     [
-        (("--unknown", "weight"), "unknown must be of zeta, delta0"),
+        (("--unknown", "weight"), "unknown must be of 'zeta', 'delta0'"),
         (("--unknown", "zetaa"), "got 'zetaa'; did you mean 'zeta'?"),
         (("--unknown", "zeta", "--entries", "20"), "--time-error must be given with --entries"),
         (("--unknown", "zeta", "--time-error", "0.1"), "--entries or --exits must be given"),

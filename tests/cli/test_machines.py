@@ -350,3 +350,36 @@ def test_tables_are_in_inches_on_request(program: Program, pump: str):
     assert " 5.90551 " in inch
     assert " 150 " in metric
     assert program(*line, "--json").out == program(*line, "--inch", "--json").out
+
+
+def test_sentences_are_in_inches_too_and_figures_stay_metric(program: Program, pump: str):
+    """A clearance of 150 um is 5.906 mil, and no length or force stays metric."""
+    line = ("run-up", "--machine", pump, "--to", "6000rpm", "--rate", "3000rpm/s")
+    metric, inch = (" ".join(program(*line, *more).out.split()) for more in ((), ("--inch",)))
+    assert "clearance 150 um" in metric
+    assert "clearance 5.906 mil" in inch
+    assert not re.search(r"\d (um|mm|k?N|N/m)\b(?! s)", inch)  # damping has no other unit
+
+
+def test_a_speed_of_a_data_sheet_without_a_unit_is_asked_about(program: Program):
+    sheet = ["30000" if word == "3600rpm" else word for word in SHEET]
+    said = program("machine", *sheet).out
+    for name in ("--speed", "--balance-speed"):
+        assert f"warning: {name} is 286,479 rpm, " in said
+        assert "write 30000rpm if you meant that" in said
+    assert "if you meant that" not in program("machine", *SHEET).out
+
+
+def test_a_load_is_refused_by_the_name_of_its_option_and_in_its_unit(program: Program, pump: str):
+    whirl = program("backward-whirl", "--machine", pump, "--load", "0.4kN")
+    assert whirl.err.startswith("rotor-ida: --load must be 0 for a backward whirl, ")
+    assert whirl.err.endswith(", got 0.4 kN\n")
+    box = ("--x=-1um:1um", "--y=-1um:1um", "--starts", "2")
+    report = program("touchdown", "--machine", pump, "--load", "0.4kN", *box, "--shocks", "3")
+    assert report.err == "rotor-ida: --shocks must be 0 under a load, got 3 with load 0.4 kN\n"
+
+
+def test_a_saved_rotor_that_is_missing_is_missed_before_its_program(program: Program):
+    answer = program("from-ross", "none.toml", "--out", "rotor.toml")
+    assert answer.status == 2
+    assert answer.err == "rotor-ida: file must be a file that exists, got 'none.toml'\n"

@@ -208,9 +208,13 @@ def test_whirls_and_folds_of_machines_are_listed(program: Program):
     told = [row["amplitude"] for row in json.loads(answer.out)["whirls"]]
     there = exact.amplitude.values[exact.amplitude.notnull().values]
     assert sorted(told) == sorted(there.tolist())
-    refused = program(*line.replace("--folds", "--load 0.1").split())
-    assert refused.status == 2
-    assert refused.err.startswith("rotor-ida: load must be 0 for synchronous-response")
+    loaded = program(*line.replace("--folds --json", "--load 0.1").split())
+    assert loaded.status == 0
+    said = " ".join(loaded.out.split())
+    assert said.startswith(
+        "Under a load no whirl in contact is synchronous: the response is linear"
+    )
+    assert "and limit_cycle computes the exact cycles beyond it" in said
 
 
 def test_an_atlas_goes_over_the_parameters_of_machines(program: Program):

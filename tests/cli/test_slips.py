@@ -95,7 +95,7 @@ def test_units_of_the_inch_system_and_without_blanks_are_read(program: Program):
             ("simulate", "--friction", "0.1", "--duration", "1"),
             "--disc-radius must be given with --friction",
         ),
-        (("hopf-points", "--load", "1"), "load must be 0 for hopf-points"),
+        (("hopf-points", "--load", "1"), "--load must be 0 for hopf-points"),
         (("simulate", "--duration", "1", "--node", "a"), "unknown option '--node'\n"),
     ],
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import itertools
 import math
+from dataclasses import replace
 
 import mpmath
 import numpy as np
@@ -174,8 +175,11 @@ def test_without_a_shaft_there_is_one_touch_speed_as_in_the_paper():
     assert np.isnan(touch_speeds(zeta=0.07, delta0=1.0)).all()
 
 
-def test_no_touches_fade_with_a_shaft_and_no_whirl_is_about_the_axis_under_a_load():
-    shaft = Rotor(omega=1.0, zeta=0.1, delta0=2.0, shaft_stiffness=0.25)
+def test_no_touches_fade_with_a_shaft_and_a_load_moves_the_whirl_about_the_sag():
+    shaft = Rotor(omega=1.0, zeta=0.1, delta0=3.5, shaft_stiffness=0.25)
     assert np.isnan(touch_fading(shaft))  # which leaves one whirl: no touches fade towards it
-    with pytest.raises(InputError, match=r"load must be 0 .*, got 0\.5"):
-        contact_free_whirl(Rotor(omega=1.0, zeta=0.1, delta0=2.0, load=0.5))
+    free, sagged = (contact_free_whirl(replace(shaft, load=each)) for each in (0.0, 0.5))
+    assert sagged.amplitude == free.amplitude
+    assert sagged.largest_centre_offset == 2.0
+    assert not contact_free_whirl(replace(shaft, load=0.6)).exists  # 2.4 + 1.286 > 3.5
+    assert not contact_free_whirl(replace(shaft, load=0.5, shaft_stiffness=0.0)).exists

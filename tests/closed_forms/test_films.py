@@ -4,19 +4,23 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.interpolate import PchipInterpolator
 from scipy.optimize import brentq, linear_sum_assignment
 
 from rotor_ida import (
     Bearing,
+    Contact,
     InputError,
     RotorSystem,
+    Unbalance,
     campbell,
     clearance_report,
     special_speeds,
     synchronous_response,
 )
+from rotor_ida.cli.describe import describe
 from rotor_ida.closed_forms.clearances.critical_speeds import critical_modes
-from rotor_ida.closed_forms.clearances.crossings import film_pencil, film_speeds
+from rotor_ida.closed_forms.crossings import film_pencil, film_speeds
 from rotor_ida.model.assembly import assemble
 from rotor_ida.results.archived_system import problem_of
 from rotor_ida.schema import SPECIAL
@@ -270,3 +274,36 @@ def test_a_critical_speed_that_is_only_touched_is_found():
                          nodes={"a": (0, 1)}, units="1")  # fmt: skip
     (mode,) = critical_modes(assemble(system), 2.0)
     assert mode.speed == pytest.approx(1.0, rel=1e-6)
+
+
+def test_a_range_of_instability_that_ends_is_told():
+    """Two springs k, damping c and cross-coupling q grow where ``q**2 > c**2 k``: see whirls."""
+    knots, coupling = np.array([0.1, 2.0, 4.0, 8.0]), np.array([0.0, 0.5, 0.0, 0.4])
+    turn = np.array([[0.0, 1.0], [-1.0, 0.0]])
+    film = Bearing(node="0", speed=knots, stiffness=coupling[:, np.newaxis, np.newaxis] * turn,
+                   damping=np.stack([0.2 * np.eye(2)] * 4))  # fmt: skip
+    gap = Contact(node="0", clearance=0.5, stiffness=1.0, exponent=1.0)
+    system = RotorSystem(mass=np.eye(2), stiffness=np.eye(2), bearings=[film], nodes={"0": (0, 1)},
+                         contacts=[gap], unbalance=[Unbalance(node="0", moment=0.01)],
+                         units="1")  # fmt: skip
+    q = PchipInterpolator(knots, coupling)
+    ends = [brentq(lambda speed: q(speed) - 0.2, *pair) for pair in ((0.1, 2.0), (2.0, 4.0))]
+    for found in (synchronous_response(system, speed=[0.2, 1.5, 4.5]),
+                  campbell(system, speed=[0.2, 4.5])):  # fmt: skip
+        np.testing.assert_allclose(found.attrs["unstable_speeds"], ends, rtol=3e-6)
+        (said,) = [each for each in describe(found)[1] if isinstance(each, str) and "grows" in each]
+        low, high = found.attrs["unstable_speeds"]
+        assert f"at speeds from {low:.4g} to {high:.4g}: the linear system is unstable" in said
+    beyond = brentq(lambda speed: q(speed) - 0.2, 4.0, 8.0)
+    both = campbell(system, speed=[0.2, 7.5]).attrs
+    np.testing.assert_allclose(both["unstable_speeds"], [*ends, beyond, 7.5], rtol=3e-6)
+    assert both["growth_begins_at"] == pytest.approx(beyond, rel=1e-5)
+    rising = np.array([0.0, 0.0, 0.0, 0.4])
+    film = replace(film, stiffness=rising[:, np.newaxis, np.newaxis] * turn)
+    q = PchipInterpolator(knots, rising)
+    beyond = brentq(lambda speed: q(speed) - 0.2, 4.0, 8.0)
+    report = clearance_report(system, bearings=[film], speed=(4.2, 4.6, 4.8), vibration_limit=0.05)
+    first = report.attrs["sentence"].splitlines()[0]
+    assert report.attrs["growth_begins_at"] == pytest.approx(beyond, rel=3e-6)
+    assert f"unstable from a speed of {report.attrs['growth_begins_at']:.4g} on" in first
+    assert f"{100.0 * (beyond / 4.8 - 1.0):.2g} % above the trip speed" in first

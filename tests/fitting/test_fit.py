@@ -310,7 +310,7 @@ def test_guesses_a_fifth_off_end_right(seed):
 
 
 REFUSED = {
-    "names": ({"unknown": ["omega"]}, r"unknown must be of zeta, delta0, .* got 'omega'"),
+    "names": ({"unknown": ["omega"]}, r"unknown must be of 'zeta', 'delta0', .* got 'omega'"),
     "none": ({"unknown": []}, r"unknown must be of .*, got \[\]"),
     "text": ({"unknown": "zeta"}, r"unknown must be a list of names.* got 'zeta'"),
     "twice": ({"unknown": ["zeta", "zeta"]}, r"unknown must name each once"),

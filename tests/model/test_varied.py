@@ -176,8 +176,8 @@ def test_a_misspelt_option_is_named_too():
 
 @pytest.mark.parametrize("name", [each for each in VERBS if each in OWN or "_" in each])
 def test_a_load_is_refused_where_no_whirl_is_synchronous(name: str):
-    if name in {"run_ups", "bifurcation_diagram"}:  # these follow it
-        return
+    if name in {"run_ups", "bifurcation_diagram", "synchronous_response", "response_curve"}:
+        return  # the first two follow it, the others are linear then
     rotor = Rotor(omega=1.2, zeta=0.07, delta0=0.5, load=0.125)
     with pytest.raises(InputError, match=r"^load must be 0 .*, got 0\.125$"):
         verb(name)(rotor, **VERBS[name])

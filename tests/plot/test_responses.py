@@ -245,16 +245,32 @@ def test_the_title_has_the_parameters_beyond_the_papers(shafted):
 
 
 @pytest.mark.parametrize("draw", [plot_amplitude, plot_phase])
-def test_under_a_load_responses_are_drawn_without_a_curve_and_the_title_says_why(draw):
+def test_a_load_that_lays_the_rotor_on_the_stator_leaves_no_curve_and_the_title_says_so(draw):
     loaded = sweep(omega=[1.0, 2.0], load=0.3, method="taylor", **SHAFT)
     ax = draw(None, simulated=loaded)
     assert ax.get_title().splitlines() == [
         r"$\zeta = 0.2$,  $\delta_0 = 1$,  $\kappa = 0.25$",
-        r"$\gamma = 0.3$: no exact curve under a load",
+        r"$\gamma = 0.3$: no linear response: at rest on the stator",
     ]
     assert "stable whirl" not in words_of(ax)
     with pytest.raises(InputError, match="exact must be a Dataset, or None beside simulated"):
         draw(None)
+
+
+def test_under_a_load_the_linear_response_is_drawn_up_to_the_touch():
+    """The exact line is the largest radius: it ends at the clearance, and a sweep lies on it."""
+    rotor = {**SHAFT, "load": 0.15}
+    exact = response_curve(**rotor, limits=(0.05, 3.0))
+    swept = sweep(omega=[0.2, 3.0], method="taylor", **rotor)
+    ax = plot_amplitude(exact, simulated=swept)
+    assert ax.get_title().endswith(": linear up to the touch, limit_cycle beyond")
+    (line,) = [each for each in ax.lines if each.get_label() == "stable whirl"]
+    speeds, radii = line.get_data()
+    whole = np.isfinite(speeds)
+    assert np.nanmax(radii) == pytest.approx(1.0, rel=1e-12)  # the clearance
+    rising = whole & (speeds < 0.5)
+    drawn = np.interp(0.2, speeds[rising], radii[rising])
+    assert drawn == pytest.approx(float(swept.radius_max.squeeze()[0]), rel=1e-4)
 
 
 def test_each_kind_of_range_has_its_look():
@@ -352,10 +368,16 @@ def test_the_exact_whirls_beneath_are_those_of_the_system(swept):
     assert "unstable whirl" in lines
 
 
-def test_without_axial_symmetry_there_is_nothing_beneath():
+def test_without_axial_symmetry_the_linear_response_is_beneath():
+    """Without contact a sweep reaches as far as the ellipse by unbalance."""
     system, around = two_discs(stiffer=1.2)
-    found = sweep(system, **around, speed=[0.8, 0.9])
-    assert not any("whirl" in label for label in lines_of(figure_of(found).axes[0]))
+    found = sweep(system, **around, speed=[0.2, 0.3])
+    assert decode_flags(found.response).values.ravel().tolist() == ["contact_free"] * 2
+    beneath = [line for line in figure_of(found).axes[0].lines
+               if line.get_label() == "stable whirl"]  # fmt: skip
+    ends = np.sort(np.concatenate([line.get_ydata() for line in beneath]))[[0, -1]]
+    np.testing.assert_allclose(ends, np.sort(found.radius_max.isel(contact=0).values.ravel()),
+                               rtol=1e-6)  # fmt: skip
 
 
 def test_under_weight_all_responses_are_ranges_of_the_distance_from_the_centre():

@@ -164,6 +164,7 @@ def test_thresholds_are_drawn_where_no_whirl_is_exact():
     assert "not_exact" in special.attrs
     (line,) = [each for each in figure_of(special).axes[0].lines
                if each.get_label() == "threshold of instability"]  # fmt: skip
+    assert "0" in [each.get_label() for each in figure_of(special).axes[0].lines]  # its response
     threshold = 0.1 + np.hypot(0.2 * np.sqrt(1.0005), 0.0005)  # q grows by 1 per unit of speed
     assert line.get_xdata()[0] == pytest.approx(threshold * 30 / np.pi, rel=1e-6)
 

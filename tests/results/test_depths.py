@@ -14,6 +14,7 @@ from rotor_ida import (
     campbell,
     poincare_section,
     run_up,
+    run_ups,
     simulate,
     sweep,
     synchronous_response,
@@ -100,3 +101,13 @@ def test_without_units_only_the_radius_is_a_bound():
         contacts = [replace(SOFT, radius=radius)]
         found = synchronous_response(system, **AROUND | {"contacts": contacts}, speed=[100.0])
         assert beyond_model(found).partition("more than ")[2].partition(";")[0] == bound
+
+
+def test_run_ups_tell_how_far_the_passage_of_the_resonance_presses_in():
+    """By the largest force: at the last speed the disc is clear of the stator again."""
+    found = run_ups(replace(PUMP, speed=500.0), to=900.0, rate=[40.0])
+    depth = found.largest_force.item() / PUMP.contact_stiffness
+    assert found.radius_max.item() < PUMP.clearance < depth
+    assert beyond_model(found).startswith(
+        f"Beyond the model: an indentation of {1e6 * depth:.3g} um is more than the clearance"
+    )

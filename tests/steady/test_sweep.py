@@ -233,3 +233,30 @@ def test_kinds_of_events_are_among_their_flags():
     assert {"roll", "slip", "reverse"} <= set(words_of(rubs.event_kind))
     plain = sweep(omega=2.0, zeta=0.07, delta0=2.0, events=True)
     assert set(words_of(plain.event_kind)) == {"exit", "entry"}
+
+
+def test_a_place_of_rest_is_no_whirl():
+    """At speed 0 the disc hangs 0.2/0.5 below the axis: that is its radius, not its amplitude."""
+    found = sweep(omega=[0.0, 0.3], zeta=0.2, delta0=1.0, shaft_stiffness=0.5, load=0.2).squeeze()
+    assert found.amplitude.values[0] == found.phase_lag.values[0] == 0.0
+    np.testing.assert_allclose(found.radius_max.values[0], 0.4, rtol=1e-9)
+    assert found.amplitude.values[1] > 0.0
+
+
+def test_the_linear_response_under_a_load_is_where_a_sweep_settles():
+    """Sag and whirl together are the largest radius, up to the touch and no farther."""
+    shaft = {"zeta": 0.2, "delta0": 1.0, "shaft_stiffness": 0.5, "load": 0.2}
+    omega = np.array([0.2, 0.4, 0.5, 2.0, 3.0])
+    exact = synchronous_response(omega=omega, **shaft).squeeze()
+    clear = np.abs(omega**2 / (0.5 - omega**2 + 0.4j * omega)) + 0.4 <= 1.0
+    np.testing.assert_array_equal(exact.amplitude.notnull(), clear)
+    assert 0 < clear.sum() < clear.size
+    assert "limit_cycle" in exact.attrs["not_exact"]
+    swept = sweep(omega=omega[clear], **shaft).squeeze()
+    np.testing.assert_allclose(swept.radius_max, exact.amplitude[clear] + 0.4, rtol=1e-6)
+    system = Rotor(omega=1.0, **shaft).system()  # the other kernel
+    radii = synchronous_response(system, speed=omega[clear]).unbalance_radius.squeeze()
+    np.testing.assert_allclose(radii, exact.amplitude[clear] + 0.4, rtol=1e-12)
+    lying = synchronous_response(omega=0.4, **shaft | {"load": 0.6})
+    assert lying.attrs["not_exact"].endswith("the sag alone lays the rotor on the stator")
+    assert not lying.amplitude.notnull().any()

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from pathlib import Path
 
 from rotor_ida.checks import shown
@@ -16,6 +17,9 @@ from rotor_ida.results.sheets import Line, Parts, facts
 from rotor_ida.units import read_in
 
 ENDING = ".toml"
+# Entries that are taken in rad/s where they have no unit, and what such a number looks like.
+SPEEDS = {"speed": "--speed", "balance_speed": "--balance-speed"}
+NUMBER = re.compile(r"\s*[\d.]+(e[+-]?\d+)?\s*")
 
 
 @command("none", asks=("machine_from_data_sheet",), only=tuple(KEYS), writes=False)
@@ -37,8 +41,12 @@ def machine(
     check_keys(given, "machine")
     found = of_sheet(given, None)
     from rotor_ida.results.machine_file import machine_text, save_machine  # noqa: PLC0415
+    from rotor_ida.results.plausible import speed_in_doubt  # noqa: PLC0415 - takes a moment
 
-    lines, warnings = facts_of_machine(found), implausible(found)
+    plain = [name for name in SPEEDS if NUMBER.fullmatch(given.get(name, ""))]
+    doubts = [speed_in_doubt(SPEEDS[name], float(given[name]), found.critical_speed)
+              for name in plain]  # fmt: skip
+    lines, warnings = facts_of_machine(found), [*implausible(found), *filter(None, doubts)]
     numbers = {name: float(f"{each:.6g}") for name, each in found.rotor().given.items()}
     parts: Parts = [
         facts("Machine", lines),

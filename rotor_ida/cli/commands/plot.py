@@ -150,7 +150,9 @@ def plot(
         chosen["beneath"] = exact_beneath(dataset, kind)
     drawn = _drawn(kind, dataset, chosen)
     report = _written(file, dataset, drawn, figure, kind=kind, as_json=as_json, force=force)
-    notes = [each.attrs["comment"] for each in chosen.get("beneath", ()) if "comment" in each.attrs]
+    notes = [
+        each.attrs["not_exact"] for each in chosen.get("beneath", ()) if "not_exact" in each.attrs
+    ]
     return replace(
         report, record={**report.record, **({"notes": notes} if notes else {})},
         parts=[*report.parts, *notes],

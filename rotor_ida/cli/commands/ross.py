@@ -7,7 +7,7 @@ from pathlib import Path
 from rotor_ida.checks import shown
 from rotor_ida.cli.output import FORCED
 from rotor_ida.cli.report import Report
-from rotor_ida.errors import InputError, InstallationError
+from rotor_ida.errors import InputError, InstallationError, MissingFileError
 from rotor_ida.results.sheets import facts
 
 
@@ -23,6 +23,8 @@ def from_ross(
     """
     from rotor_ida.model.rotor_system import RotorSystem  # noqa: PLC0415 - takes a moment
 
+    if not file.exists():
+        raise MissingFileError(f"file must be a file that exists, got {shown(file)}")
     if out.exists() and not force:
         raise InputError(f"out must not exist unless {FORCED}, got {shown(out)}")
     try:

@@ -21,7 +21,7 @@ from scipy.linalg import eig
 from scipy.optimize import brentq, minimize_scalar
 
 from rotor_ida.arrays import ComplexValues, Values
-from rotor_ida.closed_forms.clearances.crossings import film_pencil, film_speeds
+from rotor_ida.closed_forms.crossings import film_pencil, film_speeds
 from rotor_ida.closed_forms.receptances import solved_motions
 from rotor_ida.model.assembly import Assembly
 

@@ -44,11 +44,11 @@ from rotor_ida.closed_forms.clearances.words import sentences
 from rotor_ida.closed_forms.whirls.dry_whip import Whip
 from rotor_ida.errors import InputError
 from rotor_ida.model.assembly import Assembly, assemble, canonical
-from rotor_ida.model.growth import growth_of
+from rotor_ida.model.growth import growth_between, growth_of
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.model.system_parts import check_clearances
 from rotor_ida.results.archived_system import described_problem
-from rotor_ida.results.growth_words import growing
+from rotor_ida.results.growth_words import BEGINS, growing
 from rotor_ida.results.in_si import takes_system
 from rotor_ida.results.si_units import with_system_units
 from rotor_ida.schema import STABILITY, VERDICT, labelled_dataset
@@ -202,6 +202,9 @@ def clearance_report(
     else:
         told["rotor_mass"] = whole = mass or own_mass(problem)
         cases = cases_of(problem, modes, multiple * whole)
+    unstable = growth_between(canonical(problem.assembly), problem.trip, problem.top)
+    if unstable:
+        told[BEGINS] = unstable[0][0]
     response = response_to(problem, modes, cases, count)
     touching = touching_of(response, modes, cases, scales_of(response))
     return _dataset(response, cases, peaks_of(response, modes), touching, told)

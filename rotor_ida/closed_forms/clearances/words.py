@@ -6,6 +6,7 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.results.depths import beyond_model
+from rotor_ida.results.growth_words import BEGINS
 from rotor_ida.results.si_units import NOTE
 from rotor_ida.schema import words_of
 from rotor_ida.units import quantity
@@ -22,6 +23,8 @@ def sentences(report: xr.Dataset) -> str:
     found = [(_excess(report, number), _of_contact(report, number))
              for number in range(report.sizes["contact"])]  # fmt: skip
     near = _too_near(report)
+    if BEGINS in report.attrs:  # before what is kept
+        found.insert(0, (1.0, _of_instability(report)))
     found.append((1.0 + len(near), _of_critical_speeds(report, near)))
     if (least := float(report["scale_factor"].min())) < 1.0:
         found.append((1.0 / least if least > 0.0 else np.inf,
@@ -114,6 +117,15 @@ def _whip(report: xr.Dataset, own: xr.Dataset) -> str:
     return (
         f"Friction can hold dry whip at {where}: backwards at {whirl}, with "
         f"{_force(own, 'whip_force')}{unstable}."
+    )
+
+
+def _of_instability(report: xr.Dataset) -> str:
+    """Return from which speed beyond the trip speed the rotor is unstable without contact."""
+    begins, trip = float(report.attrs[BEGINS]), float(report.attrs["running_speeds"][2])
+    return (
+        f"The rotor without contact is unstable from {_speed(report, begins)} on, "
+        f"{_per_cent(begins / trip - 1.0)} above the trip speed."
     )
 
 

@@ -1,4 +1,4 @@
-"""Speeds at which an eigenvalue of a rotor on oil films turns with the rotor.
+"""Speeds at which an eigenvalue of a rotor turns with it.
 
 1. *Branches*: over a cell of speeds the eigenvalues at both ends are matched where each meets the
    other, by value and slope. Each branch is then a cubic, with an error measured in the middle.
@@ -12,13 +12,18 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from functools import cache
 from itertools import pairwise
+from typing import Any, TypeAlias
 
 import numpy as np
+import numpy.typing as npt
 from scipy.linalg import eig
 from scipy.optimize import brentq, linear_sum_assignment
 
 from rotor_ida.arrays import ComplexValues, Flags, Values
 from rotor_ida.model.assembly import Assembly
+
+# Eigenvalues, and their derivatives by the speed.
+Motion: TypeAlias = tuple[ComplexValues, ComplexValues]
 
 # Least number of cells at first, and how often one may be halved.
 CELLS, HALVINGS = 16, 16
@@ -27,6 +32,8 @@ CELLS, HALVINGS = 16, 16
 KNOWN, ERRORS = 0.02, 4.0
 # A gap below this part of the speed, where it is smallest, is one speed.
 TOUCH = 1e-9
+# Eigenvalues meet where the product of their left and right vectors, of size 1, is below this.
+MEET = 1e-7
 # How far beside a cell, in widths of it, such a place is still sought: that of a neighbour too.
 BESIDE = 0.01
 # Powers of a cubic, the highest first, by its Bezier points.
@@ -45,15 +52,43 @@ def film_pencil(assembly: Assembly, speed: float) -> tuple[Values, Values]:
 
 def film_speeds(assembly: Assembly, low: float, high: float) -> list[float]:
     """Return where the imaginary part of an eigenvalue is the spin speed, in ascending order."""
-    knots = assembly.films.knots
+    size, films = assembly.size, assembly.films
+
+    def at(speed: float) -> Motion:
+        left, right = film_pencil(assembly, speed)
+        slope = np.zeros_like(left)
+        slope[size:, :size] = -films.matrix("stiffness", speed, 1)
+        slope[size:, size:] = -films.matrix("damping", speed, 1)
+        if assembly.gyroscopic is not None:
+            slope[size:, size:] -= assembly.gyroscopic
+        try:  # three times as fast
+            left, slope = (np.asarray(np.linalg.solve(right, each), float)
+                           for each in (left, slope))  # fmt: skip
+        except np.linalg.LinAlgError:
+            return eigenvalues_and_slopes(left, slope, right)
+        return eigenvalues_and_slopes(left, slope)
+
+    return crossing_speeds(at, films.knots, low, high)
+
+
+def crossing_speeds(
+    motion: Callable[[float], Motion], knots: Values, low: float, high: float
+) -> list[float]:
+    """Return where the imaginary part of an eigenvalue is the speed, in ascending order.
+
+    Parameters
+    ----------
+    motion : callable
+        The eigenvalues at a speed, and their derivatives by it.
+    knots : ndarray, shape (n,)
+        Speeds at which they may have a kink, in ascending order.
+    low, high : float
+        The lowest and the highest speed.
+    """
     edges = [low, *knots[(knots > low) & (knots < high)].tolist(), high]
     count = -(-CELLS // (len(edges) - 1))
     ends = [np.linspace(*each, count, endpoint=False) for each in pairwise(edges)]
-
-    @cache
-    def at(speed: float) -> tuple[ComplexValues, ComplexValues]:
-        return _eigenvalues(assembly, speed)
-
+    at = cache(motion)
     found: list[float] = []
     cells = [(*each, HALVINGS) for each in pairwise([*np.concatenate(ends).tolist(), high])][::-1]
     while cells:
@@ -69,27 +104,21 @@ def film_speeds(assembly: Assembly, low: float, high: float) -> list[float]:
     return sorted(found)
 
 
-def _eigenvalues(assembly: Assembly, speed: float) -> tuple[ComplexValues, ComplexValues]:
-    """Return the finite eigenvalues and their derivatives by the speed."""
-    left, right = film_pencil(assembly, speed)
-    slope = np.zeros_like(left)
-    size = assembly.size
-    films = assembly.films
-    slope[size:, :size] = -films.matrix("stiffness", speed, 1)
-    slope[size:, size:] = -films.matrix("damping", speed, 1)
-    if assembly.gyroscopic is not None:
-        slope[size:, size:] -= assembly.gyroscopic
-    try:  # three times as fast
-        left, slope = (np.asarray(np.linalg.solve(right, each), float) for each in (left, slope))
-        right = np.eye(len(right))
-        values, lefts, rights = eig(left, left=True)
-    except np.linalg.LinAlgError:
-        values, lefts, rights = eig(left, right, left=True)
-    with np.errstate(divide="ignore", invalid="ignore"):
-        slopes = np.einsum("js,js->s", lefts.conj(), slope @ rights)
-        slopes = slopes / np.einsum("js,js->s", lefts.conj(), right @ rights)
+def eigenvalues_and_slopes(
+    left: npt.NDArray[Any], slope: npt.NDArray[Any], right: Values | None = None
+) -> Motion:
+    """Return the finite eigenvalues of a pencil, and their derivatives by those of its left side.
+
+    The derivative is taken as 0 where two eigenvalues meet.
+    """
+    values, lefts, rights = eig(left, right, left=True)
+    whole = rights if right is None else right @ rights
+    with np.errstate(invalid="ignore"):
+        change = np.einsum("js,js->s", lefts.conj(), slope @ rights)
+        product = np.einsum("js,js->s", lefts.conj(), whole)
+        apart = np.abs(product) > MEET * np.linalg.norm(whole, axis=0)
+    slopes = np.divide(change, product, out=np.zeros_like(change), where=apart)
     finite = np.isfinite(values)
-    slopes = np.where(np.isfinite(slopes), slopes, 0.0)  # where two eigenvalues meet
     return values[finite], slopes[finite]
 
 
@@ -132,7 +161,7 @@ def _value(branch: ComplexValues, part: float) -> ComplexValues:
 
 
 def _crossing(
-    at: Callable[[float], tuple[ComplexValues, ComplexValues]],
+    at: Callable[[float], Motion],
     branch: ComplexValues,
     first: float,
     last: float,
