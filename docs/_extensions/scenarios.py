@@ -28,8 +28,8 @@ TITLES = {
 }
 # Tutorials in the order in which they are shown; the scenarios follow by name.
 TUTORIALS = (
-    *("pump", "measured_csv", "basins_and_branches", "own_study"),
-    *("choose_clearance", "through_resonance"),
+    *("pump", "compressor", "run_down", "basins_and_branches"),
+    *("own_study", "choose_clearance", "through_resonance"),
 )
 GUARD = 'if __name__ == "__main__":'
 RUN = """
