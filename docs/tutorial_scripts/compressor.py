@@ -130,7 +130,7 @@ for speed, factor in zip(
     print(f"peak at {speed / rpm:,.0f} rpm, amplification factor {factor:.1f}")
 
 # %%
-# Two critical speeds, one along each principal direction of the films, merge into this one peak. The films damp it well.
+# Two critical speeds, one along each principal direction of the films, merge into this one peak.
 #
 # 4. Are the labyrinths wide enough?
 # ----------------------------------

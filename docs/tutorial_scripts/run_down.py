@@ -54,11 +54,11 @@ np.savetxt(
 #
 # Name the sensitivity, the gap voltage in the centre, and the stretch of slow roll, from which the runout is taken::
 #
-#     rotor-ida plot rundown.csv --kind bode --sense x --figure bode \
+#     rotor-ida plot rundown.csv --kind bode --sense x --revolutions 4 --figure bode \
 #         --sensitivity 7.87V/mm --length um --gap -10V \
 #         --slow-roll 34.5s 40s --runout-orders 2 --caption "Fan 2, run-down of 1 March"
 
-from rotor_ida import read_signals
+from rotor_ida import orders, read_signals
 from rotor_ida.plot import plot_bode
 
 signals = read_signals(
@@ -70,15 +70,15 @@ signals = read_signals(
     runout_orders=2,
     caption="Fan 2, run-down of 1 March",
 )
-plot_bode(signals, sense="x")
+tracked = orders(signals, revolutions=4)
+plot_bode(tracked, sense="x")
 
 # %%
-# It shows what the probe at 45° reads: peak to peak, and the lag from the mark to the next peak. ``--sense y`` draws the other probe, and without ``--sense`` the
+# It shows what the probe at 45° reads, in windows of four revolutions: peak to peak, and the lag from the mark to the next peak. ``--sense y`` draws the other probe, and without ``--sense`` the
 # forward whirl is drawn, zero to peak. The figure names the critical speed and its amplification factor by half power:
 
-from rotor_ida import bode_peaks, orders
+from rotor_ida import bode_peaks
 
-tracked = orders(signals)
 peak = bode_peaks(tracked, sense="x").isel(critical=0)
 found_speed, factor = float(peak.critical_speed) / rpm, float(peak.amplification_factor)
 print(f"critical speed {found_speed:,.0f} rpm, amplification factor {factor:.1f}")
@@ -147,7 +147,7 @@ print(f"whirl over spin above 1,000 rpm: {ratio.min():.2f} to {ratio.max():.2f}"
 #         --unknown shaft_stiffness damping eccentricity unbalance_angle --times 15 21 --report page \
 #         --sensitivity 7.87V/mm --length um --gap -10V --slow-roll 34.5s 40s --runout-orders 2
 #
-# The folder ``page`` contains the report to hand on, in HTML and PDF. It has this figure, the values with their errors, the machine, and the command.
+# The folder ``page`` contains the report to hand on, in HTML and PDF. It has this figure, the values with their errors, the machine found, and the command.
 
 from rotor_ida import DimensionalRotor, fit
 from rotor_ida.plot import fit_figure
@@ -176,7 +176,7 @@ print(f"critical speed {np.sqrt(stiffness / 40) / rpm:,.1f} rpm")
 print(f"unbalance {40 * eccentricity * 1e6:.0f} g mm at {np.degrees(angle):.0f}° ahead of the mark")
 
 # %%
-# All are within their errors. To balance the rotor, remove this unbalance at its angle, counted from the mark in the direction of rotation, or add as much on the
+# All are within two standard errors. To balance the rotor, remove this unbalance at its angle, counted from the mark in the direction of rotation, or add as much on the
 # other side.
 #
 # Next: :doc:`/signals` is the reference on files, probes, gap and runout, :doc:`/fit` that on fits. A measured rub is fitted in the same way,
