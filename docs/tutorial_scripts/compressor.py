@@ -66,7 +66,8 @@ compressor = replace(
 #
 # A Campbell diagram with the coefficients at each speed::
 #
-#     rotor-ida campbell compressor.toml --speed 1000rpm:12000rpm:45 --modes 8 --figure campbell
+#     rotor-ida campbell compressor.toml \
+#         --speed 1000rpm:12000rpm:45 --modes 8 --figure campbell
 
 from rotor_ida import campbell
 from rotor_ida.plot import plot_campbell
@@ -80,7 +81,8 @@ plot_campbell(modes)
 # forward whirl does so, as the cross-coupled stiffness of films and labyrinths drives it forward. The speed at which this begins is the threshold of
 # instability::
 #
-#     rotor-ida special-speeds compressor.toml --limits 7000rpm 12000rpm --points 40
+#     rotor-ida special-speeds compressor.toml \
+#         --limits 7000rpm 12000rpm --points 40
 
 from rotor_ida import special_speeds
 
@@ -112,7 +114,8 @@ print(
 #
 # ::
 #
-#     rotor-ida synchronous-response compressor.toml --speed 1000rpm:9900rpm:90 --figure response
+#     rotor-ida synchronous-response compressor.toml \
+#         --speed 1000rpm:9900rpm:90 --figure response
 
 from rotor_ida import synchronous_response
 from rotor_ida.plot.figures import figure_of
@@ -137,7 +140,8 @@ for speed, factor in zip(
 #
 # The clearance report answers in the manner of API 617, and writes the page to hand on, in HTML and PDF::
 #
-#     rotor-ida clearance-report compressor.toml --speed 7500rpm 9000rpm 9900rpm --probes 1 5 --report page
+#     rotor-ida clearance-report compressor.toml \
+#         --speed 7500rpm 9000rpm 9900rpm --probes 1 5 --report page
 
 from rotor_ida import clearance_report
 

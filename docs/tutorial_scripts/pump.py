@@ -47,7 +47,8 @@ print(f"eccentricity {1e6 * pump.eccentricity:.2f} um, damping {pump.damping:.1f
 #
 # A new drive could take the pump to 5,500 rpm. Run it up from standstill in 20 s::
 #
-#     rotor-ida run-up --machine pump.toml --to 5500rpm --in 20s --out pump.nc --figure pump --report page
+#     rotor-ida run-up --machine pump.toml \
+#         --to 5500rpm --in 20s --out pump.nc --figure pump --report page
 #
 # The folder ``page`` contains the report to hand on, in HTML and PDF: the answer, this figure, the machine, what is assumed, and the
 # command that computes it again.
@@ -94,7 +95,8 @@ plot_bode(run)
 #
 # G2.5 at the same speed is an eccentricity of 6.63 µm. An option overrides the file::
 #
-#     rotor-ida run-up --machine pump.toml --eccentricity 6.63um --to 5500rpm --in 20s --report balanced
+#     rotor-ida run-up --machine pump.toml \
+#         --eccentricity 6.63um --to 5500rpm --in 20s --report balanced
 
 from dataclasses import replace
 

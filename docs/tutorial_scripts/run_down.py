@@ -96,7 +96,8 @@ print(signals.attrs["notes"].replace("; ", ";\n"))
 #
 # The gap voltage shows it. Displacements count from −10 V, so the clearance is a circle about 0::
 #
-#     rotor-ida plot rundown.csv --kind centreline --clearance 400um --figure centre \
+#     rotor-ida plot rundown.csv \
+#         --kind centreline --clearance 400um --figure centre \
 #         --sensitivity 7.87V/mm --length um --gap -10V
 
 from rotor_ida.plot import plot_centre_line
@@ -142,10 +143,13 @@ print(f"whirl over spin above 1,000 rpm: {ratio.min():.2f} to {ratio.max():.2f}"
 #
 # Fit stiffness, damping and unbalance to the passage through the critical speed. The mass is known; guess the rest to about a third::
 #
-#     rotor-ida fit rundown.csv --mass 40kg --shaft-stiffness 3.5e6N/m --damping 1000Ns/m --eccentricity 10um \
+#     rotor-ida fit rundown.csv \
+#         --mass 40kg --shaft-stiffness 3.5e6N/m --damping 1000Ns/m --eccentricity 10um \
 #         --clearance 400um --contact-stiffness 1e8N/m --contact-exponent 1 --speed 6000rpm \
-#         --unknown shaft_stiffness damping eccentricity unbalance_angle --times 15 21 --report page \
-#         --sensitivity 7.87V/mm --length um --gap -10V --slow-roll 34.5s 40s --runout-orders 2
+#         --unknown shaft_stiffness damping eccentricity unbalance_angle \
+#         --times 15 21 --report page \
+#         --sensitivity 7.87V/mm --length um \
+#         --gap -10V --slow-roll 34.5s 40s --runout-orders 2
 #
 # The folder ``page`` contains the report to hand on, in HTML and PDF. It has this figure, the values with their errors, the machine found, and the command.
 

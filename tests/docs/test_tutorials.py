@@ -139,6 +139,8 @@ def test_the_commands_on_the_run_down_find_the_same(run_down, monkeypatch, capsy
     assert len(said) == 4
     found, errors = load("page/result.nc"), run_down["found"].standard_error.values
     assert (np.abs(found.estimate.values - run_down["known"]) < 2.0 * errors).all()
+    page = (run_down["folder"] / "page" / "report.html").read_text("utf-8")
+    assert "<td>critical speed</td><td>3000</td>" in page  # of the machine found
 
 
 def test_friction_ends_the_rub_earlier_and_leads_to_dry_whip(study):
