@@ -28,8 +28,8 @@ TITLES = {
 }
 # Tutorials in the order in which they are shown; the scenarios follow by name.
 TUTORIALS = (
-    *("pump", "measured_csv", "basins_and_branches", "own_study"),
-    *("choose_clearance", "through_resonance"),
+    *("pump", "compressor", "run_down", "basins_and_branches"),
+    *("own_study", "choose_clearance", "through_resonance"),
 )
 GUARD = 'if __name__ == "__main__":'
 RUN = """
@@ -97,8 +97,9 @@ def escaped(words):
 
 
 def figures_of_block(_block, block_vars, gallery_conf):
-    """Return the figure that a block of a tutorial ends with, for sphinx-gallery."""
-    shown = block_vars["example_globals"].get("___")
+    """Return the figure that a block of a tutorial ends with, or that of its axes."""
+    last = block_vars["example_globals"].get("___")
+    shown = getattr(last, "figure", last)  # of axes their figure
     if not isinstance(shown, Figure) or getattr(shown, "is_on_the_site", False):
         return ""
     shown.is_on_the_site = True

@@ -76,10 +76,21 @@ def fit(
     for name in OF_FILE:
         if told := dict.fromkeys(str(each.attrs[name]) for each in each_node if name in each.attrs):
             found.attrs[name] = "; ".join(told)
-    report = case.report(found)
+    report = case.report(found, rotor=_found(case.rotor, found))
     if found.attrs["search"] == "converged":
         return report
     return troubled(report, f"search {found.attrs['search']}", FAILED)
+
+
+def _found(rotor: Any, fitted: xr.Dataset) -> Any:
+    """Return a machine with the estimates in place of the first guesses, for a report.
+
+    A rotor system stays as its file describes it: estimates of it are factors.
+    """
+    if isinstance(rotor, rotor_ida.RotorSystem):
+        return rotor
+    estimates = zip(fitted["unknown"].values, fitted["estimate"].values.tolist(), strict=True)
+    return replace(rotor, **{str(name): each for name, each in estimates if hasattr(rotor, name)})
 
 
 def _signals(
