@@ -7,8 +7,10 @@ hatchling calls it when a wheel or an editable installation is built. By hand:
 The compiler is $CC or the first of cc, gcc and clang. Where there is none, the build asks for the
 package ziglang, which holds one. CFLAGS are not read: the flags belong to the arithmetic.
 
-With ziglang the core is compiled for any target, and a wheel for another platform is built by
+With the packages build, hatchling and ziglang the first of these makes the wheels of all targets,
+and the second that of one:
 
+    python hatch_build.py --all [--out FOLDER]
     ROTOR_IDA_TARGET=x86_64-windows python -m build --wheel
 """
 
@@ -45,10 +47,12 @@ ROOT = Path(__file__).resolve().parent
 CORE = ROOT / "rotor_ida" / "core"
 identity = run_path(str(CORE / "identity.py"))
 
-# No compiler may regroup or contract: the sources say what is fused.
+# No compiler may regroup or contract: the sources say what is fused. Nor may it know the functions
+# of core/libm.c: it would put others in their place.
 FLAGS = (
     *("-std=c17", "-O3", "-g0", "-fPIC", "-fvisibility=hidden"),
     *("-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off"),
+    *(f"-fno-builtin-{name}" for name in ("sin", "cos", "exp", "expm1", "log", "log1p")),
 )
 # Vectors are passed between functions of one file only, so their place in the ABI is no matter.
 WARNINGS = ("-Wall", "-Wextra", "-Wconversion", "-Werror", "-Wno-psabi")
@@ -303,6 +307,17 @@ class CustomBuildHook(BuildHookInterface):
             build_data["artifacts"] += [f"/{place}" for place in places.values()]
 
 
+def build_wheels(out: Path) -> list[Path]:
+    """Build the wheel of each target into a folder, and return them."""
+    command = [sys.executable, "-m", "build", "--wheel", "--no-isolation"]
+    command += ["--skip-dependency-check", "--outdir", str(out), str(ROOT)]
+    for name in TARGETS:
+        there = os.environ | {TARGET: name}
+        subprocess.run(command, check=True, env=there, stdout=subprocess.DEVNULL)
+    made = [next(out.glob(f"*-py3-none-{target.tag}.whl"), None) for target in TARGETS.values()]
+    return [path for path in made if path]
+
+
 def main() -> int:
     """Compile the core as asked on the command line; return 1 where that fails."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -310,21 +325,25 @@ def main() -> int:
     parser.add_argument("--sanitize", action="store_true", help="check addresses, undefined things")
     parser.add_argument("--warnings", action="store_true", help="take warnings for errors")
     parser.add_argument("--target", metavar="NAME", help="by zig: " + ", ".join(TARGETS))
-    parser.add_argument("--out", type=Path, default=CORE, metavar="FOLDER")
+    parser.add_argument("--all", action="store_true", help="the wheels of all targets, into dist")
+    parser.add_argument("--out", type=Path, metavar="FOLDER")
     given = parser.parse_args()
     if given.compiler:
         os.environ["CC"] = given.compiler
     try:
+        if given.all:
+            print(*build_wheels((given.out or ROOT / "dist").resolve()), sep="\n")
+            return 0
         target = target_of(given.target)
         compiler = find_zig() if given.target else find_compiler()
         if compiler is None:
             what = "ziglang is not installed" if given.target else "no C compiler was found"
             raise BuildError(f"{what}: name one with --compiler")
         made = build(
-            compiler, out=given.out.resolve(), warnings=given.warnings, sanitize=given.sanitize,
-            target=target,
+            compiler, out=(given.out or CORE).resolve(), target=target,
+            warnings=given.warnings, sanitize=given.sanitize,
         )  # fmt: skip
-    except (BuildError, OSError) as error:
+    except (BuildError, OSError, subprocess.CalledProcessError) as error:
         print(f"hatch_build.py: {error}", file=sys.stderr)
         return 1
     print(*(made or ["nothing to compile: all libraries are up to date"]), sep="\n")
