@@ -105,7 +105,9 @@ def find_compiler() -> list[str] | None:
     """Return the words that call a C compiler: $CC, one on PATH, ziglang; None where none is."""
     if os.environ.get("CC", "").strip():
         try:
-            words = shlex.split(os.environ["CC"])
+            # Windows has backslashes in its paths
+            said = shlex.split(os.environ["CC"], posix=os.name == "posix")
+            words = [word.strip('"') for word in said]
         except ValueError as error:
             raise BuildError(f"CC must name a C compiler, got {os.environ['CC']!r}") from error
         found = shutil.which(words[0])
@@ -114,7 +116,8 @@ def find_compiler() -> list[str] | None:
         if os.sep in words[0]:  # it is called in another folder
             words[0] = str(Path(found).absolute())
         return words
-    for name in ("cc", "gcc", "clang"):
+    # gcc on Windows is MinGW's, which misaligns vectors of 32 bytes
+    for name in ("cc", "gcc", "clang") if os.name == "posix" else ():
         if found := shutil.which(name):
             return [found]
     return find_zig()
@@ -229,8 +232,11 @@ def _put(made: Path, path: Path) -> None:
 def platform_tag(libraries: Sequence[Path]) -> str:
     """Return the platform of a wheel with these libraries: by the newest glibc that they ask for.
 
-    Where that is not glibc, it is this very platform.
+    Where that is not glibc, it is this very platform. A Python for both processors of Macs names
+    both, and the core is for one.
     """
+    if system := platform.mac_ver()[0]:
+        return f"macosx_{system.partition('.')[0]}_0_{platform.machine()}"
     if platform.libc_ver()[0] != "glibc":
         return re.sub(r"\W", "_", sysconfig.get_platform())
     asked = {

@@ -123,14 +123,14 @@ def read_macho(path, machine, tag):
     return "" if tag.startswith(asked) else f"it asks for {asked}, and the wheel says {tag}"
 
 
-def expected(model, folder):
-    """Return what the core of this machine says, linked by the first compiler that is found."""
-    library = identity["library_path"](CORE, "baseline", model)
-    program = folder / f"here_{model}"
+def made_here(source, model, level, folder):
+    """Return a program for this machine, linked with its core by the first compiler found."""
+    library = identity["library_path"](CORE, level, model)
+    program = folder / f"{source.stem}_{level}_{model}"
     words = [*hatch_build["find_compiler"](), "-std=c17", f"-I{CORE}", f"-Wl,-rpath,{CORE}"]
-    words += [*hatch_build["FOR_MODEL"][model], str(BITS), str(library), "-o", str(program)]
+    words += [*hatch_build["FOR_MODEL"][model], str(source), str(library), "-o", str(program)]
     subprocess.run(words, check=True)
-    return said_by([], program)
+    return program
 
 
 def check(name, wheels, folder, references):
@@ -172,7 +172,10 @@ def main():
         return 0
     passed = failed = 0
     with tempfile.TemporaryDirectory() as folder:
-        references = {model: expected(model, Path(folder)) for model in identity["MODELS"]}
+        references = {
+            model: said_by([], made_here(BITS, model, "baseline", Path(folder)))
+            for model in identity["MODELS"]
+        }
         for name in given.targets or known:
             place = Path(folder, name)
             place.mkdir()
