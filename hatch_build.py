@@ -7,8 +7,10 @@ hatchling calls it when a wheel or an editable installation is built. By hand:
 The compiler is $CC or the first of cc, gcc and clang. Where there is none, the build asks for the
 package ziglang, which holds one. CFLAGS are not read: the flags belong to the arithmetic.
 
-With ziglang the core is compiled for any target, and a wheel for another platform is built by
+With the packages build, hatchling and ziglang the first of these makes the wheels of all targets,
+and the second that of one:
 
+    python hatch_build.py --all [--out FOLDER]
     ROTOR_IDA_TARGET=x86_64-windows python -m build --wheel
 """
 
@@ -45,10 +47,12 @@ ROOT = Path(__file__).resolve().parent
 CORE = ROOT / "rotor_ida" / "core"
 identity = run_path(str(CORE / "identity.py"))
 
-# No compiler may regroup or contract: the sources say what is fused.
+# No compiler may regroup or contract: the sources say what is fused. Nor may it know the functions
+# of core/libm.c: it would put others in their place.
 FLAGS = (
     *("-std=c17", "-O3", "-g0", "-fPIC", "-fvisibility=hidden"),
     *("-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off"),
+    *(f"-fno-builtin-{name}" for name in ("sin", "cos", "exp", "expm1", "log", "log1p")),
 )
 # Vectors are passed between functions of one file only, so their place in the ABI is no matter.
 WARNINGS = ("-Wall", "-Wextra", "-Wconversion", "-Werror", "-Wno-psabi")
@@ -101,7 +105,9 @@ def find_compiler() -> list[str] | None:
     """Return the words that call a C compiler: $CC, one on PATH, ziglang; None where none is."""
     if os.environ.get("CC", "").strip():
         try:
-            words = shlex.split(os.environ["CC"])
+            # Windows has backslashes in its paths
+            said = shlex.split(os.environ["CC"], posix=os.name == "posix")
+            words = [word.strip('"') for word in said]
         except ValueError as error:
             raise BuildError(f"CC must name a C compiler, got {os.environ['CC']!r}") from error
         found = shutil.which(words[0])
@@ -110,7 +116,8 @@ def find_compiler() -> list[str] | None:
         if os.sep in words[0]:  # it is called in another folder
             words[0] = str(Path(found).absolute())
         return words
-    for name in ("cc", "gcc", "clang"):
+    # gcc on Windows is MinGW's, which misaligns vectors of 32 bytes
+    for name in ("cc", "gcc", "clang") if os.name == "posix" else ():
         if found := shutil.which(name):
             return [found]
     return find_zig()
@@ -225,8 +232,11 @@ def _put(made: Path, path: Path) -> None:
 def platform_tag(libraries: Sequence[Path]) -> str:
     """Return the platform of a wheel with these libraries: by the newest glibc that they ask for.
 
-    Where that is not glibc, it is this very platform.
+    Where that is not glibc, it is this very platform. A Python for both processors of Macs names
+    both, and the core is for one.
     """
+    if system := platform.mac_ver()[0]:
+        return f"macosx_{system.partition('.')[0]}_0_{platform.machine()}"
     if platform.libc_ver()[0] != "glibc":
         return re.sub(r"\W", "_", sysconfig.get_platform())
     asked = {
@@ -303,6 +313,17 @@ class CustomBuildHook(BuildHookInterface):
             build_data["artifacts"] += [f"/{place}" for place in places.values()]
 
 
+def build_wheels(out: Path) -> list[Path]:
+    """Build the wheel of each target into a folder, and return them."""
+    command = [sys.executable, "-m", "build", "--wheel", "--no-isolation"]
+    command += ["--skip-dependency-check", "--outdir", str(out), str(ROOT)]
+    for name in TARGETS:
+        there = os.environ | {TARGET: name}
+        subprocess.run(command, check=True, env=there, stdout=subprocess.DEVNULL)
+    made = [next(out.glob(f"*-py3-none-{target.tag}.whl"), None) for target in TARGETS.values()]
+    return [path for path in made if path]
+
+
 def main() -> int:
     """Compile the core as asked on the command line; return 1 where that fails."""
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
@@ -310,21 +331,25 @@ def main() -> int:
     parser.add_argument("--sanitize", action="store_true", help="check addresses, undefined things")
     parser.add_argument("--warnings", action="store_true", help="take warnings for errors")
     parser.add_argument("--target", metavar="NAME", help="by zig: " + ", ".join(TARGETS))
-    parser.add_argument("--out", type=Path, default=CORE, metavar="FOLDER")
+    parser.add_argument("--all", action="store_true", help="the wheels of all targets, into dist")
+    parser.add_argument("--out", type=Path, metavar="FOLDER")
     given = parser.parse_args()
     if given.compiler:
         os.environ["CC"] = given.compiler
     try:
+        if given.all:
+            print(*build_wheels((given.out or ROOT / "dist").resolve()), sep="\n")
+            return 0
         target = target_of(given.target)
         compiler = find_zig() if given.target else find_compiler()
         if compiler is None:
             what = "ziglang is not installed" if given.target else "no C compiler was found"
             raise BuildError(f"{what}: name one with --compiler")
         made = build(
-            compiler, out=given.out.resolve(), warnings=given.warnings, sanitize=given.sanitize,
-            target=target,
+            compiler, out=(given.out or CORE).resolve(), target=target,
+            warnings=given.warnings, sanitize=given.sanitize,
         )  # fmt: skip
-    except (BuildError, OSError) as error:
+    except (BuildError, OSError, subprocess.CalledProcessError) as error:
         print(f"hatch_build.py: {error}", file=sys.stderr)
         return 1
     print(*(made or ["nothing to compile: all libraries are up to date"]), sep="\n")

@@ -131,7 +131,7 @@ static enum fault fault_of_mode(const struct run *run, const double *state, doub
         return mode != IS_LOOSE && mode != FLIES && mode * slip < -more ? SLIDES_ASTRAY : SOUND;
     if (!(fabs(slip) <= SLIP_ROUNDING * (length(v) + rim)))
         return SLIPS_WHILE_ROLLING;
-    const double spring = pow(depth, rotor->contact_exponent);
+    const double spring = to_power(depth, rotor->contact_exponent);
     const double factor = 1.0 + rotor->contact_damping * dot(z, v) / radius;
     const double grip = rotor->friction * larger(spring * factor, 0.0);
     const double steep = 1.5 * (1.0 + sqrt(depth)) * (1.0 + fabs(factor))

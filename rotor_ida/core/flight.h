@@ -56,6 +56,9 @@ struct turning {
 static inline double larger(double a, double b) { return a > b ? a : b; }
 static inline double smaller(double a, double b) { return a < b ? a : b; }
 
+/* a to a power, of a from 0 on: to some rounding errors, the same ones on every system. */
+static inline double to_power(double a, double power) { return exp(power * log(a)); }
+
 struct motion_of_centre fly(struct motion_of_centre start, double tau, const struct rotor *rotor);
 
 /* What omega (first), and what zeta adds to the motion after `tau`: derivatives of `fly`. */

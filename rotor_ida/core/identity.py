@@ -24,8 +24,8 @@ def library_path(folder: Path, level: str, model: str = "paper") -> Path:
 
 
 def core_sources(folder: Path) -> list[Path]:
-    """Return the C sources in a folder, in a fixed order."""
-    return sorted([*folder.glob("*.c"), *folder.glob("*.h")])
+    """Return the C sources in a folder and below it, in a fixed order."""
+    return sorted([*folder.rglob("*.c"), *folder.rglob("*.h")])
 
 
 def model_sources(folder: Path, model: str) -> list[Path]:

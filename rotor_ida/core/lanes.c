@@ -371,7 +371,7 @@ static void step_lanes(struct lanes *lanes, struct law law, double tolerance)
     const bool is_sharper = HAS_LINEAR_CONTACT && law.m.linear > 0.0;
     const bool is_damped = HAS_CONTACT_DAMPING && law.m.contact_damping > 0.0;
     const double kink = is_sharper || is_damped ? SHARPER_KINK : KINK;
-    const double over = tolerance < SEEN ? SHORTEST * pow(tolerance, 1.0 / kink) : INFINITY;
+    const double over = tolerance < SEEN ? SHORTEST * exp(log(tolerance) / kink) : INFINITY;
     /* each a loop of its own */
     if (HAS_LOAD && law.loaded && law.rubs)
         step_all(lanes, (struct law){false, true, true, law.release, law.m}, tolerance, over);

@@ -153,7 +153,7 @@ static void push_off(struct motion_of_centre start, double left, const struct ro
     if (acceleration > 0.0)
         moment = smaller(sqrt(2.0 * depth / acceleration), 1e-3 * left);
     else if (jerk > 0.0)
-        moment = smaller(cbrt(6.0 * depth / jerk), 1e-3 * left);
+        moment = smaller(to_power(6.0 * depth / jerk, 1.0 / 3.0), 1e-3 * left);
     const double indentation = (acceleration / 2.0 + jerk * moment / 6.0) * moment * moment;
     regularise(fly_shortly(start, moment, rotor), sqrt(indentation), values);
     values[CONTACT_P] = (acceleration + jerk * moment / 2.0) * moment;

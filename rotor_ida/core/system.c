@@ -733,8 +733,10 @@ static double farthest_turn(const struct work *work)
     const int order = work->order;
     if (work->run->column_count == 0)
         return FARTHEST * order;
-    return fmin(exp((log(OF_CHANGES * work->run->rtol) + lgamma(order + 1.0)) / order),
-                FARTHEST * order);
+    double product = OF_CHANGES * work->run->rtol;
+    for (int n = 2; n <= order; n++)
+        product *= n;
+    return smaller(to_power(product, 1.0 / order), FARTHEST * order);
 }
 
 void choose_step(struct work *work)

@@ -19,7 +19,8 @@ static double unfelt(const struct work *work, const struct touching *each, doubl
     const double push = each->law->hertz * each->mobility;
     const double allowed = UNFELT * run->rtol * run->velocity * sqrt(each->mobility);
     const double rate = run->velocity / run->displacement;
-    return larger(pow(allowed * speed / push, 0.4), pow(allowed * rate / push, 2.0 / 3.0));
+    return larger(to_power(allowed * speed / push, 0.4),
+                  to_power(allowed * rate / push, 2.0 / 3.0));
 }
 
 void begin_centred(const struct work *work, struct touching *each)
@@ -89,8 +90,8 @@ void sample_centred(const struct work *work, const struct touching *each, double
     centred_values(&each->element, given, answers);
     const double x = given[ELEMENT_X], y = given[ELEMENT_Y];
     const double across = x * given[ELEMENT_VY] - y * given[ELEMENT_VX];
-    forces[0] = hypot(answers[ELEMENT_FORCE_X], answers[ELEMENT_FORCE_Y]);
-    forces[2] = ratio(across, hypot(x, y));
+    forces[0] = length((struct vector){answers[ELEMENT_FORCE_X], answers[ELEMENT_FORCE_Y]});
+    forces[2] = ratio(across, length((struct vector){x, y}));
 }
 
 /* Its impulse is not known, as of one disc; its work is that on its spring. */
@@ -99,7 +100,7 @@ void keep_centred(struct work *work, const struct touching *each, double point)
     double given[ELEMENT_GIVEN] = {0.0};
     struct episode *episode = &work->run->open[each - work->touching];
     read_given(work, each, point, given);
-    const double root = sqrt(hypot(given[ELEMENT_X], given[ELEMENT_Y]));
+    const double root = sqrt(length((struct vector){given[ELEMENT_X], given[ELEMENT_Y]}));
     const double kept = element_energy(&each->element, 0, root)
                         - element_energy(&each->element, 0, each->touch->root);
     episode->impulse = NAN;

@@ -270,7 +270,7 @@ static double unfelt(const struct taylor *taylor)
     const double push = part * omega * omega + part * taylor->motion.model.load;
     if (taylor->motion.model.linear > 0.0) /* a force of r is felt farther in */
         return larger(sqrt(part * square), push);
-    return larger(pow(part * square, 0.4), pow(push, 2.0 / 3.0));
+    return larger(to_power(part * square, 0.4), to_power(push, 2.0 / 3.0));
 }
 
 /* How far the series of a rotor without clearance may be followed. */
@@ -383,9 +383,9 @@ static double step_of_differences(struct taylor *taylor)
     }
     double step = INFINITY;
     if (last > 0.0)
-        step = pow(last, -1.0 / order);
+        step = to_power(last, -1.0 / order);
     if (before > 0.0)
-        step = smaller(step, pow(before, -1.0 / (order - 1)));
+        step = smaller(step, to_power(before, -1.0 / (order - 1)));
     return step;
 }
 

@@ -13,6 +13,7 @@ import re
 import secrets
 import shutil
 import socket
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -25,6 +26,9 @@ from rotor_ida.errors import ArchiveError, InputError
 _UNFINISHED = "rotor_ida-part"
 _NO_LINKS_HERE = {errno.EPERM, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK}
 _NO_SYNC_HERE = {errno.EINVAL, errno.ENOTSUP, errno.EOPNOTSUPP, errno.EACCES}
+# Windows replaces no file that another process reads; readers of this package take a moment.
+_READERS_HOLD = os.name == "nt"
+_PAUSES = (0.01, 0.03, 0.1, 0.3, 1.0)  # seconds
 
 
 def check_path(name: str, path: object, *, kind: str = "file") -> Path:
@@ -209,10 +213,20 @@ def _machine() -> str:
     return re.sub(r"[^A-Za-z0-9-]+", "-", socket.gethostname())[:64] or "unnamed"
 
 
+def put(part: Path, target: Path) -> None:
+    """Give a finished file its name, also where others read the file that it replaces."""
+    for pause in _PAUSES if _READERS_HOLD else ():
+        with suppress(PermissionError):
+            part.replace(target)
+            return
+        time.sleep(pause)
+    part.replace(target)
+
+
 def _publish(part: Path, target: Path, overwrite: bool) -> None:
     """Give the finished file its name; without `overwrite`, only if the name is free."""
     if overwrite:
-        part.replace(target)
+        put(part, target)
         return
     try:
         os.link(part, target)
@@ -220,7 +234,7 @@ def _publish(part: Path, target: Path, overwrite: bool) -> None:
         if error.errno not in _NO_LINKS_HERE:
             raise
         os.close(os.open(target, os.O_WRONLY | os.O_CREAT | os.O_EXCL, 0o666))
-        part.replace(target)
+        put(part, target)
 
 
 def _sync_folder(folder: Path) -> None:

@@ -9,7 +9,7 @@ import shlex
 import sys
 from collections.abc import Mapping
 from functools import cache, lru_cache
-from importlib.metadata import version
+from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path, PurePath
 
 from rotor_ida.core import sundials
@@ -54,10 +54,16 @@ def core() -> dict[str, str]:
 
 @cache
 def versions() -> dict[str, object]:
-    """Return the versions of all packages that compute, as attributes."""
-    names = {"rotor_ida": "rotor-ida", "scikit_sundae": "scikit-sundae"}
-    names |= {name: name for name in ("numpy", "scipy", "xarray")}
+    """Return the versions of all packages that compute, as attributes.
+
+    That of scikit-sundae is empty where it is not installed.
+    """
+    names = {"rotor_ida": "rotor-ida"} | {name: name for name in ("numpy", "scipy", "xarray")}
     found: dict[str, object] = {f"{name}_version": version(names[name]) for name in names}
+    try:
+        found["scikit_sundae_version"] = version("scikit-sundae")
+    except PackageNotFoundError:
+        found["scikit_sundae_version"] = ""
     found["sundials_version"] = sundials.version()
     found["python_version"] = platform.python_version()
     return found

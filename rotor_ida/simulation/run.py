@@ -121,7 +121,8 @@ def reference() -> Callable[..., Orbit]:
         from rotor_ida.simulation.witness.disc import run_reference  # noqa: PLC0415
     except ImportError as error:
         raise InstallationError(
-            f"backend 'python' needs scikit-sundae: pip install scikit-sundae ({error})"
+            "backend 'python' needs scikit-sundae: pip install scikit-sundae, or leave it out by "
+            f"method='taylor' ({error})"
         ) from error
     return run_reference
 

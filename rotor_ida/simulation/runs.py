@@ -257,7 +257,8 @@ def _witness() -> Callable[..., SystemResult]:
         from rotor_ida.simulation.witness.system import run_system  # noqa: PLC0415
     except ImportError as error:
         raise InstallationError(
-            f"backend 'python' needs scikit-sundae: pip install scikit-sundae ({error})"
+            "backend 'python' needs scikit-sundae: pip install scikit-sundae, or leave it out by "
+            f"method='taylor' ({error})"
         ) from error
     return run_system
 

@@ -416,6 +416,20 @@ def test_doctor_says_why_a_backend_is_absent(program: Program, monkeypatch: pyte
     assert [check["seen"] for check in absent] == ["no such library"]
 
 
+def test_doctor_passes_without_scikit_sundae(program: Program, monkeypatch: pytest.MonkeyPatch):
+    """As on Linux on ARM, for which it has no wheel: Taylor series need none."""
+    reason = "scikit-sundae is not installed"
+    monkeypatch.setattr("rotor_ida.core.sundials.why_not", lambda: reason)
+    answer = program("doctor", "--json")
+    assert (answer.status, answer.err) == (0, "")
+    checks = json.loads(answer.out)["checks"]
+    absent = [check for check in checks if check["result"] == "absent"]
+    assert [check["seen"] for check in absent] == [reason, reason]
+    assert "compiled: free vibration, Taylor series" in [
+        check["check"] for check in checks if check["result"] == "ok"
+    ]
+
+
 def test_doctor_does_without_dask(program: Program, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr("rotor_ida.parallel.executors.importlib.util.find_spec", lambda _name: None)
     answer = program("doctor")

@@ -117,6 +117,26 @@ def test_the_wheel_is_for_all_systems_whose_libc_is_new_enough(
     assert tag.startswith(f"manylinux_2_{least}_")
 
 
+def test_a_wheel_made_on_a_mac_is_for_its_processor_alone(
+    hatch_build: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(hatch_build["platform"], "mac_ver", lambda: ("14.6.1", ("", "", ""), ""))
+    monkeypatch.setattr(hatch_build["platform"], "machine", lambda: "arm64")
+    assert hatch_build["platform_tag"]([]) == "macosx_14_0_arm64"
+
+
+def test_windows_takes_a_compiler_that_is_named_or_zig(
+    hatch_build: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A path there has backslashes; gcc there is another compiler."""
+    monkeypatch.setattr(hatch_build["os"], "name", "nt")
+    monkeypatch.setattr(hatch_build["shutil"], "which", lambda name: name)
+    monkeypatch.setenv("CC", r'"C:\my tools\zig.exe" cc')
+    assert hatch_build["find_compiler"]() == [r"C:\my tools\zig.exe", "cc"]
+    monkeypatch.delenv("CC")
+    assert hatch_build["find_compiler"]() == hatch_build["find_zig"]()
+
+
 def test_each_target_has_levels_and_flags_of_its_own(hatch_build: dict[str, Any]) -> None:
     zig = [sys.executable, "-m", "ziglang", "cc"]
     for name, target in hatch_build["TARGETS"].items():

@@ -132,9 +132,8 @@ def core_to_break(tmp_path_factory):
     if compiler is None:
         pytest.skip("no C compiler is installed")
     folder = tmp_path_factory.mktemp("broken")
-    for path in (*CORE.glob("*.c"), *CORE.glob("*.h")):
-        if path.name != "build.c":
-            shutil.copy(path, folder)
+    others = shutil.ignore_patterns("*.py", "*.so", "__pycache__", "build.c", ".build-*")
+    shutil.copytree(CORE, folder, ignore=others, dirs_exist_ok=True)
     derived = folder / "derived_whole.c"
     text = derived.read_text("utf-8")
     terms = [("contact", term) for term, _ in BROKEN.values()]

@@ -42,7 +42,9 @@ def folder(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
         for level, model in product(identity.LEVELS, identity.MODELS)
     ]
     for path in [*identity.core_sources(module.FOLDER), *filter(Path.is_file, made)]:
-        shutil.copy(path, tmp_path)
+        place = tmp_path / path.relative_to(module.FOLDER)
+        place.parent.mkdir(exist_ok=True)
+        shutil.copy(path, place)
     monkeypatch.setattr(module, "FOLDER", tmp_path)
     return tmp_path
 

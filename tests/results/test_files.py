@@ -131,3 +131,29 @@ def test_a_disk_without_room_is_named_with_the_file_which_stays_as_it_was(tmp_pa
     with pytest.raises(InputError, match="path must not exist unless overwrite is true"):
         write(overwrite=False)
     assert target.read_text() == "before"
+
+
+@pytest.mark.parametrize(("readers", "tries"), [(0, 1), (2, 3), (9, 3)])
+def test_windows_replaces_a_file_once_its_reader_has_closed_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, readers: int, tries: int
+) -> None:
+    """As Windows has it, which refuses by PermissionError while another process reads."""
+    target, part, replace, asked = tmp_path / "file", tmp_path / "part", Path.replace, []
+
+    def replace_later(self: Path, to: Path) -> Path:
+        asked.append(to)
+        if len(asked) <= readers:
+            raise PermissionError(errno.EACCES, os.strerror(errno.EACCES))
+        return replace(self, to)
+
+    monkeypatch.setattr(Path, "replace", replace_later)
+    monkeypatch.setattr(files, "_READERS_HOLD", True)
+    monkeypatch.setattr(files, "_PAUSES", (0.0, 0.0))
+    target.write_text("before")
+    part.write_text("after")
+    if readers < tries:
+        files.put(part, target)
+    else:
+        with pytest.raises(PermissionError):
+            files.put(part, target)
+    assert (len(asked), target.read_text()) == (tries, "after" if readers < tries else "before")

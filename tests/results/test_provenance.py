@@ -74,3 +74,19 @@ def test_a_result_says_who_compiled_the_core() -> None:
 
 def test_no_compiler_and_no_level_decides_on_the_bits() -> None:
     assert not [name for name in provenance.computing() if name.startswith("core")]
+
+
+def test_where_scikit_sundae_has_no_wheel_its_version_is_empty(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """As on Linux on ARM, where Taylor series do without."""
+
+    def version(name: str) -> str:
+        if name == "scikit-sundae":
+            raise provenance.PackageNotFoundError(name)
+        return "1.0"
+
+    monkeypatch.setattr(provenance, "version", version)
+    told = provenance.versions.__wrapped__()
+    assert told["scikit_sundae_version"] == ""
+    assert told["numpy_version"] == "1.0"

@@ -21,7 +21,7 @@ from typing import Any
 from filelock import FileLock, Timeout
 
 from rotor_ida.errors import ArchiveError, InputError, MissingFileError
-from rotor_ida.results.files import check_path
+from rotor_ida.results.files import check_path, put
 from rotor_ida.results.studies.design import Design, as_text, program_of, refuse_another
 
 # The design, the folder of pieces, and in it the file that is being written.
@@ -247,7 +247,7 @@ def _write(folder: Path, name: str, told: Mapping[str, Any], content: bytes = b"
             file.write(hashlib.sha256(body).hexdigest().encode() + b"\n" + body)
             file.flush()
             os.fsync(file.fileno())
-        part.replace(folder / name)
+        put(part, folder / name)
     except OSError as error:
         raise ArchiveError(
             f"cannot write {str(folder / name)!r}: {error.strerror}; what was kept before is intact"
