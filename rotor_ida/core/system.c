@@ -139,7 +139,8 @@ void begin_terms(struct work *work)
         const double root = each->touch->root;
         each->series.terms[0][ELEMENT_ROOT] = root;
         each->series.terms[0][ELEMENT_RACE] = each->touch->race;
-        each->is_edge = is_touching(each) && root < EDGE * sqrt(each->law->clearance);
+        each->is_edge = is_touching(each) && !is_spring(each)
+                        && root < EDGE * sqrt(each->law->clearance);
         each->inverse_root = inverse(root);
         if (is_centred(each))
             begin_centred(work, each);
@@ -532,7 +533,8 @@ static void add_implicit(struct work *work, int n)
 
 /* ---- Coefficients n + 1 ---- */
 
-/* The root of a contact: 2 s s' = pace d', where its own root is no factor of the pace. */
+/* The root of a contact: 2 s s' = pace d', where its own root is no factor of the pace; or the
+ * indentation itself, d' = pace d'. */
 COMPILED double next_root(const struct work *work, const struct touching *each, int n, double share)
 {
     const double *root = &each->series.terms[0][ELEMENT_ROOT];
@@ -543,6 +545,8 @@ COMPILED double next_root(const struct work *work, const struct touching *each, 
         return 0.5 * share * convolved(each->others, 1, approach, ELEMENT_ANSWERS, n);
     const double rate = work->moves ? convolved(work->pace, 1, approach, ELEMENT_ANSWERS, n)
                                     : approach[n * ELEMENT_ANSWERS];
+    if (is_spring(each))
+        return share * rate;
     const double square = n == 0 ? 0.0 : convolved(&root[WIDTH], WIDTH, &root[WIDTH], WIDTH, n - 1);
     return 0.5 * fma(share, rate, -square) * each->inverse_root;
 }
@@ -709,7 +713,7 @@ static double worst_of(const struct work *work, int n)
         if (is_centred(each)) /* whose displacement is all there is */
             continue;
         if (is_touching(each)) {
-            worst = larger(fabs(terms[ELEMENT_ROOT]) / sqrt(each->law->clearance), worst);
+            worst = larger(fabs(terms[ELEMENT_ROOT]) / root_of(each, each->law->clearance), worst);
             worst = larger(worst_answer(each, n) / (each->law->clearance * scale), worst);
         }
         if (each->law->inverse_race_inertia > 0.0)

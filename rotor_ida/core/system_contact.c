@@ -43,6 +43,7 @@ void set_element(struct touching *each)
         .race_radius = law->race_radius,
         .mobility = each->stator_mobility,
         .holding = each->touch->mode == ROLLS ? inverse(each->stator_mobility) : 0.0,
+        .squared = is_spring(each) ? 0.0 : 1.0,
     };
 }
 
@@ -505,7 +506,7 @@ static void pass_edge(struct work *work)
         struct touching *each = &work->touching[i];
         if (may_leave(each) && each->touch->root == 0.0) {
             const double depth = radius_of_touch(work, each) - each->law->clearance;
-            each->touch->root = sqrt(fmax(depth, PASSED * PASSED * each->law->clearance));
+            each->touch->root = root_of(each, fmax(depth, PASSED * PASSED * each->law->clearance));
             each->touch->zeros[OF_ROOT] = 0;
         }
     }
@@ -568,7 +569,7 @@ static void leave_contact(struct work *work, int contact)
 /* Whether a contact is all but at its end. */
 static int is_at_end(const struct work *work, const struct touching *each)
 {
-    if (!is_touching(each) || each->touch->root >= TOGETHER * sqrt(each->law->clearance))
+    if (!is_touching(each) || each->touch->root >= root_of(each, TOGETHER * TOGETHER * each->law->clearance))
         return 0;
     double answers[ELEMENT_ANSWERS];
     values_of_touch(work, each, answers);
@@ -719,7 +720,7 @@ int begin_contacts(struct work *work)
         if (depth < -SIDE * clearance)
             continue;
         each->touch->mode = SLIDES_FORWARDS;
-        each->touch->root = depth > SIDE * clearance ? sqrt(depth) : 0.0;
+        each->touch->root = depth > SIDE * clearance ? root_of(each, depth) : 0.0;
         set_element(each);
         values_of_touch(work, each, answers);
         if (each->touch->root == 0.0) {

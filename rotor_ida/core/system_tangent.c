@@ -688,7 +688,7 @@ static double change_of_slip(const struct work *work, int contact, const double 
     const struct touching *each = &work->touching[contact];
     const double *answers = each->answers[0];
     const double across[2] = {-answers[ELEMENT_NORMAL_Y], answers[ELEMENT_NORMAL_X]};
-    const double radius = each->law->clearance + each->touch->root * each->touch->root;
+    const double radius = each->law->clearance + depth_of(each, each->touch->root);
     double moved = 0.0, faster = 0.0;
     for (int j = 0; j < 2; j++) {
         const double *row = each->rows + j * work->stride;

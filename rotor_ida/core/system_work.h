@@ -224,6 +224,22 @@ static inline int pushes(const struct touching *each)
 }
 /* Whether a contact has no clearance, and so never opens. */
 static inline int is_centred(const struct touching *each) { return each->law->clearance == 0.0; }
+/* Whether the law is analytic in the indentation itself, which then stands in the place of its root,
+ * and the pace is that of time. */
+static inline int is_spring(const struct touching *each)
+{
+    return each->law->hertz == 0.0 && !is_centred(each);
+}
+/* What is followed of an indentation: its root, or this itself. */
+static inline double root_of(const struct touching *each, double depth)
+{
+    return is_spring(each) ? depth : sqrt(depth);
+}
+/* Its indentation by what is followed. */
+static inline double depth_of(const struct touching *each, double root)
+{
+    return is_spring(each) ? root : root * root;
+}
 /* Whether it touches until the root of its indentation falls to 0. */
 static inline int may_leave(const struct touching *each)
 {

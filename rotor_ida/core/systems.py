@@ -485,6 +485,7 @@ class _Run:
 
     def __init__(self, core: ctypes.CDLL, request: SystemRequest, stop: Stop) -> None:
         self.size, count = len(request.force), len(request.laws)
+        self.laws = request.laws
         self.stride = _padded(self.size, LANES_A_VECTOR)
         self.kept: list[npt.NDArray[Any]] = []  # must live as long as the run
         sampled, room = request.times.size, core.core_system_room(self.size, count)
@@ -639,6 +640,13 @@ class _Run:
         rows = _stacked(ends[0], table, last, ends[1])
         return rows[np.argsort(rows["place"], kind="stable")]
 
+    def episodes(self, found: Rows) -> Rows:
+        """Return episodes by the roots of their indentations; of linear springs the core has these."""
+        springs = (self.laws["hertz"] == 0.0) & (self.laws["clearance"] > 0.0)
+        linear = springs[found["contact"].astype(int)]
+        found["peak_root"][linear] = np.sqrt(found["peak_root"][linear])
+        return found
+
     def result(self, status: int) -> SystemResult:
         """Return the result of the run."""
         run, held, size = self.struct, self.tables.arrays, self.size
@@ -655,7 +663,7 @@ class _Run:
             event_rates=held["event_rates"][:events],
             event_states=states.reshape(events, 2, self.stride)[:, :, :size], event_races=races,
             races=self.races,
-            episodes=_stacked(held["episodes"][: run.episode_count], lasting),
+            episodes=self.episodes(_stacked(held["episodes"][: run.episode_count], lasting)),
             ledger=ledger, steps=run.steps, turn=(run.angle, run.speed),
             standstill=Standstill(*run.standstill), columns=self.columns.T,
             sample_columns=self.sample_columns[:, :, : self.column_count],
