@@ -240,7 +240,7 @@ int sign_changes(const double *terms, int order, double step, double *sign, doub
 
 static double guard_of_gap(const struct work *work, const struct touching *each, double step)
 {
-    double gap[GAP_TERMS], x[ORDERS], y[ORDERS];
+    double gap[GAP_TERMS], x[ORDERS] = {0.0}, y[ORDERS] = {0.0};
     const int order = work->order;
     for (int n = 0; n <= order; n++) {
         x[n] = each->series.terms[n][ELEMENT_X];
@@ -933,7 +933,7 @@ static void keep_extrema_of(struct work *work, int number, double point, double 
 {
     struct system_run *run = work->run;
     const int order = work->order;
-    struct series_of_place series;
+    struct series_of_place series = {{0.0}, {0.0}, {0.0}, {0.0}};
     double rate[ORDERS] = {0.0}, points[ORDERS + 1], power = 1.0, largest = 0.0;
     const double bound = write_place(work, number, point, &series);
     write_product(order, order, series.x, series.vx, series.y, series.vy, rate);
