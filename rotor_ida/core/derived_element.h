@@ -7,7 +7,7 @@
 
 /* What the law of a contact knows. */
 struct element {
-    double clearance, hertz, linear, contact_damping, loose, friction, sigma, radius, race_radius, mobility, holding;
+    double clearance, hertz, linear, contact_damping, loose, friction, sigma, radius, race_radius, mobility, holding, squared;
 };
 
 /* Its slope by the indentation. */
@@ -51,7 +51,7 @@ static inline __attribute__((always_inline)) void element_order(
     _Static_assert(7 <= WIDTH && 11 <= LANES, "no room");
     const double *here = series->terms[n], one = n == 0 ? 1.0 : 0.0;
     const double root_first = series->terms[0][ELEMENT_ROOT];
-    const double inverse_radius = inverse(m->clearance + root_first * root_first);
+    const double inverse_radius = inverse(m->clearance + (m->squared * (root_first * root_first) + (1.0 - m->squared) * root_first));
     sum_known(series, n, 3);
     const double root = here[ELEMENT_ROOT];
     const double x = here[ELEMENT_X];
@@ -61,27 +61,28 @@ static inline __attribute__((always_inline)) void element_order(
     const double spin = here[ELEMENT_SPIN];
     const double race = here[ELEMENT_RACE];
     const double w0 = times(series, 0, n, root, root); /* root * root */
-    const double radius = one * m->clearance + w0;
+    const double w1 = m->squared * w0 + (1.0 - m->squared) * root;
+    const double radius = one * m->clearance + w1;
     const double normal_x = over(series, 1, n, x, radius, inverse_radius); /* x / radius */
     const double normal_y = over(series, 2, n, y, radius, inverse_radius); /* y / radius */
-    const double w4 = times(series, 3, n, normal_x, vx); /* normal_x * vx */
-    const double w5 = times(series, 4, n, normal_y, vy); /* normal_y * vy */
-    const double approach = w4 + w5;
-    const double w7 = times(series, 5, n, normal_x, vy); /* normal_x * vy */
-    const double w8 = times(series, 6, n, normal_y, vx); /* normal_y * vx */
-    const double across = w7 - w8;
+    const double w5 = times(series, 3, n, normal_x, vx); /* normal_x * vx */
+    const double w6 = times(series, 4, n, normal_y, vy); /* normal_y * vy */
+    const double approach = w5 + w6;
+    const double w8 = times(series, 5, n, normal_x, vy); /* normal_x * vy */
+    const double w9 = times(series, 6, n, normal_y, vx); /* normal_y * vx */
+    const double across = w8 - w9;
     const double slip = across + m->radius * spin - m->race_radius * race;
-    /* (hertz * root + linear) * w0 */
-    const double w11 = times(series, 7, n, m->hertz * root + one * m->linear, w0);
-    /* (1.0 + contact_damping * approach) * w11 */
-    const double w12 = times(series, 8, n, one * 1.0 + m->contact_damping * approach, w11);
-    const double push = (1.0 - m->loose) * w12;
-    const double w14 = times(series, 9, n, w12, normal_y); /* w12 * normal_y */
-    const double w15 = times(series, 10, n, w12, normal_x); /* w12 * normal_x */
-    const double push_x = (1.0 - m->loose) * w15;
-    const double force_x = m->friction * m->sigma * (1.0 - m->loose) * w14 - push_x;
-    const double push_y = (1.0 - m->loose) * w14;
-    const double force_y = -(m->friction * m->sigma * (1.0 - m->loose)) * w15 - push_y;
+    /* w1 * (hertz * root + linear) */
+    const double w12 = times(series, 7, n, w1, m->hertz * root + one * m->linear);
+    /* (1.0 + contact_damping * approach) * w12 */
+    const double w13 = times(series, 8, n, one * 1.0 + m->contact_damping * approach, w12);
+    const double push = (1.0 - m->loose) * w13;
+    const double w15 = times(series, 9, n, w13, normal_y); /* w13 * normal_y */
+    const double w16 = times(series, 10, n, w13, normal_x); /* w13 * normal_x */
+    const double push_x = (1.0 - m->loose) * w16;
+    const double force_x = m->friction * m->sigma * (1.0 - m->loose) * w15 - push_x;
+    const double push_y = (1.0 - m->loose) * w15;
+    const double force_y = -(m->friction * m->sigma * (1.0 - m->loose)) * w16 - push_y;
     answers[ELEMENT_NORMAL_X] = normal_x;
     answers[ELEMENT_NORMAL_Y] = normal_y;
     answers[ELEMENT_APPROACH] = approach;
@@ -103,25 +104,26 @@ static inline __attribute__((always_inline)) void element_values(
     const double spin = state[ELEMENT_SPIN];
     const double race = state[ELEMENT_RACE];
     const double w0 = root * root;
-    const double radius = m->clearance + w0;
+    const double w1 = m->squared * w0 + (1.0 - m->squared) * root;
+    const double radius = m->clearance + w1;
     const double normal_x = ratio(x, radius);
     const double normal_y = ratio(y, radius);
-    const double w4 = normal_x * vx;
-    const double w5 = normal_y * vy;
-    const double approach = w4 + w5;
-    const double w7 = normal_x * vy;
-    const double w8 = normal_y * vx;
-    const double across = w7 - w8;
+    const double w5 = normal_x * vx;
+    const double w6 = normal_y * vy;
+    const double approach = w5 + w6;
+    const double w8 = normal_x * vy;
+    const double w9 = normal_y * vx;
+    const double across = w8 - w9;
     const double slip = across + m->radius * spin - m->race_radius * race;
-    const double w11 = (m->hertz * root + m->linear) * w0;
-    const double w12 = (1.0 + m->contact_damping * approach) * w11;
-    const double push = (1.0 - m->loose) * w12;
-    const double w14 = w12 * normal_y;
-    const double w15 = w12 * normal_x;
-    const double push_x = (1.0 - m->loose) * w15;
-    const double force_x = m->friction * m->sigma * (1.0 - m->loose) * w14 - push_x;
-    const double push_y = (1.0 - m->loose) * w14;
-    const double force_y = -(m->friction * m->sigma * (1.0 - m->loose)) * w15 - push_y;
+    const double w12 = w1 * (m->hertz * root + m->linear);
+    const double w13 = (1.0 + m->contact_damping * approach) * w12;
+    const double push = (1.0 - m->loose) * w13;
+    const double w15 = w13 * normal_y;
+    const double w16 = w13 * normal_x;
+    const double push_x = (1.0 - m->loose) * w16;
+    const double force_x = m->friction * m->sigma * (1.0 - m->loose) * w15 - push_x;
+    const double push_y = (1.0 - m->loose) * w15;
+    const double force_y = -(m->friction * m->sigma * (1.0 - m->loose)) * w16 - push_y;
     answers[ELEMENT_NORMAL_X] = normal_x;
     answers[ELEMENT_NORMAL_Y] = normal_y;
     answers[ELEMENT_APPROACH] = approach;
@@ -139,7 +141,7 @@ static inline __attribute__((always_inline)) void rolling_order(
     _Static_assert(7 <= WIDTH && 13 <= LANES, "no room");
     const double *here = series->terms[n], one = n == 0 ? 1.0 : 0.0;
     const double root_first = series->terms[0][ELEMENT_ROOT];
-    const double inverse_radius = inverse(m->clearance + root_first * root_first);
+    const double inverse_radius = inverse(m->clearance + (m->squared * (root_first * root_first) + (1.0 - m->squared) * root_first));
     sum_known(series, n, 4);
     const double root = here[ELEMENT_ROOT];
     const double x = here[ELEMENT_X];
@@ -149,29 +151,30 @@ static inline __attribute__((always_inline)) void rolling_order(
     const double spin = here[ELEMENT_SPIN];
     const double race = here[ELEMENT_RACE];
     const double w0 = times(series, 0, n, root, root); /* root * root */
-    const double radius = one * m->clearance + w0;
+    const double w1 = m->squared * w0 + (1.0 - m->squared) * root;
+    const double radius = one * m->clearance + w1;
     const double normal_x = over(series, 1, n, x, radius, inverse_radius); /* x / radius */
     const double normal_y = over(series, 2, n, y, radius, inverse_radius); /* y / radius */
-    const double w4 = times(series, 3, n, normal_x, vx); /* normal_x * vx */
-    const double w5 = times(series, 4, n, normal_y, vy); /* normal_y * vy */
-    const double approach = w4 + w5;
-    const double w7 = times(series, 5, n, normal_x, vy); /* normal_x * vy */
-    const double w8 = times(series, 6, n, normal_y, vx); /* normal_y * vx */
-    const double across = w7 - w8;
+    const double w5 = times(series, 3, n, normal_x, vx); /* normal_x * vx */
+    const double w6 = times(series, 4, n, normal_y, vy); /* normal_y * vy */
+    const double approach = w5 + w6;
+    const double w8 = times(series, 5, n, normal_x, vy); /* normal_x * vy */
+    const double w9 = times(series, 6, n, normal_y, vx); /* normal_y * vx */
+    const double across = w8 - w9;
     const double slip = across + m->radius * spin - m->race_radius * race;
-    /* (hertz * root + linear) * w0 */
-    const double w11 = times(series, 7, n, m->hertz * root + one * m->linear, w0);
-    /* (1.0 + contact_damping * approach) * w11 */
-    const double w12 = times(series, 8, n, one * 1.0 + m->contact_damping * approach, w11);
-    const double push = (1.0 - m->loose) * w12;
-    const double w14 = times(series, 9, n, w12, normal_y); /* w12 * normal_y */
-    const double w15 = times(series, 10, n, w12, normal_x); /* w12 * normal_x */
-    const double push_x = (1.0 - m->loose) * w15;
-    const double force_x = m->friction * m->sigma * (1.0 - m->loose) * w14 - push_x;
-    const double push_y = (1.0 - m->loose) * w14;
-    const double force_y = -(m->friction * m->sigma * (1.0 - m->loose)) * w15 - push_y;
-    const double w20 = times(series, 11, n, approach, across); /* approach * across */
-    const double turning = over(series, 12, n, w20, radius, inverse_radius); /* w20 / radius */
+    /* w1 * (hertz * root + linear) */
+    const double w12 = times(series, 7, n, w1, m->hertz * root + one * m->linear);
+    /* (1.0 + contact_damping * approach) * w12 */
+    const double w13 = times(series, 8, n, one * 1.0 + m->contact_damping * approach, w12);
+    const double push = (1.0 - m->loose) * w13;
+    const double w15 = times(series, 9, n, w13, normal_y); /* w13 * normal_y */
+    const double w16 = times(series, 10, n, w13, normal_x); /* w13 * normal_x */
+    const double push_x = (1.0 - m->loose) * w16;
+    const double force_x = m->friction * m->sigma * (1.0 - m->loose) * w15 - push_x;
+    const double push_y = (1.0 - m->loose) * w15;
+    const double force_y = -(m->friction * m->sigma * (1.0 - m->loose)) * w16 - push_y;
+    const double w21 = times(series, 11, n, approach, across); /* approach * across */
+    const double turning = over(series, 12, n, w21, radius, inverse_radius); /* w21 / radius */
     answers[ELEMENT_NORMAL_X] = normal_x;
     answers[ELEMENT_NORMAL_Y] = normal_y;
     answers[ELEMENT_APPROACH] = approach;
@@ -190,8 +193,8 @@ static inline __attribute__((always_inline)) void massless_order(
     _Static_assert(7 <= WIDTH && 14 <= LANES, "no room");
     const double *here = series->terms[n], one = n == 0 ? 1.0 : 0.0;
     const double root_first = series->terms[0][ELEMENT_ROOT];
-    const double inverse_radius = inverse(m->clearance + root_first * root_first);
-    const double inverse_softened = inverse(1.0 + m->mobility * m->contact_damping * ((m->hertz * root_first + m->linear) * (root_first * root_first)));
+    const double inverse_radius = inverse(m->clearance + (m->squared * (root_first * root_first) + (1.0 - m->squared) * root_first));
+    const double inverse_softened = inverse(1.0 + m->mobility * m->contact_damping * ((m->squared * (root_first * root_first) + (1.0 - m->squared) * root_first) * (m->hertz * root_first + m->linear)));
     sum_known(series, n, 4);
     const double root = here[ELEMENT_ROOT];
     const double x = here[ELEMENT_X];
@@ -201,33 +204,34 @@ static inline __attribute__((always_inline)) void massless_order(
     const double spin = here[ELEMENT_SPIN];
     const double race = here[ELEMENT_RACE];
     const double w0 = times(series, 0, n, root, root); /* root * root */
-    const double radius = one * m->clearance + w0;
+    const double w1 = m->squared * w0 + (1.0 - m->squared) * root;
+    const double radius = one * m->clearance + w1;
     const double normal_x = over(series, 1, n, x, radius, inverse_radius); /* x / radius */
     const double normal_y = over(series, 2, n, y, radius, inverse_radius); /* y / radius */
-    const double w4 = times(series, 3, n, normal_x, vx); /* normal_x * vx */
-    const double w5 = times(series, 4, n, normal_y, vy); /* normal_y * vy */
-    const double approach = w4 + w5;
-    /* (hertz * root + linear) * w0 */
-    const double spring = times(series, 5, n, m->hertz * root + one * m->linear, w0);
+    const double w5 = times(series, 3, n, normal_x, vx); /* normal_x * vx */
+    const double w6 = times(series, 4, n, normal_y, vy); /* normal_y * vy */
+    const double approach = w5 + w6;
+    /* w1 * (hertz * root + linear) */
+    const double spring = times(series, 5, n, w1, m->hertz * root + one * m->linear);
     /* (1.0 + contact_damping * approach) * spring */
-    const double w8 = times(series, 6, n, one * 1.0 + m->contact_damping * approach, spring);
+    const double w9 = times(series, 6, n, one * 1.0 + m->contact_damping * approach, spring);
     const double softened = one * 1.0 + m->mobility * m->contact_damping * spring;
-    const double w10 = over(series, 7, n, w8, softened, inverse_softened); /* w8 / softened */
-    const double approach_ = approach - m->mobility * (1.0 - m->loose) * w10;
-    const double w12 = times(series, 8, n, normal_x, vy); /* normal_x * vy */
-    const double w13 = times(series, 9, n, normal_y, vx); /* normal_y * vx */
-    const double across = w12 - w13;
+    const double w11 = over(series, 7, n, w9, softened, inverse_softened); /* w9 / softened */
+    const double approach_ = approach - m->mobility * (1.0 - m->loose) * w11;
+    const double w13 = times(series, 8, n, normal_x, vy); /* normal_x * vy */
+    const double w14 = times(series, 9, n, normal_y, vx); /* normal_y * vx */
+    const double across = w13 - w14;
     const double rim = m->radius * spin - m->race_radius * race;
-    const double drag = m->friction * m->sigma * (1.0 - m->loose) * w10 + m->holding * (across + rim);
+    const double drag = m->friction * m->sigma * (1.0 - m->loose) * w11 + m->holding * (across + rim);
     const double across_ = across - m->mobility * drag;
     const double slip = across_ + rim;
-    const double push = (1.0 - m->loose) * w10;
-    const double w20 = times(series, 10, n, drag, normal_y); /* drag * normal_y */
-    const double w21 = times(series, 11, n, w10, normal_x); /* w10 * normal_x */
-    const double force_x = w20 - (1.0 - m->loose) * w21;
-    const double w23 = times(series, 12, n, drag, normal_x); /* drag * normal_x */
-    const double w24 = times(series, 13, n, w10, normal_y); /* w10 * normal_y */
-    const double force_y = -w23 - (1.0 - m->loose) * w24;
+    const double push = (1.0 - m->loose) * w11;
+    const double w21 = times(series, 10, n, drag, normal_y); /* drag * normal_y */
+    const double w22 = times(series, 11, n, w11, normal_x); /* w11 * normal_x */
+    const double force_x = w21 - (1.0 - m->loose) * w22;
+    const double w24 = times(series, 12, n, drag, normal_x); /* drag * normal_x */
+    const double w25 = times(series, 13, n, w11, normal_y); /* w11 * normal_y */
+    const double force_y = -w24 - (1.0 - m->loose) * w25;
     answers[ELEMENT_NORMAL_X] = normal_x;
     answers[ELEMENT_NORMAL_Y] = normal_y;
     answers[ELEMENT_APPROACH] = approach_;
@@ -250,31 +254,32 @@ static inline __attribute__((always_inline)) void massless_values(
     const double spin = state[ELEMENT_SPIN];
     const double race = state[ELEMENT_RACE];
     const double w0 = root * root;
-    const double radius = m->clearance + w0;
+    const double w1 = m->squared * w0 + (1.0 - m->squared) * root;
+    const double radius = m->clearance + w1;
     const double normal_x = ratio(x, radius);
     const double normal_y = ratio(y, radius);
-    const double w4 = normal_x * vx;
-    const double w5 = normal_y * vy;
-    const double approach = w4 + w5;
-    const double spring = (m->hertz * root + m->linear) * w0;
-    const double w8 = (1.0 + m->contact_damping * approach) * spring;
+    const double w5 = normal_x * vx;
+    const double w6 = normal_y * vy;
+    const double approach = w5 + w6;
+    const double spring = w1 * (m->hertz * root + m->linear);
+    const double w9 = (1.0 + m->contact_damping * approach) * spring;
     const double softened = 1.0 + m->mobility * m->contact_damping * spring;
-    const double w10 = ratio(w8, softened);
-    const double approach_ = approach - m->mobility * (1.0 - m->loose) * w10;
-    const double w12 = normal_x * vy;
-    const double w13 = normal_y * vx;
-    const double across = w12 - w13;
+    const double w11 = ratio(w9, softened);
+    const double approach_ = approach - m->mobility * (1.0 - m->loose) * w11;
+    const double w13 = normal_x * vy;
+    const double w14 = normal_y * vx;
+    const double across = w13 - w14;
     const double rim = m->radius * spin - m->race_radius * race;
-    const double drag = m->friction * m->sigma * (1.0 - m->loose) * w10 + m->holding * (across + rim);
+    const double drag = m->friction * m->sigma * (1.0 - m->loose) * w11 + m->holding * (across + rim);
     const double across_ = across - m->mobility * drag;
     const double slip = across_ + rim;
-    const double push = (1.0 - m->loose) * w10;
-    const double w20 = drag * normal_y;
-    const double w21 = w10 * normal_x;
-    const double force_x = w20 - (1.0 - m->loose) * w21;
-    const double w23 = drag * normal_x;
-    const double w24 = w10 * normal_y;
-    const double force_y = -w23 - (1.0 - m->loose) * w24;
+    const double push = (1.0 - m->loose) * w11;
+    const double w21 = drag * normal_y;
+    const double w22 = w11 * normal_x;
+    const double force_x = w21 - (1.0 - m->loose) * w22;
+    const double w24 = drag * normal_x;
+    const double w25 = w11 * normal_y;
+    const double force_y = -w24 - (1.0 - m->loose) * w25;
     answers[ELEMENT_NORMAL_X] = normal_x;
     answers[ELEMENT_NORMAL_Y] = normal_y;
     answers[ELEMENT_APPROACH] = approach_;
@@ -336,7 +341,7 @@ static inline __attribute__((always_inline)) void slope_order(
     _Static_assert(6 <= WIDTH && 13 <= LANES, "no room");
     const double *here = series->terms[n], one = n == 0 ? 1.0 : 0.0;
     const double root_first = series->terms[0][SLOPE_ROOT];
-    const double inverse_radius = inverse(m->clearance + root_first * root_first);
+    const double inverse_radius = inverse(m->clearance + (m->squared * (root_first * root_first) + (1.0 - m->squared) * root_first));
     sum_known(series, n, 4);
     const double root = here[SLOPE_ROOT];
     const double approach = here[SLOPE_APPROACH];
@@ -347,36 +352,37 @@ static inline __attribute__((always_inline)) void slope_order(
     /* (1.5 * hertz * root + linear) * (1.0 + contact_damping * approach) */
     const double along = times(series, 0, n, 1.5 * m->hertz * root + one * m->linear, one * 1.0 + m->contact_damping * approach);
     const double w1 = times(series, 1, n, root, root); /* root * root */
-    /* (hertz * root + linear) * w1 */
-    const double spring = times(series, 2, n, m->hertz * root + one * m->linear, w1);
-    const double radius = one * m->clearance + w1;
+    const double w2 = m->squared * w1 + (1.0 - m->squared) * root;
+    const double radius = one * m->clearance + w2;
     /* across / radius */
-    const double across_share = over(series, 3, n, across, radius, inverse_radius);
-    const double w5 = times(series, 4, n, spring, across_share); /* spring * across_share */
+    const double across_share = over(series, 2, n, across, radius, inverse_radius);
+    /* w2 * (hertz * root + linear) */
+    const double spring = times(series, 3, n, w2, m->hertz * root + one * m->linear);
+    const double w6 = times(series, 4, n, across_share, spring); /* across_share * spring */
     const double resisted = m->contact_damping * spring;
-    const double w7 = over(series, 5, n, push, radius, inverse_radius); /* push / radius */
-    const double w8 = over(series, 6, n, drag, radius, inverse_radius); /* drag / radius */
+    const double w8 = over(series, 5, n, push, radius, inverse_radius); /* push / radius */
+    const double w9 = over(series, 6, n, drag, radius, inverse_radius); /* drag / radius */
     /* approach / radius */
     const double approach_share = over(series, 7, n, approach, radius, inverse_radius);
     /* across_share * across_share */
-    const double w10 = times(series, 8, n, across_share, across_share);
+    const double w11 = times(series, 8, n, across_share, across_share);
     /* approach_share * approach_share */
-    const double w11 = times(series, 9, n, approach_share, approach_share);
+    const double w12 = times(series, 9, n, approach_share, approach_share);
     /* approach_share * across_share */
-    const double w12 = times(series, 10, n, approach_share, across_share);
-    const double w13 = over(series, 11, n, pull, radius, inverse_radius); /* pull / radius */
-    const double w14 = times(series, 12, n, spring, approach); /* spring * approach */
+    const double w13 = times(series, 10, n, approach_share, across_share);
+    const double w14 = over(series, 11, n, pull, radius, inverse_radius); /* pull / radius */
+    const double w15 = times(series, 12, n, spring, approach); /* spring * approach */
     answers[SLOPE_BY_ALONG] = along;
-    answers[SLOPE_BY_ASIDE] = m->contact_damping * w5;
+    answers[SLOPE_BY_ASIDE] = m->contact_damping * w6;
     answers[SLOPE_BY_RATE] = resisted;
-    answers[SLOPE_BY_PUSH_SHARE] = w7;
-    answers[SLOPE_BY_DRAG_SHARE] = w8;
+    answers[SLOPE_BY_PUSH_SHARE] = w8;
+    answers[SLOPE_BY_DRAG_SHARE] = w9;
     answers[SLOPE_BY_APPROACH_SHARE] = approach_share;
     answers[SLOPE_BY_ACROSS_SHARE] = across_share;
-    answers[SLOPE_BY_DIFFERENCE] = w10 - w11;
-    answers[SLOPE_BY_PRODUCT] = w12;
-    answers[SLOPE_BY_PULL_SHARE] = w13;
-    answers[SLOPE_BY_CONTACT_DAMPING] = w14;
+    answers[SLOPE_BY_DIFFERENCE] = w11 - w12;
+    answers[SLOPE_BY_PRODUCT] = w13;
+    answers[SLOPE_BY_PULL_SHARE] = w14;
+    answers[SLOPE_BY_CONTACT_DAMPING] = w15;
 }
 
 /* Coefficient n of what one without clearance that is moved a little answers, from those up to n of what it is given:

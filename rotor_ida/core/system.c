@@ -26,7 +26,7 @@ static const double DEPENDENT = 1e-13;
 int64_t core_system_room(int64_t size, int64_t contacts)
 {
     (void)contacts;
-    const int64_t stride = (size + 3) / 4 * 4;
+    const int64_t stride = padded(size);
     return (int64_t)(sizeof(struct work) / sizeof(double)) + 6 * ORDERS * stride + stride * stride
            + stride + (int64_t)(ALIGNED / sizeof(double));
 }
@@ -110,12 +110,17 @@ COMPILED void add_convolved(double scale, const double *series, const double *ro
     add_sums(scale, &series[n], -1, rows, n + 1, stride, to);
 }
 
-/* A displacement or velocity of a contact by the coordinates. */
-COMPILED double seen_by(const double *row, const double *coordinates, struct shape shape)
+/* The displacement or velocity of a contact by the coordinates. */
+COMPILED void see(const double *rows, const double *coordinates, struct shape shape, double seen[2])
 {
-    if (shape.size == 2)
-        return fma(row[0], coordinates[0], row[1] * coordinates[1]);
-    return sum_of_products(row, coordinates, shape.stride);
+    if (shape.size > 2) {
+        sums_of_products(rows, coordinates, shape.stride, seen);
+        return;
+    }
+    for (int j = 0; j < 2; j++) {
+        const double *row = rows + j * shape.stride;
+        seen[j] = fma(row[0], coordinates[0], row[1] * coordinates[1]);
+    }
 }
 
 /* ---- Beginning ---- */
@@ -139,7 +144,8 @@ void begin_terms(struct work *work)
         const double root = each->touch->root;
         each->series.terms[0][ELEMENT_ROOT] = root;
         each->series.terms[0][ELEMENT_RACE] = each->touch->race;
-        each->is_edge = is_touching(each) && root < EDGE * sqrt(each->law->clearance);
+        each->is_edge = is_touching(each) && !is_spring(each)
+                        && root < EDGE * sqrt(each->law->clearance);
         each->inverse_root = inverse(root);
         if (is_centred(each))
             begin_centred(work, each);
@@ -177,12 +183,11 @@ COMPILED void ask_contacts(struct work *work, int n, struct shape shape)
     for (int64_t i = 0; i < shape.contacts; i++) {
         struct touching *each = &work->touching[i];
         double *given = each->series.terms[n];
-        for (int j = 0; j < 2; j++) {
-            const double *row = each->rows + j * shape.stride;
-            given[ELEMENT_X + j] = seen_by(row, y, shape) - (n == 0 ? each->law->offset[j] : 0.0);
-            if (is_touching(each))
-                given[ELEMENT_VX + j] = seen_by(row, v, shape);
-        }
+        see(each->rows, y, shape, &given[ELEMENT_X]);
+        for (int j = 0; j < 2 && n == 0; j++)
+            given[ELEMENT_X + j] -= each->law->offset[j];
+        if (is_touching(each))
+            see(each->rows, v, shape, &given[ELEMENT_VX]);
         given[ELEMENT_SPIN] = work->spin[n];
         if (!is_touching(each))
             continue;
@@ -261,6 +266,48 @@ COMPILED void set_drive(struct work *work, int n, struct shape shape)
     work->by_sine[n] -= work->has_torque ? convolved_later(c, 1, d, 1, n) : d[0] * c[n];
 }
 
+/* The same, of some times eight columns, where nothing is implicit and the stiffness is diagonal:
+ * what is summed stays in registers. */
+COMPILED void accelerate_eights(const struct work *work, const int eights, int n,
+                                struct shape shape, const double *resistance, int64_t at)
+{
+    enum { MOST = 3 };
+    const struct system_run *run = work->run;
+    const int64_t stride = shape.stride;
+    const double *y = &work->y[n * stride + at], *v = &work->v[n * stride];
+    vec8 sum[MOST], even[MOST], odd[MOST];
+    for (int e = 0; e < eights; e++) {
+        sum[e] = n == 0 ? load8(&run->force[at + 8 * e]) : spread8(0.0);
+        sum[e] = fma_each(-load8(&work->diagonal[at + 8 * e]), load8(&y[8 * e]), sum[e]);
+        even[e] = odd[e] = spread8(0.0);
+    }
+    const double *column = resistance + at;
+    int64_t k = 0;
+    for (; k + 1 < shape.size && resistance != NULL; k += 2, column += 2 * stride)
+        for (int e = 0; e < eights; e++) {
+            even[e] = fma8(v[k], load8(&column[8 * e]), even[e]);
+            odd[e] = fma8(v[k + 1], load8(&column[stride + 8 * e]), odd[e]);
+        }
+    for (int e = 0; e < eights; e++) {
+        if (k < shape.size && resistance != NULL)
+            even[e] = fma8(v[k], load8(&column[8 * e]), even[e]);
+        even[e] += odd[e];
+        store8(&work->resisted[n * stride + at + 8 * e], even[e]);
+        sum[e] -= even[e];
+        sum[e] = fma8(work->by_cosine[n], load8(&run->unbalance[at + 8 * e]), sum[e]);
+        sum[e] = fma8(work->by_sine[n], load8(&run->unbalance[stride + at + 8 * e]), sum[e]);
+        for (int64_t i = 0; i < shape.contacts; i++) {
+            const struct touching *each = &work->touching[i];
+            const double *row = each->rows + at + 8 * e;
+            if (!is_touching(each))
+                continue;
+            sum[e] = fma8(each->answers[n][ELEMENT_FORCE_X], load8(row), sum[e]);
+            sum[e] = fma8(each->answers[n][ELEMENT_FORCE_Y], load8(row + stride), sum[e]);
+        }
+        store8(&work->acceleration[n * stride + at + 8 * e], sum[e]);
+    }
+}
+
 /* Coefficient n of the accelerations, but for what is implicit. */
 COMPILED void accelerate(struct work *work, int n, struct shape shape)
 {
@@ -272,7 +319,17 @@ COMPILED void accelerate(struct work *work, int n, struct shape shape)
     double *to = stride == 4 ? here[0] : &work->acceleration[n * stride];
     double *resisted = stride == 4 ? here[1] : &work->resisted[n * stride];
     const int has_rate = !shape.is_plain && work->has_rate;
+    const int joined = run->gyroscopic != NULL && !has_rate;
+    const double *resistance = joined ? work->both : run->damping;
     const size_t bytes = sizeof(double) * (size_t)stride;
+    if (shape.is_plain && stride > 4 && work->diagonal != NULL) {
+        int64_t i = 0;
+        for (; i + 24 <= stride; i += 24)
+            accelerate_eights(work, 3, n, shape, resistance, i);
+        for (; i < stride; i += 8)
+            accelerate_eights(work, 1, n, shape, resistance, i);
+        return;
+    }
     if (n == 0)
         memcpy(to, run->force, bytes);
     else
@@ -282,8 +339,6 @@ COMPILED void accelerate(struct work *work, int n, struct shape shape)
     else
         for (int64_t i = 0; i < stride; i += 4)
             store(&to[i], fma4(-load(&work->diagonal[i]), load(&y[i]), load(&to[i])));
-    const int joined = run->gyroscopic != NULL && !has_rate;
-    const double *resistance = joined ? work->both : run->damping;
     memset(resisted, 0, bytes);
     if (resistance != NULL) {
         multiply(resistance, v, 1.0, size, stride, resisted);
@@ -532,7 +587,8 @@ static void add_implicit(struct work *work, int n)
 
 /* ---- Coefficients n + 1 ---- */
 
-/* The root of a contact: 2 s s' = pace d', where its own root is no factor of the pace. */
+/* The root of a contact: 2 s s' = pace d', where its own root is no factor of the pace; or the
+ * indentation itself, d' = pace d'. */
 COMPILED double next_root(const struct work *work, const struct touching *each, int n, double share)
 {
     const double *root = &each->series.terms[0][ELEMENT_ROOT];
@@ -543,6 +599,8 @@ COMPILED double next_root(const struct work *work, const struct touching *each, 
         return 0.5 * share * convolved(each->others, 1, approach, ELEMENT_ANSWERS, n);
     const double rate = work->moves ? convolved(work->pace, 1, approach, ELEMENT_ANSWERS, n)
                                     : approach[n * ELEMENT_ANSWERS];
+    if (is_spring(each))
+        return share * rate;
     const double square = n == 0 ? 0.0 : convolved(&root[WIDTH], WIDTH, &root[WIDTH], WIDTH, n - 1);
     return 0.5 * fma(share, rate, -square) * each->inverse_root;
 }
@@ -562,7 +620,12 @@ COMPILED void go_on(struct work *work, int n, struct shape shape)
     } else {
         const double *velocity = &work->v[n * stride];
         const double *acceleration = &work->acceleration[n * stride];
-        for (int64_t i = 0; i < stride; i += 4) {
+        int64_t i = 0;
+        for (; i + 8 <= stride; i += 8) {
+            store8(&y[i], spread8(share) * load8(&velocity[i]));
+            store8(&v[i], spread8(share) * load8(&acceleration[i]));
+        }
+        for (; i < stride; i += 4) {
             store(&y[i], spread(share) * load(&velocity[i]));
             store(&v[i], spread(share) * load(&acceleration[i]));
         }
@@ -709,7 +772,7 @@ static double worst_of(const struct work *work, int n)
         if (is_centred(each)) /* whose displacement is all there is */
             continue;
         if (is_touching(each)) {
-            worst = larger(fabs(terms[ELEMENT_ROOT]) / sqrt(each->law->clearance), worst);
+            worst = larger(fabs(terms[ELEMENT_ROOT]) / root_of(each, each->law->clearance), worst);
             worst = larger(worst_answer(each, n) / (each->law->clearance * scale), worst);
         }
         if (each->law->inverse_race_inertia > 0.0)

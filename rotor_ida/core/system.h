@@ -4,8 +4,8 @@
  *
  *     y'' + (C + Omega G) y' + (K + Omega' K_dot) y = unbalance + static force + contacts
  *
- * Rows and columns are padded with zeros to `stride`, a multiple of four; matrices are stored by
- * columns. What is linear stands in system.c, what a contact does in system_contact.c,
+ * Rows and columns are padded with zeros to `stride`, four or a multiple of eight; matrices are
+ * stored by columns. What is linear stands in system.c, what a contact does in system_contact.c,
  * and the growth of small changes in system_tangent.c. */
 #ifndef ROTOR_IDA_SYSTEM_H
 #define ROTOR_IDA_SYSTEM_H
@@ -160,7 +160,7 @@ struct system_run {
     /* of the guards at events, by time; infinite where another event, or a piece, brings one about
      */
     double *event_rates;
-    const double *place_columns; /* 4 a coordinate of each: its displacement by it, twice */
+    const double *place_rows; /* 2 a place: its displacement by the coordinates */
     struct place *places;
     int64_t place_count;
     struct extremum_of_place *extrema;

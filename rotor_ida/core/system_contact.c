@@ -43,7 +43,29 @@ void set_element(struct touching *each)
         .race_radius = law->race_radius,
         .mobility = each->stator_mobility,
         .holding = each->touch->mode == ROLLS ? inverse(each->stator_mobility) : 0.0,
+        .squared = is_spring(each) ? 0.0 : 1.0,
     };
+}
+
+/* Write coefficients up to `last` of a b + c d, of series up to an order: eight side by side, as a
+ * sum in memory would wait for itself. */
+static void write_product(int order, int last, const double *a, const double *b, const double *c,
+                          const double *d, double *product)
+{
+    enum { EIGHT = 8 };
+    double of_b[GAP_TERMS + 2 * EIGHT] = {0.0}, of_d[GAP_TERMS + 2 * EIGHT] = {0.0};
+    /* zeros before and behind the coefficients */
+    memcpy(&of_b[ORDERS], b, sizeof(double) * (size_t)(order + 1));
+    memcpy(&of_d[ORDERS], d, sizeof(double) * (size_t)(order + 1));
+    for (int n = 0; n <= last; n += EIGHT) {
+        vec8 first = {0.0}, second = {0.0};
+        for (int k = n > order ? n - order : 0; k <= order && k <= n + EIGHT - 1; k++) {
+            first = fma8(a[k], load8(&of_b[ORDERS + n - k]), first);
+            second = fma8(c[k], load8(&of_d[ORDERS + n - k]), second);
+        }
+        first += second;
+        memcpy(&product[n], &first, sizeof(double) * (size_t)smaller(EIGHT, last + 1 - n));
+    }
 }
 
 /* ---- Zeros of polynomials ---- */
@@ -218,16 +240,16 @@ int sign_changes(const double *terms, int order, double step, double *sign, doub
 
 static double guard_of_gap(const struct work *work, const struct touching *each, double step)
 {
-    double gap[GAP_TERMS] = {each->law->clearance * each->law->clearance};
+    double gap[GAP_TERMS], x[ORDERS] = {0.0}, y[ORDERS] = {0.0};
     const int order = work->order;
-    /* the whole product: cut off at the order it would be less exact than its factors */
     for (int n = 0; n <= order; n++) {
-        const double *here = each->series.terms[n];
-        for (int k = 0; k <= order; k++) {
-            const double *other = each->series.terms[k];
-            gap[n + k] -= here[ELEMENT_X] * other[ELEMENT_X] + here[ELEMENT_Y] * other[ELEMENT_Y];
-        }
+        x[n] = each->series.terms[n][ELEMENT_X];
+        y[n] = each->series.terms[n][ELEMENT_Y];
     }
+    /* the whole product: cut off at the order it would be less exact than its factors */
+    write_product(order, 2 * order, x, x, y, y, gap);
+    for (int n = 0; n <= 2 * order; n++)
+        gap[n] = (n == 0 ? each->law->clearance * each->law->clearance : 0.0) - gap[n];
     /* beyond the stator by an error of the step, and on the way from it: it has just left */
     const double clearance = each->law->clearance;
     const double apart = 2.0 * clearance * clearance * fmax(PASSED, SLACK * work->run->rtol);
@@ -505,7 +527,7 @@ static void pass_edge(struct work *work)
         struct touching *each = &work->touching[i];
         if (may_leave(each) && each->touch->root == 0.0) {
             const double depth = radius_of_touch(work, each) - each->law->clearance;
-            each->touch->root = sqrt(fmax(depth, PASSED * PASSED * each->law->clearance));
+            each->touch->root = root_of(each, fmax(depth, PASSED * PASSED * each->law->clearance));
             each->touch->zeros[OF_ROOT] = 0;
         }
     }
@@ -568,7 +590,8 @@ static void leave_contact(struct work *work, int contact)
 /* Whether a contact is all but at its end. */
 static int is_at_end(const struct work *work, const struct touching *each)
 {
-    if (!is_touching(each) || each->touch->root >= TOGETHER * sqrt(each->law->clearance))
+    if (!is_touching(each)
+        || each->touch->root >= root_of(each, TOGETHER * TOGETHER * each->law->clearance))
         return 0;
     double answers[ELEMENT_ANSWERS];
     values_of_touch(work, each, answers);
@@ -719,7 +742,7 @@ int begin_contacts(struct work *work)
         if (depth < -SIDE * clearance)
             continue;
         each->touch->mode = SLIDES_FORWARDS;
-        each->touch->root = depth > SIDE * clearance ? sqrt(depth) : 0.0;
+        each->touch->root = depth > SIDE * clearance ? root_of(each, depth) : 0.0;
         set_element(each);
         values_of_touch(work, each, answers);
         if (each->touch->root == 0.0) {
@@ -868,24 +891,22 @@ struct series_of_place {
 static double write_place(const struct work *work, int number, double point,
                           struct series_of_place *series)
 {
-    const int64_t size = work->run->size;
     const struct place *place = &work->run->places[number];
-    const double *columns = &work->run->place_columns[4 * number * size];
+    const double *rows = &work->run->place_rows[2 * number * work->stride];
     vec4 bound = spread(0.0);
     double power = 1.0;
     for (int n = 0; n <= work->order; n++) {
-        const double *y = row_of(work, work->y, n), *v = row_of(work, work->v, n);
-        vec4 sum = {0.0};
-        if (n == 0)
-            sum = (vec4){-place->centre[0], -place->centre[1], 0.0, 0.0};
-        for (int64_t k = 0; k < size; k++)
-            sum = fma4(load(&columns[4 * k]), (vec4){y[k], y[k], v[k], v[k]}, sum);
-        series->x[n] = sum[0];
-        series->y[n] = sum[1];
-        series->vx[n] = sum[2];
-        series->vy[n] = sum[3];
+        double at[4]; /* displacement and velocity */
+        sums_of_products(rows, row_of(work, work->y, n), work->stride, &at[0]);
+        sums_of_products(rows, row_of(work, work->v, n), work->stride, &at[2]);
+        for (int j = 0; j < 2 && n == 0; j++)
+            at[j] -= place->centre[j];
+        series->x[n] = at[0];
+        series->y[n] = at[1];
+        series->vx[n] = at[2];
+        series->vy[n] = at[3];
         for (int j = 0; j < 4; j++)
-            bound[j] = fma(fabs(sum[j]), power, bound[j]);
+            bound[j] = fma(fabs(at[j]), power, bound[j]);
         power *= point;
     }
     return bound[0] * bound[2] + bound[1] * bound[3];
@@ -912,14 +933,10 @@ static void keep_extrema_of(struct work *work, int number, double point, double 
 {
     struct system_run *run = work->run;
     const int order = work->order;
-    struct series_of_place series;
+    struct series_of_place series = {{0.0}, {0.0}, {0.0}, {0.0}};
     double rate[ORDERS] = {0.0}, points[ORDERS + 1], power = 1.0, largest = 0.0;
     const double bound = write_place(work, number, point, &series);
-    for (int k = 0; k <= order; k++) {
-        for (int n = 0; n <= order - k; n++)
-            rate[n + k] = fma(series.x[k], series.vx[n],
-                              fma(series.y[k], series.vy[n], rate[n + k]));
-    }
+    write_product(order, order, series.x, series.vx, series.y, series.vy, rate);
     for (int n = 0; n <= order; n++) {
         largest = fma(fabs(rate[n]), power, largest);
         power *= point;

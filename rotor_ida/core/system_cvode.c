@@ -81,7 +81,8 @@ static void begin_at_pace(struct work *work)
     begin_terms(work);
     work->edge_count = 0;
     for (int i = 0; i < (int)work->run->contact_count; i++) {
-        work->touching[i].is_edge = is_touching(&work->touching[i]);
+        work->touching[i].is_edge = is_touching(&work->touching[i])
+                                    && !is_spring(&work->touching[i]);
         if (work->touching[i].is_edge)
             work->edges[work->edge_count++] = i;
     }
@@ -93,9 +94,10 @@ static double drawn(const struct work *work, const struct touching *each)
 {
     const double *terms = each->series.terms[0];
     const double root = terms[ELEMENT_ROOT], x = terms[ELEMENT_X], y = terms[ELEMENT_Y];
-    const double apart = root * root - (sqrt(x * x + y * y) - each->law->clearance);
+    const double apart = depth_of(each, root) - (sqrt(x * x + y * y) - each->law->clearance);
     const double others = work->edge_count == 1 ? 1.0 : each->others[0];
-    return -0.5 * DRAWN * work->run->velocity / work->run->displacement * others * apart;
+    const double share = is_spring(each) ? work->pace[0] : 0.5 * others;
+    return -DRAWN * work->run->velocity / work->run->displacement * share * apart;
 }
 
 static int right_hand_side(double point, void *state, void *rate, void *user)
@@ -171,7 +173,7 @@ static void set_tolerances(struct system_cvode *cvode)
     }
     for (int64_t i = 0; i < run->contact_count; i++) {
         const struct touching *each = &work->touching[i];
-        const double clearance = each->law->clearance, scale = sqrt(clearance);
+        const double clearance = each->law->clearance, scale = root_of(each, clearance);
         const double approach = fabs(each->answers[0][ELEMENT_APPROACH]);
         double size = 1.0;
         if (is_touching(each))
@@ -212,8 +214,11 @@ static int start(struct system_cvode *cvode)
     set_tolerances(cvode);
     cvode->degree = 0;
     cvode->goal = FAR * run->displacement / run->velocity;
-    for (int64_t i = 0; i < run->contact_count; i++)
-        cvode->goal /= is_touching(&cvode->work->touching[i]) ? sqrt(run->laws[i].clearance) : 1.0;
+    for (int64_t i = 0; i < run->contact_count; i++) {
+        const struct touching *each = &cvode->work->touching[i];
+        if (is_touching(each) && !is_spring(each))
+            cvode->goal /= sqrt(run->laws[i].clearance);
+    }
     return cvode->solver.sundials->reinit(cvode->solver.memory, 0.0, cvode->solver.state);
 }
 

@@ -4,7 +4,7 @@
 /* Places and weights of Gauss's quadrature of twelve points on [0, 1], four to a vector. A product
  * of two series has terms beyond the degree for which this is exact, which are smaller than the
  * tolerance of a step. */
-enum { VECTORS = 3, POINTS = 4 * VECTORS };
+enum { VECTORS = 3, POINTS = 4 * VECTORS, AT_A_TIME = 2 };
 static const double PLACES[POINTS] = {
     0.009219682876640378, 0.0479413718147626,  0.11504866290284765, 0.20634102285669126,
     0.31608425050090994,  0.43738329574426554, 0.5626167042557344,  0.6839157494990901,
@@ -85,6 +85,27 @@ double turned_by(const struct work *work, double point)
     return summed(points.weight, read(&points, work->spin, 1, work->order));
 }
 
+/* Add, of some coefficients of a, the products with all of b and their moments, in eight columns.
+ */
+COMPILED void add_products(const struct work *work, const int many, const double *moments,
+                           const double *a, const double *b, vec8 *sum)
+{
+    vec8 even[AT_A_TIME] = {{0.0}}, odd[AT_A_TIME] = {{0.0}};
+    int j = 0;
+    for (; j + 1 < work->order; j += 2, b += 2 * work->stride) {
+        const vec8 first = load8(b), second = load8(b + work->stride);
+        for (int k = 0; k < many; k++) {
+            even[k] = fma8(moments[k + j], first, even[k]);
+            odd[k] = fma8(moments[k + j + 1], second, odd[k]);
+        }
+    }
+    for (int k = 0; k < many; k++) {
+        if (j < work->order)
+            even[k] = fma8(moments[k + j], load8(b), even[k]);
+        *sum += (even[k] + odd[k]) * load8(&a[k * work->stride]);
+    }
+}
+
 /* The integral of the scalar product of two series of rows, times values: the sum of all products
  * of their coefficients, by the moments of these values. Those of high terms count as well, as the
  * terms of a product fall as those of a motion of twice the frequency. */
@@ -98,22 +119,14 @@ static double integral_of_power(const struct work *work, const struct points *po
     }
     vec8 eights = {0.0};
     int64_t i = 0;
-    for (; i + 8 <= work->stride; i += 8)
-        for (int k = 0; k < work->order; k++) {
-            const double *row = &b[i];
-            vec8 even = {0.0}, odd = {0.0};
-            int j = 0;
-            for (; j + 1 < work->order; j += 2) {
-                even = fma8(moments[k + j], load8(row), even);
-                odd = fma8(moments[k + j + 1], load8(row + work->stride), odd);
-                row += 2 * work->stride;
-            }
-            if (j < work->order)
-                even = fma8(moments[k + j], load8(row), even);
-            eights += (even + odd) * load8(&a[k * work->stride + i]);
-        }
-    vec4 total = {eights[0] + eights[4], eights[1] + eights[5], eights[2] + eights[6],
-                  eights[3] + eights[7]};
+    for (; i + 8 <= work->stride; i += 8) {
+        int k = 0;
+        for (; k + AT_A_TIME <= work->order; k += AT_A_TIME)
+            add_products(work, AT_A_TIME, &moments[k], &a[k * work->stride + i], &b[i], &eights);
+        for (; k < work->order; k++)
+            add_products(work, 1, &moments[k], &a[k * work->stride + i], &b[i], &eights);
+    }
+    vec4 total = halves_of(eights);
     for (; i < work->stride; i += 4) {
         for (int k = 0; k < work->order; k++) {
             const double *row = &b[i];
@@ -136,15 +149,12 @@ static double integral_of_power(const struct work *work, const struct points *po
 static double work_of_unbalance(const struct work *work, const struct points *points)
 {
     const double *unbalance = work->run->unbalance;
-    double along[ORDERS], aside[ORDERS];
-    for (int n = 0; n < work->order; n++) {
-        const double *v = &work->v[n * work->stride];
-        along[n] = sum_of_products(unbalance, v, work->stride);
-        aside[n] = sum_of_products(unbalance + work->stride, v, work->stride);
-    }
-    struct values found = times_each(read(points, along, 1, work->order),
+    double by[ORDERS][2]; /* along and across */
+    for (int n = 0; n < work->order; n++)
+        sums_of_products(unbalance, &work->v[n * work->stride], work->stride, by[n]);
+    struct values found = times_each(read(points, &by[0][0], 2, work->order),
                                      read(points, work->by_cosine, 1, work->order));
-    const struct values other = times_each(read(points, aside, 1, work->order),
+    const struct values other = times_each(read(points, &by[0][1], 2, work->order),
                                            read(points, work->by_sine, 1, work->order));
     for (int i = 0; i < VECTORS; i++)
         found.at[i] += other.at[i];

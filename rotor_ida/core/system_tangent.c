@@ -49,7 +49,7 @@ int64_t core_system_column_room(int64_t size, int64_t contacts, int64_t columns)
 {
     const int64_t rows = (3 * ORDERS + 1) * size + contacts * SERIES_OF_TOUCH * ORDERS
                          + MOST_CONTACTS;
-    const int64_t stride = (size + 3) / 4 * 4, terms = 2 * size * (size + contacts);
+    const int64_t stride = padded(size), terms = 2 * size * (size + contacts);
     const size_t bytes = sizeof(struct columns) + 2 * ALIGNMENT + (size_t)size * sizeof(struct sum)
                          + (size_t)terms * sizeof(struct term);
     return (int64_t)(bytes / sizeof(double)) + rows * columns + 2 * stride;
@@ -688,7 +688,7 @@ static double change_of_slip(const struct work *work, int contact, const double 
     const struct touching *each = &work->touching[contact];
     const double *answers = each->answers[0];
     const double across[2] = {-answers[ELEMENT_NORMAL_Y], answers[ELEMENT_NORMAL_X]};
-    const double radius = each->law->clearance + each->touch->root * each->touch->root;
+    const double radius = each->law->clearance + depth_of(each, each->touch->root);
     double moved = 0.0, faster = 0.0;
     for (int j = 0; j < 2; j++) {
         const double *row = each->rows + j * work->stride;

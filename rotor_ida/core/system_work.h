@@ -80,6 +80,9 @@ struct work {
 
 #define COMPILED static inline __attribute__((always_inline))
 
+/* To how many numbers rows are padded: one vector of four, or some of eight. */
+static inline int64_t padded(int64_t size) { return size <= 4 ? 4 : (size + 7) / 8 * 8; }
+
 static inline double *row_of(const struct work *work, double *rows, int n)
 {
     return &rows[n * work->stride];
@@ -113,11 +116,41 @@ COMPILED vec8 load8(const double *from)
 
 COMPILED void store8(double *to, vec8 row) { memcpy(to, &row, sizeof row); }
 
-COMPILED vec8 fma8(double by, vec8 b, vec8 c)
+COMPILED vec8 spread8(double number)
 {
-    return (vec8){fma(by, b[0], c[0]), fma(by, b[1], c[1]), fma(by, b[2], c[2]),
-                  fma(by, b[3], c[3]), fma(by, b[4], c[4]), fma(by, b[5], c[5]),
-                  fma(by, b[6], c[6]), fma(by, b[7], c[7])};
+    return (vec8){number, number, number, number, number, number, number, number};
+}
+
+COMPILED vec8 fma_each(vec8 a, vec8 b, vec8 c)
+{
+    return (vec8){fma(a[0], b[0], c[0]), fma(a[1], b[1], c[1]), fma(a[2], b[2], c[2]),
+                  fma(a[3], b[3], c[3]), fma(a[4], b[4], c[4]), fma(a[5], b[5], c[5]),
+                  fma(a[6], b[6], c[6]), fma(a[7], b[7], c[7])};
+}
+
+COMPILED vec8 fma8(double by, vec8 b, vec8 c) { return fma_each(spread8(by), b, c); }
+
+COMPILED vec4 halves_of(vec8 a)
+{
+    return (vec4){a[0] + a[4], a[1] + a[5], a[2] + a[6], a[3] + a[7]};
+}
+
+/* The scalar products of two rows that follow one another with a row. */
+COMPILED void sums_of_products(const double *rows, const double *b, int64_t size, double sums[2])
+{
+    vec8 along = spread8(0.0), aside = spread8(0.0);
+    int64_t i = 0;
+    for (; i + 8 <= size; i += 8) {
+        along = fma_each(load8(&rows[i]), load8(&b[i]), along);
+        aside = fma_each(load8(&rows[size + i]), load8(&b[i]), aside);
+    }
+    vec4 first = halves_of(along), second = halves_of(aside);
+    for (; i < size; i += 4) {
+        first = fma4(load(&rows[i]), load(&b[i]), first);
+        second = fma4(load(&rows[size + i]), load(&b[i]), second);
+    }
+    sums[0] = (first[0] + first[1]) + (first[2] + first[3]);
+    sums[1] = (second[0] + second[1]) + (second[2] + second[3]);
 }
 
 /* Add rows, each times a factor, to a row, in some vectors of eight columns. As each sum waits for
@@ -224,6 +257,22 @@ static inline int pushes(const struct touching *each)
 }
 /* Whether a contact has no clearance, and so never opens. */
 static inline int is_centred(const struct touching *each) { return each->law->clearance == 0.0; }
+/* Whether the law is analytic in the indentation itself, which then stands in the place of its
+ * root, and the pace is that of time. */
+static inline int is_spring(const struct touching *each)
+{
+    return each->law->hertz == 0.0 && !is_centred(each);
+}
+/* What is followed of an indentation: its root, or this itself. */
+static inline double root_of(const struct touching *each, double depth)
+{
+    return is_spring(each) ? depth : sqrt(depth);
+}
+/* Its indentation by what is followed. */
+static inline double depth_of(const struct touching *each, double root)
+{
+    return is_spring(each) ? root : root * root;
+}
 /* Whether it touches until the root of its indentation falls to 0. */
 static inline int may_leave(const struct touching *each)
 {

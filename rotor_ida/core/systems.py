@@ -21,7 +21,7 @@ from rotor_ida.core.runs import NO_STOP, PIECE, Rows, rows_of_numbers
 from rotor_ida.model.bearing import Bearing, Films
 
 FIRST_ROOM = 256
-LANES_A_VECTOR, COLUMNS_A_VECTOR = 4, 8
+FEW, EIGHT = 4, 8  # numbers of a vector
 # A skew part of a stiffness below this part of it is rounding.
 SYMMETRIC = 1e-12
 # Numbers of a contact at a sample: normal and tangential force, slip speed, mode.
@@ -121,7 +121,7 @@ class SystemRunStruct(Structure):
         *((name, c_void_p) for name in ("sundials", "cvode_room", "watched")),
         ("watched_count", c_int64),
         *((name, c_void_p) for name in (
-            "sample_columns", "event_columns", "event_rates", "place_columns", "places",
+            "sample_columns", "event_columns", "event_rates", "place_rows", "places",
         )),
         ("place_count", c_int64),
         ("extrema", c_void_p),
@@ -443,8 +443,8 @@ class _Tables:
         run.extremum_room = self.room * self.places
 
 
-def _padded(count: int, lanes: int) -> int:
-    return -(-count // lanes) * lanes
+def _padded(count: int) -> int:
+    return -(-count // EIGHT) * EIGHT
 
 
 def _stacked(*tables: Rows) -> Rows:
@@ -471,7 +471,8 @@ class _Run:
 
     def __init__(self, core: ctypes.CDLL, request: SystemRequest, stop: Stop) -> None:
         self.size, count = len(request.force), len(request.laws)
-        self.stride = _padded(self.size, LANES_A_VECTOR)
+        self.laws = request.laws
+        self.stride = FEW if self.size <= FEW else _padded(self.size)
         self.kept: list[npt.NDArray[Any]] = []  # must live as long as the run
         sampled, room = request.times.size, core.core_system_room(self.size, count)
         self.touches, self.opened = np.zeros(count, TOUCH), np.zeros(count, EPISODE)
@@ -481,11 +482,10 @@ class _Run:
         self.samples = np.zeros((sampled, 2, self.stride))
         self.forces, self.turns = np.zeros((sampled, count, FORCES)), np.zeros((sampled, 2))
         self.column_count = 0 if request.columns is None else len(request.columns)
-        beside = _padded(self.column_count, COLUMNS_A_VECTOR)
+        beside = _padded(self.column_count)
         watched = np.empty((0, self.size)) if request.watched is None else request.watched
         self.sample_columns = np.zeros((sampled, len(watched), beside))
         rows, centres = request.places or (np.empty((0, 2, self.size)), np.empty((0, 2)))
-        columns = np.ascontiguousarray(np.concatenate([rows, rows], axis=1).transpose(0, 2, 1))
         self.places, self.place_rows = np.zeros(len(rows), PLACE), self.wide(rows)
         self.places["centre"] = centres
         first = max(FIRST_ROOM, 4 * count + 4)
@@ -511,7 +511,7 @@ class _Run:
             races=self.filled(self.races), room=self.filled(np.zeros(room)),
             watched=self.read(self.wide(watched)), watched_count=len(watched),
             sample_columns=self.filled(self.sample_columns),
-            place_columns=self.read(columns), places=self.filled(self.places),
+            place_rows=self.read(self.place_rows), places=self.filled(self.places),
             place_count=len(rows),
         )  # fmt: skip
         if request.method != "taylor":
@@ -625,6 +625,13 @@ class _Run:
         rows = _stacked(ends[0], table, last, ends[1])
         return rows[np.argsort(rows["place"], kind="stable")]
 
+    def episodes(self, found: Rows) -> Rows:
+        """Return episodes by the roots of their indentations; of linear springs the core has these."""
+        springs = (self.laws["hertz"] == 0.0) & (self.laws["clearance"] > 0.0)
+        linear = springs[found["contact"].astype(int)]
+        found["peak_root"][linear] = np.sqrt(found["peak_root"][linear])
+        return found
+
     def result(self, status: int) -> SystemResult:
         """Return the result of the run."""
         run, held, size = self.struct, self.tables.arrays, self.size
@@ -641,7 +648,7 @@ class _Run:
             event_rates=held["event_rates"][:events],
             event_states=states.reshape(events, 2, self.stride)[:, :, :size], event_races=races,
             races=self.races,
-            episodes=_stacked(held["episodes"][: run.episode_count], lasting),
+            episodes=self.episodes(_stacked(held["episodes"][: run.episode_count], lasting)),
             ledger=ledger, steps=run.steps, turn=(run.angle, run.speed),
             standstill=Standstill(*run.standstill), columns=self.columns.T,
             sample_columns=self.sample_columns[:, :, : self.column_count],

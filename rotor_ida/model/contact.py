@@ -197,9 +197,10 @@ def secant_of_square(square: Any) -> Any:
 # and ``linear`` multiply either force, and ``loose`` is 1 where the contact is loose, else 0.
 
 
-def spring_of_root(q: Any, law: Any) -> Any:
-    """Return the elastic force ``d**n``."""
-    return q * q * (law.hertz * q + law.linear)
+def spring_of_root(q: Any, law: Any, depth: Any = None) -> Any:
+    """Return the elastic force ``d**n``; at an indentation of its own where q is not its root."""
+    square = q * q if depth is None else depth
+    return square * (law.hertz * q + law.linear)
 
 
 def slope_of_root(q: Any, law: Any) -> Any:

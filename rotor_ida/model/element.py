@@ -15,8 +15,9 @@ velocities that all else leaves, w, and its own follows from the force: with ``a
 
 and while the surfaces roll, ``v_s = 0`` gives T.
 
-The root ``s = sqrt(d)`` is a component of the state: in a fictitious time that runs by it the
-motion is analytic through entry and exit. While the surfaces roll on a stator with mass, T is not
+By Hertz the root ``s = sqrt(d)`` is a component of the state: in a fictitious time that runs by it
+the motion is analytic through entry and exit. With a linear spring it is so in time itself, and d
+stands in the place of s. While the surfaces roll on a stator with mass, T is not
 known from the law; the core finds it from ``v_s' = 0`` for all contacts together.
 
 A small change of the motion, e.c and t.c along e and t of the displacement, e.w and t.w of the
@@ -40,19 +41,18 @@ from rotor_ida.model.contact import (
     damped,
     damping_factor,
     drag_of,
-    normal_force,
     slope_of_root,
     spring_of_root,
 )
 from rotor_ida.model.forces import Number, Numbers, secant
 from rotor_ida.model.symbols import variables
 
-# What an element is given: the root of its indentation, displacement and velocity, and the speeds
+# What an element is given: the root of its indentation (or this itself), displacement and velocity, and the speeds
 # of rotor and race.
 GIVEN = ("root", "x", "y", "vx", "vy", "spin", "race")
 PARAMETERS = (
     "clearance", "hertz", "linear", "contact_damping", "loose",
-    "friction", "sigma", "radius", "race_radius", "mobility", "holding",
+    "friction", "sigma", "radius", "race_radius", "mobility", "holding", "squared",
 )  # fmt: skip
 # What it answers, in this order; while surfaces roll, and with a stator without mass, one more.
 ANSWERS = ("normal_x", "normal_y", "approach", "slip", "push", "force_x", "force_y")
@@ -78,7 +78,7 @@ def answers_of(given: Numbers, contact: Any) -> list[Number]:
     normal_x, normal_y, approach, across = _motion_of(given, contact)
     root, *_, spin, race = given
     slip = across + contact.radius * spin - contact.race_radius * race
-    push = normal_force(root, approach, contact)
+    push = damped(_spring_of(root, contact), approach, contact)
     push_x, push_y = push * normal_x, push * normal_y
     force_x = drag_of(push_y, contact) - push_x
     force_y = -drag_of(push_x, contact) - push_y
@@ -92,7 +92,7 @@ def rolling_answers_of(given: Numbers, contact: Any) -> list[Number]:
     """
     root, *_ = given
     _, _, approach, across = _motion_of(given, contact)
-    turning = approach * across / (contact.clearance + root * root)
+    turning = approach * across / (contact.clearance + _depth_of(root, contact))
     return [*answers_of(given, contact), turning]
 
 
@@ -104,7 +104,7 @@ def massless_answers_of(given: Numbers, contact: Any) -> list[Number]:
     normal_x, normal_y, towards, aside = _motion_of(given, contact)
     root, *_, spin, race = given
     rim = contact.radius * spin - contact.race_radius * race
-    spring = spring_of_root(root, contact)
+    spring = _spring_of(root, contact)
     softened = 1.0 + contact.mobility * contact.contact_damping * spring
     push = damped(spring, towards, contact) / softened
     drag = drag_of(push, contact) + contact.holding * (aside + rim)
@@ -137,8 +137,8 @@ def slopes_of(given: Numbers, contact: Any) -> list[Number]:
     contact damping. That by the clearance is -N_d.
     """
     root, approach, across, push, drag, pull = given
-    radius = contact.clearance + root * root
-    spring = spring_of_root(root, contact)
+    radius = contact.clearance + _depth_of(root, contact)
+    spring = _spring_of(root, contact)
     resisted = contact.contact_damping * spring
     along = slope_of_root(root, contact) * damping_factor(approach, contact.contact_damping)
     approach_share, across_share = approach / radius, across / radius
@@ -150,10 +150,20 @@ def slopes_of(given: Numbers, contact: Any) -> list[Number]:
     ]  # fmt: skip
 
 
+def _depth_of(root: Number, contact: Any) -> Number:
+    """Return the indentation: the square of what is followed, or this itself."""
+    return contact.squared * (root * root) + (1.0 - contact.squared) * root
+
+
+def _spring_of(root: Number, contact: Any) -> Number:
+    """Return the elastic force."""
+    return spring_of_root(root, contact, _depth_of(root, contact))
+
+
 def _motion_of(given: Numbers, contact: Any) -> tuple[Number, Number, Number, Number]:
     """Return the direction e of the displacement, and the velocities along and across it."""
     root, x, y, vx, vy, _, _ = given
-    radius = contact.clearance + root * root
+    radius = contact.clearance + _depth_of(root, contact)
     normal_x, normal_y = x / radius, y / radius
     approach = vx * normal_x + vy * normal_y
     across = vy * normal_x - vx * normal_y

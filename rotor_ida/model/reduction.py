@@ -105,7 +105,10 @@ def reduced_basis(system: RotorSystem, *, modes: int, keep: Sequence[str] | None
             shift = float(bending[0]) if bending.size else 1.0
         rows = np.concatenate([system.rows(name) for name in keep])
         factors = lu_factor(stiffness + shift * system.mass)
+        own = basis.shape[1]
         basis = _joined(basis, lu_solve(factors, rows.T), system.mass)
+        more = basis[:, own:]  # the stiffness of these too is a diagonal
+        basis[:, own:] = more @ eigh(more.T @ symmetric @ more)[1]
     return np.asarray(basis)
 
 

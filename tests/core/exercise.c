@@ -752,7 +752,8 @@ static void systems(void)
 {
     srand(1); /* the same systems, whatever was exercised before */
     for (int kind = 0; kind < KINDS; kind++) {
-        const int64_t size = kind == 0 ? 2 : 1 + 3 * (kind % 5) + 1, stride = (size + 3) / 4 * 4;
+        const int64_t size = kind == 0 ? 2 : 1 + 3 * (kind % 5) + 1,
+                      stride = size <= 4 ? 4 : (size + 7) / 8 * 8;
         const int64_t contacts = kind % 4, square = size * stride, width = 2 * stride + contacts;
         const int64_t samples = kind % 3 == 0 ? 0 : 20;
         double *matrices = room_for(4 * square, sizeof(double));
@@ -782,7 +783,7 @@ static void systems(void)
             laws[0].clearance = 0.0;
         const int64_t places = kind % 4 ? kind % 3 : 0, extrema = (ORDERS + 1) * places;
         struct place observed[2] = {{.centre = {0.1, -0.1}}, {.centre = {0.0, 0.0}}};
-        double *by_place = random_table(4 * places * size);
+        double *by_place = random_table(2 * places * stride);
         struct extremum_of_place *farthest = room_for(extrema, sizeof *farthest);
         struct beside beside = {0};
         struct piece pieces[] = {{1.0, kind % 3 == 1 ? 0.5 : 0.0, 1.0, 0.3, kind % 3 == 2, 1.2},
@@ -853,7 +854,7 @@ static void systems(void)
                                                                                        : TAYLOR,
                                  .sundials = &made_up,
                                  .cvode_room = cvode_room,
-                                 .place_columns = by_place,
+                                 .place_rows = by_place,
                                  .places = observed,
                                  .place_count = places,
                                  .extrema = farthest,
