@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from rotor_ida.checks import COMPONENTS, State, check_between, check_choice
-from rotor_ida.core import sundials
-from rotor_ida.errors import InputError
+from rotor_ida.core import library, sundials
+from rotor_ida.errors import InputError, warn
 from rotor_ida.model.parameters import OF_ROTOR, PARAMETERS
 from rotor_ida.model.rotor import Rotor
 
@@ -28,6 +28,12 @@ TIGHTEST_RTOL_OF_TAYLOR, LOOSEST_RTOL_OF_TAYLOR = 1e-15, 1e-4
 # The solver controls the error of a step, and a contact takes about a hundred steps. Among 0.1,
 # 0.05 and 0.03, the last gives most accuracy for its time.
 STEP_SAFETY = 0.03
+
+# Runs with contacts took 15 to 53 times as long as by the core.
+SLOW_INSTEAD = (
+    "This needs a C compiler or the package ziglang. Until then the plain-Python reference "
+    "computes runs by CVODE, 10 to 100 times more slowly"
+)
 
 # For larger starts the tolerances lose their meaning.
 LARGEST = 1e6
@@ -107,6 +113,24 @@ def backend_of(method: Method, backend: Backend) -> Backend:
     if backend == "compiled" and reason:
         raise InputError(f"backend 'compiled' cannot be used: {reason}")
     return "python" if reason else "compiled"
+
+
+def with_fallback(method: Method, backend: Backend) -> tuple[Method, Backend]:
+    """Return method and backend of a run, which are the reference's where there is no core.
+
+    The change is the only one in the package, and gives a warning. A run whose backend is given
+    as ``"compiled"`` keeps it, and is refused when it calls the core.
+
+    Examples
+    --------
+    >>> with_fallback("taylor", "auto")
+    ('taylor', 'auto')
+    """
+    missing = library.why_missing()
+    if not missing or backend != "auto":
+        return method, backend
+    warn(f"{missing}. {SLOW_INSTEAD}")
+    return "adams" if method == "taylor" else method, "python"
 
 
 def options_of_study(

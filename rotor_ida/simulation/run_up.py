@@ -15,7 +15,13 @@ from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_
 from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.simulation.course import DISC_LIMITS, SYSTEM_LIMITS, check_can_wait, course_of
-from rotor_ida.simulation.options import Backend, Method, Options, check_can_be_followed
+from rotor_ida.simulation.options import (
+    Backend,
+    Method,
+    Options,
+    check_can_be_followed,
+    with_fallback,
+)
 from rotor_ida.simulation.runs import run_of_disc, run_of_system
 from rotor_ida.simulation.simulate import DEFAULTS, OF_DISC, OF_SYSTEM
 from rotor_ida.simulation.starts import Start, start_of
@@ -168,6 +174,8 @@ def run_up(
     """
     given = {"to": to, "rate": rate, "ramp_time": ramp_time, "speeds": speeds, "torque": torque,
              "inertia": inertia}  # fmt: skip
+    assert method is not None
+    method, backend = with_fallback(method, backend)
     if isinstance(rotor, RotorSystem):
         return run_of_system(
             changed_system(run_up, rotor, changed),
@@ -176,7 +184,6 @@ def run_up(
             backend=backend,
         )  # fmt: skip
     assert isinstance(rotor, Rotor)
-    assert method is not None
     progress = check_progress(progress)
     options = Options(rtol=rtol, atol=atol, method=method, backend=backend)
     course = course_of(rotor.omega, given, duration, DISC_LIMITS)

@@ -18,7 +18,14 @@ from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_
 from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.simulation.course import held
-from rotor_ida.simulation.options import Backend, Flight, Method, Options, check_can_be_followed
+from rotor_ida.simulation.options import (
+    Backend,
+    Flight,
+    Method,
+    Options,
+    check_can_be_followed,
+    with_fallback,
+)
 from rotor_ida.simulation.runs import run_of_disc, run_of_system
 from rotor_ida.simulation.starts import Start, start_of
 
@@ -181,6 +188,8 @@ def simulate(
     >>> run.event_time.values.round(6)[:2], run.event_kind.values[:2]
     (array([ 4.350352, 11.973831]), array([ 1, -1], dtype=int8))
     """
+    assert method is not None
+    method, backend = with_fallback(method, backend)
     if isinstance(rotor, RotorSystem):
         course = held(check_real("speed", speed), check_positive("duration", duration))
         return run_of_system(
@@ -189,7 +198,6 @@ def simulate(
             backend=backend,
         )  # fmt: skip
     assert isinstance(rotor, Rotor)
-    assert method is not None
     progress = check_progress(progress)
     first = start_of(rotor, start)
     check_can_be_followed(rotor, first)
