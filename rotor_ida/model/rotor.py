@@ -38,7 +38,7 @@ class Rotor:
     omega : float
         Spin speed over the reference frequency [1]; 0 is free vibration.
     zeta : float
-        Damping ratio of the reference frequency, ``n/(2 m omega_0)`` [1]. The damping ratio of the
+        Damping ratio of the reference frequency, ``damping/(2 m omega_0)`` [1]. That of the
         critical speed is ``zeta/sqrt(kappa)``.
     delta0 : float
         Radial clearance over eccentricity [1]; 0 means always in contact.
@@ -219,7 +219,7 @@ class DimensionalRotor:
     contact_stiffness : float
         Stiffness of the contact, k [N/m^n]: N/m^1.5 by Hertz, N/m for a linear spring.
     damping : float
-        Viscous damping coefficient, n [N s/m].
+        Viscous damping coefficient [N s/m], which the paper writes n.
     eccentricity : float
         Distance of the mass centre from the disc centre, D [m].
     clearance : float
@@ -316,10 +316,10 @@ class DimensionalRotor:
 
     @property
     def damping_ratio(self) -> float:
-        """Damping ratio of the critical speed, ``n/(2 sqrt(k_s m))`` [1]; NaN without a shaft.
+        """Damping ratio of the critical speed, ``damping/(2 sqrt(k_s m))`` [1], or NaN.
 
         The ``zeta`` of `Rotor` is the damping ratio of the reference frequency,
-        ``n/(2 m omega_0)``.
+        ``damping/(2 m omega_0)``. Without a shaft it is NaN.
         """
         if self.shaft_stiffness == 0.0:
             return math.nan
