@@ -20,7 +20,7 @@ ENTRY = re.compile(r"^(\S[^\n]*?)(?: : [^\n]*)?\n((?:    [^\n]*\n?)+)", re.MULTI
 DEFAULT = re.compile(r"[Dd]efault\b|By default\b")
 # Words of Python and of formulas, and those of the command line for them.
 MARKUP = (
-    (r" \[rad\]", ", in radians"), (r" \[(?:1|s|m)\](?=[ ,.;:])", ""), (r"``|\*\*", ""),
+    (r" \[rad\]", ", in radians"), (r" \[(?:dimensionless|s|m)\](?=[ ,.;:])", ""), (r"``|\*\*", ""),
     (r"`(\w+)`", r"\1"), (r"RotorSystem", "rotor system"),
 )  # fmt: skip
 
@@ -72,7 +72,7 @@ def short_text(text: str) -> str:
 
     Examples
     --------
-    >>> short_text("Time to simulate [1]. It is long. Default: ``100``.")
+    >>> short_text("Time to simulate [dimensionless]. It is long. Default: ``100``.")
     'Time to simulate. Default: 100.'
     """
     text = re.sub(r"`rotor_ida\.(\w+)`", lambda named: named[1].replace("_", "-"), text)

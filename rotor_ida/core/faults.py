@@ -34,14 +34,14 @@ OF_CONTACTS = [*MESSAGE_OF_FAULT].index("PEAKS_OUTSIDE")
 
 
 class Samples(NamedTuple):
-    """Times and states of samples, in either frame [1]."""
+    """Times and states of samples, in either frame [dimensionless]."""
 
     times: Values
     states: Values
 
 
 class Events(NamedTuple):
-    """Times, kinds and states of events, in the frame of the samples [1]."""
+    """Times, kinds and states of events, in the frame of the samples [dimensionless]."""
 
     times: Values
     kinds: npt.NDArray[np.int8]
@@ -67,11 +67,11 @@ def fault_of(
     samples, events : Samples, Events
         The data to check.
     contacts : ndarray of `CONTACT`
-        The contacts [1].
+        The contacts [dimensionless].
     began : int
         Whether it began in contact.
     allowed : float
-        How far a sample may lie on the wrong side of the stator [1].
+        How far a sample may lie on the wrong side of the stator [dimensionless].
     modes : ndarray, shape (m + 1,), optional
         With friction, the mode from the start, and from each event on.
     """

@@ -95,7 +95,7 @@ def machine_from_data_sheet(
         Stiffness of the shaft at the disc [N/m], or the critical speed ``sqrt(k_s/m)`` [rad/s].
     damping, damping_ratio : float or str
         Viscous damping coefficient [N s/m], or the damping ratio *of the critical speed*,
-        ``damping/(2 sqrt(k_s m))`` [1].
+        ``damping/(2 sqrt(k_s m))`` [dimensionless].
     eccentricity, unbalance, balance_grade : float or str
         Distance of the mass centre from the disc centre [m]; unbalance, mass times that distance
         [kg m]; or the balance quality grade, ``"G6.3"`` or a number in mm/s, with `balance_speed`.
@@ -108,7 +108,7 @@ def machine_from_data_sheet(
     load : float or str, optional
         Static load, downwards [N], or ``"weight"``.
     friction : float or str, optional
-        Coefficient of Coulomb friction in the contact [1].
+        Coefficient of Coulomb friction in the contact [dimensionless].
     disc_radius : float or str, optional
         Radius of the disc [m], required with friction.
 

@@ -143,7 +143,7 @@ def read_signals(
         Whether the keyphasor was sampled with the probes or is a list of pulse times; by default
         times if there are fewer of them than samples.
     pulses_per_revolution : int
-        Pulses of the keyphasor in one revolution [1].
+        Pulses of the keyphasor in one revolution [dimensionless].
     accept_clipped, fill_pulses : bool
         Whether a clipped probe is accepted, and lost pulses are filled in. By default both are
         refused.
@@ -164,7 +164,7 @@ def read_signals(
         Times between which the rotor turns slowly, or another file of the same probes, read alike:
         the runout there is subtracted by `rotor_ida.subtract_runout`.
     runout_orders : int
-        Highest multiple of the speed of that runout [1].
+        Highest multiple of the speed of that runout [dimensionless].
 
     Returns
     -------

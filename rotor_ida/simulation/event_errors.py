@@ -82,11 +82,11 @@ class EventErrors:
     Parameters
     ----------
     event_time_errors : ndarray, shape (m,)
-        Estimated error of each event time [1]; infinite after the horizon, and for a touch or
-        a departure that the tolerances do not resolve.
+        Estimated error of each event time [dimensionless]; infinite after the horizon, and for a
+        touch or a departure that the tolerances do not resolve.
     horizon : float
-        Time up to which the start determines the orbit at these tolerances [1]; the end of the run
-        if it does throughout.
+        Time up to which the start determines the orbit at these tolerances [dimensionless]; the end
+        of the run if it does throughout.
     """
 
     event_time_errors: Values
@@ -387,7 +387,7 @@ def estimate_event_errors(
     orbit : Orbit
         The orbit.
     start : tuple of float
-        Its start ``(x, y, vx, vy)``, fixed frame [1].
+        Its start ``(x, y, vx, vy)``, fixed frame [dimensionless].
     slack, stop, watch
         As for `run`.
     """
@@ -534,7 +534,7 @@ def _guards_of_friction(orbit: Orbit) -> tuple[Values, Values]:
 
 
 def _quickening(orbit: Orbit, hold: Values, normal: Values) -> tuple[Values, Values]:
-    """Return the angular acceleration before each event, and the lever of friction [1].
+    """Return the angular acceleration before each event, and the lever of friction [dimensionless].
 
     `hold` is the force that rolling needs at the current speed, `normal` the normal force.
     """

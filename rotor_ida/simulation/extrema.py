@@ -34,11 +34,11 @@ class Extrema:
     Parameters
     ----------
     times, radii : ndarray, shape (n,)
-        Times from the start and distances from the bearing axis [1].
+        Times from the start and distances from the bearing axis [dimensionless].
     kinds : ndarray of int8, shape (n,)
         -1 minimum, 1 maximum, 0 constant radius.
     states : ndarray, shape (n, 4)
-        ``(x, y, vx, vy)`` there, on the rotating axes [1].
+        ``(x, y, vx, vy)`` there, on the rotating axes [dimensionless].
     """
 
     times: Values

@@ -49,7 +49,8 @@ class Options:
     Parameters
     ----------
     rtol, atol : float
-        Relative and absolute tolerance of a contact [1]. The solver uses a thirtieth of them.
+        Relative and absolute tolerance of a contact [dimensionless]. The solver uses a thirtieth of
+        them.
     method : {"adams", "bdf", "ida", "taylor"}
         CVODE with Adams or BDF, or IDA, or Taylor series.
     flight : {"exact", "cvode"}

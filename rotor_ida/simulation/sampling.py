@@ -33,11 +33,11 @@ def sample_times(samples: object, duration: float, rotor: Rotor, fastest: float)
     samples : int, array_like or None
         The times, their number, or None.
     duration : float
-        The end of the run [1].
+        The end of the run [dimensionless].
     rotor : Rotor
         The rotor.
     fastest : float
-        The largest speed of the run [1].
+        The largest speed of the run [dimensionless].
 
     Examples
     --------
