@@ -55,7 +55,7 @@ Commands have the names of the Python functions; short names are in brackets.
 Values of a machine may have units: --mass 12kg --speed 3600rpm.
 
 Results go to standard output, everything else to standard error.
-Exit status: 0 done, 1 the run or the check failed, 2 bad input or no compiled core.
+Exit status: 0 done, 1 the run or the check failed, 2 bad input or a part that is missing.
 """
 # The commands in the groups of the help, in order.
 COMMANDS: dict[str, tuple[Command | Callable[..., object], ...]] = {
