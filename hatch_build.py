@@ -67,8 +67,8 @@ FOR_LEVEL = {
     ),
 }
 FOR_MODEL = {"paper": (), "whole": ("-DWHOLE_MODEL",), "run_up": ("-DWHOLE_MODEL", "-DRUN_UP")}
-# What $ROTOR_IDA_TARGET may name.
-TARGET = "ROTOR_IDA_TARGET"
+# What $ROTOR_IDA_TARGET may name; or a package of plain Python, for any platform.
+TARGET, NO_CORE = "ROTOR_IDA_TARGET", "none"
 # The extra is made up: an installer that cannot get the package says by it why it was asked for.
 ZIG = "ziglang[no-c-compiler-on-path]>=0.13"
 # The second numbers of the versions of glibc for which auditwheel knows a policy.
@@ -278,6 +278,8 @@ class CustomBuildHook(BuildHookInterface):
 
     def dependencies(self) -> list[str]:
         """Return the package of a C compiler where the machine has none for the target."""
+        if os.environ.get(TARGET) == NO_CORE:
+            return []
         try:
             if not os.environ.get(TARGET) and find_compiler() is not None:
                 return []
@@ -288,13 +290,16 @@ class CustomBuildHook(BuildHookInterface):
 
     def initialize(self, version: str, build_data: dict[str, Any]) -> None:  # noqa: ARG002
         """Compile the core and say which files and which platform the wheel has."""
+        if os.environ.get(TARGET) == NO_CORE:
+            return
         try:
             target = target_of(os.environ.get(TARGET))
             compiler = find_zig() if target.tag else find_compiler()
             if compiler is None:
                 raise BuildError(
                     "no C compiler was found ($CC, or cc, gcc or clang on PATH): install one, or "
-                    "the package ziglang (pip install ziglang)"
+                    "the package ziglang (pip install ziglang), or set "
+                    f"{TARGET}={NO_CORE} to do without the core"
                 )
             folder = ROOT / "build" / "core" / target.triple if target.tag else CORE
             build(compiler, out=folder, target=target)

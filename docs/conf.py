@@ -24,6 +24,7 @@ extensions = [
     "myst_parser",
     "sphinx_design",
     "sphinx_gallery.gen_gallery",
+    "sphinx_copybutton",
     "reference",
     "scenarios",
     "notation",
@@ -97,6 +98,10 @@ sphinx_gallery_conf = {
     "within_subsection_order": "scenarios.InOrder",
     "first_notebook_cell": "%matplotlib inline",
 }
+
+# The copy button leaves out prompts and output.
+copybutton_prompt_text = r">>> |\.\.\. "
+copybutton_prompt_is_regexp = True
 
 html_theme = "pydata_sphinx_theme"
 html_title = f"rotor_ida {release}"

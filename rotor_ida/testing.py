@@ -26,10 +26,10 @@ def assert_events_close(
     actual, expected : Dataset
         Runs, or other datasets with ``event_time`` and ``event_kind`` on ``event``.
     atol : float, optional
-        Largest allowed difference of two event times [1]. Default: the sum of the datasets'
-        ``event_time_error``, or 0 if neither has any.
+        Largest allowed difference of two event times [dimensionless]. Default: the sum of the
+        datasets' ``event_time_error``, or 0 if neither has any.
     rtol : float
-        Additional allowed difference, relative to the expected time [1].
+        Additional allowed difference, relative to the expected time [dimensionless].
 
     Raises
     ------

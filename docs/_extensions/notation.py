@@ -1,4 +1,4 @@
-"""Formulas as MathML, which browsers show by themselves, and names in prose as links."""
+"""Formulas as MathML, which browsers show by themselves, names as links, sessions in colour."""
 
 import importlib
 from functools import lru_cache
@@ -42,6 +42,13 @@ def link_names(app, doctree):
             code.replace_self(linked(code.deepcopy(), app.env.docname))
 
 
+def colour_sessions(_app, doctree):
+    """Say of blocks that begin with a prompt that they are Python; Markdown does not name them."""
+    for block in doctree.findall(nodes.literal_block):
+        if block.astext().lstrip().startswith(">>> "):
+            block["language"] = "pycon"
+
+
 def linked(code, page):
     """Return code as a link to what it names, or as it is if that is not public."""
     word = code.astext().removesuffix("()")
@@ -70,8 +77,9 @@ def public_names(module):
 
 
 def setup(app):
-    """Register both."""
+    """Register all."""
     app.add_html_math_renderer("mathml", (inline, None), (displayed, None))
     app.add_role("name", name_role)
     app.connect("doctree-read", link_names)
+    app.connect("doctree-read", colour_sessions)
     return {"parallel_read_safe": True}

@@ -50,7 +50,7 @@ HEAD = """Functions and classes
 =====================
 
 Find a function by its task; each links to its docstring with an example. Quantities are
-dimensionless where a docstring says ``[1]``; :doc:`/model` defines the units.
+dimensionless where a docstring says so; :doc:`/model` defines the units.
 
 """
 
@@ -61,8 +61,9 @@ def write_names():
     rest = set(listed("rotor_ida")).difference(*TASKS.values())
     for title, names in TASKS.items():
         text += section("rotor_ida", title, names or sorted(rest))
+    known = listed("rotor_ida")  # these have their pages above
     for module, title in PARTS.items():
-        text += section(module, title, listed(module))
+        text += section(module, title, [name for name in listed(module) if name not in known])
     write(HERE / "functions.rst", text)
 
 

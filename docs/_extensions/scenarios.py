@@ -5,6 +5,7 @@ run it from a notebook. The words and archives are those that `reproduce` puts o
 """
 
 import ast
+import re
 import shutil
 from pathlib import Path
 
@@ -106,7 +107,14 @@ def figures_of_block(_block, block_vars, gallery_conf):
     path = next(block_vars["image_path_iterator"])
     shown.savefig(path, dpi=150)
     words = "; ".join(f"{ax.get_ylabel()} over {ax.get_xlabel()}" for ax in shown.axes)
+    words = unmarked(words)
     return figure_rst([path], gallery_conf["src_dir"], words)
+
+
+def unmarked(words):
+    """Return words without the marks of TeX, for those who hear them: ``omega`` for its letter."""
+    plain = re.sub(r"\\(?:mathrm|mathdefault|[,;])", "", words.replace("\\times", "times"))
+    return re.sub(r"[$\\_^{}]", "", plain)
 
 
 class InOrder(FileNameSortKey):

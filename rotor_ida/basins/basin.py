@@ -57,18 +57,18 @@ def basin(
     speed, node : float, str
         Spin speed of a `RotorSystem`, not 0, and the node that is knocked to each place.
     x, y, vx, vy : float or array_like, shape (n,)
-        Components of the start [1], or displacement and velocity of the node of a `RotorSystem`:
-        exactly two are increasing arrays, two are numbers.
+        Components of the start [dimensionless], or displacement and velocity of the node of a
+        `RotorSystem`: exactly two are increasing arrays, two are numbers.
     start : (q, velocity), "settled", "rest", None or Dataset, optional
         The state of a `RotorSystem` that is changed so that the node starts as asked: as in
         `simulate`, by default at rest at 0. See the notes for what the other nodes do.
     modes : int, optional
         Modes of a `RotorSystem`, as in `simulate`.
     rtol : float, optional
-        Error allowed per step, relative to the size of the state and of the eccentricity [1]. By
-        default 1e-6, or 1e-11 if the two disagree on any of 512 starts: then the basins are finely
-        folded. The attribute ``labelling_rtol`` reports the value used. Of a `RotorSystem` the
-        relative tolerance of runs, by default 1e-10.
+        Error allowed per step, relative to the size of the state and of the eccentricity
+        [dimensionless]. By default 1e-6, or 1e-11 if the two disagree on any of 512 starts: then
+        the basins are finely folded. The attribute ``labelling_rtol`` reports the value used. Of a
+        `RotorSystem` the relative tolerance of runs, by default 1e-10.
     workers : int, optional
         Number of batches followed at a time; by default one per available core.
     executor : {"auto", "serial", "threads", "processes", "dask"} or str
@@ -87,11 +87,11 @@ def basin(
     Dataset
         On the two components that vary, the later one first, so that ``label.plot()`` draws y
         upwards: ``label``, the number of the attractor, -1 where undecided, -2 where not computed;
-        ``response``, its kind as a flag; ``settling_time`` [1]. On ``attractor``: ``kind``,
-        ``amplitude``, ``phase_lag``, ``radius_min``, ``radius_max`` (NaN where they depend on the
-        start); ``trapping``, whether its trapping region is proven or estimated; ``confirmed``,
-        whether CVODE has followed one of its starts to it; ``count``, ``fraction`` and
-        ``fraction_error``. Scalars: ``undecided_count``, ``undecided_fraction``,
+        ``response``, its kind as a flag; ``settling_time`` [dimensionless]. On ``attractor``:
+        ``kind``, ``amplitude``, ``phase_lag``, ``radius_min``, ``radius_max`` (NaN where they
+        depend on the start); ``trapping``, whether its trapping region is proven or estimated;
+        ``confirmed``, whether CVODE has followed one of its starts to it; ``count``, ``fraction``
+        and ``fraction_error``. Scalars: ``undecided_count``, ``undecided_fraction``,
         ``not_computed_count``; ``agreement``, the fraction of ``agreement_count`` recomputed labels
         that are unchanged with the error ``agreement_rtol`` per step; ``basin_entropy``, the
         uncertainty of the attractor within a small box, and ``boundary_entropy``, the same over
@@ -200,8 +200,8 @@ def basin_fractions(
     speed, node
         Of a `RotorSystem`, as for `basin`.
     x, y, vx, vy : float or array_like, shape (2,)
-        Components of the start [1], or states of the node: numbers, or ranges ``(low, high)`` from
-        which they are drawn independently and uniformly.
+        Components of the start [dimensionless], or states of the node: numbers, or ranges ``(low,
+        high)`` from which they are drawn independently and uniformly.
     starts : int
         Number of starts, by default 10,000 and of a `RotorSystem` 1,000: at most 100 million, or 10
         billion in a study.

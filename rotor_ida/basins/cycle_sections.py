@@ -76,7 +76,8 @@ class CycleSection:
     cycle : Orbit
         The cycle.
     centre, normal : ndarray, shape (4,)
-        Its state on the section, and the direction of the field there [1]; 0 under a load.
+        Its state on the section, and the direction of the field there [dimensionless]; 0 under a
+        load.
     form : ndarray, shape (3, 4) or (4, 4)
         L: the set is ``|L (s - centre)| <= 1``. All infinite if no such set was found. Under a load
         it is an upper triangle, and the set is one of states at whole revolutions.

@@ -158,7 +158,7 @@ class Disc:
     known : Known
         The rotor, and the attractors that are known.
     rtol : float or None
-        Error allowed in a step [1]; None if it is to be chosen from a few starts.
+        Error allowed in a step [dimensionless]; None if it is to be chosen from a few starts.
     """
 
     known: Known
@@ -364,7 +364,7 @@ class Batch:
         return self.known is not self.matched
 
     def passed(self, numbers: Indices) -> float:
-        """Return the longest time for which any of the orbits was followed [1]."""
+        """Return the longest time for which any of the orbits was followed [dimensionless]."""
         return float(self.times[numbers].max(initial=0.0))
 
     def follow(self, numbers: Indices, duration: float) -> Indices:
@@ -670,6 +670,6 @@ def _parting(
 
 
 def _late(batch: Batch) -> float:
-    """Return the time after which a motion that has not settled may be chaos [1]."""
+    """Return the time after which a motion that has not settled may be chaos [dimensionless]."""
     rotor = batch.known.rotor
     return max(LATE, PATIENCE / rotor.zeta) if rotor.zeta > 0.0 else longest_time(rotor)

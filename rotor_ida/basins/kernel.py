@@ -61,14 +61,14 @@ def follow(
     Parameters
     ----------
     states : ndarray, shape (4, n)
-        Starts on the rotating axes [1]; overwritten by the states at the end.
+        Starts on the rotating axes [dimensionless]; overwritten by the states at the end.
     labels : ndarray of int16, shape (n,)
         Set to the number of the trapping region, ``len(regions)`` for contact-free whirls, one more
         for fading touches, two more and above for limit cycles, or UNDECIDED; with friction
         NOT_FORWARDS if the disc may not slide forwards throughout. Starts not finished when `stop`
         is set keep NOT_COMPUTED. Starts whose label is already zero or more are skipped.
     times : ndarray of float32, shape (n,)
-        The time that each start took is added [1].
+        The time that each start took is added [dimensionless].
     rotor : Rotor
         The rotor; without damping it must have no contact-free whirl.
     regions : ndarray of REGION, shape (m,)
@@ -78,9 +78,9 @@ def follow(
     sections : ndarray of SECTION, shape (k,)
         A section of each limit cycle with its trapping set.
     duration, tolerance : float
-        Longest time to follow, and tolerance of a step [1]. Under a load a time of whole
-        revolutions, at whose ends alone regions are tested: a motion that takes too many steps is
-        then NOT_FORWARDS.
+        Longest time to follow, and tolerance of a step [dimensionless]. Under a load a time of
+        whole revolutions, at whose ends alone regions are tested: a motion that takes too many
+        steps is then NOT_FORWARDS.
     stop : ndarray of uint8, shape (1,)
         Set to 1 by another thread to end early.
 
@@ -123,18 +123,18 @@ def measure_returns(
     Parameters
     ----------
     states : ndarray, shape (4, n)
-        States on the rotating axes [1].
+        States on the rotating axes [dimensionless].
     rotor : Rotor
         The rotor.
     section : ndarray of SECTION, shape ()
         The section.
     times : tuple of float
-        Earliest and latest time [1].
+        Earliest and latest time [dimensionless].
     tolerance : float
-        Tolerance of a step [1].
+        Tolerance of a step [dimensionless].
     values : ndarray, shape (n,)
-        Set to the values [1]; infinite if a state does not pass the section, or if with friction
-        the disc may not slide forwards until then.
+        Set to the values [dimensionless]; infinite if a state does not pass the section, or if with
+        friction the disc may not slide forwards until then.
     stop : ndarray of uint8, shape (1,)
         Set to 1 by another thread to end early.
 

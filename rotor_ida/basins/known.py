@@ -118,8 +118,9 @@ class Known:
     ) -> tuple[Labels, Times]:
         """Follow states, shape (4, n), in place, until they enter a region, or for a time.
 
-        Return their labels, UNDECIDED if they enter none, and the times that they took [1]. Under a
-        load the states are those at a whole revolution, and the time is lengthened to such.
+        Return their labels, UNDECIDED if they enter none, and the times that they took
+        [dimensionless]. Under a load the states are those at a whole revolution, and the time is
+        lengthened to such.
         """
         if self.rotor.load > 0.0:
             revolution = 2.0 * math.pi / self.rotor.omega

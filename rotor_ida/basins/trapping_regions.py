@@ -86,9 +86,9 @@ class TrappingRegion:
     Parameters
     ----------
     amplitude, phase_lag : float
-        The whirl [1], [rad].
+        The whirl [dimensionless], [rad].
     centre : ndarray, shape (4,)
-        Its state on the rotating axes [1].
+        Its state on the rotating axes [dimensionless].
     form : ndarray, shape (4, 4)
         Positive definite P: the region is ``(z - centre)^T P (z - centre) <= 1``. All infinite
         if no such region was found.

@@ -244,14 +244,14 @@ def _at(rotor: Rotor, omega: float) -> Rotor:
 
 
 def _speeds_of(dataset: xr.Dataset, record: Record) -> Values:
-    """Return speeds along the record [1]."""
+    """Return speeds along the record [dimensionless]."""
     angles, times = record.known_angles(), record.times / dataset.attrs.get("time_scale", 1.0)
     few = np.unique(np.linspace(0, times.size - 1, 200).astype(int))
     return np.asarray(np.diff(angles[few]) / np.diff(times[few]), dtype=np.float64)
 
 
 def _end_of(dataset: xr.Dataset, record: Record) -> list[float]:
-    """Return the last state of a record on the rotating axes [1]."""
+    """Return the last state of a record on the rotating axes [dimensionless]."""
     length, time = (dataset.attrs.get(f"{kind}_scale", 1.0) for kind in ("length", "time"))
     z = record.z[-9:] / length
     w = np.gradient(z, record.times[-9:] / time, edge_order=2)[-1]

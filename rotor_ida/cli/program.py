@@ -46,7 +46,7 @@ from rotor_ida.cli.rotor_options import missing
 from rotor_ida.cli.streams import results_only
 from rotor_ida.cli.verb_options import metavar_of
 from rotor_ida.cli.verbs import NEEDED
-from rotor_ida.errors import InputError, RotorError, SimulationError
+from rotor_ida.errors import InputError, InstallationError, RotorError, SimulationError
 from rotor_ida.texts import in_shell, printable
 from rotor_ida.units import sentences_in
 
@@ -56,7 +56,7 @@ Commands have the names of the Python functions; short names are in brackets.
 Values of a machine may have units: --mass 12kg --speed 3600rpm.
 
 Results go to standard output, everything else to standard error.
-Exit status: 0 done, 1 the run or the check failed, 2 bad input.
+Exit status: 0 done, 1 the run or the check failed, 2 bad input or a part that is missing.
 """
 # The commands in the groups of the help, in order.
 COMMANDS: dict[str, tuple[Command | Callable[..., object], ...]] = {
@@ -138,7 +138,9 @@ def main(words: Sequence[str] | None = None) -> int:
                 where = f"{error.filename}: " if error.filename else ""
                 closed = error.errno == errno.EBADF and error.filename == STANDARD_OUTPUT
                 said = f"{where}{'closed' if closed else error.strerror}"
-            return _complain(said, BAD_INPUT if isinstance(error, InputError) else FAILED)
+            return _complain(
+                said, BAD_INPUT if isinstance(error, (InputError, InstallationError)) else FAILED
+            )
 
 
 @cache

@@ -73,7 +73,7 @@ def short_text(text: str) -> str:
 
     Examples
     --------
-    >>> short_text("Time to simulate [1]. It is long. Default: ``100``.")
+    >>> short_text("Time to simulate [dimensionless]. It is long. Default: ``100``.")
     'Time to simulate. Default: 100.'
     """
     text = re.sub(r"`rotor_ida\.(\w+)`", lambda named: named[1].replace("_", "-"), text)

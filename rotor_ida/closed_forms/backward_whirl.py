@@ -53,11 +53,11 @@ def backward_whirl(rotor: Rotor) -> xr.Dataset:
     -------
     Dataset
         On ``whirl``, the slipping one and the rolling one (``kind``, flags): ``amplitude`` and
-        ``whirl_speed``, negative for backward whirl [1], ``stability`` (flags) and ``growth_rate``
-        [1], and the ``normal_force`` and ``tangential_force`` of the contact [1]; NaN and the flag
-        ``absent`` if the rotor is too slow for them. ``birth_omega`` is the speed at which both
-        are born [1]; NaN if friction is too weak at any speed. The parameters are scalar
-        coordinates.
+        ``whirl_speed``, negative for backward whirl [dimensionless], ``stability`` (flags) and
+        ``growth_rate`` [dimensionless], and the ``normal_force`` and ``tangential_force`` of the
+        contact [dimensionless]; NaN and the flag ``absent`` if the rotor is too slow for them.
+        ``birth_omega`` is the speed at which both are born [dimensionless]; NaN if friction is too
+        weak at any speed. The parameters are scalar coordinates.
 
     Raises
     ------

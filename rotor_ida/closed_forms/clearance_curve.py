@@ -51,12 +51,12 @@ def clearance_curve(
     rotor : Rotor, optional
         The rotor, with any clearance. Without it, ``omega`` and ``zeta`` must be given.
     limits : tuple of two floats
-        Smallest and largest clearance [1].
+        Smallest and largest clearance [dimensionless].
     points : int
         Number of points from one fold, tip, first touch or limit to the next.
     **varied : float or array_like, shape (n,)
-        Parameters of `Rotor` by name [1], as for `synchronous_response`, all but ``delta0``. The
-        speed must be above 0.
+        Parameters of `Rotor` by name [dimensionless], as for `synchronous_response`, all but
+        ``delta0``. The speed must be above 0.
 
     Returns
     -------

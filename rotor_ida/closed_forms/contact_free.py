@@ -42,12 +42,12 @@ class ContactFreeWhirl:
     Parameters
     ----------
     amplitude : float
-        Radius A_f of the whirl about its own centre [1].
+        Radius A_f of the whirl about its own centre [dimensionless].
     phase_lag : float
         Phase by which it lags the unbalance [rad].
     largest_centre_offset : float
-        Largest distance of the centre from the bearing axis, ``delta0 - A_f`` [1]; NaN if the
-        clearance is too small for the whirl.
+        Largest distance of the centre from the bearing axis, ``delta0 - A_f`` [dimensionless]; NaN
+        if the clearance is too small for the whirl.
 
     Examples
     --------
@@ -184,13 +184,13 @@ def touch_speeds(*, zeta: float, delta0: float, shaft_stiffness: float = 0.0) ->
     Parameters
     ----------
     zeta, delta0, shaft_stiffness : float
-        Damping ratio, clearance and stiffness of the shaft [1].
+        Damping ratio, clearance and stiffness of the shaft [dimensionless].
 
     Returns
     -------
     ndarray, shape (2,)
-        Speeds [1]: above the first the whirl is too large for the clearance, above the second it
-        fits again; NaN if there is none. Without a second one it does not fit again.
+        Speeds [dimensionless]: above the first the whirl is too large for the clearance, above the
+        second it fits again; NaN if there is none. Without a second one it does not fit again.
 
     Raises
     ------
@@ -245,8 +245,8 @@ def touch_fading(rotor: Rotor) -> float:
     Returns
     -------
     float
-        The constant C [1]; NaN if there is no such motion: without damping, at rest, or if the
-        contact-free whirl does not fit into the clearance with room to spare.
+        The constant C [dimensionless]; NaN if there is no such motion: without damping, at rest, or
+        if the contact-free whirl does not fit into the clearance with room to spare.
 
     Notes
     -----
@@ -291,18 +291,18 @@ def flight(
     Parameters
     ----------
     time : array_like, shape (...)
-        Times [1], none before `start_time`.
+        Times [dimensionless], none before `start_time`.
     rotor : Rotor
         Parameters of the rotor; the clearance is not used.
     start : tuple of four floats
-        ``(x, y, vx, vy)`` at `start_time` [1]; by default at rest on the axis.
+        ``(x, y, vx, vy)`` at `start_time` [dimensionless]; by default at rest on the axis.
     start_time : float
-        Time of the start [1], which sets the direction of the unbalance.
+        Time of the start [dimensionless], which sets the direction of the unbalance.
 
     Returns
     -------
     ndarray, shape (4, ...)
-        ``x, y, vx, vy`` at `time` [1].
+        ``x, y, vx, vy`` at `time` [dimensionless].
 
     Raises
     ------

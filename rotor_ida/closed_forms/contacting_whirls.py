@@ -48,8 +48,8 @@ class ContactingWhirls:
     Parameters
     ----------
     amplitude, phase_lag, determinant : ndarray, shape (n, 5)
-        Amplitudes [1], phase lags [rad] and stability determinants D [1], positive if the whirl
-        does not diverge; NaN where a rotor has fewer whirls.
+        Amplitudes [dimensionless], phase lags [rad] and stability determinants D [dimensionless],
+        positive if the whirl does not diverge; NaN where a rotor has fewer whirls.
     contact_free : ndarray of bool, shape (n,)
         Whether the contact-free whirl exists.
     """

@@ -61,14 +61,14 @@ Equation = tuple[Polynomial, ...]
 
 
 class Fold(NamedTuple):
-    """Speed and amplitude of a fold [1]."""
+    """Speed and amplitude of a fold [dimensionless]."""
 
     omega: float
     amplitude: float
 
 
 class HopfPoint(NamedTuple):
-    """Speed and amplitude of a Hopf point, and the frequency of its oscillation [1]."""
+    """Speed and amplitude of a Hopf point, and the frequency of its oscillation [dimensionless]."""
 
     omega: float
     amplitude: float
@@ -76,7 +76,7 @@ class HopfPoint(NamedTuple):
 
 
 class Tip(NamedTuple):
-    """Amplitude and speed at which the two flanks of the resonance meet [1]."""
+    """Amplitude and speed at which the two flanks of the resonance meet [dimensionless]."""
 
     amplitude: float
     omega: float

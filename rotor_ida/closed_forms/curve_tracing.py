@@ -39,7 +39,7 @@ MOST_POINTS = 100_000
 
 
 class Place(NamedTuple):
-    """An amplitude and the speed or clearance at which a whirl has it [1]."""
+    """An amplitude and the speed or clearance at which a whirl has it [dimensionless]."""
 
     amplitude: float
     value: float

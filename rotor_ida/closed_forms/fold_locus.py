@@ -72,7 +72,7 @@ class LocusPoints:
 
 
 class Cusp(NamedTuple):
-    """Damping ratio, speed and amplitude at which the last two folds merge [1]."""
+    """Damping ratio, speed and amplitude at which the last two folds merge [dimensionless]."""
 
     zeta: float
     omega: float

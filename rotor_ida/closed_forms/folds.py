@@ -55,16 +55,16 @@ def folds(
     rotor : Rotor or DimensionalRotor, optional
         The rotor, at any speed. Without it, ``zeta`` and ``delta0`` must be given.
     **varied : float or array_like, shape (n,)
-        Parameters of `Rotor` by name [1], in place of those of `rotor`, all but ``omega``, and
-        combined. Contact damping does not move folds, and the radius of the disc has no effect. The
-        load must be 0.
+        Parameters of `Rotor` by name [dimensionless], in place of those of `rotor`, all but
+        ``omega``, and combined. Contact damping does not move folds, and the radius of the disc has
+        no effect. The load must be 0.
 
     Returns
     -------
     Dataset
-        ``fold_omega`` and ``fold_amplitude`` [1] on the dimensions (zeta, delta0, fold), in
-        order of speed, padded with NaN. Of the optional parameters, an array becomes a dimension
-        before ``fold``, and a number other than the default becomes a coordinate.
+        ``fold_omega`` and ``fold_amplitude`` [dimensionless] on the dimensions (zeta, delta0,
+        fold), in order of speed, padded with NaN. Of the optional parameters, an array becomes a
+        dimension before ``fold``, and a number other than the default becomes a coordinate.
 
     Raises
     ------
@@ -134,8 +134,9 @@ def jumps(rotor: Rotor | None = None, **varied: Unpack[Parameters]) -> xr.Datase
     -------
     Dataset
         On (zeta, delta0, fold), or the dimensions of `folds`: ``fold_omega`` and
-        ``fold_amplitude`` [1] of `folds`, and ``landing_amplitude`` [1], the amplitude of the only
-        other whirl at that speed that is not unstable; NaN if there is none or more than one.
+        ``fold_amplitude`` [dimensionless] of `folds`, and ``landing_amplitude`` [dimensionless],
+        the amplitude of the only other whirl at that speed that is not unstable; NaN if there is
+        none or more than one.
 
     Raises
     ------
@@ -184,15 +185,15 @@ def cusp_zeta(
     Parameters
     ----------
     delta0 : float
-        Clearance [1].
+        Clearance [dimensionless].
     shaft_stiffness, contact_exponent, friction : float
-        As for `Rotor` [1].
+        As for `Rotor` [dimensionless].
 
     Returns
     -------
     float
-        Largest damping ratio with a fold [1]; NaN if there are no folds: in a linear contact with
-        too little or no clearance, or with strong friction.
+        Largest damping ratio with a fold [dimensionless]; NaN if there are no folds: in a linear
+        contact with too little or no clearance, or with strong friction.
 
     Raises
     ------
@@ -241,7 +242,7 @@ def cusp(rotor: Rotor | None = None, **varied: Unpack[Parameters]) -> xr.Dataset
     Dataset
         On delta0, and other dimensions as for `folds`: ``cusp_zeta``, the supremum of the
         damping ratios at which the response curve has any fold, and ``cusp_omega`` and
-        ``cusp_amplitude``, where the last two folds merge [1]; NaN if there is no fold.
+        ``cusp_amplitude``, where the last two folds merge [dimensionless]; NaN if there is no fold.
 
     Raises
     ------

@@ -44,14 +44,14 @@ def circular_period(
     Parameters
     ----------
     amplitude, delta0 : float
-        Radius A of the circle, and clearance, which must be smaller [1].
+        Radius A of the circle, and clearance, which must be smaller [dimensionless].
     shaft_stiffness, contact_exponent : float
-        As of `Rotor` [1].
+        As of `Rotor` [dimensionless].
 
     Returns
     -------
     float
-        Period [1].
+        Period [dimensionless].
 
     Raises
     ------
@@ -97,14 +97,14 @@ def planar_period(
     Parameters
     ----------
     amplitude, delta0 : float
-        Largest distance A from the axis, and clearance, which must be smaller [1].
+        Largest distance A from the axis, and clearance, which must be smaller [dimensionless].
     shaft_stiffness, contact_exponent : float
-        As of `Rotor` [1].
+        As of `Rotor` [dimensionless].
 
     Returns
     -------
     float
-        Period [1].
+        Period [dimensionless].
 
     Raises
     ------
@@ -155,14 +155,14 @@ def centre_speed(
     Parameters
     ----------
     amplitude, delta0 : float
-        Largest distance A from the axis, and clearance, which must be smaller [1].
+        Largest distance A from the axis, and clearance, which must be smaller [dimensionless].
     shaft_stiffness, contact_exponent : float
-        As of `Rotor` [1].
+        As of `Rotor` [dimensionless].
 
     Returns
     -------
     float
-        Speed ``sqrt(4/5) (A - delta0)**(5/4)`` [1]; with a shaft and the exponent n
+        Speed ``sqrt(4/5) (A - delta0)**(5/4)`` [dimensionless]; with a shaft and the exponent n
         ``sqrt(kappa A**2 + 2 (A - delta0)**(n + 1)/(n + 1))``.
 
     Raises
@@ -203,15 +203,16 @@ def amplitude_from_speed(
     Parameters
     ----------
     speed, delta0 : float
-        Speed at the axis and clearance [1].
+        Speed at the axis and clearance [dimensionless].
     shaft_stiffness, contact_exponent : float
-        As of `Rotor` [1].
+        As of `Rotor` [dimensionless].
 
     Returns
     -------
     float
-        Amplitude ``delta0 + (1.25 speed**2)**0.4`` [1]; with a shaft or another exponent that of
-        `centre_speed`, and ``speed/sqrt(kappa)`` if a shaft keeps the rotor off the stator.
+        Amplitude ``delta0 + (1.25 speed**2)**0.4`` [dimensionless]; with a shaft or another
+        exponent that of `centre_speed`, and ``speed/sqrt(kappa)`` if a shaft keeps the rotor off
+        the stator.
 
     Raises
     ------
@@ -253,15 +254,15 @@ def free_periods(
     Parameters
     ----------
     amplitude, delta0 : float or sequence of float, shapes (n,) and (k,)
-        Amplitudes A and clearances [1].
+        Amplitudes A and clearances [dimensionless].
     shaft_stiffness, contact_exponent : float
-        As of `Rotor` [1].
+        As of `Rotor` [dimensionless].
 
     Returns
     -------
     Dataset
-        ``circular_period`` and ``planar_period`` [1] on (delta0, amplitude); NaN if the rotor does
-        not reach the stator.
+        ``circular_period`` and ``planar_period`` [dimensionless] on (delta0, amplitude); NaN if the
+        rotor does not reach the stator.
 
     Raises
     ------

@@ -35,15 +35,15 @@ def hopf_points(
     rotor : Rotor or DimensionalRotor, optional
         The rotor. Without it, ``zeta`` and ``delta0`` must be given.
     **varied : float or array_like, shape (n,)
-        Parameters of `Rotor` by name [1], in place of those of `rotor`, as for `folds`.
+        Parameters of `Rotor` by name [dimensionless], in place of those of `rotor`, as for `folds`.
 
     Returns
     -------
     Dataset
         ``hopf_omega`` and ``hopf_amplitude``, the speed and the amplitude of the whirl, and
-        ``hopf_frequency``, at which it begins to oscillate on the rotating axes [1], on the
-        dimensions (zeta, delta0, hopf), in order of speed, padded with NaN; other dimensions as for
-        `folds`.
+        ``hopf_frequency``, at which it begins to oscillate on the rotating axes [dimensionless], on
+        the dimensions (zeta, delta0, hopf), in order of speed, padded with NaN; other dimensions as
+        for `folds`.
 
     Raises
     ------

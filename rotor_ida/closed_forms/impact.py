@@ -37,16 +37,16 @@ def impact(
     rotor : Rotor, optional
         The rotor, of which the contact alone counts.
     entry_speed : float or sequence of float, shape (n,)
-        Speeds v at which the rotor reaches the stator, radially outwards [1].
+        Speeds v at which the rotor reaches the stator, radially outwards [dimensionless].
     **varied : float or array_like, shape (n,)
-        ``contact_damping`` and ``contact_exponent`` [1], in place of those of `rotor`.
+        ``contact_damping`` and ``contact_exponent`` [dimensionless], in place of those of `rotor`.
 
     Returns
     -------
     Dataset
         On (entry_speed, contact_damping): ``restitution``, the speed at exit over that at entry,
-        and ``peak_indentation`` [1]. An array of exponents becomes a dimension after these; a
-        number other than the default becomes a coordinate.
+        and ``peak_indentation`` [dimensionless]. An array of exponents becomes a dimension after
+        these; a number other than the default becomes a coordinate.
 
     Raises
     ------

@@ -61,18 +61,18 @@ def late_jumps(
     rotor, **varied
         As for `folds`.
     rate : float or sequence of float
-        Absolute rate of change of the speed [1]; the direction follows from the fold.
+        Absolute rate of change of the speed [dimensionless]; the direction follows from the fold.
 
     Returns
     -------
     Dataset
         The variables of `folds`, and on the same dimensions ``fold_drift``, ``fold_curvature`` and
-        ``fold_remainder``, the coefficients alpha, b and K of the Notes [1], and ``fold_passage``,
-        the direction of speed that passes the fold (a flag: up, down, or none if no stable whirl
-        leads to it). Also ``jump_omega``, the predicted speed of the jump [1], on ``rate`` too if
-        that is a sequence; NaN if it is not above zero. Coefficients are NaN, without a direction,
-        if rounding of amplitude and speed alone changes them by over 1 %, as with damping of 1e-9.
-        Without damping they are not finite.
+        ``fold_remainder``, the coefficients alpha, b and K of the Notes [dimensionless], and
+        ``fold_passage``, the direction of speed that passes the fold (a flag: up, down, or none if
+        no stable whirl leads to it). Also ``jump_omega``, the predicted speed of the jump
+        [dimensionless], on ``rate`` too if that is a sequence; NaN if it is not above zero.
+        Coefficients are NaN, without a direction, if rounding of amplitude and speed alone changes
+        them by over 1 %, as with damping of 1e-9. Without damping they are not finite.
 
     Raises
     ------

@@ -39,17 +39,17 @@ def backbone(
     Parameters
     ----------
     amplitude : float or sequence of float, shape (n,)
-        Amplitudes A [1].
+        Amplitudes A [dimensionless].
     delta0 : float
-        Clearance [1].
+        Clearance [dimensionless].
     shaft_stiffness, contact_exponent : float
-        As of `Rotor` [1].
+        As of `Rotor` [dimensionless].
 
     Returns
     -------
     ndarray, shape (n,)
-        ``omega = sqrt(kappa + f(A)/A)`` [1]; inside the clearance ``sqrt(kappa)``, zero without a
-        shaft.
+        ``omega = sqrt(kappa + f(A)/A)`` [dimensionless]; inside the clearance ``sqrt(kappa)``, zero
+        without a shaft.
 
     Raises
     ------
@@ -93,17 +93,17 @@ def speeds_at_amplitude(
     Parameters
     ----------
     amplitude : float or sequence of float, shape (n,)
-        Amplitudes A [1].
+        Amplitudes A [dimensionless].
     zeta, delta0 : float
-        Damping ratio and clearance [1].
+        Damping ratio and clearance [dimensionless].
     shaft_stiffness, contact_exponent, friction : float
-        As of `Rotor` [1]; contact damping does not change whirls.
+        As of `Rotor` [dimensionless]; contact damping does not change whirls.
 
     Returns
     -------
     ndarray, shape (n, 2)
-        The slower and the faster speed [1], on the flanks below and above resonance; NaN where the
-        curve has no such point, and inside the clearance.
+        The slower and the faster speed [dimensionless], on the flanks below and above resonance;
+        NaN where the curve has no such point, and inside the clearance.
 
     Raises
     ------
@@ -193,16 +193,16 @@ def peak_amplitude(
     Parameters
     ----------
     zeta, delta0 : float
-        Damping ratio and clearance [1]. Without friction zeta must be above zero, as the undamped
-        curve has no tip.
+        Damping ratio and clearance [dimensionless]. Without friction zeta must be above zero, as
+        the undamped curve has no tip.
     shaft_stiffness, contact_exponent, friction : float
-        As of `Rotor` [1].
+        As of `Rotor` [dimensionless].
 
     Returns
     -------
     float
-        Amplitude of the tip [1]; NaN if the damping is so strong that the amplitude stays below 1
-        and only approaches it at high speed.
+        Amplitude of the tip [dimensionless]; NaN if the damping is so strong that the amplitude
+        stays below 1 and only approaches it at high speed.
 
     Raises
     ------
@@ -301,14 +301,14 @@ def peaks(rotor: Rotor | None = None, **varied: Unpack[Parameters]) -> xr.Datase
     rotor : Rotor, optional
         The rotor. Without it, ``zeta`` and ``delta0`` must be given.
     **varied : float or array_like, shape (n,)
-        Parameters of `Rotor` by name [1], in place of those of `rotor`, as for `folds`. The damping
-        ratio must be above 0 without friction.
+        Parameters of `Rotor` by name [dimensionless], in place of those of `rotor`, as for `folds`.
+        The damping ratio must be above 0 without friction.
 
     Returns
     -------
     Dataset
         On (zeta, delta0) and any others that are arrays: ``peak_amplitude``, ``peak_omega`` and
-        ``peak_contact_force`` [1]; NaN if the damping allows no peak.
+        ``peak_contact_force`` [dimensionless]; NaN if the damping allows no peak.
 
     Raises
     ------

@@ -44,19 +44,19 @@ def ramp_flight(
     Parameters
     ----------
     time : array_like, shape (...)
-        Times [1], none below 0.
+        Times [dimensionless], none below 0.
     rotor : Rotor
         The rotor, without a load. Its ``omega`` is the speed at time 0, when the unbalance points
         along x. The clearance is not used.
     start : tuple of four floats
-        ``(x, y, vx, vy)`` at time 0 [1]; by default at rest on the axis.
+        ``(x, y, vx, vy)`` at time 0 [dimensionless]; by default at rest on the axis.
     rate : float
-        Rate of change of the speed [1], negative in a run-down.
+        Rate of change of the speed [dimensionless], negative in a run-down.
 
     Returns
     -------
     ndarray, shape (4, ...)
-        ``x, y, vx, vy`` at `time` [1].
+        ``x, y, vx, vy`` at `time` [dimensionless].
 
     Raises
     ------

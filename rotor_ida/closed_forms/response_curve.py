@@ -62,21 +62,21 @@ def response_curve(
     rotor : Rotor, optional
         The rotor. Without it, ``zeta`` and ``delta0`` must be given.
     limits : tuple of two floats
-        Lowest and highest speed [1].
+        Lowest and highest speed [dimensionless].
     points : int
         Number of points from one fold, tip, first touch or limit to the next.
     **varied : float or array_like, shape (n,)
-        Parameters of `Rotor` by name [1], in place of those of `rotor`, as for `folds`.
+        Parameters of `Rotor` by name [dimensionless], in place of those of `rotor`, as for `folds`.
 
     Returns
     -------
     Dataset
         On (zeta, delta0, point), with other dimensions as for `folds` before ``point``: ``omega``,
-        ``amplitude`` [1], ``phase_lag`` [rad], ``stability`` and ``in_contact`` (flags), and
-        ``piece``, the number of the connected piece: first the contact-free whirl, then those in
-        contact. The first and the last point of an isola are the same. Shorter curves are padded
-        with NaN, the flag ``absent`` and piece -1. Under a load there is the whirl clear of the
-        stator alone, up to the touch, as from `synchronous_response`.
+        ``amplitude`` [dimensionless], ``phase_lag`` [rad], ``stability`` and ``in_contact``
+        (flags), and ``piece``, the number of the connected piece: first the contact-free whirl,
+        then those in contact. The first and the last point of an isola are the same. Shorter curves
+        are padded with NaN, the flag ``absent`` and piece -1. Under a load there is the whirl clear
+        of the stator alone, up to the touch, as from `synchronous_response`.
 
     Raises
     ------

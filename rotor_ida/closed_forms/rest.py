@@ -27,10 +27,10 @@ def rest(rotor: Rotor) -> xr.Dataset:
     Returns
     -------
     Dataset
-        ``x`` and ``y`` of the position of rest and the ``indentation`` there [1], its ``stability``
-        (flags), the undamped circular frequencies ``radial_frequency`` and
-        ``tangential_frequency`` of small vibration [1], and the ``growth_rate``, the largest real
-        part of the eigenvalues [1].
+        ``x`` and ``y`` of the position of rest and the ``indentation`` there [dimensionless], its
+        ``stability`` (flags), the undamped circular frequencies ``radial_frequency`` and
+        ``tangential_frequency`` of small vibration [dimensionless], and the ``growth_rate``, the
+        largest real part of the eigenvalues [dimensionless].
 
     Raises
     ------

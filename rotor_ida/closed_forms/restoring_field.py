@@ -25,16 +25,16 @@ def restoring_field(
     Parameters
     ----------
     x, y : float or sequence of float, shapes (n,) and (m,)
-        Positions [1].
+        Positions [dimensionless].
     delta0 : float or sequence of float, shape (k,)
-        Clearances [1].
+        Clearances [dimensionless].
     shaft_stiffness, contact_exponent : float
-        As of `Rotor` [1].
+        As of `Rotor` [dimensionless].
 
     Returns
     -------
     Dataset
-        ``restoring_x``, ``restoring_y`` and ``potential`` [1] on (delta0, y, x).
+        ``restoring_x``, ``restoring_y`` and ``potential`` [dimensionless] on (delta0, y, x).
 
     Raises
     ------

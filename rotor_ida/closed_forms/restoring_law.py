@@ -22,7 +22,7 @@ from rotor_ida.model.varied import Range
 
 
 def force(radius: Values, delta0: Values, exponent: Values) -> Values:
-    """Return ``f(r) = max(r - delta0, 0)**n`` [1].
+    """Return ``f(r) = max(r - delta0, 0)**n`` [dimensionless].
 
     Examples
     --------
@@ -36,7 +36,7 @@ def force(radius: Values, delta0: Values, exponent: Values) -> Values:
 def stiffnesses(
     radius: Values, delta0: Values | float, exponent: Values | float
 ) -> tuple[Values, Values]:
-    """Return the slope ``f'(r)`` and the secant stiffness ``f(r)/r`` [1].
+    """Return the slope ``f'(r)`` and the secant stiffness ``f(r)/r`` [dimensionless].
 
     Where a linear contact begins, the slope is 1; so is the secant without clearance.
 
@@ -55,7 +55,7 @@ def stiffnesses(
 
 @dataclass(frozen=True, slots=True)
 class RestoringLaw:
-    """Stiffness of contact and shaft, and friction, of one rotor [1].
+    """Stiffness of contact and shaft, and friction, of one rotor [dimensionless].
 
     The amplitude A, the force ``g(A) = f(A) + kappa A`` of contact and shaft together, and
     ``W = A f'(A) - f(A)`` are polynomials in ``u = sqrt(A - delta0)``, also for a Hertz contact.

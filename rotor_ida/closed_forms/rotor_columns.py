@@ -21,7 +21,7 @@ from rotor_ida.model.varied import Range, Varied, varied_of
 
 @dataclass(frozen=True, slots=True)
 class RotorColumns:
-    """Parameters of the whirls of many rotors [1]; arrays of the same shape.
+    """Parameters of the whirls of many rotors [dimensionless]; arrays of the same shape.
 
     A parameter that is not given has its default, or NaN if it is required.
     """

@@ -62,16 +62,17 @@ def whirl_torque(
     Parameters
     ----------
     amplitude : array_like
-        Amplitude A of the whirl [1].
+        Amplitude A of the whirl [dimensionless].
     omega, zeta, delta0, contact_exponent, friction : array_like
-        As for `Rotor` [1]; all but the exponent broadcast.
+        As for `Rotor` [dimensionless]; all but the exponent broadcast.
     disc_radius : array_like, optional
-        Radius rho of the disc [1], required with friction.
+        Radius rho of the disc [dimensionless], required with friction.
 
     Returns
     -------
     ndarray
-        Torque [1], in units of mass times eccentricity squared times reference frequency squared.
+        Torque [dimensionless], in units of mass times eccentricity squared times reference
+        frequency squared.
 
     Raises
     ------
@@ -149,15 +150,15 @@ def sommerfeld_curve(
     rotor, limits, points, **varied
         As for `response_curve`. The radius of the disc, one number, is required with friction.
     inertia : float
-        Moment of inertia about the centre of mass, over mass times eccentricity squared [1], as for
-        `rotor_ida.run_up`.
+        Moment of inertia about the centre of mass, over mass times eccentricity squared
+        [dimensionless], as for `rotor_ida.run_up`.
     slope : float
-        Decrease of the drive's torque per unit of speed [1].
+        Decrease of the drive's torque per unit of speed [dimensionless].
 
     Returns
     -------
     Dataset
-        The variables of `response_curve`, the ``torque`` of the whirl [1], and
+        The variables of `response_curve`, the ``torque`` of the whirl [dimensionless], and
         ``driven_stability`` (a flag), the stability with a free speed; ``stability`` is that at a
         fixed speed. ``inertia`` and ``slope`` are attributes.
 

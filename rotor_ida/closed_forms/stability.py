@@ -34,17 +34,17 @@ def stability_determinant(
     Parameters
     ----------
     amplitude : array_like
-        Amplitude A of the whirl [1].
+        Amplitude A of the whirl [dimensionless].
     omega, zeta, delta0 : array_like
-        Spin speed, damping ratio and clearance [1]; all broadcast.
+        Spin speed, damping ratio and clearance [dimensionless]; all broadcast.
     shaft_stiffness, contact_exponent, contact_damping, friction : array_like
-        As for `Rotor` [1]. The contact damping has no effect here.
+        As for `Rotor` [dimensionless]. The contact damping has no effect here.
 
     Returns
     -------
     ndarray
-        D [1]: positive for a stable whirl, negative for an unstable one, zero at a fold. With
-        contact damping or friction a whirl may also be unstable where D is positive: see
+        D [dimensionless]: positive for a stable whirl, negative for an unstable one, zero at a
+        fold. With contact damping or friction a whirl may also be unstable where D is positive: see
         `eigenvalues`.
 
     Raises
@@ -115,7 +115,7 @@ def eigenvalues(
     Returns
     -------
     ndarray of complex, shape (..., 4)
-        Growth rates (real parts) and frequencies (imaginary parts) [1].
+        Growth rates (real parts) and frequencies (imaginary parts) [dimensionless].
 
     Raises
     ------

@@ -54,19 +54,21 @@ def synchronous_response(
     speed : float or array_like, shape (n,)
         Spin speeds of a `RotorSystem`. Those of a `DimensionalRotor` are a parameter of it.
     **varied : float or array_like, shape (n,)
-        Parameters of `Rotor` by name [1], in place of those of `rotor`; all are combined. Under a
-        load only the whirl clear of the stator is known. The radius of the disc has no effect.
+        Parameters of `Rotor` by name [dimensionless], in place of those of `rotor`; all are
+        combined. Under a load only the whirl clear of the stator is known. The radius of the disc
+        has no effect.
     contacts, unbalance, supports, bearings, gravity, static_force : optional
         In place of those of a `RotorSystem`, as in `simulate`.
 
     Returns
     -------
     Dataset
-        On the dimensions (omega, zeta, delta0, branch): ``amplitude`` [1], ``phase_lag``
-        [rad], ``stability`` and ``in_contact`` (flags) and ``growth_rate`` [1]. The branches
-        are in order of amplitude, padded with NaN, the flag ``absent``, and 0 for ``in_contact``.
-        Of the optional parameters, an array becomes a dimension before ``branch``, in the order of
-        those of `Rotor`, and a number other than the default becomes a coordinate.
+        On the dimensions (omega, zeta, delta0, branch): ``amplitude`` [dimensionless],
+        ``phase_lag`` [rad], ``stability`` and ``in_contact`` (flags) and ``growth_rate``
+        [dimensionless]. The branches are in order of amplitude, padded with NaN, the flag
+        ``absent``, and 0 for ``in_contact``. Of the optional parameters, an array becomes a
+        dimension before ``branch``, in the order of those of `Rotor`, and a number other than the
+        default becomes a coordinate.
 
         Of any `RotorSystem` its unbalance response without contact: on ``(speed, node)``
         ``node_major_axis`` and ``node_minor_axis`` of the orbit, from peak to peak, the latter

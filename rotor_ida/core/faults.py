@@ -45,15 +45,15 @@ def fault_of(
     rotor : Rotor
         The rotor.
     samples : tuple of ndarray
-        Times and states of samples, in either frame [1].
+        Times and states of samples, in either frame [dimensionless].
     events : tuple of ndarray
-        Times, kinds and states of events, in the frame of the samples [1].
+        Times, kinds and states of events, in the frame of the samples [dimensionless].
     contacts : ndarray of `CONTACT`
-        The contacts [1].
+        The contacts [dimensionless].
     began : int
         Whether it began in contact.
     allowed : float
-        How far a sample may lie on the wrong side of the stator [1].
+        How far a sample may lie on the wrong side of the stator [dimensionless].
     modes : ndarray, shape (m + 1,), optional
         With friction, the mode from the start, and from each event on.
     """

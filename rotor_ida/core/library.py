@@ -45,6 +45,13 @@ def library(model: str = "paper") -> ctypes.CDLL:
 
 
 @cache
+def why_missing() -> str:
+    """Return that there is no core, and how to get one; empty where one is, even if broken."""
+    path = identity.library_path(FOLDER, identity.LEVELS[0])
+    return "" if path.is_file() else f"the compiled core {path} is missing; run: {_cure()}"
+
+
+@cache
 def offered() -> tuple[str, ...]:
     """Return the levels that this processor supports, the plainest first."""
     # the plainest library is queried, as only it runs on every processor

@@ -73,40 +73,41 @@ class RunRequest:
     rotor : Rotor
         The rotor.
     start : sequence of float
-        ``(x, y, vx, vy)`` at time 0 [1].
+        ``(x, y, vx, vy)`` at time 0 [dimensionless].
     duration : float
-        Time to simulate [1].
+        Time to simulate [dimensionless].
     rtol, atol : float
-        Tolerances of one step [1].
+        Tolerances of one step [dimensionless].
     method : {"taylor", "adams", "bdf"}
         Solver in contact, and in flight if that is not exact.
     exact_flight : bool
         Whether flight is in closed form.
     slack : float
-        How far after the end an event may lie and still be found [1].
+        How far after the end an event may lie and still be found [dimensionless].
     sample_times : ndarray, shape (n,), optional
-        Times to report, increasing [1].
+        Times to report, increasing [dimensionless].
     fixed_axes : bool
         Whether samples, events and the last state are given on fixed axes.
     events, extrema : bool
         Whether events and contacts, and the extrema of the radius, are recorded.
     bundle : ndarray, shape (4, 4) or (4 + n, 4), optional
         Differences from the motion, integrated in place; with Taylor series the last n rows become
-        the derivatives by `COLUMNS`: three in the paper's model, eight in the general one [1].
+        the derivatives by `COLUMNS`: three in the paper's model, eight in the general one
+        [dimensionless].
     whole : bool
         Whether to use the core of the general model even if the paper's would do.
     pieces : ndarray of `PIECE`, optional
-        Pieces of the speed profile [1]: each has a prescribed initial speed and rate, or a torque.
-        Flight is then integrated by Taylor series.
+        Pieces of the speed profile [dimensionless]: each has a prescribed initial speed and rate,
+        or a torque. Flight is then integrated by Taylor series.
     angle : float
-        Angle of the unbalance at time 0, if the speed changes [1].
+        Angle of the unbalance at time 0, if the speed changes [dimensionless].
     most_steps : int
         The run may take no more steps than this, where a flight in closed form is one; 0 for any
         number.
     stop : ndarray of uint8, shape (1,)
         Stops the run as soon as it is not 0.
     watch : list of callable, optional
-        Receives a function that returns the time that the run has reached [1].
+        Receives a function that returns the time that the run has reached [dimensionless].
     """
 
     rotor: Rotor
@@ -144,7 +145,7 @@ class RunResult:
     status : int
         0, or the code of an early end.
     time : float
-        Time of the end [1].
+        Time of the end [dimensionless].
     state : tuple of float
         The state there.
     began, where : int
@@ -157,15 +158,15 @@ class RunResult:
         Mode from the start, and from each event on, as in `enum contact_mode`; None without
         friction.
     contacts : ndarray of `CONTACT`
-        The contacts [1].
+        The contacts [dimensionless].
     extrema : ndarray of `EXTREMUM`
-        The extrema of the radius [1].
+        The extrema of the radius [dimensionless].
     evaluations : int
         Evaluations of the right-hand side, or orders expanded.
     steps : int
         Steps taken.
     end_spin : ndarray of `SPIN`, shape ()
-        Angle and speed at the end, if the speed changes [1].
+        Angle and speed at the end, if the speed changes [dimensionless].
     sample_spins, event_spins : ndarray of `SPIN`
         The same at the samples and at the events.
     """

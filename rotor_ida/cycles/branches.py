@@ -47,7 +47,7 @@ def branches_through(
     compared : Dataset
         Result of `rotor_ida.compare` for a sweep.
     limits : tuple of float
-        The lowest and the highest speed to which they are followed [1].
+        The lowest and the highest speed to which they are followed [dimensionless].
     points : int
         The largest number of points of each branch, each way.
     progress : callable or bool, optional
@@ -70,7 +70,7 @@ def branches_through(
     >>> swept = sweep(omega=[2.7, 3.0], zeta=0.07, delta0=0.5, starts=[(3, 1, 0, 0)])
     >>> branches = branches_through(compare(swept), limits=(0.05, 5.0))
     >>> [branch.attrs["closed"] for branch in branches]
-    [1]
+    [dimensionless]
     """
     check_instance("compared", compared, xr.Dataset)
     count = check_count("points", points, minimum=2, maximum=MOST_NUMBERS)

@@ -122,7 +122,7 @@ def continue_cycle(
         ``clearance``. Of a `RotorSystem` ``speed`` (the default) or a parameter of a `sweep`:
         ``clearance``, ``friction``, ``unbalance``, ``damping`` or ``stiffness``.
     limits : tuple of float
-        Its smallest and largest value, [1] or in its SI unit; speeds of the same sign.
+        Its smallest and largest value, [dimensionless] or in its SI unit; speeds of the same sign.
     direction : {"both", "forward", "backward"}
         Direction from the start. Forward is towards larger values of the parameter, or from a point
         of a branch onwards along that branch, or from a Hopf point towards larger cycles. From a
@@ -149,8 +149,8 @@ def continue_cycle(
         On ``point`` the continued parameter, ``period``, ``radius_min``, ``radius_max``,
         ``stability``, ``response``, ``contact_count``, ``largest_force``, ``impulse_per_period``,
         ``trace``, the multipliers, ``residual``, and a state ``x y vx vy`` on the rotating axes
-        [1]. On ``special``, in order along the branch, ``special_kind`` (fold, period doubling,
-        graze, torus, sliding, hopf, discontinuous), ``special_value`` of the parameter,
+        [dimensionless]. On ``special``, in order along the branch, ``special_kind`` (fold, period
+        doubling, graze, torus, sliding, hopf, discontinuous), ``special_value`` of the parameter,
         ``special_period`` and the state there; ``special_point`` is the point before it. The
         attribute ``closed`` is 1 if the branch returns to its beginning. ``first_end`` and
         ``last_end`` are the kinds of its ends, ``first_reason`` and ``last_reason`` explain why no
@@ -439,14 +439,14 @@ def bifurcation_curve(
     start : array_like, shape (4,), (q, velocity), "settled", "rest" or Dataset
         A special point of this kind of a branch, ``branch.isel(special=...)``. Or a limit cycle, a
         point of a branch, or a start ``(x, y, vx, vy)`` or word, as for `simulate`, that leads to a
-        cycle [1], by default at rest; then the branch over the first parameter is
+        cycle [dimensionless], by default at rest; then the branch over the first parameter is
         followed to the nearest one.
     kind : {"fold", "period_doubling", "torus"}
         The bifurcation to follow. A torus is born only with contact damping, friction or a load.
     parameters : tuple of str
         The two parameters to vary, as for `continue_cycle`.
     limits : mapping of str to tuple, or two tuples
-        The smallest and the largest value of each, [1] or in its SI unit.
+        The smallest and the largest value of each, [dimensionless] or in its SI unit.
     points : int
         The largest number of points each way.
     study : path-like, optional

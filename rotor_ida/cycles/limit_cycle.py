@@ -120,16 +120,17 @@ def limit_cycle(
         The rotor. It must turn and be damped. For a `DimensionalRotor` numbers with a unit are in
         SI units, as for `rotor_ida.simulate`; a dataset has its own.
     start : array_like, shape (4,), (q, velocity), "settled", "rest" or Dataset
-        ``(x, y, vx, vy)`` at time 0 [1], by default at rest; of a `RotorSystem` as in
+        ``(x, y, vx, vy)`` at time 0 [dimensionless], by default at rest; of a `RotorSystem` as in
         `simulate`. A start of one disc that returns to itself to a relative 1e-3 is taken as a
         guess of a cycle, stable or not. From any other start the rotor is followed to its
         attractor. Another limit cycle, or one point of a branch, serves as a guess, and of a
         `RotorSystem` one point of a `sweep` that has a period; the end of a run, or of one point of
         a sweep, as a start.
     period : float, optional
-        Approximate period of the cycle, or a multiple of it, from 1e-6 to 1e4 [1]: Newton's method
-        then begins at the start itself. Under a load it must be a whole number of revolutions to
-        within a tenth. That of a `RotorSystem` that is not axisymmetric is rounded to one.
+        Approximate period of the cycle, or a multiple of it, from 1e-6 to 1e4 [dimensionless]:
+        Newton's method then begins at the start itself. Under a load it must be a whole number of
+        revolutions to within a tenth. That of a `RotorSystem` that is not axisymmetric is rounded
+        to one.
     speed : float or array_like, shape (n,), optional
         Spin speed of a `RotorSystem`, not 0; by default that of the start. That of a
         `DimensionalRotor` is a parameter of it.
@@ -142,9 +143,9 @@ def limit_cycle(
     workers, executor, study
         As in `sweep`, for the points.
     **varied : float or array_like, shape (n,)
-        Parameters of `Rotor` by name [1], or of a `DimensionalRotor` by its own, in place of those
-        of `rotor`. Each array becomes a dimension of the result, with each value once; all are
-        combined, and there is a cycle at each point.
+        Parameters of `Rotor` by name [dimensionless], or of a `DimensionalRotor` by its own, in
+        place of those of `rotor`. Each array becomes a dimension of the result, with each value
+        once; all are combined, and there is a cycle at each point.
     clearance, friction, unbalance, damping, stiffness : float or array_like, shape (n,), optional
         Parameters of a `RotorSystem`, as in `sweep`; each array becomes a dimension too.
     contacts, unbalance, supports, bearings, gravity, static_force : optional
@@ -158,7 +159,7 @@ def limit_cycle(
         also ``quasi_periodic`` or ``not_found``; then all other variables are NaN. The ``period``
         on the rotating axes and ``period_error``, ``radius_min``, ``radius_max``,
         ``contact_count`` in a period, ``largest_force``, ``impulse_per_period``, ``stability``,
-        ``residual`` [1]. On ``multiplier``, by decreasing modulus, ``multiplier_real``,
+        ``residual`` [dimensionless]. On ``multiplier``, by decreasing modulus, ``multiplier_real``,
         ``multiplier_imag`` and ``multiplier_error``. On ``t`` one period of ``x y vx vy``, resolved
         on the rotating axes. On ``line`` the spectrum on fixed axes: ``frequency``,
         ``whirl_amplitude`` and ``line_kind``. ``side_line_over_spin`` is the frequency of the
@@ -226,7 +227,7 @@ def limit_cycle(
 
     >>> same = limit_cycle(Rotor(omega=2.0, zeta=0.07, delta0=2.0).system(), speed=2.0)
     >>> same.period.round(9).item(), same.contact_count.values
-    (4.563916675, array([1]))
+    (4.563916675, array([dimensionless]))
 
     At each of several speeds:
 

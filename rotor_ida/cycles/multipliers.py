@@ -146,8 +146,8 @@ def symplectic_defect(orbit: Orbit) -> float:
     """Return the deviation of the matrix of one disc from the structure assumed for multipliers.
 
     The largest element of ``M^T S M - q S``, relative to that of ``M^T S M`` with all signs
-    positive [1]; about 1e-15 by rounding alone. NaN with contact damping or friction, where there
-    is no such structure.
+    positive [dimensionless]; about 1e-15 by rounding alone. NaN with contact damping or friction,
+    where there is no such structure.
     """
     rotor, matrix = orbit.rotor, orbit.monodromy
     if not rotor.damps_uniformly:

@@ -175,7 +175,7 @@ class Orbit:
 
     @property
     def largest_force(self) -> float:
-        """Largest contact force of one disc [1]."""
+        """Largest contact force of one disc [dimensionless]."""
         if self.rotor.contact_damping > 0.0:
             return float(np.nanmax(self.piece.contacts["largest_force"]))
         exponent = self.rotor.contact_exponent

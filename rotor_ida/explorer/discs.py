@@ -67,7 +67,7 @@ class Disc:
 
     @property
     def speed(self) -> float:
-        """Spin speed [1]."""
+        """Spin speed [dimensionless]."""
         return self.rotor.omega
 
     @property
@@ -113,7 +113,7 @@ class Disc:
 
     @property
     def duration(self) -> float:
-        """The length of the run [1]."""
+        """The length of the run [dimensionless]."""
         return self.question.revolutions * 2.0 * math.pi / (self.speed or 1.0)
 
     def seen(self, run: xr.Dataset) -> Values:

@@ -152,7 +152,7 @@ def recording(
     machine : Rotor or DimensionalRotor
         The rotor; its speed is shown first.
     start : tuple of float
-        ``(x, y, vx, vy)`` at time 0 [1].
+        ``(x, y, vx, vy)`` at time 0 [dimensionless].
     revolutions : int
         Length of each run.
     speeds : sequence of float

@@ -110,15 +110,17 @@ class Question(Asked):
     machine : Rotor or DimensionalRotor
         The rotor on the page.
     start : tuple of float
-        ``(x, y, vx, vy)`` at time 0 [1]; the page may ask for none, where the rotor hangs at rest.
+        ``(x, y, vx, vy)`` at time 0 [dimensionless]; the page may ask for none, where the rotor
+        hangs at rest.
     revolutions : int
         Length of the run; without spin, in units of 2 pi in time.
     speeds : tuple of float
-        Lowest and highest speed of the response curve [1].
+        Lowest and highest speed of the response curve [dimensionless].
     reach : float
-        Half-width of the plane of starts in x and y [1].
+        Half-width of the plane of starts in x and y [dimensionless].
     to, rate : float, optional
-        For a piece of a run-up: the speed at its end, and the rate of change of the speed [1].
+        For a piece of a run-up: the speed at its end, and the rate of change of the speed
+        [dimensionless].
     angle : float
         The angle of the unbalance at the beginning of that piece [rad]; `start` is on axes that
         point along the unbalance.
@@ -407,7 +409,7 @@ def largest_speed(machine: DimensionalRotor) -> float:
 
 
 def speeds_shown(machine: Rotor | DimensionalRotor) -> tuple[float, float]:
-    """Return the default range of speeds of the response curve [1]."""
+    """Return the default range of speeds of the response curve [dimensionless]."""
     if isinstance(machine, Rotor):
         return SPEEDS
     top = ROOM * largest_speed(machine) / machine.reference_frequency

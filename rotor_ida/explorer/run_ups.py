@@ -127,13 +127,13 @@ class Passed:
     Parameters
     ----------
     begin, end : float
-        Speeds at its beginning and end [1].
+        Speeds at its beginning and end [dimensionless].
     first_touch_speed : float
-        Speed of the first contact [1]; NaN without one.
+        Speed of the first contact [dimensionless]; NaN without one.
     smallest_gap, largest_radius_speed : float
-        Clearance less the largest radius, and the speed at which that occurred [1].
+        Clearance less the largest radius, and the speed at which that occurred [dimensionless].
     largest_force, largest_force_speed : float
-        Largest contact force, and the speed at which it occurred [1].
+        Largest contact force, and the speed at which it occurred [dimensionless].
     now : {"clear", "rub", "whip"}
         State at the end.
     """
@@ -219,7 +219,7 @@ class Record:
     Parameters
     ----------
     step : float
-        Step of the samples [1].
+        Step of the samples [dimensionless].
     time, angle, speed : float
         Time and angle since the beginning of the record, and the speed, at its end.
     way : float

@@ -204,9 +204,9 @@ def words_of_transient(
     machine : Rotor or DimensionalRotor
         The rotor.
     omega : float
-        Its speed [1].
+        Its speed [dimensionless].
     drawn, settled : float
-        Times at which the drawn run ends, and at which the rotor has settled [1].
+        Times at which the drawn run ends, and at which the rotor has settled [dimensionless].
 
     Examples
     --------
@@ -235,9 +235,9 @@ def words_of_whip(
     machine : Rotor or DimensionalRotor
         The rotor.
     saddle, whip : float
-        Radii of the slipping backward whirl and of dry whip [1]; NaN if there is none.
+        Radii of the slipping backward whirl and of dry whip [dimensionless]; NaN if there is none.
     birth : float
-        Speed from which both exist [1]; NaN if friction is too weak at any speed.
+        Speed from which both exist [dimensionless]; NaN if friction is too weak at any speed.
 
     Examples
     --------

@@ -87,8 +87,8 @@ def fit(
         which the unbalance leads the keyphasor mark [rad]; 0 if it is not fitted. Its first guess
         comes from the phase of the whirl before contact, or is 0 where that says nothing.
     orders : array_like, shape (k,)
-        Multiples of the speed whose amplitudes and phases are compared, forward and backward [1];
-        0 is the mean position.
+        Multiples of the speed whose amplitudes and phases are compared, forward and backward
+        [dimensionless]; 0 is the mean position.
     revolutions : int, optional
         Length of the windows, as in `rotor_ida.orders`.
     start : array_like, "settled", "rest", or a sequence of them, optional
@@ -104,7 +104,7 @@ def fit(
         Standard deviation of the noise in x and y, in the unit of the signals. By default it is
         estimated from the residual of the windows after all orders.
     confidence : float
-        Probability that an interval contains the true value [1].
+        Probability that an interval contains the true value [dimensionless].
     limit : float, optional
         Longest time to search [s]. A trial that has begun is ended, and the best one is returned.
     progress : callable or bool, optional

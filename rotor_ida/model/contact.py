@@ -33,7 +33,7 @@ SMALL_INDENTATION = 0.1
 
 
 def gap(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
-    """Return the gap, ``delta0 - r`` [1]; negative in contact.
+    """Return the gap, ``delta0 - r`` [dimensionless]; negative in contact.
 
     Examples
     --------
@@ -44,7 +44,7 @@ def gap(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
 
 
 def indentation(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
-    """Return the indentation, ``max(r - delta0, 0)`` [1].
+    """Return the indentation, ``max(r - delta0, 0)`` [dimensionless].
 
     Examples
     --------
@@ -57,19 +57,19 @@ def indentation(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
 def contact_force(
     radius: npt.ArrayLike, delta0: npt.ArrayLike, exponent: float = HERTZ_EXPONENT
 ) -> Values:
-    """Return the undamped contact force towards the centre [1].
+    """Return the undamped contact force towards the centre [dimensionless].
 
     Parameters
     ----------
     radius, delta0 : array_like
-        Distance of the rotor from the bearing axis and radial clearance [1]; broadcast.
+        Distance of the rotor from the bearing axis and radial clearance [dimensionless]; broadcast.
     exponent : float
         3/2 by Hertz, or 1, a linear spring.
 
     Returns
     -------
     ndarray
-        ``f(r) = max(r - delta0, 0)**n`` [1].
+        ``f(r) = max(r - delta0, 0)**n`` [dimensionless].
 
     References
     ----------
@@ -85,7 +85,7 @@ def contact_force(
 
 
 def force_at_depth(depth: float, exponent: float) -> tuple[float, float]:
-    """Return the force of a contact and its slope at one indentation [1].
+    """Return the force of a contact and its slope at one indentation [dimensionless].
 
     Examples
     --------
@@ -99,7 +99,7 @@ def force_at_depth(depth: float, exponent: float) -> tuple[float, float]:
 
 
 def contact_stiffness(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
-    """Return the slope of the Hertz force, ``f'(r) = 1.5 max(r - delta0, 0)**0.5`` [1].
+    """Return the slope of the Hertz force, ``f'(r) = 1.5 max(r - delta0, 0)**0.5`` [dimensionless].
 
     Examples
     --------
@@ -113,7 +113,7 @@ def contact_stiffness(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
 def secant_stiffness(
     radius: npt.ArrayLike, delta0: npt.ArrayLike, exponent: float = HERTZ_EXPONENT
 ) -> Values:
-    """Return force over radius, ``s(r) = f(r) / r`` [1]; zero, its limit, at r = 0.
+    """Return force over radius, ``s(r) = f(r) / r`` [dimensionless]; zero, its limit, at r = 0.
 
     Examples
     --------
@@ -158,7 +158,7 @@ def clipped_factor(radial_speed: npt.ArrayLike, contact_damping: float) -> Value
 def contact_potential(
     radius: npt.ArrayLike, delta0: npt.ArrayLike, exponent: float = HERTZ_EXPONENT
 ) -> Values:
-    """Return the elastic energy, ``V(r) = max(r - delta0, 0)**(n + 1)/(n + 1)`` [1].
+    """Return the elastic energy, ``V(r) = max(r - delta0, 0)**(n + 1)/(n + 1)`` [dimensionless].
 
     References
     ----------

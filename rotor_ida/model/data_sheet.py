@@ -99,7 +99,8 @@ def machine_from_data_sheet(
     damping : float or str, optional
         Damping coefficient [N s/m], such as ``"416Ns/m"``.
     damping_ratio : float or str, optional
-        Or the damping ratio at the critical speed [1], ``c/(2 sqrt(k m))``, such as ``"3%"``.
+        Or the damping ratio at the critical speed [dimensionless], ``c/(2 sqrt(k m))``, such as
+        ``"3%"``.
     eccentricity : float or str, optional
         Distance of the mass centre from the disc centre [m].
     unbalance : float or str, optional
@@ -116,7 +117,7 @@ def machine_from_data_sheet(
     load : float or str, optional
         Static load [N], downwards, or the word ``weight``.
     friction : float or str, optional
-        Friction coefficient of the contact [1].
+        Friction coefficient of the contact [dimensionless].
     disc_radius : float or str, optional
         Radius of the disc [m], required with friction.
 

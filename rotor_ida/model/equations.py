@@ -41,16 +41,16 @@ def field(time: float, state: npt.ArrayLike, rotor: Rotor) -> Values:
     Parameters
     ----------
     time : float
-        Dimensionless time [1].
+        Dimensionless time [dimensionless].
     state : array_like, shape (4,)
-        ``(x, y, vx, vy)`` [1].
+        ``(x, y, vx, vy)`` [dimensionless].
     rotor : Rotor
         The rotor.
 
     Returns
     -------
     ndarray, shape (4,)
-        ``(vx, vy, ax, ay)`` [1].
+        ``(vx, vy, ax, ay)`` [dimensionless].
 
     Notes
     -----
@@ -104,7 +104,7 @@ def jacobian(state: npt.ArrayLike, rotor: Rotor) -> Values:
 
 
 def rotating_field(state: npt.ArrayLike, rotor: Rotor, time: float = 0.0) -> Values:
-    """Return the rate of change of the state in the rotating frame, shape (4,) [1].
+    """Return the rate of change of the state in the rotating frame, shape (4,) [dimensionless].
 
     A load rotates in this frame; `time` gives its direction.
 
@@ -130,7 +130,7 @@ def rotating_field(state: npt.ArrayLike, rotor: Rotor, time: float = 0.0) -> Val
 
 
 def rotating_jacobian(state: npt.ArrayLike, rotor: Rotor) -> Values:
-    """Return the derivative of `rotating_field` by the state, shape (4, 4) [1].
+    """Return the derivative of `rotating_field` by the state, shape (4, 4) [dimensionless].
 
     Its eigenvalues at a synchronous whirl are those of the whirl.
 
@@ -177,14 +177,14 @@ def rotated(states: npt.ArrayLike, angle: npt.ArrayLike) -> Values:
     Parameters
     ----------
     states : array_like, shape (..., 4)
-        States ``(x, y, vx, vy)`` [1].
+        States ``(x, y, vx, vy)`` [dimensionless].
     angle : array_like, shape (...)
         Angle [rad].
 
     Returns
     -------
     ndarray, shape (..., 4)
-        The rotated states [1].
+        The rotated states [dimensionless].
 
     Examples
     --------
@@ -209,21 +209,23 @@ def energy(
     contact_exponent: float = HERTZ_EXPONENT,
     load: float = 0.0,
 ) -> Values:
-    """Return the energy, ``|z'|**2/2 + kappa |z|**2/2 + V(|z|) + gamma y`` [1].
+    """Return the energy, ``|z'|**2/2 + kappa |z|**2/2 + V(|z|) + gamma y`` [dimensionless].
 
     Parameters
     ----------
     states : array_like, shape (..., 4)
-        States ``(x, y, vx, vy)`` [1], in either frame, or under a load in the fixed frame.
+        States ``(x, y, vx, vy)`` [dimensionless], in either frame, or under a load in the fixed
+        frame.
     delta0 : float
-        Radial clearance [1].
+        Radial clearance [dimensionless].
     shaft_stiffness, contact_exponent, load : float
-        As in `Rotor` [1]; default: the paper's rotor, with energy ``|z'|**2/2 + V(|z|)``.
+        As in `Rotor` [dimensionless]; default: the paper's rotor, with energy ``|z'|**2/2 +
+        V(|z|)``.
 
     Returns
     -------
     ndarray, shape (...)
-        The energy [1]. It is conserved at ``omega = zeta = 0`` without contact damping.
+        The energy [dimensionless]. It is conserved at ``omega = zeta = 0`` without contact damping.
 
     References
     ----------
@@ -247,7 +249,7 @@ def energy(
 
 
 def angular_momentum(states: npt.ArrayLike) -> Values:
-    """Return the angular momentum about the bearing axis, ``x vy - y vx`` [1].
+    """Return the angular momentum about the bearing axis, ``x vy - y vx`` [dimensionless].
 
     Examples
     --------
@@ -259,22 +261,22 @@ def angular_momentum(states: npt.ArrayLike) -> Values:
 
 
 def power(time: npt.ArrayLike, states: npt.ArrayLike, rotor: Rotor) -> Values:
-    """Return the power of the unbalance less the damping losses, ``dE/dt`` [1].
+    """Return the power of the unbalance less the damping losses, ``dE/dt`` [dimensionless].
 
     Parameters
     ----------
     time : array_like, shape (...)
-        Dimensionless times [1].
+        Dimensionless times [dimensionless].
     states : array_like, shape (..., 4)
-        States ``(x, y, vx, vy)`` [1] in the fixed frame at those times.
+        States ``(x, y, vx, vy)`` [dimensionless] in the fixed frame at those times.
     rotor : Rotor
         The rotor.
 
     Returns
     -------
     ndarray, shape (...)
-        ``-2 zeta |z'|**2 + Re(omega**2 exp(i omega t) conj(z'))`` [1], less the loss in the
-        contact, ``(N - d**n) d'``, with contact damping.
+        ``-2 zeta |z'|**2 + Re(omega**2 exp(i omega t) conj(z'))`` [dimensionless], less the loss in
+        the contact, ``(N - d**n) d'``, with contact damping.
 
     Examples
     --------

@@ -34,13 +34,13 @@ class Moment(NamedTuple):
     Parameters
     ----------
     position, velocity : tuple of number
-        Displacement and velocity of the disc's centre [1].
+        Displacement and velocity of the disc's centre [dimensionless].
     normal : tuple of number
-        Direction from the bearing axis to the disc's centre [1].
+        Direction from the bearing axis to the disc's centre [dimensionless].
     unbalance : tuple of number
-        Direction of the unbalance [1].
+        Direction of the unbalance [dimensionless].
     down : tuple of number
-        Direction of the load [1].
+        Direction of the load [dimensionless].
     """
 
     position: Pair
@@ -57,7 +57,7 @@ def with_values(rotor: Any, **values: Number) -> SimpleNamespace:
 
 
 def accelerations(at: Moment, push: Number, rotor: Any, drag: Number = 0.0) -> Pair:
-    """Return both components of z'' [1]: the one statement of all forces.
+    """Return both components of z'' [dimensionless]: the one statement of all forces.
 
     ``z'' = omega**2 e - 2 zeta z' - kappa z - (N + i T) z/|z| + gamma g``, with the directions e
     and g of unbalance and load. `push` is the normal force N, `drag` the tangential force T, and
@@ -70,7 +70,7 @@ def accelerations(at: Moment, push: Number, rotor: Any, drag: Number = 0.0) -> P
 
 
 def resistance(velocity: Pair, rotor: Any) -> Number:
-    """Return the resistance of the surroundings, as force over velocity [1].
+    """Return the resistance of the surroundings, as force over velocity [dimensionless].
 
     It enters the accelerations, the energy that a contact dissipates, and the net torque of a
     drive. `velocity` has components along any two directions.
@@ -91,7 +91,7 @@ def _along(i: int, at: Moment, push: Number, rotor: Any) -> Number:
 
 
 def secant(square: Number, rotor: Any) -> Number:
-    """Return force over distance without clearance, as a function of ``|z|**2`` [1]."""
+    """Return force over distance without clearance, as a function of ``|z|**2`` [dimensionless]."""
     return rotor.felt * (rotor.hertz * secant_of_square(square) + rotor.linear)
 
 

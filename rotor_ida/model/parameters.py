@@ -52,7 +52,7 @@ class Parameter:
     sets_scales : bool
         Whether the scales of a machine depend on it, so that it cannot be an axis of machines.
     smallest, largest : float
-        Smallest nonzero value and largest value of a rotor that can be simulated [1].
+        Smallest nonzero value and largest value of a rotor that can be simulated [dimensionless].
     """
 
     name: str

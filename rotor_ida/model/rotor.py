@@ -36,25 +36,26 @@ class Rotor:
     Parameters
     ----------
     omega : float
-        Spin speed over the reference frequency [1]; 0 is free vibration.
+        Spin speed over the reference frequency [dimensionless]; 0 is free vibration.
     zeta : float
-        Damping ratio of the reference frequency, ``n/(2 m omega_0)`` [1]. The damping ratio of the
-        critical speed is ``zeta/sqrt(kappa)``.
+        Damping ratio of the reference frequency, ``damping/(2 m omega_0)`` [dimensionless]. That of
+        the critical speed is ``zeta/sqrt(kappa)``.
     delta0 : float
-        Radial clearance over eccentricity [1]; 0 means always in contact.
+        Radial clearance over eccentricity [dimensionless]; 0 means always in contact.
     shaft_stiffness : float
-        Shaft stiffness kappa [1].
+        Shaft stiffness kappa [dimensionless].
     contact_exponent : {1.5, 1.0}
         Exponent n of the contact force: 3/2 by Hertz, or 1, a linear spring.
     contact_damping : float
-        Contact damping c: relative increase of the contact force per unit approach speed [1].
+        Contact damping c: relative increase of the contact force per unit approach speed
+        [dimensionless].
     load : float
-        Static load gamma, downwards [1].
+        Static load gamma, downwards [dimensionless].
     friction : float
-        Coefficient mu of Coulomb friction in the contact [1].
+        Coefficient mu of Coulomb friction in the contact [dimensionless].
     disc_radius : float, optional
-        Radius rho of the disc over eccentricity [1], required with friction. Without friction it
-        has no effect.
+        Radius rho of the disc over eccentricity [dimensionless], required with friction. Without
+        friction it has no effect.
 
     Raises
     ------
@@ -219,7 +220,7 @@ class DimensionalRotor:
     contact_stiffness : float
         Stiffness of the contact, k [N/m^n]: N/m^1.5 by Hertz, N/m for a linear spring.
     damping : float
-        Viscous damping coefficient, n [N s/m].
+        Viscous damping coefficient [N s/m], which the paper writes n.
     eccentricity : float
         Distance of the mass centre from the disc centre, D [m].
     clearance : float
@@ -236,7 +237,7 @@ class DimensionalRotor:
     load : float
         Static load, downwards, L [N]; the weight is mass times 9.80665 m/s^2.
     friction : float
-        Coefficient of Coulomb friction in the contact [1].
+        Coefficient of Coulomb friction in the contact [dimensionless].
     disc_radius : float, optional
         Radius of the disc, R [m], required with friction.
 
@@ -316,10 +317,10 @@ class DimensionalRotor:
 
     @property
     def damping_ratio(self) -> float:
-        """Damping ratio of the critical speed, ``n/(2 sqrt(k_s m))`` [1]; NaN without a shaft.
+        """Damping ratio of the critical speed, ``damping/(2 sqrt(k_s m))`` [dimensionless], or NaN.
 
         The ``zeta`` of `Rotor` is the damping ratio of the reference frequency,
-        ``n/(2 m omega_0)``.
+        ``damping/(2 m omega_0)``. Without a shaft it is NaN.
         """
         if self.shaft_stiffness == 0.0:
             return math.nan

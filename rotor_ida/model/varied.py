@@ -59,9 +59,9 @@ class Varied:
     ----------
     given : mapping of str to ndarray, shape () or (n,)
         The numbers of the rotor and the axes, parameters first, in the order of `ALL_PARAMETERS`
-        [1]: numbers are scalar coordinates of a result, axes are its dimensions. An optional
-        number equal to its default is left out. Behind them are the axes of what is no parameter,
-        such as ``start``.
+        [dimensionless]: numbers are scalar coordinates of a result, axes are its dimensions. An
+        optional number equal to its default is left out. Behind them are the axes of what is no
+        parameter, such as ``start``.
     system : RotorSystem, optional
         The system whose parameters, and whose speed, these are; without it they are those of one
         disc.

@@ -33,7 +33,7 @@ def whirl_over_spin(
     Returns
     -------
     ratio : ndarray
-        ``turned/angle``; 0 if there is no sense [1].
+        ``turned/angle``; 0 if there is no sense [dimensionless].
     sense : ndarray of int8
         1 for forward, -1 for backward, 0 for none.
 

@@ -62,14 +62,14 @@ def hamiltonian(states: npt.ArrayLike, delta0: float) -> Values:
     Parameters
     ----------
     states : array_like, shape (..., 4)
-        States ``(x, y, vx, vy)`` [1].
+        States ``(x, y, vx, vy)`` [dimensionless].
     delta0 : float
-        Radial clearance [1].
+        Radial clearance [dimensionless].
 
     Returns
     -------
     ndarray, shape (...)
-        Printed value [1].
+        Printed value [dimensionless].
 
     Notes
     -----
@@ -95,12 +95,12 @@ def natural_frequency(amplitude: float) -> float:
     Parameters
     ----------
     amplitude : float
-        Amplitude A [1], above zero.
+        Amplitude A [dimensionless], above zero.
 
     Returns
     -------
     float
-        Frequency [1].
+        Frequency [dimensionless].
 
     Notes
     -----
@@ -125,12 +125,12 @@ def period(amplitude: float) -> float:
     Parameters
     ----------
     amplitude : float
-        Amplitude A [1], above zero.
+        Amplitude A [dimensionless], above zero.
 
     Returns
     -------
     float
-        Period [1].
+        Period [dimensionless].
 
     Notes
     -----
@@ -155,12 +155,12 @@ def amplitudes_18(*, omega: float, zeta: float) -> Values:
     Parameters
     ----------
     omega, zeta : float
-        Spin speed, above zero, and damping ratio [1].
+        Spin speed, above zero, and damping ratio [dimensionless].
 
     Returns
     -------
     ndarray, shape (n,)
-        Amplitudes up to 1000, increasing [1].
+        Amplitudes up to 1000, increasing [dimensionless].
 
     Notes
     -----
@@ -185,13 +185,13 @@ def amplitudes_29(*, omega: float, zeta: float, delta0: float) -> Values:
     Parameters
     ----------
     omega, zeta, delta0 : float
-        Spin speed, above zero, damping ratio and clearance [1].
+        Spin speed, above zero, damping ratio and clearance [dimensionless].
 
     Returns
     -------
     ndarray, shape (n,)
-        Amplitudes above `delta0` and up to 1000, increasing [1]; two whose indentations lie
-        within a hundredth of each other may be missed.
+        Amplitudes above `delta0` and up to 1000, increasing [dimensionless]; two whose indentations
+        lie within a hundredth of each other may be missed.
 
     Notes
     -----
@@ -231,9 +231,9 @@ def phase_23(amplitude: float, *, omega: float, zeta: float) -> float:
     Parameters
     ----------
     amplitude : float
-        Amplitude A [1], above zero.
+        Amplitude A [dimensionless], above zero.
     omega, zeta : float
-        Spin speed and damping ratio [1].
+        Spin speed and damping ratio [dimensionless].
 
     Returns
     -------
@@ -266,15 +266,15 @@ def transfer_21(amplitude: float, *, omega: float, zeta: float) -> complex:
     Parameters
     ----------
     amplitude : float
-        Amplitude A [1], above zero.
+        Amplitude A [dimensionless], above zero.
     omega, zeta : float
-        Spin speed, above zero, and damping ratio [1].
+        Spin speed, above zero, and damping ratio [dimensionless].
 
     Returns
     -------
     complex
-        H [1]. Its modulus is beta of eq. (22). On a whirl that equals A, so (22) does not give the
-        amplitude but is an equation for it.
+        H [dimensionless]. Its modulus is beta of eq. (22). On a whirl that equals A, so (22) does
+        not give the amplitude but is an equation for it.
 
     Notes
     -----
@@ -302,9 +302,9 @@ def phase_31(amplitude: float, *, omega: float, zeta: float, delta0: float) -> f
     Parameters
     ----------
     amplitude : float
-        Amplitude A [1], above zero.
+        Amplitude A [dimensionless], above zero.
     omega, zeta, delta0 : float
-        Spin speed, damping ratio and clearance [1].
+        Spin speed, damping ratio and clearance [dimensionless].
 
     Returns
     -------
@@ -346,14 +346,14 @@ def general_solution(
     Parameters
     ----------
     time : array_like, shape (n,)
-        Times [1].
+        Times [dimensionless].
     start : tuple of float
-        ``(x, y, vx, vy)`` at time 0 [1].
+        ``(x, y, vx, vy)`` at time 0 [dimensionless].
     omega, zeta : float
-        Spin speed, above zero, and damping ratio [1].
+        Spin speed, above zero, and damping ratio [dimensionless].
     amplitude : float
-        Amplitude A, above zero, of the whirl in the last term [1]; the printed equation for it is
-        implicit and has up to three solutions.
+        Amplitude A, above zero, of the whirl in the last term [dimensionless]; the printed equation
+        for it is implicit and has up to three solutions.
     mended : bool
         Whether to correct the signs: phase ``omega t - theta`` for ``omega t + theta``, and theta
         in its quadrant.
@@ -365,7 +365,7 @@ def general_solution(
     Returns
     -------
     ndarray of complex, shape (n,)
-        z = x + i y [1].
+        z = x + i y [dimensionless].
 
     Raises
     ------

@@ -165,7 +165,8 @@ def draw_path(
     dots = inked(x, y, low, side)
     half = 0.5 * side / (DOTS - 1)
     extent = (low[0] - half, low[0] + side + half, low[1] - half, low[1] + side + half)
-    colours = np.zeros((*dots.shape, 4))
-    colours[dots] = to_rgba(colour)
+    # what is transparent has the same colour: Matplotlib 3.10 mixes colours without their opacity
+    colours = np.full((*dots.shape, 4), to_rgba(colour))
+    colours[~dots, 3] = 0.0
     ax.imshow(colours, extent=extent, origin="lower", interpolation="antialiased", zorder=level)
     ax.plot([], [], color=colour, lw=width, label=words)

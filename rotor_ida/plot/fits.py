@@ -48,7 +48,7 @@ def fit_figure(dataset: xr.Dataset, *, order: float = 1.0) -> Figure:
     dataset : Dataset
         Result of `rotor_ida.fit`.
     order : float
-        Multiple of the speed that is shown, one of those that were compared [1].
+        Multiple of the speed that is shown, one of those that were compared [dimensionless].
 
     Returns
     -------
@@ -108,7 +108,7 @@ def plot_fit(
     dataset : Dataset
         Result of `rotor_ida.fit`.
     order : float
-        Multiple of the speed that is shown [1].
+        Multiple of the speed that is shown [dimensionless].
     node : str, optional
         Node of a rotor system whose probes are shown; by default the first.
     axes : sequence of two Axes, optional
@@ -154,7 +154,7 @@ def plot_fit_residuals(
     dataset : Dataset
         Result of `rotor_ida.fit`.
     order : float
-        Multiple of the speed that is shown [1].
+        Multiple of the speed that is shown [dimensionless].
     node : str, optional
         Node of a rotor system whose probes are shown; by default the first.
     ax : Axes, optional

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
+import numpy as np
 from matplotlib.artist import Artist
 from matplotlib.axes import Axes
+from matplotlib.collections import PolyCollection
 from matplotlib.figure import Figure, SubFigure
 from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
+from matplotlib.patches import Patch
 from matplotlib.transforms import ScaledTranslation
 
 from rotor_ida.plot.appearance import style
@@ -136,9 +139,21 @@ def _entries(axes: Sequence[Axes]) -> tuple[list[Artist], list[str]]:
     handles: dict[str, Artist] = {}
     for ax in axes:
         for handle, label in zip(*ax.get_legend_handles_labels(), strict=True):
-            handles.setdefault(label, handle)
+            handles.setdefault(label, _as_patch(handle))
     labels = sorted(handles, key=_place)
     return [handles[label] for label in labels], labels
+
+
+def _as_patch(handle: Artist) -> Artist:
+    """Return a band as a patch: Matplotlib 3.10 refuses a band of another part of the figure."""
+    if not isinstance(handle, PolyCollection):
+        return handle
+    edge = np.asarray(handle.get_edgecolor())
+    return Patch(
+        facecolor=np.asarray(handle.get_facecolor())[0], hatch=handle.get_hatch(),
+        edgecolor=edge[0] if len(edge) else "none",
+        linewidth=np.asarray(handle.get_linewidth())[0],
+    )  # fmt: skip
 
 
 def _place(label: str) -> int:

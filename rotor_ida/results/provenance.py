@@ -13,7 +13,7 @@ from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path, PurePath
 
 from rotor_ida.core import sundials
-from rotor_ida.core.library import build_info
+from rotor_ida.core.library import build_info, why_missing
 
 SOURCE = "rotor_ida: rotor with contact and clearance"
 
@@ -45,8 +45,10 @@ def provenance(how: Mapping[str, object]) -> dict[str, object]:
 def core() -> dict[str, str]:
     """Return the core's compiler, flags, processor level and a digest of its sources.
 
-    Only the digest affects the bits of a result.
+    Only the digest affects the bits of a result. Without a core there is none of these.
     """
+    if why_missing():
+        return {}
     said = build_info()
     told = {f"core_{name}": said[name] for name in ("compiler", "flags", "level")}
     return told | {"core_sources": said["sources"][:16]}

@@ -32,7 +32,8 @@ def filtered_orbit(
     signals : Dataset
         Signals of `signals_of` or `read_signals`, or a run.
     order : float, optional
-        Multiple of the speed [1], which gives the ellipse of its forward and backward whirl.
+        Multiple of the speed [dimensionless], which gives the ellipse of its forward and backward
+        whirl.
     band : tuple of float, optional
         Lowest and highest circular frequency, radians over the unit of time; 0 as the lowest keeps
         the mean position.

@@ -33,11 +33,11 @@ def contact_forces(run: xr.Dataset) -> xr.Dataset:
     -------
     Dataset
         ``force force_x force_y`` on ``t``: the magnitude and the components in the fixed
-        frame [1]; with friction also ``normal_force`` and ``tangential_force``, which is positive
-        where it pulls the disc backward. On ``contact``: ``peak_time`` and ``peak_force``, the
-        largest normal force of each contact, found between the samples too; ``peak_fraction``, the
-        fraction of complete contacts with no larger peak, which is the distribution of
-        ``peak_force``. It is NaN for a contact during which the run begins or ends.
+        frame [dimensionless]; with friction also ``normal_force`` and ``tangential_force``, which
+        is positive where it pulls the disc backward. On ``contact``: ``peak_time`` and
+        ``peak_force``, the largest normal force of each contact, found between the samples too;
+        ``peak_fraction``, the fraction of complete contacts with no larger peak, which is the
+        distribution of ``peak_force``. It is NaN for a contact during which the run begins or ends.
 
     Raises
     ------
@@ -131,11 +131,11 @@ class PowerInContact:
     Parameters
     ----------
     normal_force : ndarray, shape (n,)
-        ``N = max(0, d**n (1 + c d'))`` [1].
+        ``N = max(0, d**n (1 + c d'))`` [dimensionless].
     damping : ndarray, shape (n,)
-        ``(N - d**n) d'``, the power of contact damping [1].
+        ``(N - d**n) d'``, the power of contact damping [dimensionless].
     friction : ndarray, shape (n,)
-        ``mu N |v_s|``, the heat of sliding [1].
+        ``mu N |v_s|``, the heat of sliding [dimensionless].
     """
 
     normal_force: Values
@@ -154,7 +154,7 @@ def power_in_contact(run: Mapping[str, Values], rotor: Rotor) -> PowerInContact:
 
 
 def radial_speed(x: Values, y: Values, vx: Values, vy: Values) -> Values:
-    """Return the radial velocity ``d'`` [1]; not used at the axis."""
+    """Return the radial velocity ``d'`` [dimensionless]; not used at the axis."""
     radius = np.hypot(x, y)
     speed: Values = np.divide(
         x * vx + y * vy, radius, out=np.zeros_like(radius), where=radius > 0.0

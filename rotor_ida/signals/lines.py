@@ -34,8 +34,8 @@ def spectral_lines(signals: xr.Dataset, *, count: int = 10) -> xr.Dataset:
         Signals of `signals_of` or `read_signals`, or a run, with equally spaced samples, of a
         motion that has settled.
     count : int
-        Largest number of lines [1]. A line within four steps of the grid (``2 pi`` over the length
-        of the record) of a stronger one counts as part of it.
+        Largest number of lines [dimensionless]. A line within four steps of the grid (``2 pi`` over
+        the length of the record) of a stronger one counts as part of it.
 
     Returns
     -------

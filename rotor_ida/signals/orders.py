@@ -69,12 +69,13 @@ def orders(
     signals : Dataset
         Signals of `signals_of` or `read_signals`, or a run.
     orders : array_like, shape (k,)
-        Multiples of the speed [1], above zero.
+        Multiples of the speed [dimensionless], above zero.
     revolutions : int, optional
-        Length of the windows [1]. By default the shortest that separate the orders: one revolution
-        for integer orders, two for halves.
+        Length of the windows [dimensionless]. By default the shortest that separate the orders: one
+        revolution for integer orders, two for halves.
     overlap : float
-        Fraction by which windows overlap [1], from 0 to 0.95: more points in a short run-up.
+        Fraction by which windows overlap [dimensionless], from 0 to 0.95: more points in a short
+        run-up.
 
     Returns
     -------
@@ -219,9 +220,9 @@ def centre_line(signals: xr.Dataset, *, revolutions: int = 1, overlap: float = 0
     signals : Dataset
         Signals of `signals_of` or `read_signals`, or a run.
     revolutions : int
-        Length of the windows over which the mean is taken [1].
+        Length of the windows over which the mean is taken [dimensionless].
     overlap : float
-        Fraction by which windows overlap [1], from 0 to 0.95.
+        Fraction by which windows overlap [dimensionless], from 0 to 0.95.
 
     Returns
     -------
@@ -263,9 +264,9 @@ def whirl_ratio(signals: xr.Dataset, *, revolutions: int = 1, overlap: float = 0
         Signals of `signals_of` or `read_signals`, or a run, with more than two samples in each
         turn of the whirl.
     revolutions : int
-        Length of the windows over which the whirl is counted [1].
+        Length of the windows over which the whirl is counted [dimensionless].
     overlap : float
-        Fraction by which windows overlap [1], from 0 to 0.95.
+        Fraction by which windows overlap [dimensionless], from 0 to 0.95.
 
     Returns
     -------

@@ -115,7 +115,7 @@ def force_along(run: xr.Dataset, path: Path) -> Values:
 
 
 def largest_speed(run: xr.Dataset) -> float:
-    """Return the largest speed of a run [1]."""
+    """Return the largest speed of a run [dimensionless]."""
     omega = float(run["omega"])
     if "speed" in run.variables:
         omega = max(omega, float(run["speed"].max()) / scale_of(run, "speed"))
@@ -179,7 +179,7 @@ def rotating(run: xr.Dataset) -> xr.Dataset:
     Dataset
         The run, with ``rotating_x rotating_y rotating_vx rotating_vy`` on ``t`` and
         ``event_rotating_x event_rotating_y event_rotating_vx event_rotating_vy`` on ``event``
-        added [1].
+        added [dimensionless].
 
     Raises
     ------

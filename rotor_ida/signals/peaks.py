@@ -30,7 +30,7 @@ def bode_peaks(signals: xr.Dataset, *, order: float = 1.0, sense: str = "forward
     signals : Dataset
         The result of `orders`, or signals or a run-up, which are tracked revolution by revolution.
     order : float
-        Multiple of the speed [1].
+        Multiple of the speed [dimensionless].
     sense : {"forward", "backward", "x", "y"}
         The whirl, or the probe, whose amplitude is looked at.
 

@@ -121,8 +121,8 @@ def subtract_runout(
         Signals of the same probes and keyphasor at low speed, without whirl: often a part of the
         signals, ``signals.sel(t=slice(0, 10))``.
     harmonics : int
-        Highest multiple of the speed up to which runout is subtracted [1]: 1 for a bent shaft,
-        more for scratches and flats.
+        Highest multiple of the speed up to which runout is subtracted [dimensionless]: 1 for a bent
+        shaft, more for scratches and flats.
 
     Returns
     -------

@@ -143,7 +143,7 @@ def read_signals(
         Whether the keyphasor was sampled with the probes or is a list of pulse times. By default
         times if there are fewer of them than samples.
     pulses_per_revolution : int
-        Pulses of the keyphasor in one revolution [1].
+        Pulses of the keyphasor in one revolution [dimensionless].
     accept_clipped : bool
         Accept clipped probe signals, which are refused otherwise.
     fill_pulses : bool
@@ -165,7 +165,7 @@ def read_signals(
         Subtract the runout between these times, in which the rotor turns slowly. Or a path:
         that in another file of the same probes, read alike. See `rotor_ida.subtract_runout`.
     runout_orders : int
-        Highest multiple of the speed of that runout [1].
+        Highest multiple of the speed of that runout [dimensionless].
 
     Returns
     -------

@@ -136,7 +136,7 @@ def spectrogram(
     segment : int
         Number of samples in a segment; the whole record if that is shorter.
     overlap : float
-        Fraction by which segments overlap [1], from 0 to 0.95.
+        Fraction by which segments overlap [dimensionless], from 0 to 0.95.
 
     Returns
     -------

@@ -226,7 +226,7 @@ def _whirl_direction(orbit: Orbit, entry_speed: Values) -> npt.NDArray[np.int8]:
 
 
 def rolling_times(orbit: Orbit) -> Values:
-    """Return for how long the disc rolls in each contact [1]."""
+    """Return for how long the disc rolls in each contact [dimensionless]."""
     began = np.nan_to_num(orbit.contacts["entry"], nan=0.0)
     ended = np.nan_to_num(orbit.contacts["exit"], nan=orbit.duration)
     rolled = np.zeros(began.size)

@@ -66,7 +66,7 @@ def run_dataset(
     orbit : Orbit
         The orbit.
     start : tuple of float
-        Its start ``(x, y, vx, vy)`` [1].
+        Its start ``(x, y, vx, vy)`` [dimensionless].
     errors : EventErrors
         Errors of its events.
     changes : mapping, optional

@@ -11,7 +11,8 @@ in the last bit.
 Taylor series take a step every few radians of the fastest possible motion or decay of the rotor,
 even where nothing moves. On a steady whirl, or with heavy damping, CVODE takes longer steps: a long
 CVODE run is repeated by CVODE itself, at thirty times looser tolerances. The difference is then the
-error of the looser run and bounds that of the tighter one.
+error of the looser run and bounds that of the tighter one. Where there is no core, the reference
+repeats every run in this way.
 
 A difference of times may vanish by chance, so each event takes the largest of its own error and
 those of the few events before it at the same contact. The states at the event may differ even so:
@@ -30,6 +31,7 @@ import numpy.typing as npt
 
 from rotor_ida.arrays import ROUNDING, Stop, Values, Watch
 from rotor_ida.checks import State
+from rotor_ida.core.library import why_missing
 from rotor_ida.core.systems import SystemEvents, SystemRequest, SystemResult
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.contact import (
@@ -80,11 +82,11 @@ class EventErrors:
     Parameters
     ----------
     event_time_errors : ndarray, shape (m,)
-        Estimated error of each event time [1]; infinite after the horizon, and for a touch or
-        a departure that the tolerances do not resolve.
+        Estimated error of each event time [dimensionless]; infinite after the horizon, and for a
+        touch or a departure that the tolerances do not resolve.
     horizon : float
-        Time up to which the start determines the orbit at these tolerances [1]; the end of the run
-        if it does throughout.
+        Time up to which the start determines the orbit at these tolerances [dimensionless]; the end
+        of the run if it does throughout.
     """
 
     event_time_errors: Values
@@ -236,7 +238,8 @@ def errors_of_system(
     request : SystemRequest
         The system.
     result, other : SystemResult
-        The run, and another by the core.
+        The run, and another. The reference knows no rates of the guards, so that only the times
+        count where it did the other.
     times : ndarray
         Times of the samples of the other run, as of `times_of_second`.
     """
@@ -254,7 +257,7 @@ def errors_of_system(
         if not here.size:
             continue
         apart = _apart_in_system(request, result, other, number, here, partners, times)
-        rates = np.append(other.event_rates, np.inf)[partners]
+        rates = np.append(np.nan_to_num(other.event_rates, nan=np.inf), np.inf)[partners]
         errors[here] = _errors(late, apart, rates, WIDENING)
         errors[here] += _rounded(result.event_times[here])
     # one event may bring others about, which then have its time
@@ -384,13 +387,14 @@ def estimate_event_errors(
     orbit : Orbit
         The orbit.
     start : tuple of float
-        Its start ``(x, y, vx, vy)``, fixed frame [1].
+        Its start ``(x, y, vx, vy)``, fixed frame [dimensionless].
     slack, stop, watch
         As for `run`.
     """
     rotor, options, scale = orbit.rotor, orbit.options, APART
     widening, of_rounding = 1.0, 1.0
-    if options.method == "taylor" or _fastest(orbit) * orbit.duration <= LONG:
+    is_short = _fastest(orbit) * orbit.duration <= LONG
+    if options.method == "taylor" or (is_short and not why_missing()):
         rtol = min(options.rtol, LOOSEST_RTOL_OF_TAYLOR)
         options, scale = Options(rtol=rtol, atol=options.atol, method="taylor"), 1.0 / APART
         widening, of_rounding = WIDENING, OF_ROUNDING
@@ -530,7 +534,7 @@ def _guards_of_friction(orbit: Orbit) -> tuple[Values, Values]:
 
 
 def _quickening(orbit: Orbit, hold: Values, normal: Values) -> tuple[Values, Values]:
-    """Return the angular acceleration before each event, and the lever of friction [1].
+    """Return the angular acceleration before each event, and the lever of friction [dimensionless].
 
     `hold` is the force that rolling needs at the current speed, `normal` the normal force.
     """

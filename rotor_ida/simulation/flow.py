@@ -242,7 +242,7 @@ class Flow(Protocol):
 
 @dataclass(frozen=True, slots=True, eq=False)
 class DiscFlow:
-    """The motion of one disc: states are ``(x, y, vx, vy)`` on the rotating axes [1].
+    """The motion of one disc: states are ``(x, y, vx, vy)`` on the rotating axes [dimensionless].
 
     Parameters
     ----------
@@ -251,7 +251,7 @@ class DiscFlow:
     stop : ndarray, shape (1,)
         Ends a run as soon as it is not 0.
     rtol : float
-        Tolerance of one step, relative to the size of the state [1].
+        Tolerance of one step, relative to the size of the state [dimensionless].
     options : Options
         How a motion is observed. All else is by Taylor series.
     watch : list of callable, optional
@@ -273,12 +273,12 @@ class DiscFlow:
 
     @property
     def speed(self) -> float:
-        """Spin speed [1]."""
+        """Spin speed [dimensionless]."""
         return self.rotor.omega
 
     @property
     def revolution(self) -> float:
-        """Duration of a revolution [1]; infinite at speed 0."""
+        """Duration of a revolution [dimensionless]; infinite at speed 0."""
         return 2.0 * math.pi / self.rotor.omega if self.rotor.omega else math.inf
 
     @property
@@ -288,17 +288,17 @@ class DiscFlow:
 
     @property
     def clearances(self) -> Values:
-        """The clearance, shape (1,) [1]."""
+        """The clearance, shape (1,) [dimensionless]."""
         return np.array([self.rotor.delta0])
 
     @property
     def exponents(self) -> Values:
-        """The exponent of its contact law, shape (1,) [1]."""
+        """The exponent of its contact law, shape (1,) [dimensionless]."""
         return np.array([self.rotor.contact_exponent])
 
     @property
     def length(self) -> float:
-        """The eccentricity [1]."""
+        """The eccentricity [dimensionless]."""
         return 1.0
 
     @property
@@ -369,20 +369,20 @@ class DiscFlow:
         return rotating_field(state, self.rotor, time) + _friction_at(state, self.rotor, time, mode)
 
     def after(self, state: Values, duration: float) -> Values:
-        """Return the state after a time [1]."""
+        """Return the state after a time [dimensionless]."""
         return np.array(self.followed(state, duration).state)
 
     def states(self, state: Values, times: Values) -> Values:
-        """Return the states at increasing times from 0 on, shape (time, 4) [1]."""
+        """Return the states at increasing times from 0 on, shape (time, 4) [dimensionless]."""
         return self.followed(state, float(times[-1]), sample_times=times).samples
 
     def places(self, states: Values) -> ComplexValues:
-        """Return displacement and velocity of the disc, shape (2, time, 1) [1]."""
+        """Return displacement and velocity of the disc, shape (2, time, 1) [dimensionless]."""
         places = np.ascontiguousarray(states).view(np.complex128)  # (time, 2)
         return np.asarray(places.T[:, :, np.newaxis])
 
     def radii(self, piece: Piece | Window) -> list[Values]:
-        """Return the extreme radii, as the core has found them [1]."""
+        """Return the extreme radii, as the core has found them [dimensionless]."""
         return [piece.extrema["radius"]]
 
     def pair_product(self, duration: float) -> float | None:
@@ -391,7 +391,7 @@ class DiscFlow:
         return math.exp(-2.0 * self.rotor.zeta * duration) if has_pairs else None
 
     def value_of(self, name: str) -> float:
-        """Return a parameter of the rotor [1]."""
+        """Return a parameter of the rotor [dimensionless]."""
         return float(getattr(self.rotor, name))
 
     def but(

@@ -6,8 +6,8 @@ from dataclasses import dataclass
 from typing import Literal
 
 from rotor_ida.checks import COMPONENTS, State, check_between, check_choice
-from rotor_ida.core import sundials
-from rotor_ida.errors import InputError
+from rotor_ida.core import library, sundials
+from rotor_ida.errors import InputError, warn
 from rotor_ida.model.parameters import OF_ROTOR, PARAMETERS
 from rotor_ida.model.rotor import Rotor
 
@@ -29,6 +29,12 @@ TIGHTEST_RTOL_OF_TAYLOR, LOOSEST_RTOL_OF_TAYLOR = 1e-15, 1e-4
 # 0.05 and 0.03, the last gives most accuracy for its time.
 STEP_SAFETY = 0.03
 
+# Runs with contacts took 15 to 53 times as long as by the core.
+SLOW_INSTEAD = (
+    "This needs a C compiler or the package ziglang. Until then the plain-Python reference "
+    "computes runs by CVODE, 10 to 100 times more slowly"
+)
+
 # For larger starts the tolerances lose their meaning.
 LARGEST = 1e6
 # The final window contains whole revolutions: for slower rotors they take too long, and for faster
@@ -43,7 +49,8 @@ class Options:
     Parameters
     ----------
     rtol, atol : float
-        Relative and absolute tolerance of a contact [1]. The solver uses a thirtieth of them.
+        Relative and absolute tolerance of a contact [dimensionless]. The solver uses a thirtieth of
+        them.
     method : {"adams", "bdf", "ida", "taylor"}
         CVODE with Adams or BDF, or IDA, or Taylor series.
     flight : {"exact", "cvode"}
@@ -107,6 +114,24 @@ def backend_of(method: Method, backend: Backend) -> Backend:
     if backend == "compiled" and reason:
         raise InputError(f"backend 'compiled' cannot be used: {reason}")
     return "python" if reason else "compiled"
+
+
+def with_fallback(method: Method, backend: Backend) -> tuple[Method, Backend]:
+    """Return method and backend of a run, which are the reference's where there is no core.
+
+    The change is the only one in the package, and gives a warning. A run whose backend is given
+    as ``"compiled"`` keeps it, and is refused when it calls the core.
+
+    Examples
+    --------
+    >>> with_fallback("taylor", "auto")
+    ('taylor', 'auto')
+    """
+    missing = library.why_missing()
+    if not missing or backend != "auto":
+        return method, backend
+    warn(f"{missing}. {SLOW_INSTEAD}")
+    return "adams" if method == "taylor" else method, "python"
 
 
 def options_of_study(

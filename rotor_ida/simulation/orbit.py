@@ -24,11 +24,11 @@ class SpeedRecord:
     profile : SpeedProfile
         The profile of the speed.
     samples, events, end : ndarray of `rotor_ida.core.runs.SPIN`
-        Angle and speed at the sample times, at the events, and at the end [1].
+        Angle and speed at the sample times, at the events, and at the end [dimensionless].
     energies : tuple of float, optional
         The energy at the start and at the end, and the work of the drive less the losses in damping
-        and contacts, which must be their difference [1]. None for the compiled core, which
-        balances each contact itself.
+        and contacts, which must be their difference [dimensionless]. None for the compiled core,
+        which balances each contact itself.
     """
 
     profile: SpeedProfile
@@ -49,25 +49,25 @@ class Orbit:
     options : Options
         How it was simulated.
     duration : float
-        Duration, from time 0 [1].
+        Duration, from time 0 [dimensionless].
     times : ndarray, shape (n,)
-        Sample times [1].
+        Sample times [dimensionless].
     states : ndarray, shape (n, 4)
-        ``(x, y, vx, vy)`` at those times, fixed frame [1].
+        ``(x, y, vx, vy)`` at those times, fixed frame [dimensionless].
     starts_in_contact : bool
         Whether it starts in contact.
     event_times, event_kinds : ndarray, shape (m,)
         When contact begins (1) and ends (-1); with contact damping when the surfaces come loose
         (-4) and press again (4); with friction when the disc begins to roll (2) or to slip (-2), or
-        reverses its sliding (3) [1].
+        reverses its sliding (3) [dimensionless].
     event_states : ndarray, shape (m, 4)
-        ``(x, y, vx, vy)`` at the events, fixed frame [1].
+        ``(x, y, vx, vy)`` at the events, fixed frame [dimensionless].
     contacts : ndarray of `rotor_ida.core.runs.CONTACT`
-        The contacts [1]: angular momentum at the peak, loss and largest force with contact damping,
-        and heat of sliding. Entry or exit is NaN where the run began or ended inside the contact;
-        the impulse is NaN without clearance.
+        The contacts [dimensionless]: angular momentum at the peak, loss and largest force with
+        contact damping, and heat of sliding. Entry or exit is NaN where the run began or ended
+        inside the contact; the impulse is NaN without clearance.
     end : ndarray, shape (4,)
-        State at the end, fixed frame [1].
+        State at the end, fixed frame [dimensionless].
     evaluations : int
         Evaluations of the right-hand side.
     steps : int
@@ -76,7 +76,7 @@ class Orbit:
         With friction, the mode from the start, and from each event on: flight (0),
         sliding forwards (1) or backwards (-1), rolling (2) or loose (3).
     extrema : ndarray of `rotor_ida.core.runs.EXTREMUM`, optional
-        The extrema of the radius, with states on the rotating axes [1], if requested.
+        The extrema of the radius, with states on the rotating axes [dimensionless], if requested.
     speed_record : SpeedRecord, optional
         How the speed changed, if it did.
     """
@@ -100,19 +100,19 @@ class Orbit:
 
     @property
     def event_angles(self) -> Values:
-        """The angle of the unbalance at each event [1]."""
+        """The angle of the unbalance at each event [dimensionless]."""
         if self.speed_record is None:
             return self.rotor.omega * self.event_times
         return np.asarray(self.speed_record.events["angle"])
 
     @property
     def event_speeds(self) -> Values | float:
-        """The speed at each event, or the one speed of all [1]."""
+        """The speed at each event, or the one speed of all [dimensionless]."""
         return self.rotor.omega if self.speed_record is None else self.speed_record.events["speed"]
 
     @property
     def speeds(self) -> Values | float:
-        """The speed at each sample, or the one speed of all [1]."""
+        """The speed at each sample, or the one speed of all [dimensionless]."""
         return self.rotor.omega if self.speed_record is None else self.speed_record.samples["speed"]
 
 

@@ -50,16 +50,16 @@ def run(
     rotor : Rotor
         The rotor.
     start : tuple of float
-        ``(x, y, vx, vy)`` at time 0, fixed frame [1].
+        ``(x, y, vx, vy)`` at time 0, fixed frame [dimensionless].
     duration : float
-        Time to simulate [1], positive.
+        Time to simulate [dimensionless], positive.
     sample_times : ndarray, shape (n,)
-        Times to report [1], increasing, from 0 to `duration`.
+        Times to report [dimensionless], increasing, from 0 to `duration`.
     options : Options
         Method, tolerances, treatment of flight, and backend.
     slack : float
-        How far after `duration` an event may lie and still belong to the run [1]. Its time is
-        reported as it is.
+        How far after `duration` an event may lie and still belong to the run [dimensionless]. Its
+        time is reported as it is.
     scale : float
         Factor on both tolerances.
     extrema : bool
@@ -72,7 +72,7 @@ def run(
     profile : SpeedProfile, optional
         How the speed changes, if it does.
     watch : list of callable, optional
-        Receives a function that returns the time reached by a run in compiled code [1].
+        Receives a function that returns the time reached by a run in compiled code [dimensionless].
 
     Raises
     ------

@@ -15,7 +15,13 @@ from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_
 from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.simulation.course import DISC_LIMITS, SYSTEM_LIMITS, check_can_wait, course_of
-from rotor_ida.simulation.options import Backend, Method, Options, check_can_be_followed
+from rotor_ida.simulation.options import (
+    Backend,
+    Method,
+    Options,
+    check_can_be_followed,
+    with_fallback,
+)
 from rotor_ida.simulation.runs import run_of_disc, run_of_system
 from rotor_ida.simulation.simulate import DEFAULTS, OF_DISC, OF_SYSTEM
 from rotor_ida.simulation.starts import Start, start_of
@@ -60,27 +66,27 @@ def run_up(
     speed : float
         Speed of a `RotorSystem` at time 0, required with a ramp or a torque.
     to : float
-        Speed at the end of a ramp [1]. That of a `RotorSystem` goes on for all of the `duration`
-        without it.
+        Speed at the end of a ramp [dimensionless]. That of a `RotorSystem` goes on for all of the
+        `duration` without it.
     rate : float
-        Change of speed per unit time [1], negative in a run-down.
+        Change of speed per unit time [dimensionless], negative in a run-down.
     ramp_time : float
-        Duration of the ramp [1], instead of the rate.
+        Duration of the ramp [dimensionless], instead of the rate.
     speeds : sequence of (float, float)
-        Pairs of time and speed [1], with times that increase from 0. The first speed replaces that
-        of the rotor. Speeds of one disc must not be negative.
+        Pairs of time and speed [dimensionless], with times that increase from 0. The first speed
+        replaces that of the rotor. Speeds of one disc must not be negative.
     torque : tuple of float
-        ``(tau0, slope)``: the drive's torque is ``tau0 - slope speed`` [1].
+        ``(tau0, slope)``: the drive's torque is ``tau0 - slope speed`` [dimensionless].
     inertia : float
-        Moment of inertia about the centre of mass, over mass times eccentricity squared [1]; of a
-        `RotorSystem` about the centres of mass.
+        Moment of inertia about the centre of mass, over mass times eccentricity squared
+        [dimensionless]; of a `RotorSystem` about the centres of mass.
     duration : float, optional
-        Time to simulate [1]; required with a torque. Default: the time that the change of speed
-        takes. After that the last speed is kept.
+        Time to simulate [dimensionless]; required with a torque. Default: the time that the change
+        of speed takes. After that the last speed is kept.
     samples : int or array_like, shape (n,), optional
-        Increasing times at which the motion is reported [1], or the number of equally spaced times,
-        both ends included. Default: as many as `simulate` takes at the largest speed of the run;
-        with a torque a first run of one disc finds that speed.
+        Increasing times at which the motion is reported [dimensionless], or the number of equally
+        spaced times, both ends included. Default: as many as `simulate` takes at the largest speed
+        of the run; with a torque a first run of one disc finds that speed.
     start, modes, more_modes, rtol, atol, progress : optional
         As in `simulate`.
     method : {"adams", "bdf", "ida", "taylor"}, optional
@@ -149,7 +155,7 @@ def run_up(
     >>> run.t.values, run.speed.values.round(12)
     (array([ 0.,  9., 18., 27., 36.]), array([0.2 , 0.65, 1.1 , 1.55, 2.  ]))
     >>> run.event_kind.values, run.event_speed.values.round(6)
-    (array([1], dtype=int8), array([0.440496]))
+    (array([dimensionless], dtype=int8), array([0.440496]))
     >>> run = run_up(rotor, start=(0, 0, 0, 0), torque=(1, 0), inertia=20, duration=40, samples=5)
     >>> run.speed.values.round(6)
     array([0.2     , 0.622213, 0.626802, 0.790485, 0.867413])
@@ -168,6 +174,8 @@ def run_up(
     """
     given = {"to": to, "rate": rate, "ramp_time": ramp_time, "speeds": speeds, "torque": torque,
              "inertia": inertia}  # fmt: skip
+    assert method is not None
+    method, backend = with_fallback(method, backend)
     if isinstance(rotor, RotorSystem):
         return run_of_system(
             changed_system(run_up, rotor, changed),
@@ -176,7 +184,6 @@ def run_up(
             backend=backend,
         )  # fmt: skip
     assert isinstance(rotor, Rotor)
-    assert method is not None
     progress = check_progress(progress)
     options = Options(rtol=rtol, atol=atol, method=method, backend=backend)
     course = course_of(rotor.omega, given, duration, DISC_LIMITS)

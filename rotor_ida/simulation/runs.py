@@ -22,6 +22,7 @@ from rotor_ida.checks import (
     check_progress,
     is_scalar,
 )
+from rotor_ida.core.library import why_missing
 from rotor_ida.core.systems import Places, SystemRequest, SystemResult
 from rotor_ida.errors import InputError, InstallationError, warn
 from rotor_ida.model.assembly import Assembly, Canonical, assemble, canonical
@@ -33,7 +34,7 @@ from rotor_ida.parallel import Progress, interruptible, run_with_progress
 from rotor_ida.results.growth_words import BEGINS, NOT_HELD, RATE, WHIRL_SPEED, stability_words
 from rotor_ida.simulation.course import MOST_RADIANS, Course
 from rotor_ida.simulation.dataset import fastest_whirl, run_dataset, system_dataset
-from rotor_ida.simulation.event_errors import EventErrors, estimate_event_errors, shifts_of
+from rotor_ida.simulation.event_errors import APART, EventErrors, estimate_event_errors, shifts_of
 from rotor_ida.simulation.invariants import check_run
 from rotor_ida.simulation.options import Backend, Options, backend_of
 from rotor_ida.simulation.orbit import Orbit
@@ -183,6 +184,11 @@ def run_of_cases(
     times = times_of(samples, course.end, int(min(max(count, FEWEST), MOST_SAMPLES)))
     first, *second = [_prepared(*each, course, times, tolerance) for each in cases]
 
+    def by_witness(stop: Stop, watch: Watch) -> Callable[[SystemRequest], SystemResult]:
+        return lambda request: _witness()(
+            request, course.profile, APART * tolerance, method, stop, watch
+        )
+
     def followed_by(request: SystemRequest, stop: Stop, watch: Watch) -> SystemResult:
         if backend == "python":
             return _witness()(request, course.profile, tolerance, method, stop, watch)
@@ -190,7 +196,10 @@ def run_of_cases(
 
     def follow(stop: Stop, watch: Watch) -> tuple[Followed, list[Values]]:
         result = followed_by(first.request, stop, watch)
-        followed = with_errors(result, first.request, method == "taylor", stop, watch)
+        followed = with_errors(
+            result, first.request, method == "taylor", stop, watch,
+            by_witness(stop, watch) if why_missing() else None,
+        )  # fmt: skip
         moved = (run_to_end(bare(each.request), stop, watch) for each in second)
         return followed, [shifts_of(result, each, len(first.request.laws)) for each in moved]
 
@@ -283,11 +292,11 @@ def sample_times(samples: object, duration: float, rotor: Rotor, fastest: float)
     samples : int, array_like or None
         The times, their number, or None.
     duration : float
-        The end of the run [1].
+        The end of the run [dimensionless].
     rotor : Rotor
         The rotor.
     fastest : float
-        The largest speed of the run [1].
+        The largest speed of the run [dimensionless].
 
     Examples
     --------

@@ -91,8 +91,9 @@ def poincare_section(
         Spin speed of a `RotorSystem`, not 0; it may be negative. That of one disc is a parameter of
         the rotor.
     start : array_like, shape (4,), (q, velocity), "settled", "rest" or Dataset, optional
-        ``(x, y, vx, vy)`` at time 0 [1], a word, or a result that ends in a state; default: at
-        rest, in equilibrium with the load. See `rotor_ida.simulate`, also for a `RotorSystem`.
+        ``(x, y, vx, vy)`` at time 0 [dimensionless], a word, or a result that ends in a state;
+        default: at rest, in equilibrium with the load. See `rotor_ida.simulate`, also for a
+        `RotorSystem`.
     revolutions : int
         Number of revolutions in the section, at most 10 million.
     skip : int
@@ -112,8 +113,8 @@ def poincare_section(
     modes : int, optional
         Of a `RotorSystem`, as in `simulate`.
     rtol, atol : float
-        Relative and absolute tolerance [1]. A `RotorSystem` has the relative one alone, from 1e-14
-        to 1e-4.
+        Relative and absolute tolerance [dimensionless]. A `RotorSystem` has the relative one alone,
+        from 1e-14 to 1e-4.
     method : {"adams", "bdf", "ida", "taylor"}, optional
         Solver of the contacts of one disc, as for `rotor_ida.simulate`; default: ``"adams"``. Peaks
         and a `RotorSystem` are computed by Taylor series.
@@ -126,8 +127,8 @@ def poincare_section(
     -------
     Dataset
         ``crossing_time``, counted from the start, and ``rotating_x rotating_y rotating_vx
-        rotating_vy`` on ``crossing`` [1]. Of a `RotorSystem` these are those of each node, on
-        ``(crossing, node)``. ``crossing_state`` is q and velocity on fixed axes, and
+        rotating_vy`` on ``crossing`` [dimensionless]. Of a `RotorSystem` these are those of each
+        node, on ``(crossing, node)``. ``crossing_state`` is q and velocity on fixed axes, and
         ``final_state`` the state after the last revolution, from which another call goes on.
 
     Raises

@@ -18,7 +18,14 @@ from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_
 from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.simulation.course import held
-from rotor_ida.simulation.options import Backend, Flight, Method, Options, check_can_be_followed
+from rotor_ida.simulation.options import (
+    Backend,
+    Flight,
+    Method,
+    Options,
+    check_can_be_followed,
+    with_fallback,
+)
 from rotor_ida.simulation.runs import run_of_disc, run_of_system
 from rotor_ida.simulation.starts import Start, start_of
 
@@ -57,22 +64,22 @@ def simulate(
     speed : float
         Spin speed of a `RotorSystem`, required; one disc has its own.
     start : array_like, shape (4,), (q, velocity), "settled", "rest" or Dataset, optional
-        ``(x, y, vx, vy)`` at time 0 [1], of a `RotorSystem` displacement and velocity of the rotor,
-        or of rotor and stators. ``"rest"`` is where supports, contacts and shaft hold the rotor
-        against its constant forces, ``"settled"`` the steady whirl without contact. Default:
-        under a load ``"rest"``, hanging on the shaft or lying on the stator; without one, and in a
-        `RotorSystem` that neither shaft nor supports hold, at rest on the axis. A result that ends
-        in a state is continued, with the unbalance at angle 0 again: a run, a limit cycle, or one
-        point of a sweep or of many run-ups.
+        ``(x, y, vx, vy)`` at time 0 [dimensionless], of a `RotorSystem` displacement and velocity
+        of the rotor, or of rotor and stators. ``"rest"`` is where supports, contacts and shaft hold
+        the rotor against its constant forces, ``"settled"`` the steady whirl without contact.
+        Default: under a load ``"rest"``, hanging on the shaft or lying on the stator; without one,
+        and in a `RotorSystem` that neither shaft nor supports hold, at rest on the axis. A result
+        that ends in a state is continued, with the unbalance at angle 0 again: a run, a limit
+        cycle, or one point of a sweep or of many run-ups.
     duration : float
-        Time to simulate [1]. For one disc the spacing of doubles at its end must be below
-        ``1e-6/max(omega, 1)``.
+        Time to simulate [dimensionless]. For one disc the spacing of doubles at its end must be
+        below ``1e-6/max(omega, 1)``.
     samples : int or array_like, shape (n,), optional
-        Increasing times at which the motion is reported [1], or the number of equally spaced times,
-        both ends included, at most 10 million. Default: at least 1001, with at least 32 per
-        revolution; of one disc also 32 per period of the shaft, ``2 pi/sqrt(kappa)``, and 8 per
-        period of the contact, ``2 pi/sqrt(1 + kappa)``. `samples` is required where these exceed 2
-        million; of a `RotorSystem` they are at most 200,000.
+        Increasing times at which the motion is reported [dimensionless], or the number of equally
+        spaced times, both ends included, at most 10 million. Default: at least 1001, with at least
+        32 per revolution; of one disc also 32 per period of the shaft, ``2 pi/sqrt(kappa)``, and 8
+        per period of the contact, ``2 pi/sqrt(1 + kappa)``. `samples` is required where these
+        exceed 2 million; of a `RotorSystem` they are at most 200,000.
     modes : int, optional
         Number of modes to which a `RotorSystem` is reduced first; the static flexibility of the
         contacts is kept (see `RotorSystem.reduced`).
@@ -80,8 +87,8 @@ def simulate(
         Larger number of modes of a second run of a `RotorSystem`, which shows how far the events
         move with more modes.
     rtol, atol : float
-        Relative and absolute tolerance [1]. A `RotorSystem` has no `atol`, and takes `rtol` from
-        1e-14 to 1e-4.
+        Relative and absolute tolerance [dimensionless]. A `RotorSystem` has no `atol`, and takes
+        `rtol` from 1e-14 to 1e-4.
     method : {"adams", "bdf", "ida", "taylor"}, optional
         CVODE with Adams (nonstiff) or BDF (stiff), or IDA as an independent check, with `rtol` from
         1e-13 (IDA 1e-12) to 1e-3; or Taylor series, about ten times as fast as CVODE at equal
@@ -167,7 +174,7 @@ def simulate(
     >>> orbit.event_time.values.round(9)
     array([0.86301317])
     >>> orbit.event_kind.values
-    array([1], dtype=int8)
+    array([dimensionless], dtype=int8)
 
     A rotor system:
 
@@ -181,6 +188,8 @@ def simulate(
     >>> run.event_time.values.round(6)[:2], run.event_kind.values[:2]
     (array([ 4.350352, 11.973831]), array([ 1, -1], dtype=int8))
     """
+    assert method is not None
+    method, backend = with_fallback(method, backend)
     if isinstance(rotor, RotorSystem):
         course = held(check_real("speed", speed), check_positive("duration", duration))
         return run_of_system(
@@ -189,7 +198,6 @@ def simulate(
             backend=backend,
         )  # fmt: skip
     assert isinstance(rotor, Rotor)
-    assert method is not None
     progress = check_progress(progress)
     first = start_of(rotor, start)
     check_can_be_followed(rotor, first)

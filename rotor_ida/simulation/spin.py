@@ -30,7 +30,7 @@ class Steady:
     Parameters
     ----------
     speed : float
-        The speed [1].
+        The speed [dimensionless].
     """
 
     speed: float
@@ -55,9 +55,9 @@ class Ramp:
     Parameters
     ----------
     begin, angle, speed : float
-        Time at which it begins, and angle and speed there [1].
+        Time at which it begins, and angle and speed there [dimensionless].
     rate : float
-        The angular acceleration [1].
+        The angular acceleration [dimensionless].
     """
 
     begin: float
@@ -89,9 +89,10 @@ class Driven:
     Parameters
     ----------
     torque, slope : float
-        The torque of the drive at rest, and its decrease per unit speed [1].
+        The torque of the drive at rest, and its decrease per unit speed [dimensionless].
     inertia : float
-        Moment of inertia about the centre of mass, over mass times eccentricity squared [1].
+        Moment of inertia about the centre of mass, over mass times eccentricity squared
+        [dimensionless].
     """
 
     torque: float
@@ -126,7 +127,7 @@ class SpeedProfile:
     Parameters
     ----------
     ends : tuple of float
-        Time at which each spin ends [1]; the last is the end of the run.
+        Time at which each spin ends [dimensionless]; the last is the end of the run.
     spins : tuple
         The spins: `Steady`, `Ramp` or `Driven`.
     """
@@ -136,7 +137,7 @@ class SpeedProfile:
 
     @property
     def angle(self) -> float:
-        """Angle of the unbalance at time 0 [1]."""
+        """Angle of the unbalance at time 0 [dimensionless]."""
         first = self.spins[0]
         return first.angle if isinstance(first, Ramp) else 0.0
 

@@ -7,6 +7,7 @@ the bit: see `rotor_ida.simulation.event_errors`.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -201,12 +202,13 @@ def _size_of_centred(
 
 
 def with_errors(
-    result: SystemResult, request: SystemRequest, by_series: bool, stop: Stop, watch: Watch
-) -> Followed:
+    result: SystemResult, request: SystemRequest, by_series: bool, stop: Stop, watch: Watch,
+    looser: Callable[[SystemRequest], SystemResult] | None = None,
+) -> Followed:  # fmt: skip
     """Return a run with the errors of its events by a second one, by Taylor series.
 
     It is of another order, also than the flights of a run by CVODE, and tighter if the first is by
-    Taylor series throughout.
+    Taylor series throughout. Where there is no core, `looser` makes the second run.
     """
     times = times_of_second(request, result)
     again = replace(bare(request), times=times, order=ORDERS[1])
@@ -216,7 +218,7 @@ def with_errors(
     def has_parted(events: SystemEvents) -> bool:
         return events.time >= ENOUGH * horizon_of(request, result, events)
 
-    other = follow_system(again, stop, watch, has_parted)
+    other = follow_system(again, stop, watch, has_parted) if looser is None else looser(again)
     check_status(other)
     errors = errors_of_system(request, result, other, times)
     since, error = standstill_of(result), math.inf

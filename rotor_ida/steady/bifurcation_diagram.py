@@ -144,18 +144,19 @@ def bifurcation_diagram(
         Angle of the unbalance from x in the section, below 2 pi [rad]; of a `RotorSystem` that of
         the mark from which the phases of its unbalance are counted.
     x, y, vx, vy : float or array_like, shape (2,), optional
-        Components of random starts of one disc [1]: numbers, or ranges ``(low, high)`` from which
-        they are drawn independently and uniformly, as for `rotor_ida.basin_fractions`. Default:
-        from -5 to 5.
+        Components of random starts of one disc [dimensionless]: numbers, or ranges ``(low, high)``
+        from which they are drawn independently and uniformly, as for `rotor_ida.basin_fractions`.
+        Default: from -5 to 5.
     starts : int, array_like of shape (n, 4), "settled", "rest", Dataset, or sequence of these
-        Number of random starts, by default 8, or the starts ``(x, y, vx, vy)`` themselves [1], the
-        same at each speed; words for those at each speed; or results that end in one. Of a
-        `RotorSystem` as in `sweep`: by default one, at rest at 0.
+        Number of random starts, by default 8, or the starts ``(x, y, vx, vy)`` themselves
+        [dimensionless], the same at each speed; words for those at each speed; or results that end
+        in one. Of a `RotorSystem` as in `sweep`: by default one, at rest at 0.
     seed : int
         Seed of the random starts.
     extrema_time : float, optional
-        Length of the window, after one disc has settled, in which extrema are found [1]; at
-        most 10 million times the step between knots. Default: 100. Ignored with a rate.
+        Length of the window, after one disc has settled, in which extrema are found
+        [dimensionless]; at most 10 million times the step between knots. Default: 100. Ignored with
+        a rate.
     direction : {"up", "down", "both"}, optional
         Quasi-static run-up or run-down: only the first speed (the last, going down) begins from
         the starts, and each other from the settled state of the one before. By default each speed
@@ -164,13 +165,13 @@ def bifurcation_diagram(
         Name of the parameter that rises or falls with a direction, as for `rotor_ida.sweep`; with
         a rate it is the speed.
     rate : float, optional
-        Change of speed per unit time [1]. The motion settles only at the first speed; then the
-        speed runs through the others at this rate. Requires a direction, and one disc.
+        Change of speed per unit time [dimensionless]. The motion settles only at the first speed;
+        then the speed runs through the others at this rate. Requires a direction, and one disc.
     modes : int, optional
         Of a `RotorSystem`, as in `simulate`.
     rtol, atol : float
-        Relative and absolute tolerance [1]. A `RotorSystem` has the relative one alone, from 1e-14
-        to 1e-4.
+        Relative and absolute tolerance [dimensionless]. A `RotorSystem` has the relative one alone,
+        from 1e-14 to 1e-4.
     method : {"adams", "bdf", "ida", "taylor"}, optional
         Solver of the contacts until the rotor has settled, as for `rotor_ida.sweep`. Extrema
         are found by Taylor series, and so is all of a `RotorSystem`.
@@ -181,7 +182,7 @@ def bifurcation_diagram(
     progress : callable or bool, optional
         Called with the number of points done and their total; True shows a bar on standard error.
     **varied : float or array_like, shape (n,)
-        Parameters of `Rotor` by name [1], as for `rotor_ida.sweep`.
+        Parameters of `Rotor` by name [dimensionless], as for `rotor_ida.sweep`.
     clearance, friction, unbalance, damping, stiffness : float or array_like, shape (n,), optional
         Parameters of a `RotorSystem`, as in `sweep`.
     contacts, unbalance, supports, bearings, gravity, static_force : optional
@@ -192,12 +193,13 @@ def bifurcation_diagram(
     Dataset
         On ``(omega, zeta, delta0, start)``, with any other axes before ``start``:
         ``response`` (its kind, as a flag), ``radius_min``, ``radius_max``, ``status`` and
-        ``message``, as from `rotor_ida.sweep`, and ``extremum_count``. ``extremum_radius`` [1] and
-        ``extremum_kind`` (minimum, maximum, or constant) list the extrema of all points in one
-        table, ``extremum_count`` rows each. With a direction the last dimension
-        is ``direction``. With a rate ``extremum_speed`` [1] is the speed at each extremum, and a
-        point has the extrema up to halfway between its speed and its neighbours; ``response`` then
-        reports only whether the rotor touches there, and whether its radius oscillates.
+        ``message``, as from `rotor_ida.sweep`, and ``extremum_count``. ``extremum_radius``
+        [dimensionless] and ``extremum_kind`` (minimum, maximum, or constant) list the extrema of
+        all points in one table, ``extremum_count`` rows each. With a direction the last dimension
+        is ``direction``. With a rate ``extremum_speed`` [dimensionless] is the speed at each
+        extremum, and a point has the extrema up to halfway between its speed and its neighbours;
+        ``response`` then reports only whether the rotor touches there, and whether its radius
+        oscillates.
 
         Once a revolution there are instead ``rotating_x rotating_y rotating_vx rotating_vy`` on
         ``crossing`` too, as of `rotor_ida.poincare_section`; NaN at a point that failed.

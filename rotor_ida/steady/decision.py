@@ -70,11 +70,11 @@ class _Approach:
     recurs : bool
         Whether the motion repeated itself in the last window.
     distance : float
-        Its distance from its cycle at the end of that window, relative to its size [1].
+        Its distance from its cycle at the end of that window, relative to its size [dimensionless].
     time : float
-        The time of that end [1].
+        The time of that end [dimensionless].
     since : float
-        The time of the start, or of the last disturbance [1].
+        The time of the start, or of the last disturbance [dimensionless].
     """
 
     recurs: bool = False

@@ -113,13 +113,13 @@ class SettledResponse:
     features : Features
         The motion over the final window; all NaN if the run failed.
     window_start, window_end : float
-        The final window [1].
+        The final window [dimensionless].
     event_times, event_kinds : ndarray, shape (m,)
-        All contact events from the start on [1].
+        All contact events from the start on [dimensionless].
     event_states : ndarray, shape (m, 4)
-        States at the events, fixed frame [1].
+        States at the events, fixed frame [dimensionless].
     end : tuple of float
-        State at the end, on the rotating axes [1].
+        State at the end, on the rotating axes [dimensionless].
     backward : bool
         Whether the disc stays in contact and whirls backwards.
     message : str
@@ -158,15 +158,15 @@ def follow_to_steady_state(
     rotor : Rotor
         The rotor.
     start : tuple of float
-        ``(x, y, vx, vy)`` on the rotating axes, which at time 0 are the fixed ones [1].
+        ``(x, y, vx, vy)`` on the rotating axes, which at time 0 are the fixed ones [dimensionless].
     options : Options
         How to simulate.
     longest : float, optional
-        Time after which no new window begins [1]; default: `longest_time`.
+        Time after which no new window begins [dimensionless]; default: `longest_time`.
     stop : ndarray, shape (1,), optional
         Ends the run, as failed, as soon as it is not 0.
     watch : list of callable, optional
-        Receives functions that return the times reached by its runs [1].
+        Receives functions that return the times reached by its runs [dimensionless].
     """
     is_exact = options.flight == "exact" and options.backend != "python"
     if is_exact and abs(grazing_distance(rotor)) <= NEARLY_GRAZES:

@@ -130,14 +130,14 @@ def lyapunov_exponent(
     speed : float or array_like, shape (n,)
         Spin speeds of a `RotorSystem`, not 0. Those of a `DimensionalRotor` are a parameter of it.
     start : array_like, shape (4,), (q, velocity), "settled", "rest" or Dataset
-        ``(x, y, vx, vy)`` at time 0 [1], by default at rest; of a `RotorSystem`
+        ``(x, y, vx, vy)`` at time 0 [dimensionless], by default at rest; of a `RotorSystem`
         displacements and velocities, as in `simulate`. Or a word, for the start of each rotor, or a
         result that ends in a state.
     transient : float, optional
-        Time to settle before averaging [1], at most 5 million, by default 500. Of a `RotorSystem`
-        the number of revolutions, by default 200. Small changes align in it too.
+        Time to settle before averaging [dimensionless], at most 5 million, by default 500. Of a
+        `RotorSystem` the number of revolutions, by default 200. Small changes align in it too.
     duration : float
-        Time over which to average [1], at least 10 for each batch, at most 5 million.
+        Time over which to average [dimensionless], at least 10 for each batch, at most 5 million.
     revolutions : int
         The same of a `RotorSystem` in revolutions, at least 20 for each batch, at most a million.
     batches : int
@@ -148,7 +148,8 @@ def lyapunov_exponent(
     modes : int, optional
         Of a `RotorSystem`, as in `simulate`.
     rtol : float
-        Tolerance of one step, relative to the size of the state and of each small change [1].
+        Tolerance of one step, relative to the size of the state and of each small change
+        [dimensionless].
     method : {"taylor", "adams", "bdf"}
         Solver for motion and small changes of one disc in contact: Taylor series, or CVODE, which
         is slower and an independent check.
@@ -156,8 +157,9 @@ def lyapunov_exponent(
         As in `sweep`, for the points. Of one motion of a `RotorSystem` `progress` is called with
         the number of revolutions done and their total.
     **varied : float or array_like, shape (n,)
-        Parameters of `Rotor` by name [1], in place of those of `rotor`. Each array becomes a
-        dimension of the result, before ``exponent``, with each value once; all are combined.
+        Parameters of `Rotor` by name [dimensionless], in place of those of `rotor`. Each array
+        becomes a dimension of the result, before ``exponent``, with each value once; all are
+        combined.
     clearance, friction, unbalance, damping, stiffness : float or array_like, shape (n,), optional
         Parameters of a `RotorSystem`, as in `sweep`; each array becomes a dimension too.
     contacts, unbalance, supports, bearings, gravity, static_force : optional
@@ -166,10 +168,11 @@ def lyapunov_exponent(
     Returns
     -------
     Dataset
-        ``lyapunov_exponent`` and ``lyapunov_error`` on ``exponent``, the largest first [1]. Of one
-        disc also their sum ``exponent_sum`` and its exact value, the ``divergence`` of the flow
-        including the volume lost in reversals of sliding. Of one motion also ``running_exponent``
-        on ``t`` and ``exponent``, the plain mean so far; of several ``status`` and ``message``.
+        ``lyapunov_exponent`` and ``lyapunov_error`` on ``exponent``, the largest first
+        [dimensionless]. Of one disc also their sum ``exponent_sum`` and its exact value, the
+        ``divergence`` of the flow including the volume lost in reversals of sliding. Of one motion
+        also ``running_exponent`` on ``t`` and ``exponent``, the plain mean so far; of several
+        ``status`` and ``message``.
 
     Raises
     ------

@@ -30,10 +30,10 @@ class Recurrence:
     Parameters
     ----------
     period : float
-        Time after which it repeats [1].
+        Time after which it repeats [dimensionless].
     missed_by : float
         Largest difference of two states a period apart, in the last two periods, relative to the
-        largest state [1].
+        largest state [dimensionless].
     """
 
     period: float

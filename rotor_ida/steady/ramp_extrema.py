@@ -28,14 +28,14 @@ class SpeedBand(NamedTuple):
     Parameters
     ----------
     speed : float
-        The speed [1].
+        The speed [dimensionless].
     speeds, radii : ndarray, shape (n,)
-        Speeds and distances from the bearing axis at the extrema [1], in order of time; without
-        extrema, the speed itself and the radius there.
+        Speeds and distances from the bearing axis at the extrema [dimensionless], in order of time;
+        without extrema, the speed itself and the radius there.
     kinds : ndarray of int8, shape (n,)
         -1 minimum, 1 maximum, 0 where the radius has no extremum.
     smallest, largest : float
-        Range of the radius [1].
+        Range of the radius [dimensionless].
     response : int
         A flag of `schema.RESPONSE`: whether the rotor touches, and whether its radius oscillates.
     """

@@ -76,14 +76,14 @@ class Features:
     Parameters
     ----------
     amplitude, phase_lag : float
-        Amplitude [1] and phase lag [rad] of the part of the motion at the spin speed.
+        Amplitude [dimensionless] and phase lag [rad] of the part of the motion at the spin speed.
     radius_min, radius_max : float
-        Smallest and largest distance from the bearing axis [1].
+        Smallest and largest distance from the bearing axis [dimensionless].
     period : float
-        Period on the rotating axes of a bouncing or full-contact motion [1]; under a load a
-        whole number of revolutions.
+        Period on the rotating axes of a bouncing or full-contact motion [dimensionless]; under a
+        load a whole number of revolutions.
     lyapunov_exponent, lyapunov_error : float
-        Largest Lyapunov exponent and its standard error, where computed [1].
+        Largest Lyapunov exponent and its standard error, where computed [dimensionless].
     """
 
     amplitude: float = math.nan

@@ -64,7 +64,8 @@ class RunUp(NamedTuple):
     rotor : Rotor or RotorSystem
         The rotor.
     speed, to, rate : float
-        The speed at time 0 and at the end of the ramp, and its change per unit time [1].
+        The speed at time 0 and at the end of the ramp, and its change per unit time
+        [dimensionless].
     phase : float
         Angle of the unbalance at time 0 [rad].
     """
@@ -165,7 +166,7 @@ def ending_at(
     rotor : Rotor
         The rotor at its last speed.
     end : ndarray, shape (4,)
-        Its state at the end of the run-up, fixed frame [1].
+        Its state at the end of the run-up, fixed frame [dimensionless].
     angle : float
         Angle of the unbalance there [rad].
     options, stop

@@ -17,7 +17,7 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS, check_instance, check_positive
-from rotor_ida.errors import InputError
+from rotor_ida.errors import InputError, InstallationError
 from rotor_ida.model.contact import bounds_exceeded
 from rotor_ida.model.disc_starts import hanging
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
@@ -175,7 +175,7 @@ def _ending(run: xr.Dataset, rotor: Rotor) -> Outcome:
     angle = float(last["angle"])
     try:
         return interruptible(lambda stop: ending_at(held, state, angle, options, stop))
-    except EXPECTED as error:
+    except (*EXPECTED, InstallationError) as error:  # the run may be by the reference
         return failed(reason_of(error))
 
 
@@ -209,7 +209,7 @@ def _of_system(run: xr.Dataset, running_speed: float | None) -> xr.Dataset:
         words = (by_number(ENDING)[int(found["ending"])], by_number(RESPONSE)[found["response"]])
         ended = Outcome(*words, message=message)
         rubs = bool(np.any(found["radius_max"] > clearances))
-    except (*EXPECTED, InputError) as error:
+    except (*EXPECTED, InputError, InstallationError) as error:
         ended = failed(reason_of(error))
     for parameter, names in ONLY_WITH.items():
         if not (run[f"law_{parameter.removeprefix('contact_')}"] > 0.0).any():

@@ -96,15 +96,15 @@ def run_ups(
     speed : float or array_like, shape (n,)
         Speeds of a `RotorSystem` at time 0. Those of a `DimensionalRotor` are a parameter of it.
     to : float
-        Speed at the end of the ramps [1]; that of a `RotorSystem` must not be 0.
+        Speed at the end of the ramps [dimensionless]; that of a `RotorSystem` must not be 0.
     rate : array_like, shape (n,) or scalar
-        Changes of speed per unit time [1]: all positive (up), or all negative (down).
+        Changes of speed per unit time [dimensionless]: all positive (up), or all negative (down).
     phase : array_like, shape (n,) or scalar
         Angles of the unbalance at time 0, from the x axis [rad]. Without a load this is equivalent
         to rotating the start the other way.
     starts : array_like, shape (n, 4), "settled", "rest", Dataset, or sequence of these
-        Starts ``(x, y, vx, vy)`` at time 0, on fixed axes [1], words for those at the first speed,
-        or results that end in one. Those of a `RotorSystem` as for `sweep`.
+        Starts ``(x, y, vx, vy)`` at time 0, on fixed axes [dimensionless], words for those at the
+        first speed, or results that end in one. Those of a `RotorSystem` as for `sweep`.
     modes : int, optional
         Of a `RotorSystem`, as for `simulate`.
     rtol, atol, backend
@@ -116,7 +116,8 @@ def run_ups(
     workers, executor, study, progress
         As for `sweep`, with run-ups instead of points. The result is the same, bit for bit.
     **varied : float or array_like, shape (n,)
-        Parameters of `Rotor` by name [1], as for `sweep`; ``omega`` are the speeds at time 0.
+        Parameters of `Rotor` by name [dimensionless], as for `sweep`; ``omega`` are the speeds at
+        time 0.
     clearance, friction, unbalance, damping, stiffness : float or array_like, shape (n,), optional
         Parameters of a `RotorSystem`, as for `sweep`; each array becomes a dimension of the result.
     contacts, unbalance, supports, bearings, gravity, static_force : optional
@@ -326,7 +327,7 @@ def fractions_of(endings: Array, counted: tuple[int, ...]) -> dict[str, Array]:
     --------
     >>> counted = fractions_of(np.array([[3, 2, 3, -1, 3]]), (1,))
     >>> counted["whip_fraction"], counted["whip_fraction_error"].round(6), counted["failed_count"]
-    (array([0.75]), array([0.216506]), array([1]))
+    (array([0.75]), array([0.216506]), array([dimensionless]))
     """
     failures = (endings == ENDING["failed"]).sum(axis=counted)
     total = np.prod([endings.shape[axis] for axis in counted], dtype=np.int64) - failures

@@ -82,9 +82,9 @@ def sweep(
     speed : float or array_like, shape (n,)
         Spin speeds of a `RotorSystem`, not 0. Those of a `DimensionalRotor` are a parameter of it.
     starts : array_like, shape (n, 4), "settled", "rest", Dataset, or sequence of these
-        Starts ``(x, y, vx, vy)`` [1], words for those at each speed, or results that end in one, as
-        for `simulate`. Those of a `RotorSystem` are a sequence of ``(q, velocity)``, words, None
-        or results, or one result. Default: one, at rest, as None is for `simulate`.
+        Starts ``(x, y, vx, vy)`` [dimensionless], words for those at each speed, or results that
+        end in one, as for `simulate`. Those of a `RotorSystem` are a sequence of ``(q, velocity)``,
+        words, None or results, or one result. Default: one, at rest, as None is for `simulate`.
     direction : {"up", "down", "both"}, optional
         Quasi-static run-up or run-down: only the first speed (the last, going down) begins from
         the starts, and each other from the end of the one before, so that jumps and their
@@ -121,10 +121,10 @@ def sweep(
     progress : callable or bool, optional
         Called with the number of points done and their total; True shows a bar on standard error.
     **varied : float or array_like, shape (n,)
-        Parameters of `Rotor` by name [1], in place of those of `rotor`; all are combined. An array
-        becomes a dimension of the result, with each value once. ``omega``, ``zeta`` and ``delta0``
-        always are dimensions; of the others, a number other than the default becomes a scalar
-        coordinate.
+        Parameters of `Rotor` by name [dimensionless], in place of those of `rotor`; all are
+        combined. An array becomes a dimension of the result, with each value once. ``omega``,
+        ``zeta`` and ``delta0`` always are dimensions; of the others, a number other than the
+        default becomes a scalar coordinate.
     clearance, friction, unbalance : float or array_like, shape (n,), optional
         Of a `RotorSystem` the largest clearance and friction coefficient of the contacts, and the
         largest moment of the unbalance, in the units of the system. The other contacts or

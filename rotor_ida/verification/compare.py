@@ -81,12 +81,12 @@ def compare(
         On the dimensions of the sweep: ``response``, the kind of each point; ``lies_on`` (nothing,
         a whirl or a cycle); ``digits``, the number of decimal digits to which simulated and exact
         numbers agree, NaN where there is no exact response. For whirls: ``matched_branch`` (-1 if
-        none), ``amplitude_error`` [1] and ``phase_error`` [rad]; with ``branch`` added
+        none), ``amplitude_error`` [dimensionless] and ``phase_error`` [rad]; with ``branch`` added
         ``branch_amplitude_error`` and ``branch_phase_error``; on ``branch`` and the parameters
         that are dimensions ``exact_amplitude``, ``exact_phase_lag``, ``stability`` and
         ``in_contact``, and under a load ``exact_offset``. For limit cycles: the simulated
         ``period``, ``radius_min``, ``radius_max`` and final state, and ``exact_period``,
-        ``exact_radius_min``, ``exact_radius_max`` [1] and ``cycle_stability``.
+        ``exact_radius_min``, ``exact_radius_max`` [dimensionless] and ``cycle_stability``.
 
     Raises
     ------

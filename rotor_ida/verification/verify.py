@@ -127,8 +127,8 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
         numbers
         of values ``compared`` and ``differing``, and the ``largest_difference``, relative to the
         largest number of its variable. For runs instead the numbers of events, the largest
-        difference between event times and the largest error stated for one [1]. ``core``: whether
-        the compiled core is the same; another one gives different last bits.
+        difference between event times and the largest error stated for one [dimensionless].
+        ``core``: whether the compiled core is the same; another one gives different last bits.
 
     Examples
     --------

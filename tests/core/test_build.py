@@ -159,6 +159,16 @@ def test_an_unknown_target_is_refused_in_one_line() -> None:
     )
 
 
+def test_a_package_without_a_core_asks_for_no_compiler(
+    hatch_build: dict[str, Any], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("ROTOR_IDA_TARGET", "none")
+    monkeypatch.setenv("PATH", "")
+    hook, told = object.__new__(hatch_build["CustomBuildHook"]), {}
+    hook.initialize("standard", told)
+    assert (hook.dependencies(), told) == ([], {})
+
+
 def test_no_compiler_may_regroup_or_contract(hatch_build: dict[str, Any]) -> None:
     for compiler in (["gcc"], ["python", "-m", "ziglang", "cc"]):
         for level, model in product(hatch_build["levels"](), MODELS):

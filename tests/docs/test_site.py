@@ -46,6 +46,19 @@ def test_a_citation_names_the_version_that_is_released():
     assert f"## {project['version']}" in (ROOT / "CHANGELOG.md").read_text(encoding="utf-8")
 
 
+def test_the_recipe_for_conda_has_the_version_and_the_bounds_of_the_project():
+    project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
+    recipe = (ROOT / "recipe" / "recipe.yaml").read_text(encoding="utf-8")
+    assert f'version: "{project["version"]}"' in recipe
+    run = recipe.partition("  run:\n")[2].partition("\ntests:")[0]
+    names = {"matplotlib": "matplotlib-base", "netCDF4": "netcdf4"}
+    wanted = [f"python {project['requires-python']}", *(
+        f"{names.get(name, name)} >={bound}"
+        for name, bound in (each.split(">=") for each in project["dependencies"])
+    )]  # fmt: skip
+    assert run.split("    - ")[1:] == [f"{each}\n" for each in wanted]
+
+
 @pytest.mark.parametrize(
     "script", sorted((DOCS / "tutorial_scripts").glob("*.py")), ids=lambda path: path.stem
 )

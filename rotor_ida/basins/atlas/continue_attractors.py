@@ -88,17 +88,19 @@ def continue_attractors(
         The starts, as for `rotor_ida.basin_fractions`: the same for all rotors.
     starts : int or array_like, shape (n, 4)
         Number of starts, by default 1000 and of a `RotorSystem` 100; or the starts themselves,
-        ``(x, y, vx, vy)`` [1], drawn from any distribution; the ranges must then be left out.
+        ``(x, y, vx, vy)`` [dimensionless], drawn from any distribution; the ranges must then be
+        left out.
     shocks : int
         Number of shocks of velocity and of displacement tried to each attractor of each rotor, as
         for `rotor_ida.touchdown_report`; with 0 none.
     rtol : float, optional
-        Error allowed per step, relative to the size of the state and of the eccentricity [1].
+        Error allowed per step, relative to the size of the state and of the eccentricity
+        [dimensionless].
     workers, executor, study, progress
         As for `rotor_ida.basin`, but rotors are counted and stored instead of batches.
     **varied : float or array_like, shape (n,)
-        Parameters of `Rotor` by name [1], in place of those of `rotor`. In total one or two
-        are increasing arrays, the others numbers. An array becomes a dimension; a number other
+        Parameters of `Rotor` by name [dimensionless], in place of those of `rotor`. In total one or
+        two are increasing arrays, the others numbers. An array becomes a dimension; a number other
         than the default becomes a coordinate. ``zeta`` must be above 0, and ``load`` must be 0:
         under a load there is no synchronous whirl. Of a `RotorSystem` the speed or one of
         ``damping``, ``stiffness``, ``clearance``, ``friction`` and ``unbalance``, as for
@@ -110,8 +112,8 @@ def continue_attractors(
         On the parameters and ``attractor``, NaN where an attractor does not exist:
         ``fraction``, ``fraction_error`` and ``count``; ``amplitude``, ``phase_lag``,
         ``radius_min``, ``radius_max``, ``period``, ``lifetime``, ``lifetime_low``,
-        ``settling_median`` and ``settling_95`` [1]; ``kind`` and ``trapping`` as flags. On the
-        parameters ``undecided_fraction``, ``not_computed_count``, ``agreement``,
+        ``settling_median`` and ``settling_95`` [dimensionless]; ``kind`` and ``trapping`` as flags.
+        On the parameters ``undecided_fraction``, ``not_computed_count``, ``agreement``,
         ``agreement_count``, ``basin_entropy`` and ``boundary_entropy``, as in `rotor_ida.basin`.
         With `shocks`, as in `rotor_ida.touchdown_report`: ``velocity_shock`` and
         ``displacement_shock`` on ``attractor`` and ``target``, their bounds and the extents of the

@@ -151,7 +151,7 @@ class DiscSearch:
         return cls(known, rows, labels, shocks, disc.rtol or math.nan, stop)
 
     def largest(self) -> tuple[float, float]:
-        """Return the largest change of velocity and of position that is tried [1]."""
+        """Return the largest change of velocity and of position that is tried [dimensionless]."""
         rotor = self.known.rotor
         radii = [radius for radius in self.rows["radius_max"].tolist() if radius > 0.0]
         size = LARGEST * max([1.0, rotor.delta0, *radii])

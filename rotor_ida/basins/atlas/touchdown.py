@@ -70,8 +70,8 @@ def touchdown_report(
     starts : int
         Number of starts, by default 1000 and of a `RotorSystem` 100.
     rtol : float, optional
-        Error allowed per step, relative to the size of the state and of the eccentricity [1];
-        default: 1e-6, and 1e-10 where each start is followed separately.
+        Error allowed per step, relative to the size of the state and of the eccentricity
+        [dimensionless]; default: 1e-6, and 1e-10 where each start is followed separately.
     shocks : int, optional
         Approximate number of shocks of velocity and of displacement applied to each attractor, to
         find the smallest one that leads to each other attractor; with 0 there are no such results.
@@ -108,14 +108,14 @@ def touchdown_report(
         With `shocks`, on ``(attractor, target)``: ``velocity_shock`` and ``displacement_shock``
         [m/s], [m], NaN if none was found up to ``velocity_shock_largest`` and
         ``displacement_shock_largest``; ``velocity_shock_scatter`` and
-        ``displacement_shock_scatter``, the relative excess of the best shock from another draw [1];
-        and the states just before and after each, ``velocity_shock_before_x`` and so on, which
-        divided by the attributes ``length_scale`` and ``velocity_scale`` are starts for
-        `rotor_ida.simulate`. On ``attractor``: the sizes below which no shock leaves it,
+        ``displacement_shock_scatter``, the relative excess of the best shock from another draw
+        [dimensionless]; and the states just before and after each, ``velocity_shock_before_x`` and
+        so on, which divided by the attributes ``length_scale`` and ``velocity_scale`` are starts
+        for `rotor_ida.simulate`. On ``attractor``: the sizes below which no shock leaves it,
         ``velocity_shock_bound`` and ``displacement_shock_bound``, proven or estimated as given by
-        ``trapping``; and ``omega_low``, ``omega_high`` and so on [1], the range of each parameter
-        in which the attractor exists, with the way it ends there, ``omega_low_end`` and so on, as a
-        flag.
+        ``trapping``; and ``omega_low``, ``omega_high`` and so on [dimensionless], the range of each
+        parameter in which the attractor exists, with the way it ends there, ``omega_low_end`` and
+        so on, as a flag.
 
         Of a `RotorSystem` forces, contacts and losses are on ``(attractor, contact)``, the sense of
         the whirl on ``(attractor, node)``, the states before and after a shock on ``component``, as

@@ -77,9 +77,10 @@ def plot_cascade(
     over : {"speed", "t"}, optional
         Vertical quantity; default: the speed if it changes and never reverses.
     orders : array_like
-        Multiples of the speed along which a line is drawn, negative for backward whirl [1].
+        Multiples of the speed along which a line is drawn, negative for backward whirl
+        [dimensionless].
     span : float
-        Largest frequency shown, over the largest speed [1].
+        Largest frequency shown, over the largest speed [dimensionless].
     rows : int
         Number of spectra. If there are more segments, each spectrum is the maximum over several
         segments.
@@ -139,7 +140,7 @@ def plot_spectrogram(
     signals, over, orders, span, segment, beneath, frequencies
         As in `plot_cascade`.
     floor : float
-        Smallest amplitude of the colour scale, over the largest [1].
+        Smallest amplitude of the colour scale, over the largest [dimensionless].
     colour_bar : bool
         Whether to draw a colour bar.
     ax : Axes, optional

@@ -131,9 +131,10 @@ def plot_centre_line(
     clearance : float, optional
         Clearance in the unit of the signals, if they do not contain it.
     orders : array_like
-        Orders to fit together with the mean [1], such as 0.5 and 1 where there is a steady ½X.
+        Orders to fit together with the mean [dimensionless], such as 0.5 and 1 where there is a
+        steady ½X.
     revolutions : int, optional
-        Length of the windows [1]; default as in `plot_bode`.
+        Length of the windows [dimensionless]; default as in `plot_bode`.
     beneath : Dataset or sequence of Dataset
         Exact positions under the line: `rotor_ida.closed_forms.rest`, the mean of a
         `rotor_ida.limit_cycle`, and the centre of `rotor_ida.synchronous_response`.

@@ -86,16 +86,16 @@ def plot_bode(
     signals : Dataset
         Signals, a run or run-up, or the result of `rotor_ida.orders`.
     order : float
-        Multiple of the speed [1].
+        Multiple of the speed [dimensionless].
     sense : {"forward", "backward", "x", "y"}
         The whirl shown, zero to peak, or the probe whose reading is shown, peak to peak, beside its
         direct amplitude, that of all orders. Probes of a run look along x and y.
     orders : array_like, optional
-        Further orders to fit together with this one [1]. What else turns at a steady multiple of
-        the speed, such as ½X, then does not leak into it.
+        Further orders to fit together with this one [dimensionless]. What else turns at a steady
+        multiple of the speed, such as ½X, then does not leak into it.
     revolutions : int, optional
-        Length of the windows [1]. Default: up to 8 revolutions that leave at least 250 windows, or
-        8 windows at one speed, but as many as separate the orders.
+        Length of the windows [dimensionless]. Default: up to 8 revolutions that leave at least 250
+        windows, or 8 windows at one speed, but as many as separate the orders.
     beneath : Dataset or sequence of Dataset
         Exact results under the order 1 forward: of
         `rotor_ida.closed_forms.response_curve`, `rotor_ida.synchronous_response`,
@@ -228,7 +228,7 @@ def plot_orders(
     signals : Dataset
         As in `plot_bode`.
     orders : array_like, shape (k,)
-        Multiples of the speed [1]; for a result of `rotor_ida.orders` all are shown.
+        Multiples of the speed [dimensionless]; for a result of `rotor_ida.orders` all are shown.
     revolutions
         As in `plot_bode`.
     logarithmic : bool

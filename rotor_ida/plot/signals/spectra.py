@@ -45,7 +45,7 @@ def plot_full_spectrum(
         Signals, a run, or the result of `rotor_ida.full_spectrum`.
     span : float
         Largest frequency shown, over the largest speed if known, otherwise over half the sampling
-        rate [1].
+        rate [dimensionless].
     segment : int, optional
         As in `rotor_ida.full_spectrum`, if that is still to be computed.
     beneath : Dataset or sequence of Dataset
