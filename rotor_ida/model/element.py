@@ -47,8 +47,8 @@ from rotor_ida.model.contact import (
 from rotor_ida.model.forces import Number, Numbers, secant
 from rotor_ida.model.symbols import variables
 
-# What an element is given: the root of its indentation (or this itself), displacement and velocity, and the speeds
-# of rotor and race.
+# What an element is given: the root of its indentation (or this itself), displacement and velocity,
+# and the speeds of rotor and race.
 GIVEN = ("root", "x", "y", "vx", "vy", "spin", "race")
 PARAMETERS = (
     "clearance", "hertz", "linear", "contact_damping", "loose",

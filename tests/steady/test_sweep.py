@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rotor_ida import InputError, Rotor, SimulationError, compare, sweep
+from rotor_ida import InputError, Rotor, SimulationError, compare, sweep, synchronous_response
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.parallel import FailedJob
 from rotor_ida.schema import EXACT, RESPONSE, flags_of, words_of
