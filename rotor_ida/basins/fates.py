@@ -587,7 +587,7 @@ def _label_of(batch: Batch, settled: SettledResponse) -> int:
         case response.TOUCHING if known.free is not None:
             return known.fading_label
         case response.SYNCHRONOUS:
-            return _whirl_of(known, settled.features.amplitude)
+            return _whirl_of(known, settled.features.radius_max)  # of a rotor at rest its sag
         case _:
             return UNDECIDED
 

@@ -275,13 +275,13 @@ static double guard_of_slip(const struct work *work, const struct touching *each
             left[n] = each->touch->sense * each->answers[n][ELEMENT_SLIP];
         return first_fall(left, 1, work->order, step, each->touch->zeros[OF_SLIP]);
     }
-    const double largest = fmax(work->run->open[each - work->touching].hardest.value,
-                                each->answers[0][ELEMENT_PUSH]);
-    double first = INFINITY, size = 0.0, scale = 1.0;
+    double first = INFINITY, size = 0.0, pressed = 0.0, scale = 1.0;
     for (int n = 0; n < work->order; n++) {
         size += fabs(each->drag[n]) * scale;
+        pressed += fabs(each->answers[n][ELEMENT_PUSH]) * scale;
         scale *= step;
     }
+    const double largest = fmax(work->run->open[each - work->touching].hardest.value, pressed);
     if (size <= fmax(HIDDEN * each->law->friction * largest, each->hidden))
         return INFINITY;
     for (int side = 0; side < 2; side++) {

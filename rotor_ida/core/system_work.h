@@ -138,17 +138,21 @@ COMPILED vec4 halves_of(vec8 a)
 /* The scalar products of two rows that follow one another with a row. */
 COMPILED void sums_of_products(const double *rows, const double *b, int64_t size, double sums[2])
 {
-    vec8 along = spread8(0.0), aside = spread8(0.0);
+    vec4 along[2], aside[2]; /* as each sum waits for itself, there are two of each row */
+    for (int j = 0; j < 2; j++)
+        along[j] = aside[j] = spread(0.0);
     int64_t i = 0;
     for (; i + 8 <= size; i += 8) {
-        along = fma_each(load8(&rows[i]), load8(&b[i]), along);
-        aside = fma_each(load8(&rows[size + i]), load8(&b[i]), aside);
+        for (int j = 0; j < 2; j++) {
+            along[j] = fma4(load(&rows[i + 4 * j]), load(&b[i + 4 * j]), along[j]);
+            aside[j] = fma4(load(&rows[size + i + 4 * j]), load(&b[i + 4 * j]), aside[j]);
+        }
     }
-    vec4 first = halves_of(along), second = halves_of(aside);
     for (; i < size; i += 4) {
-        first = fma4(load(&rows[i]), load(&b[i]), first);
-        second = fma4(load(&rows[size + i]), load(&b[i]), second);
+        along[0] = fma4(load(&rows[i]), load(&b[i]), along[0]);
+        aside[0] = fma4(load(&rows[size + i]), load(&b[i]), aside[0]);
     }
+    const vec4 first = along[0] + along[1], second = aside[0] + aside[1];
     sums[0] = (first[0] + first[1]) + (first[2] + first[3]);
     sums[1] = (second[0] + second[1]) + (second[2] + second[3]);
 }

@@ -15,7 +15,7 @@ from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS, PARAMETERS
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
 from rotor_ida.results.archived_system import clearance_of_contacts
 from rotor_ida.results.run import refuse_system
-from rotor_ida.results.si_units import in_suitable_units, scale_of
+from rotor_ida.results.si_units import LARGE_ONES, in_suitable_units, scale_of
 from rotor_ida.schema import QUANTITIES, check_variables, flags_of
 from rotor_ida.signals.nodes import Ring
 
@@ -263,7 +263,7 @@ def _measures(dataset: xr.Dataset) -> dict[str, str]:
     kinds = {
         QUANTITIES[str(name)].scale: units_in(variable)
         for name, variable in dataset.variables.items()
-        if str(name) in QUANTITIES
+        if str(name) in QUANTITIES and name not in LARGE_ONES
     }
     return {
         kind: "dimensionless" if units == "1" else f"{scale_of(dataset, kind)!r} {units}"

@@ -46,6 +46,7 @@ def test_docstrings_name_the_unit(kind: type, parameter: Parameter):
     entry = re.search(rf"{parameter.name} : (.+?)(?= \w+ : |Raises)", text)
     assert entry is not None
     unit = parameter.shown_unit if kind is DimensionalRotor else "1"
+    unit = "dimensionless" if unit == "1" else unit
     if parameter.name == "contact_stiffness":
         unit = "N/m^n"
     if parameter.name != "contact_exponent":
