@@ -133,8 +133,10 @@ class Canonical:
 
     Parameters
     ----------
-    factor : ndarray, shape (n, n)
-        Cholesky's factor L of the mass matrix, with the damping of stators without mass.
+    factor, inverse : ndarray, shape (n, n)
+        Cholesky's factor L of the mass matrix, with the damping of stators without mass; and its
+        inverse. To multiply by this is as exact as to solve, and wakes no threads of LAPACK, which
+        takes thousands of times as long for many rows.
     massless : int
         How many of the coordinates, the last, are of stators without mass.
     stiffness, damping, gyroscopic, stiffness_rate, rows, unbalance, force, films
@@ -142,6 +144,7 @@ class Canonical:
     """
 
     factor: Values
+    inverse: Values
     massless: int
     stiffness: Values
     damping: Values | None
@@ -163,13 +166,11 @@ class Canonical:
 
     def to_q(self, values: Values) -> Values:
         """Return q for rows of y, or its velocity."""
-        columns = values.reshape(-1, values.shape[-1]).T
-        return _solved(self.factor, columns, transposed=True).T.reshape(values.shape)
+        return np.asarray(values @ self.inverse)
 
     def rows_in_y(self, rows: Values) -> Values:
         """Return rows that apply to y for rows that apply to q, shape (..., n)."""
-        flat = rows.reshape(-1, rows.shape[-1]).T
-        return _solved(self.factor, flat).T.reshape(rows.shape)
+        return np.asarray(rows @ self.inverse.T)
 
     def to_y(self, values: Values) -> Values:
         """Return y for q, or its velocity."""
@@ -177,7 +178,7 @@ class Canonical:
 
     def matrix_in_y(self, matrix: Values) -> Values:
         """Return a matrix that applies to y for one that applies to q."""
-        return _solved(self.factor, _solved(self.factor, matrix).T).T
+        return np.asarray(self.inverse @ matrix @ self.inverse.T)
 
     def at(self, speed: float) -> Canonical:
         """Return the same at a speed, with the coefficients of its films in its matrices."""
@@ -242,36 +243,26 @@ def canonical(assembly: Assembly) -> Canonical:
         inert = inert.copy()
         inert[-held:, -held:] = assembly.damping[-held:, -held:]
     factor = cholesky(inert, lower=True)
+    inverse = np.asarray(dtrsm(1.0, factor, np.eye(assembly.size), lower=1))
 
     def of_matrix(matrix: Values | None) -> Values | None:
-        return None if matrix is None else _solved(factor, _solved(factor, matrix).T).T
-
-    def in_y(rows: Values) -> Values:
-        return _solved(factor, rows.reshape(-1, assembly.size).T).T.reshape(rows.shape)
+        return None if matrix is None else inverse @ matrix @ inverse.T
 
     stiffness = of_matrix(assembly.stiffness)
     assert stiffness is not None
     return Canonical(
         factor=factor,
+        inverse=inverse,
         massless=held,
         stiffness=stiffness,
         damping=of_matrix(assembly.damping),
         gyroscopic=of_matrix(assembly.gyroscopic),
         stiffness_rate=of_matrix(assembly.stiffness_rate),
-        rows=in_y(assembly.rows),
-        films=Films(assembly.films.bearings, in_y(assembly.films.rows)),
-        unbalance=_solved(factor, assembly.unbalance.T).T,
-        force=_solved(factor, assembly.force[:, np.newaxis])[:, 0],
+        rows=assembly.rows @ inverse.T,
+        films=Films(assembly.films.bearings, assembly.films.rows @ inverse.T),
+        unbalance=assembly.unbalance @ inverse.T,
+        force=inverse @ assembly.force,
     )
-
-
-def _solved(factor: Values, columns: Values, *, transposed: bool = False) -> Values:
-    """Return the solution with a lower triangular factor, shape (n, any).
-
-    The routine of LAPACK that checks for zeros starts threads even for two equations, which takes
-    thousands of times as long.
-    """
-    return np.asarray(dtrsm(1.0, factor, columns, lower=1, trans_a=int(transposed)))
 
 
 def _joined(system: RotorSystem, stators: Sequence[Stator], name: str) -> Values | None:

@@ -16,7 +16,6 @@ from itertools import pairwise
 from typing import NoReturn
 
 import numpy as np
-from scipy.linalg import solve_triangular
 
 from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.checks import shown
@@ -156,7 +155,7 @@ def forward_motions(assembly: Assembly) -> ForwardMotions:
             _refuse(f"table of the bearing at {shown(each.node)}")
     rows = found.rows[:, 0] + 1j * found.rows[:, 1]
     films = Films(found.films.bearings, found.films.rows @ basis)
-    shapes = np.asarray(solve_triangular(found.factor, basis, lower=True, trans=1))
+    shapes = found.inverse.T @ basis
     return ForwardMotions(
         rows=rows @ basis / np.sqrt(2.0), basis=basis, shapes=shapes, films=films, **reduced
     )

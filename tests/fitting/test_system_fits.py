@@ -184,7 +184,7 @@ REFUSED = {
     "no nodes": (lambda s: {"signals": {}}, r"signals must be given by the node"),
     "other times": (lambda s: {"signals": {"disc": s, "end": s.isel(t=slice(0, 2000))}},
                     r"the same times and angles, got others at 'end'"),
-    "of one disc": (lambda _: {"unknown": ["zeta"]}, r"unknown must be of 'damping', .* got 'zeta'"),
+    "of one disc": (lambda _: {"unknown": ["zeta"]}, r"must be of 'damping', .* got 'zeta'"),
     "no contacts": (lambda _: {"machine": RotorSystem(mass=np.eye(2), stiffness=np.eye(2),
                                                       nodes={"disc": (0, 1)})},
                     r"clearance must be left out, as the system has no contacts"),

@@ -134,7 +134,7 @@ def test_columns_are_differences_of_runs(seed):
             seen = other.samples[:, 0] @ run.rows.reshape(-1, size).T
             return np.concatenate([other.event_times[edges], seen.ravel()])
 
-        times, seen = np.split(difference(observed, 8e-6), [edges.sum()])
+        times, seen = np.split(difference(observed, 4e-6), [edges.sum()])
         own = result.sample_columns[:, :, column].ravel()
         np.testing.assert_allclose(own, seen, rtol=0.0, atol=WITHIN * np.abs(own).max(),
                                    err_msg=str(column))  # fmt: skip
