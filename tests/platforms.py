@@ -3,11 +3,12 @@
     python tests/platforms.py [--wheels FOLDER] [TARGET ...]
 
 The libraries are those of the wheels in a folder, or are compiled by ziglang. With each, a program
-is linked that runs orbits of every kind (core/bits.c), and one that names every function of the
-interface, so that none may be missing. The first is run where the system allows it, for ARM under
-qemu-user and for Windows under wine, and must say what the core of this machine says. A library for
-macOS is read: its processor, the system that it asks for, its signature. What is not installed here
-is named and left out.
+is linked that runs orbits of every kind (core/bits.c), one that calls every entry point in every
+way that may go wrong (core/exercise.c), and one that names every function of the interface, so that
+none may be missing. The first two are run where the system allows it, for ARM under qemu-user and
+for Windows under wine; the first must say what the core of this machine says. A library for macOS
+is read: its processor, the system that it asks for, its signature. What is not installed here is
+named and left out.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from runpy import run_path
 
 ROOT = Path(__file__).resolve().parents[1]
 CORE = ROOT / "rotor_ida" / "core"
-BITS = ROOT / "tests" / "core" / "bits.c"
+BITS, EXERCISE = (ROOT / "tests" / "core" / name for name in ("bits.c", "exercise.c"))
 hatch_build = run_path(str(ROOT / "hatch_build.py"))
 identity = hatch_build["identity"]
 # The files of another processor's libraries of C: Debian's libc6-arm64-cross.
@@ -153,6 +154,8 @@ def check(name, wheels, folder, references):
             pairs = zip(lines, references[model], strict=True)
             differ = [mine for mine, theirs in pairs if mine != theirs]
             wrong = f"{len(differ)} of {len(lines)} lines differ: {differ[0]}" if differ else ""
+            if said_by(words, linked(name, library, model, EXERCISE)) != ["done"]:
+                wrong += " an entry point does not end as it should"
             print(f"  {level}, {model}: {wrong or f'{len(lines)} lines, the same bits'}")
         elif wrong:
             print(f"  {level}, {model}: {wrong}")

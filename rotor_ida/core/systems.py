@@ -626,7 +626,7 @@ class _Run:
         return rows[np.argsort(rows["place"], kind="stable")]
 
     def episodes(self, found: Rows) -> Rows:
-        """Return episodes by roots of indentations; of linear springs the core has these themselves."""
+        """Return episodes by roots of indentations; of linear springs the core has them itself."""
         springs = (self.laws["hertz"] == 0.0) & (self.laws["clearance"] > 0.0)
         linear = springs[found["contact"].astype(int)]
         found["peak_root"][linear] = np.sqrt(found["peak_root"][linear])

@@ -45,7 +45,11 @@ def test_docstrings_name_the_unit(kind: type, parameter: Parameter):
     text = " ".join(inspect.getdoc(kind).split())
     entry = re.search(rf"{parameter.name} : (.+?)(?= \w+ : |Raises)", text)
     assert entry is not None
-    unit = parameter.shown_unit if kind is DimensionalRotor else "1"
+    unit = (
+        parameter.shown_unit
+        if kind is DimensionalRotor and parameter.unit != "1"
+        else ("dimensionless")
+    )
     if parameter.name == "contact_stiffness":
         unit = "N/m^n"
     if parameter.name != "contact_exponent":
