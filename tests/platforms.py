@@ -124,6 +124,14 @@ def read_macho(path, machine, tag):
     return "" if tag.startswith(asked) else f"it asks for {asked}, and the wheel says {tag}"
 
 
+def read_elf(path, tag):
+    """Return what is wrong with a library for Linux; '' where it asks for no newer glibc."""
+    asked = [int(number) for number in re.findall(rb"GLIBC_2\.(\d+)", path.read_bytes())]
+    allowed = re.match(r"manylinux_2_(\d+)_", tag)
+    most = int(allowed[1]) if allowed else -1
+    return "" if max(asked, default=-1) <= most else f"it asks for glibc 2.{max(asked)}, not {tag}"
+
+
 def made_here(source, model, level, folder):
     """Return a program for this machine, linked with its core by the first compiler found."""
     library = identity["library_path"](CORE, level, model)
@@ -149,11 +157,13 @@ def check(name, wheels, folder, references):
         source.write_text(interface(model), encoding="utf-8")
         linked(name, library, model, source)
         wrong = read_macho(library, target.machine, target.tag) if "macos" in name else ""
+        if name.endswith(("linux", "musl")):
+            wrong = read_elf(library, target.tag)
         if words is not None:
             lines = said_by(words, linked(name, library, model, BITS))
             pairs = zip(lines, references[model], strict=True)
             differ = [mine for mine, theirs in pairs if mine != theirs]
-            wrong = f"{len(differ)} of {len(lines)} lines differ: {differ[0]}" if differ else ""
+            wrong += f"{len(differ)} of {len(lines)} lines differ: {differ[0]}" if differ else ""
             if said_by(words, linked(name, library, model, EXERCISE)) != ["done"]:
                 wrong += " an entry point does not end as it should"
             print(f"  {level}, {model}: {wrong or f'{len(lines)} lines, the same bits'}")
