@@ -89,6 +89,8 @@ def linked(name, library, model, source):
     program = library.with_name(f"{source.stem}_{library.stem}.exe")
     target = hatch_build["TARGETS"][name]
     words = [*hatch_build["find_zig"](), "-target", target.triple, "-std=c17", f"-I{CORE}"]
+    # what zig adds by itself asks for a newer musl than the library does
+    words.append("-fno-sanitize=undefined")
     words += [*hatch_build["FOR_MODEL"][model], str(source), str(library), "-o", str(program)]
     if not name.endswith("windows"):  # where a library is looked for beside the program anyway
         words.append("-Wl,-rpath,$ORIGIN")
