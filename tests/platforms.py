@@ -3,11 +3,12 @@
     python tests/platforms.py [--wheels FOLDER] [TARGET ...]
 
 The libraries are those of the wheels in a folder, or are compiled by ziglang. With each, a program
-is linked that runs orbits of every kind (core/bits.c), and one that names every function of the
-interface, so that none may be missing. The first is run where the system allows it, for ARM under
-qemu-user and for Windows under wine, and must say what the core of this machine says. A library for
-macOS is read: its processor, the system that it asks for, its signature. What is not installed here
-is named and left out.
+is linked that runs orbits of every kind (core/bits.c), one that calls every entry point in every
+way that may go wrong (core/exercise.c), and one that names every function of the interface, so that
+none may be missing. The first two are run where the system allows it, for ARM under qemu-user and
+for Windows under wine; the first must say what the core of this machine says. A library for macOS
+is read: its processor, the system that it asks for, its signature. What is not installed here is
+named and left out.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from runpy import run_path
 
 ROOT = Path(__file__).resolve().parents[1]
 CORE = ROOT / "rotor_ida" / "core"
-BITS = ROOT / "tests" / "core" / "bits.c"
+BITS, EXERCISE = (ROOT / "tests" / "core" / name for name in ("bits.c", "exercise.c"))
 hatch_build = run_path(str(ROOT / "hatch_build.py"))
 identity = hatch_build["identity"]
 # The files of another processor's libraries of C: Debian's libc6-arm64-cross.
@@ -88,6 +89,8 @@ def linked(name, library, model, source):
     program = library.with_name(f"{source.stem}_{library.stem}.exe")
     target = hatch_build["TARGETS"][name]
     words = [*hatch_build["find_zig"](), "-target", target.triple, "-std=c17", f"-I{CORE}"]
+    # what zig adds by itself asks for a newer musl than the library does
+    words.append("-fno-sanitize=undefined")
     words += [*hatch_build["FOR_MODEL"][model], str(source), str(library), "-o", str(program)]
     if not name.endswith("windows"):  # where a library is looked for beside the program anyway
         words.append("-Wl,-rpath,$ORIGIN")
@@ -123,6 +126,14 @@ def read_macho(path, machine, tag):
     return "" if tag.startswith(asked) else f"it asks for {asked}, and the wheel says {tag}"
 
 
+def read_elf(path, tag):
+    """Return what is wrong with a library for Linux; '' where it asks for no newer glibc."""
+    asked = [int(number) for number in re.findall(rb"GLIBC_2\.(\d+)", path.read_bytes())]
+    allowed = re.match(r"manylinux_2_(\d+)_", tag)
+    most = int(allowed[1]) if allowed else -1
+    return "" if max(asked, default=-1) <= most else f"it asks for glibc 2.{max(asked)}, not {tag}"
+
+
 def made_here(source, model, level, folder):
     """Return a program for this machine, linked with its core by the first compiler found."""
     library = identity["library_path"](CORE, level, model)
@@ -148,11 +159,15 @@ def check(name, wheels, folder, references):
         source.write_text(interface(model), encoding="utf-8")
         linked(name, library, model, source)
         wrong = read_macho(library, target.machine, target.tag) if "macos" in name else ""
+        if name.endswith(("linux", "musl")):
+            wrong = read_elf(library, target.tag)
         if words is not None:
             lines = said_by(words, linked(name, library, model, BITS))
             pairs = zip(lines, references[model], strict=True)
             differ = [mine for mine, theirs in pairs if mine != theirs]
-            wrong = f"{len(differ)} of {len(lines)} lines differ: {differ[0]}" if differ else ""
+            wrong += f"{len(differ)} of {len(lines)} lines differ: {differ[0]}" if differ else ""
+            if said_by(words, linked(name, library, model, EXERCISE)) != ["done"]:
+                wrong += " an entry point does not end as it should"
             print(f"  {level}, {model}: {wrong or f'{len(lines)} lines, the same bits'}")
         elif wrong:
             print(f"  {level}, {model}: {wrong}")

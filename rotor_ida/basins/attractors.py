@@ -23,7 +23,7 @@ from rotor_ida.basins.starts import Starts, stretches
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema import RESPONSE, TRAPPING, by_number
 from rotor_ida.simulation.flow import Flow
-from rotor_ida.simulation.options import Options
+from rotor_ida.simulation.options import Options, adams_or_taylor
 from rotor_ida.simulation.systems.flow import SystemFlow
 from rotor_ida.steady import response
 from rotor_ida.steady.follow import SettledResponse, follow_to_steady_state
@@ -49,8 +49,8 @@ APERIODIC = (response.ROLLING, response.QUASI_PERIODIC, response.CHAOTIC)
 NUMBERS = (
     *("amplitude", "phase_lag", "radius_min", "radius_max", "period", "lifetime", "lifetime_low"),
 )
-# And the evidence for its trapping region; whether CVODE has followed one of its starts to it; and
-# a state on the rotating axes [1], NaN where the numbers say which.
+# And the evidence for its trapping region; whether a separate run leads to it from one of its
+# starts; and a state on the rotating axes [1], NaN where the numbers say which.
 OF_DISC = np.dtype(
     [
         ("response", np.int8), *((name, np.float64) for name in (*NUMBERS, "largest_force")),
@@ -64,7 +64,7 @@ NOWHERE = np.full(4, np.nan)
 # Evidence for the region of an attractor: see `rotor_ida.schema.TRAPPING`.
 PROVEN, ESTIMATED, NOTHING = "proven", "estimated", "none"
 
-# Number of starts that CVODE follows before an attractor counts as unconfirmed.
+# Number of starts that separate runs follow before an attractor counts as unconfirmed.
 WITNESSES = 3
 # Kinds for which reaching any motion of the kind confirms a start.
 ONLY_BY_KIND = (*CONTACT_FREE_FAMILY, response.QUASI_PERIODIC, response.CHAOTIC)
@@ -322,13 +322,18 @@ def _joined(known: np.void, row: np.void) -> np.void:
     return found
 
 
-# ---- What CVODE says of those of one disc ----
+# ---- What separate runs say of those of one disc: by CVODE where it is there ----
+
+
+def witness_options() -> Options:
+    """Return the options by which attractors and smallest shocks of one disc are confirmed."""
+    return Options(method=adams_or_taylor({}))
 
 
 def confirm(
     rotor: Rotor, followed: Followed, starts: Starts, options: Options, *, can_stop: bool
 ) -> None:
-    """Note which attractors of one disc CVODE reaches from one of their starts.
+    """Note which attractors of one disc a separate run reaches from one of their starts.
 
     If the user interrupts it, and it `can_stop`, none counts as confirmed.
     """
@@ -363,7 +368,7 @@ def leads_to(
     rotor: Rotor, attractor: np.void, start: Values, options: Options, *, family: bool = False,
     stop: Stop | None = None,
 ) -> bool:  # fmt: skip
-    """Return whether CVODE follows a start to an attractor, or with `family` to one of its family.
+    """Return whether a run leads from a start to an attractor, or with `family` to its family.
 
     Fading touches belong to the contact-free family.
     """

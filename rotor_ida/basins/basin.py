@@ -9,7 +9,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.arrays import Stop
-from rotor_ida.basins.attractors import confirm
+from rotor_ida.basins.attractors import confirm, witness_options
 from rotor_ida.basins.dataset import Labelled, basin_dataset, fractions_dataset
 from rotor_ida.basins.fates import labeller_of
 from rotor_ida.basins.following import FORM, Labeller, follow_starts
@@ -22,7 +22,6 @@ from rotor_ida.parallel import Progress, choose, interruptible, shows_progress
 from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import open_results
-from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.starts import Start
 
 
@@ -90,7 +89,8 @@ def basin(
         ``response``, its kind as a flag; ``settling_time`` [dimensionless]. On ``attractor``:
         ``kind``, ``amplitude``, ``phase_lag``, ``radius_min``, ``radius_max`` (NaN where they
         depend on the start); ``trapping``, whether its trapping region is proven or estimated;
-        ``confirmed``, whether CVODE has followed one of its starts to it; ``count``, ``fraction``
+        ``confirmed``, whether a run by the method ``confirmation_method``, CVODE where it is there,
+        leads from one of its starts to it; ``count``, ``fraction``
         and ``fraction_error``. Scalars: ``undecided_count``, ``undecided_fraction``,
         ``not_computed_count``; ``agreement``, the fraction of ``agreement_count`` recomputed labels
         that are unchanged with the error ``agreement_rtol`` per step; ``basin_entropy``, the
@@ -289,7 +289,8 @@ def label(
             interruptible(prepared), asked.starts, asked.count, kept, workers=chosen,
             progress=progress,
         )  # fmt: skip
-        options = Options() if isinstance(point, Rotor) and not followed.ended.interrupted else None
-        if isinstance(point, Rotor) and options is not None:
+        options = None
+        if isinstance(point, Rotor) and not followed.ended.interrupted:
+            options = witness_options()
             confirm(point, followed, asked.starts, options, can_stop=study is None)
         return Labelled(subjects, followed, options, kept.folder, question)

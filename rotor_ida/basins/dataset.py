@@ -73,7 +73,7 @@ class Labelled:
     followed : Followed
         The starts, and the attractors on which they end.
     options : Options or None
-        How CVODE was to confirm attractors of one disc.
+        How separate runs were to confirm attractors of one disc.
     folder : Path or None
         Where large arrays can be stored.
     question : Question

@@ -37,7 +37,8 @@ TEXTS = {
     "samples": "Number of output times. Default: at least 32 per revolution.",
     "rtol": "Relative tolerance.",
     "atol": "Absolute tolerance.",
-    "method": "Solver of the contact phases. Default: adams; of a rotor system, taylor.",
+    "method": "Solver of the contact phases. Default: adams, or taylor without scikit-sundae "
+    "and of a rotor system.",
     "method of a study": "Solver of the contact phases. Default: taylor, or adams where taylor "
     "cannot be used.",
     "drop method": "Solver of the contact phases.",

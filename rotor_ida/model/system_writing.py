@@ -14,6 +14,7 @@ import numpy as np
 
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
+from rotor_ida.formats.replacing import put
 from rotor_ida.model.contact import HERTZ_EXPONENT
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_files import NODE
@@ -58,7 +59,7 @@ def write_system(system: RotorSystem, path: str | Path, *, overwrite: bool = Fal
             lines = "\n".join(_lines(system, beside.name)) + "\n"
             written[0].write_text(lines, encoding="utf-8")
             for part, target in zip(written, (place, beside), strict=True):
-                part.replace(target)
+                put(part, target)
     except OSError as error:
         raise InputError(f"cannot write {shown(place)}: {error.strerror or error}") from error
     return place

@@ -8,12 +8,12 @@ next writer removes it.
 from __future__ import annotations
 
 import errno
+import hashlib
 import os
 import re
 import secrets
 import shutil
 import socket
-import time
 from collections.abc import Iterator
 from contextlib import contextmanager, suppress
 from pathlib import Path
@@ -22,13 +22,17 @@ from filelock import FileLock, Timeout
 
 from rotor_ida.checks import check_flag, shown
 from rotor_ida.errors import ArchiveError, InputError
+from rotor_ida.formats.replacing import put
 
 _UNFINISHED = "rotor_ida-part"
+# Characters that the folder in which a file is written adds to its path: three dots, two numbers
+# and a slash besides.
+ADDED = len(_UNFINISHED) + 20
 _NO_LINKS_HERE = {errno.EPERM, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK}
 _NO_SYNC_HERE = {errno.EINVAL, errno.ENOTSUP, errno.EOPNOTSUPP, errno.EACCES}
-# Windows replaces no file that another process reads; readers of this package take a moment.
-_READERS_HOLD = os.name == "nt"
-_PAUSES = (0.01, 0.03, 0.1, 0.3, 1.0)  # seconds
+# Where no long paths are switched on, Windows makes no folder with more characters in its path.
+_HAS_LIMIT = os.name == "nt"
+_LONGEST_FOLDER = 247
 
 
 def check_path(name: str, path: object, *, kind: str = "file") -> Path:
@@ -94,6 +98,21 @@ def already_there(name: str, path: Path, permission: str = "overwrite is true") 
     return InputError(f"{name} must not exist unless {permission}, got {shown(path)}")
 
 
+def refusal(error: OSError, path: Path) -> str | None:
+    """Return why the system refuses to write a file: on Windows it may be the length of its path.
+
+    Examples
+    --------
+    >>> refusal(OSError(28, "No space left on device"), Path("run.nc"))
+    'No space left on device'
+    """
+    length, most = len(os.path.abspath(path)), _LONGEST_FOLDER - ADDED
+    # which is how Windows puts it
+    if _HAS_LIMIT and isinstance(error, FileNotFoundError) and length > most:
+        return f"its path has {length} characters, and Windows takes {most} without long paths"
+    return error.strerror
+
+
 @contextmanager
 def file_to_write(name: str, path: Path, *, overwrite: bool) -> Iterator[Path]:
     """Yield as `written_whole`; raise errors of this package that name the file in one line.
@@ -111,7 +130,7 @@ def file_to_write(name: str, path: Path, *, overwrite: bool) -> Iterator[Path]:
     except FileExistsError:
         raise already_there(name, path) from None
     except (OSError, RuntimeError) as error:
-        reason = getattr(error, "strerror", None)
+        reason = refusal(error, path) if isinstance(error, OSError) else None
         if reason is None:  # netCDF hides a full disk
             free = shutil.disk_usage(path.parent).free / 2**20
             reason = f"{' '.join(str(error).split())} ({free:.0f} MiB are free on the disk)"
@@ -180,7 +199,7 @@ def _folder_beside(target: Path) -> Iterator[Path]:
 
 def _locked_folder(parent: Path) -> tuple[Path, FileLock]:
     while True:
-        folder = parent / f".{_machine()}.{secrets.token_hex(8)}.{_UNFINISHED}"
+        folder = parent / f".{_machine()}.{secrets.token_hex(4)}.{_UNFINISHED}"
         folder.mkdir(mode=0o700)
         lock = _lock_of(folder)
         # another writer may remove it before it is locked, even while filelock checks that it
@@ -194,7 +213,7 @@ def _locked_folder(parent: Path) -> tuple[Path, FileLock]:
 
 def _remove_abandoned(folder: Path) -> None:
     """Remove folders of writers on this machine that have certainly ended."""
-    pattern = re.compile(rf"\.{re.escape(_machine())}\.[0-9a-f]{{16}}\.{_UNFINISHED}")
+    pattern = re.compile(rf"\.{_machine()}\.[0-9a-f]{{8}}\.{_UNFINISHED}")
     with suppress(OSError), os.scandir(folder) as entries:
         left = [each for each in entries if pattern.fullmatch(each.name)]
         for entry in left:
@@ -210,17 +229,8 @@ def _lock_of(folder: Path) -> FileLock:
 
 
 def _machine() -> str:
-    return re.sub(r"[^A-Za-z0-9-]+", "-", socket.gethostname())[:64] or "unnamed"
-
-
-def put(part: Path, target: Path) -> None:
-    """Give a finished file its name, also where others read the file that it replaces."""
-    for pause in _PAUSES if _READERS_HOLD else ():
-        with suppress(PermissionError):
-            part.replace(target)
-            return
-        time.sleep(pause)
-    part.replace(target)
+    """Return what tells this machine from others, in few characters."""
+    return hashlib.sha256(socket.gethostname().encode()).hexdigest()[:8]
 
 
 def _publish(part: Path, target: Path, overwrite: bool) -> None:

@@ -56,15 +56,16 @@ class Differing(NamedTuple):
 
     Examples
     --------
-    >>> Differing("adams", "taylor")
-    'adams' (of a RotorSystem 'taylor')
+    >>> Differing("omega", "speed")
+    'omega' (of a RotorSystem 'speed')
     """
 
     disc: object
     system: object
 
     def __repr__(self) -> str:
-        return f"{self.disc!r} (of a RotorSystem {self.system!r})"
+        disc = getattr(self.disc, "__name__", repr(self.disc))  # or a function that finds it
+        return f"{disc} (of a RotorSystem {self.system!r})"
 
 
 def takes_rotors(
@@ -88,7 +89,7 @@ def takes_rotors(
     needed : collection of str
         Keywords that a rotor system must be given.
     defaults : mapping of str to tuple
-        Defaults that differ, of one disc and of a system.
+        Defaults that differ, of one disc and of a system; or functions of the other arguments.
     varies : bool
         Whether other keywords vary parameters. The ``speed`` of a machine is one of these.
     """
@@ -116,7 +117,8 @@ def takes_rotors(
                 raise InputError(f"{name} must be left out with {kind}, got {shown(value)}")
             for name, values in defaults.items():
                 if options.get(name) is None:
-                    options[name] = values[is_system]
+                    usual_value = values[is_system]
+                    options[name] = usual_value(options) if callable(usual_value) else usual_value
             if not is_system:
                 return of_disc(*given, **options)
             if missing := [name for name in needed if name not in options]:

@@ -571,7 +571,9 @@ QUANTITIES: dict[str, Quantity] = {
     "trapping": Quantity("evidence for the trapping region of the attractor", flags=TRAPPING),
     "lifetime": time("mean time after which the motion ends, infinite where that was not seen"),
     "lifetime_low": time("lower 95 % confidence bound of the lifetime"),
-    "confirmed": Quantity("whether CVODE has followed a start to the attractor", flags=NO_YES),
+    "confirmed": Quantity(
+        "whether a separate run leads from a start to the attractor", flags=NO_YES
+    ),
     "count": Quantity("number of starts that end on the attractor"),
     "fraction": Quantity("fraction of computed starts that end on the attractor"),
     "fraction_error": Quantity(

@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Literal
+from typing import Any, Literal
 
 from rotor_ida.checks import COMPONENTS, State, check_between, check_choice
 from rotor_ida.core import library, sundials
@@ -134,6 +135,28 @@ def with_fallback(method: Method, backend: Backend) -> tuple[Method, Backend]:
     return "adams" if method == "taylor" else method, "python"
 
 
+def adams_or_taylor(options: Mapping[str, Any]) -> Method:
+    """Return the method of a run of one disc by these arguments, which name none.
+
+    That is Adams, or Taylor series where SUNDIALS is missing and they are able to.
+
+    Examples
+    --------
+    >>> adams_or_taylor({"backend": "python"})
+    'adams'
+    """
+    told = {each: options[each] for each in ("rtol", "flight", "backend") if each in options}
+    return "taylor" if sundials.why_not() and _taylor_is_able(**told) else "adams"
+
+
+def _taylor_is_able(
+    *, rtol: object = 1e-10, flight: object = "exact", backend: object = "auto"
+) -> bool:
+    """Return whether Taylor series go with these arguments, or these are refused anyway."""
+    loose = isinstance(rtol, float) and rtol > LOOSEST_RTOL_OF_TAYLOR
+    return flight == "exact" and backend != "python" and not loose
+
+
 def options_of_study(
     *,
     rtol: float,
@@ -155,9 +178,8 @@ def options_of_study(
     if method is None:
         check_choice("flight", flight, FLIGHTS)
         check_choice("backend", backend, BACKENDS)
-        loose = isinstance(rtol, float) and rtol > LOOSEST_RTOL_OF_TAYLOR
-        fits = flight == "exact" and backend != "python" and not loose
-        method = "taylor" if fits else "adams"
+        able = _taylor_is_able(rtol=rtol, flight=flight, backend=backend)
+        method = "taylor" if able else "adams"
     return Options(rtol=rtol, atol=atol, method=method, flight=flight, backend=backend)
 
 

@@ -47,6 +47,7 @@ from rotor_ida.simulation.crossings import (
 from rotor_ida.simulation.flow import DiscFlow, Flow
 from rotor_ida.simulation.options import Method, Options, check_can_be_followed
 from rotor_ida.simulation.runs import LOOSEST_RTOL, TIGHTEST_RTOL
+from rotor_ida.simulation.simulate import DEFAULTS
 from rotor_ida.simulation.starts import Start, begun_in_modes, start_of
 from rotor_ida.simulation.systems.flow import SAMPLES_A_REVOLUTION, SettlingProblem, SystemFlow
 
@@ -56,7 +57,6 @@ PLACES = ("revolution", "entry", "exit", "peak", *RUBS)
 # How often a motion of a system is simulated until its peaks are located, about.
 RUNS_TO_PEAKS = 8
 # The absolute tolerance of one disc; a rotor system scales its own.
-DEFAULTS = {"method": ("adams", "taylor")}
 ATOL = 1e-12
 NAMES = ("rotating_x", "rotating_y", "rotating_vx", "rotating_vy")
 
@@ -116,7 +116,7 @@ def poincare_section(
         Relative and absolute tolerance [dimensionless]. A `RotorSystem` has the relative one alone,
         from 1e-14 to 1e-4.
     method : {"adams", "bdf", "ida", "taylor"}, optional
-        Solver of the contacts of one disc, as for `rotor_ida.simulate`; default: ``"adams"``. Peaks
+        Solver of the contacts of one disc, and its default, as for `rotor_ida.simulate`. Peaks
         and a `RotorSystem` are computed by Taylor series.
     progress : callable or bool, optional
         As for `rotor_ida.simulate`.

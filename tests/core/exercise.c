@@ -8,7 +8,11 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#ifdef _WIN32
+#include <windows.h>
+#else
 #include <sys/time.h>
+#endif
 
 #include "observers.h"
 #include "series.h"
@@ -16,19 +20,38 @@
 
 static stop_flag stop;
 
-static void ask_to_stop(int signal)
+#ifdef _WIN32
+static void CALLBACK ask_to_stop(void *unused, BOOLEAN fired)
 {
-    (void)signal;
+    (void)unused, (void)fired;
     stop = 1;
 }
 
 /* Ask to stop after so many microseconds. */
 static void stop_after(int microseconds)
 {
+    static HANDLE timer;
+    if (timer != NULL)
+        DeleteTimerQueueTimer(NULL, timer, INVALID_HANDLE_VALUE);
+    stop = 0;
+    CreateTimerQueueTimer(&timer, NULL, ask_to_stop, NULL, (DWORD)(microseconds / 1000), 0, 0);
+}
+#else
+static void ask_to_stop(int signal)
+{
+    (void)signal;
+    stop = 1;
+}
+
+static void stop_after(int microseconds)
+{
     stop = 0;
     const struct itimerval timer = {{0, 0}, {0, microseconds}};
+    const struct sigaction action = {.sa_handler = ask_to_stop};
+    sigaction(SIGALRM, &action, NULL);
     setitimer(ITIMER_REAL, &timer, NULL);
 }
+#endif
 
 static void require(int held, const char *what)
 {
@@ -888,8 +911,6 @@ static void systems(void) {}
 
 int main(void)
 {
-    const struct sigaction action = {.sa_handler = ask_to_stop};
-    sigaction(SIGALRM, &action, NULL);
     calls_until_failure = -1;
     require(core_version()[0] && core_compiler() && core_flags() && core_level() && core_model()
                 && core_sources(),

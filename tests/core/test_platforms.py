@@ -46,6 +46,21 @@ def test_every_function_of_the_interface_is_in_the_library(platforms, tmp_path, 
 
 
 @pytest.mark.parametrize(
+    ("text", "tag", "message"),
+    [
+        (b"GLIBC_2.2.5 GLIBC_2.17", "manylinux_2_17_x86_64", ""),
+        (b"GLIBC_2.2.5 GLIBC_2.29", "manylinux_2_17_x86_64",
+         "it asks for glibc 2.29, not manylinux_2_17_x86_64"),
+        (b"", "musllinux_1_2_x86_64", ""),
+        (b"GLIBC_2.2.5", "musllinux_1_2_x86_64", "it asks for glibc 2.2, not musllinux_1_2_x86_64"),
+    ],
+)  # fmt: skip
+def test_a_library_for_linux_asks_for_the_glibc_of_its_tag(platforms, tmp_path, text, tag, message):
+    (tmp_path / "library").write_bytes(text)
+    assert platforms["read_elf"](tmp_path / "library", tag) == message
+
+
+@pytest.mark.parametrize(
     ("processor", "commands", "message"),
     [
         (0x0100000C, [(0x32, 11 << 16), (0x1D, 0)], ""),

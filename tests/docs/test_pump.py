@@ -11,7 +11,9 @@ from rotor_ida import full_spectrum, load, orders
 from rotor_ida.cli.program import main
 from tests.docs.pages import commands, names_of, text_of
 
-README = (Path(__file__).parents[2] / "README.md").read_text("utf-8")
+README, PAPER = (
+    (Path(__file__).parents[2] / name).read_text("utf-8") for name in ("README.md", "paper.md")
+)
 
 
 @pytest.fixture(scope="module")
@@ -50,6 +52,9 @@ def test_the_readme_has_the_same_machine_and_its_answer(told):
     assert [described, run_up] == commands(text_of("pump"))[:2]
     said = told["summary"](told["run"], running_speed=RUNNING).sentence
     assert said in " ".join(README.split())
+    for number in ("at 5,211 rpm", "up to 820 N", "keeps rubbing"):
+        assert number in said
+        assert number in PAPER
 
 
 def test_the_python_of_the_readme_prints_what_stands_beside_it(capsys, monkeypatch):

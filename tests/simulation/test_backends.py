@@ -2,11 +2,22 @@
 
 import sys
 import threading
+from dataclasses import replace
 
 import numpy as np
 import pytest
+import xarray as xr
 
-from rotor_ida import InputError, InstallationError, Rotor, SimulationError, simulate
+from rotor_ida import (
+    InputError,
+    InstallationError,
+    Rotor,
+    SimulationError,
+    basin_fractions,
+    poincare_section,
+    run_up,
+    simulate,
+)
 from rotor_ida.core import sundials
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
@@ -76,40 +87,57 @@ def test_a_library_that_lacks_a_function_is_named(monkeypatch, asked_anew):
         Options(backend="compiled")
 
 
-def test_without_scikit_sundae_taylor_series_work(monkeypatch, asked_anew):
+@pytest.fixture
+def without_sundae(monkeypatch, asked_anew):
+    """As on Linux on ARM, for which scikit-sundae has no wheel."""
+    for name in [name for name in sys.modules if name.startswith("sksundae")]:
+        monkeypatch.setitem(sys.modules, name, None)
     monkeypatch.setitem(sys.modules, "sksundae", None)
-    assert sundials.why_not() == "scikit-sundae is not installed"
-    assert sundials.version() == ""
-    assert simulate(BOUNCING, start=REST, duration=20.0, method="taylor").sizes["event"] > 2
-
-
-def forget_witness(monkeypatch):
     for name in [name for name in sys.modules if name.startswith("rotor_ida.simulation.witness")]:
         monkeypatch.delitem(sys.modules, name)
 
 
-def test_without_scikit_sundae_the_reference_says_so(monkeypatch, asked_anew):
-    for name in [name for name in sys.modules if name.startswith("sksundae")]:
-        monkeypatch.setitem(sys.modules, name, None)
-    monkeypatch.setitem(sys.modules, "sksundae", None)
-    forget_witness(monkeypatch)
+@pytest.mark.usefixtures("without_sundae")
+def test_without_scikit_sundae_runs_are_by_taylor_series_and_say_so():
+    assert sundials.why_not() == "scikit-sundae is not installed"
+    assert sundials.version() == ""
+    found = simulate(BOUNCING, start=REST, duration=20.0)
+    xr.testing.assert_identical(
+        found, simulate(BOUNCING, start=REST, duration=20.0, method="taylor")
+    )
+    assert found.attrs["method"] == "taylor"
+    assert '"method":"taylor"' in found.attrs["question"]
+    ramp = run_up(replace(BOUNCING, omega=0.2), to=1.5, rate=0.02)
+    assert ramp.attrs["method"] == "taylor"
+    assert poincare_section(BOUNCING, revolutions=3).attrs["method"] == "taylor"
+    basins = basin_fractions(replace(BOUNCING, delta0=0.0), x=(-15, 15), y=(-15, 15), starts=20)
+    assert basins.attrs["confirmation_method"] == "taylor"
+    assert basins.confirmed.all()
+
+
+@pytest.mark.parametrize(
+    "asked",
+    [{"backend": "python"}, {"method": "adams"}, {"method": "ida"}, {"flight": "cvode"},
+     {"rtol": 1e-3}],
+)  # fmt: skip
+@pytest.mark.usefixtures("without_sundae")
+def test_without_scikit_sundae_what_needs_it_says_so(asked):
     with pytest.raises(InstallationError, match=r"^backend 'python' needs scikit-sundae: pip inst"):
-        simulate(BOUNCING, start=REST, duration=1.0, backend="python")
+        simulate(BOUNCING, start=REST, duration=1.0, **asked)
 
 
-def test_without_scikit_sundae_a_system_has_taylor_series_and_cvode_says_so(
-    monkeypatch, asked_anew
-):
+@pytest.mark.usefixtures("without_sundae")
+def test_without_scikit_sundae_a_system_has_taylor_series_and_cvode_says_so():
     system = BOUNCING.system()
     given = {"speed": BOUNCING.omega}
-    for name in [name for name in sys.modules if name.startswith("sksundae")]:
-        monkeypatch.setitem(sys.modules, name, None)
-    monkeypatch.setitem(sys.modules, "sksundae", None)
-    forget_witness(monkeypatch)
     assert simulate(system, **given, duration=20.0).sizes["event"] > 2
     message = r"^backend 'python' needs scikit-sundae: pip inst"
     with pytest.raises(InstallationError, match=message):
         simulate(system, **given, duration=1.0, method="adams")
+
+
+def test_with_scikit_sundae_runs_are_by_adams():
+    assert simulate(BOUNCING, start=REST, duration=1.0).attrs["method"] == "adams"
 
 
 @pytest.mark.parametrize("name", ["libsundials_core.7.9.0.dylib", "sundials_core-db7c109a.dll"])

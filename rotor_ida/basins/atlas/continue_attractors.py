@@ -132,8 +132,8 @@ def continue_attractors(
     Notes
     -----
     Starts are labelled as by `rotor_ida.basin_fractions`, the same starts for every rotor, but
-    `rtol` is not chosen from them, and CVODE does not confirm attractors. With `shocks`, CVODE
-    follows the smallest ones, with the options in the attributes ``witness_method``,
+    `rtol` is not chosen from them, and no separate run confirms attractors. With `shocks`, separate
+    runs follow the smallest ones, with the options in the attributes ``witness_method``,
     ``witness_rtol`` and so on. An attractor has one number throughout: a limit cycle is followed
     from rotor to rotor along its branch, a whirl along the exact response curve. If no start of a
     rotor ends on a followed attractor, it is listed there with the fraction 0: its basin is too

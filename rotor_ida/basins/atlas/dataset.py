@@ -15,9 +15,9 @@ from rotor_ida.arrays import Values
 from rotor_ida.basins.atlas.cells import Cell, Member
 from rotor_ida.basins.atlas.effects import effects_of
 from rotor_ida.basins.atlas.extents import varied
-from rotor_ida.basins.atlas.resilience import Resilience, witness_options
+from rotor_ida.basins.atlas.resilience import Resilience
 from rotor_ida.basins.atlas.shocks import KINDS
-from rotor_ida.basins.attractors import reported
+from rotor_ida.basins.attractors import reported, witness_options
 from rotor_ida.basins.dataset import ENTROPIES, agreement_of, followed_by, labelled_how
 from rotor_ida.basins.subjects import Subjects
 from rotor_ida.checks import COMPONENTS

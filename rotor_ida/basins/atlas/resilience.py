@@ -1,9 +1,9 @@
 """Resilience: how far each attractor of a rotor is from being left, by a shock or by drift.
 
 For each attractor the smallest shock found to each other one, followed again to confirm it. Of one
-disc CVODE does so; there is also the size up to which no shock leaves the attractor, proven or
-estimated, and the extents of its parameters. A rotor system has no trapping regions: each shock is
-followed until it has settled, as a start, and the smallest again with a tighter tolerance.
+disc a separate run does so; there is also the size up to which no shock leaves the attractor,
+proven or estimated, and the extents of its parameters. A rotor system has no trapping regions: each
+shock is followed until it has settled, as a start, and the smallest again with a tighter tolerance.
 """
 
 from __future__ import annotations
@@ -49,6 +49,7 @@ from rotor_ida.basins.attractors import (
     kind_of,
     leads_to,
     state_on,
+    witness_options,
 )
 from rotor_ida.basins.fates import APERIODIC, Disc
 from rotor_ida.basins.following import Labeller, tighter_than
@@ -59,7 +60,6 @@ from rotor_ida.cycles.shooting import close_orbit
 from rotor_ida.errors import SimulationError
 from rotor_ida.schema import END
 from rotor_ida.simulation.flow import DiscFlow
-from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.systems.flow import SystemFlow
 from rotor_ida.steady import response
 from rotor_ida.steady.grid import Table
@@ -110,11 +110,6 @@ class Resilience:
         over = parameters, 2
         return cls(sizes, states, states.copy(), sizes.copy(), np.full(over, np.nan),
                    np.full(over, END["not_found"], dtype=np.int8))  # fmt: skip
-
-
-def witness_options() -> Options:
-    """Return the options with which the smallest shocks on one disc are confirmed."""
-    return Options()
 
 
 @dataclass(frozen=True, slots=True)
@@ -200,7 +195,7 @@ class DiscSearch:
     def ends(self, states: Values) -> Labels:
         """Return the labels of states, shape (4, n).
 
-        If there is chaos, states that enter no region in time count as chaotic, until CVODE checks.
+        If there is chaos, states that enter no region in time count as chaotic, until checked.
         """
         labels = ends_of_disc(self.known, states, self.rtol, self.stop)
         if CHAOTIC in self.labels:
@@ -208,7 +203,7 @@ class DiscSearch:
         return labels
 
     def holds(self, number: int, state: Values) -> bool:
-        """Return whether CVODE follows a state to an attractor."""
+        """Return whether a separate run leads from a state to an attractor."""
         row, options = self.rows[number], witness_options()
         return not self.stop[0] and leads_to(
             self.known.rotor, row, state, options, family=True, stop=self.stop

@@ -135,17 +135,17 @@ def touchdown_report(
     the torque that turns the disc against it.
 
     Starts are labelled as by `rotor_ida.basin_fractions`, with the same `rtol` for any machine.
-    CVODE does not confirm attractors.
+    No separate run confirms attractors.
 
     Under a load periods are whole revolutions. Motions that never repeat are
     represented by one such motion, as with friction. There are no shocks and no ranges of
     existence: on the rotating axes, which the search for shocks uses, the load rotates.
 
-    A shock may occur at any phase and in any direction. CVODE has followed the smallest one found
-    to its attractor, with the options in the attributes ``witness_method``, ``witness_rtol`` and so
-    on. A smaller one may exist, down to the bound. All whirls inside the clearance, with the
-    touches that fade towards them, count as one attractor. Its bound is 0, since its outermost
-    whirls just reach the stator.
+    A shock may occur at any phase and in any direction. A separate run has followed the smallest
+    one found to its attractor, with the options in the attributes ``witness_method``,
+    ``witness_rtol`` and so on. A smaller one may exist, down to the bound. All whirls inside the
+    clearance, with the touches that fade towards them, count as one attractor. Its bound is
+    0, since its outermost whirls just reach the stator.
 
     With friction, motions that roll without a period or never repeat are represented by one such
     motion, followed over many revolutions. A shock that enters no region is followed separately,
