@@ -21,7 +21,7 @@ from rotor_ida.parallel import choose, count_workers, run_all
 from rotor_ida.results.studies.results import Results
 from rotor_ida.schema import FATE
 from rotor_ida.simulation.options import Options
-from rotor_ida.steady.follow import follow_to_steady_state
+from rotor_ida.steady.follow import settle_disc
 
 HALF_WIDTH = 15.0
 ASIDE = 1e-9
@@ -41,7 +41,7 @@ def labelled(rotor, states, rtol, workers):
 def follow(job, _stop):
     """Return what CVODE makes of one start: kind, amplitude and extreme radii."""
     rotor, state = job
-    settled = follow_to_steady_state(rotor, state, Options(rtol=1e-10))
+    settled = settle_disc(rotor, state, Options(rtol=1e-10))
     seen = settled.features
     return settled.response, seen.amplitude, seen.radius_min, seen.radius_max
 

@@ -26,7 +26,7 @@ from rotor_ida.simulation.flow import Flow
 from rotor_ida.simulation.options import Options, adams_or_taylor
 from rotor_ida.simulation.systems.flow import SystemFlow
 from rotor_ida.steady import response
-from rotor_ida.steady.follow import SettledResponse, follow_to_steady_state
+from rotor_ida.steady.follow import SettledDisc, settle_disc
 from rotor_ida.steady.grid import Table
 from rotor_ida.steady.points import OF_CONTACT, OF_NODE
 
@@ -373,7 +373,7 @@ def leads_to(
     Fading touches belong to the contact-free family.
     """
     x, y, vx, vy = start.tolist()
-    settled = follow_to_steady_state(rotor, (x, y, vx, vy), options, stop=stop)
+    settled = settle_disc(rotor, (x, y, vx, vy), options, stop=stop)
     kind = kind_of(attractor)
     if family and kind in CONTACT_FREE_FAMILY:
         return settled.response in CONTACT_FREE_FAMILY
@@ -386,7 +386,7 @@ def leads_to(
     return _agrees(settled, attractor)
 
 
-def _agrees(settled: SettledResponse, attractor: np.void) -> bool:
+def _agrees(settled: SettledDisc, attractor: np.void) -> bool:
     features, size = settled.features, attractor["radius_max"]
     pairs: list[tuple[float, Any, Any]] = [
         (features.radius_min, attractor["radius_min"], size),

@@ -71,9 +71,9 @@ from rotor_ida.steady.decision import CLEAR_ERRORS, CLEAR_STRETCH
 from rotor_ida.steady.follow import (
     LATE,
     PATIENCE,
-    SettledResponse,
-    follow_to_steady_state,
+    SettledDisc,
     longest_time,
+    settle_disc,
 )
 from rotor_ida.steady.response import phase_lag_of
 
@@ -350,7 +350,7 @@ class Batch:
     left: int = 0  # number of observed orbits that left a chaotic motion
     watched: float = 0.0  # total time for which chaotic orbits were observed [1]
     # the first motion without a period of each kind, by its label
-    aperiodic: dict[int, SettledResponse] = field(default_factory=dict)
+    aperiodic: dict[int, SettledDisc] = field(default_factory=dict)
     matched: Known | None = None  # what was known when orbits were last followed together
 
     def __post_init__(self) -> None:
@@ -380,12 +380,10 @@ class Batch:
         left: Indices = numbers[labels == UNDECIDED]
         return left
 
-    def settled(
-        self, number: int, options: Options, longest: float | None = None
-    ) -> SettledResponse:
+    def settled(self, number: int, options: Options, longest: float | None = None) -> SettledDisc:
         """Return the motion on which an orbit settles, followed alone as in a sweep."""
         x, y, vx, vy = self.states[:, number].tolist()
-        return follow_to_steady_state(
+        return settle_disc(
             self.known.rotor, (x, y, vx, vy), options, longest=longest, stop=self.stop
         )
 
@@ -573,7 +571,7 @@ def fate_of(batch: Batch, number: int, longest: float | None = None) -> int:
     return fate
 
 
-def _label_of(batch: Batch, settled: SettledResponse) -> int:
+def _label_of(batch: Batch, settled: SettledDisc) -> int:
     known, period = batch.known, settled.features.period
     if period > 0.0:
         cycle = _stable_cycle(batch, np.array(settled.end), period)

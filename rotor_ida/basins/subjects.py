@@ -29,7 +29,7 @@ from rotor_ida.simulation.options import check_can_be_followed
 from rotor_ida.simulation.starts import Start
 from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
 from rotor_ida.steady import response
-from rotor_ida.steady.follow import settle
+from rotor_ida.steady.follow import settle_system
 from rotor_ida.steady.grid import EXPECTED, reason_of
 from rotor_ida.steady.points import (
     Turnings,
@@ -240,7 +240,7 @@ class KnockedSystem:
 
 def settled_row(flow: SystemFlow, state: Values) -> np.void:
     """Return the response on which a flow settles, as a row."""
-    settled = settle(flow, state)
+    settled = settle_system(flow, state)
     row: np.void = np.zeros(1, point_of(flow.problem))[0]
     for name, figure in figures_of(settled, flow, settled.state * flow.scales).items():
         row[name] = figure

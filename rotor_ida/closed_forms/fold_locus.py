@@ -29,6 +29,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import lru_cache
 from itertools import pairwise
 from typing import NamedTuple
 
@@ -114,7 +115,8 @@ def locus_points(u: npt.ArrayLike, law: RestoringLaw, side: int) -> LocusPoints:
     return LocusPoints(a, b, damping, np.asarray(rising if side == 0 else -rising))
 
 
-def fold_locus(law: RestoringLaw, smallest_damping: float) -> list[LocusSide]:
+@lru_cache(maxsize=16)
+def fold_locus(law: RestoringLaw, smallest_damping: float) -> tuple[LocusSide, ...]:
     """Return the two sides of the locus of folds without friction; none if there is no fold.
 
     The damping ``4 zeta**2`` vanishes as the locus tends to u = 0 and to infinity. The locus is
@@ -127,7 +129,7 @@ def fold_locus(law: RestoringLaw, smallest_damping: float) -> list[LocusSide]:
     0.15604517
     """
     if not law.hertz and law.delta0 == 0.0:
-        return []
+        return ()
     special = np.sort(np.concatenate([_meeting_points(law), undamped_roots(law)]))
     beside = 10.0 ** -np.arange(2.0, 15.0, 2.0)
     near = np.outer(special, np.concatenate([[1.0], 1.0 - beside, 1.0 + beside])).ravel()
@@ -136,7 +138,7 @@ def fold_locus(law: RestoringLaw, smallest_damping: float) -> list[LocusSide]:
     ends = np.concatenate([[lowest], special[special > lowest], [highest]])
     between = [np.linspace(low, high, _NODES_BETWEEN) for low, high in pairwise(ends)]
     nodes = np.unique(np.concatenate([np.geomspace(lowest, highest, count), near, *between]))
-    return [_side(nodes, law, side) for side in (0, 1)]
+    return tuple(_side(nodes, law, side) for side in (0, 1))
 
 
 def _reach(law: RestoringLaw, least: float) -> tuple[float, float]:

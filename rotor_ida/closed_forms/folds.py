@@ -1,4 +1,14 @@
-"""Folds, at which a synchronous whirl vanishes, the whirls to jump to there, and the cusp."""
+"""Folds, at which a synchronous whirl vanishes, the whirls to jump to there, and the cusp.
+
+Which lists are complete: with friction, and in a linear contact of clearance 1 without a shaft, the
+folds are all roots of a polynomial, isolated in exact arithmetic (`exact_folds`), so none can be
+missed but two that nearly coincide. All others without friction come from a dense search along the
+locus of `fold_locus`: it misses none in any comparison with another method, but that is not a
+proof. Without damping (`undamped_folds`) they are the roots of a polynomial that NumPy finds in
+floating point. The cusp is the largest damping that a dense search along a locus finds: of
+`fold_locus`, or with friction of `cusp_with_friction`. Folds of rotor systems are those met as the
+branches of `rotor_ida.closed_forms.whirls.special_speeds` are followed.
+"""
 
 from __future__ import annotations
 
@@ -12,15 +22,14 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import listed
 from rotor_ida.closed_forms.curve_polynomials import CurveEquations, Fold, exact_folds
+from rotor_ida.closed_forms.cusp_with_friction import friction_cusp
 from rotor_ida.closed_forms.fold_locus import (
     Cusp,
-    LocusSide,
     fold_locus,
     folds_on_side,
     frictionless_cusp,
     undamped_folds,
 )
-from rotor_ida.closed_forms.fold_locus_with_friction import friction_cusp
 from rotor_ida.closed_forms.restoring_law import RestoringLaw
 from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
 from rotor_ida.closed_forms.synchronous import synchronous_response
@@ -36,8 +45,9 @@ _RANGE = (1e-20, 1e6)
 RANGES = dict.fromkeys(("zeta", "delta0", "shaft_stiffness", "friction"), _RANGE)
 # Why points that occur at any speed take none.
 ALL_SPEEDS = {"omega": "all speeds are searched"}
-# The law for which both sides of the locus coincide throughout.
-_MEETS_ALL_ALONG = RestoringLaw(1.0, contact_exponent=1.0)
+# The law whose locus factors: one root is a = 1, without damping, at every amplitude; the sides
+# swap at A = 2.
+_ONE_SIDE_UNDAMPED = RestoringLaw(1.0, contact_exponent=1.0)
 # At a fold two whirls coincide, to the root of rounding.
 _SAME = 1e-5
 # Between these clearances the damping of the cusp has its only maximum.
@@ -204,7 +214,7 @@ def cusp_zeta(
     Notes
     -----
     It is the maximum of the damping along the locus of `fold_locus`, where two folds merge. With
-    friction the locus is that of `fold_locus_with_friction`.
+    friction the locus is that of `cusp_with_friction`.
 
     References
     ----------
@@ -304,7 +314,7 @@ def fold_table(asked: Varied) -> Values:
     """Return speed and amplitude of every fold, shape as of `folds`: dimensions, fold, 2."""
     dampings = tuple(asked.values("zeta").tolist())
     laws = RotorColumns.of(asked.without("zeta").columns).laws
-    found = [each for law in laws for each in _folds_of(dampings, law)]
+    found = [each for law in laws for each in _folds_by_damping(dampings, law)]
     most = max(1, *map(len, found))
     table = np.full((len(found), most, 2), np.nan)
     for row, points in zip(table, found, strict=True):
@@ -313,27 +323,22 @@ def fold_table(asked: Varied) -> Values:
     return by_damping.reshape(*asked.shape, most, 2)
 
 
-@lru_cache(maxsize=16)
-def _locus(law: RestoringLaw, power: int) -> tuple[LocusSide, ...]:
-    """Return the locus of folds down to a power of ten of the damping, cached for many dampings."""
-    return tuple(fold_locus(law, 10.0**power))
-
-
 # Cached: the response curve and its markers both need them.
 @lru_cache(maxsize=16)
-def _folds_of(dampings: tuple[float, ...], law: RestoringLaw) -> list[list[Fold]]:
+def _folds_by_damping(dampings: tuple[float, ...], law: RestoringLaw) -> list[list[Fold]]:
     """Return the folds of each damping, in order of speed."""
     if law.friction > 0.0:
         return [list(exact_folds(CurveEquations(zeta, law))) for zeta in dampings]
     found = [[] if zeta > 0.0 else undamped_folds(law) for zeta in dampings]
     damped = [number for number, zeta in enumerate(dampings) if zeta > 0.0]
-    if law == _MEETS_ALL_ALONG:
+    if law == _ONE_SIDE_UNDAMPED:
         for number in damped:
             found[number] += exact_folds(CurveEquations(dampings[number], law))
     elif damped:
         zeta = np.array(dampings)[damped]
-        smallest = math.floor(math.log10(4.0 * float(zeta.min()) ** 2))
-        for side in _locus(law, smallest):
+        # a power of ten, so that calls with other dampings share the cached locus
+        smallest = 10.0 ** math.floor(math.log10(4.0 * float(zeta.min()) ** 2))
+        for side in fold_locus(law, smallest):
             for number, points in zip(damped, folds_on_side(side, zeta), strict=True):
                 found[number] += points
     return [sorted(each) for each in found]

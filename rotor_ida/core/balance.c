@@ -1,20 +1,6 @@
-/* The force and the energy of a contact: whether it is loose, its largest force, what it has
- * lost, and whether its energy balances. */
+/* The force and the energy of a contact: its largest force, what it has lost, and whether its
+ * energy balances. */
 #include "events.h"
-
-void decide_looseness(struct motion *motion, const double *start)
-{
-    motion->model.loose = 0.0;
-    if (motion->model.contact_damping == 0.0 || start[CONTACT_Q] == 0.0)
-        return;
-    double above = start[CONTACT_P] - release_velocity(&motion->model);
-    if (above == 0.0) { /* then the force is 0 either way, and the field the same */
-        double rate[MOST_VALUES];
-        motion->mode->field(&motion->model, start, rate);
-        above = rate[CONTACT_P];
-    }
-    motion->model.loose = above > 0.0 ? 0.0 : 1.0;
-}
 
 double lost_of(const struct motion *motion, const double *start, const double *values)
 {

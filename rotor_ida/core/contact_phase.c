@@ -9,15 +9,16 @@ enum { PATIENCE = 10000 };
 static int change_mode(struct run *run, struct motion *motion, const struct change *change,
                        double *start, const double *atol, double *reached)
 {
-    /* with friction what rounding hid at the end of a step is found at the next's beginning */
-    const int began = change->point <= motion->low
-                      && (motion->low == 0.0 || motion->mode == &contact_mode);
+    /* the mode ended where it began: nothing is recorded; with friction that may be what rounding
+     * hid at the end of a step, found at the next's beginning */
+    const int is_none = change->point <= motion->low
+                        && (motion->low == 0.0 || motion->mode == &contact_mode);
     const double sense = motion->mode == &rub_mode ? motion->model.sigma : 0.0;
     const int kind = pass_guard(motion, change->guard, reached);
     if (run->event_room > 0) {
         if (run->events + EVENTS_A_CONTACT > run->event_room)
             return FULL_INSIDE;
-        record_change(run, motion, kind, began, reached);
+        record_change(run, motion, kind, is_none, reached);
     }
     observe_phase(run, motion, start, reached);
     observe_jump(run, motion, sense, reached);
@@ -59,6 +60,7 @@ static int change_piece(struct run *run, struct motion *motion, double *start, c
     put_load_right(motion, start, 0.0);
     return motion->restart(motion, start, atol);
 }
+
 /* A point of the last step at which the rotor is in contact. */
 static double inside(struct motion *motion)
 {
@@ -120,7 +122,7 @@ static void raise_peak_of_contact(struct peak *peak, struct motion *motion, doub
 /* Put what a contact has spent up to the end of a step, which its series do not have, in place. */
 static void add_spent(struct motion *motion, double end, double *reached)
 {
-    if (!IS_GENERAL || motion->spend == NULL)
+    if (!IS_WHOLE || motion->spend == NULL)
         return;
     reached[CONTACT_SPENT] = motion->before[CONTACT_SPENT];
     if (is_rubbing(motion))
@@ -137,7 +139,7 @@ static void add_spent(struct motion *motion, double end, double *reached)
 static int ends_by_change(struct motion *motion, double *end, double *reached, int *left,
                           struct change *change)
 {
-    if (!IS_GENERAL || isnan(*end))
+    if (!IS_WHOLE || isnan(*end))
         return 0;
     *change = change_in_step(motion, *end);
     const double turn = change->point;
@@ -164,7 +166,7 @@ int integrate_contact(struct run *run, struct motion *motion, const double *begu
         if (status != DONE)
             return status;
         double end = end_of_step(run, motion, reached, left);
-        struct change change = {INFINITY, LOOSENS};
+        struct change change = {INFINITY, RELEASE_OR_PRESS};
         const int changes = ends_by_change(motion, &end, reached, left, &change);
         if (isnan(end)) {
             copy_values(motion, motion->before, reached);
@@ -179,7 +181,7 @@ int integrate_contact(struct run *run, struct motion *motion, const double *begu
         status = observe_step(run, &step);
         if (status != DONE)
             return status;
-        if (IS_GENERAL) {
+        if (IS_WHOLE) {
             raise_force(peak, motion, end, reached);
             peak->slid += slid_in_step(motion, end);
         }
@@ -188,7 +190,7 @@ int integrate_contact(struct run *run, struct motion *motion, const double *begu
             status = change_mode(run, motion, &change, start, atol, reached);
         } else if (*left || reached[CONTACT_T] >= time_left(run)) {
             observe_phase(run, motion, start, reached);
-            const int balances = !IS_GENERAL
+            const int balances = !IS_WHOLE
                                  || is_balanced(motion, run->atol, begun, peak->values, reached,
                                                 steps);
             return balances ? DONE : UNBALANCED;

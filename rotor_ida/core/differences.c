@@ -104,7 +104,7 @@ static void draw_back(const double p[4][4], double added[PARAMETERS][4], double 
 {
     for (int row = 0; row < PARAMETERS; row++) {
         double x[4];
-        if (IS_GENERAL)
+        if (IS_WHOLE)
             solve(p, added[row], x);
         else
             solve_by_symmetry(p, added[row], x);
@@ -119,10 +119,10 @@ static void add_rows(struct run *run, const double p[4][4], double drawn[PARAMET
     for (int row = 0; row < PARAMETERS; row++) {
         double *into = &run->bundle[4 * (DIFFERENCES + row)];
         for (int i = 0; i < 4; i++) {
-            double sum = IS_GENERAL ? into[i] : 0.0;
+            double sum = IS_WHOLE ? into[i] : 0.0;
             for (int j = 0; j < 4; j++)
                 sum += p[i][j] * drawn[row][j];
-            into[i] = IS_GENERAL ? sum : into[i] + sum;
+            into[i] = IS_WHOLE ? sum : into[i] + sum;
         }
     }
 }
@@ -159,7 +159,7 @@ static void add_by_parameters(struct run *run, const struct step *step)
         const double passed = PLACES[place] * reach;
         const double since = contact ? read[CONTACT_T] : motion->low + passed;
         double weight = WEIGHTS[place] * reach * (contact ? read[CONTACT_Q] : 1.0);
-        if (!IS_GENERAL)
+        if (!IS_WHOLE)
             weight *= exp(2.0 * motion->model.zeta
                           * (contact ? since - motion->before[CONTACT_T] : passed));
         double added[PARAMETERS][4];
@@ -233,7 +233,7 @@ static void carry_by_panels(struct run *run, const struct flight *flight)
 void carry_over_flight(struct run *run, const struct flight *flight)
 {
     const int varied = run->differences > DIFFERENCES;
-    if (varied && IS_GENERAL) {
+    if (varied && IS_WHOLE) {
         carry_by_panels(run, flight);
         return;
     }

@@ -7,7 +7,7 @@
 struct motion_of_centre motion_at(const double *state, double time, const struct rotor *rotor)
 {
     struct motion_of_centre centre = {.z = {state[0], state[1]}, .w = {state[2], state[3]}};
-    if (IS_GENERAL) { /* -i exp(-i omega t) */
+    if (IS_WHOLE) { /* -i exp(-i omega t) */
         const double angle = rotor->omega * time;
         centre.down = (struct vector){-sin(angle), -cos(angle)};
     }
@@ -107,7 +107,7 @@ static int follow_contact(struct run *run, struct motion *motion, double entry)
                                           .peak_time = began,
                                           .impulse = NAN,
                                           .momentum = cross(here.z, here.w)});
-        if (!IS_GENERAL)
+        if (!IS_WHOLE)
             return DONE;
     }
     double start[MOST_VALUES] = {0.0}, atol[MOST_VALUES] = {0.0}, reached[MOST_VALUES];
@@ -124,7 +124,7 @@ static int follow_contact(struct run *run, struct motion *motion, double entry)
     struct peak peak = {.force = 0.0, .slid = 0.0};
     memcpy(peak.values, start, sizeof peak.values);
     decide_looseness(motion, start);
-    if (IS_GENERAL) {
+    if (IS_WHOLE) {
         motion->down = here.down;
         settle_friction(motion, start);
         observe_jump(run, motion, 0.0, start);
@@ -142,7 +142,7 @@ static int follow_contact(struct run *run, struct motion *motion, double entry)
         return status;
     if (leaves) {
         run->where = IN_FLIGHT;
-        if (IS_GENERAL)
+        if (IS_WHOLE)
             take_back(run);
         if (run->event_room > 0)
             record_event(run, EXIT);

@@ -1,6 +1,6 @@
 /* The event loop and its parts: how it begins (start.c), what it integrates (contact_phase.c and
- * free_phase.c), what changes the mode of a contact (guards.c finds the place,
- * friction.c says what follows, also at a release and a press), whether a speed can be followed
+ * free_phase.c), what changes the mode of a contact (guards.c finds the place, friction.c says what
+ * follows, also at a start, a release and a press), whether a speed can be followed
  * (speed_limits.c), whether a contact balances (balance.c), and the loop itself (events.c). */
 #ifndef ROTOR_IDA_EVENTS_H
 #define ROTOR_IDA_EVENTS_H
@@ -12,13 +12,13 @@ static const double LEAST_RISE = 1e-13;
 /* Most points of a step at which a largest force, or a least margin, is sought. */
 enum { MOST_NARROWING = 60 };
 
-/* Asked before each step: whether the caller stops the run, or its steps are spent. */
+/* Asked before each step: whether the caller stops the run, or it is out of steps. */
 static inline int allow_step(struct run *run)
 {
     if (asked_to_stop(run->stop))
         return STOPPED;
     run->steps++;
-    return run->most_steps > 0 && run->steps > run->most_steps ? SPENT : DONE;
+    return run->most_steps > 0 && run->steps > run->most_steps ? OUT_OF_STEPS : DONE;
 }
 
 /* The two integrations of a run: of contacts, and of displacement and velocity. CVODE's must not
@@ -43,9 +43,8 @@ void contact_tolerances(const double *start, double rtol, double absolute, doubl
 /* Put the unit matrix behind the values with which a motion begins, if it has tangents. */
 void begin_differences(const struct motion *motion, double *start, double *atol);
 
-/* The force and the energy of a contact (balance.c). Decide whether it begins loose;
- * keep its largest force, in a step up to `end`; and what it has lost to contact damping. */
-void decide_looseness(struct motion *motion, const double *start);
+/* The force and the energy of a contact (balance.c): keep its largest force, in a step up to `end`;
+ * what it has lost to contact damping; and whether its energy balances. */
 void raise_force(struct peak *peak, struct motion *motion, double end, const double *reached);
 double lost_of(const struct motion *motion, const double *start, const double *values);
 int is_balanced(const struct motion *motion, double absolute, const double *start,
@@ -64,6 +63,8 @@ struct change change_in_step(struct motion *motion, double end);
 /* The slip below which rounding hides it. */
 double hidden_slip(const struct motion *motion, const double *values);
 
+/* Decide whether a contact begins loose (friction.c). */
+void decide_looseness(struct motion *motion, const double *start);
 /* Go on as follows from what happened; return what it is called, or 0 (friction.c). */
 int pass_guard(struct motion *motion, enum guard guard, double *values);
 /* Begin a contact with friction, if there is any; and decide how it goes on. */
@@ -71,9 +72,10 @@ void begin_with_friction(struct motion *motion, double *start, double *atol);
 void settle_friction(struct motion *motion, double *values);
 enum contact_mode contact_mode_of(const struct motion *motion);
 /* Write down how a contact goes on from the last event, or from the start; and with it what has
- * happened. A mode that ends as it begins was none. */
+ * happened. Where the mode ended where it began (`is_none`) nothing is recorded but how it goes on,
+ * except to put right an event at the same time. */
 void record_mode(struct run *run, const struct motion *motion);
-void record_change(struct run *run, const struct motion *motion, int kind, int began,
+void record_change(struct run *run, const struct motion *motion, int kind, int is_none,
                    const double *values);
 int integrate_contact(struct run *run, struct motion *motion, const double *start,
                       const double *atol, double *reached, struct peak *peak, int *left);

@@ -10,12 +10,12 @@ enum { MOST_POLISHING = 80 };
 
 struct motion_of_centre fly(struct motion_of_centre start, double tau, const struct rotor *rotor)
 {
-    return IS_GENERAL ? sprung_fly(start, tau, rotor) : plain_fly(start, tau, rotor);
+    return IS_WHOLE ? sprung_fly(start, tau, rotor) : plain_fly(start, tau, rotor);
 }
 
 void fly_differences(double *rows, int count, double tau, const struct rotor *rotor)
 {
-    const struct answers by = IS_GENERAL ? sprung_answers(rotor, tau) : plain_answers(rotor, tau);
+    const struct answers by = IS_WHOLE ? sprung_answers(rotor, tau) : plain_answers(rotor, tau);
     const struct vector back = mirrored(by.turn);
     for (double *row = rows; row < rows + 4 * count; row += 4) {
         const struct vector z = {row[0], row[1]}, w = {row[2], row[3]};
@@ -32,17 +32,17 @@ void fly_differences(double *rows, int count, double tau, const struct rotor *ro
 
 static struct path path_from(struct motion_of_centre start, const struct rotor *rotor, double limit)
 {
-    return IS_GENERAL ? sprung_begin(start, rotor, limit) : plain_begin(start, rotor, limit);
+    return IS_WHOLE ? sprung_begin(start, rotor, limit) : plain_begin(start, rotor, limit);
 }
 
 static struct gap gap_at(struct path *path, double tau)
 {
-    return IS_GENERAL ? sprung_gap(path, tau) : plain_gap(path, tau);
+    return IS_WHOLE ? sprung_gap(path, tau) : plain_gap(path, tau);
 }
 
 static struct turning turning_at(struct path *path, double tau)
 {
-    return IS_GENERAL ? sprung_turning(path, tau) : plain_turning(path, tau);
+    return IS_WHOLE ? sprung_turning(path, tau) : plain_turning(path, tau);
 }
 
 /* The root of g between `low` (g <= 0) and `high` (g > 0): Newton's method in a bracket. */
@@ -85,14 +85,13 @@ double first_touch(struct motion_of_centre start, const struct rotor *rotor, dou
             /* a touch that rounding cannot tell from a miss: pass over its summit */
             step = 2.0 * sqrt(2.0 * floor / larger(fabs(g.bend), floor)) + ROUNDING * tau;
         } else {
-            const double out = IS_GENERAL ? sprung_farthest(&path, tau)
-                                          : plain_farthest(&path, tau);
+            const double out = IS_WHOLE ? sprung_farthest(&path, tau) : plain_farthest(&path, tau);
             if ((out - delta0) * 2.0 * delta0 <= 0.5 * floor)
                 return INFINITY;
             g.value -= floor;
             const double reach = smaller(4.0 * step, limit - tau);
-            step = IS_GENERAL ? sprung_safe_step(&path, g, reach)
-                              : plain_safe_step(&path, g, tau, reach);
+            step = IS_WHOLE ? sprung_safe_step(&path, g, reach)
+                            : plain_safe_step(&path, g, tau, reach);
         }
         const double next = tau + larger(step, ROUNDING * tau);
         if (!(next > tau))
@@ -135,7 +134,7 @@ double next_turn(struct motion_of_centre start, const struct rotor *rotor, doubl
     double low = from, tau = from, reach = path.longest;
     for (;;) {
         const struct turning here = turning_at(&path, tau);
-        const double noise = IS_GENERAL ? sprung_noise(&path, tau) : plain_noise(&path, tau);
+        const double noise = IS_WHOLE ? sprung_noise(&path, tau) : plain_noise(&path, tau);
         if (fabs(here.rate) > noise) {
             if (here.rate * *rising < 0.0 && tau > from)
                 return turn_between(&path, low, tau, *rising);
@@ -145,8 +144,8 @@ double next_turn(struct motion_of_centre start, const struct rotor *rotor, doubl
         }
         if (tau >= limit || asked_to_stop(stop))
             return INFINITY;
-        const double bound = IS_GENERAL ? sprung_bend_rate(&path, reach)
-                                        : plain_bend_rate(&path, tau);
+        const double bound = IS_WHOLE ? sprung_bend_rate(&path, reach)
+                                      : plain_bend_rate(&path, tau);
         const double towards = here.rate > 0.0 ? here.bend : -here.bend;
         const double clear = first_root_of_majorant(-fabs(here.rate), -towards, bound);
         const double least = sqrt(2.0 * noise / bound) + ROUNDING * tau;

@@ -96,7 +96,7 @@ int follow_freely(struct run *run, struct motion *motion, struct peak *peak, int
     double atol[MOST_VALUES] = {0.0};
     for (int i = 0; i < CARTESIAN_SIZE; i++)
         atol[i] = run->atol;
-    if (IS_GENERAL) {
+    if (IS_WHOLE) {
         const struct vector down = motion->down = where_it_is(run).down;
         start[CARTESIAN_DOWN_X] = down.x;
         start[CARTESIAN_DOWN_Y] = down.y;

@@ -1,5 +1,6 @@
-/* The modes of a contact: how it begins to slide, to roll, to come loose or to press again, and
- * what follows from what (`pass_guard`).
+/* The modes of a contact: whether it begins loose (`decide_looseness`), sliding or rolling
+ * (`settle_friction`), and what follows where a guard ends its mode (`pass_guard`): at a release
+ * and a press, and where it begins to roll, to slip or to slide the other way.
  *
  * Where the slip speed is 0 the disc rolls as long as friction can hold it; else it slides in the
  * sense in which the force drives it that rolling would need. */
@@ -12,6 +13,20 @@ enum contact_mode contact_mode_of(const struct motion *motion)
     if (motion->mode == &rolling_mode)
         return ROLLS;
     return motion->model.sigma < 0.0 ? SLIDES_BACKWARDS : SLIDES_FORWARDS;
+}
+
+void decide_looseness(struct motion *motion, const double *start)
+{
+    motion->model.loose = 0.0;
+    if (motion->model.contact_damping == 0.0 || start[CONTACT_Q] == 0.0)
+        return;
+    double above = start[CONTACT_P] - release_velocity(&motion->model);
+    if (above == 0.0) { /* then the force is 0 either way, and the field the same */
+        double rate[MOST_VALUES];
+        motion->mode->field(&motion->model, start, rate);
+        above = rate[CONTACT_P];
+    }
+    motion->model.loose = above > 0.0 ? 0.0 : 1.0;
 }
 
 static void slide(struct motion *motion, double sense)
@@ -101,14 +116,14 @@ static int put_right(struct run *run, const struct motion *motion, int kind)
     return mode != (int)contact_mode_of(motion) ? REVERSE : 0;
 }
 
-void record_change(struct run *run, const struct motion *motion, int kind, int began,
+void record_change(struct run *run, const struct motion *motion, int kind, int is_none,
                    const double *values)
 {
     const double since = values[CONTACT_T],
                  last = run->events > 0 ? run->event_times[run->events - 1] : -INFINITY;
     if (kind != 0 && last >= run->time + since)
         kind = put_right(run, motion, kind);
-    else if (began)
+    else if (is_none)
         kind = 0;
     if (kind != 0)
         record_event_inside(run, (enum event)kind, since, centre_of(motion, values));
@@ -135,7 +150,7 @@ static int change_of_friction(struct motion *motion, enum guard guard, double *v
 
 int pass_guard(struct motion *motion, enum guard guard, double *values)
 {
-    if (guard != LOOSENS)
+    if (guard != RELEASE_OR_PRESS)
         return change_of_friction(motion, guard, values);
     const int loosens = !is_loose(motion);
     values[CONTACT_P] = release_velocity(&motion->model);

@@ -32,9 +32,10 @@ double margin_of(const struct motion *motion, enum guard guard, const double *va
         double rate[MOST_VALUES];
         motion->mode->field(m, values, rate);
         const double side = is_loose(motion) ? -1.0 : 1.0;
-        *growth = guard == LOOSENS ? side * rate[CONTACT_P] : m->sigma * rate[RUB_SLIP];
+        *growth = guard == RELEASE_OR_PRESS ? side * rate[CONTACT_P] : m->sigma * rate[RUB_SLIP];
     }
-    return guard == LOOSENS ? margin_of_release(motion, values) : m->sigma * values[RUB_SLIP];
+    return guard == RELEASE_OR_PRESS ? margin_of_release(motion, values)
+                                     : m->sigma * values[RUB_SLIP];
 }
 
 /* The sizes of what the force is made of that rolling needs. */
@@ -69,7 +70,7 @@ double hidden_slip(const struct motion *motion, const double *values)
 /* A margin that is no further below 0 may be rounding. */
 static double hidden(const struct motion *motion, enum guard guard, const double *values)
 {
-    if (guard == LOOSENS)
+    if (guard == RELEASE_OR_PRESS)
         return 0.0;
     return guard == SLIDING ? hidden_slip(motion, values) : hidden_hold(motion, values);
 }
@@ -172,9 +173,9 @@ static void take_first(struct change *first, struct motion *motion, enum guard g
 
 struct change change_in_step(struct motion *motion, double end)
 {
-    struct change first = {INFINITY, LOOSENS};
+    struct change first = {INFINITY, RELEASE_OR_PRESS};
     if (motion->model.contact_damping > 0.0)
-        take_first(&first, motion, LOOSENS, end);
+        take_first(&first, motion, RELEASE_OR_PRESS, end);
     if (motion->mode == &rub_mode && motion->model.sigma != 0.0)
         take_first(&first, motion, SLIDING, end);
     if (motion->mode != &rolling_mode)

@@ -13,7 +13,7 @@ from pathlib import Path
 
 # Levels of x86-64, each with wider vectors than the one before; other machines know the first.
 LEVELS = ("baseline", "v3", "v4")
-# A library is of one model: the paper's rotor, the general one, or that with a changing speed.
+# A library is of one model: the paper's rotor, the whole one, or that with a changing speed.
 MODELS = ("paper", "whole", "run_up")
 STATED = ("compiler", "flags", "level", "model", "sources", "version")
 
@@ -31,7 +31,7 @@ def core_sources(folder: Path) -> list[Path]:
 def model_sources(folder: Path, model: str) -> list[Path]:
     """Return the C sources of a model, in a fixed order.
 
-    Systems are in the general one alone, and lanes not in that whose speed changes.
+    Systems are in the whole one alone, and lanes not in that whose speed changes.
     """
     absent = {"whole": (), "paper": ("system",), "run_up": ("system", "lanes")}[model]
     return [each for each in sorted(folder.glob("*.c")) if not each.stem.startswith(absent)]

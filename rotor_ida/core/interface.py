@@ -22,7 +22,8 @@ from rotor_ida.model.spinning import OF_DRIVE
 # How a call ended; the flags of SUNDIALS are negative.
 DONE = 0
 NOT_FINITE, NO_ROOT, STUCK, STOPPED, FULL, NO_SOLVER, FULL_INSIDE, UNBALANCED = range(1001, 1009)
-STALLED, RUNAWAY, SINGULAR, SPENT, UNBOUNDED, OUT_OF_TABLE = range(1009, 1015)
+STALLED, RUNAWAY, SINGULAR, OUT_OF_STEPS, UNBOUNDED, OUT_OF_TABLE = range(1009, 1015)
+# LARGEST_SPEED of speed_limits.c and MOST_CLEARANCES of system_run.c stand here in words.
 MESSAGES = {
     NOT_FINITE: "the state is no longer finite",
     NO_ROOT: "a step contains no root",
@@ -33,7 +34,7 @@ MESSAGES = {
     STALLED: "the speed fell through 0: the torque no longer turns the rotor",
     SINGULAR: "more contacts roll than the system has modes: their forces are not determined",
     RUNAWAY: "the speed passed 1e+06: the torque lets it run away",
-    SPENT: "the run needs more steps than it may take",
+    OUT_OF_STEPS: "the run needs more steps than it may take",
     UNBOUNDED: "the system is unstable: its motion passed 1e+30 clearances, and nothing bounds it",
     OUT_OF_TABLE: "the torque drives the speed out of the table of a bearing",
     -1: "Could not reach endpoint after 'max_num_steps'.",
@@ -142,7 +143,7 @@ def library(model: str = "paper") -> ctypes.CDLL:
 
 
 def library_of(rotor: Rotor, *, whole: bool = False) -> ctypes.CDLL:
-    """Return the core of the simplest model for a rotor, or of the general model if `whole`."""
+    """Return the core of the simplest model for a rotor, or of the whole model if `whole`."""
     return library("whole" if whole or rotor.beyond else "paper")
 
 

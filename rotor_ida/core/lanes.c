@@ -672,7 +672,7 @@ int core_follow_lanes(const struct rotor *rotor, double *states, int16_t *labels
             find_whole_revolutions(&lanes, rotor->omega);
         for (int64_t j = 0; j < region_count; j++)
             find_trapped(&lanes, regions + REGION * j, law.loaded, (double)(j + 1));
-        if (free_whirl[2] >= 0.0 && IS_GENERAL && rotor->shaft_stiffness > 0.0)
+        if (free_whirl[2] >= 0.0 && IS_WHOLE && rotor->shaft_stiffness > 0.0)
             find_held_by_shaft(&lanes, *rotor, law.loaded, free_whirl, first_code);
         else if (free_whirl[2] >= 0.0)
             find_contact_free(&lanes, *rotor, free_whirl, first_code);

@@ -1,6 +1,6 @@
 /* What the model of this library has: constants, by which the compiler removes what it lacks.
  *
- * A library knows one model: the paper's rotor; the general one, with a shaft, a load, another law
+ * A library knows one model: the paper's rotor; the whole one, with a shaft, a load, another law
  * of contact and friction; or that with a speed that changes. `hatch_build.py` chooses it. This is
  * the only place that asks the preprocessor: elsewhere stands `if (HAS_FRICTION)`. A name that only
  * another model has is declared all the same, and 0 (see the derived headers). */
@@ -8,9 +8,9 @@
 #define ROTOR_IDA_MODEL_H
 
 #ifdef WHOLE_MODEL
-enum { IS_GENERAL = 1 };
+enum { IS_WHOLE = 1 };
 #else
-enum { IS_GENERAL = 0 };
+enum { IS_WHOLE = 0 };
 #endif
 
 #ifdef RUN_UP
@@ -26,11 +26,11 @@ enum { SPEED_CHANGES = 0 };
 #endif
 
 enum {
-    HAS_SHAFT = IS_GENERAL,
-    HAS_LOAD = IS_GENERAL,
-    HAS_CONTACT_DAMPING = IS_GENERAL,
-    HAS_LINEAR_CONTACT = IS_GENERAL, /* beside Hertz's */
-    HAS_FRICTION = IS_GENERAL,
+    HAS_SHAFT = IS_WHOLE,
+    HAS_LOAD = IS_WHOLE,
+    HAS_CONTACT_DAMPING = IS_WHOLE,
+    HAS_LINEAR_CONTACT = IS_WHOLE, /* beside Hertz's */
+    HAS_FRICTION = IS_WHOLE,
     /* a speed that changes has no closed form of flight, and no neighbours are followed beside it
      */
     HAS_CLOSED_FLIGHT = !SPEED_CHANGES,

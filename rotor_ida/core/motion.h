@@ -24,7 +24,7 @@ struct mode {
     /* the same where the speed is prescribed, and of a rotor that is the paper's besides */
     void (*expand_prescribed)(const struct parameters *, struct series *, int order);
     void (*expand_plain)(const struct parameters *, struct series *, int order);
-    /* the rates of what a contact of the general model spends, and of the heat, at parts of a step;
+    /* the rates of what a contact of the whole model spends, and of the heat, at parts of a step;
      * and the same two again */
     void (*spent)(const struct parameters *, const struct series *, int order, const vec4 *parts,
                   vec4 (*rate)[2]);
@@ -203,10 +203,11 @@ void open_taylor(struct taylor *taylor, const struct mode *mode, struct paramete
 double root_in_step(struct motion *motion, double (*function)(const double *values), double level,
                     double low, double high);
 
-/* What must not fall below 0 while a contact goes on as it does: the factor of the force (and what
- * is below it, while that is loose); the slip, in the sense in which surfaces slide; and what is
+/* What must not fall below 0 while a contact goes on as it does: the factor of the force,
+ * 1 + c d', which falls through 0 at a release, or, while the contact is loose, what is left below
+ * it, as it rises through 0 at a press; the slip, in the sense in which surfaces slide; and what is
  * left of the grip, for a force that would have them slide forwards, or backwards. */
-enum guard { LOOSENS, SLIDING, GRIPS_FORWARDS, GRIPS_BACKWARDS };
+enum guard { RELEASE_OR_PRESS, SLIDING, GRIPS_FORWARDS, GRIPS_BACKWARDS };
 
 /* One of them, at values; and how fast it grows, if that is asked for. */
 double margin_of(const struct motion *motion, enum guard guard, const double *values,

@@ -92,10 +92,10 @@ class RunRequest:
         Whether events and contacts, and the extrema of the radius, are recorded.
     bundle : ndarray, shape (4, 4) or (4 + n, 4), optional
         Differences from the motion, integrated in place; with Taylor series the last n rows become
-        the derivatives by `COLUMNS`: three in the paper's model, eight in the general one
+        the derivatives by `COLUMNS`: three in the paper's model, eight in the whole one
         [dimensionless].
     whole : bool
-        Whether to use the core of the general model even if the paper's would do.
+        Whether to use the core of the whole model even if the paper's would do.
     pieces : ndarray of `PIECE`, optional
         Pieces of the speed profile [dimensionless]: each has a prescribed initial speed and rate,
         or a torque. Flight is then integrated by Taylor series.

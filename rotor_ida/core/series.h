@@ -21,7 +21,7 @@ enum {
     HIGHEST_ORDER = 24,
     ORDERS = HIGHEST_ORDER + 1,
     WIDTH = SPEED_CHANGES ? 16
-    : IS_GENERAL          ? 12
+    : IS_WHOLE            ? 12
                           : 8, /* columns of a state, with room to spare */
     LANES = SERIES_PRODUCTS,
     FACTORS = SERIES_FACTORS,

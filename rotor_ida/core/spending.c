@@ -18,7 +18,7 @@ static inline double total_of(vec4 row) { return row[0] + row[1] + row[2] + row[
 /* What a contact spends, by a quadrature over the last step: a lane of its own would cost more. */
 void spend(struct motion *motion, double end, double *reached)
 {
-    if (!IS_GENERAL)
+    if (!IS_WHOLE)
         return;
     const struct parameters *m = &motion->model;
     const struct mode *mode = motion->mode;

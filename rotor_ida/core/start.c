@@ -32,7 +32,7 @@ static double radial_acceleration(struct motion_of_centre start, const struct ro
     const double radius = length(start.z), around = cross(start.z, start.w) / radius;
     const double centrifugal = around * around / radius, unbalance = rotor->omega * rotor->omega;
     double total = centrifugal + unbalance * (start.z.x / radius), size = centrifugal + unbalance;
-    if (IS_GENERAL) {
+    if (IS_WHOLE) {
         const double spring = rotor->shaft_stiffness * radius;
         total += rotor->load * dot(start.z, start.down) / radius - spring;
         size += rotor->load + spring;
@@ -48,14 +48,14 @@ static double radial_jerk(struct motion_of_centre start, const struct rotor *rot
 {
     const double omega = rotor->omega, damping = 2.0 * rotor->zeta, radius = length(start.z);
     struct vector acceleration = {omega * omega - damping * start.w.x, -damping * start.w.y};
-    if (IS_GENERAL)
+    if (IS_WHOLE)
         acceleration = plus(acceleration, plus(scaled(-rotor->shaft_stiffness, start.z),
                                                scaled(rotor->load, start.down)));
     const double faster = quickening_of(start, rotor);
     acceleration.y -= faster;
     struct vector jerk = {-damping * acceleration.x,
                           omega * omega * omega - damping * acceleration.y};
-    if (IS_GENERAL)
+    if (IS_WHOLE)
         jerk = plus(jerk, scaled(-rotor->shaft_stiffness, start.w));
     if (SPEED_CHANGES) {
         /* of (omega**2 - i theta'') exp(i theta); theta'' changes as the reaction does */
@@ -103,7 +103,7 @@ static void regularise(struct motion_of_centre start, double root, double *value
     values[CONTACT_C] = direction.x;
     values[CONTACT_S] = direction.y;
     values[CONTACT_T] = values[CONTACT_J] = 0.0;
-    if (IS_GENERAL) {
+    if (IS_WHOLE) {
         values[CONTACT_DOWN_R] = dot(direction, start.down);
         values[CONTACT_DOWN_T] = cross(direction, start.down);
         values[CONTACT_WORK] = 0.0;
@@ -184,7 +184,7 @@ void contact_tolerances(const double *start, double rtol, double absolute, doubl
         atol[i] = absolute;
     atol[CONTACT_Q] = atol[CONTACT_P] = larger(rtol * fastest, BELOW_ROUNDING);
     atol[CONTACT_T] = atol[CONTACT_J] = larger(rtol * least, TIGHTEST_ATOL);
-    if (IS_GENERAL) {
+    if (IS_WHOLE) {
         atol[CONTACT_WORK] = larger(rtol * fastest * fastest, TIGHTEST_ATOL);
         atol[CONTACT_SPENT] = SPENT_LOOSER * atol[CONTACT_WORK];
     }

@@ -9,7 +9,8 @@
 enum { MOST_CONTACTS = 16 };
 
 /* What decides how long a contact goes on as it does: the root of its indentation, or the gap of
- * one that flies; the factor of its force; and its slip, or the grip that is left. */
+ * one that flies; the factor of its force (release and press); and its slip, or the grip that is
+ * left. */
 enum { OF_ROOT, OF_RELEASE, OF_SLIP, GUARDS };
 
 /* A contact within a step. */

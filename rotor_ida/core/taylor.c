@@ -237,7 +237,7 @@ static double contact_step(struct taylor *taylor)
     if (taylor->sizes[CONTACT_EXTREMUM_GUARD] > noise)
         step = with_one_root(taylor, CONTACT_EXTREMUM_GUARD, taylor->sizes[CONTACT_EXTREMUM_GUARD],
                              step);
-    return IS_GENERAL ? with_one_change(taylor, with_one_release(taylor, step)) : step;
+    return IS_WHOLE ? with_one_change(taylor, with_one_release(taylor, step)) : step;
 }
 
 /* A step, cut so that a speed that a torque drives, if it may fall to 0, turns at most once. */
@@ -528,7 +528,7 @@ void open_taylor(struct taylor *taylor, const struct mode *mode, struct paramete
                                      .glance_at = glance_at,
                                      .rate = rate,
                                      .evaluations = evaluations,
-                                     .spend = IS_GENERAL ? spend : NULL};
+                                     .spend = IS_WHOLE ? spend : NULL};
 }
 
 /* The step of the secant or of inverse quadratic interpolation, as p/q with p > 0. */
@@ -559,7 +559,7 @@ struct sought {
 static inline __attribute__((always_inline)) double
 value_of(struct motion *motion, const struct sought *sought, double point)
 {
-    if (IS_GENERAL && sought->function == NULL)
+    if (IS_WHOLE && sought->function == NULL)
         return margin_of(motion, (enum guard)sought->guard, motion->at(motion, point), NULL);
     return sought->function(motion->at(motion, point)) - sought->level;
 }

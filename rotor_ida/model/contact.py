@@ -5,11 +5,13 @@ exponent from this module. Some code depends on the exponent 3/2 itself, where t
 of ``sqrt(r - delta0)``: the polynomials of the whirls and the locus of their
 folds, the periods of free vibration, and the variables of the contact phase.
 
-The core integrates the law in these smooth variables: by the functions at the end of this module,
-over symbols, for one disc and for the contacts of rotor systems (`rotor_ida.model.element`). These
-functions are also written to C as they are, for code that is not derived from the model.
-`rotor_ida.closed_forms.restoring_law` applies the law to arrays. The paragraph above and
-CONTRIBUTING.md ("A force") say what a new law touches.
+The core integrates the law in these smooth variables. `rotor_ida.model.writing` runs the functions
+of the last section, by ``q``, over symbols, and writes them to C in two ways: inlined into fields
+and series of ``core/derived*.c``, through `rotor_ida.model.modes` for one disc, and of
+``core/derived_element.h``, through `rotor_ida.model.element` for the contacts of rotor systems; and
+as functions of ``core/derived*.h`` for C that is written by hand.
+`rotor_ida.closed_forms.restoring_law` applies the law to arrays. CONTRIBUTING.md ("A law of
+contact") says what a new one touches.
 
 References
 ----------
@@ -135,14 +137,6 @@ def spring_slope(depth: Any, exponent: Any) -> Any:
     return exponent * depth ** (exponent - 1.0)
 
 
-def damping_factor(approach: Any, contact_damping: Any) -> Any:
-    """Return the factor of contact damping, ``1 + c d'``: numbers, arrays or symbols.
-
-    The contact is released where it falls to 0, and loose below.
-    """
-    return 1.0 + contact_damping * approach
-
-
 def clipped_factor(radial_speed: npt.ArrayLike, contact_damping: float) -> Values:
     """Return the factor of contact damping, 0 where the contact is loose: never tensile [1].
 
@@ -186,12 +180,25 @@ def stiffness(radius: float, delta0: float, exponent: float = HERTZ_EXPONENT) ->
     return float(spring_slope(max(radius - delta0, 0.0), exponent))
 
 
-def secant_of_square(square: Any) -> Any:
-    """Return ``f(r)/r`` without clearance in terms of ``r**2``: ``(r**2)**0.25``."""
-    return square ** (0.5 * (HERTZ_EXPONENT - 1.0))
+def bounds_exceeded(indentation: float, radius: float | None, clearance: float | None) -> str:
+    """Return beyond what an indentation is too large for a contact law, in words; "" if it is not.
+
+    Examples
+    --------
+    >>> bounds_exceeded(1.1, 10.0, None), bounds_exceeded(1.1, 12.0, 1.2)
+    ("a tenth of the rotor's radius", '')
+    """
+    bounds = []
+    if radius is not None and indentation > SMALL_INDENTATION * radius:
+        bounds.append("a tenth of the rotor's radius")
+    if clearance is not None and indentation > clearance > 0.0:
+        bounds.append("the clearance")
+    return " and ".join(bounds)
 
 
 # ---- The law by ``q = sqrt(d)``, over numbers, arrays or symbols ----
+#
+# Only this section reaches C; the functions above are the same law for Python.
 #
 # In q it is analytic through q = 0. Of `law`, a rotor or the contact of a rotor system, ``hertz``
 # and ``linear`` multiply either force, and ``loose`` is 1 where the contact is loose, else 0.
@@ -215,6 +222,14 @@ def energy_of_root(q: Any, law: Any) -> Any:
     return square * square * (hertz * law.hertz * q + 0.5 * law.linear)
 
 
+def damping_factor(approach: Any, contact_damping: Any) -> Any:
+    """Return the factor of contact damping, ``1 + c d'``: numbers, arrays or symbols.
+
+    The contact is released where it falls to 0, and loose below.
+    """
+    return 1.0 + contact_damping * approach
+
+
 def release_velocity(law: Any) -> Any:
     """Return the radial velocity at which the contact is released."""
     return -1.0 / law.contact_damping
@@ -235,17 +250,6 @@ def drag_of(push: Any, law: Any) -> Any:
     return law.friction * law.sigma * push
 
 
-def bounds_exceeded(indentation: float, radius: float | None, clearance: float | None) -> str:
-    """Return beyond what an indentation is too large for a contact law, in words; "" if it is not.
-
-    Examples
-    --------
-    >>> bounds_exceeded(1.1, 10.0, None), bounds_exceeded(1.1, 12.0, 1.2)
-    ("a tenth of the rotor's radius", '')
-    """
-    bounds = []
-    if radius is not None and indentation > SMALL_INDENTATION * radius:
-        bounds.append("a tenth of the rotor's radius")
-    if clearance is not None and indentation > clearance > 0.0:
-        bounds.append("the clearance")
-    return " and ".join(bounds)
+def secant_of_square(square: Any) -> Any:
+    """Return ``f(r)/r`` without clearance in terms of ``r**2``: ``(r**2)**0.25``."""
+    return square ** (0.5 * (HERTZ_EXPONENT - 1.0))

@@ -9,9 +9,9 @@ of small differences, and the derivatives by the parameters.
 The forces are those of `rotor_ida.model.forces`.
 
 The core is derived for three models. In the paper's rotor shaft, contact damping and load are the
-number 0 and vanish. In the general model (`whole`) the states include the direction of the load and
-the work of a contact. The third is the general model at a changing speed
-(`rotor_ida.model.spinning`). In the general model a contact is loose
+number 0 and vanish. In the whole model (`whole`) the states include the direction of the load and
+the work of a contact. The third is the whole model at a changing speed
+(`rotor_ida.model.spinning`). In the whole model a contact is loose
 while damping would make the force tensile; `rotor.loose` is 1 then, else 0. The exponent of the
 force is 3/2 where `rotor.hertz` is 1, or 1 where `rotor.linear` is.
 
@@ -113,7 +113,7 @@ def contact_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) -> lis
     The Hertz force has a kink of order 1.5 at |z| = delta0. In ``q = sqrt(|z| - delta0)`` and u the
     motion is analytic through entry and exit; p is the radial velocity, h the angular momentum, c
     and s the direction on the rotating axes, t the time and j the impulse of the force. The
-    general model adds the components of the load's direction along the radius and across it, the
+    whole model adds the components of the load's direction along the radius and across it, the
     work of the rotor on the stator (elastic energy and loss of the contact), and the energy of
     `spent_rate`, which has no series. `more` is an additional acceleration, outwards and sideways.
     """
@@ -160,7 +160,7 @@ def drawn_contact_rates(state: Numbers, rotor: Any, more: Numbers = (0.0, 0.0)) 
 
     Otherwise errors of single steps would add up in a long contact, and the length of a direction
     scales the unbalance. The remaining ``c**2 + s**2 - 1`` falls like ``exp(-0.2 omega t)``.
-    The general model includes `spent_rate`.
+    The whole model includes `spent_rate`.
     """
     rates = to_unit_circle(contact_rates(state, rotor, more), state, rotor)
     if len(state) > len(CONTACT_STATE):
@@ -333,7 +333,7 @@ def cartesian_rates(state: Numbers, rotor: Any) -> list[Number]:
     """Return the time rates of displacement and velocity on the rotating axes.
 
     Where `rotor.felt` is 1 the force is that without clearance. Where it is 0 there is none: in
-    flight, or so close to the centre that it is negligible. The general model adds the direction of
+    flight, or so close to the centre that it is negligible. The whole model adds the direction of
     the load, which rotates backwards on these axes.
     """
     x, y, vx, vy, *down = state

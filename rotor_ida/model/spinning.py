@@ -1,4 +1,4 @@
-"""The modes of a rotor whose speed changes: the general model with angle and speed as states.
+"""The modes of a rotor whose speed changes: the whole model with angle and speed as states.
 
 The unbalance pulls with ``(theta'**2 - i theta'') exp(i theta)``. All vectors are given on axes
 that rotate with it, at the current speed. So the rates are those of a constant speed, from
@@ -168,7 +168,7 @@ def spinning_cartesian(state: Numbers, rotor: Any) -> list[Number]:
 
 
 def _spinning(mode: Mode, rates: Any, watched: Any = None) -> Mode:
-    """Return a mode of the general model for a rotor whose speed changes."""
+    """Return a mode of the whole model for a rotor whose speed changes."""
     before, behind = mode.state[:TIME], mode.state[TIME:]
     return replace(
         mode,

@@ -14,7 +14,7 @@ import numpy as np
 
 from rotor_ida.arrays import Stop, Values, Watch
 from rotor_ida.checks import State
-from rotor_ida.core.interface import DONE, IN_CONTACT, SPENT, UNBALANCED, message_of
+from rotor_ida.core.interface import DONE, IN_CONTACT, OUT_OF_STEPS, UNBALANCED, message_of
 from rotor_ida.core.runs import RunRequest, RunResult, follow_run
 from rotor_ida.errors import BudgetError, InstallationError, InvariantError, SimulationError
 from rotor_ida.model.equations import rotated
@@ -25,7 +25,7 @@ from rotor_ida.simulation.orbit import Orbit, SpeedRecord
 from rotor_ida.simulation.spin import SpeedProfile
 
 # Errors for the ends of a run in the core that are more than a failure of its solver.
-OF_STATUS = {UNBALANCED: InvariantError, SPENT: BudgetError}
+OF_STATUS = {UNBALANCED: InvariantError, OUT_OF_STEPS: BudgetError}
 
 
 def run(

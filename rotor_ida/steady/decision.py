@@ -1,4 +1,9 @@
-"""Decide on which response a motion settles: observe it window after window, and name its kind."""
+"""Decide on which response a motion settles: observe it window after window, and name its kind.
+
+`decide` is the loop and `_decision` the order of the questions; `rotor_ida.steady.response` answers
+those about one window, `rotor_ida.steady.motion` follows the motion and answers those that need
+runs, and `rotor_ida.steady.follow` says for how long it is followed.
+"""
 
 from __future__ import annotations
 
@@ -83,7 +88,7 @@ class _Approach:
     since: float = 0.0
 
     def period(self, motion: Motion) -> float | None:
-        """Return the period of a motion that has reached a stable cycle; None for others."""
+        """Measure the last window; return the period of a stable cycle it has reached, or None."""
         repeats = motion.recurrence()
         self.recurs = repeats is not None
         if repeats is None:
@@ -104,6 +109,8 @@ class _Approach:
 
 def decide(motion: Motion) -> Decision:
     """Observe a motion, window after window, until its kind is decided.
+
+    Without damping one window decides, as nothing settles: most such motions are unresolved.
 
     The first window begins after a first wait, each other when the time has doubled, and none after
     the longest time: see `Limits`. Times are counted anew when it was disturbed because it sat on

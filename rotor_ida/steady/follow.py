@@ -88,7 +88,7 @@ class SettledSystem:
     state: Values
 
 
-def settle(flow: SystemFlow, state: Values) -> SettledSystem:
+def settle_system(flow: SystemFlow, state: Values) -> SettledSystem:
     """Follow a rotor system from a state until the kind of its response is decided.
 
     Raises
@@ -103,7 +103,7 @@ def settle(flow: SystemFlow, state: Values) -> SettledSystem:
 
 
 @dataclass(frozen=True, slots=True)
-class SettledResponse:
+class SettledDisc:
     """The response on which a rotor has settled, and the events on the way to it.
 
     Parameters
@@ -139,7 +139,7 @@ class SettledResponse:
     message: str = ""
 
 
-def follow_to_steady_state(
+def settle_disc(
     rotor: Rotor,
     start: State,
     options: Options,
@@ -147,7 +147,7 @@ def follow_to_steady_state(
     longest: float | None = None,
     stop: Stop | None = None,
     watch: Watch | None = None,
-) -> SettledResponse:
+) -> SettledDisc:
     """Follow a rotor until the kind of its response is decided, or up to a time limit.
 
     The motion is observed over a window: first after the time in which damping should have
@@ -192,11 +192,11 @@ def _settled(
     window_start: float,
     *,
     backward: bool = False,
-) -> SettledResponse:
+) -> SettledDisc:
     """Return the settled response of one disc."""
     runs, speed = motion.events, motion.flow.speed
     x, y, vx, vy = motion.state.tolist()
-    return SettledResponse(
+    return SettledDisc(
         decision.kind, features, window_start, motion.time,
         np.concatenate([np.empty(0), *(each.began + each.times for each in runs)]),
         np.concatenate([np.empty(0, np.int8), *(each.kinds for each in runs)]),

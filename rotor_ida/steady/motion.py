@@ -242,7 +242,7 @@ class Motion:
         return True
 
     def lasts(self, duration: float) -> bool:
-        """Return whether the motion is as large a time later; if it is not, go on from there."""
+        """Return whether the motion is as large a time later, back from there; else stay there."""
         if self.flow.period is not None:
             duration = self.flow.period * math.ceil(duration / self.flow.period)
         state, time = self.state, self.time
@@ -258,7 +258,10 @@ class Motion:
     # ---- What the window shows ----
 
     def recurrence(self) -> Recurrence | None:
-        """Return how the motion repeats itself throughout the window; None if it does not."""
+        """Return how the motion repeats itself throughout the window; None if it does not.
+
+        It takes the landing of the last wait, and keeps the answer in `repeats` and `cycle`.
+        """
         landing, self.landing = self.landing, None
         window, tolerance = self.window, RECURS * self.flow.steady
         period = self.flow.period if landing is None else landing.period

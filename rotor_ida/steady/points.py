@@ -30,7 +30,7 @@ from rotor_ida.simulation.options import Options, check_can_be_followed, options
 from rotor_ida.simulation.runs import LOOSEST_RTOL, TIGHTEST_RTOL
 from rotor_ida.simulation.starts import GivenStart, Start, begun_in_modes, start_of, states_of
 from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
-from rotor_ida.steady.follow import FAILED, SettledSystem, follow_to_steady_state, settle
+from rotor_ida.steady.follow import FAILED, SettledSystem, settle_disc, settle_system
 from rotor_ida.steady.grid import Answer, Answers, Ramps
 from rotor_ida.steady.response import CONTACT_FREE, SYNCHRONOUS, Features
 
@@ -278,7 +278,7 @@ def answer_of_system(point: Turning, start: Start | Values, stop: Stop) -> Answe
     """Return what a system settles on, from a start or from where another point ends."""
     flow = SystemFlow.at(*point, stop)
     begun = start if isinstance(start, np.ndarray) else started(point, start)
-    settled = settle(flow, begun / flow.scales)
+    settled = settle_system(flow, begun / flow.scales)
     last = settled.state * flow.scales
     return Answer(figures_of(settled, flow, last), settled.decision.message, end=last)
 
@@ -449,7 +449,7 @@ def answer_of_disc(
     options: Options, rotor: Rotor, start: GivenStart, stop: Stop, *, events: bool = False
 ) -> Answer:
     """Return what one disc settles on, from a start, with the events on the way if wanted."""
-    settled = follow_to_steady_state(rotor, start_of(rotor, start), options, stop=stop)
+    settled = settle_disc(rotor, start_of(rotor, start), options, stop=stop)
     failed = settled.response == FAILED
     features, table = settled.features, None
     if events:

@@ -34,7 +34,7 @@ from rotor_ida.simulation.spin import Ramp, SpeedProfile
 from rotor_ida.simulation.starts import GivenStart, Start, start_of
 from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
 from rotor_ida.steady.drop import with_unbalance_at
-from rotor_ida.steady.follow import FAILED, follow_to_steady_state, settle
+from rotor_ida.steady.follow import FAILED, settle_disc, settle_system
 from rotor_ida.steady.grid import EXPECTED, Answer, reason_of
 from rotor_ida.steady.points import figures_of, point_of
 from rotor_ida.steady.response import CONTACT_FREE, TOUCHING, UNRESOLVED, Features
@@ -173,7 +173,7 @@ def ending_at(
         How to simulate.
     """
     state = on_rotating_axes(rotor, end, angle, options, stop)
-    settled = follow_to_steady_state(rotor, state, options, stop=stop)
+    settled = settle_disc(rotor, state, options, stop=stop)
     if settled.response == FAILED:
         return failed(settled.message)
     ending = ending_of(settled.response, whips=settled.backward and rotor.friction > 0.0)
@@ -274,7 +274,7 @@ def settled_system(
     angle = math.remainder(float(run["angle"][-1]), math.tau)
     problem = SettlingProblem.of(assemble(with_unbalance_at(system, angle)), rtol)
     flow = SystemFlow.at(problem, to, stop)
-    settled = settle(flow, flow.given_state(run["final_state"].values))
+    settled = settle_system(flow, flow.given_state(run["final_state"].values))
     features, turn = settled.features, np.exp(-1j * (angle + phase))
     whirls = {name: turn * getattr(features, name) for name in ("contact_whirl", "node_whirl")}
     turned = replace(settled, features=replace(features, **whirls))

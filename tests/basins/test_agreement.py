@@ -44,13 +44,13 @@ def test_the_tolerances_told_are_those_of_the_kernel(monkeypatch, rtol):
 
 
 def test_the_confirmation_told_is_the_one_that_was_made(monkeypatch):
-    seen, follow = [], attractors.follow_to_steady_state
+    seen, follow = [], attractors.settle_disc
 
     def watched(rotor, start, options, **how):
         seen.append(options.attributes())
         return follow(rotor, start, options, **how)
 
-    monkeypatch.setattr(attractors, "follow_to_steady_state", watched)
+    monkeypatch.setattr(attractors, "settle_disc", watched)
     found = basin_fractions(FIGURE_7, **BOX, starts=50)
     assert seen
     assert all(each == told_by(found, "confirmation_") for each in seen)
@@ -59,13 +59,13 @@ def test_the_confirmation_told_is_the_one_that_was_made(monkeypatch):
 
 
 def test_orbits_left_over_are_followed_as_told(monkeypatch):
-    seen, follow = [], fates.follow_to_steady_state
+    seen, follow = [], fates.settle_disc
 
     def watched(rotor, start, options, **how):
         seen.append((options.method, options.rtol))
         return follow(rotor, start, options, **how)
 
-    monkeypatch.setattr(fates, "follow_to_steady_state", watched)
+    monkeypatch.setattr(fates, "settle_disc", watched)
     states = np.array([[3.0], [1.0], [0.0], [0.0]])
     batch = fates.Batch(known_from_closed_forms(FIGURE_7, GOING), states, RTOL, GOING)
     fates.fate_of(batch, 0)

@@ -11,7 +11,7 @@ from rotor_ida.core.runs import NO_STOP
 from rotor_ida.parallel import FailedJob
 from rotor_ida.schema import FATE, RESPONSE, flags_of
 from rotor_ida.simulation.options import Options
-from rotor_ida.steady.follow import follow_to_steady_state
+from rotor_ida.steady.follow import settle_disc
 
 FIGURE_7 = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
 AXIS = np.linspace(-15.0, 15.0, 24)
@@ -51,7 +51,7 @@ def test_labels_are_those_of_cvode(omega, delta0, kinds):
     found = follow_here(Disc.of(rotor, 1e-6, NO_STOP), states, NO_STOP)
     seen = set()
     for number, state in enumerate(states.T.tolist()):
-        settled = follow_to_steady_state(rotor, tuple(state), Options(rtol=1e-10))
+        settled = settle_disc(rotor, tuple(state), Options(rtol=1e-10))
         kind = found.kinds[found.labels[number]]
         seen.add(kind)
         assert settled.response == kind
@@ -69,7 +69,7 @@ def test_a_start_lands_where_its_coordinates_say():
     assert (float(found.x), float(found.vy)) == (1.0, -2.0)
     for y in rows:
         for vx in columns:
-            settled = follow_to_steady_state(FIGURE_7, (1.0, y, vx, -2.0), Options())
+            settled = settle_disc(FIGURE_7, (1.0, y, vx, -2.0), Options())
             number = int(found.label.sel(y=y, vx=vx))
             assert settled.features.amplitude == pytest.approx(float(found.amplitude[number]))
 
@@ -139,7 +139,7 @@ def test_an_interrupt_of_the_confirmation_keeps_the_labels(monkeypatch, figure_7
     def interrupt(*_, **__):
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(attractors, "follow_to_steady_state", interrupt)
+    monkeypatch.setattr(attractors, "settle_disc", interrupt)
     found = basin(FIGURE_7, x=AXIS, y=AXIS)
     assert found.attrs["interrupted"] == 1
     assert found.label.equals(figure_7.label)

@@ -11,7 +11,7 @@ from rotor_ida.cycles.guess import guess_of
 from rotor_ida.cycles.limit_cycle import cycle_from
 from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.options import Options
-from rotor_ida.steady.follow import follow_to_steady_state
+from rotor_ida.steady.follow import settle_disc
 from tests.basins.lanes import GO_ON, RUBBING, WHIP
 
 CASES = [
@@ -93,7 +93,7 @@ def test_the_kernel_reads_the_section_as_the_taylor_series_do(section):
 
 def test_cvode_ends_on_the_cycle_from_its_rim(section):
     for state in states_on(section, 1.0, 4, seed=5).tolist():
-        settled = follow_to_steady_state(section.cycle.rotor, tuple(state), Options(rtol=1e-10))
+        settled = settle_disc(section.cycle.rotor, tuple(state), Options(rtol=1e-10))
         assert settled.features.period == pytest.approx(section.cycle.duration, rel=1e-8)
         assert settled.features.radius_max == pytest.approx(section.cycle.radius_max, rel=1e-8)
 

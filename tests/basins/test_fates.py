@@ -16,7 +16,7 @@ from rotor_ida.basins.known import known_from_closed_forms
 from rotor_ida.schema import RESPONSE, TRAPPING
 from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.options import Options
-from rotor_ida.steady.follow import follow_to_steady_state
+from rotor_ida.steady.follow import settle_disc
 
 BOUNCER = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 BOX = dict.fromkeys(("x", "y", "vx", "vy"), (-8.0, 8.0))
@@ -79,7 +79,7 @@ def test_close_to_a_period_doubling_orbits_creep_and_are_held_as_soon_as_others(
 
 def test_only_a_stable_cycle_beside_an_orbit_counts():
     """From rest beside the bouncing cycle, but not far out; below the doubling it is unstable."""
-    settled = follow_to_steady_state(BOUNCER, (0.0, 0.0, 0.0, 0.0), Options())
+    settled = settle_disc(BOUNCER, (0.0, 0.0, 0.0, 0.0), Options())
     beside = np.array([settled.end, (12.0, 0.0, 0.0, 0.0)]).T
     batch = batch_of(BOUNCER, beside)
     assert fates.beside_cycle(batch, 0)

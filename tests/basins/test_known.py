@@ -11,7 +11,7 @@ from rotor_ida.basins.fates import Batch, decide
 from rotor_ida.basins.kernel import CONTACT_FREE
 from rotor_ida.basins.known import MOST_DRIFT, contact_free_whirls, known_from_closed_forms
 from rotor_ida.simulation.options import Options
-from rotor_ida.steady.follow import follow_to_steady_state
+from rotor_ida.steady.follow import settle_disc
 from tests.basins.lanes import GO_ON, followed
 
 ROTORS = [
@@ -34,7 +34,7 @@ def test_motions_from_the_rim_touch_for_ever(rotor):
         position = end - drift + whirl
         velocity = 1j * rotor.omega * whirl + 2.0 * rotor.zeta * drift
         start = (position.real, position.imag, velocity.real, velocity.imag)
-        settled = follow_to_steady_state(rotor, start, Options(rtol=1e-10))
+        settled = settle_disc(rotor, start, Options(rtol=1e-10))
         assert settled.response == "touching"
         assert settled.features.radius_max == pytest.approx(rotor.delta0, abs=excess)
 
@@ -94,7 +94,7 @@ def test_touches_that_fade_are_held_on_the_rim_with_friction_too():
     known = known_from_closed_forms(rotor, GO_ON)
     labels = decide(Batch(known, starts, 1e-6, GO_ON)).labels
     alone = [
-        follow_to_steady_state(rotor, tuple(each), Options(method="taylor", rtol=1e-11)).response
+        settle_disc(rotor, tuple(each), Options(method="taylor", rtol=1e-11)).response
         for each in starts.T.tolist()
     ]
     fades = np.array([each == "touching" for each in alone])

@@ -22,7 +22,7 @@ from rotor_ida.closed_forms.rest import rest
 from rotor_ida.schema import RESPONSE, TRAPPING
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.starts import drawn_from
-from rotor_ida.steady.follow import follow_to_steady_state
+from rotor_ida.steady.follow import settle_disc
 from tests.basins.lanes import GO_ON, RUBBING, WHIP
 
 BOX = {"x": (-6, 6), "y": (-6, 6), "vx": (-6, 6), "vy": (-6, 6)}
@@ -134,7 +134,7 @@ def test_no_label_differs_from_that_of_a_start_followed_by_itself(rotor):
     kinds |= {known.first_cycle + place: each.response for place, each in enumerate(cycles)}
     alone = Options(method="taylor", rtol=1e-11)
     for label, start in zip(labels.tolist(), starts.T.tolist(), strict=True):
-        settled = follow_to_steady_state(rotor, tuple(start), alone)
+        settled = settle_disc(rotor, tuple(start), alone)
         assert kinds[label] == settled.response
         if label >= known.first_cycle:
             cycle = cycles[label - known.first_cycle]

@@ -219,7 +219,7 @@ def test_an_interrupt_leaves_the_rest_not_computed():
 
 
 def test_a_start_that_fails_is_not_computed_and_says_why(found, monkeypatch):
-    true, failing = subjects.settle, []
+    true, failing = subjects.settle_system, []
 
     def fails_once(flow, state):
         if not failing:
@@ -227,7 +227,7 @@ def test_a_start_that_fails_is_not_computed_and_says_why(found, monkeypatch):
             raise SimulationError("it cannot be followed")
         return true(flow, state)
 
-    monkeypatch.setattr(subjects, "settle", fails_once)
+    monkeypatch.setattr(subjects, "settle_system", fails_once)
     partly = basin(SYSTEM, **PLANE, workers=1, executor="serial")
     assert partly.attrs["not_computed_reason"] == "it cannot be followed"
     assert int(partly.not_computed_count) == 1

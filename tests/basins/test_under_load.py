@@ -17,7 +17,7 @@ from rotor_ida.model.assembly import assemble
 from rotor_ida.schema import RESPONSE, TRAPPING
 from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.systems.flow import SettlingProblem
-from rotor_ida.steady.follow import follow_to_steady_state
+from rotor_ida.steady.follow import settle_disc
 from tests.basins.lanes import GO_ON, followed
 
 LOADED = {
@@ -51,7 +51,7 @@ def test_states_in_the_region_of_a_cycle_return_nearer(name):
     """Followed twice round by Taylor series, of which the search for the region knows nothing."""
     rotor = LOADED[name]
     flow = DiscFlow(rotor, NO_STOP)
-    settled = follow_to_steady_state(rotor, (2.0, 0.0, 0.0, 0.0), ALONE)
+    settled = settle_disc(rotor, (2.0, 0.0, 0.0, 0.0), ALONE)
     cycle = once_round(close_orbit(flow, np.array(settled.end), settled.features.period))
     section = cycle_section(cycle, GO_ON)
     assert section.exists

@@ -442,8 +442,8 @@ static const struct rotor PAPER_ROTORS[] = {
     {.omega = 1.7, .zeta = 0.07, .delta0 = 0.0}, {.omega = 0.0, .zeta = 0.0, .delta0 = 1.0},
     {.omega = 0.6, .zeta = 0.0, .delta0 = 1e-9}, {.omega = 1.3, .zeta = 2.0, .delta0 = 50.0},
     {.omega = 1e3, .zeta = 1e2, .delta0 = 1e3},  {.omega = 0.0, .zeta = 0.0, .delta0 = 0.0}};
-static const struct rotor *const ROTORS = IS_GENERAL ? GENERAL_ROTORS : PAPER_ROTORS;
-enum { ROTOR_COUNT = (IS_GENERAL ? sizeof GENERAL_ROTORS : sizeof PAPER_ROTORS) / sizeof *ROTORS };
+static const struct rotor *const ROTORS = IS_WHOLE ? GENERAL_ROTORS : PAPER_ROTORS;
+enum { ROTOR_COUNT = (IS_WHOLE ? sizeof GENERAL_ROTORS : sizeof PAPER_ROTORS) / sizeof *ROTORS };
 /* Rows of a bundle with those by parameters. */
 enum { WITH_PARAMETERS = HAS_NEIGHBOURS ? 4 + PARAMETERS : 0, ALONE = HAS_NEIGHBOURS ? 4 : 0 };
 
@@ -515,9 +515,9 @@ static void runs_in_rooms_that_are_too_small(void)
             followed(run, (struct room){0, 400, size, 0, 0});
         }
     }
-    if (IS_GENERAL)
+    if (IS_WHOLE)
         full_inside += releases_in_rooms_that_are_too_small();
-    require((full_inside > 0) == IS_GENERAL, "a table was full in a contact, or never was");
+    require((full_inside > 0) == IS_WHOLE, "a table was full in a contact, or never was");
     /* with more room a run goes on from where it stands */
     stop_after(900000);
     courses_taken = NEARLY_STEADY;
@@ -670,7 +670,7 @@ static void lanes(void)
 {
     const int64_t counts[] = {0, 1, LANES_OF_KERNEL - 1, LANES_OF_KERNEL, LANES_OF_KERNEL + 1, 200};
     for (size_t c = 0; c < sizeof counts / sizeof *counts; c++) {
-        for (int kind = 0; kind < 12; kind++) { /* the last of the general rotors rub */
+        for (int kind = 0; kind < 12; kind++) { /* the last ones rub */
             const int64_t count = counts[c], regions = kind % 3, sections = kind % 2;
             const struct rotor rotor = ROTORS[kind < 8 ? kind : ROTOR_COUNT + 7 - kind];
             double *states = room_for(4 * count, sizeof(double));
@@ -710,7 +710,7 @@ static void lanes(void) {}
 #endif
 
 /* Systems of odd sizes, with and without each matrix, in tables that are filled again and again;
- * they are in the general model alone. */
+ * they are in the whole model alone. */
 #if defined(WHOLE_MODEL) && !defined(RUN_UP)
 enum { ROWS = 8, MOST = 16, KINDS = 72, PARAMETERS_OF_SYSTEM = 2, WATCHED_ROWS = 3 };
 

@@ -28,7 +28,7 @@ from rotor_ida.core.interface import (
     MESSAGES,
     NO_SOLVER,
     NOT_FINITE,
-    SPENT,
+    OUT_OF_STEPS,
     STOPPED,
     RotorStruct,
     RunStruct,
@@ -319,7 +319,7 @@ def test_a_run_ends_where_its_steps_are_spent(name):
     assert free.status == enough.status == DONE
     assert enough.state == free.state
     np.testing.assert_array_equal(enough.event_times, free.event_times)
-    assert (short.status, short.steps) == (SPENT, free.steps)
+    assert (short.status, short.steps) == (OUT_OF_STEPS, free.steps)
     assert short.time < 20.0
 
 

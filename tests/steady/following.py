@@ -5,7 +5,7 @@ import numpy as np
 from rotor_ida import Rotor
 from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.options import Options
-from rotor_ida.steady.follow import follow_to_steady_state, limits_of
+from rotor_ida.steady.follow import limits_of, settle_disc
 from rotor_ida.steady.motion import Motion
 
 REST = (0.0, 0.0, 0.0, 0.0)
@@ -13,13 +13,13 @@ SHAFT = {"delta0": 1.0, "shaft_stiffness": 0.25}
 
 
 def followed(rotor, start=REST, method="taylor", **settings):
-    return follow_to_steady_state(rotor, start, Options(method=method), **settings)
+    return settle_disc(rotor, start, Options(method=method), **settings)
 
 
 def of_paper(omega, delta0, start=REST, zeta=0.07, options=None, **settings):
     """What a rotor without a shaft, load or friction settles on."""
     rotor = Rotor(omega=omega, zeta=zeta, delta0=delta0)
-    return follow_to_steady_state(rotor, start, options or Options(), **settings)
+    return settle_disc(rotor, start, options or Options(), **settings)
 
 
 def slowest_multiplier(rotor, state, period):

@@ -18,8 +18,8 @@ from rotor_ida.steady.follow import (
     LONGEST_DECAY_TIMES,
     LONGEST_FIRST_WAIT,
     LONGEST_OF_ALL,
-    follow_to_steady_state,
     longest_time,
+    settle_disc,
 )
 from tests.rotors import KNOCKED, WHIP
 from tests.steady.following import LOADED, REST, SHAFT, followed, of_paper
@@ -172,7 +172,7 @@ def test_the_error_of_a_period_falls_with_the_tolerance():
     ids=["bdf", "under a load", "contact damping", "the reference in plain Python"],
 )  # fmt: skip
 def test_methods_and_backends_agree_on_a_cycle(rotor, start, options, digits):
-    taylor, other = followed(rotor, start), follow_to_steady_state(rotor, start, options)
+    taylor, other = followed(rotor, start), settle_disc(rotor, start, options)
     assert other.response == taylor.response == "bouncing"
     for name in ("period", "amplitude", "radius_min", "radius_max"):
         one, found = getattr(taylor.features, name), getattr(other.features, name)
@@ -235,7 +235,7 @@ RUBBING = {
 @pytest.fixture(scope="module", params=RUBBING)
 def cycle(request):
     rotor, start, kind, events = RUBBING[request.param]
-    settled = follow_to_steady_state(rotor, start, TAYLOR)
+    settled = settle_disc(rotor, start, TAYLOR)
     assert settled.response == kind
     late = settled.event_kinds[settled.event_times > settled.window_start]
     assert set(late.tolist()) == events
@@ -289,7 +289,7 @@ def test_what_does_not_turn_comes_to_rest_where_the_closed_form_says(name, metho
 def test_friction_holds_a_rotor_at_rest_off_the_bottom():
     """A block on an inclined ring: it stays where the slope is no steeper than the friction."""
     rotor = Rotor(omega=0.0, zeta=0.05, delta0=1.0, load=0.5, friction=0.3, disc_radius=5.0)
-    settled = follow_to_steady_state(rotor, (-1.2, -0.4, 0.3, -0.8), TAYLOR)
+    settled = settle_disc(rotor, (-1.2, -0.4, 0.3, -0.8), TAYLOR)
     assert settled.response == "synchronous"
     z = complex(*settled.end[:2])
     slope = math.atan2(abs(z.real), -z.imag)

@@ -13,7 +13,7 @@ from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady import motion
 from rotor_ida.steady.decision import decide
-from rotor_ida.steady.follow import LATE, follow_to_steady_state, limits_of
+from rotor_ida.steady.follow import LATE, limits_of, settle_disc
 from rotor_ida.steady.motion import Motion
 from tests.steady.following import LOADED, followed, of_paper
 
@@ -51,7 +51,7 @@ def test_touches_of_a_linear_contact_fade_by_their_own_law():
 def test_touches_fade_by_the_law_that_friction_leaves_as_it_is():
     """Friction carries the centre along the ring: 1/h grows as without, ever more closely."""
     rotor = Rotor(omega=1.6, zeta=0.2, delta0=1.4, friction=0.35, disc_radius=1.0)
-    settled = follow_to_steady_state(rotor, (3.4, -0.3, -0.4, -0.4), TAYLOR)
+    settled = settle_disc(rotor, (3.4, -0.3, -0.4, -0.4), TAYLOR)
     assert settled.response == "touching"
     run = simulate(rotor, start=(3.4, -0.3, -0.4, -0.4), duration=4000.0, method="taylor")
     growth = np.diff(1.0 / run.peak_indentation.values)

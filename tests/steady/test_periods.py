@@ -10,7 +10,7 @@ from rotor_ida import Rotor
 from rotor_ida.core.runs import EXTREMUM
 from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.options import Options
-from rotor_ida.steady.follow import follow_to_steady_state
+from rotor_ida.steady.follow import settle_disc
 from rotor_ida.steady.motion import turning_points
 from rotor_ida.steady.periods import recurrence, recurrence_by_revolutions
 from tests.steady.following import slowest_multiplier
@@ -125,7 +125,7 @@ def test_no_maxima_no_period():
 def test_multipliers_are_the_known_ones(omega, delta0, period, expected):
     """From DESIGN, section 9, where two programs that share nothing agree on them."""
     rotor = Rotor(omega=omega, zeta=0.07, delta0=delta0)
-    settled = follow_to_steady_state(rotor, (0.0, 0.0, 0.0, 0.0), Options())
+    settled = settle_disc(rotor, (0.0, 0.0, 0.0, 0.0), Options())
     found = slowest_multiplier(rotor, settled.end, period)
     assert complex(found.real, abs(found.imag)) == pytest.approx(expected, abs=1e-7)
     assert abs(found) == pytest.approx(math.exp(-0.07 * period), rel=1e-9)

@@ -214,7 +214,7 @@ def test_dimensions():
 
 def test_one_that_fails_is_labelled_and_stops_nothing(monkeypatch):
     """On its ramp, or once it is held; what it met on the ramp is kept."""
-    true_run, true_follow = run_up_outcome.run, run_up_outcome.follow_to_steady_state
+    true_run, true_follow = run_up_outcome.run, run_up_outcome.settle_disc
 
     def fails(rotor, *rest, **options):
         if rotor.zeta == 0.2:
@@ -227,7 +227,7 @@ def test_one_that_fails_is_labelled_and_stops_nothing(monkeypatch):
         return true_follow(rotor, *rest, **options)
 
     monkeypatch.setattr(run_up_outcome, "run", fails)
-    monkeypatch.setattr(run_up_outcome, "follow_to_steady_state", overflows)
+    monkeypatch.setattr(run_up_outcome, "settle_disc", overflows)
     given = SHAFT | {"zeta": [0.1, 0.2, 0.3]}
     found = run_ups(omega=0.3, to=1.6, rate=0.3, **given, executor="serial").squeeze()
     assert found.status.values.tolist() == [0, 1, 1]

@@ -37,7 +37,8 @@ OF_SYSTEM = {
     "orbits": "plot_node_orbits", "forces": "plot_forces", "history": "plot_run",
     "shape": "plot_shape",
 }  # fmt: skip
-# Those of sections and diagrams, at a node of a rotor system.
+# Those of sections and diagrams, at a node of a rotor system; a stroboscopic diagram is drawn by
+# `plot_strobes`.
 OF_RESULTS = {"section": "plot_section", "diagram": "plot_extrema"}
 DRAWN_BY = FUNCTIONS | OF_SYSTEM | OF_RESULTS
 # The keywords of these functions that are options, and one by another name.

@@ -1,4 +1,9 @@
-"""The content of an archive: the stored form of a dataset, its names and attributes for CF.
+"""The form in which a dataset is stored: its names and attributes for CF.
+
+Which variables a result has is in `rotor_ida.results.dataset_kinds`. How the file is protected, by
+a checksum of the content and a seal of all bytes, is in `checksum`; `writing` makes it whole or not
+at all, and `reading` refuses what is damaged, altered or too large. `hdf5` looks for links and
+parts in other files.
 
 Readers of netCDF that know the CF conventions but not this package see the same variables;
 `stored_names` and `coordinates_of` return their names and attributes.

@@ -32,7 +32,7 @@ from rotor_ida.results.archive.content import (
     coordinates_of,
     stored_names,
 )
-from rotor_ida.results.archive.library import LOCK
+from rotor_ida.results.archive.hdf5 import LOCK
 from rotor_ida.results.files import check_target, file_to_write
 from rotor_ida.results.provenance import command
 

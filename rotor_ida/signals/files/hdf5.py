@@ -16,7 +16,7 @@ import numpy as np
 
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
-from rotor_ida.results.archive.library import LOCK, what_is_not_own
+from rotor_ida.results.archive.hdf5 import LOCK, what_is_not_own
 from rotor_ida.signals.files.columns import MOST_NUMBERS, Column, check_size, one_line, possible_in
 
 # Attributes for numbers that were packed, with what they are if left out, and for missing ones.

@@ -27,7 +27,7 @@ from rotor_ida.cycles.guess import guess_of
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.schema import SPECIAL
 from rotor_ida.simulation.options import Options
-from rotor_ida.steady.follow import follow_to_steady_state
+from rotor_ida.steady.follow import settle_disc
 from tests.basins.atlas.reports import WIDE
 from tests.basins.lanes import WHIP
 
@@ -307,8 +307,8 @@ def test_whip_ends_at_the_corner_where_it_no_longer_rolls():
     assert high.kind == "not_found"  # it lasts for as far as the branch was followed
     place = tuple(state.tolist())
     for friction in np.geomspace(0.2, 1.001 * low.value, 8).tolist():
-        settled = follow_to_steady_state(replace(WHIP, friction=friction), place, Options())
+        settled = settle_disc(replace(WHIP, friction=friction), place, Options())
         assert settled.response == "rolling"
         place = settled.end
-    below = follow_to_steady_state(replace(WHIP, friction=0.999 * low.value), place, Options())
+    below = settle_disc(replace(WHIP, friction=0.999 * low.value), place, Options())
     assert below.response == "synchronous"

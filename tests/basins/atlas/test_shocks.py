@@ -22,7 +22,7 @@ from rotor_ida.basins.trapping_regions import trapping_regions
 from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.schema import END, RESPONSE
 from rotor_ida.simulation.options import Options
-from rotor_ida.steady.follow import follow_to_steady_state
+from rotor_ida.steady.follow import settle_disc
 from tests.basins.atlas.reports import BOX, WIDE, of_kind
 from tests.basins.lanes import WHIP
 
@@ -146,7 +146,7 @@ def test_a_witness_leads_there_by_cvode(bouncing, kind):
     """
     after = states_of(bouncing, kind, "after")
     for one, to in found_in(bouncing, kind):
-        settled = follow_to_steady_state(BOUNCER, tuple(after[one, to].tolist()), Options())
+        settled = settle_disc(BOUNCER, tuple(after[one, to].tolist()), Options())
         if int(bouncing["kind"][to]) == RESPONSE["bouncing"]:
             assert settled.response == "bouncing"
             assert settled.features.radius_max == pytest.approx(float(bouncing.radius_max[to]))
@@ -175,7 +175,7 @@ def test_below_the_bound_cvode_comes_back(bouncing, kind):
         angle, shocked = random.uniform(0.0, 2.0 * np.pi), along[place].copy()
         shocked[KINDS[kind]] += bound * math.cos(angle)
         shocked[KINDS[kind] + 1] += bound * math.sin(angle)
-        settled = follow_to_steady_state(BOUNCER, tuple(shocked.tolist()), Options())
+        settled = settle_disc(BOUNCER, tuple(shocked.tolist()), Options())
         assert settled.response == "bouncing"
         assert settled.features.radius_max == pytest.approx(float(cycle.radius_max), rel=1e-5)
 

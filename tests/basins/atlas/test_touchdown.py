@@ -81,13 +81,13 @@ def test_backward_whirl_has_a_negative_ratio(bouncing):
 
 def test_only_what_followed_its_starts_and_shocks_is_told(monkeypatch):
     """No attractor is confirmed; CVODE follows shocks, and is told where there were any."""
-    seen, follow = [], attractors.follow_to_steady_state
+    seen, follow = [], attractors.settle_disc
 
     def watched(rotor, start, options, **how):
         seen.append(options.attributes())
         return follow(rotor, start, options, **how)
 
-    monkeypatch.setattr(attractors, "follow_to_steady_state", watched)
+    monkeypatch.setattr(attractors, "settle_disc", watched)
     plain = touchdown_report(BOUNCER, **BOX, starts=64, shocks=0, rtol=1e-7)
     atlas = continue_attractors(
         omega=[2.0, 2.1], zeta=0.07, delta0=2.0, **BOX, starts=40, rtol=1e-7, workers=1

@@ -186,11 +186,11 @@ def test_a_failure_of_the_surroundings_is_tried_again(tmp_path, monkeypatch):
     def has_no_memory(rotor, *rest, **options):
         if rotor.omega == 2.0:
             raise MemoryError
-        return follow.follow_to_steady_state(rotor, *rest, **options)
+        return follow.settle_disc(rotor, *rest, **options)
 
     given = {"omega": [1.0, 2.0], "zeta": 0.5, "delta0": 0.5, "executor": "serial"}
     with monkeypatch.context() as patch:
-        patch.setattr(sweeps, "follow_to_steady_state", has_no_memory)
+        patch.setattr(sweeps, "settle_disc", has_no_memory)
         found = sweep(**given, study=tmp_path)
     assert found.message.values.ravel().tolist() == ["", "MemoryError"]
     assert status(tmp_path)["left"] == 1
@@ -236,9 +236,9 @@ def test_a_point_that_fails_is_recorded_and_the_others_go_on(tmp_path, monkeypat
     def fails_at_two(rotor, *rest, **options):
         if rotor.omega == 2.0:
             raise OverflowError("too large")
-        return follow.follow_to_steady_state(rotor, *rest, **options)
+        return follow.settle_disc(rotor, *rest, **options)
 
-    monkeypatch.setattr(sweeps, "follow_to_steady_state", fails_at_two)
+    monkeypatch.setattr(sweeps, "settle_disc", fails_at_two)
     given = {"omega": [1.0, 2.0, 3.0], "zeta": 0.5, "delta0": 0.5, "executor": "serial"}
     found = sweep(**given, study=tmp_path)
     told = status(tmp_path)
@@ -256,10 +256,10 @@ def test_a_fault_of_the_program_is_raised_and_what_was_done_is_kept(tmp_path, mo
     def slips_at_two(rotor, *rest, **options):
         if rotor.omega == 2.0:
             raise KeyError("a slip")
-        return follow.follow_to_steady_state(rotor, *rest, **options)
+        return follow.settle_disc(rotor, *rest, **options)
 
     given = {"omega": [1.0, 2.0, 3.0], "zeta": 0.5, "delta0": 0.5, "executor": "serial"}
-    monkeypatch.setattr(sweeps, "follow_to_steady_state", slips_at_two)
+    monkeypatch.setattr(sweeps, "settle_disc", slips_at_two)
     with pytest.raises(KeyError, match="a slip"):
         sweep(**given, study=tmp_path)
     monkeypatch.undo()
