@@ -70,7 +70,7 @@ def branches_through(
     >>> swept = sweep(omega=[2.7, 3.0], zeta=0.07, delta0=0.5, starts=[(3, 1, 0, 0)])
     >>> branches = branches_through(compare(swept), limits=(0.05, 5.0))
     >>> [branch.attrs["closed"] for branch in branches]
-    [dimensionless]
+    [1]
     """
     check_instance("compared", compared, xr.Dataset)
     count = check_count("points", points, minimum=2, maximum=MOST_NUMBERS)

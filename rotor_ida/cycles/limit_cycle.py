@@ -227,7 +227,7 @@ def limit_cycle(
 
     >>> same = limit_cycle(Rotor(omega=2.0, zeta=0.07, delta0=2.0).system(), speed=2.0)
     >>> same.period.round(9).item(), same.contact_count.values
-    (4.563916675, array([dimensionless]))
+    (4.563916675, array([1]))
 
     At each of several speeds:
 

@@ -155,7 +155,7 @@ def run_up(
     >>> run.t.values, run.speed.values.round(12)
     (array([ 0.,  9., 18., 27., 36.]), array([0.2 , 0.65, 1.1 , 1.55, 2.  ]))
     >>> run.event_kind.values, run.event_speed.values.round(6)
-    (array([dimensionless], dtype=int8), array([0.440496]))
+    (array([1], dtype=int8), array([0.440496]))
     >>> run = run_up(rotor, start=(0, 0, 0, 0), torque=(1, 0), inertia=20, duration=40, samples=5)
     >>> run.speed.values.round(6)
     array([0.2     , 0.622213, 0.626802, 0.790485, 0.867413])

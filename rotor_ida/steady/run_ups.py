@@ -327,7 +327,7 @@ def fractions_of(endings: Array, counted: tuple[int, ...]) -> dict[str, Array]:
     --------
     >>> counted = fractions_of(np.array([[3, 2, 3, -1, 3]]), (1,))
     >>> counted["whip_fraction"], counted["whip_fraction_error"].round(6), counted["failed_count"]
-    (array([0.75]), array([0.216506]), array([dimensionless]))
+    (array([0.75]), array([0.216506]), array([1]))
     """
     failures = (endings == ENDING["failed"]).sum(axis=counted)
     total = np.prod([endings.shape[axis] for axis in counted], dtype=np.int64) - failures
