@@ -15,6 +15,8 @@ import xarray as xr
 
 import rotor_ida
 from rotor_ida import Contact, Race, RotorSystem, Stator, Unbalance
+from rotor_ida.cli.describe_whirls import show_campbell
+from rotor_ida.results.sheets import Sheet
 
 Program = Callable[..., Any]
 RPM = np.pi / 30.0
@@ -292,6 +294,25 @@ def test_results_over_the_speed_are_those_of_python(program: Program, plain: str
     assert program("plot", "found.nc", "--figure", "again.png").status == 0
     shown = program("show", "found.nc")
     assert (shown.status, "freedom too" in shown.out.partition("dimensions")[0]) == (0, False)
+
+
+def test_a_critical_speed_without_a_resonance_is_told_apart_from_others():
+    """The whirl of damping 2.6 turns with the rotor at ``sqrt(4 - 1.3**2)``, with a ratio 0.65."""
+    damped, sharp = np.sqrt(4.0 - 1.3**2), 3.0
+    system = rotor_ida.RotorSystem(
+        mass=np.eye(4), stiffness=np.diag([4.0, 4.0, 9.0, 9.0]),
+        damping=np.diag([2.6, 2.6, 0.01, 0.01]), units="1",
+        nodes={"disc": [[1, 0, 0.2, 0], [0, 1, 0, 0.2]]},
+    )  # fmt: skip
+    record, parts = show_campbell(rotor_ida.campbell(system, speed=[1.0, 4.0]), None)
+    assert {round(each["critical_speed"], 4) for each in record["critical_speeds"]} == {
+        round(damped, 4), round(sharp, 4)
+    }  # fmt: skip
+    (sentence,) = (each for each in parts if isinstance(each, str))
+    assert sentence.startswith(f"At {damped:.4g}")
+    assert "no resonance shows" in sentence
+    (table,) = (each for each in parts if isinstance(each, Sheet) and "Critical" in each.title)
+    assert table.title == "Critical speeds: 2"  # forward and backward
 
 
 SUPPORTED = """
