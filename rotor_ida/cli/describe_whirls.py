@@ -147,4 +147,4 @@ def show_special_speeds(dataset: xr.Dataset, most: int | None) -> Description:
 
 def _not_exact(dataset: xr.Dataset) -> list[str]:
     reason = dataset.attrs.get("not_exact")
-    return [f"Whirls in contact are not known: {reason}"] if reason else []
+    return [f"Whirls in contact have no closed form: {reason}."] if reason else []
