@@ -66,7 +66,9 @@ def sheets_of_rotor(
         given = [each for each in _numbers(rotor) if each.name not in names]
         return [facts("Machine", [*given, *known])]
     if isinstance(rotor, Rotor):
-        numbers = {name: each for name, each in rotor.given.items() if each is not None}
+        numbers: dict[str, object] = {
+            name: each for name, each in rotor.given.items() if each is not None
+        }
         if isinstance(speed, tuple):
             numbers["omega"] = _between(*speed, "1")
         return [facts("Rotor without dimensions", numbers)]

@@ -126,7 +126,7 @@ def check_axisymmetric_parts(assembly: Assembly) -> None:
         raise InputError(
             "gravity and static_force must be 0 for a whirl, got up to {size:.6g}: leave them out, "
             "or {instead}",
-            size=size, instead=INSTEAD, reason="a load acts on the rotor",
+            size=size, instead=INSTEAD, reason="gravity or a static force acts on the rotor",
         )  # fmt: skip
 
 

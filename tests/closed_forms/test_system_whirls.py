@@ -355,7 +355,7 @@ TOUCH = {"node": "d", "clearance": 0.5, "stiffness": 4.0}
         ({"damping": np.diag([0.1, 0.2])}, {}, "the damping is not"),
         ({"mass": np.diag([1.0, 1.1])}, {}, "the mass at node 'd' is not"),
         ({"nodes": {"d": [[1, 0], [0, 2]]}}, {}, "the mass at node 'd' is not"),
-        ({"static_force": [0.0, -1.0]}, {}, "a load acts on the rotor"),
+        ({"static_force": [0.0, -1.0]}, {}, "gravity or a static force acts on the rotor"),
         ({}, {"centre": (0.1, 0.0)}, "centre of contact 0 at 'd' is off the axis"),
         ({}, {"stator": Stator(mass=1.0, stiffness=(1.0, 2.0))}, "stiffness of the stator of"),
         ({}, {"friction": 0.1, "radius": 1.0, "race": RACE}, "contact 0 at 'd' spins a race"),
