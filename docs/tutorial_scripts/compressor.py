@@ -152,7 +152,7 @@ figure_of(report)
 print(report.attrs["sentence"].replace(". ", ".\n"))
 
 # %%
-# Each case is the unbalance that excites one mode most. Both labyrinths pass: at continuous speeds the orbit, scaled to the vibration limit at the
+# Each case is the unbalance that excites one mode, or two along the two axes, most. Both labyrinths pass: at continuous speeds the orbit, scaled to the vibration limit at the
 # probes, fills a fifth of the clearance where three quarters are allowed. Two thirds are filled on the way through the critical speed, for which there is no
 # limit. What would follow a touch is known in closed form only where the films are the same in all directions; a run-up
 # (``rotor-ida run-up compressor.toml``) shows it here.

@@ -75,7 +75,7 @@ plot_bode(tracked, sense="x")
 
 # %%
 # It shows what the probe at 45° reads, in windows of four revolutions: peak to peak, and the lag from the mark to the next peak. ``--sense y`` draws the other probe, and without ``--sense`` the
-# forward whirl is drawn, zero to peak. At the slow roll noise alone is left, so the lag means nothing there. The figure names the critical speed and its amplification factor by half power:
+# forward whirl is drawn, zero to peak. At the slow roll noise alone is left, so no lag is drawn there. The figure names the critical speed and its amplification factor by half power:
 
 from rotor_ida import bode_peaks
 

@@ -185,23 +185,23 @@ def show_run(dataset: xr.Dataset, most: int | None) -> Description:
     start = start_in_words(dataset) if "load" in dataset.coords else ""
     told = [f"{start[0].upper()}{start[1:]}."] if start else []
     if "speed" not in dataset:  # a run-up has a summary
-        told.insert(0, _touched(dataset, summary["peak_force"]))
+        told.insert(0, touched(dataset, summary["peak_force"]))
     sheet = facts("Run", [*facts_of_run(dataset), *lines_of(dataset, summary)])
     return record, [*told, sheet, *parts]
 
 
-def _touched(run: xr.Dataset, force: float) -> str:
-    """Return when a run touches first, how often and how hard."""
+def touched(run: xr.Dataset, force: float, where: str = "") -> str:
+    """Return when, and in a system where, a run touches first, how often and how hard."""
     entries, unit = run["entry_time"].values, str(run["t"].attrs.get("units", "1"))
     if not entries.size:
         return "The stator is not touched."
-    first = entries[0]
-    when = "from the beginning" if np.isnan(first) else f"at {quantity(float(first), unit, 3)}"
+    first = float(entries.min())  # NaN if one has no entry
+    when = "from the beginning" if np.isnan(first) else f"at {quantity(first, unit, 3)}"
     number = f"{entries.size:,} contact{'s' * (entries.size > 1)}"
     if math.isnan(force):
-        return f"First touch {when}; {number}."
+        return f"First touch {when}{where}; {number}."
     pressed = quantity(force, str(run["peak_force"].attrs.get("units", "1")), 3)
-    return f"First touch {when}; {number}, with up to {pressed}."
+    return f"First touch {when}{where}; {number}, with up to {pressed}."
 
 
 def facts_of_run(run: xr.Dataset) -> list[Line]:

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import xarray as xr
 
-from rotor_ida.cli.describe import EVENTS, count_of_kinds, facts_of_run
+from rotor_ida.cli.describe import EVENTS, count_of_kinds, facts_of_run, touched
 from rotor_ida.cli.drop_tables import drops_tables, of_bearings
 from rotor_ida.cli.variables import (
     Description,
@@ -24,7 +24,7 @@ from rotor_ida.cli.variables import (
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
 from rotor_ida.results.archived_system import START, clearance_of_contacts
 from rotor_ida.results.growth_words import stability_words
-from rotor_ida.results.sheets import Sheet, facts, shown
+from rotor_ida.results.sheets import Sheet, facts
 from rotor_ida.schema import EVENT_KIND, OF_BEARING, QUANTITIES, words_of
 from rotor_ida.units import quantity
 
@@ -73,7 +73,7 @@ def show_system_run(dataset: xr.Dataset, most: int | None) -> Description:
     ]
     units = "SI" if dataset["t"].attrs.get("units") == "s" else "1"
     return record, [
-        _sentence(dataset, first),
+        _sentence(dataset, contacts, first),
         *_start_in_words(dataset),
         *stability_words(dataset.attrs, units),
         Sheet(f"Contacts: {len(contacts)}", lines) if contacts else "Contacts: none",
@@ -171,12 +171,10 @@ def _start_in_words(run: xr.Dataset) -> list[str]:
     return [f"It starts at rest, {sag} below the axis at node {name!r}."]
 
 
-def _sentence(run: xr.Dataset, first: Record | None) -> str:
-    """Return where and when a run touches first."""
-    if not run.sizes["contact"]:
+def _sentence(run: xr.Dataset, contacts: list[Record], first: Record | None) -> str:
+    """Return where and when a run touches first, how often and how hard."""
+    if not contacts:
         return "The system has no contacts."
-    if first is None:
-        return "No contact is touched."
-    unit = str(run["t"].attrs.get("units", "1")).removeprefix("1")
-    time = f"{shown(first['first_touch'])} {unit}".rstrip()
-    return f"First touch: contact {first['contact']} at node {first['node']!r}, at {time}."
+    hardest = float(np.fmax.reduce(np.array([each["largest_force"] for each in contacts], float)))
+    where = f" of contact {first['contact']} at {first['node']!r}" if first else ""
+    return touched(run, hardest, where)

@@ -6,7 +6,7 @@ import xarray as xr
 
 from rotor_ida.cli.variables import Description, Layout, Rows, lines_of, scalars_of, tabled
 from rotor_ida.model.parameters import ALL_PARAMETERS
-from rotor_ida.results.growth_words import stability_words
+from rotor_ida.results.growth_words import RESONANT, damped_words, stability_words
 from rotor_ida.results.sheets import facts
 
 FOUND_FOLDS = Rows(
@@ -105,9 +105,16 @@ def show_unbalance_response(dataset: xr.Dataset, most: int | None) -> Descriptio
 
 
 def show_campbell(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return critical speeds and eigenvalues, after the speeds at which the system is unstable."""
+    """Return critical speeds and eigenvalues, after the speeds at which the system is unstable.
+
+    What is damped too much for a resonance is told in a sentence, and only as JSON in the table.
+    """
     record, parts = tabled(dataset, most, *OF_CAMPBELL)
-    return record, [*_growth(dataset), *parts]
+    if "critical_speed" not in dataset:  # archives had none at first
+        return record, [*_growth(dataset), *parts]
+    speeds, ratios = (dataset[name].values for name in ("critical_speed", "critical_damping_ratio"))
+    _, parts = tabled(dataset.isel(critical=ratios <= RESONANT), most, *OF_CAMPBELL)
+    return record, [*_growth(dataset), *damped_words(speeds, ratios, _units(dataset)), *parts]
 
 
 def show_whirls(dataset: xr.Dataset, most: int | None) -> Description:
@@ -125,8 +132,11 @@ def show_whirls_of_system(dataset: xr.Dataset, most: int | None) -> Description:
 
 def _growth(dataset: xr.Dataset) -> list[str]:
     """Return sentences on the speeds at which a linear system is unstable."""
-    units = "SI" if dataset["speed"].attrs.get("units") == "s-1" else "1"
-    return stability_words(dataset.attrs, units)
+    return stability_words(dataset.attrs, _units(dataset))
+
+
+def _units(dataset: xr.Dataset) -> str:
+    return "SI" if dataset["speed"].attrs.get("units") == "s-1" else "1"
 
 
 def show_special_speeds(dataset: xr.Dataset, most: int | None) -> Description:
@@ -137,4 +147,4 @@ def show_special_speeds(dataset: xr.Dataset, most: int | None) -> Description:
 
 def _not_exact(dataset: xr.Dataset) -> list[str]:
     reason = dataset.attrs.get("not_exact")
-    return [f"Whirls in contact are not known: {reason}"] if reason else []
+    return [f"Whirls in contact have no closed form: {reason}."] if reason else []

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rotor_ida.errors import InputError
+from rotor_ida.model.data_sheet import GRAVITY
 from rotor_ida.model.parameters import OF_MACHINE
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.system_parts import Contact, Stator
@@ -45,9 +46,11 @@ OF_CONTACT: dict[str, tuple[str, Read]] = {
 
 
 def sheets_of_rotor(
-    rotor: Rotor | DimensionalRotor | RotorSystem, speed: float | None = None
+    rotor: Rotor | DimensionalRotor | RotorSystem, speed: float | tuple[float, float] | None = None
 ) -> list[Sheet]:
     """Return what is known of a rotor, at a speed of a system, before anything is computed.
+
+    Two speeds are the slowest and the fastest one of a record, in place of a running speed.
 
     Examples
     --------
@@ -56,19 +59,33 @@ def sheets_of_rotor(
     """
     if isinstance(rotor, DimensionalRotor):
         known = facts_of_machine(rotor)
+        if isinstance(speed, tuple):
+            of_record = Line("speed of the record", [_between(*speed, "rad/s")])
+            known = [of_record, *(each for each in known if "running speed" not in each.name)]
         names = {"speed", *(each.name for each in known)}
         given = [each for each in _numbers(rotor) if each.name not in names]
         return [facts("Machine", [*given, *known])]
     if isinstance(rotor, Rotor):
-        numbers = {name: each for name, each in rotor.given.items() if each is not None}
+        numbers: dict[str, object] = {
+            name: each for name, each in rotor.given.items() if each is not None
+        }
+        if isinstance(speed, tuple):
+            numbers["omega"] = _between(*speed, "1")
         return [facts("Rotor without dimensions", numbers)]
-    return _sheets_of_system(rotor, speed)
+    return _sheets_of_system(rotor, None if isinstance(speed, tuple) else speed)
+
+
+def _between(low: float, high: float, unit: str) -> str:
+    """Return a range of speeds in words."""
+    return f"{quantity(low, unit)} to {quantity(high, unit)}"
 
 
 def given_in_words(
     rotor: Rotor | DimensionalRotor | RotorSystem | None, speed: float | None
 ) -> str:
-    """Return mass, unbalance, balance grade, stiffness and clearance in a line; "" without units.
+    """Return mass, unbalance, balance grade, stiffness, clearance and load in a line.
+
+    It is empty without units.
 
     Examples
     --------
@@ -85,7 +102,7 @@ def given_in_words(
         law = "N/m" if rotor.contact_exponent == LINEAR else "N/m^1.5"
         parts = {"shaft stiffness": (rotor.shaft_stiffness, "N/m"),
                  "contact stiffness": (rotor.contact_stiffness, law),
-                 "clearance": (rotor.clearance, "m")}  # fmt: skip
+                 "clearance": (rotor.clearance, "m"), **_load_of(rotor)}  # fmt: skip
     elif rotor is None or isinstance(rotor, Rotor) or rotor.units != "SI":
         return ""
     else:
@@ -94,6 +111,10 @@ def given_in_words(
             unit = "N/m" if each.exponent == LINEAR else "N/m^1.5"
             parts[f"contact stiffness at {each.node!r}"] = (each.stiffness, unit)
             parts[f"clearance at {each.node!r}"] = (each.clearance, "m")
+        if rotor.gravity is not None:
+            parts["weight"] = ((mass or 0.0) * math.hypot(*rotor.gravity), "N")
+        if rotor.static_force is not None:
+            parts["largest static force"] = (float(abs(rotor.static_force).max()), "N")
     told = [f"unbalance {quantity(moment, 'kg m')}"]
     if mass:
         told.insert(0, f"mass {quantity(mass, 'kg')}")
@@ -102,6 +123,12 @@ def given_in_words(
         told.append(f"balance grade G{grade} at {quantity(speed, 'rad/s')}")
     told += [f"{name} {quantity(*each)}" for name, each in parts.items() if each[0]]
     return f"Given: {', '.join(told)}."
+
+
+def _load_of(machine: DimensionalRotor) -> dict[str, tuple[float, str]]:
+    """Return the load of a machine by its name: the weight, if it is that."""
+    is_weight = math.isclose(machine.load, machine.mass * GRAVITY, rel_tol=1e-4)
+    return {"weight" if is_weight else "load": (machine.load, "N")}
 
 
 def _numbers(machine: DimensionalRotor) -> list[Line]:

@@ -16,6 +16,7 @@ import numpy as np
 from rotor_ida.checks import shown
 from rotor_ida.cli.given import sheets_of_rotor
 from rotor_ida.cli.pdf import write_pdf
+from rotor_ida.cli.rotor_options import ANY_SPEED
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem
@@ -195,11 +196,11 @@ def pages_of(
     verb = question.verb if question else kind
     found = rotor if rotor is not None else _rotor_of(dataset, question)
     first = next((place for place, each in enumerate(parts) if isinstance(each, Sheet)), len(parts))
-    speed = dataset.attrs.get("speed", dataset.attrs.get("start_speed"))
+    speed = _speed_of(dataset, found)
     given = [] if found is None else sheets_of_rotor(found, speed)
     is_system = isinstance(found, RotorSystem)
     return Pages(
-        title=KINDS[kind].meaning.capitalize(),
+        title="Run-up" if verb == "run_up" else KINDS[kind].meaning.capitalize(),
         head=head_of(dataset, files),
         summary=[str(each) for each in parts[:first]],
         answers=parts[first : first + 1],
@@ -214,6 +215,14 @@ def pages_of(
     )
 
 
+def _speed_of(dataset: xr.Dataset, rotor: Any) -> float | tuple[float, float] | None:
+    """Return the speed of a result, or the slowest and the fastest one of a record without one."""
+    given = getattr(rotor, "speed", getattr(rotor, "omega", None))
+    if kind_of(dataset) == "fit" and given == ANY_SPEED:
+        return float(dataset["speed"].min()), float(dataset["speed"].max())
+    return dataset.attrs.get("speed", dataset.attrs.get("start_speed"))
+
+
 def _rotor_of(dataset: xr.Dataset, question: Question | None) -> Any:
     """Return the rotor of a result, if the result has it."""
     from rotor_ida.results.si_units import machine_of  # noqa: PLC0415 - heavy
@@ -226,8 +235,13 @@ def _rotor_of(dataset: xr.Dataset, question: Question | None) -> Any:
 
 
 def head_of(dataset: xr.Dataset, files: Sequence[Path]) -> str:
-    """Return from which files, when and with what a result was computed."""
-    told = [*map(str, files), f"computed with rotor_ida {versions_of(dataset)['rotor_ida']}"]
+    """Return from which files and measurement, when and with what a result was computed."""
+    measured = [str(dataset.attrs[name]) for name in ("file", "caption") if name in dataset.attrs]
+    told = [
+        *map(str, files),
+        *measured,
+        f"computed with rotor_ida {versions_of(dataset)['rotor_ida']}",
+    ]
     return f"{', '.join(told)}, report of {datetime.now(UTC):%Y-%m-%d %H:%M} UTC"
 
 

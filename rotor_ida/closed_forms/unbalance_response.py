@@ -26,6 +26,7 @@ from rotor_ida.closed_forms.receptances import checked_speeds, solved_motions
 from rotor_ida.closed_forms.whirls.synchronous import whirls_of_system
 from rotor_ida.errors import InputError
 from rotor_ida.model.assembly import Assembly, assemble
+from rotor_ida.model.axisymmetric import no_circles
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import check_clearances
 from rotor_ida.results.archived_system import described_problem
@@ -58,7 +59,7 @@ def response_of_system(system: RotorSystem, speed: npt.ArrayLike | None) -> xr.D
         dataset = labelled_dataset(
             "Unbalance response of a rotor system", variables | described_problem(assembly),
             {"speed": ("speed", speeds), **nodes},
-            {"source": "rotor_ida closed forms", "not_exact": str(error)}
+            {"source": "rotor_ida closed forms", "not_exact": no_circles(error)}
             | growth,
             kind="unbalance_response",
         )  # fmt: skip

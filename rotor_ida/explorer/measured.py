@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Iterator
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import xarray as xr
@@ -15,7 +16,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.explorer.messages import Answer, Upload
 from rotor_ida.signals.files.columns import Table
 from rotor_ida.signals.guessing import columns_of, rate_in
-from rotor_ida.signals.orders import orders
+from rotor_ida.signals.orders import SEEN, orders
 from rotor_ida.signals.reading import read_signals, read_table
 from rotor_ida.signals.record import Record, record_of
 from rotor_ida.signals.spectra import full_spectrum, one_speed, spectrogram
@@ -95,7 +96,7 @@ def _panels(signals: xr.Dataset, record: Record, notes: list[str]) -> Arrays:
     if record.angles is None:
         notes.append(NO_ANGLE)
     else:
-        arrays |= unless_impossible(order_rows, signals, record, notes)
+        arrays |= unless_impossible(partial(order_rows, seen=SEEN), signals, record, notes)
     varies = record.angles is not None and one_speed(record) is None
     return arrays | unless_impossible(
         cascade_rows if varies else full_lines, signals, record, notes
@@ -138,16 +139,21 @@ def unless_impossible(
         return {}
 
 
-def order_rows(signals: xr.Dataset, _record: Record) -> Arrays:
-    """Return order 1 in each revolution; NaN where much larger other motion hides it."""
+def order_rows(signals: xr.Dataset, _record: Record, *, seen: float = 0.0) -> Arrays:
+    """Return order 1 in each revolution; NaN where much larger other motion hides it.
+
+    The lag is NaN where the amplitude is below a number of its standard errors.
+    """
     tracked = orders(signals).isel(order=0)
     every = slice(None, None, math.ceil(tracked.sizes["window"] / MOST_REVOLUTIONS))
     amplitude = tracked["forward_whirl_amplitude"].values
     is_hidden = tracked["window_residual"].values > MOST_BESIDE * amplitude
+    is_noise = amplitude < seen * tracked["forward_amplitude_error"].values
+    lag = np.where(is_noise, np.nan, tracked["forward_phase_lag"].values)
     return {
         "order_speed": tracked["speed"].values[every],
         "order_amplitude": np.where(is_hidden, np.nan, amplitude)[every],
-        "order_lag": tracked["forward_phase_lag"].values[every],
+        "order_lag": lag[every],
     }
 
 

@@ -141,7 +141,8 @@ def _checked(curve: Curve, most: float, times: Values) -> Turning:
     if curve.residual > most:
         raise InputError(
             f"angle of signals must change smoothly, got a residual of {curve.residual:.3g} rad "
-            f"with {curve.ends.size - 1} ramps of the speed"
+            f"with {curve.ends.size - 1} ramps of the speed: fit a part without sharp corners of "
+            "the speed (--times on the command line)"
         )
     turning = curve.turning(times)
     slowest = float(turning.at(turning.ends, "left")[1].min())

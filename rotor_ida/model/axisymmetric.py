@@ -37,7 +37,8 @@ ASKEW = 0.1
 # is one.
 ROUNDED = 1e-7
 # What takes a system that has no circular whirls.
-INSTEAD = "use sweep, or simulate from a settled start (--start settled)"
+INSTEAD = "use sweep, or simulate from the start 'settled'"
+COMPUTES = "a run at constant speed, a run-up or a sweep computes them"
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -83,14 +84,21 @@ class ForwardMotions:
         return len(self.stiffness)
 
 
+def no_circles(error: InputError) -> str:
+    """Return why whirls in contact are no circles, and what to ask instead, from a refusal."""
+    reason = error.fields.get("reason")
+    return str(error) if reason is None else f"{reason}, so that they are no circles; {COMPUTES}"
+
+
 def check_no_races(assembly: Assembly) -> None:
     """Refuse races that friction spins: a whirl that slides on them is not sought."""
     for number, each in enumerate(assembly.contacts):
         if each.spinning_race is not None and each.friction > 0.0:
             raise InputError(
-                f"race of contact {number} at {shown(each.node)} must be None for a whirl with "
-                f"friction, got a Race: {INSTEAD}"
-            )
+                "{name} must be None for a whirl with friction, got a Race: {instead}",
+                name=f"race of contact {number} at {shown(each.node)}", instead=INSTEAD,
+                reason=f"contact {number} at {shown(each.node)} spins a race by friction",
+            )  # fmt: skip
 
 
 def check_axisymmetric_parts(assembly: Assembly) -> None:
@@ -99,24 +107,26 @@ def check_axisymmetric_parts(assembly: Assembly) -> None:
         where = f"of contact {number} at {shown(each.node)}"
         if each.centre != (0.0, 0.0):
             raise InputError(
-                f"{{name}} must be (0, 0) for a whirl, got {{value}}: {INSTEAD}",
-                name=f"centre {where}",
-                value=each.centre,
-            )
+                "{name} must be (0, 0) for a whirl, got {value}: {instead}",
+                name=f"centre {where}", value=each.centre, instead=INSTEAD,
+                reason=f"the centre {where} is off the axis",
+            )  # fmt: skip
         if isinstance(each.stator, Stator):
             for name in ("stiffness", "damping"):
                 pair = getattr(each.stator, name)
                 if pair[0] != pair[1]:
                     raise InputError(
-                        "{name} must be equal along x and y for a whirl, got {value}: " + INSTEAD,
-                        name=f"{name} of the stator {where}", value=pair,
+                        "{name} must be equal along x and y for a whirl, got {value}: {instead}",
+                        name=f"{name} of the stator {where}", value=pair, instead=INSTEAD,
+                        reason=f"the {name} of the stator {where} is not the same along x and y",
                     )  # fmt: skip
     if assembly.force.any():
         size = float(np.abs(assembly.force).max())
         raise InputError(
-            f"gravity and static_force must be 0 for a whirl, got up to {size:.6g}: leave them out "
-            f"(--without-gravity), or {INSTEAD}"
-        )
+            "gravity and static_force must be 0 for a whirl, got up to {size:.6g}: leave them out, "
+            "or {instead}",
+            size=size, instead=INSTEAD, reason="gravity or a static force acts on the rotor",
+        )  # fmt: skip
 
 
 def check_masses(assembly: Assembly) -> None:
@@ -258,6 +268,9 @@ def _check_forward(basis: ComplexValues, vector: ComplexValues, name: str) -> No
 def _refuse(name: str) -> NoReturn:
     """Refuse a system by the name of what is not the same in all directions."""
     raise InputError(
-        f"system must be axisymmetric for a whirl, got one whose {name} is not the same along x "
-        f"and y: {INSTEAD}"
+        "system must be axisymmetric for a whirl, got one whose {part} is not the same along x "
+        "and y: {instead}",
+        part=name,
+        instead=INSTEAD,
+        reason=f"the {name} is not the same along x and y",
     )

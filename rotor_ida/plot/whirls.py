@@ -43,6 +43,7 @@ from rotor_ida.plot.labels import (
 from rotor_ida.plot.legends import legend_below, shared_legend
 from rotor_ida.plot.motion import checked_run
 from rotor_ida.plot.responses import LINES
+from rotor_ida.results.growth_words import RESONANT
 from rotor_ida.results.run import check_system_run, nodes_in
 from rotor_ida.schema import MODE, WHIRL_DIRECTION, flags_of, words_of
 from rotor_ida.texts import in_figure
@@ -63,8 +64,6 @@ SENSES = {
 }
 # Eigenvalues above this many times the largest speed are cut off.
 HIGHEST = 3.0
-# Critical speeds above this damping ratio show no resonance that is worth the name.
-RESONANT = 0.5
 # Upper end of the axis over the largest value that is drawn.
 ABOVE = 1.08
 # More entries of a legend than this do not fit in lines of four.
@@ -268,7 +267,8 @@ def plot_campbell(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     ----------
     found : Dataset
         Result of `rotor_ida.campbell`. Stiffer contacts are drawn fainter, critical speeds as
-        rings, or as crosses where the damping ratio is above 0.5. Red rings show whirls that grow.
+        rings, or as crosses where the amplification factor is below 2.5. Red rings show whirls that
+        grow.
     ax : Axes, optional
         Axes to draw on and return; default: those of a new figure.
 
@@ -321,7 +321,7 @@ def _draw_critical(ax: Axes, critical: Values, damping: Values) -> list[Line2D]:
     handles = []
     for chosen, marker, colour, label in (
         (damping <= RESONANT, "o", palette.INK, "critical speed"),
-        (damping > RESONANT, "x", palette.GREY, f"damping ratio above {RESONANT:g}"),
+        (damping > RESONANT, "x", palette.GREY, "amplification below 2.5"),
     ):
         if chosen.any():
             draw_marks(ax, critical[chosen], np.abs(critical[chosen]), marker, colour, size=5.0,

@@ -17,6 +17,10 @@ RATE, WHIRL_SPEED, NOT_HELD, BEGINS, RANGES = (
     "unstable_speeds",
 )  # fmt: skip
 
+# Above this damping ratio the amplification factor, 1/(2 zeta), is below 2.5: API RP 684 calls
+# such a critical speed critically damped, and asks no separation margin of it.
+RESONANT = 0.2
+
 
 def growth_over_speeds(assembly: Assembly, speeds: Values) -> dict[str, object]:
     """Return attributes that say where and how the motion grows over speeds; none if it does not.
@@ -31,6 +35,26 @@ def growth_over_speeds(assembly: Assembly, speeds: Values) -> dict[str, object]:
         told |= {} if begins is None else {BEGINS: begins}
     ranges = growth_between(found, low, high) if low < high else []
     return told | ({RANGES: np.ravel(ranges)} if ranges else {})
+
+
+def damped_words(speeds: Values, ratios: Values, units: str) -> list[str]:
+    """Return a sentence on critical speeds that are damped too much for a resonance, if any are.
+
+    `units` are SI or 1.
+
+    Examples
+    --------
+    >>> damped_words(np.array([200.0, 500.0]), np.array([0.99, 0.05]), "SI")[0][:60]
+    'At 1,910 rpm a whirl speed is the spin speed too, but damped'
+    """
+    damped = np.unique(np.abs(speeds[ratios > RESONANT]))
+    if not damped.size:
+        return []
+    told = [quantity(each, "rad/s") if units == "SI" else number(each) for each in damped.tolist()]
+    return [
+        f"At {' and '.join(told)} a whirl speed is the spin speed too, but damped so much (damping "
+        f"ratio above {RESONANT:g}, amplification factor below 2.5) that no resonance shows."
+    ]
 
 
 def grows_at(attributes: Mapping[str, Any], speeds: Values) -> Flags:

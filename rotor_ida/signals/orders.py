@@ -53,6 +53,9 @@ SENSES = ("forward", "backward", "x", "y")
 CHANGES = ((4.0, 3, 1), (2.0, 1, 0), (0.0, 0, 0))
 # Scatter between windows up to this times the error by the residual may be due to chance.
 CHANCE = 1.3
+# The lag of a measured amplitude below this number of its standard errors is that of noise, and not
+# drawn.
+SEEN = 2.0
 
 
 def orders(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Literal
 
 import numpy as np
@@ -21,7 +21,7 @@ from rotor_ida.checks import (
     shown,
 )
 from rotor_ida.errors import InputError
-from rotor_ida.signals.files.columns import unit_called
+from rotor_ida.signals.files.columns import Unit, unit_called
 from rotor_ida.signals.files.text import number_in
 from rotor_ida.signals.guessing import angles_in
 from rotor_ida.signals.orders import fit
@@ -190,8 +190,17 @@ def subtract_runout(
     )
 
 
-def slow_part(signals: xr.Dataset, times: npt.ArrayLike) -> xr.Dataset:
-    """Return the part of signals between two times, in which the rotor turns slowly."""
+def slow_part(signals: xr.Dataset, times: npt.ArrayLike | Sequence[str]) -> xr.Dataset:
+    """Return the part of signals between two times, in which the rotor turns slowly.
+
+    They are in the unit of the times of the signals, or in words such as ``"34.5 s"``.
+    """
+    words = list(times) if isinstance(times, list | tuple) else []
+    if words and all(isinstance(each, str) for each in words):
+        found, units = _quantities(words)
+        if {unit.kind if unit else "" for unit in units} != {"time"}:
+            raise InputError(f"slow_roll must be two times such as '34.5 s', got {shown(words)}")
+        times = [each * unit.factor for each, unit in zip(found, units, strict=True) if unit]
     ends = check_increasing("slow_roll", check_vector("slow_roll", times))
     if ends.size != 2:
         raise InputError(f"slow_roll must be two times or a file, got {shown(ends.tolist())}")
@@ -364,6 +373,13 @@ def displacements_at(
     return displacements(np.array([x + 1j * y]), angles, gains)
 
 
+def _quantities(words: Iterable[str]) -> tuple[Values, list[Unit | None]]:
+    """Return the numbers of quantities in words, NaN without any, and their units."""
+    found = [_QUANTITY.fullmatch(each) for each in words]
+    numbers = np.array([number_in(each[1]) if each else math.nan for each in found])
+    return numbers, [unit_called(each[2]) if each else None for each in found]
+
+
 def gap_position(
     gap: str | Sequence[str],
     z: Complex,
@@ -385,8 +401,7 @@ def gap_position(
     """
     words = [gap] if isinstance(gap, str) else list(gap) if isinstance(gap, list | tuple) else []
     found = [_QUANTITY.fullmatch(each) for each in words if isinstance(each, str)]
-    numbers = np.array([number_in(each[1]) if each else math.nan for each in found])
-    units = [unit_called(each[2]) if each else None for each in found]
+    numbers, units = _quantities(each for each in words if isinstance(each, str))
     kinds = {unit.kind if unit else "" for unit in units}
     told = [f"{each[1]} {each[2]}".rstrip() for each in found if each]
     if len(words) == 2 == len(found) and kinds == {"time"}:

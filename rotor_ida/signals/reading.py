@@ -109,7 +109,7 @@ def read_signals(
     length: str | None = None,
     rotation: Rotation = "counterclockwise",
     caption: str | None = None,
-    slow_roll: tuple[float, float] | str | os.PathLike[str] | None = None,
+    slow_roll: tuple[float, float] | tuple[str, str] | str | os.PathLike[str] | None = None,
     runout_orders: int = 1,
 ) -> xr.Dataset:
     """Read the signals of two probes and a keyphasor, or a speed, from a measured file.
@@ -161,9 +161,10 @@ def read_signals(
         are then at 135 and 45.
     caption : str, optional
         What figures say of the record, such as machine and date, beside the name of the file.
-    slow_roll : tuple of float, or path, optional
-        Subtract the runout between these times, in which the rotor turns slowly. Or a path:
-        that in another file of the same probes, read alike. See `rotor_ida.subtract_runout`.
+    slow_roll : tuple of float or of str, or path, optional
+        Subtract the runout between these times, such as ``("34.5 s", "40 s")``, in which the rotor
+        turns slowly. Or a path: that in another file of the same probes, read alike. See
+        `rotor_ida.subtract_runout`.
     runout_orders : int
         Highest multiple of the speed of that runout [dimensionless].
 
@@ -304,7 +305,7 @@ def _from_where(zero: complex, unit: str, *, is_mean: bool) -> list[str]:
 
 def _without_runout(
     signals: xr.Dataset,
-    slow_roll: tuple[float, float] | str | os.PathLike[str] | None,
+    slow_roll: tuple[float, float] | tuple[str, str] | str | os.PathLike[str] | None,
     orders: int,
     alike: dict[str, Any],
 ) -> xr.Dataset:

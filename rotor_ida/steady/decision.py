@@ -38,6 +38,11 @@ CLEAR_ERRORS = 5.0
 CLEAR_STRETCH = 20.0
 # A motion that sits on an unstable motion is disturbed at most this often.
 MOST_DISTURBED = 4
+# One that approaches its cycle at a known rate is followed on at the end, at most this often, until
+# it has come closer by this exponent, unless that takes more than a multiple of the longest time.
+MOST_EXTENSIONS, COMES_CLOSER, MOST_LONGEST = 2, 25.0, 10.0
+# The window is then this multiple of the first: under a load a period may have many revolutions.
+EXTENDED_WINDOW = 32
 
 
 @dataclass(frozen=True, slots=True)
@@ -80,17 +85,20 @@ class _Approach:
         The time of that end [dimensionless].
     since : float
         The time of the start, or of the last disturbance [dimensionless].
+    rate : float
+        The rate at which it approaches a stable cycle, or 0 where it is not known [dimensionless].
     """
 
     recurs: bool = False
     distance: float = math.inf
     time: float = 0.0
     since: float = 0.0
+    rate: float = 0.0
 
     def period(self, motion: Motion) -> float | None:
         """Measure the last window; return the period of a stable cycle it has reached, or None."""
         repeats = motion.recurrence()
-        self.recurs = repeats is not None
+        self.recurs, self.rate = repeats is not None, 0.0
         if repeats is None:
             self.distance = math.inf
             return None
@@ -98,6 +106,7 @@ class _Approach:
         if not abs(multiplier) < 1.0:
             self.distance = math.inf
             return None
+        self.rate = -math.log(max(abs(multiplier), ROUNDING)) / repeats.period
         decay = abs(multiplier) ** ((motion.time - self.time) / repeats.period)
         distance = repeats.missed_by / max(motion.held_back(multiplier), ROUNDING)
         if math.isfinite(self.distance):
@@ -114,9 +123,11 @@ def decide(motion: Motion) -> Decision:
 
     The first window begins after a first wait, each other when the time has doubled, and none after
     the longest time: see `Limits`. Times are counted anew when it was disturbed because it sat on
-    an unstable motion.
+    an unstable motion. One disc that approaches a stable cycle by then is followed until it is
+    there.
     """
     approach, times, wait, disturbed = _Approach(), 1, motion.limits.wait, 0
+    extended = 0
     while True:
         motion.wait(wait)
         motion.observe(times)
@@ -129,8 +140,17 @@ def decide(motion: Motion) -> Decision:
             continue
         wait, times = motion.time - approach.since, min(2 * times, LONGEST_WINDOW)
         late = motion.time + wait > approach.since + motion.limits.longest
-        if decision.kind != UNRESOLVED or not motion.flow.has_damping or late:
+        if decision.kind != UNRESOLVED or not motion.flow.has_damping:
             return _with_disturbances(decision, disturbed)
+        if late:
+            longest = MOST_LONGEST * motion.limits.longest
+            comes_closer = approach.rate * longest > COMES_CLOSER and motion.system is None
+            if not comes_closer or extended == MOST_EXTENSIONS:
+                return _with_disturbances(decision, disturbed)
+            # as many times as long as so far, as a load turns once a revolution
+            wait *= math.ceil(COMES_CLOSER / approach.rate / wait)
+            times = EXTENDED_WINDOW
+            extended += 1
 
 
 def _with_disturbances(decision: Decision, count: int) -> Decision:
@@ -166,6 +186,8 @@ def _decision(motion: Motion, approach: _Approach, *, again: bool = False) -> De
             return Decision(ROLLING)
         found = motion.exponents()
         kind, exponent, error = _kind_by_exponent(found)
+        # no motion in which time can be shifted has a largest exponent below 0
+        approach.rate = -exponent if exponent < -CLEAR_ERRORS * error else 0.0
         if kind == QUASI_PERIODIC and not again and not motion.lasts(found.duration):
             motion.observe(1)  # it was on the way to another motion, whose exponents these are
             return _decision(motion, approach, again=True)
@@ -210,13 +232,19 @@ def _what_was_tried(motion: Motion, approach: _Approach, exponent: float) -> str
 def _still_moving(motion: Motion, approach: _Approach, exponent: float) -> str:
     """Return what keeps a motion with damping from being decided, in words."""
     if math.isfinite(exponent):
-        return "it does not repeat itself, and is neither surely chaotic nor surely quasi-periodic"
+        return (
+            "it approaches a motion that repeats itself only after many revolutions"
+            if approach.rate > 0.0
+            else "it does not repeat itself, and its Lyapunov exponent does not decide whether it "
+            "is chaotic"
+        )
     if approach.recurs:
-        return "it repeats itself, but " + (
-            "its neighbours do not approach its cycle"
+        return (
+            "it repeats itself, but neighbouring motions do not approach it"
             if math.isinf(approach.distance)
-            else "its distance from its cycle is estimated as "
-            f"{approach.distance:.2g} of its size, where {motion.flow.steady:.2g} is allowed"
+            else "it approaches a motion that repeats itself, and has nearly settled: the motions "
+            f"still differ by {approach.distance:.2g} of their size, where "
+            f"{motion.flow.steady:.2g} is allowed"
         )
     if touches_grow_slighter(motion.window):
         return "its touches grow slighter, but not yet as fading touches do"

@@ -54,9 +54,9 @@ EXPONENT_REVOLUTIONS, LONGER = 2000, 4
 ALIGNING, BATCHES = 100, 20
 # An exponent is zero when neighbours neither diverge nor converge by 1 % in that time, in which
 # clear chaos would have shown. The errors are those of the scatter of parts; on a torus the mean
-# over all parts is far better. In systems contacts may be linear: what neighbours do jumps at
-# grazes, and the means of their stretching over a torus converge slowly.
-NO_STRETCH, NO_STRETCH_OF_SYSTEM = 0.01, 0.1
+# over all parts is far better. Where contacts are linear, as systems may have them, what neighbours
+# do jumps at grazes, and the means of their stretching over a torus converge slowly.
+NO_STRETCH, NO_STRETCH_OF_LINEAR = 0.01, 0.1
 # A landing is tried after this many revolutions, and whenever this part has been added.
 FIRST_TRY, MORE = 6.0, 0.5
 # Cost of an attempt: runs over the period for each component of the state. Limits of all attempts:
@@ -307,14 +307,18 @@ class Motion:
 
     def exponents(self) -> Exponents:
         """Return the largest Lyapunov exponents of the motion after the window."""
+        found = self._exponents(1)
+        stretch = abs(float(found.values[0])) * found.duration
+        if found.no_stretch == NO_STRETCH_OF_LINEAR and found.no_stretch < stretch < 1.0:
+            return self._exponents(LONGER)  # on a torus a mean over longer is far better
+        return found
+
+    def _exponents(self, times: int) -> Exponents:
+        """Return the largest exponents, over a multiple of the usual duration."""
         flow = self.system
         if flow is None:
-            return _exponents_of_disc(self.flow, self.state, self.time)
-        found = _exponents_of_system(flow, self.state, EXPONENT_REVOLUTIONS)
-        stretch = abs(float(found.values[0])) * found.duration
-        if found.no_stretch < stretch < 1.0:  # on a torus a mean over longer is far better
-            return _exponents_of_system(flow, self.state, LONGER * EXPONENT_REVOLUTIONS)
-        return found
+            return _exponents_of_disc(self.flow, self.state, self.time, times)
+        return _exponents_of_system(flow, self.state, times * EXPONENT_REVOLUTIONS)
 
     def followed(self) -> str:
         """Return for how long the motion was followed, in words."""
@@ -343,16 +347,17 @@ def turning_points(window: Window) -> Rows:
     return window.extrema if np.ptp(radii) > STEADY * radii.max() else window.extrema[:0]
 
 
-def _exponents_of_disc(flow: Flow, state: Values, time: float) -> Exponents:
-    """Return the largest exponents of one disc."""
+def _exponents_of_disc(flow: Flow, state: Values, time: float, times: int) -> Exponents:
+    """Return the largest exponents of one disc, over a multiple of the usual duration."""
     assert isinstance(flow, DiscFlow)
-    rotor, duration = flow.rotor, max(EXPONENT_TIME, EXPONENT_TIMES * time)
+    rotor, duration = flow.rotor, times * max(EXPONENT_TIME, EXPONENT_TIMES * time)
     x, y, vx, vy = state.tolist()
     found = exponents_of(rotor, (x, y, vx, vy), duration, flow.stop)
     # without a load the exponent of a shift in time is zero, and on a torus one more
     zeros = 1 if rotor.load > 0.0 else 2
     has_tori = rotor.load > 0.0 or rotor.friction > 0.0 or rotor.contact_damping > 0.0
-    return Exponents(*found, duration, zeros, has_tori)
+    no_stretch = NO_STRETCH_OF_LINEAR if rotor.contact_exponent == 1.0 else NO_STRETCH
+    return Exponents(*found, duration, zeros, has_tori, no_stretch)
 
 
 def _exponents_of_system(flow: SystemFlow, state: Values, revolutions: int) -> Exponents:
@@ -360,4 +365,4 @@ def _exponents_of_system(flow: SystemFlow, state: Values, revolutions: int) -> E
     count, duration = 2 if flow.period is None else 1, revolutions * flow.revolution
     rates = flow.growth(state, count, ALIGNING + revolutions)
     values, errors = means_of_rates(rates[ALIGNING:], BATCHES)
-    return Exponents(values, errors, duration, count, no_stretch=NO_STRETCH_OF_SYSTEM)
+    return Exponents(values, errors, duration, count, no_stretch=NO_STRETCH_OF_LINEAR)

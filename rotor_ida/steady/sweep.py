@@ -179,8 +179,9 @@ def sweep(
     -----
     The motion is observed over a window: first after 24/zeta (2,000 at most), then whenever the
     time has doubled, until its response is decided, or until 60/zeta (at least 40,000, at most
-    600,000; for a weak shaft with strong damping, 60 of its longer decay times). The response is,
-    in this order,
+    600,000; for a weak shaft with strong damping, 60 of its longer decay times). A motion of one
+    disc that approaches a stable cycle by then is followed until it is there, for ten times as long
+    at most. The response is, in this order,
 
     - ``touching`` if it is on the contact-free whirl and that reaches the stator to within 1e-9 of
       the clearance; ``synchronous`` or ``contact_free`` if it whirls steadily in contact, or has

@@ -127,3 +127,37 @@ def test_all_numbers_of_the_parts_of_a_system_are_told():
         assert number in said, number
     assert "N/m^1.5" in said
     assert "exponent" not in said
+
+
+def test_a_page_of_a_run_up_is_titled_so_and_tells_the_weight(program: Program):
+    weighed = program("machine", *PUMP, "--load", "weight", "--out", "weighed.toml")
+    assert weighed.status == 0
+    up = "run-up --machine weighed.toml --to 600rpm --in 1s --report report"
+    answer = program(*up.split())
+    assert (answer.status, answer.err) == (0, "")
+    page = html.unescape(Path("report/report.html").read_text("utf-8"))
+    assert "<h1>Run-up</h1>" in page
+    assert ", weight 117.7 N." in " ".join(answer.out.split())  # 12 kg
+    program(*up.split(), "--load", "60N", "--force")
+    assert "load 60 N" in html.unescape(Path("report/report.html").read_text("utf-8"))
+
+
+def test_a_page_of_a_fit_names_the_record_and_its_speeds(program: Program):
+    """Without --speed the page has the speeds of the record, from 2000 to 3000 rpm."""
+    machine = ("--mass", "12kg", "--shaft-stiffness", "4e6N/m", "--damping", "416Ns/m",
+               "--eccentricity", "17um", "--clearance", "400um", "--contact-stiffness", "1e8N/m",
+               "--contact-exponent", 1)  # fmt: skip
+    up = program("run-up", *machine, "--speed", "2000rpm", "--to", "3000rpm", "--in", "1s",
+                 "--samples", 8000, "--out", "up.nc")  # fmt: skip
+    assert up.status == 0
+    answer = program("fit", "up.nc", *machine, "--unknown", "eccentricity", "--report", "report")
+    assert (answer.status, answer.err) == (0, "")
+    page = html.unescape(Path("report/report.html").read_text("utf-8"))
+    assert "<p>up.nc, computed with " in page
+    low, high = (
+        int(each.replace(",", "")) for each in re.findall("[0-9,]+(?= rpm)",
+                                                          rows_of(page)["speed of the record"])
+    )  # fmt: skip
+    assert 2000 <= low < 2030
+    assert 2970 < high <= 3000
+    assert "running speed" not in page

@@ -15,6 +15,8 @@ import xarray as xr
 
 import rotor_ida
 from rotor_ida import Contact, Race, RotorSystem, Stator, Unbalance
+from rotor_ida.cli.describe_whirls import show_campbell
+from rotor_ida.results.sheets import Sheet
 
 Program = Callable[..., Any]
 RPM = np.pi / 30.0
@@ -121,7 +123,9 @@ def test_the_answer_begins_with_the_first_touch(program: Program, rotor: str):
     first = float(run.event_time[0])
     number = int(run.event_contact[0])
     node = ("seal", "disc")[number]
-    sentence = f"First touch: contact {number} at node {node!r}, at {first:.8g} s."
+    told = f"{run.sizes['episode']} contacts, with up to {float(run.peak_force.max()):.3g} N"
+    when = f"{1e3 * first:.3g} ms"
+    sentence = f"First touch at {when} of contact {number} at {node!r}; {told}."
     assert answer.out.splitlines()[0] == sentence
     told = json.loads(program("simulate", rotor, "--duration", 0.1, "--json").out)
     assert told["first_touch"]["contact"] == number
@@ -137,7 +141,9 @@ def test_the_answer_begins_with_the_first_touch(program: Program, rotor: str):
     assert len(told["events"]) == run.sizes["event"]
     still = program("simulate", rotor, "--duration", 0.001, "--json")
     assert json.loads(still.out)["first_touch"] is None
-    assert program("simulate", rotor, "--duration", 0.001).out.startswith("No contact is touched.")
+    assert program("simulate", rotor, "--duration", 0.001).out.startswith(
+        "The stator is not touched."
+    )
 
 
 def test_run_ups_of_a_file_are_those_of_python_and_verify(program: Program, rotor: str):
@@ -200,7 +206,7 @@ def test_an_archived_run_verifies_to_the_bit(program: Program, rotor: str, comma
     record = json.loads(program("verify", "run.nc", "--json").out)
     assert (record["agrees"], record["largest_difference"]) == (True, 0.0)
     assert record["events"] == record["archived_events"] > 3
-    assert program("show", "run.nc").out.count("First touch: contact") == 1
+    assert program("show", "run.nc").out.count("First touch at ") == 1
 
 
 def test_a_reduced_run_verifies_and_another_method_is_its_witness(program: Program, rotor: str):
@@ -294,6 +300,25 @@ def test_results_over_the_speed_are_those_of_python(program: Program, plain: str
     assert (shown.status, "freedom too" in shown.out.partition("dimensions")[0]) == (0, False)
 
 
+def test_a_critical_speed_without_a_resonance_is_told_apart_from_others():
+    """The whirl of damping 2.6 turns with the rotor at ``sqrt(4 - 1.3**2)``, with a ratio 0.65."""
+    damped, sharp = np.sqrt(4.0 - 1.3**2), 3.0
+    system = rotor_ida.RotorSystem(
+        mass=np.eye(4), stiffness=np.diag([4.0, 4.0, 9.0, 9.0]),
+        damping=np.diag([2.6, 2.6, 0.01, 0.01]), units="1",
+        nodes={"disc": [[1, 0, 0.2, 0], [0, 1, 0, 0.2]]},
+    )  # fmt: skip
+    record, parts = show_campbell(rotor_ida.campbell(system, speed=[1.0, 4.0]), None)
+    assert {round(each["critical_speed"], 4) for each in record["critical_speeds"]} == {
+        round(damped, 4), round(sharp, 4)
+    }  # fmt: skip
+    (sentence,) = (each for each in parts if isinstance(each, str))
+    assert sentence.startswith(f"At {damped:.4g}")
+    assert "no resonance shows" in sentence
+    (table,) = (each for each in parts if isinstance(each, Sheet) and "Critical" in each.title)
+    assert table.title == "Critical speeds: 2"  # forward and backward
+
+
 SUPPORTED = """
 supports = [ { node = "disc", stiffness = "3 kN/mm", damping = 900 } ]
 """
@@ -317,7 +342,7 @@ def test_a_report_begins_with_its_words_and_weight_has_no_whirl(program: Program
     answer = program("clearance-report", plain, *given, STILL)
     assert answer.out.startswith("Contact 0 at 'seal' ")
     heavy = program("clearance-report", plain, *given)
-    assert "not known: gravity and static_force must be 0 for a whirl" in " ".join(
+    assert "no closed form: gravity or a static force acts on the rotor" in " ".join(
         heavy.out.split()
     )
     own = program("clearance-report", plain, *given, "--own-unbalance", STILL, "--json")
@@ -325,7 +350,7 @@ def test_a_report_begins_with_its_words_and_weight_has_no_whirl(program: Program
     assert [row["applied_unbalance"] for row in applied] == [pytest.approx(2.4e-3), 0.0]
     answer = program("synchronous-response", plain)
     assert answer.status == 0
-    assert "not known: gravity and static_force must be 0 for a whirl" in " ".join(
+    assert "no closed form: gravity or a static force acts on the rotor" in " ".join(
         answer.out.split()
     )
     found = json.loads(program("synchronous-response", plain, STILL, "--json").out)

@@ -8,6 +8,7 @@ import xarray as xr
 
 from rotor_ida import centre_line, orders, read_signals, subtract_runout, whirl_ratio
 from rotor_ida.cli.program import main
+from rotor_ida.errors import InputError
 
 # A clockwise rotor as its probes see it, 45 degrees right and left of vertical: X leads Y
 TIMES = np.arange(4000) / 2000.0
@@ -131,6 +132,10 @@ def test_a_slow_roll_is_read_with_the_file_as_by_hand(tmp_path):
     path = written(tmp_path / "bent.csv", whirl + 8j * np.exp(1j * ANGLES))
     whole = read_signals(path)
     both = read_signals(path, slow_roll=(0.0, 0.3)), read_signals(path, slow_roll=path)
+    words = read_signals(path, slow_roll=("0 s", "300 ms"))
+    np.testing.assert_array_equal(words.x, both[0].x)
+    with pytest.raises(InputError, match=r"slow_roll must be two times such as .* got"):
+        read_signals(path, slow_roll=("0 s", "300 um"))
     for found, slow in zip(both, (whole.sel(t=slice(0.0, 0.3)), whole), strict=True):
         xr.testing.assert_allclose(found, subtract_runout(whole, slow), rtol=1e-9)
 

@@ -10,6 +10,7 @@ from rotor_ida import Rotor, folds, limit_cycle, sweep, synchronous_response
 from rotor_ida.closed_forms.rest import rest
 from rotor_ida.model.equations import rotated
 from rotor_ida.schema import RESPONSE, STABILITY
+from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady.decision import CLEAR_STRETCH
 from rotor_ida.steady.follow import (
@@ -343,8 +344,8 @@ UNRESOLVED = {
         "in contact, it still moves by .* of its size from revolution to revolution"),
     "a cycle": (
         Rotor(omega=2.4, zeta=0.0095, delta0=1.0, shaft_stiffness=0.25, load=0.6),
-        {"longest": 1000.0},
-        "it repeats itself, but its distance from its cycle is estimated as "),
+        {"longest": 200.0},
+        "it approaches a motion that repeats itself, and has nearly settled: the motions still "),
     "touches": (
         Rotor(omega=2.0, zeta=5e-4, delta0=2.0), {"longest": 1000.0},
         r"it does not repeat itself, with \d+ entries and exits in the window"),
@@ -352,6 +353,33 @@ UNRESOLVED = {
         Rotor(omega=2.0, zeta=1e-3, delta0=1e4), {"longest": 1000.0},
         "out of contact, but it may still reach the stator"),
 }  # fmt: skip
+
+
+# A horizontal pump that rubs: [rpm], the kind of its motion from rest, and the revolutions of its
+# period.
+PUMP = [(5600.0, "quasi_periodic", 0), (5700.0, "bouncing", 24), (6000.0, "bouncing", 4)]
+
+
+@pytest.mark.parametrize(("speed", "kind", "count"), PUMP)
+def test_a_slow_approach_and_a_long_period_under_a_load_are_decided(speed, kind, count):
+    pump = Rotor(
+        omega=speed * math.pi / 30.0 / math.sqrt(1e8 / 12.0), zeta=0.006,
+        delta0=8.97597901025655, shaft_stiffness=0.04, contact_exponent=1.0,
+        load=0.07041942764874592, friction=0.12, disc_radius=3590.39160410262,
+    )  # fmt: skip
+    settled = followed(pump)
+    assert settled.response == kind
+    # the states once a revolution, long after the transient, as witnesses
+    flow = DiscFlow(pump)
+    late = flow.observed(np.zeros(4), np.arange(6001) * flow.revolution).states[-1000:]
+    differ = [np.abs(late[gap:] - late[:-gap]).max() for gap in range(1, 101)]
+    if not count:
+        assert min(differ) > 0.01
+        return
+    assert settled.features.period == pytest.approx(count * flow.revolution, rel=1e-12)
+    assert int(np.argmin(differ)) + 1 in range(count, 101, count)
+    assert differ[count - 1] < 1e-8
+    assert min(differ[: count - 1]) > 0.1
 
 
 @pytest.mark.parametrize("name", UNRESOLVED)

@@ -74,7 +74,8 @@ def fit(
 
     case.adapted = with_signals
     found = case.ask()
-    for name in OF_FILE:
+    found.attrs["file"] = ", ".join(each.name for each in case.measured)
+    for name in (*OF_FILE, "caption"):
         if told := dict.fromkeys(str(each.attrs[name]) for each in each_node if name in each.attrs):
             found.attrs[name] = "; ".join(told)
     report = case.report(found, rotor=_found(case.rotor, found))

@@ -195,19 +195,20 @@ def clearance_report(
             )
     if system.unbalance:
         cases: Cases = [[scaled(each, multiple) for each in system.unbalance]]
+        own = [0] * len(modes)
     elif system.units != "SI":
         raise InputError("unbalance must be given without SI units, got None")
     elif not modes:
         raise InputError("unbalance must be given for a system without a critical speed, got None")
     else:
         told["rotor_mass"] = whole = mass or own_mass(problem)
-        cases = cases_of(problem, modes, multiple * whole)
+        cases, own = cases_of(problem, modes, multiple * whole)
     unstable = growth_between(canonical(problem.assembly), problem.trip, problem.top)
     if unstable:
         told[BEGINS] = unstable[0][0]
     response = response_to(problem, modes, cases, count)
     touching = touching_of(response, modes, cases, scales_of(response))
-    return _dataset(response, cases, peaks_of(response, modes), touching, told)
+    return _dataset(response, cases, peaks_of(response, modes, own), touching, told)
 
 
 def _problem(system: RotorSystem, speed: object, probes: object, limit: object) -> Problem:

@@ -102,8 +102,12 @@ def own_mass(problem: Problem) -> float:
         raise InputError(f"mass must be given: {error}") from error
 
 
-def cases_of(problem: Problem, modes: Sequence[Mode], mass: float) -> Cases:
-    """Return the unbalance of each case: that of a mass at the antinodes of each mode."""
+def cases_of(problem: Problem, modes: Sequence[Mode], mass: float) -> tuple[Cases, list[int]]:
+    """Return the unbalance of each case, that of a mass at the antinodes of a mode, and its modes.
+
+    Modes with the same antinodes, as those along two axes have them, share a case: the numbers are
+    those of the case of each mode.
+    """
     system = problem.assembly.system
     eccentricity = max(RESIDUAL * SPEED_UNITS["rpm"] / problem.high, LEAST_ECCENTRICITY)
     names = list(system.nodes)
@@ -111,12 +115,14 @@ def cases_of(problem: Problem, modes: Sequence[Mode], mass: float) -> Cases:
     along = system.positions or dict.fromkeys(names, 0.0)
     order = sorted((i for i, name in enumerate(names) if name not in stators),
                    key=lambda i: along[names[i]])  # fmt: skip
-    found = []
-    for mode in modes:
-        places = antinodes(mode, order)
-        moment = eccentricity * mass / len(places)
-        found.append([Unbalance(node=names[i], moment=moment, phase=phase) for i, phase in places])
-    return found
+    every = [antinodes(mode, order) for mode in modes]
+    different = [places for number, places in enumerate(every) if places not in every[:number]]
+    cases = [
+        [Unbalance(node=names[i], moment=eccentricity * mass / len(places), phase=phase)
+         for i, phase in places]
+        for places in different
+    ]  # fmt: skip
+    return cases, [different.index(places) for places in every]
 
 
 def scaled(each: Unbalance, factor: float) -> Unbalance:
@@ -156,14 +162,13 @@ def scales_of(response: Response) -> Values:
     return np.asarray(problem.limit / np.maximum(seen, problem.limit / LARGEST_SCALE))
 
 
-def peaks_of(response: Response, modes: Sequence[Mode]) -> list[Peak]:
+def peaks_of(response: Response, modes: Sequence[Mode], own: Sequence[int]) -> list[Peak]:
     """Return the peak of each mode in its own case, between the neighbouring modes."""
     speeds = [mode.speed for mode in modes]
     between = [0.5 * (one + other) for one, other in pairwise(speeds)]
     ends = [0.0, *between, float(response.speeds[-1])]
     found = []
-    for number, mode in enumerate(modes):
-        case = number if len(response.axes) == len(modes) else 0
+    for number, (mode, case) in enumerate(zip(modes, own, strict=True)):
         inside = response.speeds[
             (response.speeds >= ends[number]) & (response.speeds <= ends[number + 1])
         ]

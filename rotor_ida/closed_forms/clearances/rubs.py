@@ -16,7 +16,7 @@ from rotor_ida.closed_forms.whirls.dry_whip import Whip, dry_whips
 from rotor_ida.closed_forms.whirls.synchronous import whirls_of_system
 from rotor_ida.errors import InputError
 from rotor_ida.model.assembly import assemble
-from rotor_ida.model.axisymmetric import forward_motions
+from rotor_ida.model.axisymmetric import forward_motions, no_circles
 from rotor_ida.schema import STABILITY
 
 # Continuous speeds at which rubs are sought, and as many from rest to the trip speed.
@@ -82,7 +82,7 @@ def touching_of(
         ]  # fmt: skip
     except InputError as error:
         none = hardest_rubs([], count)
-        return Touching(none, none, [None] * count, str(error))
+        return Touching(none, none, [None] * count, no_circles(error))
     motions = forward_motions(assemble(assembly.system.at(problem.high)))
     inside = (speeds >= problem.low) & (speeds <= problem.high)
     running = hardest_rubs([whirls.isel(speed=inside) for whirls in found], count)

@@ -32,7 +32,9 @@ def sentences(report: xr.Dataset) -> str:
             f"{least:.3g}, below 1."))  # fmt: skip
     lines = [line for _, line in sorted(found, key=lambda each: -max(each[0], 1.0))]
     if "not_exact" in report.attrs:
-        lines.append(f"What follows a touch is not known: {report.attrs['not_exact']}.")
+        lines.append(
+            f"Whirls that follow a touch have no closed form: {report.attrs['not_exact']}."
+        )
     if beyond := beyond_model(report):
         lines.append(beyond)
     if note := report.attrs.get(NOTE):

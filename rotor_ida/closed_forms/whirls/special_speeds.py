@@ -41,7 +41,7 @@ from rotor_ida.closed_forms.whirls.synchronous import whirls_of_system
 from rotor_ida.closed_forms.whirls.turning_axes import NEUTRAL
 from rotor_ida.errors import InputError
 from rotor_ida.model.assembly import Assembly, assemble
-from rotor_ida.model.axisymmetric import check_masses, forward_motions
+from rotor_ida.model.axisymmetric import check_masses, forward_motions, no_circles
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.model.system_parts import check_clearances
 from rotor_ida.parallel import Progress, shows_progress
@@ -143,7 +143,7 @@ def special_speeds(
     try:
         whirls = whirls_of_system(system, speeds)
     except InputError as error:
-        return _dataset(assembly, found, None, None).assign_attrs(told, not_exact=str(error))
+        return _dataset(assembly, found, None, None).assign_attrs(told, not_exact=no_circles(error))
     problem = RubProblem(assembly, forward_motions(assembly))
     others = (each for each in _special_points(problem, speeds, report) if _is_free(problem, each))
     return _dataset(assembly, [*found, *others], problem, whirls).assign_attrs(told)

@@ -24,7 +24,7 @@ from rotor_ida.plot.signals.beneath import Beneath, Response, responses_of
 from rotor_ida.plot.signals.exact_motion import is_of_one_speed
 from rotor_ida.plot.signals.speeds import legs_of, mark_speeds, title_of_signals
 from rotor_ida.plot.signals.units import Units, is_one_speed, units_of
-from rotor_ida.signals.orders import check_orders, one_order, revolutions_for
+from rotor_ida.signals.orders import SEEN, check_orders, one_order, revolutions_for
 from rotor_ida.signals.orders import orders as tracked
 from rotor_ida.signals.peaks import peaks_of
 from rotor_ida.signals.record import lacks_mark, record_of
@@ -67,6 +67,11 @@ class Track(NamedTuple):
     def marker(self) -> str:
         """Return the marker of a window: the line of one speed would be too short to see."""
         return "o" if is_one_speed(self.speeds.values) else ""
+
+    @property
+    def is_noise(self) -> npt.NDArray[np.bool_]:
+        """Return the windows of measured signals in which the lag is that of noise."""
+        return (self.amplitude < SEEN * self.error) & (not self.simulated)
 
     @property
     def label(self) -> str:
@@ -116,8 +121,9 @@ def plot_bode(
     That of a probe is the angle from the mark to the next positive peak of its reading. Peaks of
     measured signals have their speed and amplification factor, as in `rotor_ida.bode_peaks`.
     It is 0 below and 180° above a resonance. The line breaks at a jump of the whirl, and a window
-    that spans a jump is left out. A band shows two standard errors of measured signals if
-    these are more than 3 % of the largest amplitude in a tenth of the windows.
+    that spans a jump is left out. So is the lag of a measured amplitude below two standard errors,
+    as after a slow roll has been subtracted. A band shows two standard errors of measured signals
+    if these are more than 3 % of the largest amplitude in a tenth of the windows.
 
     Examples
     --------
@@ -135,6 +141,7 @@ def plot_bode(
         upper, lower = _pair_of(axes)
         angles, wraps = unwound(one.lag, amplitude)
         jumps = jumps_of(amplitude, one.lag)
+        angles[one.is_noise] = np.nan
         for response in one.exact:
             response.draw_amplitude(upper)
             response.draw_phase(lower, around=float(np.nanmedian(angles)))

@@ -152,6 +152,24 @@ def test_errors_that_are_not_small_are_a_band(half):
         assert truth is None or low < truth < high
 
 
+def test_a_lag_of_noise_alone_is_not_drawn(tmp_path):
+    """Without a whirl below 20 Hz, and noise of 1 %, from 10 to 30 Hz; the lag is 1 above."""
+    times = np.arange(0.0, 8.0, 1 / 2048)
+    turn = 2.0 * np.pi * (10.0 * times + 1.25 * times**2)
+    noise = np.random.default_rng(3).normal(size=(2, times.size))
+    z = 20.0 * (times > 4.0) * np.exp(1j * (turn - 1.0)) + 0.2 * (noise[0] + 1j * noise[1])
+    path = tmp_path / "noise.csv"
+    columns = np.stack([times, z.real, z.imag, turn], axis=1)
+    np.savetxt(path, columns, "%.9f", ",", header="t_s,x_um,y_um,angle_rad", comments="")
+    upper, lower = plot_bode(read_signals(path), revolutions=2).axes
+    across, lags = lower.get_lines()[-1].get_data()
+    slow, fast = (across < 19.0 * 60.0), (across > 21.0 * 60.0)
+    speeds, amplitude = line_of(upper, "1X forward").get_data()
+    assert np.isfinite(amplitude[speeds < 19.0 * 60.0]).all()
+    assert np.isnan(lags[slow]).mean() > 0.8
+    np.testing.assert_allclose(lags[fast], math.degrees(1.0), atol=2.0)
+
+
 def test_bode_lies_on_the_exact_curve_below_the_jump(up, exact):
     upper, lower = plot_bode(up, beneath=[exact, folds(zeta=0.07, delta0=0.5)]).axes
     assert words_of(upper) == ["stable whirl", "unstable whirl", "fold", "1X forward"]
