@@ -7,6 +7,7 @@ import pytest
 from scipy.stats import binom, chi2
 
 from rotor_ida import (
+    Bearing,
     Contact,
     DimensionalRotor,
     InputError,
@@ -60,6 +61,24 @@ def seen(run, seed, nodes=("disc", "end"), noise=NOISE):
 
 def off(found, truth):
     return (found.estimate.values - list(truth.values())) / found.standard_error.values
+
+
+def test_a_machine_in_an_oil_film():
+    """Its table is a part of the model; a factor of the damping is one of the film's too."""
+    speeds = np.array([40.0, 150.0, 260.0, 360.0])
+    part = (speeds / speeds[-1])[:, np.newaxis, np.newaxis]
+    film = Bearing(
+        node="end", speed=speeds, damping=(1000.0 - 600.0 * part) * np.eye(2),
+        stiffness=(1.0 - 0.4 * part) * np.array([[3e5, 1e5], [-1e5, 4e5]]),
+    )  # fmt: skip
+    run = run_up(machine(bearings=[film]), speed=60.0, to=340.0, rate=180.0, start="settled",
+                 samples=3001)  # fmt: skip
+    assert run.event_time.size
+    guess = machine(gap=1.5e-4, moment=2.4e-4, bearings=[film])
+    found = fit(seen(run, 1), guess, ["clearance", "damping", "unbalance"], start="settled")
+    truth = {"clearance": 1.2e-4, "damping": 1.0, "unbalance": 2e-4}
+    assert (np.abs(off(found, truth)) < 3.0).all()
+    assert abs(float(found.chi_square) / int(found.degrees_of_freedom) - 1.0) < 0.1
 
 
 def test_errors_are_those_of_the_scatter(up):
