@@ -23,7 +23,7 @@ POWERS = {"p": -12, "n": -9, "u": -6, "m": -3, "": 0, "k": 3, "M": 6}
 PREFIXES = {prefix: 10.0**-power for prefix, power in POWERS.items()}
 
 UnitSystem = Literal["metric", "inch"]
-# The system in which `quantity` writes where it is told none.
+# The system of units in which `quantity` writes by default.
 _SENTENCES: ContextVar[UnitSystem] = ContextVar("sentences", default="metric")
 # The units in which the field reads quantities, by their SI units, with their values in these; the
 # first is the usual one.
@@ -290,7 +290,7 @@ def with_error(value: float, error: float, *, most: int | None = None) -> str:
 
 @contextmanager
 def sentences_in(system: UnitSystem) -> Iterator[None]:
-    """Let `quantity` write in a system of units where it is told none.
+    """Let `quantity` write in a system of units by default.
 
     Examples
     --------

@@ -112,7 +112,7 @@ def figures_of_block(_block, block_vars, gallery_conf):
 
 
 def unmarked(words):
-    """Return words without the marks of TeX, for those who hear them: ``omega`` for its letter."""
+    """Return words without the marks of TeX, for screen readers: ``omega`` for its letter."""
     plain = re.sub(r"\\(?:mathrm|mathdefault|[,;])", "", words.replace("\\times", "times"))
     return re.sub(r"[$\\_^{}]", "", plain)
 

@@ -85,7 +85,7 @@ print(f"critical speed {found_speed:,.0f} rpm, amplification factor {factor:.1f}
 
 # %%
 # The critical speed is 3,000 rpm and the factor for 5 % of damping is 10. A run-down shows the peak a little late, at a lower speed, and
-# flatter, the more so the faster it is; step 4 does without this error. What was guessed and subtracted is told as well:
+# flatter; the faster the run-down, the larger this error. The fit of step 4 is free of it. The attributes say what was guessed and subtracted:
 
 print(signals.attrs["columns"])
 print(signals.attrs["notes"].replace("; ", ";\n"))

@@ -107,7 +107,7 @@ def show_unbalance_response(dataset: xr.Dataset, most: int | None) -> Descriptio
 def show_campbell(dataset: xr.Dataset, most: int | None) -> Description:
     """Return critical speeds and eigenvalues, after the speeds at which the system is unstable.
 
-    What is damped too much for a resonance is told in a sentence, and only as JSON in the table.
+    Those damped too much for a resonance stand in a sentence; only JSON has them in the table.
     """
     record, parts = tabled(dataset, most, *OF_CAMPBELL)
     if "critical_speed" not in dataset:  # archives had none at first

@@ -281,7 +281,7 @@ COMPILED void accelerate_eights(const struct work *work, const int eights, int n
         sum[e] = fma_each(-load8(&work->diagonal[at + 8 * e]), load8(&y[8 * e]), sum[e]);
         even[e] = odd[e] = spread8(0.0);
     }
-    const double *column = resistance + at;
+    const double *column = resistance != NULL ? resistance + at : NULL;
     int64_t k = 0;
     for (; k + 1 < shape.size && resistance != NULL; k += 2, column += 2 * stride)
         for (int e = 0; e < eights; e++) {

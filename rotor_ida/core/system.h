@@ -20,7 +20,8 @@ struct system_law {
     int64_t race; /* the same number for contacts that share a race */
 };
 
-/* How a contact goes on: `mode` as in core.h, the root of its indentation, the speed of its race,
+/* How a contact goes on: `mode` as in core.h, the root of its indentation (with a linear spring the
+ * indentation itself, see `is_spring`; so below in an episode), the speed of its race,
  * and the sense in which surfaces slide. */
 struct system_touch {
     double root, race, sense;

@@ -135,8 +135,8 @@ class Canonical:
     ----------
     factor, inverse : ndarray, shape (n, n)
         Cholesky's factor L of the mass matrix, with the damping of stators without mass; and its
-        inverse. To multiply by this is as exact as to solve, and wakes no threads of LAPACK, which
-        takes thousands of times as long for many rows.
+        inverse: to solve for many rows would wake the threads of BLAS, which takes a thousand
+        times as long as a product of such small matrices.
     massless : int
         How many of the coordinates, the last, are of stators without mass.
     stiffness, damping, gyroscopic, stiffness_rate, rows, unbalance, force, films

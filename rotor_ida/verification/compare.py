@@ -261,7 +261,7 @@ def _exact_whirls(dataset: xr.Dataset) -> xr.Dataset:
 
 
 def _under_load(exact: xr.Dataset) -> xr.Dataset:
-    """Return exact whirls with the offset of their centres under a load, and rest beside them."""
+    """Return exact whirls with the offset of their centres under a load, and the place of rest."""
     load, kappa = exact["load"], exact.get("shaft_stiffness", xr.zeros_like(exact["load"]))
     turns = (load == 0.0) | (exact["omega"] > 0.0)
     offset = xr.apply_ufunc(static_sag, *xr.broadcast(load, kappa))

@@ -27,7 +27,7 @@ static void CALLBACK ask_to_stop(void *unused, BOOLEAN fired)
     stop = 1;
 }
 
-/* Ask to stop after so many microseconds. */
+/* Ask to stop after a number of microseconds. */
 static void stop_after(int microseconds)
 {
     static HANDLE timer;
@@ -70,7 +70,7 @@ static void *room_for(int64_t count, size_t size)
 
 /* ---- In the place of SUNDIALS ---- */
 
-enum { MOST_MADE_UP = 64 }; /* values of a motion or of a system */
+enum { MOST_MADE_UP = 128 }; /* values of a motion or of a system */
 
 struct made_up_vector {
     int64_t size;
@@ -775,13 +775,16 @@ static void systems(void)
 {
     srand(1); /* the same systems, whatever was exercised before */
     for (int kind = 0; kind < KINDS; kind++) {
-        const int64_t size = kind == 0 ? 2 : 1 + 3 * (kind % 5) + 1,
+        const int64_t size = kind == 0 ? 2 : 2 + 7 * (kind % 5),
                       stride = size <= 4 ? 4 : (size + 7) / 8 * 8;
         const int64_t contacts = kind % 4, square = size * stride, width = 2 * stride + contacts;
         const int64_t samples = kind % 3 == 0 ? 0 : 20;
         double *matrices = room_for(4 * square, sizeof(double));
         for (int64_t i = 0; i < 4 * square; i++)
             matrices[i] = kind == 7 ? NAN : i % stride < size ? 0.3 * (uniform() - 0.5) : 0.0;
+        const int has_modes = kind % 15 == 9; /* a stiffness with nothing but its diagonal */
+        for (int64_t i = 0; i < square && has_modes; i++)
+            matrices[i] = 0.0;
         for (int64_t i = 0; i < size; i++)
             matrices[i * stride + i] += 2.0;
         double *vectors = room_for((3 + 2 * contacts) * stride, sizeof(double));

@@ -18,7 +18,9 @@ ROOT = Path(__file__).parents[2]
 @pytest.fixture(scope="module")
 def platforms():
     if not (ROOT / "hatch_build.py").is_file() or os.name == "nt":
-        pytest.skip("there are no sources to compile, or programs find no libraries beside them")
+        pytest.skip(
+            "there are no sources to compile, or programs find no library in their own folder"
+        )
     found = run_path(str(ROOT / "tests" / "platforms.py"))
     if found["hatch_build"]["find_compiler"]() is None:
         pytest.skip("no C compiler is installed")

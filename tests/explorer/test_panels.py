@@ -234,7 +234,7 @@ def test_probes_at_45_and_135_degrees_with_gains_are_turned_as_by_the_library(pa
     check_as_analysed(page, tmp_path / "probes.csv", probe_angles=(45.0, 135.0), gains=(2.0, 0.5))
     found = measured(page, "order.amplitude")
     assert found == pytest.approx(12.0, abs=1e-9)
-    # the page has no dimensions: a unit of its length is told to be 2 um, of its time 0.01 s
+    # the page is dimensionless: let its unit of length be 2 um and that of time 0.01 s
     page.type("#measured-scale", 2)
     page.type("#measured-period", 0.01)
     order = page.run("return rotorIda.measured.source(undefined, 2).order")
@@ -315,5 +315,5 @@ def test_of_a_million_points_the_extremes_are_drawn_and_few_others(page):
 
 
 def test_axes_with_one_scale_come_to_rest_whatever_they_show(page):
-    """The ranges decide the width of the numbers beside them, and this the ranges again."""
+    """The ranges decide the width of the tick labels, and this decides the ranges again."""
     assert page.driver.execute_async_script(EQUAL) < 10  # for what is shown, and for its first size

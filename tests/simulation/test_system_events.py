@@ -282,3 +282,33 @@ def test_a_run_that_ends_just_before_an_exit_ends_there(early):
         here = long.isel(t=number, node=0)
         assert float(short.x[-1, 0]) == pytest.approx(float(here.x), abs=1e-10)
         assert float(short.vx[-1, 0]) == pytest.approx(float(here.vx), abs=1e-10)
+
+
+@pytest.mark.parametrize("exponent", [1.0, 1.5])
+@pytest.mark.parametrize("is_damped", [True, False])
+def test_any_coordinates_give_the_same_events(exponent, is_damped):
+    """By modes the stiffness is a diagonal, for which the core has a way of its own."""
+    rng, count = np.random.default_rng(4), 26
+    turn = np.linalg.qr(rng.normal(size=(count, count)))[0]
+    shapes = rng.normal(size=(2, count)) / np.arange(1, count + 1)
+    stiffness = np.diag(np.linspace(1.0, 7.0, count) ** 2)
+    damping = 0.05 * stiffness + 0.1 * shapes.T @ shapes if is_damped else None
+    found = [
+        simulate(
+            RotorSystem(
+                mass=np.eye(count), stiffness=basis.T @ stiffness @ basis, units="1",
+                damping=None if damping is None else basis.T @ damping @ basis,
+                nodes={"disc": shapes @ basis},
+                contacts=[Contact(node="disc", clearance=0.3, stiffness=20.0, exponent=exponent)],
+                unbalance=[Unbalance(node="disc", moment=0.15)],
+            ),
+            speed=1.3, duration=60.0, samples=2,
+        )
+        for basis in (np.eye(count), turn)
+    ]  # fmt: skip
+    modal, turned = found
+    assert modal.event_time.size > 10
+    sure = modal.event_time_error.values < 1e-9
+    assert sure[:6].all()
+    np.testing.assert_array_equal(modal.event_kind[sure], turned.event_kind[sure])
+    np.testing.assert_allclose(modal.event_time[sure], turned.event_time[sure], atol=1e-9)

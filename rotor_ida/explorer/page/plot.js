@@ -45,8 +45,8 @@ const roomBeside = ({ axes }) => Math.max(8, 2 + 0.5 * DIGIT * longest(axes[0]?.
 
 // Largest movement in pixels that counts as a click, not a box.
 const CLICK = 6;
-// Of axes with one scale the ranges decide the width of the numbers beside them, and this the ranges:
-// they need not come to rest.
+// Axes with one scale: the ranges decide how wide the tick labels are, and their width decides the
+// ranges, so that drawing again need not come to an end.
 const MOST_TURNS = 2;
 // Reading distance from the pointer in pixels.
 const NEAR = 12;
