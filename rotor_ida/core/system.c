@@ -20,6 +20,8 @@ static const double UNLIMITED = 200.0;
 static const double EDGE = 0.3;
 /* Bytes to which what a run works with is aligned. */
 enum { ALIGNED = 64 };
+/* How many times eight columns are summed in registers. */
+enum { MOST_EIGHTS = 3 };
 /* A pivot below this part of its row is rounding. */
 static const double DEPENDENT = 1e-13;
 
@@ -63,6 +65,8 @@ struct work *open_work(struct system_run *run)
     work->stiffened = rows + 5 * block;
     work->both = rows + 6 * block;
     work->diagonal = diagonal_of(run, work->both + stride * stride);
+    work->is_summed = work->diagonal != NULL && run->stiffness_rate == NULL && run->massless == 0
+                      && run->bearing_count == 0;
     work->bearings = open_bearings(run);
     for (int64_t i = 0; i < run->contact_count; i++) {
         struct touching *each = &work->touching[i];
@@ -258,7 +262,7 @@ COMPILED void set_drive(struct work *work, int n, struct shape shape)
         return;
     }
     work->spin_square[n] = convolved(work->spin, 1, work->spin, 1, n);
-    work->turning[n] = convolved(work->pace, 1, work->spin, 1, n);
+    work->turning[n] = work->moves ? convolved(work->pace, 1, work->spin, 1, n) : work->spin[n];
     const double *c = work->cosine, *s = work->sine, *d = work->spin_rate;
     work->by_cosine[n] = convolved(work->spin_square, 1, c, 1, n);
     work->by_sine[n] = convolved(work->spin_square, 1, s, 1, n);
@@ -266,34 +270,59 @@ COMPILED void set_drive(struct work *work, int n, struct shape shape)
     work->by_sine[n] -= work->has_torque ? convolved_later(c, 1, d, 1, n) : d[0] * c[n];
 }
 
-/* The same, of some times eight columns, where nothing is implicit and the stiffness is diagonal:
- * what is summed stays in registers. */
-COMPILED void accelerate_eights(const struct work *work, const int eights, int n,
-                                struct shape shape, const double *resistance, int64_t at)
+/* Add what some times eight columns of a matrix make of a row, in two sums that wait by turns. */
+COMPILED void add_columns(const int eights, const double *matrix, const double *row, int64_t size,
+                          int64_t stride, vec8 *sum)
 {
-    enum { MOST = 3 };
+    vec8 odd[MOST_EIGHTS];
+    for (int e = 0; e < eights; e++)
+        odd[e] = spread8(0.0);
+    int64_t k = 0;
+    for (; k + 1 < size; k += 2, matrix += 2 * stride)
+        for (int e = 0; e < eights; e++) {
+            sum[e] = fma8(row[k], load8(&matrix[8 * e]), sum[e]);
+            odd[e] = fma8(row[k + 1], load8(&matrix[stride + 8 * e]), odd[e]);
+        }
+    for (int e = 0; e < eights; e++) {
+        if (k < size)
+            sum[e] = fma8(row[k], load8(&matrix[8 * e]), sum[e]);
+        sum[e] += odd[e];
+    }
+}
+
+/* The same, of some times eight columns, where the stiffness is diagonal and the same at all
+ * speeds: what is summed stays in registers. */
+COMPILED void accelerate_eights(const struct work *work, const int eights, int n,
+                                struct shape shape, const int turns, int64_t at)
+{
     const struct system_run *run = work->run;
     const int64_t stride = shape.stride;
     const double *y = &work->y[n * stride + at], *v = &work->v[n * stride];
-    vec8 sum[MOST], even[MOST], odd[MOST];
+    const double *resistance = run->gyroscopic != NULL && !turns ? work->both : run->damping;
+    vec8 sum[MOST_EIGHTS], resisted[MOST_EIGHTS], turned[MOST_EIGHTS];
     for (int e = 0; e < eights; e++) {
         sum[e] = n == 0 ? load8(&run->force[at + 8 * e]) : spread8(0.0);
         sum[e] = fma_each(-load8(&work->diagonal[at + 8 * e]), load8(&y[8 * e]), sum[e]);
-        even[e] = odd[e] = spread8(0.0);
+        resisted[e] = turned[e] = spread8(0.0);
     }
-    const double *column = resistance != NULL ? resistance + at : NULL;
-    int64_t k = 0;
-    for (; k + 1 < shape.size && resistance != NULL; k += 2, column += 2 * stride)
+    if (resistance != NULL)
+        add_columns(eights, resistance + at, v, shape.size, stride, resisted);
+    if (turns) {
+        add_columns(eights, run->gyroscopic + at, v, shape.size, stride, turned);
+        double *rows = &work->turned[at];
         for (int e = 0; e < eights; e++) {
-            even[e] = fma8(v[k], load8(&column[8 * e]), even[e]);
-            odd[e] = fma8(v[k + 1], load8(&column[stride + 8 * e]), odd[e]);
+            store8(&rows[n * stride + 8 * e], turned[e]);
+            resisted[e] = fma8(work->spin[0], turned[e], resisted[e]);
+            turned[e] = spread8(0.0);
         }
+        for (int k = 0; k < n; k++)
+            for (int e = 0; e < eights; e++)
+                turned[e] = fma8(work->spin[n - k], load8(&rows[k * stride + 8 * e]), turned[e]);
+    }
     for (int e = 0; e < eights; e++) {
-        if (k < shape.size && resistance != NULL)
-            even[e] = fma8(v[k], load8(&column[8 * e]), even[e]);
-        even[e] += odd[e];
-        store8(&work->resisted[n * stride + at + 8 * e], even[e]);
-        sum[e] -= even[e];
+        resisted[e] += turned[e];
+        store8(&work->resisted[n * stride + at + 8 * e], resisted[e]);
+        sum[e] -= resisted[e];
         sum[e] = fma8(work->by_cosine[n], load8(&run->unbalance[at + 8 * e]), sum[e]);
         sum[e] = fma8(work->by_sine[n], load8(&run->unbalance[stride + at + 8 * e]), sum[e]);
         for (int64_t i = 0; i < shape.contacts; i++) {
@@ -306,6 +335,19 @@ COMPILED void accelerate_eights(const struct work *work, const int eights, int n
         }
         store8(&work->acceleration[n * stride + at + 8 * e], sum[e]);
     }
+}
+
+/* The same of all columns. */
+COMPILED void accelerate_in_registers(const struct work *work, int n, struct shape shape,
+                                      const int turns)
+{
+    int64_t i = 0;
+    for (; i + 24 <= shape.stride; i += 24)
+        accelerate_eights(work, 3, n, shape, turns, i);
+    if (i + 16 <= shape.stride)
+        accelerate_eights(work, 2, n, shape, turns, i);
+    else if (i < shape.stride)
+        accelerate_eights(work, 1, n, shape, turns, i);
 }
 
 /* Coefficient n of the accelerations, but for what is implicit. */
@@ -322,12 +364,11 @@ COMPILED void accelerate(struct work *work, int n, struct shape shape)
     const int joined = run->gyroscopic != NULL && !has_rate;
     const double *resistance = joined ? work->both : run->damping;
     const size_t bytes = sizeof(double) * (size_t)stride;
-    if (shape.is_plain && stride > 4 && work->diagonal != NULL) {
-        int64_t i = 0;
-        for (; i + 24 <= stride; i += 24)
-            accelerate_eights(work, 3, n, shape, resistance, i);
-        for (; i < stride; i += 8)
-            accelerate_eights(work, 1, n, shape, resistance, i);
+    if (stride > 4 && work->is_summed) {
+        if (run->gyroscopic != NULL && has_rate)
+            accelerate_in_registers(work, n, shape, 1);
+        else
+            accelerate_in_registers(work, n, shape, 0);
         return;
     }
     if (n == 0)
@@ -360,14 +401,13 @@ COMPILED void accelerate(struct work *work, int n, struct shape shape)
             for (int k = 1; k <= n; k++)
                 add_scaled(-work->spin_rate[n - k], row_of(work, work->stiffened, k), to, stride);
     }
-    add_scaled(work->by_cosine[n], run->unbalance, to, stride);
-    add_scaled(work->by_sine[n], run->unbalance + stride, to, stride);
+    add_both(work->by_cosine[n], work->by_sine[n], run->unbalance, stride, to);
     for (int64_t i = 0; i < shape.contacts; i++) {
         const struct touching *each = &work->touching[i];
         if (!is_touching(each))
             continue;
-        add_scaled(each->answers[n][ELEMENT_FORCE_X], each->rows, to, stride);
-        add_scaled(each->answers[n][ELEMENT_FORCE_Y], each->rows + stride, to, stride);
+        const double *answers = each->answers[n];
+        add_both(answers[ELEMENT_FORCE_X], answers[ELEMENT_FORCE_Y], each->rows, stride, to);
     }
     if (!shape.is_plain && run->bearing_count > 0)
         push_by_bearings(work, n, to);
@@ -394,8 +434,7 @@ static void column_of_hold(const struct work *work, const struct touching *each,
     double tangent[2];
     across_of(each, 0, tangent);
     memset(column, 0, sizeof(double) * (size_t)work->stride);
-    for (int j = 0; j < 2; j++)
-        add_scaled(-tangent[j], each->rows + j * work->stride, column, work->stride);
+    add_both(-tangent[0], -tangent[1], each->rows, work->stride, column);
 }
 
 /* The same of a unit rate of the spin. */
@@ -403,8 +442,7 @@ static void column_of_spin(const struct work *work, double *column)
 {
     const struct system_run *run = work->run;
     memset(column, 0, sizeof(double) * (size_t)work->stride);
-    add_scaled(work->sine[0], run->unbalance, column, work->stride);
-    add_scaled(-work->cosine[0], run->unbalance + work->stride, column, work->stride);
+    add_both(work->sine[0], -work->cosine[0], run->unbalance, work->stride, column);
     if (run->stiffness_rate != NULL)
         add_scaled(-1.0, work->stiffened, column, work->stride);
 }
@@ -412,18 +450,18 @@ static void column_of_spin(const struct work *work, double *column)
 /* The rate of slip of a contact by accelerations, along its tangent at order 0. */
 static double slip_by(const struct work *work, const struct touching *each, const double *row)
 {
-    double tangent[2];
+    double tangent[2], moved[2];
     across_of(each, 0, tangent);
-    return tangent[0] * sum_of_products(each->rows, row, work->stride)
-           + tangent[1] * sum_of_products(each->rows + work->stride, row, work->stride);
+    sums_of_products(each->rows, row, work->stride, moved);
+    return tangent[0] * moved[0] + tangent[1] * moved[1];
 }
 
 /* What accelerations take from the torque, through the unbalance, by its direction at order 0. */
 static double torque_by(const struct work *work, const double *row)
 {
-    const double *unbalance = work->run->unbalance;
-    return work->cosine[0] * sum_of_products(unbalance + work->stride, row, work->stride)
-           - work->sine[0] * sum_of_products(unbalance, row, work->stride);
+    double swung[2];
+    sums_of_products(work->run->unbalance, row, work->stride, swung);
+    return work->cosine[0] * swung[1] - work->sine[0] * swung[0];
 }
 
 /* Factorise a small matrix in place, by rows with pivots; say whether it is regular. */
@@ -522,8 +560,7 @@ static void add_implicit(struct work *work, int n)
         const double *aside = &each->answers[0][ELEMENT_NORMAL_Y];
         const double known_x = convolved_later(along, ELEMENT_ANSWERS, each->drag, 1, n);
         const double known_y = convolved_later(aside, ELEMENT_ANSWERS, each->drag, 1, n);
-        add_scaled(known_y, each->rows, to, stride);
-        add_scaled(-known_x, each->rows + stride, to, stride);
+        add_both(known_y, -known_x, each->rows, stride, to);
     }
     for (int i = 0; i < work->rolls; i++) {
         const struct touching *each = &work->touching[work->rolling[i]];
@@ -568,20 +605,18 @@ static void add_implicit(struct work *work, int n)
         double tangent[2];
         across_of(each, 0, tangent);
         each->drag[n] = right[j];
-        add_scaled(-tangent[0] * right[j], each->rows, to, stride);
-        add_scaled(-tangent[1] * right[j], each->rows + stride, to, stride);
+        add_both(-tangent[0] * right[j], -tangent[1] * right[j], each->rows, stride, to);
     }
     if (work->has_torque) {
         const double rate = right[work->rolls];
+        const double along = work->sine[0] * rate, aside = -work->cosine[0] * rate;
         work->spin_rate[n] = rate;
-        work->by_cosine[n] += work->sine[0] * rate;
-        work->by_sine[n] -= work->cosine[0] * rate;
-        add_scaled(work->sine[0] * rate, run->unbalance, to, stride);
-        add_scaled(-work->cosine[0] * rate, run->unbalance + stride, to, stride);
+        work->by_cosine[n] += along;
+        work->by_sine[n] += aside;
+        add_both(along, aside, run->unbalance, stride, to);
         if (run->stiffness_rate != NULL)
             add_scaled(-rate, work->stiffened, to, stride);
-        for (int j = 0; j < 2; j++)
-            work->swung[n][j] = sum_of_products(run->unbalance + j * stride, to, stride);
+        sums_of_products(run->unbalance, to, stride, work->swung[n]);
     }
 }
 
@@ -638,7 +673,11 @@ COMPILED void go_on(struct work *work, int n, struct shape shape)
         work->cosine[n + 1] = -work->turning[0] * work->sine[n] * share;
         work->sine[n + 1] = work->turning[0] * work->cosine[n] * share;
     }
-    work->spin[n + 1] = has_rate ? convolved(work->pace, 1, work->spin_rate, 1, n) * share : 0.0;
+    work->spin[n + 1] = 0.0;
+    if (has_rate)
+        work->spin[n + 1] = share
+                            * (work->moves ? convolved(work->pace, 1, work->spin_rate, 1, n)
+                                           : work->spin_rate[n]);
     for (int64_t i = 0; i < shape.contacts; i++) {
         struct touching *each = &work->touching[i];
         const struct system_law *law = each->law;
@@ -660,8 +699,7 @@ COMPILED void go_on(struct work *work, int n, struct shape shape)
         }
         if (each->touch->mode == ROLLS) {
             const double *row = row_of(work, work->acceleration, n);
-            each->pull[n][0] = sum_of_products(each->rows, row, stride);
-            each->pull[n][1] = sum_of_products(each->rows + stride, row, stride);
+            sums_of_products(each->rows, row, stride, each->pull[n]);
         }
     }
 }

@@ -59,6 +59,7 @@ struct work {
     double *y, *v, *acceleration;         /* ORDERS rows each */
     double *resisted, *turned, *stiffened; /* (C + Omega G) y' or C y'; G y'; K_dot y */
     const double *diagonal; /* of the stiffness, where it has nothing else; or NULL */
+    int is_summed;          /* whether accelerations are summed in registers; see system.c */
     double *both;           /* C + Omega G, where the speed is constant */
     double time[ORDERS], pace[ORDERS], cosine[ORDERS], sine[ORDERS];
     double spin[ORDERS], spin_rate[ORDERS], spin_square[ORDERS], turning[ORDERS];
@@ -103,6 +104,15 @@ COMPILED void add_scaled(double factor, const double *row, double *to, int64_t s
     const vec4 by = spread(factor);
     for (int64_t i = 0; i < size; i += 4)
         store(&to[i], fma4(by, load(&row[i]), load(&to[i])));
+}
+
+/* The same of two rows that follow one another. */
+COMPILED void add_both(double first, double second, const double *rows, int64_t size, double *to)
+{
+    for (int64_t i = 0; i < size; i += 4) {
+        const vec4 sum = fma4(spread(first), load(&rows[i]), load(&to[i]));
+        store(&to[i], fma4(spread(second), load(&rows[size + i]), sum));
+    }
 }
 
 /* Eight columns of rows. */

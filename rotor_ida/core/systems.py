@@ -6,7 +6,7 @@ import ctypes
 import math
 from collections.abc import Callable, Sequence
 from ctypes import Structure, byref, c_double, c_int, c_int32, c_int64, c_void_p
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cache
 from typing import Any, NamedTuple
 
@@ -373,6 +373,11 @@ class SystemResult:
     sample_columns: Values = field(default_factory=lambda: np.empty((0, 0, 0)))
     event_columns: Values = field(default_factory=lambda: np.empty((0, 2, 0)))
     extrema: Rows = field(default_factory=lambda: np.empty(0, EXTREMUM_OF_PLACE))
+
+    def at_every(self, step: int) -> SystemResult:
+        """Return the run with the first of its samples and, of the others, one in so many."""
+        sampled = ("samples", "forces", "turns", "sample_columns")
+        return replace(self, **{name: getattr(self, name)[::step] for name in sampled})
 
 
 class SystemEvents(NamedTuple):

@@ -31,7 +31,7 @@ STILL = 1e-9
 # Directions that add less than this part to the others are left out.
 DEPENDENT = 1e-8
 # A product of modes by the stiffness below this part of the largest is rounding.
-ROUNDED = 1e-14
+ROUNDED = 1e-13
 
 
 def reduced_system(
@@ -138,8 +138,8 @@ def in_basis(system: RotorSystem, basis: Values) -> RotorSystem:
     stiffness = small(system.stiffness)
     assert stiffness is not None
     # what is left is the diagonal where modes alone are kept, and the core makes use of that
-    hidden = np.abs(stiffness) <= ROUNDED * np.abs(stiffness).max(initial=0.0)
-    stiffness[hidden & ~np.eye(len(stiffness), dtype=bool)] = 0.0
+    rounding = ROUNDED * (np.abs(basis).T @ np.abs(system.stiffness) @ np.abs(basis))
+    stiffness[(np.abs(stiffness) <= rounding) & ~np.eye(len(stiffness), dtype=bool)] = 0.0
     gyroscopic = small(system.gyroscopic)
     if gyroscopic is not None:
         gyroscopic = 0.5 * (gyroscopic - gyroscopic.T)

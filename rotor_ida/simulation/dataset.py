@@ -226,13 +226,15 @@ def _relative(
     }  # fmt: skip
 
 
-def fastest_whirl(assembly: Assembly, q: Values, v: Values) -> float:
+def fastest_whirl(assembly: Assembly, rows: Values, samples: Values) -> float:
     """Return the largest angular speed about a stator, at samples beyond half of the clearance."""
     rates = [0.0]
-    for contact, rows in zip(assembly.contacts, assembly.rows, strict=True):
-        (x, y), (vx, vy) = (q @ rows.T - contact.centre).T, (v @ rows.T).T
-        far = np.hypot(x, y) > AROUND * contact.clearance
-        turning = np.abs(x * vy - y * vx)[far] / (x * x + y * y)[far]
+    for contact, row in zip(assembly.contacts, rows, strict=True):
+        (x, y), (vx, vy) = np.einsum("jk,tdk->djt", row, samples)
+        x, y = x - contact.centre[0], y - contact.centre[1]
+        squares = x * x + y * y
+        far = squares > (AROUND * contact.clearance) ** 2
+        turning = np.abs(x * vy - y * vx)[far] / squares[far]
         rates.append(float(turning.max(initial=0.0)))
     return max(rates)
 

@@ -62,6 +62,9 @@ TIGHTEST_RTOL, LOOSEST_RTOL = 1e-14, 1e-4
 MOST_SAMPLES = 200_000
 # Radians by which a whirl in a contact turns from a sample to the next, in a drop: its sense shows.
 MOST_TURNED = 0.8
+# A drop is sampled this many times more finely than its speed asks for, as the whirl that may follow
+# is not known yet; samples that it turns out not to need are dropped.
+FINER = 12
 # In a period of the contact, which is the shortest period of dry whip.
 SAMPLES_A_CONTACT = 8
 # Smallest number of samples, for a smooth plot of a short run.
@@ -181,7 +184,11 @@ def run_of_cases(
     tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
     fastest = course.largest_speed
     count = SAMPLES_A_REVOLUTION * fastest * course.end / (2.0 * math.pi)
-    times = times_of(samples, course.end, int(min(max(count, FEWEST), MOST_SAMPLES)))
+    chosen = int(min(max(count, FEWEST), MOST_SAMPLES))
+    resolves = whirls and samples is None
+    if resolves and backend == "compiled":
+        chosen = (chosen - 1) * max(min(FINER, MOST_SAMPLES // chosen), 1) + 1
+    times = times_of(samples, course.end, chosen)
     first, *second = [_prepared(*each, course, times, tolerance) for each in cases]
 
     def by_witness(stop: Stop, watch: Watch) -> Callable[[SystemRequest], SystemResult]:
@@ -207,9 +214,11 @@ def run_of_cases(
     followed, shifts = run_with_progress(
         follow, (2 + len(second)) * course.end, progress, at_once=soon and not second
     )
-    if whirls and samples is None and (finer := _finer(first, followed.result, times)) is not None:
-        times, request = finer, replace(first.request, times=finer)
-        result = interruptible(lambda stop: followed_by(request, stop, []))
+    if resolves:
+        times, result = _resolved(
+            first, followed.result, times,
+            lambda request: interruptible(lambda stop: followed_by(request, stop, [])),
+        )  # fmt: skip
         followed = replace(followed, result=result)
     asked = by_method(first.request, method, tolerance)
     check_run(first.assembly, first.found, asked, followed.result, tolerance)
@@ -272,13 +281,21 @@ def _witness() -> Callable[..., SystemResult]:
     return run_system
 
 
-def _finer(prepared: _Prepared, result: SystemResult, times: Values) -> Values | None:
-    """Return times that resolve the whirls in the contacts; None where the samples do."""
-    rate = fastest_whirl(
-        prepared.assembly, *map(prepared.found.to_q, np.moveaxis(result.samples, 1, 0))
-    )
-    count = min(math.ceil(rate * times[-1] / MOST_TURNED) + 1, MOST_SAMPLES)
-    return np.linspace(0.0, times[-1], count) if count > times.size else None
+def _resolved(
+    prepared: _Prepared, result: SystemResult, times: Values,
+    follow: Callable[[SystemRequest], SystemResult],
+) -> tuple[Values, SystemResult]:  # fmt: skip
+    """Return the times that resolve the whirls in the contacts, and the run there.
+
+    They are as few of those of the run as do, or more than these where all are too few.
+    """
+    rate = fastest_whirl(prepared.assembly, prepared.found.rows, result.samples)
+    steps, needed = times.size - 1, min(math.ceil(rate * times[-1] / MOST_TURNED), MOST_SAMPLES - 1)
+    if needed > steps:
+        times = np.linspace(0.0, times[-1], needed + 1)
+        return times, follow(replace(prepared.request, times=times))
+    every = max(each for each in range(1, FINER + 1) if steps % each == 0 and steps // each >= needed)
+    return times[::every], result.at_every(every)
 
 
 # ---- The times at which a run is reported ----

@@ -284,25 +284,42 @@ def test_a_run_that_ends_just_before_an_exit_ends_there(early):
         assert float(short.vx[-1, 0]) == pytest.approx(float(here.vx), abs=1e-10)
 
 
+HELD = {"speed": 1.3, "duration": 60.0}
+DRIVEN = HELD | {"torque": (0.01, 0.0), "inertia": 3.0}
+
+
 @pytest.mark.parametrize("exponent", [1.0, 1.5])
-@pytest.mark.parametrize("is_damped", [True, False])
-def test_any_coordinates_give_the_same_events(exponent, is_damped):
+@pytest.mark.parametrize(
+    ("count", "friction", "is_damped", "verb", "course"),
+    [
+        (26, 0.0, True, simulate, HELD),
+        (26, 0.0, False, simulate, HELD),
+        (26, 0.2, True, run_up, {"speed": 1.2, "to": 1.5, "rate": 0.005}),
+        (7, 0.2, False, run_up, DRIVEN),
+        (14, 0.2, True, run_up, DRIVEN),
+        (26, 0.2, True, run_up, DRIVEN),
+    ],
+)
+def test_any_coordinates_give_the_same_events(exponent, count, friction, is_damped, verb, course):
     """By modes the stiffness is a diagonal, for which the core has a way of its own."""
-    rng, count = np.random.default_rng(4), 26
+    rng = np.random.default_rng(4)
     turn = np.linalg.qr(rng.normal(size=(count, count)))[0]
     shapes = rng.normal(size=(2, count)) / np.arange(1, count + 1)
     stiffness = np.diag(np.linspace(1.0, 7.0, count) ** 2)
     damping = 0.05 * stiffness + 0.1 * shapes.T @ shapes if is_damped else None
+    across = 0.1 * rng.normal(size=(count, count))
     found = [
-        simulate(
+        verb(
             RotorSystem(
                 mass=np.eye(count), stiffness=basis.T @ stiffness @ basis, units="1",
                 damping=None if damping is None else basis.T @ damping @ basis,
+                gyroscopic=basis.T @ (across - across.T) @ basis if friction else None,
                 nodes={"disc": shapes @ basis},
-                contacts=[Contact(node="disc", clearance=0.3, stiffness=20.0, exponent=exponent)],
+                contacts=[Contact(node="disc", clearance=0.3, stiffness=20.0, exponent=exponent,
+                                  friction=friction, radius=1.0)],
                 unbalance=[Unbalance(node="disc", moment=0.15)],
             ),
-            speed=1.3, duration=60.0, samples=2,
+            **course, samples=2,
         )
         for basis in (np.eye(count), turn)
     ]  # fmt: skip
