@@ -1,6 +1,7 @@
 """Settings for all tests: no timed ones, the same examples on every run, no figure left open."""
 
 import gc
+import signal
 import sys
 
 import pytest
@@ -8,6 +9,9 @@ from hypothesis import settings
 
 settings.register_profile("rotor_ida", deadline=None, derandomize=True)
 settings.load_profile("rotor_ida")
+
+# where a shell starts the tests in the background, SIGINT is ignored, also by what they start
+signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 # What takes long comes first, so that all workers end together; a worker takes over the last tests

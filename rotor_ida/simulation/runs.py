@@ -294,7 +294,9 @@ def _resolved(
     if needed > steps:
         times = np.linspace(0.0, times[-1], needed + 1)
         return times, follow(replace(prepared.request, times=times))
-    every = max(each for each in range(1, FINER + 1) if steps % each == 0 and steps // each >= needed)
+    every = max(
+        each for each in range(1, FINER + 1) if steps % each == 0 and steps // each >= needed
+    )
     return times[::every], result.at_every(every)
 
 

@@ -75,11 +75,8 @@ def test_interrupt_ends_the_scripts(written, tmp_path):
     scripts = written(waits=WAITING)
     program = tmp_path / "program.py"
     program.write_text(
-        "import signal\n"
         "from pathlib import Path\n"
         "from rotor_ida.paper.running import run_scripts\n"
-        # who is started in the background ignores it
-        "signal.signal(signal.SIGINT, signal.default_int_handler)\n"
         "if __name__ == '__main__':\n"
         f"    scripts = {{'waits': Path({str(scripts['waits'])!r})}}\n"
         f"    root = Path({str(tmp_path / 'out')!r})\n"
@@ -96,11 +93,7 @@ def test_interrupt_ends_the_scripts(written, tmp_path):
 @pytest.mark.parametrize("delay", [0.0, 0.5])
 def test_an_interrupt_while_the_first_script_starts_is_one_line(tmp_path, delay):
     """It reaches the whole group of processes, as from a terminal, before imports are done."""
-    # a test run in the background of a script is started with interrupts ignored
-    code = (
-        "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
-        "from rotor_ida.cli import main; sys.exit(main())"
-    )
+    code = "import sys; from rotor_ida.cli import main; sys.exit(main())"
     words = ["reproduce", "--only", "fig07", "fig06", "--quick", "--out", str(tmp_path / "out")]
     with subprocess.Popen(
         [sys.executable, "-c", code, *words], start_new_session=True, text=True,

@@ -107,7 +107,6 @@ def work(job, stop):
         time.sleep(0.01)
 
 if __name__ == "__main__":
-    signal.signal(signal.SIGINT, signal.default_int_handler)  # ignored in a shell's background
     try:
         for _ in run_all(work, range(10), workers=2, executor={executor!r}):
             print("started", flush=True)

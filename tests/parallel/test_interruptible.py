@@ -22,8 +22,6 @@ class Late(Exception):
 def late(number, frame):
     raise Late
 
-# where a shell starts a job in the background, SIGINT is ignored
-signal.signal(signal.SIGINT, signal.default_int_handler)
 signal.signal(signal.SIGALRM, late)
 main = threading.main_thread().ident
 rotor, rest = Rotor(omega=2.0, zeta=0.07, delta0=2.0), (0.0, 0.0, 0.0, 0.0)
