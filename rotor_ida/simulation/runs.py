@@ -62,8 +62,8 @@ TIGHTEST_RTOL, LOOSEST_RTOL = 1e-14, 1e-4
 MOST_SAMPLES = 200_000
 # Radians by which a whirl in a contact turns from a sample to the next, in a drop: its sense shows.
 MOST_TURNED = 0.8
-# A drop is sampled this many times more finely than its speed asks for, as the whirl that may follow
-# is not known yet; samples that it turns out not to need are dropped.
+# A drop is sampled this many times more finely than its speed asks for, as the whirl to come is not
+# known yet; then as few of the samples are kept as resolve it.
 FINER = 12
 # In a period of the contact, which is the shortest period of dry whip.
 SAMPLES_A_CONTACT = 8
