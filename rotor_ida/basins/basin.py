@@ -137,7 +137,7 @@ def basin(
 
     Every start of a `RotorSystem` is followed as by `sweep`. Two motions are on one attractor if
     they are of one kind, and period, radii and, at whole revolutions, state agree to a part of
-    1e-5; on turning axes, of an axisymmetric system, period and radii decide. All contact-free
+    1e-5; on rotating axes, of an axisymmetric system, period and radii decide. All contact-free
     motions count as one attractor, as do all chaotic ones, all tori, and all rolling motions
     without a period of the same contacts. Only attractors that starts end on are listed.
 

@@ -140,7 +140,7 @@ class Motion:
     limits : Limits
         For how long it is followed.
     state : ndarray, shape (n,)
-        The state now, on axes that turn with the unbalance.
+        The state now, on axes that rotate with the unbalance.
     """
 
     flow: Flow

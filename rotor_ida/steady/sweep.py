@@ -223,7 +223,7 @@ def sweep(
     ``r r'``, found by simulating the window again with samples there. All runs use a tenth of the
     given tolerances, down to an ``rtol`` of 1e-12, since errors add up round a cycle.
 
-    An axisymmetric `RotorSystem` is autonomous on axes that turn with the unbalance: there a
+    An axisymmetric `RotorSystem` is autonomous on axes that rotate with the unbalance: there a
     synchronous whirl stands still, and other periodic motions are cycles of any period. Of any
     other system the states once a revolution are compared, and periods are whole revolutions.
 
