@@ -89,7 +89,7 @@ def no_circles(error: InputError) -> str:
     reason = error.fields.get("reason")
     if reason is None:
         return str(error)
-    return f"{reason}, so that whirls in contact are not circular; {COMPUTES}"
+    return f"{reason}, so that rubs are not circular; {COMPUTES}"
 
 
 def check_no_races(assembly: Assembly) -> None:
