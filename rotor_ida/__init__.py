@@ -1,4 +1,4 @@
-"""Rotors in clearances: Hertz contact simulated event by event, compared with closed forms.
+"""Rotor-stator contact with exact event location, validated against closed-form solutions.
 
 >>> from rotor_ida import Rotor, simulate, synchronous_response
 

@@ -1,12 +1,12 @@
 """A finite-element rotor that rubs in two places.
 
 A shaft of ten beam elements on two bearings carries two discs, with the gyroscopic moments of the
-discs: 44 degrees of freedom. A seal stands around the first disc with 0.1 mm of clearance. At the
-second one, 0.12 mm away, a retainer on a flexible mount moves with the shaft that it stops. Both
-rub with friction. Started from rest at a constant speed below the first critical speed, the rotor
-hits both. Run up, it rubs far beyond that speed before it comes off. The speed map shows why: up
-to a fold the rubbing whirl is stable beside the contact-free one, to which the rotor jumps there.
-Run down, it keeps clear of both stops until it would touch.
+discs: 44 degrees of freedom. A seal surrounds the first disc with a clearance of 0.1 mm. The
+second disc has a retainer on a flexible mount, with a clearance of 0.12 mm. Both rub with friction.
+Started from rest at a constant speed below the first critical speed, the rotor hits both. In a
+run-up it rubs far beyond that speed before it comes off. The speed map shows why: up to a fold the
+rubbing whirl is stable beside the contact-free one, to which the rotor jumps there. In a run-down
+it keeps clear of both until the contact-free whirl touches.
 
 Writes the run at constant speed (constant.nc), the run-up (run_up.nc), the settled responses up and
 down (speed_map.nc), the exact whirls at one speed (whirls.nc), the eigenvalues (campbell.nc) and

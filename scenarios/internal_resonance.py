@@ -2,7 +2,7 @@
 
 Two discs sit on an overhung shaft, and the outer one may touch a stator. Far above its critical
 speed the rotor runs inside the clearance, but a kick can leave it bouncing for ever. Shaw,
-Champneys and Friswell explain such cycles by two whirls of the free rotor. On axes that turn with
+Champneys and Friswell explain such cycles by two whirls of the free rotor. On axes that rotate with
 the rotor, a whirl of speed omega_1 turns by (Omega - omega_1) T in a period T of the cycle. Cycles
 exist about where this is a whole number of turns for two whirls at once,
 
@@ -113,7 +113,7 @@ def first_whirls(system: RotorSystem, speed: float) -> tuple[float, float]:
 
 
 def turns_of(system: RotorSystem, speed: float, period: float) -> tuple[float, float]:
-    """Return by how many turns the first two whirls turn in a period, on turning axes."""
+    """Return by how many turns the first two whirls turn in a period, on rotating axes."""
     backward, forward = first_whirls(system, speed)
     turn = period / (2.0 * math.pi)
     return (speed - backward) * turn, (speed - forward) * turn
@@ -156,7 +156,7 @@ def draw(
     settings.show(
         figure, "resonant_cycles",
         archives=[f"cycle_{a}by{b}" for a, b in cycles],
-        shows="One cycle of each family at the outer disc, on axes that turn with the rotor.",
+        shows="One cycle of each family at the outer disc, on axes that rotate with the rotor.",
         found="Contacts are slight where the speed is near that of whole turns.",
     )  # fmt: skip
 

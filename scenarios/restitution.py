@@ -3,8 +3,9 @@
 Hunt and Crossley's contact damping c takes energy from each impact. The restitution e of a radial
 impact at speed v follows from a closed form that contains neither stiffness nor exponent of the
 contact: x (1 + e) = ln((1 + x)/(1 - e x)) with x = c v. Simulated radial impacts agree with it to
-rounding in a linear and in a Hertzian stator, and so do their depths. A rotor that bounces, driven
-by its unbalance (omega = 2, zeta = 0.07, delta0 = 2), keeps its cycle at any contact damping. Its
+machine precision in a linear and in a Hertzian stator, and so do their depths. A rotor that
+bounces, driven by its unbalance (omega = 2, zeta = 0.07, delta0 = 2), keeps its cycle at any
+contact damping. Its
 branch over c has no end, but above a certain c it no longer leaves the stator. Chaos (omega = 1.38,
 delta0 = 1) ends at a far smaller c, in a cascade of period doublings.
 

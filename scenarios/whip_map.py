@@ -1,7 +1,7 @@
 """Map of dry whip over speed and friction, exact and simulated.
 
-In dry whip the disc rolls backwards round the stator, held by friction. Without unbalance the speed
-from which whip exists is known exactly for each coefficient of friction: there whip and the
+In dry whip the disc rolls backwards round the stator, sustained by friction. Without unbalance the
+speed from which whip exists is known exactly for each coefficient of friction: there whip and the
 slipping whirl are born together. Whether a rotor reaches whip is another question. Two rotors are
 simulated, each from rest on the axis, from a knock backwards along the stator, and on whip itself.
 One has a shaft (kappa = 0.05) in a linear stator, as in most publications, and one has none in a

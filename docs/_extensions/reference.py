@@ -12,12 +12,19 @@ from rotor_ida.schema import flags as categories
 HERE = Path(__file__).parents[1]
 # The main functions by task. A public name that is in no list is shown under the last title.
 TASKS = {
-    "Describe a rotor": ["Rotor", "DimensionalRotor", "dimensional"],
+    "Describe a rotor": [
+        *("Rotor", "DimensionalRotor", "machine_from_data_sheet", "load_machine", "save_machine"),
+        "dimensional",
+    ],
     "Describe a rotor system": [
         *("RotorSystem", "Contact", "Stator", "Race", "Unbalance", "Support", "Bearing"),
-        *("load_system", "load_course"),
+        *("ball_bearing_stiffness", "load_system", "load_course"),
     ],
-    "Simulate": ["simulate", "run_up", "run_ups", "contact_summary", "contact_forces", "rotating"],
+    "Simulate": [
+        *("simulate", "run_up", "run_ups", "summary", "contact_summary", "contact_forces"),
+        "rotating",
+    ],
+    "Drops on touchdown bearings": ["drop", "drop_ensemble"],
     "Exact responses": [
         *("synchronous_response", "folds", "hopf_points", "backward_whirl", "impact", "rest"),
         *("special_speeds", "campbell", "clearance_report"),
@@ -37,13 +44,16 @@ TASKS = {
         "subtract_runout",
     ],
     "Fit a measurement": ["fit"],
-    "Archives and studies": ["save", "load", "open_archive", "status", "resume"],
-    "Errors and other names": [],
+    "Archives, tables and studies": [
+        *("save", "load", "open_archive", "to_dataframe", "decode_flags", "concat"),
+        *("status", "resume"),
+    ],
+    "Errors and modules": [],
 }
 PARTS = {
     "rotor_ida.closed_forms": "Closed forms",
     "rotor_ida.plot": "Plots",
-    "rotor_ida.testing": "Tests of your own",
+    "rotor_ida.testing": "Assertions for your own tests",
     "rotor_ida.paper.printed": "The paper's formulas, as printed",
 }
 HEAD = """Functions and classes

@@ -52,7 +52,7 @@ compare(sweep(omega=[1.2, 1.7], zeta=0.07, delta0=[0.0, 0.5])).digits.squeeze().
 # ---------------
 #
 # At ω = 2, δ₀ = 2 the rotor bounces. On axes that rotate with the unbalance this motion is a closed curve. Shooting computes it to
-# rounding, with its multipliers.
+# machine precision, with its multipliers.
 
 from rotor_ida import limit_cycle
 
@@ -91,7 +91,7 @@ figure
 # The basin
 # ---------
 #
-# Which starts at rest lead to this cycle? Most starts are followed until they enter a trapping region, the rest until they settle
+# Which starts at rest lead to this cycle? Most orbits are followed until they enter a trapping region, the rest until they settle
 # (:doc:`/basins`). ``agreement`` is the fraction of labels that stay the same with a smaller step error.
 
 import numpy as np

@@ -61,7 +61,7 @@ print(f"events are timed to {float(in_si.event_time_error.max()):.1g} ms or bett
 #
 # A run from rest is one start of many. ``touchdown_report`` takes 200 starts, here within 50 µm, and follows each until it settles.
 # For each motion it returns the probability, the largest radius [m], the largest force [N], and more. (Contact-free whirls are
-# a family with centres anywhere they have room, so they have no single radius.)
+# a family with different centres, so they have no single radius.)
 
 from rotor_ida import touchdown_report
 

@@ -3,8 +3,8 @@ A compressor from ROSS, with oil films and labyrinths
 =====================================================
 
 Take a rotor that was built in ROSS, with its oil films and labyrinths as tables over the speed, and find out in ten minutes at which speed
-it becomes unstable, and whether its labyrinths are wide enough. You end with a page to hand on. You need an installation
-(:doc:`/install`), ROSS for the first step alone, and five commands.
+it becomes unstable, and whether its labyrinths are wide enough. You end with a report in HTML and PDF. You need an installation
+(:doc:`/install`), ROSS for the first step only, and five commands.
 
 1. Read the rotor
 -----------------
@@ -77,8 +77,8 @@ modes = campbell(compressor, speed=np.linspace(1000, 12000, 45) * rpm, modes=8)
 plot_campbell(modes)
 
 # %%
-# Circles on the dashed line are critical speeds, crosses those that are damped too much to be seen. The red circles are whirls that grow. The slowest
-# forward whirl does so, as the cross-coupled stiffness of films and labyrinths drives it forward. The speed at which this begins is the threshold of
+# Circles on the dashed line are critical speeds; crosses are critical speeds damped too strongly to show a peak. Red circles are growing whirls. The slowest
+# forward whirl grows, as the cross-coupled stiffness of films and labyrinths drives it. The speed at which this begins is the threshold of
 # instability::
 #
 #     rotor-ida special-speeds compressor.toml \
@@ -96,8 +96,8 @@ def threshold(system):
 print("unstable from {:,.0f} rpm on, with a whirl at {:,.0f} rpm".format(*threshold(compressor)))
 
 # %%
-# The compressor runs at 7,500 to 9,000 rpm and trips at 9,900 rpm, so it is stable, with little to spare at the trip speed. Labyrinths wear, and a
-# worn balance piston drives more. Twice its cross-coupling moves the threshold below the trip speed:
+# The compressor runs at 7,500 to 9,000 rpm and trips at 9,900 rpm, so it is stable, with a small margin at the trip speed. If the cross-coupling of the
+# balance piston doubles, as by wear, the threshold moves below the trip speed:
 
 film, eye, piston, other_film = compressor.bearings
 worn = replace(piston, stiffness=piston.stiffness * [[1.0, 2.0], [2.0, 1.0]])
@@ -138,7 +138,7 @@ for speed, factor in zip(
 # 4. Are the labyrinths wide enough?
 # ----------------------------------
 #
-# The clearance report answers in the manner of API 617, and writes the page to hand on, in HTML and PDF::
+# The clearance report compares the orbits with the clearances in the manner of API 617, in HTML and PDF::
 #
 #     rotor-ida clearance-report compressor.toml \
 #         --speed 7500rpm 9000rpm 9900rpm --probes 1 5 --report page
@@ -152,12 +152,11 @@ figure_of(report)
 print(report.attrs["sentence"].replace(". ", ".\n"))
 
 # %%
-# Each case is the unbalance that excites one mode, or two along the two axes, most. Both labyrinths pass: at continuous speeds the orbit, scaled to the vibration limit at the
-# probes, fills a fifth of the clearance where three quarters are allowed. Two thirds are filled on the way through the critical speed, for which there is no
-# limit. What would follow a touch is known in closed form only where the films are the same in all directions; a run-up
-# (``rotor-ida run-up compressor.toml``) shows it here.
+# Each case has the unbalance where it excites one mode most, or two modes along the two axes. Both labyrinths pass: at continuous speeds the orbit, scaled to the
+# vibration limit at the probes, fills a fifth of the clearance, and three quarters are allowed. It fills two thirds on the way through the critical speed, for which
+# there is no limit. What follows a touch is known in closed form only for isotropic films; here a run-up (``rotor-ida run-up compressor.toml``) shows it.
 #
-# Hand on this page together with the threshold of instability: the report compares clearances and says nothing about stability.
+# The report compares clearances and does not assess stability. Add the threshold of instability to it.
 #
 # Next: :doc:`/bearings` is the reference on tables over the speed, :doc:`/clearance_report` that on the page, :doc:`/system_files` that on the
 # file, and :doc:`/other_programs` compares rubs with those of ROSS.

@@ -3,17 +3,18 @@ A pump on its side, from its data sheet to a verdict
 ====================================================
 
 Find out in ten minutes whether a horizontal pump rubs on its way up to speed, how hard it rubs, and what better balancing changes.
-You start from a data sheet and end with a page to hand on. You need an installation (:doc:`/install`) and four commands.
-Beside each command is the Python that does the same; the output is that of the Python. If you have followed the README,
-keep its ``pump.toml`` and ``pump.nc`` and go on with step 3.
+You start from a data sheet and end with a report in HTML and PDF. You need an installation (:doc:`/install`) and four commands.
+
+Beside each command is the Python code that does the same, with its output. If you have followed the README,
+keep its ``pump.toml`` and ``pump.nc`` and continue with step 3.
 
 1. Write down the machine
 -------------------------
 
 A pump rotor of 12 kg runs on a shaft of 4 N/µm with a damping ratio of 3 %. It is balanced to G6.3 for its
 running speed of 3,600 rpm. Its shaft is horizontal, so it carries the weight: ``--load weight``. The wear ring leaves 150 µm of
-radial clearance, is as stiff as 100 N/µm, has a coefficient of friction of 0.12, and
-meets the rotor at a radius of 60 mm. The pump is dry: no fluid force acts in the wear ring. If you do not know the stiffness, try
+radial clearance, has a stiffness of 100 N/µm and a coefficient of friction of 0.12, and
+touches the rotor at a radius of 60 mm. The pump is dry: no fluid force acts in the wear ring. If you do not know the stiffness, try
 1e7 to 1e9 N/m: the speed of the first touch does not depend on it, the force does::
 
     rotor-ida machine --mass 12kg --shaft-stiffness 4e6N/m --damping-ratio 3% \
@@ -42,15 +43,15 @@ pump = machine_from_data_sheet(
 print(f"eccentricity {1e6 * pump.eccentricity:.2f} um, damping {pump.damping:.1f} N s/m")
 
 # %%
-# 2. Run it up, and hand on the page
-# ----------------------------------
+# 2. Run it up, and write a report
+# --------------------------------
 #
 # A new drive could take the pump to 5,500 rpm. Run it up from standstill in 20 s::
 #
 #     rotor-ida run-up --machine pump.toml \
 #         --to 5500rpm --in 20s --out pump.nc --figure pump --report page
 #
-# The folder ``page`` contains the report to hand on, in HTML and PDF: the answer, this figure, the machine, what is assumed, and the
+# The folder ``page`` contains the report in HTML and PDF: the answer, this figure, the machine, the assumptions, and the
 # command that computes it again.
 
 from math import pi
@@ -69,8 +70,8 @@ print(summary(run, running_speed=pump.speed).attrs["sentence"])
 
 # %%
 # At rest the shaft sags by weight over stiffness, a fifth of the clearance, so the gap below is the smaller one and the orbit meets the
-# stator there first: the orbit on the left touches at the bottom alone. Up to the running speed the pump is safe, and a drive for
-# 5,500 rpm would make it rub in short hits of up to seven times its weight, 118 N.
+# stator there first: the orbit on the left touches only at the bottom. Up to the running speed the pump is safe. A drive for
+# 5,500 rpm would make it rub in short impacts of up to seven times its weight of 118 N.
 #
 # 3. Read the Bode plot
 # ---------------------
@@ -87,7 +88,7 @@ from rotor_ida.plot import plot_bode
 plot_bode(run)
 
 # %%
-# A cascade of the same run (``--kind cascade``) shows backward whirl at negative frequencies, which the hits excite. It is not dry whip, as the
+# A cascade of the same run (``--kind cascade``) shows backward whirl at negative frequencies, which the impacts excite. It is not dry whip, as the
 # disc never rolls on the stator (:doc:`/rub`).
 #
 # 4. Balance it better

@@ -3,7 +3,7 @@ A run-down recorded by two probes
 =================================
 
 Read a run-down that two proximity probes and a keyphasor have recorded, and find out in ten minutes at which speed the rotor is critical, where the
-shaft lies in its clearance, and how large its unbalance is and at which angle. You end with a page to hand on. You need an installation
+shaft lies in its clearance, and how large its unbalance is and at which angle. You end with a report in HTML and PDF. You need an installation
 (:doc:`/install`) and four commands; beside each is the Python that does the same.
 
 The file
@@ -11,8 +11,8 @@ The file
 
 The probes are at 45° right and left of the vertical, their sensitivity is 7.87 V/mm (200 mV/mil), and in the centre of the stator they read −10 V.
 The file is made here, so that the correct answers are known: a horizontal rotor of 40 kg with its critical speed at 3,000 rpm and 5 % of critical
-damping. Its unbalance eccentricity is 12 µm, at 40° from the mark of the keyphasor. It slows down from 6,000 rpm and turns slowly at 300 rpm at the end. The
-surface under the probes runs out by 3 µm once and by 1 µm twice a revolution, and each probe has noise of half a micrometre. With
+damping. Its unbalance eccentricity is 12 µm, at 40° from the mark of the keyphasor. It slows down from 6,000 rpm to a slow roll at 300 rpm. The
+surface under the probes has a runout of 3 µm once and 1 µm twice a revolution, and each probe has noise of 0.5 µm. With
 a file of your own skip this block.
 """
 
@@ -85,7 +85,7 @@ print(f"critical speed {found_speed:,.0f} rpm, amplification factor {factor:.1f}
 
 # %%
 # The critical speed is 3,000 rpm and the factor for 5 % of damping is 10. A run-down shows the peak a little late, at a lower speed, and
-# flatter; the faster the run-down, the larger this error. The fit of step 4 is free of it. The attributes say what was guessed and subtracted:
+# flatter; the faster the run-down, the larger this error, which the fit of step 4 does not have. The attributes say what was guessed and subtracted:
 
 print(signals.attrs["columns"])
 print(signals.attrs["notes"].replace("; ", ";\n"))
@@ -135,11 +135,11 @@ ratio = moving.whirl_over_spin.values
 print(f"whirl over spin above 1,000 rpm: {ratio.min():.2f} to {ratio.max():.2f}")
 
 # %%
-# The whirl is forward and synchronous, and the cascade has no line beside 1X: unbalance alone, no rub and no whirl of an oil film. :doc:`/signatures` shows what
-# those look like.
+# The whirl is forward and synchronous, and the cascade has no line beside 1X: the unbalance is the only cause, with neither rub nor oil whirl.
+# :doc:`/signatures` shows the signs of rub.
 #
-# 4. Find the unbalance, and hand on the page
-# -------------------------------------------
+# 4. Find the unbalance, and write a report
+# -----------------------------------------
 #
 # Fit stiffness, damping and unbalance to the passage through the critical speed. The mass is known; guess the rest to about a third::
 #
@@ -151,7 +151,7 @@ print(f"whirl over spin above 1,000 rpm: {ratio.min():.2f} to {ratio.max():.2f}"
 #         --sensitivity 7.87V/mm --length um \
 #         --gap -10V --slow-roll 34.5s 40s --runout-orders 2
 #
-# The folder ``page`` contains the report to hand on, in HTML and PDF. It has this figure, the values with their errors, the machine found, and the command.
+# The folder ``page`` contains the report in HTML and PDF, with this figure, the values with their errors, the fitted machine, and the command.
 
 from rotor_ida import DimensionalRotor, fit
 from rotor_ida.plot import fit_figure

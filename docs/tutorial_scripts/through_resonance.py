@@ -127,7 +127,7 @@ with style():
 figure
 
 # %%
-# Contact ends late: the rotor passes the fold before its radius begins to fall, which takes some revolutions. The delay depends on the
+# Contact ends late: the rotor passes the fold, and its radius takes some revolutions to fall. The delay depends on the
 # rate.
 #
 # Compare rates

@@ -259,7 +259,7 @@ class Attractors:
         times = periods.max() / periods.min()  # round the cycle, which may be found as a multiple
         if abs(times / round(times) - 1.0) > SAME or _differing(known, row).any():
             return False
-        # on turning axes a motion meets a cycle anywhere
+        # on rotating axes a motion meets a cycle anywhere
         return self.flow.period is None or self._has_state(number, row)
 
     def _has_state(self, number: int, row: np.void) -> bool:

@@ -54,13 +54,13 @@ def basin(
         `DimensionalRotor` starts and results are in SI units. A `RotorSystem` has a contact, and
         units of its own.
     speed, node : float, str
-        Spin speed of a `RotorSystem`, not 0, and the node that is knocked to each place.
+        Spin speed of a `RotorSystem`, not 0, and the node whose displacement and velocity vary.
     x, y, vx, vy : float or array_like, shape (n,)
         Components of the start [dimensionless], or displacement and velocity of the node of a
         `RotorSystem`: exactly two are increasing arrays, two are numbers.
     start : (q, velocity), "settled", "rest", None or Dataset, optional
-        The state of a `RotorSystem` that is changed so that the node starts as asked: as in
-        `simulate`, by default at rest at 0. See the notes for what the other nodes do.
+        The state of a `RotorSystem`, as in `simulate`, to which that of the node is added; by
+        default at rest at 0. The notes say how the other nodes follow.
     modes : int, optional
         Modes of a `RotorSystem`, as in `simulate`.
     rtol : float, optional
@@ -100,7 +100,7 @@ def basin(
         ``lifetime``; ``amplitude``, ``phase_lag``, ``radius_min``, ``radius_max``,
         ``largest_force`` and ``touched`` are on ``(attractor, contact)``, ``node_amplitude``,
         ``node_phase_lag``, ``node_radius_min`` and ``node_radius_max`` on ``(attractor, node)``,
-        and ``final_state``, from which `simulate` or `limit_cycle` goes on, on ``component``.
+        and ``final_state``, a start of `simulate` or `limit_cycle`, on ``component``.
 
     Raises
     ------
@@ -137,7 +137,7 @@ def basin(
 
     Every start of a `RotorSystem` is followed as by `sweep`. Two motions are on one attractor if
     they are of one kind, and period, radii and, at whole revolutions, state agree to a part of
-    1e-5; on turning axes, of an axisymmetric system, period and radii decide. All contact-free
+    1e-5; on rotating axes, of an axisymmetric system, period and radii decide. All contact-free
     motions count as one attractor, as do all chaotic ones, all tori, and all rolling motions
     without a period of the same contacts. Only attractors that starts end on are listed.
 
@@ -190,7 +190,7 @@ def basin_fractions(
     progress: Progress | bool | None = None,
     **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
-    """Compute basin fractions: the share of random starts in a box that end on each attractor.
+    """Compute basin fractions: the fraction of random starts in a box that reach each attractor.
 
     Parameters
     ----------

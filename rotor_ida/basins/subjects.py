@@ -1,7 +1,8 @@
 """The rotors whose starts are labelled: one disc or more, or a rotor system and its node.
 
-The whole of a rotor system starts where that node is knocked to a place. Each start is followed by
-itself until it has settled; those of one disc are followed side by side (`rotor_ida.basins.fates`).
+The state of the node determines that of the rest of a rotor system. Each start is followed
+separately until it has settled; those of one disc are followed side by side
+(`rotor_ida.basins.fates`).
 """
 
 from __future__ import annotations

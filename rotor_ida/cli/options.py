@@ -92,7 +92,7 @@ OPTIONS: dict[Group | None, dict[str, Parameter]] = {
     SPEED: {
         "begin": quantity_option(
             "Initial speed (SI: rad/s, or as 300rpm). Default: --omega or --speed, 0 with "
-            "--machine, or what a system file says.",
+            "--machine, or the value in the system file.",
             "rad s-1", name="--from"),
         "speeds": read_by(
             "Speeds at given times, the first at time 0, linear in between (SI: s and rad/s, or as "
@@ -155,7 +155,7 @@ OPTIONS: dict[Group | None, dict[str, Parameter]] = {
         "starts": _states(
             "Initial states, one or more, or the words settled (steady whirl without contact) and "
             "rest (in equilibrium with the load) for those of each rotor. Default: rest, or "
-            "what a system file says."),
+            "the value in the system file."),
         "bifurcation_diagram starts": _states(
             "Initial states, one or more, instead of random ones; also settled (steady whirl "
             "without contact) and rest (in equilibrium with the load)."),

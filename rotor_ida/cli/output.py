@@ -30,7 +30,7 @@ RESULT = "result.nc"
 OUT_ENDING = ".nc"
 PICTURES = (".png", ".svg")
 PDF = ".pdf"
-FORCED = "--force is given"
+FORCED = "--force"
 # Most rows of a table in a report. The archive in the same folder has all of them.
 MOST_IN_REPORT = 20
 

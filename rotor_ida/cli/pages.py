@@ -1,4 +1,4 @@
-"""Reports that one hands on: a page of HTML and a PDF, with figures, and how to repeat them."""
+"""Reports: a page of HTML and a PDF, with figures, and the commands that repeat them."""
 
 from __future__ import annotations
 
@@ -140,9 +140,9 @@ class Pages:
         from rotor_ida.plot.appearance import boxes_for_letters  # noqa: PLC0415 - heavy
 
         html, pdf = folder / HTML, folder / PDF
-        with file_to_write("report", html, overwrite=overwrite) as part:
+        with file_to_write(html, overwrite=overwrite) as part:
             part.write_text(self._html(), encoding="utf-8")
-        with file_to_write("report", pdf, overwrite=overwrite) as part, boxes_for_letters():
+        with file_to_write(pdf, overwrite=overwrite) as part, boxes_for_letters():
             figures = [figure for _, figure in self.figures]
             write_pdf(part, self.title, self._in_order(), figures, self.system)
         return [html, pdf]

@@ -56,7 +56,7 @@ def _units_of(parameter: Row) -> tuple[str, ...]:
 
 def _help(name: str, text: str) -> str:
     """Return the help of an option for a parameter."""
-    return f"{text[:-1]}; or weight, that of a machine." if name == "load" else text
+    return f"{text[:-1]}; or the word weight." if name == "load" else text
 
 
 # For one rotor or several, dimensionless or in SI units, or in an archive.

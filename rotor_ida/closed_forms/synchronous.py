@@ -123,7 +123,7 @@ def synchronous_response(
     and ``H = b D**-1 b'``. A whirl with the normal forces N, the amplitudes ``A = delta + d`` and
     the directions ``E``, ``|E| = 1``, of the contacts that touch obeys ``A E = U - H N (1 + i mu
     sigma) E``, where sigma is the sign of the speed: the surfaces slide forwards. It is exact:
-    forces are constant on axes that turn with the rotor. See `rotor_ida.closed_forms.whirls` for
+    forces are constant on axes that rotate with the rotor. See `rotor_ida.closed_forms.whirls` for
     how all solutions are isolated. Whirls that touch more than two contacts at a time are not
     sought; ``most_touching`` says so.
 
@@ -132,7 +132,7 @@ def synchronous_response(
     0.707 of its height, as in `clearance_report`.
 
     Phases lag the direction that points along x at time 0, as an unbalance of phase 0 does. A
-    growth rate is the largest real part of the eigenvalues on turning axes (`turning_axes`).
+    growth rate is the largest real part of the eigenvalues on rotating axes (`turning_axes`).
     Two whirls that nearly coincide at a fold may both be missing.
 
     References

@@ -122,7 +122,7 @@ class RubNear:
         return self.at(place)[1].real
 
     def at(self, place: float) -> tuple[Values, complex]:
-        """Return state, on turning axes, and eigenvalue of the rub for a value of the parameter."""
+        """Return state, on rotating axes, and eigenvalue of the rub for a parameter value."""
         if not self.touching:
             raise ValueError("no contact stays closed")
         flow = self.flow.but(**{self.name: place})

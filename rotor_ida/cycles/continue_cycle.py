@@ -171,8 +171,8 @@ def continue_cycle(
     by single shooting with Taylor series of order 19; see docs/cycles.md. Let M be the monodromy
     matrix and ``q = exp(-2 zeta T)``. A fold is a zero of ``2 (1 + q) - tr M``, a period doubling
     one of ``tr M``. At a graze the number of contacts changes: an extremum of the radius touches
-    the stator. At ``sliding`` the number of times changes that the disc begins to roll or slides
-    the other way: the slip speed just reaches 0, multipliers jump, and the branch has a corner,
+    the stator. At a ``sliding`` point the number of roll or reverse events per
+    period changes: the slip speed just reaches 0, multipliers jump, and the branch has a corner,
     around which it is followed. At ``discontinuous`` multipliers jump over the unit circle, at such
     a corner or at a graze of a linear or damped contact.
 
@@ -181,7 +181,7 @@ def continue_cycle(
     nontrivial multipliers, each factor over its size where that is not small. A
     complex pair may cross the unit circle, where the product of ``1 - mu_i mu_j`` is 0: a torus is
     born, on which the motion never repeats. Under a load the period is that of k revolutions,
-    ``k 2 pi/omega``, along the whole branch. Special points are located to rounding.
+    ``k 2 pi/omega``, along the whole branch. Special points are located to about 1e-13.
 
     A branch ends at the limits, closed, at ``halved`` (a doubled cycle has become one of half its
     period), at ``hopf`` (its cycles shrink to the whirl from which they are born, located by the

@@ -169,8 +169,8 @@ def limit_cycle(
         Of a `RotorSystem` ``contact_count``, ``radius_min``, ``radius_max``, ``largest_force`` and
         ``touched`` are on ``contact``, ``node_radius_min`` and ``node_radius_max`` on ``node``, and
         ``x y vx vy`` on ``(t, node)``; there is no spectrum. On ``component``: ``final_state``, the
-        state at its start and end, with the unbalance at angle 0. The attribute ``axes`` tells on
-        which axes it closes.
+        state at its start and end, with the unbalance at angle 0. The attribute ``axes`` names the
+        axes on which it closes.
 
         Where a parameter is an array, the numbers of the cycle at each point, with ``status`` and
         ``message``. What lies on ``t`` and ``line`` is left out; of one disc ``x y vx vy`` are the

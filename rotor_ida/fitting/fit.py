@@ -85,7 +85,7 @@ def fit(
         and ``contact_damping``, the largest of the contacts, and ``unbalance``, the largest: all
         others keep their ratios to it. For all: ``unbalance_angle``, the angle by
         which the unbalance leads the keyphasor mark [rad]; 0 if it is not fitted. Its first guess
-        comes from the phase of the whirl before contact, or is 0 where that says nothing.
+        comes from the phase of the whirl before contact, or is 0 without such a whirl.
     orders : array_like, shape (k,)
         Multiples of the speed whose amplitudes and phases are compared, forward and backward
         [dimensionless]; 0 is the mean position.
@@ -156,10 +156,9 @@ def fit(
     standard error of ``step/sqrt(12)`` and a common one of ``step/10``, are part of the covariance
     of the residuals. An angle that is given at each sample counts as exact. Where a slow roll was
     subtracted (`rotor_ida.subtract_runout`), so is the whirl without contact that the trial has at
-    the speeds of the slow roll, and the error of the slow roll is part of the covariance too. It
-    holds
-    for white noise that is equal in all directions and small enough for the motion to change
-    linearly.
+    the speeds of the slow roll, and the error of the slow roll is part of the covariance too. The
+    covariance holds for white noise that is equal in all directions and small enough for the
+    motion to change linearly.
 
     References
     ----------

@@ -22,7 +22,7 @@ from rotor_ida.model.system_parts import Contact, Race, Stator, stators_of
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Assembly:
-    """A rotor system with all that stands around it.
+    """A rotor system joined with its stators and contacts.
 
     Parameters
     ----------

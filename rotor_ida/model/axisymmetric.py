@@ -87,7 +87,9 @@ class ForwardMotions:
 def no_circles(error: InputError) -> str:
     """Return why whirls in contact are no circles, and what to ask instead, from a refusal."""
     reason = error.fields.get("reason")
-    return str(error) if reason is None else f"{reason}, so that they are no circles; {COMPUTES}"
+    if reason is None:
+        return str(error)
+    return f"{reason}, so that rubs are not circular; {COMPUTES}"
 
 
 def check_no_races(assembly: Assembly) -> None:

@@ -28,10 +28,12 @@ class Bearing:
     node : str
         Name of the node.
     stiffness, damping : array_like, shape (), (2, 2), (n,) or (n, 2, 2)
-        Coefficients K and C, along x and y, which need not be symmetric. A number stands for the
-        same along both without cross-coupling; with a row for each speed they depend on it.
+        Coefficients K and C, along x and y, which need not be symmetric. A number is the
+        coefficient along both, without cross-coupling. With a row for each speed the
+        coefficients depend on the speed.
     speed : array_like, shape (n,), optional
-        Speeds of the rows, increasing. One speed tells at which constant coefficients were taken.
+        Speeds of the rows, increasing. A single speed only records where constant coefficients
+        were taken.
     stator : str, optional
         The node that holds the bearing, such as one of a casing; then u is the displacement
         relative to it. Default: the ground.

@@ -1,4 +1,4 @@
-"""Where one disc may begin: at rest under its load, or settled on the whirl without contact.
+"""Starts of one disc: at rest under its load, or settled on the whirl without contact.
 
 `rotor_ida.simulation.starts` asks it, and finds the same of rotor systems.
 """

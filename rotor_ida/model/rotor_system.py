@@ -102,7 +102,7 @@ class RotorSystem:
         The part of the mass matrix that gravity does not act on: fluid that moves with the rotor,
         as in seals. Default: none.
     note : str
-        What every result of the system states, as a limit of its matrices.
+        A text that every result of the system repeats, such as the limits of its matrices.
 
     Examples
     --------
@@ -307,8 +307,8 @@ class RotorSystem:
             The rotor. Nothing of ROSS is imported: any object with its methods ``M K C G``, or
             with its matrices ``M0 K0 C0`` and its ``bearing_elements``, will do.
         speed : float, optional
-            Speed at which coefficients of bearings and seals are frozen, where tables are not
-            wanted [rad/s]. Default: each bearing and seal is a `Bearing` with its own table.
+            Speed at which coefficients of bearings and seals are frozen [rad/s]. Default: each
+            bearing and seal is a `Bearing` with its own table.
         contacts, unbalance, supports, bearings, gravity, static_force : optional
             As for a system by its matrices.
 

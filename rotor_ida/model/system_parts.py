@@ -1,4 +1,4 @@
-"""What stands around a rotor system: contacts, stators, races and unbalance."""
+"""The parts of a rotor system: contacts, stators, races, unbalance and supports."""
 
 from __future__ import annotations
 
@@ -65,7 +65,7 @@ class Stator:
     Parameters
     ----------
     mass : float
-        Its mass; 0 for one that its mount damps, which then moves as its one contact pushes it.
+        Its mass. With 0 its mount must be damped; its velocity follows the force of its contact.
     stiffness, damping : float or (float, float)
         Stiffness and damping of its mount, along x and y; without mass the damping is the same
         along both.

@@ -42,7 +42,7 @@ def plot_drops(drops: xr.Dataset) -> Figure:
     """Draw many drops: the fraction of them below a value, by bearing; or a grid of drops.
 
     Of a grid: ranges over the axis with most values besides the phase, with means (dots), and the
-    share of drops that whirl backwards, over two axes if another varies.
+    fraction of drops that whirl backwards, over two axes if another varies.
 
     Parameters
     ----------
@@ -267,13 +267,13 @@ def save_orbit_film(
         writer: AbstractMovieWriter = (
             PillowWriter(fps=speed) if target.suffix == ".gif" else FFMpegWriter(fps=speed)
         )
-        with file_to_write("film", target, overwrite=overwrite) as part:
+        with file_to_write(target, overwrite=overwrite) as part:
             film.save(part, writer=writer, dpi=120)
     return target
 
 
 def check_film(
-    path: str | os.PathLike[str], *, overwrite: bool, permission: str = "overwrite is true"
+    path: str | os.PathLike[str], *, overwrite: bool, permission: str = "overwrite=True"
 ) -> Path:
     """Return the path of a film that can be written here."""
     from matplotlib.animation import FFMpegWriter  # noqa: PLC0415 - takes a moment

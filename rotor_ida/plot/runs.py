@@ -250,7 +250,7 @@ def plot_node_orbits(run: xr.Dataset, *, nodes: Sequence[str] | None = None) -> 
     Returns
     -------
     Figure
-        The figure. In a stator that moves the orbit is that relative to the stator. Where friction
+        The figure. If a stator moves, the orbit is drawn relative to it. Where friction
         acts, colours show slip and rolling.
 
     Examples

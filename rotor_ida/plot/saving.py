@@ -84,7 +84,7 @@ def save_figure(
     ]
     with style(), _settled_layout(figure):
         for path in paths:
-            with file_to_write("stem", path, overwrite=overwrite) as part:
+            with file_to_write(path, overwrite=overwrite) as part:
                 _draw(figure, part)
     return paths
 

@@ -1,4 +1,4 @@
-"""What a result of a rotor system was computed from, as variables of its dataset, and back.
+"""The inputs of a result of a rotor system as variables of its dataset, and back.
 
 The matrices are those that were integrated: of a reduced system, the reduced ones. Gravity is
 within the constant force. So a result can be computed again, to the bit, from its dataset alone.

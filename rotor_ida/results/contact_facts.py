@@ -1,4 +1,4 @@
-"""What contact comes to in a run: touches, the largest radius and force, losses, and when.
+"""Contact in a run: touches, the largest radius and force, losses, and their times.
 
 The columns are those of a run of one disc, or of one contact of a rotor system.
 """

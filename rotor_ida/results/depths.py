@@ -1,4 +1,4 @@
-"""How far contacts are pressed in, by a result, and whether too far for the contact law."""
+"""Indentations of contacts in a result, and a warning where they exceed the contact law."""
 
 from __future__ import annotations
 

@@ -61,7 +61,7 @@ def check_path(name: str, path: object, *, kind: str = "file") -> Path:
 
 
 def check_target(
-    name: str, path: object, *, overwrite: object, permission: str = "overwrite is true"
+    name: str, path: object, *, overwrite: object, permission: str = "overwrite=True"
 ) -> Path:
     """Return the path, given as the argument `name`, of a file that can be written.
 
@@ -87,15 +87,15 @@ def check_target(
     if os.path.exists(target) and not os.path.isfile(target):
         raise InputError(f"{name} must be a file, got the device or pipe {shown(given)}")
     if os.path.exists(target) and not overwrite:
-        raise already_there(name, given, permission)
+        raise already_there(given, permission)
     if not os.access(target.parent, os.W_OK):
         raise InputError(f"{name} must be in a folder that can be written to, got {shown(given)}")
     return given
 
 
-def already_there(name: str, path: Path, permission: str = "overwrite is true") -> InputError:
+def already_there(path: Path, permission: str = "overwrite=True") -> InputError:
     """Return the error for a file that may not be replaced."""
-    return InputError(f"{name} must not exist unless {permission}, got {shown(path)}")
+    return InputError(f"{shown(path)} already exists; pass {permission} to replace it")
 
 
 def refusal(error: OSError, path: Path) -> str | None:
@@ -114,7 +114,7 @@ def refusal(error: OSError, path: Path) -> str | None:
 
 
 @contextmanager
-def file_to_write(name: str, path: Path, *, overwrite: bool) -> Iterator[Path]:
+def file_to_write(path: Path, *, overwrite: bool) -> Iterator[Path]:
     """Yield as `written_whole`; raise errors of this package that name the file in one line.
 
     Raises
@@ -128,7 +128,7 @@ def file_to_write(name: str, path: Path, *, overwrite: bool) -> Iterator[Path]:
         with written_whole(path, overwrite=overwrite) as part:
             yield part
     except FileExistsError:
-        raise already_there(name, path) from None
+        raise already_there(path) from None
     except (OSError, RuntimeError) as error:
         reason = refusal(error, path) if isinstance(error, OSError) else None
         if reason is None:  # netCDF hides a full disk

@@ -1,4 +1,4 @@
-"""What is said of a rotor system without contact that grows, or that nothing holds: one place."""
+"""Sentences on a rotor system that is unstable without contact, or that nothing holds."""
 
 from __future__ import annotations
 

@@ -111,7 +111,7 @@ def save_machine(
     """
     check_instance("machine", machine, DimensionalRotor)
     place = check_target("path", path, overwrite=overwrite)
-    with file_to_write("path", place, overwrite=overwrite) as part:
+    with file_to_write(place, overwrite=overwrite) as part:
         part.write_text(machine_text(machine), encoding="utf-8")
     return place
 

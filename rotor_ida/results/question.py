@@ -1,4 +1,4 @@
-"""What was asked: a verb of the package with its arguments, as JSON and back.
+"""The question of a result: a function of the package with its arguments, as JSON and back.
 
 A study has it as its key, and a result as an attribute, without dimensions for one disc. To verify
 a result, or to resume a study, is to ask the same question again.

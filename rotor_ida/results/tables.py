@@ -184,13 +184,13 @@ def save_tables(
     ]
     for place, table in zip(paths, tables.values(), strict=True):
         check_target("path", place, overwrite=overwrite)
-        with file_to_write("path", place, overwrite=overwrite) as part:
+        with file_to_write(place, overwrite=overwrite) as part:
             table.to_csv(part, index=False)
     return paths
 
 
 def check_tables(
-    name: str, path: object, *, overwrite: bool, permission: str = "overwrite is true"
+    name: str, path: object, *, overwrite: bool, permission: str = "overwrite=True"
 ) -> Path:
     """Return the path of CSV files; raise `InputError` if they cannot be written.
 
@@ -203,7 +203,7 @@ def check_tables(
     if not overwrite:
         for other in given.parent.iterdir():
             if other.name.startswith(f"{given.stem}.") and other.suffix == ENDING:
-                raise already_there(name, other, permission)
+                raise already_there(other, permission)
     return given
 
 

@@ -1,4 +1,4 @@
-"""What every dataset of the package says of itself: names, units, and words of categories.
+"""Names, units and categories of the variables of all datasets.
 
 `quantities` is the one table of variables, `flags` the words and numbers of categories, `datasets`
 makes what is labelled by both.

@@ -768,7 +768,7 @@ DEPENDS_ON_ROUNDING = {
     "message": "words of a solver",
 }  # fmt: skip
 # Attributes that are neither results nor a part of the question, and why.
-_MADE = "tells with what it was computed"
+_MADE = "describes how it was computed"
 NO_RESULTS = {
     **dict.fromkeys(
         ("Conventions", "title", "source", "command", "history", "references", "comment", "note",
@@ -789,7 +789,7 @@ def why_no_result(attribute: str) -> str:
     Examples
     --------
     >>> why_no_result("command"), why_no_result("numpy_version"), why_no_result("duration")
-    ('tells with what it was computed', 'tells with what it was computed', '')
+    ('describes how it was computed', 'describes how it was computed', '')
     """
     begins, ends = OF_PROGRAM
     if attribute.startswith("machine_"):

@@ -32,7 +32,7 @@ def bode_peaks(signals: xr.Dataset, *, order: float = 1.0, sense: str = "forward
     order : float
         Multiple of the speed [dimensionless].
     sense : {"forward", "backward", "x", "y"}
-        The whirl, or the probe, whose amplitude is looked at.
+        The whirl, or the probe, whose amplitude is used.
 
     Returns
     -------
@@ -44,7 +44,7 @@ def bode_peaks(signals: xr.Dataset, *, order: float = 1.0, sense: str = "forward
     Raises
     ------
     InputError
-        If the angle is not known, or the record has not the order.
+        If the angle is not known, or the record does not contain the order.
 
     Notes
     -----
@@ -52,8 +52,8 @@ def bode_peaks(signals: xr.Dataset, *, order: float = 1.0, sense: str = "forward
     exceeds it, and that fall is more than two of its standard errors. Its place is that of the
     parabola through three windows, and the factor ``N_c/(N_2 - N_1)`` with the speeds of half power
     by linear interpolation between windows. A side that ends before is as wide as the other, and
-    its speed is NaN; a peak has one side at least. In a run-up the peak lies above the critical
-    speed by what the rate adds. Runout should be subtracted first.
+    its speed is NaN; a peak has one side at least. In a run-up the peak lies above the
+    critical speed, the more the higher the rate. Runout should be subtracted first.
 
     References
     ----------

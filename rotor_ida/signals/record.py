@@ -176,8 +176,8 @@ def signals_of(run: xr.Dataset, *, node: str | None = None) -> xr.Dataset:
         Displacements ``x y`` and ``angle``, that of the unbalance [rad], on ``t``; the parameters
         of the rotor as scalars. `rotor_ida.read_signals` returns the same, possibly with pulse
         times, ``keyphasor`` on ``pulse``, instead of ``angle``. Of a rotor system the scalars are
-        the name of the ``node`` and its ``clearance``: NaN unless one contact on the ground
-        stands centrally around it.
+        the name of the ``node`` and its ``clearance``: NaN unless it has just one contact on
+        the ground, centred on it.
 
     Raises
     ------

@@ -40,8 +40,8 @@ class Crossings(NamedTuple):
     times : ndarray, shape (crossing,)
         Times from the start.
     states : ndarray, shape (4, crossing) or (4, crossing, node)
-        Displacements and velocities of one disc or of the nodes of a system, on axes that turn with
-        the unbalance.
+        Displacements and velocities of one disc or of the nodes of a system, on axes that rotate
+        with the unbalance.
     motions : ndarray, shape (crossing, 2, n), optional
         Displacements and velocities of a system, as the core has them, on fixed axes.
     end : ndarray, shape (state,), optional

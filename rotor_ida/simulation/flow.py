@@ -1,10 +1,10 @@
-"""How a rotor at a constant speed moves: a map from state to state, on axes that turn with it.
+"""How a rotor at a constant speed moves: a map from state to state, on axes that rotate with it.
 
-A state is read on axes that turn with the unbalance, which is at angle 0 when a run begins. There a
-rotor without a direction of its own (a load, unequal bearings) moves by the same law at any time.
-Any other rotor does so after whole revolutions only, and closes after these: the ``period`` of a
-flow. One protocol serves both kernels, that of one disc here and that of rotor systems in
-`rotor_ida.simulation.systems.flow`.
+A state is read on axes that rotate with the unbalance, which is at angle 0 when a run begins. There
+a rotor without a fixed direction (a load, unequal bearings) moves by the same law at any time.
+Any other rotor does so after whole revolutions only, and its cycles close after these: the
+``period`` of a flow. One protocol serves both kernels, that of one disc here and that of rotor
+systems in `rotor_ida.simulation.systems.flow`.
 """
 
 from __future__ import annotations

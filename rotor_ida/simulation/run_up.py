@@ -66,8 +66,8 @@ def run_up(
     speed : float
         Speed of a `RotorSystem` at time 0, required with a ramp or a torque.
     to : float
-        Speed at the end of a ramp [dimensionless]. That of a `RotorSystem` goes on for all of the
-        `duration` without it.
+        Speed at the end of a ramp [dimensionless]. Without it the ramp of a `RotorSystem` lasts for
+        all of the `duration`.
     rate : float
         Change of speed per unit time [dimensionless], negative in a run-down.
     ramp_time : float

@@ -129,7 +129,7 @@ def poincare_section(
         ``crossing_time``, counted from the start, and ``rotating_x rotating_y rotating_vx
         rotating_vy`` on ``crossing`` [dimensionless]. Of a `RotorSystem` these are those of each
         node, on ``(crossing, node)``. ``crossing_state`` is q and velocity on fixed axes, and
-        ``final_state`` the state after the last revolution, from which another call goes on.
+        ``final_state`` the state after the last revolution, a start of another call.
 
     Raises
     ------

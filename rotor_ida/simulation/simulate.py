@@ -61,7 +61,7 @@ def simulate(
     rotor : Rotor, DimensionalRotor or RotorSystem
         The rotor. For a `DimensionalRotor` all numbers with a unit, given or returned, are in SI
         units, also in attributes and messages. Tolerances, and coordinates named ``omega``,
-        ``zeta`` and so on, stay dimensionless. A `RotorSystem` has units of its own.
+        ``zeta`` and so on, stay dimensionless. A `RotorSystem` has its own units.
     speed : float
         Spin speed of a `RotorSystem`, required; one disc has its own.
     start : array_like, shape (4,), (q, velocity), "settled", "rest" or Dataset, optional
@@ -95,8 +95,8 @@ def simulate(
         1e-13 (IDA 1e-12) to 1e-3; or Taylor series, about ten times as fast as CVODE at equal
         error, with `rtol` from 1e-15 to 1e-4. ``docs/events.md`` explains how each finds events.
         Default: Adams, or Taylor series where scikit-sundae, which carries CVODE, is missing. A
-        `RotorSystem` is followed by Taylor series by default, without IDA; CVODE
-        leads it while a contact touches, and with the reference also in flight.
+        `RotorSystem` has no IDA, and Taylor series by default; CVODE integrates its
+        contacts, and with the reference also its flight.
     flight : {"exact", "cvode"}
         Motion of one disc inside the clearance in closed form, or integrated. Taylor series always
         use the closed form; ``backend="python"`` always integrates.

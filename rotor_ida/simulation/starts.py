@@ -1,4 +1,4 @@
-"""Where a motion begins: in a given state, where a result ends, settled, at rest, or in a box."""
+"""Starts of a motion: a given state, the end of a result, settled, at rest, or drawn in a box."""
 
 from __future__ import annotations
 

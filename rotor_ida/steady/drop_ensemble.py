@@ -1,8 +1,8 @@
-"""Many drops of one rotor: distributions of what a drop delivers, over what is uncertain.
+"""Many drops of one rotor: distributions of the results of a drop over uncertain parameters.
 
 draw each drop: phase, friction, damping, unbalance and clearance, at random or on a grid;
 follow each drop twice, to its horizon;
-keep what each bearing suffered;
+keep the loads of each bearing;
 summarise random drops: means, quantiles and fractions, each with its sampling error, and how many
 of the drops reached each figure before their horizon;
 summarise a grid: ranges and where their ends lie, means by quadrature, and what the grid resolves.
@@ -90,7 +90,7 @@ def drop_ensemble(
     progress: Progress | bool | None = None,
     **changed: Unpack[SystemParameters],
 ) -> xr.Dataset:
-    """Drop a rotor many times, and compute distributions of what its bearings suffer.
+    """Drop a rotor many times, and compute distributions of the bearing loads.
 
     Parameters
     ----------
@@ -147,8 +147,9 @@ def drop_ensemble(
     the quantile lies with 95 % by the binomial distribution, whatever the distribution of the
     figure, and infinite where the sample is too small. Those of means are Hall's, which allow for
     skewness, joined with Student's, and end where the figure must: a force at 0, a time at the
-    duration. A figure that fewer than six drops have has neither quantiles nor intervals. No sample
-    tells of what it does not hold, so that an event of one drop in 20 needs some 100 drops.
+    duration. A figure known in fewer than six drops has neither quantiles nor intervals. A sample
+    cannot account for rare events that it does not contain: for an event of one drop in 20 take
+    about 100 drops.
     ``backward_whirl_fraction`` counts drops with a backward whirl of three turns or more,
     ``rest_fraction`` those that stay in contact at the end.
 
@@ -159,8 +160,8 @@ def drop_ensemble(
     neighbours, and means converge slowly.
 
     Up to its horizon a drop is determined by its parameters. ``decided_fraction`` is the fraction
-    of the drops whose largest force comes before: where it is 1, the largest forces do not depend
-    on the sample but through what was varied; where it is small, each one is one of many that are
+    of the drops whose largest force comes before. Where it is 1, the largest forces depend only
+    on the parameters that were varied; where it is small, each one is one of many that are
     possible, and only their distribution has a meaning.
 
     Examples

@@ -1,4 +1,4 @@
-"""What is delivered of a drop: forces, impulses, whirl, races and rest in each bearing."""
+"""Results of a drop: forces, impulses, whirl, races and rest in each bearing."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ NUMBERS = {
 def figures_of_drop(
     run: xr.Dataset, clearances: Mapping[str, float], capacities: Mapping[str, float]
 ) -> dict[str, Column]:
-    """Return what is delivered of a drop, as variables of its dataset.
+    """Return the results of a drop as variables of its dataset.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What drops on touchdown bearings come to, in words, and where one lies among many."""
+"""Drops on touchdown bearings in words, and the place of one drop among many."""
 
 from __future__ import annotations
 

@@ -47,7 +47,7 @@ THERE = 1e-7
 # Where a cycle may be: the state misses itself by at most these parts of the range of the motion,
 # likely or possibly.
 NEARER, NEAR = 1e-3, 0.3
-# What moves by less than this part of its size in a period stands still on turning axes.
+# What moves by less than this part of its size in a period stands still on rotating axes.
 MOVES = 1e-5
 # No contact opens or closes for this number of revolutions where the motion may stand still.
 LAST = 2.0
@@ -68,7 +68,7 @@ class Candidate:
     period : float
         The period.
     is_free : bool
-        Whether the period is unknown: that of an orbit on turning axes.
+        Whether the period is unknown: that of an orbit on rotating axes.
     is_likely : bool
         Whether the motion has nearly repeated itself after it.
     """
@@ -89,7 +89,7 @@ class Landing:
     period : float
         Its period.
     is_free : bool
-        Whether it moves on turning axes.
+        Whether it moves on rotating axes.
     slowest : complex
         The nontrivial multiplier with which neighbours return most slowly.
     growing : ndarray, shape (n,), or None
@@ -106,7 +106,7 @@ class Landing:
 def candidates(flow: SystemFlow, seen: Window) -> list[Candidate]:
     """Return the periods that a motion may have, from its last part, the likely ones first.
 
-    There are a whole number of samples each revolution. The motion may stand still on turning axes
+    There are a whole number of samples each revolution. The motion may stand still on rotating axes
     where no contact opened or closed in the last revolutions. Where all contacts stayed open it is
     linear, and may whirl about any point.
     """

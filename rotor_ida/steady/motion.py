@@ -1,8 +1,9 @@
 """A motion that is followed window after window, with what is asked of the last window.
 
-It may be that of one disc or of a rotor system. A run of a system costs much: while it waits, it is
-tried whether the motion leads to a cycle (`rotor_ida.steady.landing`), where it then goes on. One
-disc is followed all the way, and its kind decided by closed forms where one state is enough.
+It may be that of one disc or of a rotor system. As runs of a system cost much, Newton's method
+tries during the transient whether the motion leads to a cycle (`rotor_ida.steady.landing`), from
+which it then continues. One disc is simulated throughout, and closed forms decide its kind where
+one state is enough.
 """
 
 from __future__ import annotations
@@ -139,7 +140,7 @@ class Motion:
     limits : Limits
         For how long it is followed.
     state : ndarray, shape (n,)
-        The state now, on axes that turn with the unbalance.
+        The state now, on axes that rotate with the unbalance.
     """
 
     flow: Flow

@@ -1,4 +1,4 @@
-"""What a rotor settles on, at each point of a study over its speed and its parameters."""
+"""The settled response at each point of a study over the speed and the parameters of a rotor."""
 
 from __future__ import annotations
 

@@ -204,8 +204,8 @@ def sweep(
     - ``unresolved`` if it is none of these: then ``message`` gives for how long it was followed,
       and what still moved. Without damping nothing settles, and only the first window is observed.
 
-    A motion that sits on an unstable whirl or cycle (a small change grows in a period by more than
-    1e-5 of it) is moved off by 0.001 clearances, along the motions that grow, and followed anew.
+    A motion on an unstable whirl or cycle (a small deviation grows in a period by more than
+    1e-5 of it) is displaced by 0.001 clearances, along the growing motions, and followed again.
 
     A load rotates on the rotating axes. Under a load a motion is ``bouncing`` or ``full_contact``
     if its states once a revolution recur throughout such a window; ``contact_free`` around the
@@ -223,26 +223,27 @@ def sweep(
     ``r r'``, found by simulating the window again with samples there. All runs use a tenth of the
     given tolerances, down to an ``rtol`` of 1e-12, since errors add up round a cycle.
 
-    An axisymmetric `RotorSystem` is autonomous on axes that turn with the unbalance: there a
+    An axisymmetric `RotorSystem` is autonomous on axes that rotate with the unbalance: there a
     synchronous whirl stands still, and other periodic motions are cycles of any period. Of any
     other system the states once a revolution are compared, and periods are whole revolutions.
 
     The motion of a `RotorSystem` is followed until it shows to which stable cycle it leads;
     Newton's method then finds that cycle, from where the simulation goes on
     (`rotor_ida.steady.landing`). Only a motion that misses itself by less than 1e-9 of its size
-    over a window is periodic. So slight damping costs no thousands of revolutions. A motion that
-    shows no cycle is followed for 60 times the slowest decay time of a free motion, at least 1,500
-    and at most 4,000 revolutions. After 450 revolutions and 20 decay times, or 1,500 revolutions,
-    its largest Lyapunov exponents decide whether it is ``chaotic`` or ``quasi_periodic``: by
+    over a window is periodic. With slight damping this saves thousands of revolutions. A motion
+    that shows no cycle is followed for 60 times the slowest decay time of a free motion, at least
+    1,500 and at most 4,000 revolutions. After 450 revolutions and 20 decay times, or 1,500
+    revolutions, its largest Lyapunov exponents decide whether it is ``chaotic`` or
+    ``quasi_periodic``: by
     neighbours over 2,000 revolutions, or 8,000 in doubt. Chaos that lasts longer may still be a
     transient.
 
-    A motion that sits on an unstable equilibrium, whirl or cycle is moved off too. Without contact
-    nothing is chaotic: what grows there stays ``unresolved``, or fails.
+    A motion on an unstable equilibrium, whirl or cycle is displaced too. Without contact no motion
+    is chaotic: one that grows there stays ``unresolved``, or fails.
 
     A system is ``rolling`` (dry whip) if a contact stays closed, whirls backwards, and rolls in
-    every period or revolution. The kind ``touching`` of one disc is not told from ``unresolved``
-    ones.
+    every period or revolution. Fading touches are ``touching`` where no stiffness returns the
+    rotor to the axis.
 
     Examples
     --------

@@ -325,7 +325,7 @@ def test_bad_input_is_refused_before_a_file_is_written(capfd):
     Path("rotor.toml").write_text(FILE)
     Path("mine.gif").write_text("mine")
     assert main(["drop", "rotor.toml", "--out", "report", "--film", "mine.gif"]) == 2
-    assert "film must not exist unless --force is given" in capfd.readouterr().err
+    assert "already exists; pass --force to replace it" in capfd.readouterr().err
     assert not Path("report").exists()
 
 

@@ -194,7 +194,7 @@ def test_a_file_alone_is_drawn_as_suits_it_beside_it(
     assert json.loads(answer.out)["kind"] == kind
     drawn = {f"{copied.stem}.png", f"{copied.stem}.svg"}
     assert {path.name for path in Path().iterdir()} == {name} | drawn
-    assert "figure must not exist unless --force is given" in program("plot", name).err
+    assert "already exists; pass --force to replace it" in program("plot", name).err
 
 
 @pytest.mark.parametrize(

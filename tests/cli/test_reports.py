@@ -87,7 +87,7 @@ def test_a_report_has_what_was_given_and_its_line_gives_the_same_again(program: 
 @pytest.mark.parametrize(
     ("folder", "said"),
     [
-        ("taken", "report must not exist unless --force is given"),
+        ("taken", "already exists; pass --force to replace it"),
         ("mine", "report must be a folder, got 'mine'"),
         ("page.html", "report must be a folder, got 'page.html'"),
         ("nowhere/report", "report must be in a folder that exists"),

@@ -1,4 +1,4 @@
-"""Every question of every rotor: the table in the docs is what the functions do."""
+"""Functions for each rotor: the table in the docs is what the functions do."""
 
 from __future__ import annotations
 

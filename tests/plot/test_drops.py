@@ -78,7 +78,7 @@ def test_a_film_has_its_frames(tmp_path):
     path = save_orbit_film(drop(DISC, **GIVEN), tmp_path / "drop.gif", frames=4)
     with Image.open(path) as film:
         assert film.n_frames == 4
-    with pytest.raises(InputError, match="film must not exist unless overwrite is true"):
+    with pytest.raises(InputError, match="already exists; pass overwrite=True to replace it"):
         save_orbit_film(drop(DISC, **GIVEN), path)
     with pytest.raises(InputError, match="film must end in"):
         save_orbit_film(drop(DISC, **GIVEN), tmp_path / "drop.png")

@@ -51,7 +51,7 @@ def test_target_that_cannot_be_written_is_refused(tmp_path: Path) -> None:
     os.mkfifo(tmp_path / "pipe")
     (tmp_path / "astray").symlink_to(tmp_path / "nowhere" / "file")
     for path, overwrite, message in [
-        (there, False, "out must not exist unless --force is given, got '.*there.txt'"),
+        (there, False, "'.*there.txt' already exists; pass --force to replace it"),
         (tmp_path, True, "out must be a file, got the folder"),
         (tmp_path / "nowhere" / "file", False, "out must be in a folder that exists, got"),
         (tmp_path / "astray", True, "out must be in a folder that exists, got '.*astray'"),
@@ -60,7 +60,7 @@ def test_target_that_cannot_be_written_is_refused(tmp_path: Path) -> None:
         (there, 1, "overwrite must be true or false, got 1"),
     ]:
         with pytest.raises(InputError, match=message):
-            check_target("out", path, overwrite=overwrite, permission="--force is given")
+            check_target("out", path, overwrite=overwrite, permission="--force")
     assert check_target("out", there, overwrite=True) == there
     assert check_target("out", str(tmp_path / "new"), overwrite=False) == tmp_path / "new"
 
@@ -123,14 +123,14 @@ def test_a_disk_without_room_is_named_with_the_file_which_stays_as_it_was(tmp_pa
     target.write_text("before")
 
     def write(*, overwrite: bool) -> None:
-        with file_to_write("path", target, overwrite=overwrite) as part:
+        with file_to_write(target, overwrite=overwrite) as part:
             part.write_text("half of it")
             if overwrite:
                 raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
 
     with pytest.raises(ArchiveError, match=r"^cannot write .*file: No space left on device$"):
         write(overwrite=True)
-    with pytest.raises(InputError, match="path must not exist unless overwrite is true"):
+    with pytest.raises(InputError, match="already exists; pass overwrite=True to replace it"):
         write(overwrite=False)
     assert target.read_text() == "before"
 
@@ -180,7 +180,7 @@ def test_windows_is_answered_when_a_path_is_too_long(
         raise FileNotFoundError(errno.ENOENT, "The filename or extension is too long")
 
     def write(target: Path) -> None:
-        with file_to_write("path", target, overwrite=False):
+        with file_to_write(target, overwrite=False):
             pass
 
     long = tmp_path / f"{'n' * (214 - len(str(tmp_path)) - 4)}.nc"

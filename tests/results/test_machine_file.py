@@ -37,7 +37,7 @@ def test_the_documented_file_is_the_machine_it_says(tmp_path):
     assert (machine.contact_exponent, machine.disc_radius) == (1.0, 0.06)
     save_machine(machine, place, overwrite=True)
     assert load_machine(place) == machine
-    with pytest.raises(InputError, match="path must not exist unless overwrite is true"):
+    with pytest.raises(InputError, match="already exists; pass overwrite=True to replace it"):
         save_machine(machine, place)
 
 

@@ -180,7 +180,7 @@ def whirl_of(
     Parameters
     ----------
     places : ndarray of complex, shape (n + 1, node)
-        Displacements at equal times, over which the motion repeats itself on turning axes.
+        Displacements at equal times, over which the motion repeats itself on rotating axes.
     angles : ndarray, shape (n + 1,)
         Angles by which the rotor has turned [rad].
     stands : bool
@@ -197,7 +197,7 @@ def whirl_of(
     turned = np.array([steps_of_turning(each).sum() for each in places.T])
     ratio, sense = whirl_over_spin(turned, angles[-1], forward, backward)
     largest = sizes.max(axis=0)
-    sizes[0] = 0.0  # 1X, which is all of a motion that stands still on turning axes
+    sizes[0] = 0.0  # 1X, which is all of a motion that stands still on rotating axes
     sizes *= stands or not at_the_spin
     lines = orders[sizes.argmax(axis=0)]
     strongest = np.where(sizes.max(axis=0) > NO_LINE * largest, lines, math.nan)

@@ -151,8 +151,8 @@ def touchdown_report(
     motion, followed over many revolutions. A shock that enters no region is followed separately,
     which takes some milliseconds, for example where it may cause dry whip.
 
-    A `RotorSystem` is followed as by `rotor_ida.basin`. A shock of velocity is a blow at the node,
-    a shock of displacement pulls it aside, and the rest of the rotor goes with it as with a start.
+    A `RotorSystem` is followed as by `rotor_ida.basin`. A shock changes the velocity or the
+    displacement of the node, and the other nodes follow as at a start.
     If the system is axisymmetric, shocks are given at any phase of the motion, otherwise after
     whole revolutions. The smallest has been followed again with a tighter tolerance.
 

@@ -174,7 +174,7 @@ def _check_page(place: Path, force: bool) -> None:
 def _write(place: Path, page: str, force: bool) -> int:
     from rotor_ida.results.files import file_to_write  # noqa: PLC0415
 
-    with file_to_write("export", place, overwrite=force) as part:
+    with file_to_write(place, overwrite=force) as part:
         part.write_text(page, encoding="utf-8")
     _say(f"wrote {place}")
     return 0

@@ -8,6 +8,7 @@ from rotor_ida.checks import shown
 from rotor_ida.cli.output import FORCED
 from rotor_ida.cli.report import Report
 from rotor_ida.errors import InputError, InstallationError, MissingFileError
+from rotor_ida.results.files import already_there
 from rotor_ida.results.sheets import facts
 
 
@@ -26,7 +27,7 @@ def from_ross(
     if not file.exists():
         raise MissingFileError(f"file must be a file that exists, got {shown(file)}")
     if out.exists() and not force:
-        raise InputError(f"out must not exist unless {FORCED}, got {shown(out)}")
+        raise already_there(out, FORCED)
     try:
         import ross  # noqa: PLC0415 - takes seconds
     except ImportError as error:

@@ -4,7 +4,7 @@
 2. *Response*: the largest axis of each orbit over the speed, at probes and clearances.
 3. *Scale*: all is enlarged until the probes see the vibration limit at running speeds.
 4. *Shares*: the scaled axes over the diametral clearances, and the margins of critical speeds.
-5. *Rubs*: what follows a touch all the same, exactly: synchronous rubs, and dry whip.
+5. *Rubs*: what follows a touch, computed exactly: synchronous rubs, and dry whip.
 """
 
 from __future__ import annotations
@@ -136,8 +136,8 @@ def clearance_report(
     *Unbalance.* `multiple` times ``6350 W/N`` g mm of the mass W [kg] at N [rpm], and at least
     0.254 g mm for each kg, is placed at the node of each lobe of a mode that moves most, with
     opposite phases on opposite sides. W is divided equally among the antinodes. The standard takes
-    the static load of the nearest journal or an overhung mass, which matrices do not tell: give
-    the system an unbalance for that.
+    the static load of the nearest journal or an overhung mass, which the matrices do not contain:
+    for these give the system an unbalance.
 
     *Scale.* The vibration limit ``A = min(25.4, 25.4 sqrt(12000/N))`` um over the largest axis at a
     probe at continuous speeds, at most 6. Scaled axes may fill 75 per cent of the diametral

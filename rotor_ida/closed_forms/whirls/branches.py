@@ -97,7 +97,7 @@ class RubProblem:
         return rubbing_whirls(self.assembly, response, speeds, rows, touching, depths)
 
     def eigenvalues(self, touching: Touching, v: Values, speeds: Values) -> ComplexValues:
-        """Return the eigenvalues of rubs on turning axes, one row for each speed."""
+        """Return the eigenvalues of rubs on rotating axes, one row for each speed."""
         if not touching:
             found = eigenvalues_without_contact(self.motions, speeds)
             return np.asarray(found - 1j * speeds[:, np.newaxis])

@@ -204,7 +204,7 @@ def _growth(
     motions: ForwardMotions, row: ComplexValues, turned: ComplexValues, contact: Contact,
     w: float, amplitude: float, forces: complex,
 ) -> float:  # fmt: skip
-    """Return the growth rate of small motions about a rolling whirl, on axes that turn with it.
+    """Return the growth rate of small motions about a rolling whirl, on axes that rotate with it.
 
     They obey ``p'' + (C + Omega G + 2 i w) p' + (K - w**2 + i w (C + Omega G)) p = -b' phi`` with
     ``b p = xi + i eta``, the force ``phi = N_d xi + lambda N xi' + i tau + i (N + i T) eta/A`` and

@@ -9,7 +9,7 @@ the eigenvectors x and y of ``P(L) x = 0`` and ``y' P(L) = 0`` from an inverse i
 is exact to the product of their errors, if ``y' P x`` is. Its stiffness part cancels most: it is
 summed exactly, from products of slices of the numbers that fit a double.
 
-On turning axes a small motion has the parts ``x_1 exp((L + i Omega) t)``, forwards, and
+On rotating axes a small motion has the parts ``x_1 exp((L + i Omega) t)``, forwards, and
 ``x_2 exp((L - i Omega) t)``, whose conjugate is forwards. Both obey the given matrices,
 ``D(s) = K + s (C + Omega G) + s**2 M``, and the contacts couple them.
 """
@@ -50,7 +50,7 @@ def refined_growth(
     speeds : ndarray, shape (whirl,)
         Spin speeds.
     eigenvalues : ndarray of complex, shape (whirl, k)
-        Eigenvalues on turning axes, or without springs on fixed ones.
+        Eigenvalues on rotating axes, or without springs on fixed ones.
     springs : sequence of Springs, optional
         The contacts; None where there is none, so that forward motions are alone.
     """
@@ -84,7 +84,7 @@ class _Problem:
 
     @property
     def turns(self) -> list[tuple[int, ComplexValues]]:
-        """Number and rate, on turning axes, of each part of a motion."""
+        """Number and rate, on rotating axes, of each part of a motion."""
         if self.springs is None:
             return [(0, np.zeros_like(self.speeds, complex))]
         turning = 1j * self.speeds.astype(np.complex128)

@@ -104,8 +104,8 @@ def special_speeds(
         On ``special``, in order of speed: ``special_speed`` and ``special_kind``: ``threshold``,
         where the motion without contact begins or ceases to grow, as a whirl at ``whirl_speed``;
         ``fold``, where two whirls meet and vanish; ``hopf``, where a whirl in contact loses its
-        stability to an oscillation, with ``hopf_frequency`` on turning axes; and ``graze``, where a
-        whirl just touches another contact, the number ``grazed_contact``. On
+        stability to an oscillation, with ``hopf_frequency`` on rotating axes; and ``graze``, where
+        a whirl just touches another contact, the number ``grazed_contact``. On
         ``(special, contact)``: ``amplitude``, NaN at a threshold, and ``in_contact``. The whirls
         between: ``branch_amplitude`` on ``(speed, branch, contact)`` and ``branch_stability``. The
         attribute ``not_exact`` says why there are none.

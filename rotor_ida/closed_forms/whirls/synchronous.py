@@ -33,8 +33,8 @@ from rotor_ida.results.si_units import with_system_units
 from rotor_ida.schema import STABILITY, labelled_dataset
 
 _REFERENCES = (
-    "The forces of a whirl are constant on axes that turn with it: exact for any number of degrees "
-    "of freedom"
+    "The forces of a whirl are constant on axes that rotate with it: exact for any number of "
+    "degrees of freedom"
 )
 
 

@@ -1,6 +1,6 @@
-"""Stability of synchronous whirls of an axisymmetric system: eigenvalues on turning axes.
+"""Stability of synchronous whirls of an axisymmetric system: eigenvalues on rotating axes.
 
-On axes that turn with the unbalance a whirl stands still, and small motions p about it obey
+On axes that rotate with the unbalance a whirl stands still, and small motions p about it obey
 
     p'' + (C + Omega G + 2 i Omega) p' + (K - Omega**2 + i Omega (C + Omega G)) p = b' E phi.
 
@@ -41,7 +41,7 @@ class Whirls:
     depth : ndarray, shape (whirl, contact)
         Indentation of each contact, 0 where it is free.
     displacement : ndarray of complex, shape (whirl, contact)
-        Displacement of each contact, on axes that turn with the rotor.
+        Displacement of each contact, on axes that rotate with the rotor.
     """
 
     row: Rows
@@ -101,7 +101,7 @@ def eigenvalues_without_contact(motions: ForwardMotions, speeds: Values) -> Comp
 def eigenvalues_in_contact(
     motions: ForwardMotions, contacts: Sequence[Contact], speeds: Values, whirls: Whirls
 ) -> ComplexValues:
-    """Return the eigenvalues of whirls on turning axes, shape (whirl, 4 n).
+    """Return the eigenvalues of whirls on rotating axes, shape (whirl, 4 n).
 
     `speeds` are those of the whirls.
     """

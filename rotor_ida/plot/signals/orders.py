@@ -117,13 +117,13 @@ def plot_bode(
 
     Notes
     -----
-    The phase is the lag of the whirl behind the mark on the shaft; for a run that is the unbalance.
-    That of a probe is the angle from the mark to the next positive peak of its reading. Peaks of
-    measured signals have their speed and amplification factor, as in `rotor_ida.bode_peaks`.
-    It is 0 below and 180° above a resonance. The line breaks at a jump of the whirl, and a window
-    that spans a jump is left out. So is the lag of a measured amplitude below two standard errors,
-    as after a slow roll has been subtracted. A band shows two standard errors of measured signals
-    if these are more than 3 % of the largest amplitude in a tenth of the windows.
+    The phase is the lag of the whirl behind the mark on the shaft, which for a run is the
+    unbalance: 0 below and 180° above a resonance. That of a probe is the angle from the mark to
+    the next positive peak of its reading. Peaks of measured signals have their speed and
+    amplification factor, as in `rotor_ida.bode_peaks`. The line breaks at a jump of the whirl, and
+    a window that spans a jump is left out. So is the lag of a measured amplitude below two standard
+    errors, as after a slow roll has been subtracted. A band shows two standard errors of measured
+    signals if these are more than 3 % of the largest amplitude in a tenth of the windows.
 
     Examples
     --------

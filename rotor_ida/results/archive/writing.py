@@ -103,12 +103,12 @@ def save(dataset: xr.Dataset, path: str | os.PathLike[str], *, overwrite: bool =
     >>> save(run, folder.name + "/run.nc")
     Traceback (most recent call last):
     ...
-    rotor_ida.errors.InputError: path must not exist unless overwrite is true, got '.../run.nc'
+    rotor_ida.errors.InputError: '.../run.nc' already exists; pass overwrite=True to replace it
     >>> folder.cleanup()
     """
     shown = check_target("path", path, overwrite=overwrite)
     stored = archived_form(dataset)
-    with file_to_write("path", shown, overwrite=overwrite) as part:
+    with file_to_write(shown, overwrite=overwrite) as part:
         _write_netcdf(stored, part, dataset.attrs)
         append_seal(part)
     return shown

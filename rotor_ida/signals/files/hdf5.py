@@ -1,4 +1,4 @@
-"""Read HDF5 files in a process of their own: the library may crash on a damaged one, even later."""
+"""Read HDF5 files in a separate process: the library may crash on a damaged one, even later."""
 
 from __future__ import annotations
 

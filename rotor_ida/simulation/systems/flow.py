@@ -3,7 +3,7 @@
 A state ``u`` has the displacements and velocities in coordinates with a unit mass matrix, over the
 scales by which the core measures errors, and then the speeds of the races that spin. At the start
 of each run the unbalance is at angle 0. So the state after a whole revolution begins the next one.
-In an axisymmetric system a state can be turned back by any angle: on turning axes the motion does
+In an axisymmetric system a state can be turned back by any angle: on rotating axes the motion does
 not depend on the angle, and a run begins anywhere.
 """
 
@@ -447,7 +447,7 @@ class SystemFlow:
         return self.end_of(self.sampled(state, np.array([duration]), only_events=True))
 
     def samples_of(self, run: SystemResult, times: Values) -> Values:
-        """Return displacements and velocities at samples as states on turning axes.
+        """Return displacements and velocities at samples as states on rotating axes.
 
         The speeds of races are not sampled.
         """
@@ -469,7 +469,7 @@ class SystemFlow:
         return found
 
     def rate(self, state: Values) -> Values:
-        """Return the rate of a state on turning axes, by differences of second order in time."""
+        """Return the rate of a state on rotating axes, by differences of second order in time."""
         time = OF_TIME * self.revolution
         near, far = (self.after(state, each) - state for each in (0.5 * time, time))
         return (4.0 * near - far) / time
