@@ -129,7 +129,7 @@ def synchronous_response(
 
     A critical speed is that at which an eigenvalue turns with the rotor, with the coefficients of
     bearings at that speed. The amplification factor is the speed of the peak over its width at
-    0.707 of its height, as in `clearance_report`.
+    ``1/sqrt(2)`` of its height, as in `clearance_report`.
 
     Phases lag the direction that points along x at time 0, as an unbalance of phase 0 does. A
     growth rate is the largest real part of the eigenvalues on rotating axes (`turning_axes`).

@@ -6,6 +6,7 @@ from itertools import pairwise
 from typing import NamedTuple
 
 import numpy as np
+from scipy.optimize import brentq
 
 from rotor_ida.arrays import ComplexValues
 from rotor_ida.model.assembly import Canonical
@@ -15,7 +16,8 @@ FREE = 1e-9
 # Growth rates below this part of the largest eigenvalue are rounding; so are those of eigenvalues
 # that are themselves below this part of it, as of a rotor that nothing holds: a double 0.
 GROWING, HELD = 1e-9, 1e-6
-# Steps in which the speed falls where growth is followed to its beginning, and how near to that.
+# Steps in which the speed falls where growth is followed to its beginning, and how near to that
+# where no sign of the growth rate tells it.
 STEPS, PLACED = 16, 1e-6
 # Speeds at which ranges of growth are sought.
 POINTS = 65
@@ -44,14 +46,18 @@ def rates_of(found: Canonical, speed: float) -> ComplexValues:
 def growth_of(found: Canonical, speed: float) -> Growth | None:
     """Return how the motion without contact grows fastest at a speed; None where it does not."""
     rates = rates_of(found, speed)
+    fastest, largest = _fastest(rates)
+    if not fastest.real > GROWING * largest:
+        return None
+    return Growth(fastest.real, abs(fastest.imag))
+
+
+def _fastest(rates: ComplexValues) -> tuple[complex, float]:
+    """Return the eigenvalue that grows fastest, free motions aside, and the largest size of all."""
     sizes = np.abs(rates)
-    rates = rates[sizes > HELD * sizes.max()]
-    if not rates.size:
-        return None
-    fastest = rates[np.argmax(rates.real)]
-    if not fastest.real > GROWING * float(sizes.max()):
-        return None
-    return Growth(float(fastest.real), abs(float(fastest.imag)))
+    moving = rates[sizes > HELD * sizes.max()]
+    fastest = complex(moving[np.argmax(moving.real)]) if moving.size else 0j
+    return fastest, float(sizes.max())
 
 
 def growth_begins(found: Canonical, speed: float) -> float | None:
@@ -88,7 +94,19 @@ def growth_between(found: Canonical, low: float, high: float) -> list[tuple[floa
 
 
 def _end_between(found: Canonical, low: float, high: float, grows: bool) -> float:
-    """Return where growth begins between two speeds, or ends: a speed at which there is growth."""
+    """Return where growth begins between two speeds, or ends.
+
+    It is where the growth rate is 0; where it does not change its sign, as without damping, a speed
+    at which there is growth.
+    """
+
+    def rate(speed: float) -> float:
+        fastest, largest = _fastest(rates_of(found, speed))
+        return fastest.real / largest if largest else 0.0
+
+    lower, higher = sorted((rate(low), rate(high)))
+    if lower < -GROWING and higher > GROWING:
+        return float(brentq(rate, low, high, xtol=1e-14 * max(abs(low), abs(high))))
     near = PLACED * max(abs(low), abs(high))
     while high - low > near:
         middle = 0.5 * (low + high)

@@ -137,7 +137,9 @@ def run_up(
     ``event_time_error`` comes from a second run, as in `simulate`.
 
     For a `RotorSystem` with a torque ``J Omega' = tau0 - slope Omega - sum R_j T_j - (reaction of
-    the unbalance) + sum m e x g``: the weight of each unbalance has a moment about the axis. A
+    the unbalance) + sum m e x g``: the weight of each unbalance has a moment about the axis. The
+    unbalances u, at the rows b and the angles a, add ``sum u_i u_j cos(a_i - a_j) b_i M**-1 b_j'``
+    to J, as the mean along x and y; that of one disc adds ``u**2/m``. A
     `static_force` has none, but for the weight that `RotorSystem.gravity_in_static_force`
     describes.
 

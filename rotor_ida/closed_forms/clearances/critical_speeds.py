@@ -6,7 +6,7 @@
 2. *Antinodes*: neighbouring nodes that move to the same side are a lobe of the shape. The node of a
    lobe that moves most is where unbalance drives the mode best.
 3. *Peaks*: the response to it, as the largest axis of each orbit, and its width where it is
-   0.707 of the peak.
+   ``1/sqrt(2)`` of the peak.
 """
 
 from __future__ import annotations

@@ -144,7 +144,8 @@ def clearance_report(
     clearance. A static deflection or an offset centre is not counted in the verdict; the sentence
     adds it, by ``sag_share``, as if it pointed along the largest axis.
 
-    *Margins.* Amplification factors are the speed of a peak over its width at 0.707 of the height;
+    *Margins.* Amplification factors are the speed of a peak over its width at 0.707 of the height
+    (half power, ``1/sqrt(2)``);
     see `rotor_ida.closed_forms.clearances.critical_speeds.margins`.
 
     *Not public*, and left out: the wording of the 9th edition, its exceptions, and what it asks of
