@@ -119,11 +119,8 @@ OPTIONS: dict[Group | None, dict[str, Parameter]] = {
         "out": path_option("Write the result to this netCDF file (.nc)."),
         "machine out": path_option("Write the machine to this TOML file."),
         "from_ross out": path_option("Write the rotor to this system file (.toml)."),
-        "drop out": path_option("Folder of the report, which is made.", name=("--out", "--report")),
         "reproduce out": path_option("Folder for archives and figures."),
         "figure": path_option("Draw the result to NAME.png and NAME.svg, or to NAME.pdf."),
-        "plot figure": path_option(
-            "Draw to NAME.png and NAME.svg, or to NAME.pdf. Default: named after FILE and kind."),
         "csv": path_option(
             "Write the result as tables to this CSV file, or to NAME.TABLE.csv where it has "
             "several."),

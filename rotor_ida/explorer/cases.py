@@ -403,7 +403,7 @@ class Node:
         said = f"# first, in {brief(path.name)}: {'; '.join(first)}\n" if first else ""
         asked: dict[str, object] = {"rotor": Path(path.name), "speed": told(case.speed, "rpm")}
         if case.drops:
-            return said + Asked("drop", {**asked, "out": "report"}).command()
+            return said + Asked("drop", {**asked, "report": "report"}).command()
         length = _length(case, question.revolutions)
         asked |= {"duration": told(length["duration"], "s"), "samples": length["samples"]}
         return said + Asked("simulate", {**asked, "out": "run.nc", "figure": "run"}).command()
