@@ -234,8 +234,9 @@ def _change_of_file(case: Case, begin: float | None) -> None:
         raise InputError(f"from must be left out with speeds, got {shown(first)}")
 
 
+@command("none", asks=(), writes=False)
 def reproduce(
-    *, out: Path = Path("results"), quick: bool = False, studies: bool = False,
+    _case: Case, *, out: Path = Path("results"), quick: bool = False, studies: bool = False,
     only: list[str] | None = None, workers: int | None = None, force: bool = False,
 ) -> int:  # fmt: skip
     """Reproduce the figures of the paper and, on request, all studies, as a page index.html.

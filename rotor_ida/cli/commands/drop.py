@@ -71,8 +71,8 @@ def drop(
         if unfinished is not None:  # what is written from here on may be replaced
             unfinished.mkdir(parents=True, exist_ok=True)
 
-    def told(most: int | None) -> Description:
-        """Return the answer of one drop and of many, in the report without their events."""
+    def told(_most: int | None) -> Description:
+        """Return the figures of one drop and of many; their events are in the archive."""
         from rotor_ida.cli.describe import describe  # noqa: PLC0415 - heavy, and not for --help
         from rotor_ida.cli.drop_tables import tables_of  # noqa: PLC0415
         from rotor_ida.steady.drop_words import sentence_of  # noqa: PLC0415

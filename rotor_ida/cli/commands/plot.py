@@ -14,7 +14,7 @@ import rotor_ida
 from rotor_ida.checks import check_increasing, did_you_mean, shown
 from rotor_ida.cli import parsing
 from rotor_ida.cli.command import Case, command
-from rotor_ida.cli.output import OUT_ENDING, read
+from rotor_ida.cli.output import OUT_ENDING, Output, read
 from rotor_ida.cli.parsing import in_unit
 from rotor_ida.cli.report import Report
 from rotor_ida.cli.verbs import arguments_of
@@ -130,9 +130,7 @@ def plot(
     elif chosen or exact:
         name = next(iter(chosen), "exact")
         raise InputError(f"kind must be given with {OPTIONS.get(name, name)}")
-    if case.output.figure is None and case.output.report is None:
-        name = f"{file.stem}_{kind}.png" if kind else f"{file.stem}.png"
-        case.output = replace(case.output, figure=file.with_name(name))
+    case.output = _named_after(file, kind, case.output)
     case.output.check()
     whole = dataset = _dataset_in(file, case.reading)
     is_whole = kind is None and times is None
@@ -168,10 +166,19 @@ def plot(
         from rotor_ida.cli.describe import describe  # noqa: PLC0415 - heavy, and not for --help
 
         tables = [] if most is None else describe(whole, most=most)[1]
+        first = {name: each for name, each in record.items() if not tables or name not in OF_FILE}
         said = {"notes": notes} if notes else {}
-        return record | said, [facts("Plot", record), *notes, *tables]
+        return record | said, [facts("Plot", first), *notes, *tables]
 
     return case.report(whole, told=told, figures=lambda: [("Figure", drawn)])
+
+
+def _named_after(file: Path, kind: str | None, output: Output) -> Output:
+    """Return where to write, with a figure named after the file if no place is given for one."""
+    if output.figure is not None or output.report is not None:
+        return output
+    name = f"{file.stem}_{kind}.png" if kind else f"{file.stem}.png"
+    return replace(output, figure=file.with_name(name))
 
 
 def _kind_suiting(dataset: xr.Dataset) -> str:
