@@ -65,9 +65,7 @@ class Output:
         from rotor_ida.results.files import check_target  # noqa: PLC0415 - takes a moment
 
         if self.out is not None:
-            if self.out.suffix != OUT_ENDING:
-                raise InputError(f"out must end in {OUT_ENDING}, got {shown(self.out)}")
-            check_target("out", self.out, overwrite=self.force, permission=FORCED)
+            check_file("out", self.out, OUT_ENDING, force=self.force)
         if self.csv is not None:
             from rotor_ida.results.tables import check_tables  # noqa: PLC0415 - takes a moment
 
@@ -84,6 +82,15 @@ class Output:
             for ending in _endings(self.figure):
                 picture = self.figure.with_suffix(ending)
                 check_target("figure", picture, overwrite=self.force, permission=FORCED)
+
+
+def check_file(name: str, path: Path, ending: str, *, force: bool) -> None:
+    """Refuse a file that cannot be written, or whose name does not tell what is in it."""
+    from rotor_ida.results.files import check_target  # noqa: PLC0415 - takes a moment
+
+    if path.suffix != ending:
+        raise InputError(f"{name} must end in {ending}, got {shown(path)}")
+    check_target(name, path, overwrite=force, permission=FORCED)
 
 
 def _endings(figure: Path) -> tuple[str, ...]:
