@@ -32,7 +32,6 @@ from rotor_ida.explorer.endings import (
     whirls_per_revolution,
 )
 from rotor_ida.explorer.messages import OF_CONTACT, Answer, Question, SystemQuestion
-from rotor_ida.explorer.sketches import sketch_of
 from rotor_ida.explorer.system_verdicts import level_of, touched_on_the_way, verdict
 from rotor_ida.model.data_sheet import GRAVITY
 from rotor_ida.model.equations import rotated
@@ -531,3 +530,23 @@ def _unit(name: str, contact: Contact) -> str:
     """Return the unit in which a system file gives a number of a contact; empty if it has none."""
     stiffness = "N/m" if contact.exponent == 1.0 else "N/m^1.5"
     return {"clearance": "um", "stiffness": stiffness, "damping": "s/m"}.get(name, "")
+
+
+def sketch_of(system: RotorSystem) -> dict[str, object]:
+    """Return nodes with their positions and masses, contacts, supports and unbalance."""
+    places = system.positions or {n: float(i) for i, n in enumerate(system.nodes)}
+    return {
+        "nodes": list(places), "positions": list(places.values()),
+        "has_positions": system.positions is not None, "units": system.units,
+        "contacts": [{"node": each.node, "centre": each.centre, "clearance": each.clearance}
+                     for each in system.contacts],
+        "supports": [each.node for each in system.supports],
+        "masses": [_mass(system, node) for node in system.nodes],
+        "unbalance": [each.node for each in system.unbalance],
+    }  # fmt: skip
+
+
+def _mass(system: RotorSystem, node: str) -> float:
+    """Return the mass that moves with a node where all others rest."""
+    row = system.rows(node)[0]
+    return float(row @ system.mass @ row)
