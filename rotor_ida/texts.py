@@ -9,8 +9,10 @@ place. In HTML, the templates escape marks themselves.
 from __future__ import annotations
 
 import json
+import math
 import os
 import shlex
+from collections.abc import Mapping
 from pathlib import PurePath
 from unicodedata import category
 
@@ -124,3 +126,22 @@ def _is_unfit(letter: str) -> bool:
     code = ord(letter)
     is_none = code & 0xFFFE == 0xFFFE or 0xFDD0 <= code <= 0xFDEF
     return category(letter) in _UNFIT or letter in _DIRECTIONS or is_none
+
+
+def plain(value: object) -> object:
+    """Return a value for JSON: arrays as lists, and null for a number that is not finite.
+
+    Examples
+    --------
+    >>> plain({"exit_time": float("nan"), "start": (1, 0.5)})
+    {'exit_time': None, 'start': [1, 0.5]}
+    """
+    if isinstance(value, Mapping):
+        return {str(key): plain(entry) for key, entry in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(entry) for entry in value]
+    if hasattr(value, "tolist"):  # of NumPy
+        return plain(value.tolist())
+    if isinstance(value, float) and not math.isfinite(value):
+        return None
+    return value

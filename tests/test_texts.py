@@ -318,7 +318,7 @@ def test_figures_of_altered_results_are_drawn(results, tmp_path):
 def test_the_report_of_a_drop_shows_odd_names(folder, capfd):
     place = folder / "my $x$ <i>\x1b.toml"
     file_of(place, 0.0, SUPPORT)
-    told = told_by(capfd, "drop", place.name, "--out", "report", "--duration", "4ms")
+    told = told_by(capfd, "drop", place.name, "--report", "report", "--duration", "4ms")
     assert all(name in told for name in AT_CONTACTS)
     page = Path("report/report.html").read_text("utf-8")
     assert Scripts(page).found == []

@@ -441,7 +441,7 @@ class Command:
             group = rotors or GROUPS.get(self.rotors, RotorOptions)()
             if machine is not None:
                 group = RotorOptions(machine=machine)
-            of_any = self.file in {"FILE", "[FILE]"}
+            of_any = self.file and "..." not in self.file
             systems = [each for each in files if each and not of_any
                        and each.name.endswith(SYSTEM_ENDING)]  # fmt: skip
             if len(systems) > 1:
@@ -461,8 +461,7 @@ class Command:
     @cached_property
     def own(self) -> dict[str, inspect.Parameter]:
         """The options of the command that the function of the package does not have."""
-        _, *found = inspect.signature(options.with_options(self.body)).parameters.values()
-        return {each.name: each for each in found}
+        return options.options_of_body(self.body)
 
     @cached_property
     def of_reading(self) -> list[Option]:
@@ -485,7 +484,7 @@ class Command:
             several = inspect.Parameter.VAR_POSITIONAL
             found = [inspect.Parameter("files", several, annotation=options.FILES), *found]
         elif self.file:
-            of = options.option(Path | None, f"{self.verb} file")
+            of = options.option(Path | None, f"{self.verb} file", "file")
             default = None if self.file.startswith("[") else NEEDED
             kind = inspect.Parameter.POSITIONAL_OR_KEYWORD if default is None else kind
             found = [inspect.Parameter("file", kind, default=default, annotation=of), *found]

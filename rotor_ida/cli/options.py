@@ -119,11 +119,8 @@ OPTIONS: dict[Group | None, dict[str, Parameter]] = {
         "out": path_option("Write the result to this netCDF file (.nc)."),
         "machine out": path_option("Write the machine to this TOML file."),
         "from_ross out": path_option("Write the rotor to this system file (.toml)."),
-        "drop out": path_option("Folder of the report, which is made.", name=("--out", "--report")),
         "reproduce out": path_option("Folder for archives and figures."),
         "figure": path_option("Draw the result to NAME.png and NAME.svg, or to NAME.pdf."),
-        "plot figure": path_option(
-            "Draw to NAME.png and NAME.svg, or to NAME.pdf. Default: named after FILE and kind."),
         "csv": path_option(
             "Write the result as tables to this CSV file, or to NAME.TABLE.csv where it has "
             "several."),
@@ -194,8 +191,10 @@ OPTIONS: dict[Group | None, dict[str, Parameter]] = {
             consume_multiple=True, negative=()),
         "drops": count_option(
             "Number of drops at random, beside one. Default: that of the file.", 2, 100_000),
-        "stored file": path_option("Archive written by rotor-ida (.nc).", name="FILE"),
-        "folder": path_option("Folder of a study.", name="FOLDER"),
+        "file": path_option("Archive written by rotor-ida (.nc).", name="FILE"),
+        "from_ross file": path_option("Rotor as ROSS has saved it.", name="FILE"),
+        **dict.fromkeys(("status file", "resume file"),
+                        path_option("Folder of a study.", name="FOLDER")),
         "explore file": path_option(
             "Shown first: a machine, a rotor system, an archived run or a measurement."),
         "port": count_option("Port on this computer; 0 picks a free one.", 0, 65_535),
@@ -236,23 +235,12 @@ def option(kind: Any, *names: str) -> Any:
     return Annotated[(kind, *found)] if found else kind
 
 
-def with_options(command: Callable[..., object]) -> Callable[..., object]:
-    """Return a command with the options of its arguments, for cyclopts."""
-
-    def run(*words: Any, **given: Any) -> object:
-        return command(*words, **given)
-
-    run.__name__ = name = command.__name__
-    run.__doc__, run.__annotations__ = command.__doc__, {}
-    given = inspect.signature(command, eval_str=True)
-    of = command.__module__.rpartition(".")[2]
-    run.__signature__ = given.replace(parameters=[  # type: ignore[attr-defined]
-        each.replace(annotation=option(
-            each.annotation, f"{name} {each.name}", f"{of} {each.name}", each.name
-        ))
-        for each in given.parameters.values()
-    ])  # fmt: skip
-    return run
+def options_of_body(body: Callable[..., object]) -> dict[str, inspect.Parameter]:
+    """Return the parameters of a command after its case, with their options."""
+    _, *given = inspect.signature(body, eval_str=True).parameters.values()
+    return {each.name: each.replace(
+        annotation=option(each.annotation, f"{body.__name__} {each.name}", each.name)
+    ) for each in given}  # fmt: skip
 
 
 def optioned(group: Fields) -> Fields:

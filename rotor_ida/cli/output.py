@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, replace
+from functools import cache
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -24,6 +25,8 @@ from rotor_ida.units import UnitSystem, sentences_in
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
+
+    Figures = list[tuple[str, Figure]]
 
 # Name of the result of a study in its folder.
 RESULT = "result.nc"
@@ -62,9 +65,7 @@ class Output:
         from rotor_ida.results.files import check_target  # noqa: PLC0415 - takes a moment
 
         if self.out is not None:
-            if self.out.suffix != OUT_ENDING:
-                raise InputError(f"out must end in {OUT_ENDING}, got {shown(self.out)}")
-            check_target("out", self.out, overwrite=self.force, permission=FORCED)
+            check_file("out", self.out, OUT_ENDING, force=self.force)
         if self.csv is not None:
             from rotor_ida.results.tables import check_tables  # noqa: PLC0415 - takes a moment
 
@@ -81,6 +82,15 @@ class Output:
             for ending in _endings(self.figure):
                 picture = self.figure.with_suffix(ending)
                 check_target("figure", picture, overwrite=self.force, permission=FORCED)
+
+
+def check_file(name: str, path: Path, ending: str, *, force: bool) -> None:
+    """Refuse a file that cannot be written, or whose name does not tell what is in it."""
+    from rotor_ida.results.files import check_target  # noqa: PLC0415 - takes a moment
+
+    if path.suffix != ending:
+        raise InputError(f"{name} must end in {ending}, got {shown(path)}")
+    check_target(name, path, overwrite=force, permission=FORCED)
 
 
 def _endings(figure: Path) -> tuple[str, ...]:
@@ -102,47 +112,56 @@ def answer(
     *,
     most: int | None = None,
     result: Path | None = None,
-    summary: xr.Dataset | None = None,
+    told: Callable[[int | None], tuple[dict[str, object], Parts]] | None = None,
+    figures: Callable[[], Figures] | None = None,
+    beside: Mapping[str, xr.Dataset] | None = None,
     rotor: Any = None,
     files: Sequence[Path] = (),
-    given: str = "",
 ) -> Report:
     """Return the answer with a dataset, and write its files.
 
     A file that cannot be written becomes the trouble of the answer, so that the result is printed
-    even then. Tables have `most` rows; `result` is the file of a study, which may be replaced. The
-    answer begins with the `summary` of a run-up and the words on what was `given`. A report has the
-    `rotor` and its `files`.
+    even then. Tables have `most` rows; `result` is the file of a study, which may be replaced. A
+    report has the `rotor` and its `files`.
+
+    A command that has words or figures of its own gives `told`, which returns record and parts
+    with a largest number of rows of a table, and `figures`, the last of which is the one drawn to
+    a file. Results that lie `beside` in the folder of a report are given by the names of files.
     """
-    record, parts = _described(dataset, summary, most, given)
-    written: list[str] = []
+    from rotor_ida.cli.describe import describe  # noqa: PLC0415 - heavy, and not for --help
+
+    told = told or (lambda rows: describe(dataset, most=rows))
+    draw = cache(figures or (lambda: [("Figure", _figure(dataset, output))]))
+    record, parts = told(most)
+    written: list[Path] = []
     failures: list[str] = []
-
-    def write(*files: Path) -> None:
-        written.extend(f"wrote {each}" for each in files)
-
     with _noting(failures):
         if output.out is not None:
-            write(Path(rotor_ida.save(dataset, output.out, overwrite=output.force)))
+            written.append(Path(rotor_ida.save(dataset, output.out, overwrite=output.force)))
     with _noting(failures):
         if result is not None:
-            write(Path(rotor_ida.save(dataset, result, overwrite=True)))
+            written.append(Path(rotor_ida.save(dataset, result, overwrite=True)))
     with _noting(failures):
         if output.csv is not None:
             from rotor_ida.results.tables import save_tables  # noqa: PLC0415 - takes a moment
 
-            write(*save_tables(_with_angle(dataset), output.csv, overwrite=output.force))
-    drawn = None if output.figure is None else _figure(dataset, output)
+            written += save_tables(_with_angle(dataset), output.csv, overwrite=output.force)
+    drawn = [] if output.figure is None else draw()
     with _noting(failures, f"cannot write {output.figure}: "):
-        if drawn is not None and output.figure is not None:
-            write(*write_figure(drawn, output.figure, overwrite=output.force))
+        if output.figure is not None:
+            written += write_figure(drawn[-1][1], output.figure, overwrite=output.force)
     with _noting(failures):
         if output.report is not None:
-            told = _described(dataset, summary, MOST_IN_REPORT, given)[1]
-            write(*_write_report(dataset, output, told, drawn, rotor, files))
+            if not drawn:  # a result without a figure has a report too
+                with suppress(InputError):
+                    drawn = draw()
+            written += _write_report(
+                {RESULT: dataset, **(beside or {})}, output, told(MOST_IN_REPORT)[1], drawn, rotor,
+                files,
+            )  # fmt: skip
     return Report(
-        record=record,
-        parts=[*parts, *written],
+        record=record | ({"written": [str(each) for each in written]} if written else {}),
+        parts=[*parts, *(f"wrote {each}" for each in written)],
         as_json=output.as_json,
         trouble="; ".join(failures),
         system=output.system,
@@ -172,22 +191,6 @@ def _noting(failures: list[str], before: str = "") -> Iterator[None]:
         failures.append(f"{before}{said or error}" if said else str(error))
 
 
-def _described(
-    dataset: xr.Dataset, summary: xr.Dataset | None, most: int | None, given: str
-) -> tuple[dict[str, object], Parts]:
-    """Return the record and the parts of a dataset, after those of its summary, if it has one."""
-    from rotor_ida.cli.describe import describe  # noqa: PLC0415 - heavy, and not for --help
-
-    record, parts = describe(dataset, most=most)
-    if summary is None:
-        return record, parts
-    first, before = describe(summary)
-    sentence = str(summary.attrs["sentence"])
-    told = {"summary": first | {"sentence": sentence}}
-    others = [each for each in parts if not (isinstance(each, str) and each in sentence)]
-    return told | record, [*before[:1], *filter(None, [given]), *before[1:], *others]
-
-
 def _figure(dataset: xr.Dataset, output: Output) -> Figure:
     """Return the figure of a dataset, at a node if one is given."""
     from rotor_ida.plot.appearance import without_pyplot  # noqa: PLC0415
@@ -198,35 +201,27 @@ def _figure(dataset: xr.Dataset, output: Output) -> Figure:
 
 
 def _write_report(
-    dataset: xr.Dataset,
-    output: Output,
-    parts: Parts,
-    drawn: Figure | None,
-    rotor: Any,
+    results: Mapping[str, xr.Dataset], output: Output, parts: Parts, figures: Figures, rotor: Any,
     files: Sequence[Path],
-) -> list[Path]:
-    """Write a report with its archive into a folder; a result without a figure has none."""
-    from rotor_ida.cli.pages import RESULT as ARCHIVE  # noqa: PLC0415 - heavy
-    from rotor_ida.cli.pages import pages_of  # noqa: PLC0415
+) -> list[Path]:  # fmt: skip
+    """Write a report on the first result, with the archives of all, into a folder."""
+    from rotor_ida.cli.pages import pages_of  # noqa: PLC0415 - heavy
     from rotor_ida.results.question import VERBS, Question  # noqa: PLC0415
 
     folder = output.report
     assert folder is not None
     folder.mkdir(exist_ok=True)
-    figures = [] if drawn is None else [("Figure", drawn)]
-    if drawn is None:
-        with suppress(InputError):
-            figures = [("Figure", _figure(dataset, output))]
-    archive = rotor_ida.save(dataset, folder / ARCHIVE, overwrite=output.force)
+    archives = [Path(rotor_ida.save(each, folder / name, overwrite=output.force))
+                for name, each in results.items()]  # fmt: skip
+    dataset = next(iter(results.values()))
     question = Question.of_result(dataset)
     can_be_checked = question is not None and question.verb in VERBS
-    check = [f"rotor-ida verify {in_shell(archive)}"] if can_be_checked else []
+    check = [f"rotor-ida verify {in_shell(archives[0])}"] if can_be_checked else []
     pages = pages_of(
         dataset, parts, rotor=rotor, files=files, commands=[again(output.line), *check],
-        figures=figures,
-        system=output.system,
+        figures=figures, system=output.system,
     )  # fmt: skip
-    return [Path(archive), *pages.write(folder, overwrite=output.force)]
+    return [*archives, *pages.write(folder, overwrite=output.force)]
 
 
 def again(line: str) -> str:
@@ -234,8 +229,8 @@ def again(line: str) -> str:
 
     Examples
     --------
-    >>> again("rotor-ida drop rotor.toml --out report")
-    'rotor-ida drop rotor.toml --out report --force'
+    >>> again("rotor-ida drop rotor.toml --report report")
+    'rotor-ida drop rotor.toml --report report --force'
     """
     return line if "--force" in line.split() else f"{line} --force"
 

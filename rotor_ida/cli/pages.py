@@ -15,6 +15,7 @@ import numpy as np
 
 from rotor_ida.checks import shown
 from rotor_ida.cli.given import sheets_of_rotor
+from rotor_ida.cli.output import RESULT
 from rotor_ida.cli.pdf import write_pdf
 from rotor_ida.cli.rotor_options import ANY_SPEED
 from rotor_ida.errors import InputError
@@ -70,6 +71,10 @@ OF_VERB = {
         "rotor; otherwise its speed is held.",
         f"Other close clearances are compared with the motion; {NOT_ACTING}.",
     ),
+    "signals": (
+        "The probes look at the shaft at the angles and with the factors that are given; what "
+        "their runout adds is taken off only where a slow roll is given.",
+    ),
     "fit": (
         "What the model lacks goes into the residuals.",
         "The noise of the probes is independent from sample to sample.",
@@ -93,7 +98,7 @@ VERSIONS = ("rotor_ida_version", "python_version", "numpy_version",
 LONGEST_FILE, RESOLUTION = 20_000, 180
 # Endings of files, which no folder of a report should have.
 OF_FILES = (".html", ".pdf", ".nc", ".csv", ".toml")
-RESULT, HTML, PDF = "result.nc", "report.html", "report.pdf"
+HTML, PDF = "report.html", "report.pdf"
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -193,12 +198,12 @@ def pages_of(
     """Return the report on a result, from the parts of its answer."""
     question = Question.of_result(dataset)
     kind = kind_of(dataset)
-    verb = question.verb if question else kind
+    verb = question.verb.removesuffix("_ensemble") if question else kind
     found = rotor if rotor is not None else _rotor_of(dataset, question)
     first = next((place for place, each in enumerate(parts) if isinstance(each, Sheet)), len(parts))
     speed = _speed_of(dataset, found)
     given = [] if found is None else sheets_of_rotor(found, speed)
-    is_system = isinstance(found, RotorSystem)
+    of_rotor = OF_SYSTEM if isinstance(found, RotorSystem) else OF_DISC
     return Pages(
         title="Run-up" if verb == "run_up" else KINDS[kind].meaning.capitalize(),
         head=head_of(dataset, files),
@@ -206,7 +211,7 @@ def pages_of(
         answers=parts[first : first + 1],
         tables=[*given, *parts[first + 1 :]],
         figures=figures,
-        assumptions=[*(OF_SYSTEM if is_system else OF_DISC), *OF_VERB.get(verb, ())],
+        assumptions=[*(of_rotor if kind != "signals" else ()), *OF_VERB.get(verb, ())],
         scope=SCOPE.get(verb, ()),
         commands=commands,
         versions=facts("Versions", versions_of(dataset) | digests_of(files)),

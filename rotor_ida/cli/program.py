@@ -38,7 +38,6 @@ from rotor_ida.cli.commands.machine import machine
 from rotor_ida.cli.commands.plot import plot
 from rotor_ida.cli.commands.ross import from_ross
 from rotor_ida.cli.option_types import OPTIONS, STUDY
-from rotor_ida.cli.options import with_options
 from rotor_ida.cli.output import Output
 from rotor_ida.cli.parsing import SYSTEM_ENDING, as_given, readable, refuse_units
 from rotor_ida.cli.report import FAILED, INTERRUPTED, Report, console_on, text_of
@@ -59,7 +58,7 @@ Results go to standard output, everything else to standard error.
 Exit status: 0 done, 1 the run or the check failed, 2 bad input or a part that is missing.
 """
 # The commands in the groups of the help, in order.
-COMMANDS: dict[str, tuple[Command | Callable[..., object], ...]] = {
+COMMANDS: dict[str, tuple[Command, ...]] = {
     "Simulate": (
         machine, from_ross, compute.simulate, compute.run_up, compute.run_ups, compute.sweep,
         compute.bifurcation_diagram, compute.poincare_section, drop,
@@ -160,7 +159,7 @@ def application(word: str = "") -> App:
             short = SHORT.get(name_of_it)
             is_asked = word in {"", name_of_it, short}
             app.command(
-                _with_options(command) if is_asked else _listed(command),
+                command.function() if is_asked else _listed(command),
                 name=name_of_it,
                 group=groups[name],
                 sort_key=place,
@@ -174,32 +173,24 @@ def application(word: str = "") -> App:
     return app
 
 
-def name_of(command: Command | Callable[..., object]) -> str:
+def name_of(command: Command) -> str:
     """Return the name of a command."""
-    function = command.body if isinstance(command, Command) else command
-    return function.__name__.replace("_", "-")
+    return command.verb.replace("_", "-")
 
 
-def _with_options(command: Command | Callable[..., object]) -> Callable[..., object]:
-    return command.function() if isinstance(command, Command) else with_options(command)
-
-
-def _listed(command: Command | Callable[..., object]) -> Callable[..., object]:
+def _listed(command: Command) -> Callable[..., object]:
     """Return a function without options that stands for a command where only its help is listed.
 
     The options of one command take as long to make as all the rest.
     """
-    of = command.body if isinstance(command, Command) else command
 
     def listed(*_words: str) -> None: ...
 
-    listed.__doc__ = of.__doc__
+    listed.__doc__ = command.body.__doc__
     return listed
 
 
-def _usage(command: Command | Callable[..., object]) -> str | None:
-    if not isinstance(command, Command):
-        return None
+def _usage(command: Command) -> str:
     needed = [f"--{name} {metavar_of(command.verb, each)}"
               for name, each in command.arguments.items() if each.default is NEEDED]  # fmt: skip
     needed += [f"--{name} {OF_OWN[name]}" for name, each in command.own.items()

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import math
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -12,7 +11,7 @@ from typing import TextIO
 from rich.console import Console
 
 from rotor_ida.results.sheets import Sheet
-from rotor_ida.texts import printable
+from rotor_ida.texts import plain, printable
 from rotor_ida.units import UnitSystem
 
 FAILED, INTERRUPTED = 1, 130
@@ -63,20 +62,3 @@ def text_of(report: Report, console: Console) -> str:
                 else part.text(console.width, report.system)
             )
     return shown.get()
-
-
-def plain(value: object) -> object:
-    """Return a value for JSON; a non-finite number becomes null.
-
-    Examples
-    --------
-    >>> plain({"exit_time": float("nan"), "start": (1, 0.5)})
-    {'exit_time': None, 'start': [1, 0.5]}
-    """
-    if isinstance(value, Mapping):
-        return {str(key): plain(entry) for key, entry in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [plain(entry) for entry in value]
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value

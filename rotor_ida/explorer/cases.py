@@ -1,4 +1,4 @@
-"""What is in the file of a rotor system or a result, and a node of it as the panels see it."""
+"""The rotor of a question, of one disc or in a file, and a node of it as the panels see it."""
 
 from __future__ import annotations
 
@@ -20,18 +20,32 @@ from rotor_ida.explorer.archives import (
     named,
     scales_where,
 )
-from rotor_ida.explorer.endings import MOST_SAMPLES, Values, ending_of, samples_per_revolution
-from rotor_ida.explorer.messages import OF_CONTACT, Answer, SystemQuestion
-from rotor_ida.explorer.sketches import sketch_of
+from rotor_ida.explorer.endings import (
+    MOST_SAMPLES,
+    Values,
+    ending,
+    ending_of,
+    forced,
+    samples_per_revolution,
+    states_of,
+    values_of,
+    whirls_per_revolution,
+)
+from rotor_ida.explorer.messages import OF_CONTACT, Answer, Question, SystemQuestion
 from rotor_ida.explorer.system_verdicts import level_of, touched_on_the_way, verdict
 from rotor_ida.model.data_sheet import GRAVITY
+from rotor_ida.model.equations import rotated
+from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Support
 from rotor_ida.results.archived_system import problem_of
 from rotor_ida.results.dataset_kinds import kind_of
 from rotor_ida.results.question import Question as Asked
+from rotor_ida.results.question import written as written_in_python
+from rotor_ida.results.si_units import dimensional, scales_of
 from rotor_ida.results.system_file import Course, read_system_file
 from rotor_ida.signals.nodes import at_node
+from rotor_ida.simulation.options import Method
 from rotor_ida.simulation.run_up import run_up
 from rotor_ida.simulation.simulate import simulate
 from rotor_ida.steady.drop import drop
@@ -43,6 +57,22 @@ PANELS = ("response", "sketch", "shape", "orbit", "turning", "history", "campbel
 OF_ONE_SPEED = ("section", "full")
 # Range of speeds over that of the file, and revolutions of a run-up that the file does not give.
 LOW, HIGH, TURNS = 0.1, 1.5, 300
+METHOD: Method = "taylor"
+# A disc that rolls on the stator may whirl many times in a revolution: samples per whirl for a
+# smooth curve, and the largest number of samples in all.
+PER_WHIRL, MOST_SAMPLES_OF_WHIRLS = 32, 65_536
+LINES = '''\
+"""The run that the explorer showed: its archive and its figure."""
+
+from rotor_ida import {rotor}, save, simulate
+from rotor_ida.plot import save_figure
+from rotor_ida.plot.figures import figure_of
+
+machine = {machine}
+run = {call}
+save(run, "run.nc", overwrite=True)
+save_figure(figure_of(run), "run", overwrite=True)
+'''
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
@@ -59,12 +89,20 @@ class Case:
         How it moves, if it is from a system file.
     run : Dataset, optional
         The run of an archive.
+    shown : tuple of float, optional
+        The range of speeds of the panels over the speed.
     """
 
     system: RotorSystem
     speed: float
     course: Course | None = None
     run: xr.Dataset | None = None
+    shown: tuple[float, float] | None = None
+
+    @property
+    def speeds(self) -> tuple[float, float]:
+        """The range of speeds of the panels over the speed."""
+        return self.shown or (LOW * self.speed, HIGH * self.speed)
 
     @property
     def drops(self) -> bool:
@@ -129,8 +167,11 @@ class Case:
         return replace(self.system, supports=supports, gravity=None, static_force=None)
 
 
-def case_of(question: SystemQuestion) -> Case:
-    """Return the case of a question, from its file and its changes."""
+def case_of(question: Question | SystemQuestion) -> Case:
+    """Return the case of a question: one disc, or what is in its file, with its changes."""
+    if isinstance(question, Question):
+        rotor = question.rotor
+        return Case(system=rotor.system(), speed=rotor.omega, shown=question.speeds)
     if question.path is None:
         raise InputError("a system file or an archive of one must be given: drop it on the page")
     found = case_in(question.path)
@@ -169,31 +210,50 @@ def _read(path: Path, _changed: int) -> Case:
 
 
 @lru_cache(maxsize=2)
-def _computed(question: SystemQuestion, _changed: int) -> xr.Dataset:
+def _computed(question: Question | SystemQuestion, _changed: int) -> xr.Dataset:
     """Return the run of a question; the last ones are kept, since another node needs the same."""
     case = case_of(question)
+    if isinstance(question, Question):
+        return _of_disc(question, case)
     if case.run is not None:
         return case.run.isel(t=slice(None, None, math.ceil(case.run.sizes["t"] / MOST_SAMPLES)))
     assert case.course is not None
     if case.drops:
         return drop(case.system, **case.course.drop | {"speed": case.speed})
+    if not case.speed > 0.0:
+        raise InputError(f"speed must be positive, got {case.speed!r}")
     return simulate(case.system, **case.course.motion, **_length(case, question.revolutions))
+
+
+def _of_disc(question: Question, case: Case) -> xr.Dataset:
+    """Return the run of one disc, with more samples where it rolls."""
+    each, rotor = samples_per_revolution(question.revolutions), question.rotor
+    given: dict[str, Any] = {
+        "start": question.start, "method": METHOD,
+        "duration": _length(case, question.revolutions)["duration"],
+    }  # fmt: skip
+    run = simulate(rotor, samples=each * question.revolutions + 1, **given)
+    whirls = math.ceil(PER_WHIRL * whirls_per_revolution(values_of(run), rotor.omega))
+    finer = min(whirls, MOST_SAMPLES_OF_WHIRLS // question.revolutions)
+    if finer <= each:
+        return run
+    return simulate(rotor, samples=finer * question.revolutions + 1, **given)
 
 
 def _length(case: Case, revolutions: int) -> dict[str, Any]:
     """Return speed, duration and samples of a run of some revolutions."""
-    if not case.speed > 0.0:
-        raise InputError(f"speed must be positive, got {case.speed!r}")
     samples = samples_per_revolution(revolutions) * revolutions + 1
     return {
-        "speed": case.speed, "duration": 2.0 * math.pi * revolutions / case.speed,
+        "speed": case.speed, "duration": 2.0 * math.pi * revolutions / (case.speed or 1.0),
         "samples": samples,
     }  # fmt: skip
 
 
-def of_any_node(question: SystemQuestion) -> tuple[SystemQuestion, int]:
+def of_any_node(question: Question | SystemQuestion) -> tuple[Any, int]:
     """Return the question whose answer holds for all nodes, and when its file was changed."""
-    same = replace(question, about="motion", number=0, side=0, node="", contact=_changed(question))
+    same = replace(question, about="motion", number=0, side=0)
+    if isinstance(same, SystemQuestion):
+        same = replace(same, node="", contact=_changed(same))
     return same, 0 if question.path is None else question.path.stat().st_mtime_ns
 
 
@@ -220,25 +280,27 @@ def run_up_of(question: SystemQuestion, _changed: int) -> xr.Dataset:
 
 
 class Node:
-    """A node of the rotor in the file of a question; a `Disc` has the same methods.
+    """A node of the rotor of a question as the panels see it; one disc has one node.
 
     The motion is relative to the stator of a contact, if the node has one.
 
     Parameters
     ----------
-    question : SystemQuestion
+    question : Question or SystemQuestion
         The node, or else that of the chosen contact.
     """
 
-    def __init__(self, question: SystemQuestion) -> None:
+    def __init__(self, question: Question | SystemQuestion) -> None:
         self.question, self.case = question, case_of(question)
+        self.disc = question if isinstance(question, Question) else None
+        name, number = question.node, question.contact
         nodes, contacts = list(self.case.system.nodes), self.case.system.contacts
-        if question.node and question.node not in nodes:
-            raise InputError(f"node must be one of {', '.join(nodes)}, got {shown(question.node)}")
-        chosen = contacts[question.contact] if question.contact < len(contacts) else None
-        self.name = question.node or (chosen.node if chosen else nodes[0])
+        if name and name not in nodes:
+            raise InputError(f"node must be one of {', '.join(nodes)}, got {shown(name)}")
+        chosen = contacts[number] if number < len(contacts) else None
+        self.name = name or (chosen.node if chosen else nodes[0])
         here = [i for i, each in enumerate(contacts) if each.node == self.name]
-        self.contact = question.contact if question.contact in here else next(iter(here), None)
+        self.contact = number if number in here else next(iter(here), None)
 
     @property
     def speed(self) -> float:
@@ -246,18 +308,19 @@ class Node:
         return self.case.speed
 
     @property
-    def changes_speed(self) -> bool:
-        """Whether the run is an archived one at a speed that changes."""
-        return self.case.changes_speed
-
-    @property
     def scales(self) -> dict[str, float]:
-        """The scales of the system, which are 1 in SI units."""
+        """The scales of the machine of a disc, or of the system, which are 1 in SI units."""
+        if self.disc is not None:
+            machine = self.disc.machine
+            return {} if isinstance(machine, Rotor) else scales_of(machine)
         return scales_where(self.case.system.units == "SI")
 
     @property
     def facts(self) -> dict[str, Any]:
         """The facts about the rotor in an answer, by the names of those of one disc."""
+        if self.disc is not None:
+            return {"rotor": self.disc.rotor.given, "scales": self.scales,
+                    "start": self.disc.start}  # fmt: skip
         at = "" if self.contact is None else f", contact {self.contact}"
         rotor: dict[str, object] = {"omega": self.speed, "delta0": 0.0}
         if self.contact is not None:
@@ -273,10 +336,12 @@ class Node:
     @property
     def linear(self) -> tuple[RotorSystem, tuple[float, float], list[str]]:
         """The system without contact, the speeds shown, and notes."""
-        return self.case.levitated, (LOW * self.speed, HIGH * self.speed), self.case.notes
+        return self.case.levitated, self.case.speeds, self.case.notes
 
     def begin(self) -> Iterator[Answer]:
-        """Yield the sketch of the rotor, and where sliders start."""
+        """Yield the sketch of the rotor in a file, and where sliders start."""
+        if isinstance(self.question, Question):
+            return
         assert self.question.path is not None
         file, case, contact = case_in(self.question.path), self.case, self.question.contact
         yield Answer("sketch", sketch_of(case.system) | {
@@ -292,12 +357,20 @@ class Node:
         })  # fmt: skip
 
     def beside(self, run: xr.Dataset, motion: Answer) -> Iterator[Answer]:
-        """Yield the shape of the shaft, the panels of the run, and the verdict."""
+        """Yield the panels of the run, of a rotor in a file with its shape and the verdict.
+
+        On what a disc settles takes longer.
+        """
+        if self.disc is not None:
+            yield motion
+            return
         yield Answer("shape", {}, {
             f"shape_{axis}": np.ascontiguousarray(run[axis].values.T).ravel() for axis in "xy"
         })  # fmt: skip
         yield motion
-        words = f"{touched_on_the_way(run)} {verdict(run)}" if self.changes_speed else verdict(run)
+        words = (
+            f"{touched_on_the_way(run)} {verdict(run)}" if self.case.changes_speed else verdict(run)
+        )
         notes = [self.case.system.note] if self.case.system.note else []
         told = {"verdict": words, "level": level_of(run), "words": notes}
         yield Answer("settled", self.facts | told)
@@ -308,6 +381,8 @@ class Node:
 
     def seen(self, run: xr.Dataset) -> Values:
         """Return the motion at the node, or in its contact, by the names of a run of one disc."""
+        if self.disc is not None:
+            return forced(run, self.disc.rotor)
         here = run.sel(node=self.name)
         found = {name: here[name].values for name in ("t", *COMPONENTS)}
         number = -1 if self.contact is None else self.contact
@@ -330,25 +405,59 @@ class Node:
 
     def probed(self, run: xr.Dataset) -> xr.Dataset:
         """Return the motion at the node as probes record it."""
-        return at_node(run, self.name)
+        return run if self.disc is not None else at_node(run, self.name)
 
     def told(self, values: Values) -> dict[str, object]:
-        """Return the numbers of the last half of a run."""
-        return {"ending": ending_of(values, self.speed)}
+        """Return the numbers of the last half of a run; of a disc also where it goes on."""
+        if self.disc is None:
+            return {"ending": ending_of(values, self.speed)}
+        end = rotated(states_of(values)[-1], -self.speed * values["t"][-1])
+        return {"ending": ending(values, self.disc.rotor), "end": end.tolist()}
+
+    @property
+    def duration(self) -> float:
+        """The length of a run of one disc [dimensionless]."""
+        assert self.disc is not None
+        return float(_length(self.case, self.disc.revolutions)["duration"])
 
     def saved(self) -> xr.Dataset:
-        """Return the run as it is written to a file."""
-        return self.run()
+        """Return the run as it is written to a file; of a machine in SI units."""
+        machine = None if self.disc is None else self.disc.machine
+        return dimensional(self.run(), machine) if isinstance(machine, DimensionalRotor) else (
+            self.run())  # fmt: skip
+
+    def asked(self, disc: Question) -> Asked:
+        """Return the question whose answer is the run of one disc, of a machine in SI units."""
+        machine, start, duration = disc.machine, np.array(disc.start), self.duration
+        if isinstance(machine, DimensionalRotor):
+            length, velocity = machine.length_scale, machine.velocity_scale
+            start = start * (length, length, velocity, velocity)
+            duration *= machine.time_scale
+        return Asked("simulate", {
+            "rotor": machine, "start": start, "duration": duration,
+            "samples": self.run().sizes["t"], "method": METHOD,
+        })  # fmt: skip
 
     def run_up(self) -> xr.Dataset:
         """Return the run-up of the archive, of the file, or over the speeds shown."""
         if "cascade" not in self.case.panels:
             raise InputError("a run-up must be left out of a run at one speed and a drop")
-        return self.run() if self.changes_speed else run_up_of(*of_any_node(self.question))
+        return self.run() if self.case.changes_speed else run_up_of(*of_any_node(self.question))
 
     def lines(self) -> str:
-        """Return the Python lines that compute the run shown, or load a result."""
+        """Return the Python lines that compute the run shown, or load a result.
+
+        Examples
+        --------
+        >>> from rotor_ida.explorer.workers import example
+        >>> print(Node(example("py", omega=1.7)).lines().splitlines()[6])
+        machine = Rotor(omega=1.7, zeta=0.07, delta0=2.0)
+        """
         question, case, path = self.question, self.case, self.question.path
+        if isinstance(question, Question):
+            machine = question.machine
+            return LINES.format(rotor=type(machine).__name__, machine=written_in_python(machine),
+                                call=self.asked(question).python("machine"))  # fmt: skip
         assert path is not None
         verb, path_said = "drop" if case.drops else "simulate", in_python(path.name)
         lines = [
@@ -384,8 +493,16 @@ class Node:
         """Return the command for the run shown, after what must be changed in the file first.
 
         Numbers of a system in SI units have the units of the page.
+
+        Examples
+        --------
+        >>> from rotor_ida.explorer.workers import example
+        >>> Node(example("sh", omega=1.7)).command().partition(" --start")[0]
+        'rotor-ida simulate --omega 1.7 --zeta 0.07 --delta0 2.0'
         """
         question, case, path = self.question, self.case, self.question.path
+        if isinstance(question, Question):
+            return f"{self.asked(question).command()} --out run.nc --figure run"
         assert path is not None
 
         def told(value: float, unit: str) -> str:
@@ -403,7 +520,7 @@ class Node:
         said = f"# first, in {brief(path.name)}: {'; '.join(first)}\n" if first else ""
         asked: dict[str, object] = {"rotor": Path(path.name), "speed": told(case.speed, "rpm")}
         if case.drops:
-            return said + Asked("drop", {**asked, "out": "report"}).command()
+            return said + Asked("drop", {**asked, "report": "report"}).command()
         length = _length(case, question.revolutions)
         asked |= {"duration": told(length["duration"], "s"), "samples": length["samples"]}
         return said + Asked("simulate", {**asked, "out": "run.nc", "figure": "run"}).command()
@@ -413,3 +530,23 @@ def _unit(name: str, contact: Contact) -> str:
     """Return the unit in which a system file gives a number of a contact; empty if it has none."""
     stiffness = "N/m" if contact.exponent == 1.0 else "N/m^1.5"
     return {"clearance": "um", "stiffness": stiffness, "damping": "s/m"}.get(name, "")
+
+
+def sketch_of(system: RotorSystem) -> dict[str, object]:
+    """Return nodes with their positions and masses, contacts, supports and unbalance."""
+    places = system.positions or {n: float(i) for i, n in enumerate(system.nodes)}
+    return {
+        "nodes": list(places), "positions": list(places.values()),
+        "has_positions": system.positions is not None, "units": system.units,
+        "contacts": [{"node": each.node, "centre": each.centre, "clearance": each.clearance}
+                     for each in system.contacts],
+        "supports": [each.node for each in system.supports],
+        "masses": [_mass(system, node) for node in system.nodes],
+        "unbalance": [each.node for each in system.unbalance],
+    }  # fmt: skip
+
+
+def _mass(system: RotorSystem, node: str) -> float:
+    """Return the mass that moves with a node where all others rest."""
+    row = system.rows(node)[0]
+    return float(row @ system.mass @ row)

@@ -27,7 +27,7 @@ from rotor_ida.explorer.messages import (
     speeds_shown,
     state_of,
 )
-from rotor_ida.explorer.motion import show_lines, show_motion, shown_of
+from rotor_ida.explorer.motion import show_lines, show_motion
 from rotor_ida.explorer.page import page_files
 from rotor_ida.explorer.responses import show_responses
 from rotor_ida.explorer.run_ups import show_track
@@ -104,7 +104,7 @@ def _contents(question: Question | SystemQuestion) -> bytes:
     if kind in {"py", "sh"}:
         return again_of(question).encode()
     if archived is None or kind_of(archived) in PLAYED:
-        archived = shown_of(question).saved()
+        archived = Node(question).saved()
     return archive_with(archived) if kind == "nc" else figure_in(archived, kind)
 
 
@@ -113,7 +113,7 @@ def again_of(question: Question | SystemQuestion) -> str:
     kind, path = question.about, question.path
     if path is not None and archive_of(question) is not None:
         return reread(path, kind)
-    shown = shown_of(question)
+    shown = Node(question)
     return shown.lines() if kind == "py" else f"{shown.command()}\n"
 
 

@@ -30,6 +30,7 @@ from rotor_ida.model.parameters import MACHINE_PARAMETERS, OPTIONAL, PARAMETERS
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.signals.files.columns import ENDINGS
 from rotor_ida.simulation.options import LARGEST, check_can_be_followed
+from rotor_ida.texts import plain
 from rotor_ida.units import SPEED_UNITS
 
 # Files of a run: the archive, two figures, the Python script and the command that reproduce them,
@@ -134,6 +135,7 @@ class Question(Asked):
     to: float | None = None
     rate: float | None = None
     angle: float = 0.0
+    node, contact = "", 0  # of all that a system has, one disc has one
 
     @property
     def rotor(self) -> Rotor:
@@ -511,7 +513,7 @@ def packed(answer: Answer, ticket: Mapping[str, object] | None = None) -> bytes:
     header_facts = {
         "part": answer.part,
         **(ticket or {}),
-        "facts": _finite(answer.facts),
+        "facts": plain(answer.facts),
         "arrays": places,
     }
     header = json.dumps(header_facts, allow_nan=False).encode()
@@ -530,16 +532,3 @@ def part_of(answer: bytes) -> str:
     """
     end = 4 + int.from_bytes(answer[:4], "little")
     return str(json.loads(answer[4:end])["part"])
-
-
-def _finite(value: object) -> object:
-    """Return a fact for JSON: NumPy numbers as Python's, None for non-finite ones."""
-    if isinstance(value, dict):
-        return {str(name): _finite(each) for name, each in value.items()}
-    if isinstance(value, (list, tuple)):
-        return [_finite(each) for each in value]
-    if isinstance(value, (np.ndarray, np.generic)):
-        return _finite(value.tolist())
-    if isinstance(value, float) and not math.isfinite(value):
-        return None
-    return value

@@ -12,9 +12,8 @@ import xarray as xr
 from rotor_ida.arrays import Arrays
 from rotor_ida.arrays import Values as FloatArray
 from rotor_ida.explorer.archives import PLAYED, archive_of, archived_answers
-from rotor_ida.explorer.cases import Node
-from rotor_ida.explorer.discs import METHOD, Disc, states_of, values_of, whirls_per_revolution
-from rotor_ida.explorer.endings import Values
+from rotor_ida.explorer.cases import METHOD, Node
+from rotor_ida.explorer.endings import Values, states_of, values_of, whirls_per_revolution
 from rotor_ida.explorer.messages import Answer, Question, SystemQuestion
 from rotor_ida.explorer.words import Scales, sheet_of, words_of_run
 from rotor_ida.model.equations import rotated
@@ -39,20 +38,11 @@ SAMPLES = 512
 LEAST = 1e-9
 
 
-# A rotor as its panels see it: one disc, or a node of a rotor system.
-Shown = Disc | Node
-
-
-def shown_of(question: Question | SystemQuestion) -> Shown:
-    """Return what a question is about."""
-    return Disc(question) if isinstance(question, Question) else Node(question)
-
-
 def show_motion(question: Question | SystemQuestion) -> Iterator[Answer]:
     """Yield the panels of one run, and what is in an archive of anything."""
     path, archived = question.path, archive_of(question)
     if archived is None or kind_of(archived) in PLAYED:
-        shown = shown_of(question)
+        shown = Node(question)
         yield from shown.begin()
         run = shown.run()
         yield from shown.beside(run, _motion(shown, run))
@@ -60,7 +50,7 @@ def show_motion(question: Question | SystemQuestion) -> Iterator[Answer]:
         yield from archived_answers(path, path.stat().st_mtime_ns)
 
 
-def _motion(shown: Shown, run: xr.Dataset) -> Answer:
+def _motion(shown: Node, run: xr.Dataset) -> Answer:
     """Return the panels of a run."""
     values = shown.seen(run)
     changes = "speed" in run
@@ -78,7 +68,7 @@ def _motion(shown: Shown, run: xr.Dataset) -> Answer:
     each = float((run.sizes["t"] - 1) / turns)
     is_one = not changes and math.isclose(each, round(each), rel_tol=1e-9)
     answer = drawn(values, facts, angles, round(each) if is_one else each)
-    if shown.changes_speed:
+    if shown.case.changes_speed:
         answer.arrays.update(_extremes(run["speed"].values, angles[0], values["radius"]))
     return answer
 
@@ -138,11 +128,12 @@ def drawn(
 
 def show_lines(question: Question | SystemQuestion) -> Iterator[Answer]:
     """Yield the full spectrum of the last half of a run, over the spin speed."""
-    shown = shown_of(question)
-    run, omega = shown.probed(shown.run()), shown.speed or 1.0
+    shown = Node(question)
+    drawn, omega = shown.run(), shown.speed or 1.0
+    run = shown.probed(drawn)
     lines = full_spectrum(run.isel(t=slice((run.sizes["t"] - 1) // 2, -1)))
     over = lines["frequency"].values / omega
-    fastest = math.ceil(1.25 * whirls_per_revolution(values_of(run), omega))
+    fastest = math.ceil(1.25 * whirls_per_revolution(shown.seen(drawn), omega))
     orders = max(FASTEST_LINE, fastest)  # including the fastest whirl
     kept = np.abs(over) <= orders
     arrays: Arrays = {

@@ -19,7 +19,8 @@ from rotor_ida.closed_forms.hopf import hopf_points
 from rotor_ida.closed_forms.response_curve import response_curve
 from rotor_ida.cycles.branches import branches_through, holds_cycle
 from rotor_ida.errors import InputError, RotorError
-from rotor_ida.explorer.discs import METHOD, Disc, ending, forced
+from rotor_ida.explorer.cases import METHOD, Node
+from rotor_ida.explorer.endings import ending, forced
 from rotor_ida.explorer.messages import Answer, Question, SystemQuestion
 from rotor_ida.explorer.motion import exact_lines
 from rotor_ida.explorer.whirls import FOLD, HOPF, NO_WHIRLS, show_whirls
@@ -89,7 +90,7 @@ def _curve(question: Question) -> Answer:
     The Hopf points of rubs take longer than the curve and follow later.
     """
     rotor = question.rotor
-    facts = Disc(question).facts
+    facts = Node(question).facts
     try:
         why, arrays = _arrays_of_curve(at_rest(rotor), question.speeds)
     except InputError as error:
@@ -179,7 +180,7 @@ def _exact(compared: xr.Dataset) -> dict[str, object]:
 def _settled(question: Question, settled: dict[str, object], swept: xr.Dataset) -> Answer:
     """Return the settled response and its contact forces, from a run that continues its end."""
     rotor = question.rotor
-    facts = {**Disc(question).facts, **settled}
+    facts = {**Node(question).facts, **settled}
     if settled["response"] != "failed":
         run = simulate(
             rotor, start=_end(swept), duration=2.0 * _watched(rotor, settled),
@@ -191,11 +192,11 @@ def _settled(question: Question, settled: dict[str, object], swept: xr.Dataset) 
     words, sheets = [words_of_response(question.machine, facts)], list[dict[str, Any]]()
     if settled["response"] != "failed":
         told = numbers_of_response(rotor, facts)
-        sheets = sheet_of("What it settles on", Disc(question).scales, told)
+        sheets = sheet_of("What it settles on", Node(question).scales, told)
     if rotor.friction > 0.0 and rotor.load == 0.0:
         words.append(words_of_whip(question.machine, *_whip(rotor)))
     if _is_repeated(settled) and _is_under_way(question, facts):
-        drawn, by = Disc(question).duration, float(swept["window_start"].item())
+        drawn, by = Node(question).duration, float(swept["window_start"].item())
         words.append(words_of_transient(question.machine, rotor.omega, drawn, by))
     arrays = exact_lines(rotor, settled["lies_on"], settled, _end(swept))
     verdict = {"verdict": verdict_of(question.machine, facts), "level": level_of(facts)}
@@ -226,7 +227,8 @@ def _is_repeated(settled: Mapping[str, object]) -> bool:
 def _is_under_way(question: Question, settled: Mapping[str, Any]) -> bool:
     """Return whether the drawn run ends before it reaches the settled response."""
     rotor = question.rotor
-    drawn = ending(forced(Disc(question).run(), rotor), rotor)
+    shown = Node(question)
+    drawn = ending(shown.seen(shown.run()), rotor)
     if (drawn["contact_fraction"] > 0.0) != (settled["contact_fraction"] > 0.0):
         return True
     near = NEAR * max(settled["radius_max"], SMALL)
@@ -253,7 +255,7 @@ def _section(question: Question, settled: dict[str, object], swept: xr.Dataset) 
     arrays: Arrays = {
         "section_x": found["rotating_x"].values, "section_y": found["rotating_y"].values
     }  # fmt: skip
-    return Answer("section", Disc(question).facts, arrays)
+    return Answer("section", Node(question).facts, arrays)
 
 
 def _end(swept: xr.Dataset) -> list[float]:
@@ -301,4 +303,4 @@ def _branch_answer(question: Question, branch: xr.Dataset) -> Answer:
     arrays["special_omega"] = branch["special_value"].values
     arrays["special_kind"] = branch["special_kind"].values.astype(np.int8)
     arrays["special_point"] = branch["special_point"].values.astype(np.float64)
-    return Answer("branch", Disc(question).facts, arrays)
+    return Answer("branch", Node(question).facts, arrays)

@@ -23,10 +23,8 @@ from rotor_ida.closed_forms.folds import folds
 from rotor_ida.closed_forms.synchronous import synchronous_response
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.cases import Node
-from rotor_ida.explorer.discs import Disc
 from rotor_ida.explorer.measured import track_of
 from rotor_ida.explorer.messages import Answer, Question, SystemQuestion
-from rotor_ida.explorer.motion import shown_of
 from rotor_ida.explorer.responses import MOST_KEPT, at_rest
 from rotor_ida.explorer.system_verdicts import touched_on_the_way
 from rotor_ida.explorer.words import words_of_run_up
@@ -88,7 +86,7 @@ def show_run_up(question: Question) -> Iterator[Answer]:
     )  # fmt: skip
     _keep(question, tuple(end.tolist()), record)
     facts: dict[str, object] = {
-        **Disc(question).facts,
+        **Node(question).facts,
         "end": end.tolist(),
         "held": held,
         "angle": float(run["angle"][-1]) % math.tau,
@@ -277,13 +275,13 @@ def _keep(question: Question, end: State, record: Record) -> None:
 
 def show_track(question: Question | SystemQuestion) -> Iterator[Answer]:
     """Yield order 1 and the cascade of a run-up: of one disc, of that which ended in its start."""
-    shown, notes, words = shown_of(question), list[str](), ""
-    if isinstance(shown, Node):
+    shown, notes, words = Node(question), list[str](), ""
+    if shown.disc is None:
         run, system = shown.run_up(), shown.case.system
         signals, notes = shown.probed(run), [system.note] if system.note else []
         words = touched_on_the_way(run) if system.contacts else ""
     else:
-        record = _records.get((at_rest(shown.rotor), shown.question.start))
+        record = _records.get((at_rest(shown.disc.rotor), shown.disc.start))
         if record is None:
             raise InputError("a run-up must be given from its beginning")
         signals = xr.Dataset(

@@ -12,7 +12,7 @@ import xarray as xr
 from rotor_ida.basins.basin import basin
 from rotor_ida.basins.fates import first_look
 from rotor_ida.basins.subjects import check_rotor
-from rotor_ida.explorer.discs import Disc
+from rotor_ida.explorer.cases import Node
 from rotor_ida.explorer.messages import Answer, Question
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import interruptible
@@ -78,7 +78,7 @@ def _picture(
 ) -> Answer:  # fmt: skip
     """Return the labels of the starts by (x, y), and their meanings; negative is undecided."""
     facts: dict[str, object] = {
-        **Disc(question).facts,
+        **Node(question).facts,
         "reach": question.reach,
         "count": round(labels.size**0.5),
         "finest": finest,

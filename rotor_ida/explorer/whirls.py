@@ -24,7 +24,6 @@ from rotor_ida.errors import InputError
 from rotor_ida.explorer.archives import sheets_of
 from rotor_ida.explorer.cases import HIGH, LOW, Case, Node, case_of, of_any_node
 from rotor_ida.explorer.messages import Answer, Question, SystemQuestion
-from rotor_ida.explorer.motion import shown_of
 from rotor_ida.model.assembly import Assembly, assemble
 from rotor_ida.model.few_modes import in_modes
 from rotor_ida.schema import SPECIAL, STABILITY
@@ -66,7 +65,7 @@ def show_whirls(question: SystemQuestion) -> Iterator[Answer]:
 
 def show_campbell(question: Question | SystemQuestion) -> Iterator[Answer]:
     """Yield the Campbell diagram of any rotor."""
-    system, (low, high), notes = shown_of(question).linear
+    system, (low, high), notes = Node(question).linear
     speeds = np.linspace(low, high, FEW_SPEEDS)
     modes = min(MOST_EIGENVALUES, system.size)
     try:

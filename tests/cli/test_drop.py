@@ -55,17 +55,17 @@ def here(tmp_path, monkeypatch):
 @pytest.mark.usefixtures("here")
 def test_a_report_holds_pages_and_archives_that_the_file_alone_gives(capfd, monkeypatch):
     monkeypatch.delenv("COLUMNS", raising=False)
-    words = ["drop", "rotor.toml", "--out", "report", "--drops", "3", "--executor", "serial"]
+    words = ["drop", "rotor.toml", "--report", "report", "--drops", "3", "--executor", "serial"]
     assert main([*words, "--duration", "30ms"]) == 0
     told = capfd.readouterr().out
     assert "One drop: each bearing" in told
     assert "Of 3 drops the largest force is" in told
     files = {each.name for each in Path("report").iterdir()}
-    assert files == {"drop.nc", "drops.nc", "report.html", "report.pdf"}
+    assert files == {"drop.nc", "result.nc", "report.html", "report.pdf"}
     page = Path("report/report.html").read_text("utf-8")
     assert page.count("data:image/png;base64,") == 3
     assert "http" not in page
-    assert "rotor-ida drop rotor.toml --out report --duration 0.03 --drops 3" in page
+    assert "rotor-ida drop rotor.toml --report report --drops 3" in page
     assert "# drawn in the report" in page
     for head in ("largest force [kN]", "largest race speed [rpm]", "clearance [µm]", "rest_time"):
         assert (head in page) == (head != "rest_time")
@@ -80,12 +80,12 @@ def test_a_report_holds_pages_and_archives_that_the_file_alone_gives(capfd, monk
     assert rotor_ida.load("report/drop.nc").equals(run)
     version = run.attrs["rotor_ida_version"]
     assert f"rotor.toml, computed with rotor_ida {version}, report of 20" in page
-    many = rotor_ida.load("report/drops.nc")
+    many = rotor_ida.load("report/result.nc")
     assert many.sizes["drop"] == 3
     assert ((many.drop_friction >= 0.05) & (many.drop_friction <= 0.2)).all()
     assert main(["verify", "report/drop.nc"]) == 0
-    assert main(["verify", "report/drops.nc"]) == 0
-    assert main(["show", "report/drops.nc"]) == 0
+    assert main(["verify", "report/result.nc"]) == 0
+    assert main(["show", "report/result.nc"]) == 0
     shown = capfd.readouterr().out
     assert "95 % interval" in shown
     assert "3 drops: bearing at disc" in shown
@@ -123,7 +123,7 @@ sys.exit(cli.main(sys.argv[2:]))
 @pytest.mark.parametrize(("moment", "done"), [("computing", 2), ("writing", 4)])
 @pytest.mark.usefixtures("here")
 def test_a_killed_drop_continues_by_the_same_command(moment, done, capfd):
-    words = ["drop", "rotor.toml", "--out", "report", "--drops", "4", "--executor", "serial",
+    words = ["drop", "rotor.toml", "--report", "report", "--drops", "4", "--executor", "serial",
              "--duration", "10ms"]  # fmt: skip
     ended = subprocess.run([sys.executable, "-c", KILLED, moment, *words], check=False)
     assert ended.returncode == -signal.SIGKILL
@@ -132,10 +132,10 @@ def test_a_killed_drop_continues_by_the_same_command(moment, done, capfd):
     assert main(words) == 0
     assert f"continued: {done} of 4 drops were saved in report/unfinished" in capfd.readouterr().out
     files = {each.name for each in Path("report").iterdir()}
-    assert files == {"drop.nc", "drops.nc", "report.html", "report.pdf"}
+    assert files == {"drop.nc", "result.nc", "report.html", "report.pdf"}
     assert main([*words[:3], "whole", *words[4:]]) == 0
-    whole = rotor_ida.load("whole/drops.nc")
-    assert rotor_ida.load("report/drops.nc").equals(whole)
+    whole = rotor_ida.load("whole/result.nc")
+    assert rotor_ida.load("report/result.nc").equals(whole)
 
 
 @pytest.mark.usefixtures("here")
@@ -144,7 +144,7 @@ def test_a_drop_that_ends_before_a_touch_has_a_report_too(capfd):
     np.savez("disc.npz", mass=20.0 * np.eye(2), stiffness=np.zeros((2, 2)))
     text = text.replace("mass = [20, 20], stiffness = [0, 0]", 'file = "disc.npz"')
     Path("rotor.toml").write_text(text.replace('"40 ms"', '"2 ms"'))
-    assert main(["drop", "rotor.toml", "--out", "report", "--executor", "serial"]) == 0
+    assert main(["drop", "rotor.toml", "--report", "report", "--executor", "serial"]) == 0
     assert "In this drop the rotor touches no bearing." in capfd.readouterr().out
     page = Path("report/report.html").read_text("utf-8")
     assert "first touch</td><td>none" in page
@@ -249,7 +249,7 @@ def test_the_system_file_of_the_tutorial_is_the_machine_of_the_tutorial():
 )
 def test_bad_input_is_one_line_and_status_2(change, options, words, capfd):
     Path("rotor.toml").write_text(FILE.replace(*change) if change[0] else FILE)
-    assert main(["drop", "rotor.toml", "--out", "report", *options]) == 2
+    assert main(["drop", "rotor.toml", "--report", "report", *options]) == 2
     said = capfd.readouterr().err
     assert words in said
     assert said.count("\n") == 1
@@ -263,10 +263,10 @@ friction = [0.05, 0.2]
 unbalance_factor = { from = 1, to = 2, count = 3 }"""
     text = FILE.replace("[drop.vary]\nfriction = [0.05, 0.2]", grid)
     Path("rotor.toml").write_text(text)
-    words = ["drop", "rotor.toml", "--out", "report", "--executor", "serial"]
+    words = ["drop", "rotor.toml", "--report", "report", "--executor", "serial"]
     assert main(words) == 0
     assert "Over a grid of 6 drops the largest force is" in capfd.readouterr().out
-    many = rotor_ida.load("report/drops.nc")
+    many = rotor_ida.load("report/result.nc")
     assert (many.drop_phase == np.pi / 2).all()  # that of the file
     assert many.cell_unbalance_factor.values.tolist() == [1.0, 1.5, 2.0] * 2
     page = Path("report/report.html").read_text("utf-8")
@@ -276,7 +276,7 @@ unbalance_factor = { from = 1, to = 2, count = 3 }"""
     at = int(many.largest_force_max_drop[0])
     place = f"{float(many.drop_friction[at]):g}, {float(many.drop_unbalance_factor[at]):g}"
     assert f"= {place}. Of the grid" in page
-    assert main(["show", "report/drops.nc"]) == 0
+    assert main(["show", "report/result.nc"]) == 0
     told = " ".join(capfd.readouterr().out.split())
     assert "Backward whirl by cell" in told
     assert "Extremes with where they lie: friction coefficient, factor of the unbalance." in told
@@ -290,7 +290,7 @@ def test_many_drops_with_a_start_are_refused_before_anything_is_computed(capfd):
     size = rotor_ida.load_system("rotor.toml").size
     zeros = [0.0] * size
     Path("rotor.toml").write_text(f"start = {{ q = {zeros}, velocity = {zeros} }}\n{FILE}")
-    assert main(["drop", "rotor.toml", "--drops", "2", "--out", "report"]) == 2
+    assert main(["drop", "rotor.toml", "--drops", "2", "--report", "report"]) == 2
     assert "start must be left out of rotor.toml for many drops" in capfd.readouterr().err
     assert not Path("report").exists()
 
@@ -319,12 +319,12 @@ def test_pages_of_the_pdf_hold_all_that_is_written_on_them(tmp_path, monkeypatch
 @pytest.mark.usefixtures("here")
 def test_bad_input_is_refused_before_a_file_is_written(capfd):
     Path("rotor.toml").write_text(FILE.replace("[0.05, 0.2]", "[0.2, 0.05]"))
-    assert main(["drop", "rotor.toml", "--out", "report", "--drops", "3"]) == 2
+    assert main(["drop", "rotor.toml", "--report", "report", "--drops", "3"]) == 2
     assert "friction must be a range of two numbers, the lower first" in capfd.readouterr().err
     assert not Path("report").exists()
     Path("rotor.toml").write_text(FILE)
     Path("mine.gif").write_text("mine")
-    assert main(["drop", "rotor.toml", "--out", "report", "--film", "mine.gif"]) == 2
+    assert main(["drop", "rotor.toml", "--report", "report", "--film", "mine.gif"]) == 2
     assert "already exists; pass --force to replace it" in capfd.readouterr().err
     assert not Path("report").exists()
 

@@ -39,6 +39,8 @@ WANTED = {
     "clearance-report rotor.toml --speed 7000rpm 9000rpm --without-gravity": SYSTEM,
     "folds --zeta 0.07 --delta0 0.5": {},
     "fit run_up.nc --zeta 0.1 --delta0 2 --shaft-stiffness 1.1 --unknown zeta shaft_stiffness": {},
+    "plot run_up.nc --kind cascade": {"kind": "cascade", "omega": "0.2"},
+    "plot probes.csv --kind orbit --times 0.5 1": {"kind": "orbit", "t": "0 to 1 s"},
 }  # fmt: skip
 
 
@@ -55,6 +57,10 @@ def files(program: Program) -> None:
     Path("rotor.toml").write_text(example_of_system())
     up = "run-up --omega 0.2 --zeta 0.07 --delta0 2 --shaft-stiffness 1 --to 2 --rate 0.05"
     assert program(*up.split(), "--out", "run_up.nc").status == 0
+    times = np.linspace(0.0, 1.0, 2001)
+    table = [times, 20.0 * np.cos(300.0 * times), 20.0 * np.sin(300.0 * times)]
+    np.savetxt("probes.csv", np.transpose(table), delimiter=",", header="time_s,x_um,y_um",
+               comments="")  # fmt: skip
 
 
 @pytest.mark.usefixtures("files")
@@ -76,7 +82,7 @@ def test_a_report_has_what_was_given_and_its_line_gives_the_same_again(program: 
     assert Path("report/report.pdf").read_bytes().startswith(b"%PDF")
     again, *check = re.findall(r"rotor-ida (?:[\w-]+ .*)", page.split("Compute it again")[1])
     assert program(*shlex.split(again)[1:]).status == 0  # though its files are there
-    assert bool(check) == (not line.startswith("fit"))
+    assert bool(check) == (not line.startswith(("fit", "plot probes")))
     if check:
         assert program(*shlex.split(check[0])[1:]).status == 0
     if ".toml" in line:

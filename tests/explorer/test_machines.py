@@ -11,7 +11,8 @@ import pytest
 
 from rotor_ida import backward_whirl, machine_from_data_sheet, run_up, summary
 from rotor_ida.errors import InputError
-from rotor_ida.explorer.discs import PER_WHIRL, whirls_per_revolution
+from rotor_ida.explorer.cases import PER_WHIRL
+from rotor_ida.explorer.endings import whirls_per_revolution
 from rotor_ida.explorer.messages import largest_speed, read_question, speeds_shown
 from rotor_ida.explorer.motion import show_lines
 from rotor_ida.explorer.server import Inbox

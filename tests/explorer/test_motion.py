@@ -9,8 +9,8 @@ import pytest
 import xarray as xr
 
 import rotor_ida
+from rotor_ida.explorer.cases import Node
 from rotor_ida.explorer.messages import Question
-from rotor_ida.explorer.motion import shown_of
 from rotor_ida.schema import DAMPED_EVENT_KIND, EVENT_KIND
 from tests.explorer.asking import (
     BEYOND,
@@ -57,7 +57,7 @@ def simulated(asking: Question) -> xr.Dataset:
         asking.rotor,
         start=asking.start,
         duration=asking.revolutions * 2.0 * math.pi / omega,
-        samples=shown_of(asking).run().sizes["t"],
+        samples=Node(asking).run().sizes["t"],
         method="taylor",
     )
 

@@ -131,7 +131,7 @@ def test_the_command_is_in_the_units_of_the_page_and_gives_the_run_shown(path: P
     words = command.split()[1:-2]
     words[1], words[-1] = str(path), str(archive)
     assert main(words) == 0
-    again, shown = load(archive), motion.shown_of(asked).run()
+    again, shown = load(archive), cases.Node(asked).run()
     np.testing.assert_array_equal(again["event_time"], shown["event_time"])
 
 
@@ -266,7 +266,7 @@ def test_the_run_shown_is_written_to_a_file(path: Path, ending: str, begin: byte
     if ending == "nc":
         again = path.with_suffix(".nc")
         again.write_bytes(contents)
-        assert load(again).equals(motion.shown_of(asked).run())
+        assert load(again).equals(cases.Node(asked).run())
 
 
 def test_the_command_writes_the_page_of_a_system(

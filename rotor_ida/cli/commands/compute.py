@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import rotor_ida
 from rotor_ida.checks import check_one_varies, shown
@@ -13,6 +14,9 @@ from rotor_ida.cli.verb_options import OF_CHANGE
 from rotor_ida.errors import InputError
 from rotor_ida.model.scales import BECOMES
 from rotor_ida.model.system_parameters import SPEED
+
+if TYPE_CHECKING:
+    from rotor_ida.cli.variables import Description
 
 
 @command("one", label="simulate [%]", quiet=True)
@@ -71,7 +75,18 @@ def run_up(case: Case, *, begin: float | None = None) -> Report:
         _begun(case, begin)
     run, speed = case.ask(), case.running_speed
     summary = rotor_ida.summary(run, running_speed=speed)
-    return case.report(run, summary=summary, given=given_in_words(case.rotor, speed))
+
+    def told(most: int | None) -> Description:
+        """Return the answer, which begins with the summary and the words on what was given."""
+        from rotor_ida.cli.describe import describe  # noqa: PLC0415 - heavy, and not for --help
+
+        (first, before), (record, parts) = describe(summary), describe(run, most=most)
+        sentence, given = str(summary.attrs["sentence"]), given_in_words(case.rotor, speed)
+        others = [each for each in parts if not (isinstance(each, str) and each in sentence)]
+        parts = [*before[:1], *filter(None, [given]), *before[1:], *others]
+        return {"summary": first | {"sentence": sentence}} | record, parts
+
+    return case.report(run, told=told)
 
 
 @command("several")
@@ -219,8 +234,9 @@ def _change_of_file(case: Case, begin: float | None) -> None:
         raise InputError(f"from must be left out with speeds, got {shown(first)}")
 
 
+@command("none", asks=(), writes=False)
 def reproduce(
-    *, out: Path = Path("results"), quick: bool = False, studies: bool = False,
+    _case: Case, *, out: Path = Path("results"), quick: bool = False, studies: bool = False,
     only: list[str] | None = None, workers: int | None = None, force: bool = False,
 ) -> int:  # fmt: skip
     """Reproduce the figures of the paper and, on request, all studies, as a page index.html.

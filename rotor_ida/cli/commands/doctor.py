@@ -11,6 +11,7 @@ from pathlib import Path
 from typing import get_args
 
 import rotor_ida
+from rotor_ida.cli.command import Case, command
 from rotor_ida.cli.report import Report
 from rotor_ida.core import sundials
 from rotor_ida.results.sheets import Parts, facts, table
@@ -27,7 +28,8 @@ LARGEST_ERROR = 1e-8
 Check = dict[str, str]
 
 
-def doctor(*, as_json: bool = False) -> Report:
+@command("none", asks=(), writes=False)
+def doctor(_case: Case, *, as_json: bool = False) -> Report:
     """Check the installation: versions, solvers and backends.
 
     To attach to a question:

@@ -1,10 +1,9 @@
-"""The command drop: a levitated rotor falls on its touchdown bearings, and a report on it."""
+"""The command drop: a levitated rotor falls on its touchdown bearings, once or many times."""
 
 from __future__ import annotations
 
 import shutil
-from collections.abc import Mapping
-from contextlib import suppress
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -12,7 +11,7 @@ import rotor_ida
 from rotor_ida.checks import shown
 from rotor_ida.cli import options
 from rotor_ida.cli.command import Case, command
-from rotor_ida.cli.output import FORCED, again, working
+from rotor_ida.cli.output import FORCED, working
 from rotor_ida.cli.report import Report
 from rotor_ida.errors import InputError
 
@@ -20,108 +19,82 @@ if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
 
-    from rotor_ida.cli.pages import Pages
+    from rotor_ida.cli.variables import Description
     from rotor_ida.model.rotor_system import RotorSystem
 
 # What only one drop takes, what a system file gives by node, and what it may give.
 NOT_OF_MANY = {"phase", "more_modes", "samples", "method"}
 BY_NODE = ("start", "clearances", "capacities", "modes", "more_modes")
 OF_FILE = ("speed", "duration", "phase", "drag")
-# The study of many drops in the folder of their report, until all of this is written.
+# The study of many drops in the folder of their report, until all of it is written.
 UNFINISHED = "unfinished"
-# The archives of a report, of one drop and of many.
-ONE, MANY = "drop.nc", "drops.nc"
+# The archive of one drop beside that of many.
+ONE = "drop.nc"
 
 
-@command("a system", label="drop [%]", without=BY_NODE, of_file=OF_FILE, writes=False)
+@command("a system", label="drop [%]", without=BY_NODE, of_file=OF_FILE)
 def drop(
-    case: Case, *, out: Path, drops: int | None = None, film: Path | None = None,
+    case: Case, *, drops: int | None = None, film: Path | None = None,
     jobs: options.JobOptions = options.JobOptions(), study: Path | None = None,
-    as_json: bool = False, force: bool = False,
 ) -> Report:  # fmt: skip
-    r"""Drop a levitated rotor on its touchdown bearings, and write a report.
+    r"""Drop a levitated rotor on its touchdown bearings, once or many times.
 
     The system file gives magnetic bearings as [[supports]], touchdown bearings as [[contacts]], and
     duration, inertia and what varies in [drop], at random or on a grid:
 
-        rotor-ida drop rotor.toml --out report
+        rotor-ida drop rotor.toml --report report
 
-    The folder gets the report as HTML and PDF, and the archives of the drops. After an interruption
-    the same command continues with the drops that are left:
+    After an interruption the same command continues with the drops that are left:
 
-        rotor-ida drop rotor.toml --out report --drops 1000
+        rotor-ida drop rotor.toml --report report --drops 1000
 
     Until then they are in report/unfinished, or in the folder of --study, which stays.
     """
-    from rotor_ida.cli.describe import describe  # noqa: PLC0415 - heavy, and not for --help
-    from rotor_ida.cli.pages import HTML, PDF  # noqa: PLC0415
-    from rotor_ida.plot.drops import check_film  # noqa: PLC0415
-    from rotor_ida.results.files import check_target  # noqa: PLC0415
-    from rotor_ida.steady.drop_words import sentence_of  # noqa: PLC0415
-
     (rotor, _), system = case.from_file, case.file
     if rotor.units != "SI":
-        raise InputError(f"system must be in SI units for a report, got {shown(str(system))}")
-    told = {**case.given, "drops": drops}
-    vary = _asked(case, drops)
+        raise InputError(f"system must be in SI units for a drop, got {shown(str(system))}")
+    vary, folder = _asked(case, drops), case.output.report
     if study is not None and not vary:
         raise InputError("study must be left out without drops")
-    unfinished = out / UNFINISHED
-    overwrite = force or (bool(vary) and unfinished.is_dir())
+    unfinished = None if folder is None or not vary else folder / UNFINISHED
+    if unfinished is not None and unfinished.is_dir():
+        case.output = replace(case.output, force=True)
     if film is not None:
-        check_film(film, overwrite=overwrite, permission=FORCED)
-    archives = [out / ONE, *[out / MANY] * bool(vary)]
-    made = _make(out)
-    try:
-        for path in (*archives, out / HTML, out / PDF):
-            check_target("out", path, overwrite=overwrite, permission=FORCED)
-        run = case.ask()
-    except BaseException:
-        with suppress(OSError):  # another program may have put a file there
-            for folder in made:
-                folder.rmdir()
-        raise
-    everything, before = None, ""
+        from rotor_ida.plot.drops import check_film  # noqa: PLC0415 - heavy, and not for --help
+
+        check_film(film, overwrite=case.output.force, permission=FORCED)
+    run, everything, before = case.ask(), None, ""
     if vary:
         kept = study or unfinished
-        before = _saved_before(kept)
+        before = "" if kept is None else _saved_before(kept)
         everything = _many(rotor, case.given, vary, jobs, kept)
-        unfinished.mkdir(exist_ok=True)
-        rotor_ida.save(everything, out / MANY, overwrite=overwrite)
-    rotor_ida.save(run, out / ONE, overwrite=overwrite)
-    pages = _pages(case, out, run, everything, told).write(out, overwrite=overwrite)
-    written = [*archives, *pages]
+        if unfinished is not None:  # what is written from here on may be replaced
+            unfinished.mkdir(parents=True, exist_ok=True)
+
+    def told(_most: int | None) -> Description:
+        """Return the figures of one drop and of many; their events are in the archive."""
+        from rotor_ida.cli.describe import describe  # noqa: PLC0415 - heavy, and not for --help
+        from rotor_ida.cli.drop_tables import tables_of  # noqa: PLC0415
+        from rotor_ida.steady.drop_words import sentence_of  # noqa: PLC0415
+
+        record = describe(run, most=0)[0]
+        if everything is not None:
+            record |= {"drops": describe(everything, most=0)[0]}
+        return record, [sentence_of(run, everything), *tables_of(run, everything)]
+
+    report = case.report(
+        run if everything is None else everything, told=told,
+        figures=lambda: _figures(run, everything),
+        beside={} if everything is None else {ONE: run},
+    )  # fmt: skip
+    more = [before] if before else []
     if film is not None:
         from rotor_ida.plot import save_orbit_film  # noqa: PLC0415 - heavy
 
-        written.append(save_orbit_film(run, film, overwrite=overwrite))
-    shutil.rmtree(unfinished, ignore_errors=True)
-    record, parts = describe(run, most=0)
-    parts = [sentence_of(run, everything), *parts[1:2]]  # the bearings; the rest is in the report
-    if everything is not None:
-        record |= {"drops": describe(everything, most=0)[0]}
-    parts += [*filter(None, [before]), *(f"wrote {each}" for each in written)]
-    return Report(record=record, parts=parts, as_json=as_json)
-
-
-def _pages(
-    case: Case, folder: Path, run: xr.Dataset, drops: xr.Dataset | None,
-    options: Mapping[str, Any],
-) -> Pages:  # fmt: skip
-    """Return the report on drops, computed with options."""
-    from rotor_ida.cli import drop_tables, pages  # noqa: PLC0415 - heavy
-    from rotor_ida.results.question import Question  # noqa: PLC0415
-    from rotor_ida.steady.drop_words import sentence_of  # noqa: PLC0415
-
-    given = {name: value if isinstance(value, str | list) else repr(value)
-             for name, value in options.items() if value is not None}  # fmt: skip
-    asked = Question("drop", {"rotor": case.file, "out": folder, **given})
-    assert case.file is not None
-    return pages.pages_of(
-        run, [sentence_of(run, drops), *drop_tables.tables_of(run, drops)],
-        rotor=case.rotor, files=[case.file], figures=_figures(run, drops),
-        commands=[again(asked.command()), Question("verify", {"rotor": folder / ONE}).command()],
-    )  # fmt: skip
+        more.append(f"wrote {save_orbit_film(run, film, overwrite=case.output.force)}")
+    if unfinished is not None and not report.trouble:
+        shutil.rmtree(unfinished, ignore_errors=True)
+    return replace(report, parts=[*report.parts, *more])
 
 
 def _figures(run: xr.Dataset, drops: xr.Dataset | None) -> list[tuple[str, Figure]]:
@@ -172,22 +145,6 @@ def _asked(case: Case, drops: int | None) -> dict[str, Any]:
     return vary
 
 
-def _make(folder: Path) -> list[Path]:
-    """Make the folder of the report, and return the new folders, the innermost first."""
-    from rotor_ida.cli.pages import OF_FILES  # noqa: PLC0415 - heavy
-
-    if folder.suffix in OF_FILES:
-        raise InputError(f"out must be a folder, got the name of a file, {shown(str(folder))}")
-    new = [each for each in (folder, *folder.parents) if not each.exists()]
-    try:
-        folder.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise InputError(
-            f"out must be a folder, got {shown(str(folder))}: {error.strerror}"
-        ) from error
-    return new
-
-
 def _saved_before(study: Path) -> str:
     """Return how many drops an interrupted command has left; empty if none."""
     try:
@@ -199,8 +156,8 @@ def _saved_before(study: Path) -> str:
 
 def _many(
     rotor: RotorSystem, given: dict[str, Any], vary: dict[str, Any], jobs: options.JobOptions,
-    study: Path,
-) -> Any:  # fmt: skip
+    study: Path | None,
+) -> xr.Dataset:  # fmt: skip
     """Return the ensemble of drops."""
     ways = {name: each for name, each in given.items() if name not in NOT_OF_MANY}
     with working("drops", study) as progress:

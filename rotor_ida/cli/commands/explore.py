@@ -10,7 +10,7 @@ from pathlib import Path
 from rotor_ida.checks import COMPONENTS, State, check_state, shown
 from rotor_ida.cli.command import Case, command
 from rotor_ida.cli.commands.plot import as_read
-from rotor_ida.cli.output import FORCED, working
+from rotor_ida.cli.output import check_file, working
 from rotor_ida.cli.parsing import refuse_units
 from rotor_ida.cli.rotor_options import RotorOptions
 from rotor_ida.errors import InputError
@@ -71,7 +71,7 @@ def explore(
             raise InputError("speeds must be left out without --export")
         _serve(state, port, not no_browser, served, read)
         return 0
-    _check_page(export, force)
+    check_file("export", export, PAGE, force=force)
     return _write(export, _recorded(state, served, speeds), force)
 
 
@@ -160,15 +160,6 @@ def _recorded(state: Mapping[str, object], served: Path | None, speeds: list[flo
         )  # fmt: skip
     with working("recording") as told:
         return files.finished(steps, told)
-
-
-def _check_page(place: Path, force: bool) -> None:
-    """Refuse a file that cannot be written, before anything is computed."""
-    from rotor_ida.results.files import check_target  # noqa: PLC0415
-
-    if place.suffix != PAGE:
-        raise InputError(f"export must end in {PAGE}, got {shown(place)}")
-    check_target("export", place, overwrite=force, permission=FORCED)
 
 
 def _write(place: Path, page: str, force: bool) -> int:

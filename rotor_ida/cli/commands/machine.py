@@ -5,13 +5,11 @@ from __future__ import annotations
 import re
 from pathlib import Path
 
-from rotor_ida.checks import shown
 from rotor_ida.cli.command import Case, command
 from rotor_ida.cli.given import facts_of_machine
-from rotor_ida.cli.output import FORCED
+from rotor_ida.cli.output import check_file
 from rotor_ida.cli.report import Report
 from rotor_ida.cli.rotor_options import of_sheet
-from rotor_ida.errors import InputError
 from rotor_ida.model.data_sheet import KEYS, check_keys, implausible
 from rotor_ida.results.sheets import Line, Parts, facts
 from rotor_ida.units import read_in
@@ -56,19 +54,12 @@ def machine(
     if out is None:
         parts += ["", machine_text(found).rstrip()]
     else:
-        save_machine(found, _checked(out, force), overwrite=force)
+        check_file("out", out, ENDING, force=force)
+        save_machine(found, out, overwrite=force)
         parts.append(f"wrote {out}")
     told = dict(map(_usual, lines))
     record = {"machine": found.given, "facts": told | numbers, "warnings": warnings}
     return Report(record=record, parts=parts, as_json=as_json)
-
-
-def _checked(out: Path, force: bool) -> Path:
-    from rotor_ida.results.files import check_target  # noqa: PLC0415 - takes a moment
-
-    if out.suffix != ENDING:
-        raise InputError(f"out must end in {ENDING}, got {shown(out)}")
-    return check_target("out", out, overwrite=force, permission=FORCED)
 
 
 def _usual(line: Line) -> tuple[str, float]:

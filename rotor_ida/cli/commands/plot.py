@@ -14,16 +14,18 @@ import rotor_ida
 from rotor_ida.checks import check_increasing, did_you_mean, shown
 from rotor_ida.cli import parsing
 from rotor_ida.cli.command import Case, command
-from rotor_ida.cli.output import OUT_ENDING, Output, read, write_figure
+from rotor_ida.cli.output import OUT_ENDING, Output, read
 from rotor_ida.cli.parsing import in_unit
 from rotor_ida.cli.report import Report
 from rotor_ida.cli.verbs import arguments_of
-from rotor_ida.errors import InputError, RotorError
+from rotor_ida.errors import InputError
 from rotor_ida.results.sheets import facts
 
 if TYPE_CHECKING:
     import xarray as xr
     from matplotlib.figure import Figure
+
+    from rotor_ida.cli.variables import Description
 
 # Attributes of measured signals that describe how the file was read.
 OF_FILE = ("columns", "notes")
@@ -82,11 +84,10 @@ READ_KIND = Parameter(converter=parsing.converter(_kind_of_plot))
 
 
 @command("none", asks=tuple(f"plot.{each}" for each in DRAWN_BY.values()), only=OF_PLOTS,
-         file="FILE", reads=True, writes=False)  # fmt: skip
+         file="FILE", reads=True, most=None)  # fmt: skip
 def plot(
-    case: Case, *, kind: Annotated[KindOfPlot | None, READ_KIND] = None,
-    figure: Path | None = None, exact: bool = False, node: str | None = None,
-    times: tuple[float, float] | None = None, as_json: bool = False, force: bool = False,
+    case: Case, *, kind: Annotated[KindOfPlot | None, READ_KIND] = None, exact: bool = False,
+    node: str | None = None, times: tuple[float, float] | None = None,
 ) -> Report:  # fmt: skip
     r"""Plot an archive or a measured file: Bode, orbit, cascade and others.
 
@@ -118,6 +119,8 @@ def plot(
     A section or a bifurcation diagram of a rotor system, at a node:
 
         rotor-ida plot strobes.nc --node seal
+
+    Without --figure and --report the figure is named after FILE and kind.
     """
     (file,), chosen = case.measured, case.given
     if chosen.get("over") == "time":
@@ -127,10 +130,10 @@ def plot(
     elif chosen or exact:
         name = next(iter(chosen), "exact")
         raise InputError(f"kind must be given with {OPTIONS.get(name, name)}")
-    if figure is None:
-        figure = file.with_name(f"{file.stem}_{kind}.png" if kind else f"{file.stem}.png")
-    Output(figure=figure, force=force).check()
-    dataset, is_whole = _dataset_in(file, case.reading), kind is None and times is None
+    case.output = _named_after(file, kind, case.output)
+    case.output.check()
+    whole = dataset = _dataset_in(file, case.reading)
+    is_whole = kind is None and times is None
     if is_whole and node is not None:
         kind = _kind_with_nodes(dataset)
     if kind in OF_RESULTS and times is not None:
@@ -150,14 +153,32 @@ def plot(
 
         chosen["beneath"] = exact_beneath(dataset, kind)
     drawn = _drawn(kind, dataset, chosen)
-    report = _written(file, dataset, drawn, figure, kind=kind, as_json=as_json, force=force)
+    record: dict[str, object] = {"file": str(file), "kind": kind or _kind_suiting(dataset)}
+    if "t" in dataset.sizes:
+        record["samples"] = dataset.sizes["t"]
+    record |= {name: str(dataset.attrs[name]) for name in OF_FILE if name in dataset.attrs}
     notes = [
         each.attrs["not_exact"] for each in chosen.get("beneath", ()) if "not_exact" in each.attrs
     ]
-    return replace(
-        report, record={**report.record, **({"notes": notes} if notes else {})},
-        parts=[*report.parts, *notes],
-    )  # fmt: skip
+
+    def told(most: int | None) -> Description:
+        """Return what is drawn, in a report with the tables of the file."""
+        from rotor_ida.cli.describe import describe  # noqa: PLC0415 - heavy, and not for --help
+
+        tables = [] if most is None else describe(whole, most=most)[1]
+        first = {name: each for name, each in record.items() if not tables or name not in OF_FILE}
+        said = {"notes": notes} if notes else {}
+        return record | said, [facts("Plot", first), *notes, *tables]
+
+    return case.report(whole, told=told, figures=lambda: [("Figure", drawn)])
+
+
+def _named_after(file: Path, kind: str | None, output: Output) -> Output:
+    """Return where to write, with a figure named after the file if no place is given for one."""
+    if output.figure is not None or output.report is not None:
+        return output
+    name = f"{file.stem}_{kind}.png" if kind else f"{file.stem}.png"
+    return replace(output, figure=file.with_name(name))
 
 
 def _kind_suiting(dataset: xr.Dataset) -> str:
@@ -198,29 +219,6 @@ def _drawn(kind: KindOfPlot | None, dataset: xr.Dataset, chosen: dict[str, Any])
         name = "plot_strobes" if is_strobed else DRAWN_BY[kind]
         drawn = getattr(plots, name)(dataset, **chosen)
     return cast("Figure", drawn.figure)
-
-
-def _written(
-    file: Path, dataset: xr.Dataset, drawn: Figure, figure: Path, *, kind: KindOfPlot | None,
-    as_json: bool, force: bool,
-) -> Report:  # fmt: skip
-    """Write a figure and return the report."""
-    written, trouble = [], ""
-    try:
-        files = write_figure(drawn, figure, overwrite=force)
-        written = [str(path) for path in files]
-    except (RotorError, OSError) as error:
-        trouble = str(error)
-    record: dict[str, object] = {"file": str(file), "kind": kind or _kind_suiting(dataset)}
-    if "t" in dataset.sizes:
-        record["samples"] = dataset.sizes["t"]
-    record |= {name: str(dataset.attrs[name]) for name in OF_FILE if name in dataset.attrs}
-    return Report(
-        record={**record, "written": written},
-        parts=[facts("Plot", record), *(f"wrote {path}" for path in written)],
-        as_json=as_json,
-        trouble=trouble,
-    )
 
 
 def _check_options(

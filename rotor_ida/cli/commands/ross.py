@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from rotor_ida.checks import shown
+from rotor_ida.cli.command import Case, command
 from rotor_ida.cli.output import FORCED
 from rotor_ida.cli.report import Report
 from rotor_ida.errors import InputError, InstallationError, MissingFileError
@@ -12,10 +13,10 @@ from rotor_ida.results.files import already_there
 from rotor_ida.results.sheets import facts
 
 
+@command("none", asks=(), file="FILE", writes=False)
 def from_ross(
-    file: Path, /, *, speed: float | None = None, out: Path, as_json: bool = False,
-    force: bool = False,
-) -> Report:  # fmt: skip
+    case: Case, *, speed: float | None = None, out: Path, as_json: bool = False, force: bool = False
+) -> Report:
     r"""Turn a saved rotor of ROSS into a system file, with the tables of its bearings and seals.
 
     The file is one that its method save has written. ROSS must be installed:
@@ -24,6 +25,7 @@ def from_ross(
     """
     from rotor_ida.model.rotor_system import RotorSystem  # noqa: PLC0415 - takes a moment
 
+    (file,) = case.measured
     if not file.exists():
         raise MissingFileError(f"file must be a file that exists, got {shown(file)}")
     if out.exists() and not force:

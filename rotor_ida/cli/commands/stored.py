@@ -12,8 +12,9 @@ from typing import cast
 import rotor_ida
 from rotor_ida.checks import check_one_varies, shown
 from rotor_ida.cli import options
-from rotor_ida.cli.output import Output, answer, answer_whole, check_varies, read, working
-from rotor_ida.cli.report import FIRST_ROWS, Report
+from rotor_ida.cli.command import Case, command
+from rotor_ida.cli.output import answer_whole, check_varies, read, working
+from rotor_ida.cli.report import Report
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.results.sheets import facts
@@ -27,7 +28,8 @@ NOT_COMPARED = {
 }  # fmt: skip
 
 
-def show(file: Path, /, *, output: Output = Output()) -> Report:
+@command("none", asks=(), file="FILE")
+def show(case: Case) -> Report:
     """Show an archive: its kind, its origin and its first rows.
 
     The archive of the example of simulate, also as CSV files, then as a report:
@@ -35,7 +37,8 @@ def show(file: Path, /, *, output: Output = Output()) -> Report:
         rotor-ida show run.nc --figure run.png --csv run.csv
         rotor-ida show run.nc --report report
     """
-    output.check()
+    (file,) = case.measured
+    case.output.check()
     from rotor_ida.signals.files.columns import ENDINGS  # noqa: PLC0415 - heavy, likewise below
 
     measured = {ending for each in ENDINGS.values() for ending in each} | {".csv", ".txt", ".tsv"}
@@ -47,7 +50,7 @@ def show(file: Path, /, *, output: Output = Output()) -> Report:
     from rotor_ida.cli.describe import origin  # noqa: PLC0415
 
     dataset = read(file)
-    report = answer(dataset, output, most=FIRST_ROWS)
+    report = case.report(dataset)
     sizes = {str(dim): size for dim, size in dataset.sizes.items()}
     return replace(
         report,
@@ -56,27 +59,29 @@ def show(file: Path, /, *, output: Output = Output()) -> Report:
     )
 
 
-def compare(file: Path, /, *, output: Output = Output()) -> Report:
+@command("none", most=None, file="FILE")
+def compare(case: Case) -> Report:
     """Compare an archived sweep with the exact whirls and limit cycles.
 
     The archive of the example of sweep:
 
         rotor-ida compare sweep.nc --out compared.nc
     """
+    (file,), output = case.measured, case.output
     output.check()
     if output.figure is not None:
         raise InputError("figure must be left out: a comparison has none")
     if output.out is not None and os.path.realpath(output.out) == os.path.realpath(file):
         raise InputError(f"out must not be the file that is compared, got {shown(output.out)}")
     with working("comparison") as progress:
-        compared = rotor_ida.compare(read(file), progress=progress)
-    return answer(compared, output)
+        found = rotor_ida.compare(read(file), **case.given, progress=progress)
+    return case.report(found)
 
 
+@command("none", asks=(), file="FILE", writes=False)
 def verify(
-    file: Path, /, *, method: Method | None = None, workers: int | None = None,
-    as_json: bool = False,
-) -> Report:  # fmt: skip
+    case: Case, *, method: Method | None = None, workers: int | None = None, as_json: bool = False
+) -> Report:
     """Recompute an archived result and compare it with the archive.
 
     The archive of the example of simulate, by the same method and by another:
@@ -84,6 +89,7 @@ def verify(
         rotor-ida verify run.nc
         rotor-ida verify run.nc --method taylor
     """
+    (file,) = case.measured
     archived = read(file)
     from rotor_ida.verification.verify import differences, rerun  # noqa: PLC0415 - heavy
 
@@ -104,13 +110,15 @@ def verify(
     return Report(record=record, parts=parts, as_json=as_json, trouble=trouble)
 
 
-def status(folder: Path, /, *, as_json: bool = False) -> Report:
+@command("none", asks=(), file="FOLDER", writes=False)
+def status(case: Case, *, as_json: bool = False) -> Report:
     """Show the progress of a study: points done, failed and left, and the time left.
 
     The study of the example of basin-fractions, even while it runs:
 
         rotor-ida status study
     """
+    (folder,) = case.measured
     found = rotor_ida.status(folder)
     reasons, left = cast(list[str], found.pop("reasons")), cast(float, found["seconds_left"])
     rows = {name: entry for name, entry in found.items() if name != "seconds_left"}
@@ -121,15 +129,15 @@ def status(folder: Path, /, *, as_json: bool = False) -> Report:
     return Report(record=record, parts=[facts(f"Study {folder}", rows)], as_json=as_json)
 
 
-def resume(
-    folder: Path, /, *, jobs: options.JobOptions = options.JobOptions(), output: Output = Output()
-) -> Report:
+@command("none", asks=(), file="FOLDER")
+def resume(case: Case, *, jobs: options.JobOptions = options.JobOptions()) -> Report:
     """Continue a study until it is complete, and write its result.
 
     The study of the example of basin-fractions:
 
         rotor-ida resume study
     """
+    (folder,), output = case.measured, case.output
     output.check(panels=1 if output.figure is None else _panels(folder))
     with working("study", folder) as progress:
         dataset = rotor_ida.resume(folder, **asdict(jobs), progress=progress)
