@@ -57,7 +57,6 @@ from rotor_ida.basins.known import (
 )
 from rotor_ida.basins.starts import Starts
 from rotor_ida.basins.subjects import KnockedSystem
-from rotor_ida.core.runs import NO_STOP
 from rotor_ida.cycles.limit_cycle import returns
 from rotor_ida.cycles.multipliers import doubling_test, is_stable
 from rotor_ida.cycles.orbit import Orbit
@@ -95,8 +94,6 @@ CHECKED = 512
 RTOL_OF_FIRST_LOOK = 1e-4
 # Longest time for which a start is followed again [1].
 LONGEST_AGAIN = 4000.0
-# Samples of one period, for the mean whirl.
-SAMPLES = 512
 
 # A remaining fraction no larger than this is followed for longer before one orbit is examined: it
 # may only be slow.
@@ -175,10 +172,9 @@ class Disc:
     @property
     def smallest(self) -> int:
         """Fewest starts that are worth a batch."""
-        rotor = self.known.rotor
-        if followed_alone(rotor):
+        if self.known.is_followed_alone:
             return SMALLEST_ALONE
-        return SMALLEST_RUBBING if may_remain(rotor) else SMALLEST_BATCH
+        return SMALLEST_RUBBING if may_remain(self.known.rotor) else SMALLEST_BATCH
 
     def flow(self, stop: Stop) -> DiscFlow:
         """Return how the disc moves."""
@@ -191,7 +187,7 @@ class Disc:
     def scouted(self, starts: Starts, count: int, *, drawn: bool, stop: Stop) -> Self:
         """Return the same with the limit cycles that a few starts show, and a tolerance."""
         is_one_batch = count <= self.smallest and self.rtol is not None
-        if is_one_batch or followed_alone(self.known.rotor):
+        if is_one_batch or self.known.is_followed_alone:
             return self
         scouts = SCOUTS_UNDER_LOAD if self.known.rotor.load > 0.0 else SCOUTS
         disc = self.with_cycles(_few(starts, count, scouts, drawn), stop)
@@ -218,7 +214,7 @@ class Disc:
         rows = _rows_of(batch)
 
         def again(chosen: Indices) -> Labels:
-            if followed_alone(self.known.rotor):
+            if self.known.is_followed_alone:
                 return np.full(chosen.size, UNDECIDED, np.int16)
             # none for longer than the longest of them was before
             duration = max(float(batch.times[chosen].max()), self.known.first_wait)
@@ -280,7 +276,7 @@ def whirls_of(known: Known, present: Collection[int] = ()) -> dict[int, np.void]
     }  # fmt: skip
     if free is None:
         return rows
-    size, lag, alone = abs(free.whirl), phase_lag_of(free.whirl), followed_alone(rotor)
+    size, lag, alone = abs(free.whirl), phase_lag_of(free.whirl), known.is_followed_alone
     if free.room > 0.0 or known.free_label in present:
         radii = (abs(size - free.sag), size + free.sag) if free.alone else (math.nan, math.nan)
         rows[known.free_label] = disc_row(
@@ -295,12 +291,9 @@ def whirls_of(known: Known, present: Collection[int] = ()) -> dict[int, np.void]
     return rows
 
 
-def cycle_row(cycle: Orbit, has_section: bool, stop: Stop) -> np.void:
+def cycle_row(cycle: Orbit, has_section: bool) -> np.void:
     """Return a limit cycle as a row; `has_section` sets its trapping evidence."""
-    cycle = Orbit(cycle.flow.but(stop=stop), cycle.piece)  # who found it may have been stopped
-    times = cycle.duration / SAMPLES * np.arange(SAMPLES + 1.0)
-    states = cycle.flow.states(cycle.start, times)[:-1]
-    whirl = complex(states[:, 0].mean(), states[:, 1].mean())
+    whirl = cycle.mean_whirl
     return disc_row(
         cycle.response, abs(whirl), phase_lag_of(whirl), cycle.radius_min, cycle.radius_max,
         period=cycle.duration, trapping=ESTIMATED if has_section else NOTHING, state=cycle.start,
@@ -313,7 +306,7 @@ def _rows_of(batch: Batch) -> dict[int, np.void]:
     rows = whirls_of(known, present)
     for number, each in enumerate(known.cycles, start=known.first_cycle):
         if number in present:
-            rows[number] = cycle_row(each.cycle, each.exists, NO_STOP)
+            rows[number] = cycle_row(each.cycle, each.exists)
     for kind, label in APERIODIC.items():
         if label in present:
             settled = batch.aperiodic[label]
@@ -400,7 +393,7 @@ def decide(batch: Batch) -> Batch:
     """Follow all starts of a batch until the attractor of each is decided; return the batch."""
     rotor, every = batch.known.rotor, np.arange(batch.labels.size)
     waiting = every[:0]
-    if followed_alone(rotor):
+    if batch.known.is_followed_alone:
         label_one_by_one(batch, every, Options(method="taylor", rtol=batch.tolerance))
     elif may_remain(rotor):
         label_remaining(batch)

@@ -63,17 +63,21 @@ def labelled_dataset(
     >>> whirls.identical(xr.Dataset(whirls.data_vars, whirls.coords, whirls.attrs))
     True
     """
-    held: dict[Hashable, xr.Variable] = {
-        name: column.to_base_variable()
-        if isinstance(column, xr.Variable)
-        else labelled(name, *column)
+    columns = {
+        name: (column.dims, column.values) if isinstance(column, xr.Variable) else column
         for name, column in (*variables.items(), *coordinates.items())
     }
     told = {"Conventions": CONVENTIONS, "title": title, **(attributes or {})}
     if kind:
         told[RESULT_KIND] = kind
-    plain = {name: held.pop(name) for name in variables}
-    return xr.Dataset(plain, held, told)
+    plain = {name: columns.pop(name) for name in variables}
+    dataset = xr.Dataset(plain, columns, told)
+    # xarray would copy variables with attributes twice
+    for name, variable in dataset.variables.items():
+        given = variables.get(str(name), coordinates.get(str(name)))
+        is_variable = isinstance(given, xr.Variable)
+        variable.attrs = given.attrs if is_variable else QUANTITIES[str(name)].attributes()
+    return dataset
 
 
 def spread(

@@ -333,7 +333,7 @@ def _case_of_disc(
 ) -> Case:  # fmt: skip
     """Return what is asked of one disc, checked."""
     first = given_start("start", start, loaded=bool(asked.values("load").any()))
-    if not asked.dims:
+    if isinstance(first, str) and not asked.dims:
         first = start_of(asked.rotor(()), first)
     for each in asked.extremes():
         check_can_be_followed(each, start_of(each, first))

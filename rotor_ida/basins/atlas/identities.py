@@ -123,7 +123,7 @@ def _successor_of_disc(member: Member, rotor: Rotor, there: Cell, stop: Stop) ->
     for each in known:
         if same_numbers(float(each.row["period"]), float(each.row["radius_max"]), cycle):
             return each
-    there.members.append(Member(cycle_row(cycle, cycle_section(cycle, stop).exists, stop)))
+    there.members.append(Member(cycle_row(cycle, cycle_section(cycle, stop).exists)))
     return there.members[-1]
 
 

@@ -62,7 +62,7 @@ def test_fading_touches_are_one_attractor_over_a_gap():
 def member_at(omega, delta0, start):
     rotor = Rotor(omega=omega, zeta=0.07, delta0=delta0)
     cycle = cycle_from(guess_of(rotor, np.array(start)))
-    return rotor, Member(cycle_row(cycle, True, GO_ON), 3)
+    return rotor, Member(cycle_row(cycle, True), 3)
 
 
 def test_an_attractor_that_no_start_hit_is_found_from_its_neighbour():
