@@ -23,7 +23,7 @@ from rotor_ida.checks import (
     is_scalar,
 )
 from rotor_ida.core.library import why_missing
-from rotor_ida.core.systems import Places, SystemRequest, SystemResult
+from rotor_ida.core.system_requests import Places, SystemRequest, SystemResult
 from rotor_ida.errors import InputError, InstallationError, warn
 from rotor_ida.model.assembly import Assembly, Canonical, assemble, canonical
 from rotor_ida.model.few_modes import check_modes, in_modes

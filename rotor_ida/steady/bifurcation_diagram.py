@@ -33,7 +33,7 @@ from rotor_ida.checks import (
     is_scalar,
     shown,
 )
-from rotor_ida.core.systems import Places
+from rotor_ida.core.system_requests import Places
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem
