@@ -7,7 +7,7 @@ import pytest
 
 from rotor_ida import Rotor, basin_fractions, limit_cycle
 from rotor_ida.basins.attractors import Attractors, Followed, confirm, disc_row, leads_to
-from rotor_ida.basins.fates import Disc, cycle_row
+from rotor_ida.basins.disc import Disc, cycle_row
 from rotor_ida.basins.following import BatchResult, follow_starts
 from rotor_ida.basins.kernel import UNDECIDED
 from rotor_ida.core.runs import NO_STOP

@@ -5,7 +5,7 @@ import pytest
 
 from rotor_ida import InputError, Rotor, basin
 from rotor_ida.basins import attractors, fates, following
-from rotor_ida.basins.fates import Disc
+from rotor_ida.basins.disc import Disc
 from rotor_ida.basins.following import follow_here
 from rotor_ida.core.runs import NO_STOP
 from rotor_ida.parallel import FailedJob

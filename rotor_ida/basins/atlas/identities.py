@@ -28,7 +28,7 @@ from rotor_ida.basins.attractors import (
     state_on,
 )
 from rotor_ida.basins.cycle_sections import cycle_section
-from rotor_ida.basins.fates import cycle_row
+from rotor_ida.basins.disc import cycle_row
 from rotor_ida.basins.known import may_roll, same_numbers
 from rotor_ida.basins.subjects import KnockedSystem, settled_row
 from rotor_ida.cycles.branch import LIMITS, Side, advance

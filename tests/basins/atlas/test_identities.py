@@ -13,7 +13,7 @@ from rotor_ida import (
 from rotor_ida.basins.atlas.cells import Cell, Member
 from rotor_ida.basins.atlas.identities import followed_whirl, identify
 from rotor_ida.basins.attractors import disc_row
-from rotor_ida.basins.fates import cycle_row
+from rotor_ida.basins.disc import cycle_row
 from rotor_ida.cycles.guess import guess_of
 from rotor_ida.cycles.limit_cycle import cycle_from
 from rotor_ida.schema import RESPONSE
