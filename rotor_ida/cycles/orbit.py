@@ -85,10 +85,13 @@ class Orbit:
     @cached_property
     def mean_whirl(self) -> complex:
         """Mean place of one disc on the rotating axes over the period [dimensionless]."""
-        flow = self.flow.but(stop=NO_STOP)  # who found it may have been stopped
         times = self.duration / MEAN_SAMPLES * np.arange(MEAN_SAMPLES + 1.0)
-        states = flow.states(self.start, times)[:-1]
+        states = self._states(times)[:-1]
         return complex(states[:, 0].mean(), states[:, 1].mean())
+
+    def _states(self, times: Values) -> Values:
+        """Return states on the orbit at some times, even if who found it was stopped since."""
+        return self.flow.but(stop=NO_STOP).states(self.start, times)
 
     # ---- Its contacts ----
 
@@ -173,7 +176,7 @@ class Orbit:
     def _is_backward(self) -> bool:
         """Whether a contact that rolls whirls backwards all the time."""
         times = np.linspace(0.0, self.duration, SAMPLES + 1)
-        place, velocity = self.flow.places(self.flow.states(self.start, times))
+        place, velocity = self.flow.places(self._states(times))
         forward = (place.conj() * velocity).imag * math.copysign(1.0, self.flow.speed)
         return bool((forward[:, self.piece.rolls].max(axis=0) < 0.0).any())
 

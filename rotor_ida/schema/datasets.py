@@ -63,20 +63,20 @@ def labelled_dataset(
     >>> whirls.identical(xr.Dataset(whirls.data_vars, whirls.coords, whirls.attrs))
     True
     """
+    given = {**variables, **coordinates}
     columns = {
         name: (column.dims, column.values) if isinstance(column, xr.Variable) else column
-        for name, column in (*variables.items(), *coordinates.items())
+        for name, column in given.items()
     }
     told = {"Conventions": CONVENTIONS, "title": title, **(attributes or {})}
     if kind:
         told[RESULT_KIND] = kind
     plain = {name: columns.pop(name) for name in variables}
     dataset = xr.Dataset(plain, columns, told)
-    # xarray would copy variables with attributes twice
-    for name, variable in dataset.variables.items():
-        given = variables.get(str(name), coordinates.get(str(name)))
-        is_variable = isinstance(given, xr.Variable)
-        variable.attrs = given.attrs if is_variable else QUANTITIES[str(name)].attributes()
+    for name, column in given.items():  # only now, as xarray would copy each with them twice
+        dataset.variables[name].attrs = (
+            column.attrs if isinstance(column, xr.Variable) else QUANTITIES[name].attributes()
+        )
     return dataset
 
 

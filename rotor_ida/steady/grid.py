@@ -246,8 +246,10 @@ class Ramps(Generic[Point, Start]):
     def _first_places(self) -> tuple[Places, Places]:
         """Positions of the first points of all ramps, and the steps from point to point."""
         first = self.firsts(np.arange(len(self)))
-        steps = self.directions[first[-1]] * math.prod(self.shape[self.along + 1 :])
-        return np.ravel_multi_index(first, self.shape), steps
+        steps = self.directions[first[-1]].astype(np.int64) * math.prod(
+            self.shape[self.along + 1 :]
+        )
+        return np.asarray(np.ravel_multi_index(first, self.shape), np.int64), steps
 
     def places(self, number: int) -> Places:
         """Return the positions of a ramp's points among all, in the order of the dimensions."""
