@@ -50,6 +50,8 @@ RTOL = 1e-6
 # but this one if it changes the attractor of any of this number of starts.
 SMALL_RTOL = 1e-11
 CHECKED = 512
+# Up to this number of starts, making all takes less time than making so few one by one.
+ALL_AT_ONCE = 100_000
 # A first look shows only what is soon trapped by whirls.
 RTOL_OF_FIRST_LOOK = 1e-4
 # Longest time for which a start is followed again [1].
@@ -152,6 +154,8 @@ def _few(starts: Starts, count: int, most: int, drawn: bool) -> Values:
     if drawn:
         return starts(0, most)
     numbers = np.unique(np.linspace(0, count - 1, min(most, count)).astype(np.int64))
+    if count <= ALL_AT_ONCE:
+        return starts(0, count)[:, numbers]
     return np.concatenate([starts(number, number + 1) for number in numbers.tolist()], axis=1)
 
 
