@@ -14,7 +14,7 @@ import numpy as np
 
 from rotor_ida import Rotor
 from rotor_ida.basins.attractors import kind_of
-from rotor_ida.basins.fates import Disc
+from rotor_ida.basins.disc import Disc
 from rotor_ida.basins.following import follow_starts
 from rotor_ida.core.runs import NO_STOP
 from rotor_ida.parallel import choose, count_workers, run_all

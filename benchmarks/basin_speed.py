@@ -16,7 +16,7 @@ import heyoka as hy
 import numpy as np
 
 from rotor_ida import Rotor
-from rotor_ida.basins.fates import RTOL, Disc
+from rotor_ida.basins.disc import RTOL, Disc
 from rotor_ida.basins.following import follow_starts
 from rotor_ida.basins.kernel import NO_CONTACT_FREE, NOT_COMPUTED, REGION, SECTION, follow
 from rotor_ida.parallel import Workers

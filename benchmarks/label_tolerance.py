@@ -15,7 +15,7 @@ import numpy as np
 
 from rotor_ida import Rotor
 from rotor_ida.basins.attractors import kind_of
-from rotor_ida.basins.fates import RTOL, Disc
+from rotor_ida.basins.disc import RTOL, Disc
 from rotor_ida.basins.following import follow_starts
 from rotor_ida.basins.subjects import TIGHTEST
 from rotor_ida.core.runs import NO_STOP

@@ -18,7 +18,7 @@ from label_tolerance import HALF_WIDTH, same
 
 from rotor_ida import Rotor
 from rotor_ida.basins import known
-from rotor_ida.basins.fates import Disc
+from rotor_ida.basins.disc import Disc
 from rotor_ida.basins.following import follow_starts
 from rotor_ida.core.runs import NO_STOP
 from rotor_ida.parallel import choose

@@ -218,7 +218,9 @@ class Attractors:
     def find(self, row: np.void, besides: Collection[int] = ()) -> int | None:
         """Return the number of the attractor of a settled motion; None if it was not met."""
         others = (each for each in range(len(self.rows)) if each not in besides)
-        return next((each for each in others if self._is_on(each, row)), None)
+        return next(
+            (each for each in others if _same(self.rows[each], row) or self._is_on(each, row)), None
+        )
 
     def order(self) -> list[int]:
         """Return their numbers in the order of a result.
@@ -291,6 +293,11 @@ def _radii(row: np.void) -> Values:
                      for names in RADII])  # fmt: skip
 
 
+def _same(known: np.void, row: np.void) -> bool:
+    """Return whether two rows have the same bits, as where several batches know an attractor."""
+    return known.tobytes() == row.tobytes()
+
+
 def _differing(known: np.void, row: np.void) -> Flags:
     """Return which radii differ, relative to the largest, shape (2, place)."""
     one, other = _radii(known), _radii(row)
@@ -303,7 +310,7 @@ def _joined(known: np.void, row: np.void) -> np.void:
     It has the shortest period that was found, and the range of radii that depend on the start.
     """
     kind = kind_of(row)
-    if kind == response.SYNCHRONOUS:
+    if kind == response.SYNCHRONOUS or _same(known, row):
         return known
     if has_period(known):
         times = float(known["period"] / row["period"])

@@ -11,7 +11,7 @@ import xarray as xr
 from rotor_ida.arrays import Stop
 from rotor_ida.basins.attractors import confirm, witness_options
 from rotor_ida.basins.dataset import Labelled, basin_dataset, fractions_dataset
-from rotor_ida.basins.fates import labeller_of
+from rotor_ida.basins.disc import labeller_of
 from rotor_ida.basins.following import FORM, Labeller, follow_starts
 from rotor_ida.basins.starts import Box, Plane, check_number_of_starts
 from rotor_ida.basins.subjects import one_rotor, subjects_of

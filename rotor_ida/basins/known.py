@@ -9,6 +9,7 @@ from __future__ import annotations
 import cmath
 import math
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -63,7 +64,7 @@ def may_remain(rotor: Rotor) -> bool:
     return may_roll(rotor) or rotor.load > 0.0
 
 
-@dataclass(slots=True)
+@dataclass
 class Known:
     """A rotor with its known attractors."""
 
@@ -72,6 +73,11 @@ class Known:
     free: ContactFree | None  # the contact-free whirls, if they fit into the clearance
     # of each stable limit cycle, in the order in which they were found
     cycles: list[CycleSection] = field(default_factory=list)
+
+    @cached_property
+    def is_followed_alone(self) -> bool:
+        """Whether starts are followed one by one."""
+        return followed_alone(self.rotor)
 
     @property
     def free_label(self) -> int:

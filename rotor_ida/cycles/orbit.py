@@ -10,6 +10,7 @@ from functools import cached_property
 import numpy as np
 
 from rotor_ida.arrays import Values
+from rotor_ida.core.runs import NO_STOP
 from rotor_ida.model.contact import contact_force
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema.flags import ENTRY, EXIT, REVERSE, ROLL
@@ -17,6 +18,8 @@ from rotor_ida.simulation.flow import DiscFlow, Flow, Piece
 
 # Samples on which the sense of a whirl is seen.
 SAMPLES = 1024
+# Samples of one period, for the mean whirl.
+MEAN_SAMPLES = 512
 
 
 @dataclass(frozen=True)
@@ -78,6 +81,17 @@ class Orbit:
     def residual(self) -> float:
         """Distance of its end from its start, relative to its size."""
         return math.hypot(*(self.end - self.start)) / (math.hypot(*self.start) or 1.0)
+
+    @cached_property
+    def mean_whirl(self) -> complex:
+        """Mean place of one disc on the rotating axes over the period [dimensionless]."""
+        times = self.duration / MEAN_SAMPLES * np.arange(MEAN_SAMPLES + 1.0)
+        states = self._states(times)[:-1]
+        return complex(states[:, 0].mean(), states[:, 1].mean())
+
+    def _states(self, times: Values) -> Values:
+        """Return states on the orbit at some times, even if who found it was stopped since."""
+        return self.flow.but(stop=NO_STOP).states(self.start, times)
 
     # ---- Its contacts ----
 
@@ -162,7 +176,7 @@ class Orbit:
     def _is_backward(self) -> bool:
         """Whether a contact that rolls whirls backwards all the time."""
         times = np.linspace(0.0, self.duration, SAMPLES + 1)
-        place, velocity = self.flow.places(self.flow.states(self.start, times))
+        place, velocity = self.flow.places(self._states(times))
         forward = (place.conj() * velocity).imag * math.copysign(1.0, self.flow.speed)
         return bool((forward[:, self.piece.rolls].max(axis=0) < 0.0).any())
 

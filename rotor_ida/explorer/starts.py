@@ -10,7 +10,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.basins.basin import basin
-from rotor_ida.basins.fates import first_look
+from rotor_ida.basins.disc import first_look
 from rotor_ida.basins.subjects import check_rotor
 from rotor_ida.explorer.cases import Node
 from rotor_ida.explorer.messages import Answer, Question

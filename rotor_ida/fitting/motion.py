@@ -15,7 +15,7 @@ import numpy.typing as npt
 from rotor_ida.arrays import ComplexValues, Stop, Values
 from rotor_ida.closed_forms.receptances import solved_motions
 from rotor_ida.core.runs import NO_STOP
-from rotor_ida.core.systems import ByParameter, SystemRequest, SystemResult, law_changes
+from rotor_ida.core.system_requests import ByParameter, SystemRequest, SystemResult, law_changes
 from rotor_ida.errors import BudgetError
 from rotor_ida.model.assembly import Assembly, Canonical, assemble, canonical
 from rotor_ida.model.rotor_system import RotorSystem

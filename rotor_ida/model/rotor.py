@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from typing import TYPE_CHECKING, Literal
 
 import numpy as np
@@ -29,7 +30,7 @@ if TYPE_CHECKING:
 SMALLEST_SCALE = 1e-100
 
 
-@dataclass(frozen=True, kw_only=True, slots=True, repr=False)
+@dataclass(frozen=True, kw_only=True, repr=False)
 class Rotor:
     """A rotor with contact and clearance, in dimensionless form.
 
@@ -109,7 +110,7 @@ class Rotor:
     def __repr__(self) -> str:
         return f"Rotor({', '.join(f'{name}={value!r}' for name, value in self.given.items())})"
 
-    @property
+    @cached_property
     def beyond(self) -> dict[str, float]:
         """The parameters that differ from the paper's rotor and affect the motion."""
         beyond = _not_default(self)

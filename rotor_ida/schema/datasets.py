@@ -63,17 +63,21 @@ def labelled_dataset(
     >>> whirls.identical(xr.Dataset(whirls.data_vars, whirls.coords, whirls.attrs))
     True
     """
-    held: dict[Hashable, xr.Variable] = {
-        name: column.to_base_variable()
-        if isinstance(column, xr.Variable)
-        else labelled(name, *column)
-        for name, column in (*variables.items(), *coordinates.items())
+    given = {**variables, **coordinates}
+    columns = {
+        name: (column.dims, column.values) if isinstance(column, xr.Variable) else column
+        for name, column in given.items()
     }
     told = {"Conventions": CONVENTIONS, "title": title, **(attributes or {})}
     if kind:
         told[RESULT_KIND] = kind
-    plain = {name: held.pop(name) for name in variables}
-    return xr.Dataset(plain, held, told)
+    plain = {name: columns.pop(name) for name in variables}
+    dataset = xr.Dataset(plain, columns, told)
+    for name, column in given.items():  # only now, as xarray would copy each with them twice
+        dataset.variables[name].attrs = (
+            column.attrs if isinstance(column, xr.Variable) else QUANTITIES[name].attributes()
+        )
+    return dataset
 
 
 def spread(

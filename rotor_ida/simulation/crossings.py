@@ -10,7 +10,7 @@ import numpy as np
 from rotor_ida.arrays import Values
 from rotor_ida.checks import MOST_NUMBERS
 from rotor_ida.core.runs import EXTREMUM, Rows
-from rotor_ida.core.systems import Places
+from rotor_ida.core.system_requests import Places
 from rotor_ida.errors import InputError
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor

@@ -72,12 +72,13 @@ def run_dataset(
     changes : mapping, optional
         The requested change of speed, as attributes.
     """
+    motion = motion_columns(orbit)
     variables: dict[str, Column | xr.Variable] = {
-        **_columns("", "t", orbit.states),
+        **{name: motion[name] for name in COMPONENTS},
         "starts_in_contact": ((), np.int8(orbit.starts_in_contact)),
         **_events(orbit.event_times, orbit.event_kinds, errors, kinds_of_events(orbit.rotor)),
         **_columns("event_", "event", orbit.event_states),
-        **motion_columns(orbit),
+        **motion,
     }
     coordinates = parameter_coordinates(orbit.rotor) | {"t": ("t", orbit.times)}
     attributes = provenance(orbit.options.attributes()) | {

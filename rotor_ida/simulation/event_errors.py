@@ -32,7 +32,7 @@ import numpy.typing as npt
 from rotor_ida.arrays import ROUNDING, Stop, Values, Watch
 from rotor_ida.checks import State
 from rotor_ida.core.library import why_missing
-from rotor_ida.core.systems import SystemEvents, SystemRequest, SystemResult
+from rotor_ida.core.system_requests import SystemEvents, SystemRequest, SystemResult
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.contact import (
     HERTZ_EXPONENT,
@@ -171,7 +171,7 @@ class _Apart(NamedTuple):
         Indentation.
     held : ndarray, shape (m,) or float
         The difference of the tangential force that rolling needs.
-    law : SimpleNamespace or record of `rotor_ida.core.systems.LAW`
+    law : SimpleNamespace or record of `rotor_ida.core.system_requests.LAW`
         The law of the contact: ``hertz``, ``linear``, ``contact_damping`` and ``friction``.
     """
 

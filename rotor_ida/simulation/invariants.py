@@ -9,7 +9,7 @@ import numpy as np
 from rotor_ida.arrays import Values
 from rotor_ida.core.faults import FAULTS, FIRST_OF_SAMPLES, OF_CONTACTS, fault_of
 from rotor_ida.core.library import why_missing
-from rotor_ida.core.systems import SystemRequest, SystemResult
+from rotor_ida.core.system_requests import SystemRequest, SystemResult
 from rotor_ida.errors import InvariantError
 from rotor_ida.model.assembly import Assembly, Canonical
 from rotor_ida.schema.flags import ENTRY, OF_FRICTION, ROLLS, SLIDES_BACKWARDS, SLIDES_FORWARDS

@@ -23,7 +23,7 @@ from rotor_ida.checks import (
     is_scalar,
 )
 from rotor_ida.core.library import why_missing
-from rotor_ida.core.systems import Places, SystemRequest, SystemResult
+from rotor_ida.core.system_requests import Places, SystemRequest, SystemResult
 from rotor_ida.errors import InputError, InstallationError, warn
 from rotor_ida.model.assembly import Assembly, Canonical, assemble, canonical
 from rotor_ida.model.few_modes import check_modes, in_modes
@@ -172,14 +172,7 @@ def run_of_cases(
     whirls : bool
         Whether samples by default must resolve whirls in the contacts too, however fast.
     """
-    check_choice("method", method, METHODS)
-    backend = backend_of(method, backend)
-    gaps = [each.clearance for system, _ in cases for each in system.contacts]
-    if 0.0 in gaps and method != "taylor" and backend == "compiled":
-        raise InputError(
-            "method must be 'taylor' with a contact without clearance, or backend 'python', got "
-            f"{method!r}"
-        )
+    backend = _checked_backend(method, backend, [system for system, _ in cases])
     progress = check_progress(progress)
     tolerance = check_between("rtol", rtol, TIGHTEST_RTOL, LOOSEST_RTOL)
     fastest = course.largest_speed
@@ -223,14 +216,32 @@ def run_of_cases(
     asked = by_method(first.request, method, tolerance)
     check_run(first.assembly, first.found, asked, followed.result, tolerance)
     told = {"method": method, "backend": backend, "rtol": tolerance, "duration": course.end,
-            **course.told}  # fmt: skip
-    told |= {name: number for name, number in modes.items() if number is not None}
-    if growth := growth_of(first.found, fastest):
-        told |= {RATE: growth.rate, WHIRL_SPEED: growth.whirl_speed}
-    if nothing_holds(first.found.at(course.speed)):
-        told[NOT_HELD] = 1
+            **course.told, **{name: each for name, each in modes.items() if each is not None},
+            **_stability_of(first.found, course)}  # fmt: skip
     shift = shifts[0] if shifts else None
     return system_dataset(first.assembly, first.found, followed, first.begun, times, told, shift)
+
+
+def _checked_backend(
+    method: SystemMethod, backend: Backend, systems: Sequence[RotorSystem]
+) -> Backend:
+    """Return the backend that follows systems by a method, or raise `InputError`."""
+    check_choice("method", method, METHODS)
+    backend = backend_of(method, backend)
+    gaps = [each.clearance for system in systems for each in system.contacts]
+    if 0.0 in gaps and method != "taylor" and backend == "compiled":
+        raise InputError(
+            "method must be 'taylor' with a contact without clearance, or backend 'python', got "
+            f"{method!r}"
+        )
+    return backend
+
+
+def _stability_of(found: Canonical, course: Course) -> dict[str, float]:
+    """Return how fast a motion without contact grows, and whether nothing holds the system."""
+    growth = growth_of(found, course.largest_speed)
+    told: dict[str, float] = {RATE: growth.rate, WHIRL_SPEED: growth.whirl_speed} if growth else {}
+    return told | ({NOT_HELD: 1} if nothing_holds(found.at(course.speed)) else {})
 
 
 def _prepared(

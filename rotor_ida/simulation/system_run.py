@@ -16,7 +16,8 @@ from rotor_ida.arrays import Stop, Values, Watch
 from rotor_ida.checks import shown
 from rotor_ida.core.interface import DONE, OUT_OF_TABLE, message_of
 from rotor_ida.core.runs import NO_STOP, Rows
-from rotor_ida.core.systems import LAW, SystemEvents, SystemRequest, SystemResult, follow_system
+from rotor_ida.core.system_requests import LAW, SystemEvents, SystemRequest, SystemResult
+from rotor_ida.core.systems import follow_system
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.assembly import Assembly, Canonical
 from rotor_ida.model.contact import HERTZ_EXPONENT

@@ -33,11 +33,11 @@ from rotor_ida.checks import (
     is_scalar,
     shown,
 )
-from rotor_ida.core.systems import Places
+from rotor_ida.core.system_requests import Places
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem
-from rotor_ida.model.system_parameters import SPEED, AnyAxes
+from rotor_ida.model.system_parameters import SPEED, AnyAxes, SystemAxes
 from rotor_ida.model.varied import Varied, varied_of, varied_system_of
 from rotor_ida.parallel import Progress, choose, shows_progress
 from rotor_ida.results.in_si import takes_rotors
@@ -265,11 +265,7 @@ def bifurcation_diagram(
     asked: VariedDisc | VariedSystem
     drawn: dict[str, Any] = {}
     if isinstance(rotor, RotorSystem):
-        check_taylor(method, "a diagram")
-        if speed is None:
-            raise InputError("speed must be given for a diagram of a rotor system, got None")
-        speeds = turning_speeds(speed, "in a diagram of a rotor system")
-        given = varied_system_of(bifurcation_diagram, rotor, varied, speeds)
+        given = _systems(rotor, varied, speed, method)
         asked = VariedSystem.of(given, (None,) if starts is None else starts, modes, rtol)
     else:
         given = varied_of(bifurcation_diagram, rotor, varied)
@@ -301,6 +297,17 @@ def bifurcation_diagram(
         attributes |= {"seed": seed} | {f"range_{name}": drawn[name] for name in COMPONENTS}
     diagram = _dataset(asked, points, columns, window, attributes)
     return diagram if direction else diagram.isel(direction=0, drop=True)
+
+
+def _systems(
+    rotor: RotorSystem, varied: SystemAxes, speed: npt.ArrayLike | None, method: Method | None
+) -> Varied:
+    """Return the rotor systems that are asked for, checked."""
+    check_taylor(method, "a diagram")
+    if speed is None:
+        raise InputError("speed must be given for a diagram of a rotor system, got None")
+    speeds = turning_speeds(speed, "in a diagram of a rotor system")
+    return varied_system_of(bifurcation_diagram, rotor, varied, speeds)
 
 
 def _starts_of_disc(

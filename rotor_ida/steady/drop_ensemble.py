@@ -60,6 +60,8 @@ MOST_TRIED = 20
 FIGURES = {**NUMBERS, "excursion": np.float64}
 SIGNED = ("whirl_turns", "whirl_speed")
 OF_NODES = "node_excursion"
+# Attributes of each drop that are those of all.
+TOLD = ("duration", "rtol", "speed", "start_speed", "inertia", "torque")
 OF_DROP = ("first_touch_time", "standstill_time", "horizon")
 
 
@@ -195,28 +197,31 @@ def drop_ensemble(
         "rtol": rtol, "clearances": clearances, "capacities": capacities,
     }  # fmt: skip
     example = _example(case, varied)
-    point = _point(len(system.contacts), len(clearances or ()))
-    chosen = choose(executor, workers, compiled=True)
     ways = {name: check_axis(name, each).tolist() for name, each in given.items()
             if each is not None}  # fmt: skip
     asked = {"rotor" if name == "system" else name: each for name, each in case.items()}
     question = Question("drop_ensemble", {**asked, **ways, "drops": drops, "seed": seed})
-    every = Varied({"drop": np.arange(varied["phase"].size)})
-    plan: Ramps[dict[str, float], None] = Ramps(
-        every, (None,), Answers(partial(follow_drop, case), point),
+    columns = run_study(
+        _every_drop(case, varied), question, word="drop", table="drops", study=study,
+        workers=choose(executor, workers, compiled=True), progress=progress,
+    ).points  # fmt: skip
+    told = {name: example.attrs[name] for name in TOLD if name in example.attrs}
+    told |= {} if drops is None else {"seed": seed}
+    gaps = np.array([each.clearance for each in system.contacts])
+    over = axes if drops is None else None
+    return with_system_units(_dataset(example, varied, gaps, columns, told, over), system)
+
+
+def _every_drop(
+    case: dict[str, Any], varied: Mapping[str, Values]
+) -> Ramps[dict[str, float], None]:
+    """Return the jobs, one for each drop."""
+    point = _point(len(case["system"].contacts), len(case["clearances"] or ()))
+    return Ramps(
+        Varied({"drop": np.arange(varied["phase"].size)}), (None,),
+        Answers(partial(follow_drop, case), point),
         lambda place: {name: float(each[place[0]]) for name, each in varied.items()},
     )  # fmt: skip
-    columns = run_study(
-        plan, question, word="drop", table="drops", study=study, workers=chosen, progress=progress
-    ).points
-    told = {"duration": example.attrs["duration"], "rtol": example.attrs["rtol"]}
-    told |= {} if drops is None else {"seed": seed}
-    told |= {name: example.attrs[name] for name in ("speed", "start_speed", "inertia", "torque")
-             if name in example.attrs}  # fmt: skip
-    gaps = np.array([each.clearance for each in system.contacts])
-    dataset = _dataset(example, varied, gaps, columns, told,
-                       None if drops is not None else axes)  # fmt: skip
-    return with_system_units(dataset, system)
 
 
 def _example(case: Mapping[str, Any], varied: Mapping[str, Values]) -> xr.Dataset:

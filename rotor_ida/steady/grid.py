@@ -230,7 +230,7 @@ class Ramps(Generic[Point, Start]):
     def __len__(self) -> int:
         return self.points // self.length
 
-    def firsts(self, numbers: int | Places) -> tuple[Places, ...]:
+    def firsts(self, numbers: Places) -> tuple[Places, ...]:
         """Return the indices of the first points of ramps along each dimension.
 
         Ramps are counted by directions, then by the other dimensions, then along the axis.
@@ -242,11 +242,19 @@ class Ramps(Generic[Point, Start]):
         at.insert(self.along, np.where(self.directions[direction] < 0, values - 1, first))
         return (*at, direction)
 
+    @cached_property
+    def _first_places(self) -> tuple[Places, Places]:
+        """Positions of the first points of all ramps, and the steps from point to point."""
+        first = self.firsts(np.arange(len(self)))
+        steps = self.directions[first[-1]].astype(np.int64) * math.prod(
+            self.shape[self.along + 1 :]
+        )
+        return np.asarray(np.ravel_multi_index(first, self.shape), np.int64), steps
+
     def places(self, number: int) -> Places:
         """Return the positions of a ramp's points among all, in the order of the dimensions."""
-        first = self.firsts(number)
-        step = int(self.directions[first[-1]]) * math.prod(self.shape[self.along + 1 :])
-        return np.ravel_multi_index(first, self.shape) + step * np.arange(self.length)
+        first, step = (each[number] for each in self._first_places)
+        return np.asarray(first + step * np.arange(self.length))
 
     def job(self, number: int) -> RampJob[Point, Start]:
         """Return what a worker needs to follow a ramp."""

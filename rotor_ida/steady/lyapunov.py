@@ -258,37 +258,16 @@ def lyapunov_exponent(
         case = _case_of_disc(
             asked, start, 500.0 if transient is None else transient, duration, parts, rtol, method
         )
-    points, run = case.varied, case.run
-    coordinates: dict[str, Column] = {
-        **points.coordinates, "exponent": ("exponent", np.arange(run.exponents))
-    }  # fmt: skip
-    variables: Mapping[str, Column | xr.Variable]
-    if points.axes:
-        numbers = OF_DISC if points.system is None else ()
-        behind: dict[str, tuple[str, int] | None] = {
-            **dict.fromkeys(OF_EXPONENTS, ("exponent", run.exponents)), **dict.fromkeys(numbers)
-        }  # fmt: skip
-        variables = answers_at_each(
-            points, case.point_at, partial(_columns, run),
-            behind, case.question,
-            workers=chosen, study=study, progress=reports,
-        )  # fmt: skip
-    elif study is not None:
+    if case.varied.axes:
+        return _dataset(case, _at_each(case, workers=chosen, study=study, progress=reports))
+    if study is not None:
         raise InputError(f"study must be left out of one motion, got {shown(study)}")
-    else:
-        found = _of_one(case, reports)
-        variables = {
-            name: ("exponent" if np.ndim(each) else (), each)
-            for name, each in found.columns.items()
-        } | {"running_exponent": (("t", "exponent"), found.running)}
-        coordinates["t"] = ("t", run.span * found.spans)
-    over = "over a range of parameters" if points.axes else "of one motion"
-    title = f"Lyapunov exponents {over}{'' if points.system is None else ' of a rotor system'}"
-    attributes = {**case.attributes, **case.question.attribute()}
-    dataset = labelled_dataset(title, variables, coordinates, attributes, kind="lyapunov_exponent")
-    if points.system is None:
-        return dataset
-    return with_meanings(with_system_units(dataset, points.base), points)
+    found = _of_one(case, reports)
+    variables: dict[str, Column] = {
+        name: ("exponent" if np.ndim(each) else (), each) for name, each in found.columns.items()
+    }
+    variables["running_exponent"] = ("t", "exponent"), found.running
+    return _dataset(case, variables, t=("t", case.run.span * found.spans))
 
 
 class Run(NamedTuple):
@@ -333,7 +312,7 @@ def _case_of_disc(
 ) -> Case:  # fmt: skip
     """Return what is asked of one disc, checked."""
     first = given_start("start", start, loaded=bool(asked.values("load").any()))
-    if not asked.dims:
+    if isinstance(first, str) and not asked.dims:
         first = start_of(asked.rotor(()), first)
     for each in asked.extremes():
         check_can_be_followed(each, start_of(each, first))
@@ -423,6 +402,16 @@ def exponents_at(run: Run, point: Rotor | Turning, stop: Stop) -> Exponents:
     return ordered(rates[:, :4], exponents, errors, exponent_sum=total, divergence=divergence)
 
 
+def _at_each(case: Case, **jobs: Any) -> dict[str, xr.Variable]:
+    """Return the exponents at each point."""
+    numbers = OF_DISC if case.varied.system is None else ()
+    behind: dict[str, tuple[str, int] | None] = {
+        **dict.fromkeys(OF_EXPONENTS, ("exponent", case.run.exponents)), **dict.fromkeys(numbers)
+    }  # fmt: skip
+    work = partial(_columns, case.run)
+    return answers_at_each(case.varied, case.point_at, work, behind, case.question, **jobs)
+
+
 def _columns(run: Run, point: Rotor | Turning, stop: Stop) -> Mapping[str, Any]:
     """Return the columns of a point."""
     return exponents_at(run, point, stop).columns
@@ -441,3 +430,19 @@ def _of_one(case: Case, progress: Progress | None) -> Exponents:
     if progress is not None:
         progress(total, total)
     return found
+
+
+def _dataset(
+    case: Case, variables: Mapping[str, Column | xr.Variable], **coordinates: Column
+) -> xr.Dataset:
+    """Return exponents as a labelled dataset."""
+    points, numbers = case.varied, np.arange(case.run.exponents)
+    over = "over a range of parameters" if points.axes else "of one motion"
+    title = f"Lyapunov exponents {over}{'' if points.system is None else ' of a rotor system'}"
+    dataset = labelled_dataset(
+        title, variables, {**points.coordinates, "exponent": ("exponent", numbers), **coordinates},
+        {**case.attributes, **case.question.attribute()}, kind="lyapunov_exponent",
+    )  # fmt: skip
+    if points.system is None:
+        return dataset
+    return with_meanings(with_system_units(dataset, points.base), points)

@@ -449,7 +449,8 @@ def answer_of_disc(
     options: Options, rotor: Rotor, start: GivenStart, stop: Stop, *, events: bool = False
 ) -> Answer:
     """Return what one disc settles on, from a start, with the events on the way if wanted."""
-    settled = settle_disc(rotor, start_of(rotor, start), options, stop=stop)
+    first = start_of(rotor, start) if isinstance(start, str) else start
+    settled = settle_disc(rotor, first, options, stop=stop)
     failed = settled.response == FAILED
     features, table = settled.features, None
     if events:

@@ -5,7 +5,7 @@ import pytest
 
 from rotor_ida import Rotor, basin, basin_fractions, load, save
 from rotor_ida.basins import attractors, fates, known
-from rotor_ida.basins.fates import RTOL, Disc
+from rotor_ida.basins.disc import RTOL, Disc
 from rotor_ida.basins.following import tighter_than
 from rotor_ida.basins.known import known_from_closed_forms
 from rotor_ida.cli.describe import describe

@@ -7,7 +7,7 @@ import pytest
 
 from rotor_ida import Rotor, basin_fractions, limit_cycle
 from rotor_ida.basins.attractors import Attractors, Followed, confirm, disc_row, leads_to
-from rotor_ida.basins.fates import Disc, cycle_row
+from rotor_ida.basins.disc import Disc, cycle_row
 from rotor_ida.basins.following import BatchResult, follow_starts
 from rotor_ida.basins.kernel import UNDECIDED
 from rotor_ida.core.runs import NO_STOP
@@ -34,7 +34,7 @@ def changed(row, **numbers):
 def test_labels_number_the_rows():
     """Of all batches, each with its own numbers; whirls in flight are listed without starts."""
     disc = Disc.of(BOUNCER, 1e-6, NO_STOP)
-    cycle = cycle_row(cycle_from(guess_of(BOUNCER, np.zeros(4))), True, NO_STOP)
+    cycle = cycle_row(cycle_from(guess_of(BOUNCER, np.zeros(4))), True)
     chaos = disc_row("chaotic", 1.0, 0.0, 0.5, 3.0)
     kept = Results()
     for number, (rows, watched) in enumerate((([chaos, cycle], (2.0, 3e4)), ([cycle], (0.0, 1e4)))):
@@ -85,7 +85,7 @@ def test_fading_touches_tend_to_the_whirl_that_just_reaches_the_ring():
 
 
 def test_what_cvode_does_not_find_is_not_confirmed():
-    right = cycle_row(cycle_from(guess_of(BOUNCER, np.zeros(4))), True, NO_STOP)
+    right = cycle_row(cycle_from(guess_of(BOUNCER, np.zeros(4))), True)
     wrong = changed(right, radius_max=1.001 * right["radius_max"])
     rows = np.array([right, wrong, changed(right, response=RESPONSE["full_contact"]), right])
     found = Followed(np.array([0, 1, 2], np.int16), np.zeros(3, np.float32), rows, 1e-6)

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from rotor_ida import InputError, Rotor, basin
-from rotor_ida.basins import attractors, fates, following
-from rotor_ida.basins.fates import Disc
+from rotor_ida.basins import attractors, disc, following
+from rotor_ida.basins.disc import Disc
 from rotor_ida.basins.following import follow_here
 from rotor_ida.core.runs import NO_STOP
 from rotor_ida.parallel import FailedJob
@@ -93,7 +93,7 @@ def test_starts_lost_with_their_worker_are_not_computed(monkeypatch, figure_7):
         for number, result in true_run_all(*arguments, **options):
             yield number, FailedJob("its worker died") if number == 1 else result
 
-    monkeypatch.setattr(fates, "SMALLEST_BATCH", 64)
+    monkeypatch.setattr(disc, "SMALLEST_BATCH", 64)
     monkeypatch.setattr(following, "run_all", loses_the_second)
     found = basin(FIGURE_7, x=AXIS, y=AXIS)
     missing = (found.label.transpose("x", "y") == FATE["not_computed"]).values.ravel()
@@ -118,7 +118,7 @@ def test_a_rotor_that_does_not_turn_comes_to_rest():
 
 
 def test_an_interrupt_keeps_what_is_done(monkeypatch):
-    monkeypatch.setattr(fates, "SMALLEST_BATCH", 64)
+    monkeypatch.setattr(disc, "SMALLEST_BATCH", 64)
 
     def interrupt(done, _total):
         if done >= 200:
@@ -187,10 +187,10 @@ def test_finely_folded_basins_are_followed_more_closely():
     folded, smooth = (Rotor(omega=1.7, zeta=0.07, delta0=delta0) for delta0 in (2.0, 0.0))
     axis = np.linspace(-15.0, 15.0, 20)
     chosen = basin(folded, x=axis, y=axis)
-    assert chosen.attrs["labelling_rtol"] == fates.SMALL_RTOL
-    closely = basin(folded, x=axis, y=axis, rtol=fates.SMALL_RTOL)
+    assert chosen.attrs["labelling_rtol"] == disc.SMALL_RTOL
+    closely = basin(folded, x=axis, y=axis, rtol=disc.SMALL_RTOL)
     np.testing.assert_array_equal(chosen.label, closely.label)
-    coarsely = basin(folded, x=axis, y=axis, rtol=fates.RTOL)
-    assert coarsely.attrs["labelling_rtol"] == fates.RTOL
+    coarsely = basin(folded, x=axis, y=axis, rtol=disc.RTOL)
+    assert coarsely.attrs["labelling_rtol"] == disc.RTOL
     assert (coarsely.label != chosen.label).sum() > 5
-    assert basin(smooth, x=axis, y=axis).attrs["labelling_rtol"] == fates.RTOL
+    assert basin(smooth, x=axis, y=axis).attrs["labelling_rtol"] == disc.RTOL

@@ -34,7 +34,8 @@ from rotor_ida.core.interface import (
     RunStruct,
 )
 from rotor_ida.core.runs import RunRequest
-from rotor_ida.core.systems import EPISODE, LAW, RACE, TOUCH, SystemRunStruct
+from rotor_ida.core.system_requests import EPISODE, LAW, RACE, TOUCH
+from rotor_ida.core.systems import SystemRunStruct
 from rotor_ida.errors import BudgetError
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run

@@ -19,7 +19,8 @@ from rotor_ida import (
     Unbalance,
     run_up,
 )
-from rotor_ida.core.systems import LAW_CHANGE, ByParameter, follow_system
+from rotor_ida.core.system_requests import LAW_CHANGE, ByParameter
+from rotor_ida.core.systems import follow_system
 from rotor_ida.model.assembly import assemble, canonical
 from rotor_ida.simulation.course import SYSTEM_LIMITS, course_of
 from rotor_ida.simulation.runs import _prepared

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotor_ida.core.systems import LAW_CHANGE, ByParameter, follow_system
+from rotor_ida.core.system_requests import LAW_CHANGE, ByParameter
+from rotor_ida.core.systems import follow_system
 from rotor_ida.model.assembly import assemble, canonical
 from rotor_ida.schema.flags import ENTRY, EXIT, ROLL, SLIP
 from rotor_ida.simulation.spin import Driven, SpeedProfile, through

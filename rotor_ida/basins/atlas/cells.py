@@ -13,7 +13,7 @@ from rotor_ida.arrays import Arrays, Stop, Values
 from rotor_ida.basins.atlas.resilience import Fill, Resilience, resilience_of, search_of
 from rotor_ida.basins.attractors import Followed, family_of, kind_of
 from rotor_ida.basins.dataset import sample_entropy
-from rotor_ida.basins.fates import SCOUTS, SMALLEST_BATCH, Disc, labeller_of
+from rotor_ida.basins.disc import SCOUTS, SMALLEST_BATCH, Disc, labeller_of
 from rotor_ida.basins.following import Labeller, follow_here
 from rotor_ida.basins.kernel import NOT_COMPUTED, UNDECIDED
 from rotor_ida.basins.subjects import KnockedSystem

@@ -15,7 +15,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.basins.atlas.cells import MOST_STARTS, Cell, CellJob, fill_cell, form_of
 from rotor_ida.basins.atlas.dataset import atlas_dataset, how_computed
 from rotor_ida.basins.atlas.identities import identify
-from rotor_ida.basins.fates import RTOL
+from rotor_ida.basins.disc import RTOL
 from rotor_ida.basins.following import run_due
 from rotor_ida.basins.subjects import OF_SYSTEM, subjects_of
 from rotor_ida.checks import (

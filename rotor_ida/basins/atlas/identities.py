@@ -28,7 +28,7 @@ from rotor_ida.basins.attractors import (
     state_on,
 )
 from rotor_ida.basins.cycle_sections import cycle_section
-from rotor_ida.basins.fates import cycle_row
+from rotor_ida.basins.disc import cycle_row
 from rotor_ida.basins.known import may_roll, same_numbers
 from rotor_ida.basins.subjects import KnockedSystem, settled_row
 from rotor_ida.cycles.branch import LIMITS, Side, advance
@@ -123,7 +123,7 @@ def _successor_of_disc(member: Member, rotor: Rotor, there: Cell, stop: Stop) ->
     for each in known:
         if same_numbers(float(each.row["period"]), float(each.row["radius_max"]), cycle):
             return each
-    there.members.append(Member(cycle_row(cycle, cycle_section(cycle, stop).exists, stop)))
+    there.members.append(Member(cycle_row(cycle, cycle_section(cycle, stop).exists)))
     return there.members[-1]
 
 

@@ -51,7 +51,8 @@ from rotor_ida.basins.attractors import (
     state_on,
     witness_options,
 )
-from rotor_ida.basins.fates import APERIODIC, Disc
+from rotor_ida.basins.disc import Disc
+from rotor_ida.basins.fates import APERIODIC
 from rotor_ida.basins.following import Labeller, tighter_than
 from rotor_ida.basins.kernel import CHAOTIC, UNDECIDED, Labels
 from rotor_ida.basins.known import ContactFree, Known, may_roll, with_cycle

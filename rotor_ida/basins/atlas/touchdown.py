@@ -17,7 +17,8 @@ from rotor_ida.basins.atlas.cells import (
 )
 from rotor_ida.basins.atlas.dataset import atlas_dataset, how_computed
 from rotor_ida.basins.atlas.resilience import Fill
-from rotor_ida.basins.fates import ALONE, RTOL
+from rotor_ida.basins.disc import RTOL
+from rotor_ida.basins.fates import ALONE
 from rotor_ida.basins.following import follow_starts, run_due
 from rotor_ida.basins.known import followed_alone
 from rotor_ida.basins.starts import Box

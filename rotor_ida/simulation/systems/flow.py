@@ -20,7 +20,7 @@ from scipy.linalg import null_space
 from rotor_ida.arrays import ComplexValues, Flags, Stop, Values, Watch
 from rotor_ida.checks import shown
 from rotor_ida.core.runs import NO_EXTREMA, Rows
-from rotor_ida.core.systems import (
+from rotor_ida.core.system_requests import (
     LAW_CHANGE,
     ByParameter,
     Places,

@@ -214,7 +214,7 @@ class Disc:
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class Coordinates:
-    """A rotor system in coordinates with a unit mass matrix; see `rotor_ida.core.systems`.
+    """A rotor system in coordinates with a unit mass matrix; see `rotor_ida.core.system_requests`.
 
     The last of them, as many as `massless`, are of stators without mass. `still` is a slip below
     which surfaces do not slide.

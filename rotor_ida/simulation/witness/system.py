@@ -12,7 +12,7 @@ from scipy.interpolate import PchipInterpolator
 from rotor_ida.arrays import Stop, Values, Watch
 from rotor_ida.core.interface import DONE, MESSAGES, SINGULAR
 from rotor_ida.core.runs import Rows
-from rotor_ida.core.systems import (
+from rotor_ida.core.system_requests import (
     EPISODE,
     FORCES,
     LEDGER,

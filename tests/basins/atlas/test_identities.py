@@ -13,7 +13,7 @@ from rotor_ida import (
 from rotor_ida.basins.atlas.cells import Cell, Member
 from rotor_ida.basins.atlas.identities import followed_whirl, identify
 from rotor_ida.basins.attractors import disc_row
-from rotor_ida.basins.fates import cycle_row
+from rotor_ida.basins.disc import cycle_row
 from rotor_ida.cycles.guess import guess_of
 from rotor_ida.cycles.limit_cycle import cycle_from
 from rotor_ida.schema import RESPONSE
@@ -62,7 +62,7 @@ def test_fading_touches_are_one_attractor_over_a_gap():
 def member_at(omega, delta0, start):
     rotor = Rotor(omega=omega, zeta=0.07, delta0=delta0)
     cycle = cycle_from(guess_of(rotor, np.array(start)))
-    return rotor, Member(cycle_row(cycle, True, GO_ON), 3)
+    return rotor, Member(cycle_row(cycle, True), 3)
 
 
 def test_an_attractor_that_no_start_hit_is_found_from_its_neighbour():

@@ -17,7 +17,7 @@ from rotor_ida import (
 from rotor_ida.basins import attractors
 from rotor_ida.basins.atlas.resilience import search_of
 from rotor_ida.basins.attractors import OF_DISC, disc_row
-from rotor_ida.basins.fates import Disc
+from rotor_ida.basins.disc import Disc
 from rotor_ida.core.runs import NO_STOP
 from rotor_ida.schema import TRAPPING
 from tests.basins.atlas.reports import BOX, WIDE, of_kind
