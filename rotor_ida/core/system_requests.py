@@ -297,7 +297,7 @@ class SystemResult:
     def at_every(self, step: int) -> SystemResult:
         """Return the run with the first of its samples and, of the others, one in so many."""
         sampled = ("samples", "forces", "turns", "sample_columns")
-        return replace(self, **{name: getattr(self, name)[::step] for name in sampled})
+        return replace(self, **{name: getattr(self, name)[::step].copy() for name in sampled})
 
 
 class SystemEvents(NamedTuple):
