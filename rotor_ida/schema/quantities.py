@@ -295,6 +295,7 @@ QUANTITIES: dict[str, Quantity] = {
     "stator_damping": Quantity("damping of the mount of a moving stator"),
     "bearing_node": text("node of a bearing whose coefficients depend on the speed"),
     "bearing_stator": text("node that holds the bearing, empty for the ground"),
+    "bearing_name": text("name of the bearing, empty without one"),
     "table_bearing": Quantity("number of the bearing of a row of the tables"),
     "table_speed": speed("spin speed of a row of the tables of the bearings"),
     "table_stiffness": Quantity("stiffness of a bearing at the speed of the row"),
