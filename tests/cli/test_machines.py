@@ -204,7 +204,8 @@ def test_a_run_up_of_a_file_begins_at_rest_and_tells_its_sentence_first(
     found = rotor_ida.summary(rotor_ida.load("pump.nc"), running_speed=3600.0 * math.pi / 30.0)
     sentence, printed = found.attrs["sentence"], " ".join(answer.out.split())
     assert printed.startswith(sentence)
-    margin = "5,287 rpm, 47 % above the running speed, and presses up"
+    first = float(rotor_ida.load("pump.nc").entry_time[0])
+    margin = f"5,287 rpm, 47 % above the running speed, after {first:.3g} s, and presses up"
     assert sentence.startswith(f"Rub: it first touches the stator at {margin}")
     assert "speed 0 to 6000 rpm " in printed
     assert found.largest_force.attrs["units"] == "N"
