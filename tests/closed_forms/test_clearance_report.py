@@ -200,7 +200,7 @@ def test_a_scale_factor_below_1_is_said_beside_the_verdict():
     axis = 2.0 * 2.0 * 1.44 / np.hypot(0.44, 0.012)
     assert report.scale_factor.item() == pytest.approx(0.4 / axis, rel=1e-6)
     said = report.attrs["sentence"].splitlines()
-    # the first touch, then the worst: the probes, then the clearance that is filled, then the one that is not
+    # the first touch, then the worst: the probes, the clearance that is filled, the one that is not
     assert said[0].startswith("With the scaled unbalance contact 1 at 'disc' touches first")
     assert said[1].startswith("At the probes the response exceeds the vibration limit: the scale")
     assert said[2].startswith("Contact 1 at 'disc' fails")
