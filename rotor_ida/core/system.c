@@ -23,6 +23,8 @@ enum { ALIGNED = 64 };
 /* A pivot below this part of its row is rounding. */
 static const double DEPENDENT = 1e-13;
 
+int64_t core_system_stride(int64_t size) { return padded(size); }
+
 int64_t core_system_room(int64_t size, int64_t contacts)
 {
     (void)contacts;
