@@ -105,9 +105,9 @@ def _bearings_of(run: xr.Dataset) -> list[Bearing]:
     names = [each for each in ("node", "stator", "name") if f"bearing_{each}" in run.variables]
     for number, words in enumerate(_rows(run, [f"bearing_{each}" for each in names])):
         rows = run.isel(bearing_row=run["table_bearing"].values == number)
-        table = {name: rows[f"table_{name}"].values for name in OF_BEARING}
-        given = {name: word or None for name, word in zip(names, words, strict=True)}
-        found.append(Bearing(**given, **table))
+        given: dict[str, Any] = {name: rows[f"table_{name}"].values for name in OF_BEARING}
+        given |= {name: word or None for name, word in zip(names, words, strict=True)}
+        found.append(Bearing(**given))
     return found
 
 

@@ -12,7 +12,7 @@ from rotor_ida.cli.output import FORCED
 from rotor_ida.cli.report import Report
 from rotor_ida.errors import InputError, InstallationError, MissingFileError
 from rotor_ida.model.bearing import Bearing
-from rotor_ida.results.sheets import Line, Sheet, facts
+from rotor_ida.results.sheets import Line, Parts, Sheet, facts
 
 
 def from_ross(
@@ -53,7 +53,7 @@ def from_ross(
          "speeds": np.ravel([] if each.speed is None else each.speed).tolist()}
         for each in system.bearings
     ]}  # fmt: skip
-    parts = [facts("System", numbers), *_bearings(system.bearings), f"wrote {out}"]
+    parts: Parts = [facts("System", numbers), *_bearings(system.bearings), f"wrote {out}"]
     return Report(record=record, parts=parts, as_json=as_json)
 
 
