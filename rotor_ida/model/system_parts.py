@@ -66,6 +66,8 @@ class Stator:
     ----------
     mass : float
         Its mass; 0 for one that its mount damps, which then moves as its one contact pushes it.
+        Derivatives, as for multipliers, exponents and fits, are differences of runs then, known to
+        about 1e-7, and curves of bifurcations are refused.
     stiffness, damping : float or (float, float)
         Stiffness and damping of its mount, along x and y; without mass the damping is the same
         along both.
