@@ -25,6 +25,7 @@ PREFIXES = {prefix: 10.0**-power for prefix, power in POWERS.items()}
 UnitSystem = Literal["metric", "inch"]
 # The system of units in which `quantity` writes by default.
 _SENTENCES: ContextVar[UnitSystem] = ContextVar("sentences", default="metric")
+_INCH, _POUND, _POUND_FORCE = 25.4e-3, 0.45359237, 4.4482216152605
 # The units in which the field reads quantities, by their SI units, with their values in these; the
 # first is the usual one.
 READ_IN: dict[UnitSystem, dict[str, tuple[tuple[str, float], ...]]] = {
@@ -42,12 +43,21 @@ READ_IN: dict[UnitSystem, dict[str, tuple[tuple[str, float], ...]]] = {
         "radian": (("deg", math.pi / 180.0),),
     },
     "inch": {
-        "m": (("mil", 25.4e-6),),
-        "N": (("lbf", 4.4482216152605),),
-        "N s": (("lbf s", 4.4482216152605),),
-        "m/s": (("in/s", 25.4e-3),),
-        "N/m": (("lbf/in", 4.4482216152605 / 25.4e-3),),
-        "kg m": (("oz in", 0.028349523125 * 25.4e-3),),
+        "m": (("mil", 1e-3 * _INCH),),
+        "m/s": (("in/s", _INCH),),
+        "m/s2": (("in/s2", _INCH),),
+        "s/m": (("s/in", 1.0 / _INCH),),
+        "kg": (("lb", _POUND),),
+        "kg m": (("oz in", _POUND / 16.0 * _INCH),),
+        "kg m2": (("lb in2", _POUND * _INCH**2),),
+        "N": (("lbf", _POUND_FORCE),),
+        "N s": (("lbf s", _POUND_FORCE),),
+        "N/m": (("lbf/in", _POUND_FORCE / _INCH),),
+        "N/m^1.5": (("lbf/in^1.5", _POUND_FORCE / _INCH**1.5),),
+        "N s/m": (("lbf s/in", _POUND_FORCE / _INCH),),
+        "N m": (("lbf in", _POUND_FORCE * _INCH),),
+        "N m s": (("lbf in s", _POUND_FORCE * _INCH),),
+        "J": (("lbf in", _POUND_FORCE * _INCH),),
     },
 }
 
@@ -223,6 +233,22 @@ def written(value: float, unit: str) -> str:
     return f"{quotient!r}{unit}"
 
 
+def spelled(unit: str) -> str:
+    """Return a unit in the notation of UDUNITS as people write it.
+
+    Examples
+    --------
+    >>> [spelled(unit) for unit in ("N s m-1", "N m-1.5", "rad s-2", "s-1", "kg m", "1")]
+    ['N s/m', 'N/m^1.5', 'rad/s2', '1/s', 'kg m', '']
+    """
+    found = re.fullmatch(r"(?:(.+) )?([ms])-([\d.]+)", unit)
+    if found is None:
+        return "" if unit == "1" else unit
+    over, under, power = found.groups()
+    exponent = "" if power == "1" else f"^{power}" if "." in power else power
+    return f"{over or 1}/{under}{exponent}"
+
+
 def read_in(
     unit: str, sizes: Iterable[float] = (), *, system: UnitSystem = "metric"
 ) -> tuple[str, float]:
@@ -237,8 +263,7 @@ def read_in(
     >>> read_in("m"), read_in("m", [0.02]), read_in("N s m-1"), read_in("s-1"), read_in("1")
     (('um', 1e-06), ('mm', 0.001), ('N s/m', 1.0), ('1/s', 1.0), ('', 1.0))
     """
-    plain = re.sub(r"(\S) ?s-1$", r"\1/s", unit).replace(" m-1", "/m").replace("rad s-2", "rad/s2")
-    plain = {"1": "", "s-1": "1/s"}.get(plain, plain)
+    plain = spelled(unit)
     known = READ_IN[system].get(plain) or READ_IN["metric"].get(plain, ((plain, 1.0),))
     largest = max((abs(each) for each in sizes if math.isfinite(each)), default=0.0)
     below = [each for each in known if each[1] <= largest * (1.0 + 1e-12)]

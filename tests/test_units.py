@@ -3,12 +3,16 @@
 from __future__ import annotations
 
 import math
+import re
 
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from rotor_ida.model.data_sheet import KEYS
 from rotor_ida.model.parameters import TABLE
+from rotor_ida.results import system_file
+from rotor_ida.schema import quantities
 from rotor_ida.units import (
     NAMES,
     READ_IN,
@@ -17,6 +21,7 @@ from rotor_ida.units import (
     USUAL,
     dimension_of,
     quantity,
+    read_in,
     symbol_of,
     unit_of,
 )
@@ -131,9 +136,14 @@ def test_what_is_written_for_people_is_read_back(unit: str, size: float, below: 
 
 def test_units_of_the_field_have_the_values_of_the_table_of_units():
     """A pound-force is 0.45359237 kg times 9.80665 m/s2, an ounce a sixteenth of a pound."""
-    pound = 0.45359237
-    by_hand = {"lbf": pound * 9.80665, "lbf s": pound * 9.80665, "in/s": 0.0254,
-               "lbf/in": pound * 9.80665 / 0.0254, "oz in": pound / 16.0 * 0.0254}  # fmt: skip
+    pound, inch = 0.45359237, 0.0254
+    force = pound * 9.80665
+    by_hand = {
+        "lbf": force, "lbf s": force, "in/s": inch, "lbf/in": force / inch, "lb": pound,
+        "oz in": pound / 16.0 * inch, "lbf s/in": force / inch, "lbf in": force * inch,
+        "lbf in s": force * inch, "lb in2": pound * inch**2, "in/s2": inch, "s/in": 1.0 / inch,
+        "lbf/in^1.5": force / inch**1.5,
+    }  # fmt: skip
     joules = {f"{prefix}J": 10.0**power for prefix, power in
               {"": 0, "n": -9, "u": -6, "m": -3, "k": 3, "M": 6}.items()}  # fmt: skip
     for units in READ_IN.values():
@@ -141,3 +151,21 @@ def test_units_of_the_field_have_the_values_of_the_table_of_units():
             read = unit_of(word)
             exact = {**by_hand, **joules}.get(word) or (read.in_si("1") if read else math.nan)
             assert parts == pytest.approx(exact, rel=1e-14), word
+
+
+def test_every_quantity_of_a_machine_and_of_a_system_has_its_unit_in_inches():
+    """None keeps a metre, a newton or a kilogram, and each is read as an input too."""
+    of_files = [*(getattr(system_file, f"OF_{each}") for each in ("RUN_UP", "DROP", "DROPS")),
+                system_file.COEFFICIENTS, *system_file.UNITS_OF.values()]  # fmt: skip
+    tables = [KEYS, quantities.UNITS, quantities.OTHER_UNITS, *of_files]
+    of_data = {unit for table in tables for unit in table.values()}
+    for unit in of_data | {"N m-1.5", "m s-2", "N m"}:
+        word, parts = read_in(unit, system="inch")
+        assert not re.search(r"\b[un]?m\b|N|J|g", word.replace("deg", "")), word
+        if word:
+            read = unit_of(word)
+            assert read is not None, word
+            assert read.in_si("1") == pytest.approx(parts, rel=1e-14), word
+            joule = "N m" if unit == "J" else unit
+            # a rate 1/s of an angle has no angle in UDUNITS
+            assert read.dimension[:3] == (dimension_of(joule) or ())[:3], word

@@ -76,8 +76,8 @@ OF_REPORT = (
     Rows(
         title="Clearances", key="clearances", lead="clearance_verdict", digits=5,
         names=("contact", "contact_node", "clearance", "clearance_verdict", "sag_share",
-               "rub_force", "rub_speed", "rub_stability", "passage_rub_force", "whip_speed",
-               "whip_force", "whip_stability")),
+               "first_touch_speed", "rub_force", "rub_speed", "rub_stability", "passage_rub_force",
+               "whip_speed", "whip_force", "whip_stability")),
     Rows(
         title="Shares of the clearances", key="shares", lead="running_share", digits=5,
         names=("case", "contact", "running_share", "running_share_speed", "passage_share")),

@@ -203,7 +203,8 @@ def _flight(dataset: xr.Dataset, record: Record, rotor: Rotor) -> xr.Dataset:
     if rotor.load > 0.0:
         raise InputError(
             "exact must be left out: there is no exact result for the trace of a run-up under a "
-            f"load, got load {rotor.load!r}"
+            "load, got {load=}",
+            load=rotor.load,
         )
     scale = dataset.attrs.get("time_scale", 1.0)
     times = record.times / scale

@@ -102,7 +102,9 @@ def late_jumps(
     """
     rates = check_distinct("rate", check_axis("rate", rate, largest=LARGEST_NUMBER))
     if not (rates > 0.0).all():
-        raise InputError(f"rate must be positive, got {float(rates.min())!r}")
+        raise InputError(
+            "{name} must be positive, got {value}", name="rate", value=float(rates.min())
+        )
     found = folds_of(whirls_asked(late_jumps, rotor, varied, RANGES, ALL_SPEEDS))
     speeds = found["fold_omega"]
     dims, exists = speeds.dims, np.isfinite(speeds.values)

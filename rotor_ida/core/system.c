@@ -25,6 +25,8 @@ enum { MOST_EIGHTS = 3 };
 /* A pivot below this part of its row is rounding. */
 static const double DEPENDENT = 1e-13;
 
+int64_t core_system_stride(int64_t size) { return padded(size); }
+
 int64_t core_system_room(int64_t size, int64_t contacts)
 {
     (void)contacts;

@@ -171,6 +171,9 @@ struct system_run {
     double *bearing_room;
 };
 
+/* The stride of rows of a size. */
+CORE_API int64_t core_system_stride(int64_t size);
+
 /* How many doubles a run needs to work in. */
 CORE_API int64_t core_system_room(int64_t size, int64_t contacts);
 

@@ -33,7 +33,7 @@ from rotor_ida.core.system_requests import (
 from rotor_ida.model.bearing import Bearing
 
 FIRST_ROOM = 256
-FEW, EIGHT = 4, 8  # numbers of a vector
+EIGHT = 8  # columns of a vector
 # A skew part of a stiffness below this part of it is rounding.
 SYMMETRIC = 1e-12
 PLACE = np.dtype([("centre", np.float64, 2), ("sign", np.float64), ("last", EXTREMUM_OF_PLACE)])
@@ -112,7 +112,8 @@ class _ParameterStruct(Structure):
 @cache
 def _library() -> ctypes.CDLL:
     core = found.library("whole")
-    for name, count in (("room", 2), ("cvode_room", 2), ("column_room", 3), ("bearing_room", 2)):
+    counts = {"stride": 1, "room": 2, "cvode_room": 2, "column_room": 3, "bearing_room": 2}
+    for name, count in counts.items():
         function = getattr(core, f"core_system_{name}")
         function.restype, function.argtypes = c_int64, count * [c_int64]
     core.core_system_run.restype = c_int
@@ -168,10 +169,6 @@ class _Tables:
         run.extremum_room = self.room * self.places
 
 
-def _padded(count: int) -> int:
-    return -(-count // EIGHT) * EIGHT
-
-
 def _stacked(*tables: Rows) -> Rows:
     """Return tables of the same type, one below the other.
 
@@ -197,7 +194,7 @@ class _Run:
     def __init__(self, core: ctypes.CDLL, request: SystemRequest, stop: Stop) -> None:
         self.size, count = len(request.force), len(request.laws)
         self.laws = request.laws
-        self.stride = FEW if self.size <= FEW else _padded(self.size)
+        self.stride = core.core_system_stride(self.size)
         self.kept: list[npt.NDArray[Any]] = []  # must live as long as the run
         sampled, room = request.times.size, core.core_system_room(self.size, count)
         self.touches, self.opened = np.zeros(count, TOUCH), np.zeros(count, EPISODE)
@@ -207,7 +204,7 @@ class _Run:
         self.samples = np.zeros((sampled, 2, self.stride))
         self.forces, self.turns = np.zeros((sampled, count, FORCES)), np.zeros((sampled, 2))
         self.column_count = 0 if request.columns is None else len(request.columns)
-        beside = _padded(self.column_count)
+        beside = -(-self.column_count // EIGHT) * EIGHT
         watched = np.empty((0, self.size)) if request.watched is None else request.watched
         self.sample_columns = np.zeros((sampled, len(watched), beside))
         rows, centres = request.places or (np.empty((0, 2, self.size)), np.empty((0, 2)))

@@ -176,6 +176,9 @@ def continue_cycle(
     around which it is followed. At ``discontinuous`` multipliers jump over the unit circle, at such
     a corner or at a graze of a linear or damped contact.
 
+    Derivatives by the state and the parameter are integrated beside the orbit; with stators without
+    mass they are differences of runs, known to about 1e-7.
+
     With contact damping, friction or a load, and of a `RotorSystem`, the multipliers do not form
     such pairs. Then the test functions are the products of ``1 - mu`` and of ``1 + mu`` over the
     nontrivial multipliers, each factor over its size where that is not small. A

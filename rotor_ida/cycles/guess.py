@@ -213,8 +213,9 @@ def flow_at(problem: SettlingProblem, speed: object) -> SystemFlow:
     value = check_real("speed", speed)
     if value == 0.0 or abs(value) > LARGEST_NUMBER:
         raise InputError(
-            f"speed must not be 0, and at most {LARGEST_NUMBER:g}, for a limit cycle, got {value!r}"
-        )
+            "{name} must not be 0, and at most {most:g}, for a limit cycle, got {value}",
+            name="speed", most=LARGEST_NUMBER, value=value,
+        )  # fmt: skip
     check_slowest(problem, np.array([value]))
     return SystemFlow.at(problem, value, NO_STOP)
 

@@ -24,8 +24,9 @@ from rotor_ida.checks import (
 from rotor_ida.errors import InputError
 from rotor_ida.fitting.identifiability import ANGLE
 from rotor_ida.fitting.motion import Body, Word
-from rotor_ida.fitting.problem import Beginning, FitProblem, Unknown, body_of
+from rotor_ida.fitting.problem import FitProblem
 from rotor_ida.fitting.records import Measured, measured, noise_of
+from rotor_ida.fitting.trials import Beginning, Trials, Unknown, body_of
 from rotor_ida.model.parameters import OF_MACHINE, OF_ROTOR
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem
@@ -109,11 +110,10 @@ def problem_of(
         for n, each in enumerate(planes)
     ]  # fmt: skip
     sought = [_with_size(each, machine, records) for each in sought]
-    problem = FitProblem(machine, sought, records, 1.0, _starts(start, records, body, machine))
-    problem.time_error = _checked_time_error(time_error, records)
-    problem.noise = noise_of(records) if noise is None else _checked_noise(noise, records)
-    _check_enough(problem)
-    return problem
+    trials = Trials(machine, sought, records, _starts(start, records, body, machine))
+    noise = noise_of(records) if noise is None else _checked_noise(noise, records)
+    _check_enough(trials)
+    return FitProblem(trials, noise, _checked_time_error(time_error, records))
 
 
 def _clearance_of(machine: Rotor | DimensionalRotor) -> float:
@@ -280,7 +280,7 @@ def _several(values: Any) -> list[Any] | None:
 def _starts(
     start: Any, records: list[Measured], body: Body, machine: AnyRotor
 ) -> list[Beginning | Values | Word]:
-    """Return what is known of the first state of each record; see `FitProblem`."""
+    """Return what is known of the first state of each record; see `Trials`."""
     if start is None:
         return [_beginning(each, body) for each in records]
     if isinstance(start, str):
@@ -341,16 +341,16 @@ def _checked_noise(noise: float, records: list[Measured]) -> float:
     return check_between("noise", noise, SHARPEST * size, size / SHARPEST) * records[0].metre
 
 
-def _check_enough(problem: FitProblem) -> None:
+def _check_enough(trials: Trials) -> None:
     """Raise `InputError` if there are more unknowns than numbers to compare."""
-    compared = sum(each.tracked for each in problem.records)
-    sought = len(problem.unknown) + sum(
-        4 * len(each.nodes) for each, start in zip(problem.records, problem.starts, strict=True)
+    compared = sum(each.tracked for each in trials.records)
+    sought = len(trials.unknown) + sum(
+        4 * len(each.nodes) for each, start in zip(trials.records, trials.starts, strict=True)
         if isinstance(start, Beginning)
     )  # fmt: skip
     if compared < sought:
         raise InputError(
             f"signals must give at least as many numbers to compare as unknowns, {sought}, got "
-            f"{compared} in {sum(each.tracks.windows.times.size for each in problem.records)} "
+            f"{compared} in {sum(each.tracks.windows.times.size for each in trials.records)} "
             "windows"
         )

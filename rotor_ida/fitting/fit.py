@@ -15,9 +15,10 @@ from rotor_ida.arrays import Stop, Values
 from rotor_ida.checks import check_between, check_positive, check_progress
 from rotor_ida.errors import RotorError
 from rotor_ida.fitting.arguments import Signals, problem_of
-from rotor_ida.fitting.problem import MOST_TRIALS, FitProblem, SearchEnded
+from rotor_ida.fitting.problem import FitProblem
 from rotor_ida.fitting.records import noise_of
 from rotor_ida.fitting.result import CONVERGED, dataset_of
+from rotor_ida.fitting.trials import MOST_TRIALS, SearchEnded
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.scales import errors_in_units
@@ -183,18 +184,18 @@ def fit(
             orders=orders, revolutions=revolutions, start=start, entries=entries,
             exits=exits, time_error=time_error, noise=noise,
         )  # fmt: skip
-        problem.deadline = end
+        problem.trials.deadline = end
 
         def work(stop: Stop) -> tuple[Values, str]:
-            problem.stop = stop
+            problem.trials.stop = stop
             return _solved(problem, noise)
 
         def told() -> None:
             if progress is not None:
-                progress(problem.evaluations, MOST_TRIALS)
+                progress(problem.trials.evaluations, MOST_TRIALS)
 
         solution, how = interruptible(work, told=told)
-        problem.stop = None
+        problem.trials.stop = None
         return dataset_of(problem, machine, solution, how, level)
 
 
@@ -205,7 +206,7 @@ def _solved(problem: FitProblem, noise: float | None) -> tuple[Values, str]:
     first = problem.begin()
     try:
         solution, converged = _refined(problem, _searched(problem, first), noise, time_error)
-        how = CONVERGED if converged else f"not converged in {problem.evaluations} trials"
+        how = CONVERGED if converged else f"not converged in {problem.trials.evaluations} trials"
         solution = _without_contact(problem, solution)
     except SearchEnded as ended:
         how, converged = str(ended), False
@@ -240,7 +241,7 @@ def _without_contact(problem: FitProblem, solution: Values) -> Values:
 
     Slight touches may be fitted to noise, and then seem to determine the clearance.
     """
-    names = [each.role for each in problem.unknown]
+    names = [each.role for each in problem.trials.unknown]
     best, _, motions = problem.at(solution)
     if "clearance" not in names or not any(each.touches_stator for each in motions):
         return solution
@@ -268,9 +269,9 @@ def _without_contact(problem: FitProblem, solution: Values) -> Values:
 
 def _weigh(problem: FitProblem, solution: Values, noise: float | None) -> None:
     """Estimate the noise from the residuals if none is given; leave out times near a graze."""
-    motions = problem.motions(solution)
+    motions = problem.trials.trial(solution).motions
     if noise is None:
-        problem.renew(noise=noise_of(problem.records, [each.z for each in motions]))
+        problem.renew(noise=noise_of(problem.trials.records, [each.z for each in motions]))
     problem.renew(clear=problem.clear_in(motions), shared_errors=None)
 
 
@@ -288,7 +289,7 @@ def _scaled(problem: FitProblem, sought: Values, role: str) -> list[Values]:
 
     Clearances are parts of the largest displacement, dampings parts of the guessed damping.
     """
-    roles = [each.role for each in problem.unknown]
+    roles = [each.role for each in problem.trials.unknown]
     if role not in roles:
         return []
     place = roles.index(role)
@@ -339,14 +340,14 @@ def _searched(problem: FitProblem, first: Values) -> Values:
 
 def _with_stiffness(problem: FitProblem, least: float, solution: Values) -> Values:
     """Return the solution, or a better one near another contact stiffness if that is unknown."""
-    names = [each.role for each in problem.unknown]
+    names = [each.role for each in problem.trials.unknown]
     if "contact_stiffness" not in names:
         return solution
     place = names.index("contact_stiffness")
     begins = np.tile(solution, (len(STIFFER), 1))
     begins[:, place] *= STIFFER
-    kept = 0.5 * problem.left_work  # for what refines the solution
-    problem.left_work -= kept
+    kept = 0.5 * problem.trials.left_work  # for what refines the solution
+    problem.trials.left_work -= kept
     for begin in begins:
         try:
             other, converged = _least(problem, begin, SEARCH_TOLERANCE)
@@ -357,7 +358,7 @@ def _with_stiffness(problem: FitProblem, least: float, solution: Values) -> Valu
             break
         if converged and left < least:
             least, solution = left, other
-    problem.left_work = kept + max(problem.left_work, 0.0)
+    problem.trials.left_work = kept + max(problem.trials.left_work, 0.0)
     return solution
 
 
@@ -383,7 +384,7 @@ def _least(problem: FitProblem, first: Values, tolerance: float) -> tuple[Values
 
     problem.at(first)
     found = least_squares(
-        problem.left, first, problem.slopes, problem.bounds(), method="trf", x_scale="jac",
+        problem.left, first, problem.slopes, problem.trials.bounds(), method="trf", x_scale="jac",
         ftol=tolerance, xtol=tolerance, gtol=tolerance, max_nfev=MOST_EVALUATIONS,
     )  # fmt: skip
     solution: Values = found.x

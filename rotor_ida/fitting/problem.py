@@ -1,35 +1,22 @@
-"""The least-squares problem of a fit: unknowns, residuals and their derivatives."""
+"""The least-squares problem of a fit: residuals of trials, and their derivatives."""
 
 from __future__ import annotations
 
 import math
-import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
-from typing import Any, TypeAlias
 
 import numpy as np
-import numpy.typing as npt
 
-from rotor_ida.arrays import ComplexValues, Stop, Values
+from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.errors import BudgetError, InputError, RotorError
-from rotor_ida.fitting.identifiability import ANGLE, ROUNDING
-from rotor_ida.fitting.motion import ANY_WORK, Body, Change, Motion, Turning, Word
-from rotor_ida.fitting.records import Measured
-from rotor_ida.model.rotor import DimensionalRotor, Rotor
-from rotor_ida.model.rotor_system import RotorSystem
-from rotor_ida.model.system_parameters import with_parameters
-from rotor_ida.schema.flags import ENTRY, EXIT
-
-Mask: TypeAlias = npt.NDArray[np.bool_]
+from rotor_ida.fitting.contact_times import Mask, Touches, matched
+from rotor_ida.fitting.identifiability import ROUNDING
+from rotor_ida.fitting.motion import Change, Motion
+from rotor_ida.fitting.trials import Beginning, Trial, Trials
 
 # A failed trial counts as this many times the largest residual of any other.
 FAR_OFF = 1e3
-# The largest work of a trial, in works of the first guess; the least that any trial is allowed
-# [rad]; and of a search the largest number of trials, and the largest work of their derivatives, in
-# that of the first guess.
-MOST_WORK, LEAST_BUDGET = 20.0, 1e5
-MOST_TRIALS, MOST_OF_ALL = 200, 100.0
 # Contact times count if no other event is nearer than this many of their standard errors. At a
 # graze two events merge, and their times no longer change linearly.
 APART = 10.0
@@ -39,53 +26,6 @@ APART = 10.0
 STEP, SAME = 1e-6, 1e-12
 # Above this growth a motion is chaotic for a fit: rounding has replaced its start.
 LARGEST_GROWTH = 1e5
-
-
-@dataclass(frozen=True)
-class Unknown:
-    """One unknown.
-
-    Parameters
-    ----------
-    name, role : str
-        Its name, and the name of the same parameter in SI units.
-    unit : str
-        Its unit.
-    guess, least : float
-        The first guess, and the smallest value allowed.
-    size : float
-        Its natural size, as the guess may be 0.
-    """
-
-    name: str
-    role: str
-    unit: str
-    guess: float
-    least: float
-    size: float
-
-
-class SearchEnded(Exception):  # noqa: N818 - no error: the search ends with its best trial
-    """The search was stopped, or has taken all the time or trials that it may: says which."""
-
-
-@dataclass(frozen=True)
-class Trial:
-    """A simulated trial.
-
-    Parameters
-    ----------
-    sought : ndarray
-        The unknowns, then the initial states.
-    motions : list of Motion
-        The motion for each record.
-    cost : float
-        Sum of squared residuals over all windows.
-    """
-
-    sought: Values
-    motions: list[Motion]
-    cost: float = math.inf
 
 
 @dataclass(frozen=True)
@@ -118,57 +58,20 @@ class SharedErrors:
         return np.asarray(values - (self.directions * self.parts) @ (self.directions.T @ values))
 
 
-@dataclass(frozen=True)
-class Beginning:
-    """What is known of the state at the beginning of a record.
-
-    Parameters
-    ----------
-    mean : ndarray, shape (2 n,)
-        Displacements and velocities by the first samples.
-    root : ndarray, shape (2 n, 2 n)
-        Root of their covariance: what is sought are multiples of its columns.
-    """
-
-    mean: Values
-    root: Values
-
-    def state(self, sought: Values) -> Values:
-        """Return the state, shape (2, n)."""
-        return np.asarray((self.mean + self.root @ sought).reshape(2, -1))
-
-
 @dataclass
 class FitProblem:
     """The residuals to minimise.
 
     Parameters
     ----------
-    rotor : Rotor, DimensionalRotor or RotorSystem
-        The rotor with the first guesses.
-    unknown : list of Unknown
-        The unknowns.
-    records : list of Measured
-        The measured records.
+    trials : Trials
+        The motions that are compared with the measured ones.
     noise : float
         Standard deviation of x and y [m].
-    starts : list
-        For each record what is known of its first state, which is then fitted too; or that state,
-        shape (2, n), or the word for it.
     time_error : float
         Standard error of a contact time [s]; infinity leaves contact times out.
-    evaluations : int
-        Number of trials, of which the motions have been simulated.
-    budget : float
-        What a motion may take [rad].
-    left_work : float
-        What all derivatives to come may take together [rad].
     reach : float
         The clearance that the measured motion would just not reach, by the first guess [m].
-    deadline : float
-        When the search must end, as `time.monotonic` has it [s].
-    stop : ndarray, shape (1,), optional
-        Ends the search as soon as it is not 0.
     part : float
         Fraction of the windows, from the first, that the search uses: 1 is all.
     clear : dict
@@ -177,25 +80,14 @@ class FitProblem:
         The effect of errors that many residuals share.
     """
 
-    rotor: Rotor | DimensionalRotor | RotorSystem
-    unknown: list[Unknown]
-    records: list[Measured]
+    trials: Trials
     noise: float
-    starts: Sequence[Beginning | Values | Word]
     time_error: float = math.inf
-    evaluations: int = 0
-    budget: float = ANY_WORK
-    left_work: float = math.inf
     reach: float = 0.0
-    deadline: float = math.inf
-    stop: Stop | None = None
     part: float = 1.0
     clear: dict[tuple[int, int], Mask] = field(default_factory=dict)
     shared_errors: SharedErrors | None = None
-    _last: Trial | None = field(default=None, repr=False)
-    _best: Trial | None = field(default=None, repr=False)
     _residuals: tuple[bytes, Values, Values] | None = field(default=None, repr=False)
-    _body: tuple[bytes, Body] | None = field(default=None, repr=False)
     _largest: float = 0.0
 
     def begin(self) -> Values:
@@ -206,20 +98,18 @@ class FitProblem:
         InputError, SimulationError
             If it cannot be simulated.
         """
-        first = self.first()
+        first = self.trials.first()
         try:
             motions = self.at(first)[2]
         except BudgetError as error:
             raise InputError(
                 f"signals must be shorter, or the machine softer, for a fit: {error.reason}"
             ) from error
-        works = [each.work for each in motions]
         self.reach = max(
             each.largest * motion.reach / max(float(np.abs(motion.z).max()), np.finfo(float).tiny)
-            for each, motion in zip(self.records, motions, strict=True)
+            for each, motion in zip(self.trials.records, motions, strict=True)
         )
-        self.budget = max(LEAST_BUDGET, MOST_WORK * max(works))
-        self.left_work = MOST_OF_ALL * max(LEAST_BUDGET, 2.0 * first.size * sum(works))
+        self.trials.limit(motions)
         return first
 
     def renew(self, **known: object) -> None:
@@ -227,20 +117,20 @@ class FitProblem:
         for name, value in known.items():
             setattr(self, name, value)
         self._residuals = None
-        best, self._best = self._best, None
+        best, self.trials.best = self.trials.best, None
         if best is not None:
             self._keep_better(best)
 
     @property
     def best(self) -> Values:
         """The best trial so far, over all windows; at first the first guess."""
-        return self.first() if self._best is None else self._best.sought
+        return self.trials.first() if self.trials.best is None else self.trials.best.sought
 
     def _keep_better(self, trial: Trial) -> None:
         """Keep a trial if it is the best so far."""
         trial = replace(trial, cost=float((self.apart(trial) ** 2).sum()))
-        if self._best is None or trial.cost < self._best.cost:
-            self._best = trial
+        if self.trials.best is None or trial.cost < self.trials.best.cost:
+            self.trials.best = trial
 
     def touches(self, number: int, motion: Motion) -> dict[int, Touches]:
         """Return the residuals of the contact times of one record, by kind."""
@@ -248,7 +138,7 @@ class FitProblem:
             return {}
         found = {
             kind: matched(times, motion, kind)
-            for kind, times in self.records[number].touches.items()
+            for kind, times in self.trials.records[number].touches.items()
         }
         return {kind: each.only(self.clear.get((number, kind))) for kind, each in found.items()}
 
@@ -258,110 +148,19 @@ class FitProblem:
             (number, kind): ~(found.gaps < APART * self.time_error)
             & self.clear.get((number, kind), np.array(True))
             for number, motion in enumerate(motions)
-            for kind, times in self.records[number].touches.items()
+            for kind, times in self.trials.records[number].touches.items()
             for found in [matched(times, motion, kind)]
         }
 
-    def first(self) -> Values:
-        """Return the first guess: the unknowns, then multiples of the errors of the first states.
-
-        These are 0.
-        """
-        values = np.zeros(len(self.unknown) + sum(map(self._freedom_of, self.starts)))
-        values[: len(self.unknown)] = [each.guess for each in self.unknown]
-        return values
-
-    @staticmethod
-    def _freedom_of(start: Beginning | Values | Word) -> int:
-        """Return how many numbers of a first state are sought."""
-        return start.mean.size if isinstance(start, Beginning) else 0
-
-    def bounds(self) -> tuple[Values, Values]:
-        """Return the least and the largest values allowed."""
-        low = np.full(self.first().size, -math.inf)
-        low[: len(self.unknown)] = [each.least for each in self.unknown]
-        return low, np.full(low.size, math.inf)
-
-    def values_of(self, sought: Values) -> dict[str, float]:
-        """Return the unknowns by name."""
-        return dict(zip((each.name for each in self.unknown), sought.tolist(), strict=False))
-
-    def body(self, sought: Values) -> Body:
-        """Return the rotor with these unknowns."""
-        key = sought[: len(self.unknown)].tobytes()
-        if self._body is None or self._body[0] != key:
-            self._body = key, body_of(self.rotor, self.values_of(sought))
-        return self._body[1]
-
-    def motions(self, sought: Values) -> list[Motion]:
-        """Return the motion for each record; raises as `trial` does."""
-        return self.trial(sought).motions
-
-    def trial(self, sought: Values) -> Trial:
-        """Return a trial; the last one and the best one are known.
-
-        Raises
-        ------
-        RotorError
-            If it cannot be simulated, or takes more than its budget.
-        SearchEnded
-            If there must be no other trial.
-        """
-        for known in (self._last, self._best):
-            if known is not None and np.array_equal(known.sought, sought):
-                return known
-        self._check_end()
-        self.evaluations += 1
-        motions = [self._motion(number, sought) for number in range(len(self.records))]
-        self._last = Trial(sought.copy(), motions)
-        return self._last
-
-    def _check_end(self) -> None:
-        """Raise `SearchEnded` if there must be no other trial."""
-        if self.stop is not None and self.stop[0]:
-            raise SearchEnded("interrupted")
-        if self.evaluations > 0 and time.monotonic() > self.deadline:
-            raise SearchEnded("stopped by its limit")
-        if self.evaluations >= MOST_TRIALS or self.left_work < 0.0:
-            raise SearchEnded(f"stopped after {self.evaluations} trials")
-
-    def _places(self, number: int) -> slice:
-        """Return where the numbers of the first state of a record are in what is sought."""
-        counts = [len(self.unknown), *map(self._freedom_of, self.starts)]
-        return slice(sum(counts[: number + 1]), sum(counts[: number + 2]))
-
-    def _motion(
-        self, number: int, sought: Values, turning: Turning | None = None,
-        start: Values | None = None, changes: Sequence[Change] = (),
-    ) -> Motion:  # fmt: skip
-        """Return the motion for one record; along another angle or from another state, if given.
-
-        The whirl of a slow roll is subtracted where that of the signals is.
-        """
-        each, body = self.records[number], self.body(sought)
-        motion = body.motion(
-            each.turning if turning is None else turning,
-            self._start(number, sought) if start is None else start, each.times, each.nodes,
-            budget=self.budget, stop=self.stop, changes=changes,
-        )  # fmt: skip
-        return replace(motion, z=motion.z - each.slow_whirl(body))
-
-    def _start(self, number: int, sought: Values) -> Values | Word:
-        """Return the first state of a record, or the word for it."""
-        start = self.starts[number]
-        if isinstance(start, Beginning):
-            return start.state(sought[self._places(number)])
-        return start
-
     def at(self, sought: Values) -> tuple[Values, Values, list[Motion]]:
-        """Return the residuals, their derivatives, and the motions; raises as `trial` does.
+        """Return the residuals, their derivatives, and the motions; raises as `Trials.trial` does.
 
         Raises
         ------
         InputError
             If the motion is chaotic.
         """
-        trial, key = self.trial(sought), sought.tobytes()
+        trial, key = self.trials.trial(sought), sought.tobytes()
         if self._residuals is None or self._residuals[0] != key:
             left, kept = self.apart(trial), self._kept()
             slopes = self._slopes(trial)
@@ -376,7 +175,7 @@ class FitProblem:
         A trial that least squares would accept must have derivatives too.
         """
         try:
-            left = self.apart(self.trial(sought)) * self._kept()
+            left = self.apart(self.trials.trial(sought)) * self._kept()
             if self._residuals is None or left @ left < self._residuals[1] @ self._residuals[1]:
                 self.at(sought)
         except RotorError:
@@ -389,10 +188,10 @@ class FitProblem:
 
     def _sizes(self, number: int) -> tuple[int, int, int]:
         """Return the numbers of residuals of a record: of tracks, of its start, of contacts."""
-        each = self.records[number]
+        each = self.trials.records[number]
         return (
             each.tracked,
-            self._freedom_of(self.starts[number]),
+            self.trials.freedom_of(self.trials.starts[number]),
             sum(times.size for times in each.touches.values())
             if math.isfinite(self.time_error)
             else 0,
@@ -400,7 +199,7 @@ class FitProblem:
 
     def _rows(self) -> list[slice]:
         """Return which residuals are those of each record."""
-        ends = np.cumsum([0, *(sum(self._sizes(each)) for each in range(len(self.records)))])
+        ends = np.cumsum([0, *(sum(self._sizes(each)) for each in range(len(self.trials.records)))])
         return [slice(*each) for each in zip(ends[:-1].tolist(), ends[1:].tolist(), strict=True)]
 
     def freedom(self, sought: Values) -> int:
@@ -426,13 +225,13 @@ class FitProblem:
 
     def errors_in_common(self, sought: Values) -> SharedErrors | None:
         """Return the effect of errors of angle and slow roll; None if none are known."""
-        trial, rows, changes = self.trial(sought), self._rows(), []
-        for number, each in enumerate(self.records):
+        trial, rows, changes = self.trials.trial(sought), self._rows(), []
+        for number, each in enumerate(self.trials.records):
             own = trial.motions[number]
             known, moved = self._of_record(number, trial, own), []
             for turning in each.other_turnings:
-                self._check_end()
-                moved.append(self._motion(number, sought, turning))
+                self.trials.check_end()
+                moved.append(self.trials.motion(number, sought, turning))
             moved += [replace(own, z=own.z + error) for error in each.slow_roll_errors()]
             for motion in moved:
                 change = np.zeros(rows[-1].stop)
@@ -458,7 +257,7 @@ class FitProblem:
         (windows, k, node).
         """
         left, found = self.apart(trial), []
-        for each, rows in zip(self.records, self._rows(), strict=True):
+        for each, rows in zip(self.trials.records, self._rows(), strict=True):
             root = each.tracks.root
             parts = left[rows][: each.tracked].reshape(2, *root.shape[:2], -1)
             errors = np.linalg.norm(root, axis=2)
@@ -469,9 +268,9 @@ class FitProblem:
         self, number: int, trial: Trial, motion: Motion, *, matched_only: bool = False
     ) -> Values:
         """Return the residuals of a record, with the measured angle taken as exact."""
-        each = self.records[number]
+        each = self.trials.records[number]
         left = [each.tracks.weighed(motion.z - each.z).ravel() / self.noise,
-                trial.sought[self._places(number)]]  # fmt: skip
+                trial.sought[self.trials.places(number)]]  # fmt: skip
         for found in self.touches(number, motion).values():
             apart = np.where(found.compared, found.apart, 0.0) if matched_only else found.apart
             left.append(apart / self.time_error)
@@ -485,8 +284,8 @@ class FitProblem:
         )
         for number, rows in enumerate(self._rows()):
             self._check_growth(number, trial)
-            own = self._places(number)
-            places = [*range(own.start, own.stop), *range(len(self.unknown))]
+            own = self.trials.places(number)
+            places = [*range(own.start, own.stop), *range(len(self.trials.unknown))]
             apart = [each for each in places if self._needs_differences(each, trial.sought)]
             beside = [each for each in places if each not in apart]
             if beside:
@@ -497,23 +296,24 @@ class FitProblem:
 
     def _needs_differences(self, place: int, sought: Values) -> bool:
         """Whether the core cannot follow a change beside the motion: see `SystemFlow`."""
-        is_friction = place < len(self.unknown) and self.unknown[place].role == "friction"
-        return bool(self.body(sought).assembly.massless) or (is_friction and sought[place] == 0.0)
+        unknown = self.trials.unknown[place : place + 1]  # none for a first state
+        is_frictionless = any(each.role == "friction" for each in unknown) and sought[place] == 0.0
+        return is_frictionless or bool(self.trials.body(sought).assembly.massless)
 
     def _slopes_beside(
         self, number: int, trial: Trial, places: Sequence[int], around: list[tuple[float, float]]
     ) -> Values:
         """Return the derivatives of the residuals of a record, by changes beside one motion."""
-        each, own = self.records[number], self._places(number)
+        each, own = self.trials.records[number], self.trials.places(number)
         changes = [self._change(number, trial.sought, place, *around[place]) for place in places]
-        motion = self._motion(number, trial.sought, changes=changes)
-        self.left_work -= 2.0 * len(changes) * motion.work  # at most: as two motions of each
+        motion = self.trials.motion(number, trial.sought, changes=changes)
+        self.trials.left_work -= 2.0 * len(changes) * motion.work  # at most: as two motions of each
         z_by = motion.z_by.copy()
         for column, place in enumerate(places):
-            if place < len(self.unknown) and any(each.slow_rolls):
+            if place < len(self.trials.unknown) and any(each.slow_rolls):
                 low, high = around[place]
                 before, after = (
-                    each.slow_whirl(self._body_at(trial.sought, place, value))
+                    each.slow_whirl(self.trials.body_at(trial.sought, place, value))
                     for value in (low, high)
                 )
                 z_by[..., column] -= (after - before) / (high - low)
@@ -530,18 +330,14 @@ class FitProblem:
 
     def _change(self, number: int, sought: Values, place: int, low: float, high: float) -> Change:
         """Return what changes beside a motion with one number that is sought."""
-        body, begun = self.body(sought), self.starts[number]
-        if place >= len(self.unknown):
+        body, begun = self.trials.body(sought), self.trials.starts[number]
+        if place >= len(self.trials.unknown):
             assert isinstance(begun, Beginning)
-            moved = begun.root[:, place - self._places(number).start].reshape(2, -1)
+            moved = begun.root[:, place - self.trials.places(number).start].reshape(2, -1)
             return Change(np.array([body.found.to_y(each) for each in moved]))
-        before, after = (self._body_at(sought, place, value) for value in (low, high))
-        start, turning = self._start(number, sought), self.records[number].turning
+        before, after = (self.trials.body_at(sought, place, value) for value in (low, high))
+        start, turning = self.trials.start(number, sought), self.trials.records[number].turning
         return body.change(before, after, high - low, turning, start)
-
-    def _body_at(self, sought: Values, place: int, value: float) -> Body:
-        """Return the rotor with another value of one unknown."""
-        return body_of(self.rotor, self.values_of(sought) | {self.unknown[place].name: value})
 
     def _around(self, sought: Values) -> list[tuple[float, float]]:
         """Return values below and above each that is sought, within the bounds.
@@ -549,28 +345,28 @@ class FitProblem:
         The motion depends almost linearly on its start, so that one difference is enough there.
         """
         sizes = np.ones(sought.size)
-        sizes[: len(self.unknown)] = [
+        sizes[: len(self.trials.unknown)] = [
             max(abs(value), each.size)
-            for value, each in zip(sought.tolist(), self.unknown, strict=False)
+            for value, each in zip(sought.tolist(), self.trials.unknown, strict=False)
         ]
-        low = np.maximum(sought - STEP * sizes, self.bounds()[0])
-        low[len(self.unknown) :] = sought[len(self.unknown) :]
+        low = np.maximum(sought - STEP * sizes, self.trials.bounds()[0])
+        low[len(self.trials.unknown) :] = sought[len(self.trials.unknown) :]
         return list(zip(low.tolist(), (sought + STEP * sizes).tolist(), strict=True))
 
     def _slope(self, number: int, trial: Trial, place: int, low: float, high: float) -> Values:
         """Return the derivatives of the residuals of a record by one number, by two motions."""
-        each, both = self.records[number], []
+        each, both = self.trials.records[number], []
         for value in (low, high):
             sought = trial.sought.copy()
             sought[place] = value
             known = value == trial.sought[place]
-            both.append(trial.motions[number] if known else self._motion(number, sought))
-            self.left_work -= both[-1].work
+            both.append(trial.motions[number] if known else self.trials.motion(number, sought))
+            self.trials.left_work -= both[-1].work
         before, after = both
         moved = after.z - before.z
         if np.abs(moved).max() < SAME * np.abs(trial.motions[number].z).max():
             moved[:] = 0.0
-        own = self._places(number)
+        own = self.trials.places(number)
         slope = [
             each.tracks.weighed(moved).ravel() / self.noise,
             (np.arange(own.start, own.stop) == place) * (high - low),
@@ -583,11 +379,11 @@ class FitProblem:
 
     def _check_growth(self, number: int, trial: Trial) -> None:
         """Raise `InputError` for a chaotic motion, by another from a start beside its own."""
-        each, states = self.records[number], trial.motions[number].states
+        each, states = self.trials.records[number], trial.motions[number].states
         scale = np.array([1.0, float(each.turning.speeds.max())])[:, None]
         beside = states[0] + STEP * np.abs(states[:, 0]).max() * scale
-        start = self.body(trial.sought).found.to_q(beside)
-        apart = (self._motion(number, trial.sought, start=start).states - states) / scale
+        start = self.trials.body(trial.sought).found.to_q(beside)
+        apart = (self.trials.motion(number, trial.sought, start=start).states - states) / scale
         sizes = np.linalg.norm(apart, axis=(1, 2))
         grown = sizes > LARGEST_GROWTH * sizes[0]
         if grown.any():
@@ -600,92 +396,7 @@ class FitProblem:
     def _kept(self) -> Values:
         """Return 1 for each residual in the part of the windows that is searched, else 0."""
         kept = []
-        for number, each in enumerate(self.records):
+        for number, each in enumerate(self.trials.records):
             others = sum(self._sizes(number)[1:])
             kept += [each.first(self.part), np.ones(others)]
         return np.concatenate(kept)
-
-
-def body_of(rotor: Rotor | DimensionalRotor | RotorSystem, values: Mapping[str, float]) -> Body:
-    """Return a rotor with other values of some parameters."""
-    given: dict[str, Any] = dict(values)
-    ahead = given.pop(ANGLE, 0.0)
-    if isinstance(rotor, RotorSystem):
-        system = with_parameters(rotor, given)
-    else:
-        system = replace(rotor, **given).system()
-    return Body.of(system).turned(ahead)
-
-
-@dataclass(frozen=True)
-class Touches:
-    """Residuals of the contact times of one kind in a record.
-
-    Parameters
-    ----------
-    times : ndarray, shape (n,)
-        The measured times [s].
-    apart : ndarray, shape (n,)
-        Difference between the nearest computed time and each [s].
-    gaps : ndarray, shape (n,)
-        Time between the nearest computed event and its neighbour [s].
-    compared : ndarray of bool, shape (n,)
-        Whether the computed time matches the measured one, so that they are compared.
-    """
-
-    times: Values
-    apart: Values
-    gaps: Values
-    compared: Mask
-
-    def only(self, clear: Mask | None) -> Touches:
-        """Return them without those that are not clear."""
-        if clear is None:
-            return self
-        apart = np.where(clear, self.apart, 0.0)
-        return replace(self, apart=apart, compared=self.compared & clear)
-
-    def moved(self, motion: Motion, kind: int) -> Values:
-        """Return the computed times in a motion nearby; 0 where they are not compared."""
-        return self._nearest(motion.touches(kind), motion.touches(kind), self.times + self.apart)
-
-    def moved_by(self, motion: Motion, kind: int) -> Values:
-        """Return the derivatives of the computed times, shape (n, change), likewise."""
-        own = motion.times_by[motion.event_kinds == kind]
-        return self._nearest(motion.touches(kind), own, np.zeros((self.times.size, own.shape[1])))
-
-    def _nearest(self, found: Values, values: Values, none: Values) -> Values:
-        """Return the values of the events nearest to those compared."""
-        moved = np.zeros(none.shape)
-        computed = (self.times + self.apart)[self.compared]
-        nearest = np.abs(found[:, None] - computed).argmin(axis=0) if found.size else ()
-        moved[self.compared] = values[nearest] if found.size else none[self.compared]
-        return moved
-
-
-def matched(times: Values, motion: Motion, kind: int) -> Touches:
-    """Match computed contact times to measured ones.
-
-    Two match if each is the nearest of the other, no farther away than half the usual gap.
-    A measured time without a match has a constant residual, whatever the unknowns.
-    """
-    found = motion.touches(kind)
-    reach = 0.5 * float(np.median(np.diff(times))) if times.size > 1 else math.inf
-    none = np.zeros(times.size)
-    if not found.size:
-        missed = none + min(reach, float(times[-1]))
-        return Touches(times, missed, none + math.inf, none.astype(bool))
-    distances = np.abs(found[:, None] - times)
-    nearest = distances.argmin(axis=0)
-    apart = found[nearest] - times
-    alone = (np.abs(apart) >= reach) | (distances.argmin(axis=1)[nearest] != np.arange(times.size))
-    both = [motion.touches(each) for each in (ENTRY, EXIT)]
-    events = np.sort(np.concatenate([[-math.inf], *both, [math.inf]]))
-    gaps = np.diff(events)
-    place = np.searchsorted(events, found[nearest])
-    return Touches(
-        times,
-        np.where(alone, np.clip(apart, -reach, reach), apart),
-        np.minimum(gaps[place - 1], gaps[place]),
-        ~alone,
-    )

@@ -13,6 +13,7 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.fitting.arguments import AnyRotor
+from rotor_ida.fitting.contact_times import matched
 from rotor_ida.fitting.identifiability import (
     ANGLE,
     Identifiability,
@@ -21,7 +22,8 @@ from rotor_ida.fitting.identifiability import (
     widening,
 )
 from rotor_ida.fitting.motion import Motion
-from rotor_ida.fitting.problem import APART, FitProblem, Trial, matched
+from rotor_ida.fitting.problem import APART, FitProblem
+from rotor_ida.fitting.trials import Trial
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.results.provenance import provenance
 from rotor_ida.schema import Column
@@ -44,7 +46,7 @@ def dataset_of(
     matching = problem.apart(Trial(solution, motions), matched_only=True)
     chi_square, freedom = float((matching**2).sum()), problem.freedom(solution)
     slopes = slopes / widening(chi_square, freedom)
-    names = [each.name for each in problem.unknown]
+    names = [each.name for each in problem.trials.unknown]
     told = identify(slopes, _scales(problem, solution), names)
     if search != CONVERGED:
         told = _of_no_minimum(told, names)
@@ -54,7 +56,7 @@ def dataset_of(
         **_touches(problem, motions),
         "chi_square": ((), chi_square),
         "degrees_of_freedom": ((), freedom),
-        "noise": ((), problem.noise / problem.records[0].metre),
+        "noise": ((), problem.noise / problem.trials.records[0].metre),
     }
     coordinates: dict[str, Column] = {
         "unknown": ("unknown", names),
@@ -72,17 +74,17 @@ def dataset_of(
         "identifiability": "; ".join(words),
         "remainder": left_in_words(chi_square, freedom) + where,
         "confidence": level,
-        "evaluations": problem.evaluations,
+        "evaluations": problem.trials.evaluations,
     }
     if "compared" in variables:
         attributes["contact_times"] = _touches_in_words(variables)
-    record = problem.records[0].record
+    record = problem.trials.records[0].record
     plain = replace(
         record,
         coordinates={},
         attributes=attributes,
-        length=problem.records[0].units[0],
-        time=problem.records[0].units[1],
+        length=problem.trials.records[0].units[0],
+        time=problem.trials.records[0].units[1],
     )
     return plain.dataset("Fit of a machine to signals", variables, coordinates, kind="fit")
 
@@ -100,14 +102,14 @@ def _scales(problem: FitProblem, solution: Values) -> Values:
     """Return the scale of each unknown's error: its value, or its size where that is nearly 0."""
     return np.array([
         abs(value) if abs(value) > NEARLY_0 * each.size and each.name != ANGLE else each.size
-        for each, value in zip(problem.unknown, solution.tolist(), strict=False)
+        for each, value in zip(problem.trials.unknown, solution.tolist(), strict=False)
     ])  # fmt: skip
 
 
 def _worst_node(problem: FitProblem, motions: list[Motion]) -> str:
     """Return in words at which of several nodes the residuals are largest."""
     squares: dict[str, list[float]] = {}
-    for each, motion in zip(problem.records, motions, strict=True):
+    for each, motion in zip(problem.trials.records, motions, strict=True):
         left = each.tracks.weighed(motion.z - each.z) / problem.noise
         for node, column in zip(each.nodes, left.T, strict=True):
             squares.setdefault(node, []).append(float((column**2).mean()))
@@ -122,7 +124,7 @@ def _at_bounds(problem: FitProblem, solution: Values) -> list[str]:
     """Return a sentence for each unknown at its lower bound."""
     return [
         f"{each.name} is at its smallest allowed value {each.least:g}: its interval is one-sided"
-        for each, value in zip(problem.unknown, solution.tolist(), strict=False)
+        for each, value in zip(problem.trials.unknown, solution.tolist(), strict=False)
         if math.isfinite(each.least)
         and value - each.least <= 1e-6 * max(abs(each.guess), abs(value))
     ]
@@ -137,18 +139,18 @@ def _estimates(
     quantile = float(norm.ppf(0.5 + 0.5 * level))
     values = np.array([
         math.remainder(value, 2.0 * math.pi) if each.name == ANGLE else value
-        for each, value in zip(problem.unknown, solution.tolist(), strict=False)
+        for each, value in zip(problem.trials.unknown, solution.tolist(), strict=False)
     ])  # fmt: skip
     errors = np.sqrt(np.diag(told.covariance))
-    least = np.array([each.least for each in problem.unknown])
+    least = np.array([each.least for each in problem.trials.unknown])
     return {
         "estimate": ("unknown", values),
         "standard_error": ("unknown", errors),
         "lower": ("unknown", np.maximum(values - quantile * errors, least)),
         "upper": ("unknown", values + quantile * errors),
-        "first_guess": ("unknown", [each.guess for each in problem.unknown]),
+        "first_guess": ("unknown", [each.guess for each in problem.trials.unknown]),
         "told": ("unknown", told.told.astype(np.int8)),
-        "unit": ("unknown", [each.unit for each in problem.unknown]),
+        "unit": ("unknown", [each.unit for each in problem.trials.unknown]),
         "covariance": (("unknown", "unknown_too"), told.covariance),
     }
 
@@ -157,7 +159,8 @@ def _tracks(problem: FitProblem, trial: Trial) -> dict[str, Column]:
     """Return measured and fitted tracks of all records and nodes, and their residuals."""
     found: dict[str, list[npt.NDArray[Any]]] = {}
     residuals = problem.tracks_apart(trial)
-    for number, (each, motion) in enumerate(zip(problem.records, trial.motions, strict=True)):
+    records = problem.trials.records
+    for number, (each, motion) in enumerate(zip(records, trial.motions, strict=True)):
         tracks = each.tracks
         errors = problem.noise * np.sqrt(np.einsum("wkk->wk", tracks.inverse).real)
         # the orders are symmetric about 0
@@ -194,14 +197,14 @@ def _tracks(problem: FitProblem, trial: Trial) -> dict[str, Column]:
         name: (("window", "order") if values[0].ndim > 1 else "window", np.concatenate(values))
         for name, values in found.items()
     }
-    tracked = problem.records[0].tracks.orders
+    tracked = problem.trials.records[0].tracks.orders
     return columns | {"order": ("order", tracked[tracked >= 0.0])}
 
 
 def _touches(problem: FitProblem, motions: list[Motion]) -> dict[str, Column]:
     """Return measured and fitted contact times; NaN where no computed contact matches."""
     measured, fitted, kinds, numbers, compared = [], [], [], [], []
-    for number, (each, motion) in enumerate(zip(problem.records, motions, strict=True)):
+    for number, (each, motion) in enumerate(zip(problem.trials.records, motions, strict=True)):
         for kind, found in problem.touches(number, motion).items():
             whole = matched(found.times, motion, kind)
             times = np.where(whole.compared, found.times + whole.apart, np.nan)
@@ -218,7 +221,7 @@ def _touches(problem: FitProblem, motions: list[Motion]) -> dict[str, Column]:
         "event_kind": ("touch", np.concatenate(kinds)),
         "touch_record": ("touch", np.concatenate(numbers)),
         "compared": ("touch", np.concatenate(compared)),
-        "time_error": ((), problem.time_error / problem.records[0].second),
+        "time_error": ((), problem.time_error / problem.trials.records[0].second),
     }
 
 

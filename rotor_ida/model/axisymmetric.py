@@ -164,7 +164,7 @@ def forward_motions(assembly: Assembly) -> ForwardMotions:
             _refuse(name)
     for each in found.films.bearings:
         if not each.is_isotropic:
-            _refuse(f"table of the bearing at {shown(each.node)}")
+            _refuse(f"table of {each.words}")
     rows = found.rows[:, 0] + 1j * found.rows[:, 1]
     films = Films(found.films.bearings, found.films.rows @ basis)
     shapes = found.inverse.T @ basis

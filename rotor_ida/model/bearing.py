@@ -10,7 +10,14 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import check_array, check_axis, check_increasing, check_real, shown
+from rotor_ida.checks import (
+    check_array,
+    check_axis,
+    check_increasing,
+    check_name,
+    check_real,
+    shown,
+)
 from rotor_ida.errors import InputError
 from rotor_ida.model.system_parts import LARGEST, named_node
 
@@ -37,6 +44,8 @@ class Bearing:
     stator : str, optional
         The node that holds the bearing, such as one of a casing; then u is the displacement
         relative to it. Default: the ground.
+    name : str, optional
+        Its name in messages and tables, of at most 80 characters, such as its tag in ROSS.
 
     Attributes
     ----------
@@ -78,12 +87,16 @@ class Bearing:
     damping: npt.ArrayLike = 0.0
     speed: npt.ArrayLike | None = None
     stator: str | None = None
+    name: str | None = None
     knots: Values = field(init=False)
     stiffness_cubics: Values = field(init=False)
     damping_cubics: Values = field(init=False)
 
     def __post_init__(self) -> None:
-        where = f"of the bearing at {named_node(self.node)}"
+        named_node(self.node)
+        if self.name is not None:
+            check_name("name of a bearing", self.name)
+        where = f"of {self.words}"
         if self.stator is not None and not isinstance(self.stator, str):
             raise InputError(f"stator {where} must be the name of a node, got {shown(self.stator)}")
         from scipy.interpolate import PchipInterpolator  # noqa: PLC0415 - takes long to import
@@ -114,6 +127,12 @@ class Bearing:
             object.__setattr__(self, name, values)
 
     @property
+    def words(self) -> str:
+        """The bearing in a message, as in "the bearing 'film' at 'journal'"."""
+        name = "" if self.name is None else f" {shown(self.name)}"
+        return f"the bearing{name} at {shown(self.node)}"
+
+    @property
     def varies(self) -> bool:
         """Whether the coefficients depend on the speed."""
         return self.knots.size > 0
@@ -138,9 +157,9 @@ class Bearing:
         outside = np.abs(np.clip(speeds, least, most) - speeds)
         if outside.max(initial=0.0) > ROUNDED * most:
             raise InputError(
-                "{name} must lie within the table of the bearing at {node}, from {least:.6g} to "
-                "{most:.6g}, got {value}",
-                name="speed", node=shown(self.node), least=least, most=most,
+                "{name} must lie within the table of {bearing}, from {least:.6g} to {most:.6g}, "
+                "got {value}",
+                name="speed", bearing=self.words, least=least, most=most,
                 value=float(speeds.flat[outside.argmax()]),
             )  # fmt: skip
 
@@ -169,7 +188,8 @@ class Bearing:
 
     def __repr__(self) -> str:
         speeds = np.zeros(0) if self.speed is None else np.asarray(self.speed)
-        told = f", stator={self.stator!r}" if self.stator is not None else ""
+        given = {"stator": self.stator, "name": self.name}
+        told = "".join(f", {key}={each!r}" for key, each in given.items() if each is not None)
         if self.varies:
             told += f", {speeds.size} speeds from {speeds[0]:.6g} to {speeds[-1]:.6g}"
         elif speeds.size:

@@ -14,6 +14,7 @@ import numpy.typing as npt
 
 from rotor_ida.checks import check_nonnegative, check_positive
 from rotor_ida.errors import InputError
+from rotor_ida.units import spelled
 
 # The exponents of the contact force: Hertz's, and that of a linear spring.
 EXPONENTS = (1.5, 1.0)
@@ -92,7 +93,7 @@ class Parameter:
         >>> OF_MACHINE["damping"].shown_unit, OF_MACHINE["shaft_stiffness"].shown_unit
         ('N s/m', 'N/m')
         """
-        return self.unit.replace(" m-1.5", "/m^1.5").replace(" m-1", "/m").replace(" s-1", "/s")
+        return spelled(self.unit) or self.unit
 
     @property
     def si_help(self) -> str:

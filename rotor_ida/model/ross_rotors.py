@@ -73,7 +73,8 @@ def _bearing(element: Any, stiffness: str, damping: str) -> Bearing:
     """Return a bearing whose coefficients are two of an element, by their letters."""
     node, *link = [name[2:] for name in element.dof_global_index if name.startswith("x_")]
     return Bearing(
-        node=node, stator=link[0] if link else None, speed=element.frequency,
+        node=node, name=getattr(element, "tag", None) or None,
+        stator=link[0] if link else None, speed=element.frequency,
         stiffness=_table(element, stiffness), damping=_table(element, damping),
     )  # fmt: skip
 

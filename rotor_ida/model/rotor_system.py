@@ -196,13 +196,12 @@ class RotorSystem:
             object.__setattr__(self, name, parts)
         with errors_in_units(self.units):
             check_contacts(self.contacts)
-        for kind, joints in (("contact", self.contacts), ("bearing", self.bearings)):
-            for joint in joints:
-                if isinstance(joint.stator, str) and not self.rows_between(joint).any():
-                    raise InputError(
-                        f"stator of the {kind} at {shown(joint.node)} must be another node, "
-                        f"got {shown(joint.stator)}"
-                    )
+        joints: list[Contact | Bearing] = [*self.contacts, *self.bearings]
+        for joint in joints:
+            if isinstance(joint.stator, str) and not self.rows_between(joint).any():
+                raise InputError(
+                    f"stator of {joint.words} must be another node, got {shown(joint.stator)}"
+                )
         held = [each.node for each in self.supports]
         twice = [node for node in held if held.count(node) > 1]
         if twice:

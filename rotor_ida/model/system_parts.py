@@ -66,6 +66,8 @@ class Stator:
     ----------
     mass : float
         Its mass. With 0 its mount must be damped; its velocity follows the force of its contact.
+        Derivatives, as for multipliers, exponents and fits, are then differences of runs, known to
+        about 1e-7, and curves of bifurcations are refused.
     stiffness, damping : float or (float, float)
         Stiffness and damping of its mount, along x and y; without mass the damping is the same
         along both.
@@ -143,7 +145,8 @@ class Contact:
     race: Race | None = None
 
     def __post_init__(self) -> None:
-        where = f"of the contact at {named_node(self.node)}"
+        named_node(self.node)
+        where = f"of {self.words}"
         for name, check in (
             ("clearance", _clearance), ("stiffness", _positive), ("damping", _nonnegative),
             ("friction", _nonnegative),
@@ -183,6 +186,11 @@ class Contact:
                 )  # fmt: skip
         if isinstance(self.stator, Stator) and self.stator.mass == 0.0:
             raise InputError(f"clearance {where} must be positive with a stator without mass")
+
+    @property
+    def words(self) -> str:
+        """The contact in a message."""
+        return f"the contact at {shown(self.node)}"
 
     @property
     def spinning_race(self) -> Race | None:
@@ -317,7 +325,7 @@ def check_clearances(contacts: Sequence[Contact]) -> None:
             raise InputError(
                 "{name} must be above 0 for synchronous_response, special_speeds and "
                 "clearance_report, got {value}; sweep and limit_cycle take it",
-                name=f"clearance of the contact at {shown(each.node)}", value=each.clearance,
+                name=f"clearance of {each.words}", value=each.clearance,
             )  # fmt: skip
 
 

@@ -57,12 +57,12 @@ from rotor_ida.plot.motion import plot_forces as plot_forces
 from rotor_ida.plot.responses import plot_amplitude as plot_amplitude
 from rotor_ida.plot.responses import plot_phase as plot_phase
 from rotor_ida.plot.responses import plot_unbalance_response as plot_unbalance_response
+from rotor_ida.plot.run_up import plot_run_up as plot_run_up
 from rotor_ida.plot.run_ups import plot_endings as plot_endings
 from rotor_ida.plot.run_ups import plot_largest_force as plot_largest_force
 from rotor_ida.plot.run_ups import plot_run_ups as plot_run_ups
 from rotor_ida.plot.runs import plot_node_orbits as plot_node_orbits
 from rotor_ida.plot.runs import plot_run as plot_run
-from rotor_ida.plot.runs import plot_run_up as plot_run_up
 from rotor_ida.plot.saving import save_figure as save_figure
 from rotor_ida.plot.signals import plot_bode as plot_bode
 from rotor_ida.plot.signals import plot_cascade as plot_cascade

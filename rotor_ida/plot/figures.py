@@ -40,7 +40,8 @@ from rotor_ida.plot.diagrams import plot_extrema
 from rotor_ida.plot.labels import SEPARATOR, wrapped
 from rotor_ida.plot.legends import shared_legend
 from rotor_ida.plot.responses import plot_amplitude, plot_unbalance_response
-from rotor_ida.plot.runs import has_many_turns, plot_run, plot_run_up
+from rotor_ida.plot.run_up import has_many_turns, plot_run_up
+from rotor_ida.plot.runs import plot_run
 from rotor_ida.plot.signals import plot_bode, plot_orbit
 from rotor_ida.results.archived_system import problem_of
 from rotor_ida.results.concat import concat

@@ -89,7 +89,8 @@ def _bearings(bearings: Sequence[Bearing]) -> dict[str, Column]:
               for name in OF_BEARING}  # fmt: skip
     return {
         "bearing_node": ("bearing", np.array([each.node for each in bearings], str)),
-        "bearing_stator": ("bearing", np.array([each.stator or "" for each in bearings], str)),
+        **{f"bearing_{key}": ("bearing", np.array([getattr(each, key) or "" for each in bearings]))
+           for key in ("stator", "name")},
         "table_bearing": ("bearing_row", numbers.astype(np.int16)),
         **{f"table_{name}": (("bearing_row", "axis", "axis_too")[: values.ndim], values)
            for name, values in joined.items()},
@@ -101,10 +102,12 @@ def _bearings_of(run: xr.Dataset) -> list[Bearing]:
     if "bearing_node" not in run.variables:
         return []
     found = []
-    for number, (node, stator) in enumerate(_rows(run, ["bearing_node", "bearing_stator"])):
+    names = [each for each in ("node", "stator", "name") if f"bearing_{each}" in run.variables]
+    for number, words in enumerate(_rows(run, [f"bearing_{each}" for each in names])):
         rows = run.isel(bearing_row=run["table_bearing"].values == number)
-        table = {name: rows[f"table_{name}"].values for name in OF_BEARING}
-        found.append(Bearing(node=node, stator=stator or None, **table))
+        given: dict[str, Any] = {name: rows[f"table_{name}"].values for name in OF_BEARING}
+        given |= {name: word or None for name, word in zip(names, words, strict=True)}
+        found.append(Bearing(**given))
     return found
 
 

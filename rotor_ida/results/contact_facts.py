@@ -84,12 +84,16 @@ def contact_facts(
 
 
 def run_up_facts(run: Mapping[Any, Any], clearance: float) -> dict[str, float]:
-    """Return the same of a run whose speed changes, with speeds in place of times."""
+    """Return the same of a run whose speed changes, with speeds in place of times.
+
+    The time of the first touch is there too.
+    """
     times = np.concatenate([run["t"], run["event_time"]])
     order = np.argsort(times, kind="stable")
     speeds = np.concatenate([run["speed"], run["event_speed"]])[order]
-    found: dict[str, float] = {}
-    for name, value in contact_facts(run, clearance).items():
+    facts = contact_facts(run, clearance)
+    found = {"first_touch_time": facts["first_touch_time"]}
+    for name, value in facts.items():
         if name.removesuffix("_time") in OCCUR and name not in OCCUR:
             speed = float(np.interp(value, times[order], speeds))
             found[name.replace("_time", "_speed")] = speed

@@ -394,10 +394,9 @@ def _at_nodes(kind: type[Part], file: Table, key: str, system: RotorSystem) -> l
 def _bearing(table: Table, system: RotorSystem, folder: Path) -> Bearing:
     """Return a bearing, whose coefficients are in the file or in a table of another one."""
     own = ("speed", *COEFFICIENTS)
-    table.check(("node", "stator", "table", *own), needed=("node",))
+    table.check(("node", "name", "stator", "table", *own), needed=("node",))
     found: dict[str, Any] = {"node": _node(table, system)}
-    if "stator" in table.entries:
-        found["stator"] = table.entries["stator"]
+    found |= {key: table.entries[key] for key in ("name", "stator") if key in table.entries}
     place = table.entries.get("table")
     with naming(table.place):
         if place is None:

@@ -1,7 +1,7 @@
 """Names, units and categories of the variables of all datasets.
 
 `quantities` is the one table of variables, `flags` the words and numbers of categories, `datasets`
-makes what is labelled by both.
+makes what is labelled by both, and `tolerances` says how exactly a result must come back.
 """
 
 from rotor_ida.arrays import Column

@@ -222,24 +222,15 @@ def read_signals(
     unit = check_probes(found, {"x": times, "y": own.get("y", times)}, accept_clipped)
     if "angle" in own:  # before it is interpolated
         found["angle"] = _angle(found["angle"], own["angle"], names["angle"]), "rad"
-    teeth = None
-    if "keyphasor" in found:
-        clock = own.pop("keyphasor", times)
-        teeth = _teeth(found["keyphasor"], clock, keyphasor, per_revolution, fill_pulses)
-        notes += teeth.notes(per_revolution)
+    clock = own.pop("keyphasor", times)
+    teeth = _teeth(found.get("keyphasor"), clock, keyphasor, per_revolution, fill_pulses)
+    notes += [] if teeth is None else teeth.notes(per_revolution)
     if own:
         found, times = at_times_of_x(found, times, own)
         notes.append(f"the times of {listed(list(own))} are not those of x: interpolated at those")
     angles, more = angles_of_probes(probe_angles, names, rotation)
     notes += more
-    attributes: dict[str, object] = {
-        "source": "measured signals",
-        "file": table.file,
-        "columns": _listed(names, told),
-        "probe_angles": angles,
-        "gains": check_array("gains", gains),
-        **({} if caption is None else {"caption": check_instance("caption", caption, str)}),
-    }
+    attributes = _attributes(table, _listed(names, told), angles, gains, caption)
     if rate is None and not np.array_equal(times, found["t"][0]):
         attributes["times"] = "evenly spaced, to the digits that the file has of them"
     origin, more = _origin_of_angle(found, teeth, per_revolution)
@@ -269,6 +260,20 @@ def _check_choices(
     for name, flag in (("accept_clipped", clipped), ("fill_pulses", fill)):
         check_flag(name, flag)
     return check_per_revolution(pulses)
+
+
+def _attributes(
+    table: Table, columns: str, angles: Values, gains: npt.ArrayLike, caption: str | None
+) -> dict[str, object]:
+    """Return what is told of the file, its columns and probes."""
+    return {
+        "source": "measured signals",
+        "file": table.file,
+        "columns": columns,
+        "probe_angles": angles,
+        "gains": check_array("gains", gains),
+        **({} if caption is None else {"caption": check_instance("caption", caption, str)}),
+    }
 
 
 def _counted_from(
@@ -503,9 +508,11 @@ def _integrated(column: tuple[Values, str], times: Values, time: str) -> Values:
 
 
 def _teeth(
-    column: tuple[Values, str], times: Values, kind: str, per_revolution: int, fill: bool
-) -> Teeth:
-    """Return the pulses of a keyphasor."""
+    column: tuple[Values, str] | None, times: Values, kind: str, per_revolution: int, fill: bool
+) -> Teeth | None:
+    """Return the pulses of a keyphasor; None without one."""
+    if column is None:
+        return None
     values, _ = column
     if kind == "signal" and values.size != times.size:
         raise InputError(f"keyphasor must have one reading for each t, got {values.size}")

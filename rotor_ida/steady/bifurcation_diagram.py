@@ -447,9 +447,9 @@ def _checked_rate(rate: object, along: str, speeds: Values) -> float:
     longest = MOST_RADIANS["compiled"] / max(float(speeds[-1]), 1.0)
     if span > longest:
         raise InputError(
-            f"rate must be at least {slope * span / longest:.6g}, as a run would take hours, got "
-            f"{slope!r}"
-        )
+            "{name} must be at least {least:.6g}, as a run would take hours, got {value}",
+            name="rate", least=slope * span / longest, value=slope,
+        )  # fmt: skip
     return slope
 
 

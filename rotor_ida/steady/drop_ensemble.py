@@ -254,7 +254,11 @@ def _axes(given: Mapping[str, object]) -> dict[str, Values]:
         axis = check_axis(name, values)
         low, high = VARIED[name]
         if not (axis.min() >= low and axis.max() <= high):
-            raise InputError(f"{name} must lie from {low:.4g} to {high:.4g}, got {shown(values)}")
+            value = float(axis.min() if axis.min() < low else axis.max())
+            raise InputError(
+                "{name} must lie from {low:.4g} to {high:.4g}, got {value}",
+                name=name, low=low, high=high, value=value,
+            )  # fmt: skip
         found[name] = axis
     return found
 

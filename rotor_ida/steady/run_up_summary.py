@@ -93,9 +93,10 @@ def summary(run: xr.Dataset, *, running_speed: float | None = None) -> xr.Datase
     Returns
     -------
     Dataset
-        Scalars, in the units of the run: ``first_touch_speed``, ``last_exit_speed``,
-        ``largest_radius``, ``largest_radius_speed``, ``smallest_gap`` (clearance less the largest
-        radius, negative in contact), ``largest_force``, ``largest_force_speed``,
+        Scalars, in the units of the run: ``first_touch_time``, ``first_touch_speed``,
+        ``last_exit_speed``, ``largest_radius``, ``largest_radius_speed``, ``smallest_gap``
+        (clearance less the largest radius, negative in contact), ``largest_force``,
+        ``largest_force_speed``,
         ``contact_count``, ``contact_time``, with friction ``first_roll_speed`` and ``total_heat``,
         with contact damping ``total_contact_loss``, and as flags
         ``ending`` (``contact_free``, ``rub``, ``whip``, ``unresolved`` or ``failed``) and
@@ -404,6 +405,8 @@ def _verdict(
     touch = facts["first_touch_speed"]
     margin = margin_in_words(touch * (scales.speed if scales else 1.0), running_speed)
     first = f"it first touches {at} at {_speed(touch, scales)}{margin}"
+    if "first_touch_time" in facts:  # the explorer shows a run-up in pieces
+        first += f", {_after(facts['first_touch_time'], scales)}"
     return (
         f"{verdicts.get(ending, 'Rub')}: {lies or first}, and presses up to "
         f"{_length(-facts['smallest_gap'], scales)} into it, with up to "
@@ -466,6 +469,14 @@ def _speed(speed: float, scales: Scales | None) -> str:
     if scales is None:
         return f"a speed of {quantity(speed)}"
     return quantity(speed * scales.speed, "rad/s")
+
+
+def _after(time: float, scales: Scales | None) -> str:
+    if time == 0.0:
+        return "from the beginning"
+    if scales is None:
+        return f"after a time of {quantity(time, digits=3)}"
+    return f"after {quantity(time / scales.speed, 's', 3)}"
 
 
 def _length(length: float, scales: Scales | None) -> str:

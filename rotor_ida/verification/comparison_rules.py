@@ -19,7 +19,7 @@ from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.results.archived_system import NEEDED, PROBLEM
 from rotor_ida.results.dataset_kinds import kind_of
 from rotor_ida.schema import RESPONSE
-from rotor_ida.schema.quantities import TOLERANCE, TOLERANCE_OF_KIND
+from rotor_ida.schema.tolerances import TOLERANCE, TOLERANCE_OF_KIND
 from rotor_ida.verification.questions import SOLVER, STARTS
 from rotor_ida.verification.variables import OF_ONE_STRETCH, PERIODIC
 

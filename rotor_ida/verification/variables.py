@@ -13,7 +13,7 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import shown
 from rotor_ida.schema import RESPONSE, by_number, flags_of
-from rotor_ida.schema.quantities import (
+from rotor_ida.schema.tolerances import (
     DEPENDS_ON_ROUNDING,
     EACH_BY_ITSELF,
     STATED_ERROR,

@@ -86,7 +86,8 @@ OF_SYSTEM = {
         "--vibration-limit must be positive, got -5 um",
     "continue-cycle --limits 5000rpm 6000rpm":
         "limits of speed must contain that of the start, 2000 rpm, got (5000 rpm, 6000 rpm)",
-    "limit-cycle --speed 0": "speed must not be 0, and at most 1e+15, for a limit cycle, got 0.0",
+    "limit-cycle --speed 0":
+        "speed must not be 0, and at most 1e+15 rad/s, for a limit cycle, got 0 rad/s",
 }  # fmt: skip
 
 

@@ -178,7 +178,12 @@ def test_a_given_unbalance_rubs_as_the_exact_whirls_do():
     words = decode_flags(report)
     assert words.clearance_verdict.item() == "touches"
     assert words.rub_stability.item() == "stable"
-    assert report.attrs["sentence"].startswith("Contact 0 at 'disc' touches: ")
+    # 6 W**2 = 2 |1 - W**2 + 0.1 i W|, with y = W**2: 32 y**2 + 7.96 y - 4 = 0
+    first = math.sqrt((math.sqrt(7.96**2 + 4.0 * 32.0 * 4.0) - 7.96) / 64.0)
+    assert report.first_touch_speed.item() == pytest.approx(first, rel=1e-7)
+    told = f"With the scaled unbalance contact 0 at 'disc' touches first, at a speed of {first:.4g}"
+    assert report.attrs["sentence"].splitlines()[0].startswith(told)
+    assert report.attrs["sentence"].splitlines()[1].startswith("Contact 0 at 'disc' touches: ")
     assert "Without friction there is no dry whip." in report.attrs["sentence"]
     assert "at a speed of" in report.attrs["sentence"]
 
@@ -195,10 +200,11 @@ def test_a_scale_factor_below_1_is_said_beside_the_verdict():
     axis = 2.0 * 2.0 * 1.44 / np.hypot(0.44, 0.012)
     assert report.scale_factor.item() == pytest.approx(0.4 / axis, rel=1e-6)
     said = report.attrs["sentence"].splitlines()
-    # the worst first: the probes, then the clearance that is filled, then the one that is not
-    assert said[0].startswith("At the probes the response exceeds the vibration limit: the scale")
-    assert said[1].startswith("Contact 1 at 'disc' fails")
-    (kept,) = (each for each in said[2:] if each.startswith("Contact 0"))
+    # the first touch, then the worst: the probes, the clearance that is filled, the one that is not
+    assert said[0].startswith("With the scaled unbalance contact 1 at 'disc' touches first")
+    assert said[1].startswith("At the probes the response exceeds the vibration limit: the scale")
+    assert said[2].startswith("Contact 1 at 'disc' fails")
+    (kept,) = (each for each in said[3:] if each.startswith("Contact 0"))
     assert kept.startswith(
         f"Contact 0 at 'disc' passes with the scale factor {0.4 / axis:.3g}: the scaled orbit "
         "fills at most 10 % of the clearance at a speed of 1.2, that of the applied unbalance "

@@ -19,7 +19,7 @@ from rotor_ida import (
     synchronous_response,
 )
 from rotor_ida.cli.describe import describe
-from rotor_ida.closed_forms.clearances.critical_speeds import critical_modes
+from rotor_ida.closed_forms.clearances.critical_speeds import _driven_modes, critical_modes
 from rotor_ida.closed_forms.crossings import film_pencil, film_speeds
 from rotor_ida.model.assembly import assemble
 from rotor_ida.results.archived_system import problem_of
@@ -274,6 +274,34 @@ def test_a_critical_speed_that_is_only_touched_is_found():
                          nodes={"a": (0, 1)}, units="1")  # fmt: skip
     (mode,) = critical_modes(assemble(system), 2.0)
     assert mode.speed == pytest.approx(1.0, rel=1e-6)
+
+
+@pytest.mark.parametrize("unequal", [0.0, 0.3])
+def test_critical_speeds_in_constant_matrices_are_where_an_eigenvalue_turns_with_them(unequal):
+    """Under damping and gyroscopic moments the poles of the response are beside them."""
+    assembly = assemble(on_films(unequal=unequal, cross=0.0).at(900.0))
+    modes = critical_modes(assembly, 6000.0)
+    poles = _driven_modes(assembly, 0.0, 6000.0)
+    turning = np.array(film_speeds(assembly, 100.0, 6000.0))
+    assert len(modes) >= 2
+    for mode in modes:
+        if mode.speed < 6000.0:
+            assert np.abs(turning - mode.speed).min() < 1e-8 * mode.speed
+    apart = max(min(abs(pole.speed / each.speed - 1.0) for each in modes) for pole in poles)
+    assert apart > 1e-4
+
+
+def test_critical_speeds_of_a_disc_on_the_diagonal_are_double_and_told_once():
+    """Its motions along the axes do not turn it, so that both senses are equally fast."""
+    turning = np.zeros((4, 4))
+    turning[2, 3], turning[3, 2] = 1.2, -1.2
+    system = RotorSystem(
+        mass=np.eye(4), stiffness=np.diag([4.0, 4.0, 9.0, 9.0]), damping=0.2 * np.eye(4),
+        gyroscopic=turning, nodes={"a": (0, 1), "b": (2, 3)}, units="1",
+    )  # fmt: skip
+    (mode,) = critical_modes(assemble(system), 2.5)
+    assert mode.speed == pytest.approx(np.sqrt(4.0 - 0.1**2), rel=1e-12)
+    assert mode.decay == pytest.approx(0.1, rel=1e-12)
 
 
 def test_a_range_of_instability_that_ends_is_told():

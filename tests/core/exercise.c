@@ -776,7 +776,7 @@ static void systems(void)
     srand(1); /* the same systems, whatever was exercised before */
     for (int kind = 0; kind < KINDS; kind++) {
         const int64_t size = kind == 0 ? 2 : 2 + 7 * (kind % 5),
-                      stride = size <= 4 ? 4 : (size + 7) / 8 * 8;
+                      stride = core_system_stride(size);
         const int64_t contacts = kind % 4, square = size * stride, width = 2 * stride + contacts;
         const int64_t samples = kind % 3 == 0 ? 0 : 20;
         double *matrices = room_for(4 * square, sizeof(double));

@@ -60,7 +60,7 @@ def test_derivatives_are_differences_of_residuals_along_a_ramp(case, start):
         signals, machine, unknown, orders=(0, 1), revolutions=None, start=start, noise=1e-6,
         entries=times[kinds == ENTRY], exits=times[kinds == EXIT], time_error=1e-4,
     )  # fmt: skip
-    first = sought.first()
+    first = sought.trials.first()
     slopes = sought.slopes(first)
     for place, name in enumerate([*unknown, *["start"] * (first.size - len(unknown))]):
         own = slopes[:, place]
@@ -69,7 +69,7 @@ def test_derivatives_are_differences_of_residuals_along_a_ramp(case, start):
         def left(by, place=place):
             there = first.copy()
             there[place] += by
-            return sought.apart(sought.trial(there), matched_only=True)
+            return sought.apart(sought.trials.trial(there), matched_only=True)
 
         wide, near = ((left(each) - left(-each)) / (2.0 * each) for each in (step, 0.5 * step))
         found = (4.0 * near - wide) / 3.0

@@ -6,6 +6,7 @@ import math
 from dataclasses import replace
 from pathlib import Path
 from runpy import run_path
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -24,7 +25,7 @@ from rotor_ida import (
 from rotor_ida.errors import BudgetError
 from rotor_ida.fitting.arguments import problem_of
 from rotor_ida.fitting.fit import _least, _with_stiffness
-from rotor_ida.fitting.problem import MOST_TRIALS, Unknown
+from rotor_ida.fitting.trials import MOST_TRIALS, Unknown
 from rotor_ida.signals.teeth import teeth_in
 
 TRUE = Rotor(omega=0.3, zeta=0.1, delta0=1.5, shaft_stiffness=1.0)
@@ -263,8 +264,8 @@ def six():
 @pytest.mark.parametrize("name", COSTLY)
 def test_a_costly_trial_is_a_poor_one(six, name):
     """Such trials of a search took minutes, in the simulation or in the derivatives."""
-    good = six.left(six.first())
-    sought = six.first()
+    good = six.left(six.trials.first())
+    sought = six.trials.first()
     sought[SIX.index(name)] *= COSTLY[name]
     with pytest.raises(BudgetError, match=r"radians of its fastest motion are more"):
         six.at(sought)
@@ -272,7 +273,7 @@ def test_a_costly_trial_is_a_poor_one(six, name):
 
 
 def test_what_cannot_be_simulated_is_a_poor_trial(six):
-    sought = six.first()
+    sought = six.trials.first()
     sought[SIX.index("contact_stiffness")] = 1e31
     with pytest.raises(InputError, match="stiffness of the contact at 'disc' must lie"):
         six.at(sought)
@@ -291,7 +292,7 @@ def test_a_search_that_must_end_returns_its_best_trial(up, monkeypatch):
     )
     assert late.attrs["evaluations"] == 1
     np.testing.assert_array_equal(late.estimate, late.first_guess)
-    monkeypatch.setattr("rotor_ida.fitting.problem.MOST_TRIALS", 12)
+    monkeypatch.setattr("rotor_ida.fitting.trials.MOST_TRIALS", 12)
     short = fit(seen, GUESS, SOUGHT, noise=NOISE)
     assert short.attrs["search"].startswith("stopped after 12 trials: this is the best trial")
     assert "is known to" not in short.attrs["identifiability"]
@@ -385,8 +386,11 @@ def test_a_clearance_is_chosen_again_where_others_misled(up):
 class TwoMinima:
     """Residuals of a contact stiffness k: 0 at k = 1.6, and a minimum above 0 near k = 1."""
 
-    unknown = (Unknown("contact_stiffness", "contact_stiffness", "1", 1.0, 0.0, 1.0),)
-    left_work = 1e6
+    def __init__(self):
+        self.trials = SimpleNamespace(
+            unknown=(Unknown("contact_stiffness", "contact_stiffness", "1", 1.0, 0.0, 1.0),),
+            left_work=1e6, bounds=lambda: (np.array([0.0]), np.array([np.inf])),
+        )  # fmt: skip
 
     def left(self, sought):
         (k,) = sought
@@ -398,9 +402,6 @@ class TwoMinima:
 
     def at(self, sought):
         return self.left(sought), self.slopes(sought), []
-
-    def bounds(self):
-        return np.array([0.0]), np.array([np.inf])
 
 
 def test_a_deeper_minimum_near_another_contact_stiffness_is_found():

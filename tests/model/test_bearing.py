@@ -96,6 +96,9 @@ def test_a_bearing_joins_the_matrices_at_a_speed() -> None:
         ({"speed": None}, r"must be a number or an array of shape \(2, 2\), got shape \(5, 2, 2\)"),
         ({"speed": SPEEDS[::-1]}, "speed of the bearing at 'disc' must increase, got 400"),
         ({"speed": [-1.0, 2.0]}, "speed of the bearing at 'disc' must be zero or positive, got -1"),
+        ({"name": "film\n"}, "name of a bearing must have no control characters"),
+        ({"name": "free end", "damping": 1e31},
+         "damping of the bearing 'free end' at 'disc' must lie within 1e"),
         ({"damping": 1e31}, "damping of the bearing at 'disc' must lie within 1e"),
     ],
 )  # fmt: skip
@@ -108,6 +111,9 @@ def test_a_bad_bearing_is_refused_in_one_line(given: dict[str, Any], words: str)
 def test_a_speed_outside_the_table_is_refused_with_its_unit() -> None:
     held = replace(SYSTEM, bearings=[Bearing(node="disc", **TABLE)])
     words = "within the table of the bearing at 'disc', from 100 rad/s to 700 rad/s, got "
+    named = replace(SYSTEM, bearings=[Bearing(node="disc", name="free end", **TABLE)])
+    with pytest.raises(InputError, match="table of the bearing 'free end' at 'disc', from 100"):
+        named.at(99.0)
     for speed, told in ((99.0, "99 rad/s"), (701.0, "701 rad/s"), (-200.0, "-200 rad/s")):
         with pytest.raises(InputError, match=words + told):
             held.at(speed)
@@ -127,10 +133,11 @@ def test_a_bearing_belongs_to_nodes_of_the_system() -> None:
 
 @pytest.mark.parametrize("given", [TABLE, {"stiffness": 2.0}, {"stiffness": 2.0, "speed": 5.0}])
 def test_replace_and_a_question_keep_a_bearing(given: dict[str, Any]) -> None:
-    film = Bearing(node="disc", stator="casing", **given)
+    film = Bearing(node="disc", stator="casing", name="free end", **given)
     asked = Question("campbell", {"rotor": replace(SYSTEM, bearings=[film])})
     (again,) = arguments_from(asked.plain())["rotor"].bearings
     for other in (again, replace(film, node="disc")):
         assert repr(other) == repr(film)
+        assert other.name == "free end"
         for name in ("stiffness", "damping", "knots", "stiffness_cubics", "damping_cubics"):
             np.testing.assert_array_equal(getattr(other, name), getattr(film, name))

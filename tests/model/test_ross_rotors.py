@@ -5,6 +5,8 @@ has a closed form.
 """
 
 import json
+import re
+import sys
 import warnings
 from functools import cache
 from pathlib import Path
@@ -22,11 +24,13 @@ from rotor_ida import (
     campbell,
     clearance_report,
     drop,
+    load_system,
     run_up,
     simulate,
     sweep,
     synchronous_response,
 )
+from rotor_ida.cli import main
 from rotor_ida.cli.describe import describe
 from rotor_ida.results.archived_system import problem_of
 from rotor_ida.steady.drop_words import sentence_of
@@ -329,7 +333,10 @@ def recorded():
 def test_eigenvalues_on_tables_are_those_recorded():
     held, rotor = recorded()
     system = RotorSystem.from_ross(rotor)
-    assert sorted(each.node for each in system.bearings) == ["0", "2", "4"]
+    names = {each.node: each.name for each in system.bearings}
+    assert names == {"0": "film 0", "2": "Seal 0", "4": "film 4"}
+    again, _ = problem_of(synchronous_response(system, speed=held["speed"][:1]))
+    assert {each.node: each.name for each in again.bearings} == names
     found = campbell(system, speed=held["speed"], modes=16)
     for number, values in enumerate(held["eigenvalues"]):
         known = np.array(values) @ [1.0, 1.0j]
@@ -344,6 +351,19 @@ def test_eigenvalues_on_tables_are_those_recorded():
     assert (found.damping_ratio.values < 0.0).any() == any(
         np.array(values)[:, 0].max() > 0.0 for values in held["eigenvalues"]
     )
+
+
+def test_the_program_keeps_the_tags_of_bearings(tmp_path, monkeypatch, capsys):
+    ross = SimpleNamespace(Rotor=SimpleNamespace(load=lambda _: recorded()[1]))
+    monkeypatch.setitem(sys.modules, "ross", ross)
+    saved, out = tmp_path / "saved.toml", tmp_path / "rotor.toml"
+    saved.touch()
+    assert main(["from-ross", str(saved), "--out", str(out)]) == 0
+    assert re.search(r"film 0 +0 +ground +[\d.,]+ +[\d.,]+\n", capsys.readouterr().out)
+    names = [each.name for each in load_system(out).bearings]
+    assert names == [each.tag for each in recorded()[1].bearing_elements]
+    assert main(["campbell", str(out), "--speed", "1rpm"]) == 2
+    assert "within the table of the bearing 'film 0' at '0', from" in capsys.readouterr().err
 
 
 def test_the_unbalance_response_on_tables_is_that_recorded():

@@ -34,7 +34,7 @@ def everything():
     other = Contact(node="3", clearance=5e-5, stiffness=1e9, damping=0.1, stator=shared)
     return replace(
         system, contacts=[near, other], supports=[Support(node="2", stiffness=(1e4, 2e4))],
-        bearings=[*system.bearings, Bearing(node="2", stator="1", stiffness=1e5)],
+        bearings=[*system.bearings, Bearing(node="2", name="seal", stator="1", stiffness=1e5)],
         positions={name: 0.05 * int(name) for name in system.nodes}, note="A machine.",
         translations=system.unit_translations(), gravity=(0.0, -9.81),
     )  # fmt: skip
@@ -46,6 +46,8 @@ def test_a_system_comes_back_from_its_file(tmp_path: Path):
     assert again.positions == system.positions
     assert again.note == system.note
     assert again.contacts[0].stator is again.contacts[1].stator
+    assert [each.name for each in again.bearings] == [each.name for each in system.bearings]
+    assert again.bearings[-1].name == "seal"
     assert [each.exponent for each in again.contacts] == [1.0, 1.5]
     given = {"speed": 1700.0, "duration": 0.01, "samples": 3, "start": None}
     one, other = (simulate(each, **given) for each in (system, again))

@@ -97,6 +97,7 @@ def test_ncdump_shows_the_headers(archive: Path) -> None:
 # Messages, and names that a user gives.
 FREE_WORDS = {
     *("message", "machine", "probe", "peak_node", "bearing_node", "bearing_stator"),
+    "bearing_name",
     *("node", "contact_node", "contact_stator", "unbalance_node"),
     "support_node",
 }  # fmt: skip

@@ -42,12 +42,14 @@ SAME = (
 def test_a_summary_has_the_facts_and_the_ending_of_many_run_ups(ending):
     """`run_ups` reads them from the run inside, the summary from the dataset."""
     rotor, to, rate, start = ENDINGS[ending]
-    found = summary(run_up(rotor, start=start, to=to, rate=rate))
+    run = run_up(rotor, start=start, to=to, rate=rate)
+    found = summary(run)
     many = run_ups(**rotor.given, to=to, rate=rate, starts=[start], workers=1).squeeze(drop=True)
     for name in SAME:
         assert float(found[name]) == pytest.approx(float(many[name]), rel=1e-9, nan_ok=True), name
     assert words_of(found["ending"]) == words_of(many["ending"]) == [ending]
     assert int(found["response"]) == int(many["response"])
+    assert float(found["first_touch_time"]) == np.nan_to_num(run["entry_time"]).min()
     assert float(found["smallest_gap"]) == rotor.delta0 - float(found["largest_radius"])
 
 
@@ -141,11 +143,12 @@ def test_a_system_has_the_summary_of_its_disc():
         system = rotor.system()
         run = run_up(system, speed=rotor.omega, to=to, rate=rate, start=(start[:2], start[2:]))
         found = summary(run, running_speed=0.5 * float(disc.first_touch_speed))
-        for name in ("first_touch_speed", "largest_radius", "largest_force", "contact_time"):
+        same = ("first_touch_speed", "first_touch_time", "largest_radius", "largest_force")
+        for name in (*same, "contact_time"):
             assert float(found[name].squeeze()) == pytest.approx(float(disc[name]), rel=1e-6), name
         assert int(found.ending) == int(disc.ending)
         said, expected = found.attrs["sentence"], disc.attrs["sentence"]
-        assert ", 100 % above the running speed, and" in said
+        assert ", 100 % above the running speed, after a time of " in said
         assert said.replace(", 100 % above the running speed", "").replace(
             "contact 0 at 'disc'", "the stator"
         ) == expected  # fmt: skip
@@ -161,6 +164,8 @@ def test_the_sentence_says_where_a_system_is_touched_and_what_rounding_decides()
     two = replace(system, contacts=gaps)
     run = run_up(two, speed=rotor.omega, to=ENDINGS["rub"][1], rate=ENDINGS["rub"][2])
     said = summary(run).attrs["sentence"]
+    touch = float(run.entry_time.min())
+    assert f", after a time of {touch:.3g}, and presses up to" in said
     assert said.startswith("Rub: it first touches contact 1 at 'disc' at a speed of ")
     assert "It also touches contact 0 at 'disc', first at a speed of " in said
     assert "rounding" not in said

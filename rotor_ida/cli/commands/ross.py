@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
+
+import numpy as np
 
 from rotor_ida.checks import shown
 from rotor_ida.cli.command import Case, command
 from rotor_ida.cli.output import FORCED
 from rotor_ida.cli.report import Report
 from rotor_ida.errors import InputError, InstallationError, MissingFileError
+from rotor_ida.model.bearing import Bearing
 from rotor_ida.results.files import already_there
-from rotor_ida.results.sheets import facts
+from rotor_ida.results.sheets import Line, Parts, Sheet, facts
 
 
 @command("none", asks=(), file="FILE", writes=False)
@@ -47,7 +51,23 @@ def from_ross(
         "degrees of freedom": system.size, "nodes": len(system.nodes),
         "bearings and seals": len(system.bearings),
     }  # fmt: skip
-    return Report(
-        record={"system": numbers}, parts=[facts("System", numbers), f"wrote {out}"],
-        as_json=as_json,
-    )  # fmt: skip
+    record = {"system": numbers, "bearings": [
+        {"name": each.name, "node": each.node, "stator": each.stator,
+         "speeds": np.ravel([] if each.speed is None else each.speed).tolist()}
+        for each in system.bearings
+    ]}  # fmt: skip
+    parts: Parts = [facts("System", numbers), *_bearings(system.bearings), f"wrote {out}"]
+    return Report(record=record, parts=parts, as_json=as_json)
+
+
+def _bearings(bearings: Sequence[Bearing]) -> list[Sheet]:
+    """Return the names of bearings and seals, their nodes and the ends of their tables."""
+    if not bearings:
+        return []
+    ends = [(each.knots[[0, -1]] if each.varies else (None, None)) for each in bearings]
+    lines = [Line("name", [each.name or "" for each in bearings]),
+             Line("node", [each.node for each in bearings]),
+             Line("held by node", [each.stator or "ground" for each in bearings])]  # fmt: skip
+    lines += [Line(name, [end[place] for end in ends], "rad/s")
+              for place, name in enumerate(("table from", "table to"))]  # fmt: skip
+    return [Sheet("Bearings and seals", lines)]

@@ -1,8 +1,9 @@
 """Critical speeds of a rotor system, where its unbalance acts on each, and how sharp each peak is.
 
-1. *Modes*: with the spin speed at the whirl speed, ``s = i Omega``, motions obey
-   ``(K + s C + s**2 (M - i G)) Q = 0``. The imaginary parts of s are critical speeds. Where K and C
-   depend on the speed, it is critical where an eigenvalue turns with it: see `crossings`.
+1. *Modes*: a speed Omega is critical where an eigenvalue ``s = -d + i Omega`` turns with it. The
+   poles of the response to unbalance, ``(K + s C + s**2 (M - i G)) Q = 0``, are near: they are all
+   there is without damping or gyroscopic moments, else Newton's method begins at them. Where K and
+   C depend on the speed all are sought: see `crossings`.
 2. *Antinodes*: neighbouring nodes that move to the same side are a lobe of the shape. The node of a
    lobe that moves most is where unbalance drives the mode best.
 3. *Peaks*: the response to it, as the largest axis of each orbit, and its width where it is
@@ -17,7 +18,7 @@ from dataclasses import dataclass
 from itertools import pairwise
 
 import numpy as np
-from scipy.linalg import eig
+from scipy.linalg import eig, lstsq
 from scipy.optimize import brentq, minimize_scalar
 
 from rotor_ida.arrays import ComplexValues, Values
@@ -37,6 +38,8 @@ EQUAL, PARALLEL = 1e-7, 0.999
 LOBE = 0.3
 # Part of a peak at which its width is measured, and the relative tolerance of its place.
 HALF_POWER, PLACED = math.sqrt(0.5), 1e-9
+# Most steps of Newton's method: from a pole three to five suffice.
+STEPS = 12
 
 
 @dataclass(frozen=True, slots=True)
@@ -49,11 +52,14 @@ class Mode:
         Critical speed, and the decay rate: half the width of its peak.
     shape : ndarray of complex, shape (node,)
         Forward displacements of the nodes.
+    motion : ndarray of complex, shape (n,)
+        Displacements of all coordinates.
     """
 
     speed: float
     decay: float
     shape: ComplexValues
+    motion: ComplexValues
 
 
 @dataclass(frozen=True, slots=True)
@@ -78,13 +84,17 @@ def critical_modes(assembly: Assembly, largest: float) -> list[Mode]:
     (0.994987, 0.1)
     """
     modes: list[Mode] = []
+    same = assembly.gyroscopic is None or assembly.damping is None or bool(assembly.films)
     for speed in _speeds_of_films(assembly, largest) if assembly.films else [0.0]:
         found = _driven_modes(assembly, speed, largest)
         if assembly.films:  # the coefficients are those at the critical speed of one mode
             found = [each for each in found if abs(each.speed - speed) < EQUAL * speed]
-        for mode in found:
+        for pole in found:
+            mode = pole if same else _turning(assembly, pole)
             if not modes or not _same(mode, modes[-1]):
                 modes.append(mode)
+            if mode.speed > largest:
+                break
     below = sum(each.speed <= largest for each in modes)
     return modes[: max(below, 1)]
 
@@ -103,7 +113,44 @@ def _driven_modes(assembly: Assembly, speed: float, largest: float) -> list[Mode
     kept &= driven > DRIVEN * (driven + other)
     chosen = np.flatnonzero(kept)
     chosen = chosen[np.argsort(values.imag[chosen])]
-    return [Mode(float(values[i].imag), float(-values[i].real), forward[:, i]) for i in chosen]
+    return [
+        Mode(float(values[i].imag), float(-values[i].real), forward[:, i], vectors[:size, i])
+        for i in chosen
+    ]
+
+
+def _turning(assembly: Assembly, pole: Mode) -> Mode:
+    """Return the mode near a pole whose eigenvalue turns with the rotor, by Newton's method.
+
+    Where none is nearer than the pole decays, it is the pole.
+    """
+    damping, turning, mass = (np.asarray(each) for each in
+                              (assembly.damping, assembly.gyroscopic, assembly.mass))  # fmt: skip
+    root, motion = complex(-pole.decay, pole.speed), pole.motion / np.linalg.norm(pole.motion)
+    border = np.append(motion, [0.0, 0.0])
+    for _ in range(STEPS):
+        resisted = damping + root.imag * turning
+        matrix = assembly.stiffness + root * resisted + root**2 * mass
+        by_root = (resisted + 2.0 * root * mass) @ motion
+        by_speed = 1j * by_root + root * (turning @ motion)
+        rows = np.column_stack([matrix, by_root, by_speed])
+        # the real and imaginary parts of motion and equations; decay and speed are real
+        columns = np.vstack([rows, border.conj()])
+        columns = np.column_stack([columns, 1j * columns[:, :-2]])
+        step = lstsq(
+            np.vstack([columns.real, columns.imag]),
+            -np.concatenate([each(np.append(matrix @ motion, 0.0)) for each in (np.real, np.imag)]),
+            lapack_driver="gelsy",
+        )[0]  # as forward and backward motions may be equally fast, the shortest step
+        size = len(mass)
+        motion = motion + step[:size] + 1j * step[size + 2 :]
+        root += complex(*step[size : size + 2])
+        if abs(complex(*step[size : size + 2])) < PLACED * abs(root):
+            break
+    if not abs(root - complex(-pole.decay, pole.speed)) < abs(pole.decay):
+        return pole
+    x, y = np.einsum("njk,k->jn", assembly.node_rows(), motion)
+    return Mode(root.imag, -root.real, x + 1j * y, motion)
 
 
 def _pencil(assembly: Assembly) -> tuple[Values, ComplexValues]:

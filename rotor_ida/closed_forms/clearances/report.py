@@ -116,9 +116,11 @@ def clearance_report(
         ``scale_factor``; on ``(case, contact)``: ``running_share`` of the diametral clearance that
         the scaled axis fills at continuous speeds, at the worst ``running_share_speed``, and
         ``passage_share``, from rest to the trip speed. On ``contact``: ``clearance_verdict``, as
-        flags ``passes``, ``fails`` (above 75 per cent) and ``touches``; the largest ``rub_force``
-        of a synchronous rub with the scaled unbalance at continuous speeds, its ``rub_speed`` and
-        ``rub_stability``; the same from rest to the trip speed, as ``passage_rub_force`` and so on;
+        flags ``passes``, ``fails`` (above 75 per cent) and ``touches``; ``first_touch_speed``, the
+        lowest up to the trip speed at which the scaled orbit fills the clearance; the largest
+        ``rub_force`` of a synchronous rub with the scaled unbalance at continuous speeds, its
+        ``rub_speed`` and ``rub_stability``; the same from rest to the trip speed, as
+        ``passage_rub_force`` and so on;
         and of dry whip at the maximum continuous speed ``whip_speed``,
         ``whip_amplitude``, ``whip_force`` and ``whip_stability``. On ``critical``:
         ``critical_speed``, ``amplification_factor``, ``separation_margin`` and
@@ -309,6 +311,9 @@ def _shares(response: Response) -> dict[str, Column]:
         for low, high in ((problem.low, problem.high), (response.speeds[0], problem.trip))
     )  # fmt: skip
     part = scales[:, np.newaxis] / problem.diameters
+    touches = [[response.reached(case, place, size / scales[case], problem.trip)
+                for place, size in enumerate(problem.diameters)]
+               for case in range(len(response.axes))]  # fmt: skip
     shares = running[..., 1] * part
     worst = shares.max(axis=0)
     verdict = np.where(worst > ALLOWED, VERDICT["fails"], VERDICT["passes"])
@@ -318,6 +323,7 @@ def _shares(response: Response) -> dict[str, Column]:
         "scale_factor": ("case", scales), "vibration_limit": ((), problem.limit),
         "running_share": (along, shares), "running_share_speed": (along, running[..., 0]),
         "passage_share": (along, passing[..., 1] * part),
+        "first_touch_speed": ("contact", np.fmin.reduce(np.array(touches), axis=0)),
         "clearance_verdict": ("contact", verdict.astype(np.int8)),
     }  # fmt: skip
 

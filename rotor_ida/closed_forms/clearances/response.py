@@ -7,9 +7,11 @@ from dataclasses import dataclass, replace
 from itertools import pairwise
 
 import numpy as np
+from scipy.optimize import brentq
 
 from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.closed_forms.clearances.critical_speeds import (
+    PLACED,
     Mode,
     Peak,
     antinodes,
@@ -79,6 +81,20 @@ class Response:
         """Return where the largest axis is largest between two speeds, and how large."""
         return largest_between(lambda omega: self.at(case, place, omega), self.speeds,
                                self.axes[case, :, place], low, high)  # fmt: skip
+
+    def reached(self, case: int, place: int, axis: float, high: float) -> float:
+        """Return the lowest speed, up to one, at which an axis is that large; NaN without one."""
+        where, most = self.largest(case, place, self.speeds[0], high)
+        if most < axis:
+            return np.nan
+        before = self.speeds < where
+        reach = self.axes[case, before, place] >= axis
+        first = int(reach.argmax()) if reach.any() else reach.size
+        if first == 0:
+            return float(self.speeds[0])
+        end = float(self.speeds[first]) if first < reach.size else where
+        return float(brentq(lambda omega: self.at(case, place, omega) - axis,
+                            self.speeds[first - 1], end, rtol=PLACED))  # fmt: skip
 
     def peak(self, case: int, low: float, high: float) -> Peak | None:
         """Return the largest peak at a probe between two speeds."""

@@ -18,8 +18,9 @@ ALLOWED = 0.75
 def sentences(report: xr.Dataset) -> str:
     """Return a line for each clearance, one on critical speeds, and one on the probes if needed.
 
-    What is not kept comes first, the worst before the others.
+    What is not kept comes first, the worst before the others, after the first touch.
     """
+    report = report.assign_coords(contact=np.arange(report.sizes["contact"]))
     found = [(_excess(report, number), _of_contact(report, number))
              for number in range(report.sizes["contact"])]  # fmt: skip
     near = _too_near(report)
@@ -31,6 +32,13 @@ def sentences(report: xr.Dataset) -> str:
             "At the probes the response exceeds the vibration limit: the scale factor is "
             f"{least:.3g}, below 1."))  # fmt: skip
     lines = [line for _, line in sorted(found, key=lambda each: -max(each[0], 1.0))]
+    touches = report["first_touch_speed"].values
+    if np.isfinite(touches).any():
+        first = report.isel(contact=int(np.nanargmin(touches)))
+        when = _speed(report, first["first_touch_speed"].item())
+        lines.insert(
+            0, f"With the scaled unbalance contact {_place(first)} touches first, at {when}."
+        )
     if "not_exact" in report.attrs:
         lines.append(
             f"Whirls that follow a touch have no closed form: {report.attrs['not_exact']}."
@@ -66,13 +74,18 @@ def _of_contact(report: xr.Dataset, number: int) -> str:
         most = float(applied.max())
         unscaled = f", that of the applied unbalance {_per_cent(most)}"
     said = (
-        f"Contact {number} at {own['contact_node'].item()!r} {verdict}{by}: the scaled orbit fills "
+        f"Contact {_place(own)} {verdict}{by}: the scaled orbit fills "
         f"at most {_per_cent(shares[worst])} of the clearance at {where}{unscaled}; 75 % are "
         f"allowed. {_sag(own, most)}{_passage(own)}"
     )
     if "not_exact" in report.attrs:
         return said
     return f"{said} {_rub(own, 'rub', 'at continuous speeds')} {_whip(report, own)}"
+
+
+def _place(own: xr.Dataset) -> str:
+    """Return the number and the node of a contact."""
+    return f"{own['contact'].item()} at {own['contact_node'].item()!r}"
 
 
 def _sag(own: xr.Dataset, share: float) -> str:
