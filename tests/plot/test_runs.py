@@ -384,8 +384,14 @@ def test_of_a_system_the_contacts_that_are_touched_are_drawn_by_name():
     up = run_up(system, contacts=contacts, unbalance=unbalance, speed=0.3, to=2.0, rate=0.01)
     radius, force, *orbits = figure_of(up).axes
     assert radius.get_ylabel() == "radius over clearance"
-    drawn = {each.get_label() for each in force.collections if each.get_alpha()}
-    assert drawn == {"contact 0 at near", "contact 1 at far"}
+    colours, in_radius = (
+        {each.get_label(): tuple(each.get_facecolor()[0]) for each in ax.collections
+         if each.get_alpha()}
+        for ax in (force, radius)
+    )  # fmt: skip
+    assert set(colours) == {"contact 0 at near", "contact 1 at far"}
+    assert colours == in_radius  # one legend serves both
+    assert len(set(colours.values())) == 2
     first = up.episode_contact.values[up.entry_time.values.argmin()]
     assert orbits[0].get_title().split("\n")[:2] == [
         "first touch",
