@@ -166,6 +166,12 @@ def test_a_data_sheet_in_inches_is_told_in_inches(program: Program):
     assert rows["balance grade at the running speed"] == ["2.54", "mm/s"]
 
 
+def test_a_start_is_told_with_its_units(program: Program, pump: str):
+    answer = program("run-up", "--machine", pump, "--to", "600rpm", "--in", "1s")
+    (start,) = (line for line in answer.out.splitlines() if line.startswith("start "))
+    assert start.endswith("m, m/s")
+
+
 def test_a_short_data_sheet_names_the_options_that_it_lacks(program: Program):
     answer = program("machine", "--mass", "12kg")
     assert answer.err.strip() == (
