@@ -545,7 +545,12 @@ def _draw_normal_forces(ax: Axes, places: Sequence[Place], course: Course) -> No
         if each.normal.any():
             colour = _colour(places, number, palette.RED)
             _draw_band(ax, course, each.time, each.normal, colour, _name(places, number))
-    ax.set_ylim(bottom=0.0)
+    peaks = np.concatenate([each.normal[each.normal > 0.0] for each in forces] or [np.empty(0)])
+    if peaks.size and peaks.max() > FAR**2 * np.median(peaks):  # as in dry whip, after a rub
+        ax.set_yscale("log")
+        ax.set_ylim(bottom=np.median(peaks) / FAR)
+    else:
+        ax.set_ylim(bottom=0.0)
     if not any(each.normal.any() for each in forces):
         say_nothing(ax, "no contact")
 

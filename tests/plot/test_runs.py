@@ -399,6 +399,20 @@ def test_of_a_system_the_contacts_that_are_touched_are_drawn_by_name():
     ]
 
 
+def test_forces_of_a_rub_are_seen_beside_those_of_dry_whip():
+    """On a linear scale up to the force of whip those of the rub before it would be a line at 0."""
+    run = simulate(Rotor(omega=2.0, zeta=0.07, delta0=2.0), start=REST, duration=200.0)
+    assert figure_of(run).axes[1].get_yscale() == "linear"
+    late = run["t"] > 190.0
+    whip = run.assign({name: run[name].where(~late, 400.0 * run[name]) for name in ("x", "y")})
+    force = figure_of(whip).axes[1]
+    assert force.get_yscale() == "log"
+    low, high = force.get_ylim()
+    rub = float(run.peak_force.max())
+    assert low < 0.1 * rub  # a tenth of the force of the rub lies in the picture
+    assert high > 1e3 * rub
+
+
 def test_a_long_run_at_one_speed_is_drawn_in_bands_and_a_short_one_as_it_is():
     bouncing = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
     long = figure_of(simulate(bouncing, start=REST, duration=200.0))
