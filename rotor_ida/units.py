@@ -155,9 +155,10 @@ NAMES = {
 }
 # Units that messages suggest.
 USUAL = (
-    *("kg", "g", "m", "mm", "um", "in", "mil", "s", "ms", "min", "N", "kN", "m/s", "mm/s", "m/s2"),
-    *("rad/s", "rpm", "Hz", "rad/s2", "rpm/s", "Hz/s", "N/m", "N/mm", "N/um", "N/m^1.5"),
-    *("N s/m", "N s/mm", "s/m", "s/mm", "kg m", "g mm", "N m", "N m s", "kg m2", "rad", "deg"),
+    *("kg", "g", "lb", "m", "mm", "um", "in", "mil", "s", "ms", "min", "N", "kN", "lbf", "m/s"),
+    *("mm/s", "m/s2", "rad/s", "rpm", "Hz", "rad/s2", "rpm/s", "Hz/s", "N/m", "N/mm", "N/um"),
+    *("lbf/in", "N/m^1.5", "N s/m", "N s/mm", "lbf s/in", "s/m", "s/mm", "kg m", "g mm", "oz in"),
+    *("N m", "N m s", "kg m2", "rad", "deg"),
 )
 _LETTERS = r"[^\W\d_]+|°"
 _FACTOR = re.compile(rf"({_LETTERS})(?:\^?(-?\d+(?:\.\d+)?))?(?:[\s.*]|-(?={_LETTERS}))*")

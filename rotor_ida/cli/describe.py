@@ -223,12 +223,12 @@ def show_run_up_summary(dataset: xr.Dataset, _most: int | None) -> Description:
     record, _ = tabled(dataset, None)
     sentence = str(dataset.attrs.get("sentence", ""))
     if "contact" not in dataset.dims:
-        return record, [sentence, facts("Run-up", lines_of(dataset, scalars_of(dataset)))]
+        return record, [sentence, facts("Summary", lines_of(dataset, scalars_of(dataset)))]
     names = [name for name in names_on(dataset, "contact") if name != "contact_node"]
     lines = [line_of(dataset, name, dataset[name].values.tolist(), 6) for name in names]
     if not dataset.sizes["contact"]:
         return record, [sentence]
-    return record, [sentence, Sheet("Run-up", lines, dataset["contact_node"].values.tolist())]
+    return record, [sentence, Sheet("Summary", lines, dataset["contact_node"].values.tolist())]
 
 
 def _speed_of(run: xr.Dataset, attributes: Record) -> list[Line]:

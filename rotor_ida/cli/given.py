@@ -152,7 +152,8 @@ def facts_of_machine(machine: DimensionalRotor) -> list[Line]:
         Line("damping ratio at the critical speed", [ratio], digits=6),
         Line("eccentricity", [eccentricity], "m"),
         Line("unbalance", [machine.mass * eccentricity], "kg m"),
-        Line("balance grade at the running speed", [eccentricity * speed], "m/s"),
+        # by its definition in mm/s, also beside inches
+        Line("balance grade at the running speed", [1e3 * eccentricity * speed], "mm/s"),
         Line("clearance", [machine.clearance], "m"),
         Line("amplitude at the critical speed without contact", [resonance], "m"),
         Line("reference frequency", [machine.reference_frequency / SPEED_UNITS["Hz"]], "Hz"),
@@ -209,8 +210,9 @@ def _of_whole(system: RotorSystem, speed: float | None) -> list[Line]:
     if speed is not None:
         lines.append(Line("speed", [abs(speed)], _si(system, "rad/s")))
         if mass:
-            lines.append(Line("balance grade at this speed", [moment / mass * abs(speed)],
-                              _si(system, "m/s"), DIGITS))  # fmt: skip
+            grade, unit = moment / mass * abs(speed), _si(system, "mm/s")
+            grade *= 1e3 if unit == "mm/s" else 1.0
+            lines.append(Line("balance grade at this speed", [grade], unit, DIGITS))
     if system.gravity is not None:
         lines.append(Line("gravity", [list(system.gravity)], _si(system, "m/s2"), DIGITS))
     if system.static_force is not None:

@@ -205,7 +205,7 @@ def pages_of(
     given = [] if found is None else sheets_of_rotor(found, speed)
     of_rotor = OF_SYSTEM if isinstance(found, RotorSystem) else OF_DISC
     return Pages(
-        title="Run-up" if verb == "run_up" else KINDS[kind].meaning.capitalize(),
+        title=_passage(dataset) if verb == "run_up" else KINDS[kind].meaning.capitalize(),
         head=head_of(dataset, files),
         summary=[str(each) for each in parts[:first]],
         answers=parts[first : first + 1],
@@ -218,6 +218,12 @@ def pages_of(
         sources=sources_of(files),
         system=system,
     )
+
+
+def _passage(run: xr.Dataset) -> str:
+    """Return what a run with a changing speed is called."""
+    first, *_, last = run["speed"].values
+    return "Run-down" if abs(last) < abs(first) else "Run-up"
 
 
 def _speed_of(dataset: xr.Dataset, rotor: Any) -> float | tuple[float, float] | None:

@@ -262,7 +262,7 @@ def quantity(name: str, words: Sequence[str], *allowed: str) -> Quantity:
     >>> quantity("mass", ["12 mm"], "kg")
     Traceback (most recent call last):
     ...
-    rotor_ida.errors.InputError: the unit of mass must be kg or g, got '12 mm'
+    rotor_ida.errors.InputError: the unit of mass must be kg, g or lb, got '12 mm'
     """
     word = words[0]
     if (name, word) == ("load", WEIGHT):  # a number once the mass is known

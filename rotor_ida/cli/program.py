@@ -92,7 +92,10 @@ NAME = re.compile(r"(?<![\w.'\"-])[a-z]\w*(?![\w.'\"(=])")
 PYTHON_NAME = re.compile(r"(?<![\w.'\"-])[a-z]\w*_\w+(?![\w.'\"(=])")
 # The beginning of a message about options that are missing.
 OF_LOAD = re.compile(r"^(load|shocks)(?= must be 0)")
-LACKING = re.compile(r"^[\w ,]+ must be given(?: with (?:\w+, )*\w+(?: and \w+)?)?(?! with --)")
+LACKING = re.compile(
+    r"^[\w ,]+ must be given(?: with (?:\w+, )*\w+(?: and \w+)?)?(?! with --)"
+    r"|(?<=^machine must also give )[\w ,]+"
+)
 # Groups whose commands compute studies.
 COMPUTING = ("Simulate", "Exact whirls", "Limit cycles", "Explore")
 DONE, BAD_INPUT, PIPE_CLOSED = 0, 2, 141

@@ -211,7 +211,7 @@ def _unit_of(dataset: xr.Dataset, name: str) -> str:
     if name == "duration" and name not in dataset.variables:
         name = "t"
     if name not in dataset.variables:
-        return "1"
+        return str(dataset.attrs.get("start_units", "1")) if name == "start" else "1"
     unit = unit_of(name, str(dataset[name].attrs.get("units", "1")))
     if unit == "s-1" and (name == "to" or name.endswith("_speed")):
         return "rad/s"

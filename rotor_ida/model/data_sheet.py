@@ -177,7 +177,7 @@ def in_si(name: str, value: object, *allowed: str) -> float:
     >>> in_si("mass", "12 um", "kg")
     Traceback (most recent call last):
     ...
-    rotor_ida.errors.InputError: the unit of mass must be kg or g, got '12 um'
+    rotor_ida.errors.InputError: the unit of mass must be kg, g or lb, got '12 um'
     """
     if not isinstance(value, str):
         return check_real(name, value)

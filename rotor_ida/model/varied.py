@@ -316,6 +316,11 @@ def _asked(
     name = verb.__name__
     needed = [each for each in PARAMETERS if each not in left_out]
     keywords = ", ".join(f"{each}=..." for each in needed)
+    if isinstance(rotor, DimensionalRotor):
+        raise InputError(
+            f"rotor must be a Rotor, got {shown(rotor)}: write {name}(machine.rotor(), ...), and "
+            "dimensional(result, machine) for SI units"
+        )
     if not isinstance(rotor, Rotor | None):
         raise InputError(
             f"rotor must be a Rotor, got {shown(rotor)}: write {name}(rotor, ...), or "

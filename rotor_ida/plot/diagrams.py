@@ -154,7 +154,7 @@ def plot_extrema(
                 rasterized=True, zorder=2.4 if words == FREE else 3.0,
             )  # fmt: skip
             draw_marks(ax, [], [], "o", colour, size=3.4, face=face, edge=0.7, label=words)
-        for gap in gaps:
+        for gap in gaps if exact is None else ():  # plot_amplitude has drawn it
             ax.plot(places, np.broadcast_to(gap, places.shape), color=palette.INK, lw=0.9,
                     ls=palette.DASHES, marker="" if places.size > 1 else "_", label="clearance",
                     zorder=2.3)  # fmt: skip

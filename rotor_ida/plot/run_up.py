@@ -266,7 +266,7 @@ def _draw_radii(ax: Axes, run: xr.Dataset, places: Sequence[Place], course: Cour
         part = (place.clearance or 1.0) if len(places) > 1 else 1.0
         values = place.radius / part
         _draw_band(
-            ax, course, place.path.time, values, _colour(number, palette.BLUE),
+            ax, course, place.path.time, values, _colour(places, number, palette.BLUE),
             _name(places, number),
         )  # fmt: skip
         if place.clearance > 0.0:
@@ -291,16 +291,21 @@ def _draw_normal_forces(ax: Axes, places: Sequence[Place], course: Course) -> No
     for number, each in enumerate(forces):
         label_axis(ax.yaxis, each.name, each.unit)
         if each.normal.any():
-            colour = _colour(number, palette.RED)
+            colour = _colour(places, number, palette.RED)
             _draw_band(ax, course, each.time, each.normal, colour, _name(places, number))
-    ax.set_ylim(bottom=0.0)
+    peaks = np.concatenate([each.normal[each.normal > 0.0] for each in forces] or [np.empty(0)])
+    if peaks.size and peaks.max() > FAR**2 * np.median(peaks):  # as in dry whip, after a rub
+        ax.set_yscale("log")
+        ax.set_ylim(bottom=np.median(peaks) / FAR)
+    else:
+        ax.set_ylim(bottom=0.0)
     if not any(each.normal.any() for each in forces):
         say_nothing(ax, "no contact")
 
 
-def _colour(number: int, alone: str) -> str:
-    """Return the colour of a place: one of its own if there are several."""
-    return alone if number == 0 else palette.look(number + 1)[0]
+def _colour(places: Sequence[Place], number: int, alone: str) -> str:
+    """Return the colour of a place: one of its own in all panels if there are several."""
+    return palette.look(number + 1)[0] if len(places) > 1 else alone
 
 
 def _name(places: Sequence[Place], number: int) -> str:

@@ -290,15 +290,20 @@ def _by_torque(
 
 
 def check_can_wait(course: Course, rotor: Rotor, backend: str) -> None:
-    """Raise `InputError` for a run-up of one disc that would take about an hour or more."""
+    """Raise `InputError` for a run-up of one disc that could take about an hour or more."""
     if course.profile.is_driven:
         _check_runaway(course, rotor.zeta, MOST_RADIANS[backend])
-    longest = MOST_RADIANS[backend] / max(course.largest_speed, 1.0)
-    if course.end > longest:
+    check_length(course.end, course.largest_speed, backend)
+
+
+def check_length(end: float, fastest: float, backend: str) -> None:
+    """Raise `InputError` for a run of one disc with too many revolutions."""
+    longest = MOST_RADIANS[backend] / max(fastest, 1.0)
+    if end > longest:
         raise InputError(
-            "the {name} of a run-up must be at most {most:g} with backend {backend!r}, which would "
-            "take an hour or more, got {value}",
-            name="duration", most=longest, backend=backend, value=course.end,
+            "the {name} of a run must be at most {most:g} with backend {backend!r}: a longer one "
+            "may take an hour or more, got {value}",
+            name="duration", most=longest, backend=backend, value=end,
         )  # fmt: skip
 
 

@@ -17,7 +17,7 @@ from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.results.in_si import takes_rotors
-from rotor_ida.simulation.course import held
+from rotor_ida.simulation.course import check_length, held
 from rotor_ida.simulation.options import (
     Backend,
     Flight,
@@ -205,4 +205,5 @@ def simulate(
     check_can_be_followed(rotor, first)
     end = check_duration("duration", duration, rotor.omega)
     options = Options(rtol=rtol, atol=atol, method=method, flight=flight, backend=backend)
+    check_length(end, rotor.omega, options.backend)
     return run_of_disc(rotor, first, end, samples, options, progress)

@@ -152,6 +152,34 @@ def test_a_data_sheet_that_is_implausible_is_warned_of(program: Program):
     assert "warning: load bends the shaft by 29.4 um, more than the clearance" in answer.out
 
 
+def test_a_data_sheet_in_inches_is_told_in_inches(program: Program):
+    """25.4 um are 1 mil, 0.45359237 kg a lb; a balance grade is in mm/s by its definition."""
+    sheet = ("--mass", "2lb", "--shaft-stiffness", "2e4lbf/in", "--damping-ratio", "3%",
+             "--clearance", "6mil", "--eccentricity", "1mil", "--speed", "100rad/s",
+             "--contact-stiffness", "5e5lbf/in", "--inch")  # fmt: skip
+    answer = program("machine", *sheet)
+    rows = {name.strip(): told.split() for name, _, told in
+            (line.partition("  ") for line in answer.out.splitlines())}  # fmt: skip
+    assert rows["clearance"] == ["6", "mil"]
+    assert rows["eccentricity"] == ["1", "mil"]
+    assert rows["unbalance"] == ["0.032", "oz", "in"]  # 2 lb by a thousandth of an inch
+    assert rows["balance grade at the running speed"] == ["2.54", "mm/s"]
+
+
+def test_a_start_is_told_with_its_units(program: Program, pump: str):
+    answer = program("run-up", "--machine", pump, "--to", "600rpm", "--in", "1s")
+    (start,) = (line for line in answer.out.splitlines() if line.startswith("start "))
+    assert start.endswith("m, m/s")
+
+
+def test_a_short_data_sheet_names_the_options_that_it_lacks(program: Program):
+    answer = program("machine", "--mass", "12kg")
+    assert answer.err.strip() == (
+        "rotor-ida: machine must also give --contact-stiffness, --clearance, --speed, --damping or "
+        "--damping-ratio, --eccentricity or --unbalance or --balance-grade"
+    )
+
+
 @pytest.mark.parametrize(
     ("text", "message"),
     [("clearence = 1e-4", "pump.toml must give quantities of a machine, got 'clearence': did you "
@@ -159,7 +187,7 @@ def test_a_data_sheet_that_is_implausible_is_warned_of(program: Program):
      ("mass = 12\nspeed = 3", "pump.toml must also give contact_stiffness, clearance, damping or "
       "damping_ratio, eccentricity or unbalance or balance_grade"),
      ("mass = ", "machine must be a TOML file, got 'pump.toml': Invalid value"),
-     ("mass = '12 um'", "pump.toml: the unit of mass must be kg or g, got '12 um'"),
+     ("mass = '12 um'", "pump.toml: the unit of mass must be kg, g or lb, got '12 um'"),
      ("mass = [1]", "pump.toml: mass must be a finite real number, got [1]"),
      ("damping = 1", "pump.toml: damping must be left out with damping_ratio: each gives the "
       "other")],

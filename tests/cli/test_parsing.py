@@ -57,8 +57,8 @@ def test_a_value_with_its_unit_is_in_si_units(word: str, unit: str, value: float
 @pytest.mark.parametrize(
     ("word", "message"),
     [
-        ("12mm", "the unit of mass must be kg or g, got '12mm'"),
-        ("12 furlongs", "the unit of mass must be kg or g, got '12 furlongs'"),
+        ("12mm", "the unit of mass must be kg, g or lb, got '12mm'"),
+        ("12 furlongs", "the unit of mass must be kg, g or lb, got '12 furlongs'"),
         ("heavy", "mass must be a finite real number, got 'heavy'"),
         ("1e999kg", "mass must be a finite real number, got inf"),
         ("1.2.3kg", "mass must be a finite real number, got '1.2.3kg'"),

@@ -143,6 +143,9 @@ def test_a_page_of_a_run_up_is_titled_so_and_tells_the_weight(program: Program):
     assert (answer.status, answer.err) == (0, "")
     page = html.unescape(Path("report/report.html").read_text("utf-8"))
     assert "<h1>Run-up</h1>" in page
+    down = up.replace("--to 600rpm", "--from 600rpm --to 0rpm")
+    program(*down.split(), "--force")
+    assert "<h1>Run-down</h1>" in html.unescape(Path("report/report.html").read_text("utf-8"))
     assert ", weight 117.7 N." in " ".join(answer.out.split())  # 12 kg
     program(*up.split(), "--load", "60N", "--force")
     assert "load 60 N" in html.unescape(Path("report/report.html").read_text("utf-8"))

@@ -200,3 +200,12 @@ def test_a_cycle_of_another_rotor_is_no_start():
         rotor_ida.limit_cycle(rotor, start=other)
     with pytest.raises(InputError, match=message):
         rotor_ida.continue_cycle(rotor, start=other, limits=(1.5, 2.5))
+
+
+def test_a_machine_where_only_a_rotor_will_do_is_told_how_to_become_one():
+    machine = rotor_ida.DimensionalRotor(
+        mass=4.0, contact_stiffness=3.2e7, damping=89.1, eccentricity=1e-5, clearance=2e-5,
+        speed=314.0,
+    )  # fmt: skip
+    with pytest.raises(InputError, match=r"write response_curve\(machine\.rotor\(\), \.\.\.\)"):
+        response_curve(machine, limits=(0.1, 1.0))

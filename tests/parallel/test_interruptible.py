@@ -31,7 +31,7 @@ parts = {"speed": rotor.omega}
 point = {"omega": 2.0, "zeta": 0.07, "delta0": 2.0, "starts": [rest]}
 calls = {
     "run": (lambda time: simulate(rotor, start=rest, duration=time), 1.0, 1e7),
-    "flight": (lambda time: simulate(drifting, start=(-1, 0, 1e-9, -1), duration=time), 1.0, 1e9),
+    "flight": (lambda time: simulate(drifting, start=(-1, 0, 1e-9, -1), duration=time), 1.0, 1e8),
     "exponents": (lambda time: lyapunov_exponent(rotor, start=rest, duration=time), 200.0, 1e6),
     "entries": (lambda n: poincare_section(rotor, start=rest, revolutions=n, at="entry"), 1, 10**6),
     "peaks": (lambda n: poincare_section(rotor, start=rest, revolutions=n, at="peak"), 1, 10**5),

@@ -169,6 +169,15 @@ def test_in_si_units_speeds_are_in_rpm():
     assert "[" in ax.get_ylabel()
 
 
+def test_the_clearance_is_drawn_once_over_an_exact_curve():
+    """A second dashed line of the colour of whirls would look like an unstable one."""
+    found = bifurcation_diagram(omega=[0.8, 1.2], zeta=0.07, delta0=0.5, starts=[REST])
+    exact = response_curve(zeta=0.07, delta0=0.5, limits=(0.8, 1.2))
+    ax = plot.plot_extrema(found, exact=exact)
+    heights = [np.asarray(line.get_ydata()) for line in ax.lines]
+    assert sum(each.size > 0 and bool((each == 0.5).all()) for each in heights) == 1
+
+
 def test_extrema_beyond_the_model_do_not_set_the_scale_and_are_told():
     """In SI units no contact is known beyond an indentation by the clearance."""
     plain = bifurcation_diagram(DISC, omega=[1.8, 2.0], starts=[REST])

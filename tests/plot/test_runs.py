@@ -384,13 +384,33 @@ def test_of_a_system_the_contacts_that_are_touched_are_drawn_by_name():
     up = run_up(system, contacts=contacts, unbalance=unbalance, speed=0.3, to=2.0, rate=0.01)
     radius, force, *orbits = figure_of(up).axes
     assert radius.get_ylabel() == "radius over clearance"
-    drawn = {each.get_label() for each in force.collections if each.get_alpha()}
-    assert drawn == {"contact 0 at near", "contact 1 at far"}
+    colours, in_radius = (
+        {each.get_label(): tuple(each.get_facecolor()[0]) for each in ax.collections
+         if each.get_alpha()}
+        for ax in (force, radius)
+    )  # fmt: skip
+    assert set(colours) == {"contact 0 at near", "contact 1 at far"}
+    assert colours == in_radius  # one legend serves both
+    assert len(set(colours.values())) == 2
     first = up.episode_contact.values[up.entry_time.values.argmin()]
     assert orbits[0].get_title().split("\n")[:2] == [
         "first touch",
         f"contact {first} at {up.contact_node.values[first]}",
     ]
+
+
+def test_forces_of_a_rub_are_seen_beside_those_of_dry_whip():
+    """On a linear scale up to the force of whip those of the rub before it would be a line at 0."""
+    run = simulate(Rotor(omega=2.0, zeta=0.07, delta0=2.0), start=REST, duration=200.0)
+    assert figure_of(run).axes[1].get_yscale() == "linear"
+    late = run["t"] > 190.0
+    whip = run.assign({name: run[name].where(~late, 400.0 * run[name]) for name in ("x", "y")})
+    force = figure_of(whip).axes[1]
+    assert force.get_yscale() == "log"
+    low, high = force.get_ylim()
+    rub = float(run.peak_force.max())
+    assert low < 0.1 * rub  # a tenth of the force of the rub lies in the picture
+    assert high > 1e3 * rub
 
 
 def test_a_long_run_at_one_speed_is_drawn_in_bands_and_a_short_one_as_it_is():

@@ -160,7 +160,7 @@ MISTAKES = [
     (SMALL + 'speed = "60 um"', "the unit of speed must be rad/s, rpm or Hz, got '60 um'"),
     (SMALL + 'gravity = "9.81 m/s2"', "gravity must be two numbers, got '9.81 m/s2'"),
     (SMALL + '[[unbalance]]\nnode = "end"\nmoment = "200 gm"',
-     "moment must be kg m or g mm, got '200 gm'; did you mean 'g m' or 'g mm'"),
+     "moment must be kg m, g mm or oz in, got '200 gm'; did you mean 'g m' or 'g mm'"),
     (SMALL.replace("[0, 1]", "[0, 0]"), "node 'disc' must have different indices along x and y"),
     (SMALL + 'gravity = [0, "-9.81 m"]', "the unit of gravity must be m/s2, got '-9.81 m'"),
     (SMALL + "modes = 2.5", "modes must be a whole number, got 2.5"),

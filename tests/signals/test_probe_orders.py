@@ -171,7 +171,13 @@ def test_bode_and_polar_of_a_probe_are_peak_to_peak_from_the_probe():
     lags = lower.lines[0].get_ydata()
     # a forward whirl is at 45 degrees an eighth of a revolution after the x axis
     np.testing.assert_allclose(np.nanmin(lags), 45.0 + np.degrees(np.arctan(0.2 * 0.127)), atol=2.0)
-    assert any("AF" in text.get_text() for text in upper.texts)
+    (named,) = (text for text in upper.texts if "AF" in text.get_text())
+    figure.canvas.draw()
+    (left, low), (right, high) = upper.transData.inverted().transform(named.get_window_extent())
+    for each in upper.lines:  # the words lie above all lines and within the axes
+        across, up = each.get_data()
+        assert not (up[(across >= left) & (across <= right)] > low).any()
+    assert high < upper.get_ylim()[1]
     assert plot_bode(signals).axes[0].get_ylabel() == "whirl amplitude, zero to peak $|c|$ [µm]"
     polar = plot_polar(signals, sense="x")
     assert polar.get_theta_offset() == pytest.approx(np.radians(45.0))

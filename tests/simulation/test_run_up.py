@@ -357,12 +357,12 @@ MISTAKES = {
     "to must be at most 1e\\+06": {"to": 2e6, "rate": 1.0},
     "the size of rate must lie from 1e-12 to": {"to": 2.0, "rate": 1e-30},
     "the time of the ramp must be below": {"to": 2.0, "rate": 1e-12},
-    "the duration of a run-up must be at most 5e\\+06 with backend 'python'": {
+    "the duration of a run must be at most 5e\\+06 with backend 'python'": {
         "to": 2.0, "rate": 1e-7, "backend": "python",
     },
-    "the duration of a run-up must be at most 1e\\+07 with backend 'python'": POWER
+    "the duration of a run must be at most 1e\\+07 with backend 'python'": POWER
     | {"duration": 2e7, "backend": "python"},
-    "the duration of a run-up must be at most 1e\\+08 with backend 'compiled'": POWER
+    "the duration of a run must be at most 1e\\+08 with backend 'compiled'": POWER
     | {"duration": 2e8},
     "inertia must be positive, got -1.0": POWER | {"inertia": -1.0},
     "torque 0 must be|torque must be a finite": POWER | {"torque": (1.0, np.nan)},
@@ -380,6 +380,11 @@ MISTAKES = {
 def test_mistakes_are_refused_in_one_line(message):
     with pytest.raises(InputError, match=message):
         run_up(PAPER, start=REST, **MISTAKES[message])
+
+
+def test_a_run_at_one_speed_that_would_not_end_is_refused():
+    with pytest.raises(InputError, match="the duration of a run must be at most 5e\\+07 with"):
+        simulate(Rotor(omega=2.0, zeta=0.07, delta0=2.0), duration=1e9)
 
 
 def test_a_torque_that_never_turns_the_rotor_is_refused():

@@ -12,7 +12,7 @@ from rotor_ida.cli.report import Report
 from rotor_ida.cli.rotor_options import of_sheet
 from rotor_ida.model.data_sheet import KEYS, check_keys, implausible
 from rotor_ida.results.sheets import Line, Parts, facts
-from rotor_ida.units import read_in
+from rotor_ida.units import UnitSystem, read_in
 
 ENDING = ".toml"
 # Entries that are taken in rad/s where they have no unit, and what such a number looks like.
@@ -22,8 +22,9 @@ NUMBER = re.compile(r"\s*[\d.]+(e[+-]?\d+)?\s*")
 
 @command("none", asks=("machine_from_data_sheet",), only=tuple(KEYS), writes=False)
 def machine(
-    case: Case, *, out: Path | None = None, as_json: bool = False, force: bool = False
-) -> Report:
+    case: Case, *, out: Path | None = None, inch: bool = False, as_json: bool = False,
+    force: bool = False,
+) -> Report:  # fmt: skip
     r"""Describe a machine by its data sheet, and write a file for the option --machine.
 
     A pump rotor balanced to G6.3, with a stator that it may touch:
@@ -59,7 +60,8 @@ def machine(
         parts.append(f"wrote {out}")
     told = dict(map(_usual, lines))
     record = {"machine": found.given, "facts": told | numbers, "warnings": warnings}
-    return Report(record=record, parts=parts, as_json=as_json)
+    system: UnitSystem = "inch" if inch else "metric"
+    return Report(record=record, parts=parts, as_json=as_json, system=system)
 
 
 def _usual(line: Line) -> tuple[str, float]:

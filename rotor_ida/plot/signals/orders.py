@@ -150,7 +150,7 @@ def plot_bode(
                 ax.plot(*_broken(speeds.values, up, breaks, part), color=colour, ls=dashes, lw=1.1,
                         marker=one.marker, ms=3.0, label=words, zorder=3.2)  # fmt: skip
         _draw_errors(upper, lower, one, angles, jumps | wraps)
-        _name_peaks(upper, one)
+        named = _name_peaks(upper, one)
         for part, _, colour, _ in legs_of(speeds.values, "") if one.direct.size else ():
             upper.plot(speeds.values[part], one.direct[part], color=colour, lw=0.7, alpha=0.6,
                        ls=(0, (1, 1)), marker=one.marker, ms=2.0, label="direct (all orders)",
@@ -163,7 +163,7 @@ def plot_bode(
         for ax in (upper, lower):
             label_axis(ax.xaxis, "speed", speeds)
             _speed_limits(ax, speeds.values)
-        upper.set_ylim(0.0, 1.06 * _highest(upper))
+        upper.set_ylim(0.0, max(1.06 * _highest(upper), 1.12 * named))
         upper.set_xlabel("")
         upper.tick_params(labelbottom=False)
         upper.set_title(one.title)
@@ -458,16 +458,25 @@ def _polar_axes(ax: Axes | None) -> Any:
     return ax
 
 
-def _name_peaks(ax: Axes, one: Track) -> None:
-    """Write the speed and the amplification factor at each peak of measured signals."""
+def _name_peaks(ax: Axes, one: Track) -> float:
+    """Write speed and amplification factor above each peak of measured signals.
+
+    Return the height of the highest of them.
+    """
+    above = 0.0
     rising = np.argsort(one.speeds.values, kind="stable")
     if one.simulated or one.units.rate is None:
-        return
+        return above
     for peak in peaks_of(one.speeds.values[rising], one.amplitude[rising], one.error[rising]):
         if peak.amplitude > HIGH * one.amplitude.max():
-            words = f"{peak.speed:,.0f} rpm\nAF {peak.amplification:.1f}"
-            ax.annotate(words, (peak.speed, peak.amplitude), xytext=(10, -2), fontsize=7.5,
-                        textcoords="offset points", va="top", zorder=3.6)  # fmt: skip
+            words = f"{peak.speed:,.0f} rpm, AF {peak.amplification:.1f}"
+            near = np.argmin(np.abs(one.speeds.values - peak.speed))
+            height = max(peak.amplitude, one.direct[near] if one.direct.size else 0.0)
+            ax.annotate(words, (peak.speed, height), xytext=(0, 4), textcoords="offset points",
+                        fontsize=7.5, ha="center", va="bottom", zorder=3.6,
+                        bbox={"fc": "white", "ec": "none", "alpha": 0.8, "pad": 1.0})  # fmt: skip
+            above = max(above, height)
+    return above
 
 
 def _words_of_polar(one: Track) -> str:
