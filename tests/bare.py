@@ -1,22 +1,28 @@
 """Whether tests pass, or are skipped by name, on a machine that has almost nothing.
 
-    python tests/bare.py
+    python tests/bare.py [--all]
 
 All tests are collected, and those of the explorer, the core and the archives run, with a PATH that
 holds Python, a shell and one C compiler only, a home in which nothing can be written (it would lie
-below a file), and in the C locale.
+below a file), and in the C locale. With --all it is the whole test command of the README. The tests
+that are skipped are counted by their reasons.
 """
 
+import argparse
 import os
+import re
 import shutil
 import subprocess
 import sys
 import tempfile
+from collections import Counter
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
 FOLDERS = ("tests/explorer", "tests/core", "tests/results")
 WORKERS = str((os.cpu_count() or 1) + 1)
+# What pytest says of tests with one reason: "SKIPPED [3] tests/core/test_libm.py:37: no gcc".
+SKIPPED = re.compile(r"SKIPPED \[(\d+)\] \S+?: (.+)")
 
 
 def programs():
@@ -28,25 +34,50 @@ def programs():
     return {"python3": sys.executable} | {name: path for name, path in found.items() if path}
 
 
-def run(environment, *words, **how):
-    """Run pytest there, and return what came of it."""
-    command = [sys.executable, "-m", "pytest", *words]
-    return subprocess.run(command, cwd=ROOT, env=environment, check=False, text=True, **how)
+def collect_with_nothing():
+    """Collect all tests where there is not even a compiler, and return whether that works."""
+    words = ["-m", "pytest", "--collect-only", "-qq", "-n", "0"]
+    nothing = {"PATH": "", "LANG": "C"}
+    ended = subprocess.run(
+        [sys.executable, *words], cwd=ROOT, env=nothing, check=False, text=True, capture_output=True
+    )
+    if ended.returncode:
+        print(ended.stdout, ended.stderr, flush=True)
+    return ended.returncode == 0
+
+
+def run(environment, words):
+    """Run a test command, say why how many tests were skipped, and return whether it passed."""
+    reasons = Counter()
+    command = [sys.executable, *words]
+    with subprocess.Popen(
+        command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, text=True
+    ) as ended:
+        for line in ended.stdout:
+            print(line, end="", flush=True)
+            if said := SKIPPED.match(line):
+                reasons[said[2]] += int(said[1])
+    print(f"Skipped on a bare machine, {reasons.total()} in all:")
+    for reason, count in reasons.most_common():
+        print(f"{count:5}  {reason}")
+    return ended.returncode == 0
 
 
 def main():
-    """Collect all tests, then run some; exit 1 if one fails."""
+    """Collect all tests, then run some, or everything; exit 1 if one fails."""
+    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
+    parser.add_argument("--all", action="store_true", help="the whole test command of the README")
+    words = ["-m", "pytest", "-n", WORKERS, "--dist", "worksteal", *FOLDERS]
+    if parser.parse_args().all:
+        words = ["tests/check.py"]
+    collected = collect_with_nothing()
     with tempfile.TemporaryDirectory() as folder:
         for name, path in programs().items():
             (Path(folder) / name).symlink_to(path)
         environment = {"PATH": folder, "HOME": f"{folder}/python3/home", "LANG": "C"}
-        environment |= {"OPENBLAS_NUM_THREADS": "1"}
-        nothing = {"PATH": "", "LANG": "C"}  # not even a compiler
-        collected = run(nothing, "--collect-only", "-qq", "-n", "0", capture_output=True)
-        if collected.returncode:
-            print(collected.stdout, collected.stderr, flush=True)
-        ended = run(environment, "-n", WORKERS, "--dist", "worksteal", "-rs", *FOLDERS)
-    return 1 if collected.returncode or ended.returncode else 0
+        environment |= {"OPENBLAS_NUM_THREADS": "1", "PYTEST_ADDOPTS": "-rs"}
+        passed = run(environment, words)
+    return 0 if collected and passed else 1
 
 
 if __name__ == "__main__":

@@ -9,6 +9,9 @@
 #pragma GCC diagnostic ignored "-Wparentheses"
 #pragma GCC diagnostic ignored "-Wsign-compare"
 #pragma GCC diagnostic ignored "-Wunused-const-variable"
+#ifndef __clang__ /* which does not know this one */
+#pragma GCC diagnostic ignored "-Wmaybe-uninitialized"
+#endif
 
 /* All levels take the way without a fused multiply-add. */
 #undef __FP_FAST_FMA

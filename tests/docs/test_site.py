@@ -50,6 +50,7 @@ def test_the_recipe_for_conda_has_the_version_and_the_bounds_of_the_project():
     project = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
     recipe = (ROOT / "recipe" / "recipe.yaml").read_text(encoding="utf-8")
     assert f'version: "{project["version"]}"' in recipe
+    assert all(f"    - {name}\n" in recipe for name in project["license-files"])
     run = recipe.partition("  run:\n")[2].partition("\ntests:")[0]
     names = {"matplotlib": "matplotlib-base", "netCDF4": "netcdf4"}
     wanted = [f"python {project['requires-python']}", *(

@@ -24,8 +24,12 @@ from rotor_ida.simulation.run import run
 
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 REST = (0.0, 0.0, 0.0, 0.0)
+needs_sundials = pytest.mark.skipif(
+    bool(sundials.why_not()), reason="scikit-sundae is not installed"
+)
 
 
+@needs_sundials
 def test_auto_is_compiled_where_it_can_be_had(monkeypatch):
     assert Options().backend == "compiled"
     assert Options(method="ida").backend == "python"
@@ -38,6 +42,7 @@ def test_auto_is_compiled_where_it_can_be_had(monkeypatch):
     assert Options(method="taylor").backend == "compiled"
 
 
+@needs_sundials
 def test_the_reference_says_that_it_integrates_flight():
     assert Options(flight="exact", backend="python").flight == "cvode"
     assert Options(method="ida").flight == "cvode"
@@ -78,6 +83,7 @@ def asked_anew():
         function.cache_clear()
 
 
+@needs_sundials
 def test_a_library_that_lacks_a_function_is_named(monkeypatch, asked_anew):
     lacking = {**sundials.FUNCTIONS, "solve": ("cvode", "CVodeOfTomorrow")}
     monkeypatch.setattr(sundials, "FUNCTIONS", lacking)
@@ -136,6 +142,7 @@ def test_without_scikit_sundae_a_system_has_taylor_series_and_cvode_says_so():
         simulate(system, **given, duration=1.0, method="adams")
 
 
+@needs_sundials
 def test_with_scikit_sundae_runs_are_by_adams():
     assert simulate(BOUNCING, start=REST, duration=1.0).attrs["method"] == "adams"
 

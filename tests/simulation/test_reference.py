@@ -9,10 +9,12 @@ from numpy.lib.recfunctions import structured_to_unstructured
 from rotor_ida import Rotor, SimulationError, simulate
 from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.run import run
-from rotor_ida.simulation.witness import integration
 from tests.test_reference_events import CASES
 from tests.test_reference_events import reference as exact_events
 
+integration = pytest.importorskip(
+    "rotor_ida.simulation.witness.integration", reason="scikit-sundae is not installed"
+)
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 REST = (0.0, 0.0, 0.0, 0.0)
 
