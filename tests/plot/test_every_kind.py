@@ -44,14 +44,14 @@ def check_complete(figure):
     for ax in figure.axes:
         if not ax.axison or ax.get_label() == "<colorbar>":
             continue
+        here = ax.get_window_extent().expanded(1.1, 1.1)
         for axis in (ax.xaxis, ax.yaxis):
-            boxes = [tick.label1.get_window_extent(renderer) for tick in axis.get_major_ticks()
-                     if tick.label1.get_visible() and tick.label1.get_text()
-                     and ax.get_window_extent().expanded(1.1, 1.1).contains(
-                         *tick.label1.get_window_extent(renderer).get_points().mean(axis=0))
-                     ]  # fmt: skip
+            labels = [tick.label1 for tick in axis.get_major_ticks()]
+            boxes = [label.get_window_extent(renderer) for label in labels
+                     if label.get_visible() and label.get_text()]  # fmt: skip
+            boxes = [box for box in boxes if here.contains(*box.get_points().mean(axis=0))]
             apart = [one.overlaps(two) for one, two in pairwise(boxes)]
-            assert not any(apart), [tick.label1.get_text() for tick in axis.get_major_ticks()]
+            assert not any(apart), [label.get_text() for label in labels]
     for legend in [*figure.legends, *(ax.get_legend() for ax in figure.axes)]:
         if legend is not None:
             words = [text.get_text() for text in legend.get_texts()]
