@@ -313,6 +313,16 @@ OF_SYSTEMS = {
 }  # fmt: skip
 
 
+# Where the fields of a rotor are given odd values: of each class that reads them, and of studies.
+READ_BY = {
+    **dict.fromkeys(("simulate", "simulate_system"), SystemParameters.__annotations__),
+    "sweep_system": SystemAxes.__annotations__,
+    "synchronous_response_system": SystemParameters.__annotations__,
+    **dict.fromkeys(("sweep", "synchronous_response", "run_ups"),
+                    ALL_PARAMETERS),
+}  # fmt: skip
+
+
 def rubbing() -> Rotor:
     rotor = Rotor(omega=1.2, zeta=0.1, delta0=1.0)
     for name, value in (("friction", 0.2), ("disc_radius", 10.0)):
@@ -378,22 +388,19 @@ def function_of(name: str) -> Callable[..., object]:
 
 
 def arguments_of(name: str) -> list[str]:
-    """Return the arguments of an entry, with the fields of a system by their names."""
+    """Return the arguments of an entry, with the fields of a rotor that it is given here.
+
+    Of some with all fields: they are read by the same code everywhere, and that each function uses
+    or refuses them is shown by `test_no_parameter_is_ignored`.
+    """
     function = OF_SYSTEMS.get(name) or inspect.unwrap(function_of(name))
-    parameters = inspect.signature(function).parameters
-    names = list(parameters)
+    names = list(inspect.signature(function).parameters)
     if name in OF_SYSTEMS:
         names[0] = "rotor"
-    if "changed" in names:
-        names.remove("changed")
-        varies = "SystemAxes" in str(parameters["changed"].annotation)
-        names += (SystemAxes if varies else SystemParameters).__annotations__
-    if "varied" in names:
-        names.remove("varied")
-        of_system = name in OF_SYSTEMS and "AnyAxes" in str(parameters["varied"].annotation)
-        known = SystemParameters if name == "synchronous_response_system" else SystemAxes
-        names += known.__annotations__ if of_system else ALL_PARAMETERS
-    return names
+    fields = [each for each in ("changed", "varied") if each in names]
+    names = [each for each in names if each not in fields]
+    more = [*READ_BY.get(name, ()), *GIVEN[name](Path())] if fields else []
+    return list(dict.fromkeys([*names, *more]))
 
 
 def odd_calls(name: str, folder: Path) -> Iterator[tuple[str, str]]:

@@ -10,6 +10,7 @@ import pytest
 
 import rotor_ida
 from rotor_ida.cli import main
+from rotor_ida.plot.appearance import SettledLayout
 
 
 @dataclass(frozen=True)
@@ -40,8 +41,9 @@ def program(
 
 @pytest.fixture(autouse=True)
 def _coarse_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Figures of few dots; `tests/plot/test_saving.py` looks at whole ones."""
+    """Draw figures of few dots and leave their axes where they are; `tests/plot` looks at them."""
     monkeypatch.setattr("rotor_ida.plot.saving._DOTS_PER_INCH", 50)
+    monkeypatch.setattr(SettledLayout, "execute", lambda *_: None)
 
 
 @pytest.fixture(scope="session")

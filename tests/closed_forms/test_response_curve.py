@@ -106,8 +106,9 @@ def assert_on_the_whirl_equation(points):
 
 def assert_agrees_with_the_whirls(points, varied, values, parameters, **tolerance):
     """The curve passes once for each whirl, close to it, and both are as stable."""
-    for value in values:
-        whirls = synchronous_response(**{varied: value}, **parameters)
+    found_at = synchronous_response(**{varied: values}, **parameters)
+    for number, value in enumerate(values):
+        whirls = found_at.isel({varied: number})
         exact, stability = (
             whirls[name].values.ravel()[np.isfinite(whirls.amplitude.values.ravel())]
             for name in ("amplitude", "stability")

@@ -13,6 +13,7 @@ from rotor_ida.paper.gallery import read_entries
 from rotor_ida.paper.reproduction import scenario_scripts
 from rotor_ida.paper.scenario import Settings
 from rotor_ida.plot import save_figure, saving
+from rotor_ida.plot.appearance import SettledLayout
 from tests.scenarios import scenario
 
 # Those with sweeps take longer, and are run by hand and by `rotor-ida reproduce`.
@@ -40,9 +41,10 @@ def test_scenario_writes_archives_and_figures_with_words(name, tmp_path, monkeyp
     if freshness.is_fresh(OF_SITE / name, origin):
         check_words(scenario(name), OF_SITE / name)
         return
-    # both formats are written below, in full
+    # both formats are written below, in full, and laid out
     monkeypatch.setattr(paper_scenario, "save_figure", partial(save_figure, formats="png"))
     monkeypatch.setattr(saving, "_DOTS_PER_INCH", 50)
+    monkeypatch.setattr(SettledLayout, "execute", lambda *_: None)
     module = run_quickly(name, tmp_path / name)
     check_words(module, tmp_path / name)
 

@@ -48,13 +48,17 @@ RUBBING = replace(ROTOR, contacts=TOUCHES, gravity=(0.0, -0.3))
 ON_AXIS = (np.zeros(4), np.zeros(4))
 
 
+BY_SCIPY = [[PchipInterpolator(SPEEDS, table[name]) for name in ("stiffness", "damping")]
+            for table in TABLES]  # fmt: skip
+
+
 def coefficients(speed):
     """Return the matrices of both bearings at a speed, by SciPy."""
     found = [np.zeros((4, 4)), np.zeros((4, 4))]
-    for place, table in enumerate(TABLES):
+    for place, tables in enumerate(BY_SCIPY):
         here = slice(2 * place, 2 * place + 2)
-        for matrix, name in zip(found, ("stiffness", "damping"), strict=True):
-            matrix[here, here] = PchipInterpolator(SPEEDS, table[name])(speed)
+        for matrix, table in zip(found, tables, strict=True):
+            matrix[here, here] = table(speed)
     return found
 
 

@@ -4,8 +4,11 @@ import json
 import os
 import subprocess
 import sys
+from concurrent.futures import ProcessPoolExecutor
 from functools import cache
 from itertools import count
+from multiprocessing import get_context
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -32,6 +35,7 @@ from rotor_ida import (
 )
 from rotor_ida.cycles import continue_cycle as continue_cycle_module
 from rotor_ida.errors import InputError
+from rotor_ida.parallel import pools
 from rotor_ida.results.studies import status
 from rotor_ida.results.studies.design import refuse_another
 from rotor_ida.results.studies.store import FILE, PIECES, _read, _write
@@ -173,10 +177,18 @@ def test_it_goes_on_to_the_same_bits(kind, tmp_path, monkeypatch):
     assert_same(resume(tmp_path), whole.copy())
 
 
+@pytest.fixture(scope="module")
+def processes():
+    """Return two processes for the jobs of all kinds, as each takes seconds to import all."""
+    with ProcessPoolExecutor(2, mp_context=get_context("spawn")) as pool:
+        yield SimpleNamespace(submit=pool.submit, shutdown=lambda **_: None)
+
+
 @pytest.mark.parametrize("executor", ["threads", "processes"])
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if "branch" not in kind])
-def test_whoever_does_the_work_finds_the_same_bits(kind, executor):
+def test_whoever_does_the_work_finds_the_same_bits(kind, executor, processes, monkeypatch):
     """And by one thread alone: `whole_of` takes what suits the number of jobs."""
+    monkeypatch.setattr(pools, "ProcessPoolExecutor", lambda *_, **__: processes)
     xr.testing.assert_identical(KINDS[kind](executor=executor, workers=2), whole_of(kind))
 
 
