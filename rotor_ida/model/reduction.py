@@ -30,8 +30,9 @@ FREE = 1e-12
 STILL = 1e-9
 # Directions that add less than this part to the others are left out.
 DEPENDENT = 1e-8
-# A product of modes by the stiffness below this part of the largest is rounding.
-ROUNDED = 1e-13
+# A product of modes by the stiffness below this part of the largest, of sizes of its terms, is
+# rounding.
+ROUNDED = 1e-14
 
 
 def reduced_system(
@@ -138,8 +139,9 @@ def in_basis(system: RotorSystem, basis: Values) -> RotorSystem:
     stiffness = small(system.stiffness)
     assert stiffness is not None
     # what is left is the diagonal where modes alone are kept, and the core makes use of that
-    rounding = ROUNDED * (np.abs(basis).T @ np.abs(system.stiffness) @ np.abs(basis))
-    stiffness[(np.abs(stiffness) <= rounding) & ~np.eye(len(stiffness), dtype=bool)] = 0.0
+    summed = np.abs(basis).T @ np.abs(system.stiffness) @ np.abs(basis)
+    hidden = np.abs(stiffness) <= ROUNDED * summed.max(initial=0.0)
+    stiffness[hidden & ~np.eye(len(stiffness), dtype=bool)] = 0.0
     gyroscopic = small(system.gyroscopic)
     if gyroscopic is not None:
         gyroscopic = 0.5 * (gyroscopic - gyroscopic.T)
