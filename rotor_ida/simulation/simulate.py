@@ -205,5 +205,6 @@ def simulate(
     check_can_be_followed(rotor, first)
     end = check_duration("duration", duration, rotor.omega)
     options = Options(rtol=rtol, atol=atol, method=method, flight=flight, backend=backend)
-    check_length(end, rotor.omega, options.backend)
+    if rotor.omega != 0.0:  # which drives it: else it may fly for ever in one step
+        check_length(end, rotor.omega, options.backend)
     return run_of_disc(rotor, first, end, samples, options, progress)
