@@ -311,8 +311,10 @@ def _shares(response: Response) -> dict[str, Column]:
         for low, high in ((problem.low, problem.high), (response.speeds[0], problem.trip))
     )  # fmt: skip
     part = scales[:, np.newaxis] / problem.diameters
-    touches = [[response.reached(case, place, size / scales[case], problem.trip)
-                for place, size in enumerate(problem.diameters)]
+    with np.errstate(divide="ignore"):  # without unbalance it never touches
+        sizes = problem.diameters / scales[:, np.newaxis]
+    touches = [[response.reached(case, place, size, problem.trip)
+                for place, size in enumerate(sizes[case])]
                for case in range(len(response.axes))]  # fmt: skip
     shares = running[..., 1] * part
     worst = shares.max(axis=0)
