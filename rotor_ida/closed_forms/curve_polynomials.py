@@ -392,7 +392,7 @@ def _speeds_at(root: Root, first: Equation, second: Equation) -> tuple[Fraction,
 
 def _solves(w: Fraction, coefficients: list[Fraction]) -> bool:
     terms = [each * w**power for power, each in enumerate(coefficients)]
-    return abs(sum(terms)) <= _SOLVES * sum(map(abs, terms))
+    return abs(sum(terms, Fraction(0))) <= _SOLVES * sum(map(abs, terms), Fraction(0))
 
 
 def _vanishes(polynomial: Polynomial) -> bool:
