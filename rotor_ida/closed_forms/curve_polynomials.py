@@ -51,13 +51,15 @@ from rotor_ida.closed_forms.exact_polynomials import (
     Polynomial,
     Root,
     constant,
-    positive_roots,
+    isolated_roots,
 )
 from rotor_ida.closed_forms.restoring_law import RestoringLaw
 from rotor_ida.closed_forms.rotor_columns import RotorColumns
 
 # Coefficients by powers of the speed, the lowest first.
 Equation = tuple[Polynomial, ...]
+# What is left of an equation at a root of it, relative to its largest terms.
+_SOLVES = Fraction(1, 10**15)
 
 
 class Fold(NamedTuple):
@@ -232,7 +234,7 @@ def exact_tips(equations: CurveEquations) -> list[Tip]:
     law = equations.law
     begin = Fraction(max(1.0 - law.delta0, 0.0))
     begin = Fraction(math.sqrt(begin)) if law.hertz else begin
-    roots = [root.narrowed(FINER[0])[0] for root in positive_roots(discriminant)]
+    roots = [root.narrowed(FINER[0])[0] for root in isolated_roots(discriminant)]
     roots = [root for root in roots if root > begin]
     if not roots:
         return []
@@ -357,10 +359,9 @@ def _crossings(first: Equation, second: Equation) -> list[tuple[Fraction, Fracti
     if even:  # in the square of the speed: otherwise every root would be double
         first, second = first[::2], second[::2]
     found = []
-    for root in positive_roots(_resultant(first, second)):
-        place, w = _resolved(root, first, second)
-        if w is not None and w > 0:
-            found.append((place, _square_root(w) if even else w))
+    for root in isolated_roots(_resultant(first, second)):
+        place, speeds = _speeds_at(root, first, second)
+        found += [(place, _square_root(w) if even else w) for w in speeds if w > 0]
     return found
 
 
@@ -371,16 +372,27 @@ def _square_root(value: Fraction) -> Fraction:
     return Fraction(math.isqrt(value.numerator * below << 2 * places), below << places)
 
 
-def _resolved(root: Root, first: Equation, second: Equation) -> tuple[Fraction, Fraction | None]:
-    """Return a sufficiently narrowed root, and the common root of both equations there."""
+def _speeds_at(root: Root, first: Equation, second: Equation) -> tuple[Fraction, list[Fraction]]:
+    """Return a sufficiently narrowed root, and the roots that both equations have there.
+
+    Nearly always it is one, the limit of Euclid's algorithm from both sides. Several have no such
+    limit, or a false one: then the roots of the first that also solve the second are taken.
+    """
     for power in FINER:
-        ends = root.narrowed(power)
-        low, high = (
-            _common([each(end) for each in first], [each(end) for each in second]) for end in ends
-        )
-        if low is not None and high is not None and abs(low - high) <= SAME * abs(high):
-            return ends[0], low
-    return ends[0], None
+        low, high = root.narrowed(power)
+        one, two = [each(low) for each in first], [each(low) for each in second]
+        w, other = _common(one, two), _common([each(high) for each in first],
+                                              [each(high) for each in second])  # fmt: skip
+        if (w is not None and other is not None and abs(w - other) <= SAME * abs(other)
+                and _solves(w, one) and _solves(w, two)):  # fmt: skip
+            return low, [w]
+    speeds = [each.narrowed(FINER[2])[0] for each in isolated_roots(Polynomial(tuple(one)))]
+    return low, [w for w in speeds if _solves(w, two)]
+
+
+def _solves(w: Fraction, coefficients: list[Fraction]) -> bool:
+    terms = [each * w**power for power, each in enumerate(coefficients)]
+    return abs(sum(terms, Fraction(0))) <= _SOLVES * sum(map(abs, terms), Fraction(0))
 
 
 def _vanishes(polynomial: Polynomial) -> bool:

@@ -1,8 +1,8 @@
 """Polynomials with rational coefficients, and their positive roots in exact arithmetic.
 
 Parameters are doubles, so all sums and products of them are fractions. The roots of a polynomial
-are isolated by Descartes' rule of signs: none is lost or invented [1]_, except two that nearly
-coincide.
+are isolated by Descartes' rule of signs: none is lost or invented [1]_. The rule separates roots
+however near they are, but not those that coincide, so multiple roots are made simple first.
 
 References
 ----------
@@ -18,8 +18,8 @@ from fractions import Fraction
 from functools import reduce
 from itertools import accumulate, pairwise
 
-# Two roots closer than this power of two, relative to the largest possible root, cannot be
-# distinguished from none.
+# Two roots closer than this power of two, relative to the largest possible root, probably coincide:
+# then the polynomial is divided by its multiple factors, which would take long for every one.
 _DEEPEST = 400
 # Roots are narrowed to these relative powers of two, one after the other, until the result is the
 # same at both ends: a whirl near amplitude 1 may have nearly any speed.
@@ -99,12 +99,12 @@ class Root:
         return low, high
 
 
-def positive_roots(polynomial: Polynomial) -> list[Root]:
-    """Return the positive roots of odd order, each isolated.
+def isolated_roots(polynomial: Polynomial) -> list[Root]:
+    """Return the positive roots, each isolated, and once if it is multiple.
 
     Examples
     --------
-    >>> found = positive_roots(Polynomial((Fraction(6), Fraction(-5), Fraction(1))))
+    >>> found = isolated_roots(Polynomial((Fraction(6), Fraction(-5), Fraction(1))))
     >>> [float(root.narrowed(60)[0]) for root in found]
     [2.0, 3.0]
     """
@@ -116,8 +116,41 @@ def positive_roots(polynomial: Polynomial) -> list[Root]:
         whole.pop(0)
     if len(whole) < 2:
         return []
-    power = _bound(whole)
-    return [Root(tuple(whole), low, high) for low, high in _isolated(whole, power)]
+    if (intervals := _isolated(whole, _DEEPEST)) is None:
+        whole = _with_simple_roots(whole)
+        intervals = _isolated(whole, None) or []
+    return [Root(tuple(whole), low, high) for low, high in intervals]
+
+
+def _with_simple_roots(whole: list[int]) -> list[int]:
+    """Return a polynomial with the same roots, none multiple: it over its divisor with its slope.
+
+    The divisor is found by Euclid's algorithm with whole numbers.
+    """
+    one, two = whole, [place * each for place, each in enumerate(whole)][1:]
+    while len(two) > 1:
+        one, two = two, _divided(one, two)[1]
+    if two:
+        return whole
+    quotient = _divided(whole, one)[0]
+    common = math.gcd(*quotient)
+    return [each // common for each in quotient]
+
+
+def _divided(one: list[int], two: list[int]) -> tuple[list[int], list[int]]:
+    """Return quotient and remainder up to a factor each, the remainder without common divisors."""
+    rest, quotient = list(one), [0] * (len(one) - len(two) + 1)
+    for shift in range(len(quotient) - 1, -1, -1):
+        part = rest[shift + len(two) - 1]
+        quotient = [each * two[-1] for each in quotient]
+        quotient[shift] = part
+        rest = [each * two[-1] for each in rest]
+        for place, each in enumerate(two):
+            rest[shift + place] -= part * each
+    while rest and rest[-1] == 0:
+        rest.pop()
+    common = math.gcd(*rest) or 1
+    return quotient, [each // common for each in rest]
 
 
 def _bound(whole: list[int]) -> int:
@@ -131,12 +164,13 @@ def _bound(whole: list[int]) -> int:
     return 1 + max(powers)
 
 
-def _isolated(whole: list[int], power: int) -> list[tuple[Fraction, Fraction]]:
+def _isolated(whole: list[int], deepest: int | None) -> list[tuple[Fraction, Fraction]] | None:
     """Return intervals of positive numbers that contain one root each, by Descartes' rule.
 
-    A root on the boundary of two of them is a separate interval of zero width.
+    A root on the boundary of two of them is a separate interval of zero width. The answer is None
+    if roots are not apart after `deepest` halvings.
     """
-    degree, width = len(whole) - 1, Fraction(2) ** power
+    degree, width = len(whole) - 1, Fraction(2) ** _bound(whole)
     scaled = [each * width**place for place, each in enumerate(whole)]
     below = math.lcm(*(each.denominator for each in scaled))
     found = []
@@ -148,8 +182,10 @@ def _isolated(whole: list[int], power: int) -> list[tuple[Fraction, Fraction]]:
         low = width * number / 2**depth
         if count == 1:
             found.append((low, low + width / 2**depth))
-        if count < 2 or depth == _DEEPEST:
+        if count < 2:
             continue
+        if depth == deepest:
+            return None
         left = [each << (degree - place) for place, each in enumerate(here)]
         right = _shifted(left)
         if right[0] == 0:

@@ -156,7 +156,7 @@ def _reach(law: RestoringLaw, least: float) -> tuple[float, float]:
 def _meeting_points(law: RestoringLaw) -> Values:
     """Return the u > 0 where the two sides meet: ``A**2 W = 4 g``."""
     A, force, W = law.polynomials()
-    return positive_roots(A * A * W - 8.0 * force)
+    return approximate_roots(A * A * W - 8.0 * force)
 
 
 def undamped_roots(law: RestoringLaw) -> Values:
@@ -164,12 +164,12 @@ def undamped_roots(law: RestoringLaw) -> Values:
     if not law.hertz:
         return np.empty(0)
     A, force, W = law.polynomials()
-    found = positive_roots((A - 1.0) * W - 2.0 * force)
+    found = approximate_roots((A - 1.0) * W - 2.0 * force)
     return found[law.delta0 + found * found > 1.0]
 
 
-def positive_roots(polynomial: np.poly1d) -> Values:
-    """Return the positive roots, each once."""
+def approximate_roots(polynomial: np.poly1d) -> Values:
+    """Return the positive roots in floating point, each once; nearly real ones count as real."""
     roots = np.asarray(polynomial.roots, dtype=np.complex128)
     points = roots.real[(np.abs(roots.imag) < _REAL * np.abs(roots)) & (roots.real > 0.0)]
     derivative = polynomial.deriv()
@@ -206,6 +206,11 @@ def folds_on_side(locus: LocusSide, zeta: Values) -> list[list[Fold]]:
     law, side = locus.law, locus.side
     damping = 4.0 * zeta * zeta
     above = locus.damping > damping[:, None]
+    # In a linear contact the locus begins at the first touch with a damping above 0. Where that is
+    # the given one to rounding, the first touch is no fold.
+    same = np.abs(locus.damping - damping[:, None]) <= _ROUNDING * damping[:, None]
+    begun = np.logical_or.accumulate(~same, axis=1)
+    above = np.where(begun, above, np.take_along_axis(above, begun.argmax(axis=1)[:, None], axis=1))
     exists = np.isfinite(locus.damping[:-1] + locus.damping[1:])
     row, node = np.nonzero((above[:, :-1] != above[:, 1:]) & exists)
     bounds, falling = (locus.u[node], locus.u[node + 1]), above[row, node]

@@ -1,13 +1,18 @@
 """Folds, at which a synchronous whirl vanishes, the whirls to jump to there, and the cusp.
 
-Which lists are complete: with friction, and in a linear contact of clearance 1 without a shaft, the
-folds are all roots of a polynomial, isolated in exact arithmetic (`exact_folds`), so none can be
-missed but two that nearly coincide. All others without friction come from a dense search along the
-locus of `fold_locus`: it misses none in any comparison with another method, but that is not a
-proof. Without damping (`undamped_folds`) they are the roots of a polynomial that NumPy finds in
-floating point. The cusp is the largest damping that a dense search along a locus finds: of
-`fold_locus`, or with friction of `cusp_with_friction`. Folds of rotor systems are those met as the
-branches of `rotor_ida.closed_forms.whirls.special_speeds` are followed.
+Whether a list of folds is complete depends on the method, which `_folds_by_damping` chooses:
+
+- With friction, and in a linear contact of clearance 1 without a shaft, it is complete. The folds
+  are the roots of a polynomial, isolated in exact arithmetic (`exact_folds`): however near two of
+  them are, neither is missed, and two that coincide are listed once.
+- All others with damping come from a dense search along a curve (`fold_locus`, `folds_on_side`).
+  It misses none in any comparison with another method, but that is not a proof.
+- Without damping there is one polynomial, whose roots NumPy finds in floating point
+  (`undamped_folds`).
+
+The cusp is the largest damping that a dense search along a locus finds: of `fold_locus`, or with
+friction of `cusp_with_friction`. Folds of rotor systems are those met as the branches of
+`rotor_ida.closed_forms.whirls.special_speeds` are followed.
 """
 
 from __future__ import annotations
@@ -80,7 +85,7 @@ def folds(
     ------
     InputError
         If a value is not a finite real number that is 0 or from 1e-20 to 1e6; if an exponent is
-        neither 1.5 nor 1; if there is contact damping or friction without clearance.
+        neither 1.5 nor 1; if there is contact damping or friction without clearance, or a load.
 
     Notes
     -----
@@ -94,11 +99,10 @@ def folds(
 
     The first touch of a branch, at A = delta0, is not a fold. The locus of `fold_locus` also
     applies with a shaft or a linear contact. A linear contact has folds only with clearance and
-    damping, or with friction. With friction the folds are roots of a polynomial in
-    ``u = sqrt(A - delta0)``, isolated in exact arithmetic: see `curve_polynomials`. So the list is
-    complete with friction, but for two folds so near to each other that they count as none (see
-    `exact_polynomials`); without, it is the result of a search that is tested, not proven (see
-    `fold_locus`).
+    damping, or with friction. With friction, and in a linear contact of clearance 1 without a
+    shaft, the list is complete: the folds are roots of a polynomial in ``u = sqrt(A - delta0)``,
+    isolated in exact arithmetic (see `curve_polynomials`). All others come from a search that is
+    tested, not proven (see `fold_locus`).
 
     References
     ----------

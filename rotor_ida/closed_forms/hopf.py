@@ -49,15 +49,15 @@ def hopf_points(
     ------
     InputError
         If a value is not a finite real number that is 0 or from 1e-20 to 1e6; if an exponent is
-        neither 1.5 nor 1; if there is contact damping or friction without clearance.
+        neither 1.5 nor 1; if there is contact damping or friction without clearance, or a load.
 
     Notes
     -----
     At a Hopf point a pair of `eigenvalues` crosses the imaginary axis. A limit cycle in full
     contact is born with the period ``2 pi/hopf_frequency``; `limit_cycle` and `continue_cycle` show
     whether it is stable. Hopf points occur only with contact damping or friction, and never
-    without any damping. They are the roots of a polynomial, isolated in exact arithmetic: all are
-    found except pairs that nearly coincide.
+    without any damping. They are the roots of a polynomial, isolated in exact arithmetic: none is
+    missed, and two that coincide are listed once.
 
     References
     ----------

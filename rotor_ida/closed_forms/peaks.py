@@ -14,7 +14,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_nonnegative, check_positive
 from rotor_ida.closed_forms.contacting_whirls import root_between
 from rotor_ida.closed_forms.curve_polynomials import CurveEquations, Tip, exact_tips, flanks
-from rotor_ida.closed_forms.fold_locus import positive_roots
+from rotor_ida.closed_forms.fold_locus import approximate_roots
 from rotor_ida.closed_forms.restoring_law import RestoringLaw, force
 from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
 from rotor_ida.model.contact import HERTZ_EXPONENT
@@ -290,7 +290,7 @@ def _extrema_between_flanks(law: RestoringLaw) -> Values:
     A, g, _ = law.polynomials()
     slope = np.poly1d([1.5, 0.0] if law.hertz else [1.0]) + law.shaft_stiffness
     lead = A * slope - 2.0 * g
-    return np.sort(positive_roots(lead * lead * (A * A - 1.0) - A * A * g * g))
+    return np.sort(approximate_roots(lead * lead * (A * A - 1.0) - A * A * g * g))
 
 
 def peaks(rotor: Rotor | None = None, **varied: Unpack[Parameters]) -> xr.Dataset:

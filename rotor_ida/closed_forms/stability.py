@@ -15,7 +15,7 @@ from rotor_ida.checks import LARGEST_NUMBER, check_array, check_axis
 from rotor_ida.closed_forms.restoring_law import force, stiffnesses
 from rotor_ida.closed_forms.rotor_columns import RotorColumns
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import check_clearance_needed, check_exponent
+from rotor_ida.model.parameters import NEED_CLEARANCE, check_clearance_needed, check_exponent
 
 
 def stability_determinant(
@@ -182,8 +182,9 @@ def _checked(given: dict[str, npt.ArrayLike]) -> tuple[Values, RotorColumns]:
     for exponent in np.unique(rotors.contact_exponent).tolist():
         check_exponent(exponent)
     if (rotors.delta0 == 0.0).any():
-        needing = ("friction", "contact_damping")
-        check_clearance_needed({name: float(arrays[name].max(initial=0.0)) for name in needing})
+        check_clearance_needed(
+            {name: float(arrays[name].max(initial=0.0)) for name in NEED_CLEARANCE}
+        )
     return A, rotors
 
 

@@ -51,12 +51,12 @@ from rotor_ida.simulation.flow import DiscFlow, Flow
 from rotor_ida.simulation.starts import Start
 from rotor_ida.simulation.systems.flow import SystemFlow
 
-Parameter = Literal[
+Continued = Literal[
     "omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "load", "friction",
     "disc_radius", "speed", "damping", "clearance", "stiffness", "unbalance",
 ]  # fmt: skip
 Direction = Literal["both", "forward", "backward"]
-OF_DISC = tuple(each for each in get_args(Parameter) if each in OF_ROTOR)
+OF_DISC = tuple(each for each in get_args(Continued) if each in OF_ROTOR)
 OF_SYSTEM = (SPEED, *PARAMETERS_OF_SYSTEM)
 WAYS: dict[str, tuple[int, ...]] = {"both": (0, 1), "forward": (0,), "backward": (1,)}
 # Number of points in each piece that a study stores.
@@ -92,7 +92,7 @@ def continue_cycle(
     rotor: Rotor | DimensionalRotor | RotorSystem,
     *,
     start: Start = None,
-    parameter: Parameter = "omega",
+    parameter: Continued = "omega",
     limits: tuple[float, float],
     direction: Direction = "both",
     points: int = 2000,

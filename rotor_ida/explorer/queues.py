@@ -15,7 +15,7 @@ from typing import NamedTuple
 
 from rotor_ida.explorer.messages import FILES, Answer, Asked, packed
 from rotor_ida.explorer.workers import (
-    FIRST_MACHINE,
+    FIRST_BEYOND,
     LENGTH,
     SHOWN_BY,
     Order,
@@ -200,7 +200,7 @@ class Queue:
     async def _make_ready(self, worker: _Worker) -> None:
         """Have the process answer once, so that its imports are done."""
         for about in set(self.plan.abouts).intersection(SHOWN_BY):
-            for beyond in ({}, FIRST_MACHINE):
+            for beyond in ({}, FIRST_BEYOND):
                 number = next(self._numbers)
                 await worker.follow((number, example(about, **beyond)))
                 worker.tell((number, "drop"))

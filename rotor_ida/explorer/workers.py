@@ -32,9 +32,9 @@ from rotor_ida.explorer.messages import (
 # Orders about a numbered answer: compute its first part, continue, or cancel it.
 Order = tuple[int, Asked | Literal["next", "drop"]]
 
-# Rotor of the warm-up question, before a page may connect, and further parameters of a machine.
+# Rotor of the warm-up question, before a page may connect, and parameters beyond the paper's.
 FIRST_ROTOR = {"omega": 2.0, "zeta": 0.07, "delta0": 2.0}
-FIRST_MACHINE = {"shaft_stiffness": 0.25, "contact_exponent": 1.0, "contact_damping": 0.5}
+FIRST_BEYOND = {"shaft_stiffness": 0.25, "contact_exponent": 1.0, "contact_damping": 0.5}
 # Modules with the function ``show_...`` for each question about a rotor.
 SHOWN_BY = {
     "motion": "motion", "lines": "motion", "run_up": "run_ups", "track": "run_ups",

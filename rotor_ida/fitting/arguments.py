@@ -30,7 +30,7 @@ from rotor_ida.fitting.trials import Beginning, Trials, Unknown, body_of
 from rotor_ida.model.parameters import OF_MACHINE, OF_ROTOR
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem
-from rotor_ida.model.scales import scale_of
+from rotor_ida.model.scales import unit_scale
 from rotor_ida.model.system_parameters import FITTED_OF_SYSTEM, parameter_of
 from rotor_ida.schema.flags import ENTRY, EXIT
 from rotor_ida.signals.record import lacks_mark
@@ -208,7 +208,7 @@ def _with_size(unknown: Unknown, machine: AnyRotor, records: list[Measured]) -> 
     if unknown.role in POSITIVE and unknown.guess > 0.0:
         return replace(unknown, size=unknown.guess)
     if isinstance(machine, DimensionalRotor):
-        return replace(unknown, size=scale_of(machine, unknown.unit))
+        return replace(unknown, size=unit_scale(machine, unknown.unit))
     if isinstance(machine, Rotor):
         return unknown
     size = max(each.largest for each in records)

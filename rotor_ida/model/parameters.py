@@ -1,8 +1,8 @@
 """The table of parameters: the meaning, symbols, units, default and range of each.
 
 Checks, coordinates, options of the command line, labels and the tables of the documentation are
-made from it. CONTRIBUTING.md ("A parameter") lists what a new one needs besides its row: a field of
-each rotor and of `Parameters`, and its place in the forces.
+made from it. A new parameter also needs a field of each rotor and of `Parameters`, its place in the
+forces, and a place in some lists that say what it can do: CONTRIBUTING.md ("A parameter") has all.
 """
 
 from __future__ import annotations
@@ -53,7 +53,8 @@ class Parameter:
     sets_scales : bool
         Whether the scales of a machine depend on it, so that it cannot be an axis of machines.
     smallest, largest : float
-        Smallest nonzero value and largest value of a rotor that can be simulated [dimensionless].
+        Smallest nonzero value and largest value of a rotor that can be simulated [dimensionless],
+        as `check_can_be_followed` of `rotor_ida.simulation.options` asks. Closed forms take more.
     """
 
     name: str
@@ -69,9 +70,9 @@ class Parameter:
     default: float | None = 0.0
     positive: bool = False
     sets_scales: bool = False
-    # Smaller values are lost in rounding, and a smaller clearance is crossed in no time;
+    # Smaller values are lost in rounding, and a smaller clearance is crossed in no time. With
+    # larger ones the tolerances lose their meaning.
     smallest: float = 1e-12
-    # with larger ones the tolerances lose their meaning.
     largest: float = 1e6
 
     @property
@@ -236,6 +237,8 @@ class Parameters(TypedDict, total=False):
     disc_radius: npt.ArrayLike | None
 
 
+# Those that must be 0 where the clearance is.
+NEED_CLEARANCE = ("friction", "contact_damping")
 # Those that have a meaning without friction too.
 FRICTIONLESS = {
     name: value
@@ -275,7 +278,7 @@ def check_together(values: dict[str, float | None], clearance: float) -> None:
 
 def check_clearance_needed(largest: dict[str, float | None]) -> None:
     """Raise `InputError` for contact damping or friction where there is no clearance."""
-    for name in ("friction", "contact_damping"):
+    for name in NEED_CLEARANCE:
         value = largest[name]
         if value:
             raise InputError(

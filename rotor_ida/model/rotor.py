@@ -221,13 +221,13 @@ class DimensionalRotor:
     contact_stiffness : float
         Stiffness of the contact, k [N/m^n]: N/m^1.5 by Hertz, N/m for a linear spring.
     damping : float
-        Viscous damping coefficient [N s/m], which the paper writes n.
+        Viscous damping coefficient, 2 m zeta omega_0 [N s/m]. (The paper writes n for it.)
     eccentricity : float
         Distance of the mass centre from the disc centre, D [m].
     clearance : float
-        Radial clearance, d [m].
+        Radial clearance, Delta [m].
     speed : float
-        Spin speed, W [rad/s].
+        Spin speed, Omega [rad/s].
     shaft_stiffness : float
         Stiffness of the shaft at the disc, k_s [N/m].
     contact_exponent : {1.5, 1.0}

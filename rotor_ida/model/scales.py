@@ -61,7 +61,7 @@ def unit_of_parameter(name: str) -> str:
     return OF_MACHINE[IS_OF_MACHINE.get(name, name)].unit
 
 
-def scale_of(machine: DimensionalRotor, unit: str) -> float:
+def unit_scale(machine: DimensionalRotor, unit: str) -> float:
     """Return the value of a dimensionless 1 of a machine in an SI unit; 1 where it has no unit."""
     rate, velocity = machine.reference_frequency, machine.velocity_scale
     return {
@@ -78,7 +78,7 @@ def without_units(machine: DimensionalRotor, unit: str, values: Values) -> Value
     with np.errstate(over="ignore"):  # what is infinite then is refused
         if unit == "s m-1":
             return values * machine.velocity_scale
-        return values / scale_of(machine, unit)
+        return values / unit_scale(machine, unit)
 
 
 def unit_of(name: str, place: int = 0) -> str | None:

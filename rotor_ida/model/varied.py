@@ -26,6 +26,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import (
     ALL_PARAMETERS,
     DEFAULTS,
+    NEED_CLEARANCE,
     PARAMETERS,
     Parameters,
     check_clearance_needed,
@@ -247,8 +248,7 @@ def varied_of(
     for exponent in varied.values("contact_exponent").tolist():
         check_exponent(exponent)
     if "delta0" in found and (found["delta0"] == 0.0).any():
-        needing = ("friction", "contact_damping")
-        check_clearance_needed({name: float(varied.values(name).max()) for name in needing})
+        check_clearance_needed({name: float(varied.values(name).max()) for name in NEED_CLEARANCE})
     return varied
 
 

@@ -2,16 +2,14 @@
 
 `figure_of` draws the figure of any result. Each function ``plot_...`` draws one thing, of one disc
 and of rotor systems alike; of a system a node or a contact is chosen by name or number. The
-functions read labelled datasets only, so an archive can be plotted without a solver. They show
-nothing. One that draws a single picture draws on `ax`, by default that of a new figure, and returns
-these axes; one that draws several returns their figure, whose ``axes`` they are. All raise
+functions read labelled datasets only, and no simulation runs: an archive can be plotted without a
+solver. They show nothing. A function with the keyword `ax` draws a single picture there, by default
+on that of a new figure, and returns these axes; one without draws several and returns their figure,
+whose ``axes`` they are. (`cycle_figure`, `cycles_figure` and `fit_figure` do so too.) All raise
 `rotor_ida.InputError` for data that they cannot draw: a Dataset that lacks a variable or has
 several values of a parameter that must have one, axes of another kind, or other units.
 
-A new plot is a function ``plot_...`` in the module of its question, exported here and drawn in
-``tests/plot/pictures.py``. `rotor_ida.results.dataset_kinds` names it if it is the figure of a kind
-of result: then `figure_of` draws it, of a rotor system with a panel for each node or contact if it
-takes one of these. `rotor_ida.cli.commands.plot` names it if the command offers it.
+CONTRIBUTING.md ("A plot") lists what a new one needs.
 """
 
 import os

@@ -1,4 +1,9 @@
-"""Choose the figure of each kind of dataset; sweeps and whirls include the exact curve."""
+"""The figure of each kind of result: sweeps and whirls include the exact curve.
+
+`figure_of` draws any result by the function that its row in `rotor_ida.results.dataset_kinds` names
+as `drawn`: a public plot, or one of the ``draw_...`` below, which choose or join plots by what a
+dataset has. Some of these compute exact results of the same rotor to draw beside it.
+"""
 
 from __future__ import annotations
 
@@ -106,6 +111,7 @@ def figure_of(dataset: xr.Dataset, *, node: str | None = None) -> Figure:
         got = f"{kind!r}{why_not(dataset)}"
         raise InputError(f"figure must be of one of the kinds {able}, got {got}")
     draw = loaded(drawn)
+    # A function with `ax` and `contact` or `node` draws one contact or node: it gets a panel each.
     takes = inspect.signature(draw).parameters
     of_system = not is_of_disc(dataset)
     if node is not None and "node" not in takes:
@@ -119,13 +125,13 @@ def figure_of(dataset: xr.Dataset, *, node: str | None = None) -> Figure:
     return made if isinstance(made, Figure) else cast(Figure, made.figure)
 
 
-def figure_of_run(run: xr.Dataset, *, node: str | None = None) -> Figure:
+def draw_run(run: xr.Dataset, *, node: str | None = None) -> Figure:
     """Return the figure of a run: over the speed if that changes, in bands if it is long."""
     as_bands = node is None and has_many_turns(run)
     return plot_run_up(run) if as_bands else plot_run(run, node=node)
 
 
-def figure_of_responses(dataset: xr.Dataset) -> Figure:
+def draw_responses(dataset: xr.Dataset) -> Figure:
     """Return the figure of whirls and settled responses over the exact whirls.
 
     There is a panel for each rotor and contact, over the speed or another parameter that varies.
@@ -235,7 +241,7 @@ def _clear_whirl(response: xr.Dataset) -> xr.Dataset:
     })  # fmt: skip
 
 
-def figure_of_diagram(dataset: xr.Dataset) -> Axes:
+def draw_diagram(dataset: xr.Dataset) -> Axes:
     """Draw a bifurcation diagram of one disc over one parameter; over speeds on the exact curve."""
     varied = varied_in(dataset)
     check_one_varies([IS_OF_MACHINE.get(each, each) if "length_scale" in dataset.attrs else each
@@ -252,13 +258,13 @@ def figure_of_diagram(dataset: xr.Dataset) -> Axes:
     return ax
 
 
-def figure_of_signals(dataset: xr.Dataset) -> Figure:
+def draw_signals(dataset: xr.Dataset) -> Figure:
     """Return the figure of signals: a Bode plot while the speed changes, else the orbit."""
-    of_run_up = plot_of_signals(dataset) == "bode"
+    of_run_up = plot_suiting(dataset) == "bode"
     return plot_bode(dataset) if of_run_up else cast(Figure, plot_orbit(dataset).figure)
 
 
-def plot_of_signals(dataset: xr.Dataset) -> str:
+def plot_suiting(dataset: xr.Dataset) -> str:
     """Return which plot suits signals: ``bode`` while the speed changes, else ``orbit``."""
     return "bode" if _is_run_up(record_of(dataset)) else "orbit"
 
@@ -273,19 +279,19 @@ def _is_run_up(record: Record) -> bool:
     return bool(np.ptp(speeds) > WANDERS * speeds.max())
 
 
-def figure_of_atlas(dataset: xr.Dataset) -> Axes:
+def draw_atlas(dataset: xr.Dataset) -> Axes:
     """Draw an atlas: fractions over one parameter, or a map over two."""
     one = len(varied_in(dataset)) == 1
     return plot_attractors(dataset) if one else plot_attractor_map(dataset)
 
 
-def figure_of_fractions(dataset: xr.Dataset) -> Axes:
+def draw_fractions(dataset: xr.Dataset) -> Axes:
     """Draw basin fractions: by attractor, or over the speed by kind."""
     several = "omega" in dataset.variables and dataset["omega"].size > 1
     return plot_basin_fractions(dataset) if several else plot_attractor_fractions(dataset)
 
 
-def figure_of_curve(dataset: xr.Dataset) -> Axes:
+def draw_curve(dataset: xr.Dataset) -> Axes:
     """Draw a bifurcation curve, beside the folds of the whirl."""
     return plot_curves(dataset, fold_points=_whirls_beside(dataset))
 

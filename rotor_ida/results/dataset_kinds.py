@@ -5,8 +5,9 @@ archives of bifurcation curves it names the bifurcation.) Older archives are rec
 variables and dimensions.
 
 Functions are named here as ``module:name`` and imported when needed, so this module depends on
-none of those that compute and draw. CONTRIBUTING.md ("A kind of result") lists what a new kind
-needs besides a row here.
+none of those that compute and draw. The function that builds a dataset gives the name of its kind
+to `labelled_dataset`. CONTRIBUTING.md ("A kind of result") lists what a new kind needs besides a
+row here.
 """
 
 from __future__ import annotations
@@ -41,13 +42,16 @@ class Kind:
         Variables of every result of the kind, with their dimensions in brackets; without brackets
         they have some of `dims`, parameters and components. Those with a question mark may be
         missing.
-        Archives without a stated kind are recognised by these; a kind without any is not.
+        Datasets without a stated kind, or without a part of it, are recognised by these (see
+        `kind_of`); a kind without any is not.
     dims : str
         Dimensions of every result of the kind.
     shown : str
-        Function of the dataset and a number of rows that returns its record and its tables.
+        Place, as ``module:name``, of a function of the dataset and a number of rows that returns
+        its record and its tables, or of such an object, as ``FOLDS``.
     drawn : str
-        Function of the dataset that returns its figure, or axes in it; empty if there is none.
+        Place of a function of the dataset that returns its figure, or axes in it (see
+        `rotor_ida.plot.figures.figure_of`); empty if there is none.
     """
 
     name: str
@@ -95,7 +99,7 @@ _FILLED = frozenset(
     (*PARAMETERS, "t", "speed", "start", "direction", "rate", "phase", "window", "order", "point",
      "frequency")
 )  # fmt: skip
-_RESPONSES = "rotor_ida.plot.figures:figure_of_responses"
+_RESPONSES = "rotor_ida.plot.figures:draw_responses"
 _SHOWN = "rotor_ida.cli.describe"
 _SIGNALS = "rotor_ida.cli.describe_signals"
 _SYSTEM_WHIRLS = "rotor_ida.cli.describe_whirls"
@@ -142,7 +146,7 @@ KINDS = {
         Kind(name="system_run", meaning="run of a rotor system", variables=_SYSTEM_RUN,
              dims="t node contact event episode coordinate",
              shown="rotor_ida.cli.describe_systems:show_system_run",
-             drawn=f"{_DRAWN}:figure_of_run"),
+             drawn=f"{_DRAWN}:draw_run"),
         Kind(name="system_sweep", meaning="sweep of a rotor system",
              variables="response touched node_amplitude radius_max largest_force clearance "
              "contact_clearance? contact_node(contact)", dims="speed start direction contact node",
@@ -169,7 +173,7 @@ KINDS = {
         Kind(name="system_curve", meaning="bifurcation curve of a rotor system",
              variables="special_second_value(special) " + _BRANCH_OF_SYSTEM,
              dims="point contact special component", shown=f"{_SHOWN}:show_curve",
-             drawn=f"{_DRAWN}:figure_of_curve"),
+             drawn=f"{_DRAWN}:draw_curve"),
         Kind(name="system_branch", meaning="branch of limit cycles of a rotor system",
              variables=_BRANCH_OF_SYSTEM, dims="point contact special component",
              shown=f"{_SHOWN}:show_branch", drawn="rotor_ida.plot:plot_branch"),
@@ -202,11 +206,11 @@ KINDS = {
              shown=f"{_SHOWN}_basins:show_attractors", drawn="rotor_ida.plot:plot_basin"),
         Kind(name="basin_fractions", meaning="basin fractions", variables="response_fraction",
              dims="response", shown=f"{_SHOWN}_basins:show_attractors",
-             drawn=f"{_DRAWN}:figure_of_fractions"),
+             drawn=f"{_DRAWN}:draw_fractions"),
         Kind(name="atlas", meaning="atlas",
              variables="missed_fraction() undecided_fraction kind fraction radius_max",
              dims="omega zeta delta0 attractor", shown=f"{_SHOWN}_basins:show_atlas",
-             drawn=f"{_DRAWN}:figure_of_atlas"),
+             drawn=f"{_DRAWN}:draw_atlas"),
         Kind(name="touchdown", meaning="report on touching",
              variables="missed_fraction excursion(attractor) kind(attractor) "
              "velocity_shock(attractor target)? displacement_shock(attractor target)?",
@@ -214,14 +218,14 @@ KINDS = {
         Kind(name="system_atlas", meaning="atlas of a rotor system",
              variables="missed_fraction() undecided_fraction kind fraction " + _OF_CONTACTS,
              dims="speed attractor contact", shown=f"{_SHOWN}_basins:show_atlas",
-             drawn=f"{_DRAWN}:figure_of_atlas"),
+             drawn=f"{_DRAWN}:draw_atlas"),
         Kind(name="system_touchdown", meaning="report on touching of a rotor system",
              variables="missed_fraction excursion(attractor contact) kind(attractor) " + _CONTACTS,
              dims="attractor contact", shown=f"{_SHOWN}_basins:show_touchdown"),
         Kind(name="bifurcation_diagram", meaning="bifurcation diagram",
              variables="extremum_radius(extremum) response " + _STARTS,
              dims="omega zeta delta0 start", shown=f"{_SHOWN}:show_sweep",
-             drawn=f"{_DRAWN}:figure_of_diagram"),
+             drawn=f"{_DRAWN}:draw_diagram"),
         Kind(name="stroboscopic_diagram", meaning="stroboscopic diagram",
              variables=_STATES + "response " + _STARTS, dims="omega zeta delta0 start crossing",
              shown=f"{_SHOWN}:show_sweep", drawn="rotor_ida.plot:plot_strobes"),
@@ -235,7 +239,7 @@ KINDS = {
         Kind(name="run", meaning="run",
              variables="event_time(event) t(t)? speed(t)? entry_time(contact)? "
              "peak_indentation(contact)? peak_force(contact)? heat(contact)?", dims="t",
-             shown=f"{_SHOWN}:show_run", drawn=f"{_DRAWN}:figure_of_run"),
+             shown=f"{_SHOWN}:show_run", drawn=f"{_DRAWN}:draw_run"),
         Kind(name="whirls", meaning="exact whirls", variables="amplitude omega zeta delta0",
              dims="branch", shown=f"{_SHOWN}_whirls:show_whirls", drawn=_RESPONSES),
         Kind(name="folds", meaning="folds", variables="fold_omega zeta delta0", dims="fold",
@@ -247,7 +251,7 @@ KINDS = {
              drawn="rotor_ida.plot:plot_backward_whirl"),
         Kind(name="curve", meaning="bifurcation curve",
              variables="special_second_value(special) " + _BRANCH, dims="point special",
-             shown=f"{_SHOWN}:show_curve", drawn=f"{_DRAWN}:figure_of_curve"),
+             shown=f"{_SHOWN}:show_curve", drawn=f"{_DRAWN}:draw_curve"),
         Kind(name="fit", meaning="fit",
              variables="estimate(unknown) covariance forward_amplitude_error(window order)?",
              dims="unknown unknown_too window", shown=f"{_SHOWN}:show_fit",
@@ -287,7 +291,7 @@ KINDS = {
         Kind(name="spectral_lines", meaning="lines of the spectrum", variables="window_residual",
              dims="line", shown=f"{_SIGNALS}:SPECTRAL_LINES"),
         Kind(name="signals", meaning="signals", variables="x(t) y(t) t(t) angle(t)?", dims="t",
-             shown=f"{_SIGNALS}:show_signals", drawn=f"{_DRAWN}:figure_of_signals"),
+             shown=f"{_SIGNALS}:show_signals", drawn=f"{_DRAWN}:draw_signals"),
         Kind(name="late_jumps", meaning="late jumps", shown=f"{_SHOWN}_whirls:FOLDS",
              drawn=_RESPONSES),
         Kind(name="run_up_summary", meaning="summary of a run-up", variables="smallest_gap ending",

@@ -33,9 +33,9 @@ from rotor_ida.model.scales import (
     IS_OF_MACHINE,
     UNITS_OF_ARGUMENTS,
     errors_in_units,
-    scale_of,
     unit_of,
     unit_of_parameter,
+    unit_scale,
     without_units,
 )
 from rotor_ida.results.machine_file import load_machine, save_machine
@@ -298,7 +298,7 @@ def in_si(error: Failure, machine: DimensionalRotor) -> Failure:
     def amount(field: str, name: str, place: int, value: float) -> float:
         unit = unit_of(field, place) or unit_of(name, place)
         has_scale = unit is not None and unit != "kg"
-        return Amount(value * scale_of(machine, unit), unit) if unit and has_scale else value
+        return Amount(value * unit_scale(machine, unit), unit) if unit and has_scale else value
 
     return error.with_numbers(amount, IS_OF_MACHINE)
 

@@ -13,8 +13,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, OF_MACHINE
 from rotor_ida.model.rotor import DimensionalRotor
 from rotor_ida.model.rotor_system import RotorSystem
-from rotor_ida.model.scales import IS_OF_MACHINE, UNITS_OF_ARGUMENTS, unit_of_parameter
-from rotor_ida.model.scales import scale_of as scale_in
+from rotor_ida.model.scales import IS_OF_MACHINE, UNITS_OF_ARGUMENTS, unit_of_parameter, unit_scale
 from rotor_ida.schema import QUANTITIES, check_variables
 from rotor_ida.schema.quantities import OTHER_UNITS, SPECIAL_VALUES, UNITS
 from rotor_ida.units import PREFIXES, SPEED_UNITS, read_in
@@ -186,13 +185,13 @@ def rescaled(dataset: xr.Dataset, machine: DimensionalRotor) -> xr.Dataset:
     moved = dimensionless(dimensional(plain, own).assign_attrs(scales))
     for name in [each for each in ALL_PARAMETERS if each in plain.variables]:
         unit = unit_of_parameter(name)
-        factor = scale_in(own, unit) / scale_in(machine, unit)
+        factor = unit_scale(own, unit) / unit_scale(machine, unit)
         moved = moved.assign({name: plain.variables[name].copy(data=plain[name].data * factor)})
     return moved
 
 
-def complete(dataset: xr.Dataset) -> None:
-    """Give SI units to the attributes of an archived result that were dimensionless in old ones."""
+def add_missing_units(dataset: xr.Dataset) -> None:
+    """Give attributes of an older archive in SI units theirs: they were dimensionless there."""
     try:
         machine = machine_of(dataset)
         if machine is None:
@@ -311,7 +310,7 @@ def si_of(dataset: xr.Dataset, name: str) -> tuple[str, float] | None:
         return None
     shown_unit = {"rad s-1": "rpm", "rad s-2": "rpm/s"}.get(unit) or OF_MACHINE[own].shown_unit
     in_one = SPEED_UNITS["rpm"] if unit.startswith("rad") else 1.0
-    return f"{own} [{shown_unit}]".replace("_", " "), scale_in(machine, unit) / in_one
+    return f"{own} [{shown_unit}]".replace("_", " "), unit_scale(machine, unit) / in_one
 
 
 def scale_of(dataset: xr.Dataset, kind: str) -> float:
@@ -380,7 +379,7 @@ def _attributes_in_si(
     found: dict[str, object] = {}
     for name, each in {**UNITS_OF_ARGUMENTS, "limits": ends}.items():
         if each and name in dataset.attrs and np.asarray(dataset.attrs[name]).dtype.kind == "f":
-            pairs = [chosen.get(si) or (scale_in(machine, si), si) for si in each]
+            pairs = [chosen.get(si) or (unit_scale(machine, si), si) for si in each]
             given = np.asarray(dataset.attrs[name])
             values = np.reshape(given, (-1, len(pairs))) * [factor for factor, _ in pairs]
             found[name] = values.ravel() if given.ndim else values.item()

@@ -16,7 +16,7 @@ import xarray as xr
 from rotor_ida.checks import check_instance, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, OF_MACHINE
-from rotor_ida.model.scales import IS_OF_MACHINE, scale_of
+from rotor_ida.model.scales import IS_OF_MACHINE, unit_scale
 from rotor_ida.results.archived_system import NAMES, NEEDED
 from rotor_ida.results.files import already_there, check_target, file_to_write
 from rotor_ida.results.si_units import machine_of
@@ -217,7 +217,7 @@ def _in_si(dataset: xr.Dataset) -> xr.Dataset:
         own = IS_OF_MACHINE.get(name, name)
         unit = OF_MACHINE[own].unit
         if unit != "1" and (own == name or own not in dataset.variables):
-            value = dataset[name].variable * scale_of(machine, unit)
+            value = dataset[name].variable * unit_scale(machine, unit)
             found[own] = xr.Variable(value.dims, value.values, {"units": unit})
     return dataset.assign_coords(found)
 

@@ -1,6 +1,7 @@
 """How a result of each kind is compared with one computed again: `VERIFIED`.
 
-The table says what a result must have, and what of it another processor does not repeat.
+A row says what a result must have, and what of it another processor does not repeat. How much
+numbers may differ is in `rotor_ida.schema.quantities` (`TOLERANCE_OF_KIND`).
 """
 
 from __future__ import annotations
@@ -20,8 +21,8 @@ from rotor_ida.results.archived_system import NEEDED, PROBLEM
 from rotor_ida.results.dataset_kinds import kind_of
 from rotor_ida.schema import RESPONSE
 from rotor_ida.schema.tolerances import TOLERANCE, TOLERANCE_OF_KIND
-from rotor_ida.verification.questions import SOLVER, STARTS
 from rotor_ida.verification.variables import OF_ONE_STRETCH, PERIODIC
+from rotor_ida.verification.without_question import SOLVER, STARTS
 
 Reasons = Mapping[str, str]
 HOW = (*SOLVER, "flight")

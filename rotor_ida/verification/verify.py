@@ -17,13 +17,13 @@ from rotor_ida.signals.path import rotating
 from rotor_ida.simulation.options import Method
 from rotor_ida.texts import printable
 from rotor_ida.verification.comparison_rules import VERIFIED, Verification
-from rotor_ida.verification.questions import read_question
 from rotor_ida.verification.variables import (
     NOT_BY_METHOD,
     compare_attributes,
     compare_variables,
     missing_in,
 )
+from rotor_ida.verification.without_question import read_question
 
 # Relative differences allowed for another method, whose extrema may be those of its samples.
 TOLERANCE_OF_OTHERS = 1e-4

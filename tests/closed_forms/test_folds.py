@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import warnings
+from fractions import Fraction
 
 import mpmath
 import numpy as np
@@ -20,6 +21,8 @@ from rotor_ida.closed_forms import (
     synchronous_response,
     touch_speeds,
 )
+from rotor_ida.closed_forms.curve_polynomials import CurveEquations, exact_folds
+from rotor_ida.closed_forms.restoring_law import RestoringLaw
 from rotor_ida.errors import InputError
 from rotor_ida.schema import STABILITY
 from tests.closed_forms.scanning import scanned
@@ -127,6 +130,37 @@ def linear_cubic(zeta, delta0, kappa) -> list:
         if amplitude > d:
             found.append((mpmath.sqrt(q), amplitude))
     return sorted(found)
+
+
+@pytest.mark.parametrize("friction", [0.0, 0.02])
+def test_two_folds_of_the_same_amplitude_are_both_found(friction):
+    """Folds of a linear contact at ``A = 1/delta0`` if ``4 zeta**2 = 1 - delta0**2``.
+
+    Both speeds are then one double root of the polynomial in the amplitude.
+    """
+    zeta, delta0 = Fraction(5, 26), Fraction(12, 13)
+    law = RestoringLaw(delta0, contact_exponent=1.0, friction=friction)
+    found = exact_folds(CurveEquations(zeta, law))
+    expected = linear_cubic(5 / mpmath.mpf(26), 12 / mpmath.mpf(13), 0.0)[:2]  # then first touch
+    if friction == 0.0:
+        assert [amplitude for _, amplitude in found] == [13 / 12, 13 / 12]
+    else:  # a little friction neither adds nor removes folds, but moves them apart
+        assert found[0].amplitude != found[1].amplitude
+    assert len(found) == 2
+    for fold, (omega, amplitude) in zip(found, expected, strict=True):
+        assert abs(fold.omega / omega - 1) < (3 * friction or ROUNDING)
+        assert abs(fold.amplitude / amplitude - 1) < (3 * friction or ROUNDING)
+
+
+@pytest.mark.parametrize(("zeta", "delta0"), [(0.14, 0.96), (0.3, 0.8), (0.4, 0.6), (0.48, 0.28)])
+def test_the_first_touch_is_no_fold(zeta, delta0):
+    """With ``4 zeta**2 = 1 - delta0**2`` the locus of a linear contact begins at this damping."""
+    expected = [pair for pair in linear_cubic(zeta, delta0, 0.0) if pair[1] > delta0 * (1 + 1e-12)]
+    found = found_at(zeta, delta0, 0.0, 1.0)
+    assert len(found) == len(expected)
+    for (omega, amplitude), (speed, size) in zip(found, expected, strict=True):
+        assert abs(omega / speed - 1) < ROUNDING
+        assert abs(amplitude / size - 1) < ROUNDING
 
 
 @pytest.mark.parametrize("delta0", [0.05, 0.5, 0.9, 1.1, 1.5, 8.0])

@@ -11,7 +11,7 @@ import pytest
 
 from rotor_ida import Rotor, hopf_points, synchronous_response
 from rotor_ida.closed_forms import cusp_zeta, eigenvalues, jumps, peaks
-from rotor_ida.closed_forms.exact_polynomials import Polynomial, positive_roots
+from rotor_ida.closed_forms.exact_polynomials import Polynomial, isolated_roots
 from rotor_ida.model.equations import rotating_field, rotating_jacobian
 from tests.closed_forms.scanning import scanned
 
@@ -128,9 +128,21 @@ def test_roots_are_isolated_in_exact_arithmetic():
     product = Polynomial((tiny * tiny + 1, Fraction(-2), Fraction(1)))  # (x - 1)^2 + 1e-24
     for root in roots:
         product = product * Polynomial((-root, Fraction(1)))
-    found = [root.narrowed(70)[0] for root in positive_roots(product)]
+    found = [root.narrowed(70)[0] for root in isolated_roots(product)]
     assert [abs(one - two) < tiny / 10**6 for one, two in zip(found, roots[:3], strict=True)]
     assert all(abs(one - two) <= two / 2**60 for one, two in zip(found, roots[:3], strict=True))
+
+
+def test_a_multiple_root_is_found_once():
+    """Orders 3, 2 and 2, the last at a place where an interval is halved, beside simple roots."""
+    roots = (Fraction(1, 3),) * 3 + (Fraction(2, 7),) * 2 + (Fraction(1, 2),) * 2 + (Fraction(5),)
+    product = Polynomial((Fraction(1), Fraction(0), Fraction(1)))  # no real root
+    for root in (*roots, Fraction(-3), Fraction(0)):
+        product = product * Polynomial((-root, Fraction(1)))
+    found = [root.narrowed(70)[0] for root in isolated_roots(product)]
+    assert len(found) == 4
+    pairs = zip(found, sorted(set(roots)), strict=True)
+    assert all(abs(one - two) <= two / 2**60 for one, two in pairs)
 
 
 def hurwitz(A, omega, machine):

@@ -183,11 +183,11 @@ def _named_after(file: Path, kind: str | None, output: Output) -> Output:
 
 def _kind_suiting(dataset: xr.Dataset) -> str:
     """Return the kind of the default figure: of signals that of the plot, else of the dataset."""
-    from rotor_ida.plot.figures import plot_of_signals  # noqa: PLC0415 - only who draws needs it
+    from rotor_ida.plot.figures import plot_suiting  # noqa: PLC0415 - only who draws needs it
     from rotor_ida.results.dataset_kinds import kind_of  # noqa: PLC0415
 
     kind = kind_of(dataset)
-    return plot_of_signals(dataset) if kind == "signals" else kind
+    return plot_suiting(dataset) if kind == "signals" else kind
 
 
 def _kind_with_nodes(dataset: xr.Dataset) -> KindOfPlot | None:

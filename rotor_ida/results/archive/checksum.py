@@ -22,7 +22,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.results.archive.content import COMMAND, NUMERIC, OF_THE_FILE
+from rotor_ida.results.archive.content import NOT_IN_CHECKSUM, NUMERIC
 
 CHUNK = 2**20  # bytes that HDF5 compresses together
 BLOCK = 32 * 2**20  # bytes read or computed at a time; with its copies some 64 to 100 MiB
@@ -30,9 +30,6 @@ BLOCK = 32 * 2**20  # bytes read or computed at a time; with its copies some 64 
 Array = npt.NDArray[np.generic]
 Index = tuple[slice | EllipsisType, ...]
 Look = Callable[[str, Index, Array], None]
-
-# Attributes on who saved the content and when; equal results have equal checksums.
-_NOT_CONTENT = {*OF_THE_FILE, COMMAND}
 
 _SEAL = re.compile(rb"\nrotor_ida seal 1: sha256 of the bytes before is ([0-9a-f]{64})\n")
 _SEAL_LENGTH = len("\nrotor_ida seal 1: sha256 of the bytes before is \n") + 64
@@ -57,7 +54,7 @@ def content_sha256(dataset: xr.Dataset, look: Look | None = None) -> str:
     number's value is the hexadecimal of its little-endian bytes. A variable is ``["variable",
     name, whether it is a coordinate, dims, shape, dtype]``, its data, then its attributes: the data
     are the little-endian bytes in C order, or for strings one line of JSON, a list. The attributes
-    ``content_sha256``, ``history``, ``date_created`` and ``command`` of the dataset are left out.
+    of `NOT_IN_CHECKSUM` are left out.
     Compression and the order of variables do not matter.
 
     Examples
@@ -69,7 +66,7 @@ def content_sha256(dataset: xr.Dataset, look: Look | None = None) -> str:
     False
     """
     digest = hashlib.sha256()
-    told = {name: value for name, value in dataset.attrs.items() if name not in _NOT_CONTENT}
+    told = {name: value for name, value in dataset.attrs.items() if name not in NOT_IN_CHECKSUM}
     _add_attributes(digest, told)
     for name in sorted(str(name) for name in dataset.variables):
         variable = dataset.variables[name]

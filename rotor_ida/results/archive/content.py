@@ -1,7 +1,8 @@
-"""The form in which a dataset is stored: its names and attributes for CF.
+"""What is in an archive: which names, types and attributes a dataset may have, and gets for CF.
 
-Which variables a result has is in `rotor_ida.results.dataset_kinds`. How the file is protected, by
-a checksum of the content and a seal of all bytes, is in `checksum`; `writing` makes it whole or not
+`archived_form` says all of it: it checks a dataset and adds the attributes of the format. Which
+variables a result has is in `rotor_ida.results.dataset_kinds`. How the file is protected, by a
+checksum of the content and a seal of all bytes, is in `checksum`; `writing` makes it whole or not
 at all, and `reading` refuses what is damaged, altered or too large. `hdf5` looks for links and
 parts in other files.
 
@@ -30,10 +31,12 @@ VERSION = "rotor_ida_version"
 CHECKSUM = "content_sha256"
 HISTORY = "history"
 CREATED = "date_created"
-COMMAND = "command"
 
 # Attributes that are new in each saved file.
 OF_THE_FILE = frozenset([CHECKSUM, HISTORY, CREATED])
+# What the checksum leaves out: who saved the content, how and when. So equal results have equal
+# checksums. The command is that of the computation, and stays when the content is saved again.
+NOT_IN_CHECKSUM = OF_THE_FILE | {"command"}
 
 # The attribute of a label with the name of its coordinate.
 LABEL_OF = "label_of"

@@ -21,7 +21,7 @@ from rotor_ida.results.archive.checksum import content_sha256, seal_of
 from rotor_ida.results.archive.content import CHECKSUM, FORMAT, FORMAT_NUMBER, LABEL_OF, NUMERIC
 from rotor_ida.results.archive.hdf5 import LOCK, what_is_not_own
 from rotor_ida.results.files import check_path
-from rotor_ida.results.si_units import complete
+from rotor_ida.results.si_units import add_missing_units
 from rotor_ida.schema import RESULT_KIND, with_flags_of_now
 
 if TYPE_CHECKING:
@@ -47,8 +47,8 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
     Returns
     -------
     xr.Dataset
-        The dataset that was saved, with the six global attributes that `save` adds. Flags that an
-        earlier version numbered otherwise have their numbers of now.
+        The dataset that was saved, with the six global attributes that `save` adds. Units,
+        names and flags that an earlier version wrote otherwise are those of this version.
 
     Raises
     ------
@@ -91,7 +91,8 @@ def open_archive(path: str | os.PathLike[str], *, check: bool = True) -> xr.Data
     path : path-like
         The file. It stays open until the dataset is closed; do not change it until then.
     check : bool
-        Whether to read it once, block by block, and verify its checksums.
+        Whether to read it once, block by block, and verify the seal and the checksum of the
+        content. If not, the file must still have a seal.
 
     Returns
     -------
@@ -167,15 +168,15 @@ def _load(source: Path) -> xr.Dataset:
     with LOCK:
         dataset = _read(source, lambda _, stored: _values(stored, source), in_memory=True)
     _check_content(dataset, source)
-    complete(dataset)
-    return with_flags_of_now(_with_names_of_now(dataset))
+    return _as_of_now(dataset)
 
 
-def _with_names_of_now(dataset: xr.Dataset) -> xr.Dataset:
-    """Return an old branch of a rotor system, which is over the speed, with the names of now."""
-    if dataset.attrs.get(RESULT_KIND) != "system_branch" or "special_speed" not in dataset:
-        return dataset
-    return dataset.rename(special_speed="special_value").assign_attrs(parameter="speed")
+def _as_of_now(dataset: xr.Dataset) -> xr.Dataset:
+    """Return what an earlier version saved, with the units, names and flags of this version."""
+    add_missing_units(dataset)
+    if dataset.attrs.get(RESULT_KIND) == "system_branch" and "special_speed" in dataset:
+        dataset = dataset.rename(special_speed="special_value").assign_attrs(parameter="speed")
+    return with_flags_of_now(dataset)
 
 
 def _open(source: Path, *, check: bool) -> xr.Dataset:
@@ -186,8 +187,7 @@ def _open(source: Path, *, check: bool) -> xr.Dataset:
             dataset = _read(source, lambda name, _: _unread(stored.variables[name], source))
         if check:
             _check_content(dataset, source)
-        complete(dataset)
-        found = with_flags_of_now(_with_names_of_now(dataset))
+        found = _as_of_now(dataset)
     except BaseException:
         stored.close()
         raise
