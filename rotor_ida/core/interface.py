@@ -19,7 +19,7 @@ from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.spinning import OF_DRIVE
 
-# How a call ended; the flags of SUNDIALS are negative.
+# How a call ended, as `enum status` of core.h explains; the flags of SUNDIALS are negative.
 DONE = 0
 NOT_FINITE, NO_ROOT, STUCK, STOPPED, FULL, NO_SOLVER, FULL_INSIDE, UNBALANCED = range(1001, 1009)
 STALLED, RUNAWAY, SINGULAR, OUT_OF_STEPS, UNBOUNDED, OUT_OF_TABLE = range(1009, 1015)
