@@ -9,7 +9,7 @@ With the indentation ``d = r - delta0 > 0``, the radial velocity d' and the slip
   forwards, as the rotor turns it, and -1 if backwards (`drag_of`);
 - a disc that rolls (v_s = 0) is held by the force that keeps v_s at 0, as long as that is no larger
   than ``mu N``: `hold_of_rolling` in `rotor_ida.model.forces`, `grip_and_hold` in
-  `rotor_ida.model.modes`, and for the contacts of rotor systems `rotor_ida.model.element`.
+  `rotor_ida.model.rates`, and for the contacts of rotor systems `rotor_ida.model.element`.
 
 The first section states the law by ``q = sqrt(d)``, in which it is analytic through q = 0. It is
 what the core integrates: `rotor_ida.model.writing` runs these functions over symbols and writes

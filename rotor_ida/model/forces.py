@@ -3,8 +3,8 @@
 The equations of motion have them once, in `accelerations`, by components along any two directions:
 the same lines serve on fixed axes, on the rotating ones and in the polar basis of a contact. What
 is not an equation of motion has them again: flight in closed form, the energy check, the energy
-that a contact loses (`spent_rate` in `rotor_ida.model.modes`) and the closed forms. CONTRIBUTING.md
-lists these places ("A force"). Besides its parameters `rotor` has switches, 1 or 0:
+that a contact loses (`spent_rate` in `rotor_ida.model.drawn_rates`) and the closed forms.
+CONTRIBUTING.md lists these places ("A force"). Besides its parameters `rotor` has switches, 1 or 0:
 `hertz` or `linear` for the law of contact, `loose` where contact damping leaves no force, and
 `felt` where there is contact at all.
 
