@@ -135,7 +135,7 @@ class MissingFileError(InputError, FileNotFoundError):
 
 
 class SimulationError(RotorError, RuntimeError):
-    """An integration that failed, with time and state of the failure.
+    """An integration that failed, with the time and, of one disc, the state of the failure.
 
     Parameters
     ----------
@@ -145,7 +145,7 @@ class SimulationError(RotorError, RuntimeError):
         Time of the last good state, in the units of the rotor; NaN where a worker process died
         with it.
     state : tuple of float
-        The state ``(x, y, vx, vy)`` at that time.
+        The state ``(x, y, vx, vy)`` at that time; NaN for a rotor system.
     """
 
     def __init__(
@@ -159,8 +159,11 @@ class SimulationError(RotorError, RuntimeError):
         if math.isnan(time):
             super().__init__(message)
             return
-        place = " (at t = {time:.17g}, state (x, y, vx, vy) = {state:.17g})"
         plain = message.replace("{", "{{").replace("}", "}}")
+        if math.isnan(state[0]):
+            super().__init__(plain + " (at t = {time:.17g})", time=time)
+            return
+        place = " (at t = {time:.17g}, state (x, y, vx, vy) = {state:.17g})"
         super().__init__(plain + place, time=time, state=tuple(state))
 
     @property

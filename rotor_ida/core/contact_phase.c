@@ -1,5 +1,7 @@
-/* A contact, in variables that are smooth through entry and exit: where a step ends, and the events
- * that were hidden inside it. */
+/* A contact, in variables that are smooth through entry and exit: where a step ends, which may be
+ * at an exit (`end_of_step`) or where a guard has ended its mode (`ends_by_change`). It then goes
+ * on in another mode (`change_mode`: release, press and events of friction) or with the next piece
+ * of a speed that changes (`change_piece`). */
 #include "events.h"
 
 /* Internal steps without progress in time after which a contact counts as stuck. */
@@ -48,7 +50,7 @@ static int change_piece(struct run *run, struct motion *motion, double *start, c
     take_drive(motion, &run->rotor);
     reached[CONTACT_SPEED] = run->rotor.omega;
     if (motion->mode == &rolling_mode) {
-        settle_friction(motion, reached);
+        decide_friction(motion, reached);
         if (motion->mode == &rub_mode && run->event_room > 0) {
             if (run->events + EVENTS_A_CONTACT > run->event_room)
                 return FULL_INSIDE;
@@ -166,7 +168,7 @@ int integrate_contact(struct run *run, struct motion *motion, const double *begu
         if (status != DONE)
             return status;
         double end = end_of_step(run, motion, reached, left);
-        struct change change = {INFINITY, RELEASE_OR_PRESS};
+        struct change change = NO_CHANGE;
         const int changes = ends_by_change(motion, &end, reached, left, &change);
         if (isnan(end)) {
             copy_values(motion, motion->before, reached);

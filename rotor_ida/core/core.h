@@ -23,22 +23,24 @@ static inline int asked_to_stop(const stop_flag *stop)
     return atomic_load_explicit(stop, memory_order_relaxed) != 0;
 }
 
-/* How a call ended; the flags of SUNDIALS are negative. No run ends by FULL or FULL_INSIDE: Python
- * gives room and goes on, or begins anew. */
+/* How a call ended; the flags of SUNDIALS are negative. core/interface.py says each in words. A
+ * user never sees FULL or FULL_INSIDE: Python gives the tables more room and calls again. */
 enum status {
-    DONE = 0,            /* so far without trouble; of a run that has returned: to its end */
+    DONE = 0,            /* so far without trouble; of a run that has returned: at its duration. So
+                          * ends too a run of a system that Python stops as it has seen enough */
     NOT_FINITE = 1001,   /* a number is NaN or infinite */
-    NO_ROOT = 1002,      /* an event was seen, but its root could not be found */
+    NO_ROOT = 1002,      /* of one disc: an event was seen, but its root could not be found */
     STUCK = 1003,        /* the time no longer advances */
     STOPPED = 1004,      /* by the caller */
-    FULL = 1005,         /* the tables are full between two events: the caller goes on from there */
+    FULL = 1005,         /* a table is full between two events: the caller goes on from there with
+                          * more room; if it is that of one disc's extrema, it begins anew */
     NO_SOLVER = 1006,    /* CVODE could not be opened */
-    FULL_INSIDE = 1007,  /* they are full within a contact: the caller begins anew with more room */
-    UNBALANCED = 1008,   /* the energy of a contact does not balance */
-    STALLED = 1009,      /* the speed fell through 0, where the torque turns the rotor no more */
-    RUNAWAY = 1010,      /* the torque lets the speed run away */
+    FULL_INSIDE = 1007,  /* of one disc: it is full within a contact: the caller begins anew */
+    UNBALANCED = 1008,   /* of one disc: the energy of a contact does not balance */
+    STALLED = 1009,      /* of one disc: the speed fell through 0, where the torque turns no more */
+    RUNAWAY = 1010,      /* of one disc: the torque lets the speed run away */
     SINGULAR = 1011,     /* of a system: no forces are determined that let its contacts roll */
-    OUT_OF_STEPS = 1012, /* the run has taken as many steps as its caller allows */
+    OUT_OF_STEPS = 1012, /* of one disc: it has taken as many steps as its caller allows */
     UNBOUNDED = 1013,    /* of a system: nothing bounds its motion, which grows */
     OUT_OF_TABLE = 1014  /* of a system: the speed leaves the table of a bearing */
 };

@@ -1590,7 +1590,7 @@ static void rolling_growth(const struct parameters *m,
     const double turned = -m->rim * w3;
     const double w5 = m->contact_damping * p + 1.0;
     const double w6 = (1.5 * m->hertz * q + m->linear) * w5;
-    const double w7 = (-m->shaft_stiffness - (1.0 - m->loose) * w6) * q;
+    const double w7 = (-(1.0 - m->loose) * w6 - m->shaft_stiffness) * q;
     const double spring = (m->hertz * q + m->linear) * square;
     const double w9 = w2 * spring;
     const double w10 = ratio(p, r);
@@ -1603,7 +1603,7 @@ static void rolling_growth(const struct parameters *m,
     const double w17 = w16 * w2;
     const double w18 = (-2.0 * m->zeta * p + m->omega * m->omega * c - m->shaft_stiffness * r + m->load * down_r) * w2;
     const double w19 = ratio(w2, r);
-    const double w20 = (-m->shaft_stiffness - (1.0 - m->loose) * w17 - (-m->shaft_stiffness - w18 - -(-m->rim * (m->disc_radius * m->omega)) * w19)) * q;
+    const double w20 = (-(1.0 - m->loose) * w17 - m->shaft_stiffness - (-m->shaft_stiffness - w18 - -(-m->rim * (m->disc_radius * m->omega)) * w19)) * q;
     const double w21 = (-(m->disc_radius * m->omega) * w2 + m->rim * w2) * q;
     growth[0][0] = 0.0;
     growth[0][1] = turned;
@@ -1863,8 +1863,8 @@ static void rolling_expand_with_factors(const struct parameters *m,
         const double w26 = w4 + one * 1.0;
         /* (1.5 * hertz * q + linear) * w26 */
         const double w27 = times(series, 12, n, 1.5 * m->hertz * q + one * m->linear, w26);
-        /* (-shaft_stiffness - (1.0 - loose) * w27) * q */
-        const double w28 = times(series, 13, n, one * (-m->shaft_stiffness) - (1.0 - m->loose) * w27, q);
+        /* (-(1.0 - loose) * w27 - shaft_stiffness) * q */
+        const double w28 = times(series, 13, n, -(1.0 - m->loose) * w27 - one * m->shaft_stiffness, q);
         const double w29 = times(series, 14, n, w10, spring); /* w10 * spring */
         const double w30 = m->load * down_t;
         const double w31 = over(series, 15, n, p, r, inverse_r); /* p / r */
@@ -1881,8 +1881,8 @@ static void rolling_expand_with_factors(const struct parameters *m,
         /* (-2.0 * zeta * p + w1 - w8 + w9) * w10 */
         const double w39 = times(series, 23, n, -2.0 * m->zeta * p + w1 - w8 + w9, w10);
         const double w40 = over(series, 24, n, w10, r, inverse_r); /* w10 / r */
-        /* (-shaft_stiffness - (1.0 - loose) * w38 - (-shaft_stiffness - w39 - -(-rim * (disc_radius * omega)) * w40)) * q */
-        const double w41 = times(series, 25, n, one * (-m->shaft_stiffness) - (1.0 - m->loose) * w38 - (one * (-m->shaft_stiffness) - w39 - -(-m->rim * (m->disc_radius * m->omega)) * w40), q);
+        /* (-(1.0 - loose) * w38 - shaft_stiffness - (-shaft_stiffness - w39 - -(-rim * (disc_radius * omega)) * w40)) * q */
+        const double w41 = times(series, 25, n, -(1.0 - m->loose) * w38 - one * m->shaft_stiffness - (one * (-m->shaft_stiffness) - w39 - -(-m->rim * (m->disc_radius * m->omega)) * w40), q);
         /* (-(disc_radius * omega) * w10 + rim * w10) * q */
         const double w42 = times(series, 26, n, -(m->disc_radius * m->omega) * w10 + m->rim * w10, q);
         const double grip = m->friction * (1.0 - m->loose) * w5;

@@ -1,7 +1,9 @@
 /* The event loop: from the start through flight and contact, event by event, to the end.
  *
- * Decide the mode at the start; integrate inside the mode until something may have happened; look
- * for a crossing that the step hid; polish the event; record it; restart in the other mode. */
+ * `follow_events` decides whether the run begins in flight or in contact, and lets the two take
+ * turns. A flight ends at an entry (`enter`). `follow_contact` begins a contact, has it integrated
+ * by `integrate_contact` (contact_phase.c), which finds its exit and changes its mode at release,
+ * press and events of friction on the way, and records the exit and the row of the contact. */
 #include "events.h"
 
 struct motion_of_centre motion_at(const double *state, double time, const struct rotor *rotor)
@@ -126,7 +128,7 @@ static int follow_contact(struct run *run, struct motion *motion, double entry)
     decide_looseness(motion, start);
     if (IS_WHOLE) {
         motion->down = here.down;
-        settle_friction(motion, start);
+        decide_friction(motion, start);
         observe_jump(run, motion, 0.0, start);
         if (run->event_room > 0)
             record_mode(run, motion);

@@ -1,6 +1,6 @@
 /* The event loop and its parts: how it begins (start.c), what it integrates (contact_phase.c and
- * free_phase.c), what changes the mode of a contact (guards.c finds the place, friction.c says what
- * follows, also at a start, a release and a press), whether a speed can be followed
+ * free_phase.c), what changes the mode of a contact (guards.c finds the place, contact_modes.c says
+ * what follows, also at a start, a release and a press), whether a speed can be followed
  * (speed_limits.c), whether a contact balances (balance.c), and the loop itself (events.c). */
 #ifndef ROTOR_IDA_EVENTS_H
 #define ROTOR_IDA_EVENTS_H
@@ -56,6 +56,7 @@ struct change {
     double point;
     enum guard guard;
 };
+static const struct change NO_CHANGE = {INFINITY, RELEASE_OR_PRESS};
 
 /* The first of them in the last step, up to `end`: infinite where there is none, NaN where it
  * cannot be found (guards.c). */
@@ -63,13 +64,13 @@ struct change change_in_step(struct motion *motion, double end);
 /* The slip below which rounding hides it. */
 double hidden_slip(const struct motion *motion, const double *values);
 
-/* Decide whether a contact begins loose (friction.c). */
+/* Decide whether a contact begins loose (contact_modes.c). */
 void decide_looseness(struct motion *motion, const double *start);
-/* Go on as follows from what happened; return what it is called, or 0 (friction.c). */
+/* Go on as follows from what happened; return what it is called, or 0 (contact_modes.c). */
 int pass_guard(struct motion *motion, enum guard guard, double *values);
 /* Begin a contact with friction, if there is any; and decide how it goes on. */
 void begin_with_friction(struct motion *motion, double *start, double *atol);
-void settle_friction(struct motion *motion, double *values);
+void decide_friction(struct motion *motion, double *values);
 enum contact_mode contact_mode_of(const struct motion *motion);
 /* Write down how a contact goes on from the last event, or from the start; and with it what has
  * happened. Where the mode ended where it began (`is_none`) nothing is recorded but how it goes on,

@@ -173,7 +173,7 @@ static void take_first(struct change *first, struct motion *motion, enum guard g
 
 struct change change_in_step(struct motion *motion, double end)
 {
-    struct change first = {INFINITY, RELEASE_OR_PRESS};
+    struct change first = NO_CHANGE;
     if (motion->model.contact_damping > 0.0)
         take_first(&first, motion, RELEASE_OR_PRESS, end);
     if (motion->mode == &rub_mode && motion->model.sigma != 0.0)

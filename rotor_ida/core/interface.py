@@ -19,11 +19,12 @@ from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.spinning import OF_DRIVE
 
-# How a call ended; the flags of SUNDIALS are negative.
+# How a call ended, as `enum status` of core.h explains; the flags of SUNDIALS are negative.
 DONE = 0
 NOT_FINITE, NO_ROOT, STUCK, STOPPED, FULL, NO_SOLVER, FULL_INSIDE, UNBALANCED = range(1001, 1009)
 STALLED, RUNAWAY, SINGULAR, OUT_OF_STEPS, UNBOUNDED, OUT_OF_TABLE = range(1009, 1015)
-# LARGEST_SPEED of speed_limits.c and MOST_CLEARANCES of system_run.c stand here in words.
+# LARGEST_SPEED of speed_limits.c and MOST_CLEARANCES of system_run.c stand here in words; a test
+# compares them, and the numbers with `enum status`.
 MESSAGES = {
     NOT_FINITE: "the state is no longer finite",
     NO_ROOT: "a step contains no root",

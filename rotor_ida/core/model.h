@@ -1,9 +1,11 @@
 /* What the model of this library has: constants, by which the compiler removes what it lacks.
  *
  * A library knows one model: the paper's rotor; the whole one, with a shaft, a load, another law
- * of contact and friction; or that with a speed that changes. `hatch_build.py` chooses it. This is
- * the only place that asks the preprocessor: elsewhere stands `if (HAS_FRICTION)`. A name that only
- * another model has is declared all the same, and 0 (see the derived headers). */
+ * of contact and friction; or that with a speed that changes. `hatch_build.py` chooses it. It asks
+ * the preprocessor here, and elsewhere stands `if (HAS_FRICTION)`; only the derived files ask it
+ * too, whether they are compiled at all. A name that only another model has is declared all the
+ * same, and 0 (see the derived headers). A new force of the whole model needs a constant of its own
+ * here only where C that is written by hand must leave it out of the paper's rotor. */
 #ifndef ROTOR_IDA_MODEL_H
 #define ROTOR_IDA_MODEL_H
 

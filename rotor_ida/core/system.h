@@ -5,8 +5,9 @@
  *     y'' + (C + Omega G) y' + (K + Omega' K_dot) y = unbalance + static force + contacts
  *
  * Rows and columns are padded with zeros to `stride`, four or a multiple of eight; matrices are
- * stored by columns. What is linear stands in system.c, what a contact does in system_contact.c,
- * and the growth of small changes in system_tangent.c. */
+ * stored by columns. What is linear stands in system.c; what ends the mode of a contact in
+ * system_guards.c, and what follows in system_contact.c; the growth of small changes in
+ * system_tangent.c. */
 #ifndef ROTOR_IDA_SYSTEM_H
 #define ROTOR_IDA_SYSTEM_H
 
@@ -26,7 +27,7 @@ struct system_law {
 struct system_touch {
     double root, race, sense;
     int32_t mode;
-    int32_t zeros[3]; /* known zeros of its guards at this point: see system_contact.c */
+    int32_t zeros[3]; /* known zeros of its guards at this point: see system_guards.c */
 };
 
 /* The largest or smallest value so far, and its time. */

@@ -174,15 +174,7 @@ static int pass_system_piece(struct work *work)
     run->piece_time = run->time;
     run->piece_angle = run->angle;
     begin_system_piece(work);
-    int rolled[MOST_CONTACTS];
-    for (int64_t i = 0; i < run->contact_count; i++)
-        rolled[i] = run->touches[i].mode == ROLLS;
-    const int status = settle(work);
-    for (int64_t i = 0; i < run->contact_count; i++) {
-        if (rolled[i] && run->touches[i].mode != ROLLS)
-            record_system_event(run, SLIP, (int)i);
-    }
-    return status;
+    return decide_rolling_of_others(work, -1);
 }
 
 /* Whether the motion has grown so far that no contact bounds it: its steps, whose errors are

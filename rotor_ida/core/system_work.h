@@ -13,6 +13,14 @@ enum { MOST_CONTACTS = 16 };
  * left. */
 enum { OF_ROOT, OF_RELEASE, OF_SLIP, GUARDS };
 
+/* The square of a series up to the highest order has so many terms. */
+enum { GAP_TERMS = 2 * ORDERS };
+/* Where contacts enter together, or without a radial velocity, flight goes on to an indentation of
+ * this part of the clearance. */
+static const double PASSED = 1e-11;
+/* Rounding of a sum, in parts of the sizes of its terms: of a slip, and of a rate of slip. */
+static const double ROUNDED = 64.0 * 2.220446049250313e-16;
+
 /* A contact within a step. */
 struct touching {
     const struct system_law *law;
@@ -332,9 +340,10 @@ void keep_ledger(struct work *work, double point, double span);
 /* The angle by which a rotor that a torque drives turns up to a point of the step. */
 double turned_by(const struct work *work, double point);
 
-/* system_contact.c */
-void set_element(struct touching *each);
-double radius_of_touch(const struct work *work, const struct touching *each);
+/* system_roots.c: series as polynomials */
+/* Write coefficients up to `last` of a b + c d, of series up to an order. */
+void write_product(int order, int last, const double *a, const double *b, const double *c,
+                   const double *d, double *product);
 /* The first point of (0, step] at which a polynomial falls through 0; infinite where there is none.
  * Of its zeros at 0 the first `zeros` are known and do not count. */
 double first_fall(const double *terms, int apart, int order, double step, int zeros);
@@ -342,19 +351,26 @@ double first_fall(const double *terms, int apart, int order, double step, int ze
  * at 0 if it had the other `sign` before; 0 if none. Return how many, and the sign behind them. */
 int sign_changes(const double *terms, int order, double step, double *sign, double *points);
 
-/* What happens first in a step. */
+/* system_guards.c: what happens first in a step. */
 struct happening {
     double point;
     int contact, guard;
 };
 struct happening first_happening(struct work *work, double step);
-/* Do what follows from it, and record it. */
+
+/* system_contact.c */
+void set_element(struct touching *each);
+double radius_of_touch(const struct work *work, const struct touching *each);
+/* Do what follows from what happens, and record it. */
 int change_contact(struct work *work, struct happening what);
 /* End contacts together whose roots fall to 0 together: the fictitious time does not get there. */
 int leave_together(struct work *work);
-/* Decide at the start which contacts touch, and at a jump of the acceleration which still roll. */
+/* Decide at the start which contacts touch, and at a jump of the acceleration which still roll: all
+ * that no longer do, but for one, get a slip recorded. */
 int begin_contacts(struct work *work);
-int settle(struct work *work);
+int decide_rolling_of_others(struct work *work, int but);
+
+/* system_extrema.c */
 /* Keep what is largest in a step up to a point, which is at a time; and the slowest races. */
 void keep_peaks(struct work *work, double point, double until);
 /* Keep the extrema of the distances of places in a step up to a point, which is at a time. */

@@ -1,17 +1,30 @@
 """The contact law: the force of the stator on a rotor at distance r from the bearing axis.
 
+With the indentation ``d = r - delta0 > 0``, the radial velocity d' and the slip speed v_s:
+
+- the normal force is ``N = d**n max(0, 1 + c d')``, with n = 3/2 by Hertz or 1, and the contact
+  damping c (`normal_force`). Where ``1 + c d'`` falls to 0 the contact is released; below it is
+  loose, and without force (`damped`);
+- surfaces that slide pull on each other by ``T = mu N sigma``, where sigma is 1 if the disc slides
+  forwards, as the rotor turns it, and -1 if backwards (`drag_of`);
+- a disc that rolls (v_s = 0) is held by the force that keeps v_s at 0, as long as that is no larger
+  than ``mu N``: `hold_of_rolling` in `rotor_ida.model.forces`, `grip_and_hold` in
+  `rotor_ida.model.rates`, and for the contacts of rotor systems `rotor_ida.model.element`.
+
+The first section states the law by ``q = sqrt(d)``, in which it is analytic through q = 0. It is
+what the core integrates: `rotor_ida.model.writing` runs these functions over symbols and writes
+them to C in two ways: inlined into fields and series of ``core/derived*.c``, through
+`rotor_ida.model.modes` for one disc, and of ``core/derived_element.h``, through
+`rotor_ida.model.element` for the contacts of rotor systems; and, all but `drag_of`, as functions of
+``core/derived*.h`` for C that is written by hand. The second section gives the same law by r or d
+for Python; of it only the law without clearance (`secant_of_square`) reaches C.
+
 The force, its derivative, the potential, the Jacobians, the events and the datasets take the Hertz
 exponent from this module. Some code depends on the exponent 3/2 itself, where the force is the cube
-of ``sqrt(r - delta0)``: the polynomials of the whirls and the locus of their
-folds, the periods of free vibration, and the variables of the contact phase.
-
-The core integrates the law in these smooth variables. `rotor_ida.model.writing` runs the functions
-of the last section, by ``q``, over symbols, and writes them to C in two ways: inlined into fields
-and series of ``core/derived*.c``, through `rotor_ida.model.modes` for one disc, and of
-``core/derived_element.h``, through `rotor_ida.model.element` for the contacts of rotor systems; and
-as functions of ``core/derived*.h`` for C that is written by hand.
-`rotor_ida.closed_forms.restoring_law` applies the law to arrays. CONTRIBUTING.md ("A law of
-contact") says what a new one touches.
+of q: the polynomials of the whirls and the locus of their folds, the periods of free vibration, and
+the variables of the contact phase. `rotor_ida.closed_forms.restoring_law` applies the law to
+arrays.
+CONTRIBUTING.md ("A law of contact") says what a new one touches.
 
 References
 ----------
@@ -22,6 +35,7 @@ References
 from __future__ import annotations
 
 import math
+from types import SimpleNamespace
 from typing import Any
 
 import numpy as np
@@ -32,6 +46,64 @@ from rotor_ida.arrays import Values
 HERTZ_EXPONENT = 1.5
 # An indentation above this fraction of the rotor's radius is not small, as contact laws assume.
 SMALL_INDENTATION = 0.1
+
+
+# ---- The law by ``q = sqrt(d)``, over numbers, arrays or symbols, from which C is derived ----
+#
+# Of `law`, a rotor or the contact of a rotor system, ``hertz`` and ``linear`` multiply either
+# force, ``loose`` is 1 where the contact is loose, else 0, and ``sigma`` is the sense of sliding.
+
+
+def spring_of_root(q: Any, law: Any, depth: Any = None) -> Any:
+    """Return the elastic force ``d**n``; at an indentation of its own where q is not its root.
+
+    By Hertz it is ``q**3``, as products, of which series are made.
+    """
+    square = q * q if depth is None else depth
+    return square * (law.hertz * q + law.linear)
+
+
+def slope_of_root(q: Any, law: Any) -> Any:
+    """Return its slope by the indentation."""
+    return HERTZ_EXPONENT * law.hertz * q + law.linear
+
+
+def energy_of_root(q: Any, law: Any) -> Any:
+    """Return the elastic energy."""
+    square = q * q
+    hertz = 1.0 / (HERTZ_EXPONENT + 1.0)
+    return square * square * (hertz * law.hertz * q + 0.5 * law.linear)
+
+
+def damping_factor(approach: Any, contact_damping: Any) -> Any:
+    """Return the factor of contact damping, ``1 + c d'``: numbers, arrays or symbols.
+
+    The contact is released where it falls to 0, and loose below.
+    """
+    return 1.0 + contact_damping * approach
+
+
+def release_velocity(law: Any) -> Any:
+    """Return the radial velocity at which the contact is released."""
+    return -1.0 / law.contact_damping
+
+
+def damped(spring: Any, approach: Any, law: Any) -> Any:
+    """Return the normal force of an elastic one: ``d**n (1 + c d')``, or 0 where it is loose."""
+    return (1.0 - law.loose) * spring * damping_factor(approach, law.contact_damping)
+
+
+def normal_force(q: Any, approach: Any, law: Any) -> Any:
+    """Return the normal force N."""
+    return damped(spring_of_root(q, law), approach, law)
+
+
+def drag_of(push: Any, law: Any) -> Any:
+    """Return the tangential force ``T = mu N sigma`` of surfaces that slide, from N."""
+    return law.friction * law.sigma * push
+
+
+# ---- The same law by the distance r or the indentation d, for Python ----
 
 
 def gap(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
@@ -86,6 +158,12 @@ def contact_force(
     return force
 
 
+_ELASTIC = {
+    HERTZ_EXPONENT: SimpleNamespace(hertz=1.0, linear=0.0),
+    1.0: SimpleNamespace(hertz=0.0, linear=1.0),
+}
+
+
 def force_at_depth(depth: float, exponent: float) -> tuple[float, float]:
     """Return the force of a contact and its slope at one indentation [dimensionless].
 
@@ -94,10 +172,8 @@ def force_at_depth(depth: float, exponent: float) -> tuple[float, float]:
     >>> force_at_depth(4.0, 1.5)
     (8.0, 3.0)
     """
-    if exponent == HERTZ_EXPONENT:
-        root = math.sqrt(depth)
-        return depth * root, HERTZ_EXPONENT * root
-    return depth, 1.0
+    law, root = _ELASTIC[exponent], math.sqrt(depth)
+    return spring_of_root(root, law, depth), slope_of_root(root, law)
 
 
 def contact_stiffness(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
@@ -125,6 +201,11 @@ def secant_stiffness(
     radii = np.asarray(radius, dtype=np.float64)
     force = contact_force(radii, delta0, exponent)
     return np.divide(force, radii, out=np.zeros_like(force), where=force > 0.0)
+
+
+def secant_of_square(square: Any) -> Any:
+    """Return ``f(r)/r`` without clearance in terms of ``r**2``: ``(r**2)**0.25``."""
+    return square ** (0.5 * (HERTZ_EXPONENT - 1.0))
 
 
 def spring_force(depth: Any, exponent: Any) -> Any:
@@ -194,62 +275,3 @@ def bounds_exceeded(indentation: float, radius: float | None, clearance: float |
     if clearance is not None and indentation > clearance > 0.0:
         bounds.append("the clearance")
     return " and ".join(bounds)
-
-
-# ---- The law by ``q = sqrt(d)``, over numbers, arrays or symbols ----
-#
-# Only this section reaches C; the functions above are the same law for Python.
-#
-# In q it is analytic through q = 0. Of `law`, a rotor or the contact of a rotor system, ``hertz``
-# and ``linear`` multiply either force, and ``loose`` is 1 where the contact is loose, else 0.
-
-
-def spring_of_root(q: Any, law: Any, depth: Any = None) -> Any:
-    """Return the elastic force ``d**n``; at an indentation of its own where q is not its root."""
-    square = q * q if depth is None else depth
-    return square * (law.hertz * q + law.linear)
-
-
-def slope_of_root(q: Any, law: Any) -> Any:
-    """Return its slope by the indentation."""
-    return HERTZ_EXPONENT * law.hertz * q + law.linear
-
-
-def energy_of_root(q: Any, law: Any) -> Any:
-    """Return the elastic energy."""
-    square = q * q
-    hertz = 1.0 / (HERTZ_EXPONENT + 1.0)
-    return square * square * (hertz * law.hertz * q + 0.5 * law.linear)
-
-
-def damping_factor(approach: Any, contact_damping: Any) -> Any:
-    """Return the factor of contact damping, ``1 + c d'``: numbers, arrays or symbols.
-
-    The contact is released where it falls to 0, and loose below.
-    """
-    return 1.0 + contact_damping * approach
-
-
-def release_velocity(law: Any) -> Any:
-    """Return the radial velocity at which the contact is released."""
-    return -1.0 / law.contact_damping
-
-
-def damped(spring: Any, approach: Any, law: Any) -> Any:
-    """Return the normal force of an elastic one: ``d**n (1 + c d')``, or 0 where it is loose."""
-    return (1.0 - law.loose) * spring * damping_factor(approach, law.contact_damping)
-
-
-def normal_force(q: Any, approach: Any, law: Any) -> Any:
-    """Return the normal force N."""
-    return damped(spring_of_root(q, law), approach, law)
-
-
-def drag_of(push: Any, law: Any) -> Any:
-    """Return the tangential force ``T = mu N sigma`` of surfaces that slide."""
-    return law.friction * law.sigma * push
-
-
-def secant_of_square(square: Any) -> Any:
-    """Return ``f(r)/r`` without clearance in terms of ``r**2``: ``(r**2)**0.25``."""
-    return square ** (0.5 * (HERTZ_EXPONENT - 1.0))

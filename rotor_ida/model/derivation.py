@@ -18,7 +18,7 @@ from rotor_ida.model.symbols import Dual, Graph, Symbol, named_as_in, split, var
 
 Matrix = list[list[Symbol]]
 # Modules whose variables give symbols their names.
-SOURCES = ("contact", "forces", "modes", "spinning")
+SOURCES = ("contact", "forces", "rates", "neighbours", "drawn_rates", "modes", "spinning")
 
 
 @dataclass(frozen=True, slots=True)

@@ -1,9 +1,10 @@
 """The forces on a rotor, over numbers or symbols.
 
-They are stated once, in `accelerations`, by components along any two directions: the same lines
-serve on fixed axes, on the rotating ones and in the polar basis of a contact. Flight in
-closed form, the energy check and the closed forms restate them by hand:
-CONTRIBUTING.md lists the places ("A force"). Besides its parameters `rotor` has switches, 1 or 0:
+The equations of motion have them once, in `accelerations`, by components along any two directions:
+the same lines serve on fixed axes, on the rotating ones and in the polar basis of a contact. What
+is not an equation of motion has them again: flight in closed form, the energy check, the energy
+that a contact loses (`spent_rate` in `rotor_ida.model.drawn_rates`) and the closed forms.
+CONTRIBUTING.md lists these places ("A force"). Besides its parameters `rotor` has switches, 1 or 0:
 `hertz` or `linear` for the law of contact, `loose` where contact damping leaves no force, and
 `felt` where there is contact at all.
 
@@ -75,7 +76,7 @@ def resistance(velocity: Pair, rotor: Any) -> Number:
     It enters the accelerations, the energy that a contact dissipates, and the net torque of a
     drive. `velocity` has components along any two directions.
     """
-    del velocity  # linear damping does not depend on it
+    del velocity  # linear damping does not depend on it; a nonlinear one would
     return 2.0 * rotor.zeta
 
 

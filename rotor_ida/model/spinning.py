@@ -2,7 +2,7 @@
 
 The unbalance pulls with ``(theta'**2 - i theta'') exp(i theta)``. All vectors are given on axes
 that rotate with it, at the current speed. So the rates are those of a constant speed, from
-`rotor_ida.model.modes`, plus terms of the angular acceleration. This is prescribed, or follows from
+`rotor_ida.model.rates`, plus terms of the angular acceleration. This is prescribed, or follows from
 a torque and the reaction of the motion. There are no derivatives by a start or a parameter here.
 """
 
@@ -13,6 +13,11 @@ from types import SimpleNamespace
 from typing import Any
 
 from rotor_ida.model.contact import drag_of, normal_force
+from rotor_ida.model.drawn_rates import (
+    drawn_contact_rates,
+    drawn_rolling_rates,
+    drawn_rub_rates,
+)
 from rotor_ida.model.forces import Number, Numbers, resistance, secant
 from rotor_ida.model.modes import (
     OF_FORCES,
@@ -23,11 +28,10 @@ from rotor_ida.model.modes import (
     WHOLE_CONTACT,
     Mode,
     Model,
+)
+from rotor_ida.model.rates import (
     cartesian_rates,
     contact_rates,
-    drawn_contact_rates,
-    drawn_rolling_rates,
-    drawn_rub_rates,
     grip_and_hold,
     rolling_rates,
     rub_rates,
@@ -73,7 +77,7 @@ def joined(rates: list[Number], q: Number, faster: Number, speed: Number) -> lis
 
 
 def spent_turning(state: Numbers, around: Number, faster: Number, here: Any) -> Number:
-    """Return the contribution of a changing speed to `rotor_ida.model.modes.spent_rate`.
+    """Return the contribution of a changing speed to `rotor_ida.model.drawn_rates.spent_rate`.
 
     It is ``q theta'' (w + h + theta' x)``: w is the velocity of the centre ahead of the
     unbalance, h its angular momentum, and x its displacement along the unbalance.

@@ -1,7 +1,8 @@
 """Follow a rotor system by Taylor series, twice: the second run measures the errors of the first.
 
 The second run has tighter tolerances and another order, so that nothing of the first is repeated to
-the bit: see `rotor_ida.simulation.event_errors`.
+the bit: see `rotor_ida.simulation.event_errors`. Only the first may end in an error: see
+`check_status`.
 """
 
 from __future__ import annotations
@@ -209,7 +210,8 @@ def with_errors(
     """Return a run with the errors of its events by a second one, by Taylor series.
 
     It is of another order, also than the flights of a run by CVODE, and tighter if the first is by
-    Taylor series throughout. Where there is no core, `looser` makes the second run.
+    Taylor series throughout. Where there is no core, `looser` makes the second run. If the second
+    run fails, the errors are infinite, and the horizon is where it failed; so it is with one disc.
     """
     times = times_of_second(request, result)
     again = replace(bare(request), times=times, order=ORDERS[1])
@@ -219,10 +221,15 @@ def with_errors(
     def has_parted(events: SystemEvents) -> bool:
         return events.time >= ENOUGH * horizon_of(request, result, events)
 
-    other = follow_system(again, stop, watch, has_parted) if looser is None else looser(again)
-    check_status(other)
-    errors = errors_of_system(request, result, other, times)
     since, error = standstill_of(result), math.inf
+    try:
+        other = follow_system(again, stop, watch, has_parted) if looser is None else looser(again)
+        check_status(other)
+    except SimulationError as failure:  # the first run is sound, but nothing bounds its errors
+        ends = 0.0 if math.isnan(failure.time) else failure.time
+        unknown = EventErrors(np.full(result.event_times.size, math.inf), ends)
+        return Followed(result, unknown, since, math.nan if math.isnan(since) else error)
+    errors = errors_of_system(request, result, other, times)
     if since <= errors.horizon and not math.isnan(other.standstill.since):
         error = WIDENING * abs(since - other.standstill.since) + 4.0 * float(np.spacing(since))
     return Followed(result, errors, since, math.nan if math.isnan(since) else error)
@@ -259,5 +266,5 @@ def run_to_end(
 def check_status(result: SystemResult) -> None:
     """Raise an error where a run has not reached its end."""
     if result.status != DONE:
-        ends = f", which ends at {result.turn[1]:.6g}," if result.status == OUT_OF_TABLE else ""
-        raise SimulationError(f"{message_of(result.status)}{ends} at t = {result.time:.17g}")
+        ends = f", which ends at {result.turn[1]:.6g}" if result.status == OUT_OF_TABLE else ""
+        raise SimulationError(f"{message_of(result.status)}{ends}", time=result.time)

@@ -1,8 +1,20 @@
 """Decide on which response a motion settles: observe it window after window, and name its kind.
 
-`decide` is the loop and `_decision` the order of the questions; `rotor_ida.steady.response` answers
-those about one window, `rotor_ida.steady.motion` follows the motion and answers those that need
-runs, and `rotor_ida.steady.follow` says for how long it is followed.
+`decide` is the loop. After each window `_decision` asks, and the first answer decides:
+
+1. Of one disc: do closed forms show where it stays (at rest, just reaching the stator, whirling
+   steadily, free of the stator for good)?
+2. Has it reached a stable cycle? It repeats itself, and the multiplier by which neighbours return
+   most slowly says how far away the cycle still is (`_Approach.period`). Which kind of cycle it is
+   follows from the window (`_kind_of_cycle`): rolling, bouncing, free, synchronous, full contact.
+3. Do its touches fade?
+4. Late, if nothing shows that it settles: does it roll backwards? If not, its Lyapunov exponents
+   say whether it is chaotic or on a torus (`_kind_by_exponent`).
+5. Else it is unresolved, and the next window follows, as long as there is time.
+
+`rotor_ida.steady.response` answers what one window shows, `rotor_ida.steady.motion` follows the
+motion and answers what needs further runs, and `limits_of` in `rotor_ida.steady.follow` gives the
+times.
 """
 
 from __future__ import annotations
@@ -24,7 +36,7 @@ from rotor_ida.steady.response import (
     SYNCHRONOUS,
     TOUCHING,
     UNRESOLVED,
-    kind_of_state,
+    kind_by_closed_forms,
     rolls_backwards,
     touches_fade,
     touches_grow_slighter,
@@ -122,9 +134,12 @@ def decide(motion: Motion) -> Decision:
     Without damping one window decides, as nothing settles: most such motions are unresolved.
 
     The first window begins after a first wait, each other when the time has doubled, and none after
-    the longest time: see `Limits`. Times are counted anew when it was disturbed because it sat on
-    an unstable motion. One disc that approaches a stable cycle by then is followed until it is
-    there.
+    the longest time: see `Limits`. One disc that approaches a stable cycle by then is followed on,
+    twice at most, until it is there: for up to `MOST_LONGEST` times the longest time.
+
+    A motion may sit on an unstable whirl or cycle: it whirls steadily, or repeats itself, and
+    still has come to no stable cycle. If small changes of it grow (`Motion.leave_unstable`), it is
+    disturbed, and all times are counted anew; if none do, the decision stands.
     """
     approach, times, wait, disturbed = _Approach(), 1, motion.limits.wait, 0
     extended = 0
@@ -163,15 +178,11 @@ def _with_disturbances(decision: Decision, count: int) -> Decision:
 
 
 def _decision(motion: Motion, approach: _Approach, *, again: bool = False) -> Decision:
-    """Return the kind of a motion, as its last window shows it.
+    """Return the kind of a motion, as its last window shows it: see the order above.
 
-    In this order: of one disc what a single state shows (at rest, just reaching the stator,
-    whirling steadily, free of the stator for good); a cycle that it has reached (rolling, bouncing,
-    free, synchronous or in full contact); touches that fade; late, if it has not settled, rolling,
-    and else by its exponents chaotic or on a torus; else unresolved. A run that fails has no kind:
-    `rotor_ida.steady.follow` reports that.
+    A run that fails has no kind: `rotor_ida.steady.follow` reports that.
     """
-    kind = kind_of_state(motion.window)
+    kind = kind_by_closed_forms(motion.window)
     if kind is not None:
         tried = _what_was_tried(motion, approach, math.nan) if kind == UNRESOLVED else ""
         return Decision(kind, message=tried)

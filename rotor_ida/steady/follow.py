@@ -25,7 +25,6 @@ from rotor_ida.steady.response import (
     FULL_CONTACT,
     NEARLY_GRAZES,
     ROLLING,
-    Features,
     grazing_distance,
     phase_lag_of,
     stays_backward,
@@ -64,6 +63,32 @@ SAME_TURN = 1e-6
 # Samples of a period of one disc over which the part at the spin speed is the mean.
 SAMPLES = 1024
 CYCLES = (BOUNCING, FULL_CONTACT, ROLLING)
+
+
+@dataclass(frozen=True, slots=True)
+class Features:
+    """How one disc moves in the final window, as a sweep reports it; NaN where one does not exist.
+
+    Parameters
+    ----------
+    amplitude, phase_lag : float
+        Amplitude [dimensionless] and phase lag [rad] of the part of the motion at the spin speed.
+    radius_min, radius_max : float
+        Smallest and largest distance from the bearing axis [dimensionless].
+    period : float
+        Period on the rotating axes of a bouncing or full-contact motion [dimensionless]; under a
+        load a whole number of revolutions.
+    lyapunov_exponent, lyapunov_error : float
+        Largest Lyapunov exponent and its standard error, where computed [dimensionless].
+    """
+
+    amplitude: float = math.nan
+    phase_lag: float = math.nan
+    radius_min: float = math.nan
+    radius_max: float = math.nan
+    period: float = math.nan
+    lyapunov_exponent: float = math.nan
+    lyapunov_error: float = math.nan
 
 
 @dataclass(frozen=True, slots=True)
@@ -151,7 +176,7 @@ def settle_disc(
     """Follow a rotor until the kind of its response is decided, or up to a time limit.
 
     The motion is observed over a window: first after the time in which damping should have
-    settled it, then whenever the time has doubled.
+    settled it, then whenever the time has doubled (`rotor_ida.steady.decision.decide`).
 
     Parameters
     ----------
@@ -162,7 +187,8 @@ def settle_disc(
     options : Options
         How to simulate.
     longest : float, optional
-        Time after which no new window begins [dimensionless]; default: `longest_time`.
+        Time after which no new window begins, except of a motion that approaches a stable cycle
+        [dimensionless]; default: `longest_time`.
     stop : ndarray, shape (1,), optional
         Ends the run, as failed, as soon as it is not 0.
     watch : list of callable, optional

@@ -48,15 +48,15 @@ UNMOVED = 1e-9
 # An exponent of one disc is a mean over at least this time, and at least this multiple of the
 # earlier time.
 EXPONENT_TIME, EXPONENT_TIMES = 20_000.0, 2.0
-# Those of a system are means over this number of revolutions, or over a multiple of it where
-# neither chaos nor a torus is clear.
+# Those of a system are means over this number of revolutions. Where contacts may be linear, of one
+# disc too, they are means over a multiple of the usual time if neither chaos nor a torus is clear.
 EXPONENT_REVOLUTIONS, LONGER = 2000, 4
 # Revolutions in which small changes align before their growth is averaged; batches of the mean.
 ALIGNING, BATCHES = 100, 20
 # An exponent is zero when neighbours neither diverge nor converge by 1 % in that time, in which
 # clear chaos would have shown. The errors are those of the scatter of parts; on a torus the mean
-# over all parts is far better. Where contacts are linear, as systems may have them, what neighbours
-# do jumps at grazes, and the means of their stretching over a torus converge slowly.
+# over all parts is far better. Where contacts are linear, what neighbours do jumps at grazes, and
+# the means of their stretching over a torus converge slowly. Of a system any contact may be linear.
 NO_STRETCH, NO_STRETCH_OF_LINEAR = 0.01, 0.1
 # A landing is tried after this many revolutions, and whenever this part has been added.
 FIRST_TRY, MORE = 6.0, 0.5
@@ -77,7 +77,8 @@ class Limits(NamedTuple):
     Parameters
     ----------
     wait, longest : float
-        The time before the first window, and that after which no new one begins.
+        The time before the first window, and that after which no new one begins, except of one
+        disc that approaches a stable cycle: `rotor_ida.steady.decision.decide`.
     window, samples : float, int
         Length of the first window, in whole revolutions, and its number of steps.
     decay : float
@@ -107,7 +108,7 @@ class Exponents(NamedTuple):
     zeros : int
         How many of them are zero on a torus.
     has_tori : bool
-        Whether there can be a torus.
+        Whether a torus may be born from a cycle.
     no_stretch : float
         By how much neighbours diverge or converge at most over the duration where one is zero.
     """
@@ -356,7 +357,8 @@ def _exponents_of_disc(flow: Flow, state: Values, time: float, times: int) -> Ex
     found = exponents_of(rotor, (x, y, vx, vy), duration, flow.stop)
     # without a load the exponent of a shift in time is zero, and on a torus one more
     zeros = 1 if rotor.load > 0.0 else 2
-    has_tori = rotor.load > 0.0 or rotor.friction > 0.0 or rotor.contact_damping > 0.0
+    # where multipliers pair no torus is born from a cycle (docs/cycles.md)
+    has_tori = flow.pair_product(1.0) is None
     no_stretch = NO_STRETCH_OF_LINEAR if rotor.contact_exponent == 1.0 else NO_STRETCH
     return Exponents(*found, duration, zeros, has_tori, no_stretch)
 

@@ -30,9 +30,9 @@ from rotor_ida.simulation.options import Options, check_can_be_followed, options
 from rotor_ida.simulation.runs import LOOSEST_RTOL, TIGHTEST_RTOL
 from rotor_ida.simulation.starts import GivenStart, Start, begun_in_modes, start_of, states_of
 from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
-from rotor_ida.steady.follow import FAILED, SettledSystem, settle_disc, settle_system
+from rotor_ida.steady.follow import FAILED, Features, SettledSystem, settle_disc, settle_system
 from rotor_ida.steady.grid import Answer, Answers, Ramps
-from rotor_ida.steady.response import CONTACT_FREE, SYNCHRONOUS, Features
+from rotor_ida.steady.response import CONTACT_FREE, SYNCHRONOUS
 
 FEATURES = tuple(each.name for each in fields(Features))
 # The columns of a sweep with a number for each point, and those with one for each event.

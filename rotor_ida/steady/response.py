@@ -1,4 +1,6 @@
-"""Kinds of response, and tests for those that a single window of the motion decides.
+"""Kinds of response, and the questions about a motion that one window of it answers.
+
+`rotor_ida.steady.decision` asks them, in its order, and those that need further runs.
 
 ========================= ==========================================================
 ``contact_free``          whirls inside the clearance and will not touch the stator again
@@ -12,6 +14,7 @@
 ``quasi_periodic``        never repeats, and neighbouring motions keep their distance
 ``chaotic``               is not periodic, and neighbouring motions diverge
 ``unresolved``            none of these within the simulated time
+``failed``                unknown, as a run failed (`FAILED` in `rotor_ida.steady.follow`)
 ========================= ==========================================================
 
 Periods are those on the rotating axes, where a synchronous whirl is stationary. Under a load they
@@ -24,7 +27,6 @@ inside the clearance, contact-free. With friction it may rest at other places.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
 
 import numpy as np
 
@@ -69,34 +71,8 @@ SOFT = 0.1
 LIKE_THE_LAW = 0.1
 
 
-@dataclass(frozen=True, slots=True)
-class Features:
-    """The features of a motion that a sweep reports; NaN where one does not exist.
-
-    Parameters
-    ----------
-    amplitude, phase_lag : float
-        Amplitude [dimensionless] and phase lag [rad] of the part of the motion at the spin speed.
-    radius_min, radius_max : float
-        Smallest and largest distance from the bearing axis [dimensionless].
-    period : float
-        Period on the rotating axes of a bouncing or full-contact motion [dimensionless]; under a
-        load a whole number of revolutions.
-    lyapunov_exponent, lyapunov_error : float
-        Largest Lyapunov exponent and its standard error, where computed [dimensionless].
-    """
-
-    amplitude: float = math.nan
-    phase_lag: float = math.nan
-    radius_min: float = math.nan
-    radius_max: float = math.nan
-    period: float = math.nan
-    lyapunov_exponent: float = math.nan
-    lyapunov_error: float = math.nan
-
-
-def kind_of_state(window: Window) -> str | None:
-    """Return the kind of a motion of one disc that one state decides, or at rest; else None."""
+def kind_by_closed_forms(window: Window) -> str | None:
+    """Return the kind of a motion of one disc where closed forms show that it stays; else None."""
     if not isinstance(window.flow, DiscFlow):
         return None
     if window.flow.rotor.omega == 0.0 < window.flow.rotor.load:

@@ -34,10 +34,10 @@ from rotor_ida.simulation.spin import Ramp, SpeedProfile
 from rotor_ida.simulation.starts import GivenStart, Start, start_of
 from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
 from rotor_ida.steady.drop import with_unbalance_at
-from rotor_ida.steady.follow import FAILED, settle_disc, settle_system
+from rotor_ida.steady.follow import FAILED, Features, settle_disc, settle_system
 from rotor_ida.steady.grid import EXPECTED, Answer, reason_of
 from rotor_ida.steady.points import figures_of, point_of
-from rotor_ida.steady.response import CONTACT_FREE, TOUCHING, UNRESOLVED, Features
+from rotor_ida.steady.response import CONTACT_FREE, TOUCHING, UNRESOLVED
 
 RUB, WHIP = "rub", "whip"
 # What requires friction, or contact damping.

@@ -448,6 +448,21 @@ def test_statuses_are_those_of_the_header():
     assert interface.message_of(-28) == "the solver gave up with flag -28"
 
 
+@pytest.mark.parametrize(
+    ("status", "file", "limit"),
+    [
+        (interface.RUNAWAY, "speed_limits.c", "LARGEST_SPEED"),
+        (interface.UNBOUNDED, "system_run.c", "MOST_CLEARANCES"),
+    ],
+)
+def test_limits_in_messages_are_those_of_the_sources(status, file, limit):
+    source = Path(interface.__file__).parent / file
+    if not source.is_file():
+        pytest.skip("an installed package has no sources")
+    number = re.search(rf"{limit} = ([^;]*);", source.read_text("utf-8"))[1]
+    assert f" {float(number):g}" in MESSAGES[status]
+
+
 def test_faults_methods_and_modes_are_those_of_the_header():
     assert [*members("fault")] == [*faults.MESSAGE_OF_FAULT]
     assert members("method") == {name.upper(): n for name, n in interface.METHODS.items()}

@@ -5,7 +5,7 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rotor_ida.model import derivation, modes, writing
+from rotor_ida.model import derivation, forces, neighbours, rates, writing
 from rotor_ida.model.derivation import derive
 from rotor_ida.model.modes import PAPER
 from rotor_ida.model.parameters import ALL_PARAMETERS
@@ -136,13 +136,14 @@ def test_what_is_constant_takes_no_convolution(model, mode):
 
 def test_a_new_force_reaches_everything_that_is_derived(monkeypatch):
     """A spring to the axis, added to the stated line alone, shows in all that is derived."""
-    stated, mode = modes.accelerations, PAPER.modes[1]
+    stated, mode = forces.accelerations, PAPER.modes[1]
 
     def with_spring(at, push, rotor, drag=0.0):
         along = stated(at, push, rotor, drag)
         return tuple(a - 3.0 * x for a, x in zip(along, at.position, strict=True))
 
-    monkeypatch.setattr(modes, "accelerations", with_spring)
+    for module in (rates, neighbours):
+        monkeypatch.setattr(module, "accelerations", with_spring)
     after = derive(mode, PAPER)
     monkeypatch.undo()
     before = derive(mode, PAPER)

@@ -10,7 +10,8 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from rotor_ida.model.modes import PAPER, ROLLING, RUB, WHOLE, grip_and_hold
+from rotor_ida.model.modes import PAPER, ROLLING, RUB, WHOLE
+from rotor_ida.model.rates import grip_and_hold
 from rotor_ida.model.symbols import variables
 
 STEP = 1e-5

@@ -233,10 +233,10 @@ def test_a_torque_that_leads_out_of_a_table_ends_the_run(torque, end):
         driven(torque, 2.0), (0.0, 20.0), begun, method="DOP853", rtol=1e-11, atol=1e-13,
         events=leaves,
     )  # fmt: skip
-    words = rf"the torque drives the speed out of the table of a bearing, which ends at {end:g}, at"
+    words = rf"the torque drives the speed out of the table of a bearing, which ends at {end:g} "
     with pytest.raises(SimulationError, match=words) as ended:
         run_up(ROTOR, speed=0.8, torque=torque, inertia=2.0, duration=20.0)
-    assert float(str(ended.value).split("t = ")[1]) == pytest.approx(exact.t[-1], rel=1e-7)
+    assert ended.value.time == pytest.approx(exact.t[-1], rel=1e-7)
 
 
 @pytest.mark.parametrize(

@@ -1,5 +1,6 @@
 """The stated error of an event time covers the true one, and is not absurdly larger."""
 
+from dataclasses import replace
 from fractions import Fraction
 from types import SimpleNamespace
 
@@ -7,7 +8,8 @@ import mpmath
 import numpy as np
 import pytest
 
-from rotor_ida import Rotor, simulate
+from rotor_ida import Rotor, SimulationError, simulate
+from rotor_ida.core.interface import STUCK
 from rotor_ida.simulation import event_errors, system_run
 from rotor_ida.simulation import run as simulation_run
 from tests.random_systems import followed, stated_and_true
@@ -240,3 +242,49 @@ def test_before_the_horizon_of_a_system_a_far_tighter_run_has_the_same_events():
             for each in (run, best)
         ]
         assert kinds[0] == kinds[1]
+
+
+@pytest.mark.parametrize("is_system", [False, True])
+def test_a_second_run_that_fails_leaves_the_first_without_stated_errors(monkeypatch, is_system):
+    """The run has ended well; only its errors are unknown, as the horizon says."""
+    rotor = Rotor(omega=0.5, zeta=0.02, delta0=0.5)
+    true_follow, runs_of_system = system_run.follow_system, []
+
+    def fails_second(*given):
+        runs_of_system.append(given)
+        found = true_follow(*given)
+        return found if len(runs_of_system) == 1 else replace(found, status=STUCK, time=3.5)
+
+    def fails(*_given, **_options):
+        raise SimulationError("stuck", time=3.5)
+
+    sound = followed_twice(rotor, is_system)
+    monkeypatch.setattr(system_run, "follow_system", fails_second)
+    monkeypatch.setattr(event_errors, "run", fails)
+    found = followed_twice(rotor, is_system)
+    assert found.event_time.size > 4
+    assert np.array_equal(found.event_time, sound.event_time)
+    assert np.isinf(found.event_time_error).all()
+    assert np.isfinite(sound.event_time_error).all()
+    assert found.horizon == 3.5 < sound.horizon
+
+
+def followed_twice(rotor, is_system):
+    """Return a run of a disc, or of the same rotor as a system."""
+    how = {"duration": 20.0, "method": "taylor"}
+    if is_system:
+        return simulate(rotor.system(), speed=rotor.omega, start=((3.0, 0.0), (0.0, 0.0)), **how)
+    return simulate(rotor, start=(3.0, 0.0, 0.0, 0.0), **how)
+
+
+def test_the_error_of_a_system_has_its_time_as_a_number(monkeypatch):
+    """As that of one disc; its state has too many numbers for a message."""
+    rotor, true_follow = Rotor(omega=1.5, zeta=0.1, delta0=0.5), system_run.follow_system
+    monkeypatch.setattr(
+        system_run, "follow_system",
+        lambda *given: replace(true_follow(*given), status=STUCK, time=3.5),
+    )  # fmt: skip
+    with pytest.raises(SimulationError, match=r"time no longer advances \(at t = 3.5\)$") as caught:
+        followed_twice(rotor, is_system=True)
+    assert caught.value.time == 3.5
+    assert np.isnan(caught.value.state).all()

@@ -1,6 +1,9 @@
 /* The modes of a contact: whether it begins loose (`decide_looseness`), sliding or rolling
- * (`settle_friction`), and what follows where a guard ends its mode (`pass_guard`): at a release
- * and a press, and where it begins to roll, to slip or to slide the other way.
+ * (`decide_friction`); what follows where a guard ends its mode (`pass_guard`), at a release and a
+ * press, and where it begins to roll, to slip or to slide the other way; and how that is written
+ * down (`record_change`). guards.c finds the place; `change_mode` in contact_phase.c calls both and
+ * begins the integration anew in the new mode. The exit, where the contact itself ends, is found by
+ * `end_of_step` in contact_phase.c and recorded by `follow_contact` in events.c.
  *
  * Where the slip speed is 0 the disc rolls as long as friction can hold it; else it slides in the
  * sense in which the force drives it that rolling would need. */
@@ -29,13 +32,13 @@ void decide_looseness(struct motion *motion, const double *start)
     motion->model.loose = above > 0.0 ? 0.0 : 1.0;
 }
 
-static void slide(struct motion *motion, double sense)
+static void begin_sliding(struct motion *motion, double sense)
 {
     motion->mode = &rub_mode;
     motion->model.sigma = copysign(1.0, sense);
 }
 
-static void roll(struct motion *motion)
+static void begin_rolling(struct motion *motion)
 {
     motion->mode = &rolling_mode;
     motion->model.sigma = 0.0;
@@ -51,7 +54,7 @@ static double ungripped(const struct motion *motion, const double *values)
     return beyond > hidden_hold(motion, values) ? copysign(beyond, watched[1]) : 0.0;
 }
 
-void settle_friction(struct motion *motion, double *values)
+void decide_friction(struct motion *motion, double *values)
 {
     if (!is_rubbing(motion))
         return;
@@ -60,15 +63,15 @@ void settle_friction(struct motion *motion, double *values)
     if (is_loose(motion))
         return;
     if (fabs(values[RUB_SLIP]) > hidden_slip(motion, values)) {
-        slide(motion, values[RUB_SLIP]);
+        begin_sliding(motion, values[RUB_SLIP]);
         return;
     }
     const double force = ungripped(motion, values);
     values[RUB_SLIP] = 0.0;
     if (force == 0.0)
-        roll(motion);
+        begin_rolling(motion);
     else
-        slide(motion, force);
+        begin_sliding(motion, force);
 }
 
 void begin_with_friction(struct motion *motion, double *start, double *atol)
@@ -98,13 +101,15 @@ void record_mode(struct run *run, const struct motion *motion)
         run->mode_began = (int)contact_mode_of(motion);
 }
 
-/* Take back the last event, as another comes at the same time: what rounding hid then is put right.
- * Return what is to be recorded instead, or 0. */
+/* Another change comes at the time of the last event: rounding hid which of them it is. Take the
+ * last back, and return what is recorded for both together, or 0 where they cancel. What follows an
+ * entry or a press at once is how the contact goes on from there: the event stays, and nothing is
+ * added. */
 static int put_right(struct run *run, const struct motion *motion, int kind)
 {
     const int8_t last = run->event_kinds[run->events - 1];
     if (last == ENTRY || (last == PRESS && kind != RELEASE))
-        return 0; /* so it began */
+        return 0;
     run->events--;
     if (last == SLIP && kind == REVERSE)
         return SLIP;
@@ -130,21 +135,23 @@ void record_change(struct run *run, const struct motion *motion, int kind, int i
     record_mode(run, motion);
 }
 
-/* What a change of friction is called, and what follows; 0 where a margin was touched only. */
+/* Go on as friction has it, and return what the change is called; 0 where a margin was touched
+ * only.
+ */
 static int change_of_friction(struct motion *motion, enum guard guard, double *values)
 {
     const double sense = motion->model.sigma;
     values[RUB_SLIP] = 0.0;
     if (guard != SLIDING) {
-        slide(motion, guard == GRIPS_FORWARDS ? 1.0 : -1.0);
+        begin_sliding(motion, guard == GRIPS_FORWARDS ? 1.0 : -1.0);
         return SLIP;
     }
     const double force = ungripped(motion, values);
     if (force == 0.0) {
-        roll(motion);
+        begin_rolling(motion);
         return ROLL;
     }
-    slide(motion, force);
+    begin_sliding(motion, force);
     return force * sense < 0.0 ? REVERSE : 0;
 }
 
@@ -153,8 +160,10 @@ int pass_guard(struct motion *motion, enum guard guard, double *values)
     if (guard != RELEASE_OR_PRESS)
         return change_of_friction(motion, guard, values);
     const int loosens = !is_loose(motion);
+    /* here the guard is 0 by definition: the next step would find what rounding has left of it as a
+     * change at its beginning (a rotor system says by `zeros` that the guard is 0) */
     values[CONTACT_P] = release_velocity(&motion->model);
     motion->model.loose = loosens ? 1.0 : 0.0;
-    settle_friction(motion, values);
+    decide_friction(motion, values);
     return loosens ? RELEASE : PRESS;
 }
