@@ -27,12 +27,12 @@ ENGLISH = os.environ | {"LC_ALL": "C"}  # what a compiler says is looked at
 
 
 @pytest.mark.parametrize(
-    ("compiler", "model"), [*(("clang", model) for model in MODELS), ("gcc", "paper")]
+    ("compiler", "model"), [("gcc", "paper"), *(("clang", model) for model in MODELS[1:])]
 )
 def test_no_entry_point_does_what_is_undefined(tmp_path, compiler, model):
-    """By `exercise.c`; nor does clang give a warning.
+    """By `exercise.c`, in each model; what is the same in all is compiled by either compiler.
 
-    What is the same in all models is compiled by gcc too, once.
+    Neither gives a warning.
     """
     if not (ROOT / "hatch_build.py").is_file():
         pytest.skip("an installed package has no sources to compile")

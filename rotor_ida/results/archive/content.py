@@ -3,8 +3,8 @@
 `archived_form` says all of it: it checks a dataset and adds the attributes of the format. Which
 variables a result has is in `rotor_ida.results.dataset_kinds`. How the file is protected, by a
 checksum of the content and a seal of all bytes, is in `checksum`; `writing` makes it whole or not
-at all, and `reading` refuses what is damaged, altered or too large. `hdf5` looks for links and
-parts in other files.
+at all, and `reading` refuses what is damaged, altered or too large. `rotor_ida.formats.hdf5` looks
+for links and parts in other files.
 
 Readers of netCDF that know the CF conventions but not this package see the same variables;
 `stored_names` and `coordinates_of` return their names and attributes.
@@ -19,11 +19,16 @@ from collections.abc import Mapping
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
+from xarray.backends.netCDF4_ import NETCDF4_PYTHON_LOCK
 
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
 from rotor_ida.results.rows import own_rows
 from rotor_ida.schema import CONVENTIONS
+
+# netCDF4-python and HDF5 are not thread-safe, so every call into them is made under xarray's lock,
+# which also guards files that the user opened with xarray.
+LOCK = NETCDF4_PYTHON_LOCK
 
 FORMAT = "rotor_ida_format"
 FORMAT_NUMBER = 3

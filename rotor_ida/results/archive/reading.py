@@ -17,9 +17,16 @@ from xarray.core.indexing import ExplicitIndexer, LazilyIndexedArray
 
 from rotor_ida.checks import check_flag, shown
 from rotor_ida.errors import ArchiveError, InputError, MissingFileError
+from rotor_ida.formats.hdf5 import what_is_not_own
 from rotor_ida.results.archive.checksum import content_sha256, seal_of
-from rotor_ida.results.archive.content import CHECKSUM, FORMAT, FORMAT_NUMBER, LABEL_OF, NUMERIC
-from rotor_ida.results.archive.hdf5 import LOCK, what_is_not_own
+from rotor_ida.results.archive.content import (
+    CHECKSUM,
+    FORMAT,
+    FORMAT_NUMBER,
+    LABEL_OF,
+    LOCK,
+    NUMERIC,
+)
 from rotor_ida.results.files import check_path
 from rotor_ida.results.si_units import add_missing_units
 from rotor_ida.schema import RESULT_KIND, with_flags_of_now

@@ -27,12 +27,12 @@ from rotor_ida.results.archive.content import (
     CREATED,
     HISTORY,
     LABEL_OF,
+    LOCK,
     NUMERIC,
     archived_form,
     coordinates_of,
     stored_names,
 )
-from rotor_ida.results.archive.hdf5 import LOCK
 from rotor_ida.results.files import check_target, file_to_write
 from rotor_ida.results.provenance import command
 

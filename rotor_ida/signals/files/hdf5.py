@@ -16,7 +16,7 @@ import numpy as np
 
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
-from rotor_ida.results.archive.hdf5 import LOCK, what_is_not_own
+from rotor_ida.formats.hdf5 import what_is_not_own
 from rotor_ida.signals.files.columns import MOST_NUMBERS, Column, check_size, one_line, possible_in
 
 # Attributes for numbers that were packed, with what they are if left out, and for missing ones.
@@ -69,7 +69,7 @@ def _content(path: Path) -> dict[str, object]:
     """Return the content of a file, after a check of what it declares."""
     from netCDF4 import Dataset  # noqa: PLC0415 - takes long to import
 
-    with LOCK, warnings.catch_warnings():
+    with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # about unknown types, which are left out
         if other := what_is_not_own(path):
             raise InputError(f"{shown(path)} must contain its own data, got {other}")

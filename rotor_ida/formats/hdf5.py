@@ -1,6 +1,4 @@
-"""Access to the netCDF and HDF5 libraries: their lock, and checks of the parts of a file.
-
-netCDF4-python and HDF5 are not thread-safe, so every call into them is made under `LOCK`.
+"""Checks of the parts of an HDF5 file.
 
 netCDF does not report whether a part of a file is a link or has its data in another file. So the
 HDF5 library that netCDF4-python has loaded is asked, through ctypes. h5py would load a second HDF5,
@@ -14,11 +12,6 @@ import ctypes
 import importlib
 import os
 from pathlib import Path
-
-from xarray.backends.netCDF4_ import NETCDF4_PYTHON_LOCK
-
-# xarray's lock, which also guards files that the user opened with xarray.
-LOCK = NETCDF4_PYTHON_LOCK
 
 _Id = ctypes.c_int64
 _Status = ctypes.c_int
@@ -54,7 +47,8 @@ def what_is_not_own(path: Path, *, groups: bool = True) -> str:
 
     netCDF follows links while it opens a file, so HDF5 is asked before. Groups that contain one
     another would crash netCDF, so those that are nested too deep are refused, or all of them
-    without `groups`. Call it under `LOCK`. The result is empty if there is no such part, or if the
+    without `groups`. netCDF4-python and HDF5 are not thread-safe: call it under the lock of
+    `rotor_ida.results.archive.content`. The result is empty if there is no such part, or if the
     HDF5 library of netCDF4-python cannot be called (Windows). OSError is raised if HDF5 cannot
     read the file.
     """
