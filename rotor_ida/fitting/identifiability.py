@@ -152,7 +152,9 @@ def widening(chi_square: float, freedom: int) -> float:
 
 
 def left_in_words(chi_square: float, freedom: int, *, stated: bool = True) -> str:
-    """Return in words whether the residuals of a fit are noise, and if errors are `stated`, their widening.
+    """Return in words whether the residuals of a fit are noise.
+
+    If they exceed it, that errors are widened, where any are `stated`.
 
     Examples
     --------

@@ -80,6 +80,8 @@ LARGER = (0.0, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0)
 SAMPLES, REVOLUTIONS = 1024, 64
 # Number of states of a rotor system, of which each takes a run for a shock.
 PLACES = 64
+# Shocks of one disc with friction that are followed side by side.
+FEW = 64
 # Chaos that is left before this number of them is not shocked.
 FEWEST = 128
 
@@ -162,6 +164,11 @@ class DiscSearch:
     def at(self, stop: Stop) -> Self:
         """Return the same, which ends as soon as `stop` is not 0."""
         return replace(self, stop=stop)
+
+    @property
+    def at_a_time(self) -> int:
+        """Number of shocks after which progress is told: with friction some are slow."""
+        return FEW if may_roll(self.known.rotor) else self.shocks
 
     def source(self, number: int) -> Source | None:
         """Return a source of states of an attractor, or None if they are not known."""
@@ -255,6 +262,7 @@ class SystemSearch:
     """A rotor system with all that the search for shocks needs."""
 
     effort: ClassVar[Effort] = ONE_BY_ONE
+    at_a_time: ClassVar[int] = 1  # shocks after which progress is told
 
     knocked: KnockedSystem
     rows: Table
@@ -358,9 +366,11 @@ def _fill_shocks(
         return
 
     def ends(states: Values) -> Labels:
-        labels = search.ends(states)
-        followed.append(labels.size)
-        return labels
+        labels = []
+        for first in range(0, states.shape[1], search.at_a_time):
+            labels.append(search.ends(states[:, first : first + search.at_a_time]))
+            followed.append(labels[-1].size)
+        return np.concatenate(labels)
 
     for row, (kind, largest) in enumerate(zip(KINDS, search.largest(), strict=True)):
         bound = search.bound(number, kind) if isinstance(search, DiscSearch) else 0.0
