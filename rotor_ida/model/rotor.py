@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from rotor_ida.checks import with_hints
 from rotor_ida.errors import Amount, InputError
 from rotor_ida.model.parameters import (
     DEFAULTS,
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 SMALLEST_SCALE = 1e-100
 
 
+@with_hints
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Rotor:
     """A rotor with contact and clearance, in dimensionless form.
@@ -210,6 +212,7 @@ def check_no_load(
         )  # fmt: skip
 
 
+@with_hints
 @dataclass(frozen=True, kw_only=True, slots=True)
 class DimensionalRotor:
     """A rotor with contact and clearance, in SI units.
