@@ -315,9 +315,9 @@ def with_hints(kind: type[Kind]) -> type[Kind]:
     ... @dataclass
     ... class Shaft:
     ...     stiffness: float
-    >>> Shaft(stifness=1.0)
+    >>> Shaft(stiffnss=1.0)
     Traceback (most recent call last):
-    TypeError: Shaft() got an unexpected keyword argument 'stifness'; did you mean 'stiffness'?
+    TypeError: Shaft() got an unexpected keyword argument 'stiffnss'; did you mean 'stiffness'?
     """
     construct: Callable[..., None] = vars(kind)["__init__"]
     known = tuple(signature(kind).parameters)

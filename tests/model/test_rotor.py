@@ -53,7 +53,7 @@ def test_a_misspelt_argument_of_a_rotor_or_a_part_of_it_is_told_the_one_that_was
     with pytest.raises(TypeError, match=words):
         Rotor(**given, shaft_stifness=1.0)
     kinds = {
-        DimensionalRotor: ("mas", "mass"), RotorSystem: ("stifness", "stiffness"),
+        DimensionalRotor: ("mas", "mass"), RotorSystem: ("stiffnss", "stiffness"),
         Contact: ("clearence", "clearance"), Unbalance: ("momnt", "moment"),
         Bearing: ("dampng", "damping"),
     }  # fmt: skip
