@@ -11,6 +11,8 @@ import re
 from collections.abc import Callable, Iterable, Mapping, Sequence, Sized
 from dataclasses import dataclass
 from difflib import get_close_matches
+from functools import wraps
+from inspect import signature
 from numbers import Integral, Real
 from pathlib import PurePath
 from reprlib import Repr
@@ -302,6 +304,35 @@ def did_you_mean(word: object, known: Iterable[str]) -> str:
         return ""
     nearest = get_close_matches(word, list(known), n=1)
     return f"; did you mean {nearest[0]!r}?" if nearest else ""
+
+
+def with_hints(kind: type[Kind]) -> type[Kind]:
+    """Return a class whose constructor names the argument nearest to a misspelt one.
+
+    Examples
+    --------
+    >>> @with_hints
+    ... @dataclass
+    ... class Shaft:
+    ...     stiffness: float
+    >>> Shaft(stiffnss=1.0)
+    Traceback (most recent call last):
+    TypeError: Shaft() got an unexpected keyword argument 'stiffnss'; did you mean 'stiffness'?
+    """
+    construct: Callable[..., None] = vars(kind)["__init__"]
+    known = tuple(signature(kind).parameters)
+
+    @wraps(construct)
+    def hinting(self: Kind, *given: Any, **named: Any) -> None:
+        for name in named.keys() - known:
+            raise TypeError(
+                f"{kind.__name__}() got an unexpected keyword argument {shown(name)}"
+                f"{did_you_mean(name, known)}"
+            )
+        construct(self, *given, **named)
+
+    type.__setattr__(kind, "__init__", hinting)
+    return kind
 
 
 def check_instance(name: str, value: object, kind: type[Kind]) -> Kind:

@@ -22,7 +22,7 @@ from rotor_ida.basins.kernel import NOT_COMPUTED, UNDECIDED, Labels
 from rotor_ida.basins.starts import Starts
 from rotor_ida.checks import check_between, check_name, check_real
 from rotor_ida.errors import InputError
-from rotor_ida.model.rotor import Rotor
+from rotor_ida.model.rotor import Rotor, check_no_load
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parameters import SPEED
 from rotor_ida.model.varied import Varied
@@ -117,11 +117,10 @@ def one_rotor(rotor: object, speed: object) -> Varied:
 
 def check_rotor(rotor: Rotor, what: str = "a basin", *, loaded: bool = False) -> Rotor:
     """Return a rotor whose starts can be labelled; a load is allowed only if `loaded`."""
-    if rotor.load > 0.0 and not loaded:
-        raise InputError(
-            "{name} must be 0 for {what}, which begins with whirls that no load allows, where "
-            "basin_fractions and touchdown_report label starts, got {value}",
-            name="load", what=what, value=rotor.load,
+    if not loaded:
+        check_no_load(
+            rotor.load, what, "which begins with whirls that no load allows, where "
+            "basin_fractions and touchdown_report label starts",
         )  # fmt: skip
     if rotor.omega == 0.0 < min(rotor.load, rotor.friction):
         raise InputError(

@@ -519,7 +519,7 @@ def show_fit(dataset: xr.Dataset, most: int | None) -> Description:
     rounded = [float(f"{each:.{OF_ERROR}g}") for each in dataset["standard_error"].values]
     rows = rows_of(dataset.assign(standard_error=("unknown", rounded)), FITTED.names)
     lines = [Line(str(row["unknown"]), [row[name] for name in numbers],
-                  str(row["unit"]).replace("rad", "radian"), OF_FITTED)
+                  str(row["unit"]), OF_FITTED)
              for row in rows]  # fmt: skip
     heads = [name.replace("_", " ") for name in numbers]
     told = [f"{each}." for each in str(dataset.attrs.get("identifiability", "")).split("; ")]

@@ -130,7 +130,9 @@ OPTIONS: dict[Group | None, dict[str, Parameter]] = {
         "film": path_option("Write a film of the orbits to this file (.gif, or .mp4)."),
         "export": path_option(
             "Write a page that needs no server, for the speeds of --speeds, and stop."),
-        "inch": flag_option("Print tables in mils, lbf and oz in instead of um, N and g mm."),
+        "inch": flag_option(
+            "Print tables and sentences in mils, lbf and oz in instead of um, N and g mm; figures "
+            "stay in those."),
         "as_json": flag_option("Print JSON instead of tables.", name="--json"),
         "force": flag_option("Overwrite existing files."),
         **dict.fromkeys(("poincare_section node", "bifurcation_diagram node"), Parameter(

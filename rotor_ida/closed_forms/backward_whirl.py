@@ -149,7 +149,7 @@ def _checked(rotor: Rotor) -> float:
         raise InputError("friction must be above 0 for a backward whirl, got 0.0")
     if rotor.disc_radius is None:
         raise InputError("disc_radius must be given for a backward whirl, got None")
-    check_no_load(rotor, "a backward whirl")
+    check_no_load(rotor.load, "a backward whirl")
     for name in ("omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "friction"):
         check_nonnegative(name, getattr(rotor, name), LARGEST_NUMBER)
     if rotor.friction < _SMALLEST_FRICTION:

@@ -28,7 +28,7 @@ from rotor_ida.checks import (
     check_state,
 )
 from rotor_ida.errors import InputError
-from rotor_ida.model.rotor import Rotor
+from rotor_ida.model.rotor import Rotor, check_no_load
 
 _LARGEST_PHASE = 1e12
 SMALLEST_RATE = 1e-12
@@ -91,8 +91,7 @@ def ramp_flight(
     times = check_array("time", time)
     if (times < 0.0).any():
         raise InputError(f"time must not be negative, got {float(times.min())!r}")
-    if rotor.load > 0.0:
-        raise InputError(f"load must be 0 for a flight on a ramp, got {rotor.load!r}")
+    check_no_load(rotor.load, "a flight on a ramp", "which leaves it out")
     longest = float(np.max(times, initial=0.0))
     if (rotor.omega + abs(slope) * longest) * longest > _LARGEST_PHASE:
         raise InputError(f"the angle must be at most {_LARGEST_PHASE:g}, got time {longest!r}")

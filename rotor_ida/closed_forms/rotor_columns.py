@@ -15,7 +15,7 @@ from rotor_ida.checks import LARGEST_NUMBER, shown
 from rotor_ida.closed_forms.restoring_law import RestoringLaw
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import DEFAULTS, Parameters
-from rotor_ida.model.rotor import DimensionalRotor, Rotor
+from rotor_ida.model.rotor import DimensionalRotor, Rotor, check_no_load
 from rotor_ida.model.varied import Range, Varied, varied_of
 
 
@@ -80,12 +80,8 @@ def whirls_asked(
     asked = varied_of(
         verb, rotor, given, left_out=left_out, ranges=ranges, others=(0.0, LARGEST_NUMBER)
     )
-    if not under_load and (load := asked.values("load")).any():
-        raise InputError(
-            "{name} must be 0 for {verb}, as there is no synchronous whirl under a load, got "
-            "{value}",
-            name="load", verb=verb.__name__, value=float(load.max()),
-        )  # fmt: skip
+    if not under_load:
+        check_no_load(float(np.max(asked.values("load"), initial=0.0)), verb.__name__)
     if (radii := asked.values("disc_radius")).size > 1:
         raise InputError(f"disc_radius must be one number: it moves no whirl, got {shown(radii)}")
     loaded = asked.values("load").any()

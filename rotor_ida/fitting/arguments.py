@@ -189,7 +189,7 @@ def _units_of(machine: AnyRotor) -> dict[str, str]:
         known = dict.fromkeys(known, "1")
     linear = exponents == {1.0}
     units = {name: unit.replace("m-1.5", "m-1") if linear else unit for name, unit in known.items()}
-    return units | {ANGLE: "rad"}
+    return units | {ANGLE: "radian"}
 
 
 def _guess_of(machine: AnyRotor, name: str) -> float:

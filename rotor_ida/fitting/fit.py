@@ -117,7 +117,8 @@ def fit(
     Dataset
         On ``unknown``: ``estimate``, ``standard_error``, ``lower`` and ``upper`` of the interval,
         ``first_guess``, ``told`` (whether the search converged and the standard error is at most
-        half of the value) and ``unit``; on (``unknown``, ``unknown_too``) ``covariance``. On
+        half of the value) and ``unit``; on (``unknown``, ``unknown_too``) ``covariance``. Errors,
+        intervals and covariance are NaN if the search has not converged. On
         ``window``, over all records, the compared tracks: measured ``forward_whirl_amplitude``,
         ``forward_phase_lag`` and so on, as in `rotor_ida.orders`, and fitted
         ``fitted_forward_whirl_amplitude`` and so on; ``forward_residual_real`` and so on, the
@@ -216,7 +217,7 @@ def _solved(problem: FitProblem, noise: float | None) -> tuple[Values, str]:
     if not converged:
         same = np.array_equal(solution, first)
         found = "no trial is better than the first guess" if same else "this is the best trial"
-        how = f"{how}: {found}, and its errors hold only near a minimum"
+        how = f"{how}: {found}, and no errors are stated, which hold only near a minimum"
     return solution, how
 
 

@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Values
+from rotor_ida.units import quantity
 
 # The unknown that is an angle [rad], and may be 0.
 ANGLE = "unbalance_angle"
@@ -124,7 +125,7 @@ def _part(name: str, error: float) -> str:
     if not math.isfinite(error):
         return "no error can be stated"
     if name == ANGLE:
-        return f"{error:.2g} rad"
+        return quantity(error, "radian", 2)
     return f"{100.0 * error:.2g} %" if error < 10.0 else f"{error:.2g} times its value"
 
 
@@ -150,8 +151,10 @@ def widening(chi_square: float, freedom: int) -> float:
     return 1.0
 
 
-def left_in_words(chi_square: float, freedom: int) -> str:
+def left_in_words(chi_square: float, freedom: int, *, stated: bool = True) -> str:
     """Return in words whether the residuals of a fit are noise.
+
+    If they exceed it, that errors are widened, where any are `stated`.
 
     Examples
     --------
@@ -163,7 +166,8 @@ def left_in_words(chi_square: float, freedom: int) -> str:
     told = f"chi-square {chi_square:.4g} with {freedom} degrees of freedom"
     wider = widening(chi_square, freedom)
     if wider > 1.0:
-        return f"the residuals exceed the noise, so errors are widened {wider:.3g} times: {told}"
+        so = f", so errors are widened {wider:.3g} times" if stated else ""
+        return f"the residuals exceed the noise{so}: {told}"
     if freedom > 0 and chi2.cdf(chi_square, freedom) < NO_CHANCE:
         return f"the residuals are smaller than the noise: {told}"
     return f"the residuals are noise: {told}"

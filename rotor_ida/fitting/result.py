@@ -48,8 +48,10 @@ def dataset_of(
     slopes = slopes / widening(chi_square, freedom)
     names = [each.name for each in problem.trials.unknown]
     told = identify(slopes, _scales(problem, solution), names)
+    words = [*told.words, *_at_bounds(problem, solution)]
     if search != CONVERGED:
-        told = _of_no_minimum(told, names)
+        told = _of_no_minimum(names)
+        words = told.words
     variables: dict[str, Column] = {
         **_estimates(problem, solution, told, level),
         **_tracks(problem, Trial(solution, motions)),
@@ -66,13 +68,13 @@ def dataset_of(
     if not isinstance(machine, RotorSystem):
         coordinates.pop("node")
     where = _worst_node(problem, motions) if widening(chi_square, freedom) > 1.0 else ""
-    words = [*told.words, *_at_bounds(problem, solution)]
+    left = left_in_words(chi_square, freedom, stated=search == CONVERGED)
     attributes = provenance({"method": "taylor"}) | {
         "machine": type(machine).__name__,
         **{f"given_{name}": value for name, value in getattr(machine, "given", {}).items()},
         "search": search,
         "identifiability": "; ".join(words),
-        "remainder": left_in_words(chi_square, freedom) + where,
+        "remainder": left + where,
         "confidence": level,
         "evaluations": problem.trials.evaluations,
     }
@@ -89,13 +91,15 @@ def dataset_of(
     return plain.dataset("Fit of a machine to signals", variables, coordinates, kind="fit")
 
 
-def _of_no_minimum(told: Identifiability, names: list[str]) -> Identifiability:
-    """Return that nothing is identified, as errors hold only near a minimum."""
+def _of_no_minimum(names: list[str]) -> Identifiability:
+    """Return that nothing is identified and no error known: errors hold only near a minimum."""
     words = (
         f"the search did not converge, so the signals do not yet determine {', '.join(names)}: "
         "start nearer, fit fewer unknowns or a shorter part, or search longer if a limit stopped it"
     )
-    return replace(told, told=np.zeros_like(told.told), words=[words])
+    count = len(names)
+    unknown = np.full((count, count), math.nan)
+    return Identifiability(unknown, np.zeros(count, dtype=np.bool_), [words])
 
 
 def _scales(problem: FitProblem, solution: Values) -> Values:

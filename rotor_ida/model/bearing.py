@@ -17,6 +17,7 @@ from rotor_ida.checks import (
     check_name,
     check_real,
     shown,
+    with_hints,
 )
 from rotor_ida.errors import InputError
 from rotor_ida.model.system_parts import LARGEST, named_node
@@ -26,6 +27,7 @@ ROUNDED = 1e-12
 MOST_SPEEDS = 10_000
 
 
+@with_hints
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
 class Bearing:
     """A bearing or seal: the force on its node is ``-(K u + C u')``, u the node's displacement.

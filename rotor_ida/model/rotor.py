@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Literal
 
 import numpy as np
 
+from rotor_ida.checks import with_hints
 from rotor_ida.errors import Amount, InputError
 from rotor_ida.model.parameters import (
     DEFAULTS,
@@ -30,6 +31,7 @@ if TYPE_CHECKING:
 SMALLEST_SCALE = 1e-100
 
 
+@with_hints
 @dataclass(frozen=True, kw_only=True, repr=False)
 class Rotor:
     """A rotor with contact and clearance, in dimensionless form.
@@ -199,17 +201,18 @@ def check_no_friction(rotor: Rotor, what: str) -> None:
         )
 
 
-def check_no_load(rotor: Rotor | DimensionalRotor, what: str) -> None:
-    """Raise `InputError` for a rotor with a load, where it is not supported."""
-    if rotor.load > 0.0:
+def check_no_load(
+    load: float, what: str, why: str = "as there is no synchronous whirl under a load"
+) -> None:
+    """Raise `InputError` for a load above 0, where it is not supported; name the way out."""
+    if load > 0.0:
         raise InputError(
-            "{name} must be 0 for {what}, as there is no synchronous whirl under a load, got "
-            "{value}",
-            name="load", what=what,
-            value=Amount(rotor.load, "N") if isinstance(rotor, DimensionalRotor) else rotor.load,
+            "{name} must be 0 for {what}, {why}, got {value}; {name} 0 leaves the weight out",
+            name="load", what=what, why=why, value=load,
         )  # fmt: skip
 
 
+@with_hints
 @dataclass(frozen=True, kw_only=True, slots=True)
 class DimensionalRotor:
     """A rotor with contact and clearance, in SI units.

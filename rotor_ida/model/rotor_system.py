@@ -23,6 +23,7 @@ from rotor_ida.checks import (
     check_real,
     did_you_mean,
     shown,
+    with_hints,
 )
 from rotor_ida.errors import InputError
 from rotor_ida.model.bearing import Bearing
@@ -60,6 +61,7 @@ class SystemParameters(TypedDict, total=False):
     static_force: npt.ArrayLike | None
 
 
+@with_hints
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False, repr=False)
 class RotorSystem:
     """A linear rotor of any size, by its matrices, with its contacts and the forces on it.

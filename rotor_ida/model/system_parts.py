@@ -18,6 +18,7 @@ from rotor_ida.checks import (
     check_nonnegative,
     check_real,
     shown,
+    with_hints,
 )
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import HERTZ_EXPONENT
@@ -27,6 +28,7 @@ MOST_CONTACTS = 16
 SMALLEST_LENGTH, LARGEST_LENGTH, LARGEST = 1e-20, 1e15, 1e30
 
 
+@with_hints
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Race:
     """The inner race of a bearing, which friction spins up.
@@ -56,6 +58,7 @@ class Race:
             object.__setattr__(self, name, check(f"{name} of a race", getattr(self, name)))
 
 
+@with_hints
 @dataclass(frozen=True, kw_only=True, slots=True, eq=False)
 class Stator:
     """A stator that moves: a mass on springs and dampers, with two degrees of freedom of its own.
@@ -99,6 +102,7 @@ class Stator:
             check_instance("race", self.race, Race)
 
 
+@with_hints
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Contact:
     """A contact between a node of the rotor and a stator around it.
@@ -200,6 +204,7 @@ class Contact:
         return self.race
 
 
+@with_hints
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Unbalance:
     """An unbalance at a node.
@@ -231,6 +236,7 @@ class Unbalance:
             raise InputError(f"phase {where} must be finite, got {self.phase!r}")
 
 
+@with_hints
 @dataclass(frozen=True, kw_only=True, slots=True)
 class Support:
     """A magnetic bearing, linear about the centre in which it levitates a node.

@@ -263,7 +263,7 @@ def _plot_touches(dataset: xr.Dataset, ax: Axes) -> None:
 
 
 def _estimates_in_words(dataset: xr.Dataset) -> str:
-    """Return the estimates, a line for two unknowns."""
+    """Return the estimates, a line for two unknowns, and whether errors are lacking."""
     words = []
     for name, value, error, unit in zip(
         dataset["unknown"].values, dataset["estimate"].values, dataset["standard_error"].values,
@@ -275,4 +275,7 @@ def _estimates_in_words(dataset: xr.Dataset) -> str:
             PARAMETERS_OF_SYSTEM[name].label if is_factor and name in PARAMETERS_OF_SYSTEM else name
         )
         words.append(f"{str(called).replace('_', ' ')} {said}")
-    return "\n".join(";  ".join(words[n : n + 2]) for n in range(0, len(words), 2))
+    lines = [";  ".join(words[n : n + 2]) for n in range(0, len(words), 2)]
+    if np.isnan(dataset["standard_error"].values).all():
+        lines.append("no errors: the search has not converged")
+    return "\n".join(lines)

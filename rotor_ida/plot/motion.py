@@ -66,7 +66,8 @@ DRAWN_APART = 400
 class Place(NamedTuple):
     """Where a rotor is seen: the disc, or a node of a system, in one contact.
 
-    `run` has the events and episodes of that contact alone. Without a stator the clearance is 0.
+    `run` has the events and episodes of that contact alone, whose number among all contacts gives
+    it its colour. Without a stator the clearance is 0.
     """
 
     title: str
@@ -74,6 +75,7 @@ class Place(NamedTuple):
     path: Path
     clearance: float
     centre: complex = 0j
+    number: int = 0
 
     @property
     def radius(self) -> Values:
@@ -136,7 +138,7 @@ def place_at(run: xr.Dataset, ring: Ring) -> Place:
     own = in_contact(run, ring.contacts[0])
     centre = complex(own["centre_x"], own["centre_y"])
     title = contact_text(run, ring.contacts[0])
-    return Place(title, own, path, float(own["clearance"]), centre)
+    return Place(title, own, path, float(own["clearance"]), centre, ring.contacts[0])
 
 
 def in_contact(run: xr.Dataset, number: int) -> xr.Dataset:

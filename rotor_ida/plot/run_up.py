@@ -54,6 +54,8 @@ ORBIT = 2.7
 FEW_TURNS, MANY_TURNS = 3.0, 60.0
 # Columns of a band. A band of fewer revolutions than this is a line.
 BINS, LINE = 700, 25
+# A part of a revolution by which a column may be narrower than a dot, and one that is rounding.
+NEARLY, ROUNDING = 0.1, 1e-6
 # Of a system at most this many contacts are drawn, those of the largest forces.
 MOST_CONTACTS = 5
 # The speed is the axis if it only rises or only falls: in each of PARTS equal parts of the time by
@@ -208,14 +210,18 @@ def _orbits_of(places: Sequence[Place], course: Course) -> Iterator[tuple[str, P
 
 
 def _bins(across: Values, turns: Values) -> npt.NDArray[np.intp]:
-    """Return the first sample of each column that is at least a dot and a revolution wide."""
+    """Return the first sample of each column: the fewest whole revolutions at least a dot wide.
+
+    The extremes of parts of revolutions would beat with the motion.
+    """
     column = np.abs(across - across[0]) / (abs(across[-1] - across[0]) or 1.0) * BINS
     starts, place = [], 0
     while place < across.size:
         starts.append(place)
-        place = max(
-            int(np.searchsorted(each, math.floor(each[place]) + 1.0)) for each in (column, turns)
-        )
+        beyond = min(int(np.searchsorted(column, column[place] + 1.0)), across.size - 1)
+        whole = max(math.ceil(turns[beyond] - turns[place] - NEARLY), 1)
+        first = math.floor(turns[place] + ROUNDING)
+        place = int(np.searchsorted(turns, first + whole - ROUNDING))
     # the last one may be a part of a revolution
     return np.array(starts[: max(len(starts) - 1, 1)], dtype=np.intp)
 
@@ -304,8 +310,8 @@ def _draw_normal_forces(ax: Axes, places: Sequence[Place], course: Course) -> No
 
 
 def _colour(places: Sequence[Place], number: int, alone: str) -> str:
-    """Return the colour of a place: one of its own in all panels if there are several."""
-    return palette.look(number + 1)[0] if len(places) > 1 else alone
+    """Return the colour of a place: that of its race too, in all panels, if there are several."""
+    return palette.look(places[number].number + 1)[0] if len(places) > 1 else alone
 
 
 def _name(places: Sequence[Place], number: int) -> str:

@@ -155,7 +155,7 @@ def summary(run: xr.Dataset, *, running_speed: float | None = None) -> xr.Datase
     hangs = "" if lies or not start else f"{start[0].upper()}{start[1:]}."
     rubs = bool(ended.features.radius_max > rotor.delta0)
     told = _in_words([facts], ended, last, scales, backward, rubs)
-    uncertain = _after_horizon(run)
+    uncertain = _after_horizon(run, ended)
     beyond = beyond_model(-facts["smallest_gap"], rotor, machine)
     attributes["sentence"] = " ".join(filter(None, [beyond, verdict, hangs, *told, uncertain]))
     found = labelled_dataset(
@@ -228,7 +228,7 @@ def _of_system(run: xr.Dataset, running_speed: float | None) -> xr.Dataset:
     after = _in_words(contacts, ended, last, scales, 0, rubs) if contacts else []
     told = [beyond_of_system(run), *_self_excited(run, ended, last, scales),
             *_of_contacts(run, contacts, ended.ending, scales, running_speed),
-            *after, _after_horizon(run)]  # fmt: skip
+            *after, _after_horizon(run, ended)]  # fmt: skip
     attributes["sentence"] = " ".join(filter(None, told))
     made = labelled_dataset("Summary of a run-up", columns, {}, attributes, kind="run_up_summary")
     return with_system_units(made, system)
@@ -324,7 +324,7 @@ def _in_words(
     rubs: bool,
 ) -> list[str]:
     """Return sentences after the verdict: of `backward` whirls, and whether it still `rubs`."""
-    held = f"Held at {_speed(last, scales)} it"
+    held = f"Held at {_speed(last, scales)} it" if last else "At standstill it"
     count = sum(int(each["contact_count"]) for each in contacts)
     rolls = [each["first_roll_speed"] for each in contacts if "first_roll_speed" in each]
     sentences = []
@@ -341,7 +341,10 @@ def _in_words(
                 f"{count:,} contacts."
             )
     if ended.ending == CONTACT_FREE:
-        return [*sentences, f"{held} {'runs clear of' if count else 'stays off'} the stator."]
+        clear = ("runs clear of" if last else "rests clear of") if count else "stays off"
+        return [*sentences, f"{held} {clear} the stator."]
+    if ended.ending == RUB and not last:
+        return [*sentences, f"{held} rests on the stator."]
     if not count and ended.ending in (RUB, WHIP):
         held += " touches at last, and"
     if ended.ending == WHIP:
@@ -358,16 +361,21 @@ def _in_words(
     return [*sentences, f"{held} {said}"]
 
 
-def _after_horizon(run: xr.Dataset) -> str:
-    """Return that what follows a time is one of many possible motions, if it is."""
+def _after_horizon(run: xr.Dataset, ended: Outcome) -> str:
+    """Return that what follows a time is one of many possible motions, if it is.
+
+    At standstill they all end clear of the stator if one does.
+    """
     end = run["t"][-1]
     if "horizon" not in run or not run["horizon"] < end:
         return ""
     unit = str(run["t"].attrs.get("units", "1"))
     times = [quantity(float(each), unit, 3) for each in (run["horizon"], end)]
+    rests = ended.ending == CONTACT_FREE and float(run["speed"][-1]) == 0.0
+    follows = "what follows until it rests" if rests else "what follows, and how it ends,"
     return (
-        f"After {times[0]} of {times[1]} this one motion depends on rounding: what follows, and "
-        "how it ends, is one of many possible ones."
+        f"After {times[0]} of {times[1]} this one motion depends on rounding: {follows} is one of "
+        "many possible ones."
     )
 
 

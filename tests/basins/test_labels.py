@@ -246,7 +246,8 @@ def test_a_load_of_a_machine_is_refused_in_newtons():
         speed=1000.0, load=5.0,
     )  # fmt: skip
     with pytest.raises(
-        InputError, match=r"^load must be 0 for .* where basin_fractions .*, got 5 N$"
+        InputError,
+        match=r"^load must be 0 for .* where basin_fractions .*, got 5 N; load 0 .* out$",
     ):
         continue_attractors(machine, speed=[900.0], x=(-1e-6, 1e-6), y=(-1e-6, 1e-6))
 

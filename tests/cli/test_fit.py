@@ -97,7 +97,8 @@ def test_a_search_that_is_stopped_says_so(program: Program, folder: Path):
     assert answer.err.startswith("rotor-ida: search stopped by its limit: no trial is better")
     assert "the search did not converge" in answer.out
     assert "is known to" not in answer.out
-    assert Path("found.nc").exists()
+    shown = json.loads(program("show", "found.nc", "--json").out)
+    assert all(row["standard_error"] is None for row in shown["unknown"])
 
 
 def test_times_and_noise_have_units(program: Program, folder: Path):

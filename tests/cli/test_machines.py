@@ -402,7 +402,7 @@ def test_a_speed_of_a_data_sheet_without_a_unit_is_asked_about(program: Program)
 def test_a_load_is_refused_by_the_name_of_its_option_and_in_its_unit(program: Program, pump: str):
     whirl = program("backward-whirl", "--machine", pump, "--load", "0.4kN")
     assert whirl.err.startswith("rotor-ida: --load must be 0 for a backward whirl, ")
-    assert whirl.err.endswith(", got 0.4 kN\n")
+    assert whirl.err.endswith(", got 0.4 kN; load 0 leaves the weight out\n")
     box = ("--x=-1um:1um", "--y=-1um:1um", "--starts", "2")
     report = program("touchdown", "--machine", pump, "--load", "0.4kN", *box, "--shocks", "3")
     assert report.err == "rotor-ida: --shocks must be 0 under a load, got 3 with load 0.4 kN\n"

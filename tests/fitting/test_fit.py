@@ -26,6 +26,7 @@ from rotor_ida.errors import BudgetError
 from rotor_ida.fitting.arguments import problem_of
 from rotor_ida.fitting.fit import _least, _with_stiffness
 from rotor_ida.fitting.trials import MOST_TRIALS, Unknown
+from rotor_ida.plot.fits import _estimates_in_words
 from rotor_ida.signals.teeth import teeth_in
 
 TRUE = Rotor(omega=0.3, zeta=0.1, delta0=1.5, shaft_stiffness=1.0)
@@ -107,9 +108,13 @@ def test_a_machine_in_si_units_and_its_mark(up):
     found = fit(seen, DimensionalRotor(**given), sought)
     off = (found.estimate - [89.1, 2e-5, 1e-5, ahead]) / found.standard_error
     assert (np.abs(off) < 5.0).all()
-    assert found.unit.values.tolist() == ["N s m-1", "m", "m", "rad"]
+    assert found.unit.values.tolist() == ["N s m-1", "m", "m", "radian"]
     assert found.forward_whirl_amplitude.attrs["units"] == "um"
-    assert "unbalance_angle is known to" in found.attrs["identifiability"]
+    # in words as in the table and the figure: in degrees
+    error = np.degrees(found.standard_error.values[3])
+    assert f"unbalance_angle is known to {error:.2g} deg" in found.attrs["identifiability"]
+    degrees = np.degrees(found.estimate.values[3])
+    assert f"unbalance angle ${degrees:.2f}(" in _estimates_in_words(found)
 
 
 @pytest.mark.parametrize("ahead", [-2.8, 0.0, 1.5])
@@ -298,6 +303,12 @@ def test_a_search_that_must_end_returns_its_best_trial(up, monkeypatch):
     assert "is known to" not in short.attrs["identifiability"]
     assert "the search did not converge" in short.attrs["identifiability"]
     assert not short.told.values.any()
+    # far from a minimum the linear errors can be many times too small: none is stated
+    for name in ("standard_error", "lower", "upper", "covariance"):
+        assert short[name].isnull().all()
+        assert whole[name].notnull().all()
+    assert "widened" not in late.attrs["remainder"]
+    assert _estimates_in_words(short).endswith("no errors: the search has not converged")
     assert float(whole.chi_square) < float(short.chi_square)
     first = fit(seen, GUESS, SOUGHT, noise=NOISE, limit=1e-9)
     assert float(short.chi_square) < float(first.chi_square)

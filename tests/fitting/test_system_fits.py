@@ -147,7 +147,7 @@ def test_an_angle_of_the_unbalance_and_a_stiffer_contact_are_found(up):
     truth = {"clearance": 1.2e-4, "contact_stiffness": 5e6, "unbalance_angle": 0.7}
     found = fit(signals, machine(gap=1.4e-4), list(truth), start="settled")
     assert (np.abs(off(found, truth)) < 4.0).all()
-    assert found.unit.values.tolist() == ["m", "N m-1", "rad"]
+    assert found.unit.values.tolist() == ["m", "N m-1", "radian"]
 
 
 def test_signals_in_micrometres_and_a_system_that_hangs_under_gravity():

@@ -6,7 +6,17 @@ import math
 import numpy as np
 import pytest
 
-from rotor_ida import DimensionalRotor, InputError, Rotor, dimensional, simulate
+from rotor_ida import (
+    Bearing,
+    Contact,
+    DimensionalRotor,
+    InputError,
+    Rotor,
+    RotorSystem,
+    Unbalance,
+    dimensional,
+    simulate,
+)
 from rotor_ida.model.parameters import FRICTIONLESS, MACHINE_PARAMETERS
 
 MACHINE = DimensionalRotor(
@@ -35,6 +45,22 @@ def test_a_rotor_is_frozen_and_keyword_only():
         rotor.omega = 2.0
     with pytest.raises(TypeError):
         Rotor(1.0, 0.1, 0.5)
+
+
+def test_a_misspelt_argument_of_a_rotor_or_a_part_of_it_is_told_the_one_that_was_meant():
+    given = {"omega": 1.0, "zeta": 0.1, "delta0": 1.0}
+    words = r"^Rotor\(\) got an unexpected keyword argument 'shaft_stifness'; did you mean 'shaft_s"
+    with pytest.raises(TypeError, match=words):
+        Rotor(**given, shaft_stifness=1.0)
+    kinds = {
+        DimensionalRotor: ("mas", "mass"), RotorSystem: ("stiffnss", "stiffness"),
+        Contact: ("clearence", "clearance"), Unbalance: ("momnt", "moment"),
+        Bearing: ("dampng", "damping"),
+    }  # fmt: skip
+    for kind, (misspelt, meant) in kinds.items():
+        words = rf"^{kind.__name__}\(\) .*; did you mean '{meant}'\?$"
+        with pytest.raises(TypeError, match=words):
+            kind(**{misspelt: 1.0})
 
 
 def test_values_of_a_result_make_a_rotor():

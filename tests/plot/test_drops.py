@@ -9,6 +9,7 @@ from PIL import Image
 
 from rotor_ida import Contact, InputError, Race, RotorSystem, drop, drop_ensemble
 from rotor_ida.plot import plot_drops, plot_run, plot_run_up, save_orbit_film
+from rotor_ida.plot.run_up import _bins
 
 DISC = RotorSystem(mass=20.0 * np.eye(2), stiffness=np.zeros((2, 2)), nodes={"disc": (0, 1)})
 GIVEN = {
@@ -33,6 +34,38 @@ def test_a_figure_of_a_drop_has_speeds_radius_force_and_orbits_over_time():
     np.testing.assert_allclose(race.get_ydata()[fastest], rpm * run.largest_race_speed[0])
     np.testing.assert_allclose(race.get_xdata()[fastest], run.race_speed_time[0])
     assert "[rpm]" in speeds.get_ylabel()
+
+
+def test_a_contact_has_the_colour_of_its_race_in_all_panels():
+    """The races are by number, the bands by largest force, which is in the second contact."""
+    wide, near = (
+        Contact(node=node, clearance=clearance, stiffness=2e9, damping=1.0, friction=0.1,
+                radius=0.03, race=Race(radius=0.03, inertia=2e-4))
+        for node, clearance in (("left", 2.2e-4), ("right", 2e-4))
+    )  # fmt: skip
+    system = RotorSystem(
+        mass=np.diag([4.0, 4.0, 20.0, 20.0]), stiffness=np.zeros((4, 4)),
+        nodes={"left": (0, 1), "right": (2, 3)}, contacts=[wide, near],
+    )  # fmt: skip
+    run = drop(system, speed=500.0, duration=0.05, inertia=0.08)
+    assert run.largest_force[1] > run.largest_force[0]
+    speeds, radius, force = plot_run_up(run).axes[:3]
+    for node in ("left", "right"):
+        (race,) = (each for each in speeds.lines if node in each.get_label())
+        (gap, load) = (
+            each for ax in (radius, force) for each in ax.lines if node in str(each.get_label())
+        )
+        assert race.get_color() == gap.get_color() == load.get_color()
+
+
+def test_columns_hold_the_fewest_whole_revolutions():
+    """Of a motion that repeats after two, with 32 samples in each, the band has no beats."""
+    turns = np.linspace(0.0, 1000.0, 32_001)
+    values = np.sin(2.0 * np.pi * turns) + 0.5 * np.sin(np.pi * turns)
+    starts = _bins(turns, turns)
+    assert set(np.diff(starts).tolist()) == {64}  # two revolutions: a dot is 1.4 of them
+    highest = np.maximum.reduceat(values, starts)
+    np.testing.assert_allclose(highest, highest[0], rtol=1e-9)
 
 
 def test_distributions_rise_to_1():

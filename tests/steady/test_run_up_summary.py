@@ -67,6 +67,21 @@ def test_the_words_say_how_it_ends():
     assert "it stays in dry whip: it whirls backwards, rolling on the stator" in said["whip"]
 
 
+def test_at_standstill_the_rotor_rests():
+    """A run-down through a rub ends at rest in the middle, or under a load below it."""
+    rotor = Rotor(omega=1.2, zeta=0.07, delta0=0.8, shaft_stiffness=1.0)
+    run = run_up(rotor, start=REST, to=0.0, rate=-0.02)
+    early = run.assign(horizon=run["horizon"] * 0.0 + 1.0)
+    said = summary(early).attrs["sentence"]
+    assert "At standstill it rests clear of the stator." in said
+    assert said.endswith(": what follows until it rests is one of many possible ones.")
+    lying = run_up(replace(rotor, load=3.0, shaft_stiffness=0.5), to=0.0, rate=-0.02)
+    assert summary(lying).attrs["sentence"].endswith("At standstill it rests on the stator.")
+    system = run_up(rotor.system(), speed=1.2, to=0.0, rate=-0.02)
+    said = summary(system).attrs["sentence"]
+    assert said.endswith("followed: no settled response of a rotor system is computed there.")
+
+
 def test_a_backward_whirl_that_slips_is_told():
     """A fan that never rolls: its slipping whirl is backward, at its natural frequency."""
     rotor = Rotor(

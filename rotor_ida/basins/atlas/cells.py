@@ -77,7 +77,7 @@ def fill_cell(job: CellJob, stop: Stop) -> Cell:
     labeller = scouted_of(job, stop)
     cell = cell_of(job, follow_here(labeller, job.states, stop))
     for fill in fills_of(cell, labeller, job.shocks, stop):
-        fill(stop)
+        fill.work(stop)
     return cell
 
 

@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable
 from dataclasses import dataclass, field, replace
 from functools import partial
-from typing import ClassVar, Self
+from typing import ClassVar, NamedTuple, Self
 
 import numpy as np
 import numpy.typing as npt
@@ -66,8 +66,6 @@ from rotor_ida.steady import response
 from rotor_ida.steady.grid import Table
 
 Flags = npt.NDArray[np.int8]
-# A job that fills in a part of what is known of an attractor.
-Fill = Callable[[Stop], None]
 
 # Shocks are tried up to this multiple of the largest attractor or the clearance; shocks of
 # velocity up to the speed of a whirl of that size.
@@ -82,8 +80,18 @@ LARGER = (0.0, 1e-4, 3e-4, 1e-3, 3e-3, 1e-2, 3e-2, 0.1, 0.3, 1.0)
 SAMPLES, REVOLUTIONS = 1024, 64
 # Number of states of a rotor system, of which each takes a run for a shock.
 PLACES = 64
+# Shocks of one disc with friction that are followed side by side.
+FEW = 64
 # Chaos that is left before this number of them is not shocked.
 FEWEST = 128
+
+
+class Fill(NamedTuple):
+    """A job that fills in a part of what is known of an attractor."""
+
+    work: Callable[[Stop], None]
+    shocks: int  # that it is to follow, as far as that is known before
+    followed: list[int]  # numbers of shocks that it has followed so far
 
 
 @dataclass(slots=True)
@@ -156,6 +164,11 @@ class DiscSearch:
     def at(self, stop: Stop) -> Self:
         """Return the same, which ends as soon as `stop` is not 0."""
         return replace(self, stop=stop)
+
+    @property
+    def at_a_time(self) -> int:
+        """Number of shocks after which progress is told: with friction some are slow."""
+        return FEW if may_roll(self.known.rotor) else self.shocks
 
     def source(self, number: int) -> Source | None:
         """Return a source of states of an attractor, or None if they are not known."""
@@ -249,6 +262,7 @@ class SystemSearch:
     """A rotor system with all that the search for shocks needs."""
 
     effort: ClassVar[Effort] = ONE_BY_ONE
+    at_a_time: ClassVar[int] = 1  # shocks after which progress is told
 
     knocked: KnockedSystem
     rows: Table
@@ -325,8 +339,11 @@ def resilience_of(search: Search) -> tuple[list[Resilience], list[Fill]]:
             parameters = varied(search.known.rotor) if isinstance(search, DiscSearch) else ()
             found[label] = Resilience.unknown(len(search.rows), size, len(parameters))
             if isinstance(search, DiscSearch):
-                fills.append(partial(_fill_extents, found[label], search, number))
-            fills.append(partial(_fill_shocks, found[label], search, number))
+                extents = partial(_fill_extents, found[label], search, number)
+                fills.append(Fill(extents, 0, []))
+            followed: list[int] = []
+            shocks = partial(_fill_shocks, found[label], search, number, followed)
+            fills.append(Fill(shocks, len(KINDS) * search.shocks, followed))
     return [found[label] for label in search.labels], fills
 
 
@@ -339,16 +356,26 @@ def _fill_extents(resilience: Resilience, search: DiscSearch, number: int, stop:
             resilience.ends[row, column] = END[end.kind]
 
 
-def _fill_shocks(resilience: Resilience, search: Search, number: int, stop: Stop) -> None:
+def _fill_shocks(
+    resilience: Resilience, search: Search, number: int, followed: list[int], stop: Stop
+) -> None:
     """Fill in the smallest shocks from an attractor to each other, and their bounds."""
     search = search.at(stop)
     own, source = search.labels[number], search.source(number)
     if source is None:
         return
+
+    def ends(states: Values) -> Labels:
+        labels = []
+        for first in range(0, states.shape[1], search.at_a_time):
+            labels.append(search.ends(states[:, first : first + search.at_a_time]))
+            followed.append(labels[-1].size)
+        return np.concatenate(labels)
+
     for row, (kind, largest) in enumerate(zip(KINDS, search.largest(), strict=True)):
         bound = search.bound(number, kind) if isinstance(search, DiscSearch) else 0.0
         sizes = max(bound, SMALLEST * largest), largest
-        blows = Blows(source, search.changes(kind), search.ends)
+        blows = Blows(source, search.changes(kind), ends)
         tried, scatter = try_shocks(
             blows, own, sizes, search.shocks, seed=row, effort=search.effort
         )

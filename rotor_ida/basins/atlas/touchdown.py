@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from concurrent.futures import ThreadPoolExecutor
 from typing import Unpack
 
 import numpy.typing as npt
@@ -16,10 +17,9 @@ from rotor_ida.basins.atlas.cells import (
     scouted_of,
 )
 from rotor_ida.basins.atlas.dataset import atlas_dataset, how_computed
-from rotor_ida.basins.atlas.resilience import Fill
 from rotor_ida.basins.disc import RTOL
 from rotor_ida.basins.fates import ALONE
-from rotor_ida.basins.following import follow_starts, run_due
+from rotor_ida.basins.following import follow_starts
 from rotor_ida.basins.known import followed_alone
 from rotor_ida.basins.starts import Box
 from rotor_ida.basins.subjects import one_rotor, subjects_of
@@ -83,7 +83,8 @@ def touchdown_report(
         default: one for each core.
     progress : callable or bool, optional
         Called with the number of starts and shocks followed and their total, to which shocks are
-        added once the attractors are known; True shows a bar on standard error.
+        added once the attractors are known, and where a search for smaller ones goes on; True shows
+        a bar on standard error.
     contacts, unbalance, supports, bearings, gravity, static_force : optional
         In place of those of a `RotorSystem`, as in `simulate`.
 
@@ -220,19 +221,27 @@ def _filled(job: CellJob, workers: Workers, progress: Progress | None) -> Cell:
         raise KeyboardInterrupt
     cell = cell_of(job, followed)
     fills = interruptible(lambda stop: fills_of(cell, labeller, job.shocks, stop))
-    total = starts + job.shocks * len(fills)
+
+    def told() -> None:
+        if progress is not None:
+            followed = [sum(each.followed) for each in fills]
+            # a search for smaller shocks follows more than were asked for
+            total = sum(max(each.shocks, done) for each, done in zip(fills, followed, strict=True))
+            progress(starts + sum(followed), starts + total)
+
+    def work(stop: Stop) -> None:
+        with ThreadPoolExecutor(workers.number) as pool:
+            try:
+                list(pool.map(lambda each: each.work(stop), fills))
+            finally:
+                stop[0] = 1
+
+    told()
+    interruptible(work, told=told)
     if progress is not None:
-        progress(starts, total)
-    run_due(
-        _fill, fills.__getitem__, len(fills), Results(), lambda _: job.shocks, workers=workers,
-        progress=None if progress is None else lambda done, _: progress(starts + done, total),
-        total=total,
-    )  # fmt: skip
+        total = starts + sum(sum(each.followed) for each in fills)
+        progress(total, total)
     return cell
-
-
-def _fill(fill: Fill, stop: Stop) -> None:
-    fill(stop)
 
 
 def _shocks_to_try(rotor: object, shocks: object) -> int:

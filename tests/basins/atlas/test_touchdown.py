@@ -1,6 +1,7 @@
 """What an attractor does to a machine: held against long runs, and the balance of energy."""
 
 import math
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -15,7 +16,7 @@ from rotor_ida import (
     touchdown_report,
 )
 from rotor_ida.basins import attractors
-from rotor_ida.basins.atlas.resilience import search_of
+from rotor_ida.basins.atlas.resilience import resilience_of, search_of
 from rotor_ida.basins.attractors import OF_DISC, disc_row
 from rotor_ida.basins.disc import Disc
 from rotor_ida.core.runs import NO_STOP
@@ -209,3 +210,19 @@ def test_states_of_whip_roll_or_slip_a_little():
     assert (radius < 5.4).all()
     assert np.ptp(radius) > 0.5
     assert 0.5 < (np.abs(slip) < 1e-9).mean() < 0.8
+
+
+def test_a_search_tells_the_shocks_that_it_has_followed():
+    """Round by round, with friction some at a time: it may take minutes."""
+    row = disc_row("contact_free", 1.0, 0.0, 1.0, 1.0, period=math.nan, state=[1.0, 0.0, 0.0, 0.0])
+    rubbing = replace(BOUNCER, friction=0.1, disc_radius=10.0)
+    told = []
+    for rotor, most in ((BOUNCER, 512), (rubbing, 64)):
+        disc = Disc.of(rotor, 1e-6, NO_STOP)
+        (_, fills) = resilience_of(search_of(disc, np.array([row], OF_DISC), 512, NO_STOP))
+        for each in fills:
+            each.work(np.zeros(1, np.uint8))
+            assert max(each.followed, default=0) <= most
+            told.append((sum(each.followed), each.shocks))
+    assert told[:3] == [(0, 0), (1024, 1024), (0, 0)]
+    assert told[3][0] >= told[3][1] == 1024  # a search for smaller ones follows more
