@@ -145,7 +145,7 @@ class Case:
     def left_out(self) -> list[str]:
         """Notes on what acts in the run but not on the exact whirls, and the reverse."""
         forces: list[Any] = [self.system.static_force, self.system.gravity]
-        if self.drops and self.system.gravity is None and self.system.units == "SI":
+        if self.drops and self.run is None and forces[1] is None and self.system.units == "SI":
             forces.append(GRAVITY)  # a drop's default
         acts = any(each is not None and np.any(each) for each in forces)
         return [*(["without gravity and static forces"] if acts else []), *self.notes]
