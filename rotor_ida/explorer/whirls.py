@@ -161,5 +161,6 @@ def _clear_whirl(case: Case, place: int, speeds: Values) -> Values:
     modes = None if case.course is None else case.course.modes
     assembly = assemble(in_modes(case.system, modes, None)[0])
     found = linear_response(assembly, speeds)
-    touches = found["unbalance_radius"][1] > [each.clearance for each in assembly.contacts]
-    return np.where(touches.any(axis=1), np.nan, 0.5 * found["node_major_axis"][1][:, place])
+    radii, axes = (np.asarray(found[name][1]) for name in ("unbalance_radius", "node_major_axis"))
+    touches = (radii > [each.clearance for each in assembly.contacts]).any(axis=1)
+    return np.where(touches, np.nan, 0.5 * axes[:, place])
