@@ -52,6 +52,8 @@ NEAR, SMALL = 0.05, 1e-3
 # Number of rotors whose branches are cached.
 MOST_KEPT = 64
 
+# Severities beside "clear" and "rub", by the kind of the response.
+LEVELS = {"failed": "unknown", "rolling": "whip"}
 # A sweep of one point has one value of each.
 ONE = (*PARAMETERS, "start", "direction")
 KIND_OF = by_number(RESPONSE)
@@ -199,17 +201,10 @@ def _settled(question: Question, settled: dict[str, object], swept: xr.Dataset) 
         drawn, by = Node(question).duration, float(swept["window_start"].item())
         words.append(words_of_transient(question.disc, rotor.omega, drawn, by))
     arrays = exact_lines(rotor, settled["lies_on"], settled, _end(swept))
-    verdict = {"verdict": verdict_of(question.disc, facts), "level": level_of(facts)}
+    level = "rub" if facts.get("contact_fraction", 0.0) > 0.0 else "clear"
+    level = LEVELS.get(str(facts["response"]), level)
+    verdict = {"verdict": verdict_of(question.disc, facts), "level": level}
     return Answer("settled", {**facts, **verdict, "words": words, "sheets": sheets}, arrays)
-
-
-def level_of(facts: Mapping[str, Any]) -> str:
-    """Return the severity of the settled response: "clear", "rub", "whip" or "unknown"."""
-    if facts["response"] == "failed":
-        return "unknown"
-    if facts["response"] == "rolling":
-        return "whip"
-    return "rub" if facts["contact_fraction"] > 0.0 else "clear"
 
 
 def _whip(rotor: Rotor) -> tuple[float, float, float]:
