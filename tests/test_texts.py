@@ -32,8 +32,8 @@ from rotor_ida import (
 from rotor_ida.cli import main
 from rotor_ida.cli.report import Report, console_on, text_of
 from rotor_ida.errors import ArchiveError, InputError
-from rotor_ida.explorer.files import again_of, finished, recording_of_nodes
-from rotor_ida.explorer.messages import SystemQuestion
+from rotor_ida.explorer.files import again_of, finished, recording
+from rotor_ida.explorer.messages import Question
 from rotor_ida.plot import (
     figure_of,
     plot_forces,
@@ -330,8 +330,8 @@ def test_the_report_of_a_drop_shows_odd_names(folder, capfd):
 
 def test_the_page_of_a_system_holds_odd_names_and_no_script_of_others(folder):
     file_of(folder / "odd.toml", 1e7)
-    asked = SystemQuestion(about="html", number=0, path=folder / "odd.toml", revolutions=2)
-    found = Scripts(finished(recording_of_nodes(asked)))
+    asked = Question(about="html", number=0, path=folder / "odd.toml", revolutions=2)
+    found = Scripts(finished(recording(asked)))
     data = {each["id"]: text for each, text in found.found if "id" in each}
     assert json.loads(data["recorded"])["places"] == NAMES
     (policy,) = found.policies
@@ -348,7 +348,7 @@ def test_the_page_of_a_system_holds_odd_names_and_no_script_of_others(folder):
 def test_lines_of_the_explorer_name_their_file_and_run_nothing_else(folder, name):
     place = folder / f"{name}.toml"
     place.write_text(SMALL)
-    asked = SystemQuestion(about="motion", number=0, path=place, revolutions=1,
+    asked = Question(about="motion", number=0, path=place, revolutions=1,
                            changes=(("clearance", 4e-5),))  # fmt: skip
     lines: dict[str, object] = {}
     exec(again_of(replace(asked, about="py")), lines)
@@ -361,7 +361,7 @@ def test_lines_of_the_explorer_name_their_file_and_run_nothing_else(folder, name
         assert done.stdout.split(b"\0")[1].decode().removeprefix("./") == place.name
     assert not Path("ran").exists()
     save(lines["run"], folder / f"{name}.nc")
-    again = SystemQuestion(about="motion", number=0, path=folder / f"{name}.nc")
+    again = Question(about="motion", number=0, path=folder / f"{name}.nc")
     exec(again_of(replace(again, about="py")), lines)
     assert again_of(replace(again, about="sh")).startswith("rotor-ida show ")
     assert not Path("ran").exists()

@@ -31,7 +31,7 @@ from rotor_ida.explorer.endings import (
     values_of,
     whirls_per_revolution,
 )
-from rotor_ida.explorer.messages import OF_CONTACT, Answer, Question, SystemQuestion
+from rotor_ida.explorer.messages import OF_CONTACT, Answer, Question
 from rotor_ida.explorer.system_verdicts import level_of, touched_on_the_way, verdict
 from rotor_ida.model.data_sheet import GRAVITY
 from rotor_ida.model.equations import rotated
@@ -106,18 +106,20 @@ class Case:
 
     @property
     def drops(self) -> bool:
-        """Whether the file describes a drop."""
+        """Whether the file describes a drop, or the run is one."""
+        if self.run is not None:
+            return kind_of(self.run) == "drop"
         return self.course is not None and "duration" in self.course.fall
 
     @property
     def changes_speed(self) -> bool:
         """Whether it is an archived run at a speed that changes, and no drop."""
-        return self.run is not None and "speed" in self.run and not is_drop(self)
+        return self.run is not None and "speed" in self.run and not self.drops
 
     @property
     def panels(self) -> tuple[str, ...]:
         """The panels that say something of it."""
-        if is_drop(self) or self.drops:
+        if self.drops:
             return PANELS
         if self.changes_speed:
             return (*PANELS, *OF_RUN_UP)
@@ -136,15 +138,14 @@ class Case:
     @property
     def notes(self) -> list[str]:
         """Notes on the linear motion: the magnetic bearings of a drop, which its run lacks."""
-        drops = self.drops or is_drop(self)
-        told = ["with the magnetic bearings, as before the drop"] if drops else []
+        told = ["with the magnetic bearings, as before the drop"] if self.drops else []
         return told + ([self.system.note] if self.system.note else [])
 
     @property
     def left_out(self) -> list[str]:
         """Notes on what acts in the run but not on the exact whirls, and the reverse."""
         forces: list[Any] = [self.system.static_force, self.system.gravity]
-        if self.drops and self.system.gravity is None and self.system.units == "SI":
+        if self.drops and self.run is None and forces[1] is None and self.system.units == "SI":
             forces.append(GRAVITY)  # a drop's default
         acts = any(each is not None and np.any(each) for each in forces)
         return [*(["without gravity and static forces"] if acts else []), *self.notes]
@@ -167,23 +168,22 @@ class Case:
         return replace(self.system, supports=supports, gravity=None, static_force=None)
 
 
-def case_of(question: Question | SystemQuestion) -> Case:
+def case_of(question: Question) -> Case:
     """Return the case of a question: one disc, or what is in its file, with its changes."""
-    if isinstance(question, Question):
+    if question.machine is not None:
         rotor = question.rotor
         return Case(system=rotor.system(), speed=rotor.omega, shown=question.speeds)
     if question.path is None:
         raise InputError("a system file or an archive of one must be given: drop it on the page")
     found = case_in(question.path)
     contacts = list(found.system.contacts)
-    changes: dict[str, Any] = dict(question.changes)
-    factor = changes.pop("unbalance_factor", 1.0)
+    changes: dict[str, Any] = question.of_contact
     if changes:
         if question.contact >= len(contacts):
             raise InputError(f"contact must be below {len(contacts)}, got {question.contact}")
-        of_file = {OF_CONTACT[name]: value for name, value in changes.items()}
-        contacts[question.contact] = replace(contacts[question.contact], **of_file)
-    unbalance = [replace(each, moment=factor * each.moment) for each in found.system.unbalance]
+        contacts[question.contact] = replace(contacts[question.contact], **changes)
+    factor, given = question.unbalance_factor, found.system.unbalance
+    unbalance = [replace(each, moment=factor * each.moment) for each in given]
     speed = found.speed if question.speed is None else question.speed
     system = replace(found.system, contacts=contacts, unbalance=unbalance)
     return replace(found, system=system, speed=speed)
@@ -210,10 +210,10 @@ def _read(path: Path, _changed: int) -> Case:
 
 
 @lru_cache(maxsize=2)
-def _computed(question: Question | SystemQuestion, _changed: int) -> xr.Dataset:
+def _computed(question: Question, _changed: int) -> xr.Dataset:
     """Return the run of a question; the last ones are kept, since another node needs the same."""
     case = case_of(question)
-    if isinstance(question, Question):
+    if question.machine is not None:
         return _of_disc(question, case)
     if case.run is not None:
         return case.run.isel(t=slice(None, None, math.ceil(case.run.sizes["t"] / MOST_SAMPLES)))
@@ -249,26 +249,18 @@ def _length(case: Case, revolutions: int) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def of_any_node(question: Question | SystemQuestion) -> tuple[Any, int]:
-    """Return the question whose answer holds for all nodes, and when its file was changed."""
-    same = replace(question, about="motion", number=0, side=0)
-    if isinstance(same, SystemQuestion):
-        same = replace(same, node="", contact=_changed(same))
+def of_any_node(question: Question) -> tuple[Question, int]:
+    """Return the question whose answer holds for all nodes, and when its file was changed.
+
+    Without changes of a contact it is the same for all contacts.
+    """
+    contact = question.contact if question.of_contact else 0
+    same = replace(question, about="motion", number=0, side=0, node="", contact=contact)
     return same, 0 if question.path is None else question.path.stat().st_mtime_ns
 
 
-def _changed(question: SystemQuestion) -> int:
-    """Return the number of the contact that is changed; without changes all are the same."""
-    return question.contact if any(name in OF_CONTACT for name, _ in question.changes) else 0
-
-
-def is_drop(case: Case) -> bool:
-    """Return whether an archived drop is played."""
-    return case.run is not None and kind_of(case.run) == "drop"
-
-
 @lru_cache(maxsize=2)
-def run_up_of(question: SystemQuestion, _changed: int) -> xr.Dataset:
+def run_up_of(question: Question, _changed: int) -> xr.Dataset:
     """Return the run-up of the file, or else one over the speeds shown."""
     case = case_of(question)
     assert case.course is not None
@@ -286,13 +278,13 @@ class Node:
 
     Parameters
     ----------
-    question : Question or SystemQuestion
+    question : Question
         The node, or else that of the chosen contact.
     """
 
-    def __init__(self, question: Question | SystemQuestion) -> None:
+    def __init__(self, question: Question) -> None:
         self.question, self.case = question, case_of(question)
-        self.disc = question if isinstance(question, Question) else None
+        self.machine = question.machine
         name, number = question.node, question.contact
         nodes, contacts = list(self.case.system.nodes), self.case.system.contacts
         if name and name not in nodes:
@@ -310,17 +302,16 @@ class Node:
     @property
     def scales(self) -> dict[str, float]:
         """The scales of the machine of a disc, or of the system, which are 1 in SI units."""
-        if self.disc is not None:
-            machine = self.disc.machine
-            return {} if isinstance(machine, Rotor) else scales_of(machine)
+        if self.machine is not None:
+            return {} if isinstance(self.machine, Rotor) else scales_of(self.machine)
         return scales_where(self.case.system.units == "SI")
 
     @property
     def facts(self) -> dict[str, Any]:
         """The facts about the rotor in an answer, by the names of those of one disc."""
-        if self.disc is not None:
-            return {"rotor": self.disc.rotor.given, "scales": self.scales,
-                    "start": self.disc.start}  # fmt: skip
+        if self.machine is not None:
+            return {"rotor": self.question.rotor.given, "scales": self.scales,
+                    "start": self.question.start}  # fmt: skip
         at = "" if self.contact is None else f", contact {self.contact}"
         rotor: dict[str, object] = {"omega": self.speed, "delta0": 0.0}
         if self.contact is not None:
@@ -333,20 +324,14 @@ class Node:
             "told": f"node {self.name}{at}, speed {speed}",
         }  # fmt: skip
 
-    @property
-    def linear(self) -> tuple[RotorSystem, tuple[float, float], list[str]]:
-        """The system without contact, the speeds shown, and notes."""
-        return self.case.levitated, self.case.speeds, self.case.notes
-
     def begin(self) -> Iterator[Answer]:
         """Yield the sketch of the rotor in a file, and where sliders start."""
-        if isinstance(self.question, Question):
+        if self.question.path is None:
             return
-        assert self.question.path is not None
         file, case, contact = case_in(self.question.path), self.case, self.question.contact
         yield Answer("sketch", sketch_of(case.system) | {
             "node": self.name, "contact": contact, "about": case.about,
-            "is_archive": case.run is not None, "is_drop": case.drops or is_drop(case),
+            "is_archive": case.run is not None, "is_drop": case.drops,
             "panels": case.panels, "given": {"speed": file.speed, "unbalance_factor": 1.0},
             "given_contacts": [
                 {name: getattr(each, of_file) for name, of_file in OF_CONTACT.items()
@@ -361,7 +346,7 @@ class Node:
 
         On what a disc settles takes longer.
         """
-        if self.disc is not None:
+        if self.machine is not None:
             yield motion
             return
         yield Answer("shape", {}, {
@@ -381,8 +366,8 @@ class Node:
 
     def seen(self, run: xr.Dataset) -> Values:
         """Return the motion at the node, or in its contact, by the names of a run of one disc."""
-        if self.disc is not None:
-            return forced(run, self.disc.rotor)
+        if self.machine is not None:
+            return forced(run, self.question.rotor)
         here = run.sel(node=self.name)
         found = {name: here[name].values for name in ("t", *COMPONENTS)}
         number = -1 if self.contact is None else self.contact
@@ -405,30 +390,30 @@ class Node:
 
     def probed(self, run: xr.Dataset) -> xr.Dataset:
         """Return the motion at the node as probes record it."""
-        return run if self.disc is not None else at_node(run, self.name)
+        return run if self.machine is not None else at_node(run, self.name)
 
     def told(self, values: Values) -> dict[str, object]:
         """Return the numbers of the last half of a run; of a disc also where it goes on."""
-        if self.disc is None:
+        if self.machine is None:
             return {"ending": ending_of(values, self.speed)}
         end = rotated(states_of(values)[-1], -self.speed * values["t"][-1])
-        return {"ending": ending(values, self.disc.rotor), "end": end.tolist()}
+        return {"ending": ending(values, self.question.rotor), "end": end.tolist()}
 
     @property
     def duration(self) -> float:
         """The length of a run of one disc [dimensionless]."""
-        assert self.disc is not None
-        return float(_length(self.case, self.disc.revolutions)["duration"])
+        return float(_length(self.case, self.question.revolutions)["duration"])
 
     def saved(self) -> xr.Dataset:
         """Return the run as it is written to a file; of a machine in SI units."""
-        machine = None if self.disc is None else self.disc.machine
-        return dimensional(self.run(), machine) if isinstance(machine, DimensionalRotor) else (
-            self.run())  # fmt: skip
+        run, machine = self.run(), self.machine
+        return dimensional(run, machine) if isinstance(machine, DimensionalRotor) else run
 
-    def asked(self, disc: Question) -> Asked:
-        """Return the question whose answer is the run of one disc, of a machine in SI units."""
-        machine, start, duration = disc.machine, np.array(disc.start), self.duration
+    @property
+    def asked(self) -> Asked:
+        """The question whose answer is the run of one disc, of a machine in SI units."""
+        machine, start = self.machine, np.array(self.question.start)
+        duration = self.duration
         if isinstance(machine, DimensionalRotor):
             length, velocity = machine.length_scale, machine.velocity_scale
             start = start * (length, length, velocity, velocity)
@@ -454,21 +439,18 @@ class Node:
         machine = Rotor(omega=1.7, zeta=0.07, delta0=2.0)
         """
         question, case, path = self.question, self.case, self.question.path
-        if isinstance(question, Question):
-            machine = question.machine
+        if path is None:
+            machine = self.machine
             return LINES.format(rotor=type(machine).__name__, machine=written_in_python(machine),
-                                call=self.asked(question).python("machine"))  # fmt: skip
-        assert path is not None
+                                call=self.asked.python("machine"))  # fmt: skip
         verb, path_said = "drop" if case.drops else "simulate", in_python(path.name)
         lines = [
             f"from rotor_ida import {verb}, load_course, load_system", "",
             f"system, course = load_system({path_said}), load_course({path_said})",
         ]  # fmt: skip
-        changes = dict(question.changes)
-        factor = changes.pop("unbalance_factor", 1.0)
-        changed = []
-        if changes:
-            words = ", ".join(f"{OF_CONTACT[name]}={value!r}" for name, value in changes.items())
+        factor, changed = question.unbalance_factor, list[str]()
+        if question.of_contact:
+            words = ", ".join(f"{name}={value!r}" for name, value in question.of_contact.items())
             number = question.contact
             lines += ["contacts = list(system.contacts)",
                       f"contacts[{number}] = replace(contacts[{number}], {words})"]  # fmt: skip
@@ -501,18 +483,14 @@ class Node:
         'rotor-ida simulate --omega 1.7 --zeta 0.07 --delta0 2.0'
         """
         question, case, path = self.question, self.case, self.question.path
-        if isinstance(question, Question):
-            return f"{self.asked(question).command()} --out run.nc --figure run"
-        assert path is not None
+        if path is None:
+            return f"{self.asked.command()} --out run.nc --figure run"
 
         def told(value: float, unit: str) -> str:
             return written(value, unit) if case.system.units == "SI" and unit else repr(value)
 
-        changes = dict(question.changes)
-        factor = changes.pop("unbalance_factor", 1.0)
-        first = []
-        for changed, value in changes.items():
-            name = OF_CONTACT[changed]
+        factor, first = question.unbalance_factor, list[str]()
+        for name, value in question.of_contact.items():
             number = told(value, _unit(name, case.system.contacts[question.contact]))
             quoted = number if number == repr(value) else f'"{number}"'
             first.append(f"set {name} = {quoted} in contact {question.contact}")

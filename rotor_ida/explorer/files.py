@@ -9,6 +9,7 @@ from collections.abc import Iterator, Sequence
 from dataclasses import replace
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -22,7 +23,6 @@ from rotor_ida.explorer.cases import Node
 from rotor_ida.explorer.messages import (
     Answer,
     Question,
-    SystemQuestion,
     packed,
     speeds_shown,
     state_of,
@@ -45,6 +45,7 @@ from rotor_ida.texts import in_page
 Recording = Iterator[tuple[int, int] | str]
 # Order of the speeds: each from the start, or each from the end of the previous one.
 COURSES = ("start", "up", "down")
+MOVING = COURSES[1:]
 MOST_SPEEDS = 500
 # Default speeds of the recording, as fractions of the largest one shown.
 SPEEDS: npt.NDArray[np.float64] = np.linspace(0.075, 0.825, 61)
@@ -71,15 +72,11 @@ POLICY = (
 )
 
 
-def show_file(question: Question | SystemQuestion) -> Iterator[Answer]:
+def show_file(question: Question) -> Iterator[Answer]:
     """Yield a complete file with its name; for a page, yield its progress first."""
     if question.about == "html":
         contents = b""
-        steps = (
-            recording_of_nodes(question) if isinstance(question, SystemQuestion)
-            else _recording(question)
-        )  # fmt: skip
-        for step in steps:
+        for step in recording(question):
             if isinstance(step, str):
                 contents = step.encode()
             else:
@@ -90,16 +87,7 @@ def show_file(question: Question | SystemQuestion) -> Iterator[Answer]:
     yield Answer("file", {"name": name}, {"contents": np.frombuffer(contents, dtype=np.int8)})
 
 
-def _recording(question: Question) -> Recording:
-    """Record the page over the default speeds, and at the one shown."""
-    machine = question.machine
-    low, high = _limits(machine)
-    own = {_speed(machine)} if low <= _speed(machine) <= high else set()
-    speeds = sorted({*check_speeds(machine, None), *own})
-    return recording(machine, start=question.start, revolutions=question.revolutions, speeds=speeds)
-
-
-def _contents(question: Question | SystemQuestion) -> bytes:
+def _contents(question: Question) -> bytes:
     archived, kind = archive_of(question), question.about
     if kind in {"py", "sh"}:
         return again_of(question).encode()
@@ -108,7 +96,7 @@ def _contents(question: Question | SystemQuestion) -> bytes:
     return archive_with(archived) if kind == "nc" else figure_in(archived, kind)
 
 
-def again_of(question: Question | SystemQuestion) -> str:
+def again_of(question: Question) -> str:
     """Return the Python lines, or the command, of what is shown."""
     kind, path = question.about, question.path
     if path is not None and archive_of(question) is not None:
@@ -142,63 +130,51 @@ def finished(recording: Recording, progress: Progress | None = None) -> str:
     return page
 
 
-def recording(
-    machine: Rotor | DimensionalRotor, *, start: State, revolutions: int, speeds: Sequence[float]
-) -> Recording:
+def recording(question: Question, speeds: Sequence[float] | None = None) -> Recording:
     """Yield the number of completed runs and their total after each run, and at last the page.
 
     Parameters
     ----------
-    machine : Rotor or DimensionalRotor
-        The rotor; its speed is shown first.
-    start : tuple of float
-        ``(x, y, vx, vy)`` at time 0 [dimensionless].
-    revolutions : int
-        Length of each run.
-    speeds : sequence of float
-        Speeds in the unit of the machine, from `check_speeds`.
+    question : Question
+        One disc, which is recorded at some speeds, or the rotor in a file, seen at each node. Its
+        own speed or node is shown first.
+    speeds : sequence of float, optional
+        Speeds in the unit of the machine, from `check_speeds`; default: those and its own.
     """
-    beginning = Question(
-        about="motion", number=0, side=0, machine=machine, start=start,
-        revolutions=revolutions, speeds=speeds_shown(machine), reach=1.0,
-    )  # fmt: skip
-    common: dict[str, str] = {}
-    courses: dict[str, list[list[str]]] = {}
-    for course in COURSES:
-        frames: list[list[str]] = [[] for _ in speeds]
-        here = start
-        for place in range(len(speeds))[:: -1 if course == "down" else 1]:
-            question = replace(beginning, machine=_at(machine, speeds[place]), start=here)
-            answers = [*_motion(question), *show_lines(question), *show_responses(question)]
-            frames[place] = _frame(answers, OF_ALL_SPEEDS, common)
-            if course != "start":
-                here = _end(answers)
-            done = sum(map(bool, frames)) + len(courses) * len(speeds)
-            yield done, len(COURSES) * len(speeds)
-        courses[course] = frames
+    if question.machine is None:
+        if (archived := archive_of(question)) is not None:
+            check_played(archived)
+        node = Node(question)
+        places: list[Any] = list(node.case.system.nodes)
+        courses: Sequence[str] = ("nodes",)
+        own: Any = node.name
+        shared = OF_ALL_NODES
+        state: dict[str, object] = {"node": own, "contact": question.contact}
+        state |= dict(question.changes)
+        shows = [show_motion, show_responses, show_campbell]
+        shows += [show for panel, show in OF_PANELS.items() if panel in node.case.panels]
+    else:
+        question = replace(question, speeds=speeds_shown(question.disc))
+        places, own = _speeds_of(question.disc, speeds), _speed(question.disc)
+        courses, shared = COURSES, OF_ALL_SPEEDS
+        state = state_of(question.disc, question.start, question.revolutions)
+        shows = [_motion, show_lines, show_responses]
+    common, recorded = dict[str, str](), dict[str, list[list[str]]]()
+    for course in courses:
+        frames: list[list[str]] = [[] for _ in places]
+        at = question
+        for place in range(len(places))[:: -1 if course == "down" else 1]:
+            at = _at(at, places[place])
+            answers = [answer for show in shows for answer in show(at)]
+            frames[place] = _frame(answers, shared, common)
+            if course in MOVING:
+                at = replace(at, start=_end(answers))
+            done = sum(map(bool, frames)) + len(recorded) * len(places)
+            yield done, len(courses) * len(places)
+        recorded[course] = frames
     yield page_with({
-        "places": list(speeds), "place": _speed(machine), "courses": courses,
-        "common": list(common.values()), "state": state_of(machine, start, revolutions),
-    })  # fmt: skip
-
-
-def recording_of_nodes(question: SystemQuestion) -> Recording:
-    """Yield the number of nodes done and their total, and at last the page, seen at each node."""
-    if (archived := archive_of(question)) is not None:
-        check_played(archived)
-    node = Node(question)
-    nodes, common, frames = list(node.case.system.nodes), dict[str, str](), list[list[str]]()
-    shows = [show_motion, show_responses, show_campbell]
-    shows += [show for panel, show in OF_PANELS.items() if panel in node.case.panels]
-    for each in nodes:
-        at = replace(question, node=each)
-        answers = [answer for show in shows for answer in show(at)]
-        frames.append(_frame(answers, OF_ALL_NODES, common))
-        yield len(frames), len(nodes)
-    yield page_with({
-        "places": nodes, "place": node.name, "courses": {"nodes": frames},
-        "common": list(common.values()),
-        "state": {"node": node.name, "contact": question.contact, **dict(question.changes)},
+        "places": places, "place": own, "courses": recorded,
+        "common": list(common.values()), "state": state,
     })  # fmt: skip
 
 
@@ -212,6 +188,15 @@ def _frame(answers: Sequence[Answer], shared: Sequence[str], common: dict[str, s
         else:
             own.append(text)
     return own
+
+
+def _speeds_of(machine: Rotor | DimensionalRotor, speeds: Sequence[float] | None) -> list[float]:
+    """Return the given speeds, or the default ones and that of a machine."""
+    if speeds is not None:
+        return list(speeds)
+    low, high = _limits(machine)
+    own = {_speed(machine)} if low <= _speed(machine) <= high else set()
+    return sorted({*check_speeds(machine, None), *own})
 
 
 def check_speeds(machine: Rotor | DimensionalRotor, speeds: Sequence[float] | None) -> list[float]:
@@ -270,10 +255,13 @@ def in_single(answer: Answer) -> Answer:
     return replace(answer, arrays=arrays)
 
 
-def _at(machine: Rotor | DimensionalRotor, speed: float) -> Rotor | DimensionalRotor:
-    if isinstance(machine, DimensionalRotor):
-        return replace(machine, speed=speed)
-    return replace(machine, omega=speed)
+def _at(question: Question, place: Any) -> Question:
+    """Return the question at another speed of a disc, or another node."""
+    machine = question.machine
+    if machine is None:
+        return replace(question, node=place)
+    name = "omega" if isinstance(machine, Rotor) else "speed"
+    return replace(question, machine=replace(machine, **{name: place}))
 
 
 def _speed(machine: Rotor | DimensionalRotor) -> float:

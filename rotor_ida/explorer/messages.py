@@ -65,7 +65,9 @@ MOST_REVOLUTIONS = 2000
 # At most two machines are shown side by side.
 SIDES = 2
 LARGEST_NUMBER_OF_QUESTION = 2**53
-# Names in a question about a piece of a run-up only.
+# Names in a question about any rotor, about one disc beside them, and about a piece of a run-up.
+OF_ANY = ("about", "machine", "number", "revolutions", "side")
+OF_PLANE = ("reach", "speeds", "start")
 OF_RUN_UP = ("to", "rate", "angle")
 # Byte alignment of arrays, required by browsers.
 ALIGNED = 8
@@ -101,22 +103,23 @@ class Asked:
 
 @dataclass(frozen=True, kw_only=True)
 class Question(Asked):
-    """A checked question about one disc.
+    """A checked question about one disc, or about the rotor in a file.
 
-    It is about one run; a piece of a run-up; the full spectrum of a run; the response curve and the
-    settled response; or the basins. Or it asks for a file, one of `FILES`.
+    It is about one run; a run-up, of a disc one piece of it; the full spectrum of a run; the
+    response curve and the settled response; the Campbell diagram; or, of a disc, the basins. Or it
+    asks for a file, one of `FILES`.
 
     Parameters
     ----------
-    machine : Rotor or DimensionalRotor
-        The rotor on the page.
+    machine : Rotor or DimensionalRotor, optional
+        The disc on the page; without one the question is about the rotor in the file.
     start : tuple of float
-        ``(x, y, vx, vy)`` at time 0 [dimensionless]; the page may ask for none, where the rotor
-        hangs at rest.
+        Of a disc: ``(x, y, vx, vy)`` at time 0 [dimensionless]; the page may ask for none, where
+        the rotor hangs at rest.
     revolutions : int
         Length of the run; without spin, in units of 2 pi in time.
     speeds : tuple of float
-        Lowest and highest speed of the response curve [dimensionless].
+        Of a disc: lowest and highest speed of the response curve [dimensionless].
     reach : float
         Half-width of the plane of starts in x and y [dimensionless].
     to, rate : float, optional
@@ -125,49 +128,49 @@ class Question(Asked):
     angle : float
         The angle of the unbalance at the beginning of that piece [rad]; `start` is on axes that
         point along the unbalance.
-    """
-
-    machine: Rotor | DimensionalRotor
-    start: State
-    revolutions: int
-    speeds: tuple[float, float]
-    reach: float
-    to: float | None = None
-    rate: float | None = None
-    angle: float = 0.0
-    node, contact = "", 0  # of all that a system has, one disc has one
-
-    @property
-    def rotor(self) -> Rotor:
-        """The rotor without dimensions."""
-        return self.machine if isinstance(self.machine, Rotor) else self.machine.rotor()
-
-
-@dataclass(frozen=True, kw_only=True)
-class SystemQuestion(Asked):
-    """A checked question about the rotor system in a file: the same as about one disc.
-
-    Of a system the whole run-up is asked for at once, and there are no basins.
-
-    Parameters
-    ----------
     node : str
         Node whose motion is shown; empty for that of the first contact.
     contact : int
         Number of the contact that is shown, and that `changes` are of.
     speed : float, optional
-        Running speed; default: that of the file.
-    revolutions : int
-        Length of the run.
+        Running speed; default: that of the machine or the file.
     changes : tuple of (str, float)
         Values in place of the file's, by the names of `CHANGES`.
     """
 
+    machine: Rotor | DimensionalRotor | None = None
+    start: State = (0.0, 0.0, 0.0, 0.0)
+    revolutions: int = 60
+    speeds: tuple[float, float] = SPEEDS
+    reach: float = 1.0
+    to: float | None = None
+    rate: float | None = None
+    angle: float = 0.0
     node: str = ""
     contact: int = 0
     speed: float | None = None
-    revolutions: int = 60
     changes: tuple[tuple[str, float], ...] = ()
+
+    @property
+    def disc(self) -> Rotor | DimensionalRotor:
+        """The machine of a question that only one disc answers."""
+        assert self.machine is not None
+        return self.machine
+
+    @property
+    def rotor(self) -> Rotor:
+        """The disc without dimensions."""
+        return self.disc if isinstance(self.disc, Rotor) else self.disc.rotor()
+
+    @property
+    def of_contact(self) -> dict[str, float]:
+        """The changes of the chosen contact, by the names of a system file."""
+        return {OF_CONTACT[name]: value for name, value in self.changes if name in OF_CONTACT}
+
+    @property
+    def unbalance_factor(self) -> float:
+        """The factor of all unbalance in the file."""
+        return dict(self.changes).get("unbalance_factor", 1.0)
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -255,21 +258,24 @@ def read_question(text: str) -> Asked:
         given = json.loads(text)
     except (ValueError, RecursionError):
         raise InputError(f"a question must be JSON, got {shown(text)}") from None
-    if isinstance(given, dict):
-        for about, (kind, needed, further) in OTHERS.items():
-            if given.get("about") == about:
-                names = ["about", *(each for each in further if each in given), *needed]
-                _check_names(given, names)
-                return kind(**_entries(given, names))
-        if isinstance(given.get("machine"), dict) and "node" in given["machine"]:
-            return _of_system(given)
-    names = sorted(set(Question.__dataclass_fields__).difference(OF_RUN_UP, ("path",)))
+    about = given.get("about") if isinstance(given, dict) else None
+    if isinstance(about, str) and about in OTHERS:
+        kind, needed, further = OTHERS[about]
+        names = ["about", *(each for each in further if each in given), *needed]
+        _check_names(given, names)
+        return kind(**_entries(given, names))
+    machine = given.get("machine") if isinstance(given, dict) else None
+    in_file = isinstance(machine, dict) and "node" in machine
+    names = sorted(OF_ANY if in_file else (*OF_ANY, *OF_PLANE))
     if not isinstance(given, dict):
         raise InputError(f"a question must have {', '.join(names)}, got {shown(given)}")
-    if given.get("about") == "run_up":
+    if not in_file and about == "run_up":
         names += OF_RUN_UP
     _check_names(given, names)
-    return _of_disc(given)
+    shows = (*(OF_SYSTEM if in_file else OF_DISC), *FILES)
+    beside = _of_file(given["machine"]) if in_file else _of_disc(given)
+    entries = _entries(given, [name for name in names if name in CHECKS])
+    return Question(**entries | beside | {"about": check_choice("about", about, shows)})
 
 
 def _check_names(given: Mapping[str, object], names: list[str], what: str = "a question") -> None:
@@ -348,23 +354,22 @@ def _entries(given: Mapping[str, Any], names: Sequence[str]) -> dict[str, Any]:
     return {name: CHECKS[name](given[name]) for name in names}
 
 
-def _of_system(given: Mapping[str, Any]) -> SystemQuestion:
-    _check_names(given, ["about", "machine", "number", "revolutions", "side"])
-    machine = given["machine"]
+def _of_file(machine: Mapping[str, Any]) -> dict[str, Any]:
+    """Return what a page shows and changes of the rotor in a file, checked."""
     _check_names(machine, ["changes", "contact", "node", "speed"], "machine")
     if not _is_name(node := machine["node"]):
         raise InputError(f"node must be the name of a node, got {shown(node)}")
     changes, speed = machine["changes"], machine["speed"]
     if not isinstance(changes, dict) or not set(changes) <= set(CHANGES):
         raise InputError(f"changes must be numbers by {', '.join(CHANGES)}, got {shown(changes)}")
-    return SystemQuestion(
-        about=check_choice("about", given["about"], (*OF_SYSTEM, *FILES)),
-        node=node,
-        contact=check_count("contact", machine["contact"], 0, MOST_CONTACTS),
-        speed=None if speed is None else check_nonnegative("speed", speed),
-        changes=tuple((name, check_nonnegative(name, changes[name])) for name in sorted(changes)),
-        **_entries(given, ("number", "side", "revolutions")),
-    )
+    return {
+        "node": node,
+        "contact": check_count("contact", machine["contact"], 0, MOST_CONTACTS),
+        "speed": None if speed is None else check_nonnegative("speed", speed),
+        "changes": tuple(
+            (name, check_nonnegative(name, changes[name])) for name in sorted(changes)
+        ),
+    }
 
 
 def show_machine(sheet: DataSheet) -> Iterator[Answer]:
@@ -433,7 +438,8 @@ def machine_of(given: object) -> Rotor | DimensionalRotor:
     )
 
 
-def _of_disc(given: Mapping[str, Any]) -> Question:
+def _of_disc(given: Mapping[str, Any]) -> dict[str, Any]:
+    """Return machine and start, and of a piece of a run-up its ramp, checked."""
     machine = machine_of(given["machine"])
     rotor = machine if isinstance(machine, Rotor) else machine.rotor()
     from rotor_ida.simulation.starts import start_of  # noqa: PLC0415 - heavy, and not for --help
@@ -441,14 +447,7 @@ def _of_disc(given: Mapping[str, Any]) -> Question:
     first = None if given["start"] is None else check_state("start", given["start"])
     start = start_of(rotor, first)
     check_can_be_followed(rotor, start)
-    entries = _entries(given, ("number", "side", "revolutions", "speeds", "reach"))
-    return Question(
-        about=check_choice("about", given["about"], (*OF_DISC, *FILES)),
-        machine=machine,
-        start=start,
-        **entries,
-        **_ramp(rotor, given),
-    )
+    return {"machine": machine, "start": start, **_ramp(rotor, given)}
 
 
 def _ramp(rotor: Rotor, given: Mapping[str, Any]) -> dict[str, Any]:

@@ -14,7 +14,7 @@ from rotor_ida.arrays import Values as FloatArray
 from rotor_ida.explorer.archives import PLAYED, archive_of, archived_answers
 from rotor_ida.explorer.cases import METHOD, Node
 from rotor_ida.explorer.endings import Values, states_of, values_of, whirls_per_revolution
-from rotor_ida.explorer.messages import Answer, Question, SystemQuestion
+from rotor_ida.explorer.messages import Answer, Question
 from rotor_ida.explorer.words import Scales, sheet_of, words_of_run
 from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
@@ -38,7 +38,7 @@ SAMPLES = 512
 LEAST = 1e-9
 
 
-def show_motion(question: Question | SystemQuestion) -> Iterator[Answer]:
+def show_motion(question: Question) -> Iterator[Answer]:
     """Yield the panels of one run, and what is in an archive of anything."""
     path, archived = question.path, archive_of(question)
     if archived is None or kind_of(archived) in PLAYED:
@@ -126,7 +126,7 @@ def drawn(
     return Answer("motion", facts, arrays)
 
 
-def show_lines(question: Question | SystemQuestion) -> Iterator[Answer]:
+def show_lines(question: Question) -> Iterator[Answer]:
     """Yield the full spectrum of the last half of a run, over the spin speed."""
     shown = Node(question)
     drawn, omega = shown.run(), shown.speed or 1.0

@@ -21,7 +21,7 @@ from rotor_ida.cycles.branches import branches_through, holds_cycle
 from rotor_ida.errors import InputError, RotorError
 from rotor_ida.explorer.cases import METHOD, Node
 from rotor_ida.explorer.endings import ending, forced
-from rotor_ida.explorer.messages import Answer, Question, SystemQuestion
+from rotor_ida.explorer.messages import Answer, Question
 from rotor_ida.explorer.motion import exact_lines
 from rotor_ida.explorer.whirls import FOLD, HOPF, NO_WHIRLS, show_whirls
 from rotor_ida.explorer.words import (
@@ -52,6 +52,8 @@ NEAR, SMALL = 0.05, 1e-3
 # Number of rotors whose branches are cached.
 MOST_KEPT = 64
 
+# Severities beside "clear" and "rub", by the kind of the response.
+LEVELS = {"failed": "unknown", "rolling": "whip"}
 # A sweep of one point has one value of each.
 ONE = (*PARAMETERS, "start", "direction")
 KIND_OF = by_number(RESPONSE)
@@ -60,9 +62,9 @@ STABILITY_OF = by_number(STABILITY)
 _branches: dict[tuple[Rotor, tuple[float, float]], list[xr.Dataset]] = {}
 
 
-def show_responses(question: Question | SystemQuestion) -> Iterator[Answer]:
+def show_responses(question: Question) -> Iterator[Answer]:
     """Yield the response curve; of one disc its settled response, section and branch, too."""
-    if isinstance(question, SystemQuestion):
+    if question.machine is None:
         yield from show_whirls(question)
         return
     rotor = question.rotor
@@ -189,27 +191,20 @@ def _settled(question: Question, settled: dict[str, object], swept: xr.Dataset) 
         facts |= ending(forced(run, rotor), rotor)
         facts |= {name: settled[name] for name in ("radius_min", "radius_max")}
         facts["end"] = _end(swept)
-    words, sheets = [words_of_response(question.machine, facts)], list[dict[str, Any]]()
+    words, sheets = [words_of_response(question.disc, facts)], list[dict[str, Any]]()
     if settled["response"] != "failed":
         told = numbers_of_response(rotor, facts)
         sheets = sheet_of("What it settles on", Node(question).scales, told)
     if rotor.friction > 0.0 and rotor.load == 0.0:
-        words.append(words_of_whip(question.machine, *_whip(rotor)))
+        words.append(words_of_whip(question.disc, *_whip(rotor)))
     if _is_repeated(settled) and _is_under_way(question, facts):
         drawn, by = Node(question).duration, float(swept["window_start"].item())
-        words.append(words_of_transient(question.machine, rotor.omega, drawn, by))
+        words.append(words_of_transient(question.disc, rotor.omega, drawn, by))
     arrays = exact_lines(rotor, settled["lies_on"], settled, _end(swept))
-    verdict = {"verdict": verdict_of(question.machine, facts), "level": level_of(facts)}
+    level = "rub" if facts.get("contact_fraction", 0.0) > 0.0 else "clear"
+    level = LEVELS.get(str(facts["response"]), level)
+    verdict = {"verdict": verdict_of(question.disc, facts), "level": level}
     return Answer("settled", {**facts, **verdict, "words": words, "sheets": sheets}, arrays)
-
-
-def level_of(facts: Mapping[str, Any]) -> str:
-    """Return the severity of the settled response: "clear", "rub", "whip" or "unknown"."""
-    if facts["response"] == "failed":
-        return "unknown"
-    if facts["response"] == "rolling":
-        return "whip"
-    return "rub" if facts["contact_fraction"] > 0.0 else "clear"
 
 
 def _whip(rotor: Rotor) -> tuple[float, float, float]:

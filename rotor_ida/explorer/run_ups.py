@@ -24,7 +24,7 @@ from rotor_ida.closed_forms.synchronous import synchronous_response
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.cases import Node
 from rotor_ida.explorer.measured import track_of
-from rotor_ida.explorer.messages import Answer, Question, SystemQuestion
+from rotor_ida.explorer.messages import Answer, Question
 from rotor_ida.explorer.responses import MOST_KEPT, at_rest
 from rotor_ida.explorer.system_verdicts import touched_on_the_way
 from rotor_ida.explorer.words import words_of_run_up
@@ -93,7 +93,7 @@ def show_run_up(question: Question) -> Iterator[Answer]:
         "speed": float(run["speed"][-1]),
         "largest_force": record.passed.largest_force,
         "now": record.passed.now,
-        "words": words_of_run_up(question.machine, asdict(record.passed)),
+        "words": words_of_run_up(question.disc, asdict(record.passed)),
         "folds": list(_folds_of(at_rest(rotor))),
     }
     here = np.searchsorted(times, drawn)
@@ -273,15 +273,15 @@ def _keep(question: Question, end: State, record: Record) -> None:
         _records.popitem(last=False)
 
 
-def show_track(question: Question | SystemQuestion) -> Iterator[Answer]:
+def show_track(question: Question) -> Iterator[Answer]:
     """Yield order 1 and the cascade of a run-up: of one disc, of that which ended in its start."""
     shown, notes, words = Node(question), list[str](), ""
-    if shown.disc is None:
+    if shown.machine is None:
         run, system = shown.run_up(), shown.case.system
         signals, notes = shown.probed(run), [system.note] if system.note else []
         words = touched_on_the_way(run) if system.contacts else ""
     else:
-        record = _records.get((at_rest(shown.disc.rotor), shown.disc.start))
+        record = _records.get((at_rest(question.rotor), question.start))
         if record is None:
             raise InputError("a run-up must be given from its beginning")
         signals = xr.Dataset(

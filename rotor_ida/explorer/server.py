@@ -37,7 +37,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.explorer.messages import (
     Answer,
     Asked,
-    SystemQuestion,
+    Question,
     Upload,
     packed,
     part_of,
@@ -197,7 +197,7 @@ class Inbox:
             self._add(piece)
             return
         question = read_question(text)
-        if isinstance(question, SystemQuestion):
+        if isinstance(question, Question) and question.machine is None:
             question = replace(question, path=self._system)
         if not isinstance(question, Upload):
             self._ask(question, self._deliver)

@@ -16,18 +16,16 @@ import xarray as xr
 
 from rotor_ida.arrays import Arrays, Values
 from rotor_ida.closed_forms.campbell import campbell
-from rotor_ida.closed_forms.clearances.critical_speeds import orbit_axes
-from rotor_ida.closed_forms.receptances import solved_motions
+from rotor_ida.closed_forms.unbalance_response import linear_response
 from rotor_ida.closed_forms.whirls.special_speeds import special_speeds
 from rotor_ida.closed_forms.whirls.synchronous import whirls_of_system
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.archives import sheets_of
-from rotor_ida.explorer.cases import HIGH, LOW, Case, Node, case_of, of_any_node
-from rotor_ida.explorer.messages import Answer, Question, SystemQuestion
-from rotor_ida.model.assembly import Assembly, assemble
+from rotor_ida.explorer.cases import Case, Node, case_of, of_any_node
+from rotor_ida.explorer.messages import Answer, Question
+from rotor_ida.model.assembly import assemble
 from rotor_ida.model.few_modes import in_modes
 from rotor_ida.schema import SPECIAL, STABILITY
-from rotor_ida.simulation.starts import settled
 
 # A step of a branch of whirls by this part of the height of the diagram may be to another whirl.
 JUMP = 0.05
@@ -35,8 +33,6 @@ JUMP = 0.05
 MOST_EIGENVALUES = 16
 # Speeds of the exact response and of the Campbell diagram.
 SPEEDS, FEW_SPEEDS = 160, 60
-# Points of a revolution among which the largest distance from a stator is found, to 4e-5 of it.
-POINTS = 360
 
 FOLD, HOPF = ("fold_omega", "fold_amplitude"), ("hopf_omega", "hopf_amplitude")
 # An empty curve.
@@ -46,7 +42,7 @@ NO_WHIRLS: Arrays = {
 }
 
 
-def show_whirls(question: SystemQuestion) -> Iterator[Answer]:
+def show_whirls(question: Question) -> Iterator[Answer]:
     """Yield the exact whirls over the speed."""
     node = Node(question)
     notes, sheets = node.case.left_out, list[dict[str, Any]]()
@@ -63,10 +59,10 @@ def show_whirls(question: SystemQuestion) -> Iterator[Answer]:
     yield Answer("curve", node.facts | told | {"sheets": sheets}, NO_WHIRLS | arrays)
 
 
-def show_campbell(question: Question | SystemQuestion) -> Iterator[Answer]:
+def show_campbell(question: Question) -> Iterator[Answer]:
     """Yield the Campbell diagram of any rotor."""
-    system, (low, high), notes = Node(question).linear
-    speeds = np.linspace(low, high, FEW_SPEEDS)
+    case = case_of(question)
+    system, notes, speeds = case.levitated, case.notes, np.linspace(*case.speeds, FEW_SPEEDS)
     modes = min(MOST_EIGENVALUES, system.size)
     try:
         found = campbell(system, speed=speeds, modes=modes).isel(contact_stiffness=0)
@@ -134,12 +130,11 @@ def _in_pieces(
 
 def _without_contact(node: Node, error: InputError) -> tuple[list[str], Arrays]:
     """Return the whirl without contact at a node, and why the exact whirls are not drawn."""
-    case = node.case
-    assembly, speeds = _assembly(case), np.linspace(LOW * case.speed, HIGH * case.speed, SPEEDS)
+    case, speeds = node.case, np.linspace(*node.case.speeds, SPEEDS)
     why = str(error).partition(": use ")[0]  # it names verbs, not what the page has
     place = list(case.system.nodes).index(node.name)
     try:
-        amplitude = clear_whirl(assembly, place, speeds)[np.newaxis]
+        amplitude = _clear_whirl(case, place, speeds)[np.newaxis]
     except InputError:
         return [f"no exact curve: {why}"], {}
     stability = np.where(np.isnan(amplitude), STABILITY["absent"], STABILITY["stable"])
@@ -150,40 +145,22 @@ def _without_contact(node: Node, error: InputError) -> tuple[list[str], Arrays]:
 
 
 @lru_cache(maxsize=2)
-def _whirls(question: SystemQuestion, _changed: int) -> tuple[xr.Dataset, xr.Dataset | None]:
+def _whirls(question: Question, _changed: int) -> tuple[xr.Dataset, xr.Dataset | None]:
     """Return the exact whirls at all nodes over the speed, and their special speeds."""
     case = case_of(question)
     system = case.levitated
-    low, high = LOW * case.speed, HIGH * case.speed
-    whirls = whirls_of_system(system, np.linspace(low, high, SPEEDS))
+    whirls = whirls_of_system(system, np.linspace(*case.speeds, SPEEDS))
     points = None
     if system.contacts:
-        points = special_speeds(system, limits=(low, high))
+        points = special_speeds(system, limits=case.speeds)
     return whirls, points
 
 
-def _assembly(case: Case) -> Assembly:
-    """Return the system with its stators and constant forces, in the modes of its file."""
-    modes = None if case.course is None else case.course.modes
-    return assemble(in_modes(case.system, modes, None)[0])
-
-
-def beyond(assembly: Assembly, speeds: Values) -> Values:
-    """Return how far the motion without contact exceeds each clearance, shape (speed, contact)."""
-    sag = assembly.rows @ settled(assembly, 0.0)[0] - [each.centre for each in assembly.contacts]
-    force = assembly.unbalance[0] - 1j * assembly.unbalance[1]
-    motions = solved_motions(assembly, speeds, force[:, np.newaxis])[:, :, 0]
-    whirl = np.einsum("pjk,sk->spj", assembly.rows, motions * speeds[:, np.newaxis] ** 2)
-    turns = np.exp(2j * np.pi * np.arange(POINTS) / POINTS)
-    places = sag[..., np.newaxis] + (whirl[..., np.newaxis] * turns).real
-    clearances = np.array([each.clearance for each in assembly.contacts])
-    return np.asarray(np.hypot(places[:, :, 0], places[:, :, 1]).max(axis=-1) - clearances)
-
-
-def clear_whirl(assembly: Assembly, node: int, speeds: Values) -> Values:
+def _clear_whirl(case: Case, place: int, speeds: Values) -> Values:
     """Return the largest radius of a node about its mean place; NaN where a contact is reached."""
-    force = assembly.unbalance[0] - 1j * assembly.unbalance[1]
-    rows = assembly.node_rows()[node : node + 1]
-    axes = orbit_axes(assembly, rows, force[:, np.newaxis], speeds)[0, :, 0]
-    touches = (beyond(assembly, speeds) > 0.0).any(axis=1)
-    return np.where(touches, np.nan, 0.5 * axes)
+    modes = None if case.course is None else case.course.modes
+    assembly = assemble(in_modes(case.system, modes, None)[0])
+    found = linear_response(assembly, speeds)
+    radii, axes = (np.asarray(found[name][1]) for name in ("unbalance_radius", "node_major_axis"))
+    touches = (radii > [each.clearance for each in assembly.contacts]).any(axis=1)
+    return np.where(touches, np.nan, 0.5 * axes[:, place])

@@ -6,7 +6,6 @@ then interrupts the current part as Ctrl-C does, which stops everything in this 
 
 from __future__ import annotations
 
-import json
 import os
 import pickle
 import signal
@@ -21,13 +20,8 @@ from types import CodeType, FrameType
 from typing import BinaryIO, Literal, cast
 
 from rotor_ida.errors import RotorError
-from rotor_ida.explorer.messages import (
-    Answer,
-    Asked,
-    Question,
-    packed,
-    read_question,
-)
+from rotor_ida.explorer.messages import Answer, Asked, Question, packed
+from rotor_ida.model.rotor import Rotor
 
 # Orders about a numbered answer: compute its first part, continue, or cancel it.
 Order = tuple[int, Asked | Literal["next", "drop"]]
@@ -185,10 +179,8 @@ def _show(question: Asked) -> Iterator[Answer]:
 
 def example(about: str, **beyond: float) -> Question:
     """Return a question about a rotor that starts from rest."""
-    asked = {
-        "about": about, "number": 0, "side": 0, "start": [0, 0, 0, 0], "revolutions": 60,
-        "machine": FIRST_ROTOR | beyond, "speeds": [1.6, 2.1], "reach": 8.0,
-    }  # fmt: skip
-    if about == "run_up":
-        asked |= {"to": 2.01, "rate": 0.01, "angle": 0.0}
-    return cast(Question, read_question(json.dumps(asked)))
+    to, rate = (2.01, 0.01) if about == "run_up" else (None, None)
+    return Question(
+        about=about, number=0, machine=Rotor(**FIRST_ROTOR | beyond), speeds=(1.6, 2.1), reach=8.0,
+        to=to, rate=rate,
+    )  # fmt: skip

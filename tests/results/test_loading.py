@@ -170,19 +170,3 @@ def test_absurd_strings_are_refused(archive: Path, monkeypatch: pytest.MonkeyPat
         xr.Dataset({"message": ("start", [""] * 50 + ["x" * 50])}), archive.with_name("texts.nc")
     )
     refused(path, "declares unreasonably long strings in 'message'")
-
-
-def test_file_replaced_while_it_is_read_is_read_again(
-    archive: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    read = reading.seal_of
-    replacements = [a_dataset(7)]
-
-    def read_late(source: Path, *, check: bool = True) -> str:
-        if replacements:
-            save(replacements.pop(), source, overwrite=True)
-            raise RuntimeError("half of one file and half of the other")
-        return read(source, check=check)
-
-    monkeypatch.setattr(reading, "seal_of", read_late)
-    assert load(archive).sizes["t"] == 7

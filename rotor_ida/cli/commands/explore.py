@@ -14,7 +14,7 @@ from rotor_ida.cli.output import check_file, working
 from rotor_ida.cli.parsing import refuse_units
 from rotor_ida.cli.rotor_options import RotorOptions
 from rotor_ida.errors import InputError
-from rotor_ida.explorer.messages import ROTOR_ENDINGS, SystemQuestion, machine_of, state_of
+from rotor_ida.explorer.messages import ROTOR_ENDINGS, Question, machine_of, state_of
 from rotor_ida.model.parameters import MACHINE_PARAMETERS, OPTIONAL, PARAMETERS
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.simulation.options import check_can_be_followed
@@ -143,7 +143,7 @@ def _recorded(state: Mapping[str, object], served: Path | None, speeds: list[flo
     from rotor_ida.simulation.starts import start_of  # noqa: PLC0415
 
     if "node" in state:
-        steps = files.recording_of_nodes(SystemQuestion(about="html", number=0, path=served))
+        asked = Question(about="html", number=0, path=served)
     elif served is not None:
         raise InputError("export must be of a rotor: a page without a program reads no measurement")
     else:
@@ -153,11 +153,13 @@ def _recorded(state: Mapping[str, object], served: Path | None, speeds: list[flo
         if rotor is machine:
             refuse_units({"speeds": speeds})
         first = [float(str(state[name])) for name in COMPONENTS if name in state]
-        steps = files.recording(
-            machine, start=start_of(rotor, check_state("start", first) if first else None),
+        asked = Question(
+            about="html", number=0, machine=machine,
+            start=start_of(rotor, check_state("start", first) if first else None),
             revolutions=int(str(state.get("revolutions", REVOLUTIONS))),
-            speeds=files.check_speeds(machine, speeds),
         )  # fmt: skip
+        speeds = files.check_speeds(machine, speeds)
+    steps = files.recording(asked, speeds=speeds)
     with working("recording") as told:
         return files.finished(steps, told)
 

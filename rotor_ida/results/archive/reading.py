@@ -87,7 +87,9 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
     rotor_ida.errors.MissingFileError: path must be a file that exists, got '.../walk.nc'
     >>> folder.cleanup()
     """
-    return _as_it_stands(path, _load)
+    source = _check_source(path)
+    with _reported(source):
+        return _load(source)
 
 
 def open_archive(path: str | os.PathLike[str], *, check: bool = True) -> xr.Dataset:
@@ -125,20 +127,9 @@ def open_archive(path: str | os.PathLike[str], *, check: bool = True) -> xr.Data
     >>> folder.cleanup()
     """
     check_flag("check", check)
-    return _as_it_stands(path, lambda source: _open(source, check=check))
-
-
-def _as_it_stands(path: str | os.PathLike[str], read: Callable[[Path], xr.Dataset]) -> xr.Dataset:
-    while True:
-        source = _check_source(path)
-        before = _identity(source)
-        try:
-            with _reported(source):
-                return read(source)
-        except ArchiveError:
-            # Another process replaced the file during reading: read the new one.
-            if _identity(source) == before:
-                raise
+    source = _check_source(path)
+    with _reported(source):
+        return _open(source, check=check)
 
 
 def _check_source(path: object) -> Path:
@@ -148,14 +139,6 @@ def _check_source(path: object) -> Path:
     if not os.path.isfile(source):
         raise MissingFileError(f"path must be a file that exists, got {shown(source)}")
     return source
-
-
-def _identity(source: Path) -> tuple[int, int, int, int] | None:
-    try:
-        found = source.stat()
-    except OSError:
-        return None
-    return found.st_dev, found.st_ino, found.st_size, found.st_mtime_ns
 
 
 @contextmanager

@@ -34,6 +34,8 @@ MACHINE_FILE = "machine.toml"
 # A process that only checks the lock holds it for an instant.
 _PATIENCE = 1.0  # seconds
 _READ_ONLY = {errno.EROFS, errno.EACCES, errno.EPERM}
+# What the line of a piece has.
+_OF_PIECE = {"number", "points", "failed", "reason", "began", "seen"}
 # Number of different reasons of failure that are reported.
 _MOST_REASONS = 10
 
@@ -276,29 +278,15 @@ def _read(folder: Path, name: str, *, whole: bool = True) -> tuple[dict[str, Any
         raise ArchiveError(f"cannot read {str(folder / name)!r}: {error.strerror}") from error
     except (ValueError, RecursionError):
         told = None
-    if isinstance(told, dict) and (_is_design if name == FILE else _is_piece)(told, name):
+    is_known = isinstance(told, dict) and (
+        name == FILE or (told.keys() >= _OF_PIECE and name == f"{PIECES}/{told['number']}")
+    )
+    if told is not None and is_known:
         return told, content
     way = "begin another study" if name == FILE else "remove it and resume the study"
     raise ArchiveError(
         f"study {str(folder)!r} is damaged: {name} is not what was written; restore it from a "
         f"copy, or {way}"
-    )
-
-
-def _is_design(told: Mapping[str, Any], _name: str) -> bool:
-    known = isinstance(told.get("design"), dict) and type(told.get("points")) is int
-    return "format" in told and (known or told["format"] != FORMAT)
-
-
-def _is_piece(told: Mapping[str, Any], name: str) -> bool:
-    counts = [told.get(each) for each in ("number", "points", "failed")]
-    times = [told.get(each) for each in ("began", "seen")]
-    return (
-        all(type(each) is int for each in counts)
-        and all(type(each) is float for each in times)
-        and isinstance(told.get("reason"), str)
-        and name == f"{PIECES}/{told['number']}"
-        and 0 <= told["failed"] <= told["points"]
     )
 
 
