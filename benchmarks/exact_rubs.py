@@ -19,7 +19,7 @@ import mpmath
 import numpy as np
 
 from rotor_ida import Contact, Unbalance, synchronous_response
-from rotor_ida.closed_forms.exact_polynomials import Polynomial, constant, positive_roots
+from rotor_ida.closed_forms.exact_polynomials import Polynomial, constant, isolated_roots
 from rotor_ida.closed_forms.whirls.double_rubs import Pairs, balance, double_rubs
 from rotor_ida.closed_forms.whirls.single_rubs import single_rubs
 from rotor_ida.closed_forms.whirls.turning_axes import eigenvalues_without_contact
@@ -49,7 +49,7 @@ def exact_count(free, effect, hertz):
     depth, force = (x * x, x * x * x) if hertz else (x, x)
     real = constant(1) + depth + constant(Fraction(effect.real)) * force
     across = constant(Fraction(effect.imag)) * force
-    return len(positive_roots(real * real + across * across - constant(Fraction(free) ** 2)))
+    return len(isolated_roots(real * real + across * across - constant(Fraction(free) ** 2)))
 
 
 def scanned(free, effect, hertz, steps):

@@ -2,9 +2,9 @@
 
 Whether a list of folds is complete depends on the method, which `_folds_by_damping` chooses:
 
-- With friction, and in a linear contact of clearance 1 without a shaft, it is complete. The folds
-  are the roots of a polynomial, isolated in exact arithmetic (`exact_folds`): however near two of
-  them are, neither is missed, and two that coincide are listed once.
+- With friction, and with damping in a linear contact of clearance 1 without a shaft, it is
+  complete. The folds are the roots of a polynomial, isolated in exact arithmetic (`exact_folds`):
+  however near two of them are, neither is missed, and two that coincide are listed once.
 - All others with damping come from a dense search along a curve (`fold_locus`, `folds_on_side`).
   It misses none in any comparison with another method, but that is not a proof.
 - Without damping there is one polynomial, whose roots NumPy finds in floating point

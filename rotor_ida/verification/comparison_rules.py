@@ -1,7 +1,7 @@
 """How a result of each kind is compared with one computed again: `VERIFIED`.
 
 A row says what a result must have, and what of it another processor does not repeat. How much
-numbers may differ is in `rotor_ida.schema.quantities` (`TOLERANCE_OF_KIND`).
+numbers may differ is in `rotor_ida.schema.tolerances` (`TOLERANCE_OF_KIND`).
 """
 
 from __future__ import annotations

@@ -370,7 +370,9 @@ def test_what_is_not_axisymmetric_has_no_exact_whirls_in_contact(system, contact
     told = found.attrs["not_exact"]
     assert re.search(words, told)
     assert "\n" not in told
-    assert told.endswith("no circles; a run at constant speed, a run-up or a sweep computes them")
+    assert told.endswith(
+        "so that rubs are not circular; a run at constant speed, a run-up or a sweep computes them"
+    )
     assert "--" not in told
 
 
