@@ -25,7 +25,11 @@ FIRST = {
 }
 # mypy reads the package as one platform has it; as the others have it, without the types of other
 # libraries, the files that speak to the system, where what a platform lacks is a missing name.
-OF_SYSTEM = re.compile(r"^ *(import|from) (os|signal|socket)\b|\bsys\.platform\b", re.MULTILINE)
+OF_SYSTEM = re.compile(
+    r"^ *(import|from) (asyncio|ctypes|os|resource|signal|socket|subprocess|threading)\b"
+    r"|\bsys\.platform\b",
+    re.MULTILINE,
+)
 TALKING = [
     str(path)
     for path in sorted((ROOT / "rotor_ida").rglob("*.py"))

@@ -58,7 +58,7 @@ GOLDEN = (math.sqrt(5.0) - 1.0) / 2.0
 
 
 class Labeller(Protocol):
-    """A rotor whose starts are labelled: `fates.Disc` or `subjects.KnockedSystem`."""
+    """A rotor whose starts are labelled: `disc.Disc` or `subjects.KnockedSystem`."""
 
     @property
     def rtol(self) -> float | None:

@@ -51,6 +51,8 @@ class Output:
     inch: bool = False
     as_json: bool = False
     force: bool = False
+    # Whether the same command began the report before, which may then be replaced.
+    continues: Annotated[bool, Parameter(parse=False)] = False
     # The node of a figure, and the line that was typed, for a report.
     node: Annotated[str | None, Parameter(parse=False)] = None
     line: Annotated[str, Parameter(parse=False)] = ""
@@ -73,7 +75,9 @@ class Output:
         if self.report is not None:
             from rotor_ida.cli.pages import check_folder  # noqa: PLC0415 - heavy
 
-            check_folder("report", self.report, overwrite=self.force, permission=FORCED)
+            check_folder(
+                "report", self.report, overwrite=self.force or self.continues, permission=FORCED
+            )
         if self.figure is not None:
             check_panels(panels)
             if self.figure.suffix not in {"", *PICTURES, PDF} or self.figure.name in {"", ".."}:
@@ -211,7 +215,8 @@ def _write_report(
     folder = output.report
     assert folder is not None
     folder.mkdir(exist_ok=True)
-    archives = [Path(rotor_ida.save(each, folder / name, overwrite=output.force))
+    force = output.force or output.continues
+    archives = [Path(rotor_ida.save(each, folder / name, overwrite=force))
                 for name, each in results.items()]  # fmt: skip
     dataset = next(iter(results.values()))
     question = Question.of_result(dataset)
@@ -221,7 +226,7 @@ def _write_report(
         dataset, parts, rotor=rotor, files=files, commands=[again(output.line), *check],
         figures=figures, system=output.system,
     )  # fmt: skip
-    return [*archives, *pages.write(folder, overwrite=output.force)]
+    return [*archives, *pages.write(folder, overwrite=force)]
 
 
 def again(line: str) -> str:

@@ -112,9 +112,13 @@ class Rotor:
     def __repr__(self) -> str:
         return f"Rotor({', '.join(f'{name}={value!r}' for name, value in self.given.items())})"
 
-    @cached_property
+    @property
     def beyond(self) -> dict[str, float]:
         """The parameters that differ from the paper's rotor and affect the motion."""
+        return dict(self._beyond)
+
+    @cached_property
+    def _beyond(self) -> dict[str, float]:
         beyond = _not_default(self)
         if self.friction == 0.0:
             beyond.pop("disc_radius", None)

@@ -221,7 +221,7 @@ def _bins(across: Values, turns: Values) -> npt.NDArray[np.intp]:
         beyond = min(int(np.searchsorted(column, column[place] + 1.0)), across.size - 1)
         whole = max(math.ceil(turns[beyond] - turns[place] - NEARLY), 1)
         first = math.floor(turns[place] + ROUNDING)
-        place = int(np.searchsorted(turns, first + whole - ROUNDING))
+        place = max(int(np.searchsorted(turns, first + whole - ROUNDING)), place + 1)
     # the last one may be a part of a revolution
     return np.array(starts[: max(len(starts) - 1, 1)], dtype=np.intp)
 

@@ -179,9 +179,8 @@ def run_of_cases(
     count = SAMPLES_A_REVOLUTION * fastest * course.end / (2.0 * math.pi)
     chosen = int(min(max(count, FEWEST), MOST_SAMPLES))
     resolves = whirls and samples is None
-    if resolves and backend == "compiled":
-        chosen = (chosen - 1) * max(min(FINER, MOST_SAMPLES // chosen), 1) + 1
-    times = times_of(samples, course.end, chosen)
+    finer = min(FINER, MOST_SAMPLES // chosen) if resolves and backend == "compiled" else 1
+    times = times_of(samples, course.end, (chosen - 1) * finer + 1)
     first, *second = [_prepared(*each, course, times, tolerance) for each in cases]
 
     def by_witness(stop: Stop, watch: Watch) -> Callable[[SystemRequest], SystemResult]:
@@ -209,7 +208,7 @@ def run_of_cases(
     )
     if resolves:
         times, result = _resolved(
-            first, followed.result, times,
+            first, followed.result, times, finer,
             lambda request: interruptible(lambda stop: followed_by(request, stop, [])),
         )  # fmt: skip
         followed = replace(followed, result=result)
@@ -293,12 +292,13 @@ def _witness() -> Callable[..., SystemResult]:
 
 
 def _resolved(
-    prepared: _Prepared, result: SystemResult, times: Values,
+    prepared: _Prepared, result: SystemResult, times: Values, finer: int,
     follow: Callable[[SystemRequest], SystemResult],
 ) -> tuple[Values, SystemResult]:  # fmt: skip
     """Return the times that resolve the whirls in the contacts, and the run there.
 
-    They are as few of those of the run as do, or more than these where all are too few.
+    They are as few of those of the run, which are `finer` than the speed asks for, as do, or more
+    where all are too few.
     """
     rate = fastest_whirl(prepared.assembly, prepared.found.rows, result.samples)
     steps, needed = times.size - 1, min(math.ceil(rate * times[-1] / MOST_TURNED), MOST_SAMPLES - 1)
@@ -306,7 +306,7 @@ def _resolved(
         times = np.linspace(0.0, times[-1], needed + 1)
         return times, follow(replace(prepared.request, times=times))
     every = max(
-        each for each in range(1, FINER + 1) if steps % each == 0 and steps // each >= needed
+        each for each in range(1, finer + 1) if finer % each == 0 and steps // each >= needed
     )
     return times[::every], result.at_every(every)
 

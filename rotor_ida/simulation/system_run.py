@@ -226,6 +226,8 @@ def with_errors(
         other = follow_system(again, stop, watch, has_parted) if looser is None else looser(again)
         check_status(other)
     except SimulationError as failure:  # the first run is sound, but nothing bounds its errors
+        if stop[0]:
+            raise
         ends = 0.0 if math.isnan(failure.time) else failure.time
         unknown = EventErrors(np.full(result.event_times.size, math.inf), ends)
         return Followed(result, unknown, since, math.nan if math.isnan(since) else error)

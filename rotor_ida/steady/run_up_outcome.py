@@ -272,7 +272,7 @@ def settled_system(
     The motion goes on with the unbalance ahead by the angle to which the ramp has brought it.
     """
     if to == 0.0:
-        raise InputError("no settled response of a rotor system is computed there")
+        raise InputError("no settled response of a rotor system is computed at standstill")
     angle = math.remainder(float(run["angle"][-1]), math.tau)
     problem = SettlingProblem.of(assemble(with_unbalance_at(system, angle)), rtol)
     flow = SystemFlow.at(problem, to, stop)

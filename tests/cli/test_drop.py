@@ -327,6 +327,12 @@ def test_bad_input_is_refused_before_a_file_is_written(capfd):
     assert main(["drop", "rotor.toml", "--report", "report", "--film", "mine.gif"]) == 2
     assert "already exists; pass --force to replace it" in capfd.readouterr().err
     assert not Path("report").exists()
+    Path("report/unfinished").mkdir(parents=True)  # as an interrupted command leaves it
+    Path("other.nc").write_text("mine")
+    words = ["drop", "rotor.toml", "--report", "report", "--drops", "2", "--out", "other.nc"]
+    assert main(words) == 2
+    assert "already exists; pass --force to replace it" in capfd.readouterr().err
+    assert Path("other.nc").read_text() == "mine"
 
 
 def test_a_rotor_that_no_support_lets_fall_is_told_of():

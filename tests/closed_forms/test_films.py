@@ -291,6 +291,29 @@ def test_critical_speeds_in_constant_matrices_are_where_an_eigenvalue_turns_with
     assert apart > 1e-4
 
 
+def test_critical_speeds_are_in_order_and_none_is_lost():
+    """Under heavy damping they have another order than the poles beside them."""
+    rng, turned = np.random.default_rng(5), 0
+    for _ in range(150):
+        count, sense = int(rng.integers(2, 5)), np.array([[0.0, 1.0], [-1.0, 0.0]])
+        springs, dampers = rng.normal(size=(2, count, count))
+        mass = np.diag(rng.uniform(0.5, 2.0, count))
+        assembly = assemble(RotorSystem(
+            mass=np.kron(mass, np.eye(2)), damping=np.kron(0.4 * dampers @ dampers.T, np.eye(2)),
+            stiffness=np.kron(springs @ springs.T + 0.3 * np.eye(count), np.eye(2)),
+            gyroscopic=np.kron(rng.uniform(0.0, 0.9) * mass, sense), units="1",
+            nodes={str(place): (2 * place, 2 * place + 1) for place in range(count)},
+        ))  # fmt: skip
+        largest = rng.uniform(1.0, 6.0)
+        every, found = ([each.speed for each in critical_modes(assembly, most)]
+                        for most in (1e3, largest))  # fmt: skip
+        assert every == sorted(every)
+        within = [each for each in every if each <= largest]
+        np.testing.assert_allclose(found, within or every[:1], rtol=1e-9)
+        turned += len(found) > 1
+    assert turned > 20
+
+
 def test_critical_speeds_of_a_disc_on_the_diagonal_are_double_and_told_once():
     """Its motions along the axes do not turn it, so that both senses are equally fast."""
     turning = np.zeros((4, 4))

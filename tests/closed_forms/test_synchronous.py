@@ -191,7 +191,7 @@ def test_amplitudes_are_those_of_a_scan_over_the_amplitude(family):
 
 
 @pytest.mark.parametrize("away", [1e-6, 1e-14])
-@pytest.mark.parametrize("delta0", [0.0, 0.7, 3.0])
+@pytest.mark.parametrize("delta0", [0.0, 0.7, 1.0, 3.0])
 @pytest.mark.parametrize(
     ("kappa", "exponent"),
     [(0.0, 1.5), (0.04, 1.5), (0.25, 1.5), (1.0, 1.5), (0.0, 1.0), (0.3, 1.0), (2.0, 1.0)],

@@ -409,3 +409,13 @@ def test_samples_by_default_resolve_a_whirl_that_is_much_faster_than_the_spin():
     angle = np.unwrap(np.arctan2(late.contact_y, late.contact_x))
     np.testing.assert_allclose(angle[-1] - angle[0], np.trapezoid(rates, late.t), rtol=1e-3)
     assert run.whirl_sense == -1
+
+
+@pytest.mark.parametrize(("duration", "speed"), [(3.0, 2000.0), (15.0, 2000.0), (0.05, 20.0)])
+def test_samples_by_default_are_32_a_revolution_or_a_thousand(duration, speed):
+    """However much finer there was room to sample at first."""
+    system = RotorSystem(mass=MASS * np.eye(2), stiffness=np.zeros((2, 2)), nodes={"disc": (0, 1)})
+    touch = Contact(node="disc", clearance=2e-4, stiffness=2e8)
+    run = drop(system, contacts=[touch], speed=speed, gravity=(0.0, 0.0), duration=duration,
+               start=([0.0, 0.0], [1e-6, 0.0]))  # fmt: skip
+    assert run.t.size >= max(math.floor(32.0 * speed * duration / math.tau), 1001)

@@ -79,7 +79,9 @@ def test_at_standstill_the_rotor_rests():
     assert summary(lying).attrs["sentence"].endswith("At standstill it rests on the stator.")
     system = run_up(rotor.system(), speed=1.2, to=0.0, rate=-0.02)
     said = summary(system).attrs["sentence"]
-    assert said.endswith("followed: no settled response of a rotor system is computed there.")
+    assert said.endswith(
+        "followed: no settled response of a rotor system is computed at standstill."
+    )
 
 
 def test_a_backward_whirl_that_slips_is_told():

@@ -58,11 +58,12 @@ def drop(
         raise InputError("study must be left out without drops")
     unfinished = None if folder is None or not vary else folder / UNFINISHED
     if unfinished is not None and unfinished.is_dir():
-        case.output = replace(case.output, force=True)
+        case.output = replace(case.output, continues=True)
+    force = case.output.force or case.output.continues
     if film is not None:
         from rotor_ida.plot.drops import check_film  # noqa: PLC0415 - heavy, and not for --help
 
-        check_film(film, overwrite=case.output.force, permission=FORCED)
+        check_film(film, overwrite=force, permission=FORCED)
     run, everything, before = case.ask(), None, ""
     if vary:
         kept = study or unfinished
@@ -91,7 +92,7 @@ def drop(
     if film is not None:
         from rotor_ida.plot import save_orbit_film  # noqa: PLC0415 - heavy
 
-        more.append(f"wrote {save_orbit_film(run, film, overwrite=case.output.force)}")
+        more.append(f"wrote {save_orbit_film(run, film, overwrite=force)}")
     if unfinished is not None and not report.trouble:
         shutil.rmtree(unfinished, ignore_errors=True)
     return replace(report, parts=[*report.parts, *more])

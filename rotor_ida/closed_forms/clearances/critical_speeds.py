@@ -89,12 +89,10 @@ def critical_modes(assembly: Assembly, largest: float) -> list[Mode]:
         found = _driven_modes(assembly, speed, largest)
         if assembly.films:  # the coefficients are those at the critical speed of one mode
             found = [each for each in found if abs(each.speed - speed) < EQUAL * speed]
-        for pole in found:
-            mode = pole if same else _turning(assembly, pole)
+        turning = [pole if same else _turning(assembly, pole) for pole in found]
+        for mode in sorted(turning, key=lambda each: each.speed):
             if not modes or not _same(mode, modes[-1]):
                 modes.append(mode)
-            if mode.speed > largest:
-                break
     below = sum(each.speed <= largest for each in modes)
     return modes[: max(below, 1)]
 

@@ -122,7 +122,10 @@ def _polished(pairs: Pairs, rows: Rows, v: Values) -> Values:
     """Return roots after steps of Newton's method on ``|E|**2 = 1``."""
     for _ in range(_POLISHING):
         left, slope = balance(pairs.free[rows], pairs.effect[rows], pairs.hertz, v)
-        step = np.linalg.solve(slope, left[:, :, np.newaxis])[:, :, 0]
+        try:
+            step = np.linalg.solve(slope, left[:, :, np.newaxis])[:, :, 0]
+        except np.linalg.LinAlgError:  # at a double root
+            step = (np.linalg.pinv(slope) @ left[:, :, np.newaxis])[:, :, 0]
         # near a double root a step would lead far away
         near = (np.abs(step) < _NEAR * v).all(axis=1, keepdims=True)
         v = np.where(near, v - step, v)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import errno
 import importlib.metadata
 import os
 from collections.abc import Mapping
@@ -13,6 +14,7 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.results.archive.checksum import (
+    BLOCK,
     CHUNK,
     Array,
     Index,
@@ -36,6 +38,10 @@ from rotor_ida.results.provenance import command
 
 if TYPE_CHECKING:
     import netCDF4
+
+OVERHEAD = 2**15  # bytes, more than what HDF5 adds to the values of a variable
+
+_NO_ROOM = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 
 
 def save(dataset: xr.Dataset, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
@@ -76,7 +82,7 @@ def save(dataset: xr.Dataset, path: str | os.PathLike[str], *, overwrite: bool =
     A selection of runs, such as a part of a sweep, is saved with its own events alone.
 
     Numbers that are not in memory, but in another file or to be computed by dask, are written
-    block by block.
+    block by block. The disk must have room for the numbers uncompressed, at most 32 MiB at a time.
 
     netCDF does not distinguish an attribute that is an array of one number from the number: both
     are read back as the number. It has no fixed dimension of length zero, so such a dimension is
@@ -120,12 +126,16 @@ def _write_netcdf(stored: xr.Dataset, path: Path, earlier: Mapping[str, Any]) ->
     names = stored_names(stored)
 
     def write(name: str, index: Index, values: Array) -> None:
+        if values.nbytes > CHUNK:
+            _make_sure_of_room(path.parent, values.nbytes + OVERHEAD)
         numeric = values.dtype in NUMERIC
         with LOCK:
             file[names[name]][index] = (
                 np.ascontiguousarray(values) if numeric else values.astype(object)
             )
 
+    room = min(stored.nbytes, BLOCK) + OVERHEAD * (8 + len(stored.variables))
+    _make_sure_of_room(path.parent, room)
     with LOCK:
         file = netCDF4.Dataset(path, "w", format="NETCDF4")
     try:
@@ -138,6 +148,26 @@ def _write_netcdf(stored: xr.Dataset, path: Path, earlier: Mapping[str, Any]) ->
     finally:
         with LOCK:
             file.close()
+
+
+def _make_sure_of_room(folder: Path, size: int) -> None:
+    """Raise the system's error if this many bytes cannot be written.
+
+    If a disk is full, HDF5 fails without that reason, and releases the file and its space only
+    when the process ends.
+    """
+    if not hasattr(os, "posix_fallocate"):
+        return
+    room = folder / "room"
+    descriptor = os.open(room, os.O_RDWR | os.O_CREAT)
+    try:
+        os.posix_fallocate(descriptor, 0, size)
+    except OSError as error:
+        if error.errno in _NO_ROOM:
+            raise OSError(error.errno, os.strerror(error.errno)) from None
+    finally:
+        os.close(descriptor)
+        room.unlink()
 
 
 def _define(file: netCDF4.Dataset, stored: xr.Dataset, names: Mapping[str, str]) -> None:

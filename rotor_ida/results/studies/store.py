@@ -279,7 +279,8 @@ def _read(folder: Path, name: str, *, whole: bool = True) -> tuple[dict[str, Any
     except (ValueError, RecursionError):
         told = None
     is_known = isinstance(told, dict) and (
-        name == FILE or (told.keys() >= _OF_PIECE and name == f"{PIECES}/{told['number']}")
+        (name == FILE and "format" in told)
+        or (told.keys() >= _OF_PIECE and name == f"{PIECES}/{told['number']}")
     )
     if told is not None and is_known:
         return told, content
