@@ -1,15 +1,10 @@
 """Whether tests pass, or are skipped by name, on a machine that has almost nothing.
 
-    python tests/bare.py [--all]
-
-All tests are collected, and those of the explorer, the core and the archives run, with a PATH that
-holds Python, a shell and one C compiler only, a home in which nothing can be written (it would lie
-below a file), and in the C locale. With --all it is the whole test command of the README. The tests
-that are skipped are counted by their reasons.
+All tests are collected, and the test command of the README runs, with a PATH that holds Python, a
+shell and one C compiler only, a home in which nothing can be written (it would lie below a file),
+and in the C locale. The tests that are skipped are counted by their reasons.
 """
 
-import argparse
-import os
 import re
 import shutil
 import subprocess
@@ -19,8 +14,6 @@ from collections import Counter
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parents[1]
-FOLDERS = ("tests/explorer", "tests/core", "tests/results")
-WORKERS = str((os.cpu_count() or 1) + 1)
 # What pytest says of tests with one reason: "SKIPPED [3] tests/core/test_libm.py:37: no gcc".
 SKIPPED = re.compile(r"SKIPPED \[(\d+)\] \S+?: (.+)")
 
@@ -46,10 +39,10 @@ def collect_with_nothing():
     return ended.returncode == 0
 
 
-def run(environment, words):
-    """Run a test command, say why how many tests were skipped, and return whether it passed."""
+def run(environment):
+    """Run the test command, say why how many tests were skipped, and return whether it passed."""
     reasons = Counter()
-    command = [sys.executable, *words]
+    command = [sys.executable, "tests/check.py"]
     with subprocess.Popen(
         command, cwd=ROOT, env=environment, stdout=subprocess.PIPE, text=True
     ) as ended:
@@ -64,19 +57,14 @@ def run(environment, words):
 
 
 def main():
-    """Collect all tests, then run some, or everything; exit 1 if one fails."""
-    parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--all", action="store_true", help="the whole test command of the README")
-    words = ["-m", "pytest", "-n", WORKERS, "--dist", "worksteal", *FOLDERS]
-    if parser.parse_args().all:
-        words = ["tests/check.py"]
+    """Collect all tests, then run them; exit 1 if one fails."""
     collected = collect_with_nothing()
     with tempfile.TemporaryDirectory() as folder:
         for name, path in programs().items():
             (Path(folder) / name).symlink_to(path)
         environment = {"PATH": folder, "HOME": f"{folder}/python3/home", "LANG": "C"}
         environment |= {"OPENBLAS_NUM_THREADS": "1", "PYTEST_ADDOPTS": "-rs"}
-        passed = run(environment, words)
+        passed = run(environment)
     return 0 if collected and passed else 1
 
 

@@ -26,7 +26,7 @@ FIRST = {
 # mypy reads the package as one platform has it; as the others have it, without the types of other
 # libraries, the files that speak to the system, where what a platform lacks is a missing name.
 OF_SYSTEM = re.compile(
-    r"^ *(import|from) (asyncio|ctypes|os|resource|signal|socket|subprocess|threading)\b"
+    r"^ *(import|from) (asyncio|os|resource|signal|socket|subprocess)\b"
     r"|\bsys\.platform\b",
     re.MULTILINE,
 )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import shutil
 import subprocess
 import sys
 from collections.abc import Callable
@@ -15,6 +16,8 @@ import pytest
 import rotor_ida
 from rotor_ida.cli import main
 from rotor_ida.errors import ArchiveError, SimulationError
+
+needs_bash = pytest.mark.skipif(not shutil.which("bash"), reason="there is no bash")
 
 Program = Callable[..., Any]
 
@@ -137,7 +140,7 @@ def test_tables_keep_to_the_columns_that_are_asked_for_and_lose_no_number(
     assert {"0.070001", "0.50001"} <= set(out.split())
 
 
-@pytest.mark.skipif(os.name == "nt", reason="a shell of POSIX")
+@needs_bash
 def test_what_is_written_before_output_turns_out_closed_is_kept(tmp_path: Path):
     ended = subprocess.run(
         ["bash", "-c", f"{sys.executable} -m rotor_ida {' '.join(RUN)} --out run.nc >&-"],
@@ -147,7 +150,7 @@ def test_what_is_written_before_output_turns_out_closed_is_kept(tmp_path: Path):
     assert rotor_ida.load(tmp_path / "run.nc").sizes["t"] == 1001
 
 
-@pytest.mark.skipif(os.name == "nt", reason="a shell of POSIX")
+@needs_bash
 @pytest.mark.parametrize(
     ("redirection", "status", "complaint"),
     [

@@ -9,7 +9,7 @@ import pytest
 
 from rotor_ida.paper.running import run_scripts
 
-PRINTING = "import sys; print(sys.argv[1:]); print('beside', file=sys.stderr)"
+PRINTING = "import sys; print(sys.argv[1:], flush=True); print('beside', file=sys.stderr)"
 CRASHING = "import os; print('so far', flush=True); os.abort()"
 RAISING = "raise ValueError('no such whirl')"
 WAITING = """
