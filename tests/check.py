@@ -23,34 +23,13 @@ FIRST = {
     "spelling": ["-m", "codespell_lib", *SPELLED],
     "C": ["-c", CLANG_FORMAT, "--dry-run", "--Werror", *C_SOURCES],
 }
-# mypy reads the package as one platform has it; as the others have it, without the types of other
-# libraries, the files that speak to the system, where what a platform lacks is a missing name.
-OF_SYSTEM = re.compile(
-    r"^ *(import|from) (asyncio|os|resource|signal|socket|subprocess)\b"
-    r"|\bsys\.platform\b",
-    re.MULTILINE,
-)
-TALKING = [
-    str(path)
-    for path in sorted((ROOT / "rotor_ida").rglob("*.py"))
-    if OF_SYSTEM.search(path.read_text("utf-8"))
-]
-ALONE = [
-    *("-m", "mypy", "--config-file=", "--follow-imports=skip", "--ignore-missing-imports"),
-    "--check-untyped-defs",
-]
-# What is said where a type of another library is missing.
-for code in ("has-type", "misc", "operator", "valid-type", "var-annotated"):
-    ALONE += ["--disable-error-code", code]
-PLATFORMS = {"names on Windows": "win32", "names on macOS": "darwin"}
+# mypy reads the package as each of these platforms has it.
+PLATFORMS = {"types": "linux", "types on Windows": "win32", "types on macOS": "darwin"}
 # These run beside the tests, and their output follows that of the tests.
 BESIDE = {
-    "types": ["-m", "mypy", "--platform", "linux"],
-    "layout": ["-c", LINT_IMPORTS],
-} | {
-    name: [*ALONE, "--platform", each, "--cache-dir", f".mypy_cache/{each}", *TALKING]
+    name: ["-m", "mypy", "--platform", each, "--cache-dir", f".mypy_cache/{each}"]
     for name, each in PLATFORMS.items()
-}
+} | {"layout": ["-c", LINT_IMPORTS]}
 # One more process than processors, as many tests wait for what they have started.
 WORKERS = str((os.cpu_count() or 1) + 1)
 TESTS = ["-m", "pytest", "-n", WORKERS, "--dist", "worksteal"]
