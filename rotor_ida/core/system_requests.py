@@ -295,7 +295,7 @@ class SystemResult:
     extrema: Rows = field(default_factory=lambda: np.empty(0, EXTREMUM_OF_PLACE))
 
     def at_every(self, step: int) -> SystemResult:
-        """Return the run with the first of its samples and, of the others, one in so many."""
+        """Return the run with every `step`-th sample, beginning with the first."""
         sampled = ("samples", "forces", "turns", "sample_columns")
         return replace(self, **{name: getattr(self, name)[::step].copy() for name in sampled})
 

@@ -4,7 +4,7 @@
  * one change is halved. */
 #include "system_work.h"
 
-/* Shortest interval, in steps, in which two zeros are told apart. */
+/* Shortest interval, in steps, within which two zeros are separated. */
 static const double SHORTEST = 1e-15;
 /* A zero is found where rounding hides it: to this part of itself; and the most steps to it. */
 static const double CLOSE = 4e-16;

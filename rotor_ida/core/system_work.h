@@ -13,7 +13,7 @@ enum { MOST_CONTACTS = 16 };
  * left. */
 enum { OF_ROOT, OF_RELEASE, OF_SLIP, GUARDS };
 
-/* The square of a series up to the highest order has so many terms. */
+/* Number of terms of the square of a series of the highest order. */
 enum { GAP_TERMS = 2 * ORDERS };
 /* Where contacts enter together, or without a radial velocity, flight goes on to an indentation of
  * this part of the clearance. */

@@ -65,7 +65,7 @@ MOST_REVOLUTIONS = 2000
 # At most two machines are shown side by side.
 SIDES = 2
 LARGEST_NUMBER_OF_QUESTION = 2**53
-# Names in a question about any rotor, about one disc beside them, and about a piece of a run-up.
+# Names in a question about any rotor, further names for one disc, and those for a part of a run-up.
 OF_ANY = ("about", "machine", "number", "revolutions", "side")
 OF_PLANE = ("reach", "speeds", "start")
 OF_RUN_UP = ("to", "rate", "angle")

@@ -2,7 +2,7 @@
 
 `figure_of` draws any result by the function that its row in `rotor_ida.results.dataset_kinds` names
 as `drawn`: a public plot, or one of the ``draw_...`` below, which choose or join plots by what a
-dataset has. Some of these compute exact results of the same rotor to draw beside it.
+dataset has. Some functions also compute exact results for the same rotor and draw them.
 """
 
 from __future__ import annotations

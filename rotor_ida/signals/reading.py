@@ -265,7 +265,7 @@ def _check_choices(
 def _attributes(
     table: Table, columns: str, angles: Values, gains: npt.ArrayLike, caption: str | None
 ) -> dict[str, object]:
-    """Return what is told of the file, its columns and probes."""
+    """Return what is known of the file, its columns and its probes."""
     return {
         "source": "measured signals",
         "file": table.file,

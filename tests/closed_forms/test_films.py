@@ -278,7 +278,7 @@ def test_a_critical_speed_that_is_only_touched_is_found():
 
 @pytest.mark.parametrize("unequal", [0.0, 0.3])
 def test_critical_speeds_in_constant_matrices_are_where_an_eigenvalue_turns_with_them(unequal):
-    """Under damping and gyroscopic moments the poles of the response are beside them."""
+    """With damping and gyroscopic moments they differ from the poles of the response."""
     assembly = assemble(on_films(unequal=unequal, cross=0.0).at(900.0))
     modes = critical_modes(assembly, 6000.0)
     poles = _driven_modes(assembly, 0.0, 6000.0)
@@ -292,7 +292,7 @@ def test_critical_speeds_in_constant_matrices_are_where_an_eigenvalue_turns_with
 
 
 def test_critical_speeds_are_in_order_and_none_is_lost():
-    """Under heavy damping they have another order than the poles beside them."""
+    """With heavy damping their order differs from that of the poles of the response."""
     rng, turned = np.random.default_rng(5), 0
     for _ in range(150):
         count, sense = int(rng.integers(2, 5)), np.array([[0.0, 1.0], [-1.0, 0.0]])

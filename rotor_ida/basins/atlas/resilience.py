@@ -167,7 +167,7 @@ class DiscSearch:
 
     @property
     def at_a_time(self) -> int:
-        """Number of shocks after which progress is told: with friction some are slow."""
+        """Number of shocks after which progress is reported, since some are slow with friction."""
         return FEW if may_roll(self.known.rotor) else self.shocks
 
     def source(self, number: int) -> Source | None:
@@ -262,7 +262,7 @@ class SystemSearch:
     """A rotor system with all that the search for shocks needs."""
 
     effort: ClassVar[Effort] = ONE_BY_ONE
-    at_a_time: ClassVar[int] = 1  # shocks after which progress is told
+    at_a_time: ClassVar[int] = 1  # shocks after which progress is reported
 
     knocked: KnockedSystem
     rows: Table

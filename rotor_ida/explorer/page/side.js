@@ -349,7 +349,7 @@ export class Side {
     for (const i of this.#eventsIn(arrays.t[from], arrays.t[now])) pen.mark(xs[i], ys[i], 6, markOf(arrays.event_kind[i]));
   }
 
-  /** Return the events between two times, or none if there are so many that they would hide the motion. */
+  /** Return the events between two times, or none if they would be too many to see the motion. */
   #eventsIn(low, high) {
     const times = this.motion.arrays.event_time;
     const seen = [...times.keys()].filter((i) => times[i] >= low && times[i] <= high);
