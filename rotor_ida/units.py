@@ -23,7 +23,7 @@ POWERS = {"p": -12, "n": -9, "u": -6, "m": -3, "": 0, "k": 3, "M": 6}
 PREFIXES = {prefix: 10.0**-power for prefix, power in POWERS.items()}
 
 UnitSystem = Literal["metric", "inch"]
-# The system of units in which `quantity` writes by default.
+# The system of units in which sentences and figures are by default.
 _SENTENCES: ContextVar[UnitSystem] = ContextVar("sentences", default="metric")
 _INCH, _POUND, _POUND_FORCE = 25.4e-3, 0.45359237, 4.4482216152605
 # The units in which the field reads quantities, by their SI units, with their values in these; the
@@ -43,7 +43,7 @@ READ_IN: dict[UnitSystem, dict[str, tuple[tuple[str, float], ...]]] = {
         "radian": (("deg", math.pi / 180.0),),
     },
     "inch": {
-        "m": (("mil", 1e-3 * _INCH),),
+        "m": (("mil", 1e-3 * _INCH), ("in", _INCH)),
         "m/s": (("in/s", _INCH),),
         "m/s2": (("in/s2", _INCH),),
         "s/m": (("s/in", 1.0 / _INCH),),
@@ -251,11 +251,12 @@ def spelled(unit: str) -> str:
 
 
 def read_in(
-    unit: str, sizes: Iterable[float] = (), *, system: UnitSystem = "metric"
+    unit: str, sizes: Iterable[float] = (), *, system: UnitSystem | None = None
 ) -> tuple[str, float]:
     """Return the unit in which the field reads quantities of an SI unit, and its value in that.
 
-    It suits the largest size; without any that is not 0 it is the usual one.
+    It suits the largest size; without any that is not 0 it is the usual one. The system is metric,
+    unless `sentences_in` says otherwise.
 
     Examples
     --------
@@ -265,7 +266,9 @@ def read_in(
     (('um', 1e-06), ('mm', 0.001), ('N s/m', 1.0), ('1/s', 1.0), ('', 1.0))
     """
     plain = spelled(unit)
-    known = READ_IN[system].get(plain) or READ_IN["metric"].get(plain, ((plain, 1.0),))
+    known = READ_IN[system or _SENTENCES.get()].get(plain) or READ_IN["metric"].get(
+        plain, ((plain, 1.0),)
+    )
     largest = max((abs(each) for each in sizes if math.isfinite(each)), default=0.0)
     below = [each for each in known if each[1] <= largest * (1.0 + 1e-12)]
     if not largest:
@@ -316,7 +319,7 @@ def with_error(value: float, error: float, *, most: int | None = None) -> str:
 
 @contextmanager
 def sentences_in(system: UnitSystem) -> Iterator[None]:
-    """Let `quantity` write in a system of units by default.
+    """Let sentences and figures be in a system of units by default.
 
     Examples
     --------
@@ -349,7 +352,7 @@ def quantity(
     >>> quantity(1e-4, "m", error=2e-6), quantity(1e-4, "m", system="inch")
     ('100.0(20) um', '3.937 mil')
     """
-    word, parts = read_in(unit, [value], system=system or _SENTENCES.get())
+    word, parts = read_in(unit, [value], system=system)
     value /= parts
     if error:
         said = with_error(value, error / parts)

@@ -131,8 +131,7 @@ OPTIONS: dict[Group | None, dict[str, Parameter]] = {
         "export": path_option(
             "Write a page that needs no server, for the speeds of --speeds, and stop."),
         "inch": flag_option(
-            "Print tables and sentences in mils, lbf and oz in instead of um, N and g mm; figures "
-            "stay in those."),
+            "Write tables, sentences and figures in mils, lbf and oz in, not in um, N and g mm."),
         "as_json": flag_option("Print JSON instead of tables.", name="--json"),
         "force": flag_option("Overwrite existing files."),
         **dict.fromkeys(("poincare_section node", "bifurcation_diagram node"), Parameter(

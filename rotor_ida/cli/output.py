@@ -20,7 +20,7 @@ from rotor_ida.cli.report import FAILED, INTERRUPTED, Report
 from rotor_ida.errors import ArchiveError, InputError, RotorError, SimulationError
 from rotor_ida.results.sheets import Parts
 from rotor_ida.texts import in_shell
-from rotor_ida.units import UnitSystem, sentences_in
+from rotor_ida.units import UnitSystem
 
 if TYPE_CHECKING:
     import xarray as xr
@@ -200,7 +200,7 @@ def _figure(dataset: xr.Dataset, output: Output) -> Figure:
     from rotor_ida.plot.appearance import without_pyplot  # noqa: PLC0415
     from rotor_ida.plot.figures import figure_of  # noqa: PLC0415 - only who draws needs it
 
-    with without_pyplot(), sentences_in("metric"):
+    with without_pyplot():
         return figure_of(dataset, node=output.node)
 
 

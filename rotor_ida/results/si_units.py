@@ -25,8 +25,10 @@ MACHINE, EXACT = "machine_", "dimensionless"
 # Inputs of a result that are stored to the last bit; longer axes are divided by their scale.
 INPUTS = (*COMPONENTS, *(f"start_{name}" for name in COMPONENTS), "to", "rate")
 LONGEST_INPUT = 4096
-# Units of figures by kind; those without one are read in the unit that suits the largest.
-SUITABLE = {"length": "um", "velocity": "mm s-1", "force": "", "impulse": "", "energy": ""}
+# Kinds of quantities that figures show in the units of the field.
+SUITABLE = ("length", "velocity", "force", "impulse", "energy")
+# Of these the largest decides about the unit.
+SIZED = ("force", "impulse", "energy")
 # Not small: the rim of the disc is far faster than its centre, and a shaft is long.
 LARGE_ONES = ("slip_speed", "axial_position")
 # Dimensionless ones in some unit; that of a moment of inertia is a product of two.
@@ -257,28 +259,29 @@ def _units_in(dataset: xr.Dataset) -> dict[str, str]:
 def in_suitable_units(dataset: xr.Dataset) -> xr.Dataset:
     """Return a result in m, m/s, N, N s or J in µm, mm/s, kN and so on; in other units as it is.
 
-    Forces, impulses and energies are in the unit in which the largest of them is read.
+    Forces, impulses and energies are in the unit in which the largest of them is read, and all of
+    them in mils, in/s, lbf and so on within `sentences_in("inch")`.
     """
-    of_kind: dict[str, list[str]] = {}
+    together: dict[str, list[str]] = {}
     for name, variable in dataset.variables.items():
         kind = QUANTITIES[str(name)].scale if str(name) in QUANTITIES else ""
         if name in SPECIAL_VALUES and variable.attrs.get("units") == UNITS["length"]:
             kind = "length"
-        plain = str(variable.attrs.get("units")) == UNITS.get(kind) and name not in LARGE_ONES
-        if plain and kind in SUITABLE:
-            of_kind.setdefault(kind, []).append(str(name))
+        if str(variable.attrs.get("units")) == UNITS.get(kind) and kind in SUITABLE:
+            together.setdefault(str(name) if name in LARGE_ONES else kind, []).append(str(name))
     converted, told = {}, {}
-    for kind, names in of_kind.items():
-        values = [dataset[name].values for name in names]
-        sizes = [np.abs(each[np.isfinite(each)]).max(initial=0.0) for each in values]
-        unit = SUITABLE[kind] or read_in(UNITS[kind], sizes)[0]
-        parts = PREFIXES[unit[0] if len(unit) > len(UNITS[kind]) else ""]
+    for kind, names in together.items():
+        sizes = [1.0] if kind in LARGE_ONES else []
+        if kind in SIZED:
+            values = [dataset[name].values for name in names]
+            sizes = [np.abs(each[np.isfinite(each)]).max(initial=0.0) for each in values]
+        unit, parts = read_in(dataset[names[0]].attrs["units"], sizes)
         for name in names:
             variable = dataset.variables[name]
-            attributes = {**variable.attrs, "units": unit}
-            converted[name] = xr.Variable(variable.dims, parts * variable.data, attributes)
+            attributes = {**variable.attrs, "units": unit.replace("/s", " s-1")}
+            converted[name] = xr.Variable(variable.dims, variable.data / parts, attributes)
         if f"{kind}_scale" in dataset.attrs:
-            told[f"{kind}_scale"] = parts * scale_of(dataset, kind)
+            told[f"{kind}_scale"] = scale_of(dataset, kind) / parts
     return dataset.assign(converted).assign_attrs(told) if converted else dataset
 
 

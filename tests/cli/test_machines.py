@@ -381,10 +381,16 @@ def test_tables_are_in_inches_on_request(program: Program, pump: str):
     assert program(*line, "--json").out == program(*line, "--inch", "--json").out
 
 
-def test_sentences_are_in_inches_too_and_figures_stay_metric(program: Program, pump: str):
+def test_sentences_and_figures_are_in_inches_too(program: Program, pump: str, tmp_path: Path):
     """A clearance of 150 um is 5.906 mil, and no length or force stays metric."""
     line = ("run-up", "--machine", pump, "--to", "6000rpm", "--rate", "3000rpm/s")
-    metric, inch = (" ".join(program(*line, *more).out.split()) for more in ((), ("--inch",)))
+    figure = tmp_path / "run_up.svg"
+    more = ("--inch", "--figure", str(figure))
+    metric, inch = (" ".join(program(*line, *each).out.split()) for each in ((), more))
+    words = set(re.findall(r"<!-- (.*?) -->", figure.read_text()))
+    assert {"radius $|Z|$ [mil]", "normal force $N$ [lbf]"} <= words
+    assert any(each.startswith("clearance $5.906$ mil") for each in words)
+    assert not [each for each in words if re.search(r"\b(µm|mm|kN|N)\b", each.replace("$N$", ""))]
     assert "clearance 150 um" in metric
     assert "clearance 5.906 mil" in inch
     assert not re.search(r"\d (um|mm|kg|k?N|N/m|N s/m)\b", inch)

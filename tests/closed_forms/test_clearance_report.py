@@ -273,7 +273,7 @@ PLAIN = RotorSystem(mass=np.eye(2), damping=np.eye(2), stiffness=np.eye(2),
     [
         ({"speed": (500.0,)}, "speed must be two or three speeds"),
         ({"speed": (500.0, 400.0)}, "speed must increase, got 400 rad/s after 500 rad/s"),
-        ({"speed": (0.0, 400.0)}, "speed must be two or three speeds above 0"),
+        ({"speed": (0.0, 400.0)}, "speed must be positive, got 0"),
         ({"probes": []}, "probes must be a list of names"),
         ({"probes": "disc"}, "probes must be a list of names"),
         ({"probes": ["dusc"]}, "node must be one of 'disc', got 'dusc'; did you mean"),

@@ -66,6 +66,6 @@ def machine(
 
 def _usual(line: Line) -> tuple[str, float]:
     """Return a fact for a program, in a unit that does not depend on its size."""
-    unit, parts = read_in(line.unit)
+    unit, parts = read_in(line.unit, system="metric")
     value = float(f"{float(str(line.values[0])) / parts:.6g}")
     return f"{line.name} [{unit}]" if unit else line.name, value

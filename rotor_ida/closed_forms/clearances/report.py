@@ -217,8 +217,9 @@ def clearance_report(
 def _problem(system: RotorSystem, speed: object, probes: object, limit: object) -> Problem:
     """Return the checked problem."""
     speeds = check_increasing("speed", check_axis("speed", speed, largest=LARGEST_NUMBER))
-    if speeds.size not in {2, 3} or speeds[0] == 0.0:
-        raise InputError(f"speed must be two or three speeds above 0, got {shown(speed)}")
+    if speeds.size not in {2, 3}:
+        raise InputError(f"speed must be two or three speeds, got {speeds.size}")
+    check_positive("speed", speeds[0])
     assembly = assemble(system, speeds=speeds)
     if not system.contacts:
         raise InputError("contacts must be at least one clearance, got none")
