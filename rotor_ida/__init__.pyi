@@ -60,6 +60,7 @@ from .signals.probes import correct_probes as correct_probes
 from .signals.probes import subtract_runout as subtract_runout
 from .signals.reading import read_signals as read_signals
 from .signals.record import signals_of as signals_of
+from .signals.signs import rub_signs as rub_signs
 from .signals.spectra import full_spectrum as full_spectrum
 from .signals.spectra import spectrogram as spectrogram
 from .simulation.contact_table import contact_summary as contact_summary

@@ -27,15 +27,14 @@ from rotor_ida import (
     Rotor,
     centre_line,
     continue_cycle,
-    full_spectrum,
     limit_cycle,
     lyapunov_exponent,
     orders,
+    rub_signs,
     run_up,
     signals_of,
     simulate,
     synchronous_response,
-    whirl_ratio,
 )
 from rotor_ida.paper.scenario import Settings, run_script, scientific
 from rotor_ida.plot import (
@@ -61,11 +60,8 @@ OFF = 1.01  # distance from the attractor at which a run begins
 FORGOTTEN = 25.0  # in time constants, after which that distance is negligible
 SHOWN = 12  # revolutions of an orbit
 CHAOS = {"transient": 2000.0, "duration": 10_000.0}
-SEGMENT, BELOW = 32, (0.1, 0.9)  # revolutions and orders for the floor between lines
-ROUNDING = 1e-6
+SEGMENT = 32  # revolutions of a spectrum of chaos
 FAINTEST = 1e-5  # line in a figure
-# A line within this many grid steps of another is part of it, by the flat-top window.
-BESIDE = 6
 
 
 @dataclass(frozen=True, slots=True)
@@ -295,34 +291,35 @@ SIGNS = {
     "phase_spread": "standard deviation of the phase of 1X over windows of a revolution",
     "floor": "lower quartile of the full spectrum between 0.1X and 0.9X, over 1X",
 }
+# Of these `rub_signs` tells some.
+FOUND = {
+    "whirl_over_spin": "whirl_over_spin", "forward": "forward_whirl_amplitude",
+    "backward": "backward_whirl_amplitude", "twice": "twice_amplitude", "order": "line_order",
+    "amplitude": "line_amplitude", "counterpart": "line_opposite_amplitude",
+    "flatness": "least_crest", "floor": "floor_over_synchronous",
+}  # fmt: skip
 
 
 def signs_of(name: str, exact: xr.Dataset, record: xr.Dataset) -> dict[str, float]:
-    """Return the signs of one motion; all but the first ones come from `rotor_ida.signals`."""
+    """Return the signs of one motion; those of `FOUND` by `rub_signs`."""
     radius = np.hypot(record.x.values, record.y.values)
     signals = signals_of(record)
-    held = full_spectrum(signals)
-    line = strongest(held)
+    found = rub_signs(signals)
+    signs = {name: found[each].item() for name, each in FOUND.items()}
     mean = centre_line(signals, revolutions=REVOLUTIONS).isel(window=0)
     lags = orders(signals).forward_phase_lag.values
-    order, amplitude = exact_line(exact, line["order"])
+    order, amplitude = exact_line(exact, signs["order"])
     return {
         "speed": record.omega.item(),
         **known_of(name, exact),
         "in_contact": float((radius > record.delta0.item()).mean()),
         "smallest_radius": float(radius.min()),
         "largest_radius": float(radius.max()),
-        "whirl_over_spin": float(whirl_ratio(signals).whirl_over_spin.mean()),
-        "forward": height_at(held, 1.0),
-        "backward": height_at(held, -1.0),
-        "twice": height_at(held, 2.0) + height_at(held, -2.0),
-        **line,
+        **signs,
         "exact_order": math.nan if name == "chaos" else order,
         "exact_amplitude": math.nan if name == "chaos" else amplitude,
         "offset": math.hypot(mean.offset_x.item(), mean.offset_y.item()),
-        "flatness": flatness(signals),
         "phase_spread": spread(lags),
-        "floor": floor_of(signals),
     }
 
 
@@ -344,40 +341,6 @@ def known_of(name: str, exact: xr.Dataset) -> dict[str, float]:
     return {"response": kind, "growth": growth, "growth_error": error}
 
 
-def height_at(held: xr.Dataset, order: float) -> float:
-    """Return the amplitude at an order of the speed; the flat-top window shows it in full."""
-    orders_held = held.frequency_over_omega.values
-    return float(held.whirl_amplitude.values[np.abs(orders_held - order).argmin()])
-
-
-def strongest(held: xr.Dataset) -> dict[str, float]:
-    """Return the strongest line of a full spectrum beside 1X and the mean.
-
-    Its order is the centre of power over its width.
-    """
-    height, order = held.whirl_amplitude.values, held.frequency_over_omega.values
-    width = BESIDE * (order[1] - order[0])
-    beside = (np.abs(order - 1.0) > width) & (np.abs(order) > width)
-    place = int(np.where(beside, height, 0.0).argmax())
-    if height[place] < ROUNDING * height.max():
-        return {"order": math.nan, "amplitude": 0.0, "counterpart": 0.0}
-    near = np.abs(order - order[place]) <= width
-    centre = float((order * height**2)[near].sum() / (height**2)[near].sum())
-    return {
-        "order": centre,
-        "amplitude": float(height[place]),
-        "counterpart": height_at(held, -centre),
-    }
-
-
-def floor_of(signals: xr.Dataset) -> float:
-    """Return the floor between the lines below 1X, over 1X: the lower quartile there."""
-    held = full_spectrum(signals, segment=SEGMENT * SAMPLES)
-    order = np.abs(held.frequency_over_omega.values)
-    between = held.whirl_amplitude.values[(order > BELOW[0]) & (order < BELOW[1])]
-    return float(np.quantile(between, 0.25)) / height_at(held, 1.0)
-
-
 def exact_line(exact: xr.Dataset, near: float) -> tuple[float, float]:
     """Return order and amplitude of the line of a cycle that is next to an order."""
     if "frequency" not in exact.variables or math.isnan(near):
@@ -385,16 +348,6 @@ def exact_line(exact: xr.Dataset, near: float) -> tuple[float, float]:
     order = exact.frequency.values / exact.omega.item()
     place = int(np.abs(order - near).argmin())
     return float(order[place]), float(exact.whirl_amplitude.values[place])
-
-
-def flatness(signals: xr.Dataset) -> float:
-    """Return the least crest of x and y, up and down, over that of a sine."""
-    crests = []
-    for name in ("x", "y"):
-        values = signals[name].values - signals[name].values.mean()
-        rms = math.sqrt(2.0 * float((values**2).mean()))
-        crests += [float(values.max()) / rms, -float(values.min()) / rms]
-    return min(crests)
 
 
 def spread(lags: np.ndarray) -> float:

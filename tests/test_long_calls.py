@@ -22,7 +22,7 @@ QUICK = {
     "dimensional", "summary", "contact_summary", "contact_forces", "rotating", "signals_of",
     "correct_probes", "subtract_runout", "filtered_orbit", "centre_line", "orders",
     "bode_peaks",
-    "spectral_lines", "full_spectrum", "spectrogram", "whirl_ratio",
+    "spectral_lines", "full_spectrum", "spectrogram", "whirl_ratio", "rub_signs",
     "ball_bearing_stiffness", "synchronous_response", "campbell", "clearance_report",
     "to_dataframe",
 }  # fmt: skip

@@ -71,6 +71,11 @@ def run() -> xr.Dataset:
 
 
 @functools.cache
+def many_turns() -> xr.Dataset:
+    return rotor_ida.simulate(ROTOR, start=REST, duration=130.0, samples=1301)
+
+
+@functools.cache
 def seen() -> xr.Dataset:
     longer = rotor_ida.simulate(ROTOR, start=REST, duration=30.0, samples=301)
     return rotor_ida.signals_of(longer)
@@ -155,6 +160,7 @@ GIVEN: dict[str, Callable[[Path], dict[str, object]]] = {
     "spectral_lines": lambda _: {"signals": run(), "count": 2},
     "spectrogram": lambda _: {"signals": run(), "segment": 16},
     "whirl_ratio": lambda _: {"signals": run()},
+    "rub_signs": lambda _: {"signals": many_turns()},
     "correct_probes": lambda _: {"signals": run()},
     "subtract_runout": lambda _: {"signals": run(), "slow_roll": run()},
     "fit": lambda _: {"signals": seen(), "machine": ROTOR, "unknown": ["zeta"], "time_error": 0.1,

@@ -29,6 +29,7 @@ from rotor_ida.cli.variables import (
 from rotor_ida.results.sheets import Line, Range, Sheet, facts
 from rotor_ida.signals.peaks import bode_peaks
 from rotor_ida.signals.record import record_of
+from rotor_ida.signals.signs import signs_in
 
 # Peaks below this multiple of the floor may be noise.
 CLEAR = 4.0
@@ -42,6 +43,13 @@ SPECTRAL_LINES = Layout("Lines by least squares", (Rows(
     title="Lines", key="lines", lead="whirl_amplitude", gaps=True, falling=True,
     names=("frequency", "frequency_over_omega", "whirl_amplitude", "whirl_phase"),
 ),))  # fmt: skip
+SIGNS = {
+    "forward_whirl_amplitude": "1X forward", "backward_whirl_amplitude": "1X backward",
+    "twice_amplitude": "2X, both ways", "line_order": "order of the strongest other line",
+    "line_amplitude": "its amplitude", "line_opposite_amplitude": "same order the other way",
+    "whirl_over_spin": "whirl over spin", "least_crest": "least crest over that of a sine",
+    "noise_floor": "noise floor", "floor_over_synchronous": "floor below 1X over 1X",
+}  # fmt: skip
 # For programs only; people read a summary of them.
 ORDERS = Rows(title="Orders", key="orders", lead="forward_whirl_amplitude", names=PLACE)
 MEAN_POSITIONS = Rows(title="Windows", key="windows", lead="offset_x", names=PLACE)
@@ -76,7 +84,20 @@ def show_signals(dataset: xr.Dataset, most: int | None) -> Description:
                for name in ("mean", "smallest", "largest", "peak_to_peak"))]  # fmt: skip
     summary = facts(str(dataset.attrs.get("title", "Signals")), told)
     turning = {line.name: line.values[0] for line in _turning(dataset)}
-    return tabled(dataset, most)[0] | own | turning, [summary, Sheet("Displacements", lines)]
+    signs = signs_in(dataset)
+    record, parts = ({}, []) if signs is None else show_rub_signs(signs, most)
+    of_signs = {"signs": record} if record else {}
+    found = tabled(dataset, most)[0] | own | turning | of_signs
+    return found, [summary, Sheet("Displacements", lines), *parts]
+
+
+def show_rub_signs(dataset: xr.Dataset, _most: int | None) -> Description:
+    """Return the signs of a rub, and what they mean."""
+    lines = [replace(line_of(dataset, name, [float(dataset[name])], 4), name=words)
+             for name, words in SIGNS.items()]  # fmt: skip
+    sentence = str(dataset.attrs["sentence"])
+    record = {str(name): float(each) for name, each in dataset.data_vars.items()}
+    return record | {"sentence": sentence}, [facts("Signs of rub", lines), sentence]
 
 
 def _displacement(dataset: xr.Dataset, name: str) -> Record:

@@ -19,6 +19,7 @@ from rotor_ida.signals.guessing import columns_of, rate_in
 from rotor_ida.signals.orders import SEEN, orders
 from rotor_ida.signals.reading import read_signals, read_table
 from rotor_ida.signals.record import Record, record_of
+from rotor_ida.signals.signs import signs_in
 from rotor_ida.signals.spectra import full_spectrum, one_speed, spectrogram
 
 # Samples of a spectrum, chosen for the finest resolution while the speed changes: a longer segment
@@ -98,6 +99,8 @@ def _panels(signals: xr.Dataset, record: Record, notes: list[str]) -> Arrays:
     else:
         arrays |= unless_impossible(partial(order_rows, seen=SEEN), signals, record, notes)
     varies = record.angles is not None and one_speed(record) is None
+    if (signs := signs_in(signals)) is not None:
+        notes.append(str(signs.attrs["sentence"]).removesuffix("."))
     return arrays | unless_impossible(
         cascade_rows if varies else full_lines, signals, record, notes
     )

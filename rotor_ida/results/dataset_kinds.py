@@ -288,6 +288,8 @@ KINDS = {
              variables="bandwidth() whirl_amplitude(window frequency) frequency(frequency)" +
              _WINDOWS, dims="window frequency", shown=f"{_SIGNALS}:show_spectrogram",
              drawn="rotor_ida.plot:plot_spectrogram"),
+        Kind(name="rub_signs", meaning="signs of rub", variables="line_order least_crest",
+             shown=f"{_SIGNALS}:show_rub_signs"),
         Kind(name="spectral_lines", meaning="lines of the spectrum", variables="window_residual",
              dims="line", shown=f"{_SIGNALS}:SPECTRAL_LINES"),
         Kind(name="signals", meaning="signals", variables="x(t) y(t) t(t) angle(t)?", dims="t",

@@ -445,6 +445,12 @@ QUANTITIES: dict[str, Quantity] = {
     "whirl_sense": Quantity("direction of the whirl", flags=WHIRL_DIRECTION),
     "bandwidth": turning("equivalent noise bandwidth, as a circular frequency"),
     "noise_floor": length("amplitude of noise in one line of the spectrum"),
+    "twice_amplitude": length("amplitude at twice the speed, forward and backward together"),
+    "line_order": Quantity("order of the strongest line beside 1X, negative for backward whirl"),
+    "line_amplitude": length("amplitude of the strongest line beside 1X"),
+    "line_opposite_amplitude": length("amplitude at its order in the other direction"),
+    "least_crest": Quantity("smallest crest of x and y, up and down, over that of a sine"),
+    "floor_over_synchronous": Quantity("floor between 0.1X and 0.9X over 1X"),
     # Lyapunov exponents
     "exponent": Quantity("number of the Lyapunov exponent, the largest first"),
     "lyapunov_exponent": rate("Lyapunov exponent"),

@@ -6,7 +6,7 @@ from fractions import Fraction
 import numpy as np
 import pytest
 
-from rotor_ida import continue_cycle, hopf_points, run_up, sweep
+from rotor_ida import continue_cycle, hopf_points, rub_signs, run_up, signals_of, sweep
 from rotor_ida.paper.whip import FIRST_OF_WHIP, end_of
 from rotor_ida.schema import RESPONSE, SPECIAL
 from tests.scenarios import scenario
@@ -26,9 +26,33 @@ def exact(signatures):
 
 
 @pytest.fixture(scope="module")
-def signs(signatures, exact):
-    records = {name: signatures.record_of(name, exact[name]) for name in exact}
+def records(signatures, exact):
+    return {name: signatures.record_of(name, exact[name]) for name in exact}
+
+
+@pytest.fixture(scope="module")
+def signs(signatures, exact, records):
     return signatures.signs_of_all(exact, records)
+
+
+@pytest.mark.parametrize(
+    ("name", "words"),
+    [
+        ("free", "Nothing stands out"), ("synchronous", "Nothing stands out"),
+        ("annular", "An annular or partial rub has such a line"),
+        ("partial", "An annular or partial rub has such a line"),
+        ("whip", "The rotor whirls backwards, at 1.07 times its speed"),
+        ("once", "A rub once a revolution under a load has it"),
+        ("half", "a rub under a load that repeats after 2 revolutions"),
+        ("chaos", "chaos has such a floor"),
+    ],
+)  # fmt: skip
+def test_words_tell_what_a_record_is_of(records, name, words):
+    """Each record has the words of its motion and no others."""
+    said = rub_signs(signals_of(records[name])).attrs["sentence"]
+    assert words in said
+    others = ("Nothing", "annular", "backwards, at", "once a revolution", "repeats after", "chaos")
+    assert sum(each in said for each in others) == 1
 
 
 @pytest.fixture(scope="module")

@@ -164,11 +164,14 @@ def plot(
     def told(most: int | None) -> Description:
         """Return what is drawn, in a report with the tables of the file."""
         from rotor_ida.cli.describe import describe  # noqa: PLC0415 - heavy, and not for --help
+        from rotor_ida.signals.signs import signs_in  # noqa: PLC0415
 
         tables = [] if most is None else describe(whole, most=most)[1]
         first = {name: each for name, each in record.items() if not tables or name not in OF_FILE}
         said = {"notes": notes} if notes else {}
-        return record | said, [facts("Plot", first), *notes, *tables]
+        signs = signs_in(dataset) if not tables and "x" in dataset and "y" in dataset else None
+        words = [] if signs is None else [str(signs.attrs["sentence"])]
+        return record | said, [facts("Plot", first), *notes, *tables, *words]
 
     return case.report(whole, told=told, figures=lambda: [("Figure", drawn)])
 

@@ -1,0 +1,81 @@
+"""Signs of a rub: lines, crest and floor of records made of known whirls and noise."""
+
+import math
+
+import numpy as np
+import pytest
+import xarray as xr
+
+from rotor_ida import InputError, rub_signs
+
+TURN, TURNS, SPEED = 50, 101.3, 314.0
+
+
+def record(turns=TURNS, noise=0.0, change=0.0, **lines):
+    """Return a record with 1X of 1 and lines of orders and amplitudes, as ``x0_47=0.5``."""
+    angle = 2.0 * math.pi * np.arange(round(turns * TURN)) / TURN
+    angle = angle + change * angle**2
+    z = np.exp(1j * angle)
+    for name, amplitude in lines.items():
+        order = float(name[1:].replace("_", ".").replace("m", "-"))
+        z = z + amplitude * np.exp(1j * order * angle)
+    draw = np.random.default_rng(1).normal(size=(2, z.size))
+    z = z + noise * (draw[0] + 1j * draw[1])
+    t = np.arange(z.size) * 2.0 * math.pi / (TURN * SPEED)
+    return xr.Dataset({"x": ("t", z.real), "y": ("t", z.imag), "angle": ("t", angle)}, {"t": t})
+
+
+@pytest.mark.parametrize(
+    ("lines", "order", "words"),
+    [
+        ({"x0_47": 0.3}, 0.47, "as in oil whirl; a rub under a load has both"),
+        ({"xm1_23": 0.5}, -1.23, "An annular or partial rub has such a line"),
+        ({"xm1_23": 1.7}, -1.23, "backwards, at 1.23 times its speed, as in dry whirl"),
+        ({"x0_333333333": 0.2, "xm0_333333333": 0.19}, 1 / 3, "repeats after 3 revolutions"),
+        ({"xm0_333333333": 0.2, "x0_333333333": 0.15}, -1 / 3, "repeats after 3 revolutions"),
+        ({"x1_6": 0.2}, 1.6, "A line at 1.600X has 0.20 of 1X."),
+        ({"x2": 0.2}, 2.0, "so have misaligned and oval shafts"),
+        ({"x0_47": 0.01}, 0.47, "Nothing stands out beside 1X"),
+    ],
+)  # fmt: skip
+def test_the_line_is_found_and_told_also_in_noise(lines, order, words):
+    strongest = next(iter(lines.values()))
+    for noise in (0.0, 0.02):
+        found = rub_signs(record(noise=noise, **lines))
+        assert found["line_order"].item() == pytest.approx(order, abs=1e-4 + 0.05 * noise)
+        assert found["line_amplitude"].item() == pytest.approx(strongest, rel=2e-3 + 5.0 * noise)
+        assert words in found.attrs["sentence"]
+
+
+def test_noise_alone_is_no_line_and_a_floor_only_if_it_is_broad():
+    quiet, loud = (rub_signs(record(noise=each)) for each in (0.02, 0.6))
+    assert math.isnan(quiet["line_order"])
+    assert quiet["line_amplitude"] == 0.0
+    assert quiet.attrs["sentence"].startswith("Nothing stands out")
+    assert "and so has noise" in loud.attrs["sentence"]
+
+
+def test_the_crest_is_that_of_the_clipped_side():
+    """A wave that is cut at half its height: its crest follows from the integrals of the parts."""
+    signals = record(turns=100)
+    y = np.maximum(signals["y"].values, -0.5)
+    cut = math.asin(0.5)
+    mean = (math.cos(cut) - 0.5 * (math.pi / 2 - cut)) / math.pi
+    half = math.pi / 2 - cut
+    square = 0.5 - (half + 0.5 * math.sin(2 * cut) - 0.5 * half) / (2.0 * math.pi)
+    found = rub_signs(signals.assign(y=("t", y)))
+    expected = (0.5 + mean) / math.sqrt(2.0 * (square - mean**2))
+    assert found["least_crest"].item() == pytest.approx(expected, rel=2e-3)
+
+
+@pytest.mark.parametrize(
+    ("signals", "message"),
+    [
+        (record(turns=20), "signals must last at least 24 revolutions, got 20"),
+        (record(change=1e-3), "signals must be at one known speed"),
+        (record().drop_vars("angle"), "signals must be at one known speed"),
+    ],
+)  # fmt: skip
+def test_records_without_signs_are_refused(signals, message):
+    with pytest.raises(InputError, match=message):
+        rub_signs(signals)
