@@ -170,11 +170,6 @@ def test_a_fit_to_an_integrated_speed_needs_the_angle_of_the_unbalance(tmp_path:
     assert fitted.fitted_forward_whirl_amplitude.values == pytest.approx(30.0, rel=1e-3)
 
 
-def test_angles_of_probes_that_are_not_given_are_noted(tmp_path: Path) -> None:
-    found = read_signals(pump(tmp_path, HEAD))
-    assert "probes are taken to be at 0 and 90 degrees" in found.attrs["notes"]
-
-
 def test_a_speed_that_changes_is_integrated_by_the_trapezoidal_rule(tmp_path: Path) -> None:
     """Of a speed that rises evenly the rule is exact."""
     rpm = 600.0 + 150.0 * TIMES
@@ -189,7 +184,9 @@ def test_a_speed_that_changes_is_integrated_by_the_trapezoidal_rule(tmp_path: Pa
 def test_speeds_in_any_unit_give_one_angle(unit: str, size: float, tmp_path: Path) -> None:
     path = pump(tmp_path, HEAD.replace("speed_rpm", f"speed [{unit}]"),
                 speed=np.full(TIMES.size, SPEED * size))  # fmt: skip
-    np.testing.assert_allclose(read_signals(path).angle, SPEED * TIMES, rtol=1e-8, atol=1e-9)
+    found = read_signals(path)
+    np.testing.assert_allclose(found.angle, SPEED * TIMES, rtol=1e-8, atol=1e-9)
+    assert "probes are taken to be at 0 and 90 degrees" in found.attrs["notes"]
 
 
 ODD = {
@@ -231,7 +228,8 @@ def test_volts_become_lengths_by_the_sensitivity(
 
 def test_sensitivities_that_make_no_sense_are_refused(tmp_path: Path) -> None:
     path = pump(tmp_path, HEAD.replace("_um", "_V"))
-    for odd in ("200", "200 mV", "200 mV/s", "0 V/mm", "V/mm", 8):
+    for odd in (*("200", "200 mV", "200 mV/s", "0 V/mm", "V/mm", 8, ". V/m"),
+                *("1.2.3 V/mm", "1e-300 V/mm", "1e300 mV/mil")):  # fmt: skip
         with pytest.raises(InputError, match="sensitivity must be such as '200 mV/mil'"):
             read_signals(path, sensitivity=odd)  # type: ignore[arg-type]
     with pytest.raises(InputError, match="must be of readings in V or mV, got x in um"):

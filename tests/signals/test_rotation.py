@@ -73,10 +73,7 @@ def test_runout_goes_by_the_first_revolutions_of_the_file_or_by_another(tmp_path
     whirl = 20.0 * part / (1.0 - part + 0.2j) * np.exp(1j * ANGLES)
     path = written(tmp_path / "bent.csv", whirl + 8j * np.exp(1j * ANGLES))
     other = written(tmp_path / "slow.csv", 8j * np.exp(1j * ANGLES))
-    seen = [
-        ("--slow-roll", "0", "0.3s"), ("--slow-roll-file", str(other)),
-        ("--slow-roll-file", str(other), "--runout-orders", "2"), (),
-    ]  # fmt: skip
+    seen = [("--slow-roll", "0", "0.3s"), ("--slow-roll-file", str(other), "--runout-orders", "2")]
     from rotor_ida.cli.commands.plot import signals_in
 
     exact = 20.0 * np.abs(part / (1.0 - part + 0.2j))
@@ -140,7 +137,7 @@ def test_a_slow_roll_is_read_with_the_file_as_by_hand(tmp_path):
         xr.testing.assert_allclose(found, subtract_runout(whole, slow), rtol=1e-9)
 
 
-@pytest.mark.parametrize("gap", ["10V", "9.8V -10V", "1270um"])
+@pytest.mark.parametrize("gap", ["9.8V -10V", "1270um"])
 def test_a_gap_of_the_other_sign_than_the_readings_is_refused(tmp_path, capsys, gap):
     path = tmp_path / "coupled.csv"
     readings = -10.0 + 0.2 * np.array([np.cos(ANGLES), np.sin(ANGLES)])

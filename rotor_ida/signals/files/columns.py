@@ -162,26 +162,15 @@ def name_and_unit(name: str) -> tuple[str, str]:
         last = re.split(r"[\s_]+", name)[-1]
         if unit_called(last) is not None:  # the unit of omega rad/s is not s
             return name[: -len(last)].rstrip(" _") or name, last
+    bare = name.rstrip()
     for opening, closing in ("[]", "()"):
-        if name.rstrip().endswith(closing):
-            before, unit = _cut(name.rstrip()[:-1], opening, closing)
-            if unit is not None and (opening == "[" or unit_called(unit) is not None):
-                return before, unit
-    *first, last = name.rsplit(maxsplit=1) or [""]
-    before, _, unit = last.partition("/")
-    if first and (first[0].endswith("/") or not before):  # x / um
-        before, unit = first[0].rstrip("/ "), last.lstrip("/")
-    elif first:
-        before = name[: len(name.rstrip()) - len(unit) - 1]
-    if "/" in name and before and unit and unit_called(unit) is not None:
-        return before, unit
+        before, start, unit = bare[:-1].rpartition(opening)
+        if start and bare.endswith(closing) and (start == "[" or unit_called(unit.strip())):
+            return before.rstrip(), unit.strip()
+    for before, _, unit in (name.partition("/"), name.rpartition("/")):
+        if before.strip() and unit.strip() and unit_called(unit.strip()) is not None:
+            return before.rstrip(), unit.strip()
     return name, ""
-
-
-def _cut(name: str, opening: str, closing: str) -> tuple[str, str | None]:
-    """Return what is before the last pair of brackets, and what is in it, if there is one."""
-    start = name.find(opening, name.rfind(closing) + 1)
-    return (name, None) if start < 0 else (name[:start].rstrip(), name[start + 1 :].strip())
 
 
 def numbers_or_times(values: npt.ArrayLike) -> Values | None:

@@ -27,18 +27,7 @@ from rotor_ida.signals.files.columns import (
 )
 from rotor_ida.signals.files.text import decoded, number_in, read_text, told_apart
 
-# Types of functions in UFF, by number.
-FUNCTIONS = (
-    *("general or unknown", "time response", "auto spectrum", "cross spectrum"),
-    *("frequency response", "transmissibility", "coherence", "auto correlation"),
-    *("cross correlation", "power spectral density", "energy spectral density"),
-    *("probability density", "spectrum", "cumulative frequency distribution", "peaks and valleys"),
-    *("stress over cycles", "strain over cycles", "orbit", "mode indicator function"),
-    *("force pattern", "partial power", "partial coherence", "eigenvalues", "eigenvectors"),
-    *("shock response spectrum", "impulse response filter", "multiple coherence"),
-    *("order function", "phase compensation"),
-)
-UNKNOWN, TIME_RESPONSE = 0, 1
+UNKNOWN, TIME_RESPONSE = 0, 1  # types of functions in UFF
 TIME = 17  # of abscissae in UFF
 SINGLE, DOUBLE = 2, 4  # of real ordinates in UFF
 # Axes of a response in UFF.
@@ -127,10 +116,8 @@ def _is_response(dataset: dict[str, Any]) -> bool:
 
 def _what_it_is(dataset: dict[str, Any]) -> str:
     """Return in words what a set 58 that is no time response contains."""
-    number = int(dataset["func_type"])
     of_complex = "" if dataset["ord_data_type"] in (SINGLE, DOUBLE) else " of complex numbers"
-    words = FUNCTIONS[number] if 0 <= number < len(FUNCTIONS) else "unknown function"
-    return f"a set 58 with the function type {number} ({words}{of_complex})"
+    return f"a set 58 with the function type {int(dataset['func_type'])}{of_complex}"
 
 
 def _response_name(dataset: dict[str, Any]) -> str:
