@@ -80,14 +80,7 @@ def dataset_of(
     }
     if "compared" in variables:
         attributes["contact_times"] = _touches_in_words(variables)
-    record = problem.trials.records[0].record
-    plain = replace(
-        record,
-        coordinates={},
-        attributes=attributes,
-        length=problem.trials.records[0].units[0],
-        time=problem.trials.records[0].units[1],
-    )
+    plain = replace(problem.trials.records[0].record, coordinates={}, attributes=attributes)
     return plain.dataset("Fit of a machine to signals", variables, coordinates, kind="fit")
 
 

@@ -9,17 +9,16 @@ from scipy.stats import binom, chi2
 from rotor_ida import (
     Bearing,
     Contact,
-    DimensionalRotor,
     InputError,
     Rotor,
     RotorSystem,
     Unbalance,
-    dimensional,
     fit,
     run_up,
     signals_of,
     simulate,
 )
+from tests.fitting.test_fit import noisy
 
 NOISE = 2e-6
 
@@ -44,14 +43,6 @@ TRUTH = {"clearance": 1.2e-4, "damping": 0.8, "stiffness": 1.0, "unbalance": 2e-
 @pytest.fixture(scope="module")
 def up():
     return run_up(machine(), speed=60.0, to=340.0, rate=180.0, start="settled", samples=3001)
-
-
-def noisy(signals, rng, noise=NOISE):
-    size = signals.sizes["t"]
-    return signals.assign(
-        {name: signals[name].copy(data=signals[name].values + rng.normal(0.0, noise, size))
-         for name in "xy"}
-    )  # fmt: skip
 
 
 def seen(run, seed, nodes=("disc", "end"), noise=NOISE):
@@ -197,7 +188,7 @@ REFUSED = {
                 r"signals must be given by the node at which probes look, .* of 'disc', 'end'"),
     "no nodes": (lambda s: {"signals": {}}, r"signals must be given by the node"),
     "other times": (lambda s: {"signals": {"disc": s, "end": s.isel(t=slice(0, 2000))}},
-                    r"the same times and angles, got others at 'end'"),
+                    r"the same times, angles and units, got others at 'end'"),
     "of one disc": (lambda _: {"unknown": ["zeta"]}, r"must be of 'damping', .* got 'zeta'"),
     "no contacts": (lambda _: {"machine": RotorSystem(mass=np.eye(2), stiffness=np.eye(2),
                                                       nodes={"disc": (0, 1)})},
@@ -227,12 +218,3 @@ def test_what_cannot_be_fitted_is_told_in_one_line(name, up):
         fit(**{"signals": signals, "machine": machine(), "unknown": ["clearance"],
                **given(signals)})  # fmt: skip
     assert "\n" not in str(caught.value)
-
-
-def test_a_machine_of_one_disc_takes_words_for_its_start():
-    one = DimensionalRotor(mass=4.0, contact_stiffness=3.2e7, damping=89.1, eccentricity=1e-5,
-                           clearance=2e-5, speed=20.0, shaft_stiffness=4e4)  # fmt: skip
-    run = dimensional(run_up(one, start="settled", to=180.0, rate=15.0, samples=4501),
-                      units={"length": "µm"})  # fmt: skip
-    found = fit(signals_of(run), one, ["damping", "clearance"], start="settled")
-    np.testing.assert_allclose(found.estimate, [89.1, 2e-5], rtol=1e-5)

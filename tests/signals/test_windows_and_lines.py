@@ -9,6 +9,7 @@ import xarray as xr
 from rotor_ida import (
     InputError,
     Rotor,
+    centre_line,
     filtered_orbit,
     full_spectrum,
     limit_cycle,
@@ -104,6 +105,13 @@ def test_windows_that_overlap_hold_those_that_do_not():
     assert (plain.sizes["window"], closer.sizes["window"]) == (20, math.floor(39.2 / 0.5) + 1)
     for name in ("t", "speed", "forward_whirl_amplitude", "offset_x", "window_residual"):
         np.testing.assert_allclose(closer[name][::4], plain[name], rtol=1e-12, atol=1e-14)
+
+
+def test_mean_position_and_ratio_take_windows_that_overlap():
+    signals = made(0.2j + 0.3 * np.exp(-0.5j * ANGLES))
+    ratio = whirl_ratio(signals, revolutions=2, overlap=0.5).whirl_over_spin
+    np.testing.assert_allclose(ratio, -0.5, rtol=0.05)
+    assert centre_line(signals, overlap=0.5).sizes["window"] == 81
 
 
 def test_lines_that_cannot_be_found_are_refused():

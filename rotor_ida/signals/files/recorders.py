@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 import warnings
-from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -160,8 +159,9 @@ def read_tdms(path: Path) -> Table:
                 rest.append(f"{name} ({column})")
             else:
                 columns[name] = column
-        if "t" not in columns and any(each.times is not None for each in columns.values()):
-            columns = _with_clock_of_others(columns)
+        timed = {name: each for name, each in columns.items() if each.times is not None}
+        if timed and "t" not in columns:
+            columns = with_clock(timed) | {n: columns[n] for n in columns if n not in timed}
     if not columns:
         raise InputError(f"{shown(path)} must contain channels of numbers, got {rest or 'none'}")
     return _sampled(columns, ", ".join(rest))
@@ -197,17 +197,6 @@ def _start_of(channel: Any) -> Any:
     """Return the time at which a channel of a TDMS file starts, None if it does not tell."""
     start = channel.properties.get("wf_start_time")
     return start if hasattr(start, "second_fractions") else None
-
-
-def _with_clock_of_others(columns: Mapping[str, Column]) -> dict[str, Column]:
-    """Return columns with ``t``; one without times has those of another of its length, if any."""
-    clocks = {each.values.size: each.times for each in columns.values() if each.times is not None}
-    timed = {
-        name: each._replace(times=clocks[each.values.size]) if each.times is None else each
-        for name, each in columns.items()
-        if each.times is not None or each.values.size in clocks
-    }
-    return {**with_clock(timed), **{name: columns[name] for name in columns if name not in timed}}
 
 
 def read_comtrade(path: Path) -> Table:
