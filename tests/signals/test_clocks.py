@@ -129,8 +129,10 @@ def comtrade(folder: Path, kind: str, skews: tuple[float, float], size: int = T.
     return path
 
 
-@pytest.mark.parametrize("kind", ["ASCII", "BINARY"])
-@pytest.mark.parametrize("skews", [(0.0, 137.0), (4000.0, 4000.0), (4000.0, -137.0)])
+@pytest.mark.parametrize(
+    ("kind", "skews"),
+    [("ASCII", (0.0, 137.0)), ("BINARY", (4000.0, 4000.0)), ("BINARY", (4000.0, -137.0))],
+)
 def test_the_skew_of_comtrade_channels_is_a_time(
     kind: str, skews: tuple[float, float], tmp_path: Path
 ) -> None:

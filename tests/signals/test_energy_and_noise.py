@@ -97,16 +97,6 @@ def test_stated_errors_of_orders_cover_what_noise_does_to_them():
         assert within == pytest.approx(0.95, abs=4.0 * math.sqrt(0.05 * 0.95 / windows))
 
 
-def test_stated_errors_fall_with_the_root_of_the_length_of_windows():
-    z = 0.7 * np.exp(1j * ANGLES) + noise(8)
-    short, long = (orders(made(z), revolutions=count) for count in (1, 16))
-    ratio = short.forward_amplitude_error.mean() / long.forward_amplitude_error.mean()
-    assert float(ratio) == pytest.approx(4.0, rel=0.05)
-    # of N samples with the variance s**2 in x and y: s/sqrt(N)
-    exact = NOISE / math.sqrt(16 * 100)
-    np.testing.assert_allclose(long.forward_amplitude_error.mean(), exact, rtol=0.05)
-
-
 def whirl_beside(rng, size, revolutions, speeding=0.0):
     """Return a record of 1X of amplitude 2 with noise, and a whirl of `size` that is no order.
 

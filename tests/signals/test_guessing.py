@@ -8,9 +8,8 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-import xarray as xr
 
-from rotor_ida import DimensionalRotor, InputError, fit, orders, read_signals
+from rotor_ida import DimensionalRotor, InputError, fit, read_signals
 from rotor_ida.plot import plot_bode, plot_orbit
 from rotor_ida.signals.files.columns import Column, Table
 from rotor_ida.signals.guessing import columns_of, name_of, unit_of
@@ -128,25 +127,6 @@ def pump(folder: Path, head: str, *, speed: np.ndarray | None = None) -> Path:
 HEAD = "time_s,probe_A_um,probe_B_um,speed_rpm"
 
 
-def forward(signals: xr.Dataset) -> xr.Dataset:
-    return orders(signals).sel(order=1)
-
-
-def test_a_table_of_two_probes_and_a_speed_gives_orders_without_naming_columns(
-    tmp_path: Path,
-) -> None:
-    """The amplitude of the whirl and its sense are those of the shaft, not of the probes."""
-    found = read_signals(pump(tmp_path, HEAD), probe_angles=(45, -45))
-    np.testing.assert_allclose(found.x, Z.real, atol=1e-6)
-    np.testing.assert_allclose(found.y, Z.imag, atol=1e-6)
-    np.testing.assert_allclose(found.angle, SPEED * TIMES, atol=1e-6)
-    once = forward(found)
-    np.testing.assert_allclose(once.forward_whirl_amplitude, 30.0, rtol=1e-6)
-    assert once.backward_whirl_amplitude.max() < 1e-5
-    assert "phase lags have no known origin" in found.attrs["notes"]
-    assert "probe_angles" not in found.attrs["notes"]
-
-
 def test_pictures_of_an_integrated_speed_show_no_mark_of_a_keyphasor(tmp_path: Path) -> None:
     found = read_signals(pump(tmp_path, HEAD), probe_angles=(45, -45))
     marked = found.assign_attrs(angle_origin="that of a keyphasor")
@@ -176,6 +156,9 @@ def test_a_speed_that_changes_is_integrated_by_the_trapezoidal_rule(tmp_path: Pa
     found = read_signals(pump(tmp_path, HEAD, speed=rpm), probe_angles=(45, -45))
     exact = math.pi / 30.0 * (600.0 * TIMES + 75.0 * TIMES**2)
     np.testing.assert_allclose(found.angle, exact, rtol=0, atol=1e-6)
+    np.testing.assert_allclose(found.x + found.mean_x, Z.real, atol=1e-6)
+    assert "phase lags have no known origin" in found.attrs["notes"]
+    assert "probe_angles" not in found.attrs["notes"]
 
 
 @pytest.mark.parametrize(

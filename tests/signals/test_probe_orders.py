@@ -6,17 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rotor_ida import (
-    InputError,
-    Rotor,
-    bode_peaks,
-    correct_probes,
-    load,
-    orders,
-    run_up,
-    save,
-    signals_of,
-)
+from rotor_ida import InputError, bode_peaks, correct_probes, load, orders, save
 from rotor_ida.plot import plot_bode, plot_polar
 from rotor_ida.signals.peaks import peaks_of
 
@@ -109,16 +99,6 @@ def test_critical_speed_and_amplification_of_a_linear_rotor(zeta):
         assert float(found.amplification_factor) == pytest.approx(peak / (high - low), rel=0.02)
         height = size * 10.0 / (2.0 * zeta * math.sqrt(1.0 - zeta**2))
         assert float(found.bode_amplitude) == pytest.approx(height, rel=5e-3)
-
-
-def test_a_slow_run_up_of_a_simulated_rotor_has_the_factor_of_its_damping():
-    """The simulator knows nothing of half-power points: AF is 1/(2 zeta) for a light damping."""
-    up = run_up(Rotor(omega=0.7, zeta=0.05, delta0=30.0, shaft_stiffness=1.0), start="settled",
-                to=1.4, rate=0.00005, samples=60_001)  # fmt: skip
-    found = bode_peaks(orders(signals_of(up)))
-    peak, low, high = half_power(0.05)
-    assert float(found.critical_speed[0]) == pytest.approx(peak, rel=5e-3)
-    assert float(found.amplification_factor[0]) == pytest.approx(peak / (high - low), rel=0.03)
 
 
 def test_a_peak_without_one_side_is_as_wide_as_the_other():
