@@ -12,7 +12,16 @@ import xarray as xr
 from nptdms import ChannelObject, TdmsWriter
 
 from rotor_ida import orders, read_signals
-from tests.signals.test_files import A, B, refused, write_comtrade, write_hdf5, write_lvm, write_uff
+from tests.signals.test_files import (
+    LVM_HEAD,
+    A,
+    B,
+    refused,
+    write_comtrade,
+    write_hdf5,
+    write_lvm,
+    write_uff,
+)
 
 Array = npt.NDArray[np.float64]
 
@@ -161,15 +170,6 @@ def test_comtrade_that_contradicts_itself_is_refused(kind: str, tmp_path: Path) 
     assert "must contain the 3000 samples that 'a.cfg' declares, got 4000" in refused(path)
 
 
-LVM = """LabVIEW Measurement\t
-Separator\tTab
-Decimal_Separator\t.
-X_Columns\t{columns}
-***End_of_Header***\t
-\t
-"""
-
-
 def write_clocked_lvm(path: Path, columns: str, clocks: list[tuple[float, float, float]]) -> None:
     """Write x, y and a keyphasor, each with its seconds of the day, X0 and Delta_X."""
     sizes = [int(1.0 / step) for _, _, step in clocks]
@@ -201,7 +201,7 @@ def write_clocked_lvm(path: Path, columns: str, clocks: list[tuple[float, float,
         if multi:
             cells = [part for pair in zip(times, cells, strict=True) for part in pair]
         lines.append("\t".join([*first, *cells]))
-    path.write_text(LVM.format(columns=columns) + "\n".join(lines) + "\n")
+    path.write_text(LVM_HEAD.format(columns=columns, point=".") + "\n".join(lines) + "\n")
 
 
 CLOCKS = {

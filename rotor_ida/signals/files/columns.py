@@ -93,23 +93,33 @@ class Unit(NamedTuple):
     factor: float
 
 
+def _of(kind: str, plain: str, symbols: Mapping[str, str]) -> dict[str, Unit]:
+    """Return units of a quantity: each symbol with that of the unit to which it is converted."""
+    found = {}
+    for symbol, other in symbols.items():
+        one, two = units.UNITS[symbol], units.UNITS[other]
+        factor = one._replace(power=one.power - two.power).in_si("1")
+        found[symbol] = Unit(kind, plain or other, factor)
+    return found
+
+
 # Lengths keep their unit, or are converted to a standard one.
 _LENGTHS = {"m": "m", "mm": "mm", "um": "um", "nm": "nm", "in": "mm", "mil": "um"}
-_VOLTS = {"v": "V", "volt": "V", "volts": "V", "mv": "mV", "millivolts": "mV"}
-_MEGAVOLTS = ("MV", "Mv")
-_NONE = ("1", "-", "")
-# Names of units of speed besides those in `rotor_ida.units`.
-_SPEEDS = {
+_UNITS: dict[str, Unit] = {
+    **_of("length", "", _LENGTHS),
+    **{volts: Unit("length", volts, 1.0) for volts in ("V", "mV")},
+    **_of("time", "s", dict.fromkeys(("s", "ms", "us", "min"), "s")),
+    **_of("angle", "radian", dict.fromkeys(("rad", "deg", "rev"), "rad")),
+    **{str(name): Unit("speed", "s-1", size) for name, size in units.SPEED_UNITS.items()},
+}
+_NONE, _MEGAVOLTS = ("1", "-", ""), ("MV", "Mv")
+# Names besides those in `rotor_ida.units`.
+_NAMES = {
+    **dict.fromkeys(("v", "volt", "volts"), "V"),
+    **dict.fromkeys(("mv", "millivolts"), "mV"),
     **dict.fromkeys(("rad/s", "rad s-1", "s-1", "1/s"), "rad/s"),
     **dict.fromkeys(("rev/min", "u/min"), "rpm"),
     **dict.fromkeys(("rps", "rev/s"), "Hz"),
-}
-# Units that a message offers, by quantity.
-_OFFERED = {
-    "time": ("s", "ms", "us", "min"),
-    "angle": ("rad", "deg", "rev"),
-    "length": (*_LENGTHS, "V", "mV"),
-    "speed": tuple(units.SPEED_UNITS),
 }
 
 
@@ -123,31 +133,14 @@ def unit_called(name: str) -> Unit | None:
     """
     if name in _NONE:
         return Unit("any", "1", 1.0)
-    volts = _VOLTS.get(name.lower())
-    if volts and name not in _MEGAVOLTS:
-        return Unit("length", volts, 1.0)
-    symbol = _SPEEDS.get(name.lower()) or units.symbol_of(name)
-    if symbol in units.SPEED_UNITS:
-        return Unit("speed", "s-1", units.SPEED_UNITS[symbol])
-    for kind, called, plain in (
-        ("length", _LENGTHS.get(symbol, ""), _LENGTHS.get(symbol, "")),
-        ("time", "s", "s"),
-        ("angle", "radian", "rad"),
-    ):
-        if symbol in _OFFERED[kind]:
-            return Unit(kind, called, _ratio(symbol, plain))
-    return None
+    if name in _MEGAVOLTS:
+        return None
+    return _UNITS.get(_NAMES.get(name.lower()) or units.symbol_of(name))
 
 
 def known_units(kind: str) -> str:
     """Return the units of a kind, one name each, for a message."""
-    return ", ".join(_OFFERED[kind])
-
-
-def _ratio(symbol: str, plain: str) -> float:
-    """Return the factor between two units."""
-    unit, other = units.UNITS[symbol], units.UNITS[plain]
-    return unit._replace(power=unit.power - other.power).in_si("1")
+    return ", ".join(symbol for symbol, unit in _UNITS.items() if unit.kind == kind)
 
 
 def name_and_unit(name: str) -> tuple[str, str]:
