@@ -68,7 +68,7 @@ def test_the_commands_on_the_compressor_give_its_answers(compressor, monkeypatch
     )  # fmt: skip
     said = said_by(commands(text_of("compressor"))[1:], monkeypatch, capsys)
     assert len(said) == 4
-    begins, turns = compressor["threshold"](given)
+    begins, turns = compressor["found"]
     assert f"{begins:.0f} threshold {turns / 60.0:.6g}" in said[1]
     assert " ".join(compressor["report"].attrs["sentence"].split()) in said[3]
     assert "report.pdf" in {each.name for each in (compressor["folder"] / "page").iterdir()}
@@ -76,9 +76,9 @@ def test_the_commands_on_the_compressor_give_its_answers(compressor, monkeypatch
 
 def test_the_compressor_is_unstable_from_the_threshold_on(compressor):
     """By the eigenvalues of its matrices, which share nothing with the search."""
-    for system, low, high in ((compressor["compressor"], 9900.0, 11000.0),
-                              (compressor["worn_compressor"], 9000.0, 9900.0)):  # fmt: skip
-        begins, turns = compressor["threshold"](system)
+    for name, told, low, high in (("compressor", "found", 9900.0, 11000.0),
+                                  ("worn_compressor", "found_worn", 9000.0, 9900.0)):  # fmt: skip
+        system, (begins, turns) = compressor[name], compressor[told]
         assert low < begins < high
         for factor in (0.999, 1.001):
             speed = factor * begins * RPM
