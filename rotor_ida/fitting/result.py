@@ -198,13 +198,14 @@ def _touches(problem: FitProblem, motions: list[Motion]) -> dict[str, Column]:
         for kind, found in problem.touches(number, motion).items():
             whole = matched(found.times, motion, kind)
             times = np.where(whole.compared, found.times + whole.apart, np.nan)
-            for name, values in {
+            own: dict[str, npt.NDArray[Any]] = {
                 "measured_time": found.times / each.second + each.begin,
                 "fitted_time": times / each.second + each.begin,
                 "event_kind": np.full(times.size, kind, np.int8),
                 "touch_record": np.full(times.size, number),
                 "compared": found.compared.astype(np.int8),
-            }.items():
+            }
+            for name, values in own.items():
                 parts.setdefault(name, []).append(values)
     if not parts:
         return {}
