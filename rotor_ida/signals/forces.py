@@ -64,7 +64,7 @@ def contact_forces(run: xr.Dataset) -> xr.Dataset:
     """
     run = check_run(run, NEEDED)
     rotor, z = rotor_of(run), run["x"].values + 1j * run["y"].values
-    radius = np.abs(z)
+    radius = np.hypot(z.real, z.imag)
     if rotor.friction > 0.0:
         check_one_speed(run, "contact forces with friction")
         normal, along = run["normal_force"].values, _tangential(run, radius, rotor)
