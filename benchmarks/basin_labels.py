@@ -11,31 +11,18 @@ import sys
 import time
 
 import numpy as np
+from label_tolerance import HALF_WIDTH, labelled
 
 from rotor_ida import Rotor
 from rotor_ida.basins.attractors import kind_of
-from rotor_ida.basins.disc import Disc
-from rotor_ida.basins.following import follow_starts
-from rotor_ida.core.runs import NO_STOP
-from rotor_ida.parallel import choose, count_workers, run_all
-from rotor_ida.results.studies.results import Results
+from rotor_ida.parallel import count_workers, run_all
 from rotor_ida.schema import FATE
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady.follow import settle_disc
 
-HALF_WIDTH = 15.0
 ASIDE = 1e-9
 # CVODE is on an attractor that agrees with its results to this part.
 AGREES = 1e-6
-
-
-def labelled(rotor, states, rtol, workers):
-    """Return the labels of starts, shape (4, n), and the attractors."""
-    found = follow_starts(
-        Disc.of(rotor, rtol, NO_STOP), lambda first, last: states[:, first:last], states.shape[1],
-        Results(), workers=choose("auto", workers, compiled=True), progress=None,
-    )  # fmt: skip
-    return found.labels, found.rows
 
 
 def follow(job, _stop):
@@ -85,7 +72,8 @@ def main():
     rotor = Rotor(omega=given.omega, zeta=given.zeta, delta0=given.delta0)
     states = np.zeros((4, given.starts))
     states[:2] = np.random.default_rng(1).uniform(-HALF_WIDTH, HALF_WIDTH, (2, given.starts))
-    labels, attractors = labelled(rotor, states, given.rtol, given.workers)
+    found = labelled(rotor, states, given.rtol, given.workers)
+    labels, attractors = found.labels, found.rows
     for number, each in enumerate(attractors):
         print(number, each, int((labels == number).sum()))
     print("undecided:", int((labels == FATE["undecided"]).sum()))

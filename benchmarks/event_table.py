@@ -62,28 +62,25 @@ def right_hand_side(case):
     return rhs
 
 
+def to_next_crossing(case, times, state, inside, rtol, atol):
+    """Return CVODE's solution over times, up to the crossing that its root finding sees."""
+
+    def gap(_time, values, events):
+        events[0] = math.hypot(values[0], values[1]) - case["delta0"]
+
+    gap.terminal, gap.direction = [True], [1 if inside else -1]
+    solver = CVODE(right_hand_side(case), method="Adams", rtol=rtol, atol=atol, eventsfn=gap,
+                   num_events=1, max_num_steps=1_000_000)  # fmt: skip
+    return solver.solve(times, state)
+
+
 def plain_sundae(case):
     """Return what CVODE's own root finding sees, started again at each event."""
-    delta0, end = case["delta0"], case["duration"]
     time, state = 0.0, np.array(case["start"], dtype=float)
     inside = not case["starts_in_contact"]
     times, kinds = [], []
-    while time < end:
-
-        def gap(_time, values, events):
-            events[0] = math.hypot(values[0], values[1]) - delta0
-
-        gap.terminal, gap.direction = [True], [1 if inside else -1]
-        solver = CVODE(
-            right_hand_side(case),
-            method="Adams",
-            rtol=RTOL,
-            atol=ATOL,
-            eventsfn=gap,
-            num_events=1,
-            max_num_steps=1_000_000,
-        )
-        found = solver.solve([time, end], state)
+    while time < case["duration"]:
+        found = to_next_crossing(case, [time, case["duration"]], state, inside, RTOL, ATOL)
         if not found.success or found.t_events is None:
             break
         time, state = float(found.t_events[-1]), found.y_events[-1]
@@ -93,8 +90,8 @@ def plain_sundae(case):
     return np.array(times), np.array(kinds)
 
 
-def scipy_dop853(case):
-    """Return what SciPy's event function sees on the way."""
+def by_dop853(case, rtol, atol, times=None):
+    """Return SciPy's solution, straight through, with an event function."""
     rhs, delta0 = right_hand_side(case), case["delta0"]
 
     def fun(time, state):
@@ -105,22 +102,20 @@ def scipy_dop853(case):
     def gap(_time, state):
         return math.hypot(state[0], state[1]) - delta0
 
-    found = solve_ivp(
-        fun,
-        (0.0, case["duration"]),
-        case["start"],
-        method="DOP853",
-        rtol=RTOL,
-        atol=ATOL,
-        events=gap,
-    )
+    return solve_ivp(fun, (0.0, case["duration"]), case["start"], method="DOP853", t_eval=times,
+                     rtol=rtol, atol=atol, events=gap)  # fmt: skip
+
+
+def scipy_dop853(case):
+    """Return what SciPy's event function sees on the way."""
+    found = by_dop853(case, RTOL, ATOL)
     states = found.y_events[0]
     kinds = [1 if x * vx + y * vy > 0 else -1 for x, y, vx, vy in states]
     return found.t_events[0], np.array(kinds)
 
 
-def heyoka_taylor(case):
-    """Return what heyoka's event detection sees on the way."""
+def in_heyoka(case, tol, seen=None):
+    """Return heyoka's Taylor integrator, the force switched by ``select``, and events if asked."""
     import heyoka as hy  # noqa: PLC0415 - an optional extra
 
     x, y, vx, vy = hy.make_vars("x", "y", "vx", "vy")
@@ -131,25 +126,23 @@ def heyoka_taylor(case):
     # The branch that is not taken must stay a number too.
     depth = hy.select(hy.gt(gap, 0.0), radius - delta0, 0.0)
     restoring = hy.select(hy.gt(gap, 0.0), depth * hy.sqrt(depth) / radius, 0.0)
-    times, kinds = [], []
+    equations = [
+        (x, vx),
+        (y, vy),
+        (vx, omega**2 * hy.cos(omega * hy.time) - 2 * zeta * vx - restoring * x),
+        (vy, omega**2 * hy.sin(omega * hy.time) - 2 * zeta * vy - restoring * y),
+    ]
+    events = [] if seen is None else [hy.nt_event(gap, seen)]
+    return hy.taylor_adaptive(equations, list(map(float, case["start"])), tol=tol, nt_events=events)
 
-    def seen(_integrator, time, sign):
-        times.append(time)
-        kinds.append(sign)
 
-    integrator = hy.taylor_adaptive(
-        [
-            (x, vx),
-            (y, vy),
-            (vx, omega**2 * hy.cos(omega * hy.time) - 2 * zeta * vx - restoring * x),
-            (vy, omega**2 * hy.sin(omega * hy.time) - 2 * zeta * vy - restoring * y),
-        ],
-        list(map(float, case["start"])),
-        tol=RTOL,
-        nt_events=[hy.nt_event(gap, seen)],
-    )
+def heyoka_taylor(case):
+    """Return what heyoka's event detection sees on the way."""
+    rows = []
+    integrator = in_heyoka(case, RTOL, lambda _integrator, time, sign: rows.append((time, sign)))
     integrator.propagate_until(case["duration"], max_steps=200_000)
-    return np.array(times), np.array(kinds)
+    times, kinds = np.array(rows).reshape(-1, 2).T
+    return times, kinds
 
 
 WAYS = {

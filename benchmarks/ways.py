@@ -10,9 +10,7 @@ from dataclasses import dataclass, replace
 from functools import cache
 
 import numpy as np
-from event_table import right_hand_side
-from scipy.integrate import solve_ivp
-from sksundae.cvode import CVODE
+from event_table import by_dop853, in_heyoka, to_next_crossing
 
 from rotor_ida import Rotor
 from rotor_ida.simulation.options import Options
@@ -98,27 +96,9 @@ def python(case, rtol):
 
 def dop853(case, rtol):
     """SciPy's DOP853 with an event function, straight through."""
-    rhs, delta0, times = right_hand_side(case), case.delta0, case.times
-
-    def fun(time, state):
-        rate = np.empty(4)
-        rhs(time, state, rate)
-        return rate
-
-    def gap(_time, state):
-        return math.hypot(state[0], state[1]) - delta0
 
     def way():
-        found = solve_ivp(
-            fun,
-            (0.0, times[-1]),
-            case.start,
-            method="DOP853",
-            t_eval=times,
-            rtol=rtol,
-            atol=ATOL * rtol,
-            events=gap,
-        )
+        found = by_dop853(case, rtol, ATOL * rtol, case.times)
         return found.y.T, found.t_events[0]
 
     return way
@@ -126,30 +106,14 @@ def dop853(case, rtol):
 
 def sundae(case, rtol):
     """scikit-sundae used plainly: stopped by its own root finding, and started again."""
-    rhs, delta0, times = right_hand_side(case), case.delta0, case.times
-
-    def segment(time, state, inside):
-        def gap(_time, values, events):
-            events[0] = math.hypot(values[0], values[1]) - delta0
-
-        gap.terminal, gap.direction = [True], [1 if inside else -1]
-        solver = CVODE(
-            rhs,
-            method="Adams",
-            rtol=rtol,
-            atol=ATOL * rtol,
-            eventsfn=gap,
-            num_events=1,
-            max_num_steps=1_000_000,
-        )
-        wanted = np.concatenate(([time], times[times > time]))
-        return solver.solve(wanted, state)
+    delta0, times = case.delta0, case.times
 
     def way():
         time, state, inside = 0.0, np.array(case.start), math.hypot(*case.start[:2]) <= delta0
         states, events = [state[None]], []
         while time < times[-1]:
-            found = segment(time, state, inside)
+            wanted = np.concatenate(([time], times[times > time]))
+            found = to_next_crossing(case, wanted, state, inside, rtol, ATOL * rtol)
             if not found.success:
                 break
             ended = found.t_events is not None
@@ -166,29 +130,10 @@ def sundae(case, rtol):
 
 
 def heyoka(case, rtol, *, events=False):
-    """Heyoka's Taylor integrator, the force switched by ``select``; optionally with events."""
-    import heyoka as hy  # noqa: PLC0415 - an optional extra
-
-    x, y, vx, vy = hy.make_vars("x", "y", "vx", "vy")
-    omega, zeta, delta0, times = case.omega, case.zeta, case.delta0, case.times
-    square = x**2 + y**2
-    gap = square - delta0**2
-    radius = hy.sqrt(square)
-    # The branch that is not taken must stay a number too.
-    depth = hy.select(hy.gt(gap, 0.0), radius - delta0, 0.0)
-    restoring = hy.select(hy.gt(gap, 0.0), depth * hy.sqrt(depth) / radius, 0.0)
-    seen = []
-    integrator = hy.taylor_adaptive(
-        [
-            (x, vx),
-            (y, vy),
-            (vx, omega**2 * hy.cos(omega * hy.time) - 2 * zeta * vx - restoring * x),
-            (vy, omega**2 * hy.sin(omega * hy.time) - 2 * zeta * vy - restoring * y),
-        ],
-        list(case.start),
-        tol=rtol,
-        nt_events=[hy.nt_event(gap, lambda _i, time, _s: seen.append(time))] if events else [],
-    )
+    """Heyoka's Taylor integrator, optionally with events."""
+    seen, times = [], case.times
+    note = (lambda _integrator, time, _sign: seen.append(time)) if events else None
+    integrator = in_heyoka(case, rtol, note)
 
     def way():
         seen.clear()

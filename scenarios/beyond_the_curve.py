@@ -41,7 +41,7 @@ from rotor_ida.plot.labels import LABELS, label_axis
 from rotor_ida.plot.legends import legend_below
 from rotor_ida.plot.motion import draw_motion
 from rotor_ida.plot.palette import RED
-from rotor_ida.signals.path import path_of, rotated_back
+from rotor_ida.signals.path import path_of
 from rotor_ida.units import with_error
 
 CASES = {
@@ -145,7 +145,8 @@ def draw(results, events):
 def draw_rotating_orbit(run, ax):
     """Draw the orbit on axes that rotate with the unbalance: a synchronous whirl is a point."""
     path = path_of(run)
-    x, y = rotated_back(path.x, path.y, float(run.omega) * path.time)
+    z = (path.x + 1j * path.y) * np.exp(-1j * float(run.omega) * path.time)
+    x, y = z.real, z.imag
     with drawing(ax):
         label_axis(ax.xaxis, "rotating_x", run.x)
         label_axis(ax.yaxis, "rotating_y", run.y)

@@ -93,7 +93,8 @@ def threshold(system):
     return float(found.special_speed[0]) / rpm, float(found.whirl_speed[0]) / rpm
 
 
-print("unstable from {:,.0f} rpm on, with a whirl at {:,.0f} rpm".format(*threshold(compressor)))
+found = threshold(compressor)
+print("unstable from {:,.0f} rpm on, with a whirl at {:,.0f} rpm".format(*found))
 
 # %%
 # The compressor runs at 7,500 to 9,000 rpm and trips at 9,900 rpm, so it is stable, with a small margin at the trip speed. If the cross-coupling of the
@@ -102,11 +103,8 @@ print("unstable from {:,.0f} rpm on, with a whirl at {:,.0f} rpm".format(*thresh
 film, eye, piston, other_film = compressor.bearings
 worn = replace(piston, stiffness=piston.stiffness * [[1.0, 2.0], [2.0, 1.0]])
 worn_compressor = replace(compressor, bearings=[film, eye, worn, other_film])
-print(
-    "worn: unstable from {:,.0f} rpm on, with a whirl at {:,.0f} rpm".format(
-        *threshold(worn_compressor)
-    )
-)
+found_worn = threshold(worn_compressor)
+print("worn: unstable from {:,.0f} rpm on, with a whirl at {:,.0f} rpm".format(*found_worn))
 
 # %%
 # 3. How far does unbalance move it?

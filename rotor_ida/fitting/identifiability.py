@@ -9,6 +9,7 @@ import numpy as np
 import numpy.typing as npt
 
 from rotor_ida.arrays import Values
+from rotor_ida.checks import listed
 from rotor_ida.units import quantity
 
 # The unknown that is an angle [rad], and may be 0.
@@ -104,7 +105,7 @@ def _words(
             ways = ", ".join(f"{names[n]} {direction[n] / direction[members[0]]:+.2g}"
                              for n in members)  # fmt: skip
             words.append(
-                f"{_listed([names[n] for n in members])} are identifiable only together: relative "
+                f"{listed([names[n] for n in members])} are identifiable only together: relative "
                 f"changes in proportion ({ways}) leave these signals almost unchanged"
             )
         done.update(members)
@@ -127,10 +128,6 @@ def _part(name: str, error: float) -> str:
     if name == ANGLE:
         return quantity(error, "radian", 2)
     return f"{100.0 * error:.2g} %" if error < 10.0 else f"{error:.2g} times its value"
-
-
-def _listed(names: list[str]) -> str:
-    return f"{', '.join(names[:-1])} and {names[-1]}"
 
 
 def widening(chi_square: float, freedom: int) -> float:

@@ -189,13 +189,9 @@ class FitProblem:
     def _sizes(self, number: int) -> tuple[int, int, int]:
         """Return the numbers of residuals of a record: of tracks, of its start, of contacts."""
         each = self.trials.records[number]
-        return (
-            each.tracked,
-            self.trials.freedom_of(self.trials.starts[number]),
-            sum(times.size for times in each.touches.values())
-            if math.isfinite(self.time_error)
-            else 0,
-        )
+        touches = each.touches.values() if math.isfinite(self.time_error) else ()
+        begun = self.trials.freedom_of(self.trials.starts[number])
+        return each.tracked, begun, sum(times.size for times in touches)
 
     def _rows(self) -> list[slice]:
         """Return which residuals are those of each record."""

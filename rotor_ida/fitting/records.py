@@ -136,8 +136,6 @@ class Measured:
         Time at which the signals begin, in their own unit and origin.
     metre, second : float
         The units of the signals in metres and seconds.
-    units : tuple of str
-        These units.
     slow_rolls : tuple
         The slow roll that was subtracted at each node, or None.
     """
@@ -155,7 +153,6 @@ class Measured:
     begin: float
     metre: float
     second: float
-    units: tuple[str, str]
     slow_rolls: tuple[SlowRoll | None, ...]
 
     @property
@@ -225,17 +222,13 @@ def measured(
     nodes, given = tuple(signals), [record_of(each) for each in signals.values()]
     first = given[0]
     for node, each in zip(nodes, given, strict=True):
-        if not np.array_equal(each.times, first.times) or not np.array_equal(
-            each.known_angles(), first.known_angles()
+        if (each.length, each.time) != (first.length, first.time) or not (
+            np.array_equal(each.times, first.times)
+            and np.array_equal(each.known_angles(), first.known_angles())
         ):
             raise InputError(
-                f"signals of the nodes of a record must have the same times and angles, got others "
-                f"at {shown(node)}"
-            )
-        if (each.length, each.time) != (first.length, first.time):
-            raise InputError(
-                f"signals of the nodes of a record must have the same units, got {each.length} at "
-                f"{shown(node)}"
+                "signals of the nodes of a record must have the same times, angles and units, got "
+                f"others at {shown(node)}"
             )
     length, time = _scale(first.length, "length", in_si), _scale(first.time, "time", in_si)
     if first.times.size > MOST_SAMPLES:
@@ -256,7 +249,7 @@ def measured(
             kind: (_times_within(kind, each, first) - begin) * time
             for kind, each in touches.items() if each is not None
         },
-        begin, length, time, (first.length, first.time),
+        begin, length, time,
         tuple(_slow_roll_of(each.attributes, length, time) for each in given),
     )  # fmt: skip
 

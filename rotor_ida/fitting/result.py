@@ -80,14 +80,7 @@ def dataset_of(
     }
     if "compared" in variables:
         attributes["contact_times"] = _touches_in_words(variables)
-    record = problem.trials.records[0].record
-    plain = replace(
-        record,
-        coordinates={},
-        attributes=attributes,
-        length=problem.trials.records[0].units[0],
-        time=problem.trials.records[0].units[1],
-    )
+    plain = replace(problem.trials.records[0].record, coordinates={}, attributes=attributes)
     return plain.dataset("Fit of a machine to signals", variables, coordinates, kind="fit")
 
 
@@ -167,9 +160,9 @@ def _tracks(problem: FitProblem, trial: Trial) -> dict[str, Column]:
     for number, (each, motion) in enumerate(zip(records, trial.motions, strict=True)):
         tracks = each.tracks
         errors = problem.noise * np.sqrt(np.einsum("wkk->wk", tracks.inverse).real)
-        # the orders are symmetric about 0
+        # the orders are symmetric about 0, and both lags are delays
         ahead = np.flatnonzero(tracks.orders >= 0.0)
-        back = tracks.orders.size - 1 - ahead
+        ways = ("forward", ahead, -1.0), ("backward", tracks.orders.size - 1 - ahead, 1.0)
         apart = np.moveaxis(-residuals[number], 2, 0)
         for node, measured, fitted, left in zip(
             each.nodes, each.z.T, motion.z.T, apart, strict=True
@@ -179,22 +172,15 @@ def _tracks(problem: FitProblem, trial: Trial) -> dict[str, Column]:
                 "node": np.full(tracks.windows.times.size, node),
                 "t": tracks.windows.times / each.second + each.begin,
                 "speed": tracks.windows.speeds * each.second,
-                "forward_amplitude_error": errors[:, ahead] / each.metre,
-                "backward_amplitude_error": errors[:, back] / each.metre,
-                "forward_residual_real": left[:, ahead].real,
-                "forward_residual_imag": left[:, ahead].imag,
-                "backward_residual_real": left[:, back].real,
-                "backward_residual_imag": left[:, back].imag,
             }
             both = tracks.amplitudes(np.column_stack([measured, fitted]))
-            for words, column in (("", 0), ("fitted_", 1)):
-                forward, backward = both[:, ahead, column], both[:, back, column]
-                parts |= {
-                    f"{words}forward_whirl_amplitude": np.abs(forward) / each.metre,
-                    f"{words}forward_phase_lag": np.angle(forward.conj()),
-                    f"{words}backward_whirl_amplitude": np.abs(backward) / each.metre,
-                    f"{words}backward_phase_lag": np.angle(backward),
-                }
+            for way, places, lag in ways:
+                parts[f"{way}_amplitude_error"] = errors[:, places] / each.metre
+                parts[f"{way}_residual_real"] = left[:, places].real
+                parts[f"{way}_residual_imag"] = left[:, places].imag
+                for words, whirl in (("", both[:, places, 0]), ("fitted_", both[:, places, 1])):
+                    parts[f"{words}{way}_whirl_amplitude"] = np.abs(whirl) / each.metre
+                    parts[f"{words}{way}_phase_lag"] = lag * np.angle(whirl)
             for name, values in parts.items():
                 found.setdefault(name, []).append(values)
     columns: dict[str, Column] = {
@@ -207,26 +193,26 @@ def _tracks(problem: FitProblem, trial: Trial) -> dict[str, Column]:
 
 def _touches(problem: FitProblem, motions: list[Motion]) -> dict[str, Column]:
     """Return measured and fitted contact times; NaN where no computed contact matches."""
-    measured, fitted, kinds, numbers, compared = [], [], [], [], []
+    parts: dict[str, list[npt.NDArray[Any]]] = {}
     for number, (each, motion) in enumerate(zip(problem.trials.records, motions, strict=True)):
         for kind, found in problem.touches(number, motion).items():
             whole = matched(found.times, motion, kind)
             times = np.where(whole.compared, found.times + whole.apart, np.nan)
-            measured.append(found.times / each.second + each.begin)
-            fitted.append(times / each.second + each.begin)
-            kinds.append(np.full(times.size, kind, np.int8))
-            numbers.append(np.full(times.size, number))
-            compared.append(found.compared.astype(np.int8))
-    if not measured:
+            own: dict[str, npt.NDArray[Any]] = {
+                "measured_time": found.times / each.second + each.begin,
+                "fitted_time": times / each.second + each.begin,
+                "event_kind": np.full(times.size, kind, np.int8),
+                "touch_record": np.full(times.size, number),
+                "compared": found.compared.astype(np.int8),
+            }
+            for name, values in own.items():
+                parts.setdefault(name, []).append(values)
+    if not parts:
         return {}
-    return {
-        "measured_time": ("touch", np.concatenate(measured)),
-        "fitted_time": ("touch", np.concatenate(fitted)),
-        "event_kind": ("touch", np.concatenate(kinds)),
-        "touch_record": ("touch", np.concatenate(numbers)),
-        "compared": ("touch", np.concatenate(compared)),
-        "time_error": ((), problem.time_error / problem.trials.records[0].second),
+    columns: dict[str, Column] = {
+        name: ("touch", np.concatenate(values)) for name, values in parts.items()
     }
+    return columns | {"time_error": ((), problem.time_error / problem.trials.records[0].second)}
 
 
 def _touches_in_words(variables: Mapping[str, Column]) -> str:

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.model.contact import clipped_factor, contact_force, secant_stiffness
+from rotor_ida.model.contact import clipped_factor, contact_force
 from rotor_ida.model.forces import Moment, hold_of_rolling, with_values
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.results.in_si import keeps_si
@@ -17,7 +17,6 @@ from rotor_ida.results.run import check_one_speed, check_run, parameter_coordina
 from rotor_ida.schema import MODE, Column, labelled_dataset, origin_of
 
 NEEDED = (*("t", "x", "y", "vx", "vy", "entry_time", "exit_time"), "peak_time", "peak_force")
-NEEDED_WITH_FRICTION = ("mode", "normal_force")
 
 
 @keeps_si
@@ -64,19 +63,17 @@ def contact_forces(run: xr.Dataset) -> xr.Dataset:
     array([3.338337, 3.263644, 3.889012, 4.715582])
     """
     run = check_run(run, NEEDED)
-    rotor, x, y = rotor_of(run), run["x"].values, run["y"].values
-    radius = np.hypot(x, y)
+    rotor, z = rotor_of(run), run["x"].values + 1j * run["y"].values
+    radius = np.hypot(z.real, z.imag)
     if rotor.friction > 0.0:
         check_one_speed(run, "contact forces with friction")
-        told = _with_friction(check_run(run, (*NEEDED, *NEEDED_WITH_FRICTION)), radius, rotor)
+        normal, along = run["normal_force"].values, _tangential(run, radius, rotor)
+        told = {"normal_force": normal, "tangential_force": along}
     else:
-        factor = clipped_factor(_outwards(run), rotor.contact_damping)
-        stiffness = factor * secant_stiffness(radius, rotor.delta0, rotor.contact_exponent)
-        told = {
-            "force": factor * contact_force(radius, rotor.delta0, rotor.contact_exponent),
-            "force_x": -stiffness * x,
-            "force_y": -stiffness * y,
-        }
+        normal, along = normal_force(rotor, radius, _outwards(run)), np.zeros_like(radius)
+        told = {}
+    force = -(normal + 1j * along) * z / np.where(radius > 0.0, radius, 1.0)
+    told |= {"force": np.hypot(normal, along), "force_x": force.real, "force_y": force.imag}
     peaks = run["peak_force"].values
     whole = np.isfinite(run["entry_time"].values) & np.isfinite(run["exit_time"].values)
     fraction = np.full(peaks.shape, np.nan)
@@ -94,22 +91,18 @@ def contact_forces(run: xr.Dataset) -> xr.Dataset:
     )
 
 
-def _with_friction(run: xr.Dataset, radius: Values, rotor: Rotor) -> dict[str, Values]:
-    """Return the contact force with friction: it is 0 wherever the radius may vanish."""
-    x, y, mode, normal = (run[name].values for name in ("x", "y", "mode", "normal_force"))
-    along = rotor.friction * normal * (mode == MODE["slipping_forward"])
-    along -= rotor.friction * normal * (mode == MODE["slipping_backward"])
-    rolls = mode == MODE["rolling"]
-    along[rolls] = _hold(run, radius, rotor)[rolls]
-    size = np.where(radius > 0.0, radius, 1.0)
-    force = -(normal + 1j * along) * (x + 1j * y) / size
-    return {
-        "force": np.abs(force),
-        "force_x": force.real,
-        "force_y": force.imag,
-        "normal_force": normal,
-        "tangential_force": along,
-    }
+def normal_force(rotor: Rotor, radius: Values, outwards: Values | float) -> Values:
+    """Return ``N = max(0, d**n (1 + c d'))`` [dimensionless]."""
+    spring = contact_force(radius, rotor.delta0, rotor.contact_exponent)
+    return np.asarray(clipped_factor(outwards, rotor.contact_damping) * spring)
+
+
+def _tangential(run: xr.Dataset, radius: Values, rotor: Rotor) -> Values:
+    """Return the tangential force; both forces are 0 wherever the radius may vanish."""
+    mode = run["mode"].values
+    slides = 1.0 * (mode == MODE["slipping_forward"]) - (mode == MODE["slipping_backward"])
+    grip = rotor.friction * run["normal_force"].values * slides
+    return np.where(mode == MODE["rolling"], _hold(run, radius, rotor), grip)
 
 
 def _hold(run: xr.Dataset, radius: Values, rotor: Rotor) -> Values:

@@ -124,8 +124,6 @@ def with_lost_pulses(pulses: Values) -> Values:
     """
     from scipy.interpolate import CubicSpline  # noqa: PLC0415 - takes long to import
 
-    if pulses.size < FEWEST_PULSES or not (np.diff(pulses) > 0.0).all():
-        return pulses  # which will be refused
     counts = counts_between(pulses)
     turns = np.concatenate([[0.0], np.cumsum(counts)])
     spline = CubicSpline(pulses, turns)

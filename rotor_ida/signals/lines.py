@@ -11,7 +11,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import check_count
 from rotor_ida.errors import InputError
 from rotor_ida.schema import Column
-from rotor_ida.signals.record import Record, record_of
+from rotor_ida.signals.record import record_of
 from rotor_ida.signals.spectra import one_speed
 from rotor_ida.signals.windows import Complex
 
@@ -84,30 +84,19 @@ def spectral_lines(signals: xr.Dataset, *, count: int = 10) -> xr.Dataset:
             "the signals, or fewer lines"
         )
     times = np.asarray(step * (np.arange(size) - 0.5 * (size - 1)), dtype=np.float64)
-    found = _strongest(record.z, times, most)
+    found = np.sort(_strongest(record.z, times, most))
     if not found.size:
         raise InputError("signals must move, got x and y of 0 throughout")
     grid = 2.0 * math.pi / (size * step)
-    apart = float(np.diff(np.sort(found)).min(initial=math.inf)) / grid
+    apart = float(np.diff(found).min(initial=math.inf)) / grid
     frequencies, amplitudes = _refined(record.z, times, found, min(apart, WIDEST))
     left = record.z - _motion(times, frequencies, amplitudes)
-    place = np.argsort(frequencies)
-    frequencies, amplitudes = frequencies[place], amplitudes[place]
     phases = np.angle(amplitudes * np.exp(-1j * frequencies * middle))
-    return _dataset(
-        record, frequencies, amplitudes, phases, float(np.sqrt(np.mean(abs(left) ** 2)))
-    )
-
-
-def _dataset(
-    record: Record, frequencies: Values, amplitudes: Complex, phases: Values, residual: float
-) -> xr.Dataset:
-    """Return lines as a dataset."""
     variables: dict[str, Column] = {
         "frequency": ("line", frequencies),
         "whirl_amplitude": ("line", np.abs(amplitudes)),
         "whirl_phase": ("line", phases),
-        "window_residual": ((), residual),
+        "window_residual": ((), float(np.sqrt(np.mean(abs(left) ** 2)))),
     }
     speed = one_speed(record)
     if speed is not None:

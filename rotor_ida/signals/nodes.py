@@ -14,7 +14,7 @@ from rotor_ida.checks import COMPONENTS, check_nonnegative, did_you_mean, listed
 from rotor_ida.errors import InputError
 from rotor_ida.results.run import check_system_run, nodes_in, samples_in
 from rotor_ida.schema import MODE, labelled, origin_of, words_of
-from rotor_ida.signals.path import AFTER, Path
+from rotor_ida.signals.path import AFTER, Path, modes_at
 from rotor_ida.texts import in_figure
 
 # What is needed of the contacts, and what signals keep of a node besides its motion.
@@ -123,12 +123,6 @@ def path_in(run: xr.Dataset, ring: Ring) -> Path:
 def _modes(run: xr.Dataset, contact: int, time: Values) -> npt.NDArray[np.int8]:
     """Return the mode of a contact from each time on."""
     part = run.isel(event=run["event_contact"].values == contact)
-    events, modes = part["event_time"].values, run["mode"].values[:, contact]
-    # between two events without a sample in between, what the first of them tells
+    modes = run["mode"].values[:, contact]
     told = [MODE[AFTER.get(word, "slipping_forward")] for word in words_of(part["event_kind"])]
-    between = np.array([modes[0], *told], dtype=np.int8)
-    sampled, first = np.unique(
-        np.searchsorted(events, run["t"].values, side="right"), return_index=True
-    )
-    between[sampled] = modes[first]
-    return between[np.searchsorted(events, time, side="right")]
+    return modes_at(time, part, np.array([modes[0], *told], dtype=np.int8), modes)

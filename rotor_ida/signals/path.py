@@ -14,12 +14,12 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS
-from rotor_ida.model.contact import clipped_factor, contact_force
 from rotor_ida.model.equations import rotated
 from rotor_ida.results.in_si import keeps_si
 from rotor_ida.results.run import check_columns, check_run, rotor_of
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import MODE, flags_of, labelled, words_of
+from rotor_ida.signals.forces import normal_force, radial_speed
 from rotor_ida.signals.sampling import check_sampling, run_angles
 
 # Between close outputs the motion is the cubic through their displacements and velocities.
@@ -80,8 +80,7 @@ def path_of(run: xr.Dataset) -> Path:
     places, speeds = _cubic(part[:, None], steps[step, None], states[step], states[step + 1])
     x, y = np.concatenate([states[:1, :2], places]).T
     vx, vy = np.concatenate([states[:1, 2:], speeds]).T
-    radius = np.hypot(x, y)
-    outwards = np.divide(x * vx + y * vy, radius, out=np.zeros_like(radius), where=radius > 0.0)
+    outwards = radial_speed(x, y, vx, vy)
     return Path(time, x, y, _in_contact(run, time), outwards, _modes(run, time))
 
 
@@ -107,11 +106,8 @@ def _cubic(part: Values, step: Values, before: Values, after: Values) -> tuple[V
 def force_along(run: xr.Dataset, path: Path) -> Values:
     """Return the contact force along the path of a run in the units of the run."""
     rotor, length = rotor_of(run), scale_of(run, "length")
-    force = contact_force(path.radius / length, rotor.delta0, rotor.contact_exponent)
-    if rotor.contact_damping > 0.0 and path.radial_speed is not None:
-        speed = path.radial_speed * scale_of(run, "time") / length
-        force = force * clipped_factor(speed, rotor.contact_damping)
-    return scale_of(run, "force") * force
+    outwards = 0.0 if path.radial_speed is None else path.radial_speed * scale_of(run, "time")
+    return scale_of(run, "force") * normal_force(rotor, path.radius / length, outwards / length)
 
 
 def largest_speed(run: xr.Dataset) -> float:
@@ -134,15 +130,26 @@ def _modes(run: xr.Dataset, time: Values) -> npt.NDArray[np.int8] | None:
     """Return the mode of the stretch that begins at each time; None without friction."""
     if "mode" not in run.variables:
         return None
-    events = run["event_time"].values
-    between = _modes_without_samples(run)
-    passed = np.searchsorted(events, run["t"].values, side="right")
-    sampled, first = np.unique(passed, return_index=True)
-    between[sampled] = run["mode"].values[first]
-    return between[np.searchsorted(events, time, side="right")]
+    return modes_at(time, run, _modes_after_events(run), run["mode"].values)
 
 
-def _modes_without_samples(run: xr.Dataset) -> npt.NDArray[np.int8]:
+def modes_at(
+    time: Values, run: xr.Dataset, after: npt.NDArray[np.int8], sampled: npt.NDArray[np.int8]
+) -> npt.NDArray[np.int8]:
+    """Return the mode from each time on: that of the first sample after an event, if there is one.
+
+    `after` has the modes after the start and after each event, as far as events determine them,
+    and `sampled` those at the samples.
+    """
+    events, modes = run["event_time"].values, after.copy()
+    passed, first = np.unique(
+        np.searchsorted(events, run["t"].values, side="right"), return_index=True
+    )
+    modes[passed] = sampled[first]
+    return modes[np.searchsorted(events, time, side="right")]
+
+
+def _modes_after_events(run: xr.Dataset) -> npt.NDArray[np.int8]:
     """Return the mode after the start and after each event, as far as events determine it."""
     x, y, vx, vy = (run[f"event_{name}"].values for name in COMPONENTS)
     speed = run["omega"].item()
@@ -157,12 +164,6 @@ def _modes_without_samples(run: xr.Dataset) -> npt.NDArray[np.int8]:
         turned = -modes[-1] if word == "reverse" else sense
         modes.append(MODE[AFTER[word]] if word in AFTER else turned)
     return np.array(modes, dtype=np.int8)
-
-
-def rotated_back(x: Values, y: Values, angle: Values) -> tuple[Values, Values]:
-    """Return displacements on axes that are rotated by an angle."""
-    rotated = (x + 1j * y) * np.exp(-1j * angle)
-    return rotated.real, rotated.imag
 
 
 @keeps_si

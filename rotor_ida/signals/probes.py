@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from typing import Literal
+from collections.abc import Callable, Mapping, Sequence
+from typing import Literal, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -195,12 +195,11 @@ def slow_part(signals: xr.Dataset, times: npt.ArrayLike | Sequence[str]) -> xr.D
 
     They are in the unit of the times of the signals, or in words such as ``"34.5 s"``.
     """
-    words = list(times) if isinstance(times, list | tuple) else []
-    if words and all(isinstance(each, str) for each in words):
-        found, units = _quantities(words)
-        if {unit.kind if unit else "" for unit in units} != {"time"}:
-            raise InputError(f"slow_roll must be two times such as '34.5 s', got {shown(words)}")
-        times = [each * unit.factor for each, unit in zip(found, units, strict=True) if unit]
+    if isinstance(times, list | tuple) and all(isinstance(each, str) for each in times):
+        found = _quantities(times)
+        if {each.unit.kind for each in found} != {"time"}:
+            raise InputError(f"slow_roll must be two times such as '34.5 s', got {shown(times)}")
+        times = [each.number * each.unit.factor for each in found]
     ends = check_increasing("slow_roll", check_vector("slow_roll", times))
     if ends.size != 2:
         raise InputError(f"slow_roll must be two times or a file, got {shown(ends.tolist())}")
@@ -321,12 +320,8 @@ def displaced(name: str, values: Values, unit: str, sensitivity: str) -> tuple[V
     found = _SENSITIVITY.fullmatch(sensitivity) if isinstance(sensitivity, str) else None
     length = unit_called(found[3]) if found else None
     height = number_in(found[1]) if found else math.nan
-    is_length = length is not None and length.kind == "length"
-    if (
-        found is None
-        or length is None
-        or not (is_length and SENSITIVITIES[0] <= height <= SENSITIVITIES[1])
-    ):
+    low, high = SENSITIVITIES
+    if not (found and length and length.kind == "length" and low <= height <= high):
         raise InputError(
             f"sensitivity must be such as '200 mV/mil' or '7.87 V/mm', got {shown(sensitivity)}"
         )
@@ -373,11 +368,26 @@ def displacements_at(
     return displacements(np.array([x + 1j * y]), angles, gains)
 
 
-def _quantities(words: Iterable[str]) -> tuple[Values, list[Unit | None]]:
-    """Return the numbers of quantities in words, NaN without any, and their units."""
-    found = [_QUANTITY.fullmatch(each) for each in words]
-    numbers = np.array([number_in(each[1]) if each else math.nan for each in found])
-    return numbers, [unit_called(each[2]) if each else None for each in found]
+class Quantity(NamedTuple):
+    """A number with its unit, and both in words."""
+
+    number: float
+    unit: Unit
+    words: str
+
+
+def _quantities(given: object) -> list[Quantity]:
+    """Return a quantity, or several, that are given in words; none if one is something else."""
+    words = given if isinstance(given, list | tuple) else [given]
+    found = []
+    for each in words:
+        match = _QUANTITY.fullmatch(each) if isinstance(each, str) else None
+        unit = unit_called(match[2]) if match else None
+        if match is None or unit is None:
+            return []
+        told = f"{match[1]} {match[2]}".rstrip()
+        found.append(Quantity(number_in(match[1]), unit, told))
+    return found
 
 
 def gap_position(
@@ -399,25 +409,21 @@ def gap_position(
     of_readings : callable
         Takes the readings of both probes and their unit, and returns displacements.
     """
-    words = [gap] if isinstance(gap, str) else list(gap) if isinstance(gap, list | tuple) else []
-    found = [_QUANTITY.fullmatch(each) for each in words if isinstance(each, str)]
-    numbers, units = _quantities(each for each in words if isinstance(each, str))
-    kinds = {unit.kind if unit else "" for unit in units}
-    told = [f"{each[1]} {each[2]}".rstrip() for each in found if each]
-    if len(words) == 2 == len(found) and kinds == {"time"}:
-        begin, end = (each * unit.factor for each, unit in zip(numbers, units, strict=True) if unit)
+    found = _quantities(gap)
+    kinds, told = {each.unit.kind for each in found}, [each.words for each in found]
+    if len(found) == 2 and kinds == {"time"}:
+        begin, end = (each.number * each.unit.factor for each in found)
         within = (times >= begin) & (times <= end)
         if within.any():
             return complex(z[within].mean()), f"the mean from {' to '.join(told)}"
         raise InputError(
             f"gap must be a stretch within {times[0]:g} to {times[-1]:g}, got {begin:g} to {end:g}"
         )
-    is_zero = kinds == {"any"} and not numbers.any()
-    if 1 <= len(words) == len(found) <= 2 and len(set(units)) == 1 and (
+    is_zero = kinds == {"any"} and not any(each.number for each in found)
+    if len(found) <= 2 and len({each.unit for each in found}) == 1 and (
         kinds == {"length"} or is_zero
     ):  # fmt: skip
-        both, unit = np.resize(numbers, 2), units[0]
-        assert unit is not None
+        both, unit = np.resize([each.number for each in found], 2), found[0].unit
         position = of_readings(both * unit.factor, unit.plain)[0] if both.any() else 0.0
         return complex(position), " and ".join(told)
     raise InputError(
@@ -426,17 +432,21 @@ def gap_position(
     )
 
 
-def check_probes(
+def check_columns(
     found: Mapping[str, tuple[Values, str]], times: Mapping[str, Values], accept_clipped: bool
 ) -> str:
-    """Return the unit of both probes; raise `InputError` if they differ or one is clipped."""
+    """Return the unit of both probes; raise `InputError` if they differ or one is clipped.
+
+    Likewise if a column that is sampled over its `times` has another length.
+    """
     (x, length), (y, other) = found["x"], found["y"]
     if length != other:
         raise InputError(f"x and y must be in one unit, got {length} and {other}")
-    if y.size != times["y"].size:
-        raise InputError(
-            f"t, x and y must be of one length, got {times['y'].size}, {x.size}, {y.size}"
-        )
+    for name in [each for each in ("x", "y", "angle", "speed") if each in found]:
+        if (size := found[name][0].size) != times[name].size:
+            raise InputError(
+                f"{name} must have one number for each t, got {size} for {times[name].size}"
+            )
     for name, values in () if accept_clipped else (("x", x), ("y", y)):
         where = _clipped_at(values)
         if where is not None:

@@ -53,7 +53,7 @@ from rotor_ida.signals.probes import (
     LENGTHS,
     Rotation,
     angles_of_probes,
-    check_probes,
+    check_columns,
     displacements,
     displacements_at,
     gap_position,
@@ -219,24 +219,24 @@ def read_signals(
     times, time = times_of(found, rate, table, names)
     notes += [NO_UNIT] if time == "1" else []
     own = {each: _unit_of("t", names, table, given).factor * at for each, at in own.items()}
-    unit = check_probes(found, {"x": times, "y": own.get("y", times)}, accept_clipped)
+    unit = check_columns(found, {name: own.get(name, times) for name in found}, accept_clipped)
     if "angle" in own:  # before it is interpolated
         found["angle"] = _angle(found["angle"], own["angle"], names["angle"]), "rad"
     clock = own.pop("keyphasor", times)
     teeth = _teeth(found.get("keyphasor"), clock, keyphasor, per_revolution, fill_pulses)
-    notes += [] if teeth is None else teeth.notes(per_revolution)
     if own:
         found, times = at_times_of_x(found, times, own)
+    turning, origin, more = _rotation(
+        found, teeth, (times, time), names.get("angle", ""), per_revolution
+    )
+    notes += more
+    if own:
         notes.append(f"the times of {listed(list(own))} are not those of x: interpolated at those")
     angles, more = angles_of_probes(probe_angles, names, rotation)
     notes += more
-    attributes = _attributes(table, _listed(names, told), angles, gains, caption)
+    attributes = _attributes(table, _listed(names, told), angles, gains, caption) | origin
     if rate is None and not np.array_equal(times, found["t"][0]):
         attributes["times"] = "evenly spaced, to the digits that the file has of them"
-    origin, more = _origin_of_angle(found, teeth, per_revolution)
-    attributes |= origin
-    notes += more
-    turning = _rotation(found, teeth, times, time, names.get("angle", ""))
     readings = np.stack([found[each][0] for each in ("x", "y")])
     probes = partial(displacements_at, sensitivity, unit, angles, gains, readings)
     z = displacements(readings[0] + 1j * readings[1], angles, gains)
@@ -288,24 +288,19 @@ def _counted_from(
     """Return signals counted from their gap or their mean position, and notes on that."""
     coordinates = {"t": _labelled("t", "t", *clock)}
     if gap is None:
-        zero = mean_position(z, clock[0], turning)
-        coordinates |= _mean_of(zero, unit)
+        zero, said = mean_position(z, clock[0], turning), "the mean position is subtracted"
+        means = zip(MEAN, (zero.real, zero.imag), strict=True)
+        coordinates |= {axis: _labelled(axis, (), value, unit) for axis, value in means}
     else:
         zero, attributes["gap"] = gap_position(gap, z, clock[0], probes)
+        said = "displacements are counted from the gap"
     parts = (("x", z.real - zero.real), ("y", z.imag - zero.imag))
     both = {name: _labelled(name, "t", part, unit) for name, part in parts}
     signals = labelled_dataset(
         "Signals of two probes", both | turning, coordinates, attributes, kind="signals"
     )
-    return signals, [*_from_where(zero, unit, is_mean=gap is None), *question_of_swapped(signals)]
-
-
-def _from_where(zero: complex, unit: str, *, is_mean: bool) -> list[str]:
-    """Return a note of the position from which displacements are counted, if that is not 0."""
-    said = (
-        "the mean position is subtracted" if is_mean else "displacements are counted from the gap"
-    )
-    return [f"{said}: {position_text(zero, unit)}"] if is_mean or zero else []
+    notes = [f"{said}: {position_text(zero, unit)}"] if gap is None or zero else []
+    return signals, [*notes, *question_of_swapped(signals)]
 
 
 def _without_runout(
@@ -322,21 +317,6 @@ def _without_runout(
     else:
         slow = slow_part(signals, slow_roll)
     return subtract_runout(signals, slow, harmonics=orders)
-
-
-def _origin_of_angle(
-    found: Mapping[str, object], teeth: Teeth | None, per_revolution: int
-) -> tuple[Mapping[str, object], list[str]]:
-    """Return attributes and notes about where the angle is counted from."""
-    if teeth is not None:
-        return teeth.attributes(per_revolution), []
-    return ({"angle_origin": UNKNOWN}, [INTEGRATED]) if "speed" in found else ({}, [])
-
-
-def _mean_of(mean: complex, length: str) -> dict[str, xr.Variable]:
-    """Return the mean position, from which displacements are counted."""
-    both = zip(MEAN, (mean.real, mean.imag), strict=True)
-    return {axis: _labelled(axis, (), value, length) for axis, value in both}
 
 
 def _columns_in(
@@ -377,19 +357,24 @@ def _not_used(column: str, rate: float, table: Table, units: Mapping[str, str]) 
 def _rotation(
     found: Mapping[str, tuple[Values, str]],
     teeth: Teeth | None,
-    times: Values,
-    time: str,
+    clock: tuple[Values, str],
     column: str,
-) -> dict[str, xr.Variable]:
-    """Return the angle of the rotor or the pulses of its keyphasor, whichever the file has."""
+    per_revolution: int,
+) -> tuple[dict[str, xr.Variable], dict[str, object], list[str]]:
+    """Return the angle of the rotor or the pulses of its keyphasor, whichever the file has.
+
+    With them attributes and notes about where the angle is counted from.
+    """
     if "angle" in found:
-        angles = _angle(found["angle"], times, column)
-        return {"angle": labelled("angle", "t", angles)}
+        return {"angle": labelled("angle", "t", _angle(found["angle"], clock[0], column))}, {}, []
     if teeth is not None:
-        return {"keyphasor": _labelled("keyphasor", "pulse", teeth.times, time)}
+        pulses = _labelled("keyphasor", "pulse", teeth.times, clock[1])
+        told = teeth.attributes(per_revolution), teeth.notes(per_revolution)
+        return {"keyphasor": pulses}, *told
     if "speed" in found:
-        return {"angle": labelled("angle", "t", _integrated(found["speed"], times, time))}
-    return {}
+        angle = labelled("angle", "t", _integrated(found["speed"][0], *clock))
+        return {"angle": angle}, {"angle_origin": UNKNOWN}, [INTEGRATED]
+    return {}, {}, []
 
 
 def _listed(names: Mapping[str, str], told: Mapping[str, str]) -> str:
@@ -430,8 +415,8 @@ def _converted(
     """Return a column in s, radians, radians per second or a unit of length, and its unit."""
     column = columns[name]
     values = table.columns[column].values
-    if name == "keyphasor":
-        values = _without_end(values)
+    if name == "keyphasor":  # without the empty cells after its pulses
+        values = values[: np.flatnonzero(~np.isnan(values)).max(initial=-1) + 1]
     wrong = np.flatnonzero(~(np.abs(values) <= LARGEST_SAMPLE))
     if wrong.size:
         allowed = f"numbers within {LARGEST_SAMPLE:g} of zero"
@@ -444,12 +429,6 @@ def _converted(
         )
     unit = _unit_of(name, columns, table, units)
     return values * unit.factor if unit.factor != 1.0 else values, unit.plain
-
-
-def _without_end(values: Values) -> Values:
-    """Return pulse times without the empty cells after them."""
-    known = np.flatnonzero(~np.isnan(values))
-    return values[: known[-1] + 1] if known.size else values
 
 
 def _unit_of(name: str, columns: Mapping[str, str], table: Table, units: Mapping[str, str]) -> Unit:
@@ -471,8 +450,6 @@ def _unit_of(name: str, columns: Mapping[str, str], table: Table, units: Mapping
 def _angle(measured: tuple[Values, str], times: Values, column: str) -> Values:
     """Return a measured angle as a growing one, even if it was counted from 0 to one revolution."""
     angles, unit = measured
-    if angles.size != times.size:
-        raise InputError(f"angle must have one number for each t, got {angles.size}")
     if not (np.diff(angles) >= 0.0).all():
         turn = float(np.ptp(angles))
         if unit == "1" and turn > TURN:
@@ -490,13 +467,10 @@ def _angle(measured: tuple[Values, str], times: Values, column: str) -> Values:
     return angles
 
 
-def _integrated(column: tuple[Values, str], times: Values, time: str) -> Values:
+def _integrated(speeds: Values, times: Values, time: str) -> Values:
     """Return the angle of the rotor, 0 at the first sample, by the trapezoidal rule."""
-    speeds, _ = column
     if time != "s":
         raise InputError("t must have a unit beside a speed; give it in units, got none")
-    if speeds.size != times.size:
-        raise InputError(f"speed must have one number for each t, got {speeds.size}")
     if not (speeds >= 0.0).all() or not speeds.any():
         at = int(speeds.argmin())
         raise InputError(

@@ -85,7 +85,15 @@ class Record:
 
     def equal_step(self) -> float:
         """Return the step of equally spaced times."""
-        return equal_step(self.times, "signals", UNEQUAL)
+        steps, count = np.diff(self.times), self.times.size
+        mean = float(self.times[-1] - self.times[0]) / (count - 1)
+        off = np.abs(self.times - (self.times[0] + mean * np.arange(count))).max()
+        if off > UNEQUAL * mean:
+            raise InputError(
+                "signals must have equally spaced samples, got steps from "
+                f"{steps.min():.6g} to {steps.max():.6g}"
+            )
+        return mean
 
     def variable(
         self, name: str, dims: Hashable | Sequence[Hashable], values: npt.ArrayLike
@@ -143,21 +151,6 @@ def position_text(mean: complex, length: str) -> str:
     unit = "" if length == "1" else f" {length}"
     x, y = (0.0 if abs(each) < 1e-9 * abs(mean) else each for each in (mean.real, mean.imag))
     return f"x {x:.4g}{unit}, y {y:.4g}{unit}"
-
-
-def equal_step(times: Values, name: str, unequal: float) -> float:
-    """Return the step of equally spaced times, each off by at most `unequal` of a step."""
-    if times.size < FEWEST_SAMPLES:
-        raise InputError(f"{name} must have at least {FEWEST_SAMPLES} samples, got {times.size}")
-    steps = np.diff(times)
-    mean = float(times[-1] - times[0]) / (times.size - 1)
-    off = np.abs(times - (times[0] + mean * np.arange(times.size))).max()
-    if not (mean > 0.0 and off <= unequal * mean):
-        raise InputError(
-            f"{name} must have equally spaced samples, got steps from "
-            f"{steps.min():.6g} to {steps.max():.6g}"
-        )
-    return mean
 
 
 def signals_of(run: xr.Dataset, *, node: str | None = None) -> xr.Dataset:
@@ -225,17 +218,14 @@ def record_of(signals: object, name: str = "signals") -> Record:
     missing = [each for each in ("t", "x", "y") if each not in given.variables]
     if missing:
         raise InputError(f"{name} must contain t, x and y; it lacks {', '.join(missing)}")
-    times = samples_in(name, given, "t")
-    if times.size < FEWEST_SAMPLES:
-        raise InputError(f"{name} must have at least {FEWEST_SAMPLES} samples, got {times.size}")
-    check_increasing("t", times)
+    times = check_increasing("t", samples_in(name, given, "t"))
     z = samples_in(name, given, "x") + 1j * samples_in(name, given, "y")
     within, angles = _angles(given, times, name)
     velocities = velocities_of(given)
     if within.sum() < FEWEST_SAMPLES:
+        between = " between the pulses of the keyphasor" if "keyphasor" in given.variables else ""
         raise InputError(
-            f"{name} must have at least {FEWEST_SAMPLES} samples between the pulses of the "
-            f"keyphasor, got {within.sum()}"
+            f"{name} must have at least {FEWEST_SAMPLES} samples{between}, got {within.sum()}"
         )
     seen = None if velocities is None else velocities[within]
     check_sampling(name, times[within], z[within], seen, angles)

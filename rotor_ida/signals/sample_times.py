@@ -38,10 +38,6 @@ def times_of(
     if "t" not in found:
         raise InputError("the file must have a column for t, or rate must be given, got neither")
     times, unit = found["t"]
-    if times.size != size:
-        raise InputError(
-            f"t, x and y must be of one length, got {times.size}, {size}, {found['y'][0].size}"
-        )
     written = table.columns[names["t"]].values
     largest = int(np.abs(written).argmax())
     scale = times[largest] / written[largest] if written[largest] else 1.0

@@ -62,11 +62,9 @@ class Teeth:
         """Return what is to be known about the pulses."""
         notes = []
         if self.ignored:
-            many = (
-                "pulses of the keyphasor do" if self.ignored > 1 else "pulse of the keyphasor does"
+            notes.append(
+                f"pulses of the keyphasor that do not fit the others: {self.ignored} ignored"
             )
-            are = "are" if self.ignored > 1 else "is"
-            notes.append(f"{self.ignored} {many} not fit the others and {are} ignored")
         if self.mark:
             notes.append(f"{self.mark} of the keyphasor is the mark, at the angle 0")
         elif per_revolution > 1:

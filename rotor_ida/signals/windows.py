@@ -84,16 +84,10 @@ class Orders:
     residual: Values
 
 
-def windows_of(
-    record: Record, revolutions: int, overlap: float = 0.0, begin: float | None = None
-) -> Windows:
-    """Return the complete windows of a number of revolutions in a record.
-
-    The first begins with the record, or at the angle `begin`, at most one sample before it. So a
-    record that is continued gets the same windows as an uninterrupted one.
-    """
+def windows_of(record: Record, revolutions: int, overlap: float = 0.0) -> Windows:
+    """Return the complete windows of a number of revolutions in a record, from its beginning."""
     angles = record.known_angles()
-    turns = (angles - (angles[0] if begin is None else begin)) / (2.0 * math.pi * revolutions)
+    turns = (angles - angles[0]) / (2.0 * math.pi * revolutions)
     # samples of whole revolutions end one step before the first repeats
     end = turns[-1] + (turns[-1] - turns[-2]) + EDGE
     if end < 1.0:

@@ -50,11 +50,8 @@ def patterns():
 
 
 def test_each_message_is_on_the_page_and_each_line_of_the_page_is_one():
-    used, missing = set(), []
+    known, found = patterns(), {}
     for message in messages():
-        first = next((text for text, each in patterns().items() if each.fullmatch(message)), None)
-        used.add(first)
-        if first is None:
-            missing.append(message)
-    assert missing == []
-    assert [text for text in patterns() if text not in used] == []
+        found[message] = next((text for text, each in known.items() if each.fullmatch(message)), "")
+    assert [message for message, text in found.items() if not text] == []
+    assert [text for text in known if text not in found.values()] == []

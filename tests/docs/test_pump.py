@@ -8,8 +8,7 @@ import numpy as np
 import pytest
 
 from rotor_ida import full_spectrum, load, orders
-from rotor_ida.cli.program import main
-from tests.docs.pages import commands, names_of, text_of
+from tests.docs.pages import commands, names_of, said_by, text_of
 
 README, PAPER = (
     (Path(__file__).parents[2] / name).read_text("utf-8") for name in ("README.md", "paper.md")
@@ -30,10 +29,7 @@ RUNNING = 3600.0 * np.pi / 30.0
 
 def test_four_commands_give_the_same_answers(told, monkeypatch, capsys):
     monkeypatch.chdir(told["folder"])
-    said = []
-    for words in commands(text_of("pump")):
-        assert main(words) == 0
-        said.append(" ".join(capsys.readouterr().out.split()))
+    said = said_by(commands(text_of("pump")), monkeypatch, capsys)
     assert len(said) == 4
     assert "critical speed 5513.29 rpm" in said[0]
     assert told["summary"](told["run"], running_speed=RUNNING).sentence in said[1]

@@ -9,7 +9,7 @@ import pytest
 from rotor_ida import load, load_system
 from rotor_ida.cli.program import main
 from rotor_ida.schema import RESPONSE
-from tests.docs.pages import SCRIPTS, commands, names_of, text_of
+from tests.docs.pages import SCRIPTS, commands, names_of, said_by, text_of
 
 RPM = np.pi / 30.0
 
@@ -66,12 +66,9 @@ def test_the_commands_on_the_compressor_give_its_answers(compressor, monkeypatch
     assert (given.contacts, given.unbalance) == (
         compressor["compressor"].contacts, compressor["compressor"].unbalance,
     )  # fmt: skip
-    said = []
-    for words in commands(text_of("compressor"))[1:]:
-        assert main(words) == 0
-        said.append(" ".join(capsys.readouterr().out.split()))
+    said = said_by(commands(text_of("compressor"))[1:], monkeypatch, capsys)
     assert len(said) == 4
-    begins, turns = compressor["threshold"](given)
+    begins, turns = compressor["found"]
     assert f"{begins:.0f} threshold {turns / 60.0:.6g}" in said[1]
     assert " ".join(compressor["report"].attrs["sentence"].split()) in said[3]
     assert "report.pdf" in {each.name for each in (compressor["folder"] / "page").iterdir()}
@@ -79,9 +76,9 @@ def test_the_commands_on_the_compressor_give_its_answers(compressor, monkeypatch
 
 def test_the_compressor_is_unstable_from_the_threshold_on(compressor):
     """By the eigenvalues of its matrices, which share nothing with the search."""
-    for system, low, high in ((compressor["compressor"], 9900.0, 11000.0),
-                              (compressor["worn_compressor"], 9000.0, 9900.0)):  # fmt: skip
-        begins, turns = compressor["threshold"](system)
+    for name, told, low, high in (("compressor", "found", 9900.0, 11000.0),
+                                  ("worn_compressor", "found_worn", 9000.0, 9900.0)):  # fmt: skip
+        system, (begins, turns) = compressor[name], compressor[told]
         assert low < begins < high
         for factor in (0.999, 1.001):
             speed = factor * begins * RPM
@@ -132,11 +129,7 @@ def test_the_fit_of_the_run_down_finds_what_made_it(run_down):
 
 def test_the_commands_on_the_run_down_find_the_same(run_down, monkeypatch, capsys):
     monkeypatch.chdir(run_down["folder"])
-    said = []
-    for words in commands(text_of("run_down")):
-        assert main(words) == 0
-        said.append(capsys.readouterr().out)
-    assert len(said) == 4
+    assert len(said_by(commands(text_of("run_down")), monkeypatch, capsys)) == 4
     found, errors = load("page/result.nc"), run_down["found"].standard_error.values
     assert (np.abs(found.estimate.values - run_down["known"]) < 2.0 * errors).all()
     page = (run_down["folder"] / "page" / "report.html").read_text("utf-8")

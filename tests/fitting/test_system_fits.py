@@ -9,17 +9,16 @@ from scipy.stats import binom, chi2
 from rotor_ida import (
     Bearing,
     Contact,
-    DimensionalRotor,
     InputError,
     Rotor,
     RotorSystem,
     Unbalance,
-    dimensional,
     fit,
     run_up,
     signals_of,
     simulate,
 )
+from tests.fitting.test_fit import noisy
 
 NOISE = 2e-6
 
@@ -44,14 +43,6 @@ TRUTH = {"clearance": 1.2e-4, "damping": 0.8, "stiffness": 1.0, "unbalance": 2e-
 @pytest.fixture(scope="module")
 def up():
     return run_up(machine(), speed=60.0, to=340.0, rate=180.0, start="settled", samples=3001)
-
-
-def noisy(signals, rng, noise=NOISE):
-    size = signals.sizes["t"]
-    return signals.assign(
-        {name: signals[name].copy(data=signals[name].values + rng.normal(0.0, noise, size))
-         for name in "xy"}
-    )  # fmt: skip
 
 
 def seen(run, seed, nodes=("disc", "end"), noise=NOISE):
@@ -83,7 +74,7 @@ def test_a_machine_in_an_oil_film():
 
 def test_errors_are_those_of_the_scatter(up):
     """Of fits by probes at two nodes: each mean square, and chi-square, follow their laws."""
-    parts, squares, freedom, trials = [], 0.0, 0, 8
+    parts, squares, freedom, trials = [], 0.0, 0, 6
     for seed in range(trials):
         found = fit(seen(up, seed), GUESS, list(TRUTH), start="settled" if seed else None)
         assert found.attrs["search"] == "converged"
@@ -115,7 +106,8 @@ def test_one_disc_as_a_system_has_the_same_estimates_and_errors():
     assert float(system.chi_square) == pytest.approx(float(disc.chi_square), rel=1e-6)
 
 
-def test_probes_at_a_second_node_tell_more(up):
+def test_probes_at_a_second_node_and_contact_times_tell_more(up):
+    entries = up.event_time.values[up.event_kind.values == 1]
     both = seen(up, 3)
     one = fit(both["disc"], GUESS, list(TRUTH), start="settled")
     two = fit(both, GUESS, list(TRUTH), start="settled")
@@ -124,6 +116,9 @@ def test_probes_at_a_second_node_tell_more(up):
     assert (
         two.node.values.tolist() == ["disc"] * one.sizes["window"] + ["end"] * one.sizes["window"]
     )
+    timed = fit(both, GUESS, list(TRUTH), start="settled", entries=entries, time_error=1e-6)
+    assert timed.compared.values.all()
+    assert timed.standard_error[0] < two.standard_error[0]
 
 
 def test_a_wrong_model_leaves_more_than_noise_where_it_is_wrong(up):
@@ -169,27 +164,18 @@ def test_signals_in_micrometres_and_a_system_that_hangs_under_gravity():
 
 
 def test_a_disc_that_rolls_on_its_stator_is_fitted():
-    """A dry whip that rolls and slips by turns: of 8 fits each mean square follows its law."""
+    """A dry whip that rolls and slips by turns: of 6 fits each mean square follows its law."""
     truth, rng, parts = {"zeta": 0.1, "delta0": 1.0, "friction": 0.2}, np.random.default_rng(3), []
     rotor = Rotor(omega=0.6295, disc_radius=10.0, **truth)
     run = simulate(rotor, start=(4.98, 0, 0, -6.2), duration=100.0, samples=3001)
     assert (run.event_kind.values == 2).sum() > 20
-    for _ in range(8):
+    for _ in range(6):
         found = fit(noisy(signals_of(run), rng, 0.05), rotor, list(truth))
         parts.append(off(found, truth))
     low, high = chi2.ppf([1e-5, 1.0 - 1e-5], len(parts))
     squares = (np.array(parts) ** 2).sum(axis=0)
     assert low < squares.min()
     assert squares.max() < high
-
-
-def test_contact_times_are_compared(up):
-    entries = up.event_time.values[up.event_kind.values == 1]
-    signals = seen(up, 5)
-    alone = fit(signals, GUESS, list(TRUTH), start="settled")
-    both = fit(signals, GUESS, list(TRUTH), start="settled", entries=entries, time_error=1e-6)
-    assert both.compared.values.all()
-    assert both.standard_error[0] < alone.standard_error[0]
 
 
 def without(signals, name):
@@ -202,7 +188,7 @@ REFUSED = {
                 r"signals must be given by the node at which probes look, .* of 'disc', 'end'"),
     "no nodes": (lambda s: {"signals": {}}, r"signals must be given by the node"),
     "other times": (lambda s: {"signals": {"disc": s, "end": s.isel(t=slice(0, 2000))}},
-                    r"the same times and angles, got others at 'end'"),
+                    r"the same times, angles and units, got others at 'end'"),
     "of one disc": (lambda _: {"unknown": ["zeta"]}, r"must be of 'damping', .* got 'zeta'"),
     "no contacts": (lambda _: {"machine": RotorSystem(mass=np.eye(2), stiffness=np.eye(2),
                                                       nodes={"disc": (0, 1)})},
@@ -232,12 +218,3 @@ def test_what_cannot_be_fitted_is_told_in_one_line(name, up):
         fit(**{"signals": signals, "machine": machine(), "unknown": ["clearance"],
                **given(signals)})  # fmt: skip
     assert "\n" not in str(caught.value)
-
-
-def test_a_machine_of_one_disc_takes_words_for_its_start():
-    one = DimensionalRotor(mass=4.0, contact_stiffness=3.2e7, damping=89.1, eccentricity=1e-5,
-                           clearance=2e-5, speed=20.0, shaft_stiffness=4e4)  # fmt: skip
-    run = dimensional(run_up(one, start="settled", to=180.0, rate=15.0, samples=4501),
-                      units={"length": "µm"})  # fmt: skip
-    found = fit(signals_of(run), one, ["damping", "clearance"], start="settled")
-    np.testing.assert_allclose(found.estimate, [89.1, 2e-5], rtol=1e-5)

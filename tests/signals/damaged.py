@@ -58,6 +58,7 @@ def read_damaged(path: Path, count: int) -> None:
         for each in path.parent.glob(f"{path.stem}.*"):
             shutil.copy(each, folder)
         copy = Path(folder) / path.name
+        read_signals(copy, columns=columns)  # as it stands
         for number in range(count):
             copy.write_bytes(damaged(whole, number))
             began, trouble = time.monotonic(), ""

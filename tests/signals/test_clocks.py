@@ -12,7 +12,16 @@ import xarray as xr
 from nptdms import ChannelObject, TdmsWriter
 
 from rotor_ida import orders, read_signals
-from tests.signals.test_files import A, B, refused, write_comtrade, write_hdf5, write_lvm, write_uff
+from tests.signals.test_files import (
+    LVM_HEAD,
+    A,
+    B,
+    refused,
+    write_comtrade,
+    write_hdf5,
+    write_lvm,
+    write_uff,
+)
 
 Array = npt.NDArray[np.float64]
 
@@ -129,8 +138,10 @@ def comtrade(folder: Path, kind: str, skews: tuple[float, float], size: int = T.
     return path
 
 
-@pytest.mark.parametrize("kind", ["ASCII", "BINARY"])
-@pytest.mark.parametrize("skews", [(0.0, 137.0), (4000.0, 4000.0), (4000.0, -137.0)])
+@pytest.mark.parametrize(
+    ("kind", "skews"),
+    [("ASCII", (0.0, 137.0)), ("BINARY", (4000.0, 4000.0)), ("BINARY", (4000.0, -137.0))],
+)
 def test_the_skew_of_comtrade_channels_is_a_time(
     kind: str, skews: tuple[float, float], tmp_path: Path
 ) -> None:
@@ -157,15 +168,6 @@ def test_comtrade_that_contradicts_itself_is_refused(kind: str, tmp_path: Path) 
     )
     path.write_text(whole.replace("\n2000,4000", "\n2000,3000"))
     assert "must contain the 3000 samples that 'a.cfg' declares, got 4000" in refused(path)
-
-
-LVM = """LabVIEW Measurement\t
-Separator\tTab
-Decimal_Separator\t.
-X_Columns\t{columns}
-***End_of_Header***\t
-\t
-"""
 
 
 def write_clocked_lvm(path: Path, columns: str, clocks: list[tuple[float, float, float]]) -> None:
@@ -199,7 +201,7 @@ def write_clocked_lvm(path: Path, columns: str, clocks: list[tuple[float, float,
         if multi:
             cells = [part for pair in zip(times, cells, strict=True) for part in pair]
         lines.append("\t".join([*first, *cells]))
-    path.write_text(LVM.format(columns=columns) + "\n".join(lines) + "\n")
+    path.write_text(LVM_HEAD.format(columns=columns, point=".") + "\n".join(lines) + "\n")
 
 
 CLOCKS = {
@@ -210,8 +212,11 @@ CLOCKS = {
 }
 
 
-@pytest.mark.parametrize("columns", ["No", "One", "Multi"])
-@pytest.mark.parametrize("kind", CLOCKS)
+@pytest.mark.parametrize(
+    ("kind", "columns"),
+    [("one", "One"), *((kind, columns) for kind in list(CLOCKS)[1:] for columns in ("No", "Multi")),
+     ("other times of day", "One")],
+)  # fmt: skip
 def test_labview_channels_with_clocks_of_their_own(kind: str, columns: str, tmp_path: Path) -> None:
     write_clocked_lvm(tmp_path / "a.lvm", columns, CLOCKS[kind])
     check(read_signals(tmp_path / "a.lvm"))
@@ -256,39 +261,38 @@ def test_uff_spectra_are_told_by_their_function(tmp_path: Path) -> None:
     write_uff(tmp_path / "a.uff", binary=0, columns={"Probe x": lines}, function=2,
               times={"Probe x": np.arange(lines.size) * 0.5})  # fmt: skip
     assert (
-        "must contain time responses (set 58 or 58b), got a set 58 with the function type 2 "
-        in (message := refused(tmp_path / "a.uff"))
+        "must contain time responses (set 58 or 58b), got a set 58 with the function type 2"
+        in refused(tmp_path / "a.uff")
     )
-    assert "(auto spectrum)" in message
     # a correlation is over a time too; the library does not write one
     write_uff(tmp_path / "b.uff", binary=0, columns={"Probe x": x_at(T)})
     text = (tmp_path / "b.uff").read_text().splitlines()
     text[7] = text[7].replace("    1", "    7", 1)
     (tmp_path / "b.uff").write_text("\n".join(text) + "\n")
-    assert "function type 7 (auto correlation)" in refused(tmp_path / "b.uff")
+    assert "function type 7" in refused(tmp_path / "b.uff")
 
 
 PACKED = """
 with h5py.File('a.h5', 'w') as f:
     f['t_s'] = d['t']
-    for name, values in (('x', d['a']), ('y', d['b'])):
+    for name, values in (('x', d['a']), ('y', d['b']), ('gap', d['a'])):
         packed = f.create_dataset(name, data=np.rint((values - 5.0) / 0.01).astype('i2'))
         packed.attrs.update(units='um', scale_factor=0.01, add_offset=5.0,
                             _FillValue=np.int16(-32768))
-    if GAP:
-        f['x'][20] = -32768
+    f['gap'][20] = -32768
     f['odd'] = d['t']
     f['odd'].attrs['scale_factor'] = 'two'
 """
 
 
 def test_packed_numbers_of_hdf5_are_unpacked(tmp_path: Path) -> None:
-    write_hdf5(tmp_path, PACKED.replace("GAP", "False"))
+    write_hdf5(tmp_path, PACKED)
     found = read_signals(tmp_path / "a.h5", gap="0")
     np.testing.assert_allclose(found.x, A, atol=0.00501)
     np.testing.assert_allclose(found.y, B, atol=0.00501)
-    write_hdf5(tmp_path, PACKED.replace("GAP", "True"))
-    assert "column 'x' must contain finite numbers, got nan in row 21" in refused(tmp_path / "a.h5")
+    assert "column 'gap' must contain finite numbers, got nan in row 21" in (
+        refused(tmp_path / "a.h5", columns={"x": "gap", "y": "y"})
+    )
     assert "odd (numbers of which scale_factor is 'two')" in (
         refused(tmp_path / "a.h5", columns={"x": "none"})
     )

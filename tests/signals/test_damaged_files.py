@@ -16,7 +16,6 @@ from tests.signals.test_files import (
     PULSE,
     RPM,
     TIMES,
-    TURN,
     A,
     B,
     write_combined,
@@ -29,7 +28,7 @@ from tests.signals.test_files import (
 )
 
 SCRIPT = Path(__file__).with_name("damaged.py")
-COUNT = 48
+COUNT = 24
 NESTED = {
     "rec": {"pump": {"t": TIMES, "x": A, "y": B, "name": "pump"}},
     "cell": np.array([1.0, "text", A], dtype=object),
@@ -66,10 +65,7 @@ WRITTEN = {
 
 
 def test_damaged_copies_are_read_or_refused(tmp_path: Path) -> None:
-    """Of files of every kind, in one process; if it ends with a fault, its last line tells of what.
-
-    That each file is read as it stands shows `test_what_is_written_is_read_by_every_reader`.
-    """
+    """Of every kind, in one process; if it ends with a fault, its last line tells of what."""
     files = []
     for name, write in WRITTEN.items():
         (tmp_path / name).mkdir()
@@ -91,19 +87,3 @@ def test_a_library_that_crashes_on_hdf5_is_told(
     monkeypatch.setattr(sys, "executable", str(tmp_path / "crash"))
     with pytest.raises(InputError, match="the HDF5 library ends with status -11"):
         read_signals(tmp_path / "a.h5")
-
-
-def test_what_is_written_is_read_by_every_reader(tmp_path: Path) -> None:
-    """The whirl of the two probes comes back from the seeds of the damaged copies."""
-    for name, write in WRITTEN.items():
-        write(tmp_path / name)
-        columns = {"x": "1", "y": "2"} if name.endswith(".wav") else None
-        found = read_signals(tmp_path / name, columns=columns)
-        tolerance = {"b.wav": 1.0 / 2**15, "a.cfg": 0.002, "a.cff": 0.002}.get(name, 2e-6)
-        scale = 2.0**15 if name == "b.wav" else 1.0
-        np.testing.assert_allclose(
-            found.x * scale, np.trunc(A) if name == "b.wav" else A, atol=tolerance * scale
-        )
-        np.testing.assert_allclose(found.t, TIMES, atol=1e-9)
-        if "angle" in found:
-            np.testing.assert_allclose(found.angle, TURN, atol=1e-6)

@@ -61,13 +61,12 @@ def test_orders_of_run_ups_tend_to_the_exact_whirls_with_order_one_of_the_rate(
     rotor, to, span, contact
 ):
     """A whirl lags behind its quasi-static change by the rate times a bounded vector."""
-    rates, errors = (0.002, 0.001, 0.0005), []
+    rates, errors = (0.002, 0.001), []
     for rate in rates:
         error, touching = distance_from_exact(run_up_at(rotor, rate, to), rotor, span)
         errors.append(error)
         assert (touching == contact).all()
-    observed = np.log2(np.array(errors[:-1]) / errors[1:])
-    np.testing.assert_allclose(observed, 1.0, atol=0.05)
+    assert np.log2(errors[0] / errors[1]) == pytest.approx(1.0, abs=0.05)
 
 
 TIMES = np.arange(40_000) / 100.0
@@ -94,9 +93,9 @@ def test_a_band_has_the_gain_of_butterworths_filter_and_no_lag(band):
     np.testing.assert_allclose((found.x + 1j * found.y)[middle], expected[middle], atol=1e-10)
 
 
-def test_one_order_of_a_rub_is_its_exact_ellipse():
+def test_one_order_of_a_rub_is_its_exact_ellipse(rub_of_halves):
     """Of the lines of the exact cycle those of order 1, forward and backward."""
-    cycle, run = rub_of_halves()
+    cycle, run = rub_of_halves
     found = filtered_orbit(run, order=1, revolutions=2)
     forward, backward = (line_at(cycle, order) for order in (1.0, -1.0))
     radius = np.abs(found.x + 1j * found.y)
@@ -117,14 +116,15 @@ def test_a_slow_rotor_lies_where_it_rests():
         np.testing.assert_allclose(found.offset_x, 0.0, atol=4e-6)
 
 
-def test_a_rub_lifts_the_mean_position_to_that_of_its_exact_cycle():
-    cycle, run = rub_of_halves()
+def test_a_rub_lifts_the_mean_position_to_that_of_its_exact_cycle(rub_of_halves):
+    cycle, run = rub_of_halves
     found = centre_line(run, revolutions=2)
     mean = np.hypot(found.offset_x, found.offset_y)
     np.testing.assert_allclose(mean, line_at(cycle, 0.0), rtol=1e-8)
     assert (mean < 0.5 * 0.06 / 0.04).all()
 
 
+@pytest.fixture(scope="module")
 def rub_of_halves():
     """Return the stable cycle of a partial rub every other revolution, and a run on it."""
     rotor = Rotor(omega=0.8, load=0.06, **ON_SHAFT)
@@ -143,9 +143,9 @@ def line_at(cycle, order):
     return cycle.whirl_amplitude.values[place]
 
 
-def test_half_orders_of_a_rub_are_the_lines_of_its_exact_cycle():
+def test_half_orders_of_a_rub_are_the_lines_of_its_exact_cycle(rub_of_halves):
     """Shooting, and a Fourier series over the exact period, know nothing of windows."""
-    cycle, run = rub_of_halves()
+    cycle, run = rub_of_halves
     assert cycle.period.item() == pytest.approx(4.0 * math.pi / 0.8, rel=1e-12)
     asked = [0.5, 1.0, 1.5, 2.0, 2.5]
     found = orders(run, asked)

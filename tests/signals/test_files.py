@@ -409,9 +409,8 @@ DAMAGED: tuple[tuple[str, Callable[[Path], object], Damage, str], ...] = (
     *(
         ("a.uff", lambda path, binary=binary: write_uff(path, binary=binary), cut(part),
          "must be a universal file (UFF)")
-        for binary in (0, 1) for part in (0.2, 0.5, 0.9)
+        for binary, part in ((0, 0.5), (1, 0.2), (1, 0.9))
     ),
-    ("a.tdms", write_tdms, cut(10), "must contain channels"),
     ("a.tdms", write_tdms, cut(300), "must contain channels"),
     ("a.tdms", write_tdms, cut(0.5), "got one that ends early"),
     ("a.tdms", write_tdms, nonsense, "must be a TDMS file"),
@@ -440,18 +439,15 @@ DAMAGED: tuple[tuple[str, Callable[[Path], object], Damage, str], ...] = (
      "must be an HDF5 file that can be read"),
     ("a.h5", lambda path: path.touch(), nonsense, "must be an HDF5 file that can be read"),
     # SciPy looks such a class up past the end of its table, and may end the process
-    *(("a.mat", write_mat, of_class(kind), "of another type") for kind in (0, 18, 200, 255)),
-    *(("a.mat", write_mat, cut(size), "a.mat") for size in (100, 200, 0.5, -10)),
+    ("a.mat", write_mat, of_class(200), "of another type"),
+    ("a.mat", write_mat, cut(0.5), "a.mat"),
     ("a.npz", lambda path: np.savez(path, x=A), cut(0.5), "must be an .npz file"),
     ("a.npz", lambda path: np.savez(path, x=A), replaced(b"(4000,)", b"(9999,)"),
      "declares the shape (9999,), but is shorter"),
     ("a.wav", write_wav, zeroed(24, 8), "it has 8000 samples and 0 a second"),
     ("a.wav", write_wav, zeroed(40, 4), "it has 0 samples and 2000 a second"),
     *(("a.wav", write_wav, zeroed(at, size), WAV) for at, size in ((22, 2), (32, 2), (4, 4))),
-    *(
-        ("a.wav", write_wav, cut(size), f"{WAV}: Reached EOF prematurely")
-        for size in (100, 4000, 16_040)
-    ),
+    ("a.wav", write_wav, cut(4000), f"{WAV}: Reached EOF prematurely"),
     ("a.wav", write_wav, cut(30), WAV),
 )  # fmt: skip
 

@@ -167,8 +167,3 @@ def test_friction_holds_no_more_than_it_can(rub):
     assert not along[~rolls & ~slides].any()
     size = np.hypot(forces.normal_force, along)
     np.testing.assert_allclose(forces.force, size, rtol=1e-13)
-
-
-def test_a_run_with_friction_of_before_lacks_its_modes(rub):
-    with pytest.raises(InputError, match="it lacks mode"):
-        contact_forces(rub.drop_vars("mode"))

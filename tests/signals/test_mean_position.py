@@ -172,13 +172,6 @@ def test_the_mean_turns_with_the_probes(file):
     assert float(turned.mean_y) == pytest.approx(float(at_once.mean_y), rel=1e-9)
 
 
-def test_the_offset_is_kept_if_asked(file):
-    kept = seen(file, gap="0")
-    assert "mean_x" not in kept.variables
-    assert "mean position" not in kept.attrs["notes"]
-    assert float(kept.x[0]) == pytest.approx(-1e-3 * (GAP - 40.0), rel=1e-6)
-
-
 def test_figures_say_what_was_subtracted_and_draw_the_clearance_about_the_mean(file):
     signals = seen(file)
     words = "mean position subtracted: $x = -1.27$, $y = -1.27$ mm"

@@ -6,17 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rotor_ida import (
-    InputError,
-    Rotor,
-    bode_peaks,
-    correct_probes,
-    load,
-    orders,
-    run_up,
-    save,
-    signals_of,
-)
+from rotor_ida import InputError, bode_peaks, correct_probes, load, orders, save
 from rotor_ida.plot import plot_bode, plot_polar
 from rotor_ida.signals.peaks import peaks_of
 
@@ -97,28 +87,18 @@ def half_power(zeta):
     return peak, *np.sqrt(np.sort(roots))
 
 
-@pytest.mark.parametrize("zeta", [0.03, 0.05, 0.1, 0.15])
-@pytest.mark.parametrize("sense", ["forward", "x", "y"])
-def test_critical_speed_and_amplification_of_a_linear_rotor(zeta, sense):
+@pytest.mark.parametrize("zeta", [0.03, 0.15])
+def test_critical_speed_and_amplification_of_a_linear_rotor(zeta):
     peak, low, high = half_power(zeta)
-    found = bode_peaks(linear(zeta), sense=sense).isel(critical=0)
-    unit = 2.0 * np.pi * 40.0
-    assert float(found.critical_speed) == pytest.approx(peak * unit, rel=2e-3)
-    assert float(found.half_power_low) == pytest.approx(low * unit, rel=2e-3)
-    assert float(found.half_power_high) == pytest.approx(high * unit, rel=2e-3)
-    assert float(found.amplification_factor) == pytest.approx(peak / (high - low), rel=0.02)
-    height = 10.0 / (2.0 * zeta * math.sqrt(1.0 - zeta**2)) * (1.0 if sense == "forward" else 2.0)
-    assert float(found.bode_amplitude) == pytest.approx(height, rel=5e-3)
-
-
-def test_a_slow_run_up_of_a_simulated_rotor_has_the_factor_of_its_damping():
-    """The simulator knows nothing of half-power points: AF is 1/(2 zeta) for a light damping."""
-    up = run_up(Rotor(omega=0.7, zeta=0.05, delta0=30.0, shaft_stiffness=1.0), start="settled",
-                to=1.4, rate=0.00005, samples=60_001)  # fmt: skip
-    found = bode_peaks(orders(signals_of(up)))
-    peak, low, high = half_power(0.05)
-    assert float(found.critical_speed[0]) == pytest.approx(peak, rel=5e-3)
-    assert float(found.amplification_factor[0]) == pytest.approx(peak / (high - low), rel=0.03)
+    tracks, unit = orders(linear(zeta)), 2.0 * np.pi * 40.0
+    for sense, size in (("forward", 1.0), ("x", 2.0), ("y", 2.0)):
+        found = bode_peaks(tracks, sense=sense).isel(critical=0)
+        assert float(found.critical_speed) == pytest.approx(peak * unit, rel=2e-3)
+        assert float(found.half_power_low) == pytest.approx(low * unit, rel=2e-3)
+        assert float(found.half_power_high) == pytest.approx(high * unit, rel=2e-3)
+        assert float(found.amplification_factor) == pytest.approx(peak / (high - low), rel=0.02)
+        height = size * 10.0 / (2.0 * zeta * math.sqrt(1.0 - zeta**2))
+        assert float(found.bode_amplitude) == pytest.approx(height, rel=5e-3)
 
 
 def test_a_peak_without_one_side_is_as_wide_as_the_other():
@@ -153,9 +133,6 @@ def test_an_order_or_a_sense_that_is_unknown_is_refused():
         bode_peaks(tracks, order=2.0)
     with pytest.raises(InputError, match="sense must be one of"):
         bode_peaks(tracks, sense="up")
-    bare = tracks.drop_dims("probe_angle")
-    with pytest.raises(InputError, match="sense must be forward or backward for orders without"):
-        bode_peaks(bare, sense="x")
 
 
 def test_bode_and_polar_of_a_probe_are_peak_to_peak_from_the_probe():

@@ -263,25 +263,6 @@ def test_clipped_probes_are_told_and_taken_if_asked(tmp_path):
     assert found.x.max() == 30.0
 
 
-def test_a_lost_pulse_is_told_with_where_and_filled_in_if_asked(tmp_path):
-    pulses = (np.arange(20) + 0.5) / 10.0
-    text = f"t,x,y\n{text_of(columns=(TIMES, X, Y))}"
-    kept = np.delete(pulses, 7)
-    savemat(tmp_path / "a.mat", {"t": TIMES, "x": X, "y": Y, "keyphasor": kept})
-    with pytest.raises(InputError, match=r"keyphasor must not lose pulses, but does after t 0\.65"):
-        read_signals(tmp_path / "a.mat")
-    found = read_signals(tmp_path / "a.mat", fill_pulses=True)
-    np.testing.assert_allclose(found.keyphasor, pulses, atol=1e-9)
-    assert "keyphasor" not in read(tmp_path, text)
-
-
-def test_marks_on_a_wheel_count_as_parts_of_a_revolution(tmp_path):
-    pulses = np.arange(1, 117) / 60.0
-    savemat(tmp_path / "a.mat", {"t": TIMES, "x": X, "y": Y, "keyphasor": pulses})
-    found = read_signals(tmp_path / "a.mat", pulses_per_revolution=6)
-    np.testing.assert_allclose(orders(found).speed, TURN, rtol=1e-9)
-
-
 def test_matrices_and_structures_of_matlab(tmp_path):
     table = np.column_stack(COLUMNS)
     names = {"t": "1", "x": "2", "y": "3", "angle": "4"}

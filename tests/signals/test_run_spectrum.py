@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 import xarray as xr
 
-from rotor_ida import InputError, Rotor, full_spectrum, simulate, synchronous_response
+from rotor_ida import InputError, full_spectrum
 from rotor_ida.schema import labelled
 
 
@@ -56,16 +56,6 @@ def test_height_of_a_line_half_way_between_two_steps(window, lost):
     lines = full_spectrum(signal(np.exp(1j * half * TIMES), TIMES), window=window)
     assert 1.0 - lost < lines.whirl_amplitude.max() < 1.0 + 1.5e-3
     assert window != "hann" or lines.whirl_amplitude.max() < 0.86
-
-
-def test_simulated_whirl_has_the_exact_amplitude():
-    rotor, times = Rotor(omega=1.5, zeta=0.5, delta0=0.5), 60.0 + TIMES
-    run = simulate(rotor, start=(0, 0, 0, 0), duration=times[-1], samples=times)
-    lines = full_spectrum(run)
-    exact = synchronous_response(omega=1.5, zeta=0.5, delta0=0.5).amplitude.values.ravel()[0]
-    assert at(lines, 1.0) == pytest.approx(exact, rel=1e-7)
-    assert lines.attrs["window"] == "flattop"
-    assert lines.attrs["rtol"] == 1e-10
 
 
 def test_bad_input_is_refused():

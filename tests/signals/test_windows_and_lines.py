@@ -109,9 +109,8 @@ def test_windows_that_overlap_hold_those_that_do_not():
 
 def test_mean_position_and_ratio_take_windows_that_overlap():
     signals = made(0.2j + 0.3 * np.exp(-0.5j * ANGLES))
-    np.testing.assert_allclose(
-        whirl_ratio(signals, revolutions=2, overlap=0.5).whirl_over_spin, -0.5, rtol=0.05
-    )
+    ratio = whirl_ratio(signals, revolutions=2, overlap=0.5).whirl_over_spin
+    np.testing.assert_allclose(ratio, -0.5, rtol=0.05)
     assert centre_line(signals, overlap=0.5).sizes["window"] == 81
 
 

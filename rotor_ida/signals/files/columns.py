@@ -93,23 +93,33 @@ class Unit(NamedTuple):
     factor: float
 
 
+def _of(kind: str, plain: str, symbols: Mapping[str, str]) -> dict[str, Unit]:
+    """Return units of a quantity: each symbol with that of the unit to which it is converted."""
+    found = {}
+    for symbol, other in symbols.items():
+        one, two = units.UNITS[symbol], units.UNITS[other]
+        factor = one._replace(power=one.power - two.power).in_si("1")
+        found[symbol] = Unit(kind, plain or other, factor)
+    return found
+
+
 # Lengths keep their unit, or are converted to a standard one.
 _LENGTHS = {"m": "m", "mm": "mm", "um": "um", "nm": "nm", "in": "mm", "mil": "um"}
-_VOLTS = {"v": "V", "volt": "V", "volts": "V", "mv": "mV", "millivolts": "mV"}
-_MEGAVOLTS = ("MV", "Mv")
-_NONE = ("1", "-", "")
-# Names of units of speed besides those in `rotor_ida.units`.
-_SPEEDS = {
+_UNITS: dict[str, Unit] = {
+    **_of("length", "", _LENGTHS),
+    **{volts: Unit("length", volts, 1.0) for volts in ("V", "mV")},
+    **_of("time", "s", dict.fromkeys(("s", "ms", "us", "min"), "s")),
+    **_of("angle", "radian", dict.fromkeys(("rad", "deg", "rev"), "rad")),
+    **{str(name): Unit("speed", "s-1", size) for name, size in units.SPEED_UNITS.items()},
+}
+_NONE, _MEGAVOLTS = ("1", "-", ""), ("MV", "Mv")
+# Names besides those in `rotor_ida.units`.
+_NAMES = {
+    **dict.fromkeys(("v", "volt", "volts"), "V"),
+    **dict.fromkeys(("mv", "millivolts"), "mV"),
     **dict.fromkeys(("rad/s", "rad s-1", "s-1", "1/s"), "rad/s"),
     **dict.fromkeys(("rev/min", "u/min"), "rpm"),
     **dict.fromkeys(("rps", "rev/s"), "Hz"),
-}
-# Units that a message offers, by quantity.
-_OFFERED = {
-    "time": ("s", "ms", "us", "min"),
-    "angle": ("rad", "deg", "rev"),
-    "length": (*_LENGTHS, "V", "mV"),
-    "speed": tuple(units.SPEED_UNITS),
 }
 
 
@@ -123,31 +133,14 @@ def unit_called(name: str) -> Unit | None:
     """
     if name in _NONE:
         return Unit("any", "1", 1.0)
-    volts = _VOLTS.get(name.lower())
-    if volts and name not in _MEGAVOLTS:
-        return Unit("length", volts, 1.0)
-    symbol = _SPEEDS.get(name.lower()) or units.symbol_of(name)
-    if symbol in units.SPEED_UNITS:
-        return Unit("speed", "s-1", units.SPEED_UNITS[symbol])
-    for kind, called, plain in (
-        ("length", _LENGTHS.get(symbol, ""), _LENGTHS.get(symbol, "")),
-        ("time", "s", "s"),
-        ("angle", "radian", "rad"),
-    ):
-        if symbol in _OFFERED[kind]:
-            return Unit(kind, called, _ratio(symbol, plain))
-    return None
+    if name in _MEGAVOLTS:
+        return None
+    return _UNITS.get(_NAMES.get(name.lower()) or units.symbol_of(name))
 
 
 def known_units(kind: str) -> str:
     """Return the units of a kind, one name each, for a message."""
-    return ", ".join(_OFFERED[kind])
-
-
-def _ratio(symbol: str, plain: str) -> float:
-    """Return the factor between two units."""
-    unit, other = units.UNITS[symbol], units.UNITS[plain]
-    return unit._replace(power=unit.power - other.power).in_si("1")
+    return ", ".join(symbol for symbol, unit in _UNITS.items() if unit.kind == kind)
 
 
 def name_and_unit(name: str) -> tuple[str, str]:
@@ -162,26 +155,15 @@ def name_and_unit(name: str) -> tuple[str, str]:
         last = re.split(r"[\s_]+", name)[-1]
         if unit_called(last) is not None:  # the unit of omega rad/s is not s
             return name[: -len(last)].rstrip(" _") or name, last
+    bare = name.rstrip()
     for opening, closing in ("[]", "()"):
-        if name.rstrip().endswith(closing):
-            before, unit = _cut(name.rstrip()[:-1], opening, closing)
-            if unit is not None and (opening == "[" or unit_called(unit) is not None):
-                return before, unit
-    *first, last = name.rsplit(maxsplit=1) or [""]
-    before, _, unit = last.partition("/")
-    if first and (first[0].endswith("/") or not before):  # x / um
-        before, unit = first[0].rstrip("/ "), last.lstrip("/")
-    elif first:
-        before = name[: len(name.rstrip()) - len(unit) - 1]
-    if "/" in name and before and unit and unit_called(unit) is not None:
-        return before, unit
+        before, start, unit = bare[:-1].rpartition(opening)
+        if start and bare.endswith(closing) and (start == "[" or unit_called(unit.strip())):
+            return before.rstrip(), unit.strip()
+    for before, _, unit in (name.partition("/"), name.rpartition("/")):
+        if before.strip() and unit.strip() and unit_called(unit.strip()) is not None:
+            return before.rstrip(), unit.strip()
     return name, ""
-
-
-def _cut(name: str, opening: str, closing: str) -> tuple[str, str | None]:
-    """Return what is before the last pair of brackets, and what is in it, if there is one."""
-    start = name.find(opening, name.rfind(closing) + 1)
-    return (name, None) if start < 0 else (name[:start].rstrip(), name[start + 1 :].strip())
 
 
 def numbers_or_times(values: npt.ArrayLike) -> Values | None:

@@ -132,11 +132,8 @@ def _is_tag(cell: str) -> bool:
 
 def _numbers(body: Sequence[Sequence[str]], width: int, comma: bool) -> Values:
     """Return the numbers in cells, NaN where there is none."""
-    table = np.full((len(body), width), math.nan)
-    for row, cells in enumerate(body):
-        for place, cell in enumerate(cells):
-            table[row, place] = _number(cell, comma)
-    return table
+    rows = [[*cells, *[""] * (width - len(cells))] for cells in body]
+    return np.array([[_number(cell, comma) for cell in cells] for cells in rows]).reshape(-1, width)
 
 
 def _number(cell: str, comma: bool) -> float:

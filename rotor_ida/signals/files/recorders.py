@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 import re
 import warnings
-from collections.abc import Mapping
 from importlib import import_module
 from pathlib import Path
 from typing import Any
@@ -27,18 +26,7 @@ from rotor_ida.signals.files.columns import (
 )
 from rotor_ida.signals.files.text import decoded, number_in, read_text, told_apart
 
-# Types of functions in UFF, by number.
-FUNCTIONS = (
-    *("general or unknown", "time response", "auto spectrum", "cross spectrum"),
-    *("frequency response", "transmissibility", "coherence", "auto correlation"),
-    *("cross correlation", "power spectral density", "energy spectral density"),
-    *("probability density", "spectrum", "cumulative frequency distribution", "peaks and valleys"),
-    *("stress over cycles", "strain over cycles", "orbit", "mode indicator function"),
-    *("force pattern", "partial power", "partial coherence", "eigenvalues", "eigenvectors"),
-    *("shock response spectrum", "impulse response filter", "multiple coherence"),
-    *("order function", "phase compensation"),
-)
-UNKNOWN, TIME_RESPONSE = 0, 1
+UNKNOWN, TIME_RESPONSE = 0, 1  # types of functions in UFF
 TIME = 17  # of abscissae in UFF
 SINGLE, DOUBLE = 2, 4  # of real ordinates in UFF
 # Axes of a response in UFF.
@@ -127,10 +115,8 @@ def _is_response(dataset: dict[str, Any]) -> bool:
 
 def _what_it_is(dataset: dict[str, Any]) -> str:
     """Return in words what a set 58 that is no time response contains."""
-    number = int(dataset["func_type"])
     of_complex = "" if dataset["ord_data_type"] in (SINGLE, DOUBLE) else " of complex numbers"
-    words = FUNCTIONS[number] if 0 <= number < len(FUNCTIONS) else "unknown function"
-    return f"a set 58 with the function type {number} ({words}{of_complex})"
+    return f"a set 58 with the function type {int(dataset['func_type'])}{of_complex}"
 
 
 def _response_name(dataset: dict[str, Any]) -> str:
@@ -173,8 +159,9 @@ def read_tdms(path: Path) -> Table:
                 rest.append(f"{name} ({column})")
             else:
                 columns[name] = column
-        if "t" not in columns and any(each.times is not None for each in columns.values()):
-            columns = _with_clock_of_others(columns)
+        timed = {name: each for name, each in columns.items() if each.times is not None}
+        if timed and "t" not in columns:
+            columns = with_clock(timed) | {n: columns[n] for n in columns if n not in timed}
     if not columns:
         raise InputError(f"{shown(path)} must contain channels of numbers, got {rest or 'none'}")
     return _sampled(columns, ", ".join(rest))
@@ -210,17 +197,6 @@ def _start_of(channel: Any) -> Any:
     """Return the time at which a channel of a TDMS file starts, None if it does not tell."""
     start = channel.properties.get("wf_start_time")
     return start if hasattr(start, "second_fractions") else None
-
-
-def _with_clock_of_others(columns: Mapping[str, Column]) -> dict[str, Column]:
-    """Return columns with ``t``; one without times has those of another of its length, if any."""
-    clocks = {each.values.size: each.times for each in columns.values() if each.times is not None}
-    timed = {
-        name: each._replace(times=clocks[each.values.size]) if each.times is None else each
-        for name, each in columns.items()
-        if each.times is not None or each.values.size in clocks
-    }
-    return {**with_clock(timed), **{name: columns[name] for name in columns if name not in timed}}
 
 
 def read_comtrade(path: Path) -> Table:

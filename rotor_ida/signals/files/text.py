@@ -198,30 +198,28 @@ def _layout_from(
 def _check_commas(lines: Sequence[str], rows: Sequence[int], layout: Layout, path: Path) -> None:
     """Raise `InputError` if commas are ambiguous: decimal or other."""
     if layout.decimal_comma:
-        first = ""
-        for row in rows:
-            for cell in layout.cells(lines[row]) if "," in lines[row] else ():
-                if "," in cell and not _GROUPED.fullmatch(cell):
-                    return
-                if not first and "," in cell:
-                    first = f"{shown(cell)} in line {row + 1}"
-        if first:
+        found = (
+            (cell, row)
+            for row in rows if "," in lines[row]
+            for cell in layout.cells(lines[row]) if "," in cell
+        )  # fmt: skip
+        first = next(found, ("", 0))
+        if all(_GROUPED.fullmatch(cell) for cell, _ in (first, *found)):
             raise InputError(
-                f"{shown(path)} must show whether its commas are decimal or between thousands, "
-                f"got {first} and no other kind of number; write decimal points"
+                f"{shown(path)} must show whether its commas are decimal or between thousands, got "
+                f"{shown(first[0])} in line {first[1] + 1} and no other kind of number; write "
+                "decimal points"
             )
     elif layout.separator == "," and not layout.width % 2:
-        begin = [(row, layout.cells(lines[row])) for row in rows[:MOST_HEAD]]
-        cells = [cell for _, each in begin for cell in each]
-        padded = [any(_FRACTION.fullmatch(cell) for cell in cells[side::2]) for side in (0, 1)]
-        if padded == [False, True] and not any("." in cell for cell in cells):
-            row, first_cells = next(
-                (row, each) for row, each in begin if any(map(_FRACTION.fullmatch, each))
-            )
-            place = next(n for n, cell in enumerate(first_cells) if _FRACTION.fullmatch(cell))
+        begin = {row: layout.cells(lines[row]) for row in rows[:MOST_HEAD]}
+        padded = [(row, place) for row, cells in begin.items()
+                  for place, cell in enumerate(cells) if _FRACTION.fullmatch(cell)]  # fmt: skip
+        has_points = any("." in cell for cells in begin.values() for cell in cells)
+        if padded and all(place % 2 for _, place in padded) and not has_points:
+            row, place = padded[0]
             raise InputError(
                 f"{shown(path)} must not have decimal commas in columns that are separated by "
-                f"commas, got {shown(','.join(first_cells[place - 1 : place + 1]))} in line "
+                f"commas, got {shown(','.join(begin[row][place - 1 : place + 1]))} in line "
                 f"{row + 1}; write decimal points, or separate columns by semicolons"
             )
 
