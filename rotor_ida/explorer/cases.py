@@ -38,7 +38,7 @@ from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Support
-from rotor_ida.results.archived_system import problem_of
+from rotor_ida.results.archived_system import system_of
 from rotor_ida.results.dataset_kinds import kind_of
 from rotor_ida.results.question import Question as Asked
 from rotor_ida.results.question import written as written_in_python
@@ -206,7 +206,7 @@ def _read(path: Path, _changed: int) -> Case:
         return Case(system=system, speed=speed, course=course)
     run = archived_in(path, path.stat().st_mtime_ns)
     fastest = float(run["speed"].max()) if "speed" in run else float(run.attrs["speed"])
-    return Case(system=problem_of(run)[0], speed=fastest, run=run)
+    return Case(system=system_of(run), speed=fastest, run=run)
 
 
 @lru_cache(maxsize=2)

@@ -138,15 +138,13 @@ def takes_rotors(
     return decorated
 
 
-def takes_si(
-    verb: Callable[Concatenate[Rotor, Asked], xr.Dataset],
-    known: Collection[str] = (),
-) -> Callable[Concatenate[Rotor | DimensionalRotor, Asked], xr.Dataset]:
+def takes_si(verb: Verb, known: Collection[str] = ()) -> Verb:
     """Return a function of a `Rotor` that also takes a `DimensionalRotor`, and is in SI units then.
 
-    Arguments become dimensionless by their names (`rotor_ida.model.scales`), and the result gets SI
-    units. A start that is a dataset has its own units. Arguments other than the `known` are
-    refused, by default those that the signature does not have.
+    The rotor may be left out where the function has a default. Arguments become dimensionless by
+    their names (`rotor_ida.model.scales`), and the result gets SI units. A start that is a dataset
+    has its own units. Arguments other than the `known` are refused, by default those that the
+    signature does not have.
     """
     parameters = signature(verb).parameters
     defaults = {
@@ -188,25 +186,20 @@ def takes_si(
             raise in_si(error, rotor) from error
         return dimensional(found, rotor)
 
-    return cast("Callable[Concatenate[Rotor | DimensionalRotor, Asked], xr.Dataset]", either)
+    return cast("Verb", either)
 
 
-def varies_in_si(verb: Verb) -> Verb:
-    """Return the function that `takes_si` does, whose rotor may be left out and varied."""
-    return cast("Verb", takes_si(verb))
-
-
-def takes_system(verb: Callable[Asked, xr.Dataset]) -> Callable[Asked, xr.Dataset]:
+def takes_system(verb: Verb) -> Verb:
     """Return a function of a rotor system that keeps its question, with units in its errors."""
 
     @wraps(verb)
-    def either(*given: Asked.args, **options: Asked.kwargs) -> xr.Dataset:
+    def either(*given: Any, **options: Any) -> xr.Dataset:
         system = given[0] if given else options.get("system")
         is_machine = isinstance(system, DimensionalRotor)
         with errors_in_units("SI" if is_machine else getattr(system, "units", "")):
             return with_question(verb(*given, **options), verb, given, options)
 
-    return either
+    return cast("Verb", either)
 
 
 def keeps_si(

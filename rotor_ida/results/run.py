@@ -63,7 +63,7 @@ def samples_in(
 
 def is_of_system(dataset: xr.Dataset) -> bool:
     """Return whether a dataset is a run of a rotor system, such as a drop."""
-    kind = dataset.attrs.get(RESULT_KIND, SYSTEM_RUN)
+    kind = dataset.attrs.get(RESULT_KIND)
     return kind in {SYSTEM_RUN, DROP} and "contact_node" in dataset.variables
 
 

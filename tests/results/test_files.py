@@ -13,7 +13,6 @@ from rotor_ida.errors import ArchiveError, InputError
 from rotor_ida.formats import replacing
 from rotor_ida.results import files
 from rotor_ida.results.files import check_path, check_target, file_to_write, written_whole
-from rotor_ida.results.studies import store
 
 
 class PathOfBytes(os.PathLike[bytes]):
@@ -159,38 +158,3 @@ def test_windows_replaces_a_file_once_its_reader_has_closed_it(
         with pytest.raises(PermissionError):
             replacing.put(part, target)
     assert (len(asked), target.read_text()) == (tries, "after" if readers < tries else "before")
-
-
-def test_the_folder_of_an_unfinished_file_adds_few_characters_to_its_path(tmp_path: Path) -> None:
-    """Of which a study, whose pieces have numbers, adds no more."""
-    with written_whole(tmp_path / "run.nc", overwrite=False) as part:
-        part.touch()
-        assert len(str(part)) - len(str(tmp_path / "run.nc")) == files.ADDED
-    assert files.ADDED < 40
-    longest = max(f"/{store.PIECES}/{store.UNFINISHED}", f"/{store.PIECES}/{10**9}", key=len)
-    assert len(longest) <= files.ADDED
-
-
-def test_windows_is_answered_when_a_path_is_too_long(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """As it says, in the words of what is not found; elsewhere that is what it means."""
-
-    def no_folder(self: Path, **_options: object) -> None:
-        raise FileNotFoundError(errno.ENOENT, "The filename or extension is too long")
-
-    def write(target: Path) -> None:
-        with file_to_write(target, overwrite=False):
-            pass
-
-    long = tmp_path / f"{'n' * (214 - len(str(tmp_path)) - 4)}.nc"
-    assert len(str(long)) == 214
-    monkeypatch.setattr(Path, "mkdir", no_folder)
-    with pytest.raises(ArchiveError, match=r"too long$"):
-        write(long)
-    monkeypatch.setattr(files, "_HAS_LIMIT", True)
-    told = r"has 214 characters, and Windows takes 213 without long paths$"
-    with pytest.raises(ArchiveError, match=told):
-        write(long)
-    with pytest.raises(InputError, match=told), store.opened(long, {}, points=1):
-        pass

@@ -26,7 +26,6 @@ from rotor_ida import (
     synchronous_response,
 )
 from rotor_ida.results.si_units import rescaled
-from rotor_ida.verification.verify import differences, rerun
 
 D, M, K = 1e-6, 4.0, 1e9
 W = math.sqrt(K * math.sqrt(D) / M)
@@ -252,20 +251,6 @@ def test_an_error_carries_name_value_and_unit_across_processes():
     error = pickle.loads(pickle.dumps(refused.value))
     assert (error.name, error.value, error.value.unit) == ("duration", -0.5, "s")
     assert str(error) == str(refused.value)
-
-
-def test_an_old_archive_in_si_units_gets_its_attributes_in_them(tmp_path):
-    """Archives had their start and duration without dimensions, and no units of these."""
-    run = rotor_ida.simulate(machine_of(ROTOR), start=START * STATE, duration=0.02)
-    new = {name for name in run.attrs if "start" in name or "duration" in name}
-    plain = {"start": run.attrs["dimensionless_start"], "duration": 10.0}
-    old = run.copy()
-    old.attrs = {name: each for name, each in run.attrs.items() if name not in new} | plain
-    loaded = rotor_ida.load(rotor_ida.save(old, tmp_path / "old.nc"))
-    np.testing.assert_array_equal(loaded.attrs["start"], run.attrs["start"])
-    assert (loaded.attrs["duration"], loaded.attrs["duration_units"]) == (0.02, "s")
-    again = rerun(loaded)
-    assert differences(again, loaded)["agrees"]
 
 
 MACHINE = machine_of(Rotor(omega=1.2, zeta=0.07, delta0=2.0))
