@@ -38,11 +38,3 @@ def test_a_call_is_quick_or_tells_its_progress(name):
     if "study" in parameters:
         assert name in VERBS  # so that it can be resumed
         assert name not in QUICK
-
-
-def test_progress_true_shows_a_bar(capsys):
-    rotor = rotor_ida.Rotor(omega=2.0, zeta=0.07, delta0=2.0)
-    rotor_ida.limit_cycle(rotor, start="settled", progress=True)
-    told = capsys.readouterr().err
-    assert "limit_cycle" in told
-    assert "100/100" in told

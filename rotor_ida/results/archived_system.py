@@ -99,7 +99,7 @@ def _bearings_of(run: xr.Dataset) -> list[Bearing]:
     if "bearing_node" not in run.variables:
         return []
     found = []
-    names = [each for each in ("node", "stator", "name") if f"bearing_{each}" in run.variables]
+    names = ("node", "stator", "name")
     for number, words in enumerate(_rows(run, [f"bearing_{each}" for each in names])):
         rows = run.isel(bearing_row=run["table_bearing"].values == number)
         given: dict[str, Any] = {name: rows[f"table_{name}"].values for name in OF_BEARING}

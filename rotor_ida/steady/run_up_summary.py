@@ -454,7 +454,8 @@ def beyond_model(indentation: float, rotor: Rotor, machine: DimensionalRotor | N
     if not bounds:
         return ""
     scales = None if machine is None else scales_of(machine)
-    return beyond_in_words(_length(indentation, scales), bounds)
+    length = _length(indentation, scales)
+    return beyond_in_words(f"an indentation of {length} is more than {bounds}")
 
 
 class Scales(NamedTuple):

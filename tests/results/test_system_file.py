@@ -210,13 +210,6 @@ def test_a_mistake_is_named_in_one_line(load, text, words):
     assert "\n" not in str(refusal.value)
 
 
-def test_a_file_that_is_missing_or_no_toml_is_refused(load, tmp_path):
-    with pytest.raises(InputError, match=r"cannot read .*gone\.toml.: No such file"):
-        load_system(tmp_path / "gone.toml")
-    with pytest.raises(InputError, match=r"system must be a TOML file, got .*rotor\.toml.: "):
-        load("system = ")
-
-
 def test_a_node_in_both_files_is_refused(load, tmp_path):
     np.savez(tmp_path / "rotor.npz", M=np.eye(2), K=np.eye(2), node_disc=[0, 1])
     with pytest.raises(InputError, match=r"system.nodes.disc must be left out: the file has this"):

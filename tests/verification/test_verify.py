@@ -69,39 +69,25 @@ RESULTS = {
     "up and down": lambda: sweep(omega=[1.2, 1.7], zeta=0.3, delta0=0.5, direction="both"),
     "up and down in clearance": lambda: sweep(ROTOR, zeta=[0.3, 0.5], delta0=[0.5, 1.0],
                                               direction="both", along="delta0"),
-    "other kinds": lambda: sweep(omega=[0.5, 2.0], zeta=0.07, delta0=2.0, workers=1),
     "machines": lambda: sweep(
         events=True, omega=[1.2, 2.0], zeta=0.1, delta0=[0.5, 2.0], shaft_stiffness=[0.0, 0.3],
         contact_exponent=1.0, contact_damping=[0.2], starts=[(0, 0, 0, 0), (3, 0, 0, 1)],
-    ),
-    "up and down of a machine": lambda: sweep(
-        omega=[1.2, 1.7], zeta=0.3, delta0=0.5, shaft_stiffness=0.4, contact_damping=0.1,
-        direction="both",
-    ),
-    "run_ups": lambda: run_ups(
-        omega=1.7, to=0.3, rate=[-0.1, -0.3], zeta=0.1, delta0=[0.5, 2.0], shaft_stiffness=1.0,
-        load=0.2, phase=[0.0, 2.0], rtol=1e-8,
     ),
     "basin": lambda: basin(Rotor(omega=1.7, zeta=0.3, delta0=0.5), x=1.0, y=[-2.0, 0.0, 3.0],
                            vx=[0.0, 5.0]),
     "basin_fractions": lambda: basin_fractions(ROTOR, x=(-8, 8), y=(-8, 8), vx=1.0, starts=600,
                                                seed=4),
-    "atlas": lambda: continue_attractors(omega=[1.6, 1.7], zeta=0.07, delta0=0.0, x=(-15, 15),
-                                         starts=40, seed=4, shocks=64),
     "basin of a machine": lambda: basin(
         Rotor(omega=1.7, zeta=0.3, delta0=0.5, shaft_stiffness=0.3, contact_damping=0.1),
         x=[1.0, 2.0], y=[-2.0, 0.0, 3.0],
-    ),
-    "basin_fractions of a machine": lambda: basin_fractions(
-        Rotor(omega=2.0, zeta=0.07, delta0=2.0, shaft_stiffness=0.05, contact_exponent=1.0),
-        x=(-8, 8), y=(-8, 8), starts=100, seed=4,
     ),
     "atlas of machines": lambda: continue_attractors(
         omega=1.7, zeta=0.1, delta0=0.5, shaft_stiffness=[0.1, 0.3], contact_damping=0.1,
         x=(-5, 5), starts=40, seed=4,
     ),
     "atlas of given starts": lambda: continue_attractors(
-        omega=2.0, zeta=[0.07, 0.1], delta0=2.0, starts=[(0, 0, 0, 0), (3, 1, 0, 0)]
+        omega=2.0, zeta=[0.07, 0.1], delta0=2.0, starts=[(0, 0, 0, 0), (3, 1, 0, 0)],
+        shocks=4,
     ),
 }  # fmt: skip
 

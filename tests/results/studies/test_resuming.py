@@ -205,18 +205,6 @@ def test_a_failure_of_the_surroundings_is_tried_again(tmp_path, monkeypatch):
     xr.testing.assert_identical(sweep(**given, study=tmp_path), sweep(**given))
 
 
-def test_another_version_is_refused(tmp_path, monkeypatch):
-    from rotor_ida.results import question
-
-    given = {"omega": 1.7, "zeta": 0.5, "delta0": 0.5}
-    sweep(**given, study=tmp_path)
-    (tmp_path / PIECES / "0").unlink()
-    other = {**question.computing(), "numpy_version": "9.9"}
-    monkeypatch.setattr(question, "computing", lambda: other)
-    with pytest.raises(InputError, match=r"begun with numpy_version '.*', got '9.9'"):
-        sweep(**given, study=tmp_path)
-
-
 def test_only_what_draws_and_tells_does_not_decide_on_the_bits():
     script = (
         "import sys, rotor_ida.steady.sweep, rotor_ida.basins\n"
