@@ -345,10 +345,6 @@ def _plain(machine: DimensionalRotor, name: str, value: Any) -> Any:
     return np.stack(columns, axis=-1)
 
 
-def _is_name(parameter: Any) -> bool:
-    return isinstance(parameter, str)
-
-
 def _is_number(value: Any) -> bool:
     """Return whether a value is no array or sequence."""
     return getattr(value, "ndim", 0 if not hasattr(value, "__len__") else 1) == 0
@@ -361,7 +357,8 @@ def _plain_name(parameter: Any) -> Any:
 
 def _limits(machine: DimensionalRotor, parameter: Any, limits: Any) -> Any:
     """Return limits of a parameter without dimensions."""
-    known = OF_MACHINE.get(IS_OF_MACHINE.get(parameter, parameter)) if _is_name(parameter) else None
+    is_name = isinstance(parameter, str)
+    known = OF_MACHINE.get(IS_OF_MACHINE.get(parameter, parameter)) if is_name else None
     if known is None or known.sets_scales:
         return limits  # the function refuses the parameter
     values = check_array("limits", limits)

@@ -77,6 +77,8 @@ RESULTS = {
                            vx=[0.0, 5.0]),
     "basin_fractions": lambda: basin_fractions(ROTOR, x=(-8, 8), y=(-8, 8), vx=1.0, starts=600,
                                                seed=4),
+    "atlas": lambda: continue_attractors(omega=1.7, zeta=0.07, delta0=0.0, x=(-15, 15), starts=20,
+                                         seed=4, shocks=8),
     "basin of a machine": lambda: basin(
         Rotor(omega=1.7, zeta=0.3, delta0=0.5, shaft_stiffness=0.3, contact_damping=0.1),
         x=[1.0, 2.0], y=[-2.0, 0.0, 3.0],
@@ -86,8 +88,7 @@ RESULTS = {
         x=(-5, 5), starts=40, seed=4,
     ),
     "atlas of given starts": lambda: continue_attractors(
-        omega=2.0, zeta=[0.07, 0.1], delta0=2.0, starts=[(0, 0, 0, 0), (3, 1, 0, 0)],
-        shocks=4,
+        omega=2.0, zeta=[0.07, 0.1], delta0=2.0, starts=[(0, 0, 0, 0), (3, 1, 0, 0)]
     ),
 }  # fmt: skip
 
