@@ -49,7 +49,7 @@ from rotor_ida.simulation.options import Method
 from rotor_ida.simulation.run_up import run_up
 from rotor_ida.simulation.simulate import simulate
 from rotor_ida.steady.drop import drop
-from rotor_ida.texts import brief, in_python
+from rotor_ida.texts import brief
 from rotor_ida.units import quantity, written
 
 # Panels of a run, those of its run-up, and those that need a speed which is held.
@@ -443,7 +443,7 @@ class Node:
             machine = self.machine
             return LINES.format(rotor=type(machine).__name__, machine=written_in_python(machine),
                                 call=self.asked.python("machine"))  # fmt: skip
-        verb, path_said = "drop" if case.drops else "simulate", in_python(path.name)
+        verb, path_said = "drop" if case.drops else "simulate", repr(path.name)
         lines = [
             f"from rotor_ida import {verb}, load_course, load_system", "",
             f"system, course = load_system({path_said}), load_course({path_said})",

@@ -195,7 +195,7 @@ def with_question(
     numbers, it keeps no question.
     """
     kept = answer.attrs.get(QUESTION, "")
-    if kept.startswith(_beginning(name_of(verb))):
+    if kept.startswith(f'{{"{VERB}":"{name_of(verb)}"'):
         return answer
     answer.attrs.pop(QUESTION, None)  # of a part of the computation
     if study := options.get("study"):
@@ -266,11 +266,6 @@ def _defaults(verb: Callable[..., Any]) -> dict[str, Any]:
     each = inspect.signature(verb).parameters.values()
     named = [one for one in each if one.kind is not inspect.Parameter.VAR_KEYWORD]
     return {one.name: None if one.default is one.empty else one.default for one in named}
-
-
-def _beginning(verb: str) -> str:
-    """Return how the text of each question to a function begins."""
-    return f'{{"{VERB}":"{verb}"'
 
 
 def arguments_from(plain: Mapping[str, Any]) -> dict[str, Any]:

@@ -12,7 +12,7 @@ from filelock import FileLock
 from rotor_ida.errors import ArchiveError, InputError
 from rotor_ida.formats import replacing
 from rotor_ida.results import files
-from rotor_ida.results.files import check_path, check_target, file_to_write, written_whole
+from rotor_ida.results.files import check_path, check_target, file_to_write
 
 
 class PathOfBytes(os.PathLike[bytes]):
@@ -73,7 +73,7 @@ def test_folder_without_permission_is_refused(
 
 
 def test_what_a_killed_writer_left_is_removed(tmp_path: Path) -> None:
-    with written_whole(tmp_path / "living", overwrite=False) as part:
+    with file_to_write(tmp_path / "living", overwrite=False) as part:
         part.write_text("half")
         name = part.parent.name
         left = tmp_path / f"{name[: name.index('.', 1)]}.{'0' * 8}.rotor_ida-part"
@@ -82,7 +82,7 @@ def test_what_a_killed_writer_left_is_removed(tmp_path: Path) -> None:
         (left / "dead").write_text("half")
         elsewhere = tmp_path / f".elsewhere.{'0' * 8}.rotor_ida-part"
         elsewhere.mkdir()
-        with written_whole(tmp_path / "next", overwrite=False) as other:
+        with file_to_write(tmp_path / "next", overwrite=False) as other:
             other.write_text("whole")
         assert not left.exists()
     assert sorted(os.listdir(tmp_path)) == [elsewhere.name, "living", "next"]
@@ -111,7 +111,7 @@ def test_a_folder_that_another_writer_removes_is_made_anew(
 
     monkeypatch.setattr(files, "_lock_of", lock_of_removed)
     target.write_text("before")
-    with written_whole(target, overwrite=True) as part:
+    with file_to_write(target, overwrite=True) as part:
         part.write_text("after")
     assert target.read_text() == "after"
     assert len(seen) == 2
