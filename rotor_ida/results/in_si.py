@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from functools import wraps
 from inspect import Parameter, signature
 from pathlib import Path
-from typing import Any, Concatenate, NamedTuple, ParamSpec, TypeVar, cast
+from typing import Any, Concatenate, ParamSpec, TypeVar, cast
 
 import numpy as np
 import xarray as xr
@@ -53,23 +53,6 @@ Asked = ParamSpec("Asked")
 Found = TypeVar("Found")
 Verb = TypeVar("Verb", bound=Callable[..., xr.Dataset])
 Failure = TypeVar("Failure", bound=RotorError)
-
-
-class Differing(NamedTuple):
-    """The defaults of an argument for one disc and for a rotor system, as a signature shows them.
-
-    Examples
-    --------
-    >>> Differing("omega", "speed")
-    'omega' (of a RotorSystem 'speed')
-    """
-
-    disc: object
-    system: object
-
-    def __repr__(self) -> str:
-        disc = getattr(self.disc, "__name__", repr(self.disc))  # or a function that finds it
-        return f"{disc} (of a RotorSystem {self.system!r})"
 
 
 def takes_rotors(
@@ -130,9 +113,6 @@ def takes_rotors(
             options = options if varies else dict.fromkeys(disc) | options
             return of_system(*(given or (options.pop("rotor"),)), **options)
 
-        told = [each.replace(default=Differing(*defaults[name])) if name in defaults else each
-                for name, each in parameters.items()]  # fmt: skip
-        either.__signature__ = signature(verb).replace(parameters=told)  # type: ignore[attr-defined]
         return cast("Verb", either)
 
     return decorated
