@@ -5,7 +5,7 @@ from matplotlib import pyplot
 
 from rotor_ida import InputError, load
 from rotor_ida.paper import reproduction
-from rotor_ida.paper.reproduction import reproduce, scenario_scripts
+from rotor_ida.paper.reproduction import reproduce
 from rotor_ida.paper.scenario import Settings, run_script
 from rotor_ida.plot import panels
 
@@ -49,10 +49,6 @@ def scripts(tmp_path, monkeypatch):
     found = {name: folder / f"{name}.py" for name in texts}
     monkeypatch.setattr(reproduction, "scenario_scripts", lambda: found)
     return found
-
-
-def test_scenarios_of_the_clone_are_found():
-    assert scenario_scripts()["fig10_11_amplitude"].is_file()
 
 
 def test_the_papers_figures_are_run_and_studies_on_request(light, tmp_path, monkeypatch, capfd):
