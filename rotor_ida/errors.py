@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-import re
 import sys
 import warnings
 from collections.abc import Callable, Mapping
@@ -13,6 +12,7 @@ from string import Formatter
 from typing import Protocol, Self, cast, runtime_checkable
 
 from rotor_ida.texts import printable
+from rotor_ida.units import spelled
 
 # Digits of numbers that were converted to their units: of given ones as many as show no rounding.
 DIGITS, DIGITS_OF_BOUNDS = 12, 6
@@ -49,7 +49,7 @@ class Amount(float):
 
     def shown(self, digits: int) -> str:
         """Return the number with its unit."""
-        return self.text or f"{float(self):.{digits}g} {readable(self.unit)}"
+        return self.text or f"{float(self):.{digits}g} {spelled(self.unit)}"
 
 
 # What a number of a message becomes, from its field, the name of what is wrong, and its place among
@@ -194,18 +194,6 @@ class ArchiveError(RotorError, OSError):
 
 class InstallationError(RotorError, ImportError):
     """A broken installation: the message gives the fault and the command that repairs it."""
-
-
-def readable(unit: str) -> str:
-    """Return a unit of UDUNITS as a reader writes it.
-
-    Examples
-    --------
-    >>> readable("N s m-1"), readable("rad s-2"), readable("kg m2"), readable("N m-1.5")
-    ('N s/m', 'rad/s2', 'kg m2', 'N/m^1.5')
-    """
-    plain = re.sub(r" (\w+)-(\d\.\d+)$", r"/\1^\2", unit)
-    return re.sub(r" (\w+)-1\b", r"/\1", re.sub(r" (\w+)-2\b", r"/\g<1>2", plain))
 
 
 def _filled(template: str, fields: Mapping[str, object], words: Mapping[str, str]) -> str:

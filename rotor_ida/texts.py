@@ -92,17 +92,6 @@ def in_page(value: object) -> str:
     return text
 
 
-def in_python(text: str | PurePath) -> str:
-    r"""Return a text as a literal of Python.
-
-    Examples
-    --------
-    >>> print(in_python('x"); import os'))
-    'x"); import os'
-    """
-    return repr(str(text))
-
-
 def in_shell(word: str | PurePath) -> str:
     r"""Return a word of a command line for a POSIX shell; a path never looks like an option.
 

@@ -9,7 +9,7 @@ import numpy as np
 import xarray as xr
 
 import rotor_ida
-from rotor_ida import DimensionalRotor, Rotor, decode_flags
+from rotor_ida import DimensionalRotor, Rotor
 from rotor_ida.schema import labelled
 
 CENTRED = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
@@ -250,19 +250,6 @@ KINDS: dict[str, Callable[[], xr.Dataset]] = {
     "system_stroboscopic_diagram": lambda: a_system_diagram("revolution"),
 }
 KINDS = {name: computed_once(build) for name, build in KINDS.items()}
-
-
-def in_the_numbers_of_an_earlier_version(dataset: xr.Dataset) -> xr.Dataset:
-    """Return a dataset whose stability is numbered otherwise, as its attributes say."""
-    words = decode_flags(dataset["stability"])
-    earlier = {"absent": -1, "stable": 0, "unstable": 1, "neutral": 2}
-    numbers = [earlier[word] for word in words.values.ravel().tolist()]
-    attributes = dataset["stability"].attrs | {
-        "flag_values": np.array(list(earlier.values()), dtype=np.int8),
-        "flag_meanings": " ".join(earlier),
-    }
-    values = np.reshape(np.array(numbers, dtype=np.int8), words.shape)
-    return dataset.assign(stability=(words.dims, values, attributes))
 
 
 def a_dataset(samples: int = 50, seed: int = 0) -> xr.Dataset:

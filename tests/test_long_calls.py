@@ -1,8 +1,6 @@
 """A call that may take long tells its progress; one of many jobs has workers, and is a study."""
 
 import inspect
-import subprocess
-import sys
 
 import pytest
 
@@ -40,15 +38,3 @@ def test_a_call_is_quick_or_tells_its_progress(name):
     if "study" in parameters:
         assert name in VERBS  # so that it can be resumed
         assert name not in QUICK
-
-
-def test_progress_true_shows_a_bar():
-    code = """
-from rotor_ida import Rotor, limit_cycle
-limit_cycle(Rotor(omega=2.0, zeta=0.07, delta0=2.0), start="settled", progress=True)
-"""
-    ran = subprocess.run(
-        [sys.executable, "-c", code], capture_output=True, text=True, check=True, encoding="utf-8"
-    )
-    assert "limit_cycle" in ran.stderr
-    assert "100/100" in ran.stderr

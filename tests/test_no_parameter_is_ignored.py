@@ -69,7 +69,7 @@ def lyapunov(rotor: Rotor) -> np.ndarray:
 
 
 def basin(rotor: Rotor) -> np.ndarray:
-    return of(rotor_ida.basin(rotor, x=(-5.0, 1.0), y=(2.0, 4.0), workers=1), "settling_time")
+    return of(rotor_ida.basin(rotor, x=1.0, y=(2.0, 4.0), workers=1), "settling_time")
 
 
 def backward_whirl(rotor: Rotor) -> np.ndarray:

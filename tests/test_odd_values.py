@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import decimal
 import fractions
 import functools
 import inspect
@@ -44,23 +43,18 @@ MACHINE = DimensionalRotor(
 )
 REST = (0.0, 0.0, 0.0, 0.0)
 ODD = {
-    "None": None, "True": True, "text": "1.0", "no text": "", "long text": "1" * 1000,
-    "bytes": b"1", "bytearray": bytearray(b"12"),
-    "nan": float("nan"), "inf": float("inf"), "-inf": float("-inf"), "-1": -1,
-    "0": 0, "0.5": 0.5, "tiny": 5e-324, "large": 1e20, "huge": 1e308, "10**400": 10**400,
-    "-10**400": -(10**400), "10**5000": 10**5000, "2**63": 2**63, "10**9 + 1": 10**9 + 1,
-    "complex": 1j, "empty list": [], "list of nan": [float("nan")],
-    "list of lists": [[1, 2], [3, 4]], "ragged": [[1], [2, 3]], "dict": {}, "set": {1.0, 2.0},
-    "object": object(), "0-d array": np.array(1.0), "1-d array": np.array([1, 2]),
-    "2-d array": np.eye(4), "5-d array": np.ones((1, 1, 2, 1, 1)), "bools": np.array([True, False]),
-    "0-d DataArray": xr.DataArray(1.0), "1-d DataArray": xr.DataArray([1.0, 2.0], dims="omega"),
+    "None": None, "True": True, "text": "1.0", "long text": "1" * 1000, "line\nfeed": "a\nb",
+    "bytes": b"1", "nan": float("nan"), "inf": float("inf"), "-1": -1, "0": 0, "tiny": 5e-324,
+    "huge": 1e308, "10**400": 10**400, "2**63": 2**63, "complex": 1j, "empty list": [],
+    "list of lists": [[1, 2], [3, 4]], "ragged": [[1], [2, 3]], "dict": {}, "object": object(),
+    "0-d array": np.array(1.0), "1-d array": np.array([1, 2]), "2-d array": np.eye(4),
+    "0-d DataArray": xr.DataArray(1.0),
     "long DataArray": xr.DataArray(np.arange(100.0) - 3.0, dims="omega", name="omega"),
-    "Series": pd.Series([1.0, 2.0]), "date": np.datetime64("2019-06-01"),
-    "dates": np.array(["2019-06-01"], dtype="datetime64[ns]"), "delay": np.timedelta64(1, "s"),
-    "Fraction": fractions.Fraction(1, 2), "Decimal": decimal.Decimal("0.5"),
-    "function": len, "lambda": lambda: 0, "class": Rotor, "Dataset": xr.Dataset(),
-    "masked": np.ma.array([1.0, 2.0], mask=[False, True]), "long range": range(10**12),
-    "endless range": range(10**30), "iterator": iter(()), "nul": "\0", "line\nfeed": "a\nb",
+    "Series": pd.Series([1.0, 2.0]), "delay": np.timedelta64(1, "s"),
+    "dates": np.array(["2019-06-01"], dtype="datetime64[ns]"),
+    "Fraction": fractions.Fraction(1, 2), "function": len, "class": Rotor, "Dataset": xr.Dataset(),
+    "masked": np.ma.array([1.0, 2.0], mask=[False, True]), "endless range": range(10**30),
+    "iterator": iter(()),
 }  # fmt: skip
 SETTLING = ("bifurcation_diagram", "continue_attractors")
 

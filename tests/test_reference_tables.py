@@ -27,25 +27,6 @@ def named(case):
     return case["name"]
 
 
-def test_the_table_says_where_it_came_from():
-    assert "python -m tests.references" in TABLE["source"]
-    assert TABLE["command"] == "python -m tests.references"
-    assert len(TABLE["cases"]) == len(CASES) >= 24
-
-
-@pytest.mark.parametrize("case", CASES.values(), ids=named)
-def test_a_case_is_well_formed(case):
-    assert case["tests"]
-    assert case["method"]
-    assert case["omega"] >= 0.0
-    assert case["zeta"] >= 0.0
-    assert case["delta0"] > 0.0
-    assert case["duration"] > 0.0
-    assert len(case["start"]) == 4
-    assert case["starts_in_contact"] in (0, 1)
-    assert (case["digits"] is None) == (not case["events"])
-
-
 @pytest.mark.parametrize("case", SEEN, ids=named)
 def test_another_integrator_has_the_same_events(case):
     """By other equations: SciPy's DOP853 on fixed axes."""

@@ -14,7 +14,7 @@ from rotor_ida import (
     poincare_section,
     synchronous_response,
 )
-from rotor_ida.schema import QUANTITIES, STABILITY, flags_of, labelled, words_of
+from rotor_ida.schema import QUANTITIES, flags_of, labelled, words_of
 from tests.example_datasets import KINDS, REST
 
 RESULTS = {
@@ -76,13 +76,6 @@ def test_flags_of_a_whole_result_become_words_on_axes_too():
     assert told.amplitude.identical(found.amplitude)
     assert not {"flag_values", "flag_meanings", "units"} & set(told.kind.attrs)
     assert found.kind.dtype == np.int8
-
-
-def test_words_of_flags_choose_as_numbers_do():
-    found = synchronous_response(omega=[0.5, 1.7], zeta=0.07, delta0=0.0)
-    stable = decode_flags(found.stability) == "stable"
-    assert stable.dims == found.stability.dims
-    np.testing.assert_array_equal(stable, found.stability == STABILITY["stable"])
 
 
 def test_a_flag_without_a_value_has_no_word():

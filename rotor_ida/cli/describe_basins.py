@@ -45,7 +45,7 @@ DONE_TO_MACHINE = (
     *("largest_force", "mean_force", "contacts_per_revolution", "contact_fraction"),
     *("dissipation_per_revolution", "contact_loss_per_revolution"),
     *("heat_per_revolution", "slip_distance_per_revolution", "rolling_fraction"),
-    *("whirl_over_spin", "whirl_sense", "side_line_over_spin", "whirl_ratio", "whirl_direction"),
+    *("whirl_over_spin", "whirl_sense", "side_line_over_spin", "whirl_direction"),
     *("radius_min", "radius_max", "excursion", "period", "lifetime", "trapping"),
     *("velocity_shock_bound", "displacement_shock_bound"),
 )

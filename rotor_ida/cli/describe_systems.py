@@ -22,8 +22,9 @@ from rotor_ida.cli.variables import (
     tabled,
 )
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
-from rotor_ida.results.archived_system import START, clearance_of_contacts
+from rotor_ida.results.archived_system import clearance_of_contacts
 from rotor_ida.results.growth_words import stability_words
+from rotor_ida.results.question import STATE
 from rotor_ida.results.sheets import Sheet, facts
 from rotor_ida.schema import EVENT_KIND, OF_BEARING, QUANTITIES, words_of
 from rotor_ida.units import quantity
@@ -159,9 +160,9 @@ def _of_contact(run: xr.Dataset, number: int) -> dict[str, Any]:
 
 def _start_in_words(run: xr.Dataset) -> list[str]:
     """Return a sentence on how far below the axis a rotor begins at rest; none if it does not."""
-    if not {"constant_force", START} <= {*run.variables} or float(run["t"][0]) != 0.0:
+    if not {"constant_force", STATE} <= {*run.variables} or float(run["t"][0]) != 0.0:
         return []
-    _, velocity = run[START].values.reshape(2, -1)
+    _, velocity = run[STATE].values.reshape(2, -1)
     below = -run["y"].isel(t=0).values
     if velocity.any() or not run["constant_force"].values.any() or not (below > 0.0).any():
         return []

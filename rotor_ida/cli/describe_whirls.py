@@ -109,9 +109,7 @@ def show_campbell(dataset: xr.Dataset, most: int | None) -> Description:
 
     Those damped too much for a resonance stand in a sentence; only JSON has them in the table.
     """
-    record, parts = tabled(dataset, most, *OF_CAMPBELL)
-    if "critical_speed" not in dataset:  # archives had none at first
-        return record, [*_growth(dataset), *parts]
+    record, _ = tabled(dataset, most, *OF_CAMPBELL)
     speeds, ratios = (dataset[name].values for name in ("critical_speed", "critical_damping_ratio"))
     _, parts = tabled(dataset.isel(critical=ratios <= RESONANT), most, *OF_CAMPBELL)
     return record, [*_growth(dataset), *damped_words(speeds, ratios, _units(dataset)), *parts]

@@ -15,7 +15,7 @@ from typing import Any, NamedTuple, TypeVar
 
 from rotor_ida import units
 from rotor_ida.cli.parsing import WITH_UNIT, Quantity
-from rotor_ida.errors import Amount, RotorError, readable
+from rotor_ida.errors import Amount, RotorError
 from rotor_ida.model.data_sheet import IN_OTHER_WORDS
 from rotor_ida.model.scales import unit_of
 
@@ -125,9 +125,9 @@ def _unit(name: str, si: str, given: Sequence[Given]) -> str:
     names = (name, f"{name}s")  # a speed of speeds
     own = [each for each in given if each.name in names and not each.in_file]
     if own and not own[0].unit:
-        return readable(si)
+        return units.spelled(si)
     alike = [each.unit for each in (*own, *given) if each.in_unit_of(si)]
-    return alike[0] if alike else USUAL.get(si, readable(si))
+    return alike[0] if alike else USUAL.get(si, units.spelled(si))
 
 
 def _on_the_line(arguments: Mapping[str, Any]) -> Iterator[Given]:

@@ -28,9 +28,9 @@ from rotor_ida.cli.option_types import (
     words_option,
 )
 from rotor_ida.cli.verbs import Argument, arguments_of, short_text
-from rotor_ida.errors import readable
 from rotor_ida.model.scales import UNITS_OF_ARGUMENTS, unit_in_system
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
+from rotor_ida.units import spelled
 
 # Words where those of a docstring are for Python, and others of the functions that make studies.
 TEXTS = {
@@ -197,7 +197,7 @@ def _annotated(argument: Argument, text: str, of_signals: bool = False) -> Any:
     elif name == "phase":
         units, text = ("rad",), text.replace("in radians", "in radians or as 90deg")
     elif units and name not in {"samples", "starts"}:
-        told = ", ".join(readable(each) for each in units)
+        told = ", ".join(spelled(each) for each in units)
         text = _before_the_end(text, f" (SI: {told}{ALSO_AS.get(units[0], '')})")
     made: Any
     if argument.choices:

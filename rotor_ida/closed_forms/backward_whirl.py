@@ -31,7 +31,7 @@ from rotor_ida.checks import LARGEST_NUMBER, check_instance, check_nonnegative
 from rotor_ida.closed_forms.rest import slowest_rate
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import HERTZ_EXPONENT, force_at_depth
-from rotor_ida.model.rotor import Rotor, check_no_load
+from rotor_ida.model.rotor import DimensionalRotor, Rotor, check_no_load
 from rotor_ida.results.in_si import takes_si
 from rotor_ida.schema import STABILITY, WHIRL_KIND, labelled, labelled_dataset
 
@@ -40,7 +40,7 @@ _SMALLEST_FRICTION = 1e-20
 
 
 @takes_si
-def backward_whirl(rotor: Rotor) -> xr.Dataset:
+def backward_whirl(rotor: Rotor | DimensionalRotor) -> xr.Dataset:
     """Compute the backward whirls sustained by friction alone: dry whirl (slipping) and dry whip.
 
     Parameters
@@ -93,6 +93,7 @@ def backward_whirl(rotor: Rotor) -> xr.Dataset:
     >>> round(found.birth_omega.item(), 9)
     0.314789904
     """
+    rotor = check_instance("rotor", rotor, Rotor)
     rho = _checked(rotor)
     zeta, mu, c = rotor.zeta, rotor.friction, rotor.contact_damping
     kappa, surface = rotor.shaft_stiffness, rho * rotor.omega
@@ -144,7 +145,6 @@ def backward_whirl(rotor: Rotor) -> xr.Dataset:
 
 def _checked(rotor: Rotor) -> float:
     """Return the radius of the disc of a rotor that has friction."""
-    check_instance("rotor", rotor, Rotor)
     if rotor.friction == 0.0:
         raise InputError("friction must be above 0 for a backward whirl, got 0.0")
     if rotor.disc_radius is None:

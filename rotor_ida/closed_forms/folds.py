@@ -42,7 +42,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, Parameters
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.varied import Varied
-from rotor_ida.results.in_si import varies_in_si
+from rotor_ida.results.in_si import takes_si
 from rotor_ida.schema import STABILITY, labelled, labelled_dataset, spread
 
 # Beyond these values the locus leaves the range of doubles.
@@ -59,7 +59,7 @@ _SAME = 1e-5
 _HUMP = (0.5, 0.8)
 
 
-@varies_in_si
+@takes_si
 def folds(
     rotor: Rotor | DimensionalRotor | None = None, **varied: Unpack[Parameters]
 ) -> xr.Dataset:

@@ -16,7 +16,7 @@ from rotor_ida.closed_forms.folds import ALL_SPEEDS
 from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
 from rotor_ida.model.parameters import Parameters
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
-from rotor_ida.results.in_si import varies_in_si
+from rotor_ida.results.in_si import takes_si
 from rotor_ida.schema import labelled_dataset
 
 _RANGES = dict.fromkeys(
@@ -24,7 +24,7 @@ _RANGES = dict.fromkeys(
 )
 
 
-@varies_in_si
+@takes_si
 def hopf_points(
     rotor: Rotor | DimensionalRotor | None = None, **varied: Unpack[Parameters]
 ) -> xr.Dataset:

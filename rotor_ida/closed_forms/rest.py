@@ -9,13 +9,13 @@ import xarray as xr
 from rotor_ida.checks import LARGEST_NUMBER, check_instance, check_nonnegative
 from rotor_ida.model.contact import force_at_depth
 from rotor_ida.model.disc_starts import depth_at_rest, radius_at_rest
-from rotor_ida.model.rotor import Rotor, check_no_friction
+from rotor_ida.model.rotor import DimensionalRotor, Rotor, check_no_friction
 from rotor_ida.results.in_si import takes_si
 from rotor_ida.schema import STABILITY, labelled, labelled_dataset
 
 
 @takes_si
-def rest(rotor: Rotor) -> xr.Dataset:
+def rest(rotor: Rotor | DimensionalRotor) -> xr.Dataset:
     """Compute the position of rest of a rotor at zero speed under its load, and its stability.
 
     Parameters
@@ -58,7 +58,7 @@ def rest(rotor: Rotor) -> xr.Dataset:
     >>> rest(Rotor(omega=0.0, zeta=0.1, delta0=1.0, load=0.5, shaft_stiffness=2.0)).y.item()
     -0.25
     """
-    check_instance("rotor", rotor, Rotor)
+    rotor = check_instance("rotor", rotor, Rotor)
     check_no_friction(rotor, "rest")
     for name in ("zeta", "delta0", "shaft_stiffness", "contact_damping", "load"):
         check_nonnegative(name, getattr(rotor, name), LARGEST_NUMBER)

@@ -22,7 +22,6 @@ from rotor_ida.results.dataset_kinds import loaded as described
 from rotor_ida.results.question import Question
 from rotor_ida.results.sheets import sheets_shown
 from rotor_ida.results.si_units import is_in_si
-from rotor_ida.texts import in_python
 
 # Kinds of results that are played, and the panels of a run-up.
 PLAYED = ("system_run", "drop")
@@ -73,7 +72,7 @@ def reread(path: Path, kind: str) -> str:
     """Return the Python lines or the command that load a result again."""
     if kind == "sh":
         return f"{Question('show', {'rotor': Path(path.name)}).command()}\n"
-    return f"from rotor_ida import load\n\nresult = load({in_python(path.name)})\n"
+    return f"from rotor_ida import load\n\nresult = load({path.name!r})\n"
 
 
 def check_played(result: xr.Dataset) -> None:

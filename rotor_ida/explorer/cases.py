@@ -38,7 +38,7 @@ from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Support
-from rotor_ida.results.archived_system import problem_of
+from rotor_ida.results.archived_system import system_of
 from rotor_ida.results.dataset_kinds import kind_of
 from rotor_ida.results.question import Question as Asked
 from rotor_ida.results.question import written as written_in_python
@@ -49,7 +49,7 @@ from rotor_ida.simulation.options import Method
 from rotor_ida.simulation.run_up import run_up
 from rotor_ida.simulation.simulate import simulate
 from rotor_ida.steady.drop import drop
-from rotor_ida.texts import brief, in_python
+from rotor_ida.texts import brief
 from rotor_ida.units import quantity, written
 
 # Panels of a run, those of its run-up, and those that need a speed which is held.
@@ -206,7 +206,7 @@ def _read(path: Path, _changed: int) -> Case:
         return Case(system=system, speed=speed, course=course)
     run = archived_in(path, path.stat().st_mtime_ns)
     fastest = float(run["speed"].max()) if "speed" in run else float(run.attrs["speed"])
-    return Case(system=problem_of(run)[0], speed=fastest, run=run)
+    return Case(system=system_of(run), speed=fastest, run=run)
 
 
 @lru_cache(maxsize=2)
@@ -443,7 +443,7 @@ class Node:
             machine = self.machine
             return LINES.format(rotor=type(machine).__name__, machine=written_in_python(machine),
                                 call=self.asked.python("machine"))  # fmt: skip
-        verb, path_said = "drop" if case.drops else "simulate", in_python(path.name)
+        verb, path_said = "drop" if case.drops else "simulate", repr(path.name)
         lines = [
             f"from rotor_ida import {verb}, load_course, load_system", "",
             f"system, course = load_system({path_said}), load_course({path_said})",

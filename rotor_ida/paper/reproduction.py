@@ -6,7 +6,6 @@ import os
 import re
 import shutil
 import sys
-import time
 from collections.abc import Mapping, Sequence
 from contextlib import closing
 from pathlib import Path
@@ -129,12 +128,10 @@ def reproduce(
     order = sorted(due, key=lambda name: -DURATIONS.get(name, 1.0))
     ends = run_scripts({name: chosen[name] for name in order}, command, root=root, at_once=at_once)
     failed = []
-    left, began = list(due), time.monotonic()
     with closing(ends):
-        for ended in ends:
+        for number, ended in enumerate(ends, start=1):
             name = ended.name
-            left.remove(name)
-            _report(ended, f"{len(due) - len(left)}/{len(due)}", _time_left(due, left, began))
+            _report(ended, f"{number}/{len(due)}")
             shutil.copyfile(chosen[name], folders[name] / chosen[name].name)
             freshness.record(folders[name], "" if ended.status else origins[name])
             if ended.status:
@@ -158,24 +155,15 @@ def _root(folder: str | os.PathLike[str]) -> Path:
     return root
 
 
-def _time_left(due: Sequence[str], left: Sequence[str], began: float) -> str:
-    """Return the remaining time in words; empty after the last scenario."""
-    if not left:
-        return ""
-    whole, rest = (sum(DURATIONS.get(name, 1.0) for name in names) for names in (due, left))
-    seconds = (time.monotonic() - began) * rest / (whole - rest)
-    return f", {seconds / 60.0:.0f} min left" if seconds >= 90.0 else f", {seconds:.0f} s left"
-
-
-def _report(ended: Ended, count: str, left: str) -> None:
-    """Print the output and the end of a script, and the remaining time."""
+def _report(ended: Ended, count: str) -> None:
+    """Print the output and the end of a script."""
     print(ended.printed, end="", flush=True)
     took = f"{ended.seconds:.0f} s"
     if ended.status:
         words = f"{ended.name} failed after {took} with exit status {ended.status}"
         print(words, file=sys.stderr)
     else:
-        print(f"[{count}] {ended.name} done in {took}{left}", flush=True)
+        print(f"[{count}] {ended.name} done in {took}", flush=True)
 
 
 def _chosen(

@@ -299,7 +299,7 @@ def plot_lines(cycle: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         ax.set_xlabel(LABELS["frequency_over_omega"])
         label_axis(ax.yaxis, "whirl_amplitude", cycle["whirl_amplitude"])
         for kind, (words, colour, marker) in LINE_LOOKS.items():
-            here = shown & (kinds == flags.get(kind))  # older archives have fewer
+            here = shown & (kinds == flags[kind])
             if here.any():
                 ax.vlines(ratio[here], 0.3 * FLOOR * highest, height[here], color=colour, lw=0.9)
                 draw_marks(ax, ratio[here], height[here], marker, colour, size=3.4, label=words)

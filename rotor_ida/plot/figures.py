@@ -48,7 +48,7 @@ from rotor_ida.plot.responses import plot_amplitude, plot_unbalance_response
 from rotor_ida.plot.run_up import has_many_turns, plot_run_up
 from rotor_ida.plot.runs import plot_run
 from rotor_ida.plot.signals import plot_bode, plot_orbit
-from rotor_ida.results.archived_system import problem_of
+from rotor_ida.results.archived_system import system_of
 from rotor_ida.results.concat import concat
 from rotor_ida.results.dataset_kinds import KINDS, kind_of, loaded, why_not
 from rotor_ida.results.growth_words import grows_at
@@ -139,7 +139,7 @@ def draw_responses(dataset: xr.Dataset) -> Figure:
     if "special_speed" in dataset and "not_exact" in dataset.attrs:  # there are no branches
         low, high = dataset.attrs["limits"].tolist()
         speeds = np.linspace(low, high, FEWEST_SPEEDS)
-        response = response_of_system(problem_of(dataset)[0], speeds)
+        response = response_of_system(system_of(dataset), speeds)
         return cast(Figure, plot_unbalance_response(response, special=dataset).figure)
     if "node_major_axis" in dataset and not (dataset.sizes["contact"] and "branch" in dataset.dims):
         return cast(Figure, plot_unbalance_response(dataset).figure)
@@ -207,7 +207,7 @@ def _whirls_of_system(part: xr.Dataset, over: str) -> xr.Dataset | None:
     """Return the exact whirls of the system of a sweep; None where there are none."""
     names = [name for name in parameters_in(part) if name not in {SPEED, over}]
     try:
-        system, _ = problem_of(part)
+        system = system_of(part)
         system = with_parameters(system, {name: part[name].item() for name in names})
         values = part[over].values
         if over == SPEED:

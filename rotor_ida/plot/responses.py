@@ -404,7 +404,7 @@ def _draw_specials(ax: Axes, found: Mapping[str, xr.Dataset], quantity: str, axi
         elif "special" in found:
             special = found["special"]
             chosen = special["special_kind"].values == SPECIAL[word]
-            if word == "graze" and "grazed_contact" in special:  # archives had none at first
+            if word == "graze":
                 chosen &= special["grazed_contact"].values == special["contact"].item()
             speeds = speeds_in(special["special_speed"]).values[chosen]
             heights = special["amplitude"].values[chosen]
@@ -537,9 +537,8 @@ def _start_words(simulated: xr.Dataset) -> str:
     words = {*str(simulated.attrs.get("start_words", "")).split()}
     if words in ({"rest"}, {"settled"}):
         return legends.FROM_REST if words == {"rest"} else legends.FROM_WHIRL
-    # older sweeps of systems have another name
-    of_system = [name for name in ("initial_state", "start_state") if name in simulated]
-    starts = of_system or [f"start_{name}" for name in COMPONENTS]
+    of_system = "initial_state" in simulated
+    starts = ["initial_state"] if of_system else [f"start_{name}" for name in COMPONENTS]
     at_rest = all(name in simulated and not simulated[name].values.any() for name in starts)
     return legends.FROM_REST if at_rest else legends.FROM_START
 

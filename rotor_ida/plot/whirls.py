@@ -305,11 +305,8 @@ def plot_campbell(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         ax.plot(speeds, np.abs(speeds), color=palette.INK, lw=0.9, ls="--", label="spin speed")
         unit = units_in(found["contact_stiffness"])
         handles = [ax.lines[-1], *_handles(senses[is_one], springs, unit), *growing]
-        # archives had none at first
-        critical = np.empty(0)
-        if "critical_speed" in found:
-            critical = speeds_in(found["critical_speed"]).values
-            handles += _draw_critical(ax, critical, found["critical_damping_ratio"].values)
+        critical = speeds_in(found["critical_speed"]).values
+        handles += _draw_critical(ax, critical, found["critical_damping_ratio"].values)
         top = float(np.append(drawn, np.abs(critical)).max(initial=0.0))
         ax.set_ylim(0.0, ABOVE * top or 1.0)
         legend_below(ax, columns=4 if len(handles) < MOST else 3, handles=handles)

@@ -2,7 +2,7 @@
 
 The matrices are those that were integrated: of a reduced system, the reduced ones. Gravity is
 within the constant force. So a result can be computed again, to the bit, from its dataset alone.
-A sweep has its system as text, in an attribute.
+A sweep has its system in its question.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ from rotor_ida.model.assembly import Assembly
 from rotor_ida.model.bearing import Bearing
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Race, Stator, Unbalance
-from rotor_ida.results.question import DESIGN, Question
+from rotor_ida.results.question import STATE, Question
 from rotor_ida.results.si_units import NOTE
 
 MATRICES = ("mass", "damping", "gyroscopic", "stiffness", "stiffness_rate")
@@ -28,18 +28,15 @@ OF_RACE = ("radius", "inertia", "drag", "speed")
 OF_BEARING = ("speed", "stiffness", "damping")
 OF_STATOR = {"mass": ("stator",), "stiffness": ("stator", "axis"), "damping": ("stator", "axis")}
 NEEDED = (
-    *("mass_matrix", "stiffness_matrix", "node_rows", "constant_force", "start_state"),
+    *("mass_matrix", "stiffness_matrix", "node_rows", "constant_force"),
     *("clearance", "stator_number", "centre_x", "centre_y", "stator_mass", "stator_stiffness"),
     *(f"law_{name}" for name in LAW),
     *(f"race_{name}" for name in OF_RACE),
     *("stator_damping", "unbalance_moment", "unbalance_phase"),
 )
 
-START = "start_state"
 # The clearances of contacts where `clearance` is an axis.
 OF_CONTACTS = "contact_clearance"
-# Results over the speed have no start.
-PROBLEM = tuple(name for name in NEEDED if name != START)
 # Variables whose units say whether a system is in SI units.
 SPEEDS = ("t", "speed", "special_speed")
 NAMES = ("node", "contact_node", "contact_stator", "unbalance_node")
@@ -68,7 +65,7 @@ def problem_variables(assembly: Assembly, start: Values | None = None) -> dict[s
     if assembly.gravity.any():
         found["gravity"] = ("axis", assembly.gravity)
     if start is not None:
-        found[START] = ("coordinate", start.ravel())
+        found[STATE] = ("coordinate", start.ravel())
     found |= _bearings(system.bearings) | _contacts(assembly)
     for name, dims in OF_STATOR.items():
         values = np.array([getattr(each, name) for each in assembly.stators], float)
@@ -102,7 +99,7 @@ def _bearings_of(run: xr.Dataset) -> list[Bearing]:
     if "bearing_node" not in run.variables:
         return []
     found = []
-    names = [each for each in ("node", "stator", "name") if f"bearing_{each}" in run.variables]
+    names = ("node", "stator", "name")
     for number, words in enumerate(_rows(run, [f"bearing_{each}" for each in names])):
         rows = run.isel(bearing_row=run["table_bearing"].values == number)
         given: dict[str, Any] = {name: rows[f"table_{name}"].values for name in OF_BEARING}
@@ -148,8 +145,8 @@ def _contacts(assembly: Assembly) -> dict[str, Column]:
     }
 
 
-def problem_of(run: xr.Dataset) -> tuple[RotorSystem, list[Any]]:
-    """Return the system of a result, and its starts; a result over the speed has none.
+def system_of(run: xr.Dataset) -> RotorSystem:
+    """Return the system of a result.
 
     Raises
     ------
@@ -162,16 +159,14 @@ def problem_of(run: xr.Dataset) -> tuple[RotorSystem, list[Any]]:
     >>> system = RotorSystem(mass=np.eye(2), stiffness=np.eye(2), nodes={"disc": (0, 1)},
     ...                      unbalance=[Unbalance(node="disc", moment=1.0)], units="1")
     >>> run = simulate(system, speed=0.9, duration=20.0, samples=3)
-    >>> again, (start,) = problem_of(run)
-    >>> simulate(again, start=start, speed=0.9, duration=20.0, samples=3).equals(run)
+    >>> simulate(system_of(run), speed=0.9, duration=20.0, samples=3).equals(run)
     True
     """
-    if DESIGN in run.attrs:
-        given = Question.of_text(str(run.attrs[DESIGN])).arguments
-        if not isinstance(given.get("rotor"), RotorSystem):
-            raise InputError(f"{DESIGN} must have a rotor system, got {', '.join(given)}")
-        return given["rotor"], given.get("starts", [])
-    missing = [name for name in (*PROBLEM, *NAMES) if name not in run.variables]
+    question = Question.of_result(run) if "mass_matrix" not in run.variables else None
+    if question and isinstance(question.arguments.get("rotor"), RotorSystem):  # of a sweep
+        system: RotorSystem = question.arguments["rotor"]
+        return system
+    missing = [name for name in (*NEEDED, *NAMES) if name not in run.variables]
     missing += [dim for dim in ("contact", "node") if dim not in run.sizes]
     if missing:
         raise InputError(f"a result of a rotor system must have {', '.join(missing)}, got none")
@@ -190,7 +185,7 @@ def problem_of(run: xr.Dataset) -> tuple[RotorSystem, list[Any]]:
         for number, (mass, stiffness, damping) in enumerate(
             _rows(run, [f"stator_{name}" for name in OF_STATOR]))
     ]  # fmt: skip
-    system = RotorSystem(
+    return RotorSystem(
         **matrices, nodes=nodes, positions=positions, units="SI" if si else "1",
         contacts=[_contact(run.isel(contact=i), stators) for i in range(run.sizes["contact"])],
         unbalance=[
@@ -201,12 +196,6 @@ def problem_of(run: xr.Dataset) -> tuple[RotorSystem, list[Any]]:
         gravity_in_static_force=tuple(run["gravity"].values) if "gravity" in run else None,
         note=run.attrs.get(NOTE, ""),
     )  # fmt: skip
-    if START not in run.variables:
-        return system, []
-    return system, [
-        "settled" if np.isnan(each).all() else tuple(each.reshape(2, -1))
-        for each in np.atleast_2d(run[START].values)
-    ]
 
 
 def _race(row: xr.Dataset) -> Race | None:

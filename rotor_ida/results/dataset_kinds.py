@@ -1,8 +1,7 @@
 """The registry of kinds of result: how each is recognised, shown and drawn.
 
 Every dataset of the package has its kind in the attribute ``result_kind``. (``kind`` is taken: in
-archives of bifurcation curves it names the bifurcation.) Older archives are recognised by their
-variables and dimensions.
+archives of bifurcation curves it names the bifurcation.)
 
 Functions are named here as ``module:name`` and imported when needed, so this module depends on
 none of those that compute and draw. The function that builds a dataset gives the name of its kind
@@ -41,9 +40,7 @@ class Kind:
     variables : str
         Variables of every result of the kind, with their dimensions in brackets; without brackets
         they have some of `dims`, parameters and components. Those with a question mark may be
-        missing.
-        Datasets without a stated kind, or without a part of it, are recognised by these (see
-        `kind_of`); a kind without any is not.
+        missing. A dataset without a part of these is of the kind ``other``.
     dims : str
         Dimensions of every result of the kind.
     shown : str
@@ -320,10 +317,7 @@ KINDS = {
 
 
 def kind_of(dataset: xr.Dataset) -> str:
-    """Return the kind of a dataset: as stated, or from its variables and dimensions.
-
-    A dataset without a part of its kind, such as a dimension removed by a selection, is recognised
-    by the remaining ones.
+    """Return the kind that a dataset states; ``other`` if it lacks a part of that.
 
     Raises
     ------
@@ -338,12 +332,10 @@ def kind_of(dataset: xr.Dataset) -> str:
     ('whirls', 'other')
     """
     stated = KINDS.get(str(dataset.attrs.get(RESULT_KIND, "")))
-    possible = (stated, *(kind for kind in KINDS.values() if kind.variables))
-    kind = next((kind for kind in possible if kind and not kind.lacking_in(dataset)), None)
-    if kind is None:
+    if stated is None or stated.lacking_in(dataset):
         return OTHER
-    check_variables(f"this {kind.meaning}", dataset)
-    return kind.name
+    check_variables(f"this {stated.meaning}", dataset)
+    return stated.name
 
 
 def why_not(dataset: xr.Dataset) -> str:

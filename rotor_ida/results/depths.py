@@ -57,20 +57,12 @@ def beyond_model(result: xr.Dataset) -> str:
             told.append(
                 f"contact {number} at {node!r} is indented by up to {length}, more than {bounds}"
             )
-    if not told:
-        return ""
-    return (
-        f"Beyond the model: {', and '.join(told)}; such a force is too large for the contact law "
-        "to predict."
-    )
+    return beyond_in_words(", and ".join(told)) if told else ""
 
 
-def beyond_in_words(indentation: str, bounds: str) -> str:
-    """Return the warning that an indentation of one disc is too large for the contact law."""
-    return (
-        f"Beyond the model: an indentation of {indentation} is more than {bounds}; the force is "
-        "too large for the contact law to predict."
-    )
+def beyond_in_words(what: str) -> str:
+    """Return the warning that an indentation is too large for the contact law."""
+    return f"Beyond the model: {what}; such a force is too large for the contact law to predict."
 
 
 def _of_disc(result: xr.Dataset) -> str:
@@ -105,7 +97,8 @@ def _of_disc(result: xr.Dataset) -> str:
         depths[deepest], None if math.isnan(radii[deepest]) else radii[deepest],
         gaps[deepest] if in_si else None,
     )  # fmt: skip
-    return beyond_in_words(quantity(depths[deepest], "m" if in_si else "1", 3), bounds)
+    length = quantity(depths[deepest], "m" if in_si else "1", 3)
+    return beyond_in_words(f"an indentation of {length} is more than {bounds}")
 
 
 def _depths(result: xr.Dataset, clearance: xr.DataArray) -> Values | None:

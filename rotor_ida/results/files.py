@@ -25,14 +25,8 @@ from rotor_ida.errors import ArchiveError, InputError
 from rotor_ida.formats.replacing import put
 
 _UNFINISHED = "rotor_ida-part"
-# Characters that the folder in which a file is written adds to its path: three dots, two numbers
-# and a slash besides.
-ADDED = len(_UNFINISHED) + 20
 _NO_LINKS_HERE = {errno.EPERM, errno.ENOTSUP, errno.EOPNOTSUPP, errno.ENOSYS, errno.EMLINK}
 _NO_SYNC_HERE = {errno.EINVAL, errno.ENOTSUP, errno.EOPNOTSUPP, errno.EACCES}
-# Where no long paths are switched on, Windows makes no folder with more characters in its path.
-_HAS_LIMIT = os.name == "nt"
-_LONGEST_FOLDER = 247
 
 
 def check_path(name: str, path: object, *, kind: str = "file") -> Path:
@@ -98,47 +92,8 @@ def already_there(path: Path, permission: str = "overwrite=True") -> InputError:
     return InputError(f"{shown(path)} already exists; pass {permission} to replace it")
 
 
-def refusal(error: OSError, path: Path) -> str | None:
-    """Return why the system refuses to write a file: on Windows it may be the length of its path.
-
-    Examples
-    --------
-    >>> refusal(OSError(28, "No space left on device"), Path("run.nc"))
-    'No space left on device'
-    """
-    length, most = len(os.path.abspath(path)), _LONGEST_FOLDER - ADDED
-    # which is how Windows puts it
-    if _HAS_LIMIT and isinstance(error, FileNotFoundError) and length > most:
-        return f"its path has {length} characters, and Windows takes {most} without long paths"
-    return error.strerror
-
-
 @contextmanager
 def file_to_write(path: Path, *, overwrite: bool) -> Iterator[Path]:
-    """Yield as `written_whole`; raise errors of this package that name the file in one line.
-
-    Raises
-    ------
-    InputError
-        If `overwrite` is false and the file exists.
-    ArchiveError
-        If the system refuses to write it, for example on a full disk, or a library cannot.
-    """
-    try:
-        with written_whole(path, overwrite=overwrite) as part:
-            yield part
-    except FileExistsError:
-        raise already_there(path) from None
-    except (OSError, RuntimeError) as error:
-        reason = refusal(error, path) if isinstance(error, OSError) else None
-        if reason is None:  # netCDF hides a full disk
-            free = shutil.disk_usage(path.parent).free / 2**20
-            reason = f"{' '.join(str(error).split())} ({free:.0f} MiB are free on the disk)"
-        raise ArchiveError(f"cannot write {path}: {reason}") from error
-
-
-@contextmanager
-def written_whole(path: Path, *, overwrite: bool) -> Iterator[Path]:
     """Yield the path of a file to write, which then becomes the file at `path` in one step.
 
     Parameters
@@ -155,10 +110,10 @@ def written_whole(path: Path, *, overwrite: bool) -> Iterator[Path]:
 
     Raises
     ------
-    FileExistsError
+    InputError
         If `overwrite` is false and the name is taken by then.
-    OSError
-        If the file cannot be written.
+    ArchiveError
+        If the system refuses to write it, for example on a full disk, or a library cannot.
 
     Notes
     -----
@@ -170,20 +125,29 @@ def written_whole(path: Path, *, overwrite: bool) -> Iterator[Path]:
     >>> import tempfile
     >>> folder = tempfile.TemporaryDirectory()
     >>> path = Path(folder.name, "word.txt")
-    >>> with written_whole(path, overwrite=False) as part:
+    >>> with file_to_write(path, overwrite=False) as part:
     ...     _ = part.write_text("whole")
     >>> path.read_text(), len(os.listdir(folder.name))
     ('whole', 1)
     >>> folder.cleanup()
     """
     target = Path(os.path.realpath(path))
-    with _folder_beside(target) as folder:
-        part = folder / target.name
-        yield part
-        with part.open("rb+") as file:
-            os.fsync(file.fileno())
-        _publish(part, target, overwrite)
-    _sync_folder(target.parent)
+    try:
+        with _folder_beside(target) as folder:
+            part = folder / target.name
+            yield part
+            with part.open("rb+") as file:
+                os.fsync(file.fileno())
+            _publish(part, target, overwrite)
+        _sync_folder(target.parent)
+    except FileExistsError:
+        raise already_there(path) from None
+    except (OSError, RuntimeError) as error:
+        reason = error.strerror if isinstance(error, OSError) else None
+        if reason is None:  # netCDF hides a full disk
+            free = shutil.disk_usage(path.parent).free / 2**20
+            reason = f"{' '.join(str(error).split())} ({free:.0f} MiB are free on the disk)"
+        raise ArchiveError(f"cannot write {path}: {reason}") from error
 
 
 @contextmanager

@@ -12,7 +12,7 @@ from contextlib import contextmanager
 from functools import wraps
 from inspect import Parameter, signature
 from pathlib import Path
-from typing import Any, Concatenate, NamedTuple, ParamSpec, TypeVar, cast
+from typing import Any, Concatenate, ParamSpec, TypeVar, cast
 
 import numpy as np
 import xarray as xr
@@ -53,23 +53,6 @@ Asked = ParamSpec("Asked")
 Found = TypeVar("Found")
 Verb = TypeVar("Verb", bound=Callable[..., xr.Dataset])
 Failure = TypeVar("Failure", bound=RotorError)
-
-
-class Differing(NamedTuple):
-    """The defaults of an argument for one disc and for a rotor system, as a signature shows them.
-
-    Examples
-    --------
-    >>> Differing("omega", "speed")
-    'omega' (of a RotorSystem 'speed')
-    """
-
-    disc: object
-    system: object
-
-    def __repr__(self) -> str:
-        disc = getattr(self.disc, "__name__", repr(self.disc))  # or a function that finds it
-        return f"{disc} (of a RotorSystem {self.system!r})"
 
 
 def takes_rotors(
@@ -130,23 +113,18 @@ def takes_rotors(
             options = options if varies else dict.fromkeys(disc) | options
             return of_system(*(given or (options.pop("rotor"),)), **options)
 
-        told = [each.replace(default=Differing(*defaults[name])) if name in defaults else each
-                for name, each in parameters.items()]  # fmt: skip
-        either.__signature__ = signature(verb).replace(parameters=told)  # type: ignore[attr-defined]
         return cast("Verb", either)
 
     return decorated
 
 
-def takes_si(
-    verb: Callable[Concatenate[Rotor, Asked], xr.Dataset],
-    known: Collection[str] = (),
-) -> Callable[Concatenate[Rotor | DimensionalRotor, Asked], xr.Dataset]:
+def takes_si(verb: Verb, known: Collection[str] = ()) -> Verb:
     """Return a function of a `Rotor` that also takes a `DimensionalRotor`, and is in SI units then.
 
-    Arguments become dimensionless by their names (`rotor_ida.model.scales`), and the result gets SI
-    units. A start that is a dataset has its own units. Arguments other than the `known` are
-    refused, by default those that the signature does not have.
+    The rotor may be left out where the function has a default. Arguments become dimensionless by
+    their names (`rotor_ida.model.scales`), and the result gets SI units. A start that is a dataset
+    has its own units. Arguments other than the `known` are refused, by default those that the
+    signature does not have.
     """
     parameters = signature(verb).parameters
     defaults = {
@@ -188,25 +166,20 @@ def takes_si(
             raise in_si(error, rotor) from error
         return dimensional(found, rotor)
 
-    return cast("Callable[Concatenate[Rotor | DimensionalRotor, Asked], xr.Dataset]", either)
+    return cast("Verb", either)
 
 
-def varies_in_si(verb: Verb) -> Verb:
-    """Return the function that `takes_si` does, whose rotor may be left out and varied."""
-    return cast("Verb", takes_si(verb))
-
-
-def takes_system(verb: Callable[Asked, xr.Dataset]) -> Callable[Asked, xr.Dataset]:
+def takes_system(verb: Verb) -> Verb:
     """Return a function of a rotor system that keeps its question, with units in its errors."""
 
     @wraps(verb)
-    def either(*given: Asked.args, **options: Asked.kwargs) -> xr.Dataset:
+    def either(*given: Any, **options: Any) -> xr.Dataset:
         system = given[0] if given else options.get("system")
         is_machine = isinstance(system, DimensionalRotor)
         with errors_in_units("SI" if is_machine else getattr(system, "units", "")):
             return with_question(verb(*given, **options), verb, given, options)
 
-    return either
+    return cast("Verb", either)
 
 
 def keeps_si(
@@ -352,10 +325,6 @@ def _plain(machine: DimensionalRotor, name: str, value: Any) -> Any:
     return np.stack(columns, axis=-1)
 
 
-def _is_name(parameter: Any) -> bool:
-    return isinstance(parameter, str)
-
-
 def _is_number(value: Any) -> bool:
     """Return whether a value is no array or sequence."""
     return getattr(value, "ndim", 0 if not hasattr(value, "__len__") else 1) == 0
@@ -368,7 +337,8 @@ def _plain_name(parameter: Any) -> Any:
 
 def _limits(machine: DimensionalRotor, parameter: Any, limits: Any) -> Any:
     """Return limits of a parameter without dimensions."""
-    known = OF_MACHINE.get(IS_OF_MACHINE.get(parameter, parameter)) if _is_name(parameter) else None
+    is_name = isinstance(parameter, str)
+    known = OF_MACHINE.get(IS_OF_MACHINE.get(parameter, parameter)) if is_name else None
     if known is None or known.sets_scales:
         return limits  # the function refuses the parameter
     values = check_array("limits", limits)

@@ -44,14 +44,14 @@ VERBS = frozenset({
 TYPE, DATASET = "type", "Dataset"
 # Attribute of a result, and the entry of it with the name of the function.
 QUESTION, VERB = "question", "verb"
-# Attribute of a sweep of a rotor system: the part of its question that is not on its axes.
-DESIGN = "design"
 # Arguments that do not change the answer, so that no file chooses them.
 JOBS = ("workers", "executor", "study", "progress")
 # Types that JSON has.
 PLAIN = (float, str, bool, int)
-# A longer text is not kept: the parts of such a question are variables of the result.
-LONGEST = 1_000_000
+# An argument, and the variable of a run of a rotor system that has its state.
+START, STATE = "start", "start_state"
+# A question with more numbers is not kept.
+MOST_NUMBERS = 1_000_000
 
 
 @dataclass(frozen=True, slots=True)
@@ -95,7 +95,7 @@ class Question:
 
     @classmethod
     def of_result(cls, dataset: xr.Dataset) -> Question | None:
-        """Return the question that a result keeps; None if it has none, as those of old versions.
+        """Return the question that a result keeps; None if it has none.
 
         Examples
         --------
@@ -123,8 +123,8 @@ class Question:
 
     def attribute(self) -> dict[str, str]:
         """Return the attribute by which a dataset keeps the question; none for a very long one."""
-        text = self.text() if sum(map(_size, self.arguments.values())) < LONGEST else ""
-        return {QUESTION: text} if 0 < len(text) <= LONGEST else {}
+        is_kept = sum(map(_size, self.arguments.values())) < MOST_NUMBERS
+        return {QUESTION: self.text()} if is_kept else {}
 
     def python(self, rotor: str = "", others: str = "") -> str:
         """Return the call in Python, an argument a line.
@@ -195,7 +195,7 @@ def with_question(
     numbers, it keeps no question.
     """
     kept = answer.attrs.get(QUESTION, "")
-    if DESIGN in answer.attrs or kept.startswith(_beginning(name_of(verb))):
+    if kept.startswith(f'{{"{VERB}":"{name_of(verb)}"'):
         return answer
     answer.attrs.pop(QUESTION, None)  # of a part of the computation
     if study := options.get("study"):
@@ -205,9 +205,10 @@ def with_question(
         return answer
     arguments = _arguments(verb, given, options)
     kept = {name: each for name, each in arguments.items() if each is not None}
+    left = {"rate", START} if STATE in answer.variables else {"rate"}  # there may be a ramp_time
     for name, each in arguments.items():
         parts = each if isinstance(each, list | tuple) else [each]
-        if name == "rate" and each is None:  # there may be a ramp_time
+        if name in left and each is None:
             continue
         if each is None or any(isinstance(part, xr.Dataset) for part in parts):
             kept[name] = _resolved(name, answer)
@@ -228,6 +229,8 @@ def _resolved(name: str, answer: xr.Dataset) -> Any:
             return states
         pairs = zip(words, states.tolist(), strict=True)
         return [state if word == "state" else word for word, state in pairs]
+    if name == START and STATE in answer.variables:
+        return tuple(answer.variables[STATE].values.reshape(2, -1))
     # a cycle is more than a state
     return None if f"{name}_period" in answer.attrs else answer.attrs.get(name)
 
@@ -263,11 +266,6 @@ def _defaults(verb: Callable[..., Any]) -> dict[str, Any]:
     each = inspect.signature(verb).parameters.values()
     named = [one for one in each if one.kind is not inspect.Parameter.VAR_KEYWORD]
     return {one.name: None if one.default is one.empty else one.default for one in named}
-
-
-def _beginning(verb: str) -> str:
-    """Return how the text of each question to a function begins."""
-    return f'{{"{VERB}":"{verb}"'
 
 
 def arguments_from(plain: Mapping[str, Any]) -> dict[str, Any]:

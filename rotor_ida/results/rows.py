@@ -65,20 +65,16 @@ def _rows(dataset: xr.Dataset, name: str, table: str) -> npt.NDArray[np.int64]:
     """Return the rows of all runs of a dataset."""
     counts, size = dataset[name].values.ravel().astype(np.int64), dataset.sizes[table]
     row = name_of_row(name)
-    if row in dataset.variables:
-        first = dataset[row].transpose(*dataset[name].dims).values.ravel().astype(np.int64)
-        ends = first + counts
-        if counts.min(initial=0) < 0 or first.min(initial=0) < 0 or ends.max(initial=0) > size:
-            raise InputError(
-                f"{table} must have the rows of all runs, got {size}, of which {row} and {name} "
-                f"need {ends.max(initial=0)}: select runs, not rows"
-            )
-    elif counts.sum() == size:  # of a version without first rows
-        first = np.cumsum(counts) - counts
-    else:
+    if row not in dataset.variables:
         raise InputError(
-            f"{table} must have the rows counted by {name}, {counts.sum()}, got {size}; "
-            f"without {row} it is unknown which rows belong to these runs"
+            f"{table} must have {row}: without it is unknown which rows belong to these runs"
+        )
+    first = dataset[row].transpose(*dataset[name].dims).values.ravel().astype(np.int64)
+    ends = first + counts
+    if counts.min(initial=0) < 0 or first.min(initial=0) < 0 or ends.max(initial=0) > size:
+        raise InputError(
+            f"{table} must have the rows of all runs, got {size}, of which {row} and {name} "
+            f"need {ends.max(initial=0)}: select runs, not rows"
         )
     start = np.repeat(first - (np.cumsum(counts) - counts), counts)
     return start + np.arange(counts.sum(), dtype=np.int64)

@@ -63,7 +63,7 @@ def samples_in(
 
 def is_of_system(dataset: xr.Dataset) -> bool:
     """Return whether a dataset is a run of a rotor system, such as a drop."""
-    kind = dataset.attrs.get(RESULT_KIND, SYSTEM_RUN)
+    kind = dataset.attrs.get(RESULT_KIND)
     return kind in {SYSTEM_RUN, DROP} and "contact_node" in dataset.variables
 
 
@@ -89,8 +89,6 @@ def check_run(run: object, needed: Sequence[str]) -> xr.Dataset:
     missing = [name for name in (*PARAMETERS, *needed) if name not in run.variables]
     if missing:
         raise InputError(f"run must be a run of simulate; it lacks {', '.join(missing)}")
-    if any(run[name].ndim for name in PARAMETERS):
-        raise InputError("run must be one run; its omega, zeta and delta0 must be scalars")
     several = [name for name in ALL_PARAMETERS if name in run.variables and run[name].ndim]
     if several:
         raise InputError(f"run must be one run; its {several[0]} must be a scalar")

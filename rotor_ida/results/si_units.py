@@ -192,24 +192,6 @@ def rescaled(dataset: xr.Dataset, machine: DimensionalRotor) -> xr.Dataset:
     return moved
 
 
-def add_missing_units(dataset: xr.Dataset) -> None:
-    """Give attributes of an older archive in SI units theirs: they were dimensionless there."""
-    try:
-        machine = machine_of(dataset)
-        if machine is None:
-            return
-        scales = {kind: scale_of(dataset, kind) for kind in UNITS}
-        found = _attributes_in_si(dataset, machine, scales, UNITS | _units_in(dataset))
-    except (InputError, TypeError, ValueError):  # not written by `dimensional`
-        return
-    names = [name for name in found if f"{name}_units" in found]
-    if dataset.attrs.get("result_kind") == "touchdown":  # whose ranges always were
-        names = []
-    for name in [each for each in names if f"{each}_units" not in dataset.attrs]:
-        whole = (name, f"{name}_units", f"{EXACT}_{name}")
-        dataset.attrs.update({each: found[each] for each in whole})
-
-
 def is_in_si(dataset: xr.Dataset) -> bool:
     """Return whether a result is in SI units."""
     return "length_scale" in dataset.attrs
@@ -397,13 +379,7 @@ def _attributes_before(dataset: xr.Dataset) -> dict[str, object]:
     before = {str(name): value for name, value in dataset.attrs.items() if name not in added}
     for name in [each for each in before if f"{each}_units" in before]:
         del before[f"{name}_units"]
-        exact = before.pop(f"{EXACT}_{name}", None)
-        if exact is None:
-            raise InputError(
-                f"{name} of this result has no dimensionless value: it was written before results "
-                "in SI units stored it"
-            )
-        before[name] = exact
+        before[name] = before.pop(f"{EXACT}_{name}")
     return before
 
 

@@ -14,7 +14,6 @@ from rotor_ida.schema.datasets import (
     labelled_dataset,
     origin_of,
     spread,
-    with_flags_of_now,
 )  # fmt: skip
 from rotor_ida.schema.flags import (
     DAMPED_EVENT_KIND,
@@ -56,5 +55,5 @@ __all__ = [
     "QUANTITIES", "RESPONSE", "RESULT_KIND", "SPECIAL", "STABILITY", "STATUS", "TRAPPING",
     "VERDICT", "WHIRL_DIRECTION", "WHIRL_KIND", "WITH_EXTENTS", "Column", "Quantity",
     "by_number", "check_as_computed", "check_variables", "decode_flags", "flags_of", "labelled",
-    "labelled_dataset", "origin_of", "spread", "unit_of", "with_flags_of_now", "words_of",
+    "labelled_dataset", "origin_of", "spread", "unit_of", "words_of",
 ]  # fmt: skip

@@ -16,7 +16,7 @@ import xarray as xr
 from rotor_ida.arrays import Column
 from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
-from rotor_ida.schema.flags import check_flags, flags_of
+from rotor_ida.schema.flags import check_flags
 from rotor_ida.schema.quantities import OTHER_UNITS, QUANTITIES, UNITS
 from rotor_ida.units import dimension_of
 
@@ -175,33 +175,3 @@ def check_as_computed(name: str, dataset: xr.Dataset) -> None:
             f"{name} must be dimensionless, got one in SI units: convert the result instead"
         )
     check_variables(name, dataset)
-
-
-def with_flags_of_now(dataset: xr.Dataset) -> xr.Dataset:
-    """Return a dataset whose flags have the numbers of this version, by their words.
-
-    An earlier version, for example, wrote ``stable`` as 0 and ``unstable`` as 1.
-
-    Examples
-    --------
-    >>> meanings = {"flag_values": np.array([0, 1], np.int8), "flag_meanings": "stable unstable"}
-    >>> earlier = xr.Dataset({"stability": ("branch", np.array([0, 1], np.int8), meanings)})
-    >>> with_flags_of_now(earlier).stability.values
-    array([1, 0], dtype=int8)
-    """
-    renumbered = {}
-    for name, variable in dataset.variables.items():
-        flags = QUANTITIES[str(name)].flags if name in QUANTITIES else {}
-        if not flags or "flag_meanings" not in variable.attrs:
-            continue
-        earlier = flags_of(variable)
-        if all(flags.get(word) == number for word, number in earlier.items()):
-            continue
-        if earlier.keys() <= flags.keys():
-            values = variable.values.copy()
-            for word, number in earlier.items():
-                values[variable.values == number] = flags[word]
-            now = variable.attrs | QUANTITIES[str(name)].attributes()
-            now["long_name"] = variable.attrs.get("long_name", now["long_name"])
-            renumbered[name] = (variable.dims, values, now)
-    return dataset.assign(renumbered) if renumbered else dataset

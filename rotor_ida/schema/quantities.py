@@ -668,12 +668,9 @@ QUANTITIES: dict[str, Quantity] = {
     ),
     "line": Quantity("number of the line of the spectrum, in order of frequency"),
     "line_kind": Quantity("kind of the line of the spectrum", flags=LINE_KIND),
-    **dict.fromkeys(
-        ("side_line_over_spin", "whirl_ratio"),  # the latter in older archives
-        Quantity(
-            "frequency of the strongest line other than that of the spin, over the spin speed, "
-            "negative for backward whirl"
-        ),
+    "side_line_over_spin": Quantity(
+        "frequency of the strongest line other than that of the spin, over the spin speed, "
+        "negative for backward whirl"
     ),
     # branches of limit cycles, and their bifurcations
     "special": Quantity("number of the special point, in order along the branch"),

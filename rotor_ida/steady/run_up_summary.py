@@ -22,7 +22,7 @@ from rotor_ida.model.contact import bounds_exceeded
 from rotor_ida.model.disc_starts import hanging
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.parallel import interruptible
-from rotor_ida.results.archived_system import problem_of
+from rotor_ida.results.archived_system import system_of
 from rotor_ida.results.contact_facts import columns_of_contact, run_up_facts
 from rotor_ida.results.depths import beyond_in_words
 from rotor_ida.results.depths import beyond_model as beyond_of_system
@@ -201,7 +201,7 @@ def _of_system(run: xr.Dataset, running_speed: float | None) -> xr.Dataset:
     clearances = run["clearance"].values
     contacts = [run_up_facts(columns_of_contact(run, number), float(each))
                 for number, each in enumerate(clearances)]  # fmt: skip
-    system, last = problem_of(run)[0], float(run["speed"][-1])
+    system, last = system_of(run), float(run["speed"][-1])
     rubs = False
     try:
         found, message = interruptible(
@@ -454,7 +454,8 @@ def beyond_model(indentation: float, rotor: Rotor, machine: DimensionalRotor | N
     if not bounds:
         return ""
     scales = None if machine is None else scales_of(machine)
-    return beyond_in_words(_length(indentation, scales), bounds)
+    length = _length(indentation, scales)
+    return beyond_in_words(f"an indentation of {length} is more than {bounds}")
 
 
 class Scales(NamedTuple):

@@ -23,7 +23,7 @@ from rotor_ida.model.system_parameters import SPEED, AnyAxes
 from rotor_ida.model.varied import Varied, varied_of, varied_system_of
 from rotor_ida.parallel import Progress, choose, shows_progress
 from rotor_ida.results.in_si import takes_rotors
-from rotor_ida.results.question import DESIGN, Question
+from rotor_ida.results.question import QUESTION, Question
 from rotor_ida.results.rows import counted
 from rotor_ida.results.run import event_columns, kinds_of_events
 from rotor_ida.results.studies.results import Folder
@@ -319,8 +319,8 @@ def _dataset(
     coordinates, key = asked.coordinates(points), question.attribute()
     if isinstance(asked, VariedSystem):
         coordinates |= {"initial_state": (("start", "component"), asked.initial_states(points))}
-        # as variables they would be columns of its table
-        key = {DESIGN: Question("sweep", {"rotor": points.base, "starts": asked.starts}).text()}
+        # however long: as variables its matrices would be columns of its table
+        key = {QUESTION: question.text()}
     return study_dataset(
         asked, points, f"{asked.title}: responses over a range of speeds", variables, coordinates,
         {**asked.attributes, **told, **key}, "sweep",

@@ -1,7 +1,7 @@
 """How a result of each kind is compared with one computed again: `VERIFIED`.
 
-A row says what a result must have, and what of it another processor does not repeat. How much
-numbers may differ is in `rotor_ida.schema.tolerances` (`TOLERANCE_OF_KIND`).
+A row says what of a result another processor does not repeat. How much numbers may differ is in
+`rotor_ida.schema.tolerances` (`TOLERANCE_OF_KIND`).
 """
 
 from __future__ import annotations
@@ -16,26 +16,20 @@ import xarray as xr
 
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.cycles.branch_course import VARIED, course_of, stable_ranges
-from rotor_ida.model.parameters import PARAMETERS
-from rotor_ida.results.archived_system import NEEDED, PROBLEM
 from rotor_ida.results.dataset_kinds import kind_of
 from rotor_ida.schema import RESPONSE
 from rotor_ida.schema.tolerances import TOLERANCE, TOLERANCE_OF_KIND
 from rotor_ida.verification.variables import OF_ONE_STRETCH, PERIODIC
-from rotor_ida.verification.without_question import SOLVER, STARTS
 
 Reasons = Mapping[str, str]
-HOW = (*SOLVER, "flight")
 # How much more numbers of a contact may differ than its times do over its duration.
 LATE = 100.0
 # Ends of a branch that do not depend on its steps.
 SHARP = ("limits", "closed", "halved", "hopf", "start")
 TRANSIENT = "depends on the way to the steady state"
-NOTHING_LOST = "without damping it is 0, or in older archives rounding"
 STEPS = "the steps along it depend on rounding; its special points and ends are compared"
 MARGINAL = "at a bifurcation a multiplier lies on the unit circle, on which side is rounding"
 BEHIND_HORIZON = "some drops end behind their horizon, where another processor drops otherwise"
-STATES = tuple(f"rotating_{name}" for name in COMPONENTS)
 
 
 def tolerance_of(dataset: xr.Dataset) -> float:
@@ -47,8 +41,6 @@ def tolerance_of(dataset: xr.Dataset) -> float:
 class Verification:
     """How results of one kind are compared with those computed again."""
 
-    variables: tuple[str, ...]  # numbers that are needed
-    attributes: tuple[str, ...] = ()
     # Why variables are not compared, by name or dimension.
     left_out: Callable[[xr.Dataset, xr.Dataset], Reasons] = lambda _, __: {}
     tolerance: Callable[[xr.Dataset], float] = tolerance_of
@@ -58,21 +50,9 @@ class Verification:
     also: Callable[[xr.Dataset], Mapping[str, Any]] = lambda _: {}
 
 
-def _without_damping(_again: xr.Dataset, archived: xr.Dataset) -> Reasons:
-    """Return why the energy that contacts take is not compared where they have no damping."""
-    damped = bool((archived["law_damping"] > 0.0).any())
-    return {} if damped else {"energy_lost": NOTHING_LOST}
-
-
-def _ends_of_attractors(_again: xr.Dataset, _archived: xr.Dataset) -> Reasons:
-    """Return why the state at which a start of a rotor system ended is not compared."""
-    return {"final_state": TRANSIENT}
-
-
-def _transients(_again: xr.Dataset, archived: xr.Dataset) -> Reasons:
-    """Return why numbers of the way to a steady state are not compared."""
-    names = ("event", "event_count", "event_row", *(f"end_{name}" for name in COMPONENTS))
-    return {name: TRANSIENT for name in names if name in (*archived.dims, *archived.variables)}
+def _transient(*names: str) -> Verification:
+    """Return the rule by which numbers of the way to a steady state are not compared."""
+    return Verification(lambda _, __: dict.fromkeys(names, TRANSIENT))
 
 
 def _stretches(_again: xr.Dataset, archived: xr.Dataset) -> Reasons:
@@ -144,81 +124,26 @@ def tolerance_of_run(run: xr.Dataset) -> float:
     return max(TOLERANCE, float(run.attrs["rtol"]) * 1e4, LATE * stated / shortest)
 
 
-NUMBERS = ("amplitude", "phase_lag", "radius_min", "radius_max")
-_RANGES = tuple(f"range_{name}" for name in COMPONENTS)
-_BEGUN_OF_SYSTEM = ("start", "start_speed", "start_period", "start_special", "limits", "points")
-_BEGUN = ("start", "start_period", *(f"start_{name}" for name in PARAMETERS))
-_SYSTEM_RUN = Verification(
-    ("event_time", "event_time_error", "event_contact", "t", *NEEDED),
-    ("duration", "rtol", "method"), _without_damping, tolerance=tolerance_of_run,
-)  # fmt: skip
 VERIFIED = {
-    "run": Verification(("event_time", "event_time_error", "t"),
-        (*PARAMETERS, "start", "duration", *HOW), tolerance=tolerance_of_run),
-    "sweep": Verification(("event_count", "response", "direction", *STARTS, *PARAMETERS, *NUMBERS),
-        HOW, _transients),
-    "run_ups": Verification(
-        ("ending", "response", "rate", "phase", "to", *STARTS, *PARAMETERS, *NUMBERS), SOLVER),
-    "bifurcation_diagram": Verification(
-        ("extremum_radius", "extremum_count", "response", *STARTS, *PARAMETERS),
-        (*SOLVER, "extrema_time"), _stretches),
-    "stroboscopic_diagram": Verification(("response", *STATES, *STARTS, *PARAMETERS),
-        (*SOLVER, "revolutions", "phase")),
-    "section": Verification(("crossing_time", *STATES, *PARAMETERS),
-        (*SOLVER, "revolutions", "skip")),
-    "basin": Verification(("label", "settling_time", "kind", *COMPONENTS, *NUMBERS),
-        (*PARAMETERS, "labelling_rtol"), _ends_of_attractors),
-    "basin_fractions": Verification(("response_fraction", "count", "kind", *NUMBERS),
-        (*PARAMETERS, "labelling_rtol", "starts", "seed", *_RANGES), _ends_of_attractors),
-    "atlas": Verification(("missed_fraction", "count", "kind", *PARAMETERS, *NUMBERS),
-        ("labelling_rtol", "starts"), lambda _, __: {"target": "shocks are not computed again"}),
-    "system_atlas": Verification(("missed_fraction", "count", "kind", "speed", *NUMBERS),
-        ("labelling_rtol", "starts"), _ends_of_attractors),
-    **dict.fromkeys(("touchdown", "system_touchdown"), Verification(
-        ("missed_fraction", "fraction", "kind", *NUMBERS[2:]), ("labelling_rtol", "starts"),
-        _ends_of_attractors,
-    )),
-    "whirls": Verification(("amplitude", *PARAMETERS)),
-    "folds": Verification(("fold_omega", "zeta", "delta0")),
-    "hopf_points": Verification(("hopf_omega", "zeta", "delta0")),
-    "cycle": Verification(("period_error", "multiplier_real", "multiplier_imag"),
-        (*PARAMETERS, "start")),
-    "cycles": Verification(("response", "stability", "period", "multiplier_real", "radius_max"),
-        ("rtol",), lambda _, __: dict.fromkeys((*COMPONENTS, "final_state"), TRANSIENT)),
-    "branch": Verification(("special_value", "special_period", "slope", "stability"),
-        ("parameter", "limits", "direction", "points", "start_special", *_BEGUN), _steps,
-        also=_ends),
-    "curve": Verification(("special_second_value", "special_value", "special_period"),
-        ("kind", "parameters", "limits", "points", *_BEGUN), _steps_of_curve, also=_ends),
-    "system_run": _SYSTEM_RUN,
-    "drop": _SYSTEM_RUN,
-    "drop_ensemble": Verification(("horizon", "status", "largest_force", "contact_count"),
-        ("duration",), _undecided, told=_decided),
-    "system_sweep": Verification(("response", "direction", "touched", "period", *NUMBERS),
-        ("rtol",), lambda _, __: {"final_state": TRANSIENT}),
-    "system_diagram": Verification(("extremum_radius", "extremum_count", "response", "touched"),
-        ("rtol", "revolutions"), _stretches),
-    "system_stroboscopic_diagram": Verification(("response", "touched", *STATES),
-        ("rtol", "revolutions", "phase")),
-    "system_section": Verification(
-        ("crossing_time", "crossing_state", "final_state", *STATES, *PROBLEM),
-        ("rtol", "speed", "revolutions", "skip")),
-    "system_run_ups": Verification(("ending", "response", "rate", "phase", "to", *NUMBERS),
-        ("rtol",)),
-    "system_whirls": Verification(("amplitude", "normal_force", "growth_rate", "speed", *PROBLEM)),
-    "unbalance_response": Verification(
-        ("node_major_axis", "unbalance_radius", "critical_speed", "peak_major_axis", "speed",
-         *PROBLEM)),
-    "system_special_points": Verification(("special_speed", "special_kind", "amplitude", *PROBLEM),
-        ("limits", "points")),
-    "system_cycle": Verification(("period", "multiplier_real", "speed", "final_state", *PROBLEM)),
-    "system_branch": Verification(("special_kind", "special_value", "special_period", *PROBLEM),
-        ("parameter", "direction", *_BEGUN_OF_SYSTEM), _steps, also=_ends),
-    "system_curve": Verification(
-        ("special_second_value", "special_value", "special_period", *PROBLEM),
-        ("kind", "parameters", *_BEGUN_OF_SYSTEM), _steps_of_curve, also=_ends),
-    "campbell": Verification(
-        ("whirl_speed", "damping_ratio", "speed", "contact_stiffness", *PROBLEM)),
-    "clearance_report": Verification(("scale_factor", "running_share", "vibration_limit", *PROBLEM),
-        ("multiple", "points", "running_speeds")),
+    **dict.fromkeys(
+        ("run_ups", "stroboscopic_diagram", "section", "whirls", "folds", "hopf_points", "cycle",
+         "system_stroboscopic_diagram", "system_section", "system_run_ups", "system_whirls",
+         "unbalance_response", "system_special_points", "system_cycle", "campbell",
+         "clearance_report"),
+        Verification(),
+    ),
+    **dict.fromkeys(("run", "system_run", "drop"), Verification(tolerance=tolerance_of_run)),
+    "sweep": _transient(
+        "event", "event_count", "event_row", *(f"end_{each}" for each in COMPONENTS)
+    ),
+    "cycles": _transient("final_state", *COMPONENTS),
+    **dict.fromkeys(("bifurcation_diagram", "system_diagram"), Verification(_stretches)),
+    **dict.fromkeys(
+        ("basin", "basin_fractions", "system_atlas", "touchdown", "system_touchdown",
+         "system_sweep"), _transient("final_state"),
+    ),
+    "atlas": Verification(lambda _, __: {"target": "shocks are not computed again"}),
+    **dict.fromkeys(("branch", "system_branch"), Verification(_steps, also=_ends)),
+    **dict.fromkeys(("curve", "system_curve"), Verification(_steps_of_curve, also=_ends)),
+    "drop_ensemble": Verification(_undecided, told=_decided),
 }  # fmt: skip

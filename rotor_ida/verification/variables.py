@@ -36,7 +36,7 @@ OF_CIRCLES = (
 CROSSING = "crossing"
 # Error of the trace of a monodromy matrix by rounding, relative to its largest multiplier.
 ROUNDING = 1e-14
-NO_MORE = "not computed by this version"
+NO_MORE = "not computed again"
 # Attributes that another method changes, and the difference allowed for numbers in attributes.
 OF_METHOD = ("method", "flight", "atol", "left_over_method")
 TOLERANCE_OF_ATTRIBUTES = 1e-6

@@ -6,10 +6,7 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
-from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.parallel import Progress, shows_progress
-from rotor_ida.results.archived_system import NAMES, PROBLEM
 from rotor_ida.results.dataset_kinds import kind_of, why_not
 from rotor_ida.results.question import Question
 from rotor_ida.results.si_units import dimensionless, in_units_of
@@ -19,11 +16,11 @@ from rotor_ida.texts import printable
 from rotor_ida.verification.comparison_rules import VERIFIED, Verification
 from rotor_ida.verification.variables import (
     NOT_BY_METHOD,
+    OF_METHOD,
     compare_attributes,
     compare_variables,
     missing_in,
 )
-from rotor_ida.verification.without_question import read_question
 
 # Relative differences allowed for another method, whose extrema may be those of its samples.
 TOLERANCE_OF_OTHERS = 1e-4
@@ -39,7 +36,7 @@ def rerun(
     workers: int | None = None,
     progress: Progress | bool | None = None,
 ) -> xr.Dataset:
-    """Compute a result again from its attributes, or by another method.
+    """Compute a result again from the question that it keeps, or by another method.
 
     Parameters
     ----------
@@ -61,7 +58,7 @@ def rerun(
     Raises
     ------
     InputError
-        If the dataset is not such a result, or its attributes are invalid.
+        If the dataset is not such a result, or does not keep a valid question.
 
     Examples
     --------
@@ -84,30 +81,27 @@ def rerun(
 
 
 def question_of(dataset: xr.Dataset) -> Question:
-    """Return the question that a result answers; refuse one that cannot be asked again."""
+    """Return the question that a result answers; refuse one that cannot be asked again.
+
+    Of a part of a result, it is the question with the values that are left of each axis.
+    """
     _verification_of(dataset)
     plain = dimensionless(dataset)
-    try:
-        kept = Question.of_result(plain)
-        if kept is not None and _fits(kept, plain):
-            sampled = {"samples": plain["t"].values} if kept.verb in SAMPLED else {}
-            return Question(kept.verb, {**kept.arguments, **sampled})
-        return read_question(plain)
-    except (KeyError, IndexError, TypeError, ValueError) as error:
-        kind = kind_of(dataset)
-        raise InputError(f"this {kind} cannot be verified: {error}") from error
-
-
-def _fits(question: Question, dataset: xr.Dataset) -> bool:
-    """Return whether a question is that of a result: no part was taken, and no parameter added."""
-    rotor = question.arguments.get("rotor")
-    known = {*question.arguments, *getattr(rotor, "given", ())}
-    added = not isinstance(rotor, RotorSystem) and any(
-        name in dataset.coords and name not in known for name in ALL_PARAMETERS
-    )
-    axes = {name: each for name, each in question.arguments.items()
-            if name in dataset.indexes and not isinstance(each, str)}  # fmt: skip
-    return not added and all(np.size(each) == dataset.sizes[name] for name, each in axes.items())
+    kept = Question.of_result(plain)
+    if kept is None:
+        raise InputError(f"this {kind_of(dataset)} cannot be verified: it lacks its question")
+    left = {
+        name: plain[name].values for name, each in kept.arguments.items()
+        if name in plain.indexes and not isinstance(each, str | None)
+        and plain.sizes[name] < np.size(each)
+    }  # fmt: skip
+    if left and kept.arguments.get("direction") is not None:
+        raise InputError(
+            "a part of a sweep up or down cannot be verified: each point begins where the one "
+            "before it ended"
+        )
+    sampled = {"samples": plain["t"].values} if kept.verb in SAMPLED else {}
+    return Question(kept.verb, {**kept.arguments, **left, **sampled})
 
 
 def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
@@ -139,9 +133,11 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
     """
     verification = _verification_of(archived)
     again, in_units, archived = dimensionless(again), archived, dimensionless(archived)
+    by_other = _method(again) != _method(archived)
+    _refuse_lacking(again, archived)
     left_out = {**verification.left_out(again, archived)}
     tolerance = verification.tolerance(archived)
-    if by_other := "method" in verification.attributes and len(_methods(again, archived)) > 1:
+    if by_other:
         left_out |= dict.fromkeys(missing_in(again, archived), NOT_BY_METHOD)
         tolerance = max(tolerance, TOLERANCE_OF_OTHERS)
     more, others = verification.also(again), verification.also(archived)
@@ -150,28 +146,35 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
         told=verification.told(archived),
     )  # fmt: skip
     compare_attributes(found, in_units_of(again, in_units), in_units, tolerance, by_other=by_other)
-    is_result = any(name in archived.data_vars for name in found.compared)
-    trouble = found.trouble or ("" if is_result else "no variable was compared")
     counts = _of_events(again, archived) if "event_time_error" in archived else {
         "compared": found.values, "differing": found.differing, "largest_difference": found.largest
     }  # fmt: skip
     # the last bits depend on the core
     same = again.attrs.get("core_sources") == archived.attrs.get("core_sources")
     return {
-        "agrees": not trouble, **counts, "variables": len(set(found.compared) - more.keys()),
+        "agrees": not found.trouble, **counts, "variables": len(set(found.compared) - more.keys()),
         "attributes": ", ".join(found.attributes),
         "attributes_not_compared": found.attributes_left_out,
-        "not_compared": found.left_out, "trouble": trouble,
+        "not_compared": found.left_out, "trouble": found.trouble,
         "core": "the same" if same else "different from that of the archive",
     }  # fmt: skip
 
 
-def _methods(*results: xr.Dataset) -> set[object]:
-    """Return the methods by which results were asked for."""
-    kept = [Question.of_result(each) for each in results]
-    if None not in kept:
-        return {each.arguments.get("method") for each in kept if each is not None}
-    return {each.attrs.get("method") for each in results}
+def _refuse_lacking(again: xr.Dataset, archived: xr.Dataset) -> None:
+    """Refuse an archive without a variable of its result, or an attribute of its question."""
+    question = Question.of_result(again)
+    asked = question.arguments.keys() - OF_METHOD if question else set()
+    missing = again.variables.keys() - archived.variables.keys()
+    missing |= (again.attrs.keys() & asked) - archived.attrs.keys()
+    if missing:
+        names = ", ".join(sorted(map(str, missing)))
+        raise InputError(f"this {kind_of(archived)} cannot be verified: it lacks {names}")
+
+
+def _method(result: xr.Dataset) -> object:
+    """Return the method by which a result was asked for."""
+    question = Question.of_result(result)
+    return question and question.arguments.get("method")
 
 
 def _of_events(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
@@ -187,7 +190,7 @@ def _of_events(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
 
 
 def _verification_of(dataset: xr.Dataset) -> Verification:
-    """Return how a result is verified; refuse one that cannot be, or that lacks variables."""
+    """Return how a result is verified; refuse one that cannot be."""
     kind = kind_of(dataset)
     verification = VERIFIED.get(kind)
     if verification is None:
@@ -197,15 +200,4 @@ def _verification_of(dataset: xr.Dataset) -> Verification:
             f"a result of the kind {kind!r}{why_not(dataset)} cannot be verified: compute it "
             f"again, and compare{way}"
         )
-    missing = [name for name in verification.variables if name not in dataset.variables]
-    of_disc = () if "contact_node" in dataset.variables else PARAMETERS
-    needed = [name for name in verification.attributes if name not in PARAMETERS or name in of_disc]
-    missing += [name for name in needed if name not in dataset.attrs]
-    if set(PROBLEM) <= set(verification.variables):  # of a rotor system
-        missing += [name for name in NAMES if name not in dataset.variables]
-    if missing:
-        raise InputError(f"this {kind} cannot be verified: it lacks {', '.join(missing)}")
-    words = [name for name in verification.variables if dataset[name].dtype.kind not in "iuf"]
-    if words:
-        raise InputError(f"{words[0]} must be numbers, got {dataset[words[0]].dtype}")
     return verification

@@ -416,7 +416,7 @@ def test_a_word_replaces_the_start_of_the_file(program: Program, rotor: str, wor
     xr.testing.assert_equal(run.x, expected.x)
     answer = program("sweep", rotor, "--speed", 400, "--start", word, "--out", "map.nc")
     assert (answer.status, answer.err) == (0, "")
-    told = json.loads(rotor_ida.load("map.nc").attrs["design"])
+    told = json.loads(rotor_ida.load("map.nc").attrs["question"])
     assert told["starts"] == [word]
 
 

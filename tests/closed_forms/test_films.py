@@ -22,7 +22,7 @@ from rotor_ida.cli.describe import describe
 from rotor_ida.closed_forms.clearances.critical_speeds import _driven_modes, critical_modes
 from rotor_ida.closed_forms.crossings import film_pencil, film_speeds
 from rotor_ida.model.assembly import assemble
-from rotor_ida.results.archived_system import problem_of
+from rotor_ida.results.archived_system import system_of
 from rotor_ida.schema import SPECIAL
 from tests.films import SPEEDS, on_films
 
@@ -176,7 +176,7 @@ def test_close_clearances_are_reported_within_the_tables(system):
 @pytest.mark.parametrize("verb", [synchronous_response, campbell])
 def test_a_result_keeps_its_tables(system, verb):
     found = verb(system, speed=[333.0, 1250.0])
-    again = problem_of(found)[0]
+    again = system_of(found)
     assert verb(again, speed=[333.0, 1250.0]).equals(found)
 
 

@@ -32,7 +32,7 @@ from rotor_ida import (
 )
 from rotor_ida.cli import main
 from rotor_ida.cli.describe import describe
-from rotor_ida.results.archived_system import problem_of
+from rotor_ida.results.archived_system import system_of
 from rotor_ida.steady.drop_words import sentence_of
 
 MASSES, PEDESTALS = (30.0, 20.0), (10.0, 5.0)  # kg
@@ -222,7 +222,7 @@ def test_every_answer_tells_that_coefficients_are_frozen():
         assert found.attrs["note"] == NOTE
         told = [each for each in describe(found)[1] if isinstance(each, str)]
         assert sum(each.count(f"Note: {NOTE}.") for each in told) == 1
-        assert problem_of(found)[0].note == NOTE
+        assert system_of(found).note == NOTE
     assert f"Note: {NOTE}." in sentence_of(found, None)
 
 
@@ -335,7 +335,7 @@ def test_eigenvalues_on_tables_are_those_recorded():
     system = RotorSystem.from_ross(rotor)
     names = {each.node: each.name for each in system.bearings}
     assert names == {"0": "film 0", "2": "Seal 0", "4": "film 4"}
-    again, _ = problem_of(synchronous_response(system, speed=held["speed"][:1]))
+    again = system_of(synchronous_response(system, speed=held["speed"][:1]))
     assert {each.node: each.name for each in again.bearings} == names
     found = campbell(system, speed=held["speed"], modes=16)
     for number, values in enumerate(held["eigenvalues"]):

@@ -26,7 +26,7 @@ from rotor_ida import (
 )
 from rotor_ida.cli.describe import describe
 from rotor_ida.core import systems as core_systems
-from rotor_ida.results.archived_system import problem_of
+from rotor_ida.results.archived_system import system_of
 from tests.axisymmetric_systems import random_axisymmetric
 from tests.random_systems import random_system
 
@@ -242,7 +242,7 @@ def test_a_run_computed_again_has_the_same_axial_positions():
     places = {"disc": 0.1, "end": 0.3}
     run = simulate(RotorSystem(**PLAIN, positions=places), speed=1.0, duration=1.0, samples=3)
     assert dict(zip(run.node.values, run.axial_position.values, strict=True)) == places
-    again, _ = problem_of(run)
+    again = system_of(run)
     assert again.positions == places
     assert again.reduced(modes=2).positions == places
 

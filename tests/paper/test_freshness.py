@@ -36,7 +36,7 @@ def test_sources_and_versions_are_part_of_the_origin(made, monkeypatch):
     assert freshness.origin_of(script, []) != before
 
 
-@pytest.mark.parametrize("name", ["model.py", "core/model.c", "core/model.h"])
+@pytest.mark.parametrize("name", ["model.py", "core/model.c"])
 def test_sources_in_python_and_in_c_are_part_of_the_origin(tmp_path, monkeypatch, name):
     package, script = tmp_path / "package", tmp_path / "fig.py"
     (package / "core").mkdir(parents=True)

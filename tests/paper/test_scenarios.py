@@ -16,12 +16,12 @@ from rotor_ida.plot import save_figure, saving
 from rotor_ida.plot.appearance import SettledLayout
 from tests.scenarios import scenario
 
-# Those with sweeps take longer, and are run by hand and by `rotor-ida reproduce`.
+# The others take longer: the site with coarse figures and `rotor-ida reproduce` run them, and of
+# most the functions are tested beside this.
 QUICK = ["dimensional_example", "drop", "event_time_convergence", "fig02_03_force_potential",
-         "fig04_05_free_vibration", "fig07_basins", "fig08_09_whirls",
-         "finite_elements", "fitted_machine", "general_solution", "how_slow",
-         "internal_resonance", "plots", "random_starts", "restitution", "rub", "run_up", "shaft",
-         "signatures", "way_to_whip", "whip_map"]  # fmt: skip
+         "fig04_05_free_vibration", "fig08_09_whirls", "fitted_machine", "general_solution",
+         "how_slow", "internal_resonance", "plots", "random_starts", "run_up", "way_to_whip",
+         "whip_map"]  # fmt: skip
 
 # What the site with coarse figures has computed, if it has been built.
 OF_SITE = Path(__file__).parents[2] / "docs" / "results"

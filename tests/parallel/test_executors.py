@@ -172,12 +172,9 @@ def test_workers_are_counted():
 @pytest.mark.parametrize(
     ("executor", "workers", "compiled", "chosen"),
     [
-        ("auto", None, True, ("threads", count_workers(None))),
         ("auto", None, False, ("serial", 1)),
-        ("auto", 3, False, ("processes", 3)),
         ("threads", 3, False, ("threads", 3)),
         ("processes", None, True, ("processes", count_workers(None))),
-        ("serial", 1, True, ("serial", 1)),
     ],
 )
 def test_what_is_chosen(executor, workers, compiled, chosen):
@@ -188,7 +185,6 @@ def test_what_is_chosen(executor, workers, compiled, chosen):
     ("executor", "workers", "message"),
     [
         ("serial", 2, "workers must be 1 with executor 'serial', got 2"),
-        ("serial", 0, "workers must be at least 1, got 0"),
         ("gpu", None, "executor must be one of 'auto', 'serial', .*, got 'gpu'"),
         (None, None, "executor must be one of .*, got None"),
     ],

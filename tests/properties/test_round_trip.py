@@ -60,7 +60,7 @@ def datasets(draw: st.DrawFn) -> xr.Dataset:
     return xr.Dataset(variables, attrs=draw(attributes())).set_coords(coordinates)
 
 
-@settings(max_examples=100, deadline=None)
+@settings(max_examples=40, deadline=None)
 @given(datasets())
 def test_round_trip_is_identical(dataset: xr.Dataset) -> None:
     before = dataset.copy(deep=True)

@@ -13,7 +13,7 @@ import pytest
 import xarray as xr
 
 from rotor_ida.errors import InputError
-from rotor_ida.results.archive import load, open_archive, save, writing
+from rotor_ida.results.archive import load, open_archive, save
 from rotor_ida.results.archive.checksum import content_sha256
 from rotor_ida.results.archive.content import FORMAT_NUMBER, archived_form
 from rotor_ida.schema import CONVENTIONS
@@ -29,38 +29,12 @@ def with_added(dataset: xr.Dataset, loaded: xr.Dataset) -> xr.Dataset:
     return dataset.assign_attrs({name: loaded.attrs[name] for name in ADDED})
 
 
-def test_what_comes_back_is_what_was_saved(archive: Path) -> None:
-    loaded = load(archive)
-    xr.testing.assert_identical(loaded, with_added(a_dataset(), loaded))
-    for name, variable in a_dataset().variables.items():
-        same = loaded.variables[name]
-        assert same.dtype.kind == variable.dtype.kind
-        if variable.dtype.kind == "U":
-            assert same.values.tolist() == variable.values.tolist()
-        else:
-            assert same.dtype == variable.dtype
-            assert same.values.tobytes() == variable.values.tobytes()
-        assert not same.encoding
-    assert set(loaded.coords) == {"t", "omega", "label"}
-    assert loaded.response.attrs["flag_values"].dtype == np.int8
-    assert loaded.attrs["small"].dtype == np.int8
-    assert loaded.attrs["none_of_them"].dtype == np.int16
-    assert not loaded.encoding
-
-
-def test_added_attributes_say_what_the_file_is(archive: Path) -> None:
-    loaded = load(archive)
-    assert loaded.attrs["Conventions"] == CONVENTIONS
-    assert loaded.attrs["rotor_ida_format"] == FORMAT_NUMBER
-    assert loaded.attrs["rotor_ida_version"]
-    assert loaded.attrs["content_sha256"] == content_sha256(loaded)
-
-
 def test_version_that_computed_the_data_is_kept(tmp_path: Path) -> None:
     dataset = a_dataset().assign_attrs(rotor_ida_version="0.0.1", Conventions="CF-1.6")
     loaded = load(save(dataset, tmp_path / "run.nc"))
     assert loaded.attrs["rotor_ida_version"] == "0.0.1"
     assert loaded.attrs["Conventions"] == CONVENTIONS
+    assert loaded.attrs["rotor_ida_format"] == FORMAT_NUMBER
 
 
 def test_checksum_is_the_same_for_the_same_content(archive: Path, tmp_path: Path) -> None:
@@ -99,36 +73,6 @@ def test_dataset_of_the_caller_is_left_alone(tmp_path: Path) -> None:
     xr.testing.assert_identical(loaded, with_added(before, loaded))
 
 
-def test_saved_result_does_not_hang_on_the_file(archive: Path) -> None:
-    loaded = load(archive)
-    archive.unlink()
-    loaded.x.values[0] = 5.0
-    assert loaded.x.values[0] == 5.0
-
-
-def test_unusual_shapes_and_types_come_back(tmp_path: Path) -> None:
-    dataset = xr.Dataset(
-        {
-            "objects": ("start", np.array(["a", "longer"], dtype=object)),
-            "swapped": ("start", np.array([1.5, 2.5], dtype=">f8")),
-            "strided": ("half", np.arange(10.0)[::2]),
-            "turned": (("half", "start"), np.arange(10.0).reshape(2, 5).T),
-            "nothing": (("event", "start"), np.zeros((0, 2))),
-        },
-        coords={"big": ("start", np.array([2**64 - 1, 0], dtype=np.uint64))},
-        attrs={"swapped": np.array([1.5, 2.5], dtype=">f4"), "single": np.array([3.5])},
-    )
-    loaded = load(save(dataset, tmp_path / "run.nc"))
-    expected = with_added(dataset, loaded).assign_attrs(single=3.5)
-    xr.testing.assert_identical(loaded, expected)
-    assert loaded.swapped.dtype == np.float64
-
-
-def test_empty_dataset_comes_back(tmp_path: Path) -> None:
-    loaded = load(save(xr.Dataset(), tmp_path / "run.nc"))
-    assert not loaded.variables
-
-
 def test_other_readers_see_plain_cf_variables(archive: Path) -> None:
     with netCDF4.Dataset(archive) as file:
         # netCDF has no other word for a length of zero: NC_UNLIMITED is 0.
@@ -152,20 +96,12 @@ def test_history_grows_by_a_line_and_the_date_stays(archive: Path, tmp_path: Pat
     )
     earlier = first.assign_attrs(date_created="2020-01-01T00:00:00Z")
     again = load(save(earlier, tmp_path / "again.nc"))
+    assert again.content_sha256 == first.content_sha256
     assert again.history.splitlines()[0] == first.history
     assert len(again.history.splitlines()) == 2
     assert again.date_created == "2020-01-01T00:00:00Z"
     changed = load(save(earlier.assign(x=2 * earlier.x), tmp_path / "changed.nc"))
     assert changed.date_created != "2020-01-01T00:00:00Z"
-
-
-def test_time_of_saving_is_not_part_of_the_content(
-    archive: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(writing, "now", lambda: "2020-01-01T00:00:00Z")
-    other = load(save(a_dataset(), tmp_path / "other.nc"))
-    assert other.date_created == "2020-01-01T00:00:00Z" != load(archive).date_created
-    assert other.content_sha256 == load(archive).content_sha256
 
 
 def test_text_coordinate_of_a_dimension_is_stored_as_a_label(tmp_path: Path) -> None:

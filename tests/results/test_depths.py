@@ -65,8 +65,8 @@ def test_every_result_of_one_disc_tells_that_it_is_beyond_the_model():
     both = [beyond_model(each) for each in (run, as_system)]
     depth = re.search(r"up to (.* um), more than the clearance", both[1])[1]
     assert both[0] == (
-        f"Beyond the model: an indentation of {depth} is more than the clearance; the force is too "
-        "large for the contact law to predict."
+        f"Beyond the model: an indentation of {depth} is more than the clearance; such a force is "
+        "too large for the contact law to predict."
     )
     at = replace(PUMP, speed=577.0)  # at its resonance
     found = sweep(at)

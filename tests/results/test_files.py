@@ -12,8 +12,7 @@ from filelock import FileLock
 from rotor_ida.errors import ArchiveError, InputError
 from rotor_ida.formats import replacing
 from rotor_ida.results import files
-from rotor_ida.results.files import check_path, check_target, file_to_write, written_whole
-from rotor_ida.results.studies import store
+from rotor_ida.results.files import check_path, check_target, file_to_write
 
 
 class PathOfBytes(os.PathLike[bytes]):
@@ -74,7 +73,7 @@ def test_folder_without_permission_is_refused(
 
 
 def test_what_a_killed_writer_left_is_removed(tmp_path: Path) -> None:
-    with written_whole(tmp_path / "living", overwrite=False) as part:
+    with file_to_write(tmp_path / "living", overwrite=False) as part:
         part.write_text("half")
         name = part.parent.name
         left = tmp_path / f"{name[: name.index('.', 1)]}.{'0' * 8}.rotor_ida-part"
@@ -83,7 +82,7 @@ def test_what_a_killed_writer_left_is_removed(tmp_path: Path) -> None:
         (left / "dead").write_text("half")
         elsewhere = tmp_path / f".elsewhere.{'0' * 8}.rotor_ida-part"
         elsewhere.mkdir()
-        with written_whole(tmp_path / "next", overwrite=False) as other:
+        with file_to_write(tmp_path / "next", overwrite=False) as other:
             other.write_text("whole")
         assert not left.exists()
     assert sorted(os.listdir(tmp_path)) == [elsewhere.name, "living", "next"]
@@ -112,7 +111,7 @@ def test_a_folder_that_another_writer_removes_is_made_anew(
 
     monkeypatch.setattr(files, "_lock_of", lock_of_removed)
     target.write_text("before")
-    with written_whole(target, overwrite=True) as part:
+    with file_to_write(target, overwrite=True) as part:
         part.write_text("after")
     assert target.read_text() == "after"
     assert len(seen) == 2
@@ -159,38 +158,3 @@ def test_windows_replaces_a_file_once_its_reader_has_closed_it(
         with pytest.raises(PermissionError):
             replacing.put(part, target)
     assert (len(asked), target.read_text()) == (tries, "after" if readers < tries else "before")
-
-
-def test_the_folder_of_an_unfinished_file_adds_few_characters_to_its_path(tmp_path: Path) -> None:
-    """Of which a study, whose pieces have numbers, adds no more."""
-    with written_whole(tmp_path / "run.nc", overwrite=False) as part:
-        part.touch()
-        assert len(str(part)) - len(str(tmp_path / "run.nc")) == files.ADDED
-    assert files.ADDED < 40
-    longest = max(f"/{store.PIECES}/{store.UNFINISHED}", f"/{store.PIECES}/{10**9}", key=len)
-    assert len(longest) <= files.ADDED
-
-
-def test_windows_is_answered_when_a_path_is_too_long(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    """As it says, in the words of what is not found; elsewhere that is what it means."""
-
-    def no_folder(self: Path, **_options: object) -> None:
-        raise FileNotFoundError(errno.ENOENT, "The filename or extension is too long")
-
-    def write(target: Path) -> None:
-        with file_to_write(target, overwrite=False):
-            pass
-
-    long = tmp_path / f"{'n' * (214 - len(str(tmp_path)) - 4)}.nc"
-    assert len(str(long)) == 214
-    monkeypatch.setattr(Path, "mkdir", no_folder)
-    with pytest.raises(ArchiveError, match=r"too long$"):
-        write(long)
-    monkeypatch.setattr(files, "_HAS_LIMIT", True)
-    told = r"has 214 characters, and Windows takes 213 without long paths$"
-    with pytest.raises(ArchiveError, match=told):
-        write(long)
-    with pytest.raises(InputError, match=told), store.opened(long, {}, points=1):
-        pass

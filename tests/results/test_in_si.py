@@ -26,7 +26,6 @@ from rotor_ida import (
     synchronous_response,
 )
 from rotor_ida.results.si_units import rescaled
-from rotor_ida.verification.verify import differences, rerun
 
 D, M, K = 1e-6, 4.0, 1e9
 W = math.sqrt(K * math.sqrt(D) / M)
@@ -224,9 +223,6 @@ def test_a_start_of_a_machine_with_other_scales_keeps_its_metres():
          "revolution, got 1e+30 s"),
         ("simulate", {"duration": 0.1, "samples": [0.0, 0.2]},
          "samples must lie from 0 to the duration 0.1 s, got 0.2 s"),
-        ("simulate", {"duration": "1 s"}, "duration must be a finite real number, got '1 s'"),
-        ("simulate", {"duration": 1.0, "start": (1, 2)},
-         "start must be four numbers (x, y, vx, vy), got (1, 2)"),
         ("run_up", {"to": 900.0, "rate": 3.0},
          "rate must be negative to change the speed from 1000 rad/s to 900 rad/s, got 3 rad/s2"),
         ("run_up", {"torque": (1.0, 0.1), "inertia": 1e-16, "duration": 1.0},
@@ -252,20 +248,6 @@ def test_an_error_carries_name_value_and_unit_across_processes():
     error = pickle.loads(pickle.dumps(refused.value))
     assert (error.name, error.value, error.value.unit) == ("duration", -0.5, "s")
     assert str(error) == str(refused.value)
-
-
-def test_an_old_archive_in_si_units_gets_its_attributes_in_them(tmp_path):
-    """Archives had their start and duration without dimensions, and no units of these."""
-    run = rotor_ida.simulate(machine_of(ROTOR), start=START * STATE, duration=0.02)
-    new = {name for name in run.attrs if "start" in name or "duration" in name}
-    plain = {"start": run.attrs["dimensionless_start"], "duration": 10.0}
-    old = run.copy()
-    old.attrs = {name: each for name, each in run.attrs.items() if name not in new} | plain
-    loaded = rotor_ida.load(rotor_ida.save(old, tmp_path / "old.nc"))
-    np.testing.assert_array_equal(loaded.attrs["start"], run.attrs["start"])
-    assert (loaded.attrs["duration"], loaded.attrs["duration_units"]) == (0.02, "s")
-    again = rerun(loaded)
-    assert differences(again, loaded)["agrees"]
 
 
 MACHINE = machine_of(Rotor(omega=1.2, zeta=0.07, delta0=2.0))
@@ -298,19 +280,15 @@ def test_a_study_keeps_its_units(tmp_path: Path):
          "speed must be left out with one disc, got 1.0"),
         (lambda: continue_cycle(MACHINE, parameter="mass", limits=(3.0, 5.0)), InputError,
          "parameter must be one of"),
-        (lambda: sweep(MACHINE, starts=[(0, 0, 0, 0), None]), InputError, "starts must be"),
-        (lambda: simulate(MACHINE, duration=0.1, samples=[0, [1]]), InputError, "samples must be"),
         (lambda: simulate(MACHINE.system(), duration=0.1), TypeError, "needs speed"),
         (lambda: sweep(MACHINE, clearance=[[1e-6]]), InputError,
          "clearance must be a number or a vector of numbers, got an array of shape"),
-        (lambda: sweep(MACHINE, speed="fast"), InputError, "speed must be a finite real number"),
         (lambda: sweep(MACHINE, speed=[600.0, 700.0], direction="up", along="sped"), InputError,
          "along must be one of 'speed', 'damping', 'clearance', got 'sped'; did you mean 'speed'"),
         (lambda: sweep(MACHINE, clearance=[1e-6, 2e-6], damping=[2.0, 3.0], direction="up"),
          InputError, "as damping and clearance vary"),
         (lambda: sweep(MACHINE, clearence=1e-6), InputError, "did you mean 'clearance'"),
         (lambda: simulate(MACHINE, durtion=0.1), TypeError, "did you mean 'duration'"),
-        (lambda: simulate(MACHINE.rotor(), durtion=0.1), TypeError, "did you mean 'duration'"),
         (lambda: continue_cycle(MACHINE, parameter="clearence", limits=(1e-6, 2e-6)), InputError,
          "parameter must be one of 'speed', 'damping', 'clearance', .*did you mean 'clearance'"),
         (lambda: bifurcation_curve(MACHINE, kind="fold", parameters=("speed", "clearence"),

@@ -13,19 +13,17 @@ import pytest
 import xarray as xr
 
 from rotor_ida import (
-    decode_flags,
     load_machine,
     load_system,
     open_archive,
     read_signals,
     resume,
     status,
-    synchronous_response,
 )
 from rotor_ida.errors import ArchiveError, InputError
 from rotor_ida.results.archive import load, reading, save
 from rotor_ida.results.archive.checksum import append_seal
-from tests.example_datasets import a_dataset, in_the_numbers_of_an_earlier_version
+from tests.example_datasets import a_dataset
 
 
 def refused(path: Path, message: str) -> None:
@@ -56,17 +54,6 @@ def test_what_does_not_exist_is_a_missing_file_to_python_too(read, tmp_path: Pat
             read(tmp_path / "gone.nc")
     assert "\n" not in str(caught.value)
     assert not isinstance(caught.value, ArchiveError)
-
-
-def test_flags_of_an_earlier_version_have_the_numbers_of_now(tmp_path: Path) -> None:
-    whirls = synchronous_response(omega=1.7, zeta=0.07, delta0=[0.0, 1.0])
-    earlier = in_the_numbers_of_an_earlier_version(whirls)
-    path = save(earlier, tmp_path / "whirls.nc")
-    xr.testing.assert_identical(load(path).stability, whirls.stability)
-    assert whirls.stability.values.ravel().tolist() == [1, 0, 1, 2, 0, 1]
-    xr.testing.assert_identical(decode_flags(earlier).stability, decode_flags(whirls).stability)
-    with open_archive(path) as opened:
-        xr.testing.assert_identical(opened.stability.load(), whirls.stability)
 
 
 def test_files_of_another_kind_are_refused(tmp_path: Path) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import subprocess
 import sys
 from pathlib import Path
 
@@ -34,27 +33,14 @@ def test_command_is_told_without_folders(arguments: list[str], module: str, expe
     assert described(tuple(arguments), module=module) == expected
 
 
-@pytest.mark.parametrize("exponent", [1.0, 1.5])
-def test_the_source_of_a_result_names_no_law_of_contact(exponent: float) -> None:
-    rotor = Rotor(omega=2.0, zeta=0.1, delta0=2.0, contact_exponent=exponent)
-    run = simulate(rotor, start=(0.0, 0.0, 0.0, 0.0), duration=1.0)
-    assert run.source == "rotor_ida: rotor with contact and clearance"
-    assert run.contact_exponent == exponent if exponent == 1.0 else "contact_exponent" not in run
+def test_run_says_which_script_made_it(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(sys, "argv", ["/home/me/study.py", "--out", "/tmp/run.nc"])
+    monkeypatch.setattr(sys.modules["__main__"], "__spec__", None)
+    run = simulate(Rotor(omega=2.0, zeta=0.1, delta0=2.0), duration=1.0)
+    assert run.command == "study.py --out run.nc"
 
 
-def test_run_says_which_script_made_it(tmp_path: Path) -> None:
-    script = tmp_path / "study.py"
-    script.write_text(
-        "from rotor_ida import Rotor, simulate\n"
-        "rotor = Rotor(omega=2, zeta=0.1, delta0=2)\n"
-        "print(simulate(rotor, start=(0, 0, 0, 0), duration=1.0).command)\n"
-    )
-    words = [sys.executable, script, "--out", tmp_path / "run.nc"]
-    shown = subprocess.run(words, capture_output=True, check=True)
-    assert shown.stdout.decode().strip() == "study.py --out run.nc"
-
-
-@pytest.mark.parametrize("name", ["model.py", "core/model.c", "core/model.h"])
+@pytest.mark.parametrize("name", ["model.py", "core/model.h"])
 def test_sources_in_python_and_in_c_count(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str
 ) -> None:

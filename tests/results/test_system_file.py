@@ -161,13 +161,10 @@ MISTAKES = [
     (SMALL + 'gravity = "9.81 m/s2"', "gravity must be two numbers, got '9.81 m/s2'"),
     (SMALL + '[[unbalance]]\nnode = "end"\nmoment = "200 gm"',
      "moment must be kg m, g mm or oz in, got '200 gm'; did you mean 'g m' or 'g mm'"),
-    (SMALL.replace("[0, 1]", "[0, 0]"), "node 'disc' must have different indices along x and y"),
-    (SMALL + 'gravity = [0, "-9.81 m"]', "the unit of gravity must be m/s2, got '-9.81 m'"),
     (SMALL + "modes = 2.5", "modes must be a whole number, got 2.5"),
     (SMALL + 'start = "fall"',
      "start must be 'settled', 'rest' or a table of q and velocity, got 'fall'"),
     (SMALL + "start = { q = [0, 0, 0, 0] }", "start.velocity must be given"),
-    (SMALL + "static_force = [1, 2]", r"static_force must have the shape \(4,\), got \(2,\)"),
     (SMALL + "static_force = { dsc = [1, 2] }", "static_force: node must be one of .*'disc'\\?"),
     ("system = 3", "system must be a table, got 3"),
     ("system = { mass = [1, 1] }", "system.stiffness and system.nodes must be given"),
@@ -178,14 +175,11 @@ MISTAKES = [
     ),
     ("system = { file = 3 }", "system.file must be the path of a file, got 3"),
     (SMALL.replace("[4, 4, 4, 4]", "[4, 4, 4, -4]"), "system: mass must be positive definite"),
-    (SMALL.replace("[4, 4, 4, 4]", "[[4, 4], [4]]"), "system.mass must"),
-    (SMALL.replace("[2, 3]", "[2, 9]"), "system: node 'end' must be two indices from 0 to 3"),
     (SMALL + "contacts = 3", r"contacts must be tables \[\[contacts\]\], got 3"),
     (SMALL + TOUCH + "gap = 3", r"contacts\[0\] must have entries named node, .*got 'gap'"),
     (SMALL + TOUCH.replace("disc", "dics"), r"contacts\[0\]: node must be one of .*did you mean"),
     (SMALL + TOUCH.replace('"disc"', "[1]"), r"contacts\[0\]: node must be the name of a node"),
     (SMALL + TOUCH.replace("60 um", "60 kg"), r"the unit of contacts\[0\].clearance must be m, mm"),
-    (SMALL + TOUCH.replace("60 um", "-60 um"), r"contacts\[0\]: clearance of the contact at"),
     (SMALL + TOUCH + "exponent = 1.5", r"the unit of contacts\[0\].stiffness must be N/m\^1.5 "),
     (SMALL + TOUCH + "friction = 0.1", r"contacts\[0\]: radius of the contact at 'disc' must be"),
     (SMALL + TOUCH + 'stator = "ground"', r"contacts\[0\].stator must be a table or one of 'disc'"),
@@ -194,12 +188,9 @@ MISTAKES = [
     (SMALL + "stators.cup = { mass = 1, stiffness = 1 }", "stators.cup must be the stator of a"),
     (SMALL + "stators.end = { mass = 1, stiffness = 1 }\n" + TOUCH + 'stator = "end"',
      r"contacts\[0\].stator must name one thing, got 'end', a node and a stator"),
-    (SMALL + TOUCH + TOUCH, "contacts must not overlap, got contacts 0 and 1 at node 'disc'"),
-    (SMALL + '[[unbalance]]\nnode = "disc"', r"unbalance\[0\].moment must be given"),
     (SMALL + '[[unbalance]]\nnode = "disc"\nmoment = "1 kg"', r"the unit of unbalance\[0\].moment"),
     (SMALL + "run_up = { speed = 3 }", "run_up must have entries named from, .*got 'speed'"),
     (SMALL + "run_up = { speeds = 3 }", "run_up.speeds must be pairs of time and speed, got 3"),
-    (SMALL + "run_up = { speeds = [3] }", "run_up.speeds must be two numbers, got 3"),
 ]  # fmt: skip
 
 
@@ -208,13 +199,6 @@ def test_a_mistake_is_named_in_one_line(load, text, words):
     with pytest.raises(InputError, match=rf"rotor\.toml: .*{words}") as refusal:
         load(text)
     assert "\n" not in str(refusal.value)
-
-
-def test_a_file_that_is_missing_or_no_toml_is_refused(load, tmp_path):
-    with pytest.raises(InputError, match=r"cannot read .*gone\.toml.: No such file"):
-        load_system(tmp_path / "gone.toml")
-    with pytest.raises(InputError, match=r"system must be a TOML file, got .*rotor\.toml.: "):
-        load("system = ")
 
 
 def test_a_node_in_both_files_is_refused(load, tmp_path):

@@ -17,7 +17,7 @@ from rotor_ida import (
 )
 from rotor_ida.core.systems import follow_system
 from rotor_ida.model.assembly import assemble, canonical
-from rotor_ida.results.archived_system import problem_of
+from rotor_ida.results.archived_system import system_of
 from rotor_ida.simulation.spin import steady
 from rotor_ida.simulation.system_run import request_of
 
@@ -49,8 +49,7 @@ def test_a_shared_race_turns_by_the_impulses_of_all_its_contacts():
     np.testing.assert_array_equal(speeds[:, 0], speeds[:, 1])
     exact = 2.0 * 0.2 * float(run.impulse.sum()) / 5.0
     np.testing.assert_allclose(run.final_state[-2:], exact, rtol=1e-12)
-    again, (start,) = problem_of(run)
-    assert simulate(again, start=start, speed=1.3, duration=30.0, samples=2).equals(run)
+    assert simulate(system_of(run), speed=1.3, duration=30.0, samples=2).equals(run)
 
 
 def test_contacts_that_roll_on_one_race_under_a_torque_have_the_events_of_cvode():

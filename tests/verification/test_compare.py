@@ -37,16 +37,12 @@ def test_each_exact_whirl_matches_itself(branch):
     )
 
 
-def test_a_whirl_between_branches_is_on_none():
-    compared = compare(invented("synchronous", 3.0, 1.0))
+@pytest.mark.parametrize(("kind", "factor"), [("synchronous", 1.6), ("bouncing", 1.0)])
+def test_a_whirl_between_branches_and_what_is_no_whirl_are_on_none(kind, factor):
+    exact = synchronous_response(omega=1.7, zeta=0.07, delta0=0.0).isel(branch=0)
+    compared = compare(invented(kind, factor * exact.amplitude.item(), exact.phase_lag.item()))
     assert compared.matched_branch.item() == -1
     assert np.isnan(compared.digits.item())
-
-
-def test_a_bouncing_response_is_on_no_branch_even_where_its_amplitude_fits():
-    exact = synchronous_response(omega=1.7, zeta=0.07, delta0=0.0).isel(branch=0)
-    compared = compare(invented("bouncing", exact.amplitude.item(), exact.phase_lag.item()))
-    assert compared.matched_branch.item() == -1
 
 
 def test_phase_error_is_wrapped():

@@ -91,12 +91,3 @@ def other_than(value):
     if isinstance(value, str):
         return f"{value} too"
     return np.where(np.asarray(value) == 0, 1, 1.05 * np.asarray(value))
-
-
-def test_an_archive_of_which_nothing_is_compared_does_not_agree():
-    archived, again = made_again("whirls")
-    assert again is not None
-    told = differences(again.drop_vars(set(again.data_vars)), archived.drop_vars(
-        {"phase_lag", "stability", "in_contact", "growth_rate"}
-    ))  # fmt: skip
-    assert (told["agrees"], told["trouble"]) == (False, "no variable was compared")

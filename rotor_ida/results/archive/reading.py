@@ -12,8 +12,6 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
-from xarray.backends import BackendArray
-from xarray.core.indexing import ExplicitIndexer, LazilyIndexedArray
 
 from rotor_ida.checks import check_flag, shown
 from rotor_ida.errors import ArchiveError, InputError, MissingFileError
@@ -28,8 +26,6 @@ from rotor_ida.results.archive.content import (
     NUMERIC,
 )
 from rotor_ida.results.files import check_path
-from rotor_ida.results.si_units import add_missing_units
-from rotor_ida.schema import RESULT_KIND, with_flags_of_now
 
 if TYPE_CHECKING:
     import netCDF4
@@ -54,8 +50,7 @@ def load(path: str | os.PathLike[str]) -> xr.Dataset:
     Returns
     -------
     xr.Dataset
-        The dataset that was saved, with the six global attributes that `save` adds. Units,
-        names and flags that an earlier version wrote otherwise are those of this version.
+        The dataset that was saved, with the six global attributes that `save` adds.
 
     Raises
     ------
@@ -107,8 +102,7 @@ def open_archive(path: str | os.PathLike[str], *, check: bool = True) -> xr.Data
     -------
     xr.Dataset
         As from `load`, with texts and coordinates of dimensions in memory. Use it in a ``with``
-        statement or call its ``close``. Without a check an `ArchiveError` tells of damaged numbers
-        when they are read, as far as they cannot be decompressed.
+        statement or call its ``close``.
 
     Raises
     ------
@@ -158,15 +152,7 @@ def _load(source: Path) -> xr.Dataset:
     with LOCK:
         dataset = _read(source, lambda _, stored: _values(stored, source), in_memory=True)
     _check_content(dataset, source)
-    return _as_of_now(dataset)
-
-
-def _as_of_now(dataset: xr.Dataset) -> xr.Dataset:
-    """Return what an earlier version saved, with the units, names and flags of this version."""
-    add_missing_units(dataset)
-    if dataset.attrs.get(RESULT_KIND) == "system_branch" and "special_speed" in dataset:
-        dataset = dataset.rename(special_speed="special_value").assign_attrs(parameter="speed")
-    return with_flags_of_now(dataset)
+    return dataset
 
 
 def _open(source: Path, *, check: bool) -> xr.Dataset:
@@ -174,37 +160,14 @@ def _open(source: Path, *, check: bool) -> xr.Dataset:
     stored = xr.open_dataset(source, engine="netcdf4", decode_cf=False, cache=False)
     try:
         with LOCK:
-            dataset = _read(source, lambda name, _: _unread(stored.variables[name], source))
+            dataset = _read(source, lambda name, _: stored.variables[name]._data)
         if check:
             _check_content(dataset, source)
-        found = _as_of_now(dataset)
     except BaseException:
         stored.close()
         raise
-    found.set_close(stored.close)
-    return found
-
-
-class _Unread(BackendArray):
-    """Numbers in a file, whose damage is reported when they are read."""
-
-    def __init__(self, inner: Any, source: Path) -> None:
-        self.inner, self.source = inner, source
-        self.shape, self.dtype = inner.shape, inner.dtype
-
-    def __getitem__(self, key: ExplicitIndexer) -> object:
-        with _reported(self.source):
-            return self.inner[key]
-
-
-def _unread(stored: xr.Variable, source: Path) -> object:
-    """Return the numbers of a variable, which are in memory for a coordinate of a dimension."""
-    inner: Any = stored._data
-    while not isinstance(inner, BackendArray):  # xarray's wrappers of what reads the file
-        if not hasattr(inner, "array"):
-            return stored._data
-        inner = inner.array
-    return LazilyIndexedArray(_Unread(inner, source))
+    dataset.set_close(stored.close)
+    return dataset
 
 
 def _refuse_unsound(source: Path, *, check: bool) -> None:

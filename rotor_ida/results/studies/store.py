@@ -22,7 +22,7 @@ from filelock import FileLock, Timeout
 
 from rotor_ida.errors import ArchiveError, InputError, MissingFileError
 from rotor_ida.formats.replacing import put
-from rotor_ida.results.files import check_path, refusal
+from rotor_ida.results.files import check_path
 from rotor_ida.results.studies.design import Design, as_text, program_of, refuse_another
 
 # The design, the folder of pieces, and in it the file that is being written.
@@ -131,7 +131,7 @@ def opened(
         place.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise InputError(
-            f"study must be a folder that can be used, got {str(place)!r}: {refusal(error, place)}"
+            f"study must be a folder that can be used, got {str(place)!r}: {error.strerror}"
         ) from error
     with _locked(place, _PATIENCE):
         wanted: Design = json.loads(as_text(design))
@@ -253,8 +253,7 @@ def _write(folder: Path, name: str, told: Mapping[str, Any], content: bytes = b"
         put(part, folder / name)
     except OSError as error:
         raise ArchiveError(
-            f"cannot write {str(folder / name)!r}: {refusal(error, folder / name)}; what was kept "
-            "before is intact"
+            f"cannot write {str(folder / name)!r}: {error.strerror}; what was kept before is intact"
         ) from error
     finally:
         with suppress(OSError):

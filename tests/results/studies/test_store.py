@@ -7,12 +7,11 @@ import subprocess
 import sys
 from hashlib import sha256
 
-import numpy as np
 import pytest
 from filelock import FileLock
 
 from rotor_ida.errors import ArchiveError, InputError
-from rotor_ida.results.studies import Piece, design_of, opened, status
+from rotor_ida.results.studies import Piece, opened, status
 from rotor_ida.results.studies.store import FILE, LOCK
 
 DESIGN = {"verb": "sweep", "omega": [1.2, 1.7], "rtol": 1e-10, "direction": None, "vx": 0.0}
@@ -77,13 +76,6 @@ def test_another_design_is_refused_with_the_difference(tmp_path, change, message
         assert study.done == {0}
 
 
-def test_the_design_is_kept_to_the_last_digit(tmp_path):
-    design = {"omega": np.linspace(0.1, 3.0, 1001).tolist()}
-    with opened(tmp_path, design, 1001):
-        pass
-    assert design_of(tmp_path) == design
-
-
 def test_two_processes_cannot_work_on_one_study(tmp_path):
     with opened(tmp_path, DESIGN, 2):
         assert status(tmp_path)["running"]
@@ -141,32 +133,21 @@ def test_status_counts_done_failed_and_left(tmp_path):
     assert found["seconds_left"] == pytest.approx(6 / found["points_per_second"])
 
 
-def test_a_folder_that_cannot_be_made_is_refused(tmp_path):
+def test_a_place_that_is_no_study_is_refused_and_left_alone(tmp_path):
     (tmp_path / "link").symlink_to(tmp_path / "absent")
-    with pytest.raises(InputError, match=r"study must be a folder that can be .*File exists"):
-        opened(tmp_path / "link", DESIGN, 2).__enter__()
-    with pytest.raises(InputError, match="folder must be that of a study"):
-        status(tmp_path / "link")
-    for refused in (lambda place: opened(place, DESIGN, 2).__enter__(), status):
-        with pytest.raises(InputError, match="study must be a shorter path, got "):
-            refused(tmp_path / ("x" * 300))
-
-
-def test_a_file_is_no_folder(tmp_path):
-    with pytest.raises(InputError, match="study must be the path of a folder"):
-        opened("", DESIGN, 2).__enter__()
     (tmp_path / "file").write_text("")
-    with pytest.raises(InputError, match="study must be a folder, got the file"):
-        opened(tmp_path / "file", DESIGN, 2).__enter__()
-
-
-def test_a_folder_with_other_things_is_left_alone(tmp_path):
-    (tmp_path / "thesis.tex").write_text("")
-    with pytest.raises(InputError, match="study must be a new, an empty or a study's folder"):
-        opened(tmp_path, DESIGN, 2).__enter__()
-    with pytest.raises(InputError, match="folder must be that of a study"):
-        status(tmp_path / "absent")
-    assert os.listdir(tmp_path) == ["thesis.tex"]
+    for place, message in (
+        (tmp_path / "link", "study must be a folder that can be .*File exists"),
+        ("", "study must be the path of a folder"),
+        (tmp_path / "file", "study must be a folder, got the file"),
+        (tmp_path, "study must be a new, an empty or a study's folder"),
+    ):
+        with pytest.raises(InputError, match=message):
+            opened(place, DESIGN, 2).__enter__()
+    for place in ("link", "absent"):
+        with pytest.raises(InputError, match="folder must be that of a study"):
+            status(tmp_path / place)
+    assert sorted(os.listdir(tmp_path)) == ["file", "link"]
 
 
 def test_a_study_that_was_killed_at_once_begins_anew(tmp_path):
@@ -191,7 +172,7 @@ def with_(**changes):
     return lambda line: json.dumps(json.loads(line) | changes).encode()
 
 
-@pytest.mark.parametrize("at", [0, 10, 64, 65, 70, 100, -1])
+@pytest.mark.parametrize("at", [0, 64, 65, 100, -1])
 @pytest.mark.parametrize("name", [FILE, "pieces/0"])
 def test_any_damage_to_a_file_is_reported(tmp_path, name, at):
     with opened(tmp_path, DESIGN, 2) as study:
@@ -229,12 +210,11 @@ def test_the_files_of_something_else_are_left_alone(tmp_path):
         opened(tmp_path, DESIGN, 2).__enter__()
 
 
-@pytest.mark.parametrize("number", [3, "new"])
-def test_another_format_is_refused(tmp_path, number):
+def test_another_format_is_refused(tmp_path):
     with opened(tmp_path, DESIGN, 2):
         pass
-    forge(tmp_path / FILE, with_(format=number))
-    with pytest.raises(InputError, match=f"has format {number}, but this .* resumes format 4 only"):
+    forge(tmp_path / FILE, with_(format=3))
+    with pytest.raises(InputError, match="has format 3, but this version"):
         opened(tmp_path, DESIGN, 2).__enter__()
 
 
