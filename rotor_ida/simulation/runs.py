@@ -24,10 +24,10 @@ from rotor_ida.checks import (
 )
 from rotor_ida.core.library import why_missing
 from rotor_ida.core.system_requests import Places, SystemRequest, SystemResult
-from rotor_ida.errors import InputError, InstallationError, warn
+from rotor_ida.errors import InputError, warn
 from rotor_ida.model.assembly import Assembly, Canonical, assemble, canonical
-from rotor_ida.model.few_modes import check_modes, in_modes
 from rotor_ida.model.growth import growth_begins, growth_of, nothing_holds
+from rotor_ida.model.reduction import check_modes, in_modes
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.parallel import Progress, interruptible, run_with_progress
@@ -38,8 +38,8 @@ from rotor_ida.simulation.event_errors import APART, EventErrors, estimate_event
 from rotor_ida.simulation.invariants import check_run
 from rotor_ida.simulation.options import Backend, Options, backend_of
 from rotor_ida.simulation.orbit import Orbit
-from rotor_ida.simulation.run import run
-from rotor_ida.simulation.starts import Start, start_of
+from rotor_ida.simulation.run import run, witness
+from rotor_ida.simulation.starts import Start, start_of_system
 from rotor_ida.simulation.system_run import (
     Followed,
     bare,
@@ -183,21 +183,21 @@ def run_of_cases(
     times = times_of(samples, course.end, (chosen - 1) * finer + 1)
     first, *second = [_prepared(*each, course, times, tolerance) for each in cases]
 
-    def by_witness(stop: Stop, watch: Watch) -> Callable[[SystemRequest], SystemResult]:
-        return lambda request: _witness()(
-            request, course.profile, APART * tolerance, method, stop, watch
-        )
+    def by_witness(request: SystemRequest, rtol: float, stop: Stop, watch: Watch) -> SystemResult:
+        found: SystemResult = witness("system")(request, course.profile, rtol, method, stop, watch)
+        return found
 
     def followed_by(request: SystemRequest, stop: Stop, watch: Watch) -> SystemResult:
         if backend == "python":
-            return _witness()(request, course.profile, tolerance, method, stop, watch)
+            return by_witness(request, tolerance, stop, watch)
         return run_to_end(by_method(request, method, tolerance), stop, watch)
 
     def follow(stop: Stop, watch: Watch) -> tuple[Followed, list[Values]]:
         result = followed_by(first.request, stop, watch)
         followed = with_errors(
             result, first.request, method == "taylor", stop, watch,
-            by_witness(stop, watch) if why_missing() else None,
+            (lambda request: by_witness(request, APART * tolerance, stop, watch))
+            if why_missing() else None,
         )  # fmt: skip
         moved = (run_to_end(bare(each.request), stop, watch) for each in second)
         return followed, [shifts_of(result, each, len(first.request.laws)) for each in moved]
@@ -249,7 +249,7 @@ def _prepared(
     """Return what is to be followed, if that does not take too long."""
     assembly = assemble(system, speeds=np.array([course.speed]))
     found, fastest = canonical(assembly), course.largest_speed
-    begun = start_of(assembly, start, course.speed)
+    begun = start_of_system(assembly, start, course.speed)
     request = request_of(
         assembly, found, course.profile, np.array([found.to_y(each) for each in begun]), times,
         course.end, rtol=rtol, speed=course.speed, fastest_speed=fastest,
@@ -277,18 +277,6 @@ def _is_short(request: SystemRequest, fastest_speed: float) -> bool:
     return not is_driven and (
         rate * request.duration * request.force.size + request.times.size <= SOON_PASSED
     )
-
-
-def _witness() -> Callable[..., SystemResult]:
-    """Return the reference simulator, or raise `InstallationError` without scikit-sundae."""
-    try:
-        from rotor_ida.simulation.witness.system import run_system  # noqa: PLC0415
-    except ImportError as error:
-        raise InstallationError(
-            "backend 'python' needs scikit-sundae: pip install scikit-sundae, or leave it out by "
-            f"method='taylor' ({error})"
-        ) from error
-    return run_system
 
 
 def _resolved(

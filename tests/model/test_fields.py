@@ -1,8 +1,6 @@
 """Contacts, unbalance, supports, gravity and static force belong to a rotor system."""
 
-import inspect
 import pickle
-import re
 from dataclasses import FrozenInstanceError, replace
 
 import numpy as np
@@ -156,21 +154,3 @@ def test_one_disc_goes_where_systems_go():
     special = rotor_ida.special_speeds(rotor, limits=(0.5, 2.5), points=40)
     folds = np.sort(rotor_ida.folds(zeta=0.07, delta0=0.5).fold_omega.values.ravel())
     np.testing.assert_allclose(special.special_speed, folds[folds > 0.5], rtol=1e-9)
-
-
-def test_the_help_of_one_name_describes_both_kinds():
-    verbs = ["simulate", "run_up", "sweep", "lyapunov_exponent", "synchronous_response"]
-    for verb in [*verbs, "limit_cycle", "continue_cycle"]:
-        function = getattr(rotor_ida, verb)
-        assert pickle.loads(pickle.dumps(function)) is function
-        signature = inspect.signature(function)
-        assert next(iter(signature.parameters)) == "rotor"
-        assert "speed" in signature.parameters
-        assert list(signature.parameters)[-1] in {"changed", "varied"}
-        told = inspect.getdoc(function)
-        assert told.index("\nrotor : Rotor, DimensionalRotor or RotorSystem\n") > 0
-        assert "contacts, unbalance, supports, bearings, gravity, static_force : optional" in told
-        assert f"{verb}_system" not in told
-        titles = re.findall(r"(\w+)\n---", told)
-        assert "Parameters" in titles
-        assert len(titles) == len(set(titles))

@@ -211,53 +211,6 @@ def test_displacement_and_velocity_move_by_the_equation(model, felt):
         np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-13)
 
 
-@of_cases
-def test_a_neighbour_is_there_and_accelerated_so_to_first_order(model, mode, states):
-    """Central differences, in the basis of the one beside it."""
-    for state, rotor in states(model):
-        z, w, down, e = centre(mode, state, rotor)
-        apart = np.random.default_rng(2).normal(size=4)
-        turning = mode.neighbour(state, [0.0] * 4, 0.0, rotor).turning
-        around = (z.conjugate() * w).imag / abs(z) ** 2
-        expected = around if is_contact(mode) else rotor.omega
-        assert turning == pytest.approx(expected, rel=1e-12)
-        for place in ("position", "velocity", "acceleration"):
-            found, true = [], []
-            for sign in (STEP, -STEP):
-                aside = (sign * apart).tolist()
-                near = mode.neighbour(state, aside, aside[0], rotor)
-                found.append(complex(*getattr(near, place)))
-                there = z + complex(*aside[:2]) * e, w + complex(*aside[2:]) * e
-                places = {"position": there[0], "velocity": there[1]}
-                places["acceleration"] = acceleration(*there, down, rotor)
-                true.append(places[place] / e)
-            assert sum(found) / 2.0 == pytest.approx(sum(true) / 2.0, rel=1e-7, abs=1e-7)
-            slopes = [(high - low) / (2.0 * STEP) for high, low in (found, true)]
-            assert slopes[0] == pytest.approx(slopes[1], rel=1e-6, abs=1e-6), place
-
-
-@of_cases
-def test_duals_are_the_derivatives_of_the_rates(model, mode, states):
-    for state, rotor in states(model, 10):
-        found = [rate.parts for rate in mode.rates(variables(state), rotor)]
-        for place in range(len(state)):
-            aside = STEP * np.eye(len(state))[place]
-            high, low = (
-                np.array(mode.rates((state + sign * aside).tolist(), rotor)) for sign in (1, -1)
-            )
-            column = [row[place] for row in found]
-            np.testing.assert_allclose(column, (high - low) / (2.0 * STEP), rtol=1e-6, atol=1e-6)
-
-
-@of_models
-def test_guards_are_what_the_core_watches(model):
-    """The exit where q falls through 0, and the extremum where p vanishes."""
-    contact, cartesian, *_ = model.modes
-    guards = [(guard.event, guard.of) for guard in contact.guards]
-    assert guards == [("exit", "q"), ("extremum", "p")]
-    assert cartesian.guards == ()
-
-
 def test_energy_on_the_rotating_axes_is_spent_on_damping_the_load_and_the_ring():
     """There the unbalance pulls with a constant force, so that no work of it is left:
 

@@ -95,13 +95,10 @@ def test_without_a_core_each_run_warns_once_how_slow_it_is(runs, missing):
     assert runs[1].count(f"UserWarning: {INSTEAD.format(missing)}\n") == len(RUNS)
 
 
-@pytest.mark.parametrize("command", [
-    "simulate --omega 2 --zeta 0.07 --delta0 2 --duration 5",
-    "run-up --omega 0.2 --zeta 0.07 --delta0 0.8 --to 0.6 --rate 0.05",
-])  # fmt: skip
-def test_without_a_core_the_command_line_runs(folder, missing, command):
+def test_without_a_core_the_command_line_runs(folder, missing):
+    command = "run-up --omega 0.2 --zeta 0.07 --delta0 0.8 --to 0.6 --rate 0.05"
     ended = python(folder, "-m", "rotor_ida", *command.split())
-    assert "irst touch" in ended.stdout or "first touches" in ended.stdout
+    assert "first touches" in ended.stdout
     assert ended.stderr == f"rotor-ida: note: {INSTEAD.format(missing)}\n"
 
 
@@ -115,9 +112,8 @@ def test_without_a_core_all_else_is_refused_in_a_line(folder, missing, command):
     assert (ended.stdout, ended.stderr) == ("", f"rotor-ida: {said}\n")
 
 
-@pytest.mark.parametrize("command", ["--help", "show run.nc", "plot run.nc --figure run.png"])
-def test_without_a_core_archives_are_shown_and_drawn(folder, command):
-    ended = python(folder, "-m", "rotor_ida", *command.split())
+def test_without_a_core_archives_are_drawn(folder):
+    ended = python(folder, "-m", "rotor_ida", *["plot", "run.nc", "--figure", "run.png"])
     assert ended.stdout
     assert ended.stderr == ""
 
