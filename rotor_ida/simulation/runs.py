@@ -202,10 +202,7 @@ def run_of_cases(
         moved = (run_to_end(bare(each.request), stop, watch) for each in second)
         return followed, [shifts_of(result, each, len(first.request.laws)) for each in moved]
 
-    soon = method == "taylor" and backend == "compiled" and _is_short(first.request, fastest)
-    followed, shifts = run_with_progress(
-        follow, (2 + len(second)) * course.end, progress, at_once=soon and not second
-    )
+    followed, shifts = run_with_progress(follow, (2 + len(second)) * course.end, progress)
     if resolves:
         times, result = _resolved(
             first, followed.result, times, finer,
@@ -265,18 +262,6 @@ def _prepared(
             name="duration", most=longest, fastest=request.fastest, value=course.end,
         )  # fmt: skip
     return _Prepared(assembly, found, begun, request)
-
-
-def _is_short(request: SystemRequest, fastest_speed: float) -> bool:
-    """Return whether a run takes so little time that Ctrl-C may wait for its end."""
-    laws, rows = request.laws, request.rows
-    stiffness = laws["linear"] + laws["hertz"] * np.sqrt(laws["clearance"])
-    squares = stiffness * (rows**2).sum(axis=(1, 2))
-    rate = request.fastest + fastest_speed + math.sqrt(squares.max(initial=0.0))
-    is_driven = request.pieces["inverse_inertia"].any()
-    return not is_driven and (
-        rate * request.duration * request.force.size + request.times.size <= SOON_PASSED
-    )
 
 
 def _resolved(

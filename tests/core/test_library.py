@@ -16,7 +16,7 @@ from rotor_ida import Rotor
 from rotor_ida.core import identity, interface
 from rotor_ida.core import library as module
 from rotor_ida.core.library import build_info
-from rotor_ida.errors import InputError, InstallationError, RotorError
+from rotor_ida.errors import InputError, InstallationError
 
 # whatever was loaded before
 library = module.library.__wrapped__
@@ -195,11 +195,6 @@ def test_the_command_that_mends_it_is_that_of_a_checkout_or_of_a_wheel(
     (folder / "hatch_build.py").touch()
     with pytest.raises(InstallationError, match=r"run: pip install -e \.$"):
         library()
-
-
-def test_a_bad_installation_is_an_import_error() -> None:
-    assert issubclass(InstallationError, RotorError)
-    assert issubclass(InstallationError, ImportError)
 
 
 def test_the_program_says_it_in_one_line(monkeypatch: pytest.MonkeyPatch) -> None:
