@@ -77,13 +77,13 @@ MOST_CHOSEN = 2_000_000
 
 
 def run_of_disc(
-    rotor: Rotor, start: State, end: float, samples: object, options: Options,
-    progress: Progress | None, course: Course | None = None,
+    rotor: Rotor, start: State, course: Course, samples: object, options: Options,
+    progress: Progress | None,
 ) -> xr.Dataset:  # fmt: skip
-    """Return the run of one disc at a constant speed, or along a course of its speed."""
+    """Return the run of one disc along a course of its speed."""
+    end, fastest = course.end, course.largest_speed
     slack = min(END_SLACK * options.rtol, MOST_SLACK) * end
-    profile = None if course is None else course.profile
-    fastest = rotor.omega if course is None else course.largest_speed
+    profile = None if course.profile.is_held else course.profile
     times = sample_times(samples, end, rotor, fastest)
     # with a torque a first run finds the largest speed
     is_unknown = samples is None and profile is not None and profile.is_driven
@@ -109,7 +109,7 @@ def run_of_disc(
         run_twice, 2.0 * end, progress,
         at_once=soon and profile is None and options.method == "taylor",
     )  # fmt: skip
-    return run_dataset(orbit, start, errors, {} if course is None else course.told)
+    return run_dataset(orbit, start, errors, course.told if profile else {})
 
 
 # ---- Of a rotor system ----
