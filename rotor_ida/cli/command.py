@@ -272,7 +272,7 @@ class Case:
         known = {name for name in OF_FILE if name in arguments_of(self.of.verb)}
         known -= {*self.of.without, *({*self.of.arguments} - {"start"})}
         if not {"modes"} & (known | given.keys()) and course.modes is not None:
-            from rotor_ida.model.few_modes import in_modes  # noqa: PLC0415 - heavy
+            from rotor_ida.model.reduction import in_modes  # noqa: PLC0415 - heavy
 
             system = in_modes(system, course.modes, None)[0]
         told = {name: getattr(course, name) for name in known}

@@ -48,14 +48,12 @@ METHODS = {"taylor": 0, "adams": 1, "bdf": 2}
 UNDECIDED, IN_FLIGHT, IN_CONTACT = -1, 0, 1
 # Columns of what `stretch` returns.
 STRETCH_COLUMNS = 5
-# What changes a speed.
-DRIVE = OF_DRIVE
 
 
 class RotorStruct(Structure):
     """``struct rotor``; the pieces of a run give the change of its speed."""
 
-    _fields_ = [(name, c_double) for name in (*ALL_PARAMETERS, *DRIVE)]
+    _fields_ = [(name, c_double) for name in (*ALL_PARAMETERS, *OF_DRIVE)]
 
     @classmethod
     def of(cls, rotor: Rotor) -> RotorStruct:

@@ -190,9 +190,7 @@ class RunResult:
     event_spins: Rows
 
 
-_NO_TIMES, _NO_STATES, _NO_SPINS = np.empty(0), np.empty((0, 4)), np.empty(0, SPIN)
-_NO_CONTACTS, NO_EXTREMA = np.empty(0, CONTACT), np.empty(0, EXTREMUM)
-_NO_KINDS = np.empty(0, np.int8)
+NO_EXTREMA = np.empty(0, EXTREMUM)
 
 
 class _Tables:
@@ -200,13 +198,13 @@ class _Tables:
 
     def __init__(self, request: RunRequest, room: int) -> None:
         self.run = run = _struct_of(request)
-        self.samples = self.event_states = _NO_STATES
-        self.event_times, self.event_kinds = _NO_TIMES, _NO_KINDS
-        self.event_modes = _NO_KINDS
+        self.samples = self.event_states = np.empty((0, 4))
+        self.event_times, self.event_kinds = np.empty(0), np.empty(0, np.int8)
+        self.event_modes = self.event_kinds
         varied = request.bundle is not None and len(request.bundle) > DIFFERENCES
         self.slides = request.rotor.friction > 0.0 or (varied and bool(request.rotor.disc_radius))
-        self.contacts, self.extrema = _NO_CONTACTS, NO_EXTREMA
-        self.sample_spins = self.event_spins = _NO_SPINS
+        self.contacts, self.extrema = np.empty(0, CONTACT), NO_EXTREMA
+        self.sample_spins = self.event_spins = np.empty(0, SPIN)
         self.turns = request.pieces is not None
         if request.pieces is not None:
             self.pieces = np.ascontiguousarray(request.pieces)
@@ -241,10 +239,7 @@ class _Tables:
         if self.turns:
             self.event_spins = _longer(self.event_spins, room)
             run.event_turns = address(self.event_spins)
-        run.event_times, run.event_kinds = (
-            address(self.event_times),
-            address(self.event_kinds),
-        )
+        run.event_times, run.event_kinds = address(self.event_times), address(self.event_kinds)
         run.event_states, run.contacts = address(self.event_states), address(self.contacts)
 
     def result(self, status: int) -> RunResult:
@@ -284,10 +279,8 @@ def follow_run(request: RunRequest) -> RunResult:
     core, room = library_of(request.rotor, whole=request.whole), FIRST_ROOM
     if request.pieces is not None:
         core = library("run_up")
-    tables, before = (
-        _Tables(request, room),
-        None if request.bundle is None else request.bundle.copy(),
-    )
+    tables, bundle = _Tables(request, room), request.bundle
+    before = None if bundle is None else bundle.copy()
     if request.watch is not None:
         request.watch.append(lambda: tables.run.time)  # which the core updates
     status = core.core_run(byref(tables.run))
@@ -295,8 +288,8 @@ def follow_run(request: RunRequest) -> RunResult:
         room *= 4
         full = tables.run.extremum_count == tables.run.extremum_room > 0
         if full or status == FULL_INSIDE:
-            if request.bundle is not None and before is not None:
-                request.bundle[:] = before
+            if bundle is not None:
+                bundle[:] = before
             tables = _Tables(request, room)
         else:
             tables.widen(room)
@@ -341,10 +334,7 @@ def _struct_of(request: RunRequest) -> RunStruct:
         stop=pointer(NO_STOP if request.stop is None else request.stop, np.uint8),
         where=UNDECIDED,
     )
-    try:
-        run.state = (x, y, vx, vy)
-    except RuntimeError as error:  # raised by ctypes for a type that is not a number
-        raise TypeError(f"start must be four real numbers, got {request.start!r}") from error
+    run.state = (x, y, vx, vy)
     if request.method != "taylor":
         run.sundials = ctypes.cast(ctypes.pointer(sundials.functions()), c_void_p)
     if request.bundle is not None:
@@ -363,28 +353,13 @@ def _struct_of(request: RunRequest) -> RunStruct:
 
 
 def _check(request: RunRequest) -> tuple[float, float, float, float]:
-    """Return the start, or raise `ValueError` for a request that the core cannot use."""
-    start = (
-        request.start if isinstance(request.start, tuple) else np.asarray(request.start).tolist()
-    )
-    if not isinstance(start, tuple | list) or len(start) != 4:
-        raise ValueError(f"start must be four numbers, got {request.start!r}")
-    x, y, vx, vy = start
+    """Return the start, or raise `ValueError` for numbers with which a run would not end."""
+    x, y, vx, vy = np.asarray(request.start, np.float64).tolist()
     if not math.isfinite(request.duration + request.rtol + request.atol + request.slack):
         raise ValueError(f"durations and tolerances must be finite numbers, got {request!r}")
     if not (request.rtol > 0.0 and request.atol > 0.0):
         raise ValueError(f"rtol and atol must be positive, got {request.rtol} and {request.atol}")
-    if request.method not in METHODS:
-        raise ValueError(f"method must be one of {', '.join(METHODS)}, got {request.method!r}")
-    if request.stop is not None and request.stop.shape != (1,):
-        raise ValueError(f"stop must be one number, got {request.stop!r}")
-    if request.pieces is not None and request.pieces.dtype != PIECE:
-        raise ValueError(f"pieces must be rows of {PIECE}, got {request.pieces.dtype}")
-    if request.pieces is not None and request.bundle is not None:
-        raise ValueError("a bundle must not be given with pieces")
     times = request.sample_times
-    if times is not None and times.ndim != 1:
-        raise ValueError(f"sample times must be one row of numbers, got {times!r}")
     if times is not None and times.size and not times[-1] <= request.duration:
         raise ValueError(f"sample times must lie within {request.duration}, got {times[-1]}")
     return x, y, vx, vy

@@ -17,8 +17,8 @@ from rotor_ida.cycles.birth import RubNear
 from rotor_ida.cycles.orbit import disc_of
 from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.assembly import assemble
-from rotor_ida.model.few_modes import in_modes
 from rotor_ida.model.parameters import ALL_PARAMETERS, PARAMETERS
+from rotor_ida.model.reduction import in_modes
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED

@@ -36,7 +36,7 @@ from rotor_ida.cycles.multipliers import is_stable
 from rotor_ida.cycles.orbit import Orbit
 from rotor_ida.cycles.shooting import close_orbit, once_round, periods_of
 from rotor_ida.errors import InputError, SimulationError
-from rotor_ida.model.few_modes import in_modes
+from rotor_ida.model.reduction import in_modes
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parameters import SPEED, AnyAxes

@@ -24,7 +24,7 @@ from rotor_ida.explorer.archives import sheets_of
 from rotor_ida.explorer.cases import Case, Node, case_of, of_any_node
 from rotor_ida.explorer.messages import Answer, Question
 from rotor_ida.model.assembly import assemble
-from rotor_ida.model.few_modes import in_modes
+from rotor_ida.model.reduction import in_modes
 from rotor_ida.schema import SPECIAL, STABILITY
 
 # A step of a branch of whirls by this part of the height of the diagram may be to another whirl.

@@ -36,7 +36,7 @@ from rotor_ida.schema.flags import ENTRY, EXIT
 from rotor_ida.signals.orders import check_orders
 from rotor_ida.signals.record import lacks_mark
 from rotor_ida.signals.windows import fit_orders
-from rotor_ida.simulation.starts import settled, start_of
+from rotor_ida.simulation.starts import settled, start_of_system
 
 AnyRotor: TypeAlias = Rotor | DimensionalRotor | RotorSystem
 # Signals of one record: of one node, or of several by name.
@@ -285,7 +285,7 @@ def _starts(
         return [cast("Word", check_choice("start", start, STARTS))] * len(records)
     rows = _by_record("start", start, len(records))
     if isinstance(machine, RotorSystem):
-        return [start_of(body.assembly, row, 0.0) for row in rows]
+        return [start_of_system(body.assembly, row, 0.0) for row in rows]
     scale = np.repeat([records[0].metre, records[0].metre / records[0].second], 2)
     return [(np.array(check_state("start", row)) * scale).reshape(2, 2) for row in rows]
 

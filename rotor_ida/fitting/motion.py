@@ -21,7 +21,7 @@ from rotor_ida.model.assembly import Assembly, Canonical, assemble, canonical
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.schema.flags import ENTRY, EXIT
 from rotor_ida.simulation.spin import Ramp, SpeedProfile
-from rotor_ida.simulation.starts import start_of
+from rotor_ida.simulation.starts import start_of_system
 from rotor_ida.simulation.system_run import laws_of, request_of, run_to_end
 
 Word = Literal["settled", "rest"]
@@ -172,7 +172,7 @@ class Body:
 
     def begun(self, start: Values | Word, speed: float) -> Values:
         """Return displacement and velocity at time 0, shape (2, n)."""
-        return start_of(self.assembly, start, speed) if isinstance(start, str) else start
+        return start_of_system(self.assembly, start, speed) if isinstance(start, str) else start
 
     def change(
         self, before: Body, after: Body, step: float, turning: Turning, start: Values | Word

@@ -14,9 +14,13 @@ from scipy.linalg import block_diag, cholesky
 from scipy.linalg.blas import dtrsm
 
 from rotor_ida.arrays import Values
-from rotor_ida.model.bearing import Films
-from rotor_ida.model.rotor_system import RotorSystem
-from rotor_ida.model.supports import levitated_system
+from rotor_ida.model.bearing import Bearing, Films
+from rotor_ida.model.rotor_system import (
+    RotorSystem,
+    force_of,
+    levitated_system,
+    unbalance_of,
+)
 from rotor_ida.model.system_parts import Contact, Race, Stator, stators_of
 
 
@@ -196,20 +200,19 @@ def assemble(system: RotorSystem, *, speeds: Values | None = None) -> Assembly:
     Bearings whose coefficients depend on the speed are its films. The speeds, if given, must lie
     within their tables.
     """
+    stators = stators_of(system.contacts)
     if speeds is not None:
         system.check_speeds(speeds)
     system = levitated_system(system, None if speeds is None else float(speeds[0]))
-    stators = stators_of(system.contacts)
     size = system.size + 2 * len(stators)
-    rows = np.zeros((len(system.contacts), 2, size))
-    for number, contact in enumerate(system.contacts):
-        rows[number, :, : system.size] = system.rows_between(contact)
-        if isinstance(contact.stator, Stator):
-            place = system.size + 2 * stators.index(contact.stator)
-            rows[number, :, place : place + 2] = -np.eye(2)
-    of_films = np.zeros((len(system.bearings), 2, size))
-    for number, bearing in enumerate(system.bearings):
-        of_films[number, :, : system.size] = system.rows_between(bearing)
+    joints: list[Contact | Bearing] = [*system.contacts, *system.bearings]
+    rows, count = np.zeros((len(joints), 2, size)), len(system.contacts)
+    for own, joint in zip(rows, joints, strict=True):
+        own[:, : system.size] = system.rows_between(joint)
+        if isinstance(joint.stator, Stator):
+            place = system.size + 2 * stators.index(joint.stator)
+            own[:, place : place + 2] = -np.eye(2)
+    unbalance, force = unbalance_of(system, size), force_of(system)
     mass, stiffness = (_joined(system, stators, name) for name in ("mass", "stiffness"))
     pull = np.zeros(2) if system.gravity is None else np.array(system.gravity)
     if system.static_force is not None and system.gravity_in_static_force is not None:
@@ -221,9 +224,9 @@ def assemble(system: RotorSystem, *, speeds: Values | None = None) -> Assembly:
     return Assembly(
         system=system,
         stators=stators,
-        rows=rows,
-        unbalance=unbalance_of(system, size),
-        force=_force(system, stators, mass),
+        rows=rows[:count],
+        unbalance=unbalance,
+        force=_force(system, stators, force),
         gravity=pull,
         weight=(float(turned.imag), float(turned.real)),
         mass=mass,
@@ -231,7 +234,7 @@ def assemble(system: RotorSystem, *, speeds: Values | None = None) -> Assembly:
         damping=_joined(system, stators, "damping"),
         gyroscopic=_joined(system, stators, "gyroscopic"),
         stiffness_rate=_joined(system, stators, "stiffness_rate"),
-        films=Films(tuple(system.bearings), of_films),
+        films=Films(tuple(system.bearings), rows[count:]),
     )
 
 
@@ -278,26 +281,12 @@ def _joined(system: RotorSystem, stators: Sequence[Stator], name: str) -> Values
     return np.asarray(block_diag(np.zeros_like(system.mass) if own is None else own, *mounts))
 
 
-def unbalance_of(system: RotorSystem, size: int) -> Values:
-    """Return the force of all unbalance over the square of the speed."""
-    both = np.zeros((2, size))
-    for each in system.unbalance:
-        x, y = system.rows(each.node)
-        cosine, sine = np.cos(each.phase), np.sin(each.phase)
-        both[0, : system.size] += each.moment * (cosine * x + sine * y)
-        both[1, : system.size] += each.moment * (cosine * y - sine * x)
-    return both
-
-
-def _force(system: RotorSystem, stators: Sequence[Stator], mass: Values) -> Values:
-    """Return the constant force: the static one and gravity."""
-    force = np.zeros(len(mass))
-    if system.static_force is not None:
-        force[: system.static_force.size] += system.static_force
+def _force(system: RotorSystem, stators: Sequence[Stator], given: Values) -> Values:
+    """Return the constant force of rotor and stators, from that given and the rotor's weight."""
+    force = np.zeros(system.size + 2 * len(stators))
+    force[: given.size] = given
     if system.gravity is not None:
-        g = np.array(system.gravity)
-        force[: system.size] += system.weight(g)
         for number, each in enumerate(stators):
             place = system.size + 2 * number
-            force[place : place + 2] += each.mass * g * each.weight
+            force[place : place + 2] += each.mass * np.array(system.gravity) * each.weight
     return force

@@ -106,17 +106,6 @@ def drag_of(push: Any, law: Any) -> Any:
 # ---- The same law by the distance r or the indentation d, for Python ----
 
 
-def gap(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
-    """Return the gap, ``delta0 - r`` [dimensionless]; negative in contact.
-
-    Examples
-    --------
-    >>> float(gap(0.75, 0.5))
-    -0.25
-    """
-    return np.subtract(delta0, radius, dtype=np.float64)
-
-
 def indentation(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
     """Return the indentation, ``max(r - delta0, 0)`` [dimensionless].
 

@@ -1,7 +1,7 @@
-"""The rotor as a first-order system, in the fixed frame and in the rotating frame.
+"""The rotor as a first-order system, in the rotating frame.
 
-The state is ``(x, y, vx, vy)``: displacement and velocity in the fixed frame. In the
-rotating frame the same two vectors are given on axes that rotate with the unbalance,
+The state is ``(x, y, vx, vy)``: displacement and velocity. In the rotating frame the two vectors
+are given on axes that rotate with the unbalance,
 ``Z = z exp(-i omega t)`` and ``W = z' exp(-i omega t)``; there the system is autonomous and
 a synchronous whirl is an equilibrium.
 
@@ -23,8 +23,6 @@ import numpy.typing as npt
 from rotor_ida.arrays import Values
 from rotor_ida.model.contact import (
     HERTZ_EXPONENT,
-    clipped_factor,
-    contact_force,
     contact_potential,
     damping_factor,
     force_over_radius,
@@ -33,44 +31,6 @@ from rotor_ida.model.contact import (
 from rotor_ida.model.forces import Moment, accelerations, turned_rates
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.symbols import Dual, variables
-
-
-def field(time: float, state: npt.ArrayLike, rotor: Rotor) -> Values:
-    """Return the rate of change of the state in the fixed frame.
-
-    Parameters
-    ----------
-    time : float
-        Dimensionless time [dimensionless].
-    state : array_like, shape (4,)
-        ``(x, y, vx, vy)`` [dimensionless].
-    rotor : Rotor
-        The rotor.
-
-    Returns
-    -------
-    ndarray, shape (4,)
-        ``(vx, vy, ax, ay)`` [dimensionless].
-
-    Notes
-    -----
-    ``z'' = omega**2 exp(i omega t) - i gamma - 2 zeta z' - kappa z - N z/|z|``. The paper's
-    rotor has neither load nor shaft, and ``N = f(|z|)``. The force is zero at ``z = 0``, its limit.
-
-    References
-    ----------
-    Eq. (10) of the paper, Mechanika 25(6), 2019.
-
-    Examples
-    --------
-    >>> field(0.0, (1.5, 0.0, 0.0, 0.0), Rotor(omega=2.0, zeta=0.1, delta0=0.5))
-    array([0., 0., 3., 0.])
-    """
-    x, y, vx, vy = np.asarray(state, dtype=np.float64).tolist()
-    secant, angle = push_over_radius((x, y, vx, vy), rotor), rotor.omega * time
-    unbalance = math.cos(angle), math.sin(angle)
-    at = Moment((x, y), (vx, vy), (x, y), unbalance, (0.0, -1.0))
-    return np.array([vx, vy, *accelerations(at, secant, rotor)])
 
 
 def push_over_radius(state: Sequence[float], rotor: Rotor) -> float:
@@ -89,18 +49,6 @@ def push_over_radius(state: Sequence[float], rotor: Rotor) -> float:
         return secant
     approach = (x * vx + y * vy) / radius
     return secant * max(0.0, float(damping_factor(approach, rotor.contact_damping)))
-
-
-def jacobian(state: npt.ArrayLike, rotor: Rotor) -> Values:
-    """Return the derivative of `field` by the state, shape (4, 4) [1], the same at all times.
-
-    Examples
-    --------
-    >>> jacobian((1.5, 0.0, 0.0, 0.0), Rotor(omega=2.0, zeta=0.0, delta0=0.5))[2:, :2]
-    array([[-1.5       ,  0.        ],
-           [ 0.        , -0.66666667]])
-    """
-    return _jacobian(state, rotor, 0.0)
 
 
 def rotating_field(state: npt.ArrayLike, rotor: Rotor, time: float = 0.0) -> Values:
@@ -122,7 +70,7 @@ def rotating_field(state: npt.ArrayLike, rotor: Rotor, time: float = 0.0) -> Val
     """
     x, y, vx, vy = np.asarray(state, dtype=np.float64).tolist()
     secant = push_over_radius((x, y, vx, vy), rotor)
-    rates = np.array(_rates((x, y, vx, vy), secant, rotor, rotor.omega))
+    rates = np.array(_rates((x, y, vx, vy), secant, rotor))
     if rotor.load > 0.0 and time != 0.0:
         angle = rotor.omega * time
         rates[2:] += rotor.load * np.array([-math.sin(angle), 1.0 - math.cos(angle)])
@@ -139,18 +87,6 @@ def rotating_jacobian(state: npt.ArrayLike, rotor: Rotor) -> Values:
     >>> rotating_jacobian((0.0, 0.0, 0.0, 0.0), Rotor(omega=2.0, zeta=0.5, delta0=1.0))[2] + 0.0
     array([ 0.,  0., -1.,  2.])
     """
-    return _jacobian(state, rotor, rotor.omega)
-
-
-def _rates(state: Sequence[Any], secant: Any, rotor: Rotor, turning: float) -> list[Any]:
-    """Return the rates of a state on rotating axes; `secant` is f/|z|."""
-    x, y, vx, vy = state
-    at = Moment((x, y), (vx, vy), (x, y), (1.0, 0.0), (0.0, -1.0))
-    return turned_rates((x, y), (vx, vy), accelerations(at, secant, rotor), turning)
-
-
-def _jacobian(state: npt.ArrayLike, rotor: Rotor, turning: float) -> Values:
-    """Return the derivative of the rates of a state on rotating axes."""
     values = np.asarray(state, dtype=np.float64).tolist()
     radius, exponent = math.hypot(values[0], values[1]), rotor.contact_exponent
     secant, slope = force_over_radius(radius, rotor.delta0, exponent), (0.0, 0.0)
@@ -165,7 +101,14 @@ def _jacobian(state: npt.ArrayLike, rotor: Rotor, turning: float) -> Values:
         approach = (x * vx + y * vy) / (x * x + y * y) ** 0.5
         factor = damping_factor(approach, rotor.contact_damping)
         restoring = restoring * factor if factor.value > 0.0 else restoring * 0.0
-    return np.array([rate.parts for rate in _rates(given, restoring, rotor, turning)])
+    return np.array([rate.parts for rate in _rates(given, restoring, rotor)])
+
+
+def _rates(state: Sequence[Any], secant: Any, rotor: Rotor) -> list[Any]:
+    """Return the rates of a state on rotating axes; `secant` is f/|z|."""
+    x, y, vx, vy = state
+    at = Moment((x, y), (vx, vy), (x, y), (1.0, 0.0), (0.0, -1.0))
+    return turned_rates((x, y), (vx, vy), accelerations(at, secant, rotor), rotor.omega)
 
 
 def rotated(states: npt.ArrayLike, angle: npt.ArrayLike) -> Values:
@@ -246,52 +189,3 @@ def energy(
     if load > 0.0:
         whole = np.asarray(whole + load * y)
     return whole
-
-
-def angular_momentum(states: npt.ArrayLike) -> Values:
-    """Return the angular momentum about the bearing axis, ``x vy - y vx`` [dimensionless].
-
-    Examples
-    --------
-    >>> float(angular_momentum((1.5, 0.0, 0.0, 2.0)))
-    3.0
-    """
-    x, y, vx, vy = np.moveaxis(np.asarray(states, dtype=np.float64), -1, 0)
-    return np.asarray(x * vy - y * vx)
-
-
-def power(time: npt.ArrayLike, states: npt.ArrayLike, rotor: Rotor) -> Values:
-    """Return the power of the unbalance less the damping losses, ``dE/dt`` [dimensionless].
-
-    Parameters
-    ----------
-    time : array_like, shape (...)
-        Dimensionless times [dimensionless].
-    states : array_like, shape (..., 4)
-        States ``(x, y, vx, vy)`` [dimensionless] in the fixed frame at those times.
-    rotor : Rotor
-        The rotor.
-
-    Returns
-    -------
-    ndarray, shape (...)
-        ``-2 zeta |z'|**2 + Re(omega**2 exp(i omega t) conj(z'))`` [dimensionless], less the loss in
-        the contact, ``(N - d**n) d'``, with contact damping.
-
-    Examples
-    --------
-    >>> float(power(0.0, (0.0, 0.0, 1.0, 0.0), Rotor(omega=1.0, zeta=0.25, delta0=1.0)))
-    0.5
-    """
-    x, y, vx, vy = np.moveaxis(np.asarray(states, dtype=np.float64), -1, 0)
-    angle = rotor.omega * np.asarray(time, dtype=np.float64)
-    given = rotor.omega**2 * (np.cos(angle) * vx + np.sin(angle) * vy)
-    left = np.asarray(given - 2.0 * rotor.zeta * (vx**2 + vy**2))
-    if rotor.contact_damping == 0.0:
-        return left
-    radius = np.hypot(x, y)
-    outwards = x * vx + y * vy
-    speed = np.divide(outwards, radius, out=np.zeros_like(outwards), where=radius > 0.0)
-    spring = contact_force(radius, rotor.delta0, rotor.contact_exponent)
-    added = clipped_factor(speed, rotor.contact_damping) - 1.0
-    return np.asarray(left - spring * added * speed)

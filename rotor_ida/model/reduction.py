@@ -13,15 +13,16 @@ References
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 from scipy.linalg import eigh, lu_factor, lu_solve
 
 from rotor_ida.arrays import Flags, Values
-from rotor_ida.checks import check_count, shown
+from rotor_ida.checks import check_array, check_count, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.bearing import Bearing
-from rotor_ida.model.rotor_system import RotorSystem
+from rotor_ida.model.rotor_system import RotorSystem, levitated_system
 from rotor_ida.model.system_parts import Contact
 
 # A stiffness whose smallest eigenvalue is below this part of the largest has free motions.
@@ -128,7 +129,6 @@ def in_basis(system: RotorSystem, basis: Values) -> RotorSystem:
     def small(matrix: Values | None) -> Values | None:
         return None if matrix is None else basis.T @ matrix @ basis
 
-    translations = None
     try:
         translations = basis.T @ (system.mass @ system.unit_translations())
     except InputError:  # gravity is asked for later, or never
@@ -167,3 +167,43 @@ def _joined(basis: Values, more: Values, mass: Values) -> Values:
         if size > DEPENDENT:
             basis = np.column_stack([basis, own / size])
     return basis
+
+
+# ---- With a number of modes as an argument ----
+
+
+def check_modes(modes: int | None, more_modes: int | None) -> None:
+    """Refuse a second number of modes that is no larger than the first."""
+    if more_modes is None:
+        return
+    if modes is None:
+        raise InputError("modes must be given with more_modes, got None")
+    few, more = check_count("modes", modes, minimum=0), check_count("more_modes", more_modes)
+    if more <= few:
+        raise InputError(f"more_modes must be more than modes, {few}, got {more}")
+
+
+def in_modes(system: RotorSystem, modes: int | None, start: Any) -> tuple[RotorSystem, Any]:
+    """Return a system and its start, reduced with its supports if a number of modes is given.
+
+    The static flexibility of the nodes of all contacts is kept.
+    """
+    if modes is None:
+        return system, start
+    system = levitated_system(system)
+    basis = reduced_basis(system, modes=modes)
+    if isinstance(start, tuple | list) and len(start) == 2:
+        names = ("displacement", "velocity")
+        start = tuple(
+            _state_in(f"{name} of the start", each, basis, system.mass)
+            for name, each in zip(names, start, strict=True)
+        )
+    return in_basis(system, basis), start
+
+
+def _state_in(name: str, given: object, basis: Values, mass: Values) -> Values:
+    """Return the nearest state, by the mass, in the coordinates of a basis; stators stay."""
+    values, size = check_array(name, given), len(basis)
+    if values.ndim != 1 or values.size < size:
+        raise InputError(f"{name} must have the shape {(size,)}, got {values.shape}")
+    return np.concatenate([basis.T @ (mass @ values[:size]), values[size:]])

@@ -25,7 +25,6 @@ from rotor_ida.model.parameters import (
 
 if TYPE_CHECKING:
     from rotor_ida.model.rotor_system import RotorSystem
-    from rotor_ida.model.system_parts import Contact
 
 # Quotients and products of smaller or larger scales leave the range of doubles.
 SMALLEST_SCALE = 1e-100
@@ -143,15 +142,9 @@ class Rotor:
         >>> system, system.contacts[0].clearance, system.unbalance[0].moment
         (RotorSystem(2 degrees of freedom, node disc), 0.5, 1.0)
         """
-        from rotor_ida.model.system_parts import Contact  # noqa: PLC0415
-
-        contact = Contact(
-            node="disc", clearance=self.delta0, stiffness=1.0, exponent=self.contact_exponent,
-            damping=self.contact_damping, friction=self.friction, radius=self.disc_radius,
-        )  # fmt: skip
         return _disc(
-            mass=1.0, damping=2.0 * self.zeta, stiffness=self.shaft_stiffness, load=self.load,
-            contact=contact, moment=1.0, units="1",
+            self, mass=1.0, damping=2.0 * self.zeta, clearance=self.delta0, contact_stiffness=1.0,
+            moment=1.0, units="1",
         )  # fmt: skip
 
     @property
@@ -161,19 +154,24 @@ class Rotor:
 
 
 def _disc(
-    *, mass: float, damping: float, stiffness: float, load: float, contact: Contact,
-    moment: float, units: Literal["SI", "1"],
+    rotor: Rotor | DimensionalRotor, *, mass: float, damping: float, clearance: float,
+    contact_stiffness: float, moment: float, units: Literal["SI", "1"],
 ) -> RotorSystem:  # fmt: skip
     """Return one disc as a rotor system, with its contact and its unbalance."""
     from rotor_ida.model.rotor_system import RotorSystem  # noqa: PLC0415 - loads scipy
-    from rotor_ida.model.system_parts import Unbalance  # noqa: PLC0415
+    from rotor_ida.model.system_parts import Contact, Unbalance  # noqa: PLC0415
 
+    contact = Contact(
+        node="disc", clearance=clearance, stiffness=contact_stiffness,
+        exponent=rotor.contact_exponent, damping=rotor.contact_damping, friction=rotor.friction,
+        radius=rotor.disc_radius,
+    )  # fmt: skip
     both = np.eye(2)
     return RotorSystem(
-        mass=mass * both, stiffness=stiffness * both, damping=damping * both,
-        nodes={contact.node: (0, 1)}, contacts=[contact],
-        unbalance=[Unbalance(node=contact.node, moment=moment)],
-        gravity=(0.0, -load / mass) if load else None, units=units,
+        mass=mass * both, stiffness=rotor.shaft_stiffness * both, damping=damping * both,
+        nodes={"disc": (0, 1)}, contacts=[contact],
+        unbalance=[Unbalance(node="disc", moment=moment)],
+        gravity=(0.0, -rotor.load / mass) if rotor.load else None, units=units,
     )  # fmt: skip
 
 
@@ -380,16 +378,10 @@ class DimensionalRotor:
         >>> machine.system().unbalance
         (Unbalance(node='disc', moment=4e-06, phase=0.0),)
         """
-        from rotor_ida.model.system_parts import Contact  # noqa: PLC0415
-
-        contact = Contact(
-            node="disc", clearance=self.clearance, stiffness=self.contact_stiffness,
-            exponent=self.contact_exponent, damping=self.contact_damping, friction=self.friction,
-            radius=self.disc_radius,
-        )  # fmt: skip
         return _disc(
-            mass=self.mass, damping=self.damping, stiffness=self.shaft_stiffness, load=self.load,
-            contact=contact, moment=self.mass * self.eccentricity, units="SI",
+            self, mass=self.mass, damping=self.damping, clearance=self.clearance,
+            contact_stiffness=self.contact_stiffness, moment=self.mass * self.eccentricity,
+            units="SI",
         )  # fmt: skip
 
     def rotor(self) -> Rotor:

@@ -6,7 +6,7 @@
 from __future__ import annotations
 
 import inspect
-from collections.abc import Callable, Collection, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Any, Literal, NoReturn, TypedDict, Unpack, cast
@@ -47,6 +47,8 @@ MOST_NODES_SHOWN = 6
 MOST_COORDINATES = 2000
 # Products of larger numbers leave the range of doubles.
 LARGEST_IN_MATRIX, LARGEST_IN_ROW = 1e30, 1e15
+# Forces that the supports must balance do so to this part of the largest.
+BALANCED = 1e-9
 Node = tuple[int, int] | npt.ArrayLike
 
 
@@ -255,15 +257,8 @@ class RotorSystem:
         if not self.bearings:
             return self
         self.check_speeds(np.array([check_real("speed", speed)]))
-        stiffness = self.stiffness.copy()
-        damping = np.zeros_like(stiffness) if self.damping is None else self.damping.copy()
-        for each in self.bearings:
-            rows = self.rows_between(each)
-            own = each.at(speed)
-            stiffness += rows.T @ own[0] @ rows
-            damping += rows.T @ own[1] @ rows
-        damped = damping if damping.any() else None
-        return replace(self, stiffness=stiffness, damping=damped, bearings=())
+        springs = [(self.rows_between(each), *each.at(speed)) for each in self.bearings]
+        return with_springs(self, springs, bearings=())
 
     def check_speeds(self, speeds: Values) -> None:
         """Refuse speeds outside the table of a bearing."""
@@ -387,6 +382,99 @@ class RotorSystem:
         from rotor_ida.model.reduction import reduced_system  # noqa: PLC0415
 
         return reduced_system(self, modes=modes, keep=keep)
+
+
+def with_springs(
+    system: RotorSystem, springs: Iterable[tuple[Values, Values, Values]], **changed: Any
+) -> RotorSystem:
+    """Return a system with springs and dampers in its matrices, and other fields.
+
+    Each is given by the rows of its displacements, its stiffness and its damping.
+    """
+    stiffness = system.stiffness.copy()
+    damping = np.zeros_like(stiffness) if system.damping is None else system.damping.copy()
+    for rows, spring, damper in springs:
+        stiffness += rows.T @ spring @ rows
+        damping += rows.T @ damper @ rows
+    damped = damping if damping.any() else None
+    return replace(system, stiffness=stiffness, damping=damped, **changed)
+
+
+def with_supports(system: RotorSystem, supports: Sequence[Support]) -> RotorSystem:
+    """Return a system with the springs and dampers of supports in its matrices, and none left."""
+    springs = [(system.rows(each.node), np.diag(np.asarray(each.stiffness)),
+                np.diag(np.asarray(each.damping))) for each in supports]  # fmt: skip
+    return with_springs(system, springs, supports=())
+
+
+def levitated_system(system: RotorSystem, speed: float | None = None) -> RotorSystem:
+    """Return a system whose supports are in its matrices, with the static loads that they carry.
+
+    A magnetic bearing holds its node at the centre and carries its static load, whatever that is,
+    as the integral part of a controller does; about the centre it is a spring and a damper. The
+    static force leaves the weight out, which gravity adds in a run. Constant bearings are in
+    its matrices too; those that are left depend on the speed, and help the supports to carry the
+    loads with their coefficients at a `speed`, if one is given.
+    """
+    varying = tuple(each for each in system.bearings if each.varies)
+    if len(varying) < len(system.bearings):
+        constant = [each for each in system.bearings if not each.varies]
+        springs = [(system.rows_between(each), *each.at(0.0)) for each in constant]
+        system = with_springs(system, springs, bearings=varying)
+    if not system.supports:
+        return system
+    held = with_supports(system, system.supports)
+    force = force_of(system)[: system.size]
+    if not force.any():
+        return held
+    rows = np.concatenate([system.rows(each.node) for each in system.supports])
+    given = system.static_force
+    carried = np.zeros(system.size) if given is None else given.copy()
+    stiffness = held.stiffness if speed is None else held.at(speed).stiffness
+    carried[: system.size] += rows.T @ held_at_centre(stiffness, force, rows)[1]
+    return replace(held, static_force=carried)
+
+
+def force_of(system: RotorSystem) -> Values:
+    """Return the constant force: the static one, which may be on stators too, and the weight."""
+    given = system.static_force
+    force = np.zeros(system.size) if given is None else given.copy()
+    if system.gravity is not None:
+        force[: system.size] += system.weight(system.gravity)
+    return force
+
+
+def unbalance_of(system: RotorSystem, size: int) -> Values:
+    """Return the force of all unbalance over the square of the speed."""
+    both = np.zeros((2, size))
+    for each in system.unbalance:
+        x, y = system.rows(each.node)
+        cosine, sine = np.cos(each.phase), np.sin(each.phase)
+        both[0, : system.size] += each.moment * (cosine * x + sine * y)
+        both[1, : system.size] += each.moment * (cosine * y - sine * x)
+    return both
+
+
+def held_at_centre(stiffness: Values, force: Values, rows: Values) -> tuple[Values, Values]:
+    """Return the displacement at rest with some rows of it held at zero, and their loads.
+
+    Notes
+    -----
+    ``K q = f + B' p`` and ``B q = 0``, with the rows B and their loads p.
+    """
+    size = len(stiffness)
+    if not len(rows):  # held by nothing but its own stiffness, if it has any
+        found = np.linalg.lstsq(stiffness, force)[0]
+        left = stiffness @ found - force
+        held = np.abs(left).max(initial=0.0) <= BALANCED * np.abs(force).max(initial=0.0)
+        return np.asarray(found if held else np.zeros(size)), np.zeros(0)
+    scale = float(np.abs(stiffness).max()) or 1.0
+    both = np.block([[stiffness, -scale * rows.T], [scale * rows, np.zeros((len(rows),) * 2)]])
+    right = np.concatenate([force, np.zeros(len(rows))])
+    found = np.linalg.lstsq(both, right)[0]
+    if not np.abs(both @ found - right).max() <= BALANCED * np.abs(right).max(initial=0.0):
+        raise InputError("supports must hold the rotor against its static forces, got too few")
+    return found[:size], scale * found[size:]
 
 
 def changed_system(

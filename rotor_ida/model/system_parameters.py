@@ -11,8 +11,7 @@ import numpy.typing as npt
 from rotor_ida.errors import InputError
 from rotor_ida.model.bearing import Bearing
 from rotor_ida.model.parameters import Parameters
-from rotor_ida.model.rotor_system import RotorSystem
-from rotor_ida.model.supports import levitated_system
+from rotor_ida.model.rotor_system import RotorSystem, levitated_system
 from rotor_ida.model.system_parts import Contact, Support, Unbalance
 
 SPEED = "speed"

@@ -7,8 +7,7 @@ from collections.abc import Iterator, Mapping
 import numpy as np
 
 from rotor_ida.model.data_sheet import FASTEST, LARGEST_CLEARANCE, MILLIMETRE
-from rotor_ida.model.rotor_system import RotorSystem
-from rotor_ida.model.supports import with_supports
+from rotor_ida.model.rotor_system import RotorSystem, with_supports
 from rotor_ida.units import quantity
 
 # How far beyond a known speed one without a unit is questioned, and from where on [rad/s].

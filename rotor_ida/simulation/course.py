@@ -134,7 +134,7 @@ class Course:
 
 
 def held(speed: float, duration: float) -> Course:
-    """Return the course of a constant speed of a rotor system."""
+    """Return the course of a constant speed."""
     return Course(steady(speed, duration), speed, {"speed": speed})
 
 

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any, Literal
 
 import numpy as np
 
@@ -85,7 +86,7 @@ def run(
     """
     tolerances = scale * options.step_rtol, scale * options.step_atol
     if options.backend == "python":
-        orbit = reference()(
+        orbit: Orbit = witness("disc")(
             rotor, start, duration, sample_times, options,
             tolerances=tolerances, slack=slack, stop=stop, profile=profile,
         )  # fmt: skip
@@ -115,16 +116,17 @@ def run(
     return orbit
 
 
-def reference() -> Callable[..., Orbit]:
-    """Return the reference simulator, or raise `InstallationError` without scikit-sundae."""
+def witness(rotor: Literal["disc", "system"]) -> Callable[..., Any]:
+    """Return the reference simulator of a rotor, or raise `InstallationError` without sundae."""
     try:
         from rotor_ida.simulation.witness.disc import run_reference  # noqa: PLC0415
+        from rotor_ida.simulation.witness.system import run_system  # noqa: PLC0415
     except ImportError as error:
         raise InstallationError(
             "backend 'python' needs scikit-sundae: pip install scikit-sundae, or leave it out by "
             f"method='taylor' ({error})"
         ) from error
-    return run_reference
+    return run_reference if rotor == "disc" else run_system
 
 
 def _on_axes(state: State, angle: float) -> State:

@@ -194,4 +194,4 @@ def run_up(
         rotor = replace(rotor, omega=course.speed)
     first = start_of(rotor, start)
     check_can_be_followed(rotor, first)
-    return run_of_disc(rotor, first, course.end, samples, options, progress, course)
+    return run_of_disc(rotor, first, course, samples, options, progress)

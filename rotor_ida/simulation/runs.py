@@ -24,10 +24,10 @@ from rotor_ida.checks import (
 )
 from rotor_ida.core.library import why_missing
 from rotor_ida.core.system_requests import Places, SystemRequest, SystemResult
-from rotor_ida.errors import InputError, InstallationError, warn
+from rotor_ida.errors import InputError, warn
 from rotor_ida.model.assembly import Assembly, Canonical, assemble, canonical
-from rotor_ida.model.few_modes import check_modes, in_modes
 from rotor_ida.model.growth import growth_begins, growth_of, nothing_holds
+from rotor_ida.model.reduction import check_modes, in_modes
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.parallel import Progress, interruptible, run_with_progress
@@ -38,8 +38,8 @@ from rotor_ida.simulation.event_errors import APART, EventErrors, estimate_event
 from rotor_ida.simulation.invariants import check_run
 from rotor_ida.simulation.options import Backend, Options, backend_of
 from rotor_ida.simulation.orbit import Orbit
-from rotor_ida.simulation.run import run
-from rotor_ida.simulation.starts import Start, start_of
+from rotor_ida.simulation.run import run, witness
+from rotor_ida.simulation.starts import Start, start_of_system
 from rotor_ida.simulation.system_run import (
     Followed,
     bare,
@@ -77,13 +77,13 @@ MOST_CHOSEN = 2_000_000
 
 
 def run_of_disc(
-    rotor: Rotor, start: State, end: float, samples: object, options: Options,
-    progress: Progress | None, course: Course | None = None,
+    rotor: Rotor, start: State, course: Course, samples: object, options: Options,
+    progress: Progress | None,
 ) -> xr.Dataset:  # fmt: skip
-    """Return the run of one disc at a constant speed, or along a course of its speed."""
+    """Return the run of one disc along a course of its speed."""
+    end, fastest = course.end, course.largest_speed
     slack = min(END_SLACK * options.rtol, MOST_SLACK) * end
-    profile = None if course is None else course.profile
-    fastest = rotor.omega if course is None else course.largest_speed
+    profile = None if course.profile.is_held else course.profile
     times = sample_times(samples, end, rotor, fastest)
     # with a torque a first run finds the largest speed
     is_unknown = samples is None and profile is not None and profile.is_driven
@@ -109,7 +109,7 @@ def run_of_disc(
         run_twice, 2.0 * end, progress,
         at_once=soon and profile is None and options.method == "taylor",
     )  # fmt: skip
-    return run_dataset(orbit, start, errors, {} if course is None else course.told)
+    return run_dataset(orbit, start, errors, course.told if profile else {})
 
 
 # ---- Of a rotor system ----
@@ -183,29 +183,26 @@ def run_of_cases(
     times = times_of(samples, course.end, (chosen - 1) * finer + 1)
     first, *second = [_prepared(*each, course, times, tolerance) for each in cases]
 
-    def by_witness(stop: Stop, watch: Watch) -> Callable[[SystemRequest], SystemResult]:
-        return lambda request: _witness()(
-            request, course.profile, APART * tolerance, method, stop, watch
-        )
+    def by_witness(request: SystemRequest, rtol: float, stop: Stop, watch: Watch) -> SystemResult:
+        found: SystemResult = witness("system")(request, course.profile, rtol, method, stop, watch)
+        return found
 
     def followed_by(request: SystemRequest, stop: Stop, watch: Watch) -> SystemResult:
         if backend == "python":
-            return _witness()(request, course.profile, tolerance, method, stop, watch)
+            return by_witness(request, tolerance, stop, watch)
         return run_to_end(by_method(request, method, tolerance), stop, watch)
 
     def follow(stop: Stop, watch: Watch) -> tuple[Followed, list[Values]]:
         result = followed_by(first.request, stop, watch)
         followed = with_errors(
             result, first.request, method == "taylor", stop, watch,
-            by_witness(stop, watch) if why_missing() else None,
+            (lambda request: by_witness(request, APART * tolerance, stop, watch))
+            if why_missing() else None,
         )  # fmt: skip
         moved = (run_to_end(bare(each.request), stop, watch) for each in second)
         return followed, [shifts_of(result, each, len(first.request.laws)) for each in moved]
 
-    soon = method == "taylor" and backend == "compiled" and _is_short(first.request, fastest)
-    followed, shifts = run_with_progress(
-        follow, (2 + len(second)) * course.end, progress, at_once=soon and not second
-    )
+    followed, shifts = run_with_progress(follow, (2 + len(second)) * course.end, progress)
     if resolves:
         times, result = _resolved(
             first, followed.result, times, finer,
@@ -249,7 +246,7 @@ def _prepared(
     """Return what is to be followed, if that does not take too long."""
     assembly = assemble(system, speeds=np.array([course.speed]))
     found, fastest = canonical(assembly), course.largest_speed
-    begun = start_of(assembly, start, course.speed)
+    begun = start_of_system(assembly, start, course.speed)
     request = request_of(
         assembly, found, course.profile, np.array([found.to_y(each) for each in begun]), times,
         course.end, rtol=rtol, speed=course.speed, fastest_speed=fastest,
@@ -265,30 +262,6 @@ def _prepared(
             name="duration", most=longest, fastest=request.fastest, value=course.end,
         )  # fmt: skip
     return _Prepared(assembly, found, begun, request)
-
-
-def _is_short(request: SystemRequest, fastest_speed: float) -> bool:
-    """Return whether a run takes so little time that Ctrl-C may wait for its end."""
-    laws, rows = request.laws, request.rows
-    stiffness = laws["linear"] + laws["hertz"] * np.sqrt(laws["clearance"])
-    squares = stiffness * (rows**2).sum(axis=(1, 2))
-    rate = request.fastest + fastest_speed + math.sqrt(squares.max(initial=0.0))
-    is_driven = request.pieces["inverse_inertia"].any()
-    return not is_driven and (
-        rate * request.duration * request.force.size + request.times.size <= SOON_PASSED
-    )
-
-
-def _witness() -> Callable[..., SystemResult]:
-    """Return the reference simulator, or raise `InstallationError` without scikit-sundae."""
-    try:
-        from rotor_ida.simulation.witness.system import run_system  # noqa: PLC0415
-    except ImportError as error:
-        raise InstallationError(
-            "backend 'python' needs scikit-sundae: pip install scikit-sundae, or leave it out by "
-            f"method='taylor' ({error})"
-        ) from error
-    return run_system
 
 
 def _resolved(

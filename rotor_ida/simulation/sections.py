@@ -48,7 +48,7 @@ from rotor_ida.simulation.flow import DiscFlow, Flow
 from rotor_ida.simulation.options import Method, Options, check_can_be_followed
 from rotor_ida.simulation.runs import LOOSEST_RTOL, TIGHTEST_RTOL
 from rotor_ida.simulation.simulate import DEFAULTS
-from rotor_ida.simulation.starts import Start, begun_in_modes, start_of
+from rotor_ida.simulation.starts import Start, begun_in_modes, start_of, start_of_system
 from rotor_ida.simulation.systems.flow import SAMPLES_A_REVOLUTION, SettlingProblem, SystemFlow
 
 At = Literal["revolution", "entry", "exit", "peak", "roll", "slip", "reverse"]
@@ -309,7 +309,7 @@ def _of_system(system: RotorSystem, start: Any, told: dict[str, Any]) -> _Asked:
         )
     number = None if at == "revolution" else _number_of(assembly, contact, at)
     problem, first = (
-        SettlingProblem.of(assembly, told["rtol"]), start_of(assembly, begun, told["speed"])
+        SettlingProblem.of(assembly, told["rtol"]), start_of_system(assembly, begun, told["speed"])
     )  # fmt: skip
     flow = SystemFlow.at(problem, told["speed"], NO_STOP)
     _check_size(flow, told["skip"], told["revolutions"], at)

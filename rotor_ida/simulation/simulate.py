@@ -207,4 +207,4 @@ def simulate(
     options = Options(rtol=rtol, atol=atol, method=method, flight=flight, backend=backend)
     if rotor.omega != 0.0:  # which drives it: else it may fly for ever in one step
         check_length(end, rotor.omega, options.backend)
-    return run_of_disc(rotor, first, end, samples, options, progress)
+    return run_of_disc(rotor, first, held(rotor.omega, end), samples, options, progress)

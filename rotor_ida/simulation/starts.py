@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any, Literal, overload
+from typing import Any, Literal
 
 import numpy as np
 import numpy.typing as npt
@@ -30,7 +30,7 @@ from rotor_ida.model import disc_starts
 from rotor_ida.model.assembly import Assembly, assemble, canonical
 from rotor_ida.model.axisymmetric import check_axisymmetric_parts, forward_motions
 from rotor_ida.model.contact import spring_force, spring_slope
-from rotor_ida.model.few_modes import in_modes
+from rotor_ida.model.reduction import in_modes
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.results.dataset_kinds import KINDS, kind_of
@@ -59,43 +59,33 @@ FRICTION_STEPS = np.linspace(0.0, 1.0, 5)
 QUARTER_TURN = np.array([[0.0, -1.0], [1.0, 0.0]])
 
 
-@overload
-def start_of(rotor: Rotor, start: object, *, phase: float = 0.0, name: str = "start") -> State: ...
-@overload
-def start_of(rotor: Assembly, start: object, speed: float) -> Values: ...
-def start_of(
-    rotor: Rotor | Assembly, start: object, speed: float = 0.0, *, phase: float = 0.0,
-    name: str = "start",
-) -> State | Values:  # fmt: skip
-    """Return the state in which a rotor starts, with the unbalance along x, or raise `InputError`.
+def start_of(rotor: Rotor, start: object, *, phase: float = 0.0, name: str = "start") -> State:
+    """Return the state in which one disc starts, with the unbalance along x, or raise `InputError`.
 
     Parameters
     ----------
-    rotor : Rotor or Assembly
-        One disc, or the assembled matrices of a rotor system.
-    start : array_like, shape (4,), (q, velocity), "settled", "rest", Dataset or None
-        A state; a word: on the whirl without contact, or where supports, contacts and shaft hold
-        the rotor against its constant forces; or a result that ends in a state: a run, one point of
-        a sweep or of many run-ups, a limit cycle, or one point of a branch. Without a start the
-        rotor is at rest: in equilibrium with its constant forces, or on the axis if there are none.
-        A rotor system that neither shaft nor supports hold against them falls from the axis.
-    speed : float
-        The speed at time 0 of a rotor system.
+    rotor : Rotor
+        The disc.
+    start : array_like, shape (4,), "settled", "rest", Dataset or None
+        A state; a word: on the whirl without contact, or where shaft and contact hold the rotor
+        against its load; or a result that ends in a state: a run, one point of a sweep or of many
+        run-ups, a limit cycle, or one point of a branch. Without a start the rotor is at rest: in
+        equilibrium with its load, or on the axis if there is none.
     phase : float
-        Angle of the unbalance of one disc that starts by a word [rad].
+        Angle of the unbalance where the start is a word [rad].
     name : str
         The argument, for messages.
 
     Returns
     -------
-    tuple of float, or ndarray of shape (2, n)
-        ``(x, y, vx, vy)`` of one disc; displacement and velocity of a system and its stators.
+    tuple of float
+        ``(x, y, vx, vy)``.
 
     Notes
     -----
     A run ends with the unbalance at some angle. The state is turned back by this angle, as the
-    equations are the same along all axes; under a load, or in a system that is not the same in all
-    directions, they are not, and the run must end after whole revolutions.
+    equations are the same along all axes; under a load they are not, and the run must end after
+    whole revolutions.
 
     Examples
     --------
@@ -106,22 +96,11 @@ def start_of(
     >>> abs(x + run.x[-1].item()) < 1e-12, abs(vy + run.vy[-1].item()) < 1e-12
     (True, True)
     """
-    if isinstance(rotor, Rotor):
-        given = given_start(name, start, loaded=rotor.load > 0.0)
-        if isinstance(given, str):
-            settles = given == "settled"
-            return disc_starts.settled(rotor, phase) if settles else disc_starts.hanging(rotor)
-        return given
-    given = state_at_end(rotor, start)
-    if given is None:
-        return hanging(rotor, speed)
+    given = given_start(name, start, loaded=rotor.load > 0.0)
     if isinstance(given, str):
-        chosen, rotor = check_choice(name, given, STARTS), rotor.at(speed)
-        return settled(rotor, speed) if chosen == "settled" else rest(rotor, speed)
-    return _checked_motion(rotor, given)
-
-
-# ---- Of one disc ----
+        settles = given == "settled"
+        return disc_starts.settled(rotor, phase) if settles else disc_starts.hanging(rotor)
+    return given
 
 
 def given_start(name: str, start: object, *, loaded: bool) -> GivenStart:
@@ -189,6 +168,22 @@ def _angle_at_end(end: xr.Dataset, speed: str, time: str) -> float:
 
 
 # ---- Of a rotor system ----
+
+
+def start_of_system(assembly: Assembly, start: object, speed: float) -> Values:
+    """Return displacement and velocity of a system and its stators at the start, shape (2, n).
+
+    A start is given as for `start_of`, a state as ``(q, velocity)``. `speed` is that at time 0. A
+    system that neither shaft nor supports hold against its constant forces falls from the axis. A
+    run of one that is not the same in all directions must end after whole revolutions.
+    """
+    given = state_at_end(assembly, start)
+    if given is None:
+        return hanging(assembly, speed)
+    if isinstance(given, str):
+        chosen, assembly = check_choice("start", given, STARTS), assembly.at(speed)
+        return settled(assembly, speed) if chosen == "settled" else rest(assembly, speed)
+    return _checked_motion(assembly, given)
 
 
 def _checked_motion(assembly: Assembly, start: object) -> Values:
@@ -276,13 +271,12 @@ def _turned_back(assembly: Assembly, motion: Values, angle: float) -> Values:
 
 def settled(assembly: Assembly, speed: float) -> Values:
     """Return the steady state without contact at time 0: static deflection and whirl."""
-    size = assembly.size
-    resisted = np.zeros((size, size)) if assembly.damping is None else assembly.damping
+    resisted = assembly.damping_at(speed)
     if assembly.gyroscopic is not None:
         resisted = resisted + speed * assembly.gyroscopic
     dynamic = assembly.stiffness - speed**2 * assembly.mass + 1j * speed * resisted
     force = speed**2 * (assembly.unbalance[0] - 1j * assembly.unbalance[1])
-    whirl = np.zeros(size, complex)
+    whirl = np.zeros(assembly.size, complex)
     try:
         if force.any():
             whirl = np.linalg.solve(dynamic, force)

@@ -28,9 +28,14 @@ from rotor_ida.closed_forms.receptances import solved_motions
 from rotor_ida.errors import InputError
 from rotor_ida.model.assembly import Assembly, assemble
 from rotor_ida.model.data_sheet import GRAVITY
-from rotor_ida.model.few_modes import check_modes, in_modes
-from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
-from rotor_ida.model.supports import held_at_centre, with_supports
+from rotor_ida.model.reduction import check_modes, in_modes
+from rotor_ida.model.rotor_system import (
+    RotorSystem,
+    SystemParameters,
+    changed_system,
+    held_at_centre,
+    with_supports,
+)
 from rotor_ida.model.system_parts import Support
 from rotor_ida.parallel import Progress, shows_progress
 from rotor_ida.results.in_si import takes_system

@@ -28,7 +28,14 @@ from rotor_ida.schema import RESPONSE
 from rotor_ida.simulation.flow import DiscFlow, Flow
 from rotor_ida.simulation.options import Options, check_can_be_followed, options_of_study
 from rotor_ida.simulation.runs import LOOSEST_RTOL, TIGHTEST_RTOL
-from rotor_ida.simulation.starts import GivenStart, Start, begun_in_modes, start_of, states_of
+from rotor_ida.simulation.starts import (
+    GivenStart,
+    Start,
+    begun_in_modes,
+    start_of,
+    start_of_system,
+    states_of,
+)
 from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
 from rotor_ida.steady.follow import FAILED, Features, SettledSystem, settle_disc, settle_system
 from rotor_ida.steady.grid import Answer, Answers, Ramps
@@ -161,7 +168,7 @@ class VariedSystem:
         taken = [begun_in_modes(asked.base, modes, each, word) for each in given]
         for assembly, start in taken:  # before a study keeps it
             if not isinstance(start, str):
-                start_of(assembly, start, 1.0)
+                start_of_system(assembly, start, 1.0)
         first = [start for _, start in taken]
         kept = [end if isinstance(each, xr.Dataset) else each
                 for each, end in zip(given, first, strict=True)]  # fmt: skip
@@ -183,7 +190,7 @@ class VariedSystem:
         states = []
         for start in self.starts:
             varies = isinstance(start, str) and start == SETTLED
-            state = start_of(problem.assembly, None if varies else start, speed)
+            state = start_of_system(problem.assembly, None if varies else start, speed)
             states.append(np.append(state, problem.race_speeds))
             if varies:
                 states[-1][:] = math.nan
@@ -285,7 +292,7 @@ def answer_of_system(point: Turning, start: Start | Values, stop: Stop) -> Answe
 
 def state_of_start(problem: SettlingProblem, start: Start | xr.Dataset, speed: float) -> Values:
     """Return displacements, velocities and speeds of races at a start, or where a result ends."""
-    begun = start_of(problem.assembly, start, speed)
+    begun = start_of_system(problem.assembly, start, speed)
     moved = np.array([problem.found.to_y(each) for each in begun])
     return np.concatenate([moved.ravel(), problem.race_speeds])
 

@@ -27,7 +27,7 @@ from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import ENDING, ENDS_IN_WORDS, labelled
 from rotor_ida.simulation.course import SYSTEM_LIMITS, course_of, ramp_of
 from rotor_ida.simulation.options import LARGEST, Backend, Method, check_can_be_followed
-from rotor_ida.simulation.starts import Starts, start_of
+from rotor_ida.simulation.starts import Starts, start_of_system
 from rotor_ida.simulation.systems.flow import SettlingProblem
 from rotor_ida.steady.grid import Answers, Array, Ramps, check_size, labelled_points, run_study
 from rotor_ida.steady.points import (
@@ -253,7 +253,7 @@ def _checked_system(grid: Varied, asked: VariedSystem, to: float) -> SettlingPro
         course_of(first, {"to": to, "rate": change}, None, SYSTEM_LIMITS)
     problem = Turnings(asked.varied, asked.rtol).checked(np.array([to]))
     for each in asked.starts:
-        start_of(problem.assembly, each, float(grid.axes[SPEED][0]))
+        start_of_system(problem.assembly, each, float(grid.axes[SPEED][0]))
     return problem
 
 

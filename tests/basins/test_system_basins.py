@@ -25,7 +25,7 @@ from rotor_ida.basins.subjects import KnockedSystem, pulled_shapes, settled_row
 from rotor_ida.core.runs import NO_STOP
 from rotor_ida.model.assembly import assemble
 from rotor_ida.schema import FATE
-from rotor_ida.simulation.starts import start_of
+from rotor_ida.simulation.starts import start_of_system
 from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
 from rotor_ida.verification.verify import rerun
 from tests.basins.lanes import WHIP
@@ -106,7 +106,7 @@ def test_attractors_are_the_stable_exact_whirls(found):
 
 def test_a_start_of_the_plane_ends_as_a_run_from_the_state_that_it_says(found):
     """The state is written here by solving for the force that holds the node aside."""
-    q, velocity = start_of(assemble(SYSTEM), "settled", SPEED)
+    q, velocity = start_of_system(assemble(SYSTEM), "settled", SPEED)
     flexibility = np.linalg.inv(CHAIN)[:, 2:]
     x, y = PLANE["x"][1], PLANE["y"][2]
     pulled = flexibility @ np.linalg.solve(flexibility[2:], np.array([x, y]) - q[2:])
@@ -127,7 +127,7 @@ def test_the_node_starts_where_it_is_asked_and_nothing_else_costs_less(seed, sta
     knocked = KnockedSystem.at(problem, 0.8, "n1", given)
     flow = SystemFlow.at(problem, 0.8, NO_STOP)
     asked = np.array([[0.3, -0.2], [0.1, 0.4], [-0.5, 0.0], [0.7, 0.2]])
-    begun = start_of(problem.assembly, given, 0.8)
+    begun = start_of_system(problem.assembly, given, 0.8)
     rows = problem.assembly.node_rows()[1]
     for state, own in zip(knocked.states(flow, asked), asked.T, strict=True):
         moved = problem.found.to_q(flow.motion_of(state))

@@ -20,7 +20,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from rotor_ida import InputError, Rotor, SimulationError
+from rotor_ida import Rotor, SimulationError
 from rotor_ida.basins import kernel
 from rotor_ida.core import faults, interface, runs, sundials
 from rotor_ida.core.interface import (
@@ -43,8 +43,7 @@ from rotor_ida.simulation.run import run
 ROOT = Path(__file__).parents[2]
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 REST = (0.0, 0.0, 0.0, 0.0)
-# InputError is a ValueError; NumPy warns where it would drop imaginary parts
-REFUSALS = (TypeError, ValueError, np.exceptions.ComplexWarning)
+REFUSALS = (TypeError, ValueError)
 
 odd_numbers = st.one_of(
     st.floats(),
@@ -61,47 +60,6 @@ def machines(draw):
     numbers = {name: draw(sizes) for name in ("omega", "zeta", "delta0", "shaft_stiffness", "load")}
     numbers["contact_damping"] = draw(sizes) if numbers["delta0"] else 0.0
     return Rotor(**numbers, contact_exponent=draw(st.sampled_from([1.0, 1.5])))
-
-
-rotors = st.one_of(papers, machines())
-
-
-dtypes = st.sampled_from(
-    [np.float64, np.float64, np.float32, np.int64, np.complex128, bool, object]
-)
-
-
-@st.composite
-def odd_arrays(draw, shapes):
-    """Return an array of odd numbers: of another type, with gaps, backwards, or read-only."""
-    shape = draw(shapes)
-    count = int(np.prod(shape))
-    numbers = draw(st.lists(odd_numbers, min_size=min(count, 9), max_size=min(count, 9)))
-    array = np.resize(np.array(numbers or [0.0]), shape)
-    with np.errstate(all="ignore"):
-        array = array.astype(draw(dtypes))
-    change = draw(st.sampled_from(["none", "none", "none", "read-only", "gaps", "back", "fortran"]))
-    if change == "gaps":
-        array = np.repeat(array, 2, axis=-1)[..., ::2] if array.ndim else array
-    elif change == "back" and array.ndim:
-        array = array[::-1]
-    elif change == "fortran":
-        array = np.asfortranarray(array)
-    elif change == "read-only":
-        array.flags.writeable = False
-    return array
-
-
-def rows_of(columns):
-    """Return shapes of a few rows, now and then of another size."""
-    right = st.tuples(st.integers(0, 5), st.just(columns))
-    odd = st.lists(st.integers(0, 8), min_size=0, max_size=3).map(tuple)
-    return st.one_of(right, right, odd)
-
-
-vectors = st.one_of(
-    st.just((4,)), st.just((4,)), st.lists(st.integers(0, 7), max_size=2).map(tuple)
-)
 
 
 @contextlib.contextmanager
@@ -122,103 +80,37 @@ def stopping_after(seconds, stop):
     assert not asked or time.perf_counter() - asked[0] < 1.0
 
 
-def returns_or_refuses(call):
-    """Call something; return None where it was refused, in words."""
-    refusal = None
-    try:
-        with np.errstate(all="ignore"):
-            return call()
-    except REFUSALS as error:
-        refusal = str(error).strip()
-    assert refusal
-    return None
-
-
 asked = st.fixed_dictionaries(
     {
-        "rotor": rotors,
-        "start": st.one_of(odd_arrays(vectors), st.tuples(*[st.floats(-3.0, 3.0)] * 4)),
+        "rotor": st.one_of(papers, machines()),
+        "start": st.tuples(*[odd_numbers] * 4),
         "duration": st.one_of(st.floats(0.0, 3.0), odd_numbers),
         "rtol": st.one_of(st.sampled_from([1e-4, 1e-9, 1e-15]), odd_numbers),
         "atol": st.one_of(st.just(1e-11), odd_numbers),
     },
     optional={
-        "method": st.sampled_from(["taylor", "taylor", "adams", "bdf", "ida", "", None]),
-        "exact_flight": st.booleans(),
-        "slack": odd_numbers,
-        "where": st.integers(-2, 2),
-        "sample_times": odd_arrays(st.lists(st.integers(0, 9), max_size=2).map(tuple)),
-        "fixed_axes": st.booleans(),
-        "events": st.booleans(),
-        "extrema": st.booleans(),
-        "bundle": odd_arrays(st.one_of(rows_of(4), st.sampled_from([(4, 4), (7, 4)]))),
+        "method": st.sampled_from(["taylor", "adams", "bdf"]), "slack": odd_numbers,
+        **dict.fromkeys(("exact_flight", "fixed_axes", "events", "extrema"), st.booleans()),
     },
-)
+)  # fmt: skip
 
 
-@settings(max_examples=300)
-@given(asked)
-def test_a_run_of_odd_things_ends_or_is_refused(given_things):
+@settings(max_examples=150)
+@given(asked, st.sampled_from([None, None, 0, 3, 30]))
+def test_a_run_of_odd_numbers_ends_or_is_refused(given_things, spans):
+    """Or its stretching, over some spans."""
     stop = np.zeros(1, np.uint8)
-    with stopping_after(0.1, stop):
-        seen = returns_or_refuses(lambda: runs.follow_run(RunRequest(**given_things, stop=stop)))
-    if seen is not None:
-        assert seen.status == DONE or interface.message_of(seen.status)
-        assert len(seen.event_times) == len(seen.event_states) == len(seen.event_kinds)
-
-
-@settings(max_examples=100)
-@given(asked, st.integers(-2, 30))
-def test_stretching_of_odd_things_ends_or_is_refused(given_things, spans):
-    stop = np.zeros(1, np.uint8)
-    with stopping_after(0.1, stop):
-        returns_or_refuses(lambda: runs.stretch(RunRequest(**given_things, stop=stop), spans))
-
-
-starts = st.integers(0, 70)
-
-
-def named(table, dtype):
-    """Return a table as rows with names, where its numbers can be read so."""
-    fits = table.dtype == np.float64 and table.shape[-1:] == (dtype.itemsize // 8,)
-    return table.view(dtype)[..., 0] if fits and table.flags.c_contiguous else table
-
-
-@settings(max_examples=100)
-@given(st.data(), papers, odd_numbers, odd_numbers)
-def test_lanes_of_odd_things_end_or_are_refused(data, rotor, duration, tolerance):
-    count = data.draw(starts)
-
-    def draw(name, *shape, dtype=np.float64):
-        odd = data.draw(st.integers(0, 9), label=name) == 0
-        if odd:
-            return data.draw(odd_arrays(rows_of(4)), label=name)
-        return np.resize(data.draw(st.lists(odd_numbers, min_size=1, max_size=7)), shape).astype(
-            dtype
-        )
-
-    stop = np.zeros(1, np.uint8)
-    with np.errstate(all="ignore"):
-        tables = (
-            draw("states", 4, count), draw("labels", count, dtype=np.int16),
-            draw("times", count, dtype=np.float32),
-        )  # fmt: skip
-        known = (
-            named(draw("regions", 2, 14), kernel.REGION),
-            named(draw("free", 4), kernel.CONTACT_FREE),
-            named(draw("sections", 1, 21), kernel.SECTION),
-        )
-        section, values = named(draw("section", 21), kernel.SECTION), draw("values", count)
-    with stopping_after(0.1, stop):
-        returns_or_refuses(lambda: kernel.follow(*tables, rotor, *known, duration, tolerance, stop))
-    times = (min(duration, 1.0), duration)
-    stop[0] = 0
-    with stopping_after(0.1, stop):
-        returns_or_refuses(
-            lambda: kernel.measure_returns(
-                tables[0], rotor, section, times, tolerance, values, stop
-            )
-        )
+    try:
+        with stopping_after(0.1, stop), np.errstate(all="ignore"):
+            if spans is not None:
+                request = RunRequest(**given_things, stop=stop, bundle=np.eye(4))
+                seen = runs.stretch(request, spans)[1]
+            else:
+                seen = runs.follow_run(RunRequest(**given_things, stop=stop))
+    except ValueError:
+        return
+    assert seen.status == DONE or interface.message_of(seen.status)
+    assert len(seen.event_times) == len(seen.event_states) == len(seen.event_kinds)
 
 
 @pytest.mark.parametrize(
@@ -226,16 +118,12 @@ def test_lanes_of_odd_things_end_or_are_refused(data, rotor, duration, tolerance
     [
         ({"duration": np.inf}, "durations and tolerances must be finite numbers"),
         ({"rtol": np.nan}, "durations and tolerances must be finite numbers"),
-        ({"start": (0.0, 0.0, 0.0)}, "start must be four numbers"),
-        ({"start": (0.0, 0.0, 0.0, 1j)}, "start must be four real numbers, got"),
         ({"rtol": 0.0}, "rtol and atol must be positive, got 0.0 and 1e-11"),
         ({"atol": -1.0}, "rtol and atol must be positive, got 1e-09 and -1.0"),
-        ({"method": "ida"}, "method must be one of taylor, adams, bdf, got 'ida'"),
         ({"bundle": np.zeros((5, 4))}, "a bundle must have 4 or 7 rows of 4, got"),
+        ({"bundle": np.zeros((7, 4)), "method": "adams"}, "must be carried by taylor, got 'adams'"),
         ({"bundle": np.zeros((4, 4), np.float32)}, "takes an array of float64, got float32"),
         ({"bundle": np.zeros((8, 4))[::2]}, "the core takes a contiguous array"),
-        ({"sample_times": np.zeros((2, 2))}, "sample times must be one row of numbers"),
-        ({"stop": np.zeros(0, np.uint8)}, "stop must be one number, got"),
         ({"stop": np.zeros(1)}, "takes an array of uint8, got float64"),
     ],
 )
@@ -288,14 +176,24 @@ LONG = {
     "a run by CVODE": {"duration": 1e9, "rtol": 1e-9, "atol": 1e-11, "method": "adams"},
     "with differences": {"duration": 1e9, "rtol": 1e-12, "atol": 1e-14, "bundle": np.zeros((7, 4))},
     "with extrema": {"duration": 1e9, "rtol": 1e-12, "atol": 1e-14, "extrema": True},
+    "a flight of many turns": {
+        "rotor": Rotor(omega=1.7, zeta=0.0, delta0=3.0),
+        "start": (-0.8, 0.0, 0.0, -1.7),
+        "duration": 1e12,
+        "rtol": 1e-9,
+        "atol": 1e-11,
+        "extrema": True,
+    },
 }
 
 
 @pytest.mark.parametrize("name", LONG)
 def test_a_long_run_stops_within_a_second(name):
+    """Set by another thread: so the interpreter is free while the core works."""
     stop = np.zeros(1, np.uint8)
-    with stopping_after(0.3, stop):
-        seen = runs.follow_run(RunRequest(rotor=BOUNCING, start=REST, stop=stop, **LONG[name]))
+    with stopping_after(0.1, stop):
+        asked = {"rotor": BOUNCING, "start": REST, "stop": stop, **LONG[name]}
+        seen = runs.follow_run(RunRequest(**asked))
     assert seen.status == STOPPED
 
 
@@ -329,16 +227,6 @@ def test_spent_steps_are_an_error_of_their_own():
         run(BOUNCING, REST, 1e9, np.empty(0), Options(method="taylor"), most_steps=1000)
 
 
-def test_a_flight_of_many_turns_stops_within_a_second():
-    asked = {"rotor": Rotor(omega=1.7, zeta=0.0, delta0=3.0), "start": (-0.8, 0.0, 0.0, -1.7)}
-    stop = np.zeros(1, np.uint8)
-    with stopping_after(0.3, stop):
-        seen = runs.follow_run(
-            RunRequest(**asked, duration=1e12, rtol=1e-9, atol=1e-11, extrema=True, stop=stop)
-        )
-    assert seen.status == STOPPED
-
-
 def test_no_extremum_of_a_last_flight_is_lost_where_its_table_is_full():
     """Two a revolution, of a whirl that is off the centre: more than there is room for at first."""
     seen = runs.follow_run(
@@ -364,21 +252,6 @@ def test_lanes_stop_within_a_second():
     section, values = np.ones((), kernel.SECTION), np.empty(count)
     with stopping_after(0.3, stop):
         kernel.measure_returns(states, BOUNCING, section, (0.0, 1e9), 1e-9, values, stop)
-
-
-def test_the_interpreter_is_free_while_the_core_works():
-    """Else no other thread could set the flag, and no key could interrupt."""
-    stop, ticks = np.zeros(1, np.uint8), []
-    asked = RunRequest(rotor=BOUNCING, start=REST, duration=1e9, rtol=1e-12, atol=1e-14, stop=stop)
-    work = threading.Thread(target=runs.follow_run, args=(asked,))
-    work.start()
-    for _ in range(20):
-        time.sleep(0.01)
-        ticks.append(work.is_alive())
-    stop[0] = 1
-    work.join(1.0)
-    assert all(ticks)
-    assert not work.is_alive()
 
 
 # ---- Structures and tables are those of the header ----
@@ -524,7 +397,3 @@ def test_without_a_solver_there_is_none(monkeypatch):
     lost = runs._struct_of(asked)
     lost.sundials = None
     assert interface.library().core_run(ctypes.byref(lost)) == NO_SOLVER
-
-
-def test_input_errors_are_value_errors():
-    assert issubclass(InputError, ValueError)

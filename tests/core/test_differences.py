@@ -8,11 +8,8 @@ import numpy as np
 import pytest
 
 from rotor_ida import Rotor
-from rotor_ida.core.runs import COLUMNS, RunRequest, follow_run
+from rotor_ida.core.runs import COLUMNS
 from rotor_ida.simulation.flow import DiscFlow
-
-BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
-
 
 BASES = {
     "the paper's": {},
@@ -43,21 +40,3 @@ def test_columns_of_parameters_are_differences_of_orbits(base, name):
         paper = DiscFlow(rotor).run(start, 6.0, by=COLUMNS[:3])
         np.testing.assert_allclose(paper.by, shot.by[:3], rtol=0.0, atol=1e-12)
         assert paper.tangents == pytest.approx(shot.tangents, abs=1e-12)
-
-
-@pytest.mark.parametrize(
-    ("rotor", "method", "message"),
-    [
-        (BOUNCING, "adams", r"must be carried by taylor, got 'adams'"),
-        (
-            replace(BOUNCING, contact_damping=0.1), "taylor",
-            r"a bundle must have 4 or 12 rows of 4, got \(7, 4\)",
-        ),
-    ],
-)  # fmt: skip
-def test_rows_that_cannot_be_carried_are_refused(rotor, method, message):
-    """Parameters by CVODE, and as few of them as the paper's rotor has."""
-    asked = RunRequest(rotor=rotor, start=(0.0,) * 4, duration=1.0, method=method,
-                  bundle=np.zeros((7, 4)), rtol=1e-12, atol=1e-14)  # fmt: skip
-    with pytest.raises(ValueError, match=message):
-        follow_run(asked)

@@ -70,22 +70,14 @@ def test_a_stator_without_mass_and_damping_is_refused():
         Race(radius=1.0, inertia=0.0)
 
 
-def test_a_ramp_needs_no_end_but_a_duration():
+@pytest.mark.parametrize("ramp", [{"rate": 0.1, "duration": 10.0}, {"to": 1.5, "ramp_time": 10.0}])
+def test_a_ramp_may_have_a_duration_for_its_end_or_for_its_rate(ramp):
     system, around = random_system(2)
-    ways = ({"to": 1.5}, {"duration": 10.0})
-    one, other = (run_up(system, speed=0.5, rate=0.1, samples=11, **around, **w) for w in ways)
+    ways = ({"to": 1.5, "rate": (1.5 - 0.5) / 10.0}, ramp)
+    one, other = (run_up(system, speed=0.5, samples=11, **around, **way) for way in ways)
+    assert one.sizes["event"] > 0
     np.testing.assert_array_equal(one.event_time, other.event_time)
     assert other.speed[-1] == pytest.approx(1.5)
-
-
-def test_a_ramp_may_have_a_duration_instead_of_a_rate():
-    system, around = random_system(2)
-    ways = ({"rate": (1.5 - 0.5) / 10.0}, {"ramp_time": 10.0})
-    one, other = (
-        run_up(system, speed=0.5, to=1.5, samples=11, **around, **way) for way in ways
-    )  # fmt: skip
-    assert one.sizes["event"] > 0
-    assert one.equals(other)
 
 
 @pytest.mark.parametrize("method", ["taylor", "bdf"])

@@ -16,7 +16,7 @@ from rotor_ida.closed_forms import (
     planar_period,
     restoring_field,
 )
-from rotor_ida.model.equations import energy, jacobian
+from rotor_ida.model.equations import energy, rotating_jacobian
 from rotor_ida.paper.printed import (
     amplitudes_18,
     amplitudes_29,
@@ -73,7 +73,10 @@ def force():
 
 def curvature():
     rotor = Rotor(omega=0.0, zeta=0.0, delta0=0.5)
-    return [f"{each:.4f}" for each in np.linalg.eigvalsh(-jacobian((1.5, 0, 0, 0), rotor)[2:, :2])]
+    return [
+        f"{each:.4f}"
+        for each in np.linalg.eigvalsh(-rotating_jacobian((1.5, 0, 0, 0), rotor)[2:, :2])
+    ]
 
 
 def conserved():

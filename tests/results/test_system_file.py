@@ -15,7 +15,7 @@ from rotor_ida import (
     run_up,
     simulate,
 )
-from rotor_ida.model.supports import levitated_system
+from rotor_ida.model.rotor_system import levitated_system
 from rotor_ida.results.system_file import __doc__ as documented
 from rotor_ida.results.system_file import read_system_file
 

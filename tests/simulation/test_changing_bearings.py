@@ -144,23 +144,6 @@ def test_speeds_turn_inside_an_interval_and_at_a_knot():
     np.testing.assert_allclose(motion_of(run), exact[:, :8], rtol=0.0, atol=1e-9)
 
 
-def test_a_table_linear_in_the_speed_needs_no_interpolant():
-    """The monotone cubics of linear rows are linear."""
-    k, c = np.array([[0.9, 0.2], [-0.1, 1.1]]), np.array([[0.3, 0.0], [0.05, 0.2]])
-    films = [
-        Bearing(node=node, speed=SPEEDS, stiffness=k + np.multiply.outer(SPEEDS, 0.3 * c),
-                damping=c + np.multiply.outer(SPEEDS, 0.1 * k))
-        for node in "ab"
-    ]  # fmt: skip
-
-    def linear(speed):
-        return np.kron(np.eye(2), k + 0.3 * speed * c), np.kron(np.eye(2), c + 0.1 * speed * k)
-
-    run = run_up(replace(ROTOR, bearings=films), speed=0.2, to=3.0, rate=0.04, samples=7)
-    exact = integrated(along_ramp(0.2, 0.04, linear), np.zeros(9), run.t.values)
-    np.testing.assert_allclose(motion_of(run), exact[:, :8], rtol=0.0, atol=1e-9)
-
-
 @pytest.mark.parametrize("contacts", [[], [RUB]])
 def test_equal_rows_are_constant_coefficients(contacts):
     rows = {name: np.broadcast_to(TABLES[0][name][4], (6, 2, 2)) for name in TABLES[0]}
@@ -184,17 +167,6 @@ def test_events_are_those_of_the_reference_simulator(method):
     np.testing.assert_array_equal(run.event_kind, slow.event_kind)
     np.testing.assert_array_equal(run.event_contact, slow.event_contact)
     np.testing.assert_allclose(run.event_time, slow.event_time, rtol=0.0, atol=1e-8)
-
-
-def test_the_energy_balances_with_the_work_of_the_bearings():
-    run = run_up(RUBBING, start=ON_AXIS, speed=0.3, to=2.8, rate=0.02)
-    q, v = run.final_state.values.reshape(2, 4)
-    kept = 0.5 * v @ ROTOR.mass @ v + 0.5 * q @ ROTOR.stiffness @ q
-    kept -= ROTOR.weight((0.0, -0.3)) @ q
-    lost = [run.attrs[f"energy_{each}"] for each in
-            ("damping", "stiffness_rate", "normal", "tangential", "bearings")]  # fmt: skip
-    assert kept == pytest.approx(run.attrs["energy_unbalance"] - sum(lost), rel=1e-10)
-    assert abs(run.attrs["energy_bearings"]) > 0.1 * run.attrs["energy_unbalance"]
 
 
 def driven(torque, inertia):
@@ -288,13 +260,6 @@ def test_a_run_that_goes_on_with_more_room_is_the_same(monkeypatch):
     assert once.event_times.size > 12  # more than the room for the first ones
     np.testing.assert_array_equal(again.state, once.state)
     np.testing.assert_array_equal(again.event_times, once.event_times)
-
-
-def test_all_modes_are_the_whole_system():
-    given: dict[str, Any] = {"start": ON_AXIS, "speed": 0.3, "to": 1.2, "rate": 0.06}
-    whole, reduced = run_up(RUBBING, **given), run_up(RUBBING, modes=4, **given)
-    assert whole.sizes["event"] == reduced.sizes["event"] >= 4
-    np.testing.assert_allclose(reduced.event_time, whole.event_time, rtol=0.0, atol=1e-9)
 
 
 def test_supports_carry_what_the_bearings_leave_at_the_first_speed():

@@ -8,7 +8,7 @@ import pytest
 from rotor_ida.core.system_requests import LAW_CHANGE, ByParameter
 from rotor_ida.core.systems import follow_system
 from rotor_ida.model.assembly import assemble, canonical
-from rotor_ida.schema.flags import ENTRY, EXIT, ROLL, SLIP
+from rotor_ida.schema.flags import ENTRY, EXIT, RELEASE, ROLL, SLIP
 from rotor_ida.simulation.spin import Driven, SpeedProfile, through
 from rotor_ida.simulation.system_run import request_of
 from tests.random_systems import random_system
@@ -105,10 +105,14 @@ def test_columns_are_differences_of_runs(seed):
     size, count = len(asked.force), len(asked.laws)
     changes = np.zeros((2, 2 * size + count))
     changes[:, : 2 * size] = rng.normal(size=(2, 2 * size))
+    changes[1, 2 * size :] = 0.1 * (asked.laws["inverse_race_inertia"] > 0.0)
     given = parameters(asked, rng)
 
     def beside(step, change):
-        return replace(asked, start=asked.start + step * change[: 2 * size].reshape(2, size))
+        return replace(
+            asked, start=asked.start + step * change[: 2 * size].reshape(2, size),
+            races=asked.races + step * change[2 * size :],
+        )  # fmt: skip
 
     runs = [*[lambda step, each=each: beside(step, each) for each in changes],
             *[changed for _, changed in given]]  # fmt: skip
@@ -133,9 +137,15 @@ def test_columns_are_differences_of_runs(seed):
             other = follow_system(run)
             assert np.array_equal(other.event_kinds, kinds)
             seen = other.samples[:, 0] @ run.rows.reshape(-1, size).T
-            return np.concatenate([other.event_times[edges], seen.ravel()])
+            races = other.touches["race"]
+            return np.concatenate([other.event_times[edges], races, seen.ravel()])
 
-        times, seen = np.split(difference(observed, 4e-6), [edges.sum()])
+        times, races, seen = np.split(
+            difference(observed, 4e-6), [edges.sum(), edges.sum() + count]
+        )
+        own = result.columns[column, 2 * size :]
+        np.testing.assert_allclose(own, races, rtol=0.0, atol=WITHIN * max(1.0, np.abs(own).max()),
+                                   err_msg=str(column))  # fmt: skip
         own = result.sample_columns[:, :, column].ravel()
         np.testing.assert_allclose(own, seen, rtol=0.0, atol=WITHIN * np.abs(own).max(),
                                    err_msg=str(column))  # fmt: skip
@@ -148,7 +158,7 @@ def test_columns_are_differences_of_runs(seed):
 
 def test_these_motions_have_all_events():
     kinds = np.concatenate([follow_system(request(seed)).event_kinds for seed in SEEDS])
-    assert {ENTRY, EXIT, ROLL, SLIP} <= set(kinds.tolist())
+    assert {ENTRY, EXIT, RELEASE, ROLL, SLIP} <= set(kinds.tolist())
 
 
 def test_columns_are_refused_under_a_torque():

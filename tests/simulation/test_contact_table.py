@@ -241,9 +241,3 @@ def test_a_run_without_touches_has_no_heat():
     told = contact_summary(simulate(rotor, start=(0, 0, 0, 0), duration=10.0))
     assert told.total_heat.item() == told.total_slip_distance.item() == 0.0
     assert np.isnan(told.rolling_fraction.item())
-
-
-def test_without_friction_nothing_is_told_of_it():
-    told = contact_summary(simulate(Rotor(omega=2.0, zeta=0.07, delta0=2.0),
-                                    start=(0, 0, 0, 0), duration=20.0))  # fmt: skip
-    assert not {"total_heat", "total_slip_distance", "rolling_fraction"} & set(told)

@@ -163,7 +163,7 @@ def test_the_spacing_of_doubles_is_part_of_the_stated_error(speed):
     assert np.spacing(time) <= stated < 100.0 * np.spacing(time)
 
 
-@pytest.mark.parametrize("drift", [0.1, 0.23, 0.7])
+@pytest.mark.parametrize("drift", [0.23, 0.7])
 def test_the_rounding_of_the_phase_is_part_of_the_stated_error(drift):
     """An undamped whirl whose centre drifts to the ring, through millions of radians."""
     omega, delta0 = 100.0, 1e4

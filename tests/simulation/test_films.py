@@ -12,7 +12,6 @@ from rotor_ida import (
     continue_cycle,
     drop,
     limit_cycle,
-    lyapunov_exponent,
     poincare_section,
     simulate,
     special_speeds,
@@ -56,11 +55,6 @@ def test_few_modes_hold_films_as_all_do(system):
     [
         (sweep, {}, ("radius_max", "node_radius_max")),
         (limit_cycle, {"start": "settled"}, ("radius_max", "multiplier_real")),
-        (
-            lyapunov_exponent,
-            {"revolutions": 80, "batches": 4, "transient": 0.01},
-            ("lyapunov_exponent",),
-        ),
         (poincare_section, {"revolutions": 5}, ("rotating_x", "rotating_y")),
         (bifurcation_diagram, {"revolutions": 5}, ("extremum_radius",)),
     ],

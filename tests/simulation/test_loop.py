@@ -8,7 +8,7 @@ from scipy.special import beta
 
 from rotor_ida import InputError, Rotor, simulate
 from rotor_ida.core.runs import RunRequest, follow_run
-from rotor_ida.model.equations import angular_momentum, energy
+from rotor_ida.model.equations import energy
 from rotor_ida.model.parameters import OF_ROTOR
 
 LEAVING = beta(0.4, 0.5) / math.sqrt(5.0)  # time from rest at A to the ring, times (A-delta0)^1/4
@@ -45,7 +45,7 @@ def test_energy_and_angular_momentum_are_conserved_over_a_thousand_contacts(star
     states = np.stack([run[name].values for name in ("x", "y", "vx", "vy")], axis=-1)
     assert run.sizes["contact"] > 1000
     assert np.ptp(energy(states, 1.0)) < 1e-8
-    assert np.ptp(angular_momentum(states)) < 1e-8
+    assert np.ptp(states[:, 0] * states[:, 3] - states[:, 1] * states[:, 2]) < 1e-8
 
 
 def test_an_event_at_the_end_time_belongs_to_the_run():

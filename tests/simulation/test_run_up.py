@@ -222,27 +222,6 @@ def test_the_work_of_the_torque_goes_into_energy_damping_and_heat(name):
     assert damped + lost > 1.0
 
 
-def test_the_work_of_a_prescribed_speed_goes_into_energy_damping_and_heat():
-    """The moment that it takes beside that of the inertia is T rho + Im(exp(-i theta) b)."""
-    rotor = Rotor(
-        omega=0.5, zeta=0.07, delta0=0.5, shaft_stiffness=0.2, contact_damping=0.3, load=0.2,
-        friction=0.2, disc_radius=2.0,
-    )  # fmt: skip
-    found = run_up(rotor, start=START, to=2.0, rate=0.1, samples=16001)
-    assert set(found["mode"].values.tolist()) == {0, 1}  # T has no jump
-    z, v = found.x.values + 1j * found.y.values, found.vx.values + 1j * found.vy.values
-    speed, normal = found.speed.values, found.normal_force.values
-    pulled = -2.0 * rotor.zeta * v - rotor.shaft_stiffness * z
-    pulled -= (1.0 + 1j * rotor.friction) * normal * z / np.abs(z)
-    moment = (np.exp(-1j * found.angle.values) * pulled).imag + 2.0 * rotor.friction * normal
-    work = simpson(moment * speed, x=found.t.values)
-    damped = 2.0 * rotor.zeta * simpson(np.abs(v) ** 2, x=found.t.values)
-    lost = found.heat.values.sum() + found.contact_loss.values.sum()
-    energies = energy(rotor, found, 0.0)
-    assert energies[-1] - energies[0] == pytest.approx(work - damped - lost, abs=1e-6)
-    assert found.heat.values.sum() > 0.5
-
-
 def test_a_run_whose_energy_does_not_balance_is_refused(monkeypatch):
     caught = []
     monkeypatch.setattr(run_module, "check_orbit", caught.append)

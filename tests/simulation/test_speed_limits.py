@@ -110,10 +110,9 @@ def test_a_torque_that_grows_with_the_speed_is_followed_as_long_as_that_is_moder
     assert run.speed.values[-1] == pytest.approx(2.0 * np.exp(5.0) - 1.0, rel=1e-9)
 
 
-@pytest.mark.parametrize("by", BY)
-def test_pieces_steeper_than_any_rate_are_refused(by):
+def test_pieces_steeper_than_any_rate_are_refused():
     with pytest.raises(InputError, match=r"the rate of speeds must lie within 1e\+06 .* 1e-300"):
-        run_up(SPRUNG, speeds=[(0.0, 1.0), (1e-300, 2.0)], **BY[by])
+        run_up(SPRUNG, speeds=[(0.0, 1.0), (1e-300, 2.0)])
 
 
 @pytest.mark.parametrize("by", BY)

@@ -24,7 +24,7 @@ from rotor_ida import (
     synchronous_response,
 )
 from rotor_ida.model.assembly import assemble
-from rotor_ida.simulation.starts import start_of
+from rotor_ida.simulation.starts import start_of, start_of_system
 from rotor_ida.verification.verify import question_of
 
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
@@ -157,7 +157,7 @@ OF_WORDS = [
 @pytest.mark.parametrize(("rotor", "word"), OF_WORDS)
 def test_words_are_the_starts_of_the_same_rotor_as_a_system(rotor, word):
     """Which solves linear equations, and finds rest as the minimum of a potential."""
-    of_system = start_of(assemble(rotor.system()), word, rotor.omega).ravel()
+    of_system = start_of_system(assemble(rotor.system()), word, rotor.omega).ravel()
     np.testing.assert_allclose(start_of(rotor, word), of_system, rtol=1e-9, atol=1e-12)
 
 

@@ -59,7 +59,7 @@ def test_systems_have_the_events_of_cvode(seed, by):
 def test_many_systems_have_the_events_of_cvode():
     """As far as the events of both runs are sure; the plain-Python witness shares no code."""
     count, slow = 0, BY_CVODE["witness"]
-    for seed in range(100, 140):
+    for seed in range(100, 114):
         exact, other = followed(seed, 10.0), followed(seed, 10.0, rtol=1e-11, **slow)
         horizon = min(exact.horizon.item(), other.horizon.item())
         one, two = (run.isel(event=(run.event_time < horizon).values) for run in (exact, other))
@@ -67,19 +67,17 @@ def test_many_systems_have_the_events_of_cvode():
         np.testing.assert_array_equal(one.event_contact, two.event_contact)
         np.testing.assert_allclose(one.event_time, two.event_time, rtol=2e-7)
         count += one.sizes["event"]
-    assert count > 400
+    assert count > 140
 
 
 @pytest.mark.parametrize("seed", [78, 410, 434, 454, 578, 628])
 def test_the_energy_of_cvode_balances(seed):
-    """To the sum of the tolerances of its steps; the events are those of the other integrators."""
+    """To the sum of the tolerances of its steps; the events are those of Taylor series."""
     exact = followed(seed, 10.0)
-    slow = followed(seed, 10.0, rtol=1e-8, **BY_CVODE["witness"])
     for method, rtol in (("adams", 1e-8), ("bdf", 1e-8), ("bdf", 1e-10)):
         run = followed(seed, 10.0, method=method, rtol=rtol)
-        for other in (exact, slow):
-            np.testing.assert_array_equal(run.event_kind, other.event_kind)
-            np.testing.assert_allclose(run.event_time, other.event_time, rtol=2e-6)
+        np.testing.assert_array_equal(run.event_kind, exact.event_kind)
+        np.testing.assert_allclose(run.event_time, exact.event_time, rtol=2e-6)
 
 
 @pytest.mark.parametrize(("method", "missing"), [("taylor", 1e-8), ("adams", 3e-6), ("bdf", 3e-6)])

@@ -20,7 +20,8 @@ from rotor_ida.closed_forms.clearances.critical_speeds import (
     peak_between,
 )
 from rotor_ida.errors import InputError
-from rotor_ida.model.assembly import Assembly, unbalance_of
+from rotor_ida.model.assembly import Assembly
+from rotor_ida.model.rotor_system import unbalance_of
 from rotor_ida.model.system_parts import Unbalance
 from rotor_ida.units import SPEED_UNITS
 

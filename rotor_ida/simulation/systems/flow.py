@@ -32,6 +32,7 @@ from rotor_ida.errors import InputError, SimulationError
 from rotor_ida.model.assembly import Assembly, Canonical, assemble, canonical
 from rotor_ida.model.axisymmetric import check_axisymmetric_parts, forward_motions
 from rotor_ida.model.bearing import Films
+from rotor_ida.model.growth import rates_of
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parameters import SPEED, parameter_of, with_parameters
 from rotor_ida.schema import MODE
@@ -134,13 +135,7 @@ class SettlingProblem:
 
     def slowest_decay(self, speed: float) -> float:
         """Return the slowest rate at which a free motion decays; 0 if none does."""
-        size, found = self.assembly.size, self.found
-        resisted = np.zeros((size, size)) if found.damping is None else found.damping.copy()
-        if found.gyroscopic is not None:
-            resisted += speed * found.gyroscopic
-        rates = np.linalg.eigvals(
-            np.block([[np.zeros((size, size)), np.eye(size)], [-found.stiffness, -resisted]])
-        )
+        rates = rates_of(self.found, speed)
         decays = np.abs(rates.real[np.abs(rates.real) > UNDAMPED * np.abs(rates).max()])
         return float(decays.min(initial=math.inf)) if decays.size else 0.0
 
@@ -518,7 +513,7 @@ class SystemFlow:
         free, across = null_space(found.stiffness), null_space(found.stiffness.T)
         if not free.size or not 0.0 < room < contact.clearance or self.period is not None:
             return math.nan
-        resisted = np.zeros_like(found.stiffness) if found.damping is None else found.damping
+        resisted = found.damping_at(self.speed)
         if found.gyroscopic is not None:
             resisted = resisted + self.speed * found.gyroscopic
         rows, slowed = found.rows[number], across.T @ resisted @ free
