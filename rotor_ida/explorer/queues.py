@@ -9,10 +9,10 @@ import sys
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import partial
 from itertools import count
 from typing import NamedTuple
 
+from rotor_ida.errors import RotorError
 from rotor_ida.explorer.messages import FILES, Answer, Asked, packed
 from rotor_ida.explorer.workers import (
     FIRST_BEYOND,
@@ -21,13 +21,12 @@ from rotor_ida.explorer.workers import (
     Order,
     example,
 )
+from rotor_ida.parallel import Progress
 
 Deliver = Callable[[bytes], None]
 # Origin of a question: a page, and the panels of one of its rotors.
 Place = tuple[int, str, int]
 
-# Reported instead of a number if a process does not start.
-NEVER = -1
 # Seconds after which a process that does not cancel an answer is ended.
 DEAF = 5.0
 # Seconds after which a process that ended unexpectedly is restarted.
@@ -36,6 +35,7 @@ AGAIN = 0.5
 AT_A_TIME = 2**20
 # Keeps Ctrl-C of the console from a process on Windows, as a new session does elsewhere.
 NEW_GROUP: int = getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)
+NEVER = "the processes that compute the panels do not start"
 DIED = "The process that computes this ended unexpectedly; it is being restarted."
 
 
@@ -73,26 +73,19 @@ PLANS = (
 
 
 class Queues:
-    """All queues: one for each kind of question, so that none waits for another.
+    """All queues: one for each kind of question, so that none waits for another."""
 
-    Parameters
-    ----------
-    progress : callable
-        Called with the number of completed start-up steps and their total; with `NEVER` twice if
-        a process cannot start.
-    """
-
-    def __init__(self, progress: Callable[[int, int], None]) -> None:
-        self._progress = progress
-        self._shares: dict[int, tuple[int, int]] = {}
-        self._queues = [
-            Queue(plan, partial(self._report, number)) for number, plan in enumerate(PLANS)
-        ]
+    def __init__(self) -> None:
+        self._queues = [Queue(plan) for plan in PLANS]
         self._running: list[asyncio.Task[None]] = []
 
-    def open(self) -> None:
-        """Start the processes."""
+    async def open(self, progress: Progress) -> None:
+        """Start the processes and wait until they are ready; `RotorError` if one cannot start."""
         self._running = [asyncio.create_task(queue.run()) for queue in self._queues]
+        starting = asyncio.as_completed([queue.ready for queue in self._queues])
+        for done, ready in enumerate(starting, start=1):
+            await ready
+            progress(done, len(self._queues))
 
     async def close(self) -> None:
         """End the processes."""
@@ -109,14 +102,6 @@ class Queues:
         """Cancel all questions of a page."""
         for queue in self._queues:
             queue.forget(page)
-
-    def _report(self, number: int, done: int, total: int) -> None:
-        self._shares[number] = (done, total)
-        if done == NEVER:
-            self._progress(NEVER, NEVER)
-        elif len(self._shares) == len(self._queues):
-            shares = list(self._shares.values())
-            self._progress(sum(done for done, _ in shares), sum(total for _, total in shares))
 
 
 @dataclass(slots=True, eq=False)
@@ -142,14 +127,11 @@ class Queue:
     ----------
     plan : Plan
         What it answers, and when.
-    report : callable
-        Called with the number of completed start-up steps and their total.
     """
 
-    def __init__(self, plan: Plan, report: Callable[[int, int], None]) -> None:
+    def __init__(self, plan: Plan) -> None:
         self.plan = plan
-        self._report = report
-        self._ready = False
+        self.ready: asyncio.Future[None] = asyncio.get_running_loop().create_future()
         self._numbers = count(1)
         self._waiting: dict[Place, _Pending] = {}
         self._begun: dict[Place, _Pending] = {}
@@ -181,8 +163,8 @@ class Queue:
         while True:
             with suppress(EOFError, OSError):
                 await self._work()
-            if not self._ready:
-                self._report(NEVER, NEVER)
+            if not self.ready.done():
+                self.ready.set_exception(RotorError(NEVER))
                 return
             self._begin_again()
             await asyncio.sleep(AGAIN)
@@ -204,18 +186,15 @@ class Queue:
                 number = next(self._numbers)
                 await worker.follow((number, example(about, **beyond)))
                 worker.tell((number, "drop"))
-        if not self._ready:
-            self._report(1, 1)
-        self._ready = True
+        if not self.ready.done():
+            self.ready.set_result(None)
 
     async def _answer_all(self, worker: _Worker) -> None:
         while True:
             pending = self._at = await self._next(worker)
             if pending.number is None:
-                pending.number, pending.begun = (
-                    next(self._numbers),
-                    asyncio.get_running_loop().time(),
-                )
+                pending.number = next(self._numbers)
+                pending.begun = asyncio.get_running_loop().time()
                 part = await worker.follow((pending.number, pending.question))
             else:
                 part = await worker.follow((pending.number, "next"))
