@@ -171,7 +171,7 @@ class Queue:
 
     async def _work(self) -> None:
         """Start a process and keep it busy, until it ends."""
-        worker = self._worker = await _Worker.begin(self.plan.niceness, self._changed.set)
+        worker = self._worker = await _Worker.begin(self.plan.niceness)
         try:
             await self._make_ready(worker)
             await self._answer_all(worker)
@@ -191,7 +191,7 @@ class Queue:
 
     async def _answer_all(self, worker: _Worker) -> None:
         while True:
-            pending = self._at = await self._next(worker)
+            pending = self._at = await self._next()
             if pending.number is None:
                 pending.number = next(self._numbers)
                 pending.begun = asyncio.get_running_loop().time()
@@ -209,12 +209,10 @@ class Queue:
             if pending.place in self._waiting:
                 self._give_up(pending)
 
-    async def _next(self, worker: _Worker) -> _Pending:
+    async def _next(self) -> _Pending:
         """Wait for work: begin a waiting question, or continue an answer in turn."""
         while True:
             self._changed.clear()
-            if worker.has_ended:
-                raise EOFError
             now = asyncio.get_running_loop().time()
             free = [pending for place, pending in self._waiting.items() if place not in self._begun]
             due = [pending for pending in free if now >= pending.since + self.plan.pause]
@@ -272,17 +270,15 @@ def _nowhere(_answer: bytes) -> None:
 class _Worker:
     """A worker process and the pipes to it."""
 
-    def __init__(self, process: asyncio.subprocess.Process, at_end: Callable[[], None]) -> None:
+    def __init__(self, process: asyncio.subprocess.Process) -> None:
         assert process.stdin is not None
         assert process.stdout is not None
         self._process = process
         self._orders = process.stdin
         self._answers = process.stdout
-        self._end = asyncio.create_task(process.wait())
-        self._end.add_done_callback(lambda _: at_end())
 
     @classmethod
-    async def begin(cls, niceness: int, at_end: Callable[[], None]) -> _Worker:
+    async def begin(cls, niceness: int) -> _Worker:
         """Start a process with the same module path, protected from Ctrl-C in the terminal."""
         lines = (
             f"import sys; sys.path[:] = {sys.path!r}; "
@@ -292,12 +288,7 @@ class _Worker:
             sys.executable, "-c", lines, limit=AT_A_TIME, start_new_session=True,
             creationflags=NEW_GROUP, stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE,
         )  # fmt: skip
-        return cls(process, at_end)
-
-    @property
-    def has_ended(self) -> bool:
-        """Whether the process has ended."""
-        return self._end.done()
+        return cls(process)
 
     def tell(self, order: Order) -> None:
         """Send an order; if the process has ended it is lost, which its answer reports."""
@@ -319,4 +310,4 @@ class _Worker:
         self.kill()
         self._orders.close()
         await self._answers.read()
-        await self._end
+        await self._process.wait()

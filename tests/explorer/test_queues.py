@@ -163,18 +163,6 @@ def test_a_process_that_is_killed_is_replaced_and_the_page_told(answering: Answe
     assert [each.facts["message"] for each in troubles] == [queues.DIED]
 
 
-def test_a_process_at_rest_that_is_killed_is_replaced(answering: Answering):
-    answering.ask(1, question(number=1))
-    answering.wait_for(1, 1, "motion")
-    pid = pid_of(answering, 0)
-    os.kill(pid, signal.SIGKILL)
-    answering.ask(1, question(number=2))
-    wait_until(lambda: bool(answering.parts(1, 2)), "an answer")
-    answering.ask(1, question(number=3))
-    answering.wait_for(1, 3, "motion")
-    assert pid_of(answering, 0) != pid
-
-
 def test_a_process_that_is_deaf_is_ended(answering: Answering, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(queues, "DEAF", 0.2)
     pid = pid_of(answering, 2)

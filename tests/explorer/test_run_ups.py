@@ -65,11 +65,10 @@ def joined(answers: list[Message], name: str) -> np.ndarray:
 
 @pytest.mark.parametrize(
     ("rotor", "start", "stops", "rate"),
-    [(BOUNCING, BOUNCED, (2.4, 2.48, 2.61, 3.0), 0.02),
-     (BOUNCING, BOUNCED, (2.4, 2.112, 1.9), -0.02),
+    [(BOUNCING, BOUNCED, (2.4, 2.112, 1.9), -0.02),
      (CHATTER, SHAKEN, (1.2, 1.25, 1.4), 0.01),
      (LOADED, HANGS, (0.2, 0.2031, 0.31, 0.45, 0.9), 0.005)],
-    ids=["up", "down, a stop in contact", "slipping and rolling", "under a load"],
+    ids=["down, a stop in contact", "slipping and rolling", "under a load"],
 )  # fmt: skip
 def test_pieces_make_one_run_up(
     rotor: dict[str, float],
@@ -156,9 +155,8 @@ def test_a_piece_is_sampled_often_enough_at_every_speed() -> None:
 @pytest.mark.parametrize(
     ("rotor", "start", "stops", "rate"),
     [(BOUNCING, BOUNCED, (2.4, 2.4004, 2.51, 2.5222, 3.0), 0.02),
-     (BOUNCING, BOUNCED, (2.4, 2.3871, 2.1, 1.9), -0.02),
      (LOADED, HANGS, (0.2, 0.2031, 0.31, 0.45, 0.9), 0.005)],
-    ids=["up", "down", "under a load"],
+    ids=["up", "under a load"],
 )  # fmt: skip
 def test_windows_and_spectra_do_not_tell_where_a_piece_ends(
     rotor: dict[str, float], start: tuple[float, ...], stops: tuple[float, ...], rate: float
