@@ -86,7 +86,8 @@ SLIDERS = ("omega", "contact_damping", "load", "disc_radius")
 
 
 def test_a_slider_moves_by_key_and_is_kept_in_the_address(page):
-    page.find("#machine summary").click()
+    assert not page.find("#slider-load").is_displayed()
+    page.find("#machine summary").send_keys(Keys.ENTER)
     for name in SLIDERS:
         slider, before = page.find(f"#slider-{name}"), page.state()[name]
         slider.send_keys(Keys.ARROW_RIGHT, Keys.ARROW_RIGHT)
@@ -109,33 +110,37 @@ def test_a_slider_moves_by_key_and_is_kept_in_the_address(page):
     page.until(f"!/{'|'.join(SLIDERS[1:])}/.test(location.hash)")  # the paper's rotor again
 
 
-def test_what_a_machine_has_beside_is_folded_away_until_it_is_there(page, address):
-    assert not page.find("#slider-load").is_displayed()
-    page.find("#machine summary").send_keys(Keys.ENTER)
-    assert page.find("#slider-load").is_displayed()
-    assert page.facts("motion")["rotor"] == {"omega": 2.0, "zeta": 0.07, "delta0": 2.0}
-    page = with_machine(page, address, load=0.5)
-    assert page.find("#slider-load").is_displayed()
-    assert float(page.find("#field-load").get_attribute("value")) == 0.5
-    assert page.facts("motion")["rotor"]["load"] == 0.5
-
-
-def test_how_it_slips_and_rolls_is_told_and_drawn_with_friction_alone(page, address):
-    keys = "Array.from(document.querySelectorAll('[data-friction]'), (each) => each.offsetParent)"
+@pytest.mark.parametrize(
+    ("key", "state", "names"),
+    [
+        ("friction", CHATTERING, {2: "roll:", -2: "slip:", 3: "reverse:"}),
+        ("damped", WHOLE | {"omega": 2, "zeta": 0.07, "delta0": 2}, {-4: "release:"}),
+    ],
+    ids=["friction", "damping"],
+)
+def test_its_events_are_told_and_drawn_with_friction_or_contact_damping_alone(
+    page, address, key, state, names
+):
+    keys = f"Array.from(document.querySelectorAll('[data-{key}]'), (each) => each.offsetParent)"
     assert page.run(f"return {keys}.some(Boolean)") is False
-    page = opened(page.driver, address, **CHATTERING)
-    page.settle("settled")
+    page = opened(page.driver, address, **{"x": 0, "y": 0, "vx": 0, "vy": 0} | state)
     assert page.run(f"return {keys}.every(Boolean)") is True
-    assert not page.find("[data-frictionless]").is_displayed()
+    assert page.find("#slider-load").is_displayed()  # what is not 0 is unfolded
     kinds = page.array("motion", "event_kind")
     times, radii = (page.array("motion", f"event_{name}") for name in ("time", "radius"))
-    for kind, name in {2: "roll:", -2: "slip:", 3: "reverse:"}.items():
-        event = np.flatnonzero(kinds == kind)[-3]
+    for kind, name in names.items():
+        event = np.flatnonzero(kinds == kind)[-1 if key == "damped" else -3]
         told = hovered(page, '[data-plot="radius"]', [times[event], radii[event]])
         assert told.startswith(name)
+
+
+def test_an_orbit_has_the_colours_of_slipping_and_rolling_with_friction_alone(page, address):
+    page = opened(page.driver, address, **CHATTERING)
+    assert not page.find("[data-frictionless]").is_displayed()
     for colour, least in {"rolling": 300, "backwards": 40, "contact": 100}.items():
         assert page.run(COLOURED, "orbit", colour) > least, colour
     plain = opened(page.driver, address, omega=1.2, zeta=0.07, delta0=0.5)
+    assert plain.run(COLOURED, "orbit", "contact") > 100
     for colour in ("rolling", "backwards"):
         assert plain.run(COLOURED, "orbit", colour) == 0
 
@@ -191,17 +196,6 @@ def test_the_whole_machine_in_si_units_is_the_same_rotor(page, address):
 def machine_of(page, names):
     state = page.state()
     return DimensionalRotor(**{name: state[name] for name in names})
-
-
-def test_releases_and_presses_are_counted_and_drawn_with_contact_damping_alone(page, address):
-    keys = "Array.from(document.querySelectorAll('[data-damped]'), (each) => each.offsetParent)"
-    assert page.run(f"return {keys}.some(Boolean)") is False
-    page = with_machine(page, address, **WHOLE, x=0, y=0, vx=0, vy=0)
-    assert page.run(f"return {keys}.every(Boolean)") is True
-    shown = page.array("motion", "event_kind") == -4
-    times, radii = (page.array("motion", f"event_{name}")[shown] for name in ("time", "radius"))
-    told = hovered(page, '[data-plot="radius"]', [times[-1], radii[-1]])
-    assert told.startswith("release:")
 
 
 def test_a_bad_value_is_told_and_the_page_lives_on(page):
@@ -263,15 +257,6 @@ def test_without_damping_there_is_a_motion_and_no_basin(whole):
     whole.settle()
     assert "nothing settles" in whole.words()
     whole.until("document.querySelector('[data-key]').textContent.includes('zeta must be above 0')")
-
-
-def test_from_where_the_rotor_is(page):
-    page.find('[name="from"][value="here"]').click()
-    page.settle()
-    end = page.facts("motion")["end"]
-    page.find("#slider-omega").send_keys(Keys.ARROW_RIGHT)
-    page.settle()
-    assert page.facts("motion")["start"] == end
 
 
 def test_two_clearances_side_by_side(page):
@@ -349,8 +334,11 @@ def test_the_address_is_the_state(page):
     page.type("#start-x", 2.5)
     page.type("#field-omega", 1.8)
     page.find('[name="from"][value="here"]').click()
+    page.settle()
+    end = page.facts("motion")["end"]
     page.find("#slider-omega").send_keys(Keys.ARROW_RIGHT)
     page.settle()
+    assert page.facts("motion")["start"] == end
     told = [page.facts("motion")[name] for name in ("rotor", "start")]
     page.until("location.hash.includes(`omega=${rotorIda.state.omega}`)")
     address = page.driver.current_url
@@ -567,22 +555,6 @@ def test_each_panel_is_saved_as_picture_and_table(whole):
     np.testing.assert_array_equal(labels, whole.array("basin", "label"))
 
 
-def test_a_plot_stays_in_view_while_a_slider_moves_on_a_phone(page):
-    page.find('[name="units"][value="si"]').click()
-    with sized(page.driver, 390, 844):
-        for name in ("speed", "eccentricity"):
-            slider = f"document.getElementById('slider-{name}')"
-            page.run(f"{slider}.scrollIntoView({{block: 'center'}})")
-            time.sleep(0.3)
-            box = "getBoundingClientRect()"
-            top, bottom = page.run(
-                f"const {{top, bottom}} = document.querySelector('[data-panel=response] .plot')"
-                f".{box}; return [top, bottom]"
-            )
-            assert top >= 0
-            assert bottom < page.run(f"return {slider}.{box}.top")
-
-
 def test_nothing_is_cut_off_in_dark_and_light_and_all_has_a_name(page):
     page.find("#machine summary").click()
     for width in (390, 800, 1400):
@@ -637,18 +609,30 @@ def test_a_page_that_needs_no_server(chromium, tmp_path):
     assert errors_of(chromium) == []
 
 
-def test_a_phone_shows_the_verdict_and_a_picture_first(page):
+def test_a_phone_shows_the_verdict_first_and_a_plot_in_view_of_each_slider(page):
+    box = "getBoundingClientRect()"
     with sized(page.driver, 390, 844):
         page.settle("settled")
-        tops = [page.run(f"return document.querySelector('{each}').getBoundingClientRect().top")
+        tops = [page.run(f"return document.querySelector('{each}').{box}.top")
                 for each in ("#verdict", '[data-panel="response"]', "#controls")]  # fmt: skip
         assert tops == sorted(tops)
         assert tops[1] < 200
         outside = page.run(
             "return [...document.querySelectorAll('.actions > *')]"
-            ".filter((each) => each.getBoundingClientRect().right > innerWidth).length"
+            f".filter((each) => each.{box}.right > innerWidth).length"
         )
         assert outside == 0
+        page.run("arguments[0].click()", page.find('[name="units"][value="si"]'))
+        for name in ("speed", "eccentricity"):
+            slider = f"document.getElementById('slider-{name}')"
+            page.run(f"{slider}.scrollIntoView({{block: 'center'}})")
+            time.sleep(0.3)
+            top, bottom = page.run(
+                f"const {{top, bottom}} = document.querySelector('[data-panel=response] .plot')"
+                f".{box}; return [top, bottom]"
+            )
+            assert top >= 0
+            assert bottom < page.run(f"return {slider}.{box}.top")
 
 
 def test_a_lost_connection_is_told(chromium, programs, address):
