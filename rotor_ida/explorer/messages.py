@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import math
+import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -408,6 +410,15 @@ def _ramp(rotor: Rotor, given: Mapping[str, Any]) -> dict[str, Any]:
             f"a piece of a run-up must have at most {MOST_REVOLUTIONS} revolutions, got {turns:.6g}"
         )
     return {"to": to, "rate": rate, "angle": check_nonnegative("angle", given["angle"], LARGEST)}
+
+
+@contextmanager
+def named(path: Path) -> Iterator[None]:
+    """Tell a file by its name alone in errors."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(str(error).replace(f"{path.parent}{os.sep}", "")) from error
 
 
 @dataclass(frozen=True, slots=True)

@@ -214,21 +214,13 @@ def start() -> Iterator[Callable[..., Program]]:
 
 
 @pytest.fixture(scope="session")
-def programs(chromium: WebDriver) -> Iterator[list[tuple[subprocess.Popen[str], str]]]:
-    """The programs that were started, with their addresses; only the last may still run."""
-    found = [served_alone(*RUNNING)]
+def address(chromium: WebDriver) -> Iterator[str]:
+    """Return the address of a program that serves all pages of one disc."""
+    process, found = served_alone(*RUNNING)
     yield found
     chromium.get("about:blank")  # its page would note that the program is gone
-    for process, _ in found:
-        ended(process)
-        assert process.returncode == 0
-
-
-@pytest.fixture
-def address(programs: list[tuple[subprocess.Popen[str], str]]) -> str:
-    if programs[-1][0].poll() is not None:
-        programs.append(served_alone(*RUNNING))
-    return programs[-1][1]
+    ended(process)
+    assert process.returncode == 0
 
 
 @pytest.fixture

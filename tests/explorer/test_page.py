@@ -21,7 +21,6 @@ from tests.explorer.browser import (
     Page,
     copied,
     downloaded,
-    ended,
     errors_of,
     hovered,
     needs_browser,
@@ -633,13 +632,3 @@ def test_a_phone_shows_the_verdict_first_and_a_plot_in_view_of_each_slider(page)
             )
             assert top >= 0
             assert bottom < page.run(f"return {slider}.{box}.top")
-
-
-def test_a_lost_connection_is_told(chromium, programs, address):
-    """Last, as the next page needs another program."""
-    page = Page(chromium, address)
-    ended(programs[-1][0])
-    page.until("document.getElementById('connection').textContent.startsWith('No answer')")
-    assert page.run("return document.querySelectorAll('.stale').length") == 3
-    chromium.get("about:blank")
-    chromium.get_log("browser")  # the browser notes that it could not connect

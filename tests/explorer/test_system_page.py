@@ -109,6 +109,8 @@ def test_a_system_is_shown_and_played_and_one_page_shows_every_node_without_the_
         check_another_rotor_and_back(page)
         assert errors_of(chromium) == []
         ended(process)
+        page.until("document.getElementById('connection').textContent.startsWith('No answer')")
+        assert page.run("return document.querySelectorAll('.stale').length") > 0
         check_alone(SystemPage(chromium, file.as_uri()), path)
         # the first page has no server any more
         assert [each for each in errors_of(chromium) if "connection.js" not in each] == []
