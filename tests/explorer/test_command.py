@@ -54,10 +54,6 @@ MISTAKES = [
     ("--port 70000", "port must be at most 65535, got 70000"),
     ("--port -1", "port must be at least 0, got -1"),
     ("--port http", "port must be a whole number, got 'http'"),
-    ("--omega 2", "--zeta and --delta0 must be given with --omega"),
-    ("--omega 2 --zeta 0.07 --delta0 2 --mass 1", "in SI units, got omega and mass"),
-    ("--load 1 --shaft-stiffness 2", "--omega, --zeta and --delta0 must be given, or a machine"),
-    ("--mass 4 --speed 100", "and --clearance must be given with --mass and --speed"),
     ("--omega 2e6 --zeta 0.07 --delta0 2", "omega must be at most 1e+06 to be simulated"),
     ("--omega 2 --zeta 0.07 --delta0 2 --start 1 2 3", "start must be four numbers X Y VX VY"),
     ("--omega 2 --zeta 0.07 --delta0 2 --start 1 2 3 x", "start vy must be a finite real number"),
@@ -65,7 +61,6 @@ MISTAKES = [
     ("--speeds 1 2 3", "speeds must be left out without --export"),
     ("--export page.pdf", "export must end in .html, got 'page.pdf'"),
     ("--file missing.nc", "must be a file that exists, got 'missing.nc'"),
-    ("--browser", "unknown option '--browser'"),
     ("now", "must be a file that exists, got 'now'"),
     ("run.nc now", "unexpected argument 'now'"),
 ]  # fmt: skip
@@ -90,9 +85,6 @@ def archives(tmp_path_factory: pytest.TempPathFactory) -> Path:
     rotor = rotor_ida.Rotor(**ROTOR)
     run = rotor_ida.simulate(rotor, start=(0.5, 0, 0, 1), duration=40.0)
     rotor_ida.save(run, folder / "run.nc")
-    in_si = rotor_ida.dimensional(run, rotor_ida.DimensionalRotor(**MACHINE))
-    rotor_ida.save(in_si, folder / "in_si.nc")
-    rotor_ida.save(rotor_ida.folds(zeta=0.07, delta0=0.5), folder / "folds.nc")
     (folder / "text.nc").write_text("no archive")
     (folder / "empty.nc").write_bytes(b"")
     return folder
@@ -149,16 +141,8 @@ def test_the_page_begins_with_a_machine(given: dict[str, float], monkeypatch: py
 STARTED = {"x": 0.5, "y": 0.0, "vx": 0.0, "vy": 1.0, "revolutions": 13}
 
 
-@pytest.mark.parametrize(
-    ("name", "told"),
-    [("run", ROTOR | STARTED), ("in_si", MACHINE | STARTED), ("folds", {"node": ""})],
-)
-def test_the_page_begins_with_what_is_in_a_file(
-    name: str, told: dict[str, float], archives: Path, monkeypatch: pytest.MonkeyPatch
-):
-    state = first_state([str(archives / f"{name}.nc")], monkeypatch)
-    state.pop("fastest", None)
-    assert state == told
+def test_the_page_begins_with_what_is_in_a_file(archives: Path, monkeypatch: pytest.MonkeyPatch):
+    assert first_state([str(archives / "run.nc")], monkeypatch) == ROTOR | STARTED
 
 
 posix = pytest.mark.skipif(sys.platform != "linux", reason="sends signals, looks into /proc")

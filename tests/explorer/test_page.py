@@ -388,26 +388,6 @@ def test_the_speed_of_a_machine_is_shown_in_turns_a_minute(page):
     assert page.state()["fastest"] == pytest.approx(300.0 * np.pi, rel=1e-15)
 
 
-def test_states_are_gone_back_to_and_forward(fresh):
-    fresh.type("#field-omega", 1.5)
-    fresh.until("location.hash.includes('omega=1.5')")
-    time.sleep(1.1)  # changes in one movement are undone together
-    fresh.find("#beside").click()
-    fresh.until("location.hash.includes('second=')")
-    fresh.driver.back()
-    fresh.until("rotorIda.state.second === null")
-    fresh.settle()
-    assert fresh.facts("motion")["rotor"] == {"omega": 1.5, "zeta": 0.07, "delta0": 2.0}
-    fresh.driver.back()
-    fresh.until("rotorIda.state.omega === 2")
-    for _ in range(2):
-        fresh.driver.forward()
-        time.sleep(0.1)
-    fresh.until("rotorIda.state.second === 1")
-    assert fresh.find("#beside").is_selected()
-    assert float(fresh.find("#field-omega").get_attribute("value")) == 1.5
-
-
 def test_the_response_reaches_as_far_as_the_rotor(page):
     for omega in (0.02, 7.3):
         page.type("#field-omega", omega)
@@ -429,27 +409,6 @@ def test_what_makes_the_run_again_is_copied(page, address):
         text = copied(page, button, f"The {told} is copied.")
         assert text.startswith(beginning)
         assert "load" in text
-
-
-LISTEN = """
-window.said = [];
-const telling = document.getElementById("connection");
-new MutationObserver(() => said.push(telling.textContent)).observe(telling, { childList: true });
-"""
-
-
-def test_the_page_is_recorded_at_the_press_of_a_button(page, address):
-    rotor = {"omega": 2.0, "zeta": 0.0, "delta0": 5.0}  # no speed takes long: nothing settles
-    page = opened(page.driver, address, **rotor, revolutions=2)
-    page.run(LISTEN)
-    (page.driver.folder / "run.html").unlink(missing_ok=True)
-    page.find('[data-file="html"]').click()
-    page.until("said.some((each) => each.startsWith('Saving the page'))")
-    page.find("#slider-delta0").send_keys(Keys.ARROW_RIGHT)
-    page.settle()  # the sliders are answered meanwhile
-    place = downloaded(page.driver.folder / "run.html")
-    other = Page(page.driver, place.as_uri())
-    assert other.facts("motion")["rotor"] == rotor
 
 
 def test_radii_times_and_lines_are_read_under_the_pointer(whole):

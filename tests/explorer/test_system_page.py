@@ -105,6 +105,7 @@ def test_a_system_is_shown_and_played_and_one_page_shows_every_node_without_the_
         check_bad_file_refused(page)  # and what is shown can still be changed
         check_state_in_the_address(page)
         page.find('[data-file="html"]').click()
+        page.until("document.getElementById('connection').textContent.startsWith('Sav')")
         file = downloaded(chromium.folder / "run.html")
         check_another_rotor_and_back(page)
         assert errors_of(chromium) == []

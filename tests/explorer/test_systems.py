@@ -227,7 +227,6 @@ def test_a_drop_is_that_of_its_file_and_its_archive_the_same(of_drop: Path) -> N
 @pytest.mark.parametrize(
     ("ending", "begin"),
     [
-        ("png", b"\x89PNG"),
         ("nc", b""),
         ("html", b"<!doctype html>"),
     ],
