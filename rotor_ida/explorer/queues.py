@@ -35,7 +35,6 @@ AGAIN = 0.5
 AT_A_TIME = 2**20
 # Keeps Ctrl-C of the console from a process on Windows, as a new session does elsewhere.
 NEW_GROUP: int = getattr(subprocess, "CREATE_NEW_PROCESS_GROUP", 0)
-NEVER = "the processes that compute the panels do not start"
 DIED = "The process that computes this ended unexpectedly; it is being restarted."
 
 
@@ -84,7 +83,8 @@ class Queues:
         self._running = [asyncio.create_task(queue.run()) for queue in self._queues]
         starting = asyncio.as_completed([queue.ready for queue in self._queues])
         for done, ready in enumerate(starting, start=1):
-            await ready
+            if not await ready:
+                raise RotorError("the processes that compute the panels do not start")
             progress(done, len(self._queues))
 
     async def close(self) -> None:
@@ -131,7 +131,7 @@ class Queue:
 
     def __init__(self, plan: Plan) -> None:
         self.plan = plan
-        self.ready: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+        self.ready: asyncio.Future[bool] = asyncio.get_running_loop().create_future()
         self._numbers = count(1)
         self._waiting: dict[Place, _Pending] = {}
         self._begun: dict[Place, _Pending] = {}
@@ -164,7 +164,7 @@ class Queue:
             with suppress(EOFError, OSError):
                 await self._work()
             if not self.ready.done():
-                self.ready.set_exception(RotorError(NEVER))
+                self.ready.set_result(False)
                 return
             self._begin_again()
             await asyncio.sleep(AGAIN)
@@ -187,7 +187,7 @@ class Queue:
                 await worker.follow((number, example(about, **beyond)))
                 worker.tell((number, "drop"))
         if not self.ready.done():
-            self.ready.set_result(None)
+            self.ready.set_result(True)
 
     async def _answer_all(self, worker: _Worker) -> None:
         while True:

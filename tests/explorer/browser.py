@@ -279,11 +279,11 @@ def with_machine(page, address, **given):
     return Page(page.driver, address, more, anew=False)
 
 
-def opened(driver, address, **state):
+def opened(driver, address, *, basin=False, **state):
     """Open the page with another rotor than the one that it begins with."""
     place, _, first = address.partition("#")
     told = {**state, "key": parse_qs(first)["key"][0]}
-    return Page(driver, f"{place}#{urlencode(told)}", anew=False)
+    return Page(driver, f"{place}#{urlencode(told)}", anew=False, basin=basin)
 
 
 def hovered(page, panel, value):

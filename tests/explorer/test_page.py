@@ -12,7 +12,6 @@ from selenium.webdriver import ActionChains, Keys
 import rotor_ida
 from rotor_ida import DimensionalRotor, Rotor
 from rotor_ida.cli import main
-from rotor_ida.explorer import responses
 from rotor_ida.model.disc_starts import hanging
 from tests.explorer.asking import BEYOND as WHOLE
 from tests.explorer.asking import CHATTER, RUB, WHIP, answer_to, question
@@ -40,14 +39,14 @@ EVENTS = ("entry", "exit")
 CHATTERING = CHATTER | {"x": 0.3, "y": 0.1, "vx": 0.2, "vy": 0.1}
 
 
-def test_the_page_has_what_was_sent_number_by_number(chromium, address, monkeypatch):
+def test_the_page_has_what_was_sent_number_by_number(chromium, address):
     """That this is what the library computes is tested where it is answered."""
-    # another test may have met the same branch at another speed, where it begins
-    monkeypatch.setattr(responses, "_branches", {})
-    page = Page(chromium, address, basin=True)  # as a person has it
+    # no other test meets the branch of this rotor, at another speed, where it begins
+    rotor = {"omega": 2, "zeta": 0.071, "delta0": 2}
+    page = opened(chromium, address, basin=True, **rotor)
     page.settle("settled", "section", "branch")
     page.until("rotorIda.shown[0].basin?.facts.finest")
-    given = {"speeds": SPEEDS, "reach": page.facts("basin")["reach"]}
+    given = {"machine": rotor, "speeds": SPEEDS, "reach": page.facts("basin")["reach"]}
     for about in ("motion", "responses", "starts"):
         sent = {each.part: each for each in answer_to(question(about, **given))}
         for part, message in sent.items():

@@ -44,8 +44,8 @@ ALL = {"bouncing": BOUNCING, "whirl": WHIRL, "chaos": CHAOS, "contact-free": FRE
 
 
 @pytest.fixture(autouse=True)
-def no_branches_yet(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(responses, "_branches", {})
+def no_branches_yet() -> None:
+    responses.branches_of.cache_clear()
 
 
 @pytest.fixture(scope="module", params=ALL)
@@ -56,11 +56,8 @@ def asking(request: pytest.FixtureRequest) -> Question:
 @functools.cache
 def first_answer(name: str) -> list[Message]:
     """Return the parts of one of these answers, of which no branch was known."""
-    before, responses._branches = responses._branches, {}
-    try:
-        return answer_to(ALL[name])
-    finally:
-        responses._branches = before
+    responses.branches_of.cache_clear()
+    return answer_to(ALL[name])
 
 
 @pytest.fixture
