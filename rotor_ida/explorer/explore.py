@@ -25,7 +25,6 @@ from rotor_ida.explorer.server import application, server_of
 from rotor_ida.parallel.progress import progress_bar
 
 LOOPBACK = "127.0.0.1"
-PORT = 8765
 LARGEST_PORT = 65_535
 # Signals that end the program, where a platform has them.
 ENDS = [each for each in signal.Signals if each.name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")]
@@ -45,11 +44,11 @@ LEADING_ON = """\
 def explore(
     state: Mapping[str, object],
     *,
-    port: int = PORT,
-    browser: bool = True,
+    port: int,
+    browser: bool,
     report: Callable[[str], None],
-    file: Path | None = None,
-    reading: Mapping[str, Any] | None = None,
+    file: Path | None,
+    reading: Mapping[str, Any],
 ) -> None:
     """Serve the explorer on this machine until it is interrupted.
 
@@ -65,7 +64,7 @@ def explore(
         Called with messages for the user: the address, once the page can be opened.
     file : Path, optional
         File of a rotor system or of a measurement, which the page may ask for.
-    reading : mapping, optional
+    reading : mapping
         Arguments of `rotor_ida.read_signals` for the latter.
 
     Raises
