@@ -246,6 +246,12 @@ def test_the_file_of_a_system_stays_until_another_can_be_read_and_no_name_leads_
     other = sent("other.nc", "system")
     assert path_of_system() == other
     assert not one.exists()
+    inbox.take(announced(3, name="late.toml"), None)
+    inbox.take("", b"abc")
+    _, deliver = asking.pop()
+    inbox.take(announced(3, name="later.toml"), None)
+    deliver(packed(Answer("system")))  # of the one before
+    assert path_of_system() == other
     # only the file of the command is read without being sent, by its name
     inbox.take(announced(0, name="given.toml"), None)
     assert asking.pop()[0].path == given
