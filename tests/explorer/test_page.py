@@ -311,7 +311,7 @@ def test_a_start_and_a_length_are_typed(page):
 
 
 def test_time_is_scrubbed_and_played(fresh):
-    fresh.settle("settled", "section", "lines")
+    fresh.settle("settled", "section", "lines", "branch")
     before = fresh.pictures_at_rest()
     slider = fresh.find("[data-time]")
     slider.send_keys(Keys.HOME)
@@ -455,6 +455,7 @@ def test_the_cursor_stays_under_the_pointer_when_the_page_moves(page):
 
 
 def test_a_box_is_zoomed_into_and_out_of(page):
+    page.settle("settled", "section", "branch")
     page.pictures_at_rest()  # what is drawn anew in the midst of a drag is whole again
     for panel in ("orbit", "history", "response"):
         button = page.find(f'[data-panel="{panel}"] .tools button')
