@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import os
-from collections.abc import Iterator
-from contextlib import contextmanager
 from functools import lru_cache
 from pathlib import Path
 from typing import Any
@@ -15,11 +12,10 @@ import xarray as xr
 from rotor_ida.arrays import Arrays
 from rotor_ida.errors import InputError
 from rotor_ida.explorer.measured import track_of
-from rotor_ida.explorer.messages import Answer, Asked
+from rotor_ida.explorer.messages import Answer, Asked, named
 from rotor_ida.results.archive import load
 from rotor_ida.results.dataset_kinds import KINDS, kind_of
 from rotor_ida.results.dataset_kinds import loaded as described
-from rotor_ida.results.question import Question
 from rotor_ida.results.sheets import sheets_shown
 from rotor_ida.results.si_units import is_in_si
 
@@ -29,15 +25,6 @@ OF_RUN_UP = ("bode", "polar", "cascade")
 KINDS_OF_SCALES = ("length", "time", "velocity", "force", "energy", "rate")
 # Rows of a table of an archive, and what its title says of the others where it is printed.
 MOST_ROWS, IN_COMMAND = 20, " (all with --json)"
-
-
-@contextmanager
-def named(path: Path) -> Iterator[None]:
-    """Tell a file by its name alone in errors."""
-    try:
-        yield
-    except InputError as error:
-        raise InputError(str(error).replace(f"{path.parent}{os.sep}", "")) from error
 
 
 def loaded(path: Path) -> xr.Dataset:
@@ -66,19 +53,6 @@ def archive_of(question: Asked) -> xr.Dataset | None:
 def scales_where(in_si: bool) -> dict[str, float]:
     """Return the scales of answers in SI units, which are 1; none without dimensions."""
     return dict.fromkeys(KINDS_OF_SCALES, 1.0) if in_si else {}
-
-
-def reread(path: Path, kind: str) -> str:
-    """Return the Python lines or the command that load a result again."""
-    if kind == "sh":
-        return f"{Question('show', {'rotor': Path(path.name)}).command()}\n"
-    return f"from rotor_ida import load\n\nresult = load({path.name!r})\n"
-
-
-def check_played(result: xr.Dataset) -> None:
-    """Raise `InputError` unless a page without a program can show a result."""
-    if kind_of(result) not in PLAYED:
-        raise InputError(f"html must be of a rotor or its run, got a result of {kind_of(result)}")
 
 
 def sheets_of(result: xr.Dataset) -> list[dict[str, Any]]:

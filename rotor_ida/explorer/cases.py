@@ -17,7 +17,6 @@ from rotor_ida.errors import InputError
 from rotor_ida.explorer.archives import (
     OF_RUN_UP,
     archived_in,
-    named,
     scales_where,
 )
 from rotor_ida.explorer.endings import (
@@ -31,7 +30,7 @@ from rotor_ida.explorer.endings import (
     values_of,
     whirls_per_revolution,
 )
-from rotor_ida.explorer.messages import OF_CONTACT, Answer, Question
+from rotor_ida.explorer.messages import OF_CONTACT, Answer, Question, named
 from rotor_ida.explorer.system_verdicts import level_of, touched_on_the_way, verdict
 from rotor_ida.model.data_sheet import GRAVITY
 from rotor_ida.model.equations import rotated

@@ -19,13 +19,12 @@ from typing import Any
 from urllib.parse import urlencode
 
 from rotor_ida.checks import check_count
-from rotor_ida.errors import InputError, RotorError
-from rotor_ida.explorer.queues import NEVER, Queues
-from rotor_ida.explorer.server import LONGEST_VISIT, application, server_of
+from rotor_ida.errors import InputError
+from rotor_ida.explorer.queues import Queues
+from rotor_ida.explorer.server import application, server_of
 from rotor_ida.parallel.progress import progress_bar
 
 LOOPBACK = "127.0.0.1"
-PORT = 8765
 LARGEST_PORT = 65_535
 # Signals that end the program, where a platform has them.
 ENDS = [each for each in signal.Signals if each.name in ("SIGINT", "SIGTERM", "SIGHUP", "SIGBREAK")]
@@ -45,12 +44,11 @@ LEADING_ON = """\
 def explore(
     state: Mapping[str, object],
     *,
-    port: int = PORT,
-    browser: bool = True,
+    port: int,
+    browser: bool,
     report: Callable[[str], None],
-    longest_visit: float = LONGEST_VISIT,
-    file: Path | None = None,
-    reading: Mapping[str, Any] | None = None,
+    file: Path | None,
+    reading: Mapping[str, Any],
 ) -> None:
     """Serve the explorer on this machine until it is interrupted.
 
@@ -64,11 +62,9 @@ def explore(
         Whether to open the page in a browser.
     report : callable
         Called with messages for the user: the address, once the page can be opened.
-    longest_visit : float
-        Longest time of a connection that has not shown the key [s].
     file : Path, optional
         File of a rotor system or of a measurement, which the page may ask for.
-    reading : mapping, optional
+    reading : mapping
         Arguments of `rotor_ida.read_signals` for the latter.
 
     Raises
@@ -84,7 +80,7 @@ def explore(
         address = f"http://{LOOPBACK}:{listening.getsockname()[1]}/#{told}"
 
         async def serve(queues: Queues, stop: asyncio.Event) -> None:
-            server = server_of(application(queues, key, file, reading), longest_visit)
+            server = server_of(application(queues, key, file, reading))
             serving = asyncio.create_task(server.serve([listening]))
             report(f"The explorer is at {address}")
             with _open_in_a_browser(address) if browser and can_show_a_page() else nullcontext():
@@ -115,25 +111,15 @@ def _listen(port: int) -> socket.socket:
 
 async def _with_queues(serve: Callable[[Queues, asyncio.Event], Awaitable[None]]) -> None:
     """Start the processes, serve the page until the program is to end, and end them."""
-    ready, failed, stop = asyncio.Event(), asyncio.Event(), asyncio.Event()
+    stop = asyncio.Event()
     _heed_signals(stop)
-    with progress_bar("starting") as bar:
-
-        def progress(done: int, total: int) -> None:
-            if done == NEVER:
-                failed.set()
-            else:
-                bar(done, total)
-            if done == total:
-                ready.set()
-
-        queues = Queues(progress)
-        queues.open()
-        await _first(ready.wait(), stop.wait())
+    queues = Queues()
     try:
-        if failed.is_set():
-            raise RotorError("the processes that compute the panels do not start")
+        with progress_bar("starting") as bar:
+            opening = asyncio.create_task(queues.open(bar))
+            await _first(opening, stop.wait())
         if not stop.is_set():
+            await opening
             await serve(queues, stop)
     finally:
         await queues.close()

@@ -18,7 +18,7 @@ import xarray as xr
 from rotor_ida.arrays import Arrays
 from rotor_ida.checks import State, check_axis, check_increasing, shown
 from rotor_ida.errors import InputError
-from rotor_ida.explorer.archives import PLAYED, archive_of, check_played, reread
+from rotor_ida.explorer.archives import PLAYED, archive_of
 from rotor_ida.explorer.cases import Node
 from rotor_ida.explorer.messages import (
     Answer,
@@ -39,7 +39,8 @@ from rotor_ida.plot.appearance import without_pyplot
 from rotor_ida.plot.figures import figure_of
 from rotor_ida.results.archive import save
 from rotor_ida.results.dataset_kinds import kind_of
-from rotor_ida.texts import in_page
+from rotor_ida.results.question import Question as Asked
+from rotor_ida.texts import in_page, in_python
 
 # The steps of a recording: runs done and their total, and at last the page.
 Recording = Iterator[tuple[int, int] | str]
@@ -99,10 +100,12 @@ def _contents(question: Question) -> bytes:
 def again_of(question: Question) -> str:
     """Return the Python lines, or the command, of what is shown."""
     kind, path = question.about, question.path
-    if path is not None and archive_of(question) is not None:
-        return reread(path, kind)
-    shown = Node(question)
-    return shown.lines() if kind == "py" else f"{shown.command()}\n"
+    if path is None or archive_of(question) is None:
+        shown = Node(question)
+        return shown.lines() if kind == "py" else f"{shown.command()}\n"
+    if kind == "sh":
+        return f"{Asked('show', {'rotor': Path(path.name)}).command()}\n"
+    return f"from rotor_ida import load\n\nresult = load({in_python(path.name)})\n"
 
 
 def archive_with(run: xr.Dataset) -> bytes:
@@ -142,8 +145,10 @@ def recording(question: Question, speeds: Sequence[float] | None = None) -> Reco
         Speeds in the unit of the machine, from `check_speeds`; default: those and its own.
     """
     if question.machine is None:
-        if (archived := archive_of(question)) is not None:
-            check_played(archived)
+        if (archived := archive_of(question)) is not None and kind_of(archived) not in PLAYED:
+            raise InputError(
+                f"html must be of a rotor or its run, got a result of {kind_of(archived)}"
+            )
         node = Node(question)
         places: list[Any] = list(node.case.system.nodes)
         courses: Sequence[str] = ("nodes",)

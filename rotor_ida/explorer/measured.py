@@ -4,16 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Iterator
-from dataclasses import replace
 from functools import partial
 
 import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Arrays, Values
-from rotor_ida.checks import shown
 from rotor_ida.errors import InputError
-from rotor_ida.explorer.messages import Answer, Upload
+from rotor_ida.explorer.messages import Answer, Upload, named
 from rotor_ida.signals.files.columns import Table
 from rotor_ida.signals.guessing import columns_of, rate_in
 from rotor_ida.signals.orders import SEEN, orders
@@ -40,10 +38,8 @@ def show_measured(measurement: Upload) -> Iterator[Answer]:
     """Yield the panels of a file; anything that cannot be analysed becomes a note."""
     path = measurement.path
     assert path is not None
-    try:
-        table = replace(read_table(path), file=measurement.name)
-    except InputError as error:
-        raise InputError(_renamed(str(error), measurement)) from error
+    with named(path):
+        table = read_table(path)
     facts: dict[str, object] = {
         "name": measurement.name,
         "names": [[name, column.unit] for name, column in table.columns.items()],
@@ -53,13 +49,11 @@ def show_measured(measurement: Upload) -> Iterator[Answer]:
         told = measurement.reading.get("columns", {}) | measurement.columns
         timed = rate_in(table) is not None or "rate" in measurement.reading
         columns = columns_of(table, told, timed=timed)
-        signals = _signals(table, measurement)
-        record = record_of(signals)
+        with named(path):
+            signals = _signals(table, measurement)
+            record = record_of(signals)
     except InputError as error:  # the user may choose other columns
-        facts |= {
-            "columns": dict(measurement.columns),
-            "trouble": _renamed(str(error), measurement),
-        }
+        facts |= {"columns": dict(measurement.columns), "trouble": str(error)}
         yield Answer("measured", facts, {})
         return
     notes = str(signals.attrs["notes"]).split("; ") if "notes" in signals.attrs else []
@@ -104,11 +98,6 @@ def _panels(signals: xr.Dataset, record: Record, notes: list[str]) -> Arrays:
     return arrays | unless_impossible(
         cascade_rows if varies else full_lines, signals, record, notes
     )
-
-
-def _renamed(message: str, measurement: Upload) -> str:
-    """Return a message with the name of the file on the page."""
-    return message.replace(shown(measurement.path), shown(measurement.name))
 
 
 def track_of(signals: xr.Dataset, notes: list[str]) -> Arrays:

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import json
 import math
+import os
 from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from functools import partial
 from pathlib import Path
@@ -25,7 +27,7 @@ from rotor_ida.checks import (
     shown,
 )
 from rotor_ida.errors import InputError
-from rotor_ida.model.data_sheet import KEYS, check_keys, implausible, machine_from_data_sheet
+from rotor_ida.model.data_sheet import check_keys, implausible, machine_from_data_sheet
 from rotor_ida.model.parameters import MACHINE_PARAMETERS, OPTIONAL, PARAMETERS
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.signals.files.columns import ENDINGS
@@ -45,8 +47,6 @@ ROTOR_ENDINGS = (".toml", ".nc")
 MEASURED_ENDINGS = tuple(each for format_ in ENDINGS.values() for each in format_)
 
 LARGEST_FILE = 2**28
-LONGEST_NAME = 255
-MOST_CONTACTS = 1000
 # What a page may change of a system: the chosen contact, by names of a disc, and all unbalance.
 OF_CONTACT = {
     "clearance": "clearance", "contact_stiffness": "stiffness", "contact_damping": "damping",
@@ -54,8 +54,6 @@ OF_CONTACT = {
 }  # fmt: skip
 CHANGES = (*OF_CONTACT, "unbalance_factor")
 
-# Most characters of a question; a page sends about three hundred.
-LONGEST_QUESTION = 4096
 # The range of speeds of a machine, as multiples of its largest one.
 ROOM, LEAST_SPEED = 1.5, 1e-3
 # Those of a rotor without dimensions [1].
@@ -64,11 +62,6 @@ SPEEDS = (0.05, 4.0)
 MOST_REVOLUTIONS = 2000
 # At most two machines are shown side by side.
 SIDES = 2
-LARGEST_NUMBER_OF_QUESTION = 2**53
-# Names in a question about any rotor, further names for one disc, and those for a part of a run-up.
-OF_ANY = ("about", "machine", "number", "revolutions", "side")
-OF_PLANE = ("reach", "speeds", "start")
-OF_RUN_UP = ("to", "rate", "angle")
 # Byte alignment of arrays, required by browsers.
 ALIGNED = 8
 KINDS = {np.dtype(kind): kind for kind in ("f8", "f4", "i1")}
@@ -224,15 +217,20 @@ class DataSheet(Asked):
         return machine_from_data_sheet(**cast(dict[str, Any], self.quantities))
 
 
-# Questions about no rotor that is shown: what they must have, and what they may.
-OTHERS: dict[str, tuple[type[Asked], tuple[str, ...], tuple[str, ...]]] = {
-    UPLOAD: (Upload, ("name", "number", "size"), ("columns", "gains", "probe_angles", "units")),
-    DATA_SHEET: (DataSheet, ("number", "quantities"), ()),
+# Entries of a question about a rotor, and further ones about one disc.
+OF_ANY = ("number", "revolutions", "side")
+OF_PLANE = ("reach", "speeds")
+# Questions about no rotor that is shown, and their entries.
+OTHERS: dict[str, tuple[type[Asked], tuple[str, ...]]] = {
+    UPLOAD: (Upload, ("number", "name", "size", "columns", "gains", "probe_angles", "units")),
+    DATA_SHEET: (DataSheet, ("number", "quantities")),
 }
 
 
 def read_question(text: str) -> Asked:
     """Return a checked question, or raise `InputError`.
+
+    Only the page asks: what no page sends is refused without the reason.
 
     Examples
     --------
@@ -247,105 +245,59 @@ def read_question(text: str) -> Asked:
     >>> read_question('{"about": "weather"}')
     Traceback (most recent call last):
     ...
-    rotor_ida.errors.InputError: a question must have about, machine, number, reach, revolutions,
-    side, speeds, start, got not ['machine', 'number', 'reach', ...]
+    rotor_ida.errors.InputError: a question must be one of the page, got '{"about": "weather"}'
     """
-    if len(text) > LONGEST_QUESTION:
-        raise InputError(
-            f"a question must have at most {LONGEST_QUESTION} characters, got {len(text)}"
-        )
     try:
-        given = json.loads(text)
-    except (ValueError, RecursionError):
-        raise InputError(f"a question must be JSON, got {shown(text)}") from None
-    about = given.get("about") if isinstance(given, dict) else None
-    if isinstance(about, str) and about in OTHERS:
-        kind, needed, further = OTHERS[about]
-        names = ["about", *(each for each in further if each in given), *needed]
-        _check_names(given, names)
-        return kind(**_entries(given, names))
-    machine = given.get("machine") if isinstance(given, dict) else None
-    in_file = isinstance(machine, dict) and "node" in machine
-    names = sorted(OF_ANY if in_file else (*OF_ANY, *OF_PLANE))
-    if not isinstance(given, dict):
-        raise InputError(f"a question must have {', '.join(names)}, got {shown(given)}")
-    if not in_file and about == "run_up":
-        names += OF_RUN_UP
-    _check_names(given, names)
-    shows = (*(OF_SYSTEM if in_file else OF_DISC), *FILES)
+        return _read(json.loads(text))
+    except InputError:
+        raise
+    except (AttributeError, KeyError, TypeError, ValueError, RecursionError):
+        raise InputError(f"a question must be one of the page, got {shown(text)}") from None
+
+
+def _read(given: Mapping[str, Any]) -> Asked:
+    """Return a question with the entries that its kind has."""
+    about = given["about"]
+    if about in OTHERS:
+        kind, names = OTHERS[about]
+        return kind(about=about, **_entries(given, names))
+    in_file = "node" in given["machine"]
     beside = _of_file(given["machine"]) if in_file else _of_disc(given)
-    entries = _entries(given, [name for name in names if name in CHECKS])
-    return Question(**entries | beside | {"about": check_choice("about", about, shows)})
+    shows = (*(OF_SYSTEM if in_file else OF_DISC), *FILES)
+    entries = _entries(given, OF_ANY if in_file else (*OF_ANY, *OF_PLANE))
+    return Question(**entries | beside, about=check_choice("about", about, shows))
 
 
-def _check_names(given: Mapping[str, object], names: list[str], what: str = "a question") -> None:
-    """Raise `InputError` unless a question has these names and no others."""
-    missing = [name for name in names if name not in given]
-    other = [name for name in given if name not in names]
-    if missing or other:
-        which = f"not {shown(missing)}" if missing else f"also {shown(other)}"
-        raise InputError(f"{what} must have {', '.join(names)}, got {which}")
-
-
-def _is_name(given: object) -> bool:
-    return isinstance(given, str) and len(given) <= LONGEST_NAME
-
-
-def _name_of_file(given: Any) -> str:
-    if not _is_name(given):
-        raise InputError(f"name must be the name of a file, got {shown(given)}")
-    return str(given)
-
-
-def _mapping(name: str, given: object) -> dict[str, str]:
-    """Return a mapping of strings; `read_signals` checks its contents."""
-    if not isinstance(given, dict) or not all(isinstance(each, str) for each in given.values()):
-        raise InputError(f"{name} must be words by names of signals, got {shown(given)}")
-    return given
-
-
-def _pair(name: str, given: object) -> tuple[float, float]:
+def _pair(name: str, given: Sequence[Any]) -> tuple[float, float]:
     """Return two numbers; a missing one is NaN, which `read_signals` refuses."""
-    if not isinstance(given, list) or len(given) != 2:
-        raise InputError(f"{name} must be two numbers, got {shown(given)}")
     one, other = (math.nan if each is None else check_real(name, each) for each in given)
     return one, other
 
 
-def _speeds(given: object) -> tuple[float, float]:
+def _speeds(given: Sequence[Any]) -> tuple[float, float]:
     """Return the lowest and the highest speed of a curve."""
-    low, high = (check_nonnegative("speeds", each, LARGEST) for each in _pair("speeds", given))
+    low, high = (check_nonnegative("speeds", each, LARGEST) for each in given)
     if low >= high:
         raise InputError(f"speeds must be two increasing numbers, got {(low, high)}")
     return low, high
 
 
-def _reach(given: object) -> float:
-    return check_between("reach", check_real("reach", given), 1.0 / LARGEST, LARGEST)
-
-
-def _quantities(given: object) -> dict[str, str]:
-    """Return the entries of a data sheet that are not empty."""
-    if not isinstance(given, dict) or not all(
-        name in KEYS and isinstance(words, str) for name, words in given.items()
-    ):
-        raise InputError(f"quantities must be words by {', '.join(KEYS)}, got {shown(given)}")
-    return {name: words.strip() for name, words in given.items() if words.strip()}
-
-
 # How each entry of a question is checked, where it is the same in all.
 CHECKS: dict[str, Callable[[Any], Any]] = {
-    "about": str,
-    "number": lambda given: check_count("number", given, 0, LARGEST_NUMBER_OF_QUESTION),
+    "number": lambda given: check_count("number", given, 0),
     "side": lambda given: check_count("side", given, 0, SIDES - 1),
     "revolutions": lambda given: check_count("revolutions", given, 1, MOST_REVOLUTIONS),
-    "name": _name_of_file,
+    "name": str,
     "size": lambda given: check_count("size", given, 0, LARGEST_FILE),
-    "quantities": _quantities,
+    "quantities": lambda given: {
+        name: each.strip() for name, each in given.items() if each.strip()
+    },
     "speeds": _speeds,
-    "reach": _reach,
+    "reach": lambda given: check_between(
+        "reach", check_real("reach", given), 1.0 / LARGEST, LARGEST
+    ),
     **{each: partial(_pair, each) for each in ("probe_angles", "gains")},
-    **{each: partial(_mapping, each) for each in ("columns", "units")},
+    **dict.fromkeys(("columns", "units"), dict),
 }
 
 
@@ -356,18 +308,13 @@ def _entries(given: Mapping[str, Any], names: Sequence[str]) -> dict[str, Any]:
 
 def _of_file(machine: Mapping[str, Any]) -> dict[str, Any]:
     """Return what a page shows and changes of the rotor in a file, checked."""
-    _check_names(machine, ["changes", "contact", "node", "speed"], "machine")
-    if not _is_name(node := machine["node"]):
-        raise InputError(f"node must be the name of a node, got {shown(node)}")
     changes, speed = machine["changes"], machine["speed"]
-    if not isinstance(changes, dict) or not set(changes) <= set(CHANGES):
-        raise InputError(f"changes must be numbers by {', '.join(CHANGES)}, got {shown(changes)}")
     return {
-        "node": node,
-        "contact": check_count("contact", machine["contact"], 0, MOST_CONTACTS),
+        "node": str(machine["node"]),
+        "contact": check_count("contact", machine["contact"], 0),
         "speed": None if speed is None else check_nonnegative("speed", speed),
         "changes": tuple(
-            (name, check_nonnegative(name, changes[name])) for name in sorted(changes)
+            (name, check_nonnegative(name, changes[name])) for name in CHANGES if name in changes
         ),
     }
 
@@ -463,6 +410,15 @@ def _ramp(rotor: Rotor, given: Mapping[str, Any]) -> dict[str, Any]:
             f"a piece of a run-up must have at most {MOST_REVOLUTIONS} revolutions, got {turns:.6g}"
         )
     return {"to": to, "rate": rate, "angle": check_nonnegative("angle", given["angle"], LARGEST)}
+
+
+@contextmanager
+def named(path: Path) -> Iterator[None]:
+    """Tell a file by its name alone in errors."""
+    try:
+        yield
+    except InputError as error:
+        raise InputError(str(error).replace(f"{path.parent}{os.sep}", "")) from error
 
 
 @dataclass(frozen=True, slots=True)

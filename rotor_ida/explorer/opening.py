@@ -6,13 +6,14 @@ import math
 from collections.abc import Iterator
 from pathlib import Path
 
-from rotor_ida.explorer.archives import loaded, named
+from rotor_ida.explorer.archives import loaded
 from rotor_ida.explorer.cases import case_in
 from rotor_ida.explorer.messages import (
     MOST_REVOLUTIONS,
     ROTOR_ENDINGS,
     Answer,
     Upload,
+    named,
     state_of,
 )
 from rotor_ida.model.data_sheet import KEYS, implausible

@@ -9,10 +9,10 @@ import sys
 from collections.abc import Callable
 from contextlib import suppress
 from dataclasses import dataclass
-from functools import partial
 from itertools import count
 from typing import NamedTuple
 
+from rotor_ida.errors import RotorError
 from rotor_ida.explorer.messages import FILES, Answer, Asked, packed
 from rotor_ida.explorer.workers import (
     FIRST_BEYOND,
@@ -21,13 +21,12 @@ from rotor_ida.explorer.workers import (
     Order,
     example,
 )
+from rotor_ida.parallel import Progress
 
 Deliver = Callable[[bytes], None]
 # Origin of a question: a page, and the panels of one of its rotors.
 Place = tuple[int, str, int]
 
-# Reported instead of a number if a process does not start.
-NEVER = -1
 # Seconds after which a process that does not cancel an answer is ended.
 DEAF = 5.0
 # Seconds after which a process that ended unexpectedly is restarted.
@@ -73,26 +72,20 @@ PLANS = (
 
 
 class Queues:
-    """All queues: one for each kind of question, so that none waits for another.
+    """All queues: one for each kind of question, so that none waits for another."""
 
-    Parameters
-    ----------
-    progress : callable
-        Called with the number of completed start-up steps and their total; with `NEVER` twice if
-        a process cannot start.
-    """
-
-    def __init__(self, progress: Callable[[int, int], None]) -> None:
-        self._progress = progress
-        self._shares: dict[int, tuple[int, int]] = {}
-        self._queues = [
-            Queue(plan, partial(self._report, number)) for number, plan in enumerate(PLANS)
-        ]
+    def __init__(self) -> None:
+        self._queues = [Queue(plan) for plan in PLANS]
         self._running: list[asyncio.Task[None]] = []
 
-    def open(self) -> None:
-        """Start the processes."""
+    async def open(self, progress: Progress) -> None:
+        """Start the processes and wait until they are ready; `RotorError` if one cannot start."""
         self._running = [asyncio.create_task(queue.run()) for queue in self._queues]
+        starting = asyncio.as_completed([queue.ready for queue in self._queues])
+        for done, ready in enumerate(starting, start=1):
+            if not await ready:
+                raise RotorError("the processes that compute the panels do not start")
+            progress(done, len(self._queues))
 
     async def close(self) -> None:
         """End the processes."""
@@ -109,14 +102,6 @@ class Queues:
         """Cancel all questions of a page."""
         for queue in self._queues:
             queue.forget(page)
-
-    def _report(self, number: int, done: int, total: int) -> None:
-        self._shares[number] = (done, total)
-        if done == NEVER:
-            self._progress(NEVER, NEVER)
-        elif len(self._shares) == len(self._queues):
-            shares = list(self._shares.values())
-            self._progress(sum(done for done, _ in shares), sum(total for _, total in shares))
 
 
 @dataclass(slots=True, eq=False)
@@ -142,14 +127,11 @@ class Queue:
     ----------
     plan : Plan
         What it answers, and when.
-    report : callable
-        Called with the number of completed start-up steps and their total.
     """
 
-    def __init__(self, plan: Plan, report: Callable[[int, int], None]) -> None:
+    def __init__(self, plan: Plan) -> None:
         self.plan = plan
-        self._report = report
-        self._ready = False
+        self.ready: asyncio.Future[bool] = asyncio.get_running_loop().create_future()
         self._numbers = count(1)
         self._waiting: dict[Place, _Pending] = {}
         self._begun: dict[Place, _Pending] = {}
@@ -181,15 +163,15 @@ class Queue:
         while True:
             with suppress(EOFError, OSError):
                 await self._work()
-            if not self._ready:
-                self._report(NEVER, NEVER)
+            if not self.ready.done():
+                self.ready.set_result(False)
                 return
             self._begin_again()
             await asyncio.sleep(AGAIN)
 
     async def _work(self) -> None:
         """Start a process and keep it busy, until it ends."""
-        worker = self._worker = await _Worker.begin(self.plan.niceness, self._changed.set)
+        worker = self._worker = await _Worker.begin(self.plan.niceness)
         try:
             await self._make_ready(worker)
             await self._answer_all(worker)
@@ -204,18 +186,15 @@ class Queue:
                 number = next(self._numbers)
                 await worker.follow((number, example(about, **beyond)))
                 worker.tell((number, "drop"))
-        if not self._ready:
-            self._report(1, 1)
-        self._ready = True
+        if not self.ready.done():
+            self.ready.set_result(True)
 
     async def _answer_all(self, worker: _Worker) -> None:
         while True:
-            pending = self._at = await self._next(worker)
+            pending = self._at = await self._next()
             if pending.number is None:
-                pending.number, pending.begun = (
-                    next(self._numbers),
-                    asyncio.get_running_loop().time(),
-                )
+                pending.number = next(self._numbers)
+                pending.begun = asyncio.get_running_loop().time()
                 part = await worker.follow((pending.number, pending.question))
             else:
                 part = await worker.follow((pending.number, "next"))
@@ -230,12 +209,10 @@ class Queue:
             if pending.place in self._waiting:
                 self._give_up(pending)
 
-    async def _next(self, worker: _Worker) -> _Pending:
+    async def _next(self) -> _Pending:
         """Wait for work: begin a waiting question, or continue an answer in turn."""
         while True:
             self._changed.clear()
-            if worker.has_ended:
-                raise EOFError
             now = asyncio.get_running_loop().time()
             free = [pending for place, pending in self._waiting.items() if place not in self._begun]
             due = [pending for pending in free if now >= pending.since + self.plan.pause]
@@ -293,17 +270,15 @@ def _nowhere(_answer: bytes) -> None:
 class _Worker:
     """A worker process and the pipes to it."""
 
-    def __init__(self, process: asyncio.subprocess.Process, at_end: Callable[[], None]) -> None:
+    def __init__(self, process: asyncio.subprocess.Process) -> None:
         assert process.stdin is not None
         assert process.stdout is not None
         self._process = process
         self._orders = process.stdin
         self._answers = process.stdout
-        self._end = asyncio.create_task(process.wait())
-        self._end.add_done_callback(lambda _: at_end())
 
     @classmethod
-    async def begin(cls, niceness: int, at_end: Callable[[], None]) -> _Worker:
+    async def begin(cls, niceness: int) -> _Worker:
         """Start a process with the same module path, protected from Ctrl-C in the terminal."""
         lines = (
             f"import sys; sys.path[:] = {sys.path!r}; "
@@ -313,12 +288,7 @@ class _Worker:
             sys.executable, "-c", lines, limit=AT_A_TIME, start_new_session=True,
             creationflags=NEW_GROUP, stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE,
         )  # fmt: skip
-        return cls(process, at_end)
-
-    @property
-    def has_ended(self) -> bool:
-        """Whether the process has ended."""
-        return self._end.done()
+        return cls(process)
 
     def tell(self, order: Order) -> None:
         """Send an order; if the process has ended it is lost, which its answer reports."""
@@ -340,4 +310,4 @@ class _Worker:
         self.kill()
         self._orders.close()
         await self._answers.read()
-        await self._end
+        await self._process.wait()

@@ -59,8 +59,6 @@ ONE = (*PARAMETERS, "start", "direction")
 KIND_OF = by_number(RESPONSE)
 STABILITY_OF = by_number(STABILITY)
 
-_branches: dict[tuple[Rotor, tuple[float, float]], list[xr.Dataset]] = {}
-
 
 def show_responses(question: Question) -> Iterator[Answer]:
     """Yield the response curve; of one disc its settled response, section and branch, too."""
@@ -70,7 +68,8 @@ def show_responses(question: Question) -> Iterator[Answer]:
     rotor = question.rotor
     curve = _curve(question)
     yield curve
-    yield from _known_branches(question)
+    for branch in branches_of(at_rest(rotor), question.speeds):
+        yield _branch_answer(question, branch)
     if rotor.zeta == 0.0:
         return  # nothing settles
     swept = sweep(rotor, starts=[question.start], method=METHOD, executor="serial")
@@ -258,20 +257,17 @@ def _end(swept: xr.Dataset) -> list[float]:
     return [float(swept[f"end_{name}"].item()) for name in ("x", "y", "vx", "vy")]
 
 
-def _key(question: Question) -> tuple[Rotor, tuple[float, float]]:
-    return at_rest(question.rotor), question.speeds
-
-
-def _known_branches(question: Question) -> Iterator[Answer]:
-    for branch in _branches.get(_key(question), []):
-        yield _branch_answer(question, branch)
+@lru_cache(maxsize=MOST_KEPT)
+def branches_of(_rotor: Rotor, _speeds: tuple[float, float]) -> list[xr.Dataset]:
+    """Return the branches of limit cycles that are known of a rotor at rest; more are added."""
+    return []
 
 
 def _branch(
     question: Question, settled: dict[str, object], compared: xr.Dataset
 ) -> Iterator[Answer]:
     """Yield the branch of limit cycles through the settled response, if not cached."""
-    known = _branches.get(_key(question), [])
+    known = branches_of(at_rest(question.rotor), question.speeds)
     period, radius = (float(str(settled[name])) for name in ("exact_period", "exact_radius_max"))
     if any(holds_cycle(branch, question.rotor, period, radius) for branch in known):
         return
@@ -283,9 +279,7 @@ def _branch(
     except RotorError as error:
         yield Answer("note", {"message": f"The branch of limit cycles is not drawn: {error}"})
         return
-    if len(_branches) >= MOST_KEPT:
-        _branches.clear()
-    _branches[_key(question)] = [*known, *found]
+    known += found
     for branch in found:
         yield _branch_answer(question, branch)
 

@@ -22,7 +22,7 @@ from rotor_ida.checks import State
 from rotor_ida.closed_forms.folds import folds
 from rotor_ida.closed_forms.synchronous import synchronous_response
 from rotor_ida.errors import InputError
-from rotor_ida.explorer.cases import Node
+from rotor_ida.explorer.cases import METHOD, Node
 from rotor_ida.explorer.measured import track_of
 from rotor_ida.explorer.messages import Answer, Question
 from rotor_ida.explorer.responses import MOST_KEPT, at_rest
@@ -34,14 +34,13 @@ from rotor_ida.parallel import interruptible
 from rotor_ida.results.contact_facts import run_up_facts
 from rotor_ida.schema import MODE, STABILITY
 from rotor_ida.simulation.dataset import arrays_of
-from rotor_ida.simulation.options import Method, Options
+from rotor_ida.simulation.options import Options
 from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.run import run
 from rotor_ida.steady.run_up_outcome import RunUp, on_rotating_axes
 
 # As for the drawn run.
 RTOL = 1e-10
-METHOD: Method = "taylor"
 # Samples per revolution, or in a time of 2 pi if that is shorter.
 SAMPLES, MOST_SAMPLES = 48, 4096
 # Whirls are counted at this distance on either side of a fold, as a fraction of its speed.

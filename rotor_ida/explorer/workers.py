@@ -16,7 +16,7 @@ from collections.abc import Iterator
 from contextlib import suppress
 from importlib import import_module
 from queue import SimpleQueue
-from types import CodeType, FrameType
+from types import FrameType
 from typing import BinaryIO, Literal, cast
 
 from rotor_ida.errors import RotorError
@@ -36,8 +36,6 @@ SHOWN_BY = {
 }  # fmt: skip
 # And for the other questions; all else are files.
 ELSE_SHOWN_BY = {"upload": "opening", "machine": "messages", "campbell": "whirls"}
-# Seconds after which a part is interrupted again, and again.
-SOON = 0.01
 # Bytes of the length of an answer, little-endian.
 LENGTH = 4
 
@@ -54,7 +52,7 @@ def work(niceness: int) -> None:
     os.dup2(2, 1)  # everything else that is printed goes elsewhere
     desk = Desk()
     signal.signal(signal.SIGINT, desk.break_off)
-    sys.unraisablehook = desk.break_off_again
+    sys.unraisablehook = _tell_unless_cancelled
     threading.Thread(target=_listen, args=(desk, sys.stdin.buffer), daemon=True).start()
     while True:
         part = desk.next_part()
@@ -68,9 +66,7 @@ class Desk:
     def __init__(self) -> None:
         self._due: SimpleQueue[int] = SimpleQueue()
         self._begun: dict[int, Iterator[bytes]] = {}
-        self._number = 0
         self._at: int | None = None  # the number of the part that may be interrupted
-        self._was_lost = False  # whether an interrupt was lost, and has not come again since
 
     def take(self, order: Order) -> None:
         """Accept an order; another thread computes."""
@@ -85,7 +81,7 @@ class Desk:
 
     def next_part(self) -> bytes:
         """Wait for an order, and return the next part of the answer; nothing at its end."""
-        number = self._number = self._due.get()
+        number = self._due.get()
         part = b""
         try:
             self._at = number
@@ -99,33 +95,11 @@ class Desk:
             self._begun.pop(number, None)
         return part
 
-    def break_off(self, _signal: int, frame: FrameType | None) -> None:
+    def break_off(self, _signal: int, _frame: FrameType | None) -> None:
         """Interrupt the current part if its answer is cancelled."""
-        if self._at is None or self._at in self._begun:
-            self._was_lost = False
-        elif Desk.break_off_again.__code__ not in _codes(frame):  # there it would be lost as well
-            self._at, self._was_lost = None, False
+        if self._at is not None and self._at not in self._begun:
+            self._at = None
             raise KeyboardInterrupt
-
-    def break_off_again(self, lost: sys.UnraisableHookArgs) -> None:
-        """Interrupt again later if the first interrupt was lost, as when an object is deleted."""
-        if lost.exc_type is KeyboardInterrupt:
-            self._at, self._was_lost = self._number, True
-            self._try_again()
-        else:
-            sys.__unraisablehook__(lost)
-
-    def _try_again(self) -> None:
-        """Interrupt soon, and again and again until that has come."""
-
-        def interrupt_again() -> None:
-            if self._was_lost:
-                interrupt()
-                self._try_again()
-
-        again = threading.Timer(SOON, interrupt_again)
-        again.daemon = True
-        again.start()
 
 
 def interrupt() -> None:
@@ -136,11 +110,13 @@ def interrupt() -> None:
         signal.pthread_kill(threading.main_thread().ident or 0, signal.SIGINT)
 
 
-def _codes(frame: FrameType | None) -> Iterator[CodeType]:
-    """Yield the code of a frame and of all that called it."""
-    while frame is not None:
-        yield frame.f_code
-        frame = frame.f_back
+def _tell_unless_cancelled(lost: sys.UnraisableHookArgs) -> None:
+    """Report what was raised where nothing can be, as when an object is deleted.
+
+    An interrupt that is lost there is not: the queue ends a process that does not heed it.
+    """
+    if lost.exc_type is not KeyboardInterrupt:
+        sys.__unraisablehook__(lost)
 
 
 def _listen(desk: Desk, orders: BinaryIO) -> None:

@@ -89,14 +89,18 @@ def unpacked(message: bytes) -> Message:
     return Message(header, arrays)
 
 
-def answer_to(asking: Asked, most: float = math.inf) -> list[Message]:
+def parts_of_answer(asking: Asked, most: float = math.inf) -> list[bytes]:
     """Return the parts of an answer, computed in this process; what follows them is not."""
-    desk, parts = Desk(), []
+    desk, parts = Desk(), list[bytes]()
     desk.take((1, asking))
     while len(parts) < most and (part := desk.next_part()):
-        parts.append(unpacked(part))
+        parts.append(part)
         desk.take((1, "next"))
     return parts
+
+
+def answer_to(asking: Asked, most: float = math.inf) -> list[Message]:
+    return [unpacked(part) for part in parts_of_answer(asking, most)]
 
 
 def first_part(asking: Question) -> Message:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-import json
+import base64
 import shutil
 import signal
 import subprocess
@@ -78,11 +78,8 @@ def ended(process):
     process.communicate(timeout=PATIENCE)
 
 
-def chromium_in(folder, *, watched=False):
-    """Return a headless browser that keeps what it downloads in a folder.
-
-    One that is watched notes all that goes over the network, for `traffic_of`.
-    """
+def chromium_in(folder):
+    """Return a headless browser that keeps what it downloads in a folder."""
     options = Options()
     options.binary_location = PROGRAMS["chromium"]
     size = f"window-size={WINDOW[0]},{WINDOW[1]}"
@@ -90,8 +87,7 @@ def chromium_in(folder, *, watched=False):
     one = ("renderer-process-limit=1", "disable-site-isolation-trials")
     for word in ("headless=new", "no-sandbox", "disable-gpu", "disable-dev-shm-usage", size, *one):
         options.add_argument(f"--{word}")
-    logs = {"browser": "ALL", **({"performance": "ALL"} if watched else {})}
-    options.set_capability("goog:loggingPrefs", logs)
+    options.set_capability("goog:loggingPrefs", {"browser": "ALL"})
     driver = webdriver.Chrome(options=options, service=Service(PROGRAMS["chromedriver"]))
     driver.execute_cdp_cmd(
         "Browser.setDownloadBehavior", {"behavior": "allow", "downloadPath": str(folder)}
@@ -126,20 +122,6 @@ def errors_of(driver):
     return [entry["message"] for entry in log if entry["level"] == "SEVERE"]
 
 
-def traffic_of(driver):
-    """Return method, address and body of what a watched browser has sent since the last look."""
-    found = []
-    for entry in driver.get_log("performance"):
-        message = json.loads(entry["message"])["message"]
-        given = message["params"]
-        if message["method"] == "Network.requestWillBeSent":
-            request = given["request"]
-            found.append((request["method"], request["url"], request.get("postData", "")))
-        elif message["method"] == "Network.webSocketFrameSent":
-            found.append(("SEND", "", given["response"]["payloadData"]))
-    return found
-
-
 def copied(page, button, said):
     """Press a button that copies something; return that, once the page has said so."""
     allowed = {
@@ -152,6 +134,23 @@ def copied(page, button, said):
     return page.driver.execute_async_script(
         "navigator.clipboard.readText().then(arguments[arguments.length - 1])"
     )
+
+
+DROP = """
+const carried = new DataTransfer();
+for (const [contents, name] of arguments[0]) {
+  const bytes = Uint8Array.from(atob(contents), (character) => character.charCodeAt(0));
+  carried.items.add(new File([bytes], name));
+}
+const told = {dataTransfer: carried, bubbles: true, cancelable: true};
+document.body.dispatchEvent(new DragEvent("drop", told));"""
+
+
+def drop_all(page, files):
+    """Drop files on the page, and wait until it has said what comes of them."""
+    page.run(DROP, [(base64.b64encode(held).decode(), name) for name, held in files.items()])
+    page.until("!rotorIda.measured.reading")
+    return page.find("#measured-said").text
 
 
 # Before the page's own scripts run; a basin takes longer than all else, and few look at it.
@@ -280,11 +279,11 @@ def with_machine(page, address, **given):
     return Page(page.driver, address, more, anew=False)
 
 
-def opened(page, address, **state):
+def opened(driver, address, *, basin=False, **state):
     """Open the page with another rotor than the one that it begins with."""
     place, _, first = address.partition("#")
     told = {**state, "key": parse_qs(first)["key"][0]}
-    return Page(page.driver, f"{place}#{urlencode(told)}", anew=False)
+    return Page(driver, f"{place}#{urlencode(told)}", anew=False, basin=basin)
 
 
 def hovered(page, panel, value):

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import asyncio
 import os
-import signal
 import subprocess
 import sys
 import threading
@@ -17,6 +16,7 @@ from urllib.parse import parse_qs, urlsplit
 import pytest
 from selenium.webdriver.remote.webdriver import WebDriver
 from websockets.sync.client import ClientConnection, connect
+from websockets.typing import Origin, Subprotocol
 
 from rotor_ida.explorer.messages import Question
 from rotor_ida.explorer.queues import Queues
@@ -35,17 +35,8 @@ def chromium(tmp_path_factory: pytest.TempPathFactory) -> Iterator[WebDriver]:
 # How long to wait for what must come: minutes, on a machine that does much else.
 PATIENCE = 200.0
 MAIN = "import sys; from rotor_ida.cli import main; sys.exit(main())"
-# The same, but nobody may come and go for longer than a few seconds; its one process answers
-# nothing.
-SHORT_VISIT = 3.0
-IMPATIENT = (
-    "import sys; from rotor_ida.explorer import queues; from rotor_ida.explorer.explore import "
-    "explore; queues.PLANS = (queues.Plan(),); "
-    "explore({}, port=0, browser=False, report=lambda said: print(said, file=sys.stderr), "
-    f"longest_visit={SHORT_VISIT})"
-)
 RUNNING = ["--omega=2", "--zeta=0.07", "--delta0=2"]
-PROGRAM = [sys.executable, "-W", "error", "-c", MAIN, "explore", "--port", "0"]
+PROGRAM = [sys.executable, "-W", "error", "-c", MAIN, "explore", "--no-browser", "--port", "0"]
 
 
 def wait_until(true: Callable[[], bool], what: str) -> None:
@@ -60,13 +51,10 @@ class Answering:
 
     def __init__(self) -> None:
         self.loop = asyncio.new_event_loop()
-        self.progress: list[tuple[int, int]] = []
         self.got: dict[int, list[Message]] = {}
         self._thread = threading.Thread(target=self.loop.run_forever)
         self._thread.start()
-        self.queues = self.call(
-            lambda: Queues(lambda done, all_: self.progress.append((done, all_)))
-        )
+        self.queues = self.call(Queues)
 
     def call(self, function: Callable[[], object]) -> object:
         async def called() -> object:
@@ -75,11 +63,8 @@ class Answering:
         return asyncio.run_coroutine_threadsafe(called(), self.loop).result(PATIENCE)
 
     def open(self) -> None:
-        self.call(self.queues.open)
-        wait_until(self.is_ready, "processes that are ready")
-
-    def is_ready(self) -> bool:
-        return bool(self.progress) and self.progress[-1][0] == self.progress[-1][1]
+        opening = self.queues.open(lambda *_: None)
+        asyncio.run_coroutine_threadsafe(opening, self.loop).result(PATIENCE)
 
     def close(self) -> None:
         try:
@@ -199,42 +184,27 @@ class Program:
                 found.append(int(place.parent.name))
         return found
 
-    def talk(self, **changes: object) -> ClientConnection:
+    def talk(self) -> ClientConnection:
         """Open a connection as the page does."""
-        given: dict[str, object] = {
-            "origin": f"http://127.0.0.1:{self.port}",
-            "subprotocols": [f"rotor-ida.{self.key}"],
-            "max_size": None,
-            "compression": None,
-            "proxy": None,
-            "open_timeout": PATIENCE,
-        } | changes
-        return connect(f"ws://127.0.0.1:{self.port}/ask", **given)  # type: ignore[arg-type]
-
-
-def started(*words: str, browser: bool = False, start_new_session: bool = False) -> Program:
-    """Start the program, as its user does."""
-    words = (*PROGRAM, *(() if browser else ("--no-browser",)), *words)
-    return _listened_to(list(words), start_new_session)
-
-
-def _listened_to(words: list[str], start_new_session: bool = False) -> Program:
-    process = subprocess.Popen(
-        words, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
-        start_new_session=start_new_session,
-    )  # fmt: skip
-    program = Program(process)
-    program.listen()
-    return program
+        host, words = f"127.0.0.1:{self.port}", [Subprotocol(f"rotor-ida.{self.key}")]
+        return connect(
+            f"ws://{host}/ask", origin=Origin(f"http://{host}"), subprotocols=words, proxy=None,
+            max_size=None, compression=None, open_timeout=PATIENCE,
+        )  # fmt: skip
 
 
 @pytest.fixture
 def start() -> Iterator[Callable[..., Program]]:
-    """Return what starts programs; those that have not ended by then are killed."""
+    """Return what starts programs, as users do; those that have not ended by then are killed."""
     programs: list[Program] = []
 
-    def begin(*words: str, **options: bool) -> Program:
-        programs.append(started(*words, **options))
+    def begin(*words: str) -> Program:
+        process = subprocess.Popen(
+            [*PROGRAM, *words], stdout=subprocess.DEVNULL, stderr=subprocess.PIPE,
+            start_new_session=True,
+        )  # fmt: skip
+        programs.append(Program(process))
+        programs[-1].listen()
         return programs[-1]
 
     yield begin
@@ -243,46 +213,14 @@ def start() -> Iterator[Callable[..., Program]]:
         each.ended()
 
 
-@pytest.fixture(scope="module")
-def served() -> Iterator[Program]:
-    """Return a program whose page is served; in the end it must have said nothing else."""
-    yield from _in_use(started())
-
-
-@pytest.fixture(scope="module")
-def impatient() -> Iterator[Program]:
-    """Return one that ends connections sooner."""
-    yield from _in_use(_listened_to([sys.executable, "-W", "error", "-c", IMPATIENT]))
-
-
-def _in_use(program: Program) -> Iterator[Program]:
-    try:
-        program.wait_until_ready()
-        yield program
-        os.kill(program.process.pid, signal.SIGTERM)
-        assert program.ended() == 0
-        assert "Traceback" not in program.text
-    finally:
-        program.process.kill()
-        program.ended()
-
-
-@pytest.fixture(scope="module")
-def programs(chromium: WebDriver) -> Iterator[list[tuple[subprocess.Popen[str], str]]]:
-    """The programs that were started, with their addresses; only the last may still run."""
-    found = [served_alone(*RUNNING)]
+@pytest.fixture(scope="session")
+def address(chromium: WebDriver) -> Iterator[str]:
+    """Return the address of a program that serves all pages of one disc."""
+    process, found = served_alone(*RUNNING)
     yield found
     chromium.get("about:blank")  # its page would note that the program is gone
-    for process, _ in found:
-        ended(process)
-        assert process.returncode == 0
-
-
-@pytest.fixture
-def address(programs: list[tuple[subprocess.Popen[str], str]]) -> str:
-    if programs[-1][0].poll() is not None:
-        programs.append(served_alone(*RUNNING))
-    return programs[-1][1]
+    ended(process)
+    assert process.returncode == 0
 
 
 @pytest.fixture

@@ -27,38 +27,24 @@ from tests.explorer.asking import (
     unpacked,
 )
 
-NAN, INFINITY = float("nan"), float("inf")
-HUGE = 10**3000
+NAN = float("nan")
 FINITE = "must be a finite real number, got"
-WHOLE = "must be a whole number, got"
 LONGEST_MESSAGE = 500
 
 MISTAKES = [
     ({"about": "weather"}, "about must be one of 'motion', 'run_up', 'lines', 'responses'"),
-    ({"about": ["motion"]}, "about must be one of"),
-    ({"number": -1}, "number must be at least 0, got -1"),
-    ({"number": HUGE}, "number must be at most 9007199254740992"),
-    ({"number": 1.0}, f"number {WHOLE} 1.0"),
-    ({"side": 2}, "side must be at most 1, got 2"),
     ({"revolutions": 0}, "revolutions must be at least 1, got 0"),
     ({"revolutions": 2001}, "revolutions must be at most 2000, got 2001"),
     ({"start": [0, 0, 0]}, "start must be four numbers (x, y, vx, vy), got [0, 0, 0]"),
     ({"start": [0, NAN, 0, 0]}, f"start y {FINITE} nan"),
     ({"start": [0, 0, 1.1e6, 0]}, "start vx must lie within 1e+06 of zero, got 1100000.0"),
     ({"speeds": [1, 1]}, "speeds must be two increasing numbers, got (1.0, 1.0)"),
-    ({"speeds": [-1, 3]}, "speeds must be zero or positive, got -1.0"),
     ({"speeds": [0, 1.1e6]}, "speeds must be at most 1e+06, got 1100000.0"),
-    ({"speeds": [0.05]}, "speeds must be two numbers, got [0.05]"),
     ({"reach": 1e-7}, "reach must lie from 1e-06 to 1000000.0, got 1e-07"),
-    ({"reach": [8]}, f"reach {FINITE} [8]"),
-    ({"machine": None}, "machine must have omega, zeta and delta0, or mass, contact_stiffness"),
-    ({"machine": ROTOR | {"mass": 1}}, "machine must have"),
-    ({"machine": {"omega": 2, "zeta": 0.07}}, "machine must have"),
+    ({"machine": ROTOR | {"mass": 1}}, "machine must have omega, zeta and delta0, or mass"),
     ({"machine": ROTOR | {"omega": 1.1e6}}, "omega must be at most 1e+06 to be simulated"),
     ({"machine": ROTOR | {"zeta": True}}, f"zeta {FINITE} True"),
-    ({"machine": ROTOR | {"mu": 0.1}}, "and may have shaft_stiffness, contact_exponent, "),
     ({"machine": MACHINE | {"friction": 0.1}}, "disc_radius must be given with friction, got None"),
-    ({"machine": MACHINE | {"mass": 0}}, "mass must be positive, got 0 kg"),
     ({"machine": MACHINE | {"mass": 1e300}}, "must give scales of frequency, velocity and force"),
     ({"machine": MACHINE | {"clearance": 1e9}}, "delta0 must be at most 1e+06 to be simulated"),
 ]  # fmt: skip
@@ -67,22 +53,9 @@ RAMP = {"about": "run_up", "to": 2.5, "rate": 0.01, "angle": 0.5}
 MISTAKES += [
     (RAMP | {"rate": -0.01}, "rate must lead from the speed 2.0 to 2.5, got -0.01"),
     (RAMP | {"to": 2.0}, "rate must lead from the speed 2.0 to 2.0, got 0.01"),
-    (RAMP | {"to": -1}, "to must be zero or positive, got -1.0"),
     (RAMP | {"to": None}, f"to {FINITE} None"),
     (RAMP | {"rate": 1e-5}, "a piece of a run-up must have at most 2000 revolutions, got 17904.9"),
     (RAMP | {"machine": ROTOR | {"omega": 1e-4}, "rate": 1e-9}, "at most 2000 revolutions, got"),
-    ({"to": 2.5, "rate": 0.01}, "got also ['to', 'rate']"),
-    ({"about": "run_up"}, "side, speeds, start, to, rate, angle, got not ['to', 'rate', 'angle']"),
-]
-NAMES = "about, machine, number, reach, revolutions, side, speeds, start"
-TEXTS = [
-    ("motion", "a question must be JSON, got 'motion'"),
-    ("[" * 4096, "a question must be JSON"),
-    ("1" * 4096, "a question must"),
-    ("null", f"a question must have {NAMES}, got None"),
-    ("{}", f"a question must have {NAMES}, got not ['about', 'machine', 'number', 'reach'"),
-    ('{"a\\nb\\u2028c": 1}', f"a question must have {NAMES}, got not"),
-    (" " * 4097, "a question must have at most 4096 characters, got 4097"),
 ]
 
 
@@ -101,38 +74,28 @@ def test_a_mistake_gets_one_line_that_names_it(changes: dict[str, object], told:
 
 
 @pytest.mark.parametrize(
-    ("changes", "machine", "told"),
-    [({"about": "starts"}, {}, "about must be one of 'motion', 'lines', 'responses', 'campbell'"),
-     ({"about": "run_up"}, {}, "about must be one of"),
-     ({"start": [0, 0, 0, 0]}, {}, "revolutions, side, got also ['start']"),
-     ({}, {"node": 7}, "node must be the name of a node, got 7"),
-     ({}, {"node": "a" * 256}, "node must be the name of a node, got 'aaa"),
-     ({}, {"path": "x"}, "machine must have changes, contact, node, speed, got also ['path']"),
-     ({}, {"contact": -1}, "contact must be at least 0"),
-     ({}, {"speed": -1.0}, "speed must be zero or positive"),
-     ({}, {"changes": {"mass": 1.0}}, "changes must be numbers by clearance, contact_stiffness"),
-     ({}, {"changes": {"friction": NAN}}, f"friction {FINITE} nan")],
-    ids=str,
+    ("about", "machine", "told"),
+    [("starts", {}, "about must be one of 'motion', 'lines', 'responses', 'campbell'"),
+     ("motion", {"contact": -1}, "contact must be at least 0"),
+     ("motion", {"speed": -1.0}, "speed must be zero or positive"),
+     ("motion", {"changes": {"friction": NAN}}, f"friction {FINITE} nan")],
 )  # fmt: skip
 def test_a_mistake_about_a_system_gets_one_line_that_names_it(
-    changes: dict[str, object], machine: dict[str, object], told: str
+    about: str, machine: dict[str, object], told: str
 ):
     whole = {**OF_SYSTEM["machine"], **machine}  # type: ignore[dict-item]
-    assert told in message_of(json.dumps(OF_SYSTEM | {"machine": whole} | changes))
+    assert told in message_of(json.dumps(OF_SYSTEM | {"about": about, "machine": whole}))
 
 
-@pytest.mark.parametrize(("text", "told"), TEXTS, ids=lambda value: str(value)[:30])
-def test_a_text_that_is_no_question_gets_one_line(text: str, told: str):
-    assert told in message_of(text)
-
-
-def test_every_name_must_be_there_and_no_other_may():
+def test_what_no_page_sends_gets_one_line_and_its_path_is_not_read():
+    texts = ["motion", "[" * 4096, "null", "{}", '{"a\\nb\\u2028c": 1}']
     for name in asked():
         given = asked()
         del given[name]
-        assert "a question must have" in message_of(json.dumps(given))
-    assert "got also ['executor']" in message_of(json.dumps(asked(executor="threads")))
-    assert "got also ['a\\nb\\u2028c']" in message_of(json.dumps(asked(**{"a\nb\u2028c": 1})))
+        texts.append(json.dumps(given))
+    for text in texts:
+        assert message_of(text).startswith("a question must be one of the page, got ")
+    assert read_question(json.dumps(asked(path="/etc/passwd"))).path is None
 
 
 def test_the_limits_themselves_are_allowed():
@@ -141,14 +104,13 @@ def test_the_limits_themselves_are_allowed():
         json.dumps(
             asked(
                 machine=largest, start=[1e6, -1e6, 1e6, -1e6], revolutions=2000, speeds=[0, 1e6],
-                reach=1e6, number=2**53, side=1,
+                reach=1e6, side=1,
             )
         )
     )  # fmt: skip
     assert read.rotor == Rotor(**largest)
     assert read.speeds == (0.0, 1e6)
     assert read_question(json.dumps(asked(reach=1e-6))).reach == 1e-6
-    assert isinstance(read_question(json.dumps(asked()).ljust(4096)), Question)
 
 
 def test_what_a_machine_has_beside_comes_along():
@@ -167,28 +129,18 @@ JSON = st.recursive(
     max_leaves=20,
 )
 FIELDS = st.sampled_from(sorted(asked()))
+ASKED = st.builds(lambda name, value: asked(**{name: value}), FIELDS, JSON)
+MACHINES = st.sampled_from([ROTOR, MACHINE, ROTOR | BEYOND | RUB, MACHINE | BEYOND_IN_SI])
+NUMBER = st.floats() | st.integers() | st.floats(0.0, 1e6) | JSON
+ANY_MACHINE = MACHINES.flatmap(lambda names: st.fixed_dictionaries(dict.fromkeys(names, NUMBER)))
 
 
-def read_or_refused(text: str) -> None:
+@given((JSON | ASKED | st.builds(lambda each: asked(machine=each), ANY_MACHINE)).map(json.dumps))
+def test_any_text_is_a_question_or_refused(text: str):
     try:
         assert isinstance(read_question(text), Question)
     except InputError:
         message_of(text)
-
-
-ASKED = st.builds(lambda name, value: asked(**{name: value}), FIELDS, JSON)
-
-
-@given(st.text(max_size=5000) | (JSON | ASKED).map(json.dumps))
-def test_any_text_is_a_question_or_refused(text: str):
-    read_or_refused(text)
-
-
-@given(st.sampled_from([ROTOR, MACHINE, ROTOR | BEYOND | RUB, MACHINE | BEYOND_IN_SI]), st.data())
-def test_any_machine_is_taken_or_refused(machine: dict[str, float], data: st.DataObject):
-    number = st.floats() | st.integers() | st.floats(0.0, 1e6) | JSON
-    given = {name: data.draw(number) for name in machine}
-    read_or_refused(json.dumps(asked(machine=given)))
 
 
 KINDS = st.sampled_from([np.float64, np.float32, np.int8])
@@ -235,9 +187,3 @@ def test_what_is_not_finite_is_null_in_the_header_and_itself_in_an_array():
     }  # fmt: skip
     assert np.isnan(message.arrays["a"][0])
     assert message.arrays["a"][1] == -math.inf
-
-
-@pytest.mark.parametrize("dtype", [np.int64, np.complex128, np.bool_])
-def test_other_kinds_are_not_packed_as_something_else(dtype: type):
-    with pytest.raises(KeyError):
-        packed(Answer("p", {}, {"a": np.zeros(2, dtype)}))

@@ -36,18 +36,12 @@ QUESTIONS = {
     "contact-free": question(machine={"omega": 0.3, "zeta": 0.07, "delta0": 3.0}),
     "free vibration": question(machine={"omega": 0, "zeta": 0.01, "delta0": 1}, start=[3, 0, 0, 1]),
     "no damping": question(machine={"omega": 1.3, "zeta": 0, "delta0": 1}, revolutions=20),
-    "one revolution": question(revolutions=1),
     "long": question(revolutions=2000, machine={"omega": 1.38, "zeta": 0.07, "delta0": 1.0}),
-    "in SI units": question(machine=MACHINE),
     "a machine": question(machine=ROTOR | BEYOND),
-    "a machine in SI units": question(machine=MACHINE | BEYOND_IN_SI),
+    "in SI units": question(machine=MACHINE | BEYOND_IN_SI | RUB_IN_SI),
     "dry whip": question(machine=WHIP, start=WHIPPED),
     "slip in both senses": question(machine=CHATTER, start=[0.3, 0.1, 0.2, 0.1]),
     "a machine that rubs": question(machine=ROTOR | BEYOND | RUB, start=[2.6, 0.75, 0.66, -1.65]),
-    "a machine that rubs in SI units": question(machine=MACHINE | BEYOND_IN_SI | RUB_IN_SI),
-    "a machine in full contact": question(
-        machine={"omega": 1.2, "zeta": 0.07, "delta0": 0.5} | BEYOND | {"load": 0.0}
-    ),
 }  # fmt: skip
 
 
@@ -155,7 +149,7 @@ def test_heat_and_shares_are_those_between_the_events(name: str):
 
 
 def test_a_machine_has_the_answer_of_its_rotor_and_its_scales():
-    in_si, plain = motion(QUESTIONS["in SI units"]), motion(question())
+    in_si, plain = motion(question(machine=MACHINE)), motion(question())
     machine = rotor_ida.DimensionalRotor(**MACHINE)
     assert in_si.facts["rotor"] == plain.facts["rotor"] == ROTOR
     for name, values in plain.arrays.items():
@@ -173,18 +167,13 @@ def test_a_machine_has_the_answer_of_its_rotor_and_its_scales():
 
 
 EDGES = [
-    *({name: edge} for name in ROTOR for edge in (0.0, 1e-6, 1e6) if (name, edge) != ("zeta", 1e6)),
-    {"zeta": 1e3},  # with more it takes minutes
-    {"omega": 0.0, "zeta": 0.0, "delta0": 0.0},
-    {"omega": 1e6, "zeta": 1e6, "delta0": 1e6},
-    *(
-        {name: edge}
-        for name in ("shaft_stiffness", "contact_damping", "load")
-        for edge in (1e-6, 1e6)
-    ),
-    *({**RUB, name: edge} for name in RUB for edge in (0.0, 1e-12, 1e6)),
+    *({name: 0.0} for name in ROTOR),
+    {"omega": 1e-6},
+    dict.fromkeys(ROTOR, 0.0),
+    dict.fromkeys(ROTOR, 1e6),
     {"omega": 0.0, **RUB},
     {"load": 1.0, **RUB},
+    {**RUB, "disc_radius": 1e6},
 ]
 
 

@@ -29,7 +29,7 @@ def on_the_ring(omega):
 
 def running_up(page, address, **more):
     given = {"omega": BEGUN, **RUBBING, **on_the_ring(BEGUN), "revolutions": 5}
-    page = opened(page, address, **given, **more)
+    page = opened(page.driver, address, **given, **more)
     page.settle()
     return page
 
@@ -116,7 +116,7 @@ def test_a_passage_stops_goes_on_and_turns_back(page, address):
 
 
 def test_a_passage_ends_where_the_picture_ends(page, address):
-    page = opened(page, address, omega=3.9, zeta=0.07, delta0=2, revolutions=1, ramp=0.05)
+    page = opened(page.driver, address, omega=3.9, zeta=0.07, delta0=2, revolutions=1, ramp=0.05)
     page.settle()
     page.find("#run-up").click()
     page.until("rotorIda.passage.begun")

@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-import numpy as np
 import pytest
 
-from tests.explorer.browser import COLOURED, copied, needs_browser
+from tests.explorer.browser import copied, needs_browser
 
 # On a machine that does other things as well.
 pytestmark = [needs_browser, pytest.mark.timeout(1500)]
@@ -18,10 +17,6 @@ PUMP = {
 }  # fmt: skip
 
 
-def verdict(page):
-    return page.find("#verdict").text
-
-
 def test_a_data_sheet_sets_the_machine(page):
     page.find("#sheet-open").click()
     for name, words in PUMP.items():
@@ -31,7 +26,7 @@ def test_a_data_sheet_sets_the_machine(page):
     page.settle("settled")
     check_sliders_in_engineering_units(page)
     check_command_in_si_units(page)
-    check_verdict_of_the_run_up(page)
+    check_verdict(page)
 
 
 def check_sliders_in_engineering_units(pump):
@@ -62,27 +57,14 @@ def check_command_in_si_units(pump):
     assert text.startswith("rotor-ida simulate --mass 12.0 --contact-stiffness 100000000.0")
 
 
-def check_verdict_of_the_run_up(pump):
-    """In bold above the fold, and of the run-up while it goes on."""
-    pump.driver.set_window_size(1280, 720)
+def check_verdict(pump):
+    """In bold above the fold."""
     box = pump.find("#verdict").rect
     assert box["y"] + box["height"] < 200
     assert int(pump.find("#verdict").value_of_css_property("font-weight")) >= 600
-    assert verdict(pump).startswith("No contact: radius 29.66 µm, gap 120.3 µm left of")
-    pump.type("#seconds", 1)
-    pump.run("document.getElementById('run-up-0').click()")
-    pump.until("!rotorIda.passage.running && rotorIda.passage.number > 3")
-    told = pump.find("#passed").text
-    assert told.startswith("From 0 rpm to 6,000 rpm. Dry whip: it first touches the stator at ")
-    assert "no rub" not in told.lower()
-    pump.settle("settled")
-    pump.until("document.querySelector('#verdict .whip')")
-    assert "Held at this speed: dry whip" in verdict(pump)
-    # an orbit, not a scribble: the disc goes around with samples enough to be a curve
-    x, y = (pump.array("motion", name) for name in ("x", "y"))
-    turns = np.abs(np.diff(np.unwrap(np.angle(x + 1j * y))))
-    assert turns.max() < 2 * np.pi / 24
-    assert pump.run(COLOURED, "orbit", "rolling") > 100
+    assert pump.find("#verdict").text.startswith(
+        "No contact: radius 29.66 µm, gap 120.3 µm left of"
+    )
 
 
 def test_a_wrong_data_sheet_is_told_of_in_the_form(page):

@@ -6,17 +6,15 @@ import asyncio
 import os
 import signal
 import sys
-import threading
 import time
-from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 
+from rotor_ida.errors import RotorError
 from rotor_ida.explorer import queues
-from rotor_ida.explorer.workers import SOON, Desk
-from tests.explorer.asking import ROTOR, SLOW, question, unpacked
-from tests.explorer.conftest import PATIENCE, Answering, wait_until
+from tests.explorer.asking import ROTOR, SLOW, question
+from tests.explorer.conftest import Answering, wait_until
 
 pytestmark = pytest.mark.skipif(sys.platform != "linux", reason="looks into /proc")
 
@@ -165,18 +163,6 @@ def test_a_process_that_is_killed_is_replaced_and_the_page_told(answering: Answe
     assert [each.facts["message"] for each in troubles] == [queues.DIED]
 
 
-def test_a_process_at_rest_that_is_killed_is_replaced(answering: Answering):
-    answering.ask(1, question(number=1))
-    answering.wait_for(1, 1, "motion")
-    pid = pid_of(answering, 0)
-    os.kill(pid, signal.SIGKILL)
-    answering.ask(1, question(number=2))
-    wait_until(lambda: bool(answering.parts(1, 2)), "an answer")
-    answering.ask(1, question(number=3))
-    answering.wait_for(1, 3, "motion")
-    assert pid_of(answering, 0) != pid
-
-
 def test_a_process_that_is_deaf_is_ended(answering: Answering, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(queues, "DEAF", 0.2)
     pid = pid_of(answering, 2)
@@ -191,75 +177,13 @@ def test_a_process_that_is_deaf_is_ended(answering: Answering, monkeypatch: pyte
 
 def test_processes_that_cannot_start_are_told_of(monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(sys, "path", ["/nowhere"])
-    told: list[tuple[int, int]] = []
 
     async def open_and_wait() -> None:
-        found = queues.Queues(lambda done, total: told.append((done, total)))
-        found.open()
-        while len(told) < 3:
-            await asyncio.sleep(0.01)
-        await found.close()
+        found = queues.Queues()
+        try:
+            await found.open(lambda *_: None)
+        finally:
+            await found.close()
 
-    asyncio.run(open_and_wait())
-    assert set(told) == {(queues.NEVER, queues.NEVER)}
-
-
-def test_an_answer_given_up_before_it_is_begun_is_empty():
-    desk = Desk()
-    desk.take((1, question()))
-    desk.take((2, question(machine=ROTOR | {"zeta": 0.5})))
-    desk._begun.pop(1)
-    assert desk.next_part() == b""
-    assert desk.next_part()
-
-
-@pytest.fixture
-def desk(monkeypatch: pytest.MonkeyPatch) -> Iterator[Desk]:
-    """Return a desk in this process, which hears its signals."""
-    found = Desk()
-    monkeypatch.setattr(sys, "unraisablehook", found.break_off_again)
-    before = signal.signal(signal.SIGINT, found.break_off)
-    yield found
-    time.sleep(3.0 * SOON)  # until nothing is due
-    signal.signal(signal.SIGINT, before)
-
-
-@pytest.mark.parametrize("held_up", [False, True])
-def test_a_part_is_broken_off_even_where_the_first_time_is_lost(
-    desk: Desk, monkeypatch: pytest.MonkeyPatch, held_up: bool
-):
-    """The second comes where the loss of the first is noticed, if that is held up."""
-    start = threading.Timer.start
-
-    def slow(timer: threading.Timer) -> None:
-        start(timer)
-        time.sleep(5.0 * SOON)
-
-    if held_up:
-        monkeypatch.setattr(threading.Timer, "start", slow)
-
-    class Deaf:
-        def __del__(self) -> None:  # what is raised here goes nowhere
-            desk.take((1, "drop"))
-            time.sleep(1.0)
-
-    def parts() -> Iterator[bytes]:
-        Deaf()
-        time.sleep(PATIENCE)
-        yield b"too late"
-
-    desk._begun[1] = parts()
-    desk._due.put(1)
-    began = time.monotonic()
-    assert desk.next_part() == b""
-    assert time.monotonic() - began < PATIENCE
-
-
-def test_a_signal_between_two_parts_breaks_nothing_off(desk: Desk):
-    os.kill(os.getpid(), signal.SIGINT)
-    desk.take((1, question()))
-    os.kill(os.getpid(), signal.SIGINT)
-    assert unpacked(desk.next_part()).part == "motion"
-    desk.take((1, "drop"))
-    desk.take((1, "next"))
-    assert desk.next_part() == b""
+    with pytest.raises(RotorError, match="the processes that compute the panels do not start"):
+        asyncio.run(open_and_wait())

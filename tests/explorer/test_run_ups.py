@@ -13,7 +13,7 @@ from rotor_ida.explorer.measured import cascade_rows, order_rows
 from rotor_ida.explorer.run_ups import PER_REVOLUTION, RTOL
 from rotor_ida.signals.record import record_of
 from rotor_ida.signals.spectra import full_spectrum
-from tests.explorer.asking import CHATTER, MACHINE, Message, answer_to, question
+from tests.explorer.asking import CHATTER, Message, answer_to, question
 
 UP = {"omega": 1.2, "zeta": 0.07, "delta0": 0.5}
 BOUNCING, BOUNCED = {"omega": 2.4, "zeta": 0.07, "delta0": 2.0}, (2.6, 0.75, 0.66, -1.65)
@@ -39,19 +39,17 @@ def pieces(
     rotor: dict[str, float], start: object, stops: tuple[float, ...], rate: float
 ) -> list[Message]:
     """Ask as the page does: each piece begins in the state in which the last one ended."""
-    name, scale = ("speed", 500.0) if "mass" in rotor else ("omega", 1.0)
     found, angle = [], 0.0
     for here, to in pairwise(stops):
-        found.append(piece({**rotor, name: scale * here}, start, to, rate, angle))
+        found.append(piece({**rotor, "omega": here}, start, to, rate, angle))
         start, angle = found[-1].facts["end"], found[-1].facts["angle"]
     return found
 
 
 def track(rotor: dict[str, float], last: Message) -> Message:
     """Return the track of the run-up that a piece has ended."""
-    name, scale = ("speed", 500.0) if "mass" in rotor else ("omega", 1.0)
     asking = question(
-        "track", machine={**rotor, name: scale * last.facts["speed"]}, start=last.facts["end"],
+        "track", machine={**rotor, "omega": last.facts["speed"]}, start=last.facts["end"],
         speeds=[0.05, TOP],
     )  # fmt: skip
     (answer,) = answer_to(asking)
@@ -59,17 +57,12 @@ def track(rotor: dict[str, float], last: Message) -> Message:
     return answer
 
 
-def joined(answers: list[Message], name: str) -> np.ndarray:
-    return np.concatenate([each.arrays[name] for each in answers])
-
-
 @pytest.mark.parametrize(
     ("rotor", "start", "stops", "rate"),
-    [(BOUNCING, BOUNCED, (2.4, 2.48, 2.61, 3.0), 0.02),
-     (BOUNCING, BOUNCED, (2.4, 2.112, 1.9), -0.02),
+    [(BOUNCING, BOUNCED, (2.4, 2.112, 1.9), -0.02),
      (CHATTER, SHAKEN, (1.2, 1.25, 1.4), 0.01),
      (LOADED, HANGS, (0.2, 0.2031, 0.31, 0.45, 0.9), 0.005)],
-    ids=["up", "down, a stop in contact", "slipping and rolling", "under a load"],
+    ids=["down, a stop in contact", "slipping and rolling", "under a load"],
 )  # fmt: skip
 def test_pieces_make_one_run_up(
     rotor: dict[str, float],
@@ -156,9 +149,8 @@ def test_a_piece_is_sampled_often_enough_at_every_speed() -> None:
 @pytest.mark.parametrize(
     ("rotor", "start", "stops", "rate"),
     [(BOUNCING, BOUNCED, (2.4, 2.4004, 2.51, 2.5222, 3.0), 0.02),
-     (BOUNCING, BOUNCED, (2.4, 2.3871, 2.1, 1.9), -0.02),
      (LOADED, HANGS, (0.2, 0.2031, 0.31, 0.45, 0.9), 0.005)],
-    ids=["up", "down", "under a load"],
+    ids=["up", "under a load"],
 )  # fmt: skip
 def test_windows_and_spectra_do_not_tell_where_a_piece_ends(
     rotor: dict[str, float], start: tuple[float, ...], stops: tuple[float, ...], rate: float
@@ -208,19 +200,6 @@ def test_a_slow_run_up_follows_the_exact_whirl_in_amplitude_and_phase() -> None:
         off.append(np.abs(tracked - exact.amplitude * np.exp(-1j * exact.phase_lag)).max().item())
     assert off[1] < 0.01
     assert off[0] / off[1] == pytest.approx(4.0, rel=0.1)
-
-
-def test_a_machine_in_si_units_runs_up_as_its_rotor_does() -> None:
-    """The speed of the machine is in rad/s, the end and the rate have no dimension, as starts."""
-    stops = (2.0, 2.013, 2.05, 2.1)
-    rotor = {"omega": 2.0, "zeta": 0.07, "delta0": 2.0}
-    ours, other = (pieces(each, BOUNCED, stops, 0.004) for each in (MACHINE, rotor))
-    assert joined(ours, "radius") == pytest.approx(joined(other, "radius"), abs=1e-6)
-    assert ours[0].facts["scales"]["rate"] == pytest.approx(500.0)
-    tracks = [track(*each).arrays for each in ((MACHINE, ours[-1]), (rotor, other[-1]))]
-    assert tracks[0]["order_speed"].size == 8
-    for name in ("order_speed", "order_amplitude", "order_lag"):
-        assert tracks[0][name] == pytest.approx(tracks[1][name], abs=1e-5)
 
 
 def test_another_state_begins_another_record() -> None:

@@ -10,7 +10,7 @@ import rotor_ida
 from rotor_ida.explorer import starts
 from rotor_ida.explorer.messages import Question
 from rotor_ida.schema import RESPONSE
-from tests.explorer.asking import MACHINE, ROTOR, WHIP, Message, answer_to, question
+from tests.explorer.asking import ROTOR, Message, answer_to, question
 
 ASKING = question(
     "starts", machine={"omega": 1.7, "zeta": 0.07, "delta0": 0.5}, start=[0, 0, 1, -1]
@@ -102,16 +102,6 @@ def test_what_the_first_look_decides_stays_so(pictures: list[Message]):
         assert np.isin(found["label"].values[labels_of(first) == number], same).all()
 
 
-def test_a_machine_has_the_basin_of_its_rotor():
-    small = {"start": [0, 0, 0, 0], "reach": 4.0}
-    plain, in_si = (
-        answer_to(question("starts", machine=each, **small), 2) for each in (ROTOR, MACHINE)
-    )
-    for one, other in zip(plain, in_si, strict=True):
-        np.testing.assert_array_equal(one.arrays["label"], other.arrays["label"])
-        assert one.facts["attractors"] == other.facts["attractors"]
-
-
 @pytest.mark.parametrize("changes", [{"zeta": 0.0}, {"zeta": 1e6}, {"omega": 1e6}, {"omega": 1e-6}])
 def test_a_rotor_without_a_basin_is_refused_in_one_line(changes: dict[str, float]):
     *_, trouble = answer_to(question("starts", machine=ROTOR | changes))
@@ -124,9 +114,7 @@ def test_a_rotor_without_a_basin_is_refused_in_one_line(changes: dict[str, float
     "changes",
     [
         {"machine": ROTOR | {"delta0": 0.0}},
-        {"machine": ROTOR | {"delta0": 1e6}},
         {"machine": {"omega": 0.0, "zeta": 0.3, "delta0": 1.0}},
-        {"machine": {"omega": 0.5, "zeta": 0.5, "delta0": 3.0}, "reach": 1e-6},
         {"machine": {"omega": 1.7, "zeta": 0.5, "delta0": 0.0}, "start": [0, 0, 20, 20]},
     ],
     ids=str,
@@ -143,7 +131,6 @@ def test_odd_planes_have_a_basin_or_one_reason(changes: dict[str, object]):
 MACHINES = {
     "a machine": ROTOR | {"shaft_stiffness": 0.25, "contact_exponent": 1.0, "contact_damping": 0.5},
     "a load": {"omega": 1.0, "zeta": 0.1, "delta0": 3.0, "shaft_stiffness": 0.25, "load": 0.2},
-    "friction": WHIP,
 }
 
 

@@ -12,6 +12,7 @@ from tests.explorer.browser import (
     Page,
     copied,
     downloaded,
+    drop_all,
     ended,
     errors_of,
     needs_browser,
@@ -21,12 +22,6 @@ from tests.explorer.browser import (
 
 pytestmark = needs_browser
 
-DROPPED = """
-const files = new DataTransfer();
-files.items.add(new File([arguments[0]], arguments[1]));
-const told = { dataTransfer: files, bubbles: true, cancelable: true };
-document.body.dispatchEvent(new DragEvent("drop", told));
-"""
 SET = """
 const field = document.getElementById(arguments[0]);
 field.value = arguments[1];
@@ -110,10 +105,13 @@ def test_a_system_is_shown_and_played_and_one_page_shows_every_node_without_the_
         check_bad_file_refused(page)  # and what is shown can still be changed
         check_state_in_the_address(page)
         page.find('[data-file="html"]').click()
+        page.until("document.getElementById('connection').textContent.startsWith('Sav')")
         file = downloaded(chromium.folder / "run.html")
         check_another_rotor_and_back(page)
         assert errors_of(chromium) == []
         ended(process)
+        page.until("document.getElementById('connection').textContent.startsWith('No answer')")
+        assert page.run("return document.querySelectorAll('.stale').length") > 0
         check_alone(SystemPage(chromium, file.as_uri()), path)
         # the first page has no server any more
         assert [each for each in errors_of(chromium) if "connection.js" not in each] == []
@@ -146,42 +144,17 @@ OF_RUN_UP = {"bode", "cascade", "response", "campbell", "orbit", "turning", "his
              "sketch", "shape"}  # fmt: skip
 
 
-def test_an_archive_has_the_panels_that_say_something_of_it(chromium, tmp_path):
-    """A run-up, and a result that is not played; on a desktop and on a phone."""
-    path = tmp_path / "two.toml"
-    path.write_text(TWO_NODES)
-    save(run_up(load_system(path), speed=20.0, to=250.0, rate=200.0), tmp_path / "up.nc")
-    save(sweep(omega=[0.5, 1.0], zeta=[0.07], delta0=[0.5]), tmp_path / "sweep.nc")
-    for name, panels in (("up", OF_RUN_UP), ("sweep", {"archive"})):
-        process, address = served(str(tmp_path / f"{name}.nc"))
-        try:
-            chromium.get("about:blank")
-            chromium.get(address)
-            page = Page.__new__(Page)
-            page.driver = chromium
-            page.until("document.querySelector('#sheets table') && rotorIda.hasAllDrawn()")
-            page.until("document.getElementById('figure').naturalWidth > 100")
-            for width in (390, 1400):
-                with sized(chromium, width):
-                    assert set(page.run(SHOWN)) == panels
-                    assert page.run("return document.documentElement.scrollWidth") <= width
-            if name == "up":
-                page.until("rotorIda.shown[0].track?.arrays.order_speed.length > 10")
-                assert "while the speed changes" in page.find("#response-key").text
-                axes = "return rotorIda.plotOf(document.querySelector(arguments[0] + ' .u-over'))" \
-                    ".axes.map((each) => each._values.join(''))"  # fmt: skip
-                assert page.run(axes, '[data-panel="sketch"]') == ["", ""]
-                assert all(page.run(axes, '[data-panel="history"]'))
-            assert errors_of(chromium) == []
-        finally:
-            chromium.get("about:blank")
-            ended(process)
+SHOWN = """
+return [...document.querySelectorAll('[data-panel]')].filter((each) => each.offsetParent)
+  .map((each) => each.dataset.panel)"""
+OF_RUN_UP = {"bode", "cascade", "response", "campbell", "orbit", "turning", "history", "archive",
+             "sketch", "shape"}  # fmt: skip
 
 
 def check_bad_file_refused(page):
-    page.run(DROPPED, "speed = 3", "bad.toml")
-    page.until("document.getElementById('measured-said').textContent.startsWith('bad.toml is')")
-    assert "system must be given" in page.find("#measured-said").text
+    said = drop_all(page, {"bad.toml": b"speed = 3"})
+    assert said.startswith("bad.toml is not shown: ")
+    assert "system must be given" in said
 
 
 def check_state_in_the_address(page):
@@ -210,7 +183,7 @@ def check_state_in_the_address(page):
 
 def check_another_rotor_and_back(page):
     """A machine is opened in the place of the system, and the system is gone back to."""
-    page.run(DROPPED, PUMP, "pump.toml")
+    drop_all(page, {"pump.toml": PUMP.encode()})
     page.until("rotorIda.state.mass === 12")
     Page.settle(page, "settled")
     assert page.find("#verdict").text.startswith("No contact")
@@ -235,46 +208,61 @@ def check_alone(page, path):
     assert [name for name in resources if not name.startswith("data:")] == []
 
 
-def test_a_drop_is_shown_in_two_bearings_and_a_measurement_alone(chromium, tmp_path):
-    """Both without a run-up: what is not there is not offered."""
-    place = tmp_path / "drop.toml"
-    place.write_text(FALLING)
+def shows(page, width):
+    """Return the panels that are seen in a window of a width, in which nothing is cut off."""
+    with sized(page.driver, width):
+        assert page.run("return document.documentElement.scrollWidth") <= width
+        return set(page.run(SHOWN))
+
+
+def test_a_file_that_is_dropped_has_the_panels_that_say_something_of_it(fresh, tmp_path):
+    """A run-up, a result that is not played, and a drop, whose two bearings are side by side."""
+    path = tmp_path / "two.toml"
+    path.write_text(TWO_NODES)
+    save(run_up(load_system(path), speed=20.0, to=250.0, rate=200.0), tmp_path / "up.nc")
+    save(sweep(omega=[0.5, 1.0], zeta=[0.07], delta0=[0.5]), tmp_path / "sweep.nc")
+    drop_all(fresh, {"up.nc": (tmp_path / "up.nc").read_bytes()})
+    fresh.until("rotorIda.shown[0].track?.arrays.order_speed.length > 10")
+    fresh.until("document.querySelector('#sheets table') && rotorIda.hasAllDrawn()")
+    fresh.until("document.getElementById('figure').naturalWidth > 100")
+    assert shows(fresh, 390) == shows(fresh, 1400) == OF_RUN_UP
+    assert "while the speed changes" in fresh.find("#response-key").text
+    axes = "return rotorIda.plotOf(document.querySelector(arguments[0] + ' .u-over'))" \
+        ".axes.map((each) => each._values.join(''))"  # fmt: skip
+    assert fresh.run(axes, '[data-panel="sketch"]') == ["", ""]
+    assert all(fresh.run(axes, '[data-panel="history"]'))
+    drop_all(fresh, {"sweep.nc": (tmp_path / "sweep.nc").read_bytes()})
+    fresh.until("document.getElementById('verdict').textContent.startsWith('sweep.nc')")
+    assert shows(fresh, 390) == shows(fresh, 1400) == {"archive"}
+    drop_all(fresh, {"drop.toml": FALLING.encode()})
+    for side in (0, 1):
+        fresh.until("rotorIda.shown[arguments[0]]?.motion?.facts.told", side)
+    fresh.until("rotorIda.hasAllDrawn()")
+    named = "node {}, contact {}, speed 4,800 rpm"
+    told = [fresh.facts("motion", side)["told"] for side in (0, 1)]
+    assert told == [named.format(*each) for each in (("left", 0), ("right", 1))]
+    assert not fresh.find('[name="signals"][value="bode"]').is_displayed()
+
+
+def test_a_measurement_of_the_command_is_shown_alone_also_after_a_reload(chromium, tmp_path):
     turn = np.arange(0.0, 60.0, 0.05)
     table = np.stack([turn, 2.0 * np.cos(turn), 2.0 * np.sin(turn), turn], axis=1)
     np.savetxt(tmp_path / "probes.csv", table, delimiter=",", header="t,x,y,angle", comments="")
-    for file in (place, tmp_path / "probes.csv"):
-        process, address = served(str(file))
-        try:
-            if file is place:
-                page = DropPage(chromium, address)
-                named = "node {}, contact {}, speed 4,800 rpm"
-                told = [page.facts("motion", side)["told"] for side in (0, 1)]
-                assert told == [named.format(*each) for each in (("left", 0), ("right", 1))]
-                assert not page.find('[name="signals"][value="bode"]').is_displayed()
-            else:
-                chromium.get("about:blank")
-                chromium.get(address)
-                page = Page.__new__(Page)
-                page.driver = chromium
-                page.until("window.rotorIda?.measured.found?.samples === arguments[0]", len(table))
-                page.until("document.querySelector('[data-panel=bode] canvas')")
-                assert set(page.run(SHOWN)) == {"bode", "polar", "full"}
-                assert all(page.pictures())
-                page.driver.refresh()
-                page.until("window.rotorIda?.measured.found?.samples === arguments[0]", len(table))
-            assert errors_of(chromium) == []
-        finally:
-            chromium.get("about:blank")
-            ended(process)
-
-
-class DropPage(Page):
-    """The page of a drop, with two bearings."""
-
-    def settle(self):
-        for side in (0, 1):
-            self.until("window.rotorIda?.shown[arguments[0]]?.motion", side)
-        self.until("rotorIda.hasAllDrawn()")
+    process, address = served(str(tmp_path / "probes.csv"))
+    try:
+        chromium.get(address)
+        page = Page.__new__(Page)
+        page.driver = chromium
+        page.until("window.rotorIda?.measured.found?.samples === arguments[0]", len(table))
+        page.until("document.querySelector('[data-panel=bode] canvas')")
+        assert set(page.run(SHOWN)) == {"bode", "polar", "full"}
+        assert all(page.pictures())
+        chromium.refresh()
+        page.until("window.rotorIda?.measured.found?.samples === arguments[0]", len(table))
+        assert errors_of(chromium) == []
+    finally:
+        chromium.get("about:blank")
+        ended(process)
 
 
 def run_of(path, clearance):

@@ -4,10 +4,6 @@ const KINDS = { f8: Float64Array, f4: Float32Array, i1: Int8Array };
 const PROTOCOL = "rotor-ida";
 // Bytes of a file sent at a time, and allowed to wait.
 const PIECE = 2 ** 16, MOST_UNSENT = 2 ** 20;
-const REASONS = {
-  4429: "Too many pages are open: close another one, and reload this one.",
-  4408: "This page was too slow to read its answers; it starts again.",
-};
 const GONE = "No answer. Is rotor-ida explore still running? If it was restarted, open the address that it printed.";
 
 /** Unpack an answer: 4 bytes with the length of the header, the header as JSON, the arrays. */
@@ -39,9 +35,9 @@ export class Live {
       this.opened();
     };
     socket.onmessage = (message) => this.answered(unpack(message.data));
-    socket.onclose = (event) => {
-      this.said(REASONS[event.code] ?? GONE);
-      if (event.code !== 4429) setTimeout(() => this.#open(), this.delay);
+    socket.onclose = () => {
+      this.said(GONE);
+      setTimeout(() => this.#open(), this.delay);
       this.delay = Math.min(2 * this.delay, 5000);
     };
     this.socket = socket;

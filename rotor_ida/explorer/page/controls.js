@@ -6,7 +6,7 @@ import { element } from "./tools.js";
 import { prefixed, speedTyped, told } from "./units.js";
 
 const STEPS = 1000;
-const linear = (low, high, step) => ({
+const linear = (low, high, step) => () => ({
   toSlider: (value) => value, fromSlider: (place) => place, min: low, max: high, step,
 });
 /** A slider over powers of ten of a scale of the machine. */
@@ -41,7 +41,7 @@ const SLIDERS = {
     contact_damping: linear(0, 3, 0.01),
     load: linear(0, 10, 0.02),
     friction: linear(0, 0.5, 0.005),
-    disc_radius: logarithmic(0.1, 1e5),
+    disc_radius: () => logarithmic(0.1, 1e5),
   },
   si: {
     speed: () => upTo(ROOM * state.fastest, speedShown),
@@ -53,15 +53,15 @@ const SLIDERS = {
     shaft_stiffness: around("shaft_stiffness", () => scalesBeyond().shaft_stiffness),
     contact_damping: around("contact_damping", () => scalesBeyond().contact_damping),
     load: around("load", () => TIMES * state.mass * GRAVITY),
-    friction: () => linear(0, 0.5, 0.005),
+    friction: linear(0, 0.5, 0.005),
     disc_radius: decades("disc_radius"),
-    unbalance_factor: () => linear(0, 4, 0.01),
+    unbalance_factor: linear(0, 4, 0.01),
   },
 };
-/** Return the sliders of the rotor shown. */
-const slidersShown = () => SLIDERS[inSI() || isSystem() ? "si" : "none"];
 /** Whether sliders lie around the values of a machine. */
 const isGiven = () => inSI() || isSystem();
+/** Return the sliders of the rotor shown. */
+const slidersShown = () => SLIDERS[isGiven() ? "si" : "none"];
 const FOLDED = ["shaft_stiffness", "contact_damping", "load", "friction", "disc_radius"];
 /** Return a number for its field: short, with a power of ten where that helps. */
 export function written(value) {
@@ -98,8 +98,7 @@ function control(key, parameter, changed, unitChanged) {
   const box = element("div", "", "control");
   box.title = parameter.meaning;
   const { name, unit, units } = parameter;
-  const sliderOf = () => (isGiven() ? parameter.slider() : parameter.slider);
-  let slider = sliderOf();
+  let slider = parameter.slider();
   const shown = () => (units ? units[state.speedIn] : parameter.factor);
   let typed = null; // what was typed, as long as it holds
   const head = element("span", "", "name");
@@ -121,7 +120,7 @@ function control(key, parameter, changed, unitChanged) {
   const place = () => {
     // a value past the slider's end becomes its new centre
     if (isGiven() && !(slider.toSlider(state[key]) <= slider.max * 1.0001 && slider.toSlider(state[key]) >= slider.min - 1e-9)) given[key] = state[key];
-    if (isGiven()) slider = sliderOf();
+    slider = parameter.slider();
     Object.assign(range, { min: slider.min, max: slider.max, step: slider.step });
     range.value = slider.toSlider(state[key]);
     range.setAttribute("aria-valuetext", `${field.value} ${units ? state.speedIn : unit}`.trim());

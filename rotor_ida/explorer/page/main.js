@@ -59,14 +59,14 @@ const response = new Response(document.querySelector('[data-panel="response"] .p
   moveTo(Math.max(Number(speed.toPrecision(4)), low) / (inSI() ? SPEED_UNITS[state.speedIn] : 1));
 });
 addTools(document.querySelector('[data-panel="response"]'), [response.plot], {
-  name: () => "response", told: () => sides.map((_, place) => parametersOf(place)).join("; "), table: () => response.table(),
+  name: () => "response", told: () => parametersOfAll(), table: () => response.table(),
 });
 const controls = new Controls(() => ask(), () => {
   response.show();
   showRamp();
   keepAddress();
 });
-const signals = new Signals($("signal-panels"), { view: viewOfSignals, told: () => sides.map((_, place) => parametersOf(place)).join("; ") });
+const signals = new Signals($("signal-panels"), { view: viewOfSignals, told: () => parametersOfAll() });
 const measured = (page.measured = new Measured({ send: (...given) => connection.send(...given), scales: scalesShown, changed: showMeasured, listens: !recorded }));
 const sketch = new Sketch(document.querySelector('[data-panel="sketch"]'), () => parametersOf(0), choosePart);
 const shape = new Shape(document.querySelector('[data-panel="shape"]'), () => parametersOf(0));
@@ -112,6 +112,8 @@ function parametersOf(place) {
   const given = Object.keys(PARAMETERS).filter((name) => name in rotor).map((name) => `${PARAMETERS[name].symbol} = ${told(rotor[name], 6)}`);
   return given.join(", ") + si;
 }
+
+const parametersOfAll = () => sides.map((_, place) => parametersOf(place)).join("; ");
 
 /** Return the start of the next run of a side: the initial state, nothing if it hangs at rest, or the end of the last run. */
 function startOf(side) {

@@ -486,19 +486,6 @@ export class Pen {
     this.ctx.fillRect(this.x(from), this.box.top, this.x(to) - this.x(from), this.box.height);
   }
 
-  /** A slow drawing that seldom changes: redrawn only for another key. */
-  kept(owner, key, draw) {
-    const { width, height } = this.ctx.canvas;
-    if (owner.kept?.key !== key) {
-      const picture = new OffscreenCanvas(width, height);
-      const own = picture.getContext("2d");
-      own.lineJoin = this.ctx.lineJoin;
-      draw(new Pen(own, this.x, this.y, this.pixel, this.box));
-      owner.kept = { key, picture };
-    }
-    this.ctx.drawImage(owner.kept.picture, 0, 0);
-  }
-
   /** A picture between two corners. */
   image(picture, left, top, right, bottom) {
     this.ctx.imageSmoothingEnabled = false;

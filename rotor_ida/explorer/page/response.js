@@ -155,11 +155,11 @@ export class Response {
   #draw(pen) {
     if (!this.length) return;
     const shown = this.#shown;
-    pen.kept(this, this.#keyOfCurves(shown, pen), (own) => shown.forEach((side, number) => {
+    shown.forEach((side, number) => {
       const ink = number ? colour("second") : colour("ink");
-      if (side.curve) this.#drawCurve(own, side.curve.arrays, ink);
-      for (const branch of side.branches) this.#drawBranch(own, branch.arrays, number ? ink : colour("full_contact"));
-    }));
+      if (side.curve) this.#drawCurve(pen, side.curve.arrays, ink);
+      for (const branch of side.branches) this.#drawBranch(pen, branch.arrays, number ? ink : colour("full_contact"));
+    });
     for (const { curve } of shown) {
       const ring = curve && curve.facts.rotor.delta0 * this.length.factor;
       if (curve) pen.line(this.plot.shown.x, [ring, ring], { stroke: colour("muted"), dash: [5, 4] });
@@ -167,13 +167,6 @@ export class Response {
     const ink = (number) => colour(number ? "second" : "accent");
     shown.forEach((side, number) => side.passage && this.#drawPassage(pen, side.passage, ink(number)));
     shown.forEach((side, number) => this.#drawPlace(pen, side, ink(number), number ? "square" : "disc"));
-  }
-
-  /** Return a key for the picture of the curves. */
-  #keyOfCurves(shown, pen) {
-    const { width, height } = pen.box;
-    const curves = shown.map(({ key, branches, curve }) => [key, branches.length, curve?.arrays.omega[0], curve?.arrays.omega.length, curve?.arrays.hopf_omega.length]);
-    return JSON.stringify([curves, width, height, this.plot.shown, this.length, this.speed, colour("ink")]);
   }
 
   /** Return the item near a place: a point, or else a line at this speed. */

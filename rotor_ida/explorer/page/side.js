@@ -309,15 +309,10 @@ export class Side {
     const [xs, ys] = [scaled(arrays[`${axes}x`], factor), scaled(arrays[`${axes}y`], factor)];
     pen.circle(0, 0, facts.rotor.delta0 * factor, { stroke: colour("muted"), dash: [5, 4], width: 1.2 });
     const { now, from } = this.#turnsDrawn();
-    const inside = (i) => arrays.radius[i] <= facts.rotor.delta0;
     const before = Math.max(0, from - Math.round(EARLIER * facts.samples_per_revolution));
     pen.line(xs, ys, { from: before, to: from + 1, stroke: colour("muted"), width: 0.6, alpha: 0.35 });
-    const stretch = { from, to: now + 1 };
-    if (arrays.mode) drawModes(pen, xs, ys, arrays.mode, stretch);
-    else {
-      pen.line(xs, ys, { ...stretch, stroke: colour("flight"), width: 1.5, dash: FLIGHT, gap: (i) => !inside(i) && !inside(Math.max(i - 1, 0)) });
-      pen.line(xs, ys, { ...stretch, stroke: colour("contact"), width: 1.9, gap: (i) => inside(i) && inside(Math.max(i - 1, 0)) });
-    }
+    const modes = arrays.mode ?? Int8Array.from(arrays.radius, (radius) => (radius <= facts.rotor.delta0 ? FLIES : SLIPS));
+    drawModes(pen, xs, ys, modes, { from, to: now + 1 });
     this.#drawEvents(pen, axes);
     for (const i of this.#turns(from, now)) {
       pen.mark(xs[i], ys[i], 8, { shape: "diamond", fill: colour("keyphasor"), stroke: colour("card"), width: 1 });
@@ -535,7 +530,7 @@ export class Side {
   }
 }
 
-/** Draw an orbit in the colours of flight, forward and backward slip, and rolling. */
+/** Draw an orbit in the colours of flight, forward slip or contact without friction, backward slip, and rolling. */
 function drawModes(pen, xs, ys, modes, stretch) {
   const draw = (wanted, look) => {
     // a step that begins or ends in another mode is drawn in both, the later one above

@@ -104,7 +104,6 @@ class Bode extends Panel {
     [this.amplitude, this.lag] = this.plots;
     this.amplitude.linked = [this.lag];
     this.lag.linked = [this.amplitude];
-    this.pictures = { amplitude: {}, lag: {} };
   }
 
   show(view) {
@@ -125,12 +124,10 @@ class Bode extends Panel {
 
   draw(pen, name) {
     const { length, speed } = this.view;
-    pen.kept(this.pictures[name], keyOfCurves(pen, this[name], this.view), (own) => {
-      for (const { source } of this.drawn) {
-        const { curve } = source;
-        if (curve) drawExact(own, scaled(curve.omega, speed.factor), name === "lag" ? lagsOf(curve.phase_lag) : scaled(curve.amplitude, length.factor), source);
-      }
-    });
+    for (const { source } of this.drawn) {
+      const { curve } = source;
+      if (curve) drawExact(pen, scaled(curve.omega, speed.factor), name === "lag" ? lagsOf(curve.phase_lag) : scaled(curve.amplitude, length.factor), source);
+    }
     for (const { source, xs, [name]: ys } of this.drawn) {
       if (source.sparse) pen.dots(xs, ys, 4, { fill: source.ink(), alpha: 0.8 });
       pen.dense(xs, ys, { stroke: source.ink(), width: source.sparse ? 0.8 : 1.6, gap: name === "lag" ? jumps(ys) : undefined });
@@ -358,12 +355,6 @@ function ridge({ ctx, box, pixel, x }, { frequency, amplitude }, factor, base, s
 function foldsOf({ omega, amplitude, fold_omega: folds, fold_amplitude: heights }) {
   return Array.from(folds, (fold, which) => nearestIn(omega.map((each, i) => Math.hypot(each - fold, amplitude[i] - heights[which])), 0));
 }
-
-/** Return what a picture of exact curves depends on. */
-const keyOfCurves = (pen, plot, view) => JSON.stringify([
-  pen.box.width, pen.box.height, plot.shown, view.length, view.speed, colour("ink"),
-  view.sources.map(({ curve }) => curve && [curve.omega.length, curve.omega[0], curve.amplitude[curve.amplitude.length >> 1], curve.phase_lag[0]]),
-]);
 
 /** Return the point that lies nearest to a place, or the tallest line near it. */
 function readPoints(plot, lines, x, _y, distance, near) {
