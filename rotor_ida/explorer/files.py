@@ -40,7 +40,7 @@ from rotor_ida.plot.figures import figure_of
 from rotor_ida.results.archive import save
 from rotor_ida.results.dataset_kinds import kind_of
 from rotor_ida.results.question import Question as Asked
-from rotor_ida.texts import in_page, in_python
+from rotor_ida.texts import in_page
 
 # The steps of a recording: runs done and their total, and at last the page.
 Recording = Iterator[tuple[int, int] | str]
@@ -105,7 +105,7 @@ def again_of(question: Question) -> str:
         return shown.lines() if kind == "py" else f"{shown.command()}\n"
     if kind == "sh":
         return f"{Asked('show', {'rotor': Path(path.name)}).command()}\n"
-    return f"from rotor_ida import load\n\nresult = load({in_python(path.name)})\n"
+    return f"from rotor_ida import load\n\nresult = load({path.name!r})\n"
 
 
 def archive_with(run: xr.Dataset) -> bytes:
