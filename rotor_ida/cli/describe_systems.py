@@ -23,7 +23,6 @@ from rotor_ida.cli.variables import (
 )
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
 from rotor_ida.results.archived_system import START, clearance_of_contacts
-from rotor_ida.results.growth_words import stability_words
 from rotor_ida.results.sheets import Sheet, facts
 from rotor_ida.schema import EVENT_KIND, OF_BEARING, QUANTITIES, words_of
 from rotor_ida.units import quantity
@@ -34,7 +33,7 @@ EPISODES = Rows(
            "rolling_time"),
 )  # fmt: skip
 RESPONSES = Rows(
-    title="Responses", key="responses", lead="response", digits=6, telling=True, on_request=True,
+    title="Responses", key="responses", lead="response", digits=6, on_request=True,
     names=("response", "speed", *PARAMETERS_OF_SYSTEM, "start", "direction", "excursion",
            "largest_force", "period", "lyapunov_exponent", "lyapunov_error", "revolutions",
            "cycle_distance", "status", "message"),
@@ -71,11 +70,9 @@ def show_system_run(dataset: xr.Dataset, most: int | None) -> Description:
         )
         for name, variable in COLUMNS.items()
     ]
-    units = "SI" if dataset["t"].attrs.get("units") == "s" else "1"
     return record, [
         _sentence(dataset, contacts, first),
         *_start_in_words(dataset),
-        *stability_words(dataset.attrs, units),
         Sheet(f"Contacts: {len(contacts)}", lines) if contacts else "Contacts: none",
         facts("Run", facts_of_run(dataset)),
         *parts,

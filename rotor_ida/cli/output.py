@@ -209,7 +209,7 @@ def _write_report(
     files: Sequence[Path],
 ) -> list[Path]:  # fmt: skip
     """Write a report on the first result, with the archives of all, into a folder."""
-    from rotor_ida.cli.pages import pages_of  # noqa: PLC0415 - heavy
+    from rotor_ida.cli.pages import write_pages  # noqa: PLC0415 - heavy
     from rotor_ida.results.question import VERBS, Question  # noqa: PLC0415
 
     folder = output.report
@@ -222,11 +222,11 @@ def _write_report(
     question = Question.of_result(dataset)
     can_be_checked = question is not None and question.verb in VERBS
     check = [f"rotor-ida verify {in_shell(archives[0])}"] if can_be_checked else []
-    pages = pages_of(
-        dataset, parts, rotor=rotor, files=files, commands=[again(output.line), *check],
-        figures=figures, system=output.system,
+    pages = write_pages(
+        folder, dataset, parts, rotor=rotor, files=files, commands=[again(output.line), *check],
+        figures=figures, system=output.system, overwrite=force,
     )  # fmt: skip
-    return [*archives, *pages.write(folder, overwrite=force)]
+    return [*archives, *pages]
 
 
 def again(line: str) -> str:

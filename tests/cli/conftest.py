@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -39,10 +40,23 @@ def program(
     return run
 
 
+def is_refused(program: Program, line: str, message: str) -> None:
+    """Check that a line gets one line on standard error that has the message, and status 2."""
+    answer = program(*line.split())
+    assert (answer.status, answer.out) == (2, "")
+    assert re.fullmatch(rf"rotor-ida: [^\n]*{re.escape(message)}[^\n]*\n", answer.err)
+
+
 @pytest.fixture(autouse=True)
-def _coarse_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Draw figures of few dots and leave their axes where they are; `tests/plot` looks at them."""
+def _quickly(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Draw figures of few dots, leave their axes where they are, and start no processes.
+
+    `tests/plot` looks at figures, and `tests/cli/test_drop.py` at a PDF.
+    """
     monkeypatch.setattr("rotor_ida.plot.saving._DOTS_PER_INCH", 50)
+    monkeypatch.setattr("rotor_ida.cli.pages.RESOLUTION", 30)
+    monkeypatch.setattr("rotor_ida.cli.pages.write_pdf", lambda path, *_: path.touch())
+    monkeypatch.setattr("rotor_ida.parallel.count_workers", lambda _given: 1)
     monkeypatch.setattr(SettledLayout, "execute", lambda *_: None)
 
 
