@@ -18,7 +18,6 @@ from rotor_ida.cli.variables import (
     line_of,
     names_on,
     rows_of,
-    show_by_dimension,
     tabled,
 )
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
@@ -101,10 +100,7 @@ def worst_of_contacts(dataset: xr.Dataset) -> tuple[xr.Dataset, Record]:
 def show_drop(dataset: xr.Dataset, most: int | None) -> Description:
     """Return what is delivered of a drop by bearing, then what is shown of any run."""
     record, parts = show_system_run(dataset, most)
-    there = names_on(dataset, "contact")
-    names = [name for name in (*OF_BEARING, "load_ratio") if name in there]
-    if not {"whirl_turns", "whirl_sense", "excursion"} <= {*there}:
-        return record, parts
+    names = [name for name in (*OF_BEARING, "load_ratio") if name in dataset]
     bearings = rows_of(dataset, ["contact_node", *names])
     bearings = [{"node": each.pop("contact_node"), **each} for each in bearings]
     sentence, *others = parts
@@ -115,9 +111,6 @@ def show_drops(dataset: xr.Dataset, most: int | None) -> Description:
     """Return the statistics of many drops by bearing, the cells of a grid, and the drops."""
     is_grid = "cell" in dataset.sizes
     ends = OF_GRID if is_grid else OF_SAMPLE
-    there = {*names_on(dataset, "contact"), *names_on(dataset, "quantile", "contact")}
-    if not all(f"{name}_{end}" in there for name in OF_BEARING for end in ends):  # a part
-        return show_by_dimension(dataset, most)
     record, parts = tabled(dataset, most, DROPS)
     for number in range(dataset.sizes["contact"]):
         own = dataset.isel(contact=number)

@@ -139,12 +139,10 @@ def answer(
     record, parts = told(most)
     written: list[Path] = []
     failures: list[str] = []
-    with _noting(failures):
-        if output.out is not None:
-            written.append(Path(rotor_ida.save(dataset, output.out, overwrite=output.force)))
-    with _noting(failures):
-        if result is not None:
-            written.append(Path(rotor_ida.save(dataset, result, overwrite=True)))
+    for path, overwrite in ((output.out, output.force), (result, True)):
+        with _noting(failures):
+            if path is not None:
+                written.append(Path(rotor_ida.save(dataset, path, overwrite=overwrite)))
     with _noting(failures):
         if output.csv is not None:
             from rotor_ida.results.tables import save_tables  # noqa: PLC0415 - takes a moment
@@ -324,9 +322,3 @@ def going_on(study: Path | None) -> str:
     if found["kind"] == "drop_ensemble":  # the command writes a report besides
         return f"{saved}the same command continues"
     return f"{saved}continue with rotor-ida resume {in_shell(study)}"
-
-
-def check_varies(points: int) -> None:
-    """Refuse a figure of an atlas in which nothing varies."""
-    if points < 2:
-        raise InputError("figure needs an atlas of several speeds, dampings or clearances, got one")

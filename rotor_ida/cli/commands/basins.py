@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from rotor_ida.cli.command import Case, command
-from rotor_ida.cli.output import check_varies
 from rotor_ida.cli.report import Report
 from rotor_ida.errors import InputError
 
@@ -60,8 +59,8 @@ def continue_attractors(case: Case) -> Report:
         rotor-ida continue-attractors rotor.toml --speed 3900rpm:4500rpm:3 \
             --node disc --x=-300um:300um --y=-300um:300um --starts 4
     """
-    if case.output.figure is not None:
-        check_varies(case.rotors.panels())
+    if case.output.figure is not None and case.rotors.panels() < 2:
+        raise InputError("figure needs an atlas of several speeds, dampings or clearances, got one")
     return case.answer()
 
 
