@@ -355,7 +355,7 @@ class Command:
     only : tuple of str
         The keywords of these that are options; by default all.
     file : str
-        Its files in the usage, one or several of any kind; by default that of a rotor system.
+        The word for its file, or with dots for several; by default it is that of a rotor system.
     reads : bool
         Whether it has the options of measured files.
     writes : bool

@@ -102,7 +102,7 @@ def given_in_words(
         return ""
     told = [
         f"{line.name}{f' at {head!r}' if head else ''} {quantity(value, line.unit)}"
-        for sheet in sheets_of_rotor(rotor, speed)
+        for sheet in sheets_of_rotor(rotor, speed)[:2]  # of the whole, and the contacts
         for line in sheet.lines
         if line.name.startswith(IN_WORDS)
         for head, value in zip(sheet.heads or (), line.values, strict=True)

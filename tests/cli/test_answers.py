@@ -3,15 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 from rotor_ida.parallel import progress
+from tests.cli.conftest import Program
 
-Program = Callable[..., Any]
 SYSTEM = """
 speed = "3000 rpm"
 [system]

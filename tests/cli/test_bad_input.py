@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import subprocess
 import sys
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any, get_args
@@ -15,10 +14,8 @@ from cyclopts import Token
 
 from rotor_ida.cli.program import application
 from rotor_ida.errors import InputError
-from tests.cli.conftest import is_refused
+from tests.cli.conftest import Program, is_refused
 from tests.cli.test_help import COMMANDS
-
-Program = Callable[..., Any]
 
 # Lines that are right, by command; a test changes their options.
 RIGHT = {
@@ -195,6 +192,7 @@ MISTAKES = [
     (simulate() + " --smaples 3", "unknown option '--smaples'; did you mean '--samples'?"),
     (simulate() + " --omega 2", "--omega specified multiple times"),
     ("compare", "FILE must be given"),
+    ("fit --omega 1 --zeta 0.1 --delta0 1 --unknown zeta", "FILE must be given"),
     ("curve --from {cycle}", "--kind and --limits must be given"),
     # files to write
     (simulate(out="taken.nc"), "'taken.nc' already exists; pass --force to replace it"),
@@ -288,7 +286,7 @@ def test_a_mistake_gets_one_line(program: Program, archives: Path, line: str, me
     Path("parts.event.csv").touch()
     Path("folder.nc").mkdir()
     before = sorted(Path().rglob("*"))
-    names = ("run", "sweep", "report", "text", "empty", "cut", "cycle", "branch", "in_si_units")
+    names = ("run", "sweep", "report", "text", "empty", "cut", "cycle", "branch")
     is_refused(program, line.format(**{name: archives / f"{name}.nc" for name in names}), message)
     assert sorted(Path().rglob("*")) == before
     assert Path("taken.nc").read_text() == Path("taken.png").read_text() == "mine"

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import signal
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -12,8 +11,7 @@ import numpy as np
 import pytest
 
 import rotor_ida
-
-Program = Callable[..., Any]
+from tests.cli.conftest import Program
 
 FIGURE_7 = ("basin", "--omega", 1.7, "--zeta", 0.07, "--delta0", 0)
 GRID = ("--x", "-15:15:12", "--y=-15:15:9")

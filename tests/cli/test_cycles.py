@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -13,8 +12,7 @@ import pytest
 
 import rotor_ida
 from rotor_ida.results.studies.store import FILE, PIECES
-
-Program = Callable[..., Any]
+from tests.cli.conftest import Program
 
 ROTOR = ("--omega", 2, "--zeta", 0.07, "--delta0", 2)
 NEAR = ("--start", 2.6, 0.75, 0.66, -1.65, "--period", 4.5)
@@ -114,7 +112,7 @@ def test_curve_begins_at_a_special_point_a_cycle_or_a_curve(program: Program, ar
     limits = ("--kind", "period_doubling", "--limits", 1.7, 1.9, 1.9, 2.1, "--json")
     expected = rotor_ida.load(archives / "curve.nc")
     for source in (
-        ("branch.nc", "--special", 1), ("branch.nc", "--point", 10), ("curve.nc", "--point", 3),
+        ("branch.nc", "--special", 1), ("curve.nc", "--point", 3),
     ):  # fmt: skip
         answer = program("curve", "--from", archives / source[0], *source[1:], *limits)
         assert (answer.status, answer.err) == (0, ""), source
@@ -122,15 +120,6 @@ def test_curve_begins_at_a_special_point_a_cycle_or_a_curve(program: Program, ar
         ends = sorted(record["points"][place]["omega"] for place in (0, -1))
         np.testing.assert_allclose(ends, np.sort(expected["omega"].values[[0, -1]]), rtol=1e-9)
         assert (record["kind"], record["of"]) == ("curve", "period_doubling")
-
-
-def test_a_branch_begins_at_a_point_of_a_curve(program: Program, archives: Path):
-    words = ("--from", archives / "curve.nc", "--point", 0, "--limits", 1.75, 1.85, "--json")
-    record = json.loads(program("continue", *words).out)
-    curve = rotor_ida.load(archives / "curve.nc").isel(point=0)
-    (special,) = record["special_points"]
-    np.testing.assert_allclose(special["special_value"], curve["omega"], rtol=1e-9)
-    assert record["parameters"]["delta0"] == curve["delta0"].item()
 
 
 @pytest.mark.parametrize("name", ["cycle", "branch", "curve"])

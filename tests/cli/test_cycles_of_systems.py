@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 import rotor_ida
-
-Program = Callable[..., Any]
+from tests.cli.conftest import Program
 
 FILE = """
 units = "1"

@@ -4,8 +4,6 @@ import numpy as np
 import pytest
 
 from rotor_ida import (
-    Rotor,
-    backward_whirl,
     folds,
     hopf_points,
     run_ups,
@@ -58,19 +56,6 @@ def test_folds_and_hopf_points_are_shown_on_their_curves(found):
             np.testing.assert_array_equal(
                 lines[word].get_xdata(), exact[np.isfinite(exact)], err_msg=word
             )
-
-
-def test_backward_whirls_are_described_and_drawn():
-    rotor = Rotor(omega=0.63, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0)
-    whirls = backward_whirl(rotor)
-    record, _ = describe(whirls)
-    assert record["kind"] == "backward_whirl"
-    assert [row["kind"] for row in record["whirls"]] == ["slipping", "rolling"]
-    assert record["parameters"] == rotor.given
-    (ax,) = figure_of(whirls).axes
-    assert len(ax.lines) == 3
-    record, _ = describe(hopf_points(zeta=0.07, delta0=0.5, friction=[0.0, 0.1]))
-    assert [row["friction"] for row in record["hopf_points"]] == [0.1, 0.1]
 
 
 def test_run_ups_are_told_by_rate_and_drawn():

@@ -3,20 +3,16 @@
 from __future__ import annotations
 
 import json
-import os
 import re
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 import rotor_ida
 from rotor_ida.units import SPEED_UNITS
-from tests.cli.conftest import is_refused
+from tests.cli.conftest import Program, is_refused
 
-Program = Callable[..., Any]
 GUESS = ("--zeta", "0.08", "--delta0", "1.8", "--shaft-stiffness", "0.9")
 SOUGHT = ("--unknown", "zeta", "delta0", "shaft_stiffness")
 MACHINE = rotor_ida.DimensionalRotor(
@@ -70,18 +66,6 @@ def test_a_table_in_micrometres_gives_its_machine_back(program: Program, folder:
     assert (drawn.status, drawn.err) == (0, "")
 
 
-def test_a_table_with_units_in_its_names_needs_no_options(program: Program, folder: Path):
-    text = (folder / "probes.csv").read_text()
-    Path("named.csv").write_text(text.replace("t,x,y,angle", "time_s,x_um,y_um,theta_rad", 1))
-    answer = program("fit", "named.csv", "--mass", 4, "--contact-stiffness", 3.2e7, "--damping",
-                     89.1, "--eccentricity", 1.2e-5, "--clearance", 2.5e-5, "--shaft-stiffness",
-                     5e4, "--unknown", "eccentricity", "--json")  # fmt: skip
-    assert (answer.status, answer.err) == (0, "")
-    told = json.loads(answer.out)
-    assert told["unknown"][0]["estimate"] == pytest.approx(1e-5, rel=1e-5)
-    assert told["columns"].startswith("t=time_s x=x_um y=y_um angle=theta_rad")
-
-
 def test_contact_times_are_taken(program: Program, folder: Path):
     run = rotor_ida.load(folder / "run_up.nc")
     entry = float(run.event_time[0])
@@ -116,14 +100,6 @@ def test_times_and_noise_have_units(program: Program, folder: Path):
     assert plain["unknown"] == named["unknown"]
     assert plain["noise"] == named["noise"] == 0.3
     assert "compared" in plain["contact_times"]
-
-
-def test_the_usage_names_the_files(program: Program):
-    assert program("fit", "--help").out.startswith(
-        "Usage: rotor-ida fit --unknown NAME [OPTIONS] [ARGS...]\n"
-    )
-    answer = program("fit", *GUESS, *SOUGHT)
-    assert (answer.status, answer.err) == (2, f"rotor-ida: FILE must be given{os.linesep}")
 
 
 @pytest.mark.parametrize(
@@ -215,17 +191,6 @@ def test_a_table_of_a_simulated_system_is_fitted_as_its_archive_is(program: Prog
     both = [[row["estimate"] for row in json.loads(each.out)["unknown"]]
             for each in (table, archive)]  # fmt: skip
     assert both == [pytest.approx([0.8, 2e-4], rel=1e-5)] * 2
-
-
-def test_a_report_of_a_fit_states_what_its_system_assumes(program: Program, pump: None):
-    answer = program("fit", "pump.toml", "run.nc", "--node", "end", "--start", "settled",
-                     "--unknown", "damping", "--report", "report")  # fmt: skip
-    assert answer.status == 0
-    page = Path("report/report.html").read_text("utf-8")
-    assert "The rotor is linear" in page
-    assert "What the model lacks goes into the residuals" in page
-    assert "one disc" not in page
-    assert SYSTEM.splitlines()[-1].split("=")[0] in page
 
 
 @pytest.mark.parametrize(("words", "said"), [

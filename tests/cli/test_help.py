@@ -8,7 +8,6 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -18,8 +17,7 @@ from rotor_ida.cli.program import COMMANDS as BY_GROUP
 from rotor_ida.cli.program import SHORT as NAMES
 from rotor_ida.cli.program import name_of
 from rotor_ida.results import system_file
-
-Program = Callable[..., Any]
+from tests.cli.conftest import Program
 
 # Each finds the files of those before it; from-ross needs ROSS, and drop another system.
 COMMANDS = [name_of(each) for group in BY_GROUP.values() for each in group

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any, get_args
 
@@ -23,9 +22,7 @@ from rotor_ida.cli.commands.plot import (
 from rotor_ida.cli.exact import exact_beneath
 from rotor_ida.plot.figures import figure_of
 from rotor_ida.units import SPEED_UNITS
-from tests.cli.conftest import is_refused
-
-Program = Callable[..., Any]
+from tests.cli.conftest import Program, is_refused
 
 
 @pytest.fixture(scope="module")
@@ -256,16 +253,6 @@ def test_columns_are_guessed_and_what_was_assumed_is_told(program: Program):
                      "200mV/mil", "--units", "x=V", "y=V", "--json")  # fmt: skip
     assert (answer.status, answer.err) == (0, "")
     assert "probes are taken to be at 0 and 90 degrees" in json.loads(answer.out)["notes"]
-
-
-def test_columns_that_cannot_be_guessed_are_listed(program: Program):
-    table = np.column_stack([np.arange(100.0) / 10.0, np.ones((100, 2))])
-    np.savetxt("a.csv", table, delimiter=",", header="t,left,right", comments="")
-    answer = program("plot", "a.csv", "--kind", "trace", "--figure", "a")
-    assert (answer.status, answer.out) == (2, "")
-    assert "must have a column for x and y; name them in columns, got 't, left, right'" in (
-        answer.err
-    )
 
 
 @pytest.fixture(scope="module")

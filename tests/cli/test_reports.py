@@ -5,9 +5,7 @@ from __future__ import annotations
 import html
 import re
 import shlex
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,9 +13,9 @@ import pytest
 import rotor_ida
 from rotor_ida.cli.given import sheets_of_rotor
 from rotor_ida.model.system_parts import Contact, Race, Stator, Support, Unbalance
+from tests.cli.conftest import Program
 from tests.cli.test_help import example_of_system
 
-Program = Callable[..., Any]
 PUMP = ("--mass", "12kg", "--shaft-stiffness", "4e6N/m", "--damping-ratio", "3%", "--clearance",
         "150um", "--balance-grade", "G6.3", "--balance-speed", "3600rpm", "--speed", "3600rpm",
         "--contact-stiffness", "1e8N/m")  # fmt: skip
@@ -77,6 +75,8 @@ def test_a_report_has_what_was_given_and_its_line_gives_the_same_again(program: 
         assert rows[name] == value, name
     assert answer.out.splitlines()[0].strip().split("  ")[0] in page
     assert "What is assumed" in page
+    assert ("The rotor is linear" in page) == ("rotor.toml" in line)
+    assert ("What the model lacks goes into the residuals" in page) == line.startswith("fit")
     assert rows["rotor ida"] == rotor_ida.__version__
     assert page.count("data:image/png;base64,") == 1
     again, *check = re.findall(r"rotor-ida (?:[\w-]+ .*)", page.split("Compute it again")[1])

@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -14,9 +12,7 @@ import rotor_ida
 from rotor_ida.cli.rotor_options import RotorOptions, RotorsOptions
 from rotor_ida.model.parameters import FRICTIONLESS
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
-from tests.cli.conftest import is_refused
-
-Program = Callable[..., Any]
+from tests.cli.conftest import Program, is_refused
 
 ROTOR = {"omega": 1.2, "zeta": 0.07, "delta0": 0.5}
 BEYOND = {
@@ -149,24 +145,6 @@ def test_a_sweep_takes_numbers_and_axes_of_it(program: Program):
     assert found.amplitude.dims == ("omega", "zeta", "delta0", "load", "start", "direction")
     assert (found.contact_exponent.item(), found.shaft_stiffness.item()) == (1.0, 0.25)
     assert "contact_damping" not in found.variables
-    # without a load the whirls of the closed forms, and under one none that is told as such
-    exact = rotor_ida.synchronous_response(
-        omega=[0.5, 2.5], zeta=0.2, delta0=1.0, shaft_stiffness=0.25, contact_exponent=1.0
-    )
-    free = found.sel(load=0.0).squeeze(drop=True).amplitude
-    apart = abs(free / exact.amplitude.squeeze(["zeta", "delta0"], drop=True) - 1.0).min("branch")
-    assert float(apart.max()) < 1e-8
-    assert "synchronous" not in {row["response"] for row in told if row["load"]}
-
-
-def test_a_figure_of_too_many_machines_is_refused_before_they_are_computed(program: Program):
-    sweep = ["sweep", *words(omega=1.0, zeta=0.1, delta0=1.0), "--figure", "many"]
-    answer = program(*sweep, "--load", "0:1:13")
-    assert (answer.status, answer.out) == (2, "")
-    assert answer.err == (
-        "rotor-ida: figure can show at most 12 combinations of zeta, delta0 and other parameters, "
-        "got 13\n"
-    )
 
 
 def test_whirls_and_folds_of_machines_are_listed(program: Program):

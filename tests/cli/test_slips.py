@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +12,9 @@ import pytest
 import rotor_ida
 from rotor_ida.results.plausible import first_critical
 from rotor_ida.units import SPEED_UNITS
+from tests.cli.conftest import Program
 from tests.cli.test_answers import MACHINE, SYSTEM
 
-Program = Callable[..., Any]
 pytestmark = pytest.mark.filterwarnings("always::UserWarning")
 RUN = ("--duration", "1ms")
 

@@ -17,10 +17,10 @@ import pytest
 import rotor_ida
 from rotor_ida.cli import main
 from rotor_ida.errors import ArchiveError, SimulationError
+from tests.cli.conftest import Program
 
 needs_bash = pytest.mark.skipif(not shutil.which("bash"), reason="there is no bash")
 
-Program = Callable[..., Any]
 
 RESPONSE = ["response", "--omega", "1.7", "--zeta", "0.07", "--delta0", "0.5", "--json"]
 ROTOR = ["--omega", "1", "--zeta", "0.1", "--delta0", "0.5"]

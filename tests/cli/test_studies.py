@@ -8,7 +8,6 @@ import shlex
 import signal
 import subprocess
 import sys
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -19,8 +18,7 @@ import rotor_ida.cli
 from rotor_ida.basins import following
 from rotor_ida.cli.output import working
 from rotor_ida.results.studies.store import FILE, PIECES
-
-Program = Callable[..., Any]
+from tests.cli.conftest import Program
 
 SWEEP = [
     *("sweep", "--omega", "1.2:2:3", "--zeta", "0.5", "--delta0", "0", "0.5"),

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import warnings
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
@@ -17,9 +16,8 @@ import rotor_ida
 from rotor_ida import Contact, Race, RotorSystem, Stator, Unbalance
 from rotor_ida.cli.describe_whirls import show_campbell
 from rotor_ida.results.sheets import Sheet
-from tests.cli.conftest import is_refused
+from tests.cli.conftest import Program, is_refused
 
-Program = Callable[..., Any]
 RPM = np.pi / 30.0
 
 # Two discs on a shaft: the seal touches a stator on a mount, the journal rolls in a bearing.
@@ -207,19 +205,6 @@ def test_an_archived_run_verifies_to_the_bit(program: Program, rotor: str, comma
     assert program("show", "run.nc").out.count("First touch at ") == 1
 
 
-def test_a_reduced_run_verifies_and_another_method_is_its_witness(program: Program, rotor: str):
-    text = Path(rotor).read_text()
-    Path(rotor).write_text("modes = 2\n" + text.replace("gravity", "start = 'settled'\ngravity"))
-    assert program("simulate", rotor, "--duration", 0.03, "--out", "run.nc").status == 0
-    assert rotor_ida.load("run.nc").attrs["modes"] == 2
-    record = json.loads(program("verify", "run.nc", "--json").out)
-    assert (record["agrees"], record["largest_difference"]) == (True, 0.0)
-    record = json.loads(program("verify", "run.nc", "--method", "adams", "--json").out)
-    assert record["agrees"], record["trouble"]
-    assert record["events"] > 2
-    assert 0.0 < record["largest_difference"] < 1e-8
-
-
 STILL = "--without-gravity"
 PLAIN = (
     SYSTEM.partition('[[contacts]]\nnode = "disc"')[0]
@@ -353,6 +338,9 @@ MISTAKES = [
     ("poincare-section rotor.toml --revolutions 3 --at entry", "contact must be given for a"),
     ("poincare-section --omega 2 --zeta 0.1 --delta0 1 --revolutions 3 --contact 0",
      "contact must be left out with one disc, got 0"),
+    ("poincare-section rotor.toml --revolutions 3 --node six", "node must be one of 'disc', 'se"),
+    ("poincare-section --omega 2 --zeta 0.1 --delta0 1 --revolutions 3 --node one",
+     "node must be left out with one disc, got 'one'"),
     ("bifurcation-diagram rotor.toml --speed 1 --starts 4", "starts must be left out with a"),
     ("bifurcation-diagram rotor.toml --speed 1 --seed 1", "seed must be left out with a rotor"),
     ("bifurcation-diagram --omega 1 --zeta 0.1 --delta0 1 --unbalance 2",

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import rotor_ida
-
-Program = Callable[..., Any]
+from tests.cli.conftest import Program
 
 
 def test_an_archived_run_verifies(program: Program, archives: Path):
