@@ -20,7 +20,7 @@ import rotor_ida
 from rotor_ida.checks import check_choice, listed, shown
 from rotor_ida.cli import options
 from rotor_ida.cli.output import Output, answer, answer_whole, working
-from rotor_ida.cli.parsing import SYSTEM_ENDING, Quantity, check_points, refuse_units
+from rotor_ida.cli.parsing import SYSTEM_ENDING, Quantity, refuse_units
 from rotor_ida.cli.report import FIRST_ROWS, Report
 from rotor_ida.cli.rotor_options import (
     AllSpeedsOptions,
@@ -243,11 +243,6 @@ class Case:
             rotor = self.rotor or self.rotors.chosen(self.known)
             self.output.check(panels=self.panels)
             return [rotor], given
-        starts = given.get("start") or range(given.get("starts", 1) if self.of.starts else 1)
-        axes = [given[name] for name in ("rate", "phase") if isinstance(given.get(name), list)]
-        check_points(
-            *self.rotors.given.values(), *axes, starts, in_study=given.get("study") is not None
-        )
         self.output.check(panels=self.panels)
         rotors, varied = self.rotors.asked(self.known)
         return [rotors], {**varied, **given}
@@ -360,7 +355,7 @@ class Command:
     only : tuple of str
         The keywords of these that are options; by default all.
     file : str
-        Its files in the usage, one or several of any kind; by default that of a rotor system.
+        The word for its file, or with dots for several; by default it is that of a rotor system.
     reads : bool
         Whether it has the options of measured files.
     writes : bool
@@ -421,12 +416,6 @@ class Command:
     def takes_systems(self) -> bool:
         """Whether the function takes a rotor system."""
         return not self.only and bool({SPEED, "**changed"} & self.keywords.keys())
-
-    @property
-    def named(self) -> str:
-        """The file or files of the command in its usage."""
-        system = "SYSTEM" if self.rotors == "a system" else "[SYSTEM]" * self.takes_systems
-        return self.file or system
 
     def function(self) -> Callable[..., Report | int]:
         """Return the command with its options, for cyclopts."""

@@ -17,6 +17,7 @@ from rotor_ida.cli.variables import (
     Rows,
     attributes_of,
     counted,
+    is_in_si,
     line_of,
     lines_of,
     names_on,
@@ -32,6 +33,7 @@ from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
 from rotor_ida.results.archived_system import clearance_of_contacts
 from rotor_ida.results.dataset_kinds import KINDS, OTHER, kind_of, loaded
 from rotor_ida.results.depths import beyond_model
+from rotor_ida.results.growth_words import stability_words
 from rotor_ida.results.run import course_of
 from rotor_ida.results.sheets import Line, Range, Sheet, facts, table
 from rotor_ida.results.si_units import MACHINE
@@ -50,19 +52,19 @@ CONTACTS = Rows(
            "slip_distance", "rolling_time"),
 )  # fmt: skip
 POINTS = Rows(
-    title="Responses", key="responses", lead="response", digits=6, telling=True, on_request=True,
+    title="Responses", key="responses", lead="response", digits=6, on_request=True,
     names=("response", *ALL_PARAMETERS, "start", "direction", "amplitude", "radius_min",
            "radius_max", "period", "lyapunov_exponent", "lyapunov_error", "extremum_count",
            "status", "message"),
 )  # fmt: skip
 CYCLES = Rows(
-    title="Limit cycles", key="cycles", lead="response", digits=8, telling=True, on_request=True,
+    title="Limit cycles", key="cycles", lead="response", digits=8, on_request=True,
     names=("response", "stability", "speed",
            *dict.fromkeys((*ALL_PARAMETERS, *PARAMETERS_OF_SYSTEM)), "period",
            "radius_max", "largest_force", "status", "message"),
 )  # fmt: skip
 RUN_UPS = Rows(
-    title="Run-ups", key="run_ups", lead="ending", digits=6, telling=True, on_request=True,
+    title="Run-ups", key="run_ups", lead="ending", digits=6, on_request=True,
     names=("ending", "response", "rate", "phase", "start", "speed", *ALL_PARAMETERS,
            "largest_force", "largest_force_speed", "largest_radius", "excursion",
            "first_touch_speed", "last_exit_speed", "first_roll_speed", "message"),
@@ -137,8 +139,14 @@ def describe(dataset: xr.Dataset, *, most: int | None = None) -> Description:
     kind = kind_of(dataset)
     record, parts = loaded(KINDS[kind].shown)(dataset, most)
     note, told = dataset.attrs.get("note"), str(dataset.attrs.get("sentence", ""))
+    first = next((place for place, each in enumerate(parts) if isinstance(each, Sheet)), len(parts))
+    said = stability_words(dataset.attrs, "SI" if is_in_si(dataset) else "1")
+    if (why := str(dataset.attrs.get("not_exact", ""))) and why not in told:
+        said.append(f"Whirls in contact have no closed form: {why}.")
+    before = [*filter(None, [told]), *parts[:first], *(each for each in said if each not in told)]
     more = ["" if kind == OTHER else beyond_model(dataset), f"Note: {note}." if note else ""]
-    return record, [*parts, *(each for each in more if each not in told)]
+    after = [each for each in more if each not in told]
+    return {"kind": kind, **record}, [*before, *parts[first:], *after]
 
 
 def origin(dataset: xr.Dataset) -> Sheet:
@@ -219,16 +227,13 @@ def facts_of_run(run: xr.Dataset) -> list[Line]:
 
 
 def show_run_up_summary(dataset: xr.Dataset, _most: int | None) -> Description:
-    """Return the summary of a run-up, the sentence first."""
+    """Return the summary of a run-up."""
     record, _ = tabled(dataset, None)
-    sentence = str(dataset.attrs.get("sentence", ""))
     if "contact" not in dataset.dims:
-        return record, [sentence, facts("Summary", lines_of(dataset, scalars_of(dataset)))]
+        return record, [facts("Summary", lines_of(dataset, scalars_of(dataset)))]
     names = [name for name in names_on(dataset, "contact") if name != "contact_node"]
     lines = [line_of(dataset, name, dataset[name].values.tolist(), 6) for name in names]
-    if not dataset.sizes["contact"]:
-        return record, [sentence]
-    return record, [sentence, Sheet("Summary", lines, dataset["contact_node"].values.tolist())]
+    return record, [Sheet("Summary", lines, dataset["contact_node"].values.tolist())]
 
 
 def _speed_of(run: xr.Dataset, attributes: Record) -> list[Line]:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import replace
-from itertools import pairwise, product
+from itertools import product
 from typing import Any
 
 import numpy as np
@@ -16,15 +16,12 @@ from rotor_ida.cli.variables import (
     Layout,
     Record,
     Rows,
-    counted,
     line_of,
     lines_of,
     parameters_in,
-    rows_of,
     scalars_of,
     span,
     tabled,
-    value_of,
 )
 from rotor_ida.results.sheets import Line, Range, Sheet, facts
 from rotor_ida.signals.peaks import bode_peaks
@@ -52,8 +49,18 @@ SIGNS = {
 }  # fmt: skip
 # For programs only; people read a summary of them.
 ORDERS = Rows(title="Orders", key="orders", lead="forward_whirl_amplitude", names=PLACE)
-MEAN_POSITIONS = Rows(title="Windows", key="windows", lead="offset_x", names=PLACE)
-RATIOS = Rows(title="Windows", key="windows", lead="whirl_over_spin", names=PLACE)
+MEAN_POSITION = Layout("Mean position of the shaft", (Rows(
+    title="Windows", key="windows", lead="offset_x", digits=6,
+    names=(*PLACE, "offset_x", "offset_y"),
+),))  # fmt: skip
+WHIRL_OVER_SPIN = Layout("Whirl against spin", (Rows(
+    title="Windows", key="windows", lead="whirl_over_spin", digits=6,
+    names=(*PLACE, "whirl_sense", "whirl_over_spin"),
+),))  # fmt: skip
+SPECTROGRAM = Layout("Spectrogram", (Rows(
+    title="Highest line of each segment", key="highest", lead="frequency", digits=6,
+    names=(*PLACE, "frequency", "whirl_amplitude"),
+),))  # fmt: skip
 
 
 def show_signals(dataset: xr.Dataset, most: int | None) -> Description:
@@ -211,44 +218,6 @@ def _probes(dataset: xr.Dataset, record: Record) -> Sheet:
     return Sheet("Largest readings of the probes", [*columns, *_places(places)])
 
 
-def show_centre_line(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return the first, last and most distant mean position."""
-    distance = np.hypot(dataset["offset_x"].values, dataset["offset_y"].values)
-    places = {"first": 0, "last": -1, "furthest out": int(distance.argmax()),
-              "furthest in": int(distance.argmin())}  # fmt: skip
-    own = [dataset.isel(window=place) for place in places.values()]
-    lines = [
-        Line("", list(places)),
-        *_places(own),
-        *(line_of(dataset, name, [float(here[name]) for here in own], 6)
-          for name in ("offset_x", "offset_y")),
-    ]  # fmt: skip
-    record, _ = tabled(dataset, most, MEAN_POSITIONS)
-    return record, [
-        facts("Mean position of the shaft", _windows(dataset)), Sheet("Positions", lines)
-    ]  # fmt: skip
-
-
-def show_whirl_over_spin(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return the intervals over which the whirl keeps its direction."""
-    sense = dataset["whirl_sense"].values
-    edges = [0, *(np.flatnonzero(np.diff(sense)) + 1).tolist(), sense.size]
-    parts = [dataset.isel(window=slice(*ends)) for ends in pairwise(edges)]
-    ratios = [part["whirl_over_spin"].values for part in parts]
-    lines = [
-        Line("sense", [value_of(part.isel(window=0), "whirl_sense") for part in parts]),
-        Line("windows", [part.sizes["window"] for part in parts]),
-        *(line_of(dataset, name, [_ends(part, name) for part in parts], 6)
-          for name in PLACE if name in dataset.variables),
-        Line("mean whirl over spin", [float(each.mean()) for each in ratios], digits=6),
-        Line("whirl over spin", [span(each) for each in ratios], digits=6),
-    ]  # fmt: skip
-    title = counted("Senses", len(parts), most)
-    lines = [replace(each, values=each.values[:most]) for each in lines]
-    record, _ = tabled(dataset, most, RATIOS)
-    return record, [facts("Whirl against spin", _windows(dataset)), Sheet(title, lines)]
-
-
 def show_full_spectrum(dataset: xr.Dataset, most: int | None) -> Description:
     """Return bandwidth, noise floor, and the highest peaks above it."""
     record, parts = tabled(dataset.isel(frequency=_peaks(dataset)), most, PEAKS)
@@ -276,27 +245,9 @@ def _peaks(dataset: xr.Dataset) -> np.ndarray[Any, Any]:
 
 
 def show_spectrogram(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return the range covered, and the highest line of some segments from first to last."""
-    record, _ = tabled(dataset, most)
-    lines = dataset[["whirl_amplitude"]]
-    highest = lines.isel(frequency=lines["whirl_amplitude"].argmax("frequency"))
-    names = ["frequency", "whirl_amplitude"]
-    places = [name for name in PLACE if name in dataset.coords]
-    record["highest"] = every = rows_of(highest.transpose("window"), [*places, *names])
-    told = {
-        "frequency": span(dataset["frequency"].values),
-        "bandwidth": float(dataset["bandwidth"]),
-        **_named(record, ("window", "segment", "overlap")),
-    }
-    count = len(every) if most is None else min(most, len(every))
-    chosen = np.linspace(0, len(every) - 1, count).round().astype(int).tolist()
-    columns = [
-        *_places([dataset.isel(window=number) for number in chosen]),
-        *(line_of(dataset, name, [every[number][name] for number in chosen], 6) for name in names),
-    ]
-    title = f"Highest line of {'each segment' if count == len(every) else 'some segments'}"
-    summary = facts("Spectrogram", [*_windows(dataset), *lines_of(dataset, told)])
-    return record, [summary, Sheet(title, columns)]
+    """Return the highest line of each segment."""
+    highest = dataset["whirl_amplitude"].argmax("frequency")
+    return SPECTROGRAM(dataset.isel(frequency=highest), most)
 
 
 def _windows(dataset: xr.Dataset) -> list[Line]:

@@ -18,12 +18,10 @@ from rotor_ida.cli.variables import (
     line_of,
     names_on,
     rows_of,
-    show_by_dimension,
     tabled,
 )
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM
 from rotor_ida.results.archived_system import clearance_of_contacts
-from rotor_ida.results.growth_words import stability_words
 from rotor_ida.results.question import STATE
 from rotor_ida.results.sheets import Sheet, facts
 from rotor_ida.schema import EVENT_KIND, OF_BEARING, QUANTITIES, words_of
@@ -35,7 +33,7 @@ EPISODES = Rows(
            "rolling_time"),
 )  # fmt: skip
 RESPONSES = Rows(
-    title="Responses", key="responses", lead="response", digits=6, telling=True, on_request=True,
+    title="Responses", key="responses", lead="response", digits=6, on_request=True,
     names=("response", "speed", *PARAMETERS_OF_SYSTEM, "start", "direction", "excursion",
            "largest_force", "period", "lyapunov_exponent", "lyapunov_error", "revolutions",
            "cycle_distance", "status", "message"),
@@ -72,11 +70,9 @@ def show_system_run(dataset: xr.Dataset, most: int | None) -> Description:
         )
         for name, variable in COLUMNS.items()
     ]
-    units = "SI" if dataset["t"].attrs.get("units") == "s" else "1"
     return record, [
         _sentence(dataset, contacts, first),
         *_start_in_words(dataset),
-        *stability_words(dataset.attrs, units),
         Sheet(f"Contacts: {len(contacts)}", lines) if contacts else "Contacts: none",
         facts("Run", facts_of_run(dataset)),
         *parts,
@@ -105,10 +101,7 @@ def worst_of_contacts(dataset: xr.Dataset) -> tuple[xr.Dataset, Record]:
 def show_drop(dataset: xr.Dataset, most: int | None) -> Description:
     """Return what is delivered of a drop by bearing, then what is shown of any run."""
     record, parts = show_system_run(dataset, most)
-    there = names_on(dataset, "contact")
-    names = [name for name in (*OF_BEARING, "load_ratio") if name in there]
-    if not {"whirl_turns", "whirl_sense", "excursion"} <= {*there}:
-        return record, parts
+    names = [name for name in (*OF_BEARING, "load_ratio") if name in dataset]
     bearings = rows_of(dataset, ["contact_node", *names])
     bearings = [{"node": each.pop("contact_node"), **each} for each in bearings]
     sentence, *others = parts
@@ -119,9 +112,6 @@ def show_drops(dataset: xr.Dataset, most: int | None) -> Description:
     """Return the statistics of many drops by bearing, the cells of a grid, and the drops."""
     is_grid = "cell" in dataset.sizes
     ends = OF_GRID if is_grid else OF_SAMPLE
-    there = {*names_on(dataset, "contact"), *names_on(dataset, "quantile", "contact")}
-    if not all(f"{name}_{end}" in there for name in OF_BEARING for end in ends):  # a part
-        return show_by_dimension(dataset, most)
     record, parts = tabled(dataset, most, DROPS)
     for number in range(dataset.sizes["contact"]):
         own = dataset.isel(contact=number)

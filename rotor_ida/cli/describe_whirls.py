@@ -4,10 +4,9 @@ from __future__ import annotations
 
 import xarray as xr
 
-from rotor_ida.cli.variables import Description, Layout, Rows, lines_of, scalars_of, tabled
+from rotor_ida.cli.variables import Description, Layout, Rows, is_in_si, tabled
 from rotor_ida.model.parameters import ALL_PARAMETERS
-from rotor_ida.results.growth_words import RESONANT, damped_words, stability_words
-from rotor_ida.results.sheets import facts
+from rotor_ida.results.growth_words import RESONANT, damped_words
 
 FOUND_FOLDS = Rows(
     title="Folds", key="folds", lead="fold_omega", gaps=True,
@@ -32,7 +31,7 @@ CRITICAL = Rows(
     names=("critical_speed", "critical_damping_ratio", "peak_node", "peak_speed",
            "peak_major_axis", "amplification_factor"),
 )  # fmt: skip
-OF_UNBALANCE = (
+UNBALANCE_RESPONSE = Layout("Rotor system", (
     CRITICAL,
     Rows(
         title="At contacts", key="contacts", lead="unbalance_radius",
@@ -41,7 +40,7 @@ OF_UNBALANCE = (
         title="At nodes", key="nodes", lead="node_major_axis",
         names=("speed", "node", "node_major_axis", "node_minor_axis", "node_forward_amplitude",
                "node_forward_phase_lag", "node_backward_amplitude", "node_backward_phase_lag")),
-)  # fmt: skip
+))  # fmt: skip
 _OF_WHIRL = ("stability", "growth_rate")
 WHIRLS_OF_SYSTEM = Layout("Whirls", (
     CRITICAL,
@@ -53,7 +52,7 @@ WHIRLS_OF_SYSTEM = Layout("Whirls", (
         title="At nodes", key="nodes", lead="node_amplitude", gaps=True,
         names=("speed", "branch", "node", "node_amplitude", "node_phase_lag", *_OF_WHIRL)),
 ))  # fmt: skip
-OF_SPECIAL = (
+SPECIAL_SPEEDS = Layout("Rotor system", (
     Rows(
         title="Special speeds", key="special_speeds", lead="special_speed", prefix="special_",
         names=("special_speed", "special_kind", "whirl_speed", "grazed_contact",
@@ -61,7 +60,7 @@ OF_SPECIAL = (
     Rows(
         title="At contacts", key="contacts", lead="amplitude",
         names=("special", "contact", "contact_node", "amplitude", "in_contact")),
-)  # fmt: skip
+))  # fmt: skip
 OF_CAMPBELL = (
     Rows(
         title="Critical speeds", key="critical_speeds", lead="critical_speed", prefix="critical_",
@@ -72,7 +71,7 @@ OF_CAMPBELL = (
         names=("contact_stiffness", "speed", "eigenvalue", "whirl_speed", "damping_ratio",
                "whirl_sense")),
 )  # fmt: skip
-OF_REPORT = (
+CLEARANCE_REPORT = Layout("Report", (
     Rows(
         title="Clearances", key="clearances", lead="clearance_verdict", digits=5,
         names=("contact", "contact_node", "clearance", "clearance_verdict", "sag_share",
@@ -87,62 +86,16 @@ OF_REPORT = (
     Rows(
         title="Unbalance", key="unbalance", lead="applied_unbalance", digits=5,
         names=("case", "node", "applied_unbalance", "applied_phase", "scale_factor")),
-)  # fmt: skip
-
-
-def show_clearance_report(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return a report on close clearances, its words first."""
-    record, parts = tabled(dataset, most, *OF_REPORT)
-    told = lines_of(dataset, scalars_of(dataset))
-    return record, [str(dataset.attrs.get("sentence", "")), facts("Report", told), *parts]
-
-
-def show_unbalance_response(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return the unbalance response of a system, with why its rubs are not known."""
-    record, parts = tabled(dataset, most, *OF_UNBALANCE)
-    grows = [f"{each} There no response persists." for each in _growth(dataset)]
-    return record, [*grows, *_not_exact(dataset), *parts]
+))  # fmt: skip
 
 
 def show_campbell(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return critical speeds and eigenvalues, after the speeds at which the system is unstable.
+    """Return critical speeds and eigenvalues.
 
     Those damped too much for a resonance stand in a sentence; only JSON has them in the table.
     """
     record, _ = tabled(dataset, most, *OF_CAMPBELL)
     speeds, ratios = (dataset[name].values for name in ("critical_speed", "critical_damping_ratio"))
     _, parts = tabled(dataset.isel(critical=ratios <= RESONANT), most, *OF_CAMPBELL)
-    return record, [*_growth(dataset), *damped_words(speeds, ratios, _units(dataset)), *parts]
-
-
-def show_whirls(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return the whirls of one disc, with why those in contact are not known under a load."""
-    record, parts = WHIRLS(dataset, most)
-    why = str(dataset.attrs.get("not_exact", ""))
-    return record, [*[f"{why[:1].upper()}{why[1:]}."] * bool(why), *parts]
-
-
-def show_whirls_of_system(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return the whirls of a system, after the speeds at which it is unstable without contact."""
-    record, parts = WHIRLS_OF_SYSTEM(dataset, most)
-    return record, [*_growth(dataset), *parts]
-
-
-def _growth(dataset: xr.Dataset) -> list[str]:
-    """Return sentences on the speeds at which a linear system is unstable."""
-    return stability_words(dataset.attrs, _units(dataset))
-
-
-def _units(dataset: xr.Dataset) -> str:
-    return "SI" if dataset["speed"].attrs.get("units") == "s-1" else "1"
-
-
-def show_special_speeds(dataset: xr.Dataset, most: int | None) -> Description:
-    """Return special speeds, with why those of whirls are not known."""
-    record, parts = tabled(dataset, most, *OF_SPECIAL)
-    return record, [*_not_exact(dataset), *parts]
-
-
-def _not_exact(dataset: xr.Dataset) -> list[str]:
-    reason = dataset.attrs.get("not_exact")
-    return [f"Whirls in contact have no closed form: {reason}."] if reason else []
+    units = "SI" if is_in_si(dataset) else "1"
+    return record, [*damped_words(speeds, ratios, units), *parts]

@@ -9,17 +9,19 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from rotor_ida.errors import InputError
-from rotor_ida.model.data_sheet import GRAVITY
 from rotor_ida.model.parameters import OF_MACHINE
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.system_parts import Contact, Stator
 from rotor_ida.results.sheets import Line, Sheet, facts
-from rotor_ida.units import SPEED_UNITS, number, quantity
+from rotor_ida.units import SPEED_UNITS, quantity
 
 if TYPE_CHECKING:
     from rotor_ida.model.rotor_system import RotorSystem
 
 DIGITS = 6
+# Beginnings of the names of what an answer repeats.
+IN_WORDS = ("mass", "unbalance", "balance grade", "shaft stiffness", "contact stiffness",
+            "stiffness of", "clearance", "load", "largest static force")  # fmt: skip
 LINEAR, HERTZ = 1.0, 1.5
 # The numbers of contacts, their stators and races: words, SI unit, and the value of one contact.
 Read = Callable[[Contact], Any]
@@ -93,42 +95,20 @@ def given_in_words(
     ...     mass=12.0, contact_stiffness=1e8, damping=416.0, eccentricity=17e-6, clearance=1.5e-4,
     ...     speed=377.0, shaft_stiffness=4e6, contact_exponent=1.0)
     >>> given_in_words(machine, 377.0)
-    'Given: mass 12 kg, unbalance 204 g mm, balance grade G6.41 at 3,600 rpm, shaft stiffness
-    4 MN/m, contact stiffness 100 MN/m, clearance 150 um.'
+    'Given: mass 12 kg, contact stiffness 100 MN/m, shaft stiffness 4 MN/m, unbalance 204 g mm,
+    balance grade at the running speed 6.409 mm/s, clearance 150 um.'
     """
-    if isinstance(rotor, DimensionalRotor):
-        mass: float | None = rotor.mass
-        moment = rotor.mass * rotor.eccentricity
-        law = "N/m" if rotor.contact_exponent == LINEAR else "N/m^1.5"
-        parts = {"shaft stiffness": (rotor.shaft_stiffness, "N/m"),
-                 "contact stiffness": (rotor.contact_stiffness, law),
-                 "clearance": (rotor.clearance, "m"), **_load_of(rotor)}  # fmt: skip
-    elif rotor is None or isinstance(rotor, Rotor) or rotor.units != "SI":
+    if rotor is None or isinstance(rotor, Rotor) or getattr(rotor, "units", "SI") != "SI":
         return ""
-    else:
-        mass, moment, parts = _mass(rotor), sum(each.moment for each in rotor.unbalance), {}
-        for each in rotor.contacts:
-            unit = "N/m" if each.exponent == LINEAR else "N/m^1.5"
-            parts[f"contact stiffness at {each.node!r}"] = (each.stiffness, unit)
-            parts[f"clearance at {each.node!r}"] = (each.clearance, "m")
-        if rotor.gravity is not None:
-            parts["weight"] = ((mass or 0.0) * math.hypot(*rotor.gravity), "N")
-        if rotor.static_force is not None:
-            parts["largest static force"] = (float(abs(rotor.static_force).max()), "N")
-    told = [f"unbalance {quantity(moment, 'kg m')}"]
-    if mass:
-        told.insert(0, f"mass {quantity(mass, 'kg')}")
-    if mass and speed:
-        grade = number(1e3 * moment / mass * abs(speed), 3)
-        told.append(f"balance grade G{grade} at {quantity(speed, 'rad/s')}")
-    told += [f"{name} {quantity(*each)}" for name, each in parts.items() if each[0]]
+    told = [
+        f"{line.name}{f' at {head!r}' if head else ''} {quantity(value, line.unit)}"
+        for sheet in sheets_of_rotor(rotor, speed)[:2]  # of the whole, and the contacts
+        for line in sheet.lines
+        if line.name.startswith(IN_WORDS)
+        for head, value in zip(sheet.heads or (), line.values, strict=True)
+        if isinstance(value, float) and value > 0.0
+    ]
     return f"Given: {', '.join(told)}."
-
-
-def _load_of(machine: DimensionalRotor) -> dict[str, tuple[float, str]]:
-    """Return the load of a machine by its name: the weight, if it is that."""
-    is_weight = math.isclose(machine.load, machine.mass * GRAVITY, rel_tol=1e-4)
-    return {"weight" if is_weight else "load": (machine.load, "N")}
 
 
 def _numbers(machine: DimensionalRotor) -> list[Line]:

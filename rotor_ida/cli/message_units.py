@@ -16,19 +16,11 @@ from typing import Any, NamedTuple, TypeVar
 from rotor_ida import units
 from rotor_ida.cli.parsing import WITH_UNIT, Quantity
 from rotor_ida.errors import Amount, RotorError
-from rotor_ida.model.data_sheet import IN_OTHER_WORDS
-from rotor_ida.model.scales import unit_of
 
 # Units of a machine's speeds where none was given; others are in SI units.
 USUAL = {"rad s-1": "rpm", "rad s-2": "rpm/s"}
 # The name in messages of a keyword that is a word of Python there.
 OPTION = {"begin": "from"}
-# Other quantities that only commands and files of machines and systems have.
-NAMED = {name: unit for name, unit in IN_OTHER_WORDS.items() if unit != "1"} | {
-    "vibration_limit": "m",
-    "from": "rad s-1",
-    "limits": "rad s-1",
-}
 # Conversions there and back, or to six digits.
 ROUNDING = 1e-12
 
@@ -56,17 +48,15 @@ def in_given_units(arguments: Mapping[str, Any], error: Failure) -> Failure:
     arguments : mapping of str to object
         The arguments of the function of the command.
     error : InputError or SimulationError
-        What is wrong: its numbers with a unit are in SI units, and those of a system in a file.
+        What is wrong.
     """
-    of_system = arguments.get("system") is not None
     given = list(_on_the_line(arguments))
     with suppress(RotorError):  # the message says what is wrong with the file
         given += _in_files(arguments)
-    of_machine = any(getattr(each, "in_si", False) for each in arguments.values())
-    return rewritten(error, given, in_si=of_system or of_machine)
+    return rewritten(error, given)
 
 
-def rewritten(error: Failure, given: Sequence[Given], *, in_si: bool = True) -> Failure:
+def rewritten(error: Failure, given: Sequence[Given]) -> Failure:
     """Return an error with its numbers in given units.
 
     Parameters
@@ -75,38 +65,26 @@ def rewritten(error: Failure, given: Sequence[Given], *, in_si: bool = True) -> 
         The error.
     given : sequence of Given
         The numbers of the command line, then those of its file.
-    in_si : bool
-        Whether numbers without a unit are in SI units, where they have one.
 
     Examples
     --------
-    >>> from rotor_ida.errors import InputError
+    >>> from rotor_ida.errors import Amount, InputError
     >>> given = [Given("rate", -10.471975511965976, "rpm/s"), Given("to", 628.3185307179587, "rpm")]
     >>> error = InputError(
     ...     "{name} must be positive to change the speed from 0 to {to}, got {value}",
-    ...     name="rate", to=628.3185307179587, value=-10.471975511965976,
+    ...     name="rate", to=Amount(628.3185307179587, "rad s-1"),
+    ...     value=Amount(-10.471975511965976, "rad s-2"),
     ... )
     >>> print(rewritten(error, given))
     rate must be positive to change the speed from 0 to 6000 rpm, got -100 rpm/s
     """
-    anything = any(each.unit for each in given)
 
-    def typed(field: str, name: str, place: int, value: float) -> float:
-        si = value.unit if isinstance(value, Amount) else ""
-        if not si and in_si and anything:
-            si = _unit_in(name if field in {"value", "least", "most"} else field, place) or ""
-            si = si or _unit_in(name, place) or ""
-        if not si and in_si:  # a contact's stiffness, whose unit depends on its law
-            si = next((each.unit for each in given if each.unit and each.name == name), "")
-        return Amount(value, si, _text(name, value, si, given)) if si else value
+    def typed(_field: str, name: str, _place: int, value: float) -> float:
+        if not isinstance(value, Amount):
+            return value
+        return Amount(value, value.unit, _text(name, value, value.unit, given))
 
     return error.with_numbers(typed)
-
-
-def _unit_in(name: str, place: int) -> str | None:
-    """Return the SI unit of a number that is named in a message."""
-    words = name.split()
-    return unit_of(name, place) or next((NAMED[word] for word in words if word in NAMED), None)
 
 
 def _text(name: str, value: float, si: str, given: Sequence[Given]) -> str:

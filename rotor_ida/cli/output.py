@@ -139,12 +139,10 @@ def answer(
     record, parts = told(most)
     written: list[Path] = []
     failures: list[str] = []
-    with _noting(failures):
-        if output.out is not None:
-            written.append(Path(rotor_ida.save(dataset, output.out, overwrite=output.force)))
-    with _noting(failures):
-        if result is not None:
-            written.append(Path(rotor_ida.save(dataset, result, overwrite=True)))
+    for path, overwrite in ((output.out, output.force), (result, True)):
+        with _noting(failures):
+            if path is not None:
+                written.append(Path(rotor_ida.save(dataset, path, overwrite=overwrite)))
     with _noting(failures):
         if output.csv is not None:
             from rotor_ida.results.tables import save_tables  # noqa: PLC0415 - takes a moment
@@ -209,7 +207,7 @@ def _write_report(
     files: Sequence[Path],
 ) -> list[Path]:  # fmt: skip
     """Write a report on the first result, with the archives of all, into a folder."""
-    from rotor_ida.cli.pages import pages_of  # noqa: PLC0415 - heavy
+    from rotor_ida.cli.pages import write_pages  # noqa: PLC0415 - heavy
     from rotor_ida.results.question import VERBS, Question  # noqa: PLC0415
 
     folder = output.report
@@ -222,11 +220,11 @@ def _write_report(
     question = Question.of_result(dataset)
     can_be_checked = question is not None and question.verb in VERBS
     check = [f"rotor-ida verify {in_shell(archives[0])}"] if can_be_checked else []
-    pages = pages_of(
-        dataset, parts, rotor=rotor, files=files, commands=[again(output.line), *check],
-        figures=figures, system=output.system,
+    pages = write_pages(
+        folder, dataset, parts, rotor=rotor, files=files, commands=[again(output.line), *check],
+        figures=figures, system=output.system, overwrite=force,
     )  # fmt: skip
-    return [*archives, *pages.write(folder, overwrite=force)]
+    return [*archives, *pages]
 
 
 def again(line: str) -> str:
@@ -324,9 +322,3 @@ def going_on(study: Path | None) -> str:
     if found["kind"] == "drop_ensemble":  # the command writes a report besides
         return f"{saved}the same command continues"
     return f"{saved}continue with rotor-ida resume {in_shell(study)}"
-
-
-def check_varies(points: int) -> None:
-    """Refuse a figure of an atlas in which nothing varies."""
-    if points < 2:
-        raise InputError("figure needs an atlas of several speeds, dampings or clearances, got one")

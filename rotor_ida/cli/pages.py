@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import base64
-import hashlib
 import io
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -26,7 +24,6 @@ from rotor_ida.results.files import check_target, file_to_write
 from rotor_ida.results.provenance import versions
 from rotor_ida.results.question import Question
 from rotor_ida.results.sheets import Parts, Sheet, facts
-from rotor_ida.results.toml_files import read_toml
 from rotor_ida.steady.drop_words import NOT_ACTING
 from rotor_ida.texts import printable
 from rotor_ida.units import UnitSystem
@@ -101,80 +98,6 @@ OF_FILES = (".html", ".pdf", ".nc", ".csv", ".toml")
 HTML, PDF = "report.html", "report.pdf"
 
 
-@dataclass(frozen=True, kw_only=True)
-class Pages:
-    """The contents of a report.
-
-    Parameters
-    ----------
-    title, head : str
-        The title, and from what, when and with what the result was computed.
-    summary : sequence of str
-        The answer in words.
-    answers, tables : sequence of str or Sheet
-        What stands before the figures, and after them.
-    figures : sequence of (str, Figure)
-        Figures with their titles.
-    assumptions, scope : sequence of str
-        What is assumed, and what is stated and what not.
-    commands : sequence of str
-        The lines that compute the result again, and check it.
-    versions : Sheet
-        What computed the result.
-    sources : mapping of str to str
-        The files of the rotor, with their texts.
-    system : str
-        The system of units.
-    """
-
-    title: str
-    head: str
-    summary: Sequence[str]
-    answers: Sequence[str | Sheet] = ()
-    tables: Sequence[str | Sheet]
-    figures: Sequence[tuple[str, Figure]]
-    assumptions: Sequence[str]
-    scope: Sequence[str] = ()
-    commands: Sequence[str]
-    versions: Sheet
-    sources: Mapping[str, str]
-    system: UnitSystem = "metric"
-
-    def write(self, folder: Path, *, overwrite: bool) -> list[Path]:
-        """Write the page and the PDF into a folder; return them."""
-        from rotor_ida.plot.appearance import boxes_for_letters  # noqa: PLC0415 - heavy
-
-        html, pdf = folder / HTML, folder / PDF
-        with file_to_write(html, overwrite=overwrite) as part:
-            part.write_text(self._html(), encoding="utf-8")
-        with file_to_write(pdf, overwrite=overwrite) as part, boxes_for_letters():
-            figures = [figure for _, figure in self.figures]
-            write_pdf(part, self.title, self._in_order(), figures, self.system)
-        return [html, pdf]
-
-    def _html(self) -> str:
-        """Return the report as HTML that needs no other file."""
-        from jinja2 import Environment, PackageLoader, StrictUndefined  # noqa: PLC0415 - heavy
-
-        environment = Environment(
-            loader=PackageLoader("rotor_ida", "cli"), undefined=StrictUndefined, autoescape=True,
-            finalize=lambda value: printable(value) if isinstance(value, str) else value,
-        )  # fmt: skip
-        drawn = [{"title": title, "png": _png(figure)} for title, figure in self.figures]
-        template = environment.get_template("report.html.jinja")
-        return template.render(**vars(self) | {"figures": drawn})
-
-    def _in_order(self) -> list[str | Sheet]:
-        """Return the parts of the report in the order of its pages on paper."""
-        scope = ["What is reported", *self.scope] if self.scope else []
-        files = [part for file, text in self.sources.items() for part in (f"File {file}", text)]
-        return [
-            self.title, self.head, *self.summary, *self.answers, *self.tables,
-            "What is assumed", *(f"- {each}" for each in self.assumptions), *scope,
-            "Compute it again", *self.commands, self.versions, *files,
-        ]  # fmt: skip
-
-
 def check_folder(name: str, folder: Path, *, overwrite: bool, permission: str) -> None:
     """Refuse a folder for a report that is a file, or has one already."""
     if folder.suffix in OF_FILES or (folder.exists() and not folder.is_dir()):
@@ -185,39 +108,69 @@ def check_folder(name: str, folder: Path, *, overwrite: bool, permission: str) -
         check_target(name, folder / each, overwrite=overwrite, permission=permission)
 
 
-def pages_of(
+def write_pages(
+    folder: Path,
     dataset: xr.Dataset,
     parts: Parts,
     *,
-    rotor: Any = None,
-    files: Sequence[Path] = (),
+    rotor: Any,
+    files: Sequence[Path],
     commands: Sequence[str],
     figures: Sequence[tuple[str, Figure]],
-    system: UnitSystem = "metric",
-) -> Pages:
-    """Return the report on a result, from the parts of its answer."""
+    system: UnitSystem,
+    overwrite: bool,
+) -> list[Path]:
+    """Write the report on a result, from the parts of its answer, as HTML and PDF; return both."""
+    from rotor_ida.plot.appearance import boxes_for_letters  # noqa: PLC0415 - heavy
+
     question = Question.of_result(dataset)
     kind = kind_of(dataset)
     verb = question.verb.removesuffix("_ensemble") if question else kind
     found = rotor if rotor is not None else _rotor_of(dataset, question)
     first = next((place for place, each in enumerate(parts) if isinstance(each, Sheet)), len(parts))
-    speed = _speed_of(dataset, found)
-    given = [] if found is None else sheets_of_rotor(found, speed)
+    given = [] if found is None else sheets_of_rotor(found, _speed_of(dataset, found))
     of_rotor = OF_SYSTEM if isinstance(found, RotorSystem) else OF_DISC
-    return Pages(
-        title=_passage(dataset) if verb == "run_up" else KINDS[kind].meaning.capitalize(),
-        head=head_of(dataset, files),
-        summary=[str(each) for each in parts[:first]],
-        answers=parts[first : first + 1],
-        tables=[*given, *parts[first + 1 :]],
-        figures=figures,
-        assumptions=[*(of_rotor if kind != "signals" else ()), *OF_VERB.get(verb, ())],
-        scope=SCOPE.get(verb, ()),
-        commands=commands,
-        versions=facts("Versions", versions_of(dataset) | digests_of(files)),
-        sources=sources_of(files),
-        system=system,
-    )
+    page: dict[str, Any] = {
+        "title": _passage(dataset) if verb == "run_up" else KINDS[kind].meaning.capitalize(),
+        "head": head_of(dataset, files),
+        "summary": parts[:first],
+        "answers": parts[first : first + 1],
+        "tables": [*given, *parts[first + 1 :]],
+        "assumptions": [*(of_rotor if kind != "signals" else ()), *OF_VERB.get(verb, ())],
+        "scope": SCOPE.get(verb, ()),
+        "commands": commands,
+        "versions": facts("Versions", versions_of(dataset)),
+        "sources": sources_of(files),
+    }
+    html, pdf = folder / HTML, folder / PDF
+    with file_to_write(html, overwrite=overwrite) as part:
+        drawn = [{"title": title, "png": _png(figure)} for title, figure in figures]
+        part.write_text(_html({**page, "system": system, "figures": drawn}), encoding="utf-8")
+    with file_to_write(pdf, overwrite=overwrite) as part, boxes_for_letters():
+        write_pdf(part, page["title"], _in_order(page), [figure for _, figure in figures], system)
+    return [html, pdf]
+
+
+def _html(page: Mapping[str, Any]) -> str:
+    """Return the report as HTML that needs no other file."""
+    from jinja2 import Environment, PackageLoader, StrictUndefined  # noqa: PLC0415 - heavy
+
+    environment = Environment(
+        loader=PackageLoader("rotor_ida", "cli"), undefined=StrictUndefined, autoescape=True,
+        finalize=lambda value: printable(value) if isinstance(value, str) else value,
+    )  # fmt: skip
+    return environment.get_template("report.html.jinja").render(page)
+
+
+def _in_order(page: Mapping[str, Any]) -> Parts:
+    """Return the parts of the report in the order of its pages on paper."""
+    scope = ["What is reported", *page["scope"]] if page["scope"] else []
+    files = [part for file, text in page["sources"].items() for part in (f"File {file}", text)]
+    return [
+        page["title"], page["head"], *page["summary"], *page["answers"], *page["tables"],
+        "What is assumed", *(f"- {each}" for each in page["assumptions"]), *scope,
+        "Compute it again", *page["commands"], page["versions"], *files,
+    ]  # fmt: skip
 
 
 def _passage(run: xr.Dataset) -> str:
@@ -261,18 +214,6 @@ def versions_of(dataset: xr.Dataset) -> dict[str, object]:
     known = {**versions(), **dataset.attrs}
     return {name.removesuffix("_version"): np.asarray(known[name]).item()
             for name in VERSIONS if name in known}  # fmt: skip
-
-
-def digests_of(files: Sequence[Path]) -> dict[str, object]:
-    """Return name and digest of the files from which system files take their rotors."""
-    found: dict[str, object] = {}
-    for each in files:
-        table = read_toml("system", each).get("system") if each.is_file() else None
-        name = table.get("file") if isinstance(table, Mapping) else None
-        path = each.parent / str(name)
-        if name is not None and path.is_file():  # matrices may be files in a folder
-            found[f"SHA-256 of {name}"] = hashlib.sha256(path.read_bytes()).hexdigest()
-    return found
 
 
 def sources_of(files: Sequence[Path]) -> dict[str, str]:

@@ -17,7 +17,6 @@ from cyclopts import Token
 from rotor_ida import units
 from rotor_ida.checks import (
     COMPONENTS,
-    MOST_POINTS_OF_STUDY,
     STARTS,
     State,
     check_point,
@@ -30,7 +29,6 @@ from rotor_ida.model.data_sheet import WEIGHT
 
 SYSTEM_ENDING = ".toml"
 LARGEST_RANGE = 1_000_000
-MOST_POINTS = 5_000_000
 
 # A number with a unit, and a word that looks like an option but begins with a number below zero.
 WITH_UNIT = re.compile(
@@ -499,15 +497,6 @@ def system_file(_name: str, words: Sequence[str]) -> Path:
             f"unexpected argument {shown(words[0])}; a rotor system must be a {SYSTEM_ENDING} file"
         )
     return Path(words[0])
-
-
-def check_points(*axes: Sequence[object], in_study: bool = False) -> None:
-    """Refuse a grid that is absurdly large."""
-    points = math.prod(len(axis) for axis in axes)
-    most = MOST_POINTS_OF_STUDY if in_study else MOST_POINTS
-    if points > most:
-        more = "" if in_study else f" (in a study, with --study, {MOST_POINTS_OF_STUDY})"
-        raise InputError(f"the grid must have at most {most} points{more}, got {points}")
 
 
 def _one(name: str, word: str, *allowed: str) -> float:

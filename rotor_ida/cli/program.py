@@ -43,8 +43,6 @@ from rotor_ida.cli.parsing import SYSTEM_ENDING, as_given, readable, refuse_unit
 from rotor_ida.cli.report import FAILED, INTERRUPTED, Report, console_on, text_of
 from rotor_ida.cli.rotor_options import missing
 from rotor_ida.cli.streams import results_only
-from rotor_ida.cli.verb_options import metavar_of
-from rotor_ida.cli.verbs import NEEDED
 from rotor_ida.errors import InputError, InstallationError, RotorError, SimulationError
 from rotor_ida.texts import in_shell, printable
 from rotor_ida.units import sentences_in
@@ -85,8 +83,6 @@ SHORT = {
     "bifurcation-curve": "curve", "basin-fractions": "fractions", "touchdown-report": "touchdown",
     "continue-attractors": "atlas",
 }  # fmt: skip
-# Values of options that a command needs and its function does not have.
-OF_OWN = {"unknown": "NAME", "out": "PATH"}
 # A name in a message, neither quoted nor of an entry of a table.
 NAME = re.compile(r"(?<![\w.'\"-])[a-z]\w*(?![\w.'\"(=])")
 PYTHON_NAME = re.compile(r"(?<![\w.'\"-])[a-z]\w*_\w+(?![\w.'\"(=])")
@@ -167,7 +163,6 @@ def application(word: str = "") -> App:
                 group=groups[name],
                 sort_key=place,
                 alias=short,
-                usage=_usage(command) if is_asked else None,
                 group_parameters=STUDY if name in COMPUTING else OPTIONS,
             )
     app.register_install_completion_command(
@@ -191,15 +186,6 @@ def _listed(command: Command) -> Callable[..., object]:
 
     listed.__doc__ = command.body.__doc__
     return listed
-
-
-def _usage(command: Command) -> str:
-    needed = [f"--{name} {metavar_of(command.verb, each)}"
-              for name, each in command.arguments.items() if each.default is NEEDED]  # fmt: skip
-    needed += [f"--{name} {OF_OWN[name]}" for name, each in command.own.items()
-               if each.default is NEEDED]  # fmt: skip
-    ends = ["[OPTIONS]", *filter(None, [command.named])]
-    return " ".join(["Usage: rotor-ida", name_of(command), *needed, *ends])
 
 
 def _run(words: list[str], results: TextIO) -> int:

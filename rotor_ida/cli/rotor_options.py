@@ -6,7 +6,7 @@ import math
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, TypeVar
+from typing import Annotated, Any, TypeVar
 
 from cyclopts import Parameter
 
@@ -94,8 +94,7 @@ def with_parameters(options: Mapping[str, Any]) -> Callable[[Fields], Fields]:
 class Given:
     """What is given of rotors, without dimensions, in SI units or by a file."""
 
-    if TYPE_CHECKING:
-        machine: Path | None = None
+    machine: Path | None
 
     @property
     def in_si(self) -> bool:
@@ -110,12 +109,11 @@ class Given:
 
 @Parameter(name="*", group=ROTOR)
 @dataclass(frozen=True, kw_only=True)
-@with_parameters({**ONE, "machine": MachineFile})
+@with_parameters(ONE)
 class RotorOptions(Given):
     """One rotor, without dimensions or in SI units."""
 
-    if TYPE_CHECKING:
-        machine: Path | None = None
+    machine: MachineFile = None
 
     def chosen(self, known: Mapping[str, float] = {}) -> Rotor | DimensionalRotor:
         """Return the rotor, dimensionless or in SI units, from the given and `known` quantities."""
@@ -129,9 +127,11 @@ class RotorOptions(Given):
 
 @Parameter(name="*", group=ROTOR)
 @dataclass(frozen=True, kw_only=True)
-@with_parameters({**SEVERAL, "machine": MachineFile})
+@with_parameters(SEVERAL)
 class RotorsOptions(Given):
     """The rotors of a study; without an optional parameter, all have its default."""
+
+    machine: MachineFile = None
 
     def asked(
         self, known: Mapping[str, list[float]] = {}

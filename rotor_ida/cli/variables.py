@@ -11,7 +11,6 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.model.parameters import ALL_PARAMETERS
-from rotor_ida.results.dataset_kinds import kind_of
 from rotor_ida.results.sheets import Line, Parts, Range, Sheet, facts, table
 from rotor_ida.results.si_units import si_of
 from rotor_ida.schema import NO_YES, RESULT_KIND, flags_of, unit_of, words_of
@@ -40,8 +39,8 @@ WORDS = {
 }  # fmt: skip
 # Speeds of whirls and of lines of spectra, which are read in Hz.
 IN_HERTZ = ("frequency", "bandwidth", "whirl_speed", "hopf_frequency")
-# Units of a result whose angles are read in degrees.
-IN_SI = ("m", "um", "s")
+# Units of a result in SI units, whose angles are read in degrees.
+IN_SI = ("m", "um", "s", "s-1")
 # Digits of an estimated error.
 OF_ERROR = 3
 # Most rows of a table in the record; for a larger result it has sums and ranges only.
@@ -70,11 +69,9 @@ class Rows:
         Whether to leave out rows whose lead is NaN.
     falling : bool
         Whether to sort the rows by the lead, the largest first.
-    telling : bool
-        Whether to leave out columns that are empty in all rows.
     on_request : bool
-        Whether to print the table only if a number of rows is requested. It is omitted if it has
-        more than `MOST_TOLD` rows.
+        Whether to print the table only if a number of rows is requested, without columns that are
+        empty in all rows. The record omits it if it has more than `MOST_TOLD` rows.
     """
 
     title: str
@@ -85,7 +82,6 @@ class Rows:
     digits: int = 8
     gaps: bool = False
     falling: bool = False
-    telling: bool = False
     on_request: bool = False
 
     def of(self, dataset: xr.Dataset) -> list[Record]:
@@ -109,7 +105,7 @@ class Rows:
         if self.on_request and (most is None or not rows):
             return []
         names = [name for name in self.names if rows and name in rows[0]]
-        if self.telling:
+        if self.on_request:
             names = [name for name in names if any(_says(row[name]) for row in rows)]
         lines = [line_of(dataset, name, [row[name] for row in rows[:most]], self.digits)
                  for name in names]  # fmt: skip
@@ -178,7 +174,6 @@ def tabled(dataset: xr.Dataset, most: int | None, *tables: Rows) -> Description:
     there = [each for each in tables if each.lead in dataset.variables]
     rows = {each.key: each.of(dataset) for each in there}
     record: Record = {
-        "kind": kind_of(dataset),
         "parameters": parameters_in(dataset),
         **scalars_of(dataset),
         **rows,
@@ -215,11 +210,14 @@ def _unit_of(dataset: xr.Dataset, name: str) -> str:
     unit = unit_of(name, str(dataset[name].attrs.get("units", "1")))
     if unit == "s-1" and (name == "to" or name.endswith("_speed")):
         return "rad/s"
-    if unit == "radian" and not any(
-        str(each.attrs.get("units")) in IN_SI for each in dataset.variables.values()
-    ):
+    if unit == "radian" and not is_in_si(dataset):
         return "rad"
     return "rad/s2" if (name, unit) == ("rate", "s-2") else unit
+
+
+def is_in_si(dataset: xr.Dataset) -> bool:
+    """Return whether a result has units."""
+    return any(str(each.attrs.get("units")) in IN_SI for each in dataset.variables.values())
 
 
 def _times(factor: float, value: Any) -> Any:
@@ -251,7 +249,8 @@ def rows_of(dataset: xr.Dataset, names: Sequence[str]) -> list[Record]:
     if not names:
         return []
     first = dataset[names[0]]
-    columns = [values_of(spread_on(dataset, name, first)) for name in names]
+    columns = [values_of(dataset[name].broadcast_like(first).transpose(*first.dims))
+               for name in names]  # fmt: skip
     return [dict(zip(names, row, strict=True)) for row in zip(*columns, strict=True)]
 
 
@@ -310,11 +309,6 @@ def counted(title: str, count: int, most: int | None) -> str:
     if most is not None and count > most:
         return f"{title}: first {most} of {count} (all with --json)"
     return f"{title}: {count or 'none'}"
-
-
-def spread_on(dataset: xr.Dataset, name: str, other: xr.DataArray) -> xr.DataArray:
-    """Return a variable on the dimensions of another."""
-    return dataset[name].broadcast_like(other).transpose(*other.dims)
 
 
 def values_of(variable: xr.DataArray) -> list[Any]:

@@ -127,12 +127,6 @@ GROUPS = {
 Option = tuple[str, Any, object]
 
 
-def metavar_of(verb: str, argument: Argument) -> str:
-    """Return the word for the value of an option in the usage of a command."""
-    words = "CHOICE" if argument.choices else argument.name.upper()
-    return PAIRS.get(f"{verb} {argument.name}", PAIRS.get(argument.name, words))
-
-
 def options_of(verb: str, arguments: Mapping[str, Argument]) -> Iterator[Option]:
     """Yield name, annotated type and default of the options for arguments of a function."""
     is_study, of_signals = "study" in arguments, verb in {"plot", "read_signals", "fit"}

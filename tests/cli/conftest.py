@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
@@ -39,25 +40,35 @@ def program(
     return run
 
 
+def is_refused(program: Program, line: str, message: str) -> None:
+    """Check that a line gets one line on standard error that has the message, and status 2."""
+    answer = program(*line.split())
+    assert (answer.status, answer.out) == (2, "")
+    assert re.fullmatch(rf"rotor-ida: [^\n]*{re.escape(message)}[^\n]*\n", answer.err)
+
+
 @pytest.fixture(autouse=True)
-def _coarse_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Draw figures of few dots and leave their axes where they are; `tests/plot` looks at them."""
+def _quickly(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Draw figures of few dots, leave their axes where they are, and start no processes.
+
+    `tests/plot` looks at figures, and `tests/cli/test_drop.py` at a PDF.
+    """
     monkeypatch.setattr("rotor_ida.plot.saving._DOTS_PER_INCH", 50)
+    monkeypatch.setattr("rotor_ida.cli.pages.RESOLUTION", 30)
+    monkeypatch.setattr("rotor_ida.cli.pages.write_pdf", lambda path, *_: path.touch())
+    monkeypatch.setattr("rotor_ida.parallel.count_workers", lambda _given: 1)
     monkeypatch.setattr(SettledLayout, "execute", lambda *_: None)
 
 
 @pytest.fixture(scope="session")
 def archives(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a folder with a run, a sweep and whirls, and files that are no archives."""
+    """Return a folder with archives of several kinds, and files that are no archives."""
     folder = tmp_path_factory.mktemp("archives")
     rotor = rotor_ida.Rotor(omega=1.2, zeta=0.07, delta0=2.0)
     run = rotor_ida.simulate(rotor, start=(0, 0, 0, 0), duration=60.0)
     rotor_ida.save(run, folder / "run.nc")
     sweep = rotor_ida.sweep(omega=[1.2, 2.0], zeta=0.5, delta0=[0.0, 0.5])
     rotor_ida.save(sweep, folder / "sweep.nc")
-    whirls = rotor_ida.synchronous_response(omega=[1.2, 1.7], zeta=0.07, delta0=[0.0, 0.5])
-    rotor_ida.save(whirls, folder / "whirls.nc")
-    rotor_ida.save(rotor_ida.folds(zeta=0.07, delta0=0.5), folder / "folds.nc")
     report = rotor_ida.touchdown_report(
         rotor_ida.Rotor(omega=1.7, zeta=0.5, delta0=0.5), x=(-1, 1), y=(-1, 1), starts=16, shocks=0
     )
@@ -78,18 +89,6 @@ def archives(tmp_path_factory: pytest.TempPathFactory) -> Path:
         limits=[(1.7, 1.9), (1.9, 2.1)],
     )
     rotor_ida.save(curve, folder / "curve.nc")
-    in_si_units = rotor_ida.dimensional(
-        cycle,
-        rotor_ida.DimensionalRotor(
-            mass=4.0,
-            contact_stiffness=1e9,
-            damping=280.0,
-            eccentricity=1e-6,
-            clearance=2e-6,
-            speed=600.0,
-        ),
-    )
-    rotor_ida.save(in_si_units, folder / "in_si_units.nc")
     (folder / "text.nc").write_text("no archive")
     (folder / "empty.nc").write_bytes(b"")
     (folder / "cut.nc").write_bytes((folder / "run.nc").read_bytes()[:2000])

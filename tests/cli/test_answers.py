@@ -3,17 +3,13 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
-import rotor_ida
 from rotor_ida.parallel import progress
-from rotor_ida.plot.figures import figure_of
+from tests.cli.conftest import Program
 
-Program = Callable[..., Any]
 SYSTEM = """
 speed = "3000 rpm"
 [system]
@@ -50,17 +46,6 @@ def test_tables_of_machines_have_their_parameters_in_si_units(program: Program):
     for name, values in (("speed [rad s-1]", [800.0] * 2), ("clearance [m]", [1.5e-6, 2e-6]),
                          ("damping [N s m-1]", [280.0] * 2)):  # fmt: skip
         assert [float(each) for each in table[name]] == pytest.approx(values, rel=1e-12)
-
-
-def test_a_diagram_over_two_parameters_of_a_machine_is_refused_by_its_own_names():
-    machine = rotor_ida.DimensionalRotor(
-        mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6, clearance=2e-6, speed=800
-    )
-    found = rotor_ida.bifurcation_diagram(
-        machine, speed=[800.0, 900.0], clearance=[1.5e-6, 2e-6], starts=1, extrema_time=0.005
-    )
-    with pytest.raises(rotor_ida.InputError, match="got speed and clearance"):
-        figure_of(found)
 
 
 def test_a_system_writes_no_tables_of_its_matrices(program: Program):

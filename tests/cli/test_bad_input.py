@@ -3,10 +3,8 @@
 from __future__ import annotations
 
 import os
-import re
 import subprocess
 import sys
-from collections.abc import Callable
 from functools import partial
 from pathlib import Path
 from typing import Any, get_args
@@ -16,9 +14,8 @@ from cyclopts import Token
 
 from rotor_ida.cli.program import application
 from rotor_ida.errors import InputError
+from tests.cli.conftest import Program, is_refused
 from tests.cli.test_help import COMMANDS
-
-Program = Callable[..., Any]
 
 # Lines that are right, by command; a test changes their options.
 RIGHT = {
@@ -50,8 +47,6 @@ FINITE = "must be a finite real number, got"
 MISTAKES = [
     # values
     (simulate(omega="nan"), f"omega {FINITE} nan"),
-    (simulate(omega="inf"), f"omega {FINITE} inf"),
-    (simulate(omega="-1"), "omega must be zero or positive, got -1.0"),
     (simulate(omega="1,2"), "omega must have no comma, got '1,2': write '1.2' with a point"),
     (simulate(samples="\u0661\u0662"), "samples must be a whole number, got '\u0661\u0662'"),
     (f"show {'a' * 100_000}", "path must be a shorter path, got 'aaa"),
@@ -61,7 +56,6 @@ MISTAKES = [
     ("reproduce --out taken.nc/deeper", "out must be a folder, got 'taken.nc/deeper'"),
     (follow(**{"from": "{run}"}), "run.nc', of the kind run"),
     (simulate(omega="1 2"), "unexpected argument '2'"),
-    (simulate(zeta="-1e-3"), "zeta must be zero or positive, got -0.001"),
     (simulate(start="1 2 3"), "start must be four numbers X Y VX VY, settled or rest, got 3"),
     (simulate(start="1 2 3 4 5"), "unexpected argument '5'"),
     (simulate(start=""), "--start must be given a value"),
@@ -71,35 +65,22 @@ MISTAKES = [
         "did you mean 'settled'?",
     ),
     (simulate(start="0 0 0 0 --start 1 0 0 0"), "--start specified multiple times"),
-    (simulate(duration="0"), "duration must be positive, got 0.0"),
-    (simulate(duration="-5"), "duration must be positive, got -5.0"),
-    (simulate(samples="1"), "samples must be at least 2, got 1"),
-    (simulate(samples="10.5"), "samples must be a whole number, got '10.5'"),
     (simulate(samples="1000000000000"), "samples must be at most 10000000"),
     (simulate(rtol="0.5"), "rtol must lie from"),
-    (simulate(method="rk4"), "method must be one of 'adams', 'bdf', 'ida', 'taylor', got 'rk4'"),
     (
         simulate(method="taylor", flight="cvode"),
         "flight must be 'exact' with taylor, got 'cvode'",
     ),
-    (simulate(method="taylor", rtol="1e-3"), "rtol must lie from 1e-15 to 0.0001, got 0.001"),
-    (simulate(flight="up"), "flight must be one of 'exact', 'cvode', got 'up'"),
     # ranges and grids
     ("response --omega 1:2 --zeta 0 --delta0 0", "omega must be numbers or START:STOP:COUNT"),
-    ("response --omega 0:1:9999 --zeta 0:1:9999 --delta0 0", "at most 5000000 points"),
-    ("response --omega 1e300 --zeta 0 --delta0 0", "omega must be 0 or between"),
+    ("response --omega 0:1:9999 --zeta 0:1:9999 --delta0 0", "the grid must have at most"),
     ("response --zeta 0 --delta0 0", "--omega must be given with --zeta and --delta0"),
     ("folds --zeta 0.1 --delta0 0 --omega 1", "omega must be left out: all speeds are searched"),
-    ("hopf-points --zeta 0.1", "--delta0 must be given with --zeta"),
     ("hopf-points", "--zeta and --delta0 must be given, or a machine in SI units"),
     ("folds --zeta 0.1 --delta0 1 --load 1", "--load must be 0 for folds"),
     (f"{DIAGRAM} --start 0 0 0 0 --starts 3", "starts must be left out with --start, got 3"),
     (f"{DIAGRAM} --rate 1", "--direction must be given with --rate"),
     (f"{DIAGRAM} --x 3um:5um", "x must have no unit for a dimensionless rotor, got '3um'"),
-    (
-        f"{DIAGRAM} 2 --shaft-stiffness 0 1 --figure a",
-        "figure needs one parameter that varies, got delta0 and --shaft-stiffness",
-    ),
     ("response --omega --zeta 0 --delta0 0", "omega must"),
     # a unit at some numbers only
     (
@@ -127,33 +108,30 @@ MISTAKES = [
         "x must have a unit at each number or at none, got '-15um:15'",
     ),
     (
-        "campbell rotor.toml --speed 0:9000rpm:3 4500",
-        "speed must have a unit at each number or at none, got '0:9000rpm:3 4500'",
-    ),
-    (
         "explore --omega 2 --zeta 0.07 --delta0 2 --export page.html --speeds 3000rpm",
         "speeds must have no unit for a dimensionless rotor, got '3000rpm'",
     ),
+    ("basin --omega 1 --zeta 1 --delta0 1 --x 0:1 --y 0:1:5", "x must be numbers or START:STOP"),
     # sweeps
+    (
+        "sweep --mass 4 5 --contact-stiffness 1e9 --damping 280 --eccentricity 1um "
+        "--clearance 2um --speed 800",
+        "mass must be one number, as it sets the scales of all machines, got 2",
+    ),
     (sweep(omega="2 1", direction="up"), "omega must increase"),
     (sweep(executor="serial", workers="2"), "workers must be 1 with executor 'serial', got 2"),
     # run-ups
     (run_ups(to="0.5"), "to must differ from the rotor's omega 0.5, got 0.5"),
-    (run_ups(friction="0.1"), "--disc-radius must be given with --friction"),
     (
         run_ups(rate="0.1:0.3:4", delta0="1:2:13", figure="many"),
         "figure can show at most 12 combinations of zeta, delta0 and other parameters, got 13",
     ),
     # limit cycles
-    (cycle(omega="0"), "omega must be above 0 for a limit cycle, got 0.0"),
-    (cycle(zeta="0"), "zeta must be above 0 for a limit cycle, got 0.0"),
     (cycle(period="1"), "start and period must be near a limit cycle: Newton's method came to a"),
-    (cycle(out="taken.nc"), "already exists; pass --force to replace it"),
     (
         follow(limits="3 1"),
         "limits of omega must be two increasing numbers from 0 on, got (3.0, 1.0)",
     ),
-    (follow(limits="-1 3"), "limits of omega must be two increasing numbers from 0 on"),
     (follow(limits="2.5 3"), "limits of omega must contain that of the start, 2.0, got (2.5, 3.0)"),
     (follow(parameter="mass"), "'stiffness', 'unbalance', got 'mass'"),
     (follow(point="3"), "point and special must be left out with a cycle"),
@@ -161,15 +139,9 @@ MISTAKES = [
     (follow(**{"from": "{branch}"}, point="999"), "point must be from 0 to"),
     (follow(**{"from": "{branch}"}, special="2"), "special must be from 0 to 1, got 2"),
     (follow(**{"from": "{branch}"}, special="1", point="1"), "special must be left out with"),
-    (follow(**{"from": "{run}"}), "from must be a cycle, a branch or a curve, got"),
     (follow(**{"from": "missing.nc"}), "must be a file that exists, got 'missing.nc'"),
     (follow(omega="2"), "omega must be left out with --from"),
-    (follow(start="0 0 0 0"), "start must be left out with --from"),
     ("continue --limits 1 3", "a rotor must be given, or a file with --from"),
-    (
-        "continue --omega 2 --zeta 0.07 --limits 1 3",
-        "--delta0 must be given with --omega and --zeta",
-    ),
     ("continue --omega 2 --zeta 0.07 --delta0 2 --point 1 --limits 1 3", "point must be left out"),
     ("continue --from {cycle}", "--limits must be given"),
     (
@@ -180,56 +152,47 @@ MISTAKES = [
         "continue --omega 2 --zeta 0.07 --delta0 2 --period 1 --limits 1 3",
         "start and period must be near a limit cycle",
     ),
-    (turn(limits="1 3 3 4"), "limits of delta0 must contain that of the start"),
-    (turn(parameters="omega mass"), "got 'mass'"),
-    (turn(parameters="omega omega"), "parameters must be two of 'omega', 'zeta', 'delta0'"),
     (turn(kind="fold"), "limits must contain a fold of the branch through the start, got none"),
     # speeds that change
     (
         run_up(""),
         "the speed must change in one way, by to and rate or --ramp-time, by speeds, or by",
     ),
-    (run_up("--to 0 --rate 0.1"), "rate must be negative to change the speed from 0.5 to 0.0"),
     (run_up("--to 2 --rate 0.1 --in 5"), "rate must be left out with --ramp-time, got 0.1"),
     (run_up("--in 5"), "--to must be given with --ramp-time"),
     (run_up("--from 1 --to 2 --in 5"), "omega must be left out with --from, got both"),
-    (run_up("--to 2 --rate 0.1 --torque 1 0"), "must change in one way, by to and rate"),
     (run_up("--to 2"), "--rate or --ramp-time must be given with --to"),
     (run_up("--torque 1 0 --inertia 2"), "--duration must be given with --torque"),
     (run_up("--speeds 0:1 2:2 1:3"), "times of speeds must increase, got 1.0 after 2.0"),
     (run_up("--speeds 1 2"), "speeds must be pairs TIME:SPEED, got '1'"),
-    (run_up("--to 2 --rate 0.1 --method taylor --backend python"), "with taylor, got 'python'"),
-    (run_up("--to 2 --rate 1e-9 --backend python"), "a longer one may take an hour or more, got"),
+    ("run-up --omega 1 --zeta 1 --delta0 1 --torque 1 0", "--inertia must be given with --torque"),
     (
-        run_up("--to 2 --rate 0.1 --friction 0.1 --disc-radius 1 --delta0 0").replace(
-            "--delta0 0.5 ", ""
-        ),
-        "friction must be 0 without clearance",
+        run_up("--to 300rpm --rate 1"),
+        "to must have no unit for a dimensionless rotor, got '300rpm'",
+    ),
+    (simulate(load="weight"), "load must have no unit for a dimensionless rotor"),
+    (simulate(load="heavy"), "load must be a finite real number, got 'heavy'"),
+    ("hopf-points --zeta 0.1 --delta0 1 --load 1", "--load must be 0 for hopf-points"),
+    (
+        "touchdown --omega 2 --zeta 0.05 --delta0 1 --shaft-stiffness 0.25 --load 0.6 --x=-1:1 "
+        "--shocks 64",
+        "--shocks must be 0 under a load, got 64",
     ),
     # words
     ("fly", "unknown command 'fly'; see rotor-ida --help"),
     ("cycel", "unknown command 'cycel'; did you mean 'cycle'?"),
-    ("run_up", "unknown command 'run_up'; did you mean 'run-up'?"),
-    ("--fly", "unknown command '--fly'"),
     ("simulate", "--omega, --zeta, --delta0 and --duration must be given"),
     ("simulate --zeta=1 --duration 1", "--omega and --delta0 must be given with --zeta"),
-    ("simulate --zeta=1", "--omega, --delta0 and --duration must be given"),
     ("simulate --clearance=1", "--mass, --contact-stiffness, --damping, --eccentricity, --speed"),
     ("simulate --duration 1", "--omega, --zeta and --delta0 must be given, or a machine"),
-    ("sweep --omega 1 --zeta 0.1", "--delta0 must be given with --omega and --zeta"),
     ("sweep --omega 1 --mass 3", "must be given without dimensions or in SI units, got omega and"),
     (simulate(method="adam"), "got 'adam'; did you mean 'adams'?"),
     ("simulate --omega", "--omega must be given a value"),
     ("simulate --omga 1", "unknown option '--omga'; did you mean '--omega'?"),
     (simulate() + " --smaples 3", "unknown option '--smaples'; did you mean '--samples'?"),
-    (simulate(colour="red"), "unknown option '--colour'"),
-    (
-        "bifurcation-diagram --omega 1:2:3 --zeta .1 --delta0 1 --node disc",
-        "node must be left out with one disc, got 'disc'",
-    ),
     (simulate() + " --omega 2", "--omega specified multiple times"),
     ("compare", "FILE must be given"),
-    ("plot", "FILE must be given"),
+    ("fit --omega 1 --zeta 0.1 --delta0 1 --unknown zeta", "FILE must be given"),
     ("curve --from {cycle}", "--kind and --limits must be given"),
     # files to write
     (simulate(out="taken.nc"), "'taken.nc' already exists; pass --force to replace it"),
@@ -237,11 +200,8 @@ MISTAKES = [
     (simulate(out="folder.nc"), "out must be a file, got the folder 'folder.nc'"),
     (simulate(out="run.png"), "out must end in .nc, got 'run.png'"),
     (simulate(out=""), "--out must be given a value"),
-    (simulate(figure="taken.png"), "already exists; pass --force to replace it"),
-    (simulate(figure="taken.svg"), "already exists; pass --force to replace it"),
     (simulate(figure="taken"), "already exists; pass --force to replace it"),
     (simulate(figure=".."), "figure must be NAME, NAME.png, NAME.svg or NAME.pdf, got '..'"),
-    (simulate(figure="nowhere/run.png"), "figure must be in a folder that exists"),
     (
         simulate(figure="run.gif"),
         "figure must be NAME, NAME.png, NAME.svg or NAME.pdf, got 'run.gif'",
@@ -250,21 +210,19 @@ MISTAKES = [
         "response --omega 1 --zeta 0:1:4 --delta0 0:1:4 --figure a.png",
         "at most 12 combinations of zeta, delta0 and other parameters, got 16",
     ),
-    (sweep(out="taken.nc"), "already exists; pass --force to replace it"),
     (simulate(csv="taken.csv"), "'taken.csv' already exists; pass --force to replace it"),
     (
         simulate(csv="parts.csv"),
         "'parts.event.csv' already exists; pass --force to replace it",
     ),
     (simulate(csv="a.txt"), "csv must end in .csv, got 'a.txt'"),
-    (simulate(csv="nowhere/a.csv"), "csv must be in a folder that exists"),
     # files to read
     ("show nothing.nc", "must be a file that exists, got 'nothing.nc'"),
+    ("from-ross none.toml --out rotor.toml", "file must be a file that exists, got 'none.toml'"),
     ("show .", "must be a file, got the folder '.'"),
     ("show {text}", "is not an archive of rotor_ida"),
     ("show {empty}", "is not an archive of rotor_ida: it is not netCDF-4"),
     ("show {cut}", "is damaged, was altered or is not an archive"),
-    ("show {run} --figure nowhere/a.png", "figure must be in a folder that exists"),
     (
         "show {report} --figure a.png",
         "figure must be of one of the kinds drop, drop_ensemble",
@@ -272,32 +230,19 @@ MISTAKES = [
     ("compare {run}", "compare needs a sweep"),
     ("compare {text}", "is not an archive of rotor_ida"),
     ("compare {sweep} --out {sweep} --force", "out must not be the file that is compared"),
-    ("compare {sweep} --out taken.nc", "already exists; pass --force to replace it"),
     # plots
     ("plot {run} --order 2", "--kind must be given with --order"),
     ("plot {run} --exact", "--kind must be given with --exact"),
-    (
-        "plot {report} --figure a",
-        "figure must be of one of the kinds drop, drop_ensemble",
-    ),
     ("plot {run} --kind cascde --figure a", "got 'cascde'; did you mean 'cascade'?"),
     ("plot {run} --kind trace --figure a --times 1s 2s", "times must have no unit, got '1s'"),
     (
         "plot {run} --kind orbit --figure a --clearance 1um",
         "clearance must have no unit, got '1um': the data have none; a measured file is given its ",
     ),
-    (
-        "plot {run} --kind orbit --figure a.gif",
-        "figure must be NAME, NAME.png, NAME.svg or NAME.pdf",
-    ),
-    ("plot {run} --kind orbit --figure taken", "already exists; pass --force to replace it"),
-    ("plot {run} --kind orbit --figure nowhere/a", "figure must be in a folder that exists"),
     ("plot {run} --kind orbit --figure a --order 2", "order must be left out with --kind orbit"),
     ("plot {run} --kind bode --figure a --span 2", "span must be left out with --kind bode"),
     ("plot {run} --kind trace --figure a --rate 5", "rate must be left out with an archive, got"),
     ("plot {sweep} --kind trace --figure a", "file must contain a run, a run-up or signals"),
-    ("plot {text} --kind trace --figure a", "is not an archive of rotor_ida"),
-    ("plot nothing.nc --kind trace --figure a", "must be a file that exists, got 'nothing.nc'"),
     ("plot nothing.csv --kind trace --figure a", "must be a file that exists, got 'nothing.csv'"),
     ("plot taken.png --kind trace --figure a", "must have lines of two numbers or more, got none"),
     (
@@ -310,7 +255,6 @@ MISTAKES = [
     ),
     # reproduce
     ("reproduce --only fig06_jump fig6_jumps", "got 'fig6_jumps'; did you mean 'fig06_jumps'?"),
-    ("reproduce --fast", "unknown option '--fast'"),
 ]
 
 
@@ -342,49 +286,28 @@ def test_a_mistake_gets_one_line(program: Program, archives: Path, line: str, me
     Path("parts.event.csv").touch()
     Path("folder.nc").mkdir()
     before = sorted(Path().rglob("*"))
-    names = ("run", "sweep", "report", "text", "empty", "cut", "cycle", "branch", "in_si_units")
-    answer = program(*line.format(**{name: archives / f"{name}.nc" for name in names}).split())
-    assert answer.status == 2
-    assert answer.out == ""
-    assert re.fullmatch(r"rotor-ida: [^\n]+\n", answer.err)
-    assert message in answer.err
+    names = ("run", "sweep", "report", "text", "empty", "cut", "cycle", "branch")
+    is_refused(program, line.format(**{name: archives / f"{name}.nc" for name in names}), message)
     assert sorted(Path().rglob("*")) == before
     assert Path("taken.nc").read_text() == Path("taken.png").read_text() == "mine"
 
 
 ROTOR = "--omega 1.2 --zeta 0.07 --delta0 {delta0}"
-PLANE = "--x=-1:1:3 --y=-1:1:3"
-BOX = "--x=-1:1 --y=-1:1 --starts 5"
 MACHINE = (
     "--mass 4 --contact-stiffness 1e9 --damping 280 --eccentricity 1e-6 --clearance {delta0} "
     "--speed 1000"
 )
 WITH_FRICTION = {
     "simulate": f"simulate {ROTOR} --duration 5",
-    "response": f"response {ROTOR}",
     "folds": "folds --zeta 0.07 --delta0 {delta0}",
-    "hopf points": "hopf-points --zeta 0.07 --delta0 {delta0}",
-    "diagram": f"bifurcation-diagram {ROTOR}",
     "sweep": f"sweep {ROTOR}",
-    "basin": f"basin {ROTOR} {PLANE}",
-    "fractions": f"fractions {ROTOR} {BOX}",
-    "atlas": f"atlas --omega 1.2 1.3 --zeta 0.07 --delta0 {{delta0}} {BOX}",
-    "touchdown": f"touchdown {ROTOR}",
     "touchdown of a machine": f"touchdown {MACHINE}",
     "explore": f"explore {ROTOR} --export page.html --speeds 1:1.2:2",
-    "explore a machine": f"explore {MACHINE} --export page.html --speeds 1000:1100:2",
-    "cycle": f"cycle {ROTOR}",
-    "continue": f"continue {ROTOR} --limits 1 3",
 }
-# Exact whirls slip, whatever the disc: they need no radius.
-WITHOUT_DISC = {"response", "folds", "hopf points"}
 FRICTION = [
     ("0.5", "--friction 0.1", "--disc-radius must be given with --friction"),
-    ("0.5", "--friction -0.1 --disc-radius 10", "friction must be zero or positive, got -0.1"),
     ("0.5", "--friction nan --disc-radius 10", "friction must be a finite real number, got nan"),
     ("0.5", "--friction 0.1 --disc-radius -1", "--disc-radius must be zero or positive, got -1"),
-    ("0.5", "--friction 0.1 --disc-radius nan", "radius must be a finite real number, got nan"),
-    ("0.5", "--friction 0.1 --disc-radius wide", "radius must be a finite real number, got 'wide'"),
     ("0", "--friction 0.1 --disc-radius 10", "friction must be 0 without clearance, where the "),
 ]  # fmt: skip
 
@@ -394,12 +317,10 @@ def test_what_is_wrong_with_friction_gets_one_line_from_every_command(
     program: Program, command: str
 ):
     for delta0, given, message in FRICTION:
-        if command in WITHOUT_DISC and "--disc-radius" not in given:
+        if command == "folds" and "--disc-radius" not in given:  # whirls slip, whatever the disc
             continue
         line = f"{WITH_FRICTION[command].format(delta0=delta0)} {given}"
-        answer = program(*line.split())
-        assert (answer.status, answer.out) == (2, ""), line
-        assert re.fullmatch(rf"rotor-ida: [^\n]*{re.escape(message)}[^\n]*\n", answer.err), line
+        is_refused(program, line, message)
     assert not list(Path().iterdir())
 
 
@@ -422,12 +343,10 @@ def test_what_can_be_written_is_asked_before_anything_is_computed(
         assert program(*command.split()).status == 2
 
 
-def test_a_backend_that_matplotlib_does_not_know_is_refused_in_one_line(tmp_path):
-    words = ["synchronous-response", "--omega", "2", "--zeta", "0.1", "--delta0", "0.5"]
+def test_a_backend_that_matplotlib_does_not_know_is_refused():
     ended = subprocess.run(
-        [sys.executable, "-m", "rotor_ida", *words, "--figure", str(tmp_path / "whirls.png")],
-        capture_output=True, text=True, check=False, env=os.environ | {"MPLBACKEND": "nonsense"},
+        [sys.executable, "-c", "import rotor_ida.plot"], capture_output=True, text=True,
+        check=False, env=os.environ | {"MPLBACKEND": "nonsense"},
     )  # fmt: skip
-    assert ended.returncode == 2
-    said = "rotor-ida: MPLBACKEND must name a backend of matplotlib, such as agg, got 'nonsense'"
-    assert ended.stderr.splitlines() == [said]
+    said = "MPLBACKEND must name a backend of matplotlib, such as agg, got 'nonsense'"
+    assert ended.stderr.splitlines()[-1] == f"rotor_ida.errors.InputError: {said}"

@@ -5,7 +5,6 @@ from __future__ import annotations
 import csv
 import json
 import re
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -15,8 +14,7 @@ import xarray as xr
 
 import rotor_ida
 from rotor_ida.errors import InstallationError
-
-Program = Callable[..., Any]
+from tests.cli.conftest import Program
 
 RUN = ("--omega", 1.2, "--zeta", 0.07, "--delta0", 2, "--start", 0, 0, 0, 0, "--duration", 60)
 SWEEP = ("--omega", 1.2, 2, "--zeta", 0.5, "--delta0", 0, 0.5)
@@ -60,23 +58,17 @@ def test_the_csv_of_a_run_has_its_numbers_to_the_last_bit(program: Program, run:
     assert program("simulate", *RUN, "--csv", "run.csv", "--force").status == 0
 
 
-@pytest.mark.parametrize("name", ["whirl", "backward-whirl"])
-def test_backward_whirls_are_those_of_the_library(program: Program, name: str):
+def test_backward_whirls_are_those_of_the_library(program: Program):
     rotor = rotor_ida.Rotor(omega=0.63, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0)
     words = ("--omega", 0.63, "--zeta", 0.1, "--delta0", 1, "--friction", 0.2, "--disc-radius", 10)
-    answer = program(name, *words, "--json")
+    answer = program("whirl", *words, "--json")
     assert (answer.status, answer.err) == (0, "")
     record, found = json.loads(answer.out), rotor_ida.backward_whirl(rotor)
     assert record["birth_omega"] == found["birth_omega"].item()
     (rows,) = (each for each in record.values() if isinstance(each, list) and "kind" in each[0])
     assert column(rows, "amplitude") == found["amplitude"].values.tolist()
     assert [row["kind"] for row in rows] == ["slipping", "rolling"]
-    assert program(name, *words[:-2]).status == 2
-
-
-def test_a_contact_without_exit_is_null_in_json(program: Program):
-    answer = program("simulate", *RUN[:-1], 4, "--json")
-    assert json.loads(answer.out)["contacts"][-1]["exit_time"] is None
+    assert program("whirl", *words[:-2]).status == 2
 
 
 def test_simulate_prints_a_summary(program: Program, run: xr.Dataset):
@@ -102,24 +94,7 @@ def test_simulate_passes_every_option_on(program: Program):
     ]  # fmt: skip
 
 
-def test_negative_components_of_a_start_are_read(program: Program):
-    start = ("--start", -1, "-1e-3", "-.5", -0.0)
-    words = ("--omega", 1, "--zeta", 0.1, "--delta0", 3, *start, "--duration", 1, "--json")
-    assert json.loads(program("simulate", *words).out)["parameters"]["start"] == [
-        -1.0, -0.001, -0.5, 0.0
-    ]  # fmt: skip
-
-
-def test_simulate_begins_from_rest(program: Program):
-    words = [word for word in RUN if word != "--start"]
-    del words[6:10]
-    answers = [json.loads(program("simulate", *line, "--json").out) for line in (words, RUN)]
-    questions = [json.loads(each.pop("question"))["start"] for each in answers]
-    assert questions == [[0.0, 0.0, 0.0, 0.0]] * 2
-    assert answers[0] == answers[1]
-
-
-@pytest.mark.parametrize("name", ["motion", "motion.png", "motion.svg"])
+@pytest.mark.parametrize("name", ["motion", "motion.svg"])
 def test_a_figure_is_named_by_either_file_or_without_ending(program: Program, name: str):
     assert program("simulate", *RUN, "--figure", name).status == 0
     assert {path.name for path in Path().iterdir()} == {"motion.png", "motion.svg"}
@@ -162,12 +137,6 @@ def test_response_lists_the_known_whirls(program: Program):
     assert "unstable" in answer.out
 
 
-def test_branches_that_are_absent_are_left_out(program: Program):
-    words = ("response", "--omega", 1.2, 1.7, "--zeta", 0.07, "--delta0", 0.5, "--json")
-    whirls = json.loads(program(*words).out)["whirls"]
-    assert [whirl["omega"] for whirl in whirls] == [1.2, 1.7, 1.7, 1.7]
-
-
 def test_response_lists_folds_beside_the_whirls(program: Program):
     words = ("--zeta", 0.07, "--delta0", 0)
     alone = json.loads(program("folds", *words, "--json").out)
@@ -183,11 +152,8 @@ SMALL = {"mass": 4.0, "contact_stiffness": 1e9, "damping": 280.0, "eccentricity"
 # Lines, and the functions by whose names they are with the same arguments.
 SAME: dict[str, tuple[Any, dict[str, Any]]] = {
     "folds --zeta 0.07 0.1 --delta0 0 0.5": (None, {"zeta": [0.07, 0.1], "delta0": [0.0, 0.5]}),
-    "folds --zeta 0.07 --delta0 0.5 --contact-damping 0.2": (
-        None, {"zeta": [0.07], "delta0": [0.5], "contact_damping": 0.2},
-    ),
-    "hopf-points --zeta 0.07 --delta0 0.5 --friction 0 0.1": (
-        None, {"zeta": [0.07], "delta0": [0.5], "friction": [0.0, 0.1]},
+    "hopf-points --zeta 0.07 --delta0 0.5 --contact-damping 0.2 --friction 0 0.1": (
+        None, {"zeta": [0.07], "delta0": [0.5], "contact_damping": 0.2, "friction": [0.0, 0.1]},
     ),
     "bifurcation-diagram --omega 1.2 1.7 --zeta 0.5 --delta0 0.5 --workers 1 --starts 2 --seed 3 "
     "--x=-2:2 --vy 1 --extrema-time 20 --rtol 1e-9": (None, DIAGRAM | {
@@ -253,25 +219,6 @@ def test_folds_of_a_machine_are_in_si_units(program: Program):
     assert len(Path("folds.csv").read_text().splitlines()) > exact.fold.size
 
 
-def test_options_of_a_diagram_of_a_machine_have_units(program: Program):
-    """Its reference frequency is 500 rad/s, its eccentricity 1 um."""
-    line = ("bifurcation-diagram --mass 4kg --contact-stiffness 1e9 --damping 2000 "
-            "--eccentricity 1um --clearance 0.5um --speed 600 850 --workers 1 --x=-2um:2um "
-            "--starts 2 --direction up --rate 2500rad/s2 --out si.nc")  # fmt: skip
-    assert program(*line.split()).status == 0
-    same = rotor_ida.bifurcation_diagram(
-        omega=[1.2, 1.7], zeta=0.5, delta0=0.5, starts=2, x=(-2.0, 2.0), direction="up", rate=0.01,
-        workers=1,
-    )  # fmt: skip
-    found = rotor_ida.load("si.nc")
-    assert found.extremum_radius.attrs["units"] == "m"
-    assert found.extremum_radius.values == pytest.approx(1e-6 * same.extremum_radius.values)
-    assert found.extremum_speed.values == pytest.approx(500.0 * same.extremum_speed.values)
-    attributes = [found.attrs[name] for name in ("rate", "extrema_time")]
-    assert attributes == pytest.approx([2500.0, 100.0 / 500.0])
-    assert found.attrs["range_x"] == pytest.approx([-2e-6, 2e-6])
-
-
 @pytest.mark.parametrize("workers", [1, 2])
 def test_sweep_answers_as_the_library_does(program: Program, archives: Path, workers: int):
     answer = program("sweep", *SWEEP, "--workers", workers, "--out", "sweep.nc", "--json")
@@ -297,7 +244,6 @@ def test_sweep_takes_several_starts_and_a_direction(program: Program):
     for given, kept in (((), False), (("--events",), True)):
         assert program(*words, *given, "--out", "events.nc", "--force").status == 0
         assert ("event_time" in rotor_ida.load("events.nc")) is kept
-    assert "synchronous" in program(*words).out
 
 
 def test_a_sweep_with_failed_points_keeps_them_and_says_so(
@@ -322,10 +268,9 @@ def test_compare_counts_by_clearance(program: Program, archives: Path):
     expected = rotor_ida.load(archives / "compared.nc")
     assert column(record["points"], "digits") == expected["digits"].values.ravel().tolist()
     np.testing.assert_array_equal(rotor_ida.load("compared.nc")["digits"], expected["digits"])
-    assert "on whirl" in program("compare", archives / "sweep.nc").out
 
 
-@pytest.mark.parametrize("kind", ["run", "sweep", "basin", "whirls", "folds", "compared"])
+@pytest.mark.parametrize("kind", ["sweep", "basin", "compared"])
 def test_show_tells_every_kind(program: Program, archives: Path, kind: str):
     path = archives / f"{kind}.nc"
     record = json.loads(program("show", path, "--json").out)
@@ -334,23 +279,6 @@ def test_show_tells_every_kind(program: Program, archives: Path, kind: str):
     answer = program("show", path)
     assert (answer.status, answer.err) == (0, "")
     assert record["kind"] in answer.out
-
-
-def test_show_tells_what_else_an_archive_holds(program: Program):
-    rotor_ida.save(xr.Dataset({"height": ("place", [1.0], {"units": "m"})}), "other.nc")
-    assert "height" in program("show", "other.nc").out
-
-
-def test_show_tells_a_bifurcation_diagram(program: Program):
-    diagram = rotor_ida.bifurcation_diagram(omega=[1.2, 1.7], zeta=0.5, delta0=0.5, starts=2)
-    rotor_ida.save(diagram, "diagram.nc")
-    record = json.loads(program("show", "diagram.nc", "--json").out)
-    assert record["kind"] == "bifurcation_diagram"
-    radii = [row["radius_max"] for row in record["responses"]]
-    assert radii == diagram.radius_max.values.ravel().tolist()
-    answer = program("show", "diagram.nc")
-    assert (answer.status, answer.err) == (0, "")
-    assert "extremum count" in answer.out
 
 
 def test_show_repeats_what_simulate_said(program: Program):
@@ -362,14 +290,6 @@ def test_show_repeats_what_simulate_said(program: Program):
     assert shown["versions"]["sundials"]
 
 
-@pytest.mark.parametrize("kind", ["run", "sweep", "basin", "whirls"])
-def test_show_draws(program: Program, archives: Path, kind: str):
-    answer = program("show", archives / f"{kind}.nc", "--figure", "drawn.svg")
-    assert (answer.status, answer.err) == (0, "")
-    assert Path("drawn.png").read_bytes().startswith(b"\x89PNG")
-    assert b"<svg" in Path("drawn.svg").read_bytes()[:1000]
-
-
 def test_doctor_finds_this_installation_well(program: Program):
     answer = program("doctor", "--json")
     assert (answer.status, answer.err) == (0, "")
@@ -378,13 +298,9 @@ def test_doctor_finds_this_installation_well(program: Program):
     assert record["executors"] == ["serial", "threads", "processes", "dask"]
     assert all(record["versions"].values())
     assert {check["result"] for check in record["checks"]} == {"ok"}
-
-
-def test_doctor_says_who_compiled_the_core_and_for_what(program: Program):
-    core = json.loads(program("doctor", "--json").out)["core"]
+    core = record["core"]
     assert core["level"] in {"baseline", "v3", "v4"}
     assert "-ffp-contract=off" in core["flags"]
-    assert core["compiler"] in program("doctor").out
 
 
 def test_doctor_says_what_mends_the_core(program: Program, monkeypatch: pytest.MonkeyPatch):
@@ -404,16 +320,6 @@ def test_doctor_finds_a_solver_that_is_wrong(program: Program, monkeypatch: pyte
     assert "event times are wrong by" in answer.out
     assert "Usable backends: none" in answer.out
     assert answer.err == "rotor-ida: 5 of 7 checks failed\n"
-
-
-def test_doctor_says_why_a_backend_is_absent(program: Program, monkeypatch: pytest.MonkeyPatch):
-    monkeypatch.setattr("rotor_ida.core.sundials.why_not", lambda: "no such library")
-    answer = program("doctor", "--json")
-    assert (answer.status, answer.err) == (0, "")
-    record = json.loads(answer.out)
-    assert record["backends"] == ["python"]
-    absent = [check for check in record["checks"] if check["result"] == "absent"]
-    assert [check["seen"] for check in absent] == ["no such library"]
 
 
 def test_doctor_passes_without_scikit_sundae(program: Program, monkeypatch: pytest.MonkeyPatch):
@@ -437,46 +343,23 @@ def test_doctor_does_without_dask(program: Program, monkeypatch: pytest.MonkeyPa
     assert "Usable executors: serial, threads, processes\n" in answer.out
 
 
-def test_doctor_finds_a_solver_that_is_missing(program: Program, monkeypatch: pytest.MonkeyPatch):
-    def missing(*_args: object, **_options: object) -> None:
-        raise ImportError("no module named sksundae")
-
-    monkeypatch.setattr("rotor_ida.simulate", missing)
-    answer = program("doctor")
-    assert answer.status == 1
-    assert "ImportError: no module named sksundae" in answer.out
-
-
-@pytest.mark.parametrize("status", [0, 1])
-def test_reproduce_passes_its_options_on(
-    program: Program, monkeypatch: pytest.MonkeyPatch, status: int
-):
+def test_reproduce_passes_its_options_on(program: Program, monkeypatch: pytest.MonkeyPatch):
     calls: list[object] = []
 
     def reproduce(folder: object, **options: object) -> int:
         calls.append((folder, options))
         print("going on")
-        return status
+        return 1
 
     monkeypatch.setattr("rotor_ida.paper.reproduction.reproduce", reproduce)
     answer = program("reproduce", "--out", "x", "--quick", "--only", "a", "b", "--workers", 3)
-    assert (answer.status, answer.out, answer.err) == (status, "", "going on\n")
+    assert (answer.status, answer.out, answer.err) == (1, "", "going on\n")
     options = {"quick": True, "studies": False, "only": ["a", "b"], "workers": 3, "force": False}
     assert calls == [(Path("x"), options)]
 
 
-@pytest.mark.parametrize("width", range(30, 100, 5))
-def test_no_digit_is_cut_at_any_width_of_the_terminal(
-    program: Program, monkeypatch: pytest.MonkeyPatch, width: int
-):
-    monkeypatch.setenv("COLUMNS", str(width))
-    words = ("response", "--omega", 1.2, "--zeta", 0.07, "--delta0", 0.5)
-    shown = program(*words).out.split()
-    assert {"0.07", "0.5", "4.3190009", "0.52808882", "-0.07", "stable"} <= set(shown)
-
-
 def test_a_long_table_is_cut_and_says_so(program: Program):
-    words = ("response", "--omega", "0.5:1:1001", "--zeta", 0.5, "--delta0", 0)
+    words = ("response", "--omega", "0.5:1:1001", "--zeta", 0.5, "--delta0", 3)
     told = " ".join(program(*words).out.split())  # the title is as wide as the table
     assert "first 1000 of 1001 (all with --json)" in told
     assert len(json.loads(program(*words, "--json").out)["whirls"]) == 1001
@@ -505,58 +388,12 @@ def test_touchdown_prints_json_in_full_precision(program: Program):
     assert record["omega"] == machine.rotor().omega
 
 
-def test_a_drop_of_a_horizontal_machine_is_reported_without_shocks(program: Program):
-    drop = ("--shaft-stiffness", 2e6, "--load", 78.5, "--x=-2e-6:2e-6", "--starts", 6)
-    answer = program("touchdown", *MACHINE, *drop, "--json")
-    assert (answer.status, answer.err) == (0, "")
-    record = json.loads(answer.out)
-    machine = rotor_ida.DimensionalRotor(
-        mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6, clearance=2e-6,
-        speed=1000.0, shaft_stiffness=2e6, load=78.5,
-    )  # fmt: skip
-    report = rotor_ida.touchdown_report(machine, x=(-2e-6, 2e-6), starts=6)
-    assert column(record["attractors"], "mean_force") == report.mean_force.values.tolist()
-    assert record["shocks"] == 0
-    refused = program("touchdown", *MACHINE, *drop, "--shocks", 64)
-    assert refused.status == 2
-    assert "shocks must be 0 under a load, got 64" in refused.err
-
-
-@pytest.mark.parametrize("low", ["-15e-6", "-.000015", "-0.000015"])
-def test_a_range_below_zero_in_metres_needs_no_equals_sign(program: Program, low: str):
-    tied = program("touchdown", *MACHINE, *NEAR, "--shocks", 0, "--json")
-    apart = ("--x", f"{low}:15e-6", "--y", f"{low}:15e-6", "--starts", 100)
-    answer = program("touchdown", *MACHINE, *apart, "--shocks", 0, "--json")
-    assert (answer.status, answer.out) == (0, tied.out)
-
-
 def test_touchdown_is_a_table_with_units(program: Program):
     answer = program("touchdown", *MACHINE, *NEAR, "--shocks", 256)
     assert (answer.status, answer.err) == (0, "")
     for words in ("largest force [N]", "velocity shock [mm/s]", "omega from", "basin entropy"):
         assert words in answer.out
     assert re.search(r"agreement +1\b", answer.out)
-    without = program("touchdown", *MACHINE, *NEAR, "--shocks", 0)
-    assert "shock" not in without.out
-    record = json.loads(program("touchdown", *MACHINE, *NEAR, "--shocks", 0, "--json").out)
-    assert f"Attractors: {len(record['attractors'])} " in without.out
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (("--omega", 2), "--zeta and --delta0 must be given with --omega"),
-        ((*MACHINE, "--zeta", 0.1), "a rotor must be given without dimensions or in SI units, got"),
-        ((), "--omega, --zeta and --delta0 must be given, or a machine in SI units"),
-        (MACHINE, "x, y, vx or vy must be a range, got numbers for 1000 starts"),
-        (("--mass", -4, *MACHINE[2:]), "mass must be"),
-    ],
-)  # fmt: skip
-def test_touchdown_needs_one_whole_machine(program: Program, words: tuple[object, ...], said: str):
-    answer = program("touchdown", *words)
-    assert answer.status == 2
-    assert answer.err.count("\n") == 1
-    assert said in answer.err
 
 
 def test_an_unresolved_response_is_printed_with_its_reason(program: Program):

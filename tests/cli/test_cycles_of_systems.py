@@ -3,16 +3,13 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 import rotor_ida
-
-Program = Callable[..., Any]
+from tests.cli.conftest import Program
 
 FILE = """
 units = "1"
@@ -113,29 +110,3 @@ def test_a_table_of_a_cycle_is_one_row_by_contact_and_node():
     row = table.iloc[0]
     assert row["radius_max[disc]"] == row["node_radius_max[disc]"] == cycle.radius_max.item()
     assert (row["response"], row["multiplier_real[0]"], row["speed"]) == ("bouncing", 1.0, 2.0)
-
-
-@pytest.mark.parametrize(("words", "message"), [
-    (("cycle", "--zeta", 0.1), "zeta must be left out with a rotor system"),
-    (("cycle", "--start", 1, 0, 0, 0), "start must be settled or rest with a rotor"),
-    (("cycle", "--speed", 0), "speed must not be 0"),
-    (("continue", "--limits", 3, 4), "limits of speed must contain that of the start, 2.0, got"),
-    (("continue", "--limits", 1, 3, "--period", 4.5), "period must be left out"),
-    (("continue", "--limits", 1, 3, "--special", 0), "must be left out without --from"),
-    (("continue", "--limits", 1, 3, "--parameter", "zeta"), "parameter must be one of 'speed'"),
-    (("continue", "--limits", 1, 3, "--from", "disc.toml"), "is not an archive"),
-])  # fmt: skip
-def test_bad_input_is_one_line_and_status_2(program: Program, disc: str, words, message):
-    answer = program(words[0], disc, *words[1:])
-    assert answer.status == 2
-    assert answer.err.startswith("rotor-ida: ")
-    assert message in answer.err
-    assert answer.err.count("\n") == 1
-
-
-def test_options_of_systems_are_refused_of_one_disc(program: Program):
-    rotor = ("--omega", 2, "--zeta", 0.07, "--delta0", 2, "--without-gravity")
-    for command in (("cycle",), ("continue", "--limits", 1, 3)):
-        answer = program(*command, *rotor)
-        assert answer.status == 2
-        assert "--without-gravity must be left out without a rotor system" in answer.err

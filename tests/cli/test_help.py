@@ -8,52 +8,21 @@ import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
 
 import rotor_ida
 from rotor_ida.cli.program import COMMANDS as BY_GROUP
+from rotor_ida.cli.program import SHORT as NAMES
+from rotor_ida.cli.program import name_of
 from rotor_ida.results import system_file
+from tests.cli.conftest import Program
 
-Program = Callable[..., Any]
-
-# In an order in which each finds the files of those before it.
-COMMANDS = [
-    *(
-        "reproduce",
-        "machine",
-        "simulate",
-        "run-up",
-        "run-ups",
-        "synchronous-response",
-        "folds",
-        "hopf-points",
-        "backward-whirl",
-        "special-speeds",
-        "campbell",
-        "clearance-report",
-        "sweep",
-        "bifurcation-diagram",
-        "basin",
-        "basin-fractions",
-        "continue-attractors",
-        "touchdown-report",
-        "limit-cycle",
-        "continue-cycle",
-        "bifurcation-curve",
-    ),
-    *("explore", "status", "resume", "compare", "verify", "show", "plot", "fit", "doctor"),
-]
-# The names before each command had that of its function in Python.
-SHORT = {
-    "response": "synchronous-response", "whirl": "backward-whirl", "fractions": "basin-fractions",
-    "cycle": "limit-cycle", "continue": "continue-cycle", "curve": "bifurcation-curve",
-    "atlas": "continue-attractors", "touchdown": "touchdown-report",
-}  # fmt: skip
-
-
+# Each finds the files of those before it; from-ross needs ROSS, and drop another system.
+COMMANDS = [name_of(each) for group in BY_GROUP.values() for each in group
+            if each.verb not in {"from_ross", "drop"}]  # fmt: skip
+SHORT = {short: name for name, short in NAMES.items()}
 HELP: dict[str, str] = {}
 
 
@@ -90,12 +59,12 @@ def test_commands_are_in_groups_in_the_order_of_work(program: Program):
     assert "\u2500 Commands \u2500" not in listed
 
 
-@pytest.mark.parametrize("short", SHORT)
-def test_a_short_name_is_the_same_command(help_of: Program, short: str):
-    by_either = [help_of(name) for name in (short, SHORT[short])]
-    assert by_either[0].replace(f"rotor-ida {short} ", f"rotor-ida {SHORT[short]} ").split() == (
-        by_either[1].split()
-    )
+def test_a_short_name_is_the_same_command(help_of: Program):
+    for short, name in SHORT.items():
+        by_either = help_of(short), help_of(name)
+        assert by_either[0].replace(f"rotor-ida {short} ", f"rotor-ida {name} ").split() == (
+            by_either[1].split()
+        )
 
 
 def test_commands_that_compute_have_the_names_of_functions():
@@ -104,28 +73,26 @@ def test_commands_that_compute_have_the_names_of_functions():
     assert names <= {*rotor_ida.__all__}
 
 
+# Words of no English help, each with what it stood in.
+FORBIDDEN = r"\bSay\b|\btold\b|\bholds\b|hangs on|one that suits\.|without it|\bHold\b|throws it"
+
+
 @pytest.mark.parametrize("command", COMMANDS)
-def test_options_are_in_groups(help_of: Program, command: str):
+def test_help_is_in_groups_and_in_plain_english(help_of: Program, command: str):
+    """Words are free only where anything may stand: the name of a scenario."""
     listed = help_of(command)
+    options = re.findall(r"--([a-z0-9-]+) \S*STR", listed)
+    assert options == (["only"] if command == "reproduce" else [])
+    assert not re.search(FORBIDDEN, listed)
+    verbs = "Simulate List Compute Estimate Continue Report Reproduce Describe Open Fit Plot Show"
+    others = "Compare Recompute Check"
+    assert listed.split("\n\n")[1].split()[0] in f"{verbs} {others}".split()
     assert "\u2500 Parameters \u2500" not in listed
     groups = {"--omega": "Rotor", "--rtol": "Solver", "--out": "Output", "--json": "Output"}
     for option, group in groups.items():
         if line := re.search(rf"\u2502[ *]+{option} ", listed):
             heads = re.findall(r"\u2500 ([\w ]+) \u2500", listed[: line.start()])
             assert heads[-1] == group, option
-
-
-# Words of no English help, each with what it stood in.
-FORBIDDEN = r"\bSay\b|\btold\b|\bholds\b|hangs on|one that suits\.|without it|\bHold\b|throws it"
-
-
-@pytest.mark.parametrize("command", COMMANDS)
-def test_help_is_in_plain_imperative_english(help_of: Program, command: str):
-    listed = help_of(command)
-    assert not re.search(FORBIDDEN, listed)
-    verbs = "Simulate List Compute Estimate Continue Report Reproduce Describe Open Fit Plot Show"
-    others = "Compare Recompute Check"
-    assert listed.split("\n\n")[1].split()[0] in f"{verbs} {others}".split()
 
 
 def example_of_system() -> str:
@@ -170,32 +137,11 @@ def test_the_examples_run_one_after_the_other(
             assert (answer.status, answer.err) == (0, told), words
     written = {path.name for path in Path().iterdir()}
     assert {
-        "run.nc",
-        "rub.nc",
-        "run.png",
-        "motion.svg",
-        "whirls.nc",
-        "sweep.nc",
-        "folds.nc",
-        "hopf_points.svg",
-        "diagram.png",
-        "diagram.extremum.csv",
-        "run_ups.nc",
-        "run_ups.png",
-        "basin.nc",
-        "atlas.nc",
-        "atlas.png",
-        "compared.nc",
-        "cycle.nc",
-        "branch.nc",
-        "curve.nc",
-        "page.html",
-        "bode.svg",
-        "cascade.png",
-        "orbit.svg",
-        "run.event.csv",
-        "run_up.png",
-    } <= written
+        "run.nc", "rub.nc", "run.png", "motion.svg", "whirls.nc", "sweep.nc", "folds.nc",
+        "hopf_points.svg", "diagram.png", "diagram.extremum.csv", "run_ups.nc", "run_ups.png",
+        "basin.nc", "atlas.nc", "atlas.png", "compared.nc", "cycle.nc", "branch.nc", "curve.nc",
+        "page.html", "bode.svg", "cascade.png", "orbit.svg", "run.event.csv", "run_up.png",
+    } <= written  # fmt: skip
 
 
 def test_the_example_of_reproduce_names_a_scenario(help_of: Program):
@@ -203,13 +149,6 @@ def test_the_example_of_reproduce_names_a_scenario(help_of: Program):
 
     (words,) = examples(help_of("reproduce"))
     assert words[words.index("--only") + 1] in scenario_scripts()
-
-
-@pytest.mark.parametrize("command", COMMANDS)
-def test_numbers_and_choices_are_named_as_such(help_of: Program, command: str):
-    """Words are free only where anything may stand: the name of a scenario."""
-    options = re.findall(r"--([a-z0-9-]+) \S*STR", help_of(command))
-    assert options == (["only"] if command == "reproduce" else [])
 
 
 def test_help_loads_nothing_heavy():

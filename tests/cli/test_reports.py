@@ -5,9 +5,7 @@ from __future__ import annotations
 import html
 import re
 import shlex
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -15,9 +13,9 @@ import pytest
 import rotor_ida
 from rotor_ida.cli.given import sheets_of_rotor
 from rotor_ida.model.system_parts import Contact, Race, Stator, Support, Unbalance
+from tests.cli.conftest import Program
 from tests.cli.test_help import example_of_system
 
-Program = Callable[..., Any]
 PUMP = ("--mass", "12kg", "--shaft-stiffness", "4e6N/m", "--damping-ratio", "3%", "--clearance",
         "150um", "--balance-grade", "G6.3", "--balance-speed", "3600rpm", "--speed", "3600rpm",
         "--contact-stiffness", "1e8N/m")  # fmt: skip
@@ -65,9 +63,7 @@ def files(program: Program) -> None:
 
 @pytest.mark.usefixtures("files")
 @pytest.mark.parametrize("line", WANTED)
-def test_a_report_has_what_was_given_and_its_line_gives_the_same_again(
-    program: Program, line: str, monkeypatch: pytest.MonkeyPatch
-):
+def test_a_report_has_what_was_given_and_its_line_gives_the_same_again(program: Program, line: str):
     answer = program(*line.split(), "--report", "report")
     assert (answer.status, answer.err) == (0, "")
     assert {each.name for each in Path("report").iterdir()} == {
@@ -79,16 +75,15 @@ def test_a_report_has_what_was_given_and_its_line_gives_the_same_again(
         assert rows[name] == value, name
     assert answer.out.splitlines()[0].strip().split("  ")[0] in page
     assert "What is assumed" in page
+    assert ("The rotor is linear" in page) == ("rotor.toml" in line)
+    assert ("What the model lacks goes into the residuals" in page) == line.startswith("fit")
     assert rows["rotor ida"] == rotor_ida.__version__
     assert page.count("data:image/png;base64,") == 1
-    assert Path("report/report.pdf").read_bytes().startswith(b"%PDF")
-    # on paper it stands already
-    monkeypatch.setattr("rotor_ida.cli.pages.write_pdf", lambda path, *_: path.touch())
     again, *check = re.findall(r"rotor-ida (?:[\w-]+ .*)", page.split("Compute it again")[1])
-    assert program(*shlex.split(again)[1:]).status == 0  # though its files are there
     assert bool(check) == (not line.startswith(("fit", "plot probes")))
-    if check:
-        assert program(*shlex.split(check[0])[1:]).status == 0
+    if line.startswith(("run-up", "fit", "plot")):  # though its files are there
+        for each in (again, *check):
+            assert program(*shlex.split(each)[1:]).status == 0
     if ".toml" in line:
         file = next(each for each in line.split() if each.endswith(".toml"))
         assert Path(file).read_text() in page
@@ -150,9 +145,8 @@ def test_a_page_of_a_run_up_is_titled_so_and_tells_the_weight(program: Program):
     down = up.replace("--to 600rpm", "--from 600rpm --to 0rpm")
     program(*down.split(), "--force")
     assert "<h1>Run-down</h1>" in html.unescape(Path("report/report.html").read_text("utf-8"))
-    assert ", weight 117.7 N." in " ".join(answer.out.split())  # 12 kg
-    program(*up.split(), "--load", "60N", "--force")
-    assert "load 60 N" in html.unescape(Path("report/report.html").read_text("utf-8"))
+    told = " ".join(answer.out.split()).partition("Given: mass 12 kg, ")[2]
+    assert ", load 117.7 N, " in told
 
 
 def test_a_page_of_a_fit_names_the_record_and_its_speeds(program: Program):

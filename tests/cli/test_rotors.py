@@ -4,9 +4,7 @@ from __future__ import annotations
 
 import json
 import re
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import pytest
 
@@ -14,8 +12,7 @@ import rotor_ida
 from rotor_ida.cli.rotor_options import RotorOptions, RotorsOptions
 from rotor_ida.model.parameters import FRICTIONLESS
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
-
-Program = Callable[..., Any]
+from tests.cli.conftest import Program, is_refused
 
 ROTOR = {"omega": 1.2, "zeta": 0.07, "delta0": 0.5}
 BEYOND = {
@@ -82,7 +79,6 @@ def test_a_rotor_is_given_in_full_in_one_of_two_ways():
 
 
 MISTAKES = [
-    ({"omega": 1.2, "shaft_stiffness": 0.25}, "--zeta and --delta0 must be given with --omega"),
     ({**ROTOR, "mass": 4.0, "load": 1.0}, "without dimensions or in SI units, got omega and mass"),
     (BEYOND, "--omega, --zeta and --delta0 must be given, or a machine in SI units"),
     (
@@ -104,16 +100,14 @@ MISTAKES_OF_ONE = [
 
 @pytest.mark.parametrize(
     ("command", "given", "message"),
-    [(command, *mistake) for command in ("touchdown", "explore") for mistake in MISTAKES]
+    [("touchdown", *mistake) for mistake in MISTAKES]
     + [("simulate --duration 10", ROTOR | given, message) for given, message in MISTAKES_OF_ONE],
     ids=lambda value: str(value)[:40],
 )
 def test_parts_of_one_and_mixtures_of_both_get_one_line(
     program: Program, command: str, given: dict[str, float], message: str
 ):
-    answer = program(*command.split(), *words(**given))
-    assert (answer.status, answer.out) == (2, "")
-    assert re.fullmatch(rf"rotor-ida: [^\n]*{re.escape(message)}[^\n]*\n", answer.err)
+    is_refused(program, f"{command} {' '.join(words(**given))}", message)
 
 
 IN_SI = " ".join(words(**IN_SI_UNITS))
@@ -137,33 +131,6 @@ def test_a_run_up_takes_and_tells_speeds_as_engineers_do(
     assert f"speed {first * 30:.6g} to {last * 30:.6g} rpm" in " ".join(printed.split())
 
 
-def test_a_speed_has_its_unit_wherever_a_machine_is_given(program: Program):
-    for command in ("touchdown", "explore", "run-up"):
-        answer = program(command, *IN_SI.partition(" --speed")[0].split(), "--speed", "300rps")
-        message = "rotor-ida: the unit of speed must be rad/s, rpm or Hz, got '300rps'\n"
-        assert (answer.status, answer.out, answer.err) == (2, "", message)
-
-
-@pytest.mark.parametrize(
-    ("given", "message"),
-    [("--omega 1 --zeta 0.07 --delta0 2 --to 300rpm --rate 1",
-      "to must have no unit for a dimensionless rotor, got '300rpm'"),
-     ("--omega 1 --zeta 0.07 --delta0 2 --speeds 0:1Hz 2:50Hz",
-      "speeds must have no unit for a dimensionless rotor, got '1Hz'"),
-     (f"{IN_SI} --to 300rps --rate 1", "the unit of to must be rad/s, rpm or Hz, got '300rps'"),
-     (f"{IN_SI} --to 900 --rate 1rpm", "the unit of rate must be rad/s2, rpm/s or Hz/s, got"),
-     (f"{IN_SI} --to 100rpm --rate 1",
-      "rate must be negative to change the speed from 600 rad/s to 100 rpm, got 1 rad/s2"),
-     (f"{IN_SI} --torque 1 0 --inertia 0 --duration 1", "inertia must be positive, got 0 kg m2")],
-)  # fmt: skip
-def test_a_change_of_speed_in_units_that_cannot_be_gets_one_line(
-    program: Program, given: str, message: str
-):
-    answer = program("run-up", *given.split())
-    assert (answer.status, answer.out) == (2, "")
-    assert re.fullmatch(rf"rotor-ida: [^\n]*{re.escape(message)}[^\n]*\n", answer.err)
-
-
 def test_a_sweep_takes_numbers_and_axes_of_it(program: Program):
     line = (
         "sweep --omega 0.5 2.5 --zeta 0.2 --delta0 1 --direction both --method taylor "
@@ -178,24 +145,6 @@ def test_a_sweep_takes_numbers_and_axes_of_it(program: Program):
     assert found.amplitude.dims == ("omega", "zeta", "delta0", "load", "start", "direction")
     assert (found.contact_exponent.item(), found.shaft_stiffness.item()) == (1.0, 0.25)
     assert "contact_damping" not in found.variables
-    # without a load the whirls of the closed forms, and under one none that is told as such
-    exact = rotor_ida.synchronous_response(
-        omega=[0.5, 2.5], zeta=0.2, delta0=1.0, shaft_stiffness=0.25, contact_exponent=1.0
-    )
-    free = found.sel(load=0.0).squeeze(drop=True).amplitude
-    apart = abs(free / exact.amplitude.squeeze(["zeta", "delta0"], drop=True) - 1.0).min("branch")
-    assert float(apart.max()) < 1e-8
-    assert "synchronous" not in {row["response"] for row in told if row["load"]}
-
-
-def test_a_figure_of_too_many_machines_is_refused_before_they_are_computed(program: Program):
-    sweep = ["sweep", *words(omega=1.0, zeta=0.1, delta0=1.0), "--figure", "many"]
-    answer = program(*sweep, "--load", "0:1:13")
-    assert (answer.status, answer.out) == (2, "")
-    assert answer.err == (
-        "rotor-ida: figure can show at most 12 combinations of zeta, delta0 and other parameters, "
-        "got 13\n"
-    )
 
 
 def test_whirls_and_folds_of_machines_are_listed(program: Program):
@@ -212,23 +161,9 @@ def test_whirls_and_folds_of_machines_are_listed(program: Program):
     assert loaded.status == 0
     said = " ".join(loaded.out.split())
     assert said.startswith(
-        "Under a load no whirl in contact is synchronous: the response is linear"
+        "Whirls in contact have no closed form: under a load no whirl in contact is synchronous"
     )
     assert "and limit_cycle computes the exact cycles beyond it" in said
-
-
-def test_an_atlas_goes_over_the_parameters_of_machines(program: Program):
-    line = (
-        "atlas --omega 2 --zeta 0.07 --delta0 2 --shaft-stiffness 0.2 0.3 --contact-damping 0.1 "
-        "--x=-9:9 --y=-9:9 --starts 16 --figure atlas --out atlas.nc --json"
-    )
-    answer = program(*line.split())
-    assert (answer.status, answer.err) == (0, "")
-    told = json.loads(answer.out)
-    assert told["parameters"]["shaft_stiffness"] == [0.2, 0.3]
-    assert told["parameters"]["contact_damping"] == 0.1
-    assert all("shaft_stiffness" in row for row in told["attractors"])
-    assert program("verify", "atlas.nc").status == 0
 
 
 def test_under_a_load_a_cycle_with_a_period_of_its_own_is_not_followed(
@@ -246,73 +181,6 @@ def test_a_sweep_that_is_given_nothing_of_it_is_of_the_papers_rotor():
     assert RotorsOptions(**papers).asked() == (None, papers)
     _, given = RotorsOptions(**papers, load=[0.1], shaft_stiffness=[0.0, 0.5]).asked()
     assert given == {**papers, "load": 0.1, "shaft_stiffness": [0.0, 0.5]}
-
-
-@pytest.fixture(scope="module")
-def of_machine(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a folder with archives of one machine: a cycle, its branch and curve, and a sweep."""
-    folder = tmp_path_factory.mktemp("machines")
-    rotor = Rotor(omega=1.9, zeta=0.07, delta0=2.0, shaft_stiffness=0.05, contact_damping=0.02)
-    cycle = rotor_ida.limit_cycle(rotor, start=(0, 0, 0, 0))
-    branch = rotor_ida.continue_cycle(
-        rotor, start=cycle, parameter="shaft_stiffness", limits=(0.03, 0.07)
-    )
-    curve = rotor_ida.bifurcation_curve(
-        rotor, start=cycle, kind="period_doubling", parameters=("omega", "shaft_stiffness"),
-        limits=((1.2, 2.5), (0.04, 0.06)),
-    )  # fmt: skip
-    swept = rotor_ida.sweep(
-        omega=[0.5, 1.9], zeta=0.07, delta0=2.0, shaft_stiffness=[0.0, 0.05], contact_damping=0.02
-    )
-    results = {"cycle": cycle, "branch": branch, "curve": curve, "sweep": swept}
-    for name, dataset in results.items():
-        rotor_ida.save(dataset, folder / f"{name}.nc")
-    return folder
-
-
-@pytest.mark.parametrize("name", ["cycle", "branch", "curve", "sweep"])
-def test_results_of_a_machine_are_shown_and_verify(program: Program, of_machine: Path, name: str):
-    shown = program("show", of_machine / f"{name}.nc")
-    assert (shown.status, shown.err) == (0, "")
-    assert "contact damping" in shown.out
-    assert "shaft stiffness" in shown.out
-    verified = program("verify", of_machine / f"{name}.nc", "--json")
-    assert (verified.status, verified.err) == (0, "")
-    assert json.loads(verified.out)["agrees"] is True
-    if name != "sweep":
-        told = json.loads(program("show", of_machine / f"{name}.nc", "--json").out)["parameters"]
-        assert told["contact_damping"] == 0.02
-
-
-def test_a_sweep_of_machines_is_compared_with_what_is_exact(program: Program, of_machine: Path):
-    answer = program("compare", of_machine / "sweep.nc", "--out", "compared.nc", "--json")
-    assert (answer.status, answer.err) == (0, "")
-    points = json.loads(answer.out)["points"]
-    assert {each["lies_on"] for each in points} == {"whirl", "cycle"}
-    assert min(each["digits"] for each in points) > 7.5
-    assert {each["shaft_stiffness"] for each in points} == {0.0, 0.05}
-    assert "shaft stiffness" in program("show", "compared.nc").out
-
-
-@pytest.mark.parametrize(
-    "source", [("cycle.nc",), ("branch.nc", "--point", "2"), ("curve.nc", "--point", "1")], ids=str
-)
-def test_a_branch_begins_at_a_result_of_a_machine(
-    program: Program, of_machine: Path, source: tuple[str, ...]
-):
-    file = rotor_ida.load(of_machine / source[0])
-    place = file.isel(point=int(source[-1])) if len(source) > 1 else file
-    omega, kappa = float(place["omega"]), float(place["shaft_stiffness"])
-    words = ("--from", of_machine / source[0], *source[1:])
-    limits = ("--limits", omega - 1e-3, omega + 1e-3)
-    answer = program("continue", *words, *limits, "--json")
-    assert (answer.status, answer.err) == (0, "")
-    record = json.loads(answer.out)
-    assert record["parameters"]["shaft_stiffness"] == kappa
-    assert record["parameters"]["contact_damping"] == 0.02
-    points = record["points"]
-    assert points[0]["omega"] != points[-1]["omega"]
-    assert any(abs(each["period"] / float(place["period"]) - 1.0) < 1e-6 for each in points)
 
 
 def test_what_starts_end_on_with_friction(program: Program):

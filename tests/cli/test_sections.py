@@ -3,9 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 import pytest
@@ -13,8 +11,8 @@ import pytest
 import rotor_ida
 from rotor_ida import Rotor
 from rotor_ida.cli.describe import places_of_section
+from tests.cli.conftest import Program
 
-Program = Callable[..., Any]
 FILE = """
 speed = 1.1
 units = "1"
@@ -66,7 +64,7 @@ def test_the_answer_begins_with_whether_the_points_repeat(program: Program, line
     assert said in answer.out.splitlines()[0]
 
 
-@pytest.mark.parametrize("places", [1, 2, 3, 5])
+@pytest.mark.parametrize("places", [1, 3])
 def test_a_motion_of_several_revolutions_is_in_as_many_places(places: int):
     """Of a section made of a closed form: a sum of the whirl and a subharmonic of it."""
     section = rotor_ida.poincare_section(
@@ -86,18 +84,12 @@ def test_a_figure_is_drawn_at_a_node(program: Program, rotor: str):
     assert program(*words, "--node", "two").status == 0
     whole = program(*words, "--force")
     assert whole.status == 0
-    wrong = program(*words, "--node", "six", "--force")
-    assert (wrong.status, wrong.out) == (2, "")
-    assert "node must be one of 'one', 'two', got 'six'" in wrong.err
     diagram = ("diagram", rotor, "--speed", 1.0, 1.1, "--node", "two", "--figure", "diagram")
     assert program(*diagram).status == 0
     assert Path("diagram.png").exists()
-    disc = ("--omega", 2, "--zeta", 0.1, "--delta0", 1, "--revolutions", 3)
-    refused = program("section", *disc, "--node", "one")
-    assert "node must be left out with one disc, got 'one'" in refused.err
 
 
-@pytest.mark.parametrize(("contact", "number"), [("two", 1), ("1", 1), ("one", 0)])
+@pytest.mark.parametrize(("contact", "number"), [("two", 1), ("0", 0)])
 def test_a_section_of_a_file_is_that_of_python_at_a_contact(
     program: Program, rotor: str, contact: str, number: int
 ):
@@ -115,9 +107,6 @@ def test_a_section_of_a_file_is_that_of_python_at_a_contact(
     assert program("plot", "section.nc", "--node", "one", "--figure", "one").status == 0
     assert program("plot", "section.nc", "--kind", "section", "--figure", "both").status == 0
     assert program("show", "section.nc", "--figure", "all").status == 0
-    wrong = program("plot", "section.nc", "--node", "three", "--figure", "none")
-    assert (wrong.status, wrong.err.count("\n")) == (2, 1)
-    assert "node must be one of 'one', 'two', got 'three'" in wrong.err
     wrong = program("plot", "section.nc", "--kind", "section", "--times", 0, 1, "--figure", "none")
     assert "times must be left out with --kind section" in wrong.err
     assert not Path("none.png").exists()
@@ -150,29 +139,3 @@ def test_a_diagram_of_a_file_is_that_of_python_and_a_study(program: Program, rot
     assert json.loads(program("verify", "diagram.nc", "--json").out)["agrees"]
     for options in (["--node", "two"], ["--kind", "diagram"]):
         assert program("plot", "diagram.nc", *options, "--figure", "at", "--force").status == 0
-
-
-@pytest.mark.parametrize(
-    ("words", "message"),
-    [
-        ("poincare-section rotor.toml --revolutions 3 --at entry", "contact must be given for a"),
-        ("poincare-section rotor.toml --revolutions 3 --delta0 1", "delta0 must be left out with"),
-        ("poincare-section rotor.toml --revolutions 3 --atol 1e-9", "atol must be left out with"),
-        ("poincare-section rotor.toml --revolutions 3 --start 0 0 0 0", "start must be settled or"),
-        ("poincare-section --omega 2 --zeta 0.1 --delta0 1 --revolutions 3 --contact 0",
-         "contact must be left out with one disc, got 0"),
-        ("bifurcation-diagram rotor.toml --speed 1 --starts 4", "starts must be left out with a"),
-        ("bifurcation-diagram rotor.toml --speed 1 --x 1", "x must be left out with a rotor"),
-        ("bifurcation-diagram rotor.toml --speed 1 --seed 1", "seed must be left out with a rotor"),
-        ("bifurcation-diagram rotor.toml --speed 1 --method bdf", "method must be"),
-        ("bifurcation-diagram --omega 1 --zeta 0.1 --delta0 1 --unbalance 2",
-         "unbalance must be left out with one disc, got [2.0]"),
-    ],
-)  # fmt: skip
-def test_what_does_not_go_together_is_refused_in_one_line(
-    program: Program, rotor: str, words: str, message: str
-):
-    answer = program(*words.split())
-    assert rotor == "rotor.toml"
-    assert (answer.status, answer.out, answer.err.count("\n")) == (2, "", 1)
-    assert message in answer.err

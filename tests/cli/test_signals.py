@@ -115,21 +115,19 @@ def test_critical_speeds_are_told_with_their_amplification():
     assert "Critical speeds of 1X, by half power" in text
 
 
-def test_mean_positions_are_told_at_their_ends(measured):
-    record, text = told(centre_line(measured.isel(t=slice(4500, None))))
+def test_mean_positions_and_senses_are_told_by_window(measured):
+    found = centre_line(measured.isel(t=slice(4500, None)))
+    record, text = told(found, most=None)
     assert record["kind"] == "centre_line"
-    (last,) = (line.split() for line in text.splitlines() if line.startswith("last"))
-    assert [float(each) for each in last[-2:]] == pytest.approx([0.2, -0.5])
-
-
-def test_a_whirl_is_told_by_its_senses(measured):
-    record, text = told(whirl_ratio(measured, revolutions=2))
+    assert len(record["windows"]) == found.sizes["window"]
+    assert record["windows"][-1]["offset_x"] == pytest.approx(0.2)
+    assert [float(each) for each in lines_of(text)[-1][-2:]] == pytest.approx([0.2, -0.5])
+    record, text = told(whirl_ratio(measured, revolutions=2), most=None)
     assert record["kind"] == "whirl_over_spin"
+    senses = [row["whirl_sense"] for row in record["windows"]]
     # in the window in which it turns round it is either, or none
-    rows = [line.split() for line in text.splitlines()
-            if line.startswith(("backward", "forward", "none"))]  # fmt: skip
-    assert (rows[0][0], rows[-1][0]) == ("backward", "forward")
-    assert sum(int(row[1]) for row in rows) == len(record["windows"])
+    assert (senses[0], senses[-1]) == ("backward", "forward")
+    assert text.count("forward") + text.count("backward") >= len(senses) - 1
 
 
 def test_spectra_are_told_by_peaks_bandwidth_and_floor(measured):
@@ -161,7 +159,7 @@ def test_a_spectrogram_is_told_by_its_highest_lines(up):
     assert record["kind"] == "spectrogram"
     late = record["highest"][-1]
     assert late["frequency"] == pytest.approx(late["speed"], abs=found.bandwidth.item())
-    assert text.count("\n") < 25
+    assert f"first 5 of {found.sizes['window']}" in text
 
 
 def test_a_spectrum_without_peaks_says_so(measured):
@@ -178,9 +176,7 @@ def test_runs_stay_runs(up):
     assert kind_of(signals_of(up)) == "signals"
 
 
-@pytest.mark.parametrize(
-    "of", [signals_of, orders, centre_line, full_spectrum, spectrogram], ids=lambda of: of.__name__
-)
+@pytest.mark.parametrize("of", [signals_of, spectrogram], ids=lambda of: of.__name__)
 def test_show_draws_signals(program, up, of):
     save(of(up), "signals.nc")
     answer = program("show", "signals.nc", "--figure", "drawn.svg")

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -13,9 +12,9 @@ import pytest
 import rotor_ida
 from rotor_ida.results.plausible import first_critical
 from rotor_ida.units import SPEED_UNITS
+from tests.cli.conftest import Program
 from tests.cli.test_answers import MACHINE, SYSTEM
 
-Program = Callable[..., Any]
 pytestmark = pytest.mark.filterwarnings("always::UserWarning")
 RUN = ("--duration", "1ms")
 
@@ -84,23 +83,3 @@ def test_units_of_the_inch_system_and_without_blanks_are_read(program: Program):
     Path("rotor.toml").write_text(SYSTEM)
     torque = ("--torque", "3Nm", "0.03Nms", "--inertia", "0.1kgm2", "--duration", "1ms")
     assert notes(program("run-up", "rotor.toml", *torque)) == []
-
-
-@pytest.mark.parametrize(
-    ("words", "said"),
-    [
-        (("run-up", "--to", "2"), "--rate or --ramp-time must be given with --to"),
-        (("run-up", "--torque", "3", "1"), "--inertia must be given with --torque"),
-        (
-            ("simulate", "--friction", "0.1", "--duration", "1"),
-            "--disc-radius must be given with --friction",
-        ),
-        (("hopf-points", "--load", "1"), "--load must be 0 for hopf-points"),
-        (("simulate", "--duration", "1", "--node", "a"), "unknown option '--node'\n"),
-    ],
-)
-def test_messages_name_options_and_commands_as_they_are_typed(program: Program, words, said):
-    rotor = () if words[0] == "hopf-points" else ("--omega", "1")
-    answer = program(*words, *rotor, "--zeta", "0.1", "--delta0", "1")
-    assert answer.status == 2
-    assert answer.err.startswith(f"rotor-ida: {said}")

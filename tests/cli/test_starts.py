@@ -77,13 +77,6 @@ def test_run_ups_and_diagrams_take_words(program: Program, word: str, said: str)
     assert _start_words(rotor_ida.load("b.nc")) == f"each speed from {said}"
 
 
-def test_a_branch_begins_from_a_word(program: Program):
-    rotor = ("--omega", 2, "--zeta", 0.07, "--delta0", 2)
-    answer = program("continue-cycle", *rotor, "--start", "settled", "--limits", 1.5, 2.5)
-    assert answer.status == 2
-    assert "start must lead to a limit cycle" in answer.err
-
-
 def test_the_page_of_the_explorer_begins_from_a_word():
     given = {"omega": 0.7, "zeta": 0.1, "delta0": 2.0, "shaft_stiffness": 1.0, "load": 0.2}
     z = whirl(0.7)
@@ -108,14 +101,3 @@ def test_the_load_of_a_machine_may_be_its_weight(program: Program):
     weight = f"{4.0 * 9.80665!r}N"
     assert program(*sweep[:-7], "--load", "0", weight, "--workers", 1, "--out", "n.nc").status == 0
     assert rotor_ida.load("map.nc").equals(rotor_ida.load("n.nc"))
-
-
-@pytest.mark.parametrize(
-    ("load", "says"),
-    [("weight", "no unit for a dimensionless rotor"), ("heavy", "finite real number")],
-)
-def test_a_load_without_a_mass_is_a_number(program: Program, load: str, says: str):
-    disc = ("--omega", 0.5, "--zeta", 0.1, "--delta0", 2, "--load", load)
-    answer = program("simulate", *disc, "--duration", 1)
-    assert answer.status == 2
-    assert says in answer.err

@@ -3,13 +3,10 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from pathlib import Path
-from typing import Any
 
 import rotor_ida
-
-Program = Callable[..., Any]
+from tests.cli.conftest import Program
 
 
 def test_an_archived_run_verifies(program: Program, archives: Path):
@@ -37,22 +34,3 @@ def test_a_forged_run_does_not(program: Program, archives: Path):
     assert answer.status == 1
     assert answer.err.startswith("rotor-ida: forged.nc does not verify: event_time differs in ")
     assert answer.err.count("\n") == 1
-
-
-def test_an_archived_sweep_verifies(program: Program, archives: Path):
-    answer = program("verify", archives / "sweep.nc", "--json")
-    assert (answer.status, answer.err) == (0, "")
-    record = json.loads(answer.out)
-    assert record["agrees"] is True
-    assert (record["differing"], record["largest_difference"]) == (0, 0.0)
-
-
-def test_what_nothing_can_compute_again_is_refused(program: Program):
-    run = rotor_ida.simulate(rotor_ida.Rotor(omega=2.0, zeta=0.07, delta0=2.0), duration=5.0)
-    rotor_ida.save(rotor_ida.contact_summary(run), "summary.nc")
-    answer = program("verify", "summary.nc")
-    assert answer.status == 2
-    assert answer.err.startswith(
-        "rotor-ida: a result of the kind 'contact_summary' cannot be verified: compute it again"
-    )
-    assert program("verify", "missing.nc").status == 2

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 from rotor_ida.cli.command import Case, command
-from rotor_ida.cli.output import check_varies
-from rotor_ida.cli.parsing import MOST_POINTS, check_points
 from rotor_ida.cli.report import Report
 from rotor_ida.errors import InputError
 
@@ -25,8 +23,6 @@ def basin(case: Case) -> Report:
 
     After an interrupt (exit status 130) the rest of the result is marked as not computed.
     """
-    axes = [each for each in case.given.values() if isinstance(each, list)]
-    check_points(*axes, in_study="study" in case.given)
     return case.answer()
 
 
@@ -46,9 +42,6 @@ def basin_fractions(case: Case) -> Report:
     """
     if case.output.figure is not None:
         raise InputError("figure must be left out: basin fractions have none")
-    starts = case.given.get("starts", 0)
-    if "study" not in case.given and starts > MOST_POINTS:
-        raise InputError(f"starts must be at most {MOST_POINTS} without --study, got {starts}")
     return case.answer()
 
 
@@ -66,8 +59,8 @@ def continue_attractors(case: Case) -> Report:
         rotor-ida continue-attractors rotor.toml --speed 3900rpm:4500rpm:3 \
             --node disc --x=-300um:300um --y=-300um:300um --starts 4
     """
-    if case.output.figure is not None:
-        check_varies(case.rotors.panels())
+    if case.output.figure is not None and case.rotors.panels() < 2:
+        raise InputError("figure needs an atlas of several speeds, dampings or clearances, got one")
     return case.answer()
 
 

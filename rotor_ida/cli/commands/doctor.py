@@ -67,27 +67,15 @@ def _versions() -> dict[str, object]:
             found[name] = version(name)
         except PackageNotFoundError:
             found[name] = None
-    try:
-        from rotor_ida.results import provenance  # noqa: PLC0415 - it asks the solver
-
-        found["SUNDIALS"] = provenance.versions().get("sundials_version")
-    except ImportError:
-        found["SUNDIALS"] = None
-    return found
+    return found | {"SUNDIALS": sundials.version()}
 
 
 def _core() -> tuple[dict[str, object], Check]:
     """Return the properties of the core, and whether it can be used."""
     from rotor_ida.core.library import build_info  # noqa: PLC0415 - what is broken is said
 
-    core: dict[str, object] = {}
-
-    def load() -> str:
-        core.update((name, build_info()[name]) for name in build_info())
-        return f"level {core['level']}"
-
-    check = _attempt("core: loaded", load)
-    return core, check
+    check = _attempt("core: loaded", lambda: f"level {build_info()['level']}")
+    return dict(build_info()) if check["result"] == "ok" else {}, check
 
 
 def _check_backend(backend: Backend) -> list[Check]:
@@ -100,20 +88,17 @@ def _check_backend(backend: Backend) -> list[Check]:
     """
     free = f"{backend}: free vibration"
     compiled = backend == "compiled"
-    series = [
-        _attempt(f"{free}, Taylor series", partial(_vibration, backend, "exact", "taylor"))
-        for _ in range(compiled)
-    ]
     reason = sundials.why_not()
     if not compiled and not reason.endswith("is not installed"):  # it needs the package alone
         reason = ""
-    if reason:
-        return [{"check": free, "result": "absent", "seen": reason}, *series]
-    by_cvode = [
+    checks = [{"check": free, "result": "absent", "seen": reason}] if reason else [
         _attempt(f"{free}, flight {flight}", partial(_vibration, backend, flight, "adams"))
         for flight in get_args(Flight)
-    ]
-    return [*by_cvode, *series]
+    ]  # fmt: skip
+    if compiled:
+        series = partial(_vibration, backend, "exact", "taylor")
+        checks.append(_attempt(f"{free}, Taylor series", series))
+    return checks
 
 
 def _vibration(backend: Backend, flight: Flight, method: Method) -> str:

@@ -96,7 +96,8 @@ def _beginning(
     given = rotor.machine is not None or bool(rotor.given)
     if file is not None and not file.is_file():
         raise InputError(f"file must be a file that exists, got {shown(file)}")
-    if file is not None and file.suffix.lower() not in ROTOR_ENDINGS:
+    is_rotor = file is not None and file.suffix.lower() in ROTOR_ENDINGS
+    if file is not None and not is_rotor:
         if not given:
             return {"measured": file.name}, file.resolve()  # alone, without a rotor beside
         if rotor.machine is None and rotor.given.keys() == {"clearance"}:
@@ -104,7 +105,7 @@ def _beginning(
                 "clearance must be left out beside a measured file, whose panels have no circle of "
                 "it, unless all of a rotor is given: plot with kind orbit or centreline draws it"
             )
-    if file is None or file.suffix.lower() not in ROTOR_ENDINGS:
+    if file is None or not is_rotor:
         chosen = rotor.chosen() if given else FIRST
         first = _first_state(chosen, start)
         state = state_of(chosen, None if start is None else first, REVOLUTIONS)

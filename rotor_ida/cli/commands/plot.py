@@ -11,7 +11,7 @@ import numpy as np
 from cyclopts import Parameter
 
 import rotor_ida
-from rotor_ida.checks import check_increasing, did_you_mean, shown
+from rotor_ida.checks import check_choice, check_increasing, shown
 from rotor_ida.cli import parsing
 from rotor_ida.cli.command import Case, command
 from rotor_ida.cli.output import OUT_ENDING, Output, read
@@ -70,14 +70,7 @@ PLOTS_ALSO_CALLED: dict[str, KindOfPlot] = {
 def _kind_of_plot(name: str, words: Sequence[str]) -> str:
     """Return the kind of plot that a word names, in either case."""
     word = words[0].lower().replace("_", "-")
-    kinds, others = get_args(KindOfPlot), PLOTS_ALSO_CALLED
-    if word in kinds:
-        return word
-    if word not in others:
-        listed = ", ".join(map(repr, kinds))
-        meant = did_you_mean(word, (*kinds, *others))
-        raise InputError(f"{name} must be one of {listed}, got {shown(words[0])}{meant}")
-    return others[word]
+    return check_choice(name, PLOTS_ALSO_CALLED.get(word, word), get_args(KindOfPlot))
 
 
 READ_KIND = Parameter(converter=parsing.converter(_kind_of_plot))

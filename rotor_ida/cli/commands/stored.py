@@ -6,17 +6,15 @@ import math
 import os
 from dataclasses import asdict, replace
 from datetime import timedelta
-from pathlib import Path
 from typing import cast
 
 import rotor_ida
-from rotor_ida.checks import check_one_varies, shown
+from rotor_ida.checks import shown
 from rotor_ida.cli import options
 from rotor_ida.cli.command import Case, command
-from rotor_ida.cli.output import answer_whole, check_varies, read, working
+from rotor_ida.cli.output import answer_whole, read, working
 from rotor_ida.cli.report import Report
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.results.sheets import facts
 from rotor_ida.simulation.options import Method
 
@@ -138,28 +136,7 @@ def resume(case: Case, *, jobs: options.JobOptions = options.JobOptions()) -> Re
         rotor-ida resume study
     """
     (folder,), output = case.measured, case.output
-    output.check(panels=1 if output.figure is None else _panels(folder))
+    output.check()
     with working("study", folder) as progress:
         dataset = rotor_ida.resume(folder, **asdict(jobs), progress=progress)
         return answer_whole(dataset, output, folder)
-
-
-def _panels(folder: Path) -> int:
-    """Return the number of panels of the figure of a study; refuse a study without figure."""
-    from rotor_ida.results.studies import design_of  # noqa: PLC0415 - heavy, and not for --help
-
-    design = design_of(folder)
-    if design.get("verb") == "basin_fractions":
-        raise InputError("figure must be of a sweep or basin, got a study of basin fractions")
-    axes = {name: each for name in ALL_PARAMETERS if isinstance(each := design.get(name), list)}
-    if design.get("verb") == "bifurcation_diagram":
-        check_one_varies([name for name, each in axes.items() if len(each) > 1])
-        return 1
-    over_speed = design.get("verb") not in {"run_ups", "continue_attractors"}
-    points = math.prod(
-        len(each) for name, each in axes.items() if not over_speed or name != "omega"
-    )
-    if design.get("verb") == "continue_attractors":
-        check_varies(points)
-        return 1
-    return points
