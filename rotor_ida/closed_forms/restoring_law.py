@@ -55,11 +55,7 @@ def stiffnesses(
 
 @dataclass(frozen=True, slots=True)
 class RestoringLaw:
-    """Stiffness of contact and shaft, and friction, of one rotor [dimensionless].
-
-    The amplitude A, the force ``g(A) = f(A) + kappa A`` of contact and shaft together, and
-    ``W = A f'(A) - f(A)`` are polynomials in ``u = sqrt(A - delta0)``, also for a Hertz contact.
-    """
+    """Stiffness of contact and shaft, and friction, of one rotor [dimensionless]."""
 
     delta0: float
     shaft_stiffness: float = 0.0
@@ -102,26 +98,12 @@ class RestoringLaw:
         }
 
     def forces(self, u: Values) -> tuple[Values, Values, Values]:
-        """Return A, g and W at ``u = sqrt(A - delta0)``."""
+        """Return A, ``g = f(A) + kappa A`` and ``W = A f' - f`` at ``u = sqrt(A - delta0)``."""
         square = u * u
         A = self.delta0 + square
         if self.hertz:
             return A, square * u + self.shaft_stiffness * A, 0.5 * u * (A + 2.0 * self.delta0)
         return A, square + self.shaft_stiffness * A, self.delta0 + 0.0 * u
-
-    def slopes(self, u: Values) -> tuple[Values, Values]:
-        """Return the derivatives of g and W by A."""
-        if self.hertz:
-            return 1.5 * u + self.shaft_stiffness, 0.75 * (self.delta0 + u * u) / u
-        return 1.0 + self.shaft_stiffness + 0.0 * u, 0.0 * u
-
-    def polynomials(self) -> tuple[np.poly1d, np.poly1d, np.poly1d]:
-        """Return A, g and 2 W as polynomials in u."""
-        u = np.poly1d([1.0, 0.0])
-        A = u * u + self.delta0
-        if self.hertz:
-            return A, u * u * u + self.shaft_stiffness * A, u * (A + 2.0 * self.delta0)
-        return A, u * u + self.shaft_stiffness * A, np.poly1d([2.0 * self.delta0])
 
     def stiffness(self, A: Values) -> Values:
         """Return ``g/A`` at amplitudes."""
