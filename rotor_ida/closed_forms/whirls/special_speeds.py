@@ -27,7 +27,7 @@ from rotor_ida.checks import (
     check_progress,
     shown,
 )
-from rotor_ida.closed_forms.linear_motions import growth_thresholds, linear_motions
+from rotor_ida.closed_forms.linear_motions import linear_motions
 from rotor_ida.closed_forms.whirls.at_speeds import MOST_TOUCHING, touching_sets
 from rotor_ida.closed_forms.whirls.branches import (
     Branches,
@@ -40,8 +40,9 @@ from rotor_ida.closed_forms.whirls.branches import (
 from rotor_ida.closed_forms.whirls.synchronous import whirls_of_system
 from rotor_ida.closed_forms.whirls.turning_axes import NEUTRAL
 from rotor_ida.errors import InputError
-from rotor_ida.model.assembly import Assembly, assemble
+from rotor_ida.model.assembly import Assembly, assemble, canonical
 from rotor_ida.model.axisymmetric import check_masses, forward_motions, no_circles
+from rotor_ida.model.growth import growth_between
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.model.system_parts import check_clearances
 from rotor_ida.parallel import Progress, shows_progress
@@ -134,10 +135,7 @@ def special_speeds(
     assembly = assemble(system, speeds=speeds)
     check_clearances(assembly.contacts)
     check_masses(assembly)
-    found = [
-        _Point(at, "threshold", (), np.zeros(0), whirl_speed=whirl_speed)
-        for at, whirl_speed in growth_thresholds(linear_motions(assembly), speeds)
-    ]
+    found = _thresholds(assembly, low, high, speeds.size)
     told: dict[str, object] = {"limits": np.array([low, high]), "points": points}
     report = check_progress(progress)
     try:
@@ -147,6 +145,19 @@ def special_speeds(
     problem = RubProblem(assembly, forward_motions(assembly))
     others = (each for each in _special_points(problem, speeds, report) if _is_free(problem, each))
     return _dataset(assembly, [*found, *others], problem, whirls).assign_attrs(told)
+
+
+def _thresholds(assembly: Assembly, low: float, high: float, points: int) -> list[_Point]:
+    """Return the speeds at which the motion without contact begins or ceases to grow."""
+    motions, found = linear_motions(assembly), []
+    for speed in np.ravel(growth_between(canonical(assembly), low, high, points)).tolist():
+        if low < speed < high:
+            here = motions.at(0.0, speed)
+            fastest = int(np.argmax(np.where(here.seen, here.eigenvalues.real, -np.inf)))
+            whirl_speed = abs(float(here.eigenvalues[fastest].imag))
+            whirl_speed = -whirl_speed if here.senses[fastest] < 0 else whirl_speed
+            found.append(_Point(speed, "threshold", (), np.zeros(0), whirl_speed=whirl_speed))
+    return found
 
 
 def _limits(given: object) -> tuple[float, float]:
