@@ -18,7 +18,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import listed
 from rotor_ida.closed_forms.curve_polynomials import equations_of, exact_folds
 from rotor_ida.closed_forms.cusps import Cusp, cusp_of
-from rotor_ida.closed_forms.restoring_law import RestoringLaw
+from rotor_ida.closed_forms.restoring_law import RestoringLaw, checked_law
 from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
 from rotor_ida.closed_forms.synchronous import synchronous_response
 from rotor_ida.errors import InputError
@@ -205,15 +205,7 @@ def cusp_zeta(
     >>> round(cusp_zeta(0.0), 8)
     0.15604517
     """
-    law = RestoringLaw.checked(
-        {
-            "delta0": delta0,
-            "shaft_stiffness": shaft_stiffness,
-            "contact_exponent": contact_exponent,
-            "friction": friction,
-        },
-        RANGES,
-    )
+    law = checked_law(delta0, shaft_stiffness, contact_exponent, friction, RANGES)
     return cusp_of(law).zeta
 
 

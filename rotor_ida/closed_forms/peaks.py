@@ -11,9 +11,9 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_nonnegative, check_positive
 from rotor_ida.closed_forms.curve_polynomials import CurveEquations, Tip, exact_tips, flanks
-from rotor_ida.closed_forms.restoring_law import RestoringLaw, force
+from rotor_ida.closed_forms.restoring_law import RestoringLaw, checked_law
 from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
-from rotor_ida.model.contact import HERTZ_EXPONENT
+from rotor_ida.model.contact import HERTZ_EXPONENT, contact_force
 from rotor_ida.model.parameters import Parameters
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema import labelled_dataset
@@ -64,13 +64,7 @@ def backbone(
     >>> backbone([1.0, 16.0], shaft_stiffness=8.0, contact_exponent=1.0)
     array([3., 3.])
     """
-    law = RestoringLaw.checked(
-        {
-            "delta0": delta0,
-            "shaft_stiffness": shaft_stiffness,
-            "contact_exponent": contact_exponent,
-        }
-    )
+    law = checked_law(delta0, shaft_stiffness, contact_exponent)
     A = check_axis("amplitude", amplitude, largest=LARGEST_NUMBER)
     return np.asarray(np.sqrt(law.stiffness(A)))
 
@@ -127,15 +121,7 @@ def speeds_at_amplitude(
     """
     damping = check_nonnegative("zeta", zeta, LARGEST_NUMBER)
     A = check_axis("amplitude", amplitude, largest=LARGEST_NUMBER)
-    law = RestoringLaw.checked(
-        {
-            "delta0": delta0,
-            "shaft_stiffness": shaft_stiffness,
-            "contact_exponent": contact_exponent,
-            "friction": friction,
-        },
-        _RANGES,
-    )
+    law = checked_law(delta0, shaft_stiffness, contact_exponent, friction, _RANGES)
     slower, faster = np.full((2, A.size), np.nan)
     touching = np.nonzero(law.delta0 < A)[0]
     radii = A[touching]
@@ -224,15 +210,7 @@ def peak_amplitude(
     >>> round(tip, 6), speeds_at_amplitude(tip - 1e-9, zeta=0.07, delta0=0.0).round(3).tolist()
     (13.7..., [[1.9..., 1.9...]])
     """
-    law = RestoringLaw.checked(
-        {
-            "delta0": delta0,
-            "shaft_stiffness": shaft_stiffness,
-            "contact_exponent": contact_exponent,
-            "friction": friction,
-        },
-        _RANGES,
-    )
+    law = checked_law(delta0, shaft_stiffness, contact_exponent, friction, _RANGES)
     check = check_nonnegative if law.friction > 0.0 else check_positive
     damping = check_axis(
         "zeta", check("zeta", zeta), smallest=SMALLEST_DAMPING, largest=LARGEST_NUMBER
@@ -290,7 +268,7 @@ def peaks(rotor: Rotor | None = None, **varied: Unpack[Parameters]) -> xr.Datase
     columns = {
         "peak_amplitude": amplitude,
         "peak_omega": omega,
-        "peak_contact_force": force(amplitude, grid.delta0, grid.contact_exponent),
+        "peak_contact_force": contact_force(amplitude, grid.delta0, grid.contact_exponent),
     }
     contact = "contact" if asked.optional else "Hertz contact"
     return labelled_dataset(
