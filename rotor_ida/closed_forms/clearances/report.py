@@ -40,7 +40,7 @@ from rotor_ida.closed_forms.clearances.response import (
     scales_of,
 )
 from rotor_ida.closed_forms.clearances.rubs import Rubs, Touching, touching_of
-from rotor_ida.closed_forms.clearances.words import sentences
+from rotor_ida.closed_forms.clearances.words import ALLOWED, sentences
 from rotor_ida.closed_forms.whirls.dry_whip import Whip
 from rotor_ida.errors import InputError
 from rotor_ida.model.assembly import Assembly, assemble, canonical
@@ -54,8 +54,6 @@ from rotor_ida.results.si_units import with_system_units
 from rotor_ida.schema import STABILITY, VERDICT, labelled_dataset
 from rotor_ida.units import SPEED_UNITS
 
-# Largest share of the diametral clearance.
-ALLOWED = 0.75
 # Vibration limit [m] up to a speed [rpm], and its part of the speed above.
 LIMIT, LIMIT_SPEED = 25.4e-6, 12_000.0
 MOST_POINTS = 20_000
