@@ -62,8 +62,8 @@ def backward_whirl(rotor: Rotor) -> xr.Dataset:
     Raises
     ------
     InputError
-        If `rotor` is not a `Rotor`, has friction below 1e-20, no disc radius or a load, or a
-        parameter is above 1e15.
+        If `rotor` is not a `Rotor`, has friction below 1e-20 or a load, or a parameter is above
+        1e15.
 
     Notes
     -----
@@ -147,8 +147,6 @@ def _checked(rotor: Rotor) -> float:
     check_instance("rotor", rotor, Rotor)
     if rotor.friction == 0.0:
         raise InputError("friction must be above 0 for a backward whirl, got 0.0")
-    if rotor.disc_radius is None:
-        raise InputError("disc_radius must be given for a backward whirl, got None")
     check_no_load(rotor.load, "a backward whirl")
     for name in ("omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "friction"):
         check_nonnegative(name, getattr(rotor, name), LARGEST_NUMBER)
