@@ -106,7 +106,7 @@ class CurveEquations:
     @property
     def curve(self) -> Equation:
         """P, by powers of the speed."""
-        A, f, _, g, _ = self.terms.all
+        A, f, _, g, _ = self.terms
         zeta, mu = Fraction(self.zeta), Fraction(self.law.friction)
         return (
             g * g + constant(mu * mu) * f * f,
@@ -119,7 +119,7 @@ class CurveEquations:
     @property
     def fold(self) -> Equation:
         """``A D``, by powers of the speed."""
-        A, f, slope, g, K = self.terms.all
+        A, f, slope, g, K = self.terms
         zeta, mu = Fraction(self.zeta), Fraction(self.law.friction)
         return (
             g * K + constant(mu * mu) * f * slope,
@@ -132,7 +132,7 @@ class CurveEquations:
     @property
     def hopf(self) -> Equation:
         """Hurwitz' determinant times ``A**2``, by powers of the speed."""
-        A, f, _, g, K = self.terms.all
+        A, f, _, g, K = self.terms
         c, mu = constant(Fraction(self.contact_damping)), constant(Fraction(self.law.friction))
         two, two_zeta = constant(2), constant(2 * Fraction(self.zeta))
         m = two_zeta + c * f
@@ -146,7 +146,7 @@ class CurveEquations:
     @property
     def a1(self) -> Equation:
         """The coefficient of the eigenvalue's first power, times A, by powers of the speed."""
-        A, f, slope, g, K = self.terms.all
+        A, f, slope, g, K = self.terms
         c, mu = constant(Fraction(self.contact_damping)), constant(Fraction(self.law.friction))
         two, two_zeta = constant(2), constant(2 * Fraction(self.zeta))
         m = two_zeta + c * f
@@ -167,17 +167,12 @@ class CurveEquations:
         return float(Fraction(self.law.delta0) + (root * root if self.law.hertz else root))
 
 
-@dataclass(frozen=True, slots=True)
-class _Terms:
+class _Terms(NamedTuple):
     A: Polynomial
     f: Polynomial
     slope: Polynomial  # of f by A
     g: Polynomial  # with the shaft
     K: Polynomial  # slope of g by A
-
-    @property
-    def all(self) -> tuple[Polynomial, Polynomial, Polynomial, Polynomial, Polynomial]:
-        return self.A, self.f, self.slope, self.g, self.K
 
 
 def equations_of(rotors: RotorColumns) -> list[CurveEquations]:
@@ -242,8 +237,8 @@ def exact_tips(equations: CurveEquations) -> list[Tip]:
     if not roots:
         return []
     exists = []
-    for low, high in pairwise([begin, *roots, 2 * roots[-1]]):
-        curve = [each((low + high) / 2) for each in equations.curve]
+    for below, above in pairwise([begin, *roots, 2 * roots[-1]]):
+        curve = [each((below + above) / 2) for each in equations.curve]
         exists.append(bool(isolated_roots(Polynomial(tuple(curve)))))
     found = []
     for root, (before, after) in zip(roots, pairwise(exists), strict=True):

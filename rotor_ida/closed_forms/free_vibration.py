@@ -268,7 +268,7 @@ def free_periods(
     )
     check_points(clearances, sizes)
     given = {"shaft_stiffness": shaft_stiffness, "contact_exponent": contact_exponent}
-    coordinates = checked_law(**given).coordinates
+    coordinates = checked_law(0.0, shaft_stiffness, contact_exponent).coordinates
     contact = "contact" if coordinates else "Hertz contact"
     periods = {"circular_period": circular_period, "planar_period": planar_period}
     variables = {

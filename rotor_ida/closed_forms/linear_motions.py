@@ -86,13 +86,13 @@ class LinearMotions:
         """Return the motions at a speed."""
         stiffness, damping = self.held(spring, omega)
         resisted = damping + omega * self.gyroscopic
-        first_order = _first_order(stiffness, resisted)
+        matrix = first_order(stiffness, resisted)
         spin = -1.0 if omega < 0.0 else 1.0
         if self.nodes is None:
-            found = _exact(np.linalg.eigvals(first_order), stiffness, resisted)
+            found = _exact(np.linalg.eigvals(matrix), stiffness, resisted)
             senses = spin * np.sign(found.imag)
             return Motions(found, senses.astype(np.int8), np.ones(found.size, bool))
-        found, vectors = np.linalg.eig(first_order)
+        found, vectors = np.linalg.eig(matrix)
         found = _exact(found, stiffness, resisted)
         chosen = found.imag >= 0.0
         found, shapes = found[chosen], vectors[: len(stiffness), chosen]
@@ -117,7 +117,7 @@ class LinearMotions:
         def at(speed: float) -> Motion:
             omega = side * speed
             stiffness, damping = self.held(spring, omega)
-            left = _first_order(stiffness, damping + omega * self.gyroscopic)
+            left = first_order(stiffness, damping + omega * self.gyroscopic)
             slope = np.zeros_like(left)
             slope[size:, size:] = -side * self.gyroscopic
             if self.films:
@@ -201,7 +201,8 @@ def _exact(
     return np.where(rounded, 1j * found.imag, found)
 
 
-def _first_order(stiffness: npt.NDArray[Any], damping: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """Return the matrix of ``(p, p')`` for ``p'' + C p' + K p = 0``."""
-    one = np.eye(len(stiffness))
-    return np.block([[np.zeros_like(one), one], [-stiffness, -damping]])
+def first_order(stiffness: npt.NDArray[Any], damping: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Return the matrices of ``(p, p')`` for ``p'' + C p' + K p = 0``, shape (..., 2 n, 2 n)."""
+    stiffness, damping = np.broadcast_arrays(stiffness, damping)
+    one = np.broadcast_to(np.eye(stiffness.shape[-1]), stiffness.shape)
+    return np.block([[0.0 * one, one], [-stiffness, -damping]])

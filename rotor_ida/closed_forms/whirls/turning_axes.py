@@ -21,6 +21,7 @@ import numpy as np
 
 from rotor_ida.arrays import ComplexValues, Flags, Values
 from rotor_ida.closed_forms.contacting_whirls import Rows
+from rotor_ida.closed_forms.linear_motions import first_order
 from rotor_ida.model.axisymmetric import ForwardMotions
 from rotor_ida.model.system_parts import Contact
 
@@ -65,13 +66,9 @@ def normal_forces(contacts: Sequence[Contact], depths: Values) -> Values:
 
 def eigenvalues_without_contact(motions: ForwardMotions, speeds: Values) -> ComplexValues:
     """Return the eigenvalues of free motions at speeds, on fixed axes, shape (speed, 2 n)."""
-    size = motions.size
-    matrix = np.zeros((speeds.size, 2 * size, 2 * size), complex)
-    matrix[:, :size, size:] = np.eye(size)
-    matrix[:, size:, :size] = -motions.stiffness_at(speeds)
-    turning = speeds[:, np.newaxis, np.newaxis] * motions.gyroscopic
-    matrix[:, size:, size:] = -motions.damping_at(speeds) - turning
-    return np.linalg.eigvals(matrix).astype(np.complex128)
+    resisted = motions.damping_at(speeds) + speeds[:, np.newaxis, np.newaxis] * motions.gyroscopic
+    found = np.linalg.eigvals(first_order(motions.stiffness_at(speeds), resisted))
+    return found.astype(np.complex128)
 
 
 def eigenvalues_in_contact(
@@ -94,12 +91,11 @@ def _matrices(
     motions: ForwardMotions, contacts: Sequence[Contact], speeds: Values, whirls: Whirls
 ) -> Values:
     """Return the real matrices of ``(Re p, Im p, Re p', Im p')``, shape (whirl, 4 n, 4 n)."""
-    half = 2 * motions.size
     omega = speeds[:, np.newaxis, np.newaxis]
     resisted = motions.damping_at(speeds) + omega * motions.gyroscopic
     one = np.eye(motions.size)
-    stiffness = _real(motions.stiffness_at(speeds) - omega**2 * one + 1j * omega * resisted)
-    damping = _real(resisted + 2j * omega * one)
+    stiffness = as_real(motions.stiffness_at(speeds) - omega**2 * one + 1j * omega * resisted)
+    damping = as_real(resisted + 2j * omega * one)
     forces = normal_forces(contacts, whirls.depth)
     for number, contact in enumerate(contacts):
         touching = whirls.touches[:, number]
@@ -120,19 +116,9 @@ def _matrices(
         stiffness[touching] += pushed @ (np.stack(stiff, axis=1)[:, :, np.newaxis] * rows)
         drag = (contact.damping * force)[:, np.newaxis, np.newaxis]
         damping[touching] += pushed[:, :, :1] @ (drag * rows[:, :1])
-    matrix = np.zeros((speeds.size, 2 * half, 2 * half))
-    matrix[:, :half, half:] = np.eye(half)
-    matrix[:, half:, :half] = -stiffness
-    matrix[:, half:, half:] = -damping
-    return matrix
+    return first_order(stiffness, damping)
 
 
-def _real(matrices: ComplexValues) -> Values:
+def as_real(matrices: ComplexValues) -> Values:
     """Return complex matrices as real ones of the real and imaginary parts."""
-    return np.concatenate(
-        [
-            np.concatenate([matrices.real, -matrices.imag], axis=-1),
-            np.concatenate([matrices.imag, matrices.real], axis=-1),
-        ],
-        axis=-2,
-    )
+    return np.block([[matrices.real, -matrices.imag], [matrices.imag, matrices.real]])
