@@ -21,7 +21,7 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import LARGEST_NUMBER, check_axis, shown
+from rotor_ida.checks import LARGEST_NUMBER, check_axis
 from rotor_ida.closed_forms.restoring_law import stiffnesses
 from rotor_ida.closed_forms.rotor_columns import RotorColumns
 from rotor_ida.closed_forms.stability import eigenvalues_of
@@ -262,5 +262,8 @@ def checked_limits(limits: object, *, smallest: float = 0.0) -> tuple[float, flo
     """Return the two ends of a range."""
     ends = check_axis("limits", limits, smallest=smallest, largest=LARGEST_NUMBER)
     if ends.size != 2 or ends[0] >= ends[1]:
-        raise InputError(f"limits must be two numbers, the lower first, got {shown(limits)}")
+        raise InputError(
+            "{name} must be two numbers, the lower first, got {value}",
+            name="limits", value=tuple(ends.tolist()),
+        )  # fmt: skip
     return float(ends[0]), float(ends[1])

@@ -19,14 +19,8 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Column, ComplexValues, Values
-from rotor_ida.checks import (
-    LARGEST_NUMBER,
-    check_array,
-    check_axis,
-    check_count,
-    check_progress,
-    shown,
-)
+from rotor_ida.checks import check_count, check_progress
+from rotor_ida.closed_forms.curve_tracing import checked_limits
 from rotor_ida.closed_forms.linear_motions import linear_motions
 from rotor_ida.closed_forms.whirls.at_speeds import MOST_TOUCHING, touching_sets
 from rotor_ida.closed_forms.whirls.branches import (
@@ -130,7 +124,7 @@ def special_speeds(
     (array([1.340701, 1.859769]), array([1, 1], dtype=int8))
     """
     system = changed_system(special_speeds, system, changed)
-    low, high = _limits(limits)
+    low, high = checked_limits(limits)
     speeds = np.linspace(low, high, check_count("points", points, 2, MOST_POINTS))
     assembly = assemble(system, speeds=speeds)
     check_clearances(assembly.contacts)
@@ -158,20 +152,6 @@ def _thresholds(assembly: Assembly, low: float, high: float, points: int) -> lis
             whirl_speed = -whirl_speed if here.senses[fastest] < 0 else whirl_speed
             found.append(_Point(speed, "threshold", (), np.zeros(0), whirl_speed=whirl_speed))
     return found
-
-
-def _limits(given: object) -> tuple[float, float]:
-    """Return the lowest and the highest speed."""
-    ends = check_array("limits", given)
-    if ends.shape != (2,):
-        raise InputError(f"limits must be two speeds, got {shown(given)}")
-    low, high = check_axis("limits", ends, largest=LARGEST_NUMBER).tolist()
-    if not low < high:
-        raise InputError(
-            "{name} must be two speeds, the lower one first, got {value}",
-            name="limits", value=(low, high),
-        )  # fmt: skip
-    return low, high
 
 
 def _special_points(
