@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Unpack
 
 import numpy as np
@@ -36,7 +37,6 @@ from rotor_ida.closed_forms.clearances.response import (
     own_mass,
     peaks_of,
     response_to,
-    scaled,
     scales_of,
 )
 from rotor_ida.closed_forms.clearances.rubs import Rubs, Touching, touching_of
@@ -195,7 +195,7 @@ def clearance_report(
                 speed=mode.speed,
             )
     if system.unbalance:
-        cases: Cases = [[scaled(each, multiple) for each in system.unbalance]]
+        cases: Cases = [[replace(each, moment=multiple * each.moment) for each in system.unbalance]]
         own = [0] * len(modes)
     elif system.units != "SI":
         raise InputError("unbalance must be given without SI units, got None")
