@@ -29,7 +29,7 @@ import xarray as xr
 
 from rotor_ida.checks import LARGEST_NUMBER, check_instance, check_nonnegative
 from rotor_ida.closed_forms.contacting_whirls import root_between
-from rotor_ida.closed_forms.rest import slowest_rate
+from rotor_ida.closed_forms.stability import slowest_rate
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import HERTZ_EXPONENT, force_at_depth
 from rotor_ida.model.rotor import Rotor, check_no_load
@@ -117,7 +117,7 @@ def backward_whirl(rotor: Rotor) -> xr.Dataset:
         radius = rotor.delta0 + settled
         force, slope = force_at_depth(settled, rotor.contact_exponent)
         stiffness = kappa + slope + (surface / radius) ** 2
-        growth = slowest_rate(zeta + 0.5 * c * force, stiffness)
+        growth = float(slowest_rate(zeta + 0.5 * c * force, stiffness))
         rows["rolling"] = radius, -surface / radius, growth, force, 2.0 * zeta * surface
         stability["rolling"] = "stable" if growth < 0.0 else "neutral"
 

@@ -152,6 +152,16 @@ def growth_rate(amplitude: Values, determinant: Values, rotors: RotorColumns) ->
     return np.asarray(_eigenvalues(determinant, amplitude, rotors).real.max(axis=-1))
 
 
+def slowest_rate(damping: Values | float, stiffness: Values | float) -> Values:
+    """Return the largest real part of the roots of ``L**2 + 2 damping L + stiffness``."""
+    loss, kappa = np.broadcast_arrays(np.asarray(damping, float), np.asarray(stiffness, float))
+    frequency = np.sqrt(kappa)
+    creeps = loss > frequency
+    root = np.sqrt(np.maximum((loss - frequency) * (loss + frequency), 0.0))
+    slow = np.divide(kappa, loss + root, out=np.zeros_like(loss), where=creeps)
+    return np.where(creeps, -slow, -loss) + 0.0
+
+
 def checked_whirls(**given: npt.ArrayLike) -> tuple[dict[str, Values], RotorColumns]:
     """Return numbers and arrays of whirls by name, broadcast, and the rotors."""
     arrays = {name: check_array(name, each, largest=LARGEST_NUMBER) for name, each in given.items()}
