@@ -56,7 +56,8 @@ import numpy.typing as npt
 from rotor_ida.arrays import Values
 from rotor_ida.basins.kernel import REGION, Rows
 from rotor_ida.closed_forms import synchronous_response
-from rotor_ida.closed_forms.restoring_law import force, stiffnesses
+from rotor_ida.closed_forms.restoring_law import stiffnesses
+from rotor_ida.model.contact import contact_force
 from rotor_ida.model.equations import rotating_jacobian
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema import STABILITY
@@ -230,7 +231,7 @@ class _Problem:
         least, product = np.cos(angle) ** 2, 0.5 * np.sin(2.0 * np.minimum(angle, 0.25 * math.pi))
         radii, damping = np.stack([nearest, farthest]), self.rotor.contact_damping
         tangent, secant = self.stiffnesses(radii)
-        push = force(radii, np.asarray(self.rotor.delta0), np.asarray(self.rotor.contact_exponent))
+        push = contact_force(radii, self.rotor.delta0, self.rotor.contact_exponent)
         change = damping * (w_along + sine * w_across)
         low, high = 1.0 - change, 1.0 + change
         excess = np.sort(tangent - secant, axis=0)

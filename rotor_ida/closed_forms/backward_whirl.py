@@ -28,7 +28,8 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.checks import LARGEST_NUMBER, check_instance, check_nonnegative
-from rotor_ida.closed_forms.rest import slowest_rate
+from rotor_ida.closed_forms.contacting_whirls import root_between
+from rotor_ida.closed_forms.stability import slowest_rate
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import HERTZ_EXPONENT, force_at_depth
 from rotor_ida.model.rotor import DimensionalRotor, Rotor, check_no_load
@@ -37,6 +38,8 @@ from rotor_ida.schema import STABILITY, WHIRL_KIND, labelled, labelled_dataset
 
 # With less friction the whirl speed leaves the range of doubles.
 _SMALLEST_FRICTION = 1e-20
+# A bound of a root times this is above it, whatever the rounding.
+_ABOVE = 1.0 + 1e-9
 
 
 @takes_si
@@ -62,8 +65,8 @@ def backward_whirl(rotor: Rotor | DimensionalRotor) -> xr.Dataset:
     Raises
     ------
     InputError
-        If `rotor` is not a `Rotor`, has friction below 1e-20, no disc radius or a load, or a
-        parameter is above 1e15.
+        If `rotor` is not a `Rotor`, has friction below 1e-20 or a load, or a parameter is above
+        1e15.
 
     Notes
     -----
@@ -115,7 +118,7 @@ def backward_whirl(rotor: Rotor | DimensionalRotor) -> xr.Dataset:
         radius = rotor.delta0 + settled
         force, slope = force_at_depth(settled, rotor.contact_exponent)
         stiffness = kappa + slope + (surface / radius) ** 2
-        growth = slowest_rate(zeta + 0.5 * c * force, stiffness)
+        growth = float(slowest_rate(zeta + 0.5 * c * force, stiffness))
         rows["rolling"] = radius, -surface / radius, growth, force, 2.0 * zeta * surface
         stability["rolling"] = "stable" if growth < 0.0 else "neutral"
 
@@ -147,8 +150,6 @@ def _checked(rotor: Rotor) -> float:
     """Return the radius of the disc of a rotor that has friction."""
     if rotor.friction == 0.0:
         raise InputError("friction must be above 0 for a backward whirl, got 0.0")
-    if rotor.disc_radius is None:
-        raise InputError("disc_radius must be given for a backward whirl, got None")
     check_no_load(rotor.load, "a backward whirl")
     for name in ("omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "friction"):
         check_nonnegative(name, getattr(rotor, name), LARGEST_NUMBER)
@@ -165,15 +166,8 @@ def _slipping_depth(secant: float, rotor: Rotor) -> float:
     delta0 = rotor.delta0
     if rotor.contact_exponent != HERTZ_EXPONENT:
         return secant * delta0 / (1.0 - secant) if secant < 1.0 else math.nan
-    # u**2 (u - secant) = secant delta0: convex beyond, and Newton's method comes down to the root
-    u = secant + math.cbrt(secant * delta0)
-    for _ in range(100):
-        slope = u * (3.0 * u - 2.0 * secant)
-        lower = u - (u * u * (u - secant) - secant * delta0) / slope if slope > 0.0 else u
-        if lower >= u:
-            break
-        u = lower
-    return u * u
+    highest = _ABOVE * (secant + math.cbrt(secant * delta0))
+    return root_between(lambda u: u * u * (u - secant) - secant * delta0, secant, highest) ** 2
 
 
 def _rolling_depth(rotor: Rotor) -> float:
@@ -187,19 +181,15 @@ def _rolling_depth(rotor: Rotor) -> float:
     if rotor.contact_exponent != HERTZ_EXPONENT:
         first = delta0 * (1.0 + 2.0 * kappa)
         return 2.0 * excess / (first + math.sqrt(first * first + 4.0 * (1.0 + kappa) * excess))
-    # u**5 + kappa u**4 + delta0 u**3 + 2 kappa delta0 u**2 is convex, and none of its terms alone
-    # exceeds the excess at the root
+    # none of the terms alone exceeds the excess at the root
     u = min(math.pow(excess, 0.2), math.cbrt(excess / delta0))
     if kappa > 0.0:
         u = min(u, math.sqrt(excess / (2.0 * kappa * delta0)))
-    for _ in range(100):
-        value = u * u * (u * (u * (u + kappa) + delta0) + 2.0 * kappa * delta0) - excess
-        slope = u * (u * (u * (5.0 * u + 4.0 * kappa) + 3.0 * delta0) + 4.0 * kappa * delta0)
-        lower = u - value / slope
-        if lower >= u:
-            break
-        u = lower
-    return u * u
+
+    def missing(u: float) -> float:
+        return u * u * (u * (u * (u + kappa) + delta0) + 2.0 * kappa * delta0) - excess
+
+    return root_between(missing, 0.0, _ABOVE * u) ** 2
 
 
 def _saddle_rate(rotor: Rotor, radius: float, speed: float, force: float, slope: float) -> float:

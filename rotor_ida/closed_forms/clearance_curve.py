@@ -29,10 +29,9 @@ from rotor_ida.closed_forms.curve_tracing import (
     traced,
 )
 from rotor_ida.closed_forms.peaks import SMALLEST_DAMPING
-from rotor_ida.closed_forms.restoring_law import force
 from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
 from rotor_ida.closed_forms.synchronous import SMALLEST_SPEED, whirls_in_contact
-from rotor_ida.model.contact import HERTZ_EXPONENT
+from rotor_ida.model.contact import HERTZ_EXPONENT, contact_force
 from rotor_ida.model.parameters import Parameters, check_clearance_needed
 from rotor_ida.model.rotor import Rotor
 
@@ -213,7 +212,7 @@ def _pieces(rotor: RotorColumns, limits: tuple[float, float], points: int) -> li
         pieces.append(piece_of(ends, np.full(2, touch), word, in_contact=0))
 
     def lag(A: Values, delta0: Values) -> Values:
-        push = force(A, delta0, rotor.contact_exponent)
+        push = contact_force(A, delta0, rotor.contact_exponent)
         across = 2.0 * zeta * rotor.omega * A + mu * push
         return np.asarray(np.arctan2(across, push - (rotor.omega**2 - kappa) * A))
 

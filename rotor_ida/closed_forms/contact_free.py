@@ -27,7 +27,6 @@ from rotor_ida.closed_forms.exponentials import (
     of_three,
     of_two,
     roots,
-    turn_less_one,
 )
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor
@@ -308,21 +307,11 @@ def flight(
     ------
     InputError
         If a number is not finite, a time lies before `start_time`, `start` is not four numbers, or
-        ``omega t`` exceeds 1e15; with a shaft or a load also if ``sqrt(kappa) t`` or a parameter
-        does.
+        ``omega t``, ``sqrt(kappa) t`` or a parameter exceeds 1e15.
 
     Notes
     -----
-    With tau = t - t0, z0 and v0 the start, ``phi = (1 - exp(-2 zeta tau))/(2 zeta)`` and
-    ``a = -omega/(omega - 2 i zeta)``::
-
-        z = z0 + v0 phi + a exp(i omega t0) [exp(i omega tau) - 1 - i omega phi]
-        v = v0 exp(-2 zeta tau) + i omega a exp(i omega t0) [exp(i omega tau) - exp(-2 zeta tau)]
-
-    Written with ``expm1`` these hold for every zeta and omega, including zero, where phi = tau.
-    Phases ``omega t`` are formed with 32 digits, so late times are as accurate.
-
-    With a shaft or a load, and the roots a and b of ``L**2 + 2 zeta L + kappa``::
+    With tau = t - t0, z0 and v0 the start, and the roots a and b of ``L**2 + 2 zeta L + kappa``::
 
         z = C z0 + S v0 + omega**2 exp(i omega t0) exp[i omega, a, b] - i gamma exp[0, a, b]
         S = exp[a, b],   C = exp(a tau) - a S
@@ -330,7 +319,8 @@ def flight(
     where ``exp[...]`` are divided differences of ``exp(x tau)`` by x: S is the response to a unit
     impulse, and the two others are those to ``exp(i omega tau)`` and to a unit step. They are
     computed without cancellation near critical damping, ``kappa = zeta**2``, in resonance, and as
-    kappa tends to 0.
+    kappa or zeta tends to 0. Phases ``omega t`` are formed with 32 digits, so late times are as
+    accurate.
 
     References
     ----------
@@ -354,35 +344,19 @@ def flight(
         raise InputError(
             f"time must be finite and not before start_time = {began!r}, got {float(early[0])!r}"
         )
-    omega, zeta = rotor.omega, rotor.zeta
+    omega = rotor.omega
     if omega * max(abs(began), np.max(np.abs(times), initial=0.0)) > _LARGEST_PHASE:
         raise InputError(f"omega * time must be at most {_LARGEST_PHASE:g}, got omega = {omega!r}")
 
     elapsed = DoubleDouble.of(times) - DoubleDouble.of(began)
-    if rotor.shaft_stiffness > 0.0 or rotor.load > 0.0:
-        begins = complex(x, y), complex(vx, vy)
-        return _parts(*_held_flight(rotor, *begins, began, elapsed))
-    reach = _reach(elapsed.high, zeta)
-    turned = turn_less_one(DoubleDouble.of(np.full_like(elapsed.high, omega)), elapsed)
-    decay_less_one = np.expm1(-2.0 * zeta * elapsed.high)
-    whirl = complex_amplitude(omega, zeta) * (1.0 + _turned(omega, began))
-
-    start_velocity = complex(vx, vy)
-    position = complex(x, y) + start_velocity * reach
-    position = position + whirl * (turned - 1j * omega * reach)
-    velocity = start_velocity * (1.0 + decay_less_one)
-    velocity = velocity + 1j * omega * whirl * (turned - decay_less_one)
-    return _parts(position, velocity)
+    z, v = _flight(rotor, complex(x, y), complex(vx, vy), began, elapsed)
+    return np.stack([z.real, z.imag, v.real, v.imag])
 
 
-def _parts(position: ComplexValues, velocity: ComplexValues) -> Values:
-    return np.stack([position.real, position.imag, velocity.real, velocity.imag])
-
-
-def _held_flight(
+def _flight(
     rotor: Rotor, position: complex, velocity: complex, began: float, elapsed: DoubleDouble
 ) -> tuple[ComplexValues, ComplexValues]:
-    """Return position and velocity with a shaft or a load, from those at the start."""
+    """Return position and velocity, from those at the start."""
     omega, kappa = rotor.omega, rotor.shaft_stiffness
     for name in ("omega", "zeta", "shaft_stiffness", "load"):
         check_nonnegative(name, getattr(rotor, name), LARGEST_NUMBER)
@@ -409,21 +383,7 @@ def _held_flight(
         slowest = min(range(3), key=lambda place: abs(rates[place].value))
         one, other = (rate for place, rate in enumerate(rates) if place != slowest)
         driven_rate = rates[slowest].value * driven + of_two(one, other, elapsed)
-        push = omega * omega * (1.0 + _turned(omega, began))
+        push = omega * omega * of_one(rates[0], DoubleDouble.of(began))
         position_then = position_then + push * driven
         velocity_then = velocity_then + push * driven_rate
     return position_then, velocity_then
-
-
-def _reach(elapsed: Values, zeta: float) -> Values:
-    """Return ``(1 - exp(-2 zeta tau))/(2 zeta)``: the distance covered from unit velocity."""
-    exponent = 2.0 * zeta * elapsed
-    shrinking = np.divide(
-        -np.expm1(-exponent), exponent, out=np.ones_like(exponent), where=exponent > 1e-300
-    )
-    return np.asarray(elapsed * shrinking)
-
-
-def _turned(omega: float, time: float) -> ComplexValues:
-    """Return ``exp(i omega t) - 1``."""
-    return turn_less_one(DoubleDouble.of(omega), DoubleDouble.of(time))

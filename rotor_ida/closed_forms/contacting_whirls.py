@@ -150,9 +150,9 @@ def contacting_whirls(rotors: RotorColumns) -> ContactingWhirls:
     determinant = np.where(found.rising, size, -size)
     shape = found.shape
     return ContactingWhirls(
-        amplitude=_packed(amplitude, rows, shape),
-        phase_lag=_packed(lag, rows, shape),
-        determinant=_packed(determinant, rows, shape),
+        amplitude=packed(amplitude, rows, shape),
+        phase_lag=packed(lag, rows, shape),
+        determinant=packed(determinant, rows, shape),
         contact_free=contact_free,
     )
 
@@ -307,7 +307,7 @@ def _polished(
     return DoubleDouble.of(u) + DoubleDouble.of(correction)
 
 
-def _packed(values: Values, rows: Rows, shape: tuple[int, ...]) -> Values:
+def packed(values: Values, rows: Rows, shape: tuple[int, ...]) -> Values:
     """Return the `values` of each row moved to the front, followed by NaN."""
     packed = np.full(shape, np.nan)
     first = np.searchsorted(rows, rows)  # rows are sorted: how many came before this row

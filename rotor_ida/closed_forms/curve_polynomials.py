@@ -36,7 +36,7 @@ import math
 from dataclasses import dataclass
 from fractions import Fraction
 from functools import cached_property, lru_cache
-from itertools import combinations, pairwise
+from itertools import combinations, pairwise, takewhile
 from typing import NamedTuple
 
 import numpy as np
@@ -106,7 +106,7 @@ class CurveEquations:
     @property
     def curve(self) -> Equation:
         """P, by powers of the speed."""
-        A, f, _, g, _ = self.terms.all
+        A, f, _, g, _ = self.terms
         zeta, mu = Fraction(self.zeta), Fraction(self.law.friction)
         return (
             g * g + constant(mu * mu) * f * f,
@@ -119,7 +119,7 @@ class CurveEquations:
     @property
     def fold(self) -> Equation:
         """``A D``, by powers of the speed."""
-        A, f, slope, g, K = self.terms.all
+        A, f, slope, g, K = self.terms
         zeta, mu = Fraction(self.zeta), Fraction(self.law.friction)
         return (
             g * K + constant(mu * mu) * f * slope,
@@ -132,7 +132,7 @@ class CurveEquations:
     @property
     def hopf(self) -> Equation:
         """Hurwitz' determinant times ``A**2``, by powers of the speed."""
-        A, f, _, g, K = self.terms.all
+        A, f, _, g, K = self.terms
         c, mu = constant(Fraction(self.contact_damping)), constant(Fraction(self.law.friction))
         two, two_zeta = constant(2), constant(2 * Fraction(self.zeta))
         m = two_zeta + c * f
@@ -146,7 +146,7 @@ class CurveEquations:
     @property
     def a1(self) -> Equation:
         """The coefficient of the eigenvalue's first power, times A, by powers of the speed."""
-        A, f, slope, g, K = self.terms.all
+        A, f, slope, g, K = self.terms
         c, mu = constant(Fraction(self.contact_damping)), constant(Fraction(self.law.friction))
         two, two_zeta = constant(2), constant(2 * Fraction(self.zeta))
         m = two_zeta + c * f
@@ -167,17 +167,12 @@ class CurveEquations:
         return float(Fraction(self.law.delta0) + (root * root if self.law.hertz else root))
 
 
-@dataclass(frozen=True, slots=True)
-class _Terms:
+class _Terms(NamedTuple):
     A: Polynomial
     f: Polynomial
     slope: Polynomial  # of f by A
     g: Polynomial  # with the shaft
     K: Polynomial  # slope of g by A
-
-    @property
-    def all(self) -> tuple[Polynomial, Polynomial, Polynomial, Polynomial, Polynomial]:
-        return self.A, self.f, self.slope, self.g, self.K
 
 
 def equations_of(rotors: RotorColumns) -> list[CurveEquations]:
@@ -219,8 +214,12 @@ def exact_tips(equations: CurveEquations) -> list[Tip]:
     """Return amplitude, above 1, and speed where the flanks meet, in order of amplitude.
 
     There P has a double root: its discriminant in the speed, without the factor ``A**2 - 1``,
-    vanishes. On one side of a tip there are two speeds, on the other none.
+    vanishes. On one side of a tip there are two speeds, on the other none. Without damping and
+    friction the flanks never meet.
     """
+    law = equations.law
+    if equations.zeta == 0.0 and law.friction == 0.0:
+        return []
     c0, c1, c2, _, c4 = equations.curve
     if _vanishes(c1):
         discriminant = c2 * c2 - constant(4) * c4 * c0
@@ -231,21 +230,22 @@ def exact_tips(equations: CurveEquations) -> list[Tip]:
             + c4 * odd * (constant(144) * c2 * c0 - constant(27) * odd)
             + c2 * c2 * c2 * (constant(16) * c2 * c0 - constant(4) * odd)
         )
-    law = equations.law
-    begin = Fraction(max(1.0 - law.delta0, 0.0))
-    begin = Fraction(math.sqrt(begin)) if law.hertz else begin
+    begin = max(1 - Fraction(law.delta0), Fraction(0))
+    begin = _square_root(begin) if law.hertz else begin
     roots = [root.narrowed(FINER[0])[0] for root in isolated_roots(discriminant)]
     roots = [root for root in roots if root > begin]
     if not roots:
         return []
-    edges = [begin, *roots, 2 * roots[-1]]
-    between = np.array([equations.amplitude((low + high) / 2) for low, high in pairwise(edges)])
-    exists = flanks(between, equations)[2].tolist()
-    return [
-        Tip(A := equations.amplitude(root), float(_lowest_speed(np.array([A]), equations)[0]))
-        for root, (before, after) in zip(roots, pairwise(exists), strict=True)
-        if before != after
-    ]
+    exists = []
+    for below, above in pairwise([begin, *roots, 2 * roots[-1]]):
+        curve = [each((below + above) / 2) for each in equations.curve]
+        exists.append(bool(isolated_roots(Polynomial(tuple(curve)))))
+    found = []
+    for root, (before, after) in zip(roots, pairwise(exists), strict=True):
+        if before != after:
+            terms = (np.array([float(each(root))]) for each in (c0, c1, c4))
+            found.append(Tip(equations.amplitude(root), float(_lowest_speed(*terms)[0])))
+    return found
 
 
 def flanks(A: Values, equations: CurveEquations) -> tuple[Values, Values, npt.NDArray[np.bool_]]:
@@ -264,7 +264,7 @@ def flanks(A: Values, equations: CurveEquations) -> tuple[Values, Values, npt.ND
     coefficients = _coefficients(A, equations)
     c0, c1, c2, c4 = (each.high for each in coefficients)
     above = A > 1.0
-    lowest = np.where(above, _lowest_speed(A, equations), 0.0)
+    lowest = np.where(above, _lowest_speed(c0, c1, np.where(above, c4, 1.0)), 0.0)
     size = np.where(c4 == 0.0, np.maximum(-c2, 0.0), np.abs(c4))
     with np.errstate(divide="ignore", invalid="ignore"):
         shares = (np.maximum(np.abs(c2) / size, 0.0), np.cbrt(c1 / size), np.sqrt(c0 / size))
@@ -324,10 +324,8 @@ def _value(w: Values, coefficients: tuple[DoubleDouble, ...]) -> tuple[Values, V
     return value.high, slope
 
 
-def _lowest_speed(A: Values, equations: CurveEquations) -> Values:
+def _lowest_speed(c0: Values, c1: Values, c4: Values) -> Values:
     """Return the speed at which ``P/w**2`` is least, ``2 c4 w**4 = c1 w + 2 c0``, for ``A > 1``."""
-    c0, c1, _, c4 = (each.high for each in _coefficients(A, equations))
-    c4 = np.where(A > 1.0, c4, 1.0)
     w = np.maximum(np.cbrt(c1 / c4), np.sqrt(np.sqrt(2.0 * c0 / c4)))
     for _ in range(60):  # down from above on a convex function
         slope = 8.0 * c4 * w**3 - c1
@@ -358,11 +356,22 @@ def _crossings(first: Equation, second: Equation) -> list[tuple[Fraction, Fracti
     even = all(_vanishes(each) for equation in (first, second) for each in equation[1::2])
     if even:  # in the square of the speed: otherwise every root would be double
         first, second = first[::2], second[::2]
+    first, second = _whole(first), _whole(second)
+    eliminant = _resultant(first, second)
+    for _ in takewhile(_vanishes, reversed(second)):  # there both are 0 at infinite speed
+        eliminant = eliminant // first[-1]
     found = []
-    for root in isolated_roots(_resultant(first, second)):
+    for root in isolated_roots(eliminant):
         place, speeds = _speeds_at(root, first, second)
         found += [(place, _square_root(w) if even else w) for w in speeds if w > 0]
     return found
+
+
+def _whole(equation: Equation) -> Equation:
+    """Return an equation times a number that makes all coefficients whole, as they are faster."""
+    below = math.lcm(*(part.denominator for each in equation for part in each.coefficients))
+    return tuple(Polynomial(tuple(int(part * below) for part in each.coefficients))
+                 for each in equation)  # fmt: skip
 
 
 def _square_root(value: Fraction) -> Fraction:

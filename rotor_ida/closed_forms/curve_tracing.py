@@ -21,10 +21,10 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import LARGEST_NUMBER, check_axis, shown
+from rotor_ida.checks import LARGEST_NUMBER, check_axis
 from rotor_ida.closed_forms.restoring_law import stiffnesses
 from rotor_ida.closed_forms.rotor_columns import RotorColumns
-from rotor_ida.closed_forms.stability import eigenvalues
+from rotor_ida.closed_forms.stability import eigenvalues_of
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import HERTZ_EXPONENT
 from rotor_ida.model.varied import Varied
@@ -199,8 +199,7 @@ def driven(piece: Piece, varied: str, rotor: RotorColumns) -> Piece:
     if not chosen.size:
         return piece
     at = rotors[chosen]
-    given = {name: each for name, each in asdict(at).items() if name != "load"}
-    rates = eigenvalues(piece.amplitude[chosen], **given).real.max(axis=-1)
+    rates = eigenvalues_of(piece.amplitude[chosen], at).real.max(axis=-1)
     stability = piece.stability.copy()
     # at a fold one eigenvalue is 0, up to rounding
     stability[chosen] = np.where(rates > 1e-10 * at.omega, unstable, STABILITY["stable"])
@@ -263,5 +262,8 @@ def checked_limits(limits: object, *, smallest: float = 0.0) -> tuple[float, flo
     """Return the two ends of a range."""
     ends = check_axis("limits", limits, smallest=smallest, largest=LARGEST_NUMBER)
     if ends.size != 2 or ends[0] >= ends[1]:
-        raise InputError(f"limits must be two numbers, the lower first, got {shown(limits)}")
+        raise InputError(
+            "{name} must be two numbers, the lower first, got {value}",
+            name="limits", value=tuple(ends.tolist()),
+        )  # fmt: skip
     return float(ends[0]), float(ends[1])

@@ -32,7 +32,7 @@ SAME = Fraction(1, 10**17)
 class Polynomial:
     """A polynomial by its coefficients, the lowest first."""
 
-    coefficients: tuple[Fraction, ...]
+    coefficients: tuple[Fraction | int, ...]
 
     def __add__(self, other: Polynomial) -> Polynomial:
         """Return the sum."""
@@ -45,22 +45,34 @@ class Polynomial:
     def __mul__(self, other: Polynomial) -> Polynomial:
         """Return the product."""
         one, two = self.coefficients, other.coefficients
-        found = [Fraction(0)] * (len(one) + len(two) - 1)
+        found: list[Fraction | int] = [0] * (len(one) + len(two) - 1)
         for i, a in enumerate(one):
             if a:
                 for j, b in enumerate(two):
                     found[i + j] += a * b
         return Polynomial(tuple(found))
 
+    def __floordiv__(self, other: Polynomial) -> Polynomial:
+        """Return the quotient where nothing is left."""
+        rest, divisor = list(self.coefficients), other.coefficients
+        found = [Fraction(0)] * (len(rest) - len(divisor) + 1)
+        for shift in range(len(found) - 1, -1, -1):
+            found[shift] = Fraction(rest[shift + len(divisor) - 1]) / divisor[-1]
+            for place, each in enumerate(divisor):
+                rest[shift + place] -= found[shift] * each
+        return Polynomial(tuple(found))
+
     def __call__(self, place: Fraction) -> Fraction:
         """Return the value at a place."""
-        return reduce(lambda value, each: value * place + each, self.coefficients[::-1])
+        return reduce(
+            lambda value, each: value * place + each, self.coefficients[::-1], Fraction(0)
+        )
 
     def _joined(self, other: Polynomial, sign: int) -> Polynomial:
         one, two = self.coefficients, other.coefficients
         size = max(len(one), len(two))
-        one += (Fraction(0),) * (size - len(one))
-        two += (Fraction(0),) * (size - len(two))
+        one += (0,) * (size - len(one))
+        two += (0,) * (size - len(two))
         return Polynomial(tuple(a + sign * b for a, b in zip(one, two, strict=True)))
 
 

@@ -1,24 +1,14 @@
 """Folds, at which a synchronous whirl vanishes, the whirls to jump to there, and the cusp.
 
-Whether a list of folds is complete depends on the method, which `_folds_by_damping` chooses:
-
-- With friction, and with damping in a linear contact of clearance 1 without a shaft, it is
-  complete. The folds are the roots of a polynomial, isolated in exact arithmetic (`exact_folds`):
-  however near two of them are, neither is missed, and two that coincide are listed once.
-- All others with damping come from a dense search along a curve (`fold_locus`, `folds_on_side`).
-  It misses none in any comparison with another method, but that is not a proof.
-- Without damping there is one polynomial, whose roots NumPy finds in floating point
-  (`undamped_folds`).
-
-The cusp is the largest damping that a dense search along a locus finds: of `fold_locus`, or with
-friction of `cusp_with_friction`. Folds of rotor systems are those met as the branches of
-`rotor_ida.closed_forms.whirls.special_speeds` are followed.
+A list of folds is complete: they are the roots of a polynomial, isolated in exact arithmetic
+(`exact_folds`). However near two of them are, neither is missed, and two that coincide are listed
+once. The cusp is the largest damping that a dense search along a locus finds: see `cusps`. Folds of
+rotor systems are those met as the branches of `rotor_ida.closed_forms.whirls.special_speeds` are
+followed.
 """
 
 from __future__ import annotations
 
-import math
-from functools import lru_cache
 from typing import Unpack
 
 import numpy as np
@@ -26,16 +16,9 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import listed
-from rotor_ida.closed_forms.curve_polynomials import CurveEquations, Fold, exact_folds
-from rotor_ida.closed_forms.cusp_with_friction import friction_cusp
-from rotor_ida.closed_forms.fold_locus import (
-    Cusp,
-    fold_locus,
-    folds_on_side,
-    frictionless_cusp,
-    undamped_folds,
-)
-from rotor_ida.closed_forms.restoring_law import RestoringLaw
+from rotor_ida.closed_forms.curve_polynomials import equations_of, exact_folds
+from rotor_ida.closed_forms.cusps import Cusp, cusp_of
+from rotor_ida.closed_forms.restoring_law import RestoringLaw, checked_law
 from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
 from rotor_ida.closed_forms.synchronous import synchronous_response
 from rotor_ida.errors import InputError
@@ -45,14 +28,11 @@ from rotor_ida.model.varied import Varied
 from rotor_ida.results.in_si import takes_si
 from rotor_ida.schema import STABILITY, labelled, labelled_dataset, spread
 
-# Beyond these values the locus leaves the range of doubles.
+# Beyond these values the locus of the cusps leaves the range of doubles.
 _RANGE = (1e-20, 1e6)
 RANGES = dict.fromkeys(("zeta", "delta0", "shaft_stiffness", "friction"), _RANGE)
 # Why points that occur at any speed take none.
 ALL_SPEEDS = {"omega": "all speeds are searched"}
-# The law whose locus factors: one root is a = 1, without damping, at every amplitude; the sides
-# swap at A = 2.
-_ONE_SIDE_UNDAMPED = RestoringLaw(1.0, contact_exponent=1.0)
 # At a fold two whirls coincide, to the root of rounding.
 _SAME = 1e-5
 # Between these clearances the damping of the cusp has its only maximum.
@@ -90,19 +70,15 @@ def folds(
     Notes
     -----
     At a fold two whirls merge: the determinant D of `stability_determinant` is zero on the
-    curve. The phase lag there exceeds a quarter turn. Speed and damping can be eliminated (see
-    `fold_locus`), so that folds are the crossings of one function. There are up to four folds for
+    curve. The phase lag there exceeds a quarter turn. There are up to four folds for
     ``0 < delta0 < 1``, two of them near first touch. For ``delta0 >= 1`` the contacting branch
     is an isola between two folds. With large damping there are none. Without damping the branches
     never close at large amplitude, and there is only one fold, at ``A = 3 - 2 delta0`` if
     ``delta0 < 1``.
 
-    The first touch of a branch, at A = delta0, is not a fold. The locus of `fold_locus` also
-    applies with a shaft or a linear contact. A linear contact has folds only with clearance and
-    damping, or with friction. With friction, and in a linear contact of clearance 1 without a
-    shaft, the list is complete: the folds are roots of a polynomial in ``u = sqrt(A - delta0)``,
-    isolated in exact arithmetic (see `curve_polynomials`). All others come from a search that is
-    tested, not proven (see `fold_locus`).
+    The first touch of a branch, at A = delta0, is not a fold. A linear contact has folds only with
+    clearance and damping, or with friction. The list is complete: the folds are roots of a
+    polynomial in ``u = sqrt(A - delta0)``, isolated in exact arithmetic (see `curve_polynomials`).
 
     References
     ----------
@@ -217,8 +193,8 @@ def cusp_zeta(
 
     Notes
     -----
-    It is the maximum of the damping along the locus of `fold_locus`, where two folds merge. With
-    friction the locus is that of `cusp_with_friction`.
+    It is the maximum of the damping along the locus of folds, where two of them merge: see
+    `rotor_ida.closed_forms.cusps`.
 
     References
     ----------
@@ -229,16 +205,8 @@ def cusp_zeta(
     >>> round(cusp_zeta(0.0), 8)
     0.15604517
     """
-    law = RestoringLaw.checked(
-        {
-            "delta0": delta0,
-            "shaft_stiffness": shaft_stiffness,
-            "contact_exponent": contact_exponent,
-            "friction": friction,
-        },
-        RANGES,
-    )
-    return _cusp(law).zeta
+    law = checked_law(delta0, shaft_stiffness, contact_exponent, friction, RANGES)
+    return cusp_of(law).zeta
 
 
 def cusp(rotor: Rotor | None = None, **varied: Unpack[Parameters]) -> xr.Dataset:
@@ -289,7 +257,7 @@ def cusp(rotor: Rotor | None = None, **varied: Unpack[Parameters]) -> xr.Dataset
     if worst and asked.optional:
         raise InputError(f"delta0 must be given with {listed(asked.optional)}, got None")
     laws = RotorColumns.of(asked.columns).laws
-    table = np.reshape([_cusp(law) for law in laws], (*asked.shape, 3))
+    table = np.reshape([cusp_of(law) for law in laws], (*asked.shape, 3))
     return labelled_dataset(
         "Cusps: damping above which the response curve has no fold",
         {f"cusp_{name}": (asked.dims, table[..., k]) for k, name in enumerate(Cusp._fields)},
@@ -303,46 +271,17 @@ def _worst_clearance() -> float:
     from scipy.optimize import minimize_scalar  # noqa: PLC0415 - takes long to import
 
     def falling(delta0: float) -> float:
-        return -_cusp(RestoringLaw(float(delta0))).zeta
+        return -cusp_of(RestoringLaw(float(delta0))).zeta
 
     found = minimize_scalar(falling, bounds=_HUMP, method="bounded", options={"xatol": 1e-9})
     return float(found.x)
 
 
-def _cusp(law: RestoringLaw) -> Cusp:
-    """Return where the last two folds merge."""
-    return friction_cusp(law) if law.friction > 0.0 else frictionless_cusp(law)
-
-
 def fold_table(asked: Varied) -> Values:
     """Return speed and amplitude of every fold, shape as of `folds`: dimensions, fold, 2."""
-    dampings = tuple(asked.values("zeta").tolist())
-    laws = RotorColumns.of(asked.without("zeta").columns).laws
-    found = [each for law in laws for each in _folds_by_damping(dampings, law)]
+    found = [exact_folds(each) for each in equations_of(RotorColumns.of(asked.columns))]
     most = max(1, *map(len, found))
     table = np.full((len(found), most, 2), np.nan)
     for row, points in zip(table, found, strict=True):
         row[: len(points)] = np.reshape(points, (-1, 2))
-    by_damping = table.reshape(len(laws), len(dampings), most, 2).swapaxes(0, 1)
-    return by_damping.reshape(*asked.shape, most, 2)
-
-
-# Cached: the response curve and its markers both need them.
-@lru_cache(maxsize=16)
-def _folds_by_damping(dampings: tuple[float, ...], law: RestoringLaw) -> list[list[Fold]]:
-    """Return the folds of each damping, in order of speed."""
-    if law.friction > 0.0:
-        return [list(exact_folds(CurveEquations(zeta, law))) for zeta in dampings]
-    found = [[] if zeta > 0.0 else undamped_folds(law) for zeta in dampings]
-    damped = [number for number, zeta in enumerate(dampings) if zeta > 0.0]
-    if law == _ONE_SIDE_UNDAMPED:
-        for number in damped:
-            found[number] += exact_folds(CurveEquations(dampings[number], law))
-    elif damped:
-        zeta = np.array(dampings)[damped]
-        # a power of ten, so that calls with other dampings share the cached locus
-        smallest = 10.0 ** math.floor(math.log10(4.0 * float(zeta.min()) ** 2))
-        for side in fold_locus(law, smallest):
-            for number, points in zip(damped, folds_on_side(side, zeta), strict=True):
-                found[number] += points
-    return [sorted(each) for each in found]
+    return table.reshape(*asked.shape, most, 2)

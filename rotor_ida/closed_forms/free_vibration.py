@@ -22,7 +22,7 @@ from rotor_ida.checks import (
     check_real,
 )
 from rotor_ida.closed_forms.contacting_whirls import root_between
-from rotor_ida.closed_forms.restoring_law import RestoringLaw
+from rotor_ida.closed_forms.restoring_law import RestoringLaw, checked_law
 from rotor_ida.errors import InputError
 from rotor_ida.model.contact import HERTZ_EXPONENT
 from rotor_ida.schema import labelled, labelled_dataset
@@ -73,13 +73,7 @@ def circular_period(
     >>> round(circular_period(2.0), 5), round(circular_period(8.0), 5)
     (5.28351, 3.736)
     """
-    law = RestoringLaw.checked(
-        {
-            "delta0": delta0,
-            "shaft_stiffness": shaft_stiffness,
-            "contact_exponent": contact_exponent,
-        }
-    )
+    law = checked_law(delta0, shaft_stiffness, contact_exponent)
     depth = _depth(amplitude, law)
     by_ring = math.pow(depth, 0.5 * law.contact_exponent) / math.sqrt(law.delta0 + depth)
     return 2.0 * math.pi / math.hypot(math.sqrt(law.shaft_stiffness), by_ring)
@@ -132,13 +126,7 @@ def planar_period(
     >>> round(planar_period(1.0), 12)
     6.581363388638
     """
-    law = RestoringLaw.checked(
-        {
-            "delta0": delta0,
-            "shaft_stiffness": shaft_stiffness,
-            "contact_exponent": contact_exponent,
-        }
-    )
+    law = checked_law(delta0, shaft_stiffness, contact_exponent)
     depth = _depth(amplitude, law)
     return 4.0 * (_leaving_time(depth, law) + _flight_time(depth, law))
 
@@ -179,13 +167,7 @@ def centre_speed(
     >>> round(centre_speed(1.5, delta0=0.5), 12)
     0.894427191
     """
-    law = RestoringLaw.checked(
-        {
-            "delta0": delta0,
-            "shaft_stiffness": shaft_stiffness,
-            "contact_exponent": contact_exponent,
-        }
-    )
+    law = checked_law(delta0, shaft_stiffness, contact_exponent)
     depth = _depth(amplitude, law)
     by_shaft = math.sqrt(law.shaft_stiffness) * (law.delta0 + depth)
     return math.hypot(by_shaft, _push(depth, law))
@@ -232,13 +214,7 @@ def amplitude_from_speed(
     leaving = check_nonnegative("speed", abs(check_real("speed", speed)), LARGEST_NUMBER)
     if leaving == 0.0:
         raise InputError("speed must not be zero, got 0.0: the rotor would not move")
-    law = RestoringLaw.checked(
-        {
-            "delta0": delta0,
-            "shaft_stiffness": shaft_stiffness,
-            "contact_exponent": contact_exponent,
-        }
-    )
+    law = checked_law(delta0, shaft_stiffness, contact_exponent)
     return _reach(leaving, law)
 
 
@@ -292,7 +268,7 @@ def free_periods(
     )
     check_points(clearances, sizes)
     given = {"shaft_stiffness": shaft_stiffness, "contact_exponent": contact_exponent}
-    coordinates = RestoringLaw.checked(given).coordinates
+    coordinates = checked_law(0.0, shaft_stiffness, contact_exponent).coordinates
     contact = "contact" if coordinates else "Hertz contact"
     periods = {"circular_period": circular_period, "planar_period": planar_period}
     variables = {

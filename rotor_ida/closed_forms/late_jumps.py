@@ -33,11 +33,11 @@ import xarray as xr
 from rotor_ida.arrays import ROUNDING, Values
 from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_distinct, is_scalar
 from rotor_ida.closed_forms.folds import ALL_SPEEDS, RANGES, folds_of
-from rotor_ida.closed_forms.restoring_law import force, stiffnesses
+from rotor_ida.closed_forms.restoring_law import stiffnesses
 from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
 from rotor_ida.closed_forms.stability import eigenvalues_of
 from rotor_ida.errors import InputError
-from rotor_ida.model.contact import HERTZ_EXPONENT
+from rotor_ida.model.contact import HERTZ_EXPONENT, contact_force
 from rotor_ida.model.parameters import ALL_PARAMETERS, Parameters
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema import labelled, spread
@@ -164,7 +164,7 @@ def _coefficients(
     """Return alpha, b and K of each fold, and whether a stable whirl leads to it."""
     omega, zeta, delta0, kappa = rotors.omega, rotors.zeta, rotors.delta0, rotors.shaft_stiffness
     exponent, damping, mu = rotors.contact_exponent, rotors.contact_damping, rotors.friction
-    f, q = force(A, delta0, exponent), omega * omega
+    f, q = contact_force(A, delta0, exponent), omega * omega
     slope, s = stiffnesses(A, delta0, exponent)
     hertz = exponent == HERTZ_EXPONENT
     bend = np.where(hertz, 1.125 / slope, 0.0)  # second and third derivative of f

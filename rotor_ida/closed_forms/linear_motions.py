@@ -8,13 +8,10 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
-from functools import cache
-from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
-from scipy.optimize import brentq
 
 from rotor_ida.arrays import ComplexValues, Flags, Values
 from rotor_ida.closed_forms.crossings import Motion, crossing_speeds, eigenvalues_and_slopes
@@ -89,13 +86,13 @@ class LinearMotions:
         """Return the motions at a speed."""
         stiffness, damping = self.held(spring, omega)
         resisted = damping + omega * self.gyroscopic
-        first_order = _first_order(stiffness, resisted)
+        matrix = first_order(stiffness, resisted)
         spin = -1.0 if omega < 0.0 else 1.0
         if self.nodes is None:
-            found = _exact(np.linalg.eigvals(first_order), stiffness, resisted)
+            found = _exact(np.linalg.eigvals(matrix), stiffness, resisted)
             senses = spin * np.sign(found.imag)
             return Motions(found, senses.astype(np.int8), np.ones(found.size, bool))
-        found, vectors = np.linalg.eig(first_order)
+        found, vectors = np.linalg.eig(matrix)
         found = _exact(found, stiffness, resisted)
         chosen = found.imag >= 0.0
         found, shapes = found[chosen], vectors[: len(stiffness), chosen]
@@ -109,13 +106,6 @@ class LinearMotions:
         senses = np.where(whirls & (found.imag > 0.0), spin * np.sign(forward - backward), 0.0)
         return Motions(found, senses.astype(np.int8), seen | (len(self.nodes) == 0))
 
-    def eigenvalues(self, omega: float) -> ComplexValues:
-        """Return the eigenvalues without contact at a speed, but for 0."""
-        stiffness, damping = self.held(0.0, omega)
-        resisted = damping + omega * self.gyroscopic
-        found = _exact(np.linalg.eigvals(_first_order(stiffness, resisted)), stiffness, resisted)
-        return np.asarray(found[found != 0.0])
-
     def turning(self, spring: float, side: float, sense: float) -> Callable[[float], Motion]:
         """Return the eigenvalues at sizes of the speed, conjugate for the sense -1.
 
@@ -127,7 +117,7 @@ class LinearMotions:
         def at(speed: float) -> Motion:
             omega = side * speed
             stiffness, damping = self.held(spring, omega)
-            left = _first_order(stiffness, damping + omega * self.gyroscopic)
+            left = first_order(stiffness, damping + omega * self.gyroscopic)
             slope = np.zeros_like(left)
             slope[size:, size:] = -side * self.gyroscopic
             if self.films:
@@ -185,34 +175,6 @@ def critical_speeds(
                 yield CriticalSpeed(side * size, int(here.senses[i]), float(ratio))
 
 
-def growth_thresholds(motions: LinearMotions, speeds: Values) -> Iterator[tuple[float, float]]:
-    """Yield the speeds at which the motion begins or ceases to grow, and its whirl speed there.
-
-    Neighbouring speeds, in ascending order, and knots of films between them must not have two
-    thresholds in between.
-    """
-    growth = cache(lambda speed: float(motions.eigenvalues(speed).real.max(initial=-np.inf)))
-    knots = motions.films.knots
-    inside = knots[(knots > speeds[0]) & (knots < speeds[-1])]
-    for low, high in pairwise(np.unique(np.concatenate([speeds, inside])).tolist()):
-        if (growth(low) > 0.0) != (growth(high) > 0.0):
-            speed = _threshold(growth, low, high)
-            found = motions.at(0.0, speed)
-            fastest = int(np.argmax(np.where(found.seen, found.eigenvalues.real, -np.inf)))
-            whirl_speed = abs(float(found.eigenvalues[fastest].imag))
-            yield speed, -whirl_speed if found.senses[fastest] < 0 else whirl_speed
-
-
-def _threshold(growth: Callable[[float], float], low: float, high: float) -> float:
-    """Return where a growth rate leaves or reaches the numbers above 0, between two speeds."""
-    if growth(low) * growth(high) < 0.0:
-        return float(brentq(growth, low, high, xtol=1e-13 * high))
-    grows = growth(low) > 0.0  # the other is 0 without damping
-    while high - low > 1e-13 * high and low < (middle := 0.5 * (low + high)) < high:
-        low, high = (middle, high) if (growth(middle) > 0.0) == grows else (low, middle)
-    return high
-
-
 def _merged(roots: Sequence[float]) -> Iterator[tuple[float, int]]:
     """Yield roots in ascending order, with the number of those that are one."""
     every = np.sort(np.array(roots))
@@ -239,7 +201,8 @@ def _exact(
     return np.where(rounded, 1j * found.imag, found)
 
 
-def _first_order(stiffness: npt.NDArray[Any], damping: npt.NDArray[Any]) -> npt.NDArray[Any]:
-    """Return the matrix of ``(p, p')`` for ``p'' + C p' + K p = 0``."""
-    one = np.eye(len(stiffness))
-    return np.block([[np.zeros_like(one), one], [-stiffness, -damping]])
+def first_order(stiffness: npt.NDArray[Any], damping: npt.NDArray[Any]) -> npt.NDArray[Any]:
+    """Return the matrices of ``(p, p')`` for ``p'' + C p' + K p = 0``, shape (..., 2 n, 2 n)."""
+    stiffness, damping = np.broadcast_arrays(stiffness, damping)
+    one = np.broadcast_to(np.eye(stiffness.shape[-1]), stiffness.shape)
+    return np.block([[0.0 * one, one], [-stiffness, -damping]])

@@ -17,10 +17,9 @@ With friction, rotated as in `contacting_whirls`, and ``m = 1 + mu**2``, replace
 from __future__ import annotations
 
 import numpy as np
-import numpy.typing as npt
 
 from rotor_ida.arrays import Values
-from rotor_ida.closed_forms.contacting_whirls import ContactingWhirls, turned_by_friction
+from rotor_ida.closed_forms.contacting_whirls import ContactingWhirls, packed, turned_by_friction
 from rotor_ida.closed_forms.double_double import DoubleDouble
 from rotor_ida.closed_forms.rotor_columns import RotorColumns
 
@@ -85,7 +84,8 @@ def linear_whirls(rotors: RotorColumns) -> ContactingWhirls:
         "phase_lag": np.arctan2(loss, force_excess),
         "determinant": size * np.array([-1.0, 1.0]),
     }
-    placed = {name: _packed(column, exists) for name, column in columns.items()}
+    rows, shape = np.nonzero(exists)[0], (len(exists), _COLUMNS)
+    placed = {name: packed(column[exists], rows, shape) for name, column in columns.items()}
     return ContactingWhirls(**placed, contact_free=contact_free)
 
 
@@ -106,13 +106,3 @@ def _polished(estimate: Values, terms: tuple[DoubleDouble, ...], root: Values) -
 
 def _column(value: DoubleDouble) -> DoubleDouble:
     return DoubleDouble(value.high[:, None], value.low[:, None])
-
-
-def _packed(values: Values, exists: npt.NDArray[np.bool_]) -> Values:
-    """Return the columns that exist, moved to the front; NaN behind them, shape (n, 5)."""
-    packed = np.full((len(values), _COLUMNS), np.nan)
-    packed[:, 0] = np.where(
-        exists[:, 0], values[:, 0], np.where(exists[:, 1], values[:, 1], np.nan)
-    )
-    packed[:, 1] = np.where(exists[:, 0], values[:, 1], np.nan)
-    return packed

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import math
-from functools import lru_cache
-from itertools import pairwise
 from typing import Unpack
 
 import numpy as np
@@ -12,12 +10,10 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_nonnegative, check_positive
-from rotor_ida.closed_forms.contacting_whirls import root_between
 from rotor_ida.closed_forms.curve_polynomials import CurveEquations, Tip, exact_tips, flanks
-from rotor_ida.closed_forms.fold_locus import approximate_roots
-from rotor_ida.closed_forms.restoring_law import RestoringLaw, force
+from rotor_ida.closed_forms.restoring_law import RestoringLaw, checked_law
 from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
-from rotor_ida.model.contact import HERTZ_EXPONENT
+from rotor_ida.model.contact import HERTZ_EXPONENT, contact_force
 from rotor_ida.model.parameters import Parameters
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema import labelled_dataset
@@ -68,13 +64,7 @@ def backbone(
     >>> backbone([1.0, 16.0], shaft_stiffness=8.0, contact_exponent=1.0)
     array([3., 3.])
     """
-    law = RestoringLaw.checked(
-        {
-            "delta0": delta0,
-            "shaft_stiffness": shaft_stiffness,
-            "contact_exponent": contact_exponent,
-        }
-    )
+    law = checked_law(delta0, shaft_stiffness, contact_exponent)
     A = check_axis("amplitude", amplitude, largest=LARGEST_NUMBER)
     return np.asarray(np.sqrt(law.stiffness(A)))
 
@@ -131,15 +121,7 @@ def speeds_at_amplitude(
     """
     damping = check_nonnegative("zeta", zeta, LARGEST_NUMBER)
     A = check_axis("amplitude", amplitude, largest=LARGEST_NUMBER)
-    law = RestoringLaw.checked(
-        {
-            "delta0": delta0,
-            "shaft_stiffness": shaft_stiffness,
-            "contact_exponent": contact_exponent,
-            "friction": friction,
-        },
-        _RANGES,
-    )
+    law = checked_law(delta0, shaft_stiffness, contact_exponent, friction, _RANGES)
     slower, faster = np.full((2, A.size), np.nan)
     touching = np.nonzero(law.delta0 < A)[0]
     radii = A[touching]
@@ -213,11 +195,10 @@ def peak_amplitude(
     Notes
     -----
     At the tip the two speeds of `speeds_at_amplitude` coincide:
-    ``h(A) = (A - delta0)**1.5 / (A**2 (A + sqrt(A**2 - 1))) = 2 zeta**2``. Beyond the last
-    maximum of h, a root of ``3 A**4 - (12 delta0**2 - 1) A**2 - 8 delta0 A + 16 delta0**2``,
-    h falls monotonically. With friction the discriminant of a quartic vanishes: see
-    `curve_polynomials`. Friction bounds the amplitude even without damping; without a shaft the
-    bound is ``sqrt(1 + 1/mu**2)``.
+    ``h(A) = (A - delta0)**1.5 / (A**2 (A + sqrt(A**2 - 1))) = 2 zeta**2``. With friction the
+    discriminant of a quartic vanishes. Both are polynomials, whose roots are isolated in exact
+    arithmetic: see `curve_polynomials`. Friction bounds the amplitude even without damping; without
+    a shaft the bound is ``sqrt(1 + 1/mu**2)``.
 
     References
     ----------
@@ -229,68 +210,12 @@ def peak_amplitude(
     >>> round(tip, 6), speeds_at_amplitude(tip - 1e-9, zeta=0.07, delta0=0.0).round(3).tolist()
     (13.7..., [[1.9..., 1.9...]])
     """
-    law = RestoringLaw.checked(
-        {
-            "delta0": delta0,
-            "shaft_stiffness": shaft_stiffness,
-            "contact_exponent": contact_exponent,
-            "friction": friction,
-        },
-        _RANGES,
-    )
+    law = checked_law(delta0, shaft_stiffness, contact_exponent, friction, _RANGES)
     check = check_nonnegative if law.friction > 0.0 else check_positive
     damping = check_axis(
         "zeta", check("zeta", zeta), smallest=SMALLEST_DAMPING, largest=LARGEST_NUMBER
     )
     return _peak(damping.item(), law).amplitude
-
-
-def tips(zeta: float, law: RestoringLaw) -> list[Tip]:
-    """Return the tips, where the flanks meet above amplitude 1, in order of amplitude.
-
-    Without friction ``g/(A**2 (A + sqrt(A**2 - 1))) = 2 zeta**2`` there, where g is the force of
-    contact and shaft. Between two neighbouring extrema of the left-hand side, at
-    ``(A g' - 2 g) sqrt(A**2 - 1) = A g``, there is at most one tip, at the speed given by
-    ``omega**2 = A**2 (g/A - 2 zeta**2)/(A**2 - 1)``. Without damping there is none.
-    """
-    if law.friction > 0.0:
-        return exact_tips(CurveEquations(zeta, law))
-    if zeta == 0.0:
-        return []
-    least, d, kappa = 2.0 * zeta * zeta, law.delta0, law.shaft_stiffness
-    power = 3 if law.hertz else 2
-
-    def terms(u: float) -> tuple[float, float, float]:
-        """Return A, g and ``A**2 - 1``."""
-        A = d + u * u
-        return A, u**power + kappa * A, ((d - 1.0) + u * u) * (A + 1.0)
-
-    def excess(u: float) -> float:
-        A, g, above = terms(u)
-        return g / (A * A * (A + math.sqrt(max(above, 0.0)))) - least
-
-    lowest = math.sqrt(max(1.0 - d, 0.0))
-    highest = 10.0 * (1.0 + math.sqrt(d) + math.cbrt(1.0 / least) + ((1.0 + kappa) / least) ** 0.25)
-    turns = _extrema_between_flanks(law)
-    edges = [lowest, *turns[(turns > lowest) & (turns < highest)].tolist(), highest]
-    found = []
-    for low, high in pairwise(edges):
-        if (excess(low) >= 0.0) != (excess(high) >= 0.0):
-            u = root_between(excess, low, high)
-            A, g, above = terms(u)
-            if A > 1.0:  # at A = 1 they meet at no finite speed
-                found.append(Tip(A, math.sqrt(A * (g - least * A) / above)))
-    return found
-
-
-# Cached: studies need the tips of one law at many dampings.
-@lru_cache(maxsize=1024)
-def _extrema_between_flanks(law: RestoringLaw) -> Values:
-    """Return where ``(A g' - 2 g) sqrt(A**2 - 1) = +- A g``, in u, ascending."""
-    A, g, _ = law.polynomials()
-    slope = np.poly1d([1.5, 0.0] if law.hertz else [1.0]) + law.shaft_stiffness
-    lead = A * slope - 2.0 * g
-    return np.sort(approximate_roots(lead * lead * (A * A - 1.0) - A * A * g * g))
 
 
 def peaks(rotor: Rotor | None = None, **varied: Unpack[Parameters]) -> xr.Dataset:
@@ -343,7 +268,7 @@ def peaks(rotor: Rotor | None = None, **varied: Unpack[Parameters]) -> xr.Datase
     columns = {
         "peak_amplitude": amplitude,
         "peak_omega": omega,
-        "peak_contact_force": force(amplitude, grid.delta0, grid.contact_exponent),
+        "peak_contact_force": contact_force(amplitude, grid.delta0, grid.contact_exponent),
     }
     contact = "contact" if asked.optional else "Hertz contact"
     return labelled_dataset(
@@ -356,4 +281,4 @@ def peaks(rotor: Rotor | None = None, **varied: Unpack[Parameters]) -> xr.Datase
 
 def _peak(zeta: float, law: RestoringLaw) -> Tip:
     """Return the highest tip; NaN where there is none."""
-    return max(tips(zeta, law), default=Tip(math.nan, math.nan))
+    return max(exact_tips(CurveEquations(zeta, law)), default=Tip(math.nan, math.nan))

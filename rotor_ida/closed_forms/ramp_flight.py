@@ -27,6 +27,7 @@ from rotor_ida.checks import (
     check_real,
     check_state,
 )
+from rotor_ida.closed_forms.exponentials import roots
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import Rotor, check_no_load
 
@@ -95,7 +96,13 @@ def ramp_flight(
     longest = float(np.max(times, initial=0.0))
     if (rotor.omega + abs(slope) * longest) * longest > _LARGEST_PHASE:
         raise InputError(f"the angle must be at most {_LARGEST_PHASE:g}, got time {longest!r}")
-    a, b = _roots(rotor)
+    zeta, kappa = rotor.zeta, rotor.shaft_stiffness
+    if max(zeta, kappa) > 0.0 and abs(zeta * zeta - kappa) < _APART * max(zeta * zeta, kappa):
+        raise InputError(
+            f"zeta**2 must differ from shaft_stiffness by a thousandth or more for a flight on a "
+            f"ramp, got zeta {zeta!r} and shaft_stiffness {kappa!r}"
+        )
+    a, b = (each.value for each in roots(zeta, kappa))
     theta = (rotor.omega + 0.5 * slope * times) * times
     speed, turned = rotor.omega + slope * times, np.exp(1j * theta)
     begin, moving = complex(x, y) + 1.0, complex(vx, vy) + 1j * rotor.omega
@@ -110,23 +117,6 @@ def ramp_flight(
         centre, rising = centre / (a - b), rising / (a - b)
     z, v = centre - turned, rising - 1j * speed * turned
     return np.stack([z.real, z.imag, v.real, v.imag])
-
-
-def _roots(rotor: Rotor) -> tuple[complex, complex]:
-    """Return the roots of ``L**2 + 2 zeta L + kappa``, the one nearer 0 first if they are real."""
-    zeta, kappa = rotor.zeta, rotor.shaft_stiffness
-    if zeta == 0.0 and kappa == 0.0:
-        return 0j, 0j
-    if abs(zeta * zeta - kappa) < _APART * max(zeta * zeta, kappa):
-        raise InputError(
-            f"zeta**2 must differ from shaft_stiffness by a thousandth or more for a flight on a "
-            f"ramp, got zeta {zeta!r} and shaft_stiffness {kappa!r}"
-        )
-    if kappa > zeta * zeta:
-        frequency = math.sqrt(kappa - zeta * zeta)
-        return complex(-zeta, frequency), complex(-zeta, -frequency)
-    far = -zeta - math.sqrt(zeta * zeta - kappa)
-    return complex(-2.0 * zeta - far if kappa == 0.0 else kappa / far), complex(far)
 
 
 def _drawn_in(

@@ -13,7 +13,12 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import check_count
 from rotor_ida.closed_forms.contact_free import complex_amplitude, static_sag, touch_speeds
-from rotor_ida.closed_forms.curve_polynomials import CurveEquations, equations_of, flanks
+from rotor_ida.closed_forms.curve_polynomials import (
+    CurveEquations,
+    equations_of,
+    exact_tips,
+    flanks,
+)
 from rotor_ida.closed_forms.curve_tracing import (
     MOST_POINTS,
     Chain,
@@ -31,7 +36,7 @@ from rotor_ida.closed_forms.curve_tracing import (
     traced,
 )
 from rotor_ida.closed_forms.folds import RANGES, fold_table
-from rotor_ida.closed_forms.peaks import speeds_of_stiffness, tips
+from rotor_ida.closed_forms.peaks import speeds_of_stiffness
 from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
 from rotor_ida.closed_forms.synchronous import (
     SMALLEST_SPEED,
@@ -220,7 +225,7 @@ def _chains(equations: CurveEquations) -> list[Chain]:
     """Return the parts of the contacting curve: from first touch, and closed ones."""
     zeta, law = equations.zeta, equations.law
     d, (first, second) = law.delta0, _touch_speeds(equations)
-    ends = [Place(*tip) for tip in tips(zeta, law)]
+    ends = [Place(*tip) for tip in exact_tips(equations)]
     chains = []
     endless = zeta == 0.0 and law.friction == 0.0
     rest = Place(d, 0.0)

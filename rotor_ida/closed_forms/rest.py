@@ -7,6 +7,7 @@ import math
 import xarray as xr
 
 from rotor_ida.checks import LARGEST_NUMBER, check_instance, check_nonnegative
+from rotor_ida.closed_forms.stability import slowest_rate
 from rotor_ida.model.contact import force_at_depth
 from rotor_ida.model.disc_starts import depth_at_rest, radius_at_rest
 from rotor_ida.model.rotor import DimensionalRotor, Rotor, check_no_friction
@@ -69,8 +70,8 @@ def rest(rotor: Rotor | DimensionalRotor) -> xr.Dataset:
     radius = radius_at_rest(rotor)
     secant = force / radius if depth > 0.0 else slope
     growth = max(
-        slowest_rate(rotor.zeta + 0.5 * rotor.contact_damping * force, kappa + slope),
-        slowest_rate(rotor.zeta, kappa + secant),
+        float(slowest_rate(rotor.zeta + 0.5 * rotor.contact_damping * force, kappa + slope)),
+        float(slowest_rate(rotor.zeta, kappa + secant)),
     )
     word = "stable" if growth < 0.0 else "neutral"
     values = {
@@ -90,11 +91,3 @@ def rest(rotor: Rotor | DimensionalRotor) -> xr.Dataset:
         {},
         kind="rest",
     )
-
-
-def slowest_rate(damping: float, stiffness: float) -> float:
-    """Return the largest real part of the roots of ``L**2 + 2 damping L + stiffness``."""
-    frequency = math.sqrt(stiffness)
-    if damping <= frequency:
-        return 0.0 - damping
-    return -stiffness / (damping + math.sqrt((damping - frequency) * (damping + frequency)))

@@ -7,7 +7,7 @@ import numpy.typing as npt
 import xarray as xr
 
 from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_points, check_vector
-from rotor_ida.closed_forms.restoring_law import RestoringLaw
+from rotor_ida.closed_forms.restoring_law import checked_law
 from rotor_ida.model.contact import HERTZ_EXPONENT, contact_potential, secant_stiffness
 from rotor_ida.schema import labelled_dataset
 
@@ -64,9 +64,7 @@ def restoring_field(
     up = check_vector("y", y, largest=LARGEST_NUMBER)
     clearance = check_axis("delta0", delta0, largest=LARGEST_NUMBER)
     check_points(clearance, up, across)
-    law = RestoringLaw.checked(
-        {"shaft_stiffness": shaft_stiffness, "contact_exponent": contact_exponent}
-    )
+    law = checked_law(shaft_stiffness=shaft_stiffness, contact_exponent=contact_exponent)
     kappa, exponent = law.shaft_stiffness, law.contact_exponent
     radius = np.hypot(across, up[:, None])
     secant = secant_stiffness(radius, clearance[:, None, None], exponent) + kappa

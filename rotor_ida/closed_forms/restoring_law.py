@@ -12,25 +12,11 @@ from rotor_ida.arrays import Column, Values
 from rotor_ida.checks import LARGEST_NUMBER, check_axis, check_real
 from rotor_ida.model.contact import (
     HERTZ_EXPONENT,
-    contact_force,
     contact_stiffness,
-    indentation,
     secant_stiffness,
 )
 from rotor_ida.model.parameters import DEFAULTS, check_clearance_needed, check_exponent
 from rotor_ida.model.varied import Range
-
-
-def force(radius: Values, delta0: Values, exponent: Values) -> Values:
-    """Return ``f(r) = max(r - delta0, 0)**n`` [dimensionless].
-
-    Examples
-    --------
-    >>> force(np.array([4.5, 4.5]), np.array([0.5, 0.5]), np.array([1.0, 1.5]))
-    array([4., 8.])
-    """
-    linear = indentation(radius, delta0)
-    return np.where(exponent == HERTZ_EXPONENT, contact_force(radius, delta0), linear)
 
 
 def stiffnesses(
@@ -45,47 +31,20 @@ def stiffnesses(
     >>> stiffnesses(np.array([4.5]), np.array([0.5]), np.array([1.0]))[0]
     array([1.])
     """
-    hertz = np.asarray(exponent) == HERTZ_EXPONENT
-    slope = np.where(hertz, contact_stiffness(radius, delta0), np.where(radius < delta0, 0.0, 1.0))
-    depth = indentation(radius, delta0)
-    start = np.broadcast_to(np.where(np.asarray(delta0) > 0.0, 0.0, 1.0), depth.shape).copy()
-    secant = np.divide(depth, radius, out=start, where=radius > 0.0)
-    return slope, np.where(hertz, secant_stiffness(radius, delta0), secant)
+    linear = np.asarray(exponent) != HERTZ_EXPONENT
+    slope = np.where(linear, np.where(radius < delta0, 0.0, 1.0), contact_stiffness(radius, delta0))
+    whole = linear & (np.asarray(delta0) == 0.0)
+    return slope, np.where(whole, 1.0, secant_stiffness(radius, delta0, exponent))
 
 
 @dataclass(frozen=True, slots=True)
 class RestoringLaw:
-    """Stiffness of contact and shaft, and friction, of one rotor [dimensionless].
-
-    The amplitude A, the force ``g(A) = f(A) + kappa A`` of contact and shaft together, and
-    ``W = A f'(A) - f(A)`` are polynomials in ``u = sqrt(A - delta0)``, also for a Hertz contact.
-    """
+    """Stiffness of contact and shaft, and friction, of one rotor [dimensionless]."""
 
     delta0: float
     shaft_stiffness: float = 0.0
     contact_exponent: float = HERTZ_EXPONENT
     friction: float = 0.0
-
-    @classmethod
-    def checked(
-        cls, values: Mapping[str, object], ranges: Mapping[str, Range] = MappingProxyType({})
-    ) -> RestoringLaw:
-        """Return the law from numbers that a user gave by name, some of them within a range.
-
-        Examples
-        --------
-        >>> RestoringLaw.checked({"shaft_stiffness": 0.25}).coordinates
-        {'shaft_stiffness': ((), 0.25)}
-        """
-        given = {"delta0": 0.0} | {name: check_real(name, each) for name, each in values.items()}
-        for name, value in given.items():
-            smallest, largest = ranges.get(name, (0.0, LARGEST_NUMBER))
-            check_axis(name, value, smallest=smallest, largest=largest)
-        law = cls(**given)
-        check_exponent(law.contact_exponent)
-        if law.delta0 == 0.0:
-            check_clearance_needed({"friction": law.friction, "contact_damping": 0.0})
-        return law
 
     @property
     def hertz(self) -> bool:
@@ -102,27 +61,39 @@ class RestoringLaw:
         }
 
     def forces(self, u: Values) -> tuple[Values, Values, Values]:
-        """Return A, g and W at ``u = sqrt(A - delta0)``."""
+        """Return A, ``g = f(A) + kappa A`` and ``W = A f' - f`` at ``u = sqrt(A - delta0)``."""
         square = u * u
         A = self.delta0 + square
         if self.hertz:
             return A, square * u + self.shaft_stiffness * A, 0.5 * u * (A + 2.0 * self.delta0)
         return A, square + self.shaft_stiffness * A, self.delta0 + 0.0 * u
 
-    def slopes(self, u: Values) -> tuple[Values, Values]:
-        """Return the derivatives of g and W by A."""
-        if self.hertz:
-            return 1.5 * u + self.shaft_stiffness, 0.75 * (self.delta0 + u * u) / u
-        return 1.0 + self.shaft_stiffness + 0.0 * u, 0.0 * u
-
-    def polynomials(self) -> tuple[np.poly1d, np.poly1d, np.poly1d]:
-        """Return A, g and 2 W as polynomials in u."""
-        u = np.poly1d([1.0, 0.0])
-        A = u * u + self.delta0
-        if self.hertz:
-            return A, u * u * u + self.shaft_stiffness * A, u * (A + 2.0 * self.delta0)
-        return A, u * u + self.shaft_stiffness * A, np.poly1d([2.0 * self.delta0])
-
     def stiffness(self, A: Values) -> Values:
         """Return ``g/A`` at amplitudes."""
         return stiffnesses(A, self.delta0, self.contact_exponent)[1] + self.shaft_stiffness
+
+
+def checked_law(
+    delta0: float = 0.0,
+    shaft_stiffness: float = 0.0,
+    contact_exponent: float = HERTZ_EXPONENT,
+    friction: float = 0.0,
+    ranges: Mapping[str, Range] = MappingProxyType({}),
+) -> RestoringLaw:
+    """Return the law of numbers that a user gave, some of them within a range.
+
+    Examples
+    --------
+    >>> checked_law(shaft_stiffness=0.25).coordinates
+    {'shaft_stiffness': ((), 0.25)}
+    """
+    given = asdict(RestoringLaw(delta0, shaft_stiffness, contact_exponent, friction))
+    for name, value in given.items():
+        given[name] = check_real(name, value)
+        smallest, largest = ranges.get(name, (0.0, LARGEST_NUMBER))
+        check_axis(name, given[name], smallest=smallest, largest=largest)
+    law = RestoringLaw(**given)
+    check_exponent(law.contact_exponent)
+    if law.delta0 == 0.0:
+        check_clearance_needed({"friction": law.friction, "contact_damping": 0.0})
+    return law

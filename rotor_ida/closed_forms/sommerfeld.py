@@ -28,17 +28,17 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import (
     LARGEST_NUMBER,
-    check_array,
     check_between,
     check_nonnegative,
-    check_real,
 )
 from rotor_ida.closed_forms.folds import RANGES
 from rotor_ida.closed_forms.response_curve import BETWEEN_LIMITS, curve_over_speed
-from rotor_ida.closed_forms.restoring_law import force, stiffnesses
+from rotor_ida.closed_forms.restoring_law import stiffnesses
 from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
+from rotor_ida.closed_forms.stability import checked_whirls
 from rotor_ida.errors import InputError
-from rotor_ida.model.parameters import ALL_PARAMETERS, Parameters, check_exponent
+from rotor_ida.model.contact import contact_force
+from rotor_ida.model.parameters import ALL_PARAMETERS, Parameters
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema import STABILITY, labelled, spread
 
@@ -97,40 +97,24 @@ def whirl_torque(
     >>> whirl_torque(2.0, omega=1.5, zeta=0.1, delta0=1.0, friction=0.1, disc_radius=8.0)
     array(2.2)
     """
-    mu = check_array("friction", friction, largest=LARGEST_NUMBER)
-    if disc_radius is None and mu.any():
-        raise InputError(f"disc_radius must be given with friction {mu.max().item()!r}, got None")
-    exponent = check_real("contact_exponent", contact_exponent)
-    check_exponent(exponent)
-    given = {
-        "amplitude": amplitude, "omega": omega, "zeta": zeta, "delta0": delta0,
-        "disc_radius": 0.0 if disc_radius is None else disc_radius,
-    }  # fmt: skip
-    arrays = {name: check_array(name, each, largest=LARGEST_NUMBER) for name, each in given.items()}
-    for name, array in {**arrays, "friction": mu}.items():
-        if (array < 0.0).any():
-            raise InputError(f"{name} must be zero or positive, got {float(array.min())!r}")
-    try:
-        A, speed, damping, clearance, rho, mu = np.broadcast_arrays(*arrays.values(), mu)
-    except ValueError:
-        shapes = ", ".join(str(array.shape) for array in (*arrays.values(), mu) if array.shape)
+    every, rotors = checked_whirls(
+        amplitude=amplitude, omega=omega, zeta=zeta, delta0=delta0, friction=friction,
+        contact_exponent=contact_exponent, disc_radius=0.0 if disc_radius is None else disc_radius,
+    )  # fmt: skip
+    _check_radius(disc_radius, rotors)
+    return _torque(every["amplitude"], rotors, every["disc_radius"])
+
+
+def _check_radius(disc_radius: object, rotors: RotorColumns) -> None:
+    """Refuse friction without a radius."""
+    if disc_radius is None and rotors.friction.any():
         raise InputError(
-            f"{', '.join(arrays)}, friction must broadcast, got arrays of shapes {shapes}"
-        ) from None
-    rotors = RotorColumns.of(
-        {
-            "omega": speed,
-            "zeta": damping,
-            "delta0": clearance,
-            "contact_exponent": exponent,
-            "friction": mu,
-        }
-    )
-    return _torque(A, rotors, rho)
+            f"disc_radius must be given with friction {rotors.friction.max().item()!r}, got None"
+        )
 
 
 def _torque(A: Values, rotors: RotorColumns, disc_radius: Values | float) -> Values:
-    rubbing = rotors.friction * force(A, rotors.delta0, rotors.contact_exponent)
+    rubbing = rotors.friction * contact_force(A, rotors.delta0, rotors.contact_exponent)
     return np.asarray(2.0 * rotors.zeta * rotors.omega * A**2 + rubbing * (A + disc_radius))
 
 
@@ -201,10 +185,7 @@ def sommerfeld_curve(
     curve = curve_over_speed(asked, limits, points)
     dims = curve["amplitude"].dims
     rotors = RotorColumns.of(spread(curve, ALL_PARAMETERS, curve["amplitude"]))
-    if disc_radius is None and rotors.friction.any():
-        raise InputError(
-            f"disc_radius must be given with friction {rotors.friction.max().item()!r}, got None"
-        )
+    _check_radius(disc_radius, rotors)
     A, lag = curve["amplitude"].values, curve["phase_lag"].values
     torque = _torque(A, rotors, rho)
     exists, free = curve["piece"].values >= 0, curve["in_contact"].values == 0
@@ -252,7 +233,7 @@ def _jacobian(
     omega, zeta, delta0, kappa = rotors.omega, rotors.zeta, rotors.delta0, rotors.shaft_stiffness
     exponent, damping, mu = rotors.contact_exponent, rotors.contact_damping, rotors.friction
     steep, secant = stiffnesses(A, delta0, exponent)
-    f = np.where(free, 0.0, force(A, delta0, exponent))
+    f = np.where(free, 0.0, contact_force(A, delta0, exponent))
     steep, secant = np.where(free, 0.0, steep), np.where(free, 0.0, secant)
     cos, sin, none = np.cos(lag), np.sin(lag), np.zeros_like(A)
     # of N, which also depends on the radial velocity, p + omega t

@@ -12,9 +12,10 @@ import numpy.typing as npt
 
 from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.checks import LARGEST_NUMBER, check_array, check_axis
-from rotor_ida.closed_forms.restoring_law import force, stiffnesses
+from rotor_ida.closed_forms.restoring_law import stiffnesses
 from rotor_ida.closed_forms.rotor_columns import RotorColumns
 from rotor_ida.errors import InputError
+from rotor_ida.model.contact import contact_force
 from rotor_ida.model.parameters import NEED_CLEARANCE, check_clearance_needed, check_exponent
 
 
@@ -68,19 +69,12 @@ def stability_determinant(
     >>> round(float(stability_determinant(4.0, omega=1.0, zeta=0.5, delta0=0.0)), 12)
     3.0
     """
-    A, rotors = _checked(
-        {
-            "amplitude": amplitude,
-            "omega": omega,
-            "zeta": zeta,
-            "delta0": delta0,
-            "shaft_stiffness": shaft_stiffness,
-            "contact_exponent": contact_exponent,
-            "contact_damping": contact_damping,
-            "friction": friction,
-        }
-    )
-    return _determinant(A, rotors)
+    every, rotors = checked_whirls(
+        amplitude=amplitude, omega=omega, zeta=zeta, delta0=delta0,
+        shaft_stiffness=shaft_stiffness, contact_exponent=contact_exponent,
+        contact_damping=contact_damping, friction=friction,
+    )  # fmt: skip
+    return _determinant(every["amplitude"], rotors)
 
 
 def _determinant(A: Values, rotors: RotorColumns) -> Values:
@@ -140,19 +134,12 @@ def eigenvalues(
     >>> round(float(rates.max()), 5)
     0.0983
     """
-    A, rotors = _checked(
-        {
-            "amplitude": amplitude,
-            "omega": omega,
-            "zeta": zeta,
-            "delta0": delta0,
-            "shaft_stiffness": shaft_stiffness,
-            "contact_exponent": contact_exponent,
-            "contact_damping": contact_damping,
-            "friction": friction,
-        }
-    )
-    return eigenvalues_of(A, rotors)
+    every, rotors = checked_whirls(
+        amplitude=amplitude, omega=omega, zeta=zeta, delta0=delta0,
+        shaft_stiffness=shaft_stiffness, contact_exponent=contact_exponent,
+        contact_damping=contact_damping, friction=friction,
+    )  # fmt: skip
+    return eigenvalues_of(every["amplitude"], rotors)
 
 
 def eigenvalues_of(amplitude: Values, rotors: RotorColumns) -> ComplexValues:
@@ -165,27 +152,37 @@ def growth_rate(amplitude: Values, determinant: Values, rotors: RotorColumns) ->
     return np.asarray(_eigenvalues(determinant, amplitude, rotors).real.max(axis=-1))
 
 
-def _checked(given: dict[str, npt.ArrayLike]) -> tuple[Values, RotorColumns]:
-    """Return amplitudes and rotors that broadcast."""
+def slowest_rate(damping: Values | float, stiffness: Values | float) -> Values:
+    """Return the largest real part of the roots of ``L**2 + 2 damping L + stiffness``."""
+    loss, kappa = np.broadcast_arrays(np.asarray(damping, float), np.asarray(stiffness, float))
+    frequency = np.sqrt(kappa)
+    creeps = loss > frequency
+    root = np.sqrt(np.maximum((loss - frequency) * (loss + frequency), 0.0))
+    slow = np.divide(kappa, loss + root, out=np.zeros_like(loss), where=creeps)
+    return np.where(creeps, -slow, -loss) + 0.0
+
+
+def checked_whirls(**given: npt.ArrayLike) -> tuple[dict[str, Values], RotorColumns]:
+    """Return numbers and arrays of whirls by name, broadcast, and the rotors."""
     arrays = {name: check_array(name, each, largest=LARGEST_NUMBER) for name, each in given.items()}
     try:
-        A, *others = np.broadcast_arrays(*arrays.values())
+        every = dict(zip(arrays, np.broadcast_arrays(*arrays.values()), strict=True))
     except ValueError:
         shapes = ", ".join(str(array.shape) for array in arrays.values() if array.shape)
         raise InputError(
             f"{', '.join(given)} must broadcast, got arrays of shapes {shapes}"
         ) from None
-    rotors = RotorColumns.of(dict(zip(list(arrays)[1:], others, strict=True)))
     for name, values in arrays.items():
         if values.size:
             check_axis(name, np.ravel(values))
+    rotors = RotorColumns.of(every)
     for exponent in np.unique(rotors.contact_exponent).tolist():
         check_exponent(exponent)
     if (rotors.delta0 == 0.0).any():
         check_clearance_needed(
-            {name: float(arrays[name].max(initial=0.0)) for name in NEED_CLEARANCE}
+            {name: float(getattr(rotors, name).max(initial=0.0)) for name in NEED_CLEARANCE}
         )
-    return A, rotors
+    return every, rotors
 
 
 def _eigenvalues(determinant: Values, amplitude: Values, rotors: RotorColumns) -> ComplexValues:
@@ -209,7 +206,7 @@ def _eigenvalues(determinant: Values, amplitude: Values, rotors: RotorColumns) -
         sum_ = damping + root
         found += [np.divide(sigma, sum_, out=zero.copy(), where=sum_ != 0.0), -damping - root]
     eigenvalues = np.stack(found, axis=-1)
-    drag = rotors.contact_damping * force(amplitude, rotors.delta0, rotors.contact_exponent)
+    drag = rotors.contact_damping * contact_force(amplitude, rotors.delta0, rotors.contact_exponent)
     mu = rotors.friction
     others = (drag > 0.0) | (mu > 0.0)
     if others.any():

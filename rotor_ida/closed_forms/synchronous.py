@@ -15,7 +15,7 @@ from rotor_ida.closed_forms.contact_free import complex_amplitude, static_sag
 from rotor_ida.closed_forms.contacting_whirls import ContactingWhirls, contacting_whirls
 from rotor_ida.closed_forms.linear_whirls import linear_whirls
 from rotor_ida.closed_forms.rotor_columns import RotorColumns, whirls_asked
-from rotor_ida.closed_forms.stability import growth_rate
+from rotor_ida.closed_forms.stability import growth_rate, slowest_rate
 from rotor_ida.closed_forms.unbalance_response import response_of_system
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
@@ -260,15 +260,10 @@ def whirls_in_contact(rotors: RotorColumns) -> ContactingWhirls:
 
 def _contact_free_growth(rotors: RotorColumns) -> Values:
     """Return the largest real part of ``L**2 + 2 zeta L + kappa = 0``, in the fixed frame."""
-    zeta = rotors.zeta
     # at rest without clearance a linear contact centres the rotor too
     at_rest = (rotors.omega == 0.0) & (rotors.delta0 == 0.0)
     kappa = rotors.shaft_stiffness + (at_rest & (rotors.contact_exponent == 1.0))
-    frequency = np.sqrt(kappa)
-    creeps = zeta > frequency
-    root = np.sqrt(np.maximum((zeta - frequency) * (zeta + frequency), 0.0))
-    slow = np.divide(kappa, zeta + root, out=np.zeros_like(zeta), where=creeps)
-    return np.where(creeps, -slow, np.where(kappa > 0.0, -zeta, 0.0)) + 0.0
+    return slowest_rate(rotors.zeta, kappa)
 
 
 def _side_by_side(free: Values, touching: Values, contact_free: Flags) -> Values:

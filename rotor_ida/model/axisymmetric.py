@@ -56,8 +56,6 @@ class ForwardMotions:
         The rows b.
     basis : ndarray of complex, shape (N, n)
         The motions in coordinates with a unit mass matrix, orthonormal.
-    shapes : ndarray of complex, shape (N, n)
-        Coordinates of each motion: ``q = sqrt(2) Re(shapes p)``.
     films : Films
         The bearings whose coefficients depend on the speed, which `stiffness` and `damping` lack.
     """
@@ -67,7 +65,6 @@ class ForwardMotions:
     gyroscopic: ComplexValues
     rows: ComplexValues
     basis: ComplexValues
-    shapes: ComplexValues
     films: Films
 
     def stiffness_at(self, speeds: Values | float) -> ComplexValues:
@@ -167,10 +164,7 @@ def forward_motions(assembly: Assembly) -> ForwardMotions:
             _refuse(f"table of {each.words}")
     rows = found.rows[:, 0] + 1j * found.rows[:, 1]
     films = Films(found.films.bearings, found.films.rows @ basis)
-    shapes = found.inverse.T @ basis
-    return ForwardMotions(
-        rows=rows @ basis / np.sqrt(2.0), basis=basis, shapes=shapes, films=films, **reduced
-    )
+    return ForwardMotions(rows=rows @ basis / np.sqrt(2.0), basis=basis, films=films, **reduced)
 
 
 def _matrices(found: Canonical) -> dict[str, Values]:

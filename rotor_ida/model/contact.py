@@ -118,7 +118,7 @@ def indentation(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
 
 
 def contact_force(
-    radius: npt.ArrayLike, delta0: npt.ArrayLike, exponent: float = HERTZ_EXPONENT
+    radius: npt.ArrayLike, delta0: npt.ArrayLike, exponent: npt.ArrayLike = HERTZ_EXPONENT
 ) -> Values:
     """Return the undamped contact force towards the centre [dimensionless].
 
@@ -178,7 +178,7 @@ def contact_stiffness(radius: npt.ArrayLike, delta0: npt.ArrayLike) -> Values:
 
 
 def secant_stiffness(
-    radius: npt.ArrayLike, delta0: npt.ArrayLike, exponent: float = HERTZ_EXPONENT
+    radius: npt.ArrayLike, delta0: npt.ArrayLike, exponent: npt.ArrayLike = HERTZ_EXPONENT
 ) -> Values:
     """Return force over radius, ``s(r) = f(r) / r`` [dimensionless]; zero, its limit, at r = 0.
 

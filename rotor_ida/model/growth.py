@@ -76,14 +76,16 @@ def growth_begins(found: Canonical, speed: float) -> float | None:
     return _end_between(found, low, high, True)
 
 
-def growth_between(found: Canonical, low: float, high: float) -> list[tuple[float, float]]:
+def growth_between(
+    found: Canonical, low: float, high: float, points: int = POINTS
+) -> list[tuple[float, float]]:
     """Return the ranges of speeds between two in which the motion without contact grows.
 
-    Ranges, and gaps between them, that lie between neighbours of `POINTS` speeds are not seen.
+    Ranges, and gaps between them, that lie between neighbours of some `points` are not seen.
     """
     knots = found.films.knots
     inside = knots[(knots > low) & (knots < high)]
-    speeds = np.unique(np.concatenate([np.linspace(low, high, POINTS), inside])).tolist()
+    speeds = np.unique(np.concatenate([np.linspace(low, high, points), inside])).tolist()
     grow = [growth_of(found, each) is not None for each in speeds]
     ends = [low] if grow[0] else []
     for (below, above), grows in zip(pairwise(speeds), grow[1:], strict=True):

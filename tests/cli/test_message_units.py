@@ -73,7 +73,7 @@ OF_SYSTEM = {
     "sweep --speed 2000rpm 1000rpm --direction up":
         "speed must increase in a sweep up or down, got 1000 rpm after 2000 rpm",
     "special-speeds --limits 3000rpm 2000rpm":
-        "limits must be two speeds, the lower one first, got (3000 rpm, 2000 rpm)",
+        "limits must be two numbers, the lower first, got (3000 rpm, 2000 rpm)",
     "campbell --speed 100rpm --contact-stiffness -1N/mm":
         "--contact-stiffness must be zero or positive, got -1 N/mm",
     "clearance-report --speed 1rpm 2rpm 3rpm --vibration-limit -5um":

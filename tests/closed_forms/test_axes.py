@@ -45,14 +45,13 @@ def test_a_grid_holds_what_single_calls_hold(function):
     assert table.dims[: len(axes)] == tuple(axes)
     assert table.shape[: len(axes)] == tuple(map(len, axes.values()))
     assert all(grid[name].ndim == 0 for name in DEFAULTS.keys() & more.keys())
-    for values in itertools.product(*axes.values()):
+    places = [*itertools.product(*axes.values())]
+    for values in places[:: len(places) // 12 | 1]:
         place = dict(zip(axes, values, strict=True))
         point, alone = grid.sel(place), function(**place, **more)
         for name in grid.data_vars:
             found, expected = point[name].values.ravel(), alone[name].values.ravel()
-            # the locus of folds is cut elsewhere on a grid, which moves the last digit
-            rounding = 1e-14 if function is folds else 0.0
-            np.testing.assert_allclose(found[: expected.size], expected, rtol=rounding, atol=0.0)
+            np.testing.assert_array_equal(found[: expected.size], expected)
             rest = found[expected.size :]
             assert (rest == ABSENT[name] if name in ABSENT else np.isnan(rest)).all(), name
 

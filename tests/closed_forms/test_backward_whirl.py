@@ -26,16 +26,6 @@ MACHINES = [
 ]  # fmt: skip
 
 
-def rubbing(**given):
-    """A rotor with friction."""
-    rotor = Rotor(
-        **{name: given[name] for name in given if name not in ("friction", "disc_radius")}
-    )
-    for name in ("friction", "disc_radius"):
-        object.__setattr__(rotor, name, given[name])
-    return rotor
-
-
 def row(found, kind):
     place = int(np.nonzero(found.kind.values == WHIRL_KIND[kind])[0][0])
     return {
@@ -49,7 +39,7 @@ def slipping(state, rotor):
 
 
 def test_known_whirls():
-    found = backward_whirl(rubbing(**KNOWN))
+    found = backward_whirl(Rotor(**KNOWN))
     saddle, whip = row(found, "slipping"), row(found, "rolling")
     assert saddle["whirl_speed"] == pytest.approx(-1.0, abs=1e-15)
     assert saddle["amplitude"] == pytest.approx(3.147899036, abs=1e-9)
@@ -62,7 +52,7 @@ def test_known_whirls():
 @pytest.mark.parametrize("machine", MACHINES)
 def test_the_slipping_whirl_obeys_the_stated_motion(machine):
     """On a circle at its speed the acceleration is the centripetal one, and it slips forwards."""
-    rotor = rubbing(**machine)
+    rotor = Rotor(**machine)
     saddle = row(backward_whirl(rotor), "slipping")
     r, speed = saddle["amplitude"], saddle["whirl_speed"]
     change = slipping([r, 0.0, 0.0, speed * r], rotor)
@@ -74,7 +64,7 @@ def test_the_slipping_whirl_obeys_the_stated_motion(machine):
 @pytest.mark.parametrize("machine", MACHINES)
 def test_the_slipping_whirl_is_a_saddle(machine):
     """On axes that turn with it the Jacobian, by complex steps, has one positive eigenvalue."""
-    rotor = rubbing(**machine)
+    rotor = Rotor(**machine)
     saddle = row(backward_whirl(rotor), "slipping")
     r, speed = saddle["amplitude"], saddle["whirl_speed"]
 
@@ -95,7 +85,7 @@ def test_the_slipping_whirl_is_a_saddle(machine):
 @pytest.mark.parametrize("machine", MACHINES)
 def test_a_rolling_disc_settles_on_dry_whip(machine):
     """The radial equation of a disc that rolls, from 20 percent beside."""
-    rotor = rubbing(**machine)
+    rotor = Rotor(**machine)
     whip = row(backward_whirl(rotor), "rolling")
     surface = rotor.disc_radius * rotor.omega
 
@@ -115,12 +105,12 @@ def test_a_rolling_disc_settles_on_dry_whip(machine):
 
 @pytest.mark.parametrize("machine", MACHINES)
 def test_both_are_born_as_one_where_friction_can_just_hold(machine):
-    birth = backward_whirl(rubbing(**machine)).birth_omega.item()
-    born = backward_whirl(rubbing(**(machine | {"omega": birth * (1.0 + 1e-12)})))
+    birth = backward_whirl(Rotor(**machine)).birth_omega.item()
+    born = backward_whirl(Rotor(**(machine | {"omega": birth * (1.0 + 1e-12)})))
     saddle, whip = row(born, "slipping"), row(born, "rolling")
     for name in ("amplitude", "whirl_speed", "normal_force", "tangential_force"):
         assert saddle[name] == pytest.approx(whip[name], rel=1e-10)
-    before = backward_whirl(rubbing(**(machine | {"omega": birth * (1.0 - 1e-12)})))
+    before = backward_whirl(Rotor(**(machine | {"omega": birth * (1.0 - 1e-12)})))
     assert np.isnan(before.amplitude).all()
     assert (before.stability == STABILITY["absent"]).all()
     assert before.birth_omega.item() == birth
@@ -137,7 +127,7 @@ def test_radii_over_many_orders_of_magnitude():
         given = {"zeta": zeta, "delta0": d, "friction": mu, "disc_radius": rho,
                  "shaft_stiffness": kappa, "contact_exponent": n}  # fmt: skip
         if n == 1.0 and 2.0 * zeta * whirl / mu >= 1.0:
-            none = backward_whirl(rubbing(omega=1e3, **given))
+            none = backward_whirl(Rotor(omega=1e3, **given))
             assert np.isnan(none.birth_omega)
             assert np.isnan(none.amplitude).all()
             continue
@@ -146,14 +136,14 @@ def test_radii_over_many_orders_of_magnitude():
             return (r - d) ** n / r - s
 
         radius = brentq(slips, d, 1e12, xtol=1e-300, rtol=1e-14, maxiter=1000)
-        birth = backward_whirl(rubbing(omega=0.0, **given)).birth_omega.item()
+        birth = backward_whirl(Rotor(omega=0.0, **given)).birth_omega.item()
         assert birth == pytest.approx(radius * whirl / rho, rel=1e-11)
         surface = 3.0 * birth * rho
 
         def rolls(r, d=d, n=n, kappa=kappa, surface=surface):
             return r * (r - d) ** n + kappa * r * r - surface**2
 
-        found = backward_whirl(rubbing(omega=3.0 * birth, **given))
+        found = backward_whirl(Rotor(omega=3.0 * birth, **given))
         settled = brentq(rolls, d, d + surface**2 + 1.0, xtol=1e-300, rtol=1e-14, maxiter=1000)
         assert row(found, "slipping")["amplitude"] == pytest.approx(radius, rel=1e-11)
         assert row(found, "rolling")["amplitude"] == pytest.approx(settled, rel=1e-11)
@@ -178,7 +168,7 @@ def test_linear_ring_has_whip_where_friction_drives_its_backward_mode():
             fastest = eigenvalues[eigenvalues.real.argmax()]
             assert (fastest.real > 0.0) == born
             assert fastest.imag == pytest.approx(-math.sqrt(kappa + 1.0), rel=1e-8)
-            assert np.isfinite(backward_whirl(rubbing(omega=1.0, **given)).birth_omega) == born
+            assert np.isfinite(backward_whirl(Rotor(omega=1.0, **given)).birth_omega) == born
 
 
 @pytest.mark.parametrize("friction", [0.09, 0.12])
@@ -203,11 +193,11 @@ def test_wide_backward_whirl_grows_at_the_rate_of_the_linear_ring(friction):
 
 
 def test_without_damping_any_touch_is_driven():
-    found = backward_whirl(rubbing(**(KNOWN | {"zeta": 0.0})))
+    found = backward_whirl(Rotor(**(KNOWN | {"zeta": 0.0})))
     assert found.birth_omega.item() == 0.0
     assert np.isnan(row(found, "slipping")["amplitude"])
     assert row(found, "rolling")["stability"] == STABILITY["neutral"]
-    held = backward_whirl(rubbing(**(KNOWN | {"zeta": 0.0, "shaft_stiffness": 4.0})))
+    held = backward_whirl(Rotor(**(KNOWN | {"zeta": 0.0, "shaft_stiffness": 4.0})))
     assert held.birth_omega.item() == pytest.approx(2.0 / 10.0)
 
 
@@ -215,7 +205,6 @@ def test_without_damping_any_touch_is_driven():
     ("given", "says"),
     [
         ({"friction": 0.0}, "friction must be above 0 for a backward whirl, got 0.0"),
-        ({"disc_radius": None}, "disc_radius must be given for a backward whirl, got None"),
         ({"load": 1.0}, "load must be 0 for a backward whirl"),
         ({"friction": 1e-30}, "friction must be at least 1e-20 for a backward whirl, got 1e-30"),
         ({"omega": 1e18}, "omega must be"),
@@ -223,7 +212,7 @@ def test_without_damping_any_touch_is_driven():
 )
 def test_odd_rotors_are_refused(given, says):
     with pytest.raises(InputError, match=says):
-        backward_whirl(rubbing(**(KNOWN | given)))
+        backward_whirl(Rotor(**(KNOWN | given)))
 
 
 def test_only_a_rotor_has_whirls():

@@ -41,20 +41,21 @@ def reference_flight(time, rotor, start, start_time=0.0) -> list:
         return [z.real, z.imag, v.real, v.imag]
 
 
-@pytest.mark.parametrize("zeta", [0.0, 5e-324, 1e-300, 1e-8, 0.07, 5.0])
-@pytest.mark.parametrize("omega", [0.0, 1e-300, 1e-8, 1.7, 50.0])
 @pytest.mark.parametrize("start_time", [0.0, 123.456])
-def test_flight_holds_to_rounding(omega, zeta, start_time):
-    rotor, start = Rotor(omega=omega, zeta=zeta, delta0=2.0), (0.3, -0.4, 0.11, 0.07)
-    elapsed = np.array([0.0, 1e-9, 0.3, 7.0, 1000.0, 1e9])
+def test_flight_without_a_shaft_holds_to_rounding(start_time):
+    start, elapsed = (0.3, -0.4, 0.11, 0.07), np.array([0.0, 1e-9, 0.3, 7.0, 1000.0, 1e9])
     times = start_time + elapsed
-    found = flight(times, rotor=rotor, start=start, start_time=start_time)
-    for k, time in enumerate(times):
-        expected = reference_flight(time, rotor, start, start_time)
-        # a few roundings of the distance travelled, and of the speeds that make it up
-        scale = [1.0 + 0.2 * elapsed[k] + omega * elapsed[k]] * 2 + [0.2 + omega] * 2
-        for value, exact, size in zip(found[:, k], expected, scale, strict=True):
-            assert abs(value - exact) < 1e-15 * size
+    for omega, zeta in itertools.product(
+        [0.0, 1e-300, 1e-8, 1.7, 50.0], [0.0, 5e-324, 1e-300, 1e-8, 0.07, 5.0]
+    ):
+        rotor = Rotor(omega=omega, zeta=zeta, delta0=2.0)
+        found = flight(times, rotor=rotor, start=start, start_time=start_time)
+        for k, time in enumerate(times):
+            expected = reference_flight(time, rotor, start, start_time)
+            # roundings of the distance travelled, and of the speeds that make it up
+            scale = [1.0 + 0.2 * elapsed[k] + omega * elapsed[k]] * 2 + [0.2 + 2.0 * omega] * 2
+            for value, exact, size in zip(found[:, k], expected, scale, strict=True):
+                assert abs(value - exact) < 1e-15 * size
 
 
 def test_contact_free_whirl_is_the_branch_of_the_response():

@@ -5,6 +5,7 @@ from __future__ import annotations
 import itertools
 import math
 import warnings
+from dataclasses import asdict
 from fractions import Fraction
 
 import mpmath
@@ -31,15 +32,12 @@ mpmath.mp.dps = 50
 # Folds are simple crossings except where two of them merge: a few rounding errors remain.
 ROUNDING = 1e-13
 # zeta, delta0, stiffness of the shaft, exponent of the contact
-PAPER = list(itertools.product(
-    [0.003, 0.01, 0.07, 0.15, 0.2, 0.22],
-    [0.0, 0.05, 0.3, 0.5, 0.6, 0.7, 0.9, 0.999, 1.0, 1.5, 3.0],
-    [0.0], [1.5],
-))  # fmt: skip
-LAWS = list(
-    itertools.product([0.003, 0.07, 0.15], [0.1, 0.7, 1.0, 3.0], [0.0, 1e-3, 0.25, 2.0], [1.5, 1.0])
-) + [(zeta, 0.0, kappa, 1.5) for zeta in (0.0, 0.07) for kappa in (1e-3, 0.25, 2.0)]
-LAWS += [(0.0, delta0, kappa, 1.5) for delta0 in (0.5, 2.0) for kappa in (1e-3, 0.25, 2.0)]
+LAWS = [
+    *itertools.product([0.003, 0.07, 0.2], [0.0, 0.05, 0.5, 0.7, 0.999, 1.0, 3.0], [0.0], [1.5]),
+    *itertools.product([0.003, 0.15], [0.1, 1.0, 3.0], [1e-3, 0.25, 2.0], [1.5, 1.0]),
+    *itertools.product([0.07], [0.1, 0.7, 3.0], [0.0], [1.0]),
+    *itertools.product([0.0], [0.0, 0.5, 2.0], [1e-3, 2.0], [1.5]),
+]
 RUBBING = [
     {"zeta": 0.07, "delta0": 0.5, "friction": 0.02},
     {"zeta": 0.02, "delta0": 0.8, "friction": 0.1},
@@ -83,15 +81,15 @@ def assert_folds_match(case, rounding=ROUNDING) -> None:
         assert abs(amplitude / (mpmath.mpf(case[1]) + u**2) - 1) < rounding, case
 
 
-@pytest.mark.parametrize("case", PAPER + LAWS)
-def test_folds_hold_to_rounding(case):
-    assert_folds_match(case)
+def test_folds_hold_to_rounding():
+    for case in LAWS:
+        assert_folds_match(case)
 
 
 def test_no_fold_is_missed_and_none_invented():
     """Between two speeds the number of contacting whirls changes by what lies between them."""
     total = 0
-    for zeta, delta0, kappa, exponent in LAWS + PAPER[::2]:
+    for zeta, delta0, kappa, exponent in LAWS:
         turns = [omega for omega, _ in found_at(zeta, delta0, kappa, exponent)]
         touches = touch_speeds(zeta=zeta, delta0=delta0, shaft_stiffness=kappa)
         ends = np.sort([*turns, *touches[touches > 0.0]])
@@ -110,7 +108,7 @@ def test_no_fold_is_missed_and_none_invented():
             if np.sum((speeds[k - 1] < ends) & (ends < speeds[k])) == 1:
                 assert abs(count[k] - count[k - 1]) == 2, (zeta, delta0, kappa, exponent, omega)
                 total += 1
-    assert total > 150
+    assert total > 60
 
 
 def linear_cubic(zeta, delta0, kappa) -> list:
@@ -127,7 +125,7 @@ def linear_cubic(zeta, delta0, kappa) -> list:
         if abs(mpmath.im(root)) > 1e-30 or q <= 0:
             continue
         amplitude = (k - q) * d / ((k - q) ** 2 + 4 * z**2 * q)
-        if amplitude > d:
+        if amplitude > d * (1 + mpmath.mpf(10) ** -30):  # else the first touch
             found.append((mpmath.sqrt(q), amplitude))
     return sorted(found)
 
@@ -141,7 +139,7 @@ def test_two_folds_of_the_same_amplitude_are_both_found(friction):
     zeta, delta0 = Fraction(5, 26), Fraction(12, 13)
     law = RestoringLaw(delta0, contact_exponent=1.0, friction=friction)
     found = exact_folds(CurveEquations(zeta, law))
-    expected = linear_cubic(5 / mpmath.mpf(26), 12 / mpmath.mpf(13), 0.0)[:2]  # then first touch
+    expected = linear_cubic(5 / mpmath.mpf(26), 12 / mpmath.mpf(13), 0.0)
     if friction == 0.0:
         assert [amplitude for _, amplitude in found] == [13 / 12, 13 / 12]
     else:  # a little friction neither adds nor removes folds, but moves them apart
@@ -152,38 +150,18 @@ def test_two_folds_of_the_same_amplitude_are_both_found(friction):
         assert abs(fold.amplitude / amplitude - 1) < (3 * friction or ROUNDING)
 
 
-@pytest.mark.parametrize(("zeta", "delta0"), [(0.14, 0.96), (0.3, 0.8), (0.4, 0.6), (0.48, 0.28)])
-def test_the_first_touch_is_no_fold(zeta, delta0):
-    """With ``4 zeta**2 = 1 - delta0**2`` the locus of a linear contact begins at this damping."""
-    expected = [pair for pair in linear_cubic(zeta, delta0, 0.0) if pair[1] > delta0 * (1 + 1e-12)]
-    found = found_at(zeta, delta0, 0.0, 1.0)
-    assert len(found) == len(expected)
-    for (omega, amplitude), (speed, size) in zip(found, expected, strict=True):
-        assert abs(omega / speed - 1) < ROUNDING
-        assert abs(amplitude / size - 1) < ROUNDING
-
-
-@pytest.mark.parametrize("delta0", [0.05, 0.5, 0.9, 1.1, 1.5, 8.0])
 @pytest.mark.parametrize("kappa", [0.0, 1e-4, 0.25, 2.0])
-def test_folds_of_a_linear_contact_are_roots_of_a_cubic(delta0, kappa):
-    for zeta in (1e-4, 0.01, 0.07, 0.3, 0.6):
+def test_folds_of_a_linear_contact_are_roots_of_a_cubic(kappa):
+    cases = [*itertools.product([1e-5, 0.07, 0.3], [0.05, 0.5, 0.9, 1.0, 1.1, 8.0])]
+    if kappa == 0.0:  # with 4 zeta**2 = 1 - delta0**2, but for rounding, one is at the first touch
+        cases += [(0.14, 0.96), (0.3, 0.8), (0.4, 0.6), (0.48, 0.28)]
+    for zeta, delta0 in cases:
         expected = linear_cubic(zeta, delta0, kappa)
         found = found_at(zeta, delta0, kappa, 1.0)
         assert len(found) == len(expected), (zeta, delta0, kappa)
         for (omega, amplitude), (speed, size) in zip(found, expected, strict=True):
             assert abs(omega / speed - 1) < ROUNDING
             assert abs(amplitude / size - 1) < ROUNDING
-
-
-@pytest.mark.parametrize("zeta", [1.3e-6, 1e-5, 1e-3, 0.05])
-def test_folds_of_a_linear_contact_whose_clearance_is_one_are_roots_of_a_cubic(zeta):
-    """There ``4 zeta**2 = (2 - A) (A - 1)/A``: two folds, however slight the damping."""
-    least = 4.0 * zeta * zeta
-    # A**2 - (3 - 4 zeta**2) A + 2 = 0, written so that the smaller root does not cancel
-    large = 0.5 * ((3.0 - least) + np.sqrt((1.0 - least) * (1.0 - least) - 4.0 * least))
-    found = folds(zeta=zeta, delta0=1.0, contact_exponent=1.0)
-    amplitudes = np.sort(found.fold_amplitude.values.ravel())
-    np.testing.assert_allclose(amplitudes, [2.0 / large, large], rtol=1e-14)
 
 
 def test_a_linear_contact_without_clearance_has_no_fold():
@@ -202,17 +180,6 @@ def test_no_fold_with_friction_is_lost_and_none_invented(rotor):
     expected = scanned(rotor, fold_condition)
     inside = np.sort(found[found < 40.0])
     np.testing.assert_allclose(inside, expected, rtol=0.0, atol=2e-4)
-
-
-def test_folds_move_continuously_from_those_without_friction():
-    """Twice the friction moves them twice as far, as long as both are small."""
-    without = folds(zeta=0.07, delta0=0.5).fold_omega.values.ravel()
-    little, twice = (
-        folds(zeta=0.07, delta0=0.5, friction=mu).fold_omega.values.ravel() - without
-        for mu in (1e-7, 2e-7)
-    )
-    np.testing.assert_allclose(twice, 2.0 * little, rtol=1e-4)
-    np.testing.assert_array_less(little[2:], 0.0)  # those of the resonance, to lower speeds
 
 
 def test_without_damping_one_fold_is_left_below_unit_clearance():
@@ -244,9 +211,8 @@ def test_contact_damping_moves_no_fold_but_an_eigenvalue_vanishes_there_too():
 
 
 def test_number_of_folds_need_not_fall_with_the_damping():
-    found = folds(zeta=np.linspace(0.05, 0.26, 1500), delta0=0.7237)
-    counts = found.fold_omega.notnull().sum("fold").values.ravel()
-    assert [4, *counts[1:][np.diff(counts) != 0]] == [4, 2, 4, 2, 0]
+    found = folds(zeta=[0.1, 0.246, 0.247, 0.2475, 0.25], delta0=0.7237)
+    assert found.fold_omega.notnull().sum("fold").values.ravel().tolist() == [4, 2, 4, 2, 0]
 
 
 # Without clearance the two folds merge at A = 12/sqrt(10), a = 2/sqrt(10), b = sqrt(10), where
@@ -261,47 +227,38 @@ def test_jumps_without_clearance_need_a_damping_below_0_15604517():
     assert len(found_at(CUSP_ZETA * (1.0 + 1e-13), 0.0)) == 0
 
 
-@pytest.mark.parametrize(
-    ("delta0", "kappa"),
-    [*((delta0, 0.0) for delta0 in (0.0, 0.1, 0.39, 0.5, 0.65, 0.7, 0.70086, 0.7237, 0.9, 1.0, 2.0,
-                                    3.0, 10.0, 50.0)),
-     *itertools.product([0.0, 0.3, 1.0, 4.0], [1e-3, 0.25, 2.0])],
-)  # fmt: skip
-def test_no_fold_above_the_cusp_and_two_below(delta0, kappa):
-    last = cusp_zeta(delta0, shaft_stiffness=kappa)
-    assert len(found_at(last * (1.0 - 1e-12), delta0, kappa)) >= 2
-    for factor in (1.0 + 1e-12, 1.01, 1.3, 5.0):
-        assert len(found_at(last * factor, delta0, kappa)) == 0
-    # 1e-8 below the merger they are 1e-4 apart, which magnifies roundings ten thousandfold
-    # in plain doubles; the 32-digit residuals keep them out
-    rounding = ROUNDING if kappa == 0.0 else 1e-12
-    assert_folds_match((last * (1.0 - 1e-8), delta0, kappa, 1.5), rounding)
+def random_laws(count):
+    """Laws of every kind, over many decades."""
+    draw = np.random.default_rng(5)
+    for _ in range(count):
+        yield RestoringLaw(
+            delta0=draw.choice([draw.uniform(0.0, 3.0), 10.0 ** draw.uniform(-6.0, 3.0)]),
+            shaft_stiffness=draw.choice([0.0, 10.0 ** draw.uniform(-3.0, 1.0)]),
+            contact_exponent=draw.choice([1.0, 1.5]),
+            friction=draw.choice([0.0, 10.0 ** draw.uniform(-4.0, 0.3)]),
+        )
 
 
-@pytest.mark.parametrize(
-    "law",
-    [
-        *({"delta0": delta0} for delta0 in (0.0, 0.3, 0.5, 0.70086, 1.5)),
-        *({"delta0": d, "shaft_stiffness": k} for d in (0.5, 2.0) for k in (0.1, 1.0)),
-        {"delta0": 0.5, "friction": 0.05},
-        {"delta0": 0.5, "friction": 0.5},
-        {"delta0": 1.2, "friction": 0.05, "shaft_stiffness": 1.0},
-        {"delta0": 3.0, "friction": 0.1, "shaft_stiffness": 0.1, "contact_exponent": 1.0},
-    ],
-)
-def test_the_last_folds_merge_at_the_cusp(law):
-    limit = cusp(**law)
-    zeta, omega, amplitude = (limit[name].item() for name in limit.data_vars)
-    assert cusp_zeta(**law) == zeta
-    beneath = folds(zeta=zeta * (1.0 - 1e-8), **law)
-    speeds, sizes = beneath.fold_omega.values.ravel(), beneath.fold_amplitude.values.ravel()
-    near = np.abs(speeds / omega - 1.0) < 1e-3
-    assert near.sum() == 2
-    np.testing.assert_allclose(speeds[near].mean(), omega, rtol=1e-6)
-    np.testing.assert_allclose(sizes[near].mean(), amplitude, rtol=1e-6)
-    assert np.isnan(folds(zeta=zeta * (1.0 + 1e-8), **law).fold_omega).all()
-    determinant = stability_determinant(amplitude, omega=omega, zeta=zeta, **law)
-    assert abs(float(determinant)) < 1e-9
+def test_folds_cease_at_the_cusp():
+    with_cusp = 0
+    clearances = (0.0, 0.1, 0.39, 0.65, 0.70086, 0.7237, 1.0, 10.0)
+    for law in [*map(RestoringLaw, clearances), *random_laws(30)]:
+        given = {name: float(each) for name, each in asdict(law).items()}
+        limit = cusp(**given)
+        zeta, omega, amplitude = (limit[name].item() for name in limit.data_vars)
+        np.testing.assert_equal(cusp_zeta(**given), zeta)
+        if math.isnan(zeta):
+            assert not any(exact_folds(CurveEquations(each, law)) for each in (1e-6, 1e-3, 0.07))
+            continue
+        with_cusp += 1
+        for factor in (1.0 + 1e-10, 1.01, 1.3):
+            assert exact_folds(CurveEquations(zeta * factor, law)) == ()
+        beneath = exact_folds(CurveEquations(zeta * (1.0 - 1e-8), law))
+        near = [fold for fold in beneath if abs(fold.omega / omega - 1.0) < 1e-2]
+        at_touch = amplitude < law.delta0 * (1.0 + 1e-6)  # only a linear contact
+        assert len(near) == (1 if at_touch else 2), law
+        np.testing.assert_allclose(np.mean(near, axis=0), (omega, amplitude), rtol=1e-5)
+    assert with_cusp > 20
 
 
 def test_the_last_fold_of_a_linear_contact_vanishes_at_the_ring():
@@ -315,11 +272,11 @@ def test_the_last_fold_of_a_linear_contact_vanishes_at_the_ring():
 
 def test_cusp_of_largest_damping_bounds_every_clearance():
     highest = cusp()
-    scan = np.concatenate([np.linspace(0.0, 3.0, 121), np.geomspace(3.0, 1e3, 15)[1:]])
+    scan = np.concatenate([np.linspace(0.0, 3.0, 31), np.geomspace(3.0, 1e3, 8)[1:]])
     table = cusp(delta0=scan).cusp_zeta
     assert highest.cusp_zeta.item() >= float(table.max())
     assert highest.cusp_zeta.item() == pytest.approx(0.2510030, abs=5e-8)
-    assert abs(highest.delta0.item() - scan[int(table.values.argmax())]) <= 0.0125
+    assert abs(highest.delta0.item() - scan[int(table.values.argmax())]) <= 0.05
 
 
 def test_much_friction_leaves_no_fold_at_all():

@@ -31,14 +31,6 @@ def test_circular_period_is_that_of_the_backbone():
         assert circular_period(amplitude, delta0) == pytest.approx(2 * math.pi / speed, rel=1e-15)
 
 
-def test_speed_and_amplitude_are_inverse_to_each_other():
-    for amplitude, delta0 in [(0.3, 0.0), (1.5, 0.5), (100.0, 2.0)]:
-        speed = centre_speed(amplitude, delta0)
-        assert amplitude_from_speed(speed, delta0) == pytest.approx(amplitude, rel=1e-14)
-    # a start (0, 0, 0, y0') reaches (1.25 y0'**2)**0.4, in either direction
-    assert amplitude_from_speed(-3.0) == pytest.approx((1.25 * 9.0) ** 0.4, rel=1e-15)
-
-
 @pytest.mark.parametrize("period", [circular_period, planar_period, centre_speed])
 @pytest.mark.parametrize(
     ("amplitude", "delta0", "message"),
@@ -56,28 +48,6 @@ def test_no_period_without_contact(period, amplitude, delta0, message):
 def test_a_rotor_at_rest_reaches_nothing():
     with pytest.raises(InputError, match="speed must not be zero"):
         amplitude_from_speed(0.0)
-
-
-@pytest.fixture(scope="module")
-def periods():
-    return free_periods(amplitude=np.linspace(0.1, 8.0, 80), delta0=[0.0, 0.5])
-
-
-def test_there_is_no_period_where_the_ring_is_not_reached(periods):
-    inside = periods.amplitude <= 0.5
-    assert bool(periods.planar_period.sel(delta0=0.5)[inside].isnull().all())
-    assert bool(periods.planar_period.sel(delta0=0.5)[~inside].notnull().all())
-
-
-def test_table_holds_the_scalar_laws(periods):
-    at = periods.sel(amplitude=8.0, delta0=0.5)
-    assert at.circular_period.item() == circular_period(8.0, 0.5)
-    assert at.planar_period.item() == planar_period(8.0, 0.5)
-
-
-def test_table_of_a_negative_amplitude_is_refused():
-    with pytest.raises(InputError, match="amplitude must be zero or positive"):
-        free_periods(amplitude=[-1.0], delta0=0.0)
 
 
 def quadrature_of_machine(amplitude, delta0, kappa, exponent):
@@ -101,7 +71,7 @@ LAWS = [(kappa, exponent) for kappa in (0.0, 1e-9, 0.3, 40.0) for exponent in (1
 
 
 @pytest.mark.parametrize("law", LAWS)
-@pytest.mark.parametrize(("depth", "delta0"), [(1e-3, 0.25), (0.5, 0.5), (2.0, 1.0), (64.0, 40.0)])
+@pytest.mark.parametrize(("depth", "delta0"), [(1e-3, 0.25), (2.0, 1.0), (64.0, 40.0)])
 def test_planar_period_of_a_machine_is_the_integral_over_the_energy(law, depth, delta0):
     kappa, exponent = law
     found = planar_period(delta0 + depth, delta0, shaft_stiffness=kappa, contact_exponent=exponent)
@@ -148,12 +118,12 @@ def test_a_simulated_machine_is_back_after_one_period(kappa, exponent):
     assert crossing.peak_indentation.values[0] == pytest.approx(1.5, abs=1e-9)
 
 
-def test_a_table_of_a_machine_says_so():
-    table = free_periods(
-        amplitude=[0.25, 2.0], delta0=0.5, shaft_stiffness=0.4, contact_exponent=1.0
-    )
-    assert table.planar_period.values[0, 1] == planar_period(
-        2.0, 0.5, shaft_stiffness=0.4, contact_exponent=1.0
-    )
-    assert np.isnan(table.circular_period.values[0, 0])
+def test_a_table_holds_the_scalar_laws_and_nothing_where_the_ring_is_not_reached():
+    law = {"shaft_stiffness": 0.4, "contact_exponent": 1.0}
+    table = free_periods(amplitude=[0.25, 0.5, 2.0], delta0=[0.0, 0.5], **law)
+    for name, period in (("planar_period", planar_period), ("circular_period", circular_period)):
+        assert table[name].isnull().values.tolist() == [[False] * 3, [True, True, False]]
+        assert table[name].values[1, 2] == period(2.0, 0.5, **law)
     assert (table.shaft_stiffness.item(), table.contact_exponent.item()) == (0.4, 1.0)
+    with pytest.raises(InputError, match="amplitude must be zero or positive"):
+        free_periods(amplitude=[-1.0], delta0=0.0)

@@ -14,13 +14,6 @@ def field():
     return restoring_field(x=LINE, y=LINE, delta0=[0.0, 0.5])
 
 
-def test_force_never_falls_with_x_and_depends_on_y(field):
-    assert float(field.restoring_x.diff("x").min()) >= 0.0
-    assert float(field.restoring_x.sel(delta0=0.5, x=1.0, y=0.0)) == pytest.approx(0.5**1.5)
-    here = restoring_field(x=1.0, y=[0.0, 2.0], delta0=0.5).restoring_x.values.ravel()
-    np.testing.assert_allclose(here, [0.3536, 1.0230], atol=5e-5)
-
-
 def test_potential_is_convex_and_flat_inside_the_clearance(field):
     for direction in ("x", "y"):
         assert float(field.potential.diff(direction).diff(direction).min()) > -1e-12

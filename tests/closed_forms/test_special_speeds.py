@@ -102,8 +102,8 @@ def test_a_finite_element_rotor_touches_where_its_unbalance_response_reaches_the
 def test_bad_limits_are_refused():
     system = RotorSystem(mass=np.eye(2), stiffness=np.eye(2), nodes={"d": (0, 1)}, units="1")
     for limits, words in (
-        ((2.0, 1.0), "limits must be two speeds, the lower one first, got"),
-        ((1.0, 2.0, 3.0), "limits must be two speeds, got"),
+        ((2.0, 1.0), "limits must be two numbers, the lower first, got"),
+        ((1.0, 2.0, 3.0), "limits must be two numbers, the lower first, got"),
         ((-1.0, 2.0), "limits must be zero or positive, got -1.0"),
     ):
         with pytest.raises(InputError, match=words):

@@ -129,9 +129,8 @@ def test_arrays_give_what_single_numbers_give():
         np.testing.assert_allclose(found[place], alone, rtol=1e-15)
 
 
-@pytest.mark.parametrize("function", [eigenvalues, stability_determinant])
 @pytest.mark.parametrize("name", ["amplitude", "omega", "zeta", "delta0", "shaft_stiffness"])
-def test_no_parameter_of_a_whirl_is_negative(function, name):
+def test_no_parameter_of_a_whirl_is_negative(name):
     given = {"amplitude": 4.0, "omega": 1.0, "zeta": 0.5, "delta0": 0.5} | {name: -0.25}
     with pytest.raises(InputError, match=rf"{name} must be zero or positive, got -0.25"):
-        function(given.pop("amplitude"), **given)
+        eigenvalues(given.pop("amplitude"), **given)

@@ -2,13 +2,13 @@
 
 from __future__ import annotations
 
+import itertools
 import warnings
 from functools import reduce
 
 import mpmath
 import numpy as np
 import pytest
-from scipy.optimize import brentq
 
 from rotor_ida.closed_forms import folds, synchronous_response
 from rotor_ida.schema import STABILITY
@@ -121,8 +121,6 @@ def with_friction(draw):
     }
 
 
-# What the rotor of the paper has beside speed, damping and clearance.
-OTHERS = {"shaft_stiffness": 0.0, "contact_exponent": 1.5, "friction": 0.0}
 FAMILIES = {
     "paper": of_the_paper,
     "shaft": lambda draw: with_shaft(draw, 1.5),
@@ -155,8 +153,8 @@ def test_amplitudes_of_the_design_at_omega_1_7(delta0, amplitudes, stability):
 
 @pytest.mark.parametrize(
     ("family", "number", "rounding"),
-    [("paper", 150, ROUNDING), ("shaft", 60, ROUNDING), ("linear", 60, ROUNDING),
-     ("friction", 120, 3e-15)],
+    [("paper", 100, ROUNDING), ("shaft", 50, ROUNDING), ("linear", 60, ROUNDING),
+     ("friction", 80, 3e-15)],
 )  # fmt: skip
 def test_amplitudes_and_phases_hold_to_rounding_at_scattered_points(family, number, rounding):
     """None is lost and none invented."""
@@ -165,29 +163,6 @@ def test_amplitudes_and_phases_hold_to_rounding_at_scattered_points(family, numb
         for rotor in scattered(family, number, seed=1)
     ]
     assert {1, 3} <= set(counts)
-
-
-@pytest.mark.parametrize("family", FAMILIES)
-def test_amplitudes_are_those_of_a_scan_over_the_amplitude(family):
-    """The equation as it is stated, bracketed on a fine grid and solved by Brent's method."""
-    for rotor in scattered(family, 40, seed=2):
-        w, z, d = (rotor[name] for name in ("omega", "zeta", "delta0"))
-        k, n, mu = (rotor.get(name, value) for name, value in OTHERS.items())
-
-        def excess(A, w=w, z=z, d=d, k=k, n=n, mu=mu):
-            f = np.maximum(A - d, 0.0) ** n
-            return np.hypot((k - w**2) * A + f, 2.0 * z * w * A + mu * f) - w**2
-
-        grid = d + np.geomspace(1e-9, 1e5, 100_001)
-        signs = np.sign(excess(grid))
-        scanned = [
-            brentq(excess, grid[i], grid[i + 1], xtol=1e-300, rtol=1e-14)
-            for i in np.nonzero(signs[1:] != signs[:-1])[0]
-        ]
-        whirls = one_point(**rotor)
-        found = whirls["amplitude"][whirls["in_contact"] == 1]
-        # the rounded residual loses a digit or more near a fold
-        np.testing.assert_allclose(found, scanned, rtol=1e-10, err_msg=str(rotor))
 
 
 @pytest.mark.parametrize("away", [1e-6, 1e-14])
@@ -287,8 +262,8 @@ def test_extreme_laws_give_whirls_without_a_warning(exponent):
     assert np.isfinite(whirls.growth_rate.values[np.isfinite(whirls.amplitude.values)]).all()
 
 
-@pytest.mark.parametrize("zeta", [0.0, 1e-6, 0.01, 5.0])
-@pytest.mark.parametrize("omega", [1e-6, 1e-3, 0.5, 50.0])
-@pytest.mark.parametrize("delta0", [0.0, 1e-7, 0.999, 50.0])
-def test_extreme_parameters_hold_to_rounding(omega, zeta, delta0):
-    assert_matches_reference(omega, zeta, delta0)
+def test_extreme_parameters_hold_to_rounding():
+    for given in itertools.product(
+        [1e-6, 1e-3, 0.5, 50.0], [0.0, 1e-6, 0.01, 5.0], [0.0, 1e-7, 0.999, 50.0]
+    ):
+        assert_matches_reference(*given)

@@ -26,6 +26,10 @@ from rotor_ida.model.assembly import assemble
 from rotor_ida.model.axisymmetric import forward_motions
 from tests.axisymmetric_systems import beam, random_axisymmetric
 
+# The decisive eigenvalue of the beam turns at 4e5 rad/s and decays at 0.03 1/s: rounding of the one
+# limits what is known of the other.
+ROUNDED = 4e5 * 1e-14
+
 
 def complex_matrices(system, contacts):
     """Return mass, damping, gyroscopic and stiffness of z = x + i y, and the rows of contacts.
@@ -293,7 +297,7 @@ def test_a_finite_element_rotor_and_its_modes_rub_alike():
     assert whole.amplitude.attrs["units"] == "m"
     assert whole.normal_force.attrs["units"] == "N"
     np.testing.assert_allclose(whole.amplitude, modes.amplitude, rtol=1e-8)
-    np.testing.assert_allclose(whole.growth_rate, modes.growth_rate, rtol=1e-8)
+    np.testing.assert_allclose(whole.growth_rate, modes.growth_rate, atol=ROUNDED)
     (mass, damping, gyroscopic, stiffness) = (
         getattr(system, name) for name in ("mass", "damping", "gyroscopic", "stiffness")
     )
@@ -310,7 +314,6 @@ def test_a_finite_element_rotor_and_its_modes_rub_alike():
 
 
 def test_motions_along_and_about_the_axis_change_no_growth_rate():
-    """The decisive eigenvalue turns at 4e5 rad/s and decays at 0.03 1/s: rounding of either."""
     small = beam()
     free = np.setdiff1d(np.arange(66), own := np.arange(66).reshape(11, 6)[:, [0, 1, 3, 4]].ravel())
     chain = np.diag([1.0, *[2.0] * 9, 1.0]) - np.eye(11, k=1) - np.eye(11, k=-1)
@@ -330,7 +333,7 @@ def test_motions_along_and_about_the_axis_change_no_growth_rate():
     one, other = (synchronous_response(each, **around) for each in (small, system))
     assert (one.in_contact == 1).any()
     np.testing.assert_allclose(one.amplitude, other.amplitude, rtol=1e-11)
-    np.testing.assert_allclose(one.growth_rate, other.growth_rate, rtol=5e-9)
+    np.testing.assert_allclose(one.growth_rate, other.growth_rate, rtol=1e-9, atol=ROUNDED)
 
 
 def test_without_contacts_it_is_the_unbalance_response():

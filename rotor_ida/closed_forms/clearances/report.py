@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Unpack
 
 import numpy as np
@@ -36,11 +37,10 @@ from rotor_ida.closed_forms.clearances.response import (
     own_mass,
     peaks_of,
     response_to,
-    scaled,
     scales_of,
 )
 from rotor_ida.closed_forms.clearances.rubs import Rubs, Touching, touching_of
-from rotor_ida.closed_forms.clearances.words import sentences
+from rotor_ida.closed_forms.clearances.words import ALLOWED, sentences
 from rotor_ida.closed_forms.whirls.dry_whip import Whip
 from rotor_ida.errors import InputError
 from rotor_ida.model.assembly import Assembly, assemble, canonical
@@ -54,8 +54,6 @@ from rotor_ida.results.si_units import with_system_units
 from rotor_ida.schema import STABILITY, VERDICT, labelled_dataset
 from rotor_ida.units import SPEED_UNITS
 
-# Largest share of the diametral clearance.
-ALLOWED = 0.75
 # Vibration limit [m] up to a speed [rpm], and its part of the speed above.
 LIMIT, LIMIT_SPEED = 25.4e-6, 12_000.0
 MOST_POINTS = 20_000
@@ -197,7 +195,7 @@ def clearance_report(
                 speed=mode.speed,
             )
     if system.unbalance:
-        cases: Cases = [[scaled(each, multiple) for each in system.unbalance]]
+        cases: Cases = [[replace(each, moment=multiple * each.moment) for each in system.unbalance]]
         own = [0] * len(modes)
     elif system.units != "SI":
         raise InputError("unbalance must be given without SI units, got None")

@@ -142,11 +142,6 @@ def cases_of(problem: Problem, modes: Sequence[Mode], mass: float) -> tuple[Case
     return cases, [different.index(places) for places in every]
 
 
-def scaled(each: Unbalance, factor: float) -> Unbalance:
-    """Return an unbalance times a factor."""
-    return Unbalance(node=each.node, moment=factor * each.moment, phase=each.phase)
-
-
 def response_to(problem: Problem, modes: Sequence[Mode], cases: Cases, points: int) -> Response:
     """Return the response to all cases, at speeds that resolve each critical speed."""
     first, top = problem.assembly.films.reach[0], problem.top

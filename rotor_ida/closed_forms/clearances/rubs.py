@@ -11,7 +11,7 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.closed_forms.clearances.critical_speeds import Mode
-from rotor_ida.closed_forms.clearances.response import Cases, Response, about, scaled
+from rotor_ida.closed_forms.clearances.response import Cases, Response, about
 from rotor_ida.closed_forms.whirls.dry_whip import Whip, dry_whips
 from rotor_ida.closed_forms.whirls.synchronous import whirls_of_system
 from rotor_ida.errors import InputError
@@ -74,12 +74,11 @@ def touching_of(
                              np.linspace(problem.low, problem.high, RUB_SPEEDS)])  # fmt: skip
     speeds = np.unique(speeds[(speeds > 0.0) & (speeds >= first) & (speeds <= problem.trip)])
     try:  # what is not axisymmetric is refused
-        found = [
-            whirls_of_system(
-                replace(assembly.system, unbalance=[scaled(each, scale) for each in case]), speeds
-            )
-            for case, scale in zip(cases, scales.tolist(), strict=True)
-        ]  # fmt: skip
+        found = []
+        for case, scale in zip(cases, scales.tolist(), strict=True):
+            applied = [replace(each, moment=scale * each.moment) for each in case]
+            system = replace(assembly.system, unbalance=applied)
+            found.append(whirls_of_system(system, speeds))
     except InputError as error:
         none = hardest_rubs([], count)
         return Touching(none, none, [None] * count, no_circles(error))

@@ -174,13 +174,14 @@ def _per_cent(share: float) -> str:
 
 def _speed(report: xr.Dataset, speed: float) -> str:
     """Return a speed in rpm, or as it is where it has no unit."""
-    if report["clearance"].attrs["units"] != "m":
-        return f"a speed of {quantity(speed)}"
-    return quantity(speed, "rad/s")
+    return _with_unit(report, speed, "speed", "rad/s")
 
 
 def _force(report: xr.Dataset, name: str) -> str:
-    value = report[name].item()
-    if report["clearance"].attrs["units"] != "m":
-        return f"a force of {quantity(value)}"
-    return quantity(value, "N")
+    return _with_unit(report, report[name].item(), "force", "N")
+
+
+def _with_unit(report: xr.Dataset, value: float, what: str, unit: str) -> str:
+    if report["clearance"].attrs["units"] == "m":
+        return quantity(value, unit)
+    return f"a {what} of {quantity(value)}"

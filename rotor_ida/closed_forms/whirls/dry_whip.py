@@ -30,6 +30,7 @@ from scipy.linalg import eig
 from scipy.optimize import brentq
 
 from rotor_ida.arrays import ROUNDING, ComplexValues, Values
+from rotor_ida.closed_forms.whirls.turning_axes import as_real
 from rotor_ida.model.axisymmetric import ForwardMotions
 from rotor_ida.model.system_parts import Contact
 
@@ -212,9 +213,9 @@ def _growth(
     """
     n, one = motions.size, np.eye(motions.size)
     resisted = motions.damping + turned
-    stiffness = _real(motions.stiffness - w * w * one + 1j * w * resisted)
-    damping = _real(resisted + 2j * w * one)
-    both = _real(row[np.newaxis, :])  # xi and eta by the real and imaginary parts of p
+    stiffness = as_real(motions.stiffness - w * w * one + 1j * w * resisted)
+    damping = as_real(resisted + 2j * w * one)
+    both = as_real(row[np.newaxis, :])  # xi and eta by the real and imaginary parts of p
     slope = contact.exponent * forces.real / (amplitude - contact.clearance)
     across = np.array([[slope, -forces.imag / amplitude], [0.0, forces.real / amplitude]])
     stiffness = stiffness + both.T @ across @ both
@@ -232,8 +233,3 @@ def _growth(
         values = values[np.abs(values) > NEUTRAL * abs(w)]  # the phase of the whirl is free
     values = values[np.abs(values) < 1e8 * np.abs(values).min(initial=np.inf)]
     return float(values.real.max(initial=-np.inf))
-
-
-def _real(matrix: ComplexValues) -> Values:
-    """Return a complex matrix as a real one of the real and imaginary parts."""
-    return np.block([[matrix.real, -matrix.imag], [matrix.imag, matrix.real]])

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
@@ -9,14 +11,12 @@ import xarray as xr
 from rotor_ida.arrays import Column, ComplexValues, Flags, Values
 from rotor_ida.closed_forms.receptances import Receptances, checked_speeds, receptances
 from rotor_ida.closed_forms.whirls.at_speeds import MOST_TOUCHING, sliding, whirls_of
-from rotor_ida.closed_forms.whirls.refined import refined_growth
 from rotor_ida.closed_forms.whirls.turning_axes import (
     NEUTRAL,
     Whirls,
     eigenvalues_in_contact,
     eigenvalues_without_contact,
     normal_forces,
-    springs_of,
 )
 from rotor_ida.model.assembly import Assembly, assemble
 from rotor_ida.model.axisymmetric import (
@@ -27,7 +27,7 @@ from rotor_ida.model.axisymmetric import (
     forward_motions,
 )
 from rotor_ida.model.rotor_system import RotorSystem
-from rotor_ida.model.system_parts import check_clearances
+from rotor_ida.model.system_parts import Contact, check_clearances
 from rotor_ida.results.archived_system import described_problem
 from rotor_ida.results.si_units import with_system_units
 from rotor_ida.schema import STABILITY, labelled_dataset
@@ -49,13 +49,13 @@ def whirls_of_system(system: RotorSystem, speed: npt.ArrayLike | None) -> xr.Dat
     motions = forward_motions(assembly)
     response = receptances(assembly, speeds)
     whirls = whirls_of(assembly, response, speeds)
-    growth, neutral = growth_rates(motions, assembly, speeds, whirls)
+    growth, neutral = growth_rates(motions, assembly.contacts, speeds, whirls)
     dataset = _dataset(assembly, response, speeds, whirls, growth, neutral)
     return with_system_units(dataset, system)
 
 
 def growth_rates(
-    motions: ForwardMotions, assembly: Assembly, speeds: Values, whirls: Whirls
+    motions: ForwardMotions, contacts: Sequence[Contact], speeds: Values, whirls: Whirls
 ) -> tuple[Values, Flags]:
     """Return the growth rates of whirls, and which are 0 but for rounding."""
     touches: Flags = np.asarray(whirls.touches.any(axis=1))
@@ -64,11 +64,10 @@ def growth_rates(
         part = whirls[chosen]
         at = speeds[part.row]
         if chosen is touches:
-            found = eigenvalues_in_contact(motions, assembly.contacts, at, part)
-            springs = springs_of(assembly.contacts, at, part)
+            found = eigenvalues_in_contact(motions, contacts, at, part)
         else:
-            found, springs = eigenvalues_without_contact(motions, at), None
-        growth[chosen] = refined_growth(motions, assembly, at, found, springs)
+            found = eigenvalues_without_contact(motions, at)
+        growth[chosen] = found.real.max(axis=1, initial=-np.inf)
         size[chosen] = np.abs(found).max(axis=1, initial=0.0)
     return growth, np.abs(growth) <= NEUTRAL * size
 

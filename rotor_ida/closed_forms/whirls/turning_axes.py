@@ -21,6 +21,7 @@ import numpy as np
 
 from rotor_ida.arrays import ComplexValues, Flags, Values
 from rotor_ida.closed_forms.contacting_whirls import Rows
+from rotor_ida.closed_forms.linear_motions import first_order
 from rotor_ida.model.axisymmetric import ForwardMotions
 from rotor_ida.model.system_parts import Contact
 
@@ -57,30 +58,6 @@ class Whirls:
         return Whirls(self.row[chosen], self.depth[chosen], self.displacement[chosen])
 
 
-@dataclass(frozen=True, slots=True)
-class Springs:
-    """A contact in a whirl: its direction and what it resists, one for each whirl.
-
-    Parameters
-    ----------
-    number : int
-        Number of the contact.
-    direction : ndarray of complex, shape (whirl,)
-        Unit direction of its displacement.
-    radial, across, drag : ndarray, shape (whirl,)
-        Stiffness along the direction and across it, and damping along it, 0 where it is free.
-    sliding : ndarray, shape (whirl,)
-        Friction coefficient with the sign of the speed.
-    """
-
-    number: int
-    direction: ComplexValues
-    radial: Values
-    across: Values
-    drag: Values
-    sliding: Values
-
-
 def normal_forces(contacts: Sequence[Contact], depths: Values) -> Values:
     """Return the normal forces at constant indentations, shape (whirl, contact)."""
     forces = [each.stiffness * depths[:, j] ** each.exponent for j, each in enumerate(contacts)]
@@ -89,13 +66,9 @@ def normal_forces(contacts: Sequence[Contact], depths: Values) -> Values:
 
 def eigenvalues_without_contact(motions: ForwardMotions, speeds: Values) -> ComplexValues:
     """Return the eigenvalues of free motions at speeds, on fixed axes, shape (speed, 2 n)."""
-    size = motions.size
-    matrix = np.zeros((speeds.size, 2 * size, 2 * size), complex)
-    matrix[:, :size, size:] = np.eye(size)
-    matrix[:, size:, :size] = -motions.stiffness_at(speeds)
-    turning = speeds[:, np.newaxis, np.newaxis] * motions.gyroscopic
-    matrix[:, size:, size:] = -motions.damping_at(speeds) - turning
-    return np.linalg.eigvals(matrix).astype(np.complex128)
+    resisted = motions.damping_at(speeds) + speeds[:, np.newaxis, np.newaxis] * motions.gyroscopic
+    found = np.linalg.eigvals(first_order(motions.stiffness_at(speeds), resisted))
+    return found.astype(np.complex128)
 
 
 def eigenvalues_in_contact(
@@ -114,66 +87,38 @@ def eigenvalues_in_contact(
     return found
 
 
-def springs_of(contacts: Sequence[Contact], speeds: Values, whirls: Whirls) -> list[Springs]:
-    """Return what the contacts resist in whirls."""
-    forces = normal_forces(contacts, whirls.depth)
-    found = []
-    for number, contact in enumerate(contacts):
-        depth, force = whirls.depth[:, number], forces[:, number]
-        displacement = whirls.displacement[:, number]
-        size = np.abs(displacement)
-        radial = contact.exponent * np.divide(force, depth, out=np.zeros_like(force),
-                                              where=depth > 0.0)  # fmt: skip
-        found.append(Springs(
-            number=number,
-            direction=np.divide(displacement, size, out=np.ones_like(displacement),
-                                where=size > 0.0),
-            radial=radial, across=force / (contact.clearance + depth),
-            drag=contact.damping * force, sliding=contact.friction * np.sign(speeds),
-        ))  # fmt: skip
-    return found
-
-
 def _matrices(
     motions: ForwardMotions, contacts: Sequence[Contact], speeds: Values, whirls: Whirls
 ) -> Values:
     """Return the real matrices of ``(Re p, Im p, Re p', Im p')``, shape (whirl, 4 n, 4 n)."""
-    half = 2 * motions.size
     omega = speeds[:, np.newaxis, np.newaxis]
     resisted = motions.damping_at(speeds) + omega * motions.gyroscopic
     one = np.eye(motions.size)
-    stiffness = _real(motions.stiffness_at(speeds) - omega**2 * one + 1j * omega * resisted)
-    damping = _real(resisted + 2j * omega * one)
-    for each in springs_of(contacts, speeds, whirls):
-        touching = each.radial > 0.0
+    stiffness = as_real(motions.stiffness_at(speeds) - omega**2 * one + 1j * omega * resisted)
+    damping = as_real(resisted + 2j * omega * one)
+    forces = normal_forces(contacts, whirls.depth)
+    for number, contact in enumerate(contacts):
+        touching = whirls.touches[:, number]
         if not touching.any():
             continue
-        beta = each.direction[touching].conj()[:, np.newaxis] * motions.rows[each.number]
+        depth, force = whirls.depth[touching, number], forces[touching, number]
+        displacement = whirls.displacement[touching, number]
+        beta = (displacement / np.abs(displacement)).conj()[:, np.newaxis] * motions.rows[number]
         rows = np.stack(
             [np.hstack([beta.real, -beta.imag]), np.hstack([beta.imag, beta.real])], axis=1
         )
-        sliding = each.sliding[touching]
-        across = np.zeros((len(beta), 2, 2))
-        across[:, 0, 0] = across[:, 1, 1] = 1.0
-        across[:, 0, 1], across[:, 1, 0] = -sliding, sliding
-        pushed = rows.transpose(0, 2, 1) @ across
-        stiff = np.stack([each.radial[touching], each.across[touching]], axis=1)
-        stiffness[touching] += pushed @ (stiff[:, :, np.newaxis] * rows)
-        drag = each.drag[touching, np.newaxis, np.newaxis]
+        sliding = contact.friction * np.sign(speeds[touching])
+        turned = np.zeros((len(beta), 2, 2))
+        turned[:, 0, 0] = turned[:, 1, 1] = 1.0
+        turned[:, 0, 1], turned[:, 1, 0] = -sliding, sliding
+        pushed = rows.transpose(0, 2, 1) @ turned
+        stiff = [contact.exponent * force / depth, force / (contact.clearance + depth)]
+        stiffness[touching] += pushed @ (np.stack(stiff, axis=1)[:, :, np.newaxis] * rows)
+        drag = (contact.damping * force)[:, np.newaxis, np.newaxis]
         damping[touching] += pushed[:, :, :1] @ (drag * rows[:, :1])
-    matrix = np.zeros((speeds.size, 2 * half, 2 * half))
-    matrix[:, :half, half:] = np.eye(half)
-    matrix[:, half:, :half] = -stiffness
-    matrix[:, half:, half:] = -damping
-    return matrix
+    return first_order(stiffness, damping)
 
 
-def _real(matrices: ComplexValues) -> Values:
+def as_real(matrices: ComplexValues) -> Values:
     """Return complex matrices as real ones of the real and imaginary parts."""
-    return np.concatenate(
-        [
-            np.concatenate([matrices.real, -matrices.imag], axis=-1),
-            np.concatenate([matrices.imag, matrices.real], axis=-1),
-        ],
-        axis=-2,
-    )
+    return np.block([[matrices.real, -matrices.imag], [matrices.imag, matrices.real]])
