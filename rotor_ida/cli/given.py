@@ -13,7 +13,7 @@ from rotor_ida.model.parameters import OF_MACHINE
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.system_parts import Contact, Stator
 from rotor_ida.results.sheets import Line, Sheet, facts
-from rotor_ida.units import SPEED_UNITS, quantity
+from rotor_ida.units import SPEED_UNITS, number, quantity
 
 if TYPE_CHECKING:
     from rotor_ida.model.rotor_system import RotorSystem
@@ -96,12 +96,12 @@ def given_in_words(
     ...     speed=377.0, shaft_stiffness=4e6, contact_exponent=1.0)
     >>> given_in_words(machine, 377.0)
     'Given: mass 12 kg, contact stiffness 100 MN/m, shaft stiffness 4 MN/m, unbalance 204 g mm,
-    balance grade at the running speed 6.409 mm/s, clearance 150 um.'
+    balance grade at the running speed G6.41, clearance 150 um.'
     """
     if rotor is None or isinstance(rotor, Rotor) or getattr(rotor, "units", "SI") != "SI":
         return ""
     told = [
-        f"{line.name}{f' at {head!r}' if head else ''} {quantity(value, line.unit)}"
+        f"{line.name}{f' at {head!r}' if head else ''} {_in_words(line, value)}"
         for sheet in sheets_of_rotor(rotor, speed)[:2]  # of the whole, and the contacts
         for line in sheet.lines
         if line.name.startswith(IN_WORDS)
@@ -109,6 +109,12 @@ def given_in_words(
         if isinstance(value, float) and value > 0.0
     ]
     return f"Given: {', '.join(told)}."
+
+
+def _in_words(line: Line, value: float) -> str:
+    """Return a value with its unit, of a balance grade as ISO 21940 writes it."""
+    is_grade = line.name.startswith("balance grade")
+    return f"G{number(value, 3)}" if is_grade else quantity(value, line.unit)
 
 
 def _numbers(machine: DimensionalRotor) -> list[Line]:
