@@ -46,6 +46,7 @@ _SETTINGS: Any = {
     "lines.solid_capstyle": "round",
     "figure.facecolor": "white",
     "savefig.facecolor": "white",
+    "agg.path.chunksize": 100_000,
     "svg.hashsalt": "rotor_ida",
     "svg.fonttype": "path",
     # journals refuse the default, type 3

@@ -238,28 +238,27 @@ def _plot_touches(dataset: xr.Dataset, ax: Axes) -> None:
     times = dataset["measured_time"]
     apart = dataset["fitted_time"].values - times.values
     compared, error = dataset["compared"].values, float(dataset["time_error"])
-    with style():
-        ax.axhline(0.0, color=palette.INK, lw=0.7)
-        for kind, words, mark, colour in (
-            (1, "entries", "^", palette.BLUE),
-            (-1, "exits", "v", palette.ORANGE),
-        ):
-            for used, face, addition in ((1, colour, ""), (0, "white", ", not compared")):
-                here = (dataset["event_kind"].values == kind) & (compared == used)
-                here &= np.isfinite(apart)
-                if here.any():
-                    ax.errorbar(times.values[here], apart[here], error, fmt=mark, ms=4.0, lw=0.0,
-                                elinewidth=0.8, color=colour, mfc=face,
-                                label=words + addition)  # fmt: skip
-        most = 1.2 * (float(np.nanmax(np.abs(apart), initial=0.0)) + error)
-        ax.set_ylim(-most, most)
-        ax.set_xlabel(label_of("t", times))
-        ax.set_ylabel(label_of("t", times, words="fitted less measured"))
-        alone = int(np.isnan(apart).sum())
-        if alone:
-            ax.plot([], [], ls="", label=f"{alone} of {apart.size} without a computed contact")
-        ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5, fontsize=8.0,
-                  handlelength=1.0, columnspacing=1.2, borderaxespad=0.2)  # fmt: skip
+    ax.axhline(0.0, color=palette.INK, lw=0.7)
+    for kind, words, mark, colour in (
+        (1, "entries", "^", palette.BLUE),
+        (-1, "exits", "v", palette.ORANGE),
+    ):
+        for used, face, addition in ((1, colour, ""), (0, "white", ", not compared")):
+            here = (dataset["event_kind"].values == kind) & (compared == used)
+            here &= np.isfinite(apart)
+            if here.any():
+                ax.errorbar(times.values[here], apart[here], error, fmt=mark, ms=4.0, lw=0.0,
+                            elinewidth=0.8, color=colour, mfc=face,
+                            label=words + addition)  # fmt: skip
+    most = 1.2 * (float(np.nanmax(np.abs(apart), initial=0.0)) + error)
+    ax.set_ylim(-most, most)
+    ax.set_xlabel(label_of("t", times))
+    ax.set_ylabel(label_of("t", times, words="fitted less measured"))
+    alone = int(np.isnan(apart).sum())
+    if alone:
+        ax.plot([], [], ls="", label=f"{alone} of {apart.size} without a computed contact")
+    ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5, fontsize=8.0,
+              handlelength=1.0, columnspacing=1.2, borderaxespad=0.2)  # fmt: skip
 
 
 def _estimates_in_words(dataset: xr.Dataset) -> str:

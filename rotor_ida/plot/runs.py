@@ -23,6 +23,7 @@ from rotor_ida.plot.appearance import (
     style,
 )
 from rotor_ida.plot.datasets import contact_text
+from rotor_ida.plot.decimation import draw_over_time
 from rotor_ida.plot.labels import label_axis, label_of, title_of
 from rotor_ida.plot.legends import shared_legend
 from rotor_ida.plot.motion import (
@@ -31,11 +32,10 @@ from rotor_ida.plot.motion import (
     draw_forces,
     draw_motion,
     draw_orbit,
-    draw_over_time,
-    draw_radius,
     forces_in,
     in_contact,
     line_width,
+    mark_events,
     place_of_disc,
     places_in,
     shade_contacts,
@@ -178,13 +178,20 @@ def _draw_displacements(ax: Axes, place: Place) -> None:
     """Draw the displacements over time."""
     path = place.path
     for name, values, colour in (("x", path.x, palette.INK), ("y", path.y, palette.ORANGE)):
-        draw_over_time(ax, path.time, values, colour=colour, width=0.8, label=f"${name}$")
+        draw_over_time(ax, path.time, values, color=colour, lw=0.8, label=f"${name}$")
     label_axis(ax.yaxis, "displacement", place.run["x"])
 
 
 def _draw_radius(ax: Axes, place: Place) -> None:
-    """Draw the radius over time."""
-    draw_radius(ax, place)
+    """Draw the radius over time, with flight and contact in colour, the stator and the events."""
+    width = line_width(place.run)
+    draw_motion(ax, place.path, place.path.time, place.radius, width=width)
+    if place.clearance > 0.0:
+        ax.axhline(place.clearance, color=palette.INK, lw=0.7, ls=palette.DASHES, zorder=2.6,
+                   label="clearance")  # fmt: skip
+    if place.has_stator:
+        mark_events(ax, place.run, place.run["event_time"].values, place.event_radius)
+    ax.set_ylim(bottom=0.0)
     label_axis(ax.yaxis, "radius", place.run["x"])
 
 

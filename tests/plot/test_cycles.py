@@ -301,6 +301,11 @@ def test_cycles_at_points_are_drawn_over_the_parameter_that_varies():
     low, high = cycles_figure(same).axes[0].get_ylim()
     assert low < 4.1
     assert high > 4.9
+    system = limit_cycle(rotor.system(), speed=[1.9, 2.0])
+    system.speed.attrs["units"] = "s-1"
+    np.testing.assert_allclose(
+        cycles_figure(system).axes[0].lines[0].get_xdata(), [1.9 * 30 / np.pi, 2.0 * 30 / np.pi]
+    )
     both = limit_cycle(rotor, omega=[1.9, 2.0], zeta=[0.07, 0.08])
     with pytest.raises(InputError, match="cycles must contain one zeta, got 2"):
         cycles_figure(both)
@@ -366,12 +371,3 @@ def test_a_curve_is_drawn_over_its_two_parameters():
     curve.clearance.attrs["units"] = curve.special_second_value.attrs["units"] = "m"
     (line,) = lines(plot.plot_curves(curve), "period doubling")
     np.testing.assert_allclose(line.get_ydata(), 1e6 * curve.clearance)
-
-
-def test_figures_of_results_of_another_kind_are_refused(system_cycle, system_branch):
-    with pytest.raises(InputError, match="branch must"):
-        plot.plot_branch(system_cycle)
-    with pytest.raises(InputError, match="node must be one of 'disc', got 'tip'"):
-        plot.plot_cycle(system_cycle, node="tip")
-    with pytest.raises(InputError, match="contact must be one of 0 to 0, got 1"):
-        plot.plot_branch(system_branch, contact=1)

@@ -46,11 +46,6 @@ def test_lines_hold_the_whirls_of_their_stability(exact):
     assert np.nanmax(line_of(ax, "stable whirl").get_ydata()) == exact["amplitude"].max()
 
 
-def test_whole_resonance_is_inside_the_panel(exact):
-    ax = plot_amplitude(exact)
-    assert ax.get_ylim()[1] > exact["amplitude"].max() > 13.2
-
-
 def test_special_points_are_marked_where_they_are(exact, fold_points):
     given = {"zeta": 0.07, "delta0": 0.5, "contact_damping": 0.5}
     hopf = hopf_points(**given)
@@ -124,13 +119,6 @@ def test_legend_names_every_kind_and_direction_once(exact, simulated, fold_point
     ]
 
 
-def test_directions_have_marks_of_their_own(exact, simulated):
-    ax = plot_phase(exact, simulated=simulated)
-    assert (
-        line_of(ax, "speed going up").get_marker() != line_of(ax, "speed going down").get_marker()
-    )
-
-
 def test_panels_share_the_tallest_range_and_one_legend(exact):
     figure, axes = panels(1, 2)
     flat = response_curve(zeta=1.0, delta0=0.0, limits=(0.05, 3.0))
@@ -168,12 +156,6 @@ def test_other_parameters_than_those_of_the_curve_are_refused(exact, simulated, 
     ):
         with pytest.raises(InputError, match=f"{name} must have the {words}"):
             plot_amplitude(curve, **{name: beside})
-
-
-@pytest.mark.parametrize("plot", [plot_amplitude, plot_phase])
-def test_another_dataset_beside_the_curve_is_refused(plot, exact, fold_points):
-    with pytest.raises(InputError, match="simulated must contain"):
-        plot(exact, simulated=fold_points)
 
 
 def test_contacting_whirls_without_damping_are_not_called_contact_free():

@@ -21,7 +21,6 @@ from rotor_ida.plot import plot_backward_whirl
 from rotor_ida.plot.figures import figure_of
 from rotor_ida.schema import SPECIAL
 from tests.axisymmetric_systems import beam
-from tests.example_datasets import in_the_numbers_of_an_earlier_version
 from tests.plot.pictures import check_nothing_cut_off, words_of
 
 SPEEDS = np.linspace(300.0, 600.0, 31)
@@ -50,8 +49,6 @@ def test_every_whirl_is_a_mark_at_its_amplitude_in_rpm_and_micrometres(whirls):
     assert [line.get_label() for line in marks] == ["stable whirl"]
     with pytest.raises(InputError, match="contact must be one of 0 to 1, got 2"):
         plot.plot_amplitude(whirls, contact=2)
-    earlier = plot.plot_amplitude(in_the_numbers_of_an_earlier_version(whirls), contact=1)
-    assert [line.get_label() for line in earlier.lines] == ["clearance", "stable whirl"]
 
 
 def test_folds_and_hopf_points_are_marked_on_the_whirls():
@@ -86,7 +83,8 @@ def test_a_campbell_diagram_has_forward_and_backward_whirls():
     )  # fmt: skip
     (ax,) = figure_of(found).axes
     assert ax.get_ylabel() == "size of the whirl speed [rpm]"
-    *marks, spin, critical = ax.lines
+    spin, *marks = (line for line in ax.lines if line.get_xdata().size)
+    critical = marks.pop()
     np.testing.assert_allclose(spin.get_ydata(), SPEEDS * 30 / np.pi)
     assert sum(len(line.get_ydata()) for line in marks) == 2 * 6 * SPEEDS.size
     np.testing.assert_allclose(critical.get_xdata(), found.critical_speed * 30 / np.pi)
@@ -94,8 +92,6 @@ def test_a_campbell_diagram_has_forward_and_backward_whirls():
     words = words_of(ax)
     assert words == ["spin speed", "forward", "backward", "contacts 0 N/m", "contacts 5 MN/m",
                      "critical speed"]  # fmt: skip
-    older = found.drop_vars([name for name in found.variables if name.startswith("critical_")])
-    assert len(plot.plot_campbell(older).lines) == len(ax.lines) - 1
     values = np.concatenate([line.get_ydata() for line in marks])
     drawn = values[values <= 3.0 * SPEEDS[-1] * 30 / np.pi].max()
     assert ax.get_ylim() == (0.0, pytest.approx(1.08 * drawn))
@@ -144,8 +140,6 @@ def test_special_speeds_are_drawn_on_their_whirls_at_each_contact():
         )
         branches = special.branch_amplitude.isel(contact=number).values
         np.testing.assert_allclose(np.sort(shown), 1e6 * np.sort(branches[np.isfinite(branches)]))
-    older = figure_of(special.drop_vars("grazed_contact")).axes
-    assert [ax.get_title() for ax in older] == [ax.get_title() for ax in axes]
     with pytest.raises(InputError, match="it lacks branch_amplitude"):
         plot.plot_amplitude(special.drop_vars("branch_amplitude"))
 
