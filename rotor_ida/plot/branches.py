@@ -10,7 +10,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import shown
+from rotor_ida.checks import check_choice, shown
 from rotor_ida.cycles.branch_course import VARIED, Course, course_of, parameters_of, runs_of
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import PARAMETERS
@@ -189,7 +189,8 @@ def plot_curves(
             _draw_folds_of_whirl(ax, fold_points, across)
         colours: dict[str, str] = {}
         for curve, value in zip(datasets, values, strict=True):
-            words, dashes = CURVES[_kind_of_curve(curve)]
+            kind = check_choice("the kind of curves", curve.attrs.get("kind"), tuple(CURVES))
+            words, dashes = CURVES[kind]
             label = f"{words}, {_held_text(curve, value)}" if several else words
             colour = colours.setdefault(label, COLOURS[len(colours) % len(COLOURS)])
             place = [_drawn(curve, each) for each in (across, up)]
@@ -231,13 +232,6 @@ def _held_text(curve: xr.Dataset, values: Mapping[str, float]) -> str:
     if "contact" in curve.dims:
         return speed_text(curve[SPEED]) if SPEED in values else ""
     return text_of(curve, values)
-
-
-def _kind_of_curve(curve: xr.Dataset) -> str:
-    kind = str(curve.attrs.get("kind", ""))
-    if kind not in CURVES:
-        raise InputError(f"curves must be of {' or '.join(CURVES)}, got the kind {kind!r}")
-    return kind
 
 
 def _draw_bands(ax: Axes, course: Course) -> None:

@@ -45,7 +45,7 @@ from rotor_ida.plot.labels import (
     title_of,
 )
 from rotor_ida.plot.legends import legend_below, shared_legend
-from rotor_ida.plot.motion import WAYS, draw_motion
+from rotor_ida.plot.motion import draw_motion
 from rotor_ida.results.run import rotor_of
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import LINE_KIND, MODE, words_of
@@ -352,14 +352,9 @@ def _modes(slip: Values, inside: npt.NDArray[np.bool_]) -> npt.NDArray[np.int8]:
 def _draw_arrow(ax: Axes, path: Path) -> None:
     """Show the direction of motion, at the largest radius."""
     place = min(int(np.argmax(path.radius)), path.time.size - 2)
-    colour = palette.RED if path.in_contact[place] else palette.BLUE
-    if path.mode is not None:
-        colour = next(
-            shade for modes, _, shade, *_ in WAYS if path.mode[place] in {*map(MODE.get, modes)}
-        )
     ax.annotate(
         "", (path.x[place + 1], path.y[place + 1]), (path.x[place], path.y[place]), zorder=3.0,
-        arrowprops={"arrowstyle": "-|>", "color": colour, "shrinkA": 0.0, "shrinkB": 0.0},
+        arrowprops={"arrowstyle": "-|>", "color": palette.INK, "shrinkA": 0.0, "shrinkB": 0.0},
     )  # fmt: skip
 
 

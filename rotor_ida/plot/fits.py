@@ -130,8 +130,13 @@ def plot_fit(
         for number in np.unique(one["record"].values):
             windows = one["record"].values == number
             part = one.isel(window=windows)
-            _draw_amplitude(axes[0], over.values[windows], part)
-            _draw_phase(axes[1], over.values[windows], part)
+            places = over.values[windows]
+            axes[0].plot(places, part["fitted_forward_whirl_amplitude"], color=palette.ORANGE,
+                         lw=1.3, label="fitted", zorder=3.0)  # fmt: skip
+            axes[0].errorbar(places, part["forward_whirl_amplitude"],
+                             part["forward_amplitude_error"], **MEASURED,
+                             label="measured")  # fmt: skip
+            _draw_phase(axes[1], places, part)
         axes[0].set_ylim(bottom=0.0)
         label_axis(axes[0].yaxis, "whirl_amplitude", units.lengths(0.0))
         axes[1].set_ylabel(f"{LABELS['phase_lag']} [°]")
@@ -209,16 +214,6 @@ def _order_of(
         over = units.speeds(one["speed"].values)
         over.attrs["label"] = label_of("speed", over)
     return one, units, over
-
-
-def _draw_amplitude(ax: Axes, places: Values, one: xr.Dataset) -> None:
-    """Draw measured over fitted amplitude of one record."""
-    ax.plot(places, one["fitted_forward_whirl_amplitude"].values, color=palette.ORANGE, lw=1.3,
-            label="fitted", zorder=3.0)  # fmt: skip
-    ax.errorbar(
-        places, one["forward_whirl_amplitude"].values, one["forward_amplitude_error"].values,
-        **MEASURED, label="measured",
-    )  # fmt: skip
 
 
 def _draw_phase(ax: Axes, places: Values, one: xr.Dataset) -> None:

@@ -12,10 +12,11 @@ from matplotlib.axes import Axes
 from matplotlib.patheffects import Stroke
 from matplotlib.ticker import MaxNLocator
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import Flags, Values
+from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.plot import palette
-from rotor_ida.plot.appearance import draw_marks, draw_ring, drawing, say_nothing
+from rotor_ida.plot.appearance import draw_marks, draw_ring, drawing, say_in_middle
 from rotor_ida.plot.datasets import check_dataset, clearance_of, contact_in, contact_text
 from rotor_ida.plot.decimation import draw_over_time, draw_path
 from rotor_ida.plot.labels import label_axis
@@ -114,7 +115,9 @@ def checked_run(run: object, needed: Sequence[str] = WITH_PEAKS) -> xr.Dataset:
 
 
 def _with_own_events(run: xr.Dataset) -> xr.Dataset:
-    """Return a part of a run with the events in its time."""
+    """Return a part of a run with the events in its time; refuse one without samples."""
+    if not run.sizes["t"]:
+        raise InputError("run must contain samples, got none")
     events, (first, last) = run["event_time"].values, run["t"].values[[0, -1]]
     before = run["event_kind"].values[events < first]
     part = run.isel(event=(events >= first) & (events <= last))
@@ -186,13 +189,15 @@ def draw_motion(ax: Any, path: Path, *columns: Values, width: float, heavier: fl
 
     With friction, forward slip, backward slip and rolling have separate styles.
     """
-    ways = [
+    ways: list[tuple[Flags, str, str, object, float]] = [
         (~path.in_contact, "flight", palette.BLUE, "-", 1.0),
         (path.in_contact, "contact", palette.RED, "-", heavier),
     ]
     if path.mode is not None:
-        ways = [(np.isin(path.mode, [MODE[mode] for mode in modes]), *look)
-                for modes, *look in WAYS]  # fmt: skip
+        ways = [
+            (np.isin(path.mode, [MODE[mode] for mode in modes]), label, colour, dashes, wider)
+            for modes, label, colour, dashes, wider in WAYS
+        ]
     for chosen, label, colour, dashes, wider in ways:
         if not chosen[:-1].any():
             continue
@@ -291,7 +296,7 @@ def draw_forces(ax: Axes, forces: Forces) -> None:
     """Draw the forces of a contact over time, through their peaks."""
     label_axis(ax.yaxis, forces.name, forces.unit)
     if not forces.normal.any():
-        say_nothing(ax, "no contact")
+        say_in_middle(ax, "no contact")
         return
     lowest = 0.0
     for words, values, colour in (

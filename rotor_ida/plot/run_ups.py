@@ -158,7 +158,7 @@ def plot_endings(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     _, one = _parts(dataset)[0]
     with drawing(ax) as ax:
         across, order = _along(ax, one, over)
-        places, base = np.arange(across.size), np.zeros(across.size)
+        places, base = np.arange(float(across.size)), np.zeros(across.size)
         for word, colour in ENDING_COLOURS.items():
             share = np.nan_to_num(one[f"{word}_fraction"].values.ravel()[order])
             if share.any():

@@ -17,9 +17,10 @@ from rotor_ida.plot import palette
 from rotor_ida.plot.appearance import (
     SettledLayout,
     circle,
+    draw_level,
     draw_ring,
     new_figure,
-    say_nothing,
+    say_in_middle,
     style,
 )
 from rotor_ida.plot.datasets import contact_text
@@ -155,7 +156,7 @@ def _overview(run: xr.Dataset) -> Figure:
             shade_contacts(ax, own)
             ax.set_title(contact_text(run, number))
         if not contacts:
-            say_nothing(axes[0], "no contacts")
+            say_in_middle(axes[0], "no contacts")
         _finish_rows(below, run, axes)
         if any(ax.get_legend_handles_labels()[1] for ax in axes):
             shared_legend(below, axes, columns=ENTRIES, outer=False)
@@ -186,9 +187,7 @@ def _draw_radius(ax: Axes, place: Place) -> None:
     """Draw the radius over time, with flight and contact in colour, the stator and the events."""
     width = line_width(place.run)
     draw_motion(ax, place.path, place.path.time, place.radius, width=width)
-    if place.clearance > 0.0:
-        ax.axhline(place.clearance, color=palette.INK, lw=0.7, ls=palette.DASHES, zorder=2.6,
-                   label="clearance")  # fmt: skip
+    draw_level(ax, place.clearance)
     if place.has_stator:
         mark_events(ax, place.run, place.run["event_time"].values, place.event_radius)
     ax.set_ylim(bottom=0.0)
@@ -200,7 +199,7 @@ def _draw_force(ax: Axes, place: Place) -> None:
     if place.has_stator:
         draw_forces(ax, forces_in(place.run, place.path))
     else:
-        say_nothing(ax, "no contacts")
+        say_in_middle(ax, "no contacts")
 
 
 def _draw_slip(ax: Axes, place: Place) -> None:

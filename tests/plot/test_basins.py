@@ -17,7 +17,7 @@ from rotor_ida.plot import plot_attractor_fractions, plot_attractor_map, plot_at
 from rotor_ida.plot.figures import figure_of
 from rotor_ida.plot.labels import LABELS
 from rotor_ida.plot.palette import KIND_SHADES
-from rotor_ida.schema import RESPONSE, flags_of
+from rotor_ida.schema import RESPONSE
 from tests.plot.pictures import words_of
 
 
@@ -79,13 +79,6 @@ def test_what_is_not_known_is_told(figure_7):
 def test_colours_differ():
     shades = [shade for family in KIND_SHADES.values() for shade in family]
     assert len(set(shades)) == len(shades)
-
-
-def test_colours_tell_the_kind_of_response(figure_7):
-    other = figure_7.copy(deep=True)
-    other["kind"][1] = flags_of(figure_7.kind)["bouncing"]
-    faces = [patch.get_facecolor() for patch in plot_basin(other).get_legend().get_patches()]
-    assert faces == [to_rgba(KIND_SHADES[kind][0]) for kind in ("synchronous", "bouncing")]
 
 
 def test_plane_of_unlike_coordinates_is_square_and_says_what_is_held():

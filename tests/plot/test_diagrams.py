@@ -121,7 +121,7 @@ def test_a_section_shows_the_ring_of_the_node_and_says_what_it_is():
     given = {"speed": 1.5, "revolutions": 20, "skip": 50}
     section = poincare_section(system, **around, **given)
     ax = plot.plot_section(section, node="two")
-    ring = {line.get_label(): line for line in ax.lines}["clearance"]
+    ring = lines_of(ax)["clearance"]
     np.testing.assert_allclose(np.hypot(*ring.get_data()), 0.8)
     assert ax.get_title().startswith("node two,  speed 1.5\nonce a revolution")
     points = section.sel(node="two")
@@ -185,7 +185,7 @@ def test_extrema_beyond_the_model_do_not_set_the_scale_and_are_told():
     machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=418.0, eccentricity=5e-6,
                                clearance=1e-5, speed=1495.0)  # fmt: skip
     ax = plot.plot_extrema(dimensional(plain, machine))
-    lines = {line.get_label(): line for line in ax.lines}
+    lines = lines_of(ax)
     np.testing.assert_allclose(lines["clearance"].get_ydata(), 10.0)
     assert drawn(ax)[:, 1].max() <= 20.0
     assert 20.0 * 0.9 < ax.get_ylim()[1] < 20.0 * 1.2
@@ -197,7 +197,7 @@ def test_extrema_beyond_the_model_do_not_set_the_scale_and_are_told():
 
 def test_the_clearance_is_a_line_over_whatever_varies():
     over = bifurcation_diagram(omega=1.2, zeta=0.2, delta0=[0.5, 1.0], starts=[REST])
-    lines = {line.get_label(): line for line in plot.plot_extrema(over).lines}
+    lines = lines_of(plot.plot_extrema(over))
     assert lines["clearance"].get_xydata().tolist() == [[0.5, 0.5], [1.0, 1.0]]
     at_nodes = {name: plot.plot_extrema(found("extrema"), node=name) for name in ("one", "two")}
     for name, gap in (("one", 3.0), ("two", 0.8)):

@@ -26,12 +26,11 @@ from rotor_ida.plot import (
     plot_trace,
 )
 from rotor_ida.plot.figures import figure_of
-from rotor_ida.plot.labels import LABELS
 from rotor_ida.plot.motion import shade_contacts
 from rotor_ida.results.si_units import dimensionless
 from rotor_ida.signals.path import path_of
 from rotor_ida.units import SPEED_UNITS
-from tests.plot.pictures import lines_of
+from tests.plot.pictures import line_of, lines_of
 
 MACHINE = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6,
                            clearance=2e-6, speed=1000.0)  # fmt: skip
@@ -52,13 +51,6 @@ def labels(ax):
     return ax.get_legend_handles_labels()[1]
 
 
-def test_panels_are_labelled_with_name_and_symbol(run):
-    moves, radius, force, orbit = plot_run(run).axes
-    shown = [ax.get_ylabel() for ax in (moves, radius, force, orbit)]
-    assert shown == [LABELS[name] for name in ("displacement", "radius", "contact_force", "y")]
-    assert (force.get_xlabel(), orbit.get_xlabel()) == (LABELS["t"], LABELS["x"])
-
-
 def test_peak_forces_are_those_of_the_run(run):
     curve, peaks = plot_run(run).axes[2].lines
     np.testing.assert_array_equal(peaks.get_ydata(), run["peak_force"].values)
@@ -68,7 +60,7 @@ def test_peak_forces_are_those_of_the_run(run):
 def test_orbit_shows_flight_and_contact_apart(run):
     ax = plot_orbit(run)
     assert labels(ax) == ["clearance", "flight", "contact", "entry", "exit", "start"]
-    lines = {each.get_label(): each for each in ax.lines}
+    lines = lines_of(ax)
     flight = np.hypot(*lines["flight"].get_data())
     contact = np.hypot(*lines["contact"].get_data())
     # the cubic between two events strays by less than its fourth-order error
@@ -118,19 +110,13 @@ def test_marks_that_would_hide_the_motion_are_left_out(run):
     assert "entry" not in labels(plot_orbit(many))
 
 
-def test_other_things_are_refused(run, exact):
-    for plot in (plot_run, plot_orbit):
-        with pytest.raises(InputError, match=r"run must contain .* it lacks t, x, y"):
-            plot(exact)
-    with pytest.raises(InputError, match="node must be left out for a run of one disc, got 'disc'"):
-        plot_run(run, node="disc")
-
-
 def test_displacements_are_those_of_the_run(run):
     ax = plot_run(run).axes[0]
     assert ax.get_xlim() == (0.0, 20.0)
     for line, name in zip(ax.lines, "xy", strict=True):
         assert np.isin(run[name].values, line.get_ydata()).all()
+    with pytest.raises(InputError, match="node must be left out for a run of one disc, got 'disc'"):
+        plot_run(run, node="disc")
 
 
 def test_force_is_k_times_the_indentation_to_the_three_halves(machine):
@@ -200,7 +186,7 @@ def test_each_way_of_moving_has_its_line_from_event_to_event(rubbing, samples):
 def test_orbit_and_radius_show_slip_and_rolling_apart(rubbing):
     _, radius, force, slip, orbit = plot_run(rubbing).axes
     for ax in (radius, orbit):
-        lines = {line.get_label(): line for line in ax.lines}
+        lines = lines_of(ax)
         assert {"flight", *RUBBED} <= lines.keys()
         looks = {(lines[name].get_color(), str(lines[name].get_linestyle())) for name in RUBBED}
         assert len(looks) == 3
@@ -302,7 +288,7 @@ def test_radius_and_force_are_over_the_speed_within_their_extremes(up):
 
 def test_an_orbit_has_three_revolutions_and_the_clearance(up):
     for ax in plot_run_up(up).axes[2:]:
-        (ring,) = (line for line in ax.lines if line.get_label() == "clearance")
+        ring = line_of(ax, "clearance")
         np.testing.assert_allclose(np.hypot(*ring.get_data()), 1.5)
     assert turns_of(plot_run_up(up).axes[3]) == pytest.approx(3.0, abs=0.15)
 
@@ -343,15 +329,6 @@ def test_a_run_up_without_contact_shows_the_largest_radius():
     assert [text.get_text() for text in force.texts] == ["no contact"]
     assert not force.lines
     assert [ax.get_title().split("\n")[0] for ax in orbits] == ["largest radius", "end"]
-
-
-def test_a_machine_is_drawn_over_revolutions_per_minute():
-    rpm = SPEED_UNITS["rpm"]
-    up = run_up(IN_BEARING, to=2500.0 * rpm, rate=2000.0 * rpm)
-    force, first = figure_of(up).axes[1:3]
-    assert force.get_xlabel() == "spin speed [rpm]"
-    np.testing.assert_allclose(force.get_xlim(), (300.0, 2500.0), rtol=1e-4)
-    assert " rpm,  $T$ " in first.get_title()
 
 
 def test_of_a_system_the_contacts_that_are_touched_are_drawn_by_name():

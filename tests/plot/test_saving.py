@@ -115,7 +115,7 @@ def test_formats_are_those_asked_for(tmp_path):
         save_figure(figure, tmp_path / "two", formats="gif")
 
 
-@pytest.mark.parametrize("draw", [plot_run, plot_trace, lambda run: panels(1, 1)])
+@pytest.mark.parametrize("draw", [plot_trace, lambda run: panels(1, 1)])
 def test_pyplot_knows_a_figure_that_a_user_makes(run, draw):
     from matplotlib import pyplot
 

@@ -15,7 +15,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import check_nonnegative
 from rotor_ida.errors import InputError
 from rotor_ida.plot import palette
-from rotor_ida.plot.appearance import draw_marks, draw_ring, drawing
+from rotor_ida.plot.appearance import draw_level, draw_marks, draw_ring, drawing
 from rotor_ida.plot.datasets import check_dataset, clearance_of
 from rotor_ida.plot.decimation import draw_over_time, draw_path, thinned
 from rotor_ida.plot.labels import label_axis, label_of, lengths_text, title_of
@@ -246,10 +246,9 @@ def plot_trace(
             colour, label = TRACES[name]
             draw_over_time(ax, times, _component(name, z), color=colour, lw=0.8, label=label)
         ring = _ring_of(given, clearance)
-        if ring:
-            for side in (ring,) if radius_alone else (ring, -ring):
-                ax.axhline(side, color=palette.INK, lw=0.7, ls=palette.DASHES, zorder=2.6,
-                           label="clearance" if side > 0.0 else "_")  # fmt: skip
+        draw_level(ax, ring or 0.0)
+        if not radius_alone:
+            draw_level(ax, -(ring or 0.0), label="_")
         ax.set_xlim(float(times[0]), float(times[-1]))
         if "file" in given.attrs:
             ax.set_title(title_of_signals(given, units.speeds(speeds_along(given)), zero=True))

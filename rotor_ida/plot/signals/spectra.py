@@ -201,13 +201,7 @@ class Segments(NamedTuple):
     up: xr.DataArray
     name: str
     limit: float
-
-    @property
-    def within(self) -> tuple[Values, Values]:
-        """Frequencies and amplitudes within the limit."""
-        chosen = np.abs(self.across.values) <= self.limit * 1.001
-        heights = self.dataset["whirl_amplitude"].values[:, chosen]
-        return self.across.values[chosen], heights
+    heights: Values
 
 
 def plot_cascade(
@@ -250,9 +244,8 @@ def plot_cascade(
     'spin speed $\\omega$'
     """
     segments = _segments(signals, over, span, segment, beneath)
-    frequency, heights = segments.within
-    places, heights = _in_rows(segments.up.values, heights, ROWS)
-    frequency, heights = _in_columns(frequency, heights, POINTS)
+    places, heights = _in_rows(segments.up.values, segments.heights, ROWS)
+    frequency, heights = _in_columns(segments.across.values, heights, POINTS)
     extent = float(np.ptp(places)) or 1.0
     highest = float(heights.max(initial=0.0)) or 1.0
     scale = TALLEST * extent / highest
@@ -305,9 +298,8 @@ def plot_spectrogram(
     'time $t$'
     """
     segments = _segments(signals, over, span, segment, beneath)
-    frequency, heights = segments.within
-    places, heights = _in_rows(segments.up.values, heights, DOTS_UP)
-    frequency, heights = _in_columns(frequency, heights, DOTS_ACROSS)
+    places, heights = _in_rows(segments.up.values, segments.heights, DOTS_UP)
+    frequency, heights = _in_columns(segments.across.values, heights, DOTS_ACROSS)
     highest = float(heights.max(initial=0.0)) or 1.0
     with drawing(ax, width=6.0, height=4.6) as ax:
         mesh = ax.pcolormesh(
@@ -336,7 +328,9 @@ def _segments(
     up = units.speeds(spectra["speed"].values) if name == "speed" else spectra["t"]
     fastest = units.frequencies(spectra.get("speed", np.empty(0))).values
     limit = limit_of(across.values, span, fastest)
-    return Segments(spectra, units, exact, across, up, name, limit)
+    shown = np.abs(across.values) <= limit * 1.001
+    heights = spectra["whirl_amplitude"].values[:, shown]
+    return Segments(spectra, units, exact, across[shown], up, name, limit, heights)
 
 
 def _one_speed(spectra: xr.Dataset) -> bool:

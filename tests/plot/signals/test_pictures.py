@@ -390,12 +390,6 @@ def test_a_spectrogram_darkens_with_the_amplitude_in_grey(up):
     assert "whirl amplitude, zero to peak $|c|$" in [each.get_ylabel() for each in ax.figure.axes]
 
 
-def test_forward_and_backward_lie_on_either_side_of_zero(up):
-    ax = plot_full_spectrum(up.sel(t=slice(300, None)))
-    backward, forward = (line_of(ax, word).get_xdata() for word in ("backward", "forward"))
-    assert backward.max() <= 0.0 <= forward.min()
-
-
 def test_dry_whip_is_marked_at_its_speed_backwards():
     rotor = Rotor(omega=0.63, zeta=0.1, delta0=1.0, friction=0.2, disc_radius=10.0)
     whirls = backward_whirl(rotor)
