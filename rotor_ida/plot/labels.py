@@ -66,7 +66,6 @@ _QUANTITIES: dict[str, tuple[str, ...]] = {
     "whirl_amplitude": ("whirl amplitude, zero to peak", "$|c|$"),
     "whirl_speed": ("whirl speed", r"$\Omega$"),
     "force": ("contact force", "$f$", "$F$"),
-    "contact_force": ("contact force", "$f$", "$F$"),
     "peak_force": ("peak force", "$f$", "$F$"),
     "peak_fraction": ("fraction of contacts up to this force", ""),
     "normal_force": ("normal force", "$N$"),

@@ -243,7 +243,7 @@ class Forces(NamedTuple):
     normal: Values
     peaks: tuple[Values, Values]
     unit: xr.DataArray
-    name: str = "contact_force"
+    name: str = "force"
     # on the times of samples; without friction there is none
     tangential: tuple[Values, Values] | None = None
 
@@ -316,7 +316,7 @@ def forces_in(run: xr.Dataset, path: Path | None = None) -> Forces:
     """Return the forces in a run of one disc along its path, or at a contact of a system."""
     if path is not None and "zeta" in run.variables:
         peaks = _peaks_on_curve(run, path.time, force := force_along(run, path))
-        name = "contact_force" if path.mode is None else "normal_force"
+        name = "force" if path.mode is None else "normal_force"
         return Forces(*_with_peaks(path.time, force, peaks), peaks, run["peak_force"], name)
     times = run["t"].values
     peaks = _within(times, run["peak_force_time"].values, run["peak_force"].values)

@@ -79,8 +79,8 @@ def plot_orbit(
     Notes
     -----
     An orbit of more than 20000 samples is thinned on a grid finer than the dots of a figure, each
-    step drawn once. If more than 60000 samples remain, every dot on the orbit is drawn: even
-    an excursion of one sample stays visible.
+    step drawn once. If more than 60000 samples remain, SVG and PDF have it as dots. Even an
+    excursion of one sample stays visible.
 
     Examples
     --------
