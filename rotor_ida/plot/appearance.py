@@ -46,6 +46,7 @@ _SETTINGS: Any = {
     "lines.solid_capstyle": "round",
     "figure.facecolor": "white",
     "savefig.facecolor": "white",
+    "agg.path.chunksize": 100_000,
     "svg.hashsalt": "rotor_ida",
     "svg.fonttype": "path",
     # journals refuse the default, type 3
@@ -275,12 +276,14 @@ def draw_marks(
 def say_in_middle(ax: Axes, words: str) -> None:
     """Write in the middle of empty axes why they are empty."""
     ax.text(0.5, 0.5, words, transform=ax.transAxes, ha="center", va="center")
+    if not ax.lines:
+        ax.set_yticks([])
 
 
-def say_nothing(ax: Axes, words: str) -> None:
-    """Write in the middle of axes over time why they are empty."""
-    say_in_middle(ax, words)
-    ax.set_yticks([])
+def draw_level(ax: Axes, clearance: float, *, label: str = "clearance") -> None:
+    """Draw a clearance as a level of the radius over time or speed, unless it is 0."""
+    if clearance != 0.0:
+        ax.axhline(clearance, color=palette.INK, lw=0.7, ls=palette.DASHES, zorder=2.6, label=label)
 
 
 def raise_limit(ax: Axes, lowest: float, highest: float) -> None:

@@ -33,19 +33,18 @@ from rotor_ida.plot.datasets import (
 from rotor_ida.plot.labels import (
     KIND_WORDS,
     LABELS,
+    SEPARATOR,
     label_axis,
     label_of,
     label_parameter,
     lengths_text,
     number_text,
-    speed_text,
     title_of,
     unit_of,
 )
 from rotor_ida.plot.legends import legend_below
 from rotor_ida.results.si_units import dimensionless, is_in_si, scale_of
 from rotor_ida.schema import FATE, QUANTITIES, RESPONSE, flags_of, words_of
-from rotor_ida.signals.nodes import Ring
 from rotor_ida.units import read_in
 
 NEEDED = ("label", "kind", "amplitude", "radius_min", "radius_max", "count")
@@ -235,7 +234,7 @@ def plot_attractors(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         top = _draw_shares(ax, places, shares)
         if (top < 1.0 - ROUNDING).any():
             ax.fill_between(places, top, 1.0, color=UNDECIDED, lw=0.0, label="undecided")
-        ax.set_title(_title_of_part(line, varying))
+        ax.set_title(_title(line, varying))
         if alone:
             legend_below(ax)
     return ax
@@ -306,7 +305,7 @@ def plot_attractor_map(dataset: xr.Dataset, *, by: str = "kind", ax: Axes | None
             _colour_by_kind(ax, places, plane)
         else:
             _colour_by_number(ax, places, plane, by)
-        ax.set_title(_title_of_part(plane, varying))
+        ax.set_title(_title(plane, varying))
         if alone and ax.get_legend_handles_labels()[1]:
             legend_below(ax)
     return ax
@@ -336,13 +335,6 @@ def _varying_part(dataset: xr.Dataset, number: int, what: str) -> tuple[list[str
     fixed = {name: 0 for name in names if name not in varying}
     part = dataset.isel(fixed, missing_dims="ignore")
     return varying, part.transpose(*reversed(varying), ..., "attractor")
-
-
-def _title_of_part(part: xr.Dataset, varying: Sequence[str]) -> str:
-    """Return the parameters that do not vary as a title."""
-    if not is_of_disc(part):
-        return _title(part)
-    return title_of("dataset", part, [name for name in PARAMETERS if name not in varying])
 
 
 def _colour_by_kind(ax: Axes, places: tuple[Values, Values], plane: xr.Dataset) -> None:
@@ -436,19 +428,19 @@ def _draw_rings(ax: Axes, dataset: xr.Dataset) -> None:
     ax.set(xlim=limits[0], ylim=limits[1])
 
 
-def _title(dataset: xr.Dataset) -> str:
-    """Return the parameters, or node and speed, and the fixed start coordinates, as a title."""
+def _title(dataset: xr.Dataset, varying: Sequence[str] = ()) -> str:
+    """Return what does not vary, of a system node and speed, and the fixed start, as a title."""
     if not is_of_disc(dataset):
-        node = f"node {Ring(str(dataset.attrs.get('knocked_node', '')), '', []).title}"
-        words = [node, *([speed_text(dataset["speed"])] if dataset["speed"].size == 1 else [])]
-    else:
-        words = [title_of("dataset", dataset)]
+        node = dataset.attrs.get("knocked_node", "")
+        dataset = dataset.drop_dims("node", errors="ignore").assign_coords(node=node)
+    held = [name for name in PARAMETERS if name not in varying]
+    words = [title_of("dataset", dataset, held)]
     for name in COMPONENTS:
         if name in dataset.coords and dataset[name].ndim == 0 and float(dataset[name]) != 0.0:
             symbol = LABELS[name].partition(" ")[2]
             value = number_text(float(dataset[name]), "g")
             words.append(f"{symbol} $= {value}$ {unit_of(dataset[name])}".rstrip())
-    return ",  ".join(words)
+    return SEPARATOR.join(words)
 
 
 def _shades(kinds: xr.DataArray) -> list[str]:

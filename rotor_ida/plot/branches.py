@@ -10,7 +10,7 @@ import xarray as xr
 from matplotlib.axes import Axes
 
 from rotor_ida.arrays import Values
-from rotor_ida.checks import shown
+from rotor_ida.checks import check_choice, shown
 from rotor_ida.cycles.branch_course import VARIED, Course, course_of, parameters_of, runs_of
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import PARAMETERS
@@ -28,7 +28,6 @@ from rotor_ida.plot.datasets import (
     one_value,
 )
 from rotor_ida.plot.labels import (
-    in_lines,
     label_axis,
     label_parameter,
     speed_text,
@@ -188,10 +187,13 @@ def plot_curves(
             label_parameter(axis, name, datasets[0])
         if fold_points is not None:
             _draw_folds_of_whirl(ax, fold_points, across)
+        colours: dict[str, str] = {}
         for curve, value in zip(datasets, values, strict=True):
-            words, dashes = CURVES[_kind_of_curve(curve)]
+            kind = check_choice("the kind of curves", curve.attrs.get("kind"), tuple(CURVES))
+            words, dashes = CURVES[kind]
             label = f"{words}, {_held_text(curve, value)}" if several else words
-            colour, place = _colour_of(ax, label), [_drawn(curve, each) for each in (across, up)]
+            colour = colours.setdefault(label, COLOURS[len(colours) % len(COLOURS)])
+            place = [_drawn(curve, each) for each in (across, up)]
             ax.plot(place[0](curve[across].values), place[1](curve[up].values), color=colour,
                     ls=dashes, lw=1.2, label=label, zorder=2.5)  # fmt: skip
             marks = [curve["special_value"].values, curve["special_second_value"].values]
@@ -199,7 +201,7 @@ def plot_curves(
                 marks.reverse()
             draw_specials(ax, curve, place[0](marks[0]), place[1](marks[1]), ("cusp",))
         if not several:
-            ax.set_title(in_lines(_held_text(datasets[0], values[0])))
+            ax.set_title(_held_text(datasets[0], values[0]))
         own_legend(ax)
     return ax
 
@@ -230,13 +232,6 @@ def _held_text(curve: xr.Dataset, values: Mapping[str, float]) -> str:
     if "contact" in curve.dims:
         return speed_text(curve[SPEED]) if SPEED in values else ""
     return text_of(curve, values)
-
-
-def _kind_of_curve(curve: xr.Dataset) -> str:
-    kind = str(curve.attrs.get("kind", ""))
-    if kind not in CURVES:
-        raise InputError(f"curves must be of {' or '.join(CURVES)}, got the kind {kind!r}")
-    return kind
 
 
 def _draw_bands(ax: Axes, course: Course) -> None:
@@ -285,12 +280,11 @@ def _check_folds(
     fold_points: object, names: set[str], values: Sequence[Mapping[str, float]]
 ) -> None:
     """Refuse folds of the whirl that do not match curves over these parameters."""
-    if not names <= set(PARAMETERS) or any(len(each) > 1 for each in values):
-        raise InputError("fold_points must be left out beside curves of a machine, got some")
     folds = check_dataset("fold_points", fold_points, ("zeta", "delta0", "fold_omega"))
-    if names != {"omega", "delta0"}:
+    if names != {"omega", "delta0"} or any(len(each) > 1 for each in values):
         raise InputError(
-            f"fold_points must be left out beside curves over {' and '.join(sorted(names))}"
+            "fold_points must be left out, except beside curves of the paper's rotor over omega "
+            "and delta0"
         )
     zeta = one_value("fold_points", folds, "zeta")
     for each in values:
@@ -307,11 +301,3 @@ def _draw_folds_of_whirl(ax: Axes, fold_points: xr.Dataset, across: str) -> None
     x, y = (omega, delta0) if across == "omega" else (delta0, omega)
     ax.plot(x, y, ls="", marker=".", ms=2.8, mew=0.0, color=palette.INK, label="fold of the whirl",
             zorder=2.3)  # fmt: skip
-
-
-def _colour_of(ax: Axes, words: str) -> str:
-    """Return the colour of this label on the axes, or an unused one."""
-    drawn = {str(line.get_label()): str(line.get_color()) for line in ax.lines}
-    if words in drawn:
-        return drawn[words]
-    return next((colour for colour in COLOURS if colour not in drawn.values()), palette.INK)

@@ -42,14 +42,13 @@ from rotor_ida.plot.labels import (
     SEPARATOR,
     label_axis,
     label_parameter,
-    speed_text,
     title_of,
 )
 from rotor_ida.plot.legends import legend_below, shared_legend
-from rotor_ida.plot.motion import WAYS, draw_motion
+from rotor_ida.plot.motion import draw_motion
 from rotor_ida.results.run import rotor_of
 from rotor_ida.results.si_units import scale_of
-from rotor_ida.schema import MODE, flags_of, words_of
+from rotor_ida.schema import LINE_KIND, MODE, words_of
 from rotor_ida.signals.path import Path
 
 CYCLE = ("t", *COMPONENTS, "period", "response", "stability")
@@ -182,16 +181,9 @@ def plot_cycle(cycle: xr.Dataset, *, node: str | None = None, ax: Axes | None = 
         ax.set_aspect("equal", adjustable="datalim")
         ax.autoscale_view()
         stable = words_of(own["stability"])[0] == "stable"
-        ax.set_title(SEPARATOR.join([_title(own), *["unstable"] * (not stable)]))
+        ax.set_title(SEPARATOR.join([title_of("cycle", own), *["unstable"] * (not stable)]))
         legend_below(ax, columns=3 if path.mode is None else 2)
     return ax
-
-
-def _title(cycle: xr.Dataset) -> str:
-    """Return the parameters of a disc, or node and speed of a system."""
-    if is_of_disc(cycle):
-        return title_of("cycle", cycle)
-    return f"{title_of('cycle', cycle)}{SEPARATOR}{speed_text(cycle['speed'])}"
 
 
 def plot_multipliers(cycle: xr.Dataset, *, ax: Axes | None = None) -> Axes:
@@ -290,7 +282,6 @@ def plot_lines(cycle: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     """
     cycle = check_dataset("cycle", cycle, LINES)
     height, kinds = cycle["whirl_amplitude"].values, cycle["line_kind"].values
-    flags = flags_of(cycle["line_kind"])
     highest = float(height.max())
     omega = one_value("cycle", cycle, "omega") * scale_of(cycle, "rate")
     ratio, shown = cycle["frequency"].values / omega, height >= FLOOR * highest
@@ -299,7 +290,7 @@ def plot_lines(cycle: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         ax.set_xlabel(LABELS["frequency_over_omega"])
         label_axis(ax.yaxis, "whirl_amplitude", cycle["whirl_amplitude"])
         for kind, (words, colour, marker) in LINE_LOOKS.items():
-            here = shown & (kinds == flags[kind])
+            here = shown & (kinds == LINE_KIND[kind])
             if here.any():
                 ax.vlines(ratio[here], 0.3 * FLOOR * highest, height[here], color=colour, lw=0.9)
                 draw_marks(ax, ratio[here], height[here], marker, colour, size=3.4, label=words)
@@ -361,14 +352,9 @@ def _modes(slip: Values, inside: npt.NDArray[np.bool_]) -> npt.NDArray[np.int8]:
 def _draw_arrow(ax: Axes, path: Path) -> None:
     """Show the direction of motion, at the largest radius."""
     place = min(int(np.argmax(path.radius)), path.time.size - 2)
-    colour = palette.RED if path.in_contact[place] else palette.BLUE
-    if path.mode is not None:
-        colour = next(
-            shade for modes, _, shade, *_ in WAYS if path.mode[place] in {*map(MODE.get, modes)}
-        )
     ax.annotate(
         "", (path.x[place + 1], path.y[place + 1]), (path.x[place], path.y[place]), zorder=3.0,
-        arrowprops={"arrowstyle": "-|>", "color": colour, "shrinkA": 0.0, "shrinkB": 0.0},
+        arrowprops={"arrowstyle": "-|>", "color": palette.INK, "shrinkA": 0.0, "shrinkB": 0.0},
     )  # fmt: skip
 
 
@@ -411,21 +397,21 @@ def cycles_figure(cycles: xr.Dataset) -> Figure:
     with style():
         figure = new_figure(5.0, 5.0)
         upper, lower = figure.subplots(2, 1, sharex=True)
-        _draw(upper, part[over].values, part["period"].values, is_stable, palette.INK)
+        places = label_parameter(lower.xaxis, over, part)
+        _draw(upper, places, part["period"].values, is_stable, palette.INK)
         label_axis(upper.yaxis, "period", part["period"])
         for number in range(part.sizes.get("contact", 1)):
             own = at_contact(part, number)
             colour, _ = palette.look(number + 1)
             low, high = own["radius_min"].values, own["radius_max"].values
             words = "_" if is_of_disc(part) else contact_text(own, number)
-            lower.fill_between(part[over].values, low, high, color=colour, alpha=0.15, lw=0.0,
+            lower.fill_between(places, low, high, color=colour, alpha=0.15, lw=0.0,
                                label=words)  # fmt: skip
             for radii in (low, high):
-                _draw(lower, part[over].values, radii, is_stable, colour)
+                _draw(lower, places, radii, is_stable, colour)
         label_axis(lower.yaxis, "radius", part["radius_max"])
-        label_parameter(lower.xaxis, over, cycles)
         keep_resolved(upper)
-        first, last = part[over].values[[0, -1]].tolist()
+        first, last = places[[0, -1]].tolist()
         if first < last:  # points without a cycle too
             lower.set_xlim(first - ROOM * (last - first), last + ROOM * (last - first))
         if not np.isfinite(part["period"].values).any():

@@ -72,12 +72,8 @@ def one_value(name: str, dataset: xr.Dataset, parameter: str) -> float:
 
 def along_one(name: str, dataset: xr.Dataset) -> tuple[xr.Dataset, str]:
     """Return answers at points along the one parameter that varies, and its name."""
-    dims = [str(dim) for dim in dataset["status"].dims]
-    over = next((dim for dim in dims if dataset.sizes[dim] > 1), dims[0])
-    held = [dim for dim in dims if dim != over]
-    for dim in held:
-        one_value(name, dataset, dim)
-    return dataset.isel(dict.fromkeys(held, 0)), over
+    over, held = drawn_over(name, dataset)
+    return dataset.isel(dict.fromkeys(held, 0), missing_dims="ignore"), over
 
 
 def at_node(dataset: xr.Dataset, node: str | None) -> xr.Dataset:
@@ -176,11 +172,18 @@ def parameters_in(dataset: xr.Dataset) -> list[str]:
 
 def drawn_over(name: str, dataset: xr.Dataset) -> tuple[str, dict[str, float]]:
     """Return the parameter over which a result is drawn, and the one value of each other."""
-    names, varied = parameters_in(dataset), varied_in(dataset)
-    first = next(iter(names), SPEED)
-    along = str(dataset.attrs.get("along", first))
-    over = varied[0] if varied and along not in varied else along
-    return over, {each: one_value(name, dataset, each) for each in names if each != over}
+    over = axis_of(dataset)
+    others = [each for each in parameters_in(dataset) if each != over]
+    return over, {each: one_value(name, dataset, each) for each in others}
+
+
+def axis_of(dataset: xr.Dataset) -> str:
+    """Return the parameter over which a result is drawn: the speed, unless only others vary."""
+    varied = varied_in(dataset)
+    along = str(dataset.attrs.get("along", "omega" if is_of_disc(dataset) else SPEED))
+    # folds are drawn over the speed, which they do not have
+    is_held = along in dataset.variables and along not in varied
+    return varied[0] if varied and is_held else along
 
 
 def clearance_of(dataset: xr.Dataset, name: str = "run") -> float:

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import math
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
 from matplotlib.axes import Axes
-from matplotlib.colors import to_rgba
 
 from rotor_ida.arrays import Values
 
@@ -16,9 +15,8 @@ COLUMNS = 2000
 CELLS = 3000
 # Up to this many points are drawn unchanged.
 FEW = 20_000
-# A thinned path of more points than this is drawn as the dots that it passes through: about as
-# many as a small figure has, since fewer would lose some in print.
-MANY, DOTS, AT_ONCE = 60_000, 600, 2_000_000
+# A thinned path of more points than this is written as dots.
+MANY = 60_000
 
 
 def kept_in_columns(times: Values, values: Values, columns: int = COLUMNS) -> npt.NDArray[np.intp]:
@@ -62,6 +60,12 @@ def kept_in_columns(times: Values, values: Values, columns: int = COLUMNS) -> np
         reached = np.flatnonzero(values == np.repeat(extreme.reduceat(values, starts), counts))
         kept.append(reached[np.unique(column[reached], return_index=True)[1]])
     return np.unique(np.concatenate(kept))
+
+
+def draw_over_time(ax: Axes, times: Values, values: Values, **line: Any) -> None:
+    """Draw a line over time, of many samples those that make a difference in print."""
+    kept = kept_in_columns(times, values)
+    ax.plot(times[kept], values[kept], **line)
 
 
 def thinned(x: Values, y: Values, cells: int = CELLS) -> tuple[Values, Values]:
@@ -114,59 +118,7 @@ def thinned(x: Values, y: Values, cells: int = CELLS) -> tuple[Values, Values]:
     return tuple(np.where(places < 0, np.nan, each[places]) for each in (x, y))  # type: ignore[return-value]
 
 
-def inked(x: Values, y: Values, low: tuple[float, float], width: float) -> npt.NDArray[np.bool_]:
-    """Return the dots of a square that a path passes through, rows upwards.
-
-    Parameters
-    ----------
-    x, y : ndarray, shape (n,)
-        Points of the path; NaN breaks it.
-    low : tuple of float
-        Corner of the square.
-    width : float
-        Its side.
-
-    Returns
-    -------
-    ndarray of bool, shape (DOTS, DOTS)
-        Whether a dot lies on the path.
-
-    Examples
-    --------
-    >>> inked(np.array([0.0, 1.0]), np.array([0.0, 1.0]), (0.0, 0.0), 1.0).sum().item() == DOTS
-    True
-    """
-    across, up = ((each - start) / width * (DOTS - 1) for each, start in ((x, low[0]), (y, low[1])))
-    steps = np.maximum(np.abs(np.diff(across)), np.abs(np.diff(up)))
-    whole = np.flatnonzero(np.isfinite(steps))
-    dots = np.zeros(DOTS * DOTS, dtype=bool)
-    for part in np.array_split(whole, max(1, math.ceil(steps[whole].sum() / AT_ONCE))):
-        counts = np.ceil(steps[part]).astype(np.intp) + 1
-        first = np.repeat(np.cumsum(counts) - counts, counts)
-        share = (np.arange(first.size) - first) / np.repeat(np.maximum(counts - 1, 1), counts)
-        column, row = (
-            np.rint(np.repeat(each[part], counts) + share * np.repeat(np.diff(each)[part], counts))
-            for each in (across, up)
-        )
-        dots[(row * DOTS + column).astype(np.intp)] = True
-    return dots.reshape(DOTS, DOTS)
-
-
-def draw_path(
-    ax: Axes, x: Values, y: Values, *, colour: str, width: float, words: str, level: float = 2.0
-) -> None:
-    """Draw a path as a line, or as dots if it has very many points."""
+def draw_path(ax: Axes, x: Values, y: Values, **line: Any) -> None:
+    """Draw a path as a line, of dots if it has very many points."""
     x, y = thinned(x, y)
-    if x.size <= MANY:
-        ax.plot(x, y, color=colour, lw=width, label=words, zorder=level)
-        return
-    low = (float(np.nanmin(x)), float(np.nanmin(y)))
-    side = max(float(np.nanmax(x)) - low[0], float(np.nanmax(y)) - low[1])
-    dots = inked(x, y, low, side)
-    half = 0.5 * side / (DOTS - 1)
-    extent = (low[0] - half, low[0] + side + half, low[1] - half, low[1] + side + half)
-    # what is transparent has the same colour: Matplotlib 3.10 mixes colours without their opacity
-    colours = np.full((*dots.shape, 4), to_rgba(colour))
-    colours[~dots, 3] = 0.0
-    ax.imshow(colours, extent=extent, origin="lower", interpolation="antialiased", zorder=level)
-    ax.plot([], [], color=colour, lw=width, label=words)
+    ax.plot(x, y, rasterized=x.size > MANY, **line)

@@ -43,7 +43,6 @@ from rotor_ida.plot.datasets import (
 from rotor_ida.plot.labels import (
     KIND_WORDS,
     SEPARATOR,
-    in_lines,
     label_axis,
     label_of,
     label_parameter,
@@ -219,7 +218,7 @@ def _title(found: xr.Dataset, held: Mapping[str, float], words: str = "") -> str
     """Return the node of a system, and the parameters that do not vary."""
     node = [] if is_of_disc(found) else [f"node {in_figure(str(found['node'].values))}"]
     told = SEPARATOR.join([*node, *([text_of(found, held)] if held else [])])
-    return f"{in_lines(told)}\n{words}".strip()
+    return f"{told}\n{words}".strip()
 
 
 def _extrema_of(found: xr.Dataset, over: xr.DataArray) -> _Extrema:
@@ -432,26 +431,21 @@ def _plot_exponents_over(found: xr.Dataset, ax: Axes | None) -> Axes:
     part, over = along_one("found", found)
     with drawing(ax) as ax:
         label_axis(ax.yaxis, "running_exponent", found["lyapunov_exponent"])
+        places = label_parameter(ax.xaxis, over, part)
         ax.axhline(0.0, color=palette.GREY, lw=0.7, zorder=1.5)
         for number, (colour, dashes) in enumerate(LINES[: found.sizes["exponent"]]):
             own = part.isel(exponent=number)
-            ax.errorbar(own[over].values, own["lyapunov_exponent"], own["lyapunov_error"],
+            ax.errorbar(places, own["lyapunov_exponent"], own["lyapunov_error"],
                         color=colour, ls=dashes, lw=1.1, marker="o", ms=2.5, capsize=2.0,
                         label=f"$\\lambda_{number + 1}$")  # fmt: skip
-        label_parameter(ax.xaxis, over, found)
         legend_below(ax, columns=4)
     return ax
 
 
-def _together(angle: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]:
-    """Return angles cut at their widest gap, so that no cluster is split at pi."""
-    order = np.sort(angle)
-    gaps = np.diff(order)
-    if not gaps.size or gaps.max() <= 2.0 * math.pi + order[0] - order[-1]:
-        return angle
-    least = order[gaps.argmax() + 1]
-    cut = least + np.mod(angle - least, 2.0 * math.pi)
-    return np.asarray(cut - 2.0 * math.pi * np.round(cut.mean() / (2.0 * math.pi)))
+def _together(angle: Values) -> Values:
+    """Return angles within half a turn of their mean direction, so that no cluster is split."""
+    mean = np.angle(np.exp(1j * angle).sum())
+    return np.asarray(mean + np.angle(np.exp(1j * (angle - mean))))
 
 
 def _distinct(z: npt.NDArray[np.complex128]) -> int:

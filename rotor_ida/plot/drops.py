@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import os
 from pathlib import Path
 
@@ -17,7 +16,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.plot import palette
 from rotor_ida.plot.appearance import circle, new_figure, say_in_middle, style
 from rotor_ida.plot.datasets import contact_text
-from rotor_ida.plot.labels import label_axis
+from rotor_ida.plot.labels import label_axis, speeds_in, unit_of
 from rotor_ida.plot.legends import shared_legend
 from rotor_ida.results.files import check_target, file_to_write
 from rotor_ida.results.run import check_system_run
@@ -34,7 +33,6 @@ RANGES = {
 WORDS = RANGES | {"largest_race_speed": "largest speed of the race"}
 # Samples of an orbit behind the rotor in a film, and frames of one.
 TRAIL, MOST_FRAMES = 60, 5000
-RPM = 60.0 / math.tau
 ENDINGS = (".gif", ".mp4")
 
 
@@ -70,7 +68,8 @@ def plot_drops(drops: xr.Dataset) -> Figure:
     missing += [] if "drop" in drops.dims else ["the dimension drop"]
     if missing:
         raise InputError(f"drops must be a result of drop_ensemble; it lacks {missing[0]}")
-    drops = in_suitable_units(drops)
+    of_race = [name for name in drops.variables if str(name).startswith("largest_race_speed")]
+    drops = in_suitable_units(drops).assign({name: speeds_in(drops[name]) for name in of_race})
     if "cell" in drops.sizes:
         return _plot_grid(drops)
     with style():
@@ -80,8 +79,6 @@ def plot_drops(drops: xr.Dataset) -> Figure:
             for number in range(drops.sizes["contact"]):
                 _draw_distribution(ax, drops, name, number)
             label_axis(ax.xaxis, name, drops[name], words=WORDS[name])
-            if name == "largest_race_speed" and drops[name].attrs.get("units") == "s-1":
-                ax.set_xlabel(f"{WORDS[name]} [rpm]")
             ax.set_ylabel("fraction of drops")
             ax.set_ylim(0.0, 1.0)
             if not np.isfinite(drops[name].values).any():
@@ -93,9 +90,7 @@ def plot_drops(drops: xr.Dataset) -> Figure:
 
 def _draw_distribution(ax: Axes, drops: xr.Dataset, name: str, number: int) -> None:
     """Draw the fraction of drops below a value, with dots at the quantiles."""
-    in_rpm = name == "largest_race_speed" and drops[name].attrs.get("units") == "s-1"
-    parts = RPM if in_rpm else 1.0
-    values = parts * drops[name].values[:, number].astype(float)
+    values = drops[name].values[:, number].astype(float)
     values = np.sort(values[np.isfinite(values)])
     if not values.size:
         return
@@ -106,8 +101,7 @@ def _draw_distribution(ax: Axes, drops: xr.Dataset, name: str, number: int) -> N
     if f"{name}_quantile" not in drops.variables:
         return
     levels = drops["quantile"].values
-    ends = [parts * drops[f"{name}_quantile{end}"].values[:, number]
-            for end in ("", "_low", "_high")]  # fmt: skip
+    ends = [drops[f"{name}_quantile{end}"].values[:, number] for end in ("", "_low", "_high")]
     middle, low, high = (np.where(np.isfinite(each), each, ends[0]) for each in ends)
     ax.errorbar(middle, levels, xerr=[middle - low, high - middle], fmt="o", ms=3.0,
                 color=colour, elinewidth=1.0, capsize=2.0)  # fmt: skip
@@ -145,8 +139,8 @@ def _values(drops: xr.Dataset, name: str) -> np.ndarray:
 
 
 def _label(drops: xr.Dataset, name: str) -> str:
-    unit = str(drops[f"drop_{name}"].attrs.get("units"))
-    return OF_DROP[name] + {"radian": " [rad]", "s m-1": " [s/m]"}.get(unit, "")
+    unit = "rad" if name == "phase" else unit_of(drops[f"drop_{name}"])
+    return f"{OF_DROP[name]} [{unit}]" if unit else OF_DROP[name]
 
 
 def _by_value(drops: xr.Dataset, name: str, values: np.ndarray) -> list[np.ndarray]:

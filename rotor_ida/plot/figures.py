@@ -40,14 +40,15 @@ from rotor_ida.plot.basins import (
     plot_basin_fractions,
 )
 from rotor_ida.plot.branches import plot_curves
-from rotor_ida.plot.datasets import is_of_disc, parameters_in, touching_nodes, varied_in
+from rotor_ida.plot.datasets import axis_of, is_of_disc, parameters_in, touching_nodes, varied_in
 from rotor_ida.plot.diagrams import plot_extrema
 from rotor_ida.plot.labels import SEPARATOR, wrapped
 from rotor_ida.plot.legends import shared_legend
 from rotor_ida.plot.responses import plot_amplitude, plot_unbalance_response
 from rotor_ida.plot.run_up import has_many_turns, plot_run_up
 from rotor_ida.plot.runs import plot_run
-from rotor_ida.plot.signals import plot_bode, plot_orbit
+from rotor_ida.plot.signals.orbits import plot_orbit
+from rotor_ida.plot.signals.orders import plot_bode
 from rotor_ida.results.archived_system import system_of
 from rotor_ida.results.concat import concat
 from rotor_ida.results.dataset_kinds import KINDS, kind_of, loaded, why_not
@@ -143,7 +144,7 @@ def draw_responses(dataset: xr.Dataset) -> Figure:
         return cast(Figure, plot_unbalance_response(response, special=dataset).figure)
     if "node_major_axis" in dataset and not (dataset.sizes["contact"] and "branch" in dataset.dims):
         return cast(Figure, plot_unbalance_response(dataset).figure)
-    over = _axis_of(dataset)
+    over = axis_of(dataset)
     beside = [(part, _exact_beside(part, over)) for part in _parts(dataset, over)]
     contacts = dataset.sizes.get("contact", 1)
 
@@ -153,14 +154,6 @@ def draw_responses(dataset: xr.Dataset) -> Figure:
         return plot_amplitude(**exact, **_shown(part, over), contact=contact, ax=ax)
 
     return in_panels(contacts * len(beside), draw, shared=is_of_disc(dataset))
-
-
-def _axis_of(dataset: xr.Dataset) -> str:
-    """Return the parameter over which responses are drawn: the speed, unless another varies."""
-    speed, varied = "omega" if is_of_disc(dataset) else SPEED, varied_in(dataset)
-    along = str(dataset.attrs.get("along", speed))
-    alone = along not in varied and len(varied) == 1 and speed in dataset.variables
-    return varied[0] if alone else along
 
 
 def _parts(dataset: xr.Dataset, over: str) -> Iterator[xr.Dataset]:

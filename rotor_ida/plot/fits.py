@@ -130,8 +130,13 @@ def plot_fit(
         for number in np.unique(one["record"].values):
             windows = one["record"].values == number
             part = one.isel(window=windows)
-            _draw_amplitude(axes[0], over.values[windows], part)
-            _draw_phase(axes[1], over.values[windows], part)
+            places = over.values[windows]
+            axes[0].plot(places, part["fitted_forward_whirl_amplitude"], color=palette.ORANGE,
+                         lw=1.3, label="fitted", zorder=3.0)  # fmt: skip
+            axes[0].errorbar(places, part["forward_whirl_amplitude"],
+                             part["forward_amplitude_error"], **MEASURED,
+                             label="measured")  # fmt: skip
+            _draw_phase(axes[1], places, part)
         axes[0].set_ylim(bottom=0.0)
         label_axis(axes[0].yaxis, "whirl_amplitude", units.lengths(0.0))
         axes[1].set_ylabel(f"{LABELS['phase_lag']} [°]")
@@ -211,16 +216,6 @@ def _order_of(
     return one, units, over
 
 
-def _draw_amplitude(ax: Axes, places: Values, one: xr.Dataset) -> None:
-    """Draw measured over fitted amplitude of one record."""
-    ax.plot(places, one["fitted_forward_whirl_amplitude"].values, color=palette.ORANGE, lw=1.3,
-            label="fitted", zorder=3.0)  # fmt: skip
-    ax.errorbar(
-        places, one["forward_whirl_amplitude"].values, one["forward_amplitude_error"].values,
-        **MEASURED, label="measured",
-    )  # fmt: skip
-
-
 def _draw_phase(ax: Axes, places: Values, one: xr.Dataset) -> None:
     """Draw measured over fitted phase lag of one record, where it is significant."""
     lag = np.unwrap(one["fitted_forward_phase_lag"].values)
@@ -238,28 +233,27 @@ def _plot_touches(dataset: xr.Dataset, ax: Axes) -> None:
     times = dataset["measured_time"]
     apart = dataset["fitted_time"].values - times.values
     compared, error = dataset["compared"].values, float(dataset["time_error"])
-    with style():
-        ax.axhline(0.0, color=palette.INK, lw=0.7)
-        for kind, words, mark, colour in (
-            (1, "entries", "^", palette.BLUE),
-            (-1, "exits", "v", palette.ORANGE),
-        ):
-            for used, face, addition in ((1, colour, ""), (0, "white", ", not compared")):
-                here = (dataset["event_kind"].values == kind) & (compared == used)
-                here &= np.isfinite(apart)
-                if here.any():
-                    ax.errorbar(times.values[here], apart[here], error, fmt=mark, ms=4.0, lw=0.0,
-                                elinewidth=0.8, color=colour, mfc=face,
-                                label=words + addition)  # fmt: skip
-        most = 1.2 * (float(np.nanmax(np.abs(apart), initial=0.0)) + error)
-        ax.set_ylim(-most, most)
-        ax.set_xlabel(label_of("t", times))
-        ax.set_ylabel(label_of("t", times, words="fitted less measured"))
-        alone = int(np.isnan(apart).sum())
-        if alone:
-            ax.plot([], [], ls="", label=f"{alone} of {apart.size} without a computed contact")
-        ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5, fontsize=8.0,
-                  handlelength=1.0, columnspacing=1.2, borderaxespad=0.2)  # fmt: skip
+    ax.axhline(0.0, color=palette.INK, lw=0.7)
+    for kind, words, mark, colour in (
+        (1, "entries", "^", palette.BLUE),
+        (-1, "exits", "v", palette.ORANGE),
+    ):
+        for used, face, addition in ((1, colour, ""), (0, "white", ", not compared")):
+            here = (dataset["event_kind"].values == kind) & (compared == used)
+            here &= np.isfinite(apart)
+            if here.any():
+                ax.errorbar(times.values[here], apart[here], error, fmt=mark, ms=4.0, lw=0.0,
+                            elinewidth=0.8, color=colour, mfc=face,
+                            label=words + addition)  # fmt: skip
+    most = 1.2 * (float(np.nanmax(np.abs(apart), initial=0.0)) + error)
+    ax.set_ylim(-most, most)
+    ax.set_xlabel(label_of("t", times))
+    ax.set_ylabel(label_of("t", times, words="fitted less measured"))
+    alone = int(np.isnan(apart).sum())
+    if alone:
+        ax.plot([], [], ls="", label=f"{alone} of {apart.size} without a computed contact")
+    ax.legend(loc="lower left", bbox_to_anchor=(0.0, 1.0), ncols=5, fontsize=8.0,
+              handlelength=1.0, columnspacing=1.2, borderaxespad=0.2)  # fmt: skip
 
 
 def _estimates_in_words(dataset: xr.Dataset) -> str:

@@ -22,13 +22,13 @@ from rotor_ida.model.parameters import OF_ROTOR, OPTIONAL, PARAMETERS
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
 from rotor_ida.plot.datasets import hold_units, is_of_disc, one_value, units_in
 from rotor_ida.results.run import course_of
-from rotor_ida.results.si_units import in_rpm, machine_of, scale_of, si_of
+from rotor_ida.results.si_units import in_rpm, machine_of, si_of
 from rotor_ida.texts import in_figure
-from rotor_ida.units import SPEED_UNITS, UNITS, number, quantity, read_in
+from rotor_ida.units import SPEED_UNITS, UNITS, number, quantity, read_in, spelled
 
 SEPARATOR = ",  "
-# With more parameters than this a title has two lines.
-MOST_IN_A_LINE, MOST_CHARACTERS = 5, 64
+# Most characters in a line of a title.
+MOST_CHARACTERS = 58
 
 # Words and symbol of each quantity, and its symbol where it has a unit, as in eqs (1)-(9), if that
 # is another.
@@ -66,7 +66,6 @@ _QUANTITIES: dict[str, tuple[str, ...]] = {
     "whirl_amplitude": ("whirl amplitude, zero to peak", "$|c|$"),
     "whirl_speed": ("whirl speed", r"$\Omega$"),
     "force": ("contact force", "$f$", "$F$"),
-    "contact_force": ("contact force", "$f$", "$F$"),
     "peak_force": ("peak force", "$f$", "$F$"),
     "peak_fraction": ("fraction of contacts up to this force", ""),
     "normal_force": ("normal force", "$N$"),
@@ -121,9 +120,7 @@ def number_text(value: float, form: str = "#.3g") -> str:
     >>> number_text(1.88), number_text(156.2), number_text(9.4e-6)
     ('1.88', '156', '9.40 \\times 10^{-6}')
     """
-    digits, _, power = format(value, form).partition("e")
-    digits = digits.removesuffix(".")
-    return rf"{digits} \times 10^{{{int(power)}}}" if power else digits
+    return typeset(format(value, form)).strip("$")
 
 
 def typeset(said: str) -> str:
@@ -135,7 +132,7 @@ def typeset(said: str) -> str:
     ('$16.9$ µm', '$4.12(2) \\times 10^{6}$ N/m', '6,112 rpm')
     """
     number, _, unit = said.partition(" ")
-    digits, _, power = number.partition("e")
+    digits, _, power = number.replace(".e", "e").removesuffix(".").partition("e")
     unit = re.sub("^u", "µ", unit)
     if "," in digits:  # mathematics would put a space after it
         return f"{digits} {unit}".rstrip()
@@ -174,9 +171,7 @@ def unit_of(variable: xr.DataArray | xr.Variable) -> str:
     'µm/s'
     """
     unit = units_in(variable)
-    if unit in ("", "1", "radian"):
-        return ""
-    return in_figure(re.sub("^u", "µ", unit).replace(" s-1", "/s").replace("s-1", "1/s"))
+    return "" if unit == "radian" else in_figure(re.sub("^u", "µ", spelled(unit)))
 
 
 def label_of(name: str, variable: xr.DataArray, *, words: str | None = None) -> str:
@@ -254,36 +249,30 @@ class _ScaledLocator(MaxNLocator):
 def title_of(name: str, dataset: xr.Dataset, parameters: Sequence[str] = PARAMETERS) -> str:
     """Return the parameters of a dataset, with one value of each, as a title.
 
-    It has two lines if one is too long. Of a result of a rotor system it is the node, if there is
-    only one, and the speed, if that is known.
+    Of a result of a rotor system it is the node, if there is only one, and the speed, if that is
+    known.
     """
     if not is_of_disc(dataset):
-        node = [f"node {in_figure(str(dataset['node'].values))}"] * _has_one_node(dataset)
-        return SEPARATOR.join([*node, *_speed_of_system(dataset)])
+        has_node = "node" in dataset.coords and not dataset["node"].ndim
+        node = [f"node {in_figure(str(dataset['node'].values))}"] * has_node
+        return SEPARATOR.join([*node, *_speed_in(dataset)])
     # what varies along a branch is on its axis
     optional = [each for each in OPTIONAL if each in dataset.variables and not dataset[each].ndim]
     values = {each: one_value(name, dataset, each) for each in (*parameters, *optional)}
-    if "event_speed" not in dataset.variables:
-        return in_lines(text_of(dataset, values))
-    if (speeds := in_rpm(dataset["speed"])) is not None:  # omega is only the first
+    if "event_speed" in dataset.variables:  # omega is only the first
         del values["omega"]
-        turns = speed_text(xr.DataArray(course_of(speeds), attrs={"units": "rpm"}))
-        return wrapped([turns, *_in_si(dataset, values)])
-    last = float(dataset["speed"][-1]) / scale_of(dataset, "speed")
-    text = text_of(dataset, values).replace("$,", rf" \ldots {last:.4g}$,", 1)
-    return in_lines(text)
+        return wrapped([*_speed_in(dataset), text_of(dataset, values)])
+    return text_of(dataset, values)
 
 
-def _has_one_node(dataset: xr.Dataset) -> bool:
-    return "node" in dataset.coords and not dataset["node"].ndim
-
-
-def _speed_of_system(dataset: xr.Dataset) -> list[str]:
+def _speed_in(dataset: xr.Dataset) -> list[str]:
+    """Return the speed of a run-up or of a result of a rotor system, if it has only one."""
     if "event_speed" in dataset.variables:
-        speeds = course_of(dataset["speed"].values)
-        return [speed_text(xr.DataArray(speeds, attrs=dataset["speed"].attrs))]
-    units = dataset.attrs.get("speed_units", "1")
-    speed = dataset.attrs.get("speed")
+        speeds = course_of(dataset[SPEED].values)
+        return [speed_text(xr.DataArray(speeds, attrs=dataset[SPEED].attrs))]
+    if SPEED in dataset.variables:
+        return [speed_text(dataset[SPEED])] if dataset[SPEED].size == 1 else []
+    speed, units = (dataset.attrs.get(name) for name in ("speed", "speed_units"))
     return [] if speed is None else [speed_text(xr.DataArray(speed, attrs={"units": units}))]
 
 
@@ -321,40 +310,18 @@ def _joined(said: Iterable[str]) -> str:
 
 def text_of(dataset: xr.Dataset, values: Mapping[str, float]) -> str:
     """Return parameters as a title: dimensionless, or in SI units if the dataset has a machine."""
+    return wrapped([_one_text(dataset, name, value) for name, value in values.items()])
+
+
+def _one_text(dataset: xr.Dataset, name: str, value: float) -> str:
+    """Return a parameter with its value, in words with a unit if it has one."""
     if not is_of_disc(dataset):
-        return SEPARATOR.join(_of_system(dataset, name, value) for name, value in values.items())
+        if name == SPEED:
+            return speed_text(xr.DataArray(value, attrs=dataset[name].attrs))
+        words = PARAMETERS_OF_SYSTEM[name].label if name in PARAMETERS_OF_SYSTEM else name
+        return f"{words} {number(value)} {unit_of(dataset[name])}".rstrip()
     if machine_of(dataset) is None:
-        return parameter_text(values)
-    return wrapped(_in_si(dataset, values))
-
-
-def _of_system(dataset: xr.Dataset, name: str, value: float) -> str:
-    """Return the words of a parameter of a rotor system with its value and unit."""
-    attributes = dataset[name].attrs
-    if name == SPEED:
-        return speed_text(xr.DataArray(value, attrs=attributes))
-    words = PARAMETERS_OF_SYSTEM[name].label if name in PARAMETERS_OF_SYSTEM else name
-    return f"{words} {number(value)} {unit_of(dataset[name])}".rstrip()
-
-
-def _in_si(dataset: xr.Dataset, values: Mapping[str, float]) -> list[str]:
-    return [_one_in_si(dataset, name, value) for name, value in values.items()]
-
-
-def wrapped(parts: Sequence[str]) -> str:
-    """Return parts of a title in lines that no figure cuts off."""
-    lines = [parts[0]]
-    for part in parts[1:]:
-        longer = f"{lines[-1]}{SEPARATOR}{part}"
-        if len(longer) <= MOST_CHARACTERS:
-            lines[-1] = longer
-        else:
-            lines.append(part)
-    return "\n".join(lines)
-
-
-def _one_in_si(dataset: xr.Dataset, name: str, value: float) -> str:
-    """Return the name of a parameter of a machine with its value and unit."""
+        return parameter_text({name: value})
     known = si_of(dataset, name)
     if known is None:
         return f"{name.replace('_', ' ')} {number(value)}"
@@ -362,16 +329,20 @@ def _one_in_si(dataset: xr.Dataset, name: str, value: float) -> str:
     return f"{words} {typeset(quantity(value * known[1], unit))}"
 
 
-def in_lines(text: str) -> str:
-    r"""Return a title in two lines, the parameters of the paper's rotor first, if one is too long.
+def wrapped(parts: Sequence[str]) -> str:
+    r"""Return parts of a title in lines that no figure cuts off.
 
     Examples
     --------
-    >>> in_lines(SEPARATOR.join("abcdef"))
-    'a,  b,  c\nd,  e,  f'
+    >>> wrapped([*4 * [r"$\zeta = 0.0725$"], "clearance $2$ µm"]).count("\n")
+    1
     """
-    parts = text.split(SEPARATOR)
-    if len(parts) <= MOST_IN_A_LINE or "\n" in text:
-        return text
-    first, second = parts[: len(PARAMETERS)], parts[len(PARAMETERS) :]
-    return f"{SEPARATOR.join(first)}\n{SEPARATOR.join(second)}"
+    lines = list(parts[:1])
+    for part in parts[1:]:
+        longer = f"{lines[-1]}{SEPARATOR}{part}"
+        # a symbol is one letter wide
+        if len(re.sub(r"\\[a-z]+|[$_{}]", lambda each: each[0][1:2], longer)) <= MOST_CHARACTERS:
+            lines[-1] = longer
+        else:
+            lines.append(part)
+    return "\n".join(lines)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import partial
 
 import numpy as np
 from matplotlib.artist import Artist
@@ -75,25 +76,16 @@ def shared_legend(
     ['same']
     """
     with style():
-        legend = _fitting_legend(figure, axes, columns)
+        legend = _fitting(
+            partial(figure.legend, *_entries(axes), loc="outside lower center", handlelength=2.4),
+            columns, figure.bbox.width,
+        )  # fmt: skip
         for ax in axes:
             own = ax.get_legend()
             if own is not None:
                 own.remove()
             if outer:
                 ax.label_outer()
-    return _legible(legend)
-
-
-def _fitting_legend(figure: Figure | SubFigure, axes: Sequence[Axes], columns: int) -> Legend:
-    """Return a legend under the panels with as many columns as fit."""
-    for number in range(columns, 0, -1):
-        legend = figure.legend(
-            *_entries(axes), loc="outside lower center", ncols=number, handlelength=2.4
-        )
-        if number == 1 or legend.get_window_extent().width <= figure.bbox.width:
-            break
-        legend.remove()
     return legend
 
 
@@ -106,25 +98,32 @@ def own_legend(ax: Axes, *, inside: bool | None = None) -> Legend:
     handles, labels = _entries([ax])
     if len(handles) <= MOST_INSIDE if inside is None else inside:
         return _legible(ax.legend(handles, labels, handlelength=2.4))
-    place = ax.get_subplotspec()
-    room = ax.figure.bbox.width / (place.get_gridspec().ncols if place else 1)
-    for columns in (3, 2, 1):
-        legend = legend_below(ax, columns=columns)
-        if legend.get_window_extent().width <= room:
-            break
-    return legend
+    return legend_below(ax)
 
 
 def legend_below(ax: Axes, *, columns: int = 3, handles: Sequence[Artist] | None = None) -> Legend:
-    """Give `ax` a legend below its label, where it hides nothing."""
+    """Give `ax` a legend below its label, where it hides nothing, with as many columns as fit."""
     shown, labels = _entries([ax])
     if handles is not None:
         shown, labels = list(handles), [str(handle.get_label()) for handle in handles]
     below = ScaledTranslation(0.0, -BELOW / 72.0, ax.figure.dpi_scale_trans)
-    return _legible(ax.legend(
-        shown, labels, loc="upper center", bbox_to_anchor=(0.5, 0.0),
-        bbox_transform=ax.transAxes + below, ncols=columns, handlelength=2.0, borderaxespad=0.0,
-    ))  # fmt: skip
+    place = ax.get_subplotspec()
+    room = ax.figure.bbox.width / (place.get_gridspec().ncols if place else 1)
+    return _fitting(
+        partial(ax.legend, shown, labels, loc="upper center", bbox_to_anchor=(0.5, 0.0),
+                bbox_transform=ax.transAxes + below, handlelength=2.0, borderaxespad=0.0),
+        columns, room,
+    )  # fmt: skip
+
+
+def _fitting(make: Callable[..., Legend], columns: int, room: float) -> Legend:
+    """Return a legend with as many columns as there is room for."""
+    for number in range(columns, 0, -1):
+        legend = make(ncols=number)
+        if number == 1 or legend.get_window_extent().width <= room:
+            break
+        legend.remove()
+    return _legible(legend)
 
 
 def _legible(legend: Legend) -> Legend:

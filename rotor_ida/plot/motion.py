@@ -7,21 +7,21 @@ from collections.abc import Sequence
 from typing import Any, NamedTuple
 
 import numpy as np
-import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.patheffects import Stroke
 from matplotlib.ticker import MaxNLocator
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import Flags, Values
+from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.plot import palette
-from rotor_ida.plot.appearance import draw_marks, draw_ring, drawing, say_nothing
+from rotor_ida.plot.appearance import draw_marks, draw_ring, drawing, say_in_middle
 from rotor_ida.plot.datasets import check_dataset, clearance_of, contact_in, contact_text
-from rotor_ida.plot.decimation import draw_path, kept_in_columns
+from rotor_ida.plot.decimation import draw_over_time, draw_path
 from rotor_ida.plot.labels import label_axis
 from rotor_ida.plot.legends import legend_below
-from rotor_ida.results.run import check_system_run, is_of_system
+from rotor_ida.results.run import check_columns, check_system_run, is_of_system
 from rotor_ida.results.si_units import in_suitable_units, scale_of
 from rotor_ida.schema import MODE, flags_of
 from rotor_ida.signals.nodes import Ring, path_in, rings_of
@@ -34,8 +34,7 @@ WITH_PEAKS = (*NEEDED, "peak_time", "peak_force")
 # Above these numbers of events their marks get smaller, and then are left out: they would hide
 # the motion, and the colours of contact and flight show the same.
 FEW_EVENTS, MANY_EVENTS = 40, 120
-# An orbit of more points is thinned.
-DENSE = 200_000
+
 # Events: the mark of each, its colour, and whether it is filled.
 MARKS = {
     "entry": ("^", palette.RED, True),
@@ -107,12 +106,25 @@ class Place(NamedTuple):
 
 
 def checked_run(run: object, needed: Sequence[str] = WITH_PEAKS) -> xr.Dataset:
-    """Return a run of any rotor in suitable units, of a system with the events it shows."""
-    if not isinstance(run, xr.Dataset) or not is_of_system(run):
-        return check_dataset("run", run, needed)
-    found = in_suitable_units(check_system_run(run))
-    times, events = found["t"].values, found["event_time"].values
-    return found.isel(event=(events >= times[0]) & (events <= times[-1]))
+    """Return a run of any rotor, or a part of one, in suitable units and with its events only."""
+    if isinstance(run, xr.Dataset) and is_of_system(run):
+        return _with_own_events(in_suitable_units(check_system_run(run)))
+    found = check_dataset("run", run, needed)
+    check_columns(found, ("t", "event_time"))
+    return _with_own_events(found)
+
+
+def _with_own_events(run: xr.Dataset) -> xr.Dataset:
+    """Return a part of a run with the events in its time; refuse one without samples."""
+    if not run.sizes["t"]:
+        raise InputError("run must contain samples, got none")
+    events, (first, last) = run["event_time"].values, run["t"].values[[0, -1]]
+    before = run["event_kind"].values[events < first]
+    part = run.isel(event=(events >= first) & (events <= last))
+    if not before.size or "starts_in_contact" not in run.variables:
+        return part
+    touches = before[-1] != flags_of(run["event_kind"])["exit"]
+    return part.assign(starts_in_contact=run["starts_in_contact"].copy(data=np.int8(touches)))
 
 
 def place_of_disc(run: xr.Dataset) -> Place:
@@ -172,51 +184,32 @@ def square(ax: Axes) -> None:
         axis.set_major_locator(MaxNLocator(nbins=4, steps=[1, 2, 5, 10]))
 
 
-def draw_radius(ax: Axes, place: Place) -> None:
-    """Draw the radius over time, with flight and contact in colour, the stator and the events."""
-    width = line_width(place.run)
-    draw_motion(ax, place.path, place.path.time, place.radius, width=width)
-    if place.clearance > 0.0:
-        ax.axhline(place.clearance, color=palette.INK, lw=0.7, ls=palette.DASHES, zorder=2.6,
-                   label="clearance")  # fmt: skip
-    if "event_x" in place.run.variables:
-        mark_events(ax, place.run, place.run["event_time"].values, place.event_radius)
-    ax.set_ylim(bottom=0.0)
-
-
 def draw_motion(ax: Any, path: Path, *columns: Values, width: float, heavier: float = 1.0) -> None:
     """Draw flight and contact in colour, contact wider by a factor.
 
     With friction, forward slip, backward slip and rolling have separate styles.
     """
+    ways: list[tuple[Flags, str, str, object, float]] = [
+        (~path.in_contact, "flight", palette.BLUE, "-", 1.0),
+        (path.in_contact, "contact", palette.RED, "-", heavier),
+    ]
     if path.mode is not None:
-        _draw_ways(ax, path, path.mode, columns, width)
-        return
-    for chosen, colour, lw, label in (
-        (~path.in_contact, palette.BLUE, width, "flight"),
-        (path.in_contact, palette.RED, heavier * width, "contact"),
-    ):
+        ways = [
+            (np.isin(path.mode, [MODE[mode] for mode in modes]), label, colour, dashes, wider)
+            for modes, label, colour, dashes, wider in WAYS
+        ]
+    for chosen, label, colour, dashes, wider in ways:
         if not chosen[:-1].any():
             continue
-        if path.time.size > DENSE and len(columns) == 2 and columns[0] is path.x:
-            draw_path(ax, *path.stretches(chosen, *columns), colour=colour, width=lw, words=label)
-            continue
-        ax.plot(*path.stretches(chosen, *columns), color=colour, lw=lw, label=label)
-
-
-def _draw_ways(
-    ax: Any, path: Path, ways: npt.NDArray[np.int8], columns: Sequence[Values], width: float
-) -> None:
-    """Draw flight, slip and rolling."""
-    for modes, label, colour, dashes, heavier in WAYS:
-        chosen = np.isin(ways, [MODE[mode] for mode in modes])
-        if not chosen[:-1].any():
-            continue
-        line: Any = {"color": colour, "lw": heavier * width, "ls": dashes, "label": label}
+        line: Any = {"color": colour, "lw": wider * width, "ls": dashes, "label": label}
         if label == "rolls":
             line["solid_capstyle"] = "butt"
             line["path_effects"] = [Stroke(), Stroke(linewidth=width, foreground=CORE)]
-        ax.plot(*path.stretches(chosen, *columns), **line)
+        parts = path.stretches(chosen, *columns)
+        if len(columns) == 2 and columns[0] is path.x:
+            draw_path(ax, *parts, **line)
+        else:
+            ax.plot(*parts, **line)
 
 
 def mark_events(ax: Axes, run: xr.Dataset, across: Values, up: Values) -> None:
@@ -231,14 +224,6 @@ def mark_events(ax: Axes, run: xr.Dataset, across: Values, up: Values) -> None:
             draw_marks(ax, across[of_kind], up[of_kind], marker, colour, size=size,
                        face="" if filled else "white", edge=0.7, label=name,
                        level=3.0)  # fmt: skip
-
-
-def draw_over_time(
-    ax: Axes, times: Values, values: Values, *, colour: str, width: float, label: str
-) -> None:
-    """Draw a line over time, of many samples those that make a difference in print."""
-    kept = kept_in_columns(times, values)
-    ax.plot(times[kept], values[kept], color=colour, lw=width, label=label)
 
 
 def line_width(run: xr.Dataset) -> float:
@@ -258,7 +243,7 @@ class Forces(NamedTuple):
     normal: Values
     peaks: tuple[Values, Values]
     unit: xr.DataArray
-    name: str = "contact_force"
+    name: str = "force"
     # on the times of samples; without friction there is none
     tangential: tuple[Values, Values] | None = None
 
@@ -311,7 +296,7 @@ def draw_forces(ax: Axes, forces: Forces) -> None:
     """Draw the forces of a contact over time, through their peaks."""
     label_axis(ax.yaxis, forces.name, forces.unit)
     if not forces.normal.any():
-        say_nothing(ax, "no contact")
+        say_in_middle(ax, "no contact")
         return
     lowest = 0.0
     for words, values, colour in (
@@ -319,9 +304,8 @@ def draw_forces(ax: Axes, forces: Forces) -> None:
         ("force along the stator", forces.tangential, palette.ORANGE),
     ):
         if values is not None:
-            kept = kept_in_columns(*values)
+            draw_over_time(ax, *values, color=colour, lw=0.9, label=words)
             lowest = min(lowest, 1.1 * float(values[1].min(initial=0.0)))
-            ax.plot(*(each[kept] for each in values), color=colour, lw=0.9, label=words)
     if forces.peaks[0].size:
         draw_marks(ax, *forces.peaks, "o", palette.RED, size=2.8, face="white", edge=0.8,
                    label=PEAK)  # fmt: skip
@@ -332,7 +316,7 @@ def forces_in(run: xr.Dataset, path: Path | None = None) -> Forces:
     """Return the forces in a run of one disc along its path, or at a contact of a system."""
     if path is not None and "zeta" in run.variables:
         peaks = _peaks_on_curve(run, path.time, force := force_along(run, path))
-        name = "contact_force" if path.mode is None else "normal_force"
+        name = "force" if path.mode is None else "normal_force"
         return Forces(*_with_peaks(path.time, force, peaks), peaks, run["peak_force"], name)
     times = run["t"].values
     peaks = _within(times, run["peak_force_time"].values, run["peak_force"].values)

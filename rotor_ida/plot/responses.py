@@ -34,7 +34,6 @@ from rotor_ida.plot.datasets import (
 )
 from rotor_ida.plot.labels import (
     KIND_WORDS,
-    in_lines,
     label_axis,
     label_parameter,
     lengths_text,
@@ -71,7 +70,6 @@ NEEDED = {
     "hopf_points": ("hopf_omega", "hopf_amplitude"),
     "special": ("special_speed", "special_kind", "amplitude"),
 }
-OF_RESPONSE = ("speed", "node_major_axis", "unbalance_radius")
 # Nodes of an unbalance response that are drawn at most.
 MOST_NODES = 5
 
@@ -338,7 +336,7 @@ def _title(shown: xr.Dataset, axis: _Axis) -> str:
     if not is_of_disc(shown):
         return f"{contact_text(shown, shown['contact'].item())}\n{held}".rstrip()
     if not axis.held.get("load"):
-        return in_lines(held)
+        return held
     before = {name: value for name, value in axis.held.items() if name != "load"}
     last = text_of(shown, {"load": axis.held["load"]})
     sag = static_sag(axis.held["load"], axis.held.get("shaft_stiffness", 0.0))
@@ -537,8 +535,9 @@ def _start_words(simulated: xr.Dataset) -> str:
     words = {*str(simulated.attrs.get("start_words", "")).split()}
     if words in ({"rest"}, {"settled"}):
         return legends.FROM_REST if words == {"rest"} else legends.FROM_WHIRL
-    of_system = "initial_state" in simulated
-    starts = ["initial_state"] if of_system else [f"start_{name}" for name in COMPONENTS]
+    starts = (
+        [f"start_{name}" for name in COMPONENTS] if is_of_disc(simulated) else ["initial_state"]
+    )
     at_rest = all(name in simulated and not simulated[name].values.any() for name in starts)
     return legends.FROM_REST if at_rest else legends.FROM_START
 

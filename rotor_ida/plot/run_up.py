@@ -21,7 +21,7 @@ from matplotlib.ticker import MaxNLocator
 
 from rotor_ida.arrays import Values
 from rotor_ida.plot import palette
-from rotor_ida.plot.appearance import draw_ring, new_figure, say_nothing, style
+from rotor_ida.plot.appearance import draw_level, draw_ring, new_figure, say_in_middle, style
 from rotor_ida.plot.datasets import contact_text
 from rotor_ida.plot.decimation import kept_in_columns
 from rotor_ida.plot.labels import (
@@ -176,12 +176,6 @@ def _places_in_system(run: xr.Dataset) -> list[Place]:
     return places_in(run, [names[int(farthest)]])
 
 
-def _largest_force(place: Place) -> float:
-    """Return the time of the largest force."""
-    forces = forces_in(place.run, place.path)
-    return float(forces.time[forces.normal.argmax()])
-
-
 def _orbits_of(places: Sequence[Place], course: Course) -> Iterator[tuple[str, Place, list[float]]]:
     """Yield words, place and times of each orbit; those of nearly one time and place are one."""
     hardest, end = places[0], float(course.time[-1])
@@ -189,10 +183,10 @@ def _orbits_of(places: Sequence[Place], course: Course) -> Iterator[tuple[str, P
     if touched:
         begins = [float(np.nan_to_num(each.entries, nan=course.time[0]).min()) for each in touched]
         first = int(np.argmin(begins))
-        hard = _largest_force(hardest)
+        forces = forces_in(hardest.run, hardest.path)
         wanted = [
             ("first touch", touched[first], [begins[first]]),
-            ("largest force", hardest, [hard]),
+            ("largest force", hardest, [float(forces.time[forces.normal.argmax()])]),
         ]
     else:
         farthest = float(hardest.path.time[hardest.radius.argmax()])
@@ -275,9 +269,7 @@ def _draw_radii(ax: Axes, run: xr.Dataset, places: Sequence[Place], course: Cour
             ax, course, place.path.time, values, _colour(places, number, palette.BLUE),
             _name(places, number),
         )  # fmt: skip
-        if place.clearance > 0.0:
-            ax.axhline(place.clearance / part, color=palette.INK, lw=0.8, ls=palette.DASHES,
-                       label="clearance", zorder=2.6)  # fmt: skip
+        draw_level(ax, place.clearance / part)
     clearance = 1.0 if len(places) > 1 else places[0].clearance
     if 0.0 < FAR * clearance < ax.dataLim.y1:  # as in dry whip, beside which nothing else is seen
         ax.set_yscale("log")
@@ -306,7 +298,7 @@ def _draw_normal_forces(ax: Axes, places: Sequence[Place], course: Course) -> No
     else:
         ax.set_ylim(bottom=0.0)
     if not any(each.normal.any() for each in forces):
-        say_nothing(ax, "no contact")
+        say_in_middle(ax, "no contact")
 
 
 def _colour(places: Sequence[Place], number: int, alone: str) -> str:

@@ -9,16 +9,23 @@ import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter
 
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
 from rotor_ida.model.system_parameters import SPEED
 from rotor_ida.plot import palette
 from rotor_ida.plot.appearance import drawing, mixed_panels, style
-from rotor_ida.plot.datasets import check_dataset, contact_text, parameters_in, varied_in
-from rotor_ida.plot.labels import LABELS, label_axis, label_parameter, text_of
+from rotor_ida.plot.datasets import (
+    check_dataset,
+    contact_text,
+    parameters_in,
+    units_in,
+    varied_in,
+)
+from rotor_ida.plot.labels import label_axis, label_parameter, text_of
 from rotor_ida.plot.legends import legend_below, own_legend, shared_legend
-from rotor_ida.results.si_units import scale_of
+from rotor_ida.results.si_units import si_of
 from rotor_ida.schema import ENDS_IN_WORDS
 from rotor_ida.units import SPEED_UNITS, number
 
@@ -115,10 +122,10 @@ def plot_largest_force(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
         if over == RATE:
             falls = bool((dataset[RATE] < 0.0).any())
             ax.set_xscale("log")
-            step = math.ceil(across.size / MOST_TICKS)
-            ax.set_xticks(across[::step], [number(each, 3) for each in across[::step].tolist()])
+            _label_ticks(ax, across, across)
             ax.minorticks_off()
-            _label_rate(ax, dataset, r"rate of the run-down $|a|$" if falls else LABELS[RATE])
+            label_axis(ax.xaxis, RATE, _rates_of(dataset),
+                       words=r"rate of the run-down $|a|$" if falls else None)  # fmt: skip
         ax.set_ylim(0.0, 1.08 * highest or 1.0)
         label_axis(ax.yaxis, "normal_force", dataset["largest_force"], words=FORCE)
         if ax.get_legend_handles_labels()[1]:
@@ -151,7 +158,7 @@ def plot_endings(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     _, one = _parts(dataset)[0]
     with drawing(ax) as ax:
         across, order = _along(ax, one, over)
-        places, base = np.arange(across.size), np.zeros(across.size)
+        places, base = np.arange(float(across.size)), np.zeros(across.size)
         for word, colour in ENDING_COLOURS.items():
             share = np.nan_to_num(one[f"{word}_fraction"].values.ravel()[order])
             if share.any():
@@ -159,12 +166,9 @@ def plot_endings(dataset: xr.Dataset, *, ax: Axes | None = None) -> Axes:
                        label=ENDING_WORDS[word])  # fmt: skip
             base = base + share
         if over == RATE:
-            across = _rates_of(one)[order]
-            _label_rate(ax, dataset, LABELS[RATE])
-        elif over == "omega":
-            across = across * (scale_of(one, "rate") / SPEED_UNITS["rpm"] if _is_in_si(one) else 1)
-        step = math.ceil(across.size / MOST_TICKS)
-        ax.set_xticks(places[::step], [number(each, 3) for each in across[::step].tolist()])
+            across = _rates_of(one).values[order]
+            label_axis(ax.xaxis, RATE, _rates_of(one))
+        _label_ticks(ax, places, across)
         margin = max(0.1, 0.5 * (FEWEST_BARS - across.size))
         ax.set_xlim(-0.5 - margin, across.size - 0.5 + margin)
         ax.set_ylim(0.0, 1.0)
@@ -183,7 +187,7 @@ def _over(dataset: xr.Dataset) -> str:
 
 def _along(ax: Axes, one: xr.Dataset, over: str) -> tuple[Values, npt.NDArray[np.intp]]:
     """Return rising values along the axis, and the order that makes them rise."""
-    values = np.abs(_rates_of(one)) if over == RATE else label_parameter(ax.xaxis, over, one)
+    values = np.abs(_rates_of(one).values) if over == RATE else label_parameter(ax.xaxis, over, one)
     order = np.argsort(values)
     return values[order], order
 
@@ -206,18 +210,17 @@ def _parts(dataset: xr.Dataset, *others: str) -> list[tuple[str, xr.Dataset]]:
     return found
 
 
-def _rates_of(dataset: xr.Dataset) -> Values:
-    """Return the rates of run-ups, in rpm/s for a machine."""
-    rates = np.asarray(dataset[RATE].values)
-    if not _is_in_si(dataset):
+def _rates_of(dataset: xr.Dataset) -> xr.DataArray:
+    """Return the rates of run-ups, in rpm/s where speeds have a unit."""
+    rates, known = dataset[RATE], si_of(dataset, RATE)
+    if known is None and units_in(rates) != "s-2":
         return rates
-    scale = 1.0 if dataset[RATE].attrs.get("units") == "s-2" else scale_of(dataset, RATE) ** 2
-    return rates * scale / SPEED_UNITS["rpm"]
+    scale = known[1] if known else 1.0 / SPEED_UNITS["rpm"]
+    return rates.copy(data=scale * rates.values).assign_attrs(units="rpm/s")
 
 
-def _is_in_si(dataset: xr.Dataset) -> bool:
-    return "rate_scale" in dataset.attrs or dataset[RATE].attrs.get("units") == "s-2"
-
-
-def _label_rate(ax: Axes, dataset: xr.Dataset, words: str) -> None:
-    ax.set_xlabel(f"{words} [rpm/s]" if _is_in_si(dataset) else words)
+def _label_ticks(ax: Axes, places: Values, values: Values) -> None:
+    """Write some of the values at their places, in the unit of their axis."""
+    step, shown = math.ceil(values.size / MOST_TICKS), ax.xaxis.get_major_formatter()
+    in_unit = shown if isinstance(shown, FuncFormatter) else float
+    ax.set_xticks(places[::step], [number(float(in_unit(each)), 3) for each in values[::step]])

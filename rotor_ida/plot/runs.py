@@ -17,12 +17,14 @@ from rotor_ida.plot import palette
 from rotor_ida.plot.appearance import (
     SettledLayout,
     circle,
+    draw_level,
     draw_ring,
     new_figure,
-    say_nothing,
+    say_in_middle,
     style,
 )
 from rotor_ida.plot.datasets import contact_text
+from rotor_ida.plot.decimation import draw_over_time
 from rotor_ida.plot.labels import label_axis, label_of, title_of
 from rotor_ida.plot.legends import shared_legend
 from rotor_ida.plot.motion import (
@@ -31,11 +33,10 @@ from rotor_ida.plot.motion import (
     draw_forces,
     draw_motion,
     draw_orbit,
-    draw_over_time,
-    draw_radius,
     forces_in,
     in_contact,
     line_width,
+    mark_events,
     place_of_disc,
     places_in,
     shade_contacts,
@@ -155,7 +156,7 @@ def _overview(run: xr.Dataset) -> Figure:
             shade_contacts(ax, own)
             ax.set_title(contact_text(run, number))
         if not contacts:
-            say_nothing(axes[0], "no contacts")
+            say_in_middle(axes[0], "no contacts")
         _finish_rows(below, run, axes)
         if any(ax.get_legend_handles_labels()[1] for ax in axes):
             shared_legend(below, axes, columns=ENTRIES, outer=False)
@@ -178,13 +179,18 @@ def _draw_displacements(ax: Axes, place: Place) -> None:
     """Draw the displacements over time."""
     path = place.path
     for name, values, colour in (("x", path.x, palette.INK), ("y", path.y, palette.ORANGE)):
-        draw_over_time(ax, path.time, values, colour=colour, width=0.8, label=f"${name}$")
+        draw_over_time(ax, path.time, values, color=colour, lw=0.8, label=f"${name}$")
     label_axis(ax.yaxis, "displacement", place.run["x"])
 
 
 def _draw_radius(ax: Axes, place: Place) -> None:
-    """Draw the radius over time."""
-    draw_radius(ax, place)
+    """Draw the radius over time, with flight and contact in colour, the stator and the events."""
+    width = line_width(place.run)
+    draw_motion(ax, place.path, place.path.time, place.radius, width=width)
+    draw_level(ax, place.clearance)
+    if place.has_stator:
+        mark_events(ax, place.run, place.run["event_time"].values, place.event_radius)
+    ax.set_ylim(bottom=0.0)
     label_axis(ax.yaxis, "radius", place.run["x"])
 
 
@@ -193,7 +199,7 @@ def _draw_force(ax: Axes, place: Place) -> None:
     if place.has_stator:
         draw_forces(ax, forces_in(place.run, place.path))
     else:
-        say_nothing(ax, "no contacts")
+        say_in_middle(ax, "no contacts")
 
 
 def _draw_slip(ax: Axes, place: Place) -> None:

@@ -77,7 +77,10 @@ def save_figure(
     if not isinstance(figure, Figure):
         raise InputError(f"figure must be a matplotlib Figure, got {type(figure).__name__}")
     start = check_path("stem", stem)
-    endings = [check_choice("formats", each, tuple(_METADATA)) for each in _listed(formats)]
+    endings = [
+        check_choice("formats", each, tuple(_METADATA))
+        for each in ([formats] if isinstance(formats, str) else formats)
+    ]
     paths = [
         check_target("stem", start.parent / f"{start.name}.{ending}", overwrite=overwrite)
         for ending in endings
@@ -87,10 +90,6 @@ def save_figure(
             with file_to_write(path, overwrite=overwrite) as part:
                 _draw(figure, part)
     return paths
-
-
-def _listed(formats: str | Sequence[str]) -> Sequence[str]:
-    return [formats] if isinstance(formats, str) else formats
 
 
 @contextmanager

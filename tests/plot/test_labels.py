@@ -4,7 +4,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-import xarray as xr
 from matplotlib.figure import Figure
 
 from rotor_ida import (
@@ -19,14 +18,13 @@ from rotor_ida import (
 from rotor_ida.plot import (
     plot_amplitude,
     plot_attractor_map,
-    plot_basin,
     plot_largest_force,
     plot_orbit,
     plot_run,
     plot_trace,
 )
 from rotor_ida.plot.figures import figure_of
-from rotor_ida.plot.labels import IN_UNITS, LABELS, label_of, number_text, unit_of
+from rotor_ida.plot.labels import LABELS
 from tests.plot.pictures import MACHINE, made
 
 UNITS = {"length": "µm", "time": "ms", "velocity": "mm/s"}
@@ -65,11 +63,6 @@ def test_si_units_have_the_prefix_of_a_machine(plain):
     assert found == ["µm]", "µm]", "kN]", "µm]"]
 
 
-def test_units_that_were_chosen_stay(plain):
-    chosen = dimensional(plain, MACHINE, units={"length": "mm"})
-    assert plot_orbit(chosen).get_xlabel().endswith("[mm]")
-
-
 def test_other_prefixes_of_one_machine_share_axes(plain):
     """Metres and micrometres of one machine are both shown in micrometres."""
     micro = dimensional(plain, MACHINE, units={"length": "um"})
@@ -77,11 +70,6 @@ def test_other_prefixes_of_one_machine_share_axes(plain):
     plot_orbit(dimensional(plain, MACHINE), ax=ax)
     first, second = (line.get_xdata() for line in ax.lines if line.get_label() == "start")
     np.testing.assert_allclose(first, second)
-
-
-def test_units_stand_in_legends():
-    legend = plot_basin(in_units(made("basin"))).get_legend()
-    assert legend.get_texts()[0].get_text().endswith(" µm")
 
 
 def test_datasets_of_one_picture_have_the_same_units_and_scale():
@@ -110,26 +98,6 @@ def test_what_is_drawn_on_the_same_axes_has_the_same_units(plain, machine):
     plot_trace(machine, ax=left)
     with pytest.raises(InputError, match="must have its units"):
         plot_trace(plain, ax=right)
-
-
-def test_labels_tell_whether_a_quantity_has_a_unit(plain, machine):
-    assert label_of("x", plain.x) == LABELS["x"]
-    assert label_of("x", machine.x) == f"{IN_UNITS['x']} [µm]"
-    assert label_of("omega", machine.omega) == LABELS["omega"]
-
-
-@pytest.mark.parametrize(
-    ("units", "written"),
-    [("um", "µm"), ("s-1", "1/s"), ("um s-1", "µm/s"), ("m s-1", "m/s"), ("uN s", "µN s"),
-     ("mm", "mm"), ("1", ""), ("radian", ""), ("", "")],
-)  # fmt: skip
-def test_units_are_written_as_a_reader_does(units, written):
-    assert unit_of(xr.DataArray(1.0, attrs={"units": units})) == written
-
-
-def test_numbers_far_from_one_are_written_with_a_power_of_ten():
-    assert number_text(1.2e-5, "g") == r"1.2 \times 10^{-5}"
-    assert number_text(-15.0, "g") == "-15"
 
 
 def test_the_speeds_of_a_machine_are_in_rpm():

@@ -50,24 +50,11 @@ def test_bars_are_the_fractions_and_fill_the_panel(found):
     assert [text.get_text() for text in ax.get_xticklabels()] == ["0.01", "0.05", "0.2"]
 
 
-def test_a_figure_has_a_panel_of_forces_and_one_of_endings_for_each_rotor(found):
-    figure = plot_run_ups(found)
-    titles = [ax.get_title() for ax in figure.axes]
-    assert titles == ["", r"$\delta_0 = 1$", r"$\delta_0 = 2$"]
-    (legend,) = figure.legends
-    assert "ends contact-free" in [text.get_text() for text in legend.get_texts()]
-
-
 def test_a_run_down_says_so():
     down = run_ups(omega=1.6, to=0.4, rate=[-0.3, -0.2], zeta=0.1, delta0=3.0, method="taylor")
     assert plot_largest_force(down).get_xlabel() == "rate of the run-down $|a|$"
     ticks = [text.get_text() for text in plot_endings(down).get_xticklabels()]
     assert ticks == ["-0.2", "-0.3"]
-
-
-def test_what_lacks_the_fractions_is_refused(found):
-    with pytest.raises(InputError, match="it lacks rub_fraction"):
-        plot_endings(found.drop_vars("rub_fraction"))
 
 
 def test_of_a_rotor_system_there_is_a_curve_for_each_contact_and_a_panel_for_each_speed():

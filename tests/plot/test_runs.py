@@ -26,12 +26,11 @@ from rotor_ida.plot import (
     plot_trace,
 )
 from rotor_ida.plot.figures import figure_of
-from rotor_ida.plot.labels import LABELS
 from rotor_ida.plot.motion import shade_contacts
 from rotor_ida.results.si_units import dimensionless
 from rotor_ida.signals.path import path_of
 from rotor_ida.units import SPEED_UNITS
-from tests.plot.pictures import lines_of
+from tests.plot.pictures import line_of, lines_of
 
 MACHINE = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6,
                            clearance=2e-6, speed=1000.0)  # fmt: skip
@@ -52,29 +51,6 @@ def labels(ax):
     return ax.get_legend_handles_labels()[1]
 
 
-def test_panels_are_labelled_with_name_and_symbol(run):
-    moves, radius, force, orbit = plot_run(run).axes
-    shown = [ax.get_ylabel() for ax in (moves, radius, force, orbit)]
-    assert shown == [LABELS[name] for name in ("displacement", "radius", "contact_force", "y")]
-    assert (force.get_xlabel(), orbit.get_xlabel()) == (LABELS["t"], LABELS["x"])
-
-
-def test_contacts_are_shaded_from_entry_to_exit_and_to_the_end(run):
-    radius = plot_run(run).axes[1]
-    (shade,) = (each for each in radius.collections if each.get_label() == "in contact")
-    spans = [path.get_extents().intervalx for path in shade.get_paths()]
-    np.testing.assert_allclose(spans[0], [run["entry_time"][0], run["exit_time"][0]])
-    np.testing.assert_allclose(spans[-1], [run["entry_time"][-1], 20.0])
-
-
-def test_entries_and_exits_are_marked_on_the_ring(run):
-    radius = plot_run(run).axes[1]
-    marks = {each.get_label(): each for each in radius.lines}
-    entries = run["event_time"].values[run["event_kind"].values == 1]
-    np.testing.assert_array_equal(marks["entry"].get_xdata(), entries)
-    assert (marks["exit"].get_ydata() == 0.5).all()
-
-
 def test_peak_forces_are_those_of_the_run(run):
     curve, peaks = plot_run(run).axes[2].lines
     np.testing.assert_array_equal(peaks.get_ydata(), run["peak_force"].values)
@@ -84,7 +60,7 @@ def test_peak_forces_are_those_of_the_run(run):
 def test_orbit_shows_flight_and_contact_apart(run):
     ax = plot_orbit(run)
     assert labels(ax) == ["clearance", "flight", "contact", "entry", "exit", "start"]
-    lines = {each.get_label(): each for each in ax.lines}
+    lines = lines_of(ax)
     flight = np.hypot(*lines["flight"].get_data())
     contact = np.hypot(*lines["contact"].get_data())
     # the cubic between two events strays by less than its fourth-order error
@@ -134,19 +110,13 @@ def test_marks_that_would_hide_the_motion_are_left_out(run):
     assert "entry" not in labels(plot_orbit(many))
 
 
-def test_other_things_are_refused(run, exact):
-    for plot in (plot_run, plot_orbit):
-        with pytest.raises(InputError, match=r"run must contain .* it lacks t, x, y"):
-            plot(exact)
-    with pytest.raises(InputError, match="node must be left out for a run of one disc, got 'disc'"):
-        plot_run(run, node="disc")
-
-
 def test_displacements_are_those_of_the_run(run):
     ax = plot_run(run).axes[0]
     assert ax.get_xlim() == (0.0, 20.0)
     for line, name in zip(ax.lines, "xy", strict=True):
         assert np.isin(run[name].values, line.get_ydata()).all()
+    with pytest.raises(InputError, match="node must be left out for a run of one disc, got 'disc'"):
+        plot_run(run, node="disc")
 
 
 def test_force_is_k_times_the_indentation_to_the_three_halves(machine):
@@ -216,7 +186,7 @@ def test_each_way_of_moving_has_its_line_from_event_to_event(rubbing, samples):
 def test_orbit_and_radius_show_slip_and_rolling_apart(rubbing):
     _, radius, force, slip, orbit = plot_run(rubbing).axes
     for ax in (radius, orbit):
-        lines = {line.get_label(): line for line in ax.lines}
+        lines = lines_of(ax)
         assert {"flight", *RUBBED} <= lines.keys()
         looks = {(lines[name].get_color(), str(lines[name].get_linestyle())) for name in RUBBED}
         assert len(looks) == 3
@@ -258,15 +228,10 @@ def test_many_parameters_stand_in_two_lines():
     )  # fmt: skip
     run = simulate(rotor, start=(2.0, 0.0, 0.0, -4.0), duration=20.0, samples=601)
     title = plot_run(run).get_suptitle()
-    first, second = title.splitlines()
-    assert (first.count("$") // 2, second.count("$") // 2) == (3, 6)
+    assert len(title.splitlines()) == 2
+    assert title.count("$") == 2 * 9
     shown = labels(plot_run(run).axes[1])
     assert {"press", "release", "roll", "slip"} <= set(shown)
-
-
-def test_without_friction_nothing_is_told_of_slip(run):
-    assert path_of(run).mode is None
-    assert not {"rolls", "slips forwards"} & set(labels(plot_run(run).axes[-1]))
 
 
 @pytest.mark.parametrize("unit", ["rad/s", "rpm"])
@@ -323,18 +288,18 @@ def test_radius_and_force_are_over_the_speed_within_their_extremes(up):
 
 def test_an_orbit_has_three_revolutions_and_the_clearance(up):
     for ax in plot_run_up(up).axes[2:]:
-        (ring,) = (line for line in ax.lines if line.get_label() == "clearance")
+        ring = line_of(ax, "clearance")
         np.testing.assert_allclose(np.hypot(*ring.get_data()), 1.5)
     assert turns_of(plot_run_up(up).axes[3]) == pytest.approx(3.0, abs=0.15)
 
 
 def test_a_run_down_has_its_first_time_at_the_right():
-    down = run_up(replace(RISING, omega=2.0), start=REST, to=0.3, rate=-0.01)
+    down = run_up(replace(RISING, omega=2.0), start=REST, to=0.3, rate=-0.1)
     figure = plot_run_up(down)
     figure.draw_without_rendering()
     radius = figure.axes[0]
     np.testing.assert_allclose(radius.get_xlim(), (0.3, 2.0))
-    early, late = radius.child_axes[0].transData.transform([(0.0, 0.0), (170.0, 0.0)])[:, 0]
+    early, late = radius.child_axes[0].transData.transform([(0.0, 0.0), (17.0, 0.0)])[:, 0]
     assert late < early
 
 
@@ -366,15 +331,6 @@ def test_a_run_up_without_contact_shows_the_largest_radius():
     assert [ax.get_title().split("\n")[0] for ax in orbits] == ["largest radius", "end"]
 
 
-def test_a_machine_is_drawn_over_revolutions_per_minute():
-    rpm = SPEED_UNITS["rpm"]
-    up = run_up(IN_BEARING, to=2500.0 * rpm, rate=2000.0 * rpm)
-    force, first = figure_of(up).axes[1:3]
-    assert force.get_xlabel() == "spin speed [rpm]"
-    np.testing.assert_allclose(force.get_xlim(), (300.0, 2500.0), rtol=1e-4)
-    assert " rpm,  $T$ " in first.get_title()
-
-
 def test_of_a_system_the_contacts_that_are_touched_are_drawn_by_name():
     system = RotorSystem(mass=np.eye(6), stiffness=np.eye(6), damping=0.2 * np.eye(6),
                          nodes={"near": (0, 1), "far": (2, 3), "free": (4, 5)})  # fmt: skip
@@ -403,6 +359,8 @@ def test_forces_of_a_rub_are_seen_beside_those_of_dry_whip():
     """On a linear scale up to the force of whip those of the rub before it would be a line at 0."""
     run = simulate(Rotor(omega=2.0, zeta=0.07, delta0=2.0), start=REST, duration=200.0)
     assert figure_of(run).axes[1].get_yscale() == "linear"
+    short = figure_of(run.sel(t=slice(0.0, 20.0)))  # drawn as it is, not in bands
+    assert short.axes[0].get_ylabel() == "displacement $z$"
     late = run["t"] > 190.0
     whip = run.assign({name: run[name].where(~late, 400.0 * run[name]) for name in ("x", "y")})
     force = figure_of(whip).axes[1]
@@ -411,17 +369,6 @@ def test_forces_of_a_rub_are_seen_beside_those_of_dry_whip():
     rub = float(run.peak_force.max())
     assert low < 0.1 * rub  # a tenth of the force of the rub lies in the picture
     assert high > 1e3 * rub
-
-
-def test_a_long_run_at_one_speed_is_drawn_in_bands_and_a_short_one_as_it_is():
-    bouncing = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
-    long = figure_of(simulate(bouncing, start=REST, duration=200.0))
-    assert long.axes[0].get_ylabel() == "radius $|z|$"
-    assert figure_of(simulate(bouncing, start=REST, duration=20.0)).axes[0].get_ylabel() == (
-        "displacement $z$"
-    )
-    with pytest.raises(InputError, match="run must be a Dataset, got int"):
-        plot_run_up(3)
 
 
 def test_largest_force_at_the_end_of_a_run_is_no_peak():

@@ -22,12 +22,12 @@ from rotor_ida.signals.record import Record, mean_of, record_of
 
 Indices = npt.NDArray[np.intp]
 
-# Variables that identify a run at constant speed.
+# Speeds along signals that are compared.
 FEW_SPEEDS = 200
 # A cycle that is periodic on fixed axes closes within this many periods; others are drawn so long.
 MOST_PERIODS, CLOSED = 40, 1e-6
-# The best of this many shifts aligns a cycle with a trace; as many finer shifts refine it.
-SHIFTS = 400
+# The best of this many shifts aligns a cycle with a trace.
+SHIFTS = 2000
 # Samples at the end of a trace used for that.
 SAMPLES = 400
 
@@ -206,20 +206,12 @@ def _trace_of_cycle(cycle: xr.Dataset, record: Record, scales: Scales) -> Trace:
         z = np.interp(phase, times[:-1], turned[:-1], period=period) * np.exp(1j * angles[part])
         return np.asarray(z * scales.length, dtype=np.complex128)
 
-    part = _end_of(record, period / scales.rate)
-
-    def best(shifts: npt.NDArray[np.floating]) -> float:
-        misses = [float(np.square(np.abs(shifted(s, part) - record.z[part])).sum()) for s in shifts]
-        return float(shifts[int(np.argmin(misses))])
-
+    part, count = _end_of(record, period / scales.rate), SHIFTS
     if "load" in cycle.variables:
-        turns = max(round(period * omega / (2.0 * math.pi)), 1)
-        shift = best(period / turns * np.arange(turns))
-    else:
-        step = period / SHIFTS
-        shift = best(step * np.arange(SHIFTS))
-        shift = best(shift + step * np.linspace(-1.0, 1.0, SHIFTS))
-    return Trace(record.times, shifted(shift), CYCLE)
+        count = max(round(period * omega / (2.0 * math.pi)), 1)
+    shifts = period / count * np.arange(count)
+    misses = [np.square(np.abs(shifted(each, part) - record.z[part])).sum() for each in shifts]
+    return Trace(record.times, shifted(shifts[int(np.argmin(misses))]), CYCLE)
 
 
 def _end_of(record: Record, duration: float) -> Indices:

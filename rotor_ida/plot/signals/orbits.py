@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from itertools import product
 
 import numpy as np
 import numpy.typing as npt
@@ -14,16 +15,15 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import check_nonnegative
 from rotor_ida.errors import InputError
 from rotor_ida.plot import palette
-from rotor_ida.plot.appearance import draw_marks, draw_ring, drawing
+from rotor_ida.plot.appearance import draw_level, draw_marks, draw_ring, drawing
 from rotor_ida.plot.datasets import check_dataset, clearance_of
-from rotor_ida.plot.decimation import draw_path, kept_in_columns, thinned
+from rotor_ida.plot.decimation import draw_over_time, draw_path, thinned
 from rotor_ida.plot.labels import label_axis, label_of, lengths_text, title_of
 from rotor_ida.plot.legends import legend_below
-from rotor_ida.plot.motion import NEEDED, draw_orbit, place_of_disc, shade_contacts
+from rotor_ida.plot.motion import NEEDED, checked_run, draw_orbit, place_of_disc, shade_contacts
 from rotor_ida.plot.signals.beneath import Beneath
 from rotor_ida.plot.signals.exact_motion import (
     Orbit,
-    Trace,
     centres_of,
     orbits_of,
     speeds_along,
@@ -32,8 +32,7 @@ from rotor_ida.plot.signals.exact_motion import (
 from rotor_ida.plot.signals.orders import tracks_of
 from rotor_ida.plot.signals.speeds import mark_speeds, title_of_signals
 from rotor_ida.plot.signals.units import is_one_speed, units_of
-from rotor_ida.results.run import check_columns, samples_in
-from rotor_ida.schema import flags_of
+from rotor_ida.results.run import samples_in
 from rotor_ida.signals.record import Record, mean_of, record_of
 from rotor_ida.signals.sampling import check_run_sampling
 
@@ -80,8 +79,8 @@ def plot_orbit(
     Notes
     -----
     An orbit of more than 20000 samples is thinned on a grid finer than the dots of a figure, each
-    step drawn once. If more than 60000 samples remain, every dot on the orbit is drawn: even
-    an excursion of one sample stays visible.
+    step drawn once. If more than 60000 samples remain, SVG and PDF have it as dots. Even an
+    excursion of one sample stays visible.
 
     Examples
     --------
@@ -93,8 +92,9 @@ def plot_orbit(
     >>> [text.get_text() for text in plot_orbit(signals_of(run)).get_legend().get_texts()]
     ['clearance', 'orbit', 'pulse of the keyphasor']
     """
-    given = _within(check_dataset("run", run, ("t", "x", "y")))
+    given = check_dataset("run", run, ("t", "x", "y"))
     is_run = set(NEEDED) <= set(given.variables)
+    given = checked_run(given, NEEDED) if is_run else given
     record = record_of(given, "run") if keyphasor or not is_run else None
     units = units_of(given, "x", "t")
     exact = orbits_of(beneath, given, units)
@@ -236,21 +236,19 @@ def plot_trace(
     radius_alone = names == ("radius",)
     with drawing(ax, width=7.0, height=2.9) as ax:
         shade_contacts(ax, given)
-        for trace in exact:
-            _draw_exact_trace(ax, trace, names)
+        for trace, name in product(exact, names):
+            draw_over_time(ax, trace.times, _component(name, trace.z), color=palette.PURPLE,
+                           lw=2.6, alpha=0.4, label=trace.words, zorder=1.9)  # fmt: skip
         label_axis(ax.xaxis, "t", given["t"])
         words = "radius $|z|$" if radius_alone else "displacement"
         label_axis(ax.yaxis, "x", units.lengths(times), words=words)
         for name in names:
-            values = _component(name, z)
-            kept = kept_in_columns(times, values)
             colour, label = TRACES[name]
-            ax.plot(times[kept], values[kept], color=colour, lw=0.8, label=label)
+            draw_over_time(ax, times, _component(name, z), color=colour, lw=0.8, label=label)
         ring = _ring_of(given, clearance)
-        if ring:
-            for side in (ring,) if radius_alone else (ring, -ring):
-                ax.axhline(side, color=palette.INK, lw=0.7, ls=palette.DASHES, zorder=2.6,
-                           label="clearance" if side > 0.0 else "_")  # fmt: skip
+        draw_level(ax, ring or 0.0)
+        if not radius_alone:
+            draw_level(ax, -(ring or 0.0), label="_")
         ax.set_xlim(float(times[0]), float(times[-1]))
         if "file" in given.attrs:
             ax.set_title(title_of_signals(given, units.speeds(speeds_along(given)), zero=True))
@@ -261,14 +259,6 @@ def plot_trace(
 def _component(name: str, z: npt.NDArray[np.complex128]) -> Values:
     """Return a quantity of complex displacements by its name."""
     return {"x": z.real, "y": z.imag, "radius": np.abs(z)}[name]
-
-
-def _draw_exact_trace(ax: Axes, trace: Trace, names: tuple[str, ...]) -> None:
-    for name in names:
-        values = _component(name, trace.z)
-        kept = kept_in_columns(trace.times, values)
-        ax.plot(trace.times[kept], values[kept], color=palette.PURPLE, lw=2.6, alpha=0.4,
-                label=trace.words, zorder=1.9)  # fmt: skip
 
 
 def _draw_exact_orbits(
@@ -294,7 +284,7 @@ def _draw_orbit(ax: Axes, record: Record, *, marked: bool) -> None:
     if marked:
         blank = _blank(record)
         x, y = (np.where(blank, np.nan, each) for each in (x, y))
-    draw_path(ax, x, y, colour=palette.BLUE, width=0.8, words="orbit", level=2.5)
+    draw_path(ax, x, y, color=palette.BLUE, lw=0.8, label="orbit", zorder=2.5)
     if marked:
         _draw_pulses(ax, record, times, record.z.real, record.z.imag)
 
@@ -312,20 +302,6 @@ def _draw_pulses(ax: Axes, record: Record, times: Values, x: Values, y: Values) 
     ax.plot(np.interp(pulses, times, x), np.interp(pulses, times, y), ls="", marker="o", ms=size,
             mfc=palette.INK, mec="white", mew=0.3, label="pulse of the keyphasor", zorder=3.4,
             rasterized=pulses.size > 10_000)  # fmt: skip
-
-
-def _within(run: xr.Dataset) -> xr.Dataset:
-    """Return a part of a run with its events only."""
-    if not {"event_time", "event_kind", "starts_in_contact"} <= set(run.variables):
-        return run
-    check_columns(run, ("t", "event_time"))
-    events, (first, last) = run["event_time"].values, run["t"].values[[0, -1]]
-    before = run["event_kind"].values[events < first]
-    part = run.isel(event=(events >= first) & (events <= last))
-    if not before.size:
-        return part
-    touches = before[-1] != flags_of(run["event_kind"])["exit"]
-    return part.assign(starts_in_contact=run["starts_in_contact"].copy(data=np.int8(touches)))
 
 
 def _ring_of(given: xr.Dataset, clearance: float | None) -> float | None:

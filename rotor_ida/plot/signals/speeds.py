@@ -14,7 +14,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.plot import legends, palette
 from rotor_ida.plot.appearance import draw_marks
 from rotor_ida.plot.datasets import parameters_in
-from rotor_ida.plot.labels import SEPARATOR, in_lines, lengths_text, text_of, title_of
+from rotor_ida.plot.labels import SEPARATOR, lengths_text, text_of, title_of
 from rotor_ida.plot.signals.units import is_one_speed
 from rotor_ida.signals.record import MEAN
 from rotor_ida.texts import brief
@@ -24,8 +24,6 @@ from rotor_ida.units import SPEED_UNITS, quantity
 # multiple of the noise of the speed.
 WOBBLE, NOISE = 0.02, 5.0
 MOST_MARKS = 8
-# Where a number begins beside its mark, of its width.
-BESIDE = 0.15
 # Characters of a file's name or a caption in a title, and of a line of it in a narrow figure.
 LONGEST = 48
 
@@ -79,7 +77,7 @@ def _rotor_in(dataset: xr.Dataset, speeds: xr.DataArray) -> str:
         for name in parameters_in(dataset)
         if not dataset[name].ndim and (name != "omega" or one_speed)
     }
-    return in_lines(text_of(dataset, known))
+    return text_of(dataset, known)
 
 
 def _range_in_rpm(speeds: Values) -> str:
@@ -112,21 +110,13 @@ def legs_of(speeds: Values, words: str) -> list[Leg]:
 
 def _turning_points(speeds: Values) -> list[int]:
     """Return the indices of first and last speed, and of its reversals."""
+    from scipy.signal import find_peaks  # noqa: PLC0415 - takes long to import
+
     # the second differences of a steady ramp are noise alone
     noise = float(np.median(np.abs(np.diff(speeds, 2)))) if speeds.size > 2 else 0.0
     least = max(WOBBLE * float(np.abs(speeds).max(initial=0.0)), NOISE * noise)
-    turns, extreme, rising = [0], 0, 0
-    for place, speed in enumerate(speeds.tolist()):
-        step = speed - speeds[extreme]
-        if rising == 0:
-            rising = int(np.sign(step)) if abs(step) > least else 0
-            extreme = place if rising else extreme
-        elif rising * step >= 0.0:
-            extreme = place
-        elif abs(step) > least:
-            turns.append(extreme)
-            extreme, rising = place, -rising
-    return [*turns, speeds.size - 1]
+    turns = [find_peaks(sign * speeds, prominence=least)[0] for sign in (1.0, -1.0)]
+    return [0, *np.sort(np.concatenate(turns)).tolist(), speeds.size - 1]
 
 
 def mark_speeds(
@@ -149,15 +139,10 @@ def mark_speeds(
                level=3.4)  # fmt: skip
     named: list[complex] = []
     for tick, place, *point in zip(ticks, places.tolist(), across, up, strict=True):
+        if any(abs(place - other) <= apart for other in named):
+            continue
         # outside of a run-up's way, and inside of a run-down's
         right = (place.real >= 0.0) == rising
-        width = 2.4 * apart if right else -2.4 * apart  # a number is wider than it is high
-        if any(abs(place - other) <= apart for other in named) or any(
-            BESIDE < (other - place).real / width <= 1.0
-            and abs((other - place).imag) <= 0.5 * apart
-            for other in places.tolist()
-        ):
-            continue
         named.append(place)
         ax.annotate(
             f"{tick:.6g}", point, xytext=(5 if right else -5, 0), textcoords="offset points",

@@ -12,6 +12,7 @@ import xarray as xr
 
 from rotor_ida.arrays import Values
 from rotor_ida.errors import InputError
+from rotor_ida.plot.datasets import units_in
 from rotor_ida.plot.labels import metres_in
 from rotor_ida.signals.spectra import STEADY
 from rotor_ida.units import PREFIXES, SPEED_UNITS
@@ -61,13 +62,11 @@ class Scales:
     rate: float
 
 
-def units_of(dataset: xr.Dataset, length: str, rate: str | None = None) -> Units:
+def units_of(dataset: xr.Dataset, length: str, rate: str) -> Units:
     """Return the units of a dataset: those of its variables of a length, and of a rate or time."""
-    radians = None
-    if rate is not None:
-        unit = str(dataset[rate].attrs.get("units", "1"))
-        radians = 1.0 if unit == "rpm" else radians_in(unit if "-1" in unit else f"{unit}-1")
-    return Units(str(dataset[length].attrs.get("units", "1")), radians)
+    unit = units_in(dataset[rate])
+    radians = 1.0 if unit == "rpm" else radians_in(unit if "-1" in unit else f"{unit}-1")
+    return Units(units_in(dataset[length]), radians)
 
 
 def radians_in(unit: str) -> float | None:
@@ -104,7 +103,7 @@ def scales_of(exact: xr.Dataset, shown: xr.Dataset, units: Units) -> Scales:
     here_in = metres_in(units.length)
     if units.rate is None or here_in is None:
         raise InputError(f"beneath needs signals in units of length and time, got {units.length!r}")
-    sizes = (metres_in(str(each.attrs.get("units", ""))) for each in exact.variables.values())
+    sizes = (metres_in(units_in(each)) for each in exact.variables.values())
     length = next(size for size in sizes if size is not None)
     return Scales(length / here_in, float(here["rate_scale"]) / units.rate, 1.0 / units.rate)
 
