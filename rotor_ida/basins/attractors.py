@@ -20,13 +20,15 @@ import numpy.typing as npt
 from rotor_ida.arrays import Flags, Stop, Values
 from rotor_ida.basins.kernel import NOT_COMPUTED, UNDECIDED, Labels, Times
 from rotor_ida.basins.starts import Starts, stretches
+from rotor_ida.core.runs import NO_STOP
+from rotor_ida.errors import SimulationError
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema import RESPONSE, TRAPPING, by_number
 from rotor_ida.simulation.flow import Flow
 from rotor_ida.simulation.options import Options, adams_or_taylor
 from rotor_ida.simulation.systems.flow import SystemFlow
 from rotor_ida.steady import response
-from rotor_ida.steady.follow import SettledDisc, settle_disc
+from rotor_ida.steady.follow import Features, settle_disc
 from rotor_ida.steady.grid import Table
 from rotor_ida.steady.points import OF_CONTACT, OF_NODE
 
@@ -373,28 +375,30 @@ def _first_decided(followed: Followed) -> list[list[int]]:
 
 def leads_to(
     rotor: Rotor, attractor: np.void, start: Values, options: Options, *, family: bool = False,
-    stop: Stop | None = None,
+    stop: Stop = NO_STOP,
 ) -> bool:  # fmt: skip
     """Return whether a run leads from a start to an attractor, or with `family` to its family.
 
     Fading touches belong to the contact-free family.
     """
-    x, y, vx, vy = start.tolist()
-    settled = settle_disc(rotor, (x, y, vx, vy), options, stop=stop)
+    try:
+        settled = settle_disc(rotor, start, options, stop=stop)
+    except SimulationError:
+        return False
     kind = kind_of(attractor)
     if family and kind in CONTACT_FREE_FAMILY:
-        return settled.response in CONTACT_FREE_FAMILY
-    if settled.response != kind:
+        return settled.kind in CONTACT_FREE_FAMILY
+    if settled.kind != kind:
         return False
     if kind in ONLY_BY_KIND:
         return True
     if kind == response.ROLLING and not has_period(attractor):
         return math.isnan(settled.features.period)
-    return _agrees(settled, attractor)
+    return _agrees(settled.features, attractor)
 
 
-def _agrees(settled: SettledDisc, attractor: np.void) -> bool:
-    features, size = settled.features, attractor["radius_max"]
+def _agrees(features: Features, attractor: np.void) -> bool:
+    size = attractor["radius_max"]
     pairs: list[tuple[float, Any, Any]] = [
         (features.radius_min, attractor["radius_min"], size),
         (features.radius_max, attractor["radius_max"], size),

@@ -227,7 +227,7 @@ def _rows_of(batch: Batch) -> dict[int, np.void]:
             told = settled.features
             rows[label] = disc_row(
                 kind, told.amplitude, told.phase_lag, told.radius_min, told.radius_max,
-                trapping=NOTHING, state=settled.end,
+                trapping=NOTHING, state=settled.motion.state,
             )  # fmt: skip
     return rows
 

@@ -477,13 +477,8 @@ def _watch(
 ) -> Answer:  # fmt: skip
     """Follow a rotor until it has settled, and watch its motion after that."""
     settled = settle(point, start, stop)
-    found: tuple[dict[str, Any], Table | None] = ({"event_count": 0}, None)
-    if settled.end is not None:
-        try:
-            found = window.shown(*motion(point, settled.end, stop))
-        except EXPECTED as error:
-            settled = settled._replace(message=reason_of(error), failed=True)
-    return settled._replace(figures={**settled.figures, **found[0]}, events=found[1])
+    columns, extrema = window.shown(*motion(point, settled.end, stop))
+    return settled._replace(figures={**settled.figures, **columns}, events=extrema)
 
 
 def _passed(rate: float, rtol: float, ramp: RampJob[Rotor, GivenStart], stop: Stop) -> list[Answer]:
@@ -491,8 +486,6 @@ def _passed(rate: float, rtol: float, ramp: RampJob[Rotor, GivenStart], stop: St
     answers, first = ramp.answers, ramp.points[0]
     try:
         settled = answers.work(first, ramp.start, stop)
-        if settled.end is None:
-            return [failed(settled.message)] * len(ramp.points)
         speeds = np.array([rotor.omega for rotor in ramp.points])
         bands = ramp_extrema(first, settled.end, speeds=speeds, rate=rate, rtol=rtol, stop=stop)
     except EXPECTED as error:

@@ -8,7 +8,7 @@ each event on the way to it.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 from functools import cached_property, partial
@@ -24,7 +24,7 @@ from rotor_ida.checks import MOST_NUMBERS, MOST_POINTS_OF_STUDY, check_direction
 from rotor_ida.errors import RotorError, SimulationError
 from rotor_ida.model.varied import Varied
 from rotor_ida.parallel import FailedJob, Progress, Workers, run_all
-from rotor_ida.parallel.jobs import Work
+from rotor_ida.parallel.jobs import Job, Result, Work
 from rotor_ida.results.question import Question
 from rotor_ida.results.studies.arrays import scratch
 from rotor_ida.results.studies.results import Folder, Form, Results, open_results
@@ -300,7 +300,7 @@ class Columns(NamedTuple):
 
 
 def form_of(
-    word: str, table: str, point: np.dtype[np.void], event: np.dtype[np.void] = NO_COLUMNS
+    word: str, point: np.dtype[np.void], event: np.dtype[np.void] = NO_COLUMNS
 ) -> Form[Rows]:
     """Return how rows are stored: one table of points, and one of events if there are any columns.
 
@@ -310,11 +310,11 @@ def form_of(
     return Form(
         word,
         lambda rows: (
-            {"messages": np.array(rows.messages, dtype=str), table: rows.points}
+            {"messages": np.array(rows.messages, dtype=str), "points": rows.points}
             | ({} if rows.events is None else {"events": rows.events})
         ),
         lambda arrays: Rows(
-            arrays[table][names],
+            arrays["points"][names],
             arrays["messages"].tolist(),
             arrays["events"][of_events] if of_events else None,
         ),
@@ -326,7 +326,6 @@ def run_study(
     question: Question,
     *,
     word: str,
-    table: str = "points",
     follow: Work[Any, list[Answer]] | None = None,
     study: Folder | None,
     workers: Workers,
@@ -334,14 +333,17 @@ def run_study(
 ) -> Columns:
     """Do the jobs of a study that are not stored yet, and return the columns of all.
 
-    `question` is what determines the bits: the study of another question is refused. `word` and
-    `table` are names of the rows in a study. `follow` does a job that is more than to follow one
+    `question` is what determines the bits: the study of another question is refused. `word`
+    names the rows in a study. `follow` does a job that is more than to follow one
     point after the other.
     """
     answers = plan.answers
-    form = form_of(word, table, answers.kind, answers.event)
+    form = form_of(word, answers.kind, answers.event)
     with open_results(study, question.design(), plan.points, form) as kept:
-        _do_jobs(plan, follow or follow_along, kept, workers, progress)
+        run_due(
+            follow or follow_along, plan.job, plan.slowest_first().tolist(), kept,
+            partial(_keep, plan, kept), workers=workers, progress=progress, total=plan.points,
+        )  # fmt: skip
         points = _point_columns(plan, kept)
         events = _event_columns(plan, kept, points) if answers.event.names else {}
     return Columns(points, events)
@@ -358,42 +360,59 @@ def follow_along(ramp: RampJob[Any, Any], stop: Stop) -> list[Answer]:
     return rows
 
 
-def _do_jobs(
-    plan: Ramps[Any, Any],
-    follow: Work[Any, list[Answer]],
-    kept: Results[Rows],
+def _keep(
+    plan: Ramps[Any, Any], kept: Results[Rows], number: int, result: list[Answer] | FailedJob
+) -> None:
+    """Store the result of a job."""
+    died = isinstance(result, FailedJob)
+    answers = [failed(result.reason)] * plan.length if isinstance(result, FailedJob) else result
+    rows = plan.answers.rows(answers)
+    reasons = [each.message for each in answers if each.failed]
+    if died or any(reason.startswith(PASSING) for reason in reasons):
+        kept.hold(number, rows, plan.length)  # a later run may succeed
+    else:
+        first = reasons[0] if reasons else ""
+        kept.keep(number, rows, len(rows.messages), failed=len(reasons), reason=first)
+
+
+def keep_whole(
+    kept: Results[Result], points: Callable[[Result], int], number: int, result: Result | FailedJob
+) -> None:
+    """Store the result of a job by its number of points, or why there is none."""
+    if isinstance(result, FailedJob):
+        kept.lost = result.reason
+    else:
+        kept.keep(number, result, points(result))
+
+
+def run_due(
+    work: Work[Job, Result],
+    job: Callable[[int], Job],
+    numbers: Iterable[int],
+    kept: Results[Any],
+    keep: Callable[[int, Result | FailedJob], object],
+    *,
     workers: Workers,
     progress: Progress | None,
+    total: int,
 ) -> None:
-    """Do the jobs that are not stored yet, and store each as it ends."""
-    points = plan.points
+    """Run those of some jobs that are not stored yet, and keep each as it ends, of `total` points.
+
+    `keep` gets its number and its result.
+    """
     if progress is not None and kept.points_done:
-        progress(kept.points_done, points)
-    due = [number for number in plan.slowest_first().tolist() if number not in kept.done]
-    if not due:
+        progress(kept.points_done, total)
+    due = [number for number in numbers if number not in kept.done]
+    if not due:  # no cluster need be started
         return
-    jobs = (plan.job(number) for number in due)
-    postponed = 0
-    count = workers.number and min(
-        workers.number, len(due)
-    )  # the cluster at an address has its own workers
-    with closing(run_all(follow, jobs, workers=count, executor=workers.executor)) as ended:
+    # the cluster at an address has its own workers
+    count = workers.number and min(workers.number, len(due))
+    jobs = (job(number) for number in due)
+    with closing(run_all(work, jobs, workers=count, executor=workers.executor)) as ended:
         for turn, result in ended:
-            number = due[turn]
-            died = isinstance(result, FailedJob)
-            if isinstance(result, FailedJob):
-                result = [failed(result.reason)] * plan.length  # noqa: PLW2901
-            rows = plan.answers.rows(result)
-            failures = np.flatnonzero(rows.points["status"] == STATUS["failed"]).tolist()
-            reasons = [rows.messages[place] for place in failures]
-            if died or any(reason.startswith(PASSING) for reason in reasons):
-                kept.hold(number, rows)  # a later run may succeed
-                postponed += plan.length
-            else:
-                first = reasons[0] if reasons else ""
-                kept.keep(number, rows, len(rows.messages), failed=len(reasons), reason=first)
+            keep(due[turn], result)
             if progress is not None:
-                progress(kept.points_done + postponed, points)
+                progress(kept.points_done, total)
 
 
 def _point_columns(plan: Ramps[Any, Any], kept: Results[Rows]) -> dict[str, Array]:

@@ -50,7 +50,7 @@ class SpeedBand(NamedTuple):
 
 
 def ramp_extrema(
-    rotor: Rotor, start: State, speeds: Values, rate: float, rtol: float, stop: Stop
+    rotor: Rotor, start: State | Values, speeds: Values, rate: float, rtol: float, stop: Stop
 ) -> list[SpeedBand]:
     """Return the motion near each speed of a run from the first speed to the last.
 

@@ -80,7 +80,7 @@ def test_close_to_a_period_doubling_orbits_creep_and_are_held_as_soon_as_others(
 def test_only_a_stable_cycle_beside_an_orbit_counts():
     """From rest beside the bouncing cycle, but not far out; below the doubling it is unstable."""
     settled = settle_disc(BOUNCER, (0.0, 0.0, 0.0, 0.0), Options())
-    beside = np.array([settled.end, (12.0, 0.0, 0.0, 0.0)]).T
+    beside = np.array([settled.motion.state, (12.0, 0.0, 0.0, 0.0)]).T
     batch = batch_of(BOUNCER, beside)
     assert fates.beside_cycle(batch, 0)
     assert len(batch.known.cycles) == 1

@@ -52,7 +52,7 @@ def test_states_in_the_region_of_a_cycle_return_nearer(name):
     rotor = LOADED[name]
     flow = DiscFlow(rotor, NO_STOP)
     settled = settle_disc(rotor, (2.0, 0.0, 0.0, 0.0), ALONE)
-    cycle = once_round(close_orbit(flow, np.array(settled.end), settled.features.period))
+    cycle = once_round(close_orbit(flow, np.array(settled.motion.state), settled.features.period))
     section = cycle_section(cycle, GO_ON)
     assert section.exists
     drawn = np.random.default_rng(5).normal(size=(4, 40))

@@ -126,7 +126,7 @@ def test_multipliers_are_the_known_ones(omega, delta0, period, expected):
     """From DESIGN, section 9, where two programs that share nothing agree on them."""
     rotor = Rotor(omega=omega, zeta=0.07, delta0=delta0)
     settled = settle_disc(rotor, (0.0, 0.0, 0.0, 0.0), Options())
-    found = slowest_multiplier(rotor, settled.end, period)
+    found = slowest_multiplier(rotor, settled.motion.state, period)
     assert complex(found.real, abs(found.imag)) == pytest.approx(expected, abs=1e-7)
     assert abs(found) == pytest.approx(math.exp(-0.07 * period), rel=1e-9)
 

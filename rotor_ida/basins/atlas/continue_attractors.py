@@ -5,6 +5,7 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
+from functools import partial
 from typing import Unpack
 
 import numpy as np
@@ -16,7 +17,6 @@ from rotor_ida.basins.atlas.cells import MOST_STARTS, Cell, CellJob, fill_cell, 
 from rotor_ida.basins.atlas.dataset import atlas_dataset, how_computed
 from rotor_ida.basins.atlas.identities import identify
 from rotor_ida.basins.disc import RTOL
-from rotor_ida.basins.following import run_due
 from rotor_ida.basins.subjects import OF_SYSTEM, subjects_of
 from rotor_ida.checks import (
     COMPONENTS,
@@ -41,6 +41,7 @@ from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import open_results
 from rotor_ida.simulation.options import LARGEST
 from rotor_ida.simulation.starts import Start, box_of, drawn_from, range_of
+from rotor_ida.steady.grid import keep_whole, run_due
 from rotor_ida.steady.points import turning_speeds
 
 # The atlas is drawn over a line or a plane.
@@ -201,13 +202,13 @@ def _filled(
     """Return the cell of each rotor, and why one failed, or nothing."""
     count, cells = len(jobs), [Cell(each.rotor, not_computed=each.states.shape[1]) for each in jobs]
     with open_results(study, question.design(), count, form_of(jobs[0].rotor)) as kept:
-        reason = run_due(
-            fill_cell, jobs.__getitem__, count, kept, lambda _: 1, workers=workers,
-            progress=progress, total=count,
+        run_due(
+            fill_cell, jobs.__getitem__, range(count), kept, partial(keep_whole, kept, lambda _: 1),
+            workers=workers, progress=progress, total=count,
         )  # fmt: skip
         for number, cell in kept.results():
             cells[number] = replace(cell, rotor=jobs[number].rotor)
-    return cells, reason
+    return cells, kept.lost
 
 
 def _check_grid(grid: Varied) -> Varied:

@@ -308,7 +308,7 @@ def test_whip_ends_at_the_corner_where_it_no_longer_rolls():
     place = tuple(state.tolist())
     for friction in np.geomspace(0.2, 1.001 * low.value, 8).tolist():
         settled = settle_disc(replace(WHIP, friction=friction), place, Options())
-        assert settled.response == "rolling"
-        place = settled.end
+        assert settled.kind == "rolling"
+        place = settled.motion.state
     below = settle_disc(replace(WHIP, friction=0.999 * low.value), place, Options())
-    assert below.response == "synchronous"
+    assert below.kind == "synchronous"

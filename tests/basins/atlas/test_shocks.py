@@ -148,10 +148,10 @@ def test_a_witness_leads_there_by_cvode(bouncing, kind):
     for one, to in found_in(bouncing, kind):
         settled = settle_disc(BOUNCER, tuple(after[one, to].tolist()), Options())
         if int(bouncing["kind"][to]) == RESPONSE["bouncing"]:
-            assert settled.response == "bouncing"
+            assert settled.kind == "bouncing"
             assert settled.features.radius_max == pytest.approx(float(bouncing.radius_max[to]))
         else:
-            assert settled.response in {"contact_free", "touching"}
+            assert settled.kind in {"contact_free", "touching"}
 
 
 def test_before_the_shock_it_is_on_the_attractor(bouncing):
@@ -176,7 +176,7 @@ def test_below_the_bound_cvode_comes_back(bouncing, kind):
         shocked[KINDS[kind]] += bound * math.cos(angle)
         shocked[KINDS[kind] + 1] += bound * math.sin(angle)
         settled = settle_disc(BOUNCER, tuple(shocked.tolist()), Options())
-        assert settled.response == "bouncing"
+        assert settled.kind == "bouncing"
         assert settled.features.radius_max == pytest.approx(float(cycle.radius_max), rel=1e-5)
 
 
