@@ -186,7 +186,7 @@ def test_bad_input_gets_one_clear_line(changes, message):
 def test_finely_folded_basins_are_followed_more_closely():
     """At omega 1.7, delta0 2 one start in fourteen ends elsewhere with an error of 1e-6."""
     folded, smooth = (Rotor(omega=1.7, zeta=0.07, delta0=delta0) for delta0 in (2.0, 0.0))
-    axis = np.linspace(-15.0, 15.0, 20)
+    axis = np.linspace(-15.0, 15.0, 14)
     chosen = basin(folded, x=axis, y=axis)
     assert chosen.attrs["labelling_rtol"] == disc.SMALL_RTOL
     closely = basin(folded, x=axis, y=axis, rtol=disc.SMALL_RTOL)
