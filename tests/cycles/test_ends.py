@@ -68,11 +68,16 @@ def born_at_the_hopf_point():
     return rotor, limit_cycle(rotor, start=start, period=2.0 * math.pi / frequency)
 
 
-@pytest.mark.parametrize("parameter", ["omega", "friction", "zeta"])
-def test_a_branch_begins_at_the_hopf_point_of_a_whirl(parameter):
+@pytest.mark.parametrize(
+    ("parameter", "direction"),
+    [("omega", "backward"), ("friction", "backward"), ("zeta", "forward")],
+)
+def test_a_branch_begins_at_the_hopf_point_of_a_whirl(parameter, direction):
     """To rounding, as the closed form has it; with the amplitude and the period there."""
     limits = {"omega": (1.0, 1.3), "friction": (0.0, 0.11), "zeta": (0.06, 0.15)}[parameter]
-    branch = continue_cycle(RUB, start=(3.0, 1.0, 0.0, 0.0), parameter=parameter, limits=limits)
+    branch = continue_cycle(
+        RUB, start=(3.0, 1.0, 0.0, 0.0), parameter=parameter, limits=limits, direction=direction
+    )
     assert "hopf" in {branch.attrs["first_end"], branch.attrs["last_end"]}
     place = specials(branch, "hopf").isel(special=0)
     here = {"zeta": 0.07, "friction": 0.1, "omega": 1.2} | {parameter: float(place.special_value)}
