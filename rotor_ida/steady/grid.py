@@ -191,15 +191,15 @@ class Ramps(Generic[Point, Start]):
         How the rotor at each point is followed.
     point_at : callable
         Returns the point at a place.
-    axis : int, optional
-        The dimension along which a ramp leads.
+    axis : int
+        The dimension along which a ramp leads in a direction.
     """
 
     varied: Varied
     starts: Sequence[Start]
     answers: Answers[Point, Start]
     point_at: Callable[[Sequence[int]], Point]
-    axis: int | None = None
+    axis: int = 0
 
     @cached_property
     def directions(self) -> npt.NDArray[np.int8]:
@@ -213,52 +213,29 @@ class Ramps(Generic[Point, Start]):
         return shape if "direction" in self.varied.axes else (*shape, 1)
 
     @property
-    def along(self) -> int:
-        """The dimension along which a ramp leads, the last where none does."""
-        return len(self.shape) - 2 if self.axis is None else self.axis
-
-    @property
-    def length(self) -> int:
-        """Number of points of each ramp."""
-        return self.shape[self.along] if self.directions[0] else 1
-
-    @property
     def points(self) -> int:
         """Number of points of all ramps."""
         return math.prod(self.shape)
 
     def __len__(self) -> int:
-        return self.points // self.length
-
-    def firsts(self, numbers: Places) -> tuple[Places, ...]:
-        """Return the indices of the first points of ramps along each dimension.
-
-        Ramps are counted by directions, then by the other dimensions, then along the axis.
-        """
-        *others, directions = self.shape
-        values = others.pop(self.along)
-        counted = (directions, *others, values // self.length)
-        direction, *at, first = (np.asarray(each) for each in np.unravel_index(numbers, counted))
-        at.insert(self.along, np.where(self.directions[direction] < 0, values - 1, first))
-        return (*at, direction)
+        return len(self.places)
 
     @cached_property
-    def _first_places(self) -> tuple[Places, Places]:
-        """Positions of the first points of all ramps, and the steps from point to point."""
-        first = self.firsts(np.arange(len(self)))
-        steps = self.directions[first[-1]].astype(np.int64) * math.prod(
-            self.shape[self.along + 1 :]
-        )
-        return np.asarray(np.ravel_multi_index(first, self.shape), np.int64), steps
+    def places(self) -> Places:
+        """The points of each ramp, a row each, by their positions in the order of the dimensions.
 
-    def places(self, number: int) -> Places:
-        """Return the positions of a ramp's points among all, in the order of the dimensions."""
-        first, step = (each[number] for each in self._first_places)
-        return np.asarray(first + step * np.arange(self.length))
+        Ramps are counted by directions, then by the other dimensions.
+        """
+        numbers = np.arange(self.points).reshape(self.shape)
+        if not self.directions[0]:
+            return numbers.reshape(-1, 1)
+        rows = np.moveaxis(numbers, (-1, self.axis), (0, -1))
+        rows = np.array([row[..., ::way] for row, way in zip(rows, self.directions, strict=True)])
+        return rows.reshape(-1, self.shape[self.axis])
 
     def job(self, number: int) -> RampJob[Point, Start]:
         """Return what a worker needs to follow a ramp."""
-        places = np.transpose(np.unravel_index(self.places(number), self.varied.shape)).tolist()
+        places = np.transpose(np.unravel_index(self.places[number], self.varied.shape)).tolist()
         dims = self.varied.dims
         start = self.starts[places[0][dims.index("start")] if "start" in dims else 0]
         return RampJob([self.point_at(place) for place in places], start, self.answers)
@@ -269,7 +246,7 @@ class Ramps(Generic[Point, Start]):
         Slow run-ups take longest, and one disc with a large clearance, as it bounces there.
         """
         numbers, dims = np.arange(len(self)), self.varied.dims
-        firsts = self.firsts(numbers)
+        firsts = np.unravel_index(self.places[:, 0], self.shape)
         for name, sign in (("rate", 1.0), ("delta0", -1.0)):
             if name in dims:
                 values = self.varied.axes[name][firsts[dims.index(name)]]
@@ -365,11 +342,13 @@ def _keep(
 ) -> None:
     """Store the result of a job."""
     died = isinstance(result, FailedJob)
-    answers = [failed(result.reason)] * plan.length if isinstance(result, FailedJob) else result
+    answers = (
+        [failed(result.reason)] * plan.places.shape[1] if isinstance(result, FailedJob) else result
+    )
     rows = plan.answers.rows(answers)
     reasons = [each.message for each in answers if each.failed]
     if died or any(reason.startswith(PASSING) for reason in reasons):
-        kept.hold(number, rows, plan.length)  # a later run may succeed
+        kept.hold(number, rows, len(rows.messages))  # a later run may succeed
     else:
         first = reasons[0] if reasons else ""
         kept.keep(number, rows, len(rows.messages), failed=len(reasons), reason=first)
@@ -420,7 +399,7 @@ def _point_columns(plan: Ramps[Any, Any], kept: Results[Rows]) -> dict[str, Arra
     columns = _scratch(plan.answers.kind, plan.points, kept.folder)
     messages: dict[int, str] = {}
     for number, rows in kept.results():
-        places = plan.places(number)
+        places = plan.places[number]
         for name, column in columns.items():
             column[places] = rows.points[name]
         both = zip(places.tolist(), rows.messages, strict=True)
@@ -443,7 +422,7 @@ def _event_columns(
         assert rows.events is not None
         first = 0
         counts = rows.points["event_count"].tolist()
-        for place, count in zip(plan.places(number).tolist(), counts, strict=True):
+        for place, count in zip(plan.places[number].tolist(), counts, strict=True):
             end = int(ends[place])
             for name, column in columns.items():
                 column[end - count : end] = rows.events[name][first : first + count]
