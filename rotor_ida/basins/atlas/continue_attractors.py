@@ -6,7 +6,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import Unpack
+from typing import Any, Unpack
 
 import numpy as np
 import numpy.typing as npt
@@ -17,6 +17,7 @@ from rotor_ida.basins.atlas.cells import MOST_STARTS, Cell, CellJob, fill_cell, 
 from rotor_ida.basins.atlas.dataset import atlas_dataset, how_computed
 from rotor_ida.basins.atlas.identities import identify
 from rotor_ida.basins.disc import RTOL
+from rotor_ida.basins.starts import Box
 from rotor_ida.basins.subjects import OF_SYSTEM, subjects_of
 from rotor_ida.checks import (
     COMPONENTS,
@@ -26,7 +27,6 @@ from rotor_ida.checks import (
     check_count,
     check_increasing,
     check_progress,
-    check_seed,
     is_scalar,
     shown,
 )
@@ -40,7 +40,7 @@ from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import open_results
 from rotor_ida.simulation.options import LARGEST
-from rotor_ida.simulation.starts import Start, box_of, drawn_from, range_of
+from rotor_ida.simulation.starts import Start, range_of
 from rotor_ida.steady.grid import keep_whole, run_due
 from rotor_ida.steady.points import turning_speeds
 
@@ -164,7 +164,7 @@ def continue_attractors(
     >>> found["count"].values.tolist()
     [[2, 6], [5, 3]]
     """
-    states, drawn = _states({"x": x, "y": y, "vx": vx, "vy": vy}, starts, seed)
+    states, drawn, told = _states({"x": x, "y": y, "vx": vx, "vy": vy}, starts, seed)
     tried = check_count("shocks", shocks, minimum=0, maximum=MOST_SHOCKS)
     how = choose(executor, workers, compiled=True), check_progress(progress), study
     if isinstance(rotor, RotorSystem):
@@ -183,16 +183,10 @@ def continue_attractors(
     cells, reason = _filled(jobs, question, *how)
     interruptible(lambda stop: identify(cells, _lines(asked), stop))
     attributes = {
-        **how_computed(tolerance, tried, subjects), **subjects.told, **_described(drawn, reason),
-        **question.attribute(),
+        **how_computed(tolerance, tried, subjects), **subjects.told, **told,
+        **({"not_computed_reason": reason} if reason else {}), **question.attribute(),
     }  # fmt: skip
     return atlas_dataset(subjects, cells, states.shape[1], attributes)
-
-
-def _described(drawn: Mapping[str, object], reason: str) -> dict[str, object]:
-    """Return attributes that describe the starts, and why some were not followed."""
-    told = {f"range_{each}" if each in COMPONENTS else each: drawn[each] for each in drawn}
-    return told | ({"not_computed_reason": reason} if reason else {})
 
 
 def _filled(
@@ -225,15 +219,11 @@ def _check_grid(grid: Varied) -> Varied:
 
 def _states(
     ranges: Mapping[str, npt.ArrayLike], starts: object, seed: object
-) -> tuple[Values, dict[str, object]]:
-    """Return the starts, shape (4, n), and their description."""
+) -> tuple[Values, dict[str, Any], dict[str, object]]:
+    """Return the starts, shape (4, n), and what they are as arguments and as attributes."""
     if is_scalar("starts", starts):
-        count = check_count("starts", starts, maximum=MOST_STARTS)
-        chosen = check_seed(seed)
-        box = box_of(ranges, count)
-        description: dict[str, object] = {"starts": count, "seed": chosen}
-        description |= {name: limits.tolist() for name, limits in zip(COMPONENTS, box, strict=True)}
-        return drawn_from(box, chosen, 0, count), description
+        box = Box.of(starts, seed, MOST_STARTS, **ranges)
+        return box.starts(0, box.count), box.given, box.attributes
     given = check_array("starts", starts, largest=LARGEST)
     if given.ndim != 2 or given.shape[1] != len(COMPONENTS) or not 1 <= len(given) <= MOST_STARTS:
         raise InputError(
@@ -242,7 +232,7 @@ def _states(
         )
     if any(range_of(name, value) != (0.0, 0.0) for name, value in ranges.items()):
         raise InputError("x, y, vx and vy must be left out where starts are given")
-    return np.ascontiguousarray(given.T), {"starts": given.tolist()}
+    return np.ascontiguousarray(given.T), *[{"starts": given.tolist()}] * 2
 
 
 def _lines(grid: Varied) -> list[list[int]]:
