@@ -162,9 +162,9 @@ def _entropies(values: tuple[float, float]) -> dict[str, Column]:
 
 def labelled_how(rtol: float, rotor: Rotor | None = None) -> dict[str, object]:
     """Return, as attributes, the method that labelled starts of a disc, or without of a system."""
-    agreement = {"agreement_rtol": tighter_than(rtol)}
+    agreement: dict[str, object] = {"agreement_rtol": tighter_than(rtol)}
     if rotor is None or followed_alone(rotor):
-        how = {"labelling_method": ALONE.method, "labelling_rtol": rtol}
+        how: dict[str, object] = {"labelling_method": ALONE.method, "labelling_rtol": rtol}
         return how | (agreement if rotor is None else {})
     return {
         "labelling_method": LABELLING_METHOD, "labelling_rtol": rtol,

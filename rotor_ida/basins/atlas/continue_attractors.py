@@ -232,7 +232,8 @@ def _states(
         )
     if any(range_of(name, value) != (0.0, 0.0) for name, value in ranges.items()):
         raise InputError("x, y, vx and vy must be left out where starts are given")
-    return np.ascontiguousarray(given.T), *[{"starts": given.tolist()}] * 2
+    told = {"starts": given.tolist()}
+    return np.ascontiguousarray(given.T), told, told
 
 
 def _lines(grid: Varied) -> list[list[int]]:

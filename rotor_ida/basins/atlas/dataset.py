@@ -106,9 +106,9 @@ def _of_cell(cell: Cell, starts: int) -> dict[str, float]:
 def how_computed(rtol: float, shocks: int, subjects: Subjects) -> dict[str, object]:
     """Return, as attributes, the methods for starts and, if any were tried, for shocks."""
     first = subjects.points[0]
-    is_disc = isinstance(first, Rotor)
-    how = labelled_how(rtol, first if is_disc else None)
-    if shocks and is_disc:
+    disc = first if isinstance(first, Rotor) else None
+    how = labelled_how(rtol, disc)
+    if shocks and disc is not None:
         how |= followed_by("witness", witness_options())
     return {**provenance(how), "shocks": shocks}
 
