@@ -27,7 +27,6 @@ from tests.basins.lanes import GO_ON, RUBBING, WHIP
 
 BOX = {"x": (-6, 6), "y": (-6, 6), "vx": (-6, 6), "vy": (-6, 6)}
 PLANE = {"x": (-4, 4), "y": (-4, 4)}
-HELD = Rotor(omega=1.7, zeta=0.1, delta0=1.0, shaft_stiffness=0.25, load=0.3)
 
 
 @pytest.mark.parametrize(

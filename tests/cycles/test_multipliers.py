@@ -6,19 +6,10 @@ import numpy as np
 import pytest
 
 from rotor_ida import Rotor, limit_cycle
-from rotor_ida.cycles.multipliers import (
-    FORM,
-)
+from rotor_ida.cycles.multipliers import FORM
 from rotor_ida.cycles.orbit import followed
-from rotor_ida.cycles.shooting import close_orbit
 from rotor_ida.simulation.flow import DiscFlow
-from tests.cycles.known import BOUNCING, FULL, once_round
-
-KNOWN = [BOUNCING, FULL]
-
-
-def closed(known):
-    return close_orbit(DiscFlow(known.rotor), np.array(known.state), known.period)
+from tests.cycles.known import once_round
 
 
 def test_a_period_that_damps_all_velocities_to_nothing_leaves_no_defect():
@@ -48,14 +39,3 @@ def test_every_stretch_of_every_orbit_is_conformally_symplectic(rotor):
         ):
             size = (np.abs(matrix).T @ np.abs(FORM) @ np.abs(matrix)).max()
             assert np.abs(matrix.T @ FORM @ matrix - q * FORM).max() < allowed * size
-
-
-def test_the_form_is_that_of_fixed_axes_velocity():
-    """With the velocity seen on the turning axes as momentum the flow would not have it."""
-    matrix = closed(BOUNCING).monodromy
-    q = math.exp(-2.0 * 0.07 * BOUNCING.period)
-    seen = np.eye(4)  # from (Z, W) to (Z, Z') = (Z, W - i omega Z)
-    seen[2:, :2] = 2.0 * np.array([[0.0, 1.0], [-1.0, 0.0]])
-    other = np.linalg.inv(seen).T @ FORM @ np.linalg.inv(seen)
-    assert np.abs(matrix.T @ FORM @ matrix - q * FORM).max() < 1e-13
-    assert np.abs(matrix.T @ other @ matrix - q * other).max() > 1e-2

@@ -11,9 +11,7 @@ from rotor_ida.schema import RESPONSE
 from rotor_ida.simulation.crossings import MAXIMUM, MINIMUM, radius_extrema
 from rotor_ida.simulation.flow import DiscFlow
 
-GO_ON = np.zeros(1, np.uint8)
 REST = (0.0, 0.0, 0.0, 0.0)
-BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 
 
 def test_planar_vibration_turns_back_at_its_amplitude_every_half_period():

@@ -417,7 +417,7 @@ GRAZING = {"omega": 0.2, "zeta": 0.05, "shaft_stiffness": 0.04}  # in resonance:
 FROM = [REST, (0.3, -1.2, 0.5, 0.1), (1.9, 0.2, -1.5, 1.0)]
 
 
-@pytest.mark.parametrize("beyond", [-1e-12, 0.0, 1e-12])
+@pytest.mark.parametrize("beyond", [-1e-12, 1e-12])
 @pytest.mark.parametrize(
     "changes",
     [

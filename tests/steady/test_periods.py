@@ -45,7 +45,7 @@ def test_turning_points_of_a_free_whirl_are_known(options):
 
 
 @pytest.mark.parametrize("options", METHODS)
-@pytest.mark.parametrize(("omega", "delta0"), [(2.0, 2.0), (3.0, 0.5), (1.7, 0.0)])
+@pytest.mark.parametrize(("omega", "delta0"), [(2.0, 2.0), (1.7, 0.0)])
 def test_maxima_and_minima_of_a_simulated_motion_take_turns(omega, delta0, options):
     rotor = Rotor(omega=omega, zeta=0.07, delta0=delta0)
     found = found_in(rotor, (0.3, 0.2, 0.1, -0.4), options)
