@@ -56,7 +56,7 @@ def long_run(rotor, start, turns=200):
 
 @cache
 def report_of(rotor):
-    return touchdown_report(rotor, **WIDE, starts=8 if rotor is DROPPED else 4, seed=3)
+    return touchdown_report(rotor, **WIDE, starts=8 if rotor is DROPPED else 2, seed=3)
 
 
 def start_to(rotor, kind):
