@@ -30,7 +30,7 @@ def follow(job, _stop):
     rotor, state = job
     settled = settle_disc(rotor, state, Options(rtol=1e-10))
     seen = settled.features
-    return settled.response, seen.amplitude, seen.radius_min, seen.radius_max
+    return settled.kind, seen.amplitude, seen.radius_min, seen.radius_max
 
 
 def label_of(outcome, attractors):

@@ -12,7 +12,7 @@ import math
 from collections.abc import Callable, Collection, Iterable, Sequence
 from dataclasses import dataclass, field
 from operator import itemgetter
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
 import numpy.typing as npt
@@ -20,13 +20,15 @@ import numpy.typing as npt
 from rotor_ida.arrays import Flags, Stop, Values
 from rotor_ida.basins.kernel import NOT_COMPUTED, UNDECIDED, Labels, Times
 from rotor_ida.basins.starts import Starts, stretches
+from rotor_ida.core.runs import NO_STOP
+from rotor_ida.errors import SimulationError
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema import RESPONSE, TRAPPING, by_number
-from rotor_ida.simulation.flow import Flow
+from rotor_ida.simulation.flow import DiscFlow, Flow
 from rotor_ida.simulation.options import Options, adams_or_taylor
 from rotor_ida.simulation.systems.flow import SystemFlow
 from rotor_ida.steady import response
-from rotor_ida.steady.follow import SettledDisc, settle_disc
+from rotor_ida.steady.follow import Features, Settled, settle_disc
 from rotor_ida.steady.grid import Table
 from rotor_ida.steady.points import OF_CONTACT, OF_NODE
 
@@ -66,8 +68,6 @@ PROVEN, ESTIMATED, NOTHING = "proven", "estimated", "none"
 
 # Number of starts that separate runs follow before an attractor counts as unconfirmed.
 WITNESSES = 3
-# Kinds for which reaching any motion of the kind confirms a start.
-ONLY_BY_KIND = (*CONTACT_FREE_FAMILY, response.QUASI_PERIODIC, response.CHAOTIC)
 _KIND = by_number(RESPONSE)
 
 
@@ -154,6 +154,15 @@ def disc_row(
         row[name] = number
     row["response"], row["trapping"], row["final_state"] = RESPONSE[kind], TRAPPING[trapping], state
     return row
+
+
+def row_of(settled: Settled[Features]) -> np.void:
+    """Return what a motion of one disc has settled on as a row."""
+    told = settled.features
+    return disc_row(
+        settled.kind, told.amplitude, told.phase_lag, told.radius_min, told.radius_max,
+        period=told.period, trapping=NOTHING, state=settled.motion.state,
+    )  # fmt: skip
 
 
 def kind_of(row: np.void) -> str:
@@ -373,32 +382,16 @@ def _first_decided(followed: Followed) -> list[list[int]]:
 
 def leads_to(
     rotor: Rotor, attractor: np.void, start: Values, options: Options, *, family: bool = False,
-    stop: Stop | None = None,
+    stop: Stop = NO_STOP,
 ) -> bool:  # fmt: skip
     """Return whether a run leads from a start to an attractor, or with `family` to its family.
 
     Fading touches belong to the contact-free family.
     """
-    x, y, vx, vy = start.tolist()
-    settled = settle_disc(rotor, (x, y, vx, vy), options, stop=stop)
-    kind = kind_of(attractor)
-    if family and kind in CONTACT_FREE_FAMILY:
-        return settled.response in CONTACT_FREE_FAMILY
-    if settled.response != kind:
+    try:
+        row = row_of(settle_disc(rotor, start, options, stop=stop))
+    except SimulationError:
         return False
-    if kind in ONLY_BY_KIND:
+    if family and {kind_of(attractor), kind_of(row)} <= {*CONTACT_FREE_FAMILY}:
         return True
-    if kind == response.ROLLING and not has_period(attractor):
-        return math.isnan(settled.features.period)
-    return _agrees(settled, attractor)
-
-
-def _agrees(settled: SettledDisc, attractor: np.void) -> bool:
-    features, size = settled.features, attractor["radius_max"]
-    pairs: list[tuple[float, Any, Any]] = [
-        (features.radius_min, attractor["radius_min"], size),
-        (features.radius_max, attractor["radius_max"], size),
-        (features.period, attractor["period"], attractor["period"]),
-    ]
-    known = [pair for pair in pairs if not math.isnan(pair[1])]
-    return all(abs(one - other) <= SAME * scale for one, other, scale in known)
+    return Attractors(DiscFlow(rotor, stop), [attractor]).find(row) is not None

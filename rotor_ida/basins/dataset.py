@@ -16,7 +16,7 @@ from rotor_ida.basins.attractors import OF_DISC, Followed, family_of, reported
 from rotor_ida.basins.fates import ALONE
 from rotor_ida.basins.following import tighter_than
 from rotor_ida.basins.kernel import NOT_COMPUTED, Labels
-from rotor_ida.basins.known import followed_alone, may_remain
+from rotor_ida.basins.known import followed_alone
 from rotor_ida.basins.starts import Box, Plane, stretches
 from rotor_ida.basins.subjects import Subjects
 from rotor_ida.model.rotor import Rotor
@@ -30,29 +30,8 @@ from rotor_ida.steady.points import VariedSystem
 
 # Dimensions of the numbers of an attractor of a rotor system besides the attractor.
 BEHIND = VariedSystem.behind
-LABELLING = (
-    "all starts followed side by side by DOP853 on the rotating axes, with the error "
-    "labelling_rtol per step, until they enter a trapping region; for those that enter none, "
-    "limit cycles found by Newton's method, and some orbits followed one by one by Taylor series, "
-    "as in a sweep with left_over_rtol; motions that do not settle identified as chaotic by their "
-    "Lyapunov exponent, or followed further; some starts labelled again with the error "
-    "agreement_rtol"
-)
-LABELLING_RUBS = (
-    "all starts followed side by side by DOP853 on the rotating axes, with the error "
-    "labelling_rtol per step, while the disc slides forwards, until they enter a trapping region; "
-    "the others followed from their starts one by one by Taylor series, as in a sweep with "
-    "left_over_rtol, limit cycles found by Newton's method; some starts labelled again with the "
-    "error agreement_rtol"
-)
 # The method that follows starts side by side, in the core.
 LABELLING_METHOD = "dop853"
-# Under a load; and what is added of a rotor system.
-ONE_BY_ONE = "every start followed separately by Taylor series, as in a sweep with labelling_rtol"
-MATCHED = (
-    "; motions matched by kind, period, radii and state; some starts labelled again with "
-    "agreement_rtol"
-)
 ENTROPIES = ("basin_entropy", "boundary_entropy")
 # Width of a box of a grid, in starts.
 WIDTH = 5
@@ -183,13 +162,11 @@ def _entropies(values: tuple[float, float]) -> dict[str, Column]:
 
 def labelled_how(rtol: float, rotor: Rotor | None = None) -> dict[str, object]:
     """Return, as attributes, the method that labelled starts of a disc, or without of a system."""
-    agreement = {"agreement_rtol": tighter_than(rtol)}
+    agreement: dict[str, object] = {"agreement_rtol": tighter_than(rtol)}
     if rotor is None or followed_alone(rotor):
-        words = ONE_BY_ONE if rotor is not None else ONE_BY_ONE + MATCHED
-        how = {"labelling": words, "labelling_method": ALONE.method, "labelling_rtol": rtol}
+        how: dict[str, object] = {"labelling_method": ALONE.method, "labelling_rtol": rtol}
         return how | (agreement if rotor is None else {})
     return {
-        "labelling": LABELLING_RUBS if may_remain(rotor) else LABELLING,
         "labelling_method": LABELLING_METHOD, "labelling_rtol": rtol,
         "left_over_method": ALONE.method, "left_over_rtol": ALONE.rtol, **agreement,
     }  # fmt: skip

@@ -23,6 +23,7 @@ from rotor_ida.basins.attractors import (
     Found,
     Indices,
     disc_row,
+    row_of,
 )
 from rotor_ida.basins.fates import ALONE, APERIODIC, Batch, decide
 from rotor_ida.basins.following import Labeller, tighter_than
@@ -221,14 +222,8 @@ def _rows_of(batch: Batch) -> dict[int, np.void]:
     for number, each in enumerate(known.cycles, start=known.first_cycle):
         if number in present:
             rows[number] = cycle_row(each.cycle, each.exists)
-    for kind, label in APERIODIC.items():
-        if label in present:
-            settled = batch.aperiodic[label]
-            told = settled.features
-            rows[label] = disc_row(
-                kind, told.amplitude, told.phase_lag, told.radius_min, told.radius_max,
-                trapping=NOTHING, state=settled.end,
-            )  # fmt: skip
+    rows |= {label: row_of(batch.aperiodic[label]) for label in APERIODIC.values()
+             if label in present}  # fmt: skip
     return rows
 
 

@@ -45,7 +45,7 @@ from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.options import Options
 from rotor_ida.steady import response
 from rotor_ida.steady.decision import CLEAR_ERRORS, CLEAR_STRETCH
-from rotor_ida.steady.follow import LATE, PATIENCE, SettledDisc, longest_time, settle_disc
+from rotor_ida.steady.follow import LATE, PATIENCE, Features, Settled, longest_time, settle_disc
 
 # A remaining fraction no larger than this is followed for longer before one orbit is examined: it
 # may only be slow.
@@ -111,7 +111,7 @@ class Batch:
     left: int = 0  # number of observed orbits that left a chaotic motion
     watched: float = 0.0  # total time for which chaotic orbits were observed [1]
     # the first motion without a period of each kind, by its label
-    aperiodic: dict[int, SettledDisc] = field(default_factory=dict)
+    aperiodic: dict[int, Settled[Features]] = field(default_factory=dict)
     matched: Known | None = None  # what was known when orbits were last followed together
 
     def __post_init__(self) -> None:
@@ -141,12 +141,15 @@ class Batch:
         left: Indices = numbers[labels == UNDECIDED]
         return left
 
-    def settled(self, number: int, options: Options, longest: float | None = None) -> SettledDisc:
-        """Return the motion on which an orbit settles, followed alone as in a sweep."""
-        x, y, vx, vy = self.states[:, number].tolist()
-        return settle_disc(
-            self.known.rotor, (x, y, vx, vy), options, longest=longest, stop=self.stop
-        )
+    def settled(
+        self, number: int, options: Options, longest: float | None = None
+    ) -> Settled[Features] | None:
+        """Return what an orbit settles on, followed alone as in a sweep; None if that fails."""
+        rotor, state = self.known.rotor, self.states[:, number]
+        try:
+            return settle_disc(rotor, state, options, longest=longest, stop=self.stop)
+        except SimulationError:
+            return None
 
     def label_of(self, cycle: Orbit) -> int:
         """Return the label of a limit cycle, adding it to the known ones."""
@@ -211,7 +214,7 @@ def label_one_by_one(batch: Batch, numbers: Indices, options: Options) -> None:
             return
         settled = batch.settled(number, options)
         batch.labels[number] = _label_of(batch, settled)
-        batch.times[number] = np.float32(settled.window_end)
+        batch.times[number] = np.nan if settled is None else settled.motion.time
 
 
 def match_all(batch: Batch) -> Indices:
@@ -327,28 +330,27 @@ def fate_of(batch: Batch, number: int, longest: float | None = None) -> int:
     """
     settled = batch.settled(number, ALONE, longest)
     fate = _label_of(batch, settled)
-    if fate not in (CHAOTIC, UNDECIDED):
-        batch.times[number] += np.float32(settled.window_end)
+    if settled is not None and fate not in (CHAOTIC, UNDECIDED):
+        batch.times[number] += np.float32(settled.motion.time)
     return fate
 
 
-def _label_of(batch: Batch, settled: SettledDisc) -> int:
+def _label_of(batch: Batch, settled: Settled[Features] | None) -> int:
+    if settled is None:
+        return UNDECIDED
     known, period = batch.known, settled.features.period
     if period > 0.0:
-        cycle = _stable_cycle(batch, np.array(settled.end), period)
+        cycle = _stable_cycle(batch, settled.motion.state, period)
         return UNDECIDED if cycle is None else batch.label_of(cycle)
-    if settled.response in APERIODIC:
-        batch.aperiodic.setdefault(APERIODIC[settled.response], settled)
-        return APERIODIC[settled.response]
-    match settled.response:
-        case response.CONTACT_FREE if known.free is not None:
-            return known.free_label
-        case response.TOUCHING if known.free is not None:
-            return known.fading_label
-        case response.SYNCHRONOUS:
-            return _whirl_of(known, settled.features.radius_max)  # of a rotor at rest its sag
-        case _:
-            return UNDECIDED
+    if settled.kind == response.SYNCHRONOUS:
+        return _whirl_of(known, settled.features.radius_max)  # of a rotor at rest its sag
+    label = APERIODIC.get(settled.kind, UNDECIDED)
+    if label != UNDECIDED:
+        batch.aperiodic.setdefault(label, settled)
+    elif known.free is not None:
+        free = {response.CONTACT_FREE: known.free_label, response.TOUCHING: known.fading_label}
+        label = free.get(settled.kind, UNDECIDED)
+    return label
 
 
 def _whirl_of(known: Known, amplitude: float) -> int:
@@ -371,9 +373,12 @@ def label_lasting(batch: Batch, waiting: Indices) -> None:
     last = batch.follow(watched, late)
     batch.left += watched.size - last.size
     batch.watched += float(batch.times[watched].sum()) - before
-    batch.labels[last] = CHAOTIC
     if last.size and CHAOTIC not in batch.aperiodic:
-        batch.aperiodic[CHAOTIC] = batch.settled(int(last[0]), ALONE, 0.0)
+        settled = batch.settled(int(last[0]), ALONE, 0.0)
+        if settled is not None:
+            batch.aperiodic[CHAOTIC] = settled
+    if CHAOTIC in batch.aperiodic:
+        batch.labels[last] = CHAOTIC
     rest = waiting[~chaotic]
     longest = longest_time(batch.known.rotor)
     least = float(batch.times[rest].min(initial=longest))

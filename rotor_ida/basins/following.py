@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
-from contextlib import closing
 from dataclasses import dataclass, fields
+from functools import partial
 from typing import Protocol, Self
 
 import numpy as np
@@ -24,13 +23,12 @@ from rotor_ida.basins.attractors import (
 from rotor_ida.basins.kernel import NOT_COMPUTED, Labels, Times
 from rotor_ida.basins.starts import Starts, stretches
 from rotor_ida.core.runs import NO_STOP
-from rotor_ida.parallel import FailedJob, Progress, Workers, run_all
-from rotor_ida.parallel.jobs import Job, Result, Work
+from rotor_ida.parallel import Progress, Workers
 from rotor_ida.results.studies.arrays import scratch
 from rotor_ida.results.studies.results import Form, Results
 from rotor_ida.simulation.flow import Flow
 from rotor_ida.steady import response
-from rotor_ida.steady.grid import Table
+from rotor_ida.steady.grid import Table, keep_whole, run_due
 
 # Batches are no larger, or progress would seldom be reported.
 LARGEST_BATCH = 8192
@@ -161,45 +159,18 @@ def follow_starts(
         again = 0 if number % ONE_BATCH_OF else math.ceil((last - first) / ONE_START_OF)
         return _Job(labeller, first, starts(first, last), again)
 
-    ended = Ended()
+    keep = partial(keep_whole, kept, lambda batch: batch.labels.size)
+    interrupted = False
     try:
-        reason = run_due(
-            _follow, job, math.ceil(count / size), kept, lambda batch: batch.labels.size,
-            workers=workers, progress=progress, total=count,
+        run_due(
+            _follow, job, range(math.ceil(count / size)), kept, keep, workers=workers,
+            progress=progress, total=count,
         )  # fmt: skip
-        ended = Ended(reason=reason)
     except KeyboardInterrupt:
         if kept.folder is not None:  # a study can be resumed later from what it has stored
             raise
-        ended = Ended(interrupted=True)
-    return _gathered(labeller, count, kept, ended)
-
-
-def run_due(
-    work: Work[Job, Result], job: Callable[[int], Job], count: int, kept: Results[Result],
-    points: Callable[[Result], int], *, workers: Workers, progress: Progress | None, total: int,
-) -> str:  # fmt: skip
-    """Run those of some jobs that are not stored; return why one failed, or nothing.
-
-    `points` returns the number of points of a result, of `total` that are counted.
-    """
-    due = [number for number in range(count) if number not in kept.done]
-    reason = ""
-    if progress is not None and kept.points_done:
-        progress(kept.points_done, total)
-    if not due:  # no cluster need be started
-        return reason
-    jobs = (job(number) for number in due)
-    ran = run_all(work, jobs, workers=workers.number, executor=workers.executor)
-    with closing(ran) as results:
-        for turn, result in results:
-            if isinstance(result, FailedJob):
-                reason = result.reason
-            else:
-                kept.keep(due[turn], result, points(result))
-            if progress is not None:
-                progress(kept.points_done, total)
-    return reason
+        interrupted = True
+    return _gathered(labeller, count, kept, Ended(interrupted, kept.lost))
 
 
 def follow_here(labeller: Labeller, states: Values, stop: Stop) -> Followed:

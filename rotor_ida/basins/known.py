@@ -102,7 +102,7 @@ class Known:
     def label_of_cycle(self, cycle: Orbit) -> int | None:
         """Return the label of a limit cycle, or None if it is not known."""
         for number, section in enumerate(self.cycles):
-            if same_cycle(section.cycle, cycle):
+            if same_numbers(section.cycle.duration, section.cycle.radius_max, cycle):
                 return self.first_cycle + number
         return None
 
@@ -139,11 +139,6 @@ class Known:
             places = [*range(self.first_cycle, self.first_cycle + cycles), self.free_label]
             labels[held] = np.array(places, np.int16)[labels[held]]
         return labels, times
-
-
-def same_cycle(one: Orbit, other: Orbit) -> bool:
-    """Return whether two limit cycles of a rotor are the same, regardless of phase."""
-    return same_numbers(one.duration, one.radius_max, other)
 
 
 def same_numbers(period: float, radius_max: float, cycle: Orbit) -> bool:

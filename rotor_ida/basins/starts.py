@@ -26,7 +26,7 @@ from rotor_ida.checks import (
 )
 from rotor_ida.errors import InputError
 from rotor_ida.simulation.options import LARGEST
-from rotor_ida.simulation.starts import drawn_from, range_of
+from rotor_ida.simulation.starts import box_of, drawn_from
 
 # Returns the starts from one number up to another, shape (4, n).
 Starts = Callable[[int, int], Values]
@@ -116,11 +116,12 @@ class Box:
     seed: int
 
     @classmethod
-    def of(cls, starts: object, seed: object, **given: npt.ArrayLike) -> Self:
-        """Return the box of a range or number for each component."""
-        limits = np.array([range_of(name, given[name]) for name in COMPONENTS])
-        count = check_count("starts", starts, maximum=MOST_POINTS_OF_STUDY)
-        return cls(limits, count, check_seed(seed))
+    def of(
+        cls, starts: object, seed: object, most: int = MOST_POINTS_OF_STUDY, **given: npt.ArrayLike
+    ) -> Self:
+        """Return the box of a range or number for each component, for at most so many starts."""
+        count = check_count("starts", starts, maximum=most)
+        return cls(box_of(given, count), count, check_seed(seed))
 
     @property
     def given(self) -> dict[str, Any]:

@@ -242,7 +242,7 @@ def settled_row(flow: SystemFlow, state: Values) -> np.void:
     """Return the response on which a flow settles, as a row."""
     settled = settle_system(flow, state)
     row: np.void = np.zeros(1, point_of(flow.problem))[0]
-    for name, figure in figures_of(settled, flow, settled.state * flow.scales).items():
+    for name, figure in figures_of(settled, flow).items():
         row[name] = figure
     if kind_of(row) == response.TOUCHING:  # in the limit it just touches
         touched, gaps = row["touched"] == 1, flow.clearances

@@ -60,7 +60,7 @@ def course_of(branch: xr.Dataset, contact: int = 0) -> Course:
     places = np.concatenate([np.arange(points), inside["special_point"].values])
     order = np.argsort(places, kind="stable")  # a point comes before the special ones behind it
     value, low, high = (
-        np.concatenate([branch[name].values, _at_specials(branch, inside, special, name)])[order]
+        np.concatenate([branch[name].values, inside[special].values])[order]
         for name, special in (
             (parameter, "special_value"),
             ("radius_min", "special_radius_min"),
@@ -84,12 +84,6 @@ def course_of(branch: xr.Dataset, contact: int = 0) -> Course:
         stable.append(here)
         touching.append(kind)
     return Course(value, low, high, stable[:-1], touching[:-1])
-
-
-def _at_specials(branch: xr.Dataset, inside: xr.Dataset, special: str, name: str) -> Values:
-    """Return a number at special points; in old results at the points before them."""
-    there = inside[special] if special in inside else branch[name][inside["special_point"].values]
-    return np.asarray(there.values)
 
 
 def runs_of(words: Sequence[object]) -> list[tuple[int, int]]:

@@ -64,13 +64,10 @@ PIECE = 50
 # What is stored of these points, as arrays.
 KEPT = (
     *("unknowns", "tangents", "special_place", "special_kind", "special_unknowns"),
-    *("special_tangents", "length", "end"),
+    *("special_tangents", "length", "end", "reason"),
 )
-NO_REASON = {"reason": np.array("")}  # for old files without reasons
 FORM: Form[Arrays] = Form(
-    "stretch of a branch",
-    dict,
-    lambda arrays: {name: arrays[name] for name in KEPT} | NO_REASON | arrays,
+    "stretch of a branch", dict, lambda arrays: {name: arrays[name] for name in KEPT}
 )
 Kind = Literal["fold", "period_doubling", "torus"]
 

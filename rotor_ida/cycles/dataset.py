@@ -10,7 +10,7 @@ import numpy as np
 import numpy.typing as npt
 import xarray as xr
 
-from rotor_ida.arrays import Column, Values
+from rotor_ida.arrays import Column, ComplexValues, Values
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.cycles.branch import CLOSED, Side, SpecialBehind
 from rotor_ida.cycles.guess import CLOSING_RTOL, Guess
@@ -54,8 +54,9 @@ ERROR_SAFETY = 5.0
 LOOSER_STILL = (1.0, 3.0, 10.0)
 # Samples of one period of one disc, for the spectrum and plots: a power of two.
 SAMPLES = 1024
-# Below this fraction of the spin speed a motion is stationary, up to rounding.
-STANDS_STILL = 1e-9
+# Lines at less than this part of the speed stand still; and those below this part of the largest
+# are rounding, or what has not quite settled.
+STANDS_STILL, NO_LINE = 1e-6, 1e-6
 # Smallest spectral line that is reported, relative to the strongest.
 WEAKEST_LINE = 1e-6
 AXES = {True: "turning", False: "fixed"}
@@ -191,7 +192,8 @@ def _period_of_disc(cycle: Orbit | None) -> dict[str, xr.Variable]:
         return state_columns(np.empty((0, 4)), "t") | {"t": of_cycle("t", "t", np.empty(0))}
     times = np.linspace(0.0, cycle.duration, SAMPLES + 1)
     states = cycle.flow.states(cycle.start, times)
-    columns = {"t": of_cycle("t", "t", times)} | state_columns(states, "t") | _lines(cycle, states)
+    columns = {"t": of_cycle("t", "t", times)} | state_columns(states, "t")
+    columns |= _lines(cycle, times, states)
     if cycle.rotor.delta0 == 0.0:  # the integral of a smooth periodic function
         radii = np.hypot(states[:-1, 0], states[:-1, 1])
         force = contact_force(radii, 0.0, cycle.rotor.contact_exponent)
@@ -248,70 +250,59 @@ def _solved_again(cycle: Orbit) -> list[Orbit]:
     return found
 
 
-def _lines(cycle: Orbit, states: Values) -> dict[str, xr.Variable]:
-    """Return the spectrum of one period: on fixed axes lines at omega + k 2 pi/T."""
-    whirl, (orders, sizes) = whirl_of_cycle(cycle, states), lines_of(states)
+def _lines(cycle: Orbit, times: Values, states: Values) -> dict[str, xr.Variable]:
+    """Return whirl and spectrum of one period: on fixed axes lines at omega + k 2 pi/T."""
+    spin = cycle.rotor.omega * times
+    z, is_loaded = states[:, 0] + 1j * states[:, 1], cycle.flow.period is not None
+    whirl = whirl_of((z * np.exp(1j * spin))[:, np.newaxis], spin, stands=is_loaded)
+    sizes = np.abs(np.fft.fft(z[:-1])) / (z.size - 1)
+    orders = np.fft.fftfreq(sizes.size, 1.0 / sizes.size)
     chosen = np.flatnonzero(sizes >= WEAKEST_LINE * sizes.max())
     chosen = chosen[np.argsort(orders[chosen])]
     frequency = cycle.rotor.omega + 2.0 * math.pi / cycle.duration * orders[chosen]
     kinds = np.where(orders[chosen] == 0.0, LINE_KIND["spin"], np.sign(frequency)).astype(np.int8)
-    if (static := static_order(cycle)) is not None:
-        frequency[orders[chosen] == static] = 0.0
-        kinds[orders[chosen] == static] = LINE_KIND["static"]
+    if is_loaded:
+        static = orders[chosen] == -float(periods_of(cycle.flow, cycle.duration))
+        frequency[static], kinds[static] = 0.0, LINE_KIND["static"]
     return {
         "line": of_cycle("line", "line", np.arange(chosen.size)),
         "frequency": of_cycle("frequency", "line", frequency),
         "whirl_amplitude": of_cycle("whirl_amplitude", "line", sizes[chosen]),
         "line_kind": of_cycle("line_kind", "line", kinds),
-        **{name: of_cycle(name, (), each) for name, each in whirl.items()},
-        "whirl_sense": of_cycle("whirl_sense", (), np.int8(whirl["whirl_sense"])),
+        **{name: of_cycle(name, (), each[0]) for name, each in whirl.items()},
     }
 
 
-def lines_of(states: Values) -> tuple[Values, Values]:
-    """Return order k and amplitude of all lines at ``omega + k 2 pi/T``.
+def whirl_of(
+    places: ComplexValues, angles: Values, *, stands: bool, at_the_spin: bool = False
+) -> dict[str, Any]:
+    """Return sense and speed of the whirl of each node, and its strongest line other than 1X.
 
-    `states`, shape (n + 1, 4), are one period on the rotating axes, at equal times, both ends
-    included.
+    Parameters
+    ----------
+    places : ndarray of complex, shape (n + 1, node)
+        Displacements at equal times, over which the motion repeats itself on rotating axes.
+    angles : ndarray, shape (n + 1,)
+        Angles by which the rotor has turned [rad].
+    stands : bool
+        Whether the motion may have a part that stands still, which is no whirl.
+    at_the_spin : bool
+        Whether it moves at the speed of the unbalance alone.
     """
-    heights = np.fft.fft(states[:-1, 0] + 1j * states[:-1, 1]) / (len(states) - 1)
-    orders = np.asarray(np.fft.fftfreq(heights.size, 1.0 / heights.size), dtype=np.float64)
-    return orders, np.abs(heights)
-
-
-def whirl_of_cycle(cycle: Orbit, states: Values) -> dict[str, float]:
-    """Return sense and speed of the whirl on a cycle, and its strongest line other than 1X.
-
-    `states` are one period as for `lines_of`. A stationary line is no whirl.
-    """
-    omega, period = cycle.rotor.omega, cycle.duration
-    orders, sizes = lines_of(states)
-    frequency = omega + 2.0 * math.pi / period * orders
-    moves = np.abs(frequency) > STANDS_STILL * omega
-    if (static := static_order(cycle)) is not None:
-        moves &= orders != static
-    forward, backward = (
-        math.sqrt(float((sizes[moves & chosen] ** 2).sum()))
-        for chosen in (frequency > 0.0, frequency < 0.0)
-    )
-    times = np.linspace(0.0, period, len(states))
-    z = (states[:, 0] + 1j * states[:, 1]) * np.exp(1j * omega * times)
-    if static is not None:
-        z -= z[:-1].mean()
-    turned = float(steps_of_turning(z).sum())
-    ratio, sense = whirl_over_spin(turned, omega * period, forward, backward)
-    beside = np.flatnonzero(moves & (orders != 0.0))
-    strongest = float(frequency[beside[np.argmax(sizes[beside])]])
-    return {
-        "whirl_over_spin": float(ratio),
-        "whirl_sense": int(sense),
-        "side_line_over_spin": strongest / omega,
-    }
-
-
-def static_order(cycle: Orbit) -> float | None:
-    """Return the order of the line at frequency 0 under a load; None without a load."""
-    return -float(periods_of(cycle.flow, cycle.duration)) if cycle.flow.period is not None else None
+    if at_the_spin or stands:
+        places = places - places[:-1].mean(axis=0)
+    sizes = np.abs(np.fft.fft((places * np.exp(-1j * angles)[:, np.newaxis])[:-1], axis=0))
+    orders = 1.0 + np.fft.fftfreq(len(sizes), 1.0 / len(sizes)) * (2.0 * math.pi / angles[-1])
+    sizes[np.abs(orders) < STANDS_STILL] = 0.0
+    forward, backward = (np.linalg.norm(sizes[part], axis=0) for part in (orders > 0, orders < 0))
+    turned = np.array([steps_of_turning(each).sum() for each in places.T])
+    ratio, sense = whirl_over_spin(turned, angles[-1], forward, backward)
+    largest = sizes.max(axis=0)
+    sizes[0] = 0.0  # 1X, which is all of a motion that stands still on rotating axes
+    sizes *= stands or not at_the_spin
+    lines = orders[sizes.argmax(axis=0)]
+    strongest = np.where(sizes.max(axis=0) > NO_LINE * largest, lines, math.nan)
+    return {"whirl_over_spin": ratio, "whirl_sense": sense, "side_line_over_spin": strongest}
 
 
 def _none(flow: Flow, response: str) -> dict[str, xr.Variable]:

@@ -59,7 +59,7 @@ from rotor_ida.simulation.starts import (
 )
 from rotor_ida.simulation.systems.flow import SystemFlow
 from rotor_ida.steady.decision import decide
-from rotor_ida.steady.follow import FAILED, limits_of
+from rotor_ida.steady.follow import limits_of
 from rotor_ida.steady.grid import answers_at_each
 from rotor_ida.steady.motion import Motion
 from rotor_ida.steady.points import (
@@ -430,7 +430,7 @@ def _at_each(
     question: Question, how: Mapping[str, Any], jobs: Mapping[str, Any],
 ) -> xr.Dataset:  # fmt: skip
     """Return the cycle at each point, with the labels of a result without one."""
-    lost = cycle_dataset(Guess(flow, np.zeros(0)), None, FAILED)
+    lost = cycle_dataset(Guess(flow, np.zeros(0)), None, "failed")
     is_disc, names = isinstance(flow, DiscFlow), _names(flow)
     columns = {name: (str(lost[name].dims[0]), lost[name].size) if lost[name].ndim else None
                for name in names} | dict.fromkeys(COMPONENTS if is_disc else ())  # fmt: skip

@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from functools import partial
 from itertools import pairwise
 from typing import TYPE_CHECKING
 
@@ -308,8 +307,7 @@ def _changes_between(
         high, above = length, last_orbit
         for halving in range(MOST_HALVINGS):
             if halving >= FIRST_HALVINGS and count.sign(below) * count.sign(above) < 0.0:
-                sign = partial(_of_orbit, count.sign)
-                located.append(_zero(way, (low, high), name, sign))
+                located.append(_zero(way, (low, high), name, lambda point: count.sign(point.orbit)))
                 break
             middle = 0.5 * (low + high)
             here = way.at(middle).orbit
@@ -321,7 +319,3 @@ def _changes_between(
             located.append((high, Special(name, way.at(high))))
         low, below = high, above
     return located
-
-
-def _of_orbit(function: Callable[[Orbit], float], point: Point) -> float:
-    return function(point.orbit)

@@ -42,7 +42,7 @@ NO_RESULTS = {
          "date_created", "content_sha256"),
         _MADE,
     ),
-    **dict.fromkeys(("sentence", "labelling", "first_reason", "last_reason"), "words"),
+    **dict.fromkeys(("sentence", "first_reason", "last_reason"), "words"),
     "evaluations": "work of a solver", "interrupted": "work of a solver",
 }  # fmt: skip
 # Beginnings and ends of the names of others.

@@ -80,7 +80,12 @@ from rotor_ida.steady.grid import (
     run_study,
 )
 from rotor_ida.steady.points import VariedDisc, VariedSystem, turning_speeds
-from rotor_ida.steady.ramp_extrema import ramp_extrema
+from rotor_ida.steady.ramp_extrema import (
+    EXTREMUM,
+    EXTREMUM_AT_A_RATE,
+    ramp_extrema,
+    table_of,
+)
 from rotor_ida.steady.sweep import study_dataset
 
 Shown = Literal["extrema", "revolution"]
@@ -89,10 +94,6 @@ SLOWEST, FASTEST = 1e-12, 1e6
 # The time in which extrema of one disc are found by default, and all else in revolutions; the range
 # of random starts.
 USUAL_TIME, USUAL_REVOLUTIONS, USUAL_RANGE = 100.0, 64, (-5.0, 5.0)
-# The columns with a number for each extremum.
-EXTREMUM = np.dtype([("extremum_radius", np.float64), ("extremum_kind", np.int8)])
-EXTREMUM_AT_A_RATE = np.dtype([*EXTREMUM.descr, ("extremum_speed", np.float64)])
-
 
 OF_DISC = ("x", "y", "vx", "vy", "extrema_time", "rate", "seed", "atol")
 
@@ -376,7 +377,7 @@ class _Window:
             found = crossings_of(flow, state, self.revolutions, self.at, self.phase)
             return dict(zip(NAMES, found.states, strict=True)), None
         counts, *columns = _extrema(flow, state, self)
-        extrema = _table(EXTREMUM, *columns)
+        extrema = table_of(EXTREMUM, *columns)
         return {"event_count": extrema.size, "extremum_count": counts}, extrema
 
 
@@ -477,13 +478,8 @@ def _watch(
 ) -> Answer:  # fmt: skip
     """Follow a rotor until it has settled, and watch its motion after that."""
     settled = settle(point, start, stop)
-    found: tuple[dict[str, Any], Table | None] = ({"event_count": 0}, None)
-    if settled.end is not None:
-        try:
-            found = window.shown(*motion(point, settled.end, stop))
-        except EXPECTED as error:
-            settled = settled._replace(message=reason_of(error), failed=True)
-    return settled._replace(figures={**settled.figures, **found[0]}, events=found[1])
+    columns, extrema = window.shown(*motion(point, settled.end, stop))
+    return settled._replace(figures={**settled.figures, **columns}, events=extrema)
 
 
 def _passed(rate: float, rtol: float, ramp: RampJob[Rotor, GivenStart], stop: Stop) -> list[Answer]:
@@ -491,28 +487,10 @@ def _passed(rate: float, rtol: float, ramp: RampJob[Rotor, GivenStart], stop: St
     answers, first = ramp.answers, ramp.points[0]
     try:
         settled = answers.work(first, ramp.start, stop)
-        if settled.end is None:
-            return [failed(settled.message)] * len(ramp.points)
         speeds = np.array([rotor.omega for rotor in ramp.points])
-        bands = ramp_extrema(first, settled.end, speeds=speeds, rate=rate, rtol=rtol, stop=stop)
+        return ramp_extrema(first, settled.end, speeds=speeds, rate=rate, rtol=rtol, stop=stop)
     except EXPECTED as error:
         return [failed(reason_of(error))] * len(ramp.points)
-    return [
-        Answer(
-            {"response": band.response, "radius_min": band.smallest, "radius_max": band.largest,
-             "event_count": band.radii.size, "extremum_count": band.radii.size}, settled.message,
-            events=_table(EXTREMUM_AT_A_RATE, band.radii, band.kinds, band.speeds),
-        )
-        for band in bands
-    ]  # fmt: skip
-
-
-def _table(kind: np.dtype[np.void], *columns: npt.NDArray[Any]) -> Table:
-    """Return columns as a table."""
-    found = np.empty(columns[0].size, kind)
-    for name, column in zip(kind.names or (), columns, strict=True):
-        found[name] = column
-    return found
 
 
 def _dataset(

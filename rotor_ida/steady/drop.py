@@ -21,7 +21,6 @@ from rotor_ida.checks import (
     check_nonnegative,
     check_positive,
     check_real,
-    listed,
     shown,
 )
 from rotor_ida.closed_forms.receptances import solved_motions
@@ -234,12 +233,10 @@ def _check_failing(supports: Sequence[Support], failing: object) -> list[bool]:
         return [True] * len(names)
     if isinstance(failing, str) or not isinstance(failing, Sequence) or not failing:
         raise InputError(f"failing must be a list of nodes of supports, got {shown(failing)}")
+    if not names:
+        raise InputError("failing must be left out, as there are no supports")
     for name in failing:
-        if name not in names:
-            allowed = (
-                listed([repr(each) for each in names], "or") or "none, as there are no supports"
-            )
-            raise InputError(f"failing must be nodes of supports, {allowed}, got {shown(name)}")
+        check_choice("support in failing", name, names)
     return [name in failing for name in names]
 
 

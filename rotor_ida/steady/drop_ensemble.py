@@ -202,7 +202,7 @@ def drop_ensemble(
     asked = {"rotor" if name == "system" else name: each for name, each in case.items()}
     question = Question("drop_ensemble", {**asked, **ways, "drops": drops, "seed": seed})
     columns = run_study(
-        _every_drop(case, varied), question, word="drop", table="drops", study=study,
+        _every_drop(case, varied), question, word="drop", study=study,
         workers=choose(executor, workers, compiled=True), progress=progress,
     ).points  # fmt: skip
     told = {name: example.attrs[name] for name in TOLD if name in example.attrs}

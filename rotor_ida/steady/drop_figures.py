@@ -9,6 +9,7 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Column, Values
+from rotor_ida.model.whirl import steps_of_turning
 from rotor_ida.results.contact_facts import columns_of_contact, contact_facts
 from rotor_ida.schema import OF_BEARING
 from rotor_ida.simulation.dataset import AROUND
@@ -114,7 +115,7 @@ def _whirl(run: xr.Dataset, number: int) -> tuple[float, float]:
     """
     x, y = run["contact_x"].values[:, number], run["contact_y"].values[:, number]
     times, far = run["t"].values, np.hypot(x, y) > AROUND * float(run["clearance"][number])
-    steps = np.angle(np.exp(1j * np.diff(np.arctan2(y, x))))
+    steps = steps_of_turning(x + 1j * y)
     going = far[1:] & far[:-1]
     edges = np.flatnonzero(np.diff(np.concatenate([[False], going, [False]]).astype(np.int8)))
     total = np.concatenate([[0.0], np.cumsum(np.where(going, steps, 0.0))])

@@ -8,6 +8,7 @@ from collections.abc import Sequence
 import numpy as np
 import xarray as xr
 
+from rotor_ida.checks import listed
 from rotor_ida.results.depths import beyond_model
 from rotor_ida.schema import OF_DROP
 from rotor_ida.steady.drop_figures import touched_clearances
@@ -83,9 +84,7 @@ def _time(run: xr.Dataset, value: xr.DataArray) -> str:
 
 def _clearances_at(nodes: Sequence[str]) -> str:
     """Return the close clearances at nodes in words."""
-    names = [repr(each) for each in nodes]
-    listed = " and ".join(filter(None, [", ".join(names[:-1]), names[-1]]))
-    return f"the close clearance{'s' if len(names) > 1 else ''} at {listed}"
+    return f"the close clearance{'s' if len(nodes) > 1 else ''} at {listed(list(map(repr, nodes)))}"
 
 
 def _share(drops: xr.Dataset, name: str, words: str) -> str:

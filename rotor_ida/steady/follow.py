@@ -4,15 +4,13 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, replace
+from typing import Generic, TypeVar
 
 import numpy as np
-import numpy.typing as npt
 
-from rotor_ida.arrays import ComplexValues, Flags, Stop, Values, Watch
+from rotor_ida.arrays import ComplexValues, Flags, Stop, Values
 from rotor_ida.checks import State
 from rotor_ida.core.runs import NO_STOP
-from rotor_ida.errors import SimulationError
-from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.simulation.flow import DiscFlow, Flow, Window
 from rotor_ida.simulation.options import Options
@@ -30,7 +28,6 @@ from rotor_ida.steady.response import (
     stays_backward,
 )
 
-FAILED = "failed"
 # A transient that decays like exp(-zeta t) has fallen by 4e-11 after this many 1/zeta.
 DECAY_TIMES = 24.0
 # Longest first wait, however slight the damping; later waits double. That of a system is in
@@ -63,6 +60,7 @@ SAME_TURN = 1e-6
 # Samples of a period of one disc over which the part at the spin speed is the mean.
 SAMPLES = 1024
 CYCLES = (BOUNCING, FULL_CONTACT, ROLLING)
+Of = TypeVar("Of")
 
 
 @dataclass(frozen=True, slots=True)
@@ -92,87 +90,42 @@ class Features:
 
 
 @dataclass(frozen=True, slots=True)
-class SettledSystem:
-    """The response on which a rotor system has settled.
+class Settled(Generic[Of]):
+    """The response on which a rotor has settled.
 
     Parameters
     ----------
     decision : Decision
         Its kind, and what that was decided by.
-    features : SystemFeatures
-        The motion over the last window.
-    revolutions : float
-        For how many revolutions the system was followed.
-    state : ndarray, shape (n,)
-        The state at the end, as in `SystemFlow`.
+    features : Features or SystemFeatures
+        How the rotor moves in the final window.
+    motion : Motion
+        The motion up to its end: its last window, and the events of one disc on the way.
     """
 
     decision: Decision
-    features: SystemFeatures
-    revolutions: float
-    state: Values
+    features: Of
+    motion: Motion
+
+    @property
+    def kind(self) -> str:
+        """One of the kinds of `rotor_ida.steady.response`."""
+        return self.decision.kind
 
 
-def settle_system(flow: SystemFlow, state: Values) -> SettledSystem:
+def settle_system(flow: SystemFlow, state: Values) -> Settled[SystemFeatures]:
     """Follow a rotor system from a state until the kind of its response is decided.
 
-    Raises
-    ------
-    SimulationError
-        If the integration fails or is stopped.
+    SimulationError if the integration fails or is stopped.
     """
     motion = Motion(flow, limits_of(flow), state)
-    decision = decide(motion)
-    revolutions = motion.time / flow.revolution
-    return SettledSystem(decision, features_of_system(motion.window), revolutions, motion.state)
-
-
-@dataclass(frozen=True, slots=True)
-class SettledDisc:
-    """The response on which a rotor has settled, and the events on the way to it.
-
-    Parameters
-    ----------
-    response : str
-        One of the kinds of `rotor_ida.steady.response`, or ``"failed"``.
-    features : Features
-        The motion over the final window; all NaN if the run failed.
-    window_start, window_end : float
-        The final window [dimensionless].
-    event_times, event_kinds : ndarray, shape (m,)
-        All contact events from the start on [dimensionless].
-    event_states : ndarray, shape (m, 4)
-        States at the events, fixed frame [dimensionless].
-    end : tuple of float
-        State at the end, on the rotating axes [dimensionless].
-    backward : bool
-        Whether the disc stays in contact and whirls backwards.
-    message : str
-        The reason of a failure, or for how long an unresolved motion was followed, and what still
-        moved; else empty.
-    """
-
-    response: str
-    features: Features
-    window_start: float
-    window_end: float
-    event_times: Values
-    event_kinds: npt.NDArray[np.int8]
-    event_states: Values
-    end: State
-    backward: bool = False
-    message: str = ""
+    return Settled(decide(motion), features_of_system(motion.window), motion)
 
 
 def settle_disc(
-    rotor: Rotor,
-    start: State,
-    options: Options,
-    *,
-    longest: float | None = None,
-    stop: Stop | None = None,
-    watch: Watch | None = None,
-) -> SettledDisc:
+    rotor: Rotor, start: State | Values, options: Options, *, longest: float | None = None,
+    stop: Stop = NO_STOP,
+) -> Settled[Features]:  # fmt: skip
     """Follow a rotor until the kind of its response is decided, or up to a time limit.
 
     The motion is observed over a window: first after the time in which damping should have
@@ -182,7 +135,7 @@ def settle_disc(
     ----------
     rotor : Rotor
         The rotor.
-    start : tuple of float
+    start : array_like, shape (4,)
         ``(x, y, vx, vy)`` on the rotating axes, which at time 0 are the fixed ones [dimensionless].
     options : Options
         How to simulate.
@@ -190,47 +143,23 @@ def settle_disc(
         Time after which no new window begins, except of a motion that approaches a stable cycle
         [dimensionless]; default: `longest_time`.
     stop : ndarray, shape (1,), optional
-        Ends the run, as failed, as soon as it is not 0.
-    watch : list of callable, optional
-        Receives functions that return the times reached by its runs [dimensionless].
+        Ends the run as soon as it is not 0.
+
+    Raises
+    ------
+    SimulationError
+        If the integration fails or is stopped.
     """
     is_exact = options.flight == "exact" and options.backend != "python"
     if is_exact and abs(grazing_distance(rotor)) <= NEARLY_GRAZES:
         options = replace(options, method="taylor")
-    flow = DiscFlow(rotor, NO_STOP if stop is None else stop, MULTIPLIER_RTOL, options, watch)
+    flow = DiscFlow(rotor, stop, MULTIPLIER_RTOL, options)
     limits = limits_of(flow)
     if longest is not None:
         limits = limits._replace(longest=longest)
     motion = Motion(flow, limits, np.array(start, np.float64))
-    try:
-        decision = decide(motion)
-        features = features_of_disc(motion.window, decision)
-    except SimulationError as error:
-        return _settled(motion, Decision(FAILED, message=str(error)), Features(), math.nan)
-    backward = rotor.omega > 0.0 and stays_backward(motion.window, 0)
-    return _settled(motion, decision, features, motion.window_start, backward=backward)
-
-
-def _settled(
-    motion: Motion,
-    decision: Decision,
-    features: Features,
-    window_start: float,
-    *,
-    backward: bool = False,
-) -> SettledDisc:
-    """Return the settled response of one disc."""
-    runs, speed = motion.events, motion.flow.speed
-    x, y, vx, vy = motion.state.tolist()
-    return SettledDisc(
-        decision.kind, features, window_start, motion.time,
-        np.concatenate([np.empty(0), *(each.began + each.times for each in runs)]),
-        np.concatenate([np.empty(0, np.int8), *(each.kinds for each in runs)]),
-        np.concatenate(
-            [np.empty((0, 4)), *(rotated(each.states, speed * each.began) for each in runs)]
-        ),
-        (x, y, vx, vy), backward, decision.message,
-    )  # fmt: skip
+    decision = decide(motion)
+    return Settled(decision, features_of_disc(motion.window, decision), motion)
 
 
 # ---- For how long ----

@@ -8,7 +8,7 @@ each event on the way to it.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import closing
 from dataclasses import dataclass, field
 from functools import cached_property, partial
@@ -24,7 +24,7 @@ from rotor_ida.checks import MOST_NUMBERS, MOST_POINTS_OF_STUDY, check_direction
 from rotor_ida.errors import RotorError, SimulationError
 from rotor_ida.model.varied import Varied
 from rotor_ida.parallel import FailedJob, Progress, Workers, run_all
-from rotor_ida.parallel.jobs import Work
+from rotor_ida.parallel.jobs import Job, Result, Work
 from rotor_ida.results.question import Question
 from rotor_ida.results.studies.arrays import scratch
 from rotor_ida.results.studies.results import Folder, Form, Results, open_results
@@ -191,15 +191,15 @@ class Ramps(Generic[Point, Start]):
         How the rotor at each point is followed.
     point_at : callable
         Returns the point at a place.
-    axis : int, optional
-        The dimension along which a ramp leads.
+    axis : int
+        The dimension along which a ramp leads in a direction.
     """
 
     varied: Varied
     starts: Sequence[Start]
     answers: Answers[Point, Start]
     point_at: Callable[[Sequence[int]], Point]
-    axis: int | None = None
+    axis: int = 0
 
     @cached_property
     def directions(self) -> npt.NDArray[np.int8]:
@@ -213,52 +213,29 @@ class Ramps(Generic[Point, Start]):
         return shape if "direction" in self.varied.axes else (*shape, 1)
 
     @property
-    def along(self) -> int:
-        """The dimension along which a ramp leads, the last where none does."""
-        return len(self.shape) - 2 if self.axis is None else self.axis
-
-    @property
-    def length(self) -> int:
-        """Number of points of each ramp."""
-        return self.shape[self.along] if self.directions[0] else 1
-
-    @property
     def points(self) -> int:
         """Number of points of all ramps."""
         return math.prod(self.shape)
 
     def __len__(self) -> int:
-        return self.points // self.length
-
-    def firsts(self, numbers: Places) -> tuple[Places, ...]:
-        """Return the indices of the first points of ramps along each dimension.
-
-        Ramps are counted by directions, then by the other dimensions, then along the axis.
-        """
-        *others, directions = self.shape
-        values = others.pop(self.along)
-        counted = (directions, *others, values // self.length)
-        direction, *at, first = (np.asarray(each) for each in np.unravel_index(numbers, counted))
-        at.insert(self.along, np.where(self.directions[direction] < 0, values - 1, first))
-        return (*at, direction)
+        return len(self.places)
 
     @cached_property
-    def _first_places(self) -> tuple[Places, Places]:
-        """Positions of the first points of all ramps, and the steps from point to point."""
-        first = self.firsts(np.arange(len(self)))
-        steps = self.directions[first[-1]].astype(np.int64) * math.prod(
-            self.shape[self.along + 1 :]
-        )
-        return np.asarray(np.ravel_multi_index(first, self.shape), np.int64), steps
+    def places(self) -> Places:
+        """The points of each ramp, a row each, by their positions in the order of the dimensions.
 
-    def places(self, number: int) -> Places:
-        """Return the positions of a ramp's points among all, in the order of the dimensions."""
-        first, step = (each[number] for each in self._first_places)
-        return np.asarray(first + step * np.arange(self.length))
+        Ramps are counted by directions, then by the other dimensions.
+        """
+        numbers = np.arange(self.points).reshape(self.shape)
+        if not self.directions[0]:
+            return numbers.reshape(-1, 1)
+        rows = np.moveaxis(numbers, (-1, self.axis), (0, -1))
+        rows = np.array([row[..., ::way] for row, way in zip(rows, self.directions, strict=True)])
+        return rows.reshape(-1, self.shape[self.axis])
 
     def job(self, number: int) -> RampJob[Point, Start]:
         """Return what a worker needs to follow a ramp."""
-        places = np.transpose(np.unravel_index(self.places(number), self.varied.shape)).tolist()
+        places = np.transpose(np.unravel_index(self.places[number], self.varied.shape)).tolist()
         dims = self.varied.dims
         start = self.starts[places[0][dims.index("start")] if "start" in dims else 0]
         return RampJob([self.point_at(place) for place in places], start, self.answers)
@@ -269,7 +246,7 @@ class Ramps(Generic[Point, Start]):
         Slow run-ups take longest, and one disc with a large clearance, as it bounces there.
         """
         numbers, dims = np.arange(len(self)), self.varied.dims
-        firsts = self.firsts(numbers)
+        firsts = np.unravel_index(self.places[:, 0], self.shape)
         for name, sign in (("rate", 1.0), ("delta0", -1.0)):
             if name in dims:
                 values = self.varied.axes[name][firsts[dims.index(name)]]
@@ -300,7 +277,7 @@ class Columns(NamedTuple):
 
 
 def form_of(
-    word: str, table: str, point: np.dtype[np.void], event: np.dtype[np.void] = NO_COLUMNS
+    word: str, point: np.dtype[np.void], event: np.dtype[np.void] = NO_COLUMNS
 ) -> Form[Rows]:
     """Return how rows are stored: one table of points, and one of events if there are any columns.
 
@@ -310,11 +287,11 @@ def form_of(
     return Form(
         word,
         lambda rows: (
-            {"messages": np.array(rows.messages, dtype=str), table: rows.points}
+            {"messages": np.array(rows.messages, dtype=str), "points": rows.points}
             | ({} if rows.events is None else {"events": rows.events})
         ),
         lambda arrays: Rows(
-            arrays[table][names],
+            arrays["points"][names],
             arrays["messages"].tolist(),
             arrays["events"][of_events] if of_events else None,
         ),
@@ -326,7 +303,6 @@ def run_study(
     question: Question,
     *,
     word: str,
-    table: str = "points",
     follow: Work[Any, list[Answer]] | None = None,
     study: Folder | None,
     workers: Workers,
@@ -334,14 +310,17 @@ def run_study(
 ) -> Columns:
     """Do the jobs of a study that are not stored yet, and return the columns of all.
 
-    `question` is what determines the bits: the study of another question is refused. `word` and
-    `table` are names of the rows in a study. `follow` does a job that is more than to follow one
+    `question` is what determines the bits: the study of another question is refused. `word`
+    names the rows in a study. `follow` does a job that is more than to follow one
     point after the other.
     """
     answers = plan.answers
-    form = form_of(word, table, answers.kind, answers.event)
+    form = form_of(word, answers.kind, answers.event)
     with open_results(study, question.design(), plan.points, form) as kept:
-        _do_jobs(plan, follow or follow_along, kept, workers, progress)
+        run_due(
+            follow or follow_along, plan.job, plan.slowest_first().tolist(), kept,
+            partial(_keep, plan, kept), workers=workers, progress=progress, total=plan.points,
+        )  # fmt: skip
         points = _point_columns(plan, kept)
         events = _event_columns(plan, kept, points) if answers.event.names else {}
     return Columns(points, events)
@@ -358,42 +337,61 @@ def follow_along(ramp: RampJob[Any, Any], stop: Stop) -> list[Answer]:
     return rows
 
 
-def _do_jobs(
-    plan: Ramps[Any, Any],
-    follow: Work[Any, list[Answer]],
-    kept: Results[Rows],
+def _keep(
+    plan: Ramps[Any, Any], kept: Results[Rows], number: int, result: list[Answer] | FailedJob
+) -> None:
+    """Store the result of a job."""
+    died = isinstance(result, FailedJob)
+    answers = (
+        [failed(result.reason)] * plan.places.shape[1] if isinstance(result, FailedJob) else result
+    )
+    rows = plan.answers.rows(answers)
+    reasons = [each.message for each in answers if each.failed]
+    if died or any(reason.startswith(PASSING) for reason in reasons):
+        kept.hold(number, rows, len(rows.messages))  # a later run may succeed
+    else:
+        first = reasons[0] if reasons else ""
+        kept.keep(number, rows, len(rows.messages), failed=len(reasons), reason=first)
+
+
+def keep_whole(
+    kept: Results[Result], points: Callable[[Result], int], number: int, result: Result | FailedJob
+) -> None:
+    """Store the result of a job by its number of points, or why there is none."""
+    if isinstance(result, FailedJob):
+        kept.lost = result.reason
+    else:
+        kept.keep(number, result, points(result))
+
+
+def run_due(
+    work: Work[Job, Result],
+    job: Callable[[int], Job],
+    numbers: Iterable[int],
+    kept: Results[Any],
+    keep: Callable[[int, Result | FailedJob], object],
+    *,
     workers: Workers,
     progress: Progress | None,
+    total: int,
 ) -> None:
-    """Do the jobs that are not stored yet, and store each as it ends."""
-    points = plan.points
+    """Run those of some jobs that are not stored yet, and keep each as it ends, of `total` points.
+
+    `keep` gets its number and its result.
+    """
     if progress is not None and kept.points_done:
-        progress(kept.points_done, points)
-    due = [number for number in plan.slowest_first().tolist() if number not in kept.done]
-    if not due:
+        progress(kept.points_done, total)
+    due = [number for number in numbers if number not in kept.done]
+    if not due:  # no cluster need be started
         return
-    jobs = (plan.job(number) for number in due)
-    postponed = 0
-    count = workers.number and min(
-        workers.number, len(due)
-    )  # the cluster at an address has its own workers
-    with closing(run_all(follow, jobs, workers=count, executor=workers.executor)) as ended:
+    # the cluster at an address has its own workers
+    count = workers.number and min(workers.number, len(due))
+    jobs = (job(number) for number in due)
+    with closing(run_all(work, jobs, workers=count, executor=workers.executor)) as ended:
         for turn, result in ended:
-            number = due[turn]
-            died = isinstance(result, FailedJob)
-            if isinstance(result, FailedJob):
-                result = [failed(result.reason)] * plan.length  # noqa: PLW2901
-            rows = plan.answers.rows(result)
-            failures = np.flatnonzero(rows.points["status"] == STATUS["failed"]).tolist()
-            reasons = [rows.messages[place] for place in failures]
-            if died or any(reason.startswith(PASSING) for reason in reasons):
-                kept.hold(number, rows)  # a later run may succeed
-                postponed += plan.length
-            else:
-                first = reasons[0] if reasons else ""
-                kept.keep(number, rows, len(rows.messages), failed=len(reasons), reason=first)
+            keep(due[turn], result)
             if progress is not None:
-                progress(kept.points_done + postponed, points)
+                progress(kept.points_done, total)
 
 
 def _point_columns(plan: Ramps[Any, Any], kept: Results[Rows]) -> dict[str, Array]:
@@ -401,7 +399,7 @@ def _point_columns(plan: Ramps[Any, Any], kept: Results[Rows]) -> dict[str, Arra
     columns = _scratch(plan.answers.kind, plan.points, kept.folder)
     messages: dict[int, str] = {}
     for number, rows in kept.results():
-        places = plan.places(number)
+        places = plan.places[number]
         for name, column in columns.items():
             column[places] = rows.points[name]
         both = zip(places.tolist(), rows.messages, strict=True)
@@ -424,7 +422,7 @@ def _event_columns(
         assert rows.events is not None
         first = 0
         counts = rows.points["event_count"].tolist()
-        for place, count in zip(plan.places(number).tolist(), counts, strict=True):
+        for place, count in zip(plan.places[number].tolist(), counts, strict=True):
             end = int(ends[place])
             for name, column in columns.items():
                 column[end - count : end] = rows.events[name][first : first + count]

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, fields, replace
+from dataclasses import asdict, dataclass, fields, replace
 from functools import lru_cache, partial
 from typing import Any, ClassVar, NamedTuple
 
@@ -12,11 +12,12 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.arrays import Column, Stop, Values
-from rotor_ida.checks import AT_REST, COMPONENTS, State, check_between, check_distinct, shown
+from rotor_ida.checks import AT_REST, COMPONENTS, check_between, check_distinct, shown
 from rotor_ida.closed_forms.receptances import checked_speeds
 from rotor_ida.core.runs import NO_STOP
 from rotor_ida.errors import InputError, SimulationError, warn
 from rotor_ida.model.assembly import assemble
+from rotor_ida.model.equations import rotated
 from rotor_ida.model.parameters import OF_ROTOR
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED, with_parameters
@@ -37,7 +38,13 @@ from rotor_ida.simulation.starts import (
     states_of,
 )
 from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
-from rotor_ida.steady.follow import FAILED, Features, SettledSystem, settle_disc, settle_system
+from rotor_ida.steady.follow import (
+    Features,
+    Settled,
+    SystemFeatures,
+    settle_disc,
+    settle_system,
+)
 from rotor_ida.steady.grid import Answer, Answers, Ramps
 from rotor_ida.steady.response import CONTACT_FREE, SYNCHRONOUS
 
@@ -286,8 +293,8 @@ def answer_of_system(point: Turning, start: Start | Values, stop: Stop) -> Answe
     flow = SystemFlow.at(*point, stop)
     begun = start if isinstance(start, np.ndarray) else started(point, start)
     settled = settle_system(flow, begun / flow.scales)
-    last = settled.state * flow.scales
-    return Answer(figures_of(settled, flow, last), settled.decision.message, end=last)
+    end = settled.motion.state * flow.scales
+    return Answer(figures_of(settled, flow), settled.decision.message, end=end)
 
 
 def state_of_start(problem: SettlingProblem, start: Start | xr.Dataset, speed: float) -> Values:
@@ -305,19 +312,17 @@ def started(point: Turning, start: Start) -> Values:
         raise SimulationError(str(error)) from error
 
 
-def figures_of(settled: SettledSystem, flow: SystemFlow, last: Values) -> dict[str, Any]:
+def figures_of(settled: Settled[SystemFeatures], flow: SystemFlow) -> dict[str, Any]:
     """Return a settled response by the names of its columns."""
-    problem = flow.problem
-    decision, features, size = settled.decision, settled.features, problem.assembly.size
+    decision, features = settled.decision, settled.features
     has_period = decision.period is not None and decision.kind not in (CONTACT_FREE, SYNCHRONOUS)
-    moved = problem.found.to_q(last[: 2 * size].reshape(2, size))
     way = -math.copysign(1.0, flow.speed)  # lags are in the sense of the spin
     return {
         "response": RESPONSE[decision.kind],
         "period": decision.period if has_period else math.nan,
         "cycle_distance": decision.distance if math.isfinite(decision.distance) else math.nan,
         "lyapunov_exponent": decision.exponent, "lyapunov_error": decision.error,
-        "revolutions": settled.revolutions,
+        "revolutions": settled.motion.time / flow.revolution,
         "amplitude": np.abs(features.contact_whirl),
         "phase_lag": way * np.angle(features.contact_whirl),
         "radius_min": features.contact_low, "radius_max": features.contact_high,
@@ -325,7 +330,7 @@ def figures_of(settled: SettledSystem, flow: SystemFlow, last: Values) -> dict[s
         "node_amplitude": np.abs(features.node_whirl),
         "node_phase_lag": way * np.angle(features.node_whirl),
         "node_radius_min": features.node_low, "node_radius_max": features.node_high,
-        "final_state": np.concatenate([moved.ravel(), last[2 * size :]]),
+        "final_state": flow.in_q(settled.motion.state),
     }  # fmt: skip
 
 
@@ -447,9 +452,9 @@ class VariedDisc:
         return dataset
 
 
-def motion_of_disc(options: Options, rotor: Rotor, end: State, stop: Stop) -> tuple[Flow, Values]:
+def motion_of_disc(options: Options, rotor: Rotor, end: Values, stop: Stop) -> tuple[Flow, Values]:
     """Return the motion of one disc, and its state at the end of a settled one."""
-    return DiscFlow(rotor, stop, options=options), np.array(end)
+    return DiscFlow(rotor, stop, options=options), end
 
 
 def answer_of_disc(
@@ -458,21 +463,22 @@ def answer_of_disc(
     """Return what one disc settles on, from a start, with the events on the way if wanted."""
     first = start_of(rotor, start) if isinstance(start, str) else start
     settled = settle_disc(rotor, first, options, stop=stop)
-    failed = settled.response == FAILED
-    features, table = settled.features, None
-    if events:
-        table = np.empty(settled.event_times.size, EVENT)
-        table["event_time"], table["event_kind"] = settled.event_times, settled.event_kinds
-        for name, column in zip(EVENT_STATES, settled.event_states.T, strict=True):
+    motion = settled.motion
+    table = np.empty(sum(each.times.size for each in motion.events), EVENT)
+    if events and table.size:
+        table["event_time"] = np.concatenate([each.began + each.times for each in motion.events])
+        table["event_kind"] = np.concatenate([each.kinds for each in motion.events])
+        states = [rotated(each.states, rotor.omega * each.began) for each in motion.events]
+        for name, column in zip(EVENT_STATES, np.concatenate(states).T, strict=True):
             table[name] = column
     figures = {
-        "response": RESPONSE[settled.response],
-        **{name: getattr(features, name) for name in FEATURES},
-        "window_start": settled.window_start, "window_end": settled.window_end,
-        "event_count": settled.event_times.size,
-        **{f"end_{name}": each for name, each in zip(COMPONENTS, settled.end, strict=True)},
+        "response": RESPONSE[settled.kind], **asdict(settled.features),
+        "window_start": motion.window_start, "window_end": motion.time,
+        "event_count": table.size,
+        **{f"end_{name}": each for name, each in zip(COMPONENTS, motion.state, strict=True)},
     }  # fmt: skip
-    return Answer(figures, settled.message, failed, None if failed else settled.end, table)
+    message = settled.decision.message
+    return Answer(figures, message, end=motion.state, events=table if events else None)
 
 
 def start_coordinates(starts: Sequence[GivenStart]) -> dict[str, Column]:

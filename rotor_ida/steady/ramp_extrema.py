@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from typing import NamedTuple
+from typing import Any
 
 import numpy as np
 import numpy.typing as npt
@@ -17,45 +17,34 @@ from rotor_ida.schema import RESPONSE
 from rotor_ida.simulation.crossings import CONSTANT
 from rotor_ida.simulation.flow import ATOL
 from rotor_ida.simulation.spin import through
+from rotor_ida.steady.grid import Answer, Table
 
 # On a run-up the radius of a whirl drifts; oscillations below this fraction of it are ignored.
 TREMBLES_WITHIN = 1e-6
 
 
-class SpeedBand(NamedTuple):
-    """The motion of a run-up near one speed: up to halfway to its neighbours.
+# The columns with a number for each extremum: kinds are -1 minimum, 1 maximum, 0 no extremum.
+EXTREMUM = np.dtype([("extremum_radius", np.float64), ("extremum_kind", np.int8)])
+EXTREMUM_AT_A_RATE = np.dtype([*EXTREMUM.descr, ("extremum_speed", np.float64)])
 
-    Parameters
-    ----------
-    speed : float
-        The speed [dimensionless].
-    speeds, radii : ndarray, shape (n,)
-        Speeds and distances from the bearing axis at the extrema [dimensionless], in order of time;
-        without extrema, the speed itself and the radius there.
-    kinds : ndarray of int8, shape (n,)
-        -1 minimum, 1 maximum, 0 where the radius has no extremum.
-    smallest, largest : float
-        Range of the radius [dimensionless].
-    response : int
-        A flag of `schema.RESPONSE`: whether the rotor touches, and whether its radius oscillates.
-    """
 
-    speed: float
-    speeds: Values
-    radii: Values
-    kinds: npt.NDArray[np.int8]
-    smallest: float
-    largest: float
-    response: int
+def table_of(kind: np.dtype[np.void], *columns: npt.NDArray[Any]) -> Table:
+    """Return columns as a table."""
+    found = np.empty(columns[0].size, kind)
+    for name, column in zip(kind.names or (), columns, strict=True):
+        found[name] = column
+    return found
 
 
 def ramp_extrema(
-    rotor: Rotor, start: State, speeds: Values, rate: float, rtol: float, stop: Stop
-) -> list[SpeedBand]:
-    """Return the motion near each speed of a run from the first speed to the last.
+    rotor: Rotor, start: State | Values, speeds: Values, rate: float, rtol: float, stop: Stop
+) -> list[Answer]:
+    """Return the motion near each speed of a run from the first to the last: up to halfway.
 
-    The speeds increase or decrease, and `rotor` has the first. Raise `SimulationError` if the
-    integration is stuck, or stopped.
+    The speeds increase or decrease, and `rotor` has the first. The answers have the range of the
+    radius, a response that tells whether the rotor touches and whether its radius oscillates, and
+    the extrema in order of time; without any, the speed itself and the radius there. Raise
+    `SimulationError` if the integration is stuck, or stopped.
     """
     way = 1.0 if speeds[-1] > speeds[0] else -1.0
     middles = 0.5 * (speeds[1:] + speeds[:-1])
@@ -91,7 +80,7 @@ def ramp_extrema(
 def _classified(
     speed: float, radius: float, rows: tuple[Values, Values, npt.NDArray[np.int8]], beside: Values,
     delta0: float,
-) -> SpeedBand:  # fmt: skip
+) -> Answer:  # fmt: skip
     """Return a band of speeds by the rows of its extrema, without those of negligible oscillations.
 
     `radius` is that at its speed, and `beside` are those at its ends too.
@@ -113,4 +102,8 @@ def _classified(
     if not oscillates:
         speeds, radii = np.array([speed]), np.array([radius])
         kinds = np.array([CONSTANT], dtype=np.int8)
-    return SpeedBand(speed, speeds, radii, kinds, smallest, largest, RESPONSE[word])
+    figures = {
+        "response": RESPONSE[word], "radius_min": smallest, "radius_max": largest,
+        "event_count": radii.size, "extremum_count": radii.size,
+    }  # fmt: skip
+    return Answer(figures, events=table_of(EXTREMUM_AT_A_RATE, radii, kinds, speeds))

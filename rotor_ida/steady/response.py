@@ -14,7 +14,7 @@
 ``quasi_periodic``        never repeats, and neighbouring motions keep their distance
 ``chaotic``               is not periodic, and neighbouring motions diverge
 ``unresolved``            none of these within the simulated time
-``failed``                unknown, as a run failed (`FAILED` in `rotor_ida.steady.follow`)
+``failed``                unknown, as a run failed
 ========================= ==========================================================
 
 Periods are those on the rotating axes, where a synchronous whirl is stationary. Under a load they

@@ -9,7 +9,7 @@ classify its ending: contact-free, in a rub, or in dry whip.
 from __future__ import annotations
 
 import math
-from dataclasses import asdict, dataclass, field, replace
+from dataclasses import asdict, replace
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -33,11 +33,12 @@ from rotor_ida.simulation.runs import run_of_cases
 from rotor_ida.simulation.spin import Ramp, SpeedProfile
 from rotor_ida.simulation.starts import GivenStart, Start, start_of
 from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
+from rotor_ida.steady.decision import Decision
 from rotor_ida.steady.drop import with_unbalance_at
-from rotor_ida.steady.follow import FAILED, Features, settle_disc, settle_system
+from rotor_ida.steady.follow import settle_disc, settle_system
 from rotor_ida.steady.grid import EXPECTED, Answer, reason_of
 from rotor_ida.steady.points import figures_of, point_of
-from rotor_ida.steady.response import CONTACT_FREE, TOUCHING, UNRESOLVED
+from rotor_ida.steady.response import CONTACT_FREE, TOUCHING, UNRESOLVED, stays_backward
 
 RUB, WHIP = "rub", "whip"
 # What requires friction, or contact damping.
@@ -92,26 +93,21 @@ class RunUp(NamedTuple):
         return self.phase + mean * (self.to - self.speed) / self.rate
 
 
-@dataclass(frozen=True, slots=True)
-class Outcome:
-    """The ending of a run-up.
+def ending_with(decision: Decision, *, whips: bool) -> tuple[dict[str, int], str]:
+    """Return ending and response by what the last speed settles on, and why it is unresolved.
 
-    Parameters
-    ----------
-    ending : str
-        ``"contact_free"``, ``"rub"``, ``"whip"``, ``"unresolved"`` or ``"failed"``.
-    response : str
-        The kind of the settled response at the last speed, or ``"failed"``.
-    features : Features
-        The features of the settled motion.
-    message : str
-        The reason of a failure, or what an unresolved ending was tried with; else empty.
+    In whip a contact with friction whirls backwards and stays closed: it rolls or, if the unbalance
+    is too strong, alternately slides both ways.
     """
-
-    ending: str
-    response: str
-    features: Features = field(default_factory=Features)
-    message: str = ""
+    kind = decision.kind
+    if kind in {CONTACT_FREE, TOUCHING}:
+        ending = CONTACT_FREE
+    elif whips:
+        ending = WHIP
+    else:
+        ending = UNRESOLVED if kind == UNRESOLVED else RUB
+    message = decision.message if ending == UNRESOLVED else ""
+    return {"ending": ENDING[ending], "response": RESPONSE[kind]}, message
 
 
 # ---- Of one disc ----
@@ -129,18 +125,10 @@ def follow_run_up(options: Options, run_up: RunUp, start: GivenStart, stop: Stop
         )  # fmt: skip
         facts = summary_of(orbit, run_up)
         last = replace(rotor, omega=run_up.to)
-        ended = ending_at(last, orbit.end, run_up.end_angle, options, stop)
+        figures, message = ending_at(last, orbit.end, run_up.end_angle, options, stop)
     except EXPECTED as error:  # it must not end the others
         return Answer(facts, reason_of(error), failed=True)
-    if ended.response == FAILED:
-        return Answer(facts, ended.message, failed=True)
-    kinds = {"ending": ENDING[ended.ending], "response": RESPONSE[ended.response]}
-    return Answer(facts | asdict(ended.features) | kinds, ended.message)
-
-
-def failed(reason: str) -> Outcome:
-    """Return the ending of a run-up that failed."""
-    return Outcome(FAILED, FAILED, message=reason)
+    return Answer(facts | figures, message)
 
 
 def summary_of(orbit: Orbit, run_up: RunUp) -> dict[str, float]:
@@ -153,13 +141,9 @@ def summary_of(orbit: Orbit, run_up: RunUp) -> dict[str, float]:
 
 
 def ending_at(
-    rotor: Rotor,
-    end: Values,
-    angle: float,
-    options: Options,
-    stop: Stop,
-) -> Outcome:
-    """Return how a run-up ends: the settled response at the constant last speed.
+    rotor: Rotor, end: Values, angle: float, options: Options, stop: Stop
+) -> tuple[dict[str, Any], str]:
+    """Return the settled response at the constant last speed and the ending, with a message.
 
     Parameters
     ----------
@@ -174,11 +158,9 @@ def ending_at(
     """
     state = on_rotating_axes(rotor, end, angle, options, stop)
     settled = settle_disc(rotor, state, options, stop=stop)
-    if settled.response == FAILED:
-        return failed(settled.message)
-    ending = ending_of(settled.response, whips=settled.backward and rotor.friction > 0.0)
-    message = settled.message if ending == UNRESOLVED else ""
-    return Outcome(ending, settled.response, settled.features, message)
+    whips = rotor.friction > 0.0 < rotor.omega and stays_backward(settled.motion.window, 0)
+    ending, message = ending_with(settled.decision, whips=whips)
+    return asdict(settled.features) | ending, message
 
 
 def on_rotating_axes(
@@ -201,19 +183,6 @@ def on_rotating_axes(
         angle = 0.0
     x, y, vx, vy = rotated(end, np.float64(-angle)).tolist()
     return (x, y, vx, vy)
-
-
-def ending_of(kind: str, *, whips: bool) -> str:
-    """Return how a run-up ends by the kind of the response, and whether it is dry whip.
-
-    In whip a contact with friction whirls backwards and stays closed: it rolls or, if the unbalance
-    is too strong, alternately slides both ways.
-    """
-    if kind in {CONTACT_FREE, TOUCHING}:
-        return CONTACT_FREE
-    if whips:
-        return WHIP
-    return UNRESOLVED if kind == UNRESOLVED else RUB
 
 
 # ---- Of a rotor system ----
@@ -249,12 +218,17 @@ def follow_system_run_up(rtol: float, run_up: RunUp, start: Start, stop: Stop) -
     return Answer(figures | facts, message)
 
 
-def _facts(run: xr.Dataset, phase: float) -> dict[str, Any]:
-    """Return what happens on a ramp."""
-    contacts = [
+def facts_of_contacts(run: xr.Dataset) -> list[dict[str, float]]:
+    """Return what happens on a ramp at each contact."""
+    return [
         run_up_facts(columns_of_contact(run, number), float(clearance))
         for number, clearance in enumerate(run["clearance"].values)
     ]
+
+
+def _facts(run: xr.Dataset, phase: float) -> dict[str, Any]:
+    """Return what happens on a ramp."""
+    contacts = facts_of_contacts(run)
     return {
         **{name: [each[name] for each in contacts] for name in (*OF_RAMP, "contact_count")},
         "node_largest_radius": np.hypot(run["x"].values, run["y"].values).max(axis=0),
@@ -280,8 +254,6 @@ def settled_system(
     features, turn = settled.features, np.exp(-1j * (angle + phase))
     whirls = {name: turn * getattr(features, name) for name in ("contact_whirl", "node_whirl")}
     turned = replace(settled, features=replace(features, **whirls))
-    figures = figures_of(turned, flow, settled.state * flow.scales)
     rubs = np.array([each.friction > 0.0 for each in problem.assembly.contacts], bool)
-    ending = ending_of(settled.decision.kind, whips=bool((rubs & features.backward).any()))
-    message = settled.decision.message if ending == UNRESOLVED else ""
-    return figures | {"ending": ENDING[ending]}, message
+    ending, message = ending_with(settled.decision, whips=bool((rubs & features.backward).any()))
+    return figures_of(turned, flow) | ending, message

@@ -8,14 +8,14 @@ put both into words, with a warning outside the validity of the model.
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 import xarray as xr
 
-from rotor_ida.arrays import Values
+from rotor_ida.arrays import Stop, Values
 from rotor_ida.checks import COMPONENTS, check_instance, check_positive
 from rotor_ida.errors import InputError, InstallationError
 from rotor_ida.model.contact import bounds_exceeded
@@ -23,7 +23,7 @@ from rotor_ida.model.disc_starts import hanging
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.parallel import interruptible
 from rotor_ida.results.archived_system import system_of
-from rotor_ida.results.contact_facts import columns_of_contact, run_up_facts
+from rotor_ida.results.contact_facts import run_up_facts
 from rotor_ida.results.depths import beyond_in_words
 from rotor_ida.results.depths import beyond_model as beyond_of_system
 from rotor_ida.results.growth_words import BEGINS, RATE, stability_words
@@ -45,16 +45,14 @@ from rotor_ida.schema import (
     origin_of,
 )
 from rotor_ida.simulation.options import Options
-from rotor_ida.steady.follow import FAILED
 from rotor_ida.steady.grid import EXPECTED, reason_of
 from rotor_ida.steady.response import CONTACT_FREE
 from rotor_ida.steady.run_up_outcome import (
     ONLY_WITH,
     RUB,
     WHIP,
-    Outcome,
     ending_at,
-    failed,
+    facts_of_contacts,
     settled_system,
 )
 from rotor_ida.units import quantity
@@ -68,7 +66,7 @@ OF_CHANGE = ("to", "rate", "speeds", "torque", "inertia")
 AT_END = 1e-9
 # Allowed distance of a start from that at rest, relative to its size.
 SAME_START = 1e-9
-LIES = "at rest on the stator"
+LIES, FAILED = "at rest on the stator", "failed"
 RUBS = {
     "synchronous": "full annular rub, forwards with the unbalance",
     "full_contact": "full annular rub, with a radius that pulsates",
@@ -142,10 +140,8 @@ def summary(run: xr.Dataset, *, running_speed: float | None = None) -> xr.Datase
     for parameter, names in ONLY_WITH.items():
         if not getattr(rotor, parameter):
             facts = {name: each for name, each in facts.items() if name not in names}
-    values = facts | {"ending": ENDING[ended.ending], "response": RESPONSE[ended.response]}
-    columns: dict[str, Column] = {name: ((), value) for name, value in values.items()}
+    columns: dict[str, Column] = {name: ((), value) for name, value in facts.items()}
     coordinates = {name: plain[name].variable for name in rotor.given}
-    attributes = {name: each for name, each in origin_of(plain).items() if name not in OF_CHANGE}
     backward = int((plain["whirl_direction"] == WHIRL_DIRECTION["backward"]).sum())
     last = float(plain["speed"][-1])
     scales = None if machine is None else scales_of(machine)
@@ -153,19 +149,54 @@ def summary(run: xr.Dataset, *, running_speed: float | None = None) -> xr.Datase
     lies = start if LIES in start else ""  # it has touched the stator before
     verdict = contact_in_words(facts, ended.ending, rotor, machine, running_speed, lies)
     hangs = "" if lies or not start else f"{start[0].upper()}{start[1:]}."
-    rubs = bool(ended.features.radius_max > rotor.delta0)
-    told = _in_words([facts], ended, last, scales, backward, rubs)
-    uncertain = _after_horizon(run, ended)
     beyond = beyond_model(-facts["smallest_gap"], rotor, machine)
-    attributes["sentence"] = " ".join(filter(None, [beyond, verdict, hangs, *told, uncertain]))
-    found = labelled_dataset(
-        "Summary of a run-up", columns, coordinates, attributes, kind="run_up_summary"
-    )
+    told = [beyond, verdict, hangs, *_in_words([facts], ended, last, scales, backward),
+            _after_horizon(run, ended)]  # fmt: skip
+    found = _dataset(plain, columns, coordinates, ended, told)
     return found if machine is None else dimensional(found, machine)
 
 
-def _ending(run: xr.Dataset, rotor: Rotor) -> Outcome:
-    """Return the settled outcome at the constant last speed."""
+class Ended(NamedTuple):
+    """The ending of a run-up and the response at its last speed, in words.
+
+    `rubs` tells whether an unresolved motion is in contact at times.
+    """
+
+    ending: str
+    response: str
+    message: str
+    rubs: bool
+
+
+def _ended(
+    work: Callable[[Stop], tuple[dict[str, Any], str]], clearances: float | Values
+) -> Ended:  # fmt: skip
+    """Return how a run-up ends by the figures of the settled response, or that this failed."""
+    try:
+        found, message = interruptible(work)
+    except (*EXPECTED, InputError, InstallationError) as error:  # the run may be by the reference
+        return Ended(FAILED, FAILED, reason_of(error), rubs=False)
+    words = (by_number(ENDING)[found["ending"]], by_number(RESPONSE)[found["response"]])
+    return Ended(*words, message, rubs=bool(np.any(found["radius_max"] > clearances)))
+
+
+def _dataset(
+    run: xr.Dataset, columns: dict[str, Column], coordinates: dict[str, xr.Variable], ended: Ended,
+    told: Sequence[str],
+) -> xr.Dataset:  # fmt: skip
+    """Return a summary as a labelled dataset."""
+    flags: dict[str, Column] = {
+        "ending": ((), ENDING[ended.ending]), "response": ((), RESPONSE[ended.response]),
+    }  # fmt: skip
+    attributes = {name: each for name, each in origin_of(run).items() if name not in OF_CHANGE}
+    attributes["sentence"] = " ".join(filter(None, told))
+    return labelled_dataset(
+        "Summary of a run-up", columns | flags, coordinates, attributes, kind="run_up_summary"
+    )
+
+
+def _ending(run: xr.Dataset, rotor: Rotor) -> Ended:
+    """Return how a run-up of one disc ends."""
     _check_end(run)
     last = run.isel(t=-1)
     state: Values = np.array([float(last[name]) for name in COMPONENTS])
@@ -174,10 +205,7 @@ def _ending(run: xr.Dataset, rotor: Rotor) -> Outcome:
     )
     held = replace(rotor, omega=float(last["speed"]))
     angle = float(last["angle"])
-    try:
-        return interruptible(lambda stop: ending_at(held, state, angle, options, stop))
-    except (*EXPECTED, InstallationError) as error:  # the run may be by the reference
-        return failed(reason_of(error))
+    return _ended(lambda stop: ending_at(held, state, angle, options, stop), rotor.delta0)
 
 
 def _check_end(run: xr.Dataset) -> None:
@@ -198,20 +226,11 @@ def _of_system(run: xr.Dataset, running_speed: float | None) -> xr.Dataset:
     if "event_speed" not in run or "speed" not in run:
         raise InputError("run must be a run of run_up, whose speed changes")
     _check_end(run)
-    clearances = run["clearance"].values
-    contacts = [run_up_facts(columns_of_contact(run, number), float(each))
-                for number, each in enumerate(clearances)]  # fmt: skip
+    contacts, rtol = facts_of_contacts(run), float(run.attrs["rtol"])
     system, last = system_of(run), float(run["speed"][-1])
-    rubs = False
-    try:
-        found, message = interruptible(
-            lambda stop: settled_system(system, run, last, 0.0, float(run.attrs["rtol"]), stop)
-        )
-        words = (by_number(ENDING)[int(found["ending"])], by_number(RESPONSE)[found["response"]])
-        ended = Outcome(*words, message=message)
-        rubs = bool(np.any(found["radius_max"] > clearances))
-    except (*EXPECTED, InputError, InstallationError) as error:
-        ended = failed(reason_of(error))
+    ended = _ended(
+        lambda stop: settled_system(system, run, last, 0.0, rtol, stop), run["clearance"].values
+    )
     for parameter, names in ONLY_WITH.items():
         if not (run[f"law_{parameter.removeprefix('contact_')}"] > 0.0).any():
             contacts = [{name: each for name, each in facts.items() if name not in names}
@@ -221,21 +240,17 @@ def _of_system(run: xr.Dataset, running_speed: float | None) -> xr.Dataset:
         if contacts
         else {"smallest_gap": ("contact", np.empty(0))}
     )
-    columns |= {"ending": ((), ENDING[ended.ending]), "response": ((), RESPONSE[ended.response])}
     columns |= {name: ("contact", run[name].values) for name in ("contact_node", "clearance")}
-    attributes = {name: each for name, each in origin_of(run).items() if name not in OF_CHANGE}
     scales = SI if system.units == "SI" else None
-    after = _in_words(contacts, ended, last, scales, 0, rubs) if contacts else []
+    after = _in_words(contacts, ended, last, scales, 0) if contacts else []
     told = [beyond_of_system(run), *_self_excited(run, ended, last, scales),
             *_of_contacts(run, contacts, ended.ending, scales, running_speed),
             *after, _after_horizon(run, ended)]  # fmt: skip
-    attributes["sentence"] = " ".join(filter(None, told))
-    made = labelled_dataset("Summary of a run-up", columns, {}, attributes, kind="run_up_summary")
-    return with_system_units(made, system)
+    return with_system_units(_dataset(run, columns, {}, ended, told), system)
 
 
 def _self_excited(
-    run: xr.Dataset, ended: Outcome, last: float, scales: Scales | None
+    run: xr.Dataset, ended: Ended, last: float, scales: Scales | None
 ) -> list[str]:  # fmt: skip
     """Return that the motion grows at the last speed by itself, and from which speed on."""
     begins = run.attrs.get(BEGINS, 0.0)
@@ -317,13 +332,12 @@ def start_in_words(run: xr.Dataset) -> str:
 
 def _in_words(
     contacts: Sequence[Mapping[str, float]],
-    ended: Outcome,
+    ended: Ended,
     last: float,
     scales: Scales | None,
     backward: int,
-    rubs: bool,
 ) -> list[str]:
-    """Return sentences after the verdict: of `backward` whirls, and whether it still `rubs`."""
+    """Return sentences after the verdict: of `backward` whirls, and how it ends."""
     held = f"Held at {_speed(last, scales)} it" if last else "At standstill it"
     count = sum(int(each["contact_count"]) for each in contacts)
     rolls = [each["first_roll_speed"] for each in contacts if "first_roll_speed" in each]
@@ -357,11 +371,11 @@ def _in_words(
     elif ended.ending == FAILED:
         said = f"could not be followed: {ended.message}."
     else:
-        said = f"{'still rubs, and ' * rubs}had not settled: {ended.message}."
+        said = f"{'still rubs, and ' * ended.rubs}had not settled: {ended.message}."
     return [*sentences, f"{held} {said}"]
 
 
-def _after_horizon(run: xr.Dataset, ended: Outcome) -> str:
+def _after_horizon(run: xr.Dataset, ended: Ended) -> str:
     """Return that what follows a time is one of many possible motions, if it is.
 
     At standstill they all end clear of the stator if one does.

@@ -230,8 +230,8 @@ def run_ups(
         return RunUp(one, at[asked.speed], last, at["rate"], at["phase"])
 
     columns = run_study(
-        Ramps(points, asked.starts, answers, point_at), question, word="run-up", table="run_ups",
-        study=study, workers=chosen, progress=reports,
+        Ramps(points, asked.starts, answers, point_at), question, word="run-up", study=study,
+        workers=chosen, progress=reports,
     ).points  # fmt: skip
     return _dataset(points, asked, columns, last, question)
 

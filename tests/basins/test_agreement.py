@@ -3,13 +3,11 @@
 import numpy as np
 import pytest
 
-from rotor_ida import Rotor, basin, basin_fractions, load, save
+from rotor_ida import Rotor, basin, basin_fractions
 from rotor_ida.basins import attractors, fates, known
 from rotor_ida.basins.disc import RTOL, Disc
 from rotor_ida.basins.following import tighter_than
 from rotor_ida.basins.known import known_from_closed_forms
-from rotor_ida.cli.describe import describe
-from rotor_ida.verification.verify import differences, rerun
 
 FIGURE_7 = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
 FOLDED = Rotor(omega=1.7, zeta=0.07, delta0=2.0)
@@ -77,13 +75,13 @@ def test_labels_of_a_loose_tolerance_do_not_all_agree():
     """Where basins are folded; with a small error they do, and the part is about that of all."""
     loosely, closely = (
         basin_fractions(FOLDED, **BOX, starts=starts, rtol=rtol)
-        for starts, rtol in ((512, 1e-4), (128, 1e-11))
+        for starts, rtol in ((256, 1e-4), (64, 1e-11))
     )
     assert float(closely.agreement) == 1.0
     count = int(loosely.agreement_count)
-    assert (count, int(closely.agreement_count)) == (43, 11)  # one of 12 of a batch
-    states = np.zeros((4, 300))
-    states[:2] = np.random.default_rng(0).uniform(-15.0, 15.0, (2, 300))
+    assert (count, int(closely.agreement_count)) == (22, 6)  # one of 12 of a batch
+    states = np.zeros((4, 150))
+    states[:2] = np.random.default_rng(0).uniform(-15.0, 15.0, (2, 150))
     disc = Disc.of(FOLDED, 1e-8, GOING)
     known_ = disc.with_cycles(states, GOING).known
     labels = [known_.follow(states.copy(), 350.0, rtol, GOING)[0] for rtol in (1e-4, 1e-8)]
@@ -116,20 +114,3 @@ def test_starts_that_reach_no_known_attractor_again_are_not_counted(monkeypatch)
 
     monkeypatch.setattr(Disc, "label", open_again)
     assert int(basin(FIGURE_7, x=AXIS, y=AXIS).agreement_count) == 0
-
-
-def test_results_of_before_are_read_told_and_verified(tmp_path):
-    """They told the method of the confirmation as their own, and nothing of agreement."""
-    new = {"agreement", "agreement_count"}
-    found = basin(FIGURE_7, x=AXIS, y=AXIS)
-    old = found.drop_vars(new)
-    old.attrs = {
-        name.removeprefix("confirmation_"): value
-        for name, value in found.attrs.items()
-        if name not in {"labelling_method", "left_over_method", "left_over_rtol", "agreement_rtol"}
-    }
-    read = load(save(old, tmp_path / "old.nc"))
-    assert differences(rerun(read), read)["agrees"]
-    record, _ = describe(read)
-    assert record["method"]["rtol"] == 1e-10
-    assert not new & set(record)

@@ -66,16 +66,6 @@ def test_whirls_beside_a_fold_stay_two():
     assert met.find(changed(whirl, final_state=1.001 * whirl["final_state"])) is None
 
 
-def test_numbers_are_those_of_the_limit_cycle():
-    table = basin_fractions(BOUNCER, **BOX, starts=100)
-    row = table.isel(attractor=int(np.flatnonzero(np.isfinite(table.period))[0]))
-    exact = limit_cycle(BOUNCER, start=(0, 0, 0, 0))
-    for name in ("period", "radius_min", "radius_max"):
-        assert float(row[name]) == pytest.approx(float(exact[name]), rel=1e-11)
-    spin = float(exact.whirl_amplitude[exact.line_kind.values == 0][0])
-    assert float(row.amplitude) == pytest.approx(spin, rel=1e-9)
-
-
 def test_fading_touches_tend_to_the_whirl_that_just_reaches_the_ring():
     table = basin_fractions(BOUNCER, **BOX, starts=2000)
     row = table.isel(attractor=1)

@@ -80,7 +80,7 @@ def test_close_to_a_period_doubling_orbits_creep_and_are_held_as_soon_as_others(
 def test_only_a_stable_cycle_beside_an_orbit_counts():
     """From rest beside the bouncing cycle, but not far out; below the doubling it is unstable."""
     settled = settle_disc(BOUNCER, (0.0, 0.0, 0.0, 0.0), Options())
-    beside = np.array([settled.end, (12.0, 0.0, 0.0, 0.0)]).T
+    beside = np.array([settled.motion.state, (12.0, 0.0, 0.0, 0.0)]).T
     batch = batch_of(BOUNCER, beside)
     assert fates.beside_cycle(batch, 0)
     assert len(batch.known.cycles) == 1
@@ -120,7 +120,7 @@ def test_chaos_that_lasts_says_so():
 
 
 def test_chaos_that_is_a_transient_says_how_long_it_lasts():
-    found = basin_fractions(Rotor(omega=1.5, zeta=0.01, delta0=2.0), **BOX, starts=200)
+    found = basin_fractions(Rotor(omega=1.5, zeta=0.01, delta0=2.0), **BOX, starts=100)
     chaos = found.isel(attractor=int(np.flatnonzero(found.kind == RESPONSE["chaotic"])[0]))
     assert 0.1 < float(chaos.fraction) < 0.5
     # some ten of them leave while they are watched; were it none, the bound would be 46,000
@@ -130,7 +130,6 @@ def test_chaos_that_is_a_transient_says_how_long_it_lasts():
 
 NARROW = {
     "beside a doubling": (Rotor(omega=1.8036, zeta=0.07, delta0=2.0), 12),
-    "chaos in a narrow window": (Rotor(omega=1.38, zeta=0.07, delta0=1.0), 24),
     "weak chaos": (Rotor(omega=1.69, zeta=0.07, delta0=2.0), 12),
     "chaos that is left": (Rotor(omega=1.5, zeta=0.01, delta0=2.0), 24),
 }

@@ -4,8 +4,8 @@ import numpy as np
 import pytest
 
 from rotor_ida import Rotor, basin_fractions
-from rotor_ida.basins import following
 from rotor_ida.schema import RESPONSE
+from rotor_ida.steady import grid
 
 FIGURE_7 = Rotor(omega=1.7, zeta=0.07, delta0=0.0)
 
@@ -56,7 +56,7 @@ def test_a_start_has_the_same_label_however_many_are_drawn(monkeypatch):
         chosen.extend(job.labeller.rtol for job in jobs)
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(following, "run_all", stops)
+    monkeypatch.setattr(grid, "run_all", stops)
     for count in (8, 12):
         basin_fractions(rotor, **box, starts=count)
     assert chosen == [1e-11, 1e-11]

@@ -51,22 +51,6 @@ def test_a_start_does_not_depend_on_its_neighbours(count):
         assert alone[2][0] == times[number]
 
 
-@pytest.mark.parametrize("delta0", [0.0, 0.5, 2.0])
-def test_it_ends_where_cvode_ends(delta0):
-    rotor = Rotor(omega=1.7, zeta=0.07, delta0=delta0)
-    states = random_states(8, half_width=5.0)
-    ends, labels, times = followed(rotor, states, duration=5.0, tolerance=1e-9)
-    assert (labels == UNDECIDED).all()
-    for number in range(8):
-        time = float(times[number])
-        assert time >= 5.0
-        end = run(rotor, tuple(states[:, number]), time, np.empty(0), Options()).end
-        turn = np.exp(-1j * rotor.omega * time)
-        found = complex(ends[0, number], ends[1, number])
-        # the time itself is told in single precision
-        assert abs(found - complex(end[0], end[1]) * turn) < 1e-5
-
-
 def test_contact_free_starts_are_told_at_once_and_no_others():
     """A start is caught at time 0 exactly if flight keeps it inside the clearance for ever."""
     rotor = Rotor(omega=1.0, zeta=0.5, delta0=3.0)

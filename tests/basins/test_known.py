@@ -35,7 +35,7 @@ def test_motions_from_the_rim_touch_for_ever(rotor):
         velocity = 1j * rotor.omega * whirl + 2.0 * rotor.zeta * drift
         start = (position.real, position.imag, velocity.real, velocity.imag)
         settled = settle_disc(rotor, start, Options(rtol=1e-10))
-        assert settled.response == "touching"
+        assert settled.kind == "touching"
         assert settled.features.radius_max == pytest.approx(rotor.delta0, abs=excess)
 
 
@@ -94,7 +94,7 @@ def test_touches_that_fade_are_held_on_the_rim_with_friction_too():
     known = known_from_closed_forms(rotor, GO_ON)
     labels = decide(Batch(known, starts, 1e-6, GO_ON)).labels
     alone = [
-        settle_disc(rotor, tuple(each), Options(method="taylor", rtol=1e-11)).response
+        settle_disc(rotor, tuple(each), Options(method="taylor", rtol=1e-11)).kind
         for each in starts.T.tolist()
     ]
     fades = np.array([each == "touching" for each in alone])

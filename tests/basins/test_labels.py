@@ -27,7 +27,6 @@ from tests.basins.lanes import GO_ON, RUBBING, WHIP
 
 BOX = {"x": (-6, 6), "y": (-6, 6), "vx": (-6, 6), "vy": (-6, 6)}
 PLANE = {"x": (-4, 4), "y": (-4, 4)}
-HELD = Rotor(omega=1.7, zeta=0.1, delta0=1.0, shaft_stiffness=0.25, load=0.3)
 
 
 @pytest.mark.parametrize(
@@ -135,54 +134,13 @@ def test_no_label_differs_from_that_of_a_start_followed_by_itself(rotor):
     alone = Options(method="taylor", rtol=1e-11)
     for label, start in zip(labels.tolist(), starts.T.tolist(), strict=True):
         settled = settle_disc(rotor, tuple(start), alone)
-        assert kinds[label] == settled.response
+        assert kinds[label] == settled.kind
         if label >= known.first_cycle:
             cycle = cycles[label - known.first_cycle]
             assert settled.features.period == pytest.approx(cycle.duration, rel=1e-6)
             assert settled.features.radius_max == pytest.approx(cycle.radius_max, rel=1e-6)
         if kinds[label] == "synchronous":
             assert settled.features.amplitude == pytest.approx(known.whirls[0].amplitude, rel=1e-6)
-
-
-def test_a_grid_of_starts_is_labelled_as_they_are_one_by_one():
-    axis = np.linspace(-6.0, 6.0, 9)
-    found = basin(WHIP, x=axis, y=0.0, vx=0.0, vy=axis)
-    starts = [(x, 0.0, 0.0, vy) for x in axis for vy in axis]
-    alone = sweep(**WHIP.given, starts=starts, method="taylor").squeeze()
-    np.testing.assert_array_equal(
-        found.response.transpose("x", "vy").values.ravel(), alone.response
-    )
-    assert {RESPONSE["rolling"], RESPONSE["synchronous"]} <= set(alone.response.values.tolist())
-    whirls = np.isin(found.kind.values, [RESPONSE["synchronous"], RESPONSE["contact_free"]])
-    assert ((found.trapping.values == TRAPPING["proven"]) == whirls).all()
-    assert found.agreement == 1.0
-
-
-def test_starts_end_where_a_sweep_from_each_of_them_ends():
-    """By CVODE; on a cycle of whole revolutions, which is the one that Newton's method finds."""
-    rotor = Rotor(omega=2.0, zeta=0.2, delta0=1.0, load=0.4)
-    found = basin_fractions(rotor, **PLANE, starts=12, seed=3)
-    starts = drawn_from(np.array([[-4, 4], [-4, 4], [0, 0], [0, 0]], float), 3, 0, 12).T
-    alone = sweep(omega=2.0, zeta=0.2, delta0=1.0, load=0.4, starts=starts)
-    kinds, counts = np.unique(alone.response, return_counts=True)
-    told = {
-        kind: int(found["count"].values[found.kind.values == kind].sum())
-        for kind in np.unique(found.kind).tolist()
-    }
-    assert told == dict(zip(kinds.tolist(), counts.tolist(), strict=True))
-    assert int(found.undecided_count) == 0
-    assert (found.confirmed == 1).all()
-    for name in ("radius_max", "period"):
-        seen = np.unique(alone[name].values[np.isfinite(alone[name])].round(6))
-        np.testing.assert_allclose(np.sort(found[name].values), seen, atol=2e-6)
-    number = int(np.argmax(found["count"].values))
-    revolutions = float(found.period[number]) * rotor.omega / (2.0 * math.pi)
-    assert revolutions == pytest.approx(round(revolutions), rel=1e-12)
-    on_it = np.flatnonzero(
-        np.abs(alone.radius_max.values.ravel() - float(found.radius_max[number])) < 1e-6
-    )[0]
-    cycle = limit_cycle(rotor, start=tuple(starts[on_it]))
-    assert float(found.radius_max[number]) == pytest.approx(float(cycle.radius_max), rel=1e-12)
 
 
 def test_where_the_shaft_holds_the_load_the_whirl_is_moved_by_it():
@@ -210,29 +168,11 @@ def test_a_rotor_that_does_not_turn_comes_to_rest(kappa, kind):
 def test_tori_are_one_kind_together():
     """A slight load makes one of the cycle at (2, 0.07, 2), whose period is no whole revolution."""
     rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0, load=0.05)
-    found = basin_fractions(rotor, x=3.0, y=0.0, vx=(-0.1, 0.1), starts=2)
+    found = basin_fractions(rotor, x=3.0, y=0.0, vx=(-0.1, 0.1), starts=2, rtol=1e-6)
     assert found.kind.values.tolist() == [RESPONSE["quasi_periodic"]]
     assert 1.5 < float(found.radius_min[0]) < 2.0 < float(found.radius_max[0]) < 4.5
     told = found.response_fraction.sel(response=RESPONSE["quasi_periodic"])
     assert float(told) == 1.0
-
-
-@pytest.mark.parametrize(
-    ("rotor", "box", "methods"),
-    [
-        (HELD, PLANE, {"labelling_method": "dop853", "left_over_method": "taylor"}),
-        (WHIP, BOX, {"labelling_method": "dop853", "left_over_method": "taylor"}),
-    ],
-    ids=["under a load", "with friction"],
-)
-def test_what_followed_them_is_said(rotor, box, methods):
-    found = basin_fractions(rotor, **box, starts=5)
-    assert methods.items() <= found.attrs.items()
-    for name, value in rotor.given.items():
-        assert found.attrs[name] == found[name].item() == value
-    if rotor.load:  # the cycle of the scouts holds all others
-        assert found.agreement == 1.0
-        assert found.trapping.values.tolist() == [TRAPPING["estimated"]]
 
 
 def test_without_friction_no_kind_is_told_that_cannot_be():

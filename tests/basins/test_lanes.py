@@ -13,7 +13,7 @@ import pytest
 from scipy.integrate import DOP853, solve_ivp
 
 import rotor_ida
-from rotor_ida import Rotor, simulate
+from rotor_ida import Rotor
 from rotor_ida.basins import kernel, known
 from rotor_ida.basins.kernel import LANES, NOT_FORWARDS, SECTION, UNDECIDED
 from rotor_ida.core.identity import library_path
@@ -218,18 +218,3 @@ def test_the_loop_over_lanes_is_vector_code(model):
     packed = re.findall(r"\bv(?:fn?madd|mul|sqrt|add)\w*pd\b", assembly)
     scalar = re.findall(r"\bv(?:fn?madd|mul|sqrt|add)\w*sd\b", assembly)
     assert len(packed) > 4 * len(scalar)
-
-
-def test_every_orbit_is_left_at_the_same_moment():
-    """At the end of the time that was asked for: two of them can be held against each other."""
-    rotor = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
-    states = np.random.default_rng(1).uniform(-4.0, 4.0, (4, LANES))
-    ends, _, times = followed(rotor, states, 7.25, 1e-10)
-    assert (times == np.float32(7.25)).all()
-    for number in range(0, LANES, 8):
-        run = simulate(
-            rotor, start=states[:, number], duration=7.25, samples=2, method="taylor", rtol=1e-13
-        )
-        turn = np.exp(-1j * 2.0 * 7.25)
-        z = complex(run.x[-1], run.y[-1]) * turn
-        assert complex(*ends[:2, number]) == pytest.approx(z, abs=1e-6)

@@ -207,17 +207,6 @@ def test_fractions_lie_within_their_errors_of_those_of_the_disc():
     assert many.attrs["range_x"].tolist() == [-4.0, 4.0]
 
 
-def test_an_interrupt_leaves_the_rest_not_computed():
-    def interrupt(done, _total):
-        if done:
-            raise KeyboardInterrupt
-
-    partly = basin(SYSTEM, **PLANE, workers=1, executor="serial", progress=interrupt)
-    assert partly.attrs["interrupted"] == 1
-    assert int(partly.not_computed_count) == 8
-    assert int((partly.label == FATE["not_computed"]).sum()) == 8
-
-
 def test_a_start_that_fails_is_not_computed_and_says_why(found, monkeypatch):
     true, failing = subjects.settle_system, []
 

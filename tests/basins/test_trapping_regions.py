@@ -29,7 +29,7 @@ def test_v_falls_on_the_boundary_and_inside(rotor):
     for each in regions:
         assert each.exists
         for scale in (1.0, 0.7, 0.3, 1e-3):
-            states = states_of(each, scale, 400)
+            states = states_of(each, scale, 150)
             if rotor.friction:
                 assert (np.hypot(*states.T[:2]) > rotor.delta0).all()
                 assert (slip_of(states.T, rotor) > 0.0).all()
@@ -83,7 +83,7 @@ def test_a_rotor_without_stable_whirl_has_no_set():
     assert trapping_regions(Rotor(omega=2.0, zeta=0.07, delta0=2.0)) == []
 
 
-@pytest.mark.parametrize("beyond", [1e-12, 1e-9, 1e-6, 1e-4])
+@pytest.mark.parametrize("beyond", [1e-12, 1e-6])
 @pytest.mark.parametrize("zeta", [1e-4, 0.07])
 def test_next_to_a_fold_there_is_a_small_set_or_none(zeta, beyond):
     """Where decay is lost in rounding no region is claimed; warnings are errors here."""

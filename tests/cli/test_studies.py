@@ -15,9 +15,9 @@ import pytest
 
 import rotor_ida
 import rotor_ida.cli
-from rotor_ida.basins import following
 from rotor_ida.cli.output import working
 from rotor_ida.results.studies.store import FILE, PIECES
+from rotor_ida.steady import grid
 from tests.cli.conftest import Program
 
 SWEEP = [
@@ -156,7 +156,7 @@ def test_an_atlas_of_given_starts_tells_how_many(program: Program):
 
 def test_an_interrupted_sample_has_no_result_yet(program: Program, monkeypatch: Any):
 
-    real = following.run_all
+    real = grid.run_all
 
     def breaks_off(*given: Any, **more: Any) -> Any:
         for turn, found in real(*given, **more):
@@ -168,7 +168,7 @@ def test_an_interrupted_sample_has_no_result_yet(program: Program, monkeypatch: 
     sample += ["--x=-5:5", "--y=-5:5", "--starts", "2000", "--study", "study"]
     sample += ["--executor", "serial", "--out", "out.nc"]
     with monkeypatch.context() as patch:
-        patch.setattr(following, "run_all", breaks_off)
+        patch.setattr(grid, "run_all", breaks_off)
         answer = program(*sample)
     assert answer.status == 130
     assert answer.err == (

@@ -20,7 +20,6 @@ from tests.cycles.known import (
     state_of,
 )
 
-NAMES = ("omega", "delta0")
 AROUND = {"omega": (2.2, 3.1), "delta0": (0.45, 0.55)}
 RUB = Rotor(omega=1.2, zeta=0.07, delta0=0.5, friction=0.1, disc_radius=10.0)
 

@@ -27,17 +27,6 @@ def branch():
     return continue_cycle(BOUNCING.rotor, start=REST, limits=(1.75, 2.1))
 
 
-def test_a_state_is_a_guess_without_a_period():
-    guess = guess_of(BOUNCING.rotor, [1, 2, 3, 4])
-    assert (guess.state.tolist(), guess.period, guess.special) == ([1.0, 2.0, 3.0, 4.0], None, "")
-
-
-def test_a_cycle_is_a_guess_with_its_own_state_and_period(cycle):
-    guess = guess_of(BOUNCING.rotor, cycle)
-    assert guess.period == cycle["period"].item()
-    assert guess.state[0] == cycle["x"][0].item()
-
-
 def test_a_point_of_a_branch_brings_its_parameter(branch):
     """The rotor may be any of the branch: the continued parameter is taken from the point."""
     point = branch.isel(point=3)

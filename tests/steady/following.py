@@ -1,12 +1,8 @@
 """What rotors settle on, for the tests of this folder, and rotors whose cycles are known."""
 
-import numpy as np
-
 from rotor_ida import Rotor
-from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.options import Options
-from rotor_ida.steady.follow import limits_of, settle_disc
-from rotor_ida.steady.motion import Motion
+from rotor_ida.steady.follow import settle_disc
 
 REST = (0.0, 0.0, 0.0, 0.0)
 SHAFT = {"delta0": 1.0, "shaft_stiffness": 0.25}
@@ -20,12 +16,6 @@ def of_paper(omega, delta0, start=REST, zeta=0.07, options=None, **settings):
     """What a rotor without a shaft, load or friction settles on."""
     rotor = Rotor(omega=omega, zeta=zeta, delta0=delta0)
     return settle_disc(rotor, start, options or Options(), **settings)
-
-
-def slowest_multiplier(rotor, state, period):
-    """The multiplier of a cycle by which a sweep decides."""
-    flow = DiscFlow(rotor, rtol=1e-12)
-    return Motion(flow, limits_of(flow), np.array(state)).slowest_multiplier(period)
 
 
 # Rotors under a load, and after how many revolutions the motion from rest comes again.

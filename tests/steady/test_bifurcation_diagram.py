@@ -1,23 +1,17 @@
 """Extrema of the radius: exact where motions are known, and the table of a diagram."""
 
 import math
-from dataclasses import replace
 
 import numpy as np
 import pytest
 
-from rotor_ida import Rotor, SimulationError, bifurcation_diagram, simulate
+from rotor_ida import Rotor, bifurcation_diagram, simulate
 from rotor_ida.closed_forms import planar_period
-from rotor_ida.core.interface import STUCK
-from rotor_ida.core.runs import follow_run
 from rotor_ida.schema import RESPONSE
-from rotor_ida.simulation import flow
 from rotor_ida.simulation.crossings import MAXIMUM, MINIMUM, radius_extrema
 from rotor_ida.simulation.flow import DiscFlow
 
-GO_ON = np.zeros(1, np.uint8)
 REST = (0.0, 0.0, 0.0, 0.0)
-BOUNCING = Rotor(omega=2.0, zeta=0.07, delta0=2.0)
 
 
 def test_planar_vibration_turns_back_at_its_amplitude_every_half_period():
@@ -96,16 +90,6 @@ def test_over_the_load_a_cycle_has_its_extrema_again_and_again():
     np.testing.assert_allclose(distinct, np.unique(np.round(radius[turns], 6)), atol=1e-4)
     assert distinct.size == turns.size
     assert radii.max() == pytest.approx(found.radius_max.values.ravel()[1], rel=1e-9)
-
-
-def test_failure_says_where(monkeypatch):
-    def stuck(asked):
-        return replace(follow_run(replace(asked, duration=0.04, sample_times=None)), status=STUCK)
-
-    monkeypatch.setattr(flow, "follow_run", stuck)
-    message = r"could not be followed: time no longer advances \(at t = 0\.04"
-    with pytest.raises(SimulationError, match=message):
-        radius_extrema(DiscFlow(BOUNCING, rtol=1e-10), np.array(REST), 10.0)
 
 
 def test_with_friction_the_extrema_of_dry_whip_are_those_of_its_samples():

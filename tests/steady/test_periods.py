@@ -1,6 +1,5 @@
 """Turning points, their recurrence, and the multiplier that says what a recurrence is worth."""
 
-import math
 from dataclasses import replace
 
 import numpy as np
@@ -10,10 +9,8 @@ from rotor_ida import Rotor
 from rotor_ida.core.runs import EXTREMUM
 from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.options import Options
-from rotor_ida.steady.follow import settle_disc
 from rotor_ida.steady.motion import turning_points
 from rotor_ida.steady.periods import recurrence, recurrence_by_revolutions
-from tests.steady.following import slowest_multiplier
 
 DURATION = 30.0
 METHODS = [Options(), Options(method="taylor"), Options(flight="cvode")]
@@ -48,7 +45,7 @@ def test_turning_points_of_a_free_whirl_are_known(options):
 
 
 @pytest.mark.parametrize("options", METHODS)
-@pytest.mark.parametrize(("omega", "delta0"), [(2.0, 2.0), (3.0, 0.5), (1.7, 0.0)])
+@pytest.mark.parametrize(("omega", "delta0"), [(2.0, 2.0), (1.7, 0.0)])
 def test_maxima_and_minima_of_a_simulated_motion_take_turns(omega, delta0, options):
     rotor = Rotor(omega=omega, zeta=0.07, delta0=delta0)
     found = found_in(rotor, (0.3, 0.2, 0.1, -0.4), options)
@@ -57,15 +54,6 @@ def test_maxima_and_minima_of_a_simulated_motion_take_turns(omega, delta0, optio
     flow, times = DiscFlow(rotor, options=options), np.append(found["time"], DURATION)
     place, velocity = flow.observed(np.array([0.3, 0.2, 0.1, -0.4]), times).places[:, :-1]
     assert np.abs((place.conj() * velocity).real).max() < 1e-10
-
-
-@pytest.mark.parametrize("options", METHODS)
-def test_through_the_centre_the_radius_is_smallest_where_it_vanishes(options):
-    """Planar free vibration without clearance passes the centre, where |z| has a corner."""
-    found = found_in(Rotor(omega=0.0, zeta=0.0, delta0=0.0), (1.0, 0.0, 0.0, 0.0), options)
-    assert found["radius"][found["kind"] < 0.0].max() < 1e-9
-    inner = found["radius"][found["kind"] > 0.0][1:]
-    np.testing.assert_allclose(inner, 1.0, rtol=1e-8)
 
 
 def test_a_constant_radius_has_no_turning_points():
@@ -109,26 +97,6 @@ def test_a_swing_near_the_tolerance_is_no_cycle():
     """The last of a spiral inwards differs little from turn to turn, but its swing is no more."""
     spiral = 2.0 + 1e-9 * 0.9 ** np.arange(12)
     assert recurrence(turns(spiral, low=2.0 - 1e-9), 1e-8) is None
-
-
-def test_no_maxima_no_period():
-    assert recurrence(np.empty(0, EXTREMUM), 1e-8) is None
-
-
-@pytest.mark.parametrize(
-    ("omega", "delta0", "period", "expected"),
-    [
-        (2.0, 2.0, 4.563916675380, complex(-0.51147221, 0.51598781)),
-        (3.0, 0.5, 3.115214254929, complex(0.53147652, 0.60337913)),
-    ],
-)
-def test_multipliers_are_the_known_ones(omega, delta0, period, expected):
-    """From DESIGN, section 9, where two programs that share nothing agree on them."""
-    rotor = Rotor(omega=omega, zeta=0.07, delta0=delta0)
-    settled = settle_disc(rotor, (0.0, 0.0, 0.0, 0.0), Options())
-    found = slowest_multiplier(rotor, settled.end, period)
-    assert complex(found.real, abs(found.imag)) == pytest.approx(expected, abs=1e-7)
-    assert abs(found) == pytest.approx(math.exp(-0.07 * period), rel=1e-9)
 
 
 def strobes(multiplier, size, count=40):

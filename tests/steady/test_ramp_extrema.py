@@ -40,14 +40,20 @@ def test_extrema_are_those_of_a_sampled_run_up(machine, start, speeds, rate):
     radius, motion = np.hypot(run.x.values, run.y.values), run.speed.values
     rising = run.x.values * run.vx.values + run.y.values * run.vy.values
     turns = np.flatnonzero(np.diff(np.sign(rising[1:]))) + 2  # it begins with none
-    met = np.concatenate([each.speeds for each in passages])
-    radii = np.concatenate([each.radii for each in passages])
+    met, radii = (
+        np.concatenate([each.events[f"extremum_{name}"] for each in passages])
+        for name in ("speed", "radius")
+    )
     assert met.size == turns.size > 10
     step = np.abs(np.diff(motion)).max()
     assert np.abs(met - motion[turns]).max() <= 1.01 * step
     np.testing.assert_allclose(radii, radius[turns], atol=2e-3)
-    assert min(each.smallest for each in passages) == pytest.approx(radius.min(), abs=1e-4)
-    assert max(each.largest for each in passages) == pytest.approx(radius.max(), abs=1e-5)
+    assert min(each.figures["radius_min"] for each in passages) == pytest.approx(
+        radius.min(), abs=1e-4
+    )
+    assert max(each.figures["radius_max"] for each in passages) == pytest.approx(
+        radius.max(), abs=1e-5
+    )
 
 
 def test_as_the_rate_falls_a_run_up_becomes_quasi_static():

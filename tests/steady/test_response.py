@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from rotor_ida import Rotor, synchronous_response
+from rotor_ida import Rotor
 from rotor_ida.closed_forms import touch_fading
 from rotor_ida.core.runs import CONTACT, EXTREMUM
 from rotor_ida.schema.flags import ENTRY, EXIT
@@ -19,7 +19,6 @@ from rotor_ida.steady.response import (
     rolls_backwards,
     touches_fade,
     touches_grow_slighter,
-    whirls_steadily,
 )
 
 OMEGA = 2.0
@@ -62,15 +61,6 @@ def test_extreme_radii_of_a_cycle_are_those_of_its_last_period():
 
 def test_a_phase_lag_that_no_double_holds_is_none():
     assert phase_lag_of(complex(1e3, -5e-324)) == 0.0
-
-
-def test_a_whirl_of_constant_radius_in_contact_is_synchronous_if_it_is_a_solution():
-    exact = synchronous_response(omega=OMEGA, zeta=0.07, delta0=0.5).squeeze()
-    rotor = Rotor(omega=OMEGA, zeta=0.07, delta0=0.5)
-    whirl = exact.amplitude.item() * np.exp(1j * (OMEGA * TIMES - exact.phase_lag.item()))
-    assert whirls_steadily(window(whirl, rotor, in_contact=True))
-    assert not whirls_steadily(window(1.001 * whirl, rotor, in_contact=True))
-    assert not whirls_steadily(window(whirl, rotor, in_contact=False))
 
 
 FADING = Rotor(omega=OMEGA, zeta=0.07, delta0=2.0)

@@ -1,7 +1,6 @@
 """The summary of a run-up: facts against `run_ups`, and words for each ending."""
 
 import math
-import sys
 from dataclasses import replace
 
 import numpy as np
@@ -21,7 +20,6 @@ from rotor_ida import (
     summary,
 )
 from rotor_ida.schema import words_of
-from rotor_ida.steady.run_up_summary import margin_in_words
 from rotor_ida.units import SPEED_UNITS
 
 REST = (0.0, 0.0, 0.0, 0.0)
@@ -140,19 +138,6 @@ def test_a_summary_is_of_a_run_up_that_was_sampled_at_its_end():
         summary(simulate(rotor, start=start, duration=10.0))
 
 
-def test_a_long_run_up_tells_how_far_it_is(monkeypatch):
-    monkeypatch.setattr(sys.modules["rotor_ida.parallel.interruptible"], "TOLD_EVERY", 1e-3)
-    told = []
-    run_up(PUMP, progress=lambda *done: told.append(done), to=6000.0 * SPEED_UNITS["rpm"],
-           ramp_time=200.0)  # fmt: skip
-    done = [part for part, whole in told if whole == 100]
-    assert len(done) == len(told) > 0
-    assert done == sorted(done)
-    assert done[0] >= 0
-    assert done[-1] == 100
-    assert len(done) > 1
-
-
 def test_a_system_has_the_summary_of_its_disc():
     """The other kernel: facts, verdict and sentence of one disc as a system, on every ending."""
     for rotor, to, rate, start in (ENDINGS["rub"], ENDINGS["contact_free"]):
@@ -189,16 +174,6 @@ def test_the_sentence_says_where_a_system_is_touched_and_what_rounding_decides()
     early = run.assign(horizon=run["horizon"] * 0.0 + 1.0)
     assert "After 1 of " in summary(early).attrs["sentence"]
     assert "how it ends, is one of many possible ones." in summary(early).attrs["sentence"]
-
-
-@pytest.mark.parametrize(
-    ("speed", "running", "said"),
-    [(5287.0, 3600.0, ", 47 % above the running speed"),
-     (1800.0, 3600.0, ", 50 % below the running speed"),
-     (-1800.0, -1800.5, ", the running speed"), (3.0, None, "")],
-)  # fmt: skip
-def test_a_margin_is_said_in_per_cent_of_the_running_speed(speed, running, said):
-    assert margin_in_words(speed, running) == said
 
 
 def test_a_whirl_that_excites_itself_is_told_first_with_its_threshold():

@@ -1,7 +1,6 @@
 """Many run-ups: each is that of `run_up`, and ends on what its last speed has."""
 
 import math
-from collections import Counter
 
 import numpy as np
 import pytest
@@ -11,7 +10,6 @@ from rotor_ida.closed_forms import peaks
 from rotor_ida.paper.whip import is_whip
 from rotor_ida.schema import ENDING, RESPONSE, flags_of, words_of
 from rotor_ida.steady import run_up_outcome
-from rotor_ida.steady.run_ups import fractions_of
 
 REST = (0.0, 0.0, 0.0, 0.0)
 START = (0.3, -0.1, 0.2, 0.1)
@@ -174,21 +172,6 @@ def test_a_disc_that_slides_both_ways_by_turns_whips_too():
     kinds = set(late.event_kind.values[late.event_time.values > 60.0].tolist())
     assert kinds == {3}
     assert float((late.x * late.vy - late.y * late.vx).max()) < 0.0
-
-
-def test_fractions_are_those_that_are_counted():
-    endings = np.random.default_rng(3).choice(list(ENDING.values()), size=(3, 4, 5))
-    found = fractions_of(endings, (1, 2))
-    for row in range(3):
-        counts = Counter(endings[row].ravel().tolist())
-        total = 20 - counts[ENDING["failed"]]
-        assert found["failed_count"][row] == counts[ENDING["failed"]]
-        for word in ("contact_free", "rub", "whip", "unresolved"):
-            share = counts[ENDING[word]] / total
-            assert found[f"{word}_fraction"][row] == share
-            error = math.sqrt(share * (1.0 - share) / total)
-            assert found[f"{word}_fraction_error"][row] == pytest.approx(error)
-    assert np.isnan(fractions_of(np.full((2, 3), -1), (1,))["rub_fraction"]).all()
 
 
 def test_dimensions():

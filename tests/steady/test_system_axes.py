@@ -17,7 +17,6 @@ from rotor_ida import (
     plot,
     sweep,
 )
-from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, parameter_of, with_parameters
 from rotor_ida.plot.figures import figure_of
 from rotor_ida.verification.verify import differences, rerun
 
@@ -118,15 +117,6 @@ def test_a_factor_of_the_stiffness_is_of_the_supports_too():
     start = {"speed": SPEED, "starts": ["rest"]}
     one, other = sweep(held, stiffness=2.0, **start), sweep(twice, **start)
     np.testing.assert_array_equal(one.final_state, other.final_state)
-
-
-@pytest.mark.parametrize("name", PARAMETERS_OF_SYSTEM)
-def test_a_system_is_as_it_is_at_its_own_value(name):
-    same = with_parameters(RUB, {name: parameter_of(RUB, name)})
-    for each in ("contacts", "unbalance"):
-        assert getattr(same, each) == getattr(RUB, each)
-    for each in ("damping", "stiffness"):
-        np.testing.assert_array_equal(getattr(same, each), getattr(RUB, each))
 
 
 BARE = replace(RUB, contacts=(), unbalance=(), damping=None)

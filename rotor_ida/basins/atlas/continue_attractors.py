@@ -5,7 +5,8 @@ from __future__ import annotations
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Unpack
+from functools import partial
+from typing import Any, Unpack
 
 import numpy as np
 import numpy.typing as npt
@@ -16,7 +17,7 @@ from rotor_ida.basins.atlas.cells import MOST_STARTS, Cell, CellJob, fill_cell, 
 from rotor_ida.basins.atlas.dataset import atlas_dataset, how_computed
 from rotor_ida.basins.atlas.identities import identify
 from rotor_ida.basins.disc import RTOL
-from rotor_ida.basins.following import run_due
+from rotor_ida.basins.starts import Box
 from rotor_ida.basins.subjects import OF_SYSTEM, subjects_of
 from rotor_ida.checks import (
     COMPONENTS,
@@ -26,7 +27,6 @@ from rotor_ida.checks import (
     check_count,
     check_increasing,
     check_progress,
-    check_seed,
     is_scalar,
     shown,
 )
@@ -40,7 +40,8 @@ from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.results.question import Question
 from rotor_ida.results.studies.results import open_results
 from rotor_ida.simulation.options import LARGEST
-from rotor_ida.simulation.starts import Start, box_of, drawn_from, range_of
+from rotor_ida.simulation.starts import Start, range_of
+from rotor_ida.steady.grid import keep_whole, run_due
 from rotor_ida.steady.points import turning_speeds
 
 # The atlas is drawn over a line or a plane.
@@ -163,7 +164,7 @@ def continue_attractors(
     >>> found["count"].values.tolist()
     [[2, 6], [5, 3]]
     """
-    states, drawn = _states({"x": x, "y": y, "vx": vx, "vy": vy}, starts, seed)
+    states, drawn, told = _states({"x": x, "y": y, "vx": vx, "vy": vy}, starts, seed)
     tried = check_count("shocks", shocks, minimum=0, maximum=MOST_SHOCKS)
     how = choose(executor, workers, compiled=True), check_progress(progress), study
     if isinstance(rotor, RotorSystem):
@@ -182,16 +183,10 @@ def continue_attractors(
     cells, reason = _filled(jobs, question, *how)
     interruptible(lambda stop: identify(cells, _lines(asked), stop))
     attributes = {
-        **how_computed(tolerance, tried, subjects), **subjects.told, **_described(drawn, reason),
-        **question.attribute(),
+        **how_computed(tolerance, tried, subjects), **subjects.told, **told,
+        **({"not_computed_reason": reason} if reason else {}), **question.attribute(),
     }  # fmt: skip
     return atlas_dataset(subjects, cells, states.shape[1], attributes)
-
-
-def _described(drawn: Mapping[str, object], reason: str) -> dict[str, object]:
-    """Return attributes that describe the starts, and why some were not followed."""
-    told = {f"range_{each}" if each in COMPONENTS else each: drawn[each] for each in drawn}
-    return told | ({"not_computed_reason": reason} if reason else {})
 
 
 def _filled(
@@ -201,13 +196,13 @@ def _filled(
     """Return the cell of each rotor, and why one failed, or nothing."""
     count, cells = len(jobs), [Cell(each.rotor, not_computed=each.states.shape[1]) for each in jobs]
     with open_results(study, question.design(), count, form_of(jobs[0].rotor)) as kept:
-        reason = run_due(
-            fill_cell, jobs.__getitem__, count, kept, lambda _: 1, workers=workers,
-            progress=progress, total=count,
+        run_due(
+            fill_cell, jobs.__getitem__, range(count), kept, partial(keep_whole, kept, lambda _: 1),
+            workers=workers, progress=progress, total=count,
         )  # fmt: skip
         for number, cell in kept.results():
             cells[number] = replace(cell, rotor=jobs[number].rotor)
-    return cells, reason
+    return cells, kept.lost
 
 
 def _check_grid(grid: Varied) -> Varied:
@@ -224,15 +219,11 @@ def _check_grid(grid: Varied) -> Varied:
 
 def _states(
     ranges: Mapping[str, npt.ArrayLike], starts: object, seed: object
-) -> tuple[Values, dict[str, object]]:
-    """Return the starts, shape (4, n), and their description."""
+) -> tuple[Values, dict[str, Any], dict[str, object]]:
+    """Return the starts, shape (4, n), and what they are as arguments and as attributes."""
     if is_scalar("starts", starts):
-        count = check_count("starts", starts, maximum=MOST_STARTS)
-        chosen = check_seed(seed)
-        box = box_of(ranges, count)
-        description: dict[str, object] = {"starts": count, "seed": chosen}
-        description |= {name: limits.tolist() for name, limits in zip(COMPONENTS, box, strict=True)}
-        return drawn_from(box, chosen, 0, count), description
+        box = Box.of(starts, seed, MOST_STARTS, **ranges)
+        return box.starts(0, box.count), box.given, box.attributes
     given = check_array("starts", starts, largest=LARGEST)
     if given.ndim != 2 or given.shape[1] != len(COMPONENTS) or not 1 <= len(given) <= MOST_STARTS:
         raise InputError(
@@ -241,7 +232,8 @@ def _states(
         )
     if any(range_of(name, value) != (0.0, 0.0) for name, value in ranges.items()):
         raise InputError("x, y, vx and vy must be left out where starts are given")
-    return np.ascontiguousarray(given.T), {"starts": given.tolist()}
+    told = {"starts": given.tolist()}
+    return np.ascontiguousarray(given.T), told, told
 
 
 def _lines(grid: Varied) -> list[list[int]]:

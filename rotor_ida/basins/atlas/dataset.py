@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from operator import attrgetter
 from typing import Any
 
 import numpy as np
@@ -106,10 +105,10 @@ def _of_cell(cell: Cell, starts: int) -> dict[str, float]:
 
 def how_computed(rtol: float, shocks: int, subjects: Subjects) -> dict[str, object]:
     """Return, as attributes, the methods for starts and, if any were tried, for shocks."""
-    discs = [each for each in subjects.points if isinstance(each, Rotor)]
-    typical = max(discs, key=attrgetter("friction"), default=None)
-    how = labelled_how(rtol, typical)
-    if shocks and discs:
+    first = subjects.points[0]
+    disc = first if isinstance(first, Rotor) else None
+    how = labelled_how(rtol, disc)
+    if shocks and disc is not None:
         how |= followed_by("witness", witness_options())
     return {**provenance(how), "shocks": shocks}
 

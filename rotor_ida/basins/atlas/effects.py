@@ -11,13 +11,13 @@ from typing import Any
 
 import numpy as np
 
-from rotor_ida.arrays import ComplexValues, Values
+from rotor_ida.arrays import Values
 from rotor_ida.basins.attractors import AT_THE_SPIN, CONTACT_FREE_FAMILY, has_period, kind_of
 from rotor_ida.basins.subjects import KnockedSystem
 from rotor_ida.core.runs import NO_STOP
+from rotor_ida.cycles.dataset import whirl_of
 from rotor_ida.model.contact import contact_force
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.model.whirl import steps_of_turning, whirl_over_spin
 from rotor_ida.schema import WHIRL_DIRECTION
 from rotor_ida.schema.flags import ENTRY, EXIT
 from rotor_ida.signals.forces import contact_forces
@@ -37,9 +37,6 @@ NUMBERS = (
 # and with friction.
 OF_FRICTION = ("heat_per_revolution", "slip_distance_per_revolution", "rolling_fraction")
 LOSS = "contact_loss_per_revolution"
-# Lines at less than this part of the speed stand still; and those below this part of the largest
-# are rounding, or what has not quite settled.
-STANDS_STILL, NO_LINE = 1e-6, 1e-6
 
 
 def effects_of(rotor: Rotor | KnockedSystem, row: np.void) -> dict[str, Any]:
@@ -170,35 +167,3 @@ def _of_system(knocked: KnockedSystem, row: np.void) -> dict[str, Any]:
         "dissipation_per_revolution": run.ledger["damping"] / turns + float((heat + loss).sum()),
         **({LOSS: loss} if any(damped) else {}), **of_friction, **whirl,
     }  # fmt: skip
-
-
-def whirl_of(
-    places: ComplexValues, angles: Values, *, stands: bool, at_the_spin: bool = False
-) -> dict[str, Any]:
-    """Return sense and speed of the whirl of each node, and its strongest line other than 1X.
-
-    Parameters
-    ----------
-    places : ndarray of complex, shape (n + 1, node)
-        Displacements at equal times, over which the motion repeats itself on rotating axes.
-    angles : ndarray, shape (n + 1,)
-        Angles by which the rotor has turned [rad].
-    stands : bool
-        Whether the motion may have a part that stands still, which is no whirl.
-    at_the_spin : bool
-        Whether it moves at the speed of the unbalance alone.
-    """
-    if at_the_spin or stands:
-        places = places - places[:-1].mean(axis=0)
-    sizes = np.abs(np.fft.fft((places * np.exp(-1j * angles)[:, np.newaxis])[:-1], axis=0))
-    orders = 1.0 + np.fft.fftfreq(len(sizes), 1.0 / len(sizes)) * (2.0 * math.pi / angles[-1])
-    sizes[np.abs(orders) < STANDS_STILL] = 0.0
-    forward, backward = (np.linalg.norm(sizes[part], axis=0) for part in (orders > 0, orders < 0))
-    turned = np.array([steps_of_turning(each).sum() for each in places.T])
-    ratio, sense = whirl_over_spin(turned, angles[-1], forward, backward)
-    largest = sizes.max(axis=0)
-    sizes[0] = 0.0  # 1X, which is all of a motion that stands still on rotating axes
-    sizes *= stands or not at_the_spin
-    lines = orders[sizes.argmax(axis=0)]
-    strongest = np.where(sizes.max(axis=0) > NO_LINE * largest, lines, math.nan)
-    return {"whirl_over_spin": ratio, "whirl_sense": sense, "side_line_over_spin": strongest}

@@ -40,6 +40,7 @@ from rotor_ida.cycles.shooting import close_orbit
 from rotor_ida.errors import SimulationError
 from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.schema import RESPONSE
 from rotor_ida.simulation.flow import DiscFlow
 from rotor_ida.simulation.systems.flow import SystemFlow
 from rotor_ida.steady import response
@@ -57,17 +58,6 @@ SHARED = (response.CONTACT_FREE, response.TOUCHING, response.CHAOTIC)
 # Periods of neighbouring attractors of a system that are one differ by less than this factor: where
 # a period doubles, there is another one.
 NEW_PERIOD = 1.5
-# Attractors are numbered in this order of their kinds.
-KINDS = (
-    response.CONTACT_FREE,
-    response.TOUCHING,
-    response.SYNCHRONOUS,
-    response.BOUNCING,
-    response.FULL_CONTACT,
-    response.ROLLING,
-    response.QUASI_PERIODIC,
-    response.CHAOTIC,
-)
 
 
 def identify(cells: Sequence[Cell], lines: Sequence[Sequence[int]], stop: Stop) -> int:
@@ -234,7 +224,7 @@ def _ordered(members: Sequence[tuple[int, Member]]) -> dict[int, int]:
     """Return the number of each group: by kind of response, then in order of occurrence."""
     kinds: dict[int, list[int]] = {}
     for group, each in members:
-        kinds.setdefault(group, []).append(KINDS.index(each.kind))
+        kinds.setdefault(group, []).append(RESPONSE[each.kind])
     usual = {group: max(set(found), key=found.count) for group, found in kinds.items()}
     ordered = sorted(usual, key=lambda group: (usual[group], group))
     return {group: number for number, group in enumerate(ordered)}

@@ -23,14 +23,14 @@ from rotor_ida.basins.following import follow_starts
 from rotor_ida.basins.known import followed_alone
 from rotor_ida.basins.starts import Box
 from rotor_ida.basins.subjects import one_rotor, subjects_of
-from rotor_ida.checks import MOST_SHOCKS, check_count, check_progress, check_seed
+from rotor_ida.checks import MOST_SHOCKS, check_count, check_progress
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.parallel import Progress, Stop, Workers, choose, interruptible, shows_progress
 from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.results.studies.results import Results
-from rotor_ida.simulation.starts import Start, box_of
+from rotor_ida.simulation.starts import Start
 
 # Number of shocks of each kind, unless told otherwise.
 SHOCKS, SHOCKS_OF_SYSTEM = 4096, 64
@@ -182,9 +182,8 @@ def touchdown_report(
     >>> report.contact_fraction.values.tolist()
     [[1.0], [0.0]]
     """
-    count = check_count("starts", starts, maximum=MOST_STARTS)
-    limits = box_of({"x": x, "y": y, "vx": vx, "vy": vy}, count)
-    box, tried = Box(limits, count, check_seed(seed)), _shocks_to_try(rotor, shocks)
+    box = Box.of(starts, seed, MOST_STARTS, x=x, y=y, vx=vx, vy=vy)
+    count, tried = box.count, _shocks_to_try(rotor, shocks)
     how = choose("threads", workers, compiled=True), check_progress(progress)
     if isinstance(rotor, RotorSystem):
         rotor = changed_system(touchdown_report, rotor, changed)

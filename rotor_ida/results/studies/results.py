@@ -65,6 +65,7 @@ class Results(Generic[Result]):
         self.points_done = study.points_done if study else 0
         self._study, self._form = study, form
         self._held: dict[int, Result] = {}  # those in memory
+        self.lost = ""  # why one has no result
 
     def keep(
         self, number: int, result: Result, points: int, *, failed: int = 0, reason: str = ""
@@ -77,9 +78,10 @@ class Results(Generic[Result]):
         self.done.add(number)
         self.points_done += points
 
-    def hold(self, number: int, result: Result) -> None:
+    def hold(self, number: int, result: Result, points: int) -> None:
         """Keep the result of a job for this session only; the next session runs it again."""
         self._held[number] = result
+        self.points_done += points
 
     def results(self) -> Iterator[tuple[int, Result]]:
         """Yield the number and the result of each job, in the order of the numbers."""

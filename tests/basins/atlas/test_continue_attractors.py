@@ -12,7 +12,9 @@ from rotor_ida import (
     limit_cycle,
     synchronous_response,
 )
+from rotor_ida.basins.atlas import resilience
 from rotor_ida.basins.atlas.cells import CellJob, fill_cell, form_of
+from rotor_ida.basins.atlas.shocks import Effort
 from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.schema import RESPONSE
 from tests.basins.atlas.reports import BOX, WIDE, of_kind
@@ -110,7 +112,9 @@ def test_from_one_law_of_contact_to_the_other_nothing_is_followed():
     assert np.isin(kinds, family).all()
 
 
-def test_a_stored_cell_comes_back_whole():
+def test_a_stored_cell_comes_back_whole(monkeypatch):
+    few = Effort(rounds=6, leading=2, neighbours=4, turns=2)
+    monkeypatch.setattr(resilience.DiscSearch, "effort", few)
     rotor = Rotor(**PLAIN, shaft_stiffness=0.25, contact_exponent=1.0, contact_damping=0.1)
     states = np.array([[0.0, 4.0], [0.0, 0.0], [0.0, 0.0], [0.0, 0.0]])
     cell, form = fill_cell(CellJob(rotor, states, 16, 1e-6), np.zeros(1, np.uint8)), form_of(rotor)

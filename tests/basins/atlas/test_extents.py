@@ -61,7 +61,7 @@ def drawn():
     """Return rotors all over the plane with a stable whirl in contact each."""
     random = np.random.default_rng(7)
     rotors = []
-    while len(rotors) < 40:
+    while len(rotors) < 20:
         rotor = Rotor(
             omega=random.uniform(0.3, 4.0), zeta=10.0 ** random.uniform(-2.0, -0.5),
             delta0=random.choice([0.0, random.uniform(0.05, 3.0)]),
@@ -71,7 +71,6 @@ def drawn():
     return rotors
 
 
-@cache
 def extents(rotor):
     """Return both ends of each whirl along each parameter, with its amplitude."""
     return [
@@ -93,23 +92,46 @@ LITTLE_DAMPING = [
 PARTS = 0.5 - 0.5 * np.cos(np.pi * np.linspace(0.0, 0.99, 4000))
 
 
-@pytest.mark.parametrize("number", range(40))
+@pytest.mark.parametrize("number", range(20 + len(LITTLE_DAMPING)))
 def test_a_whirl_ends_where_the_locus_of_folds_says(number):
-    """`folds` finds them otherwise: by crossings of one function along the locus."""
-    rotor = drawn()[number]
-    for name, _, ends in extents(rotor):
-        for end in ends:
+    """`folds` finds them otherwise: by crossings of one function along the locus.
+
+    Two whirls are lost at a fold, which are one there, and one where the whirl leaves the ring.
+    """
+    rotor = [*drawn(), *LITTLE_DAMPING][number]
+    for name, amplitude, ends in extents(rotor):
+        for way, end in zip((-1.0, 1.0), ends, strict=True):
+            if end.kind == "none":
+                assert end.value == (math.inf if end.value > 0.0 else 0.0)
+                continue
+            there = with_value(rotor, name, end.value)
+            before, beyond = (
+                with_value(rotor, name, end.value * (1.0 + side * 1e-7 * way))
+                for side in (-1.0, 1.0)
+            )
+            lost = count_of_whirls(before) - count_of_whirls(beyond)
+            assert lost == {"fold": 2, "touch": 1}[end.kind]
+            if rotor in LITTLE_DAMPING:
+                continue
             if end.kind == "fold":
-                there = with_value(rotor, name, end.value)
                 known = folds(zeta=there.zeta, delta0=there.delta0).fold_omega.values
                 assert np.nanmin(np.abs(known / there.omega - 1.0)) < 1e-7
-            elif end.kind == "touch":
-                there = with_value(rotor, name, end.value)
+            else:
                 size = there.omega / math.hypot(there.omega, 2.0 * there.zeta)
                 assert size == pytest.approx(there.delta0, rel=1e-12)
-            else:
-                assert end.kind == "none"
-                assert end.value == (math.inf if end.value > 0.0 else 0.0)
+            if number < 8:
+                check_it_can_be_followed(rotor, name, amplitude, end.value)
+
+
+def check_it_can_be_followed(rotor, name, amplitude, end):
+    """In small steps, each to the nearest stable whirl: none jumps before the end."""
+    begin, here = getattr(rotor, name), amplitude
+    values = begin + (end - begin) * PARTS
+    parameters = {each: getattr(rotor, each) for each in PARAMETERS} | {name: values}
+    for row in stable_whirls(**parameters).reshape(values.size, -1):
+        nearest = float(row[np.nanargmin(np.abs(row - here))])
+        assert abs(nearest - here) < 0.03 * here
+        here = nearest
 
 
 @pytest.mark.parametrize(
@@ -129,37 +151,6 @@ def test_a_whirl_that_never_fits_into_the_clearance_ends_at_folds(omega, zeta, d
         there = with_value(rotor, name, high.value)
         found = folds(zeta=there.zeta, delta0=there.delta0).fold_omega.values
         assert np.nanmin(np.abs(found / omega - 1.0)) < 1e-7
-
-
-@pytest.mark.parametrize("number", range(15))
-def test_up_to_there_the_whirl_can_be_followed(number):
-    """In small steps, each to the nearest stable whirl: none jumps before the end."""
-    rotor = drawn()[number]
-    for name, amplitude, ends in extents(rotor):
-        begin = getattr(rotor, name)
-        for end in ends:
-            if end.kind == "none":
-                continue
-            values = begin + (end.value - begin) * PARTS
-            parameters = {each: getattr(rotor, each) for each in PARAMETERS} | {name: values}
-            here = amplitude
-            for row in stable_whirls(**parameters).reshape(values.size, -1):
-                nearest = float(row[np.nanargmin(np.abs(row - here))])
-                assert abs(nearest - here) < 0.03 * here
-                here = nearest
-
-
-@pytest.mark.parametrize("number", range(40 + len(LITTLE_DAMPING)))
-def test_at_an_end_whirls_are_lost(number):
-    """Two at a fold, which are one there, and one where the whirl leaves the ring."""
-    rotor = [*drawn(), *LITTLE_DAMPING][number]
-    for name, _, ends in extents(rotor):
-        for way, end in zip((-1.0, 1.0), ends, strict=True):
-            if end.kind != "none":
-                before = with_value(rotor, name, end.value * (1.0 - 1e-7 * way))
-                beyond = with_value(rotor, name, end.value * (1.0 + 1e-7 * way))
-                lost = count_of_whirls(before) - count_of_whirls(beyond)
-                assert lost == {"fold": 2, "touch": 1}[end.kind]
 
 
 def test_the_jumps_of_the_paper_are_ends():
@@ -225,7 +216,7 @@ def test_a_cycle_ends_where_a_torus_is_born():
     assert sizes[0] < 1.0 < sizes[2]
 
 
-@pytest.mark.parametrize("beyond", [1e-6, 1e-5, 1e-4, 1e-2])
+@pytest.mark.parametrize("beyond", [1e-6, 1e-2])
 def test_a_whirl_that_barely_touches_ends_on_the_side_of_the_ring(beyond):
     zeta, delta0 = 0.5, 0.9
     touch = 2.0 * zeta * delta0 / math.sqrt(1.0 - delta0**2)
@@ -308,7 +299,7 @@ def test_whip_ends_at_the_corner_where_it_no_longer_rolls():
     place = tuple(state.tolist())
     for friction in np.geomspace(0.2, 1.001 * low.value, 8).tolist():
         settled = settle_disc(replace(WHIP, friction=friction), place, Options())
-        assert settled.response == "rolling"
-        place = settled.end
+        assert settled.kind == "rolling"
+        place = settled.motion.state
     below = settle_disc(replace(WHIP, friction=0.999 * low.value), place, Options())
-    assert below.response == "synchronous"
+    assert below.kind == "synchronous"

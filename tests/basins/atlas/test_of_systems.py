@@ -16,7 +16,8 @@ from rotor_ida import (
     synchronous_response,
     touchdown_report,
 )
-from rotor_ida.basins.atlas.shocks import KINDS
+from rotor_ida.basins.atlas import resilience
+from rotor_ida.basins.atlas.shocks import KINDS, Effort
 from rotor_ida.closed_forms import touch_fading
 from rotor_ida.core.runs import NO_STOP
 from rotor_ida.model.assembly import assemble
@@ -34,19 +35,24 @@ OF_ONE = (
 RUBS = ("heat_per_revolution", "slip_distance_per_revolution", "rolling_fraction")
 
 
+FEW = Effort(rounds=6, least=4, leading=2, neighbours=4, turns=8)
+
+
 def as_system(rotor, **given):
     return touchdown_report(rotor.system(), speed=rotor.omega, node="disc", **given)
 
 
 @pytest.fixture(scope="module")
 def two_nodes():
-    return touchdown_report(SYSTEM, speed=SPEED, **NEAR, starts=12, shocks=16, workers=2)
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(resilience.SystemSearch, "effort", FEW)
+        return touchdown_report(SYSTEM, speed=SPEED, **NEAR, starts=8, shocks=16, workers=2)
 
 
 def test_shocks_of_one_disc_are_found_as_a_system_too():
     """With 16 shocks for 4096: none is smaller, and the error that it states holds."""
-    one = touchdown_report(RUB, **BOX, starts=20)
-    many = as_system(RUB, **BOX, starts=20, shocks=16, workers=2)
+    one = touchdown_report(RUB, **BOX, starts=10)
+    many = as_system(RUB, **BOX, starts=10, shocks=16, workers=2)
     assert decode_flags(many.kind).values.tolist() == ["synchronous", "contact_free"]
     np.testing.assert_array_equal(many.fraction, one.fraction)
     for kind in KINDS:

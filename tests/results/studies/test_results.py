@@ -14,8 +14,8 @@ from rotor_ida.steady import points, run_ups
 from rotor_ida.steady.grid import form_of
 
 FORMS = {
-    "points of a sweep": form_of("points of a sweep", "points", points.POINT, points.EVENT),
-    "run-up": form_of("run-up", "run_ups", run_ups.POINT),
+    "points of a sweep": form_of("points of a sweep", points.POINT, points.EVENT),
+    "run-up": form_of("run-up", run_ups.POINT),
     "labelled batch of starts": following.FORM,
     "stretch of a branch": continue_cycle.FORM,
     "attractors of a rotor": cells.form_of(Rotor(omega=1.7, zeta=0.07, delta0=0.0)),
