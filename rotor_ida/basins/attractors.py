@@ -26,7 +26,7 @@ from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema import RESPONSE, TRAPPING, by_number
 from rotor_ida.simulation.flow import DiscFlow, Flow
 from rotor_ida.simulation.options import Options, adams_or_taylor
-from rotor_ida.simulation.systems.flow import SystemFlow
+from rotor_ida.simulation.system_flow import SystemFlow
 from rotor_ida.steady import response
 from rotor_ida.steady.follow import Features, Settled, settle_disc
 from rotor_ida.steady.grid import Table

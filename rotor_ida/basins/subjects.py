@@ -28,7 +28,7 @@ from rotor_ida.model.system_parameters import SPEED
 from rotor_ida.model.varied import Varied
 from rotor_ida.simulation.options import check_can_be_followed
 from rotor_ida.simulation.starts import Start
-from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
+from rotor_ida.simulation.system_flow import SettlingProblem, SystemFlow
 from rotor_ida.steady import response
 from rotor_ida.steady.follow import settle_system
 from rotor_ida.steady.grid import EXPECTED, reason_of

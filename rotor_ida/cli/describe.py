@@ -31,10 +31,10 @@ from rotor_ida.cycles.branch_course import parameters_of, stable_ranges
 from rotor_ida.model.parameters import ALL_PARAMETERS, OF_MACHINE
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
 from rotor_ida.results.archived_system import clearance_of_contacts
+from rotor_ida.results.checked_run import course_of
 from rotor_ida.results.dataset_kinds import KINDS, OTHER, kind_of, loaded
 from rotor_ida.results.depths import beyond_model
 from rotor_ida.results.growth_words import stability_words
-from rotor_ida.results.run import course_of
 from rotor_ida.results.sheets import Line, Range, Sheet, facts, table
 from rotor_ida.results.si_units import MACHINE
 from rotor_ida.schema import ENDS_IN_WORDS, RESPONSE, words_of

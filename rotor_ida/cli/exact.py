@@ -21,7 +21,7 @@ from rotor_ida.closed_forms.contact_free import complex_amplitude
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.model.rotor import Rotor
-from rotor_ida.results.run import parameter_coordinates, rotor_of
+from rotor_ida.results.checked_run import parameter_coordinates, rotor_of
 from rotor_ida.results.si_units import EXACT
 from rotor_ida.schema import LINE_KIND, labelled_dataset, words_of
 from rotor_ida.signals.record import Record, record_of

@@ -24,7 +24,7 @@ from rotor_ida.errors import SimulationError
 from rotor_ida.model.assembly import Assembly, assemble
 from rotor_ida.model.axisymmetric import forward_motions
 from rotor_ida.simulation.flow import Flow
-from rotor_ida.simulation.systems.flow import SystemFlow
+from rotor_ida.simulation.system_flow import SystemFlow
 
 # Factor on the range, estimated from two nearby points, in which the bifurcation is sought.
 FARTHER = 4.0

@@ -49,7 +49,7 @@ from rotor_ida.results.studies.results import Folder, Form, Results, open_result
 from rotor_ida.schema import SPECIAL, by_number
 from rotor_ida.simulation.flow import DiscFlow, Flow
 from rotor_ida.simulation.starts import Start
-from rotor_ida.simulation.systems.flow import SystemFlow
+from rotor_ida.simulation.system_flow import SystemFlow
 
 Continued = Literal[
     "omega", "zeta", "delta0", "shaft_stiffness", "contact_damping", "load", "friction",

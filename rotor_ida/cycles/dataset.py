@@ -41,7 +41,7 @@ from rotor_ida.schema import (
 )
 from rotor_ida.schema.quantities import SPECIAL_VALUES
 from rotor_ida.simulation.flow import RTOL, Flow
-from rotor_ida.simulation.systems.flow import SystemFlow
+from rotor_ida.simulation.system_flow import SystemFlow
 from rotor_ida.steady.follow import features_of_system
 
 # The error of a cycle is estimated from further solutions with a tolerance looser by

@@ -26,7 +26,7 @@ from rotor_ida.schema import RESULT_KIND, SPECIAL, by_number, check_as_computed
 from rotor_ida.schema.quantities import SPECIAL_VALUES
 from rotor_ida.simulation.flow import DiscFlow, Flow
 from rotor_ida.simulation.starts import RUNS, start_of
-from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
+from rotor_ida.simulation.system_flow import SettlingProblem, SystemFlow
 from rotor_ida.steady.points import check_slowest, state_of_start
 
 DOUBLING, HOPF = "period_doubling", "hopf"

@@ -57,7 +57,7 @@ from rotor_ida.simulation.starts import (
     given_start,
     start_of,
 )
-from rotor_ida.simulation.systems.flow import SystemFlow
+from rotor_ida.simulation.system_flow import SystemFlow
 from rotor_ida.steady.decision import decide
 from rotor_ida.steady.follow import limits_of
 from rotor_ida.steady.grid import answers_at_each

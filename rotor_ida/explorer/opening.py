@@ -17,9 +17,9 @@ from rotor_ida.explorer.messages import (
     state_of,
 )
 from rotor_ida.model.data_sheet import KEYS, implausible
+from rotor_ida.results.checked_run import rotor_of
 from rotor_ida.results.dataset_kinds import kind_of
 from rotor_ida.results.machine_file import load_machine, read_data_sheet
-from rotor_ida.results.run import rotor_of
 from rotor_ida.results.si_units import dimensionless, machine_of
 
 

@@ -15,7 +15,7 @@ from rotor_ida.checks import check_increasing, check_nonnegative, check_vector, 
 from rotor_ida.errors import InputError
 from rotor_ida.fitting.measured_angle import angle_at_samples, angle_by_pulses
 from rotor_ida.fitting.motion import Body, Turning
-from rotor_ida.results.run import samples_in
+from rotor_ida.results.checked_run import samples_in
 from rotor_ida.schema.quantities import UNITS
 from rotor_ida.signals.keyphasor import check_per_revolution
 from rotor_ida.signals.orders import revolutions_for

@@ -13,16 +13,18 @@ With the indentation ``d = r - delta0 > 0``, the radial velocity d' and the slip
 
 The first section states the law by ``q = sqrt(d)``, in which it is analytic through q = 0. It is
 what the core integrates: `rotor_ida.model.writing` runs these functions over symbols and writes
-them to C in two ways: inlined into fields and series of ``core/derived*.c``, through
+them to C in three ways: inlined into fields and series of ``core/derived*.c``, through
 `rotor_ida.model.modes` for one disc, and of ``core/derived_element.h``, through
-`rotor_ida.model.element` for the contacts of rotor systems; and, all but `drag_of`, as functions of
-``core/derived*.h`` for C that is written by hand. The second section gives the same law by r or d
-for Python; of it only the law without clearance (`secant_of_square`) reaches C.
+`rotor_ida.model.element` for the contacts of rotor systems; inlined into the motion of many starts
+side by side (`rotor_ida.model.lanes`); and, all but `drag_of`, as functions of
+``core/derived.h``, ``derived_whole.h`` and ``derived_run_up.h`` for C that is written by hand. The
+second section gives the same law by r or d for Python; of it only the law without clearance
+(`secant_of_square`) reaches C.
 
 The force, its derivative, the potential, the Jacobians, the events and the datasets take the Hertz
 exponent from this module. Some code depends on the exponent 3/2 itself, where the force is the cube
-of q: the polynomials of the whirls and the locus of their folds, the periods of free vibration, and
-the variables of the contact phase. `rotor_ida.closed_forms.restoring_law` applies the law to
+of q: the polynomials of the whirls and of their folds, the periods of free vibration, and the
+variables of the contact phase. `rotor_ida.closed_forms.restoring_law` applies the law to
 arrays.
 CONTRIBUTING.md ("A law of contact") says what a new one touches.
 

@@ -46,7 +46,7 @@ from rotor_ida.plot.labels import (
 )
 from rotor_ida.plot.legends import legend_below, shared_legend
 from rotor_ida.plot.motion import draw_motion
-from rotor_ida.results.run import rotor_of
+from rotor_ida.results.checked_run import rotor_of
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import LINE_KIND, MODE, words_of
 from rotor_ida.signals.path import Path

@@ -14,7 +14,7 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS, FRICTIONLESS, PARAMETERS
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
 from rotor_ida.results.archived_system import clearance_of_contacts
-from rotor_ida.results.run import refuse_system
+from rotor_ida.results.checked_run import refuse_system
 from rotor_ida.results.si_units import LARGE_ONES, in_suitable_units, scale_of
 from rotor_ida.schema import QUANTITIES, check_variables, flags_of
 from rotor_ida.signals.nodes import Ring

@@ -18,8 +18,8 @@ from rotor_ida.plot.appearance import circle, new_figure, say_in_middle, style
 from rotor_ida.plot.datasets import contact_text
 from rotor_ida.plot.labels import label_axis, speeds_in, unit_of
 from rotor_ida.plot.legends import shared_legend
+from rotor_ida.results.checked_run import check_system_run
 from rotor_ida.results.files import check_target, file_to_write
-from rotor_ida.results.run import check_system_run
 from rotor_ida.results.si_units import in_suitable_units
 from rotor_ida.schema import OF_DROP
 from rotor_ida.texts import in_figure

@@ -21,7 +21,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.model.parameters import OF_ROTOR, OPTIONAL, PARAMETERS
 from rotor_ida.model.system_parameters import PARAMETERS_OF_SYSTEM, SPEED
 from rotor_ida.plot.datasets import hold_units, is_of_disc, one_value, units_in
-from rotor_ida.results.run import course_of
+from rotor_ida.results.checked_run import course_of
 from rotor_ida.results.si_units import in_rpm, machine_of, si_of
 from rotor_ida.texts import in_figure
 from rotor_ida.units import SPEED_UNITS, UNITS, number, quantity, read_in, spelled

@@ -21,7 +21,7 @@ from rotor_ida.plot.datasets import check_dataset, clearance_of, contact_in, con
 from rotor_ida.plot.decimation import draw_over_time, draw_path
 from rotor_ida.plot.labels import label_axis
 from rotor_ida.plot.legends import legend_below
-from rotor_ida.results.run import check_columns, check_system_run, is_of_system
+from rotor_ida.results.checked_run import check_columns, check_system_run, is_of_system
 from rotor_ida.results.si_units import in_suitable_units, scale_of
 from rotor_ida.schema import MODE, flags_of
 from rotor_ida.signals.nodes import Ring, path_in, rings_of

@@ -45,7 +45,7 @@ from rotor_ida.plot.motion import (
     square,
 )
 from rotor_ida.plot.runs import TALL, WIDTH
-from rotor_ida.results.run import is_of_system, nodes_in
+from rotor_ida.results.checked_run import is_of_system, nodes_in
 from rotor_ida.results.si_units import scale_of
 
 # Height of the orbits [inch].

@@ -42,7 +42,7 @@ from rotor_ida.plot.motion import (
     shade_contacts,
     square,
 )
-from rotor_ida.results.run import check_system_run, is_of_system, nodes_in
+from rotor_ida.results.checked_run import check_system_run, is_of_system, nodes_in
 from rotor_ida.schema import MODE
 from rotor_ida.signals.nodes import Ring, check_node, path_in, rings_of
 

@@ -42,8 +42,8 @@ from rotor_ida.plot.labels import (
 from rotor_ida.plot.legends import legend_below, shared_legend
 from rotor_ida.plot.motion import checked_run
 from rotor_ida.plot.responses import LINES
+from rotor_ida.results.checked_run import check_system_run, nodes_in
 from rotor_ida.results.growth_words import RESONANT
-from rotor_ida.results.run import check_system_run, nodes_in
 from rotor_ida.schema import MODE, WHIRL_DIRECTION, flags_of, words_of
 from rotor_ida.texts import in_figure
 from rotor_ida.units import number, quantity

@@ -1,7 +1,7 @@
 """The border between SI units and dimensionless numbers: verbs of a `Rotor` take a machine too.
 
-It is also the place where an answer gets its question (`rotor_ida.results.question`): each of the
-decorators here calls a function and keeps its name and arguments in the result.
+It is also the place where an answer gets its question (`rotor_ida.results.question`): the
+decorators here, but for `keeps_si`, call a function and keep its name and arguments in the result.
 """
 
 from __future__ import annotations

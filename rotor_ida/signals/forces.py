@@ -12,8 +12,13 @@ from rotor_ida.arrays import Values
 from rotor_ida.model.contact import clipped_factor, contact_force
 from rotor_ida.model.forces import Moment, hold_of_rolling, with_values
 from rotor_ida.model.rotor import Rotor
+from rotor_ida.results.checked_run import (
+    check_one_speed,
+    check_run,
+    parameter_coordinates,
+    rotor_of,
+)
 from rotor_ida.results.in_si import keeps_si
-from rotor_ida.results.run import check_one_speed, check_run, parameter_coordinates, rotor_of
 from rotor_ida.schema import MODE, Column, labelled_dataset, origin_of
 
 NEEDED = (*("t", "x", "y", "vx", "vy", "entry_time", "exit_time"), "peak_time", "peak_force")

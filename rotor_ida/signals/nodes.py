@@ -12,7 +12,7 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS, check_nonnegative, did_you_mean, listed, shown
 from rotor_ida.errors import InputError
-from rotor_ida.results.run import check_system_run, nodes_in, samples_in
+from rotor_ida.results.checked_run import check_system_run, nodes_in, samples_in
 from rotor_ida.schema import MODE, labelled, origin_of, words_of
 from rotor_ida.signals.path import AFTER, Path, modes_at
 from rotor_ida.texts import in_figure

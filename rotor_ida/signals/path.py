@@ -15,8 +15,8 @@ import xarray as xr
 from rotor_ida.arrays import Values
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.model.equations import rotated
+from rotor_ida.results.checked_run import check_columns, check_run, rotor_of
 from rotor_ida.results.in_si import keeps_si
-from rotor_ida.results.run import check_columns, check_run, rotor_of
 from rotor_ida.results.si_units import scale_of
 from rotor_ida.schema import MODE, flags_of, labelled, words_of
 from rotor_ida.signals.forces import normal_force, radial_speed

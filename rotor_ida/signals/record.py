@@ -15,7 +15,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.checks import check_increasing, check_instance, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.parameters import ALL_PARAMETERS
-from rotor_ida.results.run import is_of_system, refuse_system, samples_in
+from rotor_ida.results.checked_run import is_of_system, refuse_system, samples_in
 from rotor_ida.schema import QUANTITIES, Column, labelled, labelled_dataset, origin_of
 from rotor_ida.signals.keyphasor import angles_by_pulses, check_per_revolution
 from rotor_ida.signals.nodes import OF_NODE, at_node

@@ -17,7 +17,7 @@ from rotor_ida.checks import (
     shown,
 )
 from rotor_ida.errors import InputError
-from rotor_ida.results.run import refuse_system, samples_in
+from rotor_ida.results.checked_run import refuse_system, samples_in
 from rotor_ida.results.si_units import scale_of
 
 # Samples per revolution, and per turn of the whirl. Measured signals have passed a filter;

@@ -16,8 +16,8 @@ from rotor_ida.errors import InputError
 from rotor_ida.model.assembly import Assembly
 from rotor_ida.model.contact import contact_force, contact_potential
 from rotor_ida.model.parameters import ALL_PARAMETERS
+from rotor_ida.results.checked_run import is_of_system
 from rotor_ida.results.in_si import keeps_si
-from rotor_ida.results.run import is_of_system
 from rotor_ida.schema import (
     WHIRL_DIRECTION,
     Column,

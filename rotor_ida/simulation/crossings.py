@@ -16,7 +16,7 @@ from rotor_ida.model.equations import rotated
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema.flags import ENTRY, EXIT, REVERSE, ROLL, SLIP
 from rotor_ida.simulation.flow import DiscFlow, Flow
-from rotor_ida.simulation.systems.flow import SystemFlow
+from rotor_ida.simulation.system_flow import SystemFlow
 
 # Events of a run by name; the last ones need friction.
 RUBS = {"roll": ROLL, "slip": SLIP, "reverse": REVERSE}

@@ -16,8 +16,8 @@ from rotor_ida.core.runs import SPIN, Rows
 from rotor_ida.model.assembly import Assembly, Canonical
 from rotor_ida.model.contact import clipped_factor, contact_force
 from rotor_ida.results.archived_system import problem_variables
+from rotor_ida.results.checked_run import event_columns, kinds_of_events, parameter_coordinates
 from rotor_ida.results.provenance import provenance
-from rotor_ida.results.run import event_columns, kinds_of_events, parameter_coordinates
 from rotor_ida.results.si_units import with_system_units
 from rotor_ida.schema import DAMPED_EVENT_KIND, OF_FRICTION_EVENT_KIND, labelled_dataset
 from rotor_ida.schema.flags import FLIES, IS_LOOSE, ROLLS

@@ -4,7 +4,7 @@ A state is read on axes that rotate with the unbalance, which is at angle 0 when
 a rotor without a fixed direction (a load, unequal bearings) moves by the same law at any time.
 Any other rotor does so after whole revolutions only, and its cycles close after these: the
 ``period`` of a flow. One protocol serves both kernels, that of one disc here and that of rotor
-systems in `rotor_ida.simulation.systems.flow`.
+systems in `rotor_ida.simulation.system_flow`.
 """
 
 from __future__ import annotations

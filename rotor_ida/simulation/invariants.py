@@ -101,7 +101,7 @@ def _check_energies(
 # ---- Of a rotor system ----
 
 
-def check_run(
+def check_system_orbit(
     assembly: Assembly, found: Canonical, request: SystemRequest, result: SystemResult, rtol: float
 ) -> None:
     """Raise an error where a run contradicts the mechanics.

@@ -35,7 +35,7 @@ from rotor_ida.results.growth_words import BEGINS, NOT_HELD, RATE, WHIRL_SPEED, 
 from rotor_ida.simulation.course import MOST_RADIANS, Course
 from rotor_ida.simulation.dataset import fastest_whirl, run_dataset, system_dataset
 from rotor_ida.simulation.event_errors import APART, EventErrors, estimate_event_errors, shifts_of
-from rotor_ida.simulation.invariants import check_run
+from rotor_ida.simulation.invariants import check_system_orbit
 from rotor_ida.simulation.options import Backend, Options, backend_of
 from rotor_ida.simulation.orbit import Orbit
 from rotor_ida.simulation.run import run, witness
@@ -210,7 +210,7 @@ def run_of_cases(
         )  # fmt: skip
         followed = replace(followed, result=result)
     asked = by_method(first.request, method, tolerance)
-    check_run(first.assembly, first.found, asked, followed.result, tolerance)
+    check_system_orbit(first.assembly, first.found, asked, followed.result, tolerance)
     told = {"method": method, "backend": backend, "rtol": tolerance, "duration": course.end,
             **course.told, **{name: each for name, each in modes.items() if each is not None},
             **_stability_of(first.found, course)}  # fmt: skip

@@ -30,10 +30,10 @@ from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.parallel import Progress, Stop, interruptible, percentage, shows_progress
 from rotor_ida.results.archived_system import described_problem
+from rotor_ida.results.checked_run import parameter_coordinates
 from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.results.provenance import provenance
 from rotor_ida.results.question import Question
-from rotor_ida.results.run import parameter_coordinates
 from rotor_ida.results.si_units import with_system_units
 from rotor_ida.schema import Column, labelled_dataset
 from rotor_ida.simulation.course import MOST_RADIANS
@@ -49,7 +49,7 @@ from rotor_ida.simulation.options import Method, Options, check_can_be_followed
 from rotor_ida.simulation.runs import LOOSEST_RTOL, TIGHTEST_RTOL
 from rotor_ida.simulation.simulate import DEFAULTS
 from rotor_ida.simulation.starts import Start, begun_in_modes, start_of, start_of_system
-from rotor_ida.simulation.systems.flow import SAMPLES_A_REVOLUTION, SettlingProblem, SystemFlow
+from rotor_ida.simulation.system_flow import SAMPLES_A_REVOLUTION, SettlingProblem, SystemFlow
 
 At = Literal["revolution", "entry", "exit", "peak", "roll", "slip", "reverse"]
 

@@ -61,7 +61,7 @@ from rotor_ida.simulation.sections import (
     checked_angle,
 )
 from rotor_ida.simulation.starts import GivenStart, Starts, box_of, drawn_from
-from rotor_ida.simulation.systems.flow import SystemFlow
+from rotor_ida.simulation.system_flow import SystemFlow
 from rotor_ida.steady.grid import (
     EXPECTED,
     NO_COLUMNS,

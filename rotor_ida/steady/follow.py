@@ -14,7 +14,7 @@ from rotor_ida.core.runs import NO_STOP
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.simulation.flow import DiscFlow, Flow, Window
 from rotor_ida.simulation.options import Options
-from rotor_ida.simulation.systems.flow import SAMPLES_A_REVOLUTION, SystemFlow
+from rotor_ida.simulation.system_flow import SAMPLES_A_REVOLUTION, SystemFlow
 from rotor_ida.steady.decision import Decision, decide
 from rotor_ida.steady.motion import WINDOW_REVOLUTIONS, Limits, Motion
 from rotor_ida.steady.response import (

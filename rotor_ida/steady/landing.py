@@ -23,7 +23,7 @@ import numpy as np
 from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.schema.flags import ENTRY
 from rotor_ida.simulation.flow import Window
-from rotor_ida.simulation.systems.flow import SAMPLES_A_REVOLUTION, SystemFlow
+from rotor_ida.simulation.system_flow import SAMPLES_A_REVOLUTION, SystemFlow
 
 # The largest step of Newton's method, in parts of the size of the motion, its most steps, and what
 # a step leaves at most of how far a state misses itself.

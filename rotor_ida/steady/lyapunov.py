@@ -49,7 +49,7 @@ from rotor_ida.simulation.lyapunov import (
 )
 from rotor_ida.simulation.options import check_can_be_followed, check_rtol
 from rotor_ida.simulation.starts import Start, given_start, start_of
-from rotor_ida.simulation.systems.flow import SystemFlow
+from rotor_ida.simulation.system_flow import SystemFlow
 from rotor_ida.steady.grid import answers_at_each
 from rotor_ida.steady.points import (
     Turning,

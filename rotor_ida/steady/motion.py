@@ -19,7 +19,7 @@ from rotor_ida.arrays import Values
 from rotor_ida.core.runs import Rows
 from rotor_ida.simulation.flow import STEADY, DiscFlow, Flow, Window, nontrivial
 from rotor_ida.simulation.lyapunov import exponents_of, means_of_rates
-from rotor_ida.simulation.systems.flow import SAMPLES_A_REVOLUTION, SystemFlow
+from rotor_ida.simulation.system_flow import SAMPLES_A_REVOLUTION, SystemFlow
 from rotor_ida.steady.landing import (
     MOST_REVOLUTIONS,
     Landing,

@@ -37,7 +37,7 @@ from rotor_ida.simulation.starts import (
     start_of_system,
     states_of,
 )
-from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
+from rotor_ida.simulation.system_flow import SettlingProblem, SystemFlow
 from rotor_ida.steady.follow import (
     Features,
     Settled,

@@ -37,7 +37,7 @@ from rotor_ida.model.contact import contact_force, secant_stiffness
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema.flags import ENTRY
 from rotor_ida.simulation.flow import DiscFlow, Window
-from rotor_ida.simulation.systems.flow import SystemFlow
+from rotor_ida.simulation.system_flow import SystemFlow
 
 CONTACT_FREE = "contact_free"
 SYNCHRONOUS = "synchronous"

@@ -32,7 +32,7 @@ from rotor_ida.simulation.run import run
 from rotor_ida.simulation.runs import run_of_cases
 from rotor_ida.simulation.spin import Ramp, SpeedProfile
 from rotor_ida.simulation.starts import GivenStart, Start, start_of
-from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
+from rotor_ida.simulation.system_flow import SettlingProblem, SystemFlow
 from rotor_ida.steady.decision import Decision
 from rotor_ida.steady.drop import with_unbalance_at
 from rotor_ida.steady.follow import settle_disc, settle_system

@@ -23,11 +23,11 @@ from rotor_ida.model.disc_starts import hanging
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.parallel import interruptible
 from rotor_ida.results.archived_system import system_of
+from rotor_ida.results.checked_run import check_run, check_system_run, is_of_system, rotor_of
 from rotor_ida.results.contact_facts import run_up_facts
 from rotor_ida.results.depths import beyond_in_words
 from rotor_ida.results.depths import beyond_model as beyond_of_system
 from rotor_ida.results.growth_words import BEGINS, RATE, stability_words
-from rotor_ida.results.run import check_run, check_system_run, is_of_system, rotor_of
 from rotor_ida.results.si_units import (
     dimensional,
     dimensionless,

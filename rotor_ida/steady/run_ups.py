@@ -28,7 +28,7 @@ from rotor_ida.schema import ENDING, ENDS_IN_WORDS, labelled
 from rotor_ida.simulation.course import SYSTEM_LIMITS, course_of, ramp_of
 from rotor_ida.simulation.options import LARGEST, Backend, Method, check_can_be_followed
 from rotor_ida.simulation.starts import Starts, start_of_system
-from rotor_ida.simulation.systems.flow import SettlingProblem
+from rotor_ida.simulation.system_flow import SettlingProblem
 from rotor_ida.steady.grid import Answers, Array, Ramps, check_size, labelled_points, run_study
 from rotor_ida.steady.points import (
     FEATURES,

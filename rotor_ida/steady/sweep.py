@@ -22,10 +22,10 @@ from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parameters import SPEED, AnyAxes
 from rotor_ida.model.varied import Varied, varied_of, varied_system_of
 from rotor_ida.parallel import Progress, choose, shows_progress
+from rotor_ida.results.checked_run import event_columns, kinds_of_events
 from rotor_ida.results.in_si import takes_rotors
 from rotor_ida.results.question import QUESTION, Question
 from rotor_ida.results.rows import counted
-from rotor_ida.results.run import event_columns, kinds_of_events
 from rotor_ida.results.studies.results import Folder
 from rotor_ida.schema import labelled, labelled_dataset
 from rotor_ida.simulation.options import Backend, Flight, Method

@@ -26,7 +26,7 @@ from rotor_ida.core.runs import NO_STOP
 from rotor_ida.model.assembly import assemble
 from rotor_ida.schema import FATE
 from rotor_ida.simulation.starts import start_of_system
-from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
+from rotor_ida.simulation.system_flow import SettlingProblem, SystemFlow
 from rotor_ida.verification.verify import rerun
 from tests.basins.lanes import WHIP
 from tests.random_systems import random_system

@@ -16,7 +16,7 @@ from rotor_ida.cycles.shooting import close_orbit, once_round
 from rotor_ida.model.assembly import assemble
 from rotor_ida.schema import RESPONSE, TRAPPING
 from rotor_ida.simulation.flow import DiscFlow
-from rotor_ida.simulation.systems.flow import SettlingProblem
+from rotor_ida.simulation.system_flow import SettlingProblem
 from rotor_ida.steady.follow import settle_disc
 from tests.basins.lanes import GO_ON, followed
 

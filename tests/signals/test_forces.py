@@ -10,7 +10,7 @@ from rotor_ida import (
     simulate,
 )
 from rotor_ida.plot import plot_forces
-from rotor_ida.results.run import rotor_of
+from rotor_ida.results.checked_run import rotor_of
 from tests.rotors import MOTIONS
 
 REST = (0.0, 0.0, 0.0, 0.0)

@@ -9,7 +9,7 @@ from rotor_ida import Rotor
 from rotor_ida.core.runs import NO_STOP
 from rotor_ida.model.assembly import assemble
 from rotor_ida.simulation.flow import DiscFlow
-from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
+from rotor_ida.simulation.system_flow import SettlingProblem, SystemFlow
 
 # Of one disc, and what they are of it as a system; the last is a factor of the damping.
 SAME = {

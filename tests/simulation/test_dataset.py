@@ -5,7 +5,7 @@ import xarray as xr
 
 from rotor_ida import InputError, Rotor, rotating, simulate
 from rotor_ida.model.parameters import FRICTIONLESS
-from rotor_ida.results.run import check_run, rotor_of
+from rotor_ida.results.checked_run import check_run, rotor_of
 from rotor_ida.schema import DAMPED_EVENT_KIND, EVENT_KIND, QUANTITIES, flags_of
 
 REST = (0.0, 0.0, 0.0, 0.0)

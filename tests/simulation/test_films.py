@@ -19,7 +19,7 @@ from rotor_ida import (
 )
 from rotor_ida.core.runs import NO_STOP
 from rotor_ida.model.assembly import assemble
-from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
+from rotor_ida.simulation.system_flow import SettlingProblem, SystemFlow
 from tests.films import on_films
 
 SPEED = 1700.0

@@ -8,7 +8,7 @@ from rotor_ida.model.assembly import assemble
 from rotor_ida.model.parameters import PARAMETERS
 from rotor_ida.simulation.flow import MAXIMUM, DiscFlow
 from rotor_ida.simulation.options import Options
-from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
+from rotor_ida.simulation.system_flow import SettlingProblem, SystemFlow
 from tests.cycles.known import once_round
 
 GO_ON = np.zeros(1, np.uint8)

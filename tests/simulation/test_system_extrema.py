@@ -9,7 +9,7 @@ import pytest
 from rotor_ida import Rotor, RotorSystem
 from rotor_ida.model.assembly import assemble
 from rotor_ida.simulation.crossings import distance_extrema
-from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
+from rotor_ida.simulation.system_flow import SettlingProblem, SystemFlow
 from tests.random_systems import random_system
 
 GO_ON = np.zeros(1, np.uint8)

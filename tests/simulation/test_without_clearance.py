@@ -23,7 +23,7 @@ from rotor_ida import (
 from rotor_ida.closed_forms.free_vibration import free_periods
 from rotor_ida.core.runs import NO_STOP
 from rotor_ida.model.assembly import assemble
-from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
+from rotor_ida.simulation.system_flow import SettlingProblem, SystemFlow
 
 REST = (0.0, 0.0, 0.0, 0.0)
 LOADED = {"omega": 1.2, "zeta": 0.05, "load": 0.3, "shaft_stiffness": 0.5}

@@ -42,7 +42,7 @@ from rotor_ida.model.parameters import ALL_PARAMETERS
 from rotor_ida.model.rotor import Rotor
 from rotor_ida.schema import RESPONSE
 from rotor_ida.simulation.flow import DiscFlow
-from rotor_ida.simulation.systems.flow import SystemFlow
+from rotor_ida.simulation.system_flow import SystemFlow
 from rotor_ida.steady import response
 from rotor_ida.steady.grid import EXPECTED
 

@@ -61,7 +61,7 @@ from rotor_ida.cycles.shooting import close_orbit
 from rotor_ida.errors import SimulationError
 from rotor_ida.schema import END
 from rotor_ida.simulation.flow import DiscFlow
-from rotor_ida.simulation.systems.flow import SystemFlow
+from rotor_ida.simulation.system_flow import SystemFlow
 from rotor_ida.steady import response
 from rotor_ida.steady.grid import Table
 

@@ -111,7 +111,7 @@ def _signals(
             raise InputError(f"units must be of the given nodes, got {shown(word)}")
     if named or ("units" in reading and nodes):
         return {node: signals_in(file, _at(reading, node), times) for node in known}
-    from rotor_ida.results.run import is_of_system  # noqa: PLC0415 - heavy
+    from rotor_ida.results.checked_run import is_of_system  # noqa: PLC0415 - heavy
 
     signals = signals_in(file, reading, times)
     if is_of_system(signals):

@@ -232,7 +232,7 @@ def _check_options(
 
 def _at_node(dataset: xr.Dataset, node: str | None) -> xr.Dataset:
     """Return signals at a node of a rotor system; of anything else the dataset, without a node."""
-    from rotor_ida.results.run import is_of_system  # noqa: PLC0415
+    from rotor_ida.results.checked_run import is_of_system  # noqa: PLC0415
 
     if node is None and not is_of_system(dataset):
         return dataset

@@ -32,7 +32,7 @@ from rotor_ida.plot.signals.exact_motion import (
 from rotor_ida.plot.signals.orders import tracks_of
 from rotor_ida.plot.signals.speeds import mark_speeds, title_of_signals
 from rotor_ida.plot.signals.units import is_one_speed, units_of
-from rotor_ida.results.run import samples_in
+from rotor_ida.results.checked_run import samples_in
 from rotor_ida.signals.record import Record, mean_of, record_of
 from rotor_ida.signals.sampling import check_run_sampling
 

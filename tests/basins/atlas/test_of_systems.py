@@ -21,7 +21,7 @@ from rotor_ida.basins.atlas.shocks import KINDS, Effort
 from rotor_ida.closed_forms import touch_fading
 from rotor_ida.core.runs import NO_STOP
 from rotor_ida.model.assembly import assemble
-from rotor_ida.simulation.systems.flow import SettlingProblem, SystemFlow
+from rotor_ida.simulation.system_flow import SettlingProblem, SystemFlow
 from tests.basins.lanes import WHIP
 from tests.basins.test_system_basins import SPEED, SYSTEM
 

@@ -4,7 +4,7 @@ import pytest
 
 import rotor_ida
 from rotor_ida import Rotor, simulate
-from rotor_ida.results.run import rotor_of
+from rotor_ida.results.checked_run import rotor_of
 
 PLAIN = {"omega": 1.2, "zeta": 0.07, "delta0": 0.5}
 ROTORS = [
