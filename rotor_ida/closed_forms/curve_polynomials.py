@@ -60,6 +60,8 @@ from rotor_ida.closed_forms.rotor_columns import RotorColumns
 Equation = tuple[Polynomial, ...]
 # What is left of an equation at a root of it, relative to its largest terms.
 _SOLVES = Fraction(1, 10**15)
+# Part of the clearance below which a fold is the first touch.
+AT_TOUCH = 1e-13
 
 
 class Fold(NamedTuple):
@@ -191,7 +193,10 @@ def exact_folds(equations: CurveEquations) -> tuple[Fold, ...]:
     >>> [round(omega, 6) for omega, _ in found]
     [0.073354, 0.080852, 1.337605, 1.712264]
     """
-    found = _crossings(equations.curve, equations.fold)
+    law = equations.law
+    # the damping at which a fold of a linear contact leaves the first touch is known to rounding
+    least = 0 if law.hertz else Fraction(AT_TOUCH) * Fraction(law.delta0)
+    found = [each for each in _crossings(equations.curve, equations.fold) if each[0] > least]
     return tuple(sorted(Fold(float(w), equations.amplitude(root)) for root, w in found))
 
 
