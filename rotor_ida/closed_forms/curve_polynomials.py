@@ -33,7 +33,7 @@ References
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from fractions import Fraction
 from functools import cached_property, lru_cache
 from itertools import combinations, pairwise, takewhile
@@ -60,7 +60,7 @@ from rotor_ida.closed_forms.rotor_columns import RotorColumns
 Equation = tuple[Polynomial, ...]
 # What is left of an equation at a root of it, relative to its largest terms.
 _SOLVES = Fraction(1, 10**15)
-# Part of the clearance below which a fold is the first touch.
+# Part of the clearance from which on a fold is no first touch in a linear contact.
 AT_TOUCH = 1e-13
 
 
@@ -193,10 +193,15 @@ def exact_folds(equations: CurveEquations) -> tuple[Fold, ...]:
     >>> [round(omega, 6) for omega, _ in found]
     [0.073354, 0.080852, 1.337605, 1.712264]
     """
-    law = equations.law
-    # the damping at which a fold of a linear contact leaves the first touch is known to rounding
-    least = 0 if law.hertz else Fraction(AT_TOUCH) * Fraction(law.delta0)
-    found = [each for each in _crossings(equations.curve, equations.fold) if each[0] > least]
+    found, law = _crossings(equations.curve, equations.fold), equations.law
+    least = Fraction(AT_TOUCH) * Fraction(law.delta0)
+    if not law.hertz and any(root < least for root, _ in found):
+        # with 4 zeta**2 = 1 - delta0**2, but for rounding, it is the first touch
+        for to in (0.0, math.inf):
+            moved = replace(law, delta0=math.nextafter(law.delta0, to))
+            other = replace(equations, zeta=math.nextafter(equations.zeta, to), law=moved)
+            if len(_crossings(other.curve, other.fold)) < len(found):
+                found = [each for each in found if each[0] > least]
     return tuple(sorted(Fold(float(w), equations.amplitude(root)) for root, w in found))
 
 
