@@ -289,14 +289,14 @@ SIGNS = {
     "offset": "distance of the mean position from the bearing axis",
     "flatness": "least crest of the probes over that of a sine, below 1 where it is clipped",
     "phase_spread": "standard deviation of the phase of 1X over windows of a revolution",
-    "floor": "lower quartile of the full spectrum between 0.1X and 0.9X, over 1X",
+    "floor": "lower quartile of the full spectrum between 0.1X and 0.9X, over the highest line",
 }
 # Of these `rub_signs` tells some.
 FOUND = {
     "whirl_over_spin": "whirl_over_spin", "forward": "forward_whirl_amplitude",
     "backward": "backward_whirl_amplitude", "twice": "twice_amplitude", "order": "line_order",
     "amplitude": "line_amplitude", "counterpart": "line_opposite_amplitude",
-    "flatness": "least_crest", "floor": "floor_over_synchronous",
+    "flatness": "least_crest", "floor": "floor_ratio",
 }  # fmt: skip
 
 

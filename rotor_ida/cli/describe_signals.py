@@ -45,7 +45,7 @@ SIGNS = {
     "twice_amplitude": "2X, both ways", "line_order": "order of the strongest other line",
     "line_amplitude": "its amplitude", "line_opposite_amplitude": "same order the other way",
     "whirl_over_spin": "whirl over spin", "least_crest": "least crest over that of a sine",
-    "noise_floor": "noise floor", "floor_over_synchronous": "floor below 1X over 1X",
+    "noise_floor": "noise floor", "floor_ratio": "floor below 1X over the highest line",
 }  # fmt: skip
 # For programs only; people read a summary of them.
 ORDERS = Rows(title="Orders", key="orders", lead="forward_whirl_amplitude", names=PLACE)

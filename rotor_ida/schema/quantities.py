@@ -450,7 +450,7 @@ QUANTITIES: dict[str, Quantity] = {
     "line_amplitude": length("amplitude of the strongest line beside 1X"),
     "line_opposite_amplitude": length("amplitude at its order in the other direction"),
     "least_crest": Quantity("smallest crest of x and y, up and down, over that of a sine"),
-    "floor_over_synchronous": Quantity("floor between 0.1X and 0.9X over 1X"),
+    "floor_ratio": Quantity("floor between 0.1X and 0.9X over the highest line"),
     # Lyapunov exponents
     "exponent": Quantity("number of the Lyapunov exponent, the largest first"),
     "lyapunov_exponent": rate("Lyapunov exponent"),

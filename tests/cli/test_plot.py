@@ -174,6 +174,15 @@ def test_a_file_alone_is_drawn_as_suits_it_beside_it(
     assert "already exists; pass --force to replace it" in program("plot", name).err
 
 
+def test_a_measured_file_is_told_for_a_rub_and_drawn_in_mils_on_request(
+    program: Program, folder: Path
+):
+    line = ("plot", folder / "probes.csv", "--units", "x=um", "y=um", "--figure", "a.svg", "--inch")
+    said = program(*line).out
+    assert "Nothing stands out beside 1X" in said
+    assert "displacement $X$ [mil]" in Path("a.svg").read_text()
+
+
 @pytest.mark.parametrize(
     ("speeds", "label"),
     [

@@ -42,7 +42,7 @@ def signs(signatures, exact, records):
         ("annular", "An annular or partial rub has such a line"),
         ("partial", "An annular or partial rub has such a line"),
         ("whip", "The rotor whirls backwards, at 1.07 times its speed"),
-        ("once", "A rub once a revolution under a load has it"),
+        ("once", "A rub once a revolution under a load has multiples"),
         ("half", "a rub under a load that repeats after 2 revolutions"),
         ("chaos", "chaos has such a floor"),
     ],

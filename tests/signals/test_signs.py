@@ -34,7 +34,10 @@ def record(turns=TURNS, noise=0.0, change=0.0, **lines):
         ({"x0_333333333": 0.2, "xm0_333333333": 0.19}, 1 / 3, "repeats after 3 revolutions"),
         ({"xm0_333333333": 0.2, "x0_333333333": 0.15}, -1 / 3, "repeats after 3 revolutions"),
         ({"x1_6": 0.2}, 1.6, "A line at 1.600X has 0.20 of 1X."),
-        ({"x2": 0.2}, 2.0, "so have misaligned and oval shafts"),
+        ({"x2": 0.5, "x0_47": 0.3}, 2.0, "as in oil whirl"),
+        ({"x3": 0.5}, 3.0, "3X has 0.50 of 1X. A rub once a revolution"),
+        ({"xm1": 0.4, "x0_47": 0.3}, -1.0, "has both. The orbit is an ellipse, with 0.40 of 1X"),
+        ({"xm1": 1.4}, -1.0, "The orbit turns backwards once a revolution"),
         ({"x0_47": 0.01}, 0.47, "Nothing stands out beside 1X"),
     ],
 )  # fmt: skip
@@ -45,6 +48,26 @@ def test_the_line_is_found_and_told_also_in_noise(lines, order, words):
         assert found["line_order"].item() == pytest.approx(order, abs=1e-4 + 0.05 * noise)
         assert found["line_amplitude"].item() == pytest.approx(strongest, rel=2e-3 + 5.0 * noise)
         assert words in found.attrs["sentence"]
+
+
+def test_slow_changes_are_no_lines():
+    """A speed that drifts, a 1X that grows and shrinks, and a mean that jumps."""
+    whole, t = record(), record()["t"].values
+    slow = np.cos(0.03 * whole["angle"].values)
+    modulated = whole.assign({name: whole[name] * (1.0 + 0.3 * slow) for name in ("x", "y")})
+    jumping = whole.assign(x=whole["x"] + 0.5 * (whole["t"] > t.mean()))
+    for signals in (record(turns=2000, change=7e-8), modulated, jumping):
+        said = rub_signs(signals).attrs["sentence"]
+        assert said.startswith("Nothing stands out beside 1X, as far as lines more than")
+
+
+def test_a_probe_that_stays_still_has_no_crest_and_a_whirl_without_1x_is_told():
+    still = record(turns=60).assign(y=("t", np.zeros(60 * TURN)))
+    assert rub_signs(still)["least_crest"] == pytest.approx(1.0, rel=1e-3)
+    whirl = record(turns=60, x0_47=1.0)
+    alone = whirl - record(turns=60).drop_vars("angle")
+    said = rub_signs(alone.assign(angle=whirl["angle"])).attrs["sentence"]
+    assert said.startswith("A forward line at 0.470X without a backward one is there without 1X")
 
 
 def test_noise_alone_is_no_line_and_a_floor_only_if_it_is_broad():
@@ -71,9 +94,10 @@ def test_the_crest_is_that_of_the_clipped_side():
 @pytest.mark.parametrize(
     ("signals", "message"),
     [
-        (record(turns=20), "signals must last at least 24 revolutions, got 20"),
+        (record(turns=20), "signals must last at least 48 revolutions, got 20"),
         (record(change=1e-3), "signals must be at one known speed"),
         (record().drop_vars("angle"), "signals must be at one known speed"),
+        ((0.0 * record()).assign(angle=record()["angle"]), "signals must move, got x and y that"),
     ],
 )  # fmt: skip
 def test_records_without_signs_are_refused(signals, message):

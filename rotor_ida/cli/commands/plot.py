@@ -125,7 +125,7 @@ def plot(
         raise InputError(f"kind must be given with {OPTIONS.get(name, name)}")
     case.output = _named_after(file, kind, case.output)
     case.output.check()
-    whole = dataset = _dataset_in(file, case.reading)
+    whole = dataset = _dataset_in(file, case.reading, inch=case.output.inch)
     is_whole = kind is None and times is None
     if is_whole and node is not None:
         kind = _kind_with_nodes(dataset)
@@ -271,8 +271,8 @@ def as_read(reading: Mapping[str, Any]) -> dict[str, Any]:
     return found
 
 
-def _dataset_in(file: Path, reading: Mapping[str, Any]) -> xr.Dataset:
-    """Return the dataset in an archive, or the signals in a measured file."""
+def _dataset_in(file: Path, reading: Mapping[str, Any], *, inch: bool = False) -> xr.Dataset:
+    """Return the dataset in an archive, or the signals in a measured file, in mils if `inch`."""
     if file.suffix == parsing.SYSTEM_ENDING and file.is_file():
         raise InputError(
             f"file must contain signals or results, got {shown(file)}: a machine file is for the "
@@ -280,7 +280,7 @@ def _dataset_in(file: Path, reading: Mapping[str, Any]) -> xr.Dataset:
         )
     given = as_read(reading)
     if file.suffix != OUT_ENDING:
-        return rotor_ida.read_signals(file, **given)
+        return rotor_ida.read_signals(file, **({"length": "mil"} if inch else {}) | given)
     part, orders = given.pop("slow_roll", None), given.pop("runout_orders", 1)
     if given:
         raise InputError(f"{next(iter(given))} must be left out with an archive, got {shown(file)}")
