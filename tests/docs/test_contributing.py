@@ -5,9 +5,12 @@ from pathlib import Path
 
 ROOT = Path(__file__).parents[2]
 # The rooms in which a disc moves; what is exact has its own row as a whole.
-ROOMS = ("model", "core", "simulation", "steady", "cycles", "basins", "signals")
+ROOMS = ("model", "core", "simulation", "steady", "cycles", "basins", "signals", "plot",
+         "verification")  # fmt: skip
 OF_A_FORCE = re.compile(
     r"\b(?:rotor|model|m)(?:\.|->)(?:shaft_stiffness|contact_damping|load|friction)\b"
+    # or in a list
+    r"|[{(]\"(?:contact_damping|load|friction)\", \"(?:contact_damping|load|friction)\""
 )
 
 
