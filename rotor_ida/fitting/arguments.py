@@ -33,7 +33,6 @@ from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.scales import unit_scale
 from rotor_ida.model.system_parameters import FITTED_OF_SYSTEM, parameter_of
 from rotor_ida.schema.flags import ENTRY, EXIT
-from rotor_ida.signals.orders import check_orders
 from rotor_ida.signals.record import lacks_mark
 from rotor_ida.signals.windows import fit_orders
 from rotor_ida.simulation.starts import settled, start_of_system
@@ -50,7 +49,7 @@ POSITIVE = (
     "stiffness",
 )  # fmt: skip
 LEAST = 1e-3
-LARGEST_ORDER = 20.0
+MOST_ORDERS, LARGEST_ORDER = 20, 20.0
 # Whirls up to this part of the clearance are without contact; and at speeds where the phase of the
 # guessed whirl changes by more than this [rad] within this part of the speed, it depends on the
 # guess.
@@ -246,11 +245,14 @@ def _unbalance_angle(machine: AnyRotor, records: list[Measured]) -> float:
 def _checked_orders(orders: npt.ArrayLike) -> Values:
     """Return the orders to compare, checked."""
     asked = check_vector("orders", orders, largest=LARGEST_ORDER)
-    if not asked.any():
+    if (asked < 0.0).any() or not asked.any():
         raise InputError(
             f"orders must be 0 or positive, at least one positive, got {shown(asked.tolist())}"
         )
-    check_orders(asked[asked != 0.0])
+    if asked.size > MOST_ORDERS or np.unique(asked).size < asked.size:
+        raise InputError(
+            f"orders must be at most {MOST_ORDERS} different ones, got {shown(asked.tolist())}"
+        )
     return asked
 
 

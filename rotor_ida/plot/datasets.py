@@ -155,6 +155,8 @@ def varied_in(dataset: xr.Dataset) -> list[str]:
 
 def is_of_disc(dataset: xr.Dataset) -> bool:
     """Return whether a result is of one disc, and of no rotor system."""
+    if SPEED in dataset.variables and dataset[SPEED].dims in {(), (SPEED,)}:
+        return False  # exponents of a system have no node
     return "contact_node" not in dataset.variables and "node" not in dataset.variables
 
 
@@ -162,7 +164,7 @@ def parameters_in(dataset: xr.Dataset) -> list[str]:
     """Return the speed and parameters of a dataset that are numbers or axes."""
     if is_of_disc(dataset):
         return [name for name in ALL_PARAMETERS if name in dataset.variables]
-    if "contact_node" not in dataset.variables:  # signals at a node
+    if "node" in dataset.variables and "contact_node" not in dataset.variables:  # signals
         return []
     return [
         name for name in (SPEED, *PARAMETERS_OF_SYSTEM)

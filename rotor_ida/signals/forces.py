@@ -72,6 +72,7 @@ def contact_forces(run: xr.Dataset) -> xr.Dataset:
     radius = np.hypot(z.real, z.imag)
     if rotor.friction > 0.0:
         check_one_speed(run, "contact forces with friction")
+        check_run(run, (*NEEDED, "mode", "normal_force"))
         normal, along = run["normal_force"].values, _tangential(run, radius, rotor)
         told = {"normal_force": normal, "tangential_force": along}
     else:

@@ -208,6 +208,8 @@ def one_order(tracks: xr.Dataset, order: float, sense: str) -> OneOrder:
     one = tracks.isel(order=place)
     names = f"{sense}_whirl_amplitude", f"{sense}_phase_lag", f"{sense}_amplitude_error"
     if sense in ("x", "y"):
+        if "probe_angle" not in one.dims:
+            raise InputError("sense must be forward or backward for orders without probes")
         one = one.isel(probe_angle=("x", "y").index(sense))
         names = "probe_peak_to_peak", "probe_phase_lag", "probe_error"
     return OneOrder(*(one[name].values for name in names))

@@ -218,14 +218,17 @@ def record_of(signals: object, name: str = "signals") -> Record:
     missing = [each for each in ("t", "x", "y") if each not in given.variables]
     if missing:
         raise InputError(f"{name} must contain t, x and y; it lacks {', '.join(missing)}")
-    times = check_increasing("t", samples_in(name, given, "t"))
+    times = samples_in(name, given, "t")
+    if times.size < FEWEST_SAMPLES:
+        raise InputError(f"{name} must have at least {FEWEST_SAMPLES} samples, got {times.size}")
+    check_increasing("t", times)
     z = samples_in(name, given, "x") + 1j * samples_in(name, given, "y")
     within, angles = _angles(given, times, name)
     velocities = velocities_of(given)
     if within.sum() < FEWEST_SAMPLES:
-        between = " between the pulses of the keyphasor" if "keyphasor" in given.variables else ""
         raise InputError(
-            f"{name} must have at least {FEWEST_SAMPLES} samples{between}, got {within.sum()}"
+            f"{name} must have at least {FEWEST_SAMPLES} samples between the pulses of the "
+            f"keyphasor, got {within.sum()}"
         )
     seen = None if velocities is None else velocities[within]
     check_sampling(name, times[within], z[within], seen, angles)

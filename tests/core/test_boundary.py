@@ -113,6 +113,60 @@ def test_a_run_of_odd_numbers_ends_or_is_refused(given_things, spans):
     assert len(seen.event_times) == len(seen.event_states) == len(seen.event_kinds)
 
 
+def tables_of_lanes(number=0.0):
+    """Return what the core writes, and what it only reads, of two functions for lanes."""
+    states, stop = np.full((4, 3), number), np.ones(1, np.uint8)
+    rows = [np.full((3, dtype.itemsize // 8), number).view(dtype)[:, 0]
+            for dtype in (kernel.REGION, kernel.CONTACT_FREE, kernel.SECTION)]  # fmt: skip
+    regions, free, sections = rows[0], rows[1][0, ...], rows[2]
+    labels, times = np.full(3, kernel.NOT_COMPUTED, np.int16), np.zeros(3, np.float32)
+    return {
+        kernel.follow: (
+            {"states": states, "labels": labels, "times": times},
+            {"regions": regions, "free": free, "sections": sections, "stop": stop},
+        ),
+        kernel.measure_returns: (
+            {"values": np.empty(3)}, {"states": states, "section": sections[0, ...], "stop": stop}
+        ),
+    }  # fmt: skip
+
+
+REST_OF_LANES = {
+    kernel.follow: {"duration": 1.0}, kernel.measure_returns: {"times": (0.0, 1.0)},
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("call", REST_OF_LANES)
+def test_lanes_refuse_tables_that_the_core_would_read_or_write_wrongly(call):
+    """Of another type, of another shape or length, with gaps, or not to be written."""
+    written, read = tables_of_lanes()[call]
+    given = {"rotor": BOUNCING, "tolerance": 1e-6, **REST_OF_LANES[call], **written, **read}
+    call(**given)
+    for name, right in (written | read).items():
+        odd = [np.zeros(right.shape, np.uint32), right[np.newaxis],
+               np.zeros((*right.shape, 2), right.dtype)]  # fmt: skip
+        if name not in ("regions", "sections") and right.ndim:
+            odd.append(right[..., 1:].copy())
+        if right.size > 1:
+            odd.append(np.repeat(right, 2, axis=-1)[..., ::2])
+        if name in written:
+            odd.append(right.copy())
+            odd[-1].flags.writeable = False
+        for each in odd:
+            with pytest.raises(REFUSALS):
+                call(**given | {name: each})
+
+
+@settings(max_examples=50)
+@given(papers, *[odd_numbers] * 3)
+def test_lanes_of_odd_numbers_end(rotor, number, duration, tolerance):
+    for call, (written, read) in tables_of_lanes(number).items():
+        more = {"duration": duration} if call is kernel.follow else {"times": (0.0, duration)}
+        read["stop"][0] = 0
+        with stopping_after(0.1, read["stop"]):
+            call(rotor=rotor, tolerance=tolerance, **more, **written, **read)
+
+
 @pytest.mark.parametrize(
     ("wrong", "message"),
     [

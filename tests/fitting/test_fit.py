@@ -322,6 +322,8 @@ REFUSED = {
         {"orders": [0]},
         r"orders must be 0 or positive, at least one positive, got \[0.0\]",
     ),
+    "below": ({"orders": [-1, 1]}, r"orders must be 0 or positive, at least one positive"),
+    "twenty": ({"orders": range(21)}, r"orders must be at most 20 different ones, got \[0.0, 1.0"),
     "no error": ({"entries": [1.0]}, r"time_error must be given with entries or exits, got None"),
     "no times": ({"time_error": 1.0}, r"entries or exits must be given with time_error"),
     "outside": ({"entries": [-5.0], "time_error": 1.0}, r"entries must lie within the signals"),

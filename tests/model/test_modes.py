@@ -218,6 +218,31 @@ def test_displacement_and_velocity_move_by_the_equation(model, felt):
         np.testing.assert_allclose(found, expected, rtol=1e-13, atol=1e-13)
 
 
+@of_cases
+def test_a_neighbour_is_there_and_accelerated_so_to_first_order(model, mode, states):
+    """Central differences, in the basis of the one beside it."""
+    for state, rotor in states(model, 10):
+        z, w, down, e = centre(mode, state, rotor)
+        apart = np.random.default_rng(2).normal(size=4)
+        turning = mode.neighbour(state, [0.0] * 4, 0.0, rotor).turning
+        around = (z.conjugate() * w).imag / abs(z) ** 2
+        expected = around if is_contact(mode) else rotor.omega
+        assert turning == pytest.approx(expected, rel=1e-12)
+        for place in ("position", "velocity", "acceleration"):
+            found, true = [], []
+            for sign in (STEP, -STEP):
+                aside = (sign * apart).tolist()
+                near = mode.neighbour(state, aside, aside[0], rotor)
+                found.append(complex(*getattr(near, place)))
+                there = z + complex(*aside[:2]) * e, w + complex(*aside[2:]) * e
+                places = {"position": there[0], "velocity": there[1]}
+                places["acceleration"] = acceleration(*there, down, rotor)
+                true.append(places[place] / e)
+            assert sum(found) / 2.0 == pytest.approx(sum(true) / 2.0, rel=1e-7, abs=1e-7)
+            slopes = [(high - low) / (2.0 * STEP) for high, low in (found, true)]
+            assert slopes[0] == pytest.approx(slopes[1], rel=1e-6, abs=1e-6), place
+
+
 @pytest.mark.parametrize(("model", "mode", "states"), IN_CONTACT[1:])
 def test_energy_on_the_rotating_axes_is_spent_on_all_losses(model, mode, states):
     """There the unbalance pulls with a constant force, so that no work of it is left:

@@ -163,6 +163,11 @@ def test_in_si_units_speeds_are_in_rpm():
     turns = np.unique(drawn(ax)[:, 0])
     np.testing.assert_allclose(turns, np.array([300.0, 400.0]) / SPEED_UNITS["rpm"])
     assert "[" in ax.get_ylabel()
+    few = {"transient": 5, "revolutions": 80, "batches": 4, "exponents": 1}
+    ax = plot_exponents(lyapunov_exponent(si, speed=[300.0, 400.0], **few))
+    np.testing.assert_allclose(ax.containers[0].lines[0].get_xdata(), turns)
+    ax = plot_exponents(lyapunov_exponent(si, speed=300.0, damping=[0.1, 0.2], **few))
+    assert ax.containers[0].lines[0].get_xdata().tolist() == [0.1, 0.2]
 
 
 def test_the_clearance_is_drawn_once_over_an_exact_curve():

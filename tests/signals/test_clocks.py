@@ -101,6 +101,17 @@ def test_tdms_with_a_faster_keyphasor_and_a_slow_speed(tmp_path: Path) -> None:
     np.testing.assert_allclose(found.angle, TURN * found.t, atol=1e-9)
 
 
+def test_tdms_channel_without_times_has_those_of_another_of_its_length(tmp_path: Path) -> None:
+    """Beside a slow speed, whose times are others: x is not on those."""
+    slow = np.full(21, TURN * 30.0 / math.pi)
+    write_tdms(tmp_path / "a.tdms", {
+        "x": (x_at(T), {"unit_string": "um"}),
+        "y": (y_at(T), {"wf_increment": 1.0 / RATE, "unit_string": "um"}),
+        "speed": (slow, {"wf_increment": 0.1, "unit_string": "rpm"}),
+    })  # fmt: skip
+    check(read_signals(tmp_path / "a.tdms"))
+
+
 def test_tdms_channels_over_a_frequency_are_no_signals(tmp_path: Path) -> None:
     spectrum = {"wf_increment": 0.5, "wf_xunit_string": "Hz"}
     write_tdms(tmp_path / "a.tdms", {"x": (x_at(T), spectrum), "y": (y_at(T), spectrum)})

@@ -49,6 +49,9 @@ def test_share_of_peaks_is_a_distribution_of_whole_contacts(run):
 def test_another_dataset_is_refused(run):
     with pytest.raises(InputError, match="it lacks peak_force"):
         contact_forces(run.drop_vars("peak_force"))
+    rubbing = simulate(MOTIONS["dry whip"].rotor, start=REST, duration=1.0)
+    with pytest.raises(InputError, match="it lacks mode, normal_force"):
+        contact_forces(rubbing.drop_vars(["mode", "normal_force"]))
 
 
 MACHINE = Rotor(omega=2.0, zeta=0.07, delta0=2.0, shaft_stiffness=0.25, contact_exponent=1.0,

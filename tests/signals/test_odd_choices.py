@@ -32,6 +32,12 @@ def test_units_are_known_in_other_cases_but_a_capital_is_no_small_prefix():
         assert unit_called(unit).plain == plain
 
 
+def test_a_unit_after_slashes_is_none_of_which_only_the_end_is_known():
+    assert name_and_unit("DE/Speed/rad/s") == ("DE/Speed", "rad/s")
+    for name in ("Velocity/mm/s", "v / m/s", "flow/l/min", "K/N/m"):
+        assert name_and_unit(name) == (name, "")
+
+
 def test_a_rate_that_contradicts_the_times_is_refused(tmp_path):
     with pytest.raises(InputError, match=r"rate must agree .* 't', which are 1000 samples a sec"):
         read_signals(written(tmp_path), rate=2000.0)

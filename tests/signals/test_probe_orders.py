@@ -133,6 +133,8 @@ def test_an_order_or_a_sense_that_is_unknown_is_refused():
         bode_peaks(tracks, order=2.0)
     with pytest.raises(InputError, match="sense must be one of"):
         bode_peaks(tracks, sense="up")
+    with pytest.raises(InputError, match="forward or backward for orders without probes"):
+        bode_peaks(tracks.drop_dims("probe_angle"), sense="x")
 
 
 def test_bode_and_polar_of_a_probe_are_peak_to_peak_from_the_probe():

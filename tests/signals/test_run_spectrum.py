@@ -69,6 +69,9 @@ def test_bad_input_is_refused():
             full_spectrum(signal(z, times))
     with pytest.raises(InputError, match="at least 16 samples, got 8"):
         full_spectrum(signal(z[:8], TIMES[:8]))
+    pulsed = signal(z[:8], TIMES[:8]).assign(keyphasor=("pulse", np.arange(4.0)))
+    with pytest.raises(InputError, match="at least 16 samples, got 8"):
+        full_spectrum(pulsed)
     with pytest.raises(InputError, match=r"more than 2 samples in each revolution, got 1\.6"):
         full_spectrum(signal(z[::40], TIMES[::40]))
     with pytest.raises(InputError, match="window must be one of 'flattop', 'hann', 'boxcar'"):

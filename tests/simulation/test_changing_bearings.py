@@ -169,6 +169,18 @@ def test_events_are_those_of_the_reference_simulator(method):
     np.testing.assert_allclose(run.event_time, slow.event_time, rtol=0.0, atol=1e-8)
 
 
+def test_the_energy_balances_with_the_work_of_the_bearings():
+    """Between rubs and under a load."""
+    run = run_up(RUBBING, start=ON_AXIS, speed=0.3, to=2.8, rate=0.04)
+    q, v = run.final_state.values.reshape(2, 4)
+    kept = 0.5 * v @ ROTOR.mass @ v + 0.5 * q @ ROTOR.stiffness @ q
+    kept -= ROTOR.weight((0.0, -0.3)) @ q
+    lost = [run.attrs[f"energy_{each}"] for each in
+            ("damping", "stiffness_rate", "normal", "tangential", "bearings")]  # fmt: skip
+    assert kept == pytest.approx(run.attrs["energy_unbalance"] - sum(lost), rel=1e-10)
+    assert abs(lost[-1]) > 0.1 * run.attrs["energy_unbalance"]
+
+
 def driven(torque, inertia):
     """Return the rates of displacements, velocities, angle and speed under a torque."""
     own = inertia + MOMENT**2 * np.linalg.inv(ROTOR.mass)[0, 0]

@@ -12,6 +12,7 @@ from rotor_ida import (
     continue_cycle,
     drop,
     limit_cycle,
+    lyapunov_exponent,
     poincare_section,
     simulate,
     special_speeds,
@@ -55,10 +56,12 @@ def test_few_modes_hold_films_as_all_do(system):
     [
         (sweep, {}, ("radius_max", "node_radius_max")),
         (limit_cycle, {"start": "settled"}, ("radius_max", "multiplier_real")),
+        (lyapunov_exponent, {"revolutions": 80, "batches": 4, "transient": 1, "exponents": 1},
+         ("lyapunov_exponent",)),
         (poincare_section, {"revolutions": 5}, ("rotating_x", "rotating_y")),
         (bifurcation_diagram, {"revolutions": 5}, ("extremum_radius",)),
     ],
-)
+)  # fmt: skip
 def test_an_answer_at_a_speed_is_that_of_the_plain_system(system, verb, given, names):
     one, other = (verb(each, speed=SPEED, **given) for each in (system, system.at(SPEED)))
     for name in names:

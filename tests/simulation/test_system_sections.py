@@ -11,6 +11,7 @@ from rotor_ida import (
     Rotor,
     RotorSystem,
     Unbalance,
+    lyapunov_exponent,
     poincare_section,
     simulate,
 )
@@ -172,6 +173,13 @@ def test_peaks_of_contacts_that_are_shorter_than_samples_are_found():
 def test_modes_are_those_of_the_reduced_system():
     section = poincare_section(TOUCHING, speed=1.1, revolutions=4, modes=1)
     reduced = TOUCHING.reduced(modes=1)
+    exponents, expected = (
+        lyapunov_exponent(
+            each, speed=1.1, transient=1, revolutions=80, batches=4, exponents=2, **few
+        )
+        for each, few in ((TOUCHING, {"modes": 1}), (reduced, {}))
+    )
+    np.testing.assert_allclose(exponents.lyapunov_exponent, expected.lyapunov_exponent, rtol=1e-8)
     np.testing.assert_allclose(
         states(section), states(poincare_section(reduced, speed=1.1, revolutions=4)), atol=1e-12
     )

@@ -23,8 +23,6 @@ from rotor_ida.simulation.spin import steady
 from rotor_ida.simulation.system_run import request_of
 
 SPEED, DURATION = 1.1, 12.0
-# Between them, seeds whose contacts enter, leave, roll, slip and reverse, damped and undamped, with
-# races and stators: the kinds of event are counted in the test.
 
 
 def end_of(request):

@@ -160,9 +160,12 @@ def name_and_unit(name: str) -> tuple[str, str]:
         before, start, unit = bare[:-1].rpartition(opening)
         if start and bare.endswith(closing) and (start == "[" or unit_called(unit.strip())):
             return before.rstrip(), unit.strip()
-    for before, _, unit in (name.partition("/"), name.rpartition("/")):
-        if before.strip() and unit.strip() and unit_called(unit.strip()) is not None:
-            return before.rstrip(), unit.strip()
+    for slashes in (2, 1):  # rad/s before s
+        before, *parts = name.rsplit("/", slashes)
+        unit = "/".join(parts).strip()
+        divided = len(parts) == 1 and "/" in before and len(before.rpartition("/")[2].split()) < 2
+        if before.strip() and unit and not divided and unit_called(unit) is not None:
+            return before.rstrip(), unit  # divided: the unit of v/m/s is not s
     return name, ""
 
 

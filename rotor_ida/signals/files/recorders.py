@@ -161,6 +161,10 @@ def read_tdms(path: Path) -> Table:
                 columns[name] = column
         timed = {name: each for name, each in columns.items() if each.times is not None}
         if timed and "t" not in columns:
+            clocks = {each.values.size: each.times for each in timed.values()}
+            for name, each in columns.items():  # of no times: those of another of its length
+                if each.times is None and each.values.size in clocks:
+                    timed[name] = each._replace(times=clocks[each.values.size])
             columns = with_clock(timed) | {n: columns[n] for n in columns if n not in timed}
     if not columns:
         raise InputError(f"{shown(path)} must contain channels of numbers, got {rest or 'none'}")
