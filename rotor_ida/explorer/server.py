@@ -300,7 +300,7 @@ class _Visit(H11Protocol):
 
 def _is_open(connection: object) -> bool:
     """Return whether a connection is of a page that has shown the key."""
-    return isinstance(connection, _Talk) and connection.conn.state is not State.CONNECTING
+    return isinstance(connection, _Talk) and connection.conn.state is State.OPEN
 
 
 def _end_unless_open(transport: asyncio.Transport) -> None:
