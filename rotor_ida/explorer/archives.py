@@ -32,7 +32,7 @@ def loaded(path: Path) -> xr.Dataset:
     try:
         return load(path)
     except (OSError, ValueError) as error:
-        raise InputError(f"{path.name}: {error}") from error
+        raise InputError(str(error)) from error
 
 
 @lru_cache(maxsize=2)

@@ -38,7 +38,7 @@ def show_measured(measurement: Upload) -> Iterator[Answer]:
     """Yield the panels of a file; anything that cannot be analysed becomes a note."""
     path = measurement.path
     assert path is not None
-    with named(path):
+    with named(path, measurement.name):
         table = read_table(path)
     facts: dict[str, object] = {
         "name": measurement.name,
@@ -49,7 +49,7 @@ def show_measured(measurement: Upload) -> Iterator[Answer]:
         told = measurement.reading.get("columns", {}) | measurement.columns
         timed = rate_in(table) is not None or "rate" in measurement.reading
         columns = columns_of(table, told, timed=timed)
-        with named(path):
+        with named(path, measurement.name):
             signals = _signals(table, measurement)
             record = record_of(signals)
     except InputError as error:  # the user may choose other columns

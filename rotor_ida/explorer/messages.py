@@ -22,6 +22,7 @@ from rotor_ida.checks import (
     check_choice,
     check_count,
     check_nonnegative,
+    check_note,
     check_real,
     check_state,
     shown,
@@ -297,7 +298,10 @@ CHECKS: dict[str, Callable[[Any], Any]] = {
         "reach", check_real("reach", given), 1.0 / LARGEST, LARGEST
     ),
     **{each: partial(_pair, each) for each in ("probe_angles", "gains")},
-    **dict.fromkeys(("columns", "units"), dict),
+    **dict.fromkeys(
+        ("columns", "units"),
+        lambda given: {name: check_note(name, each) for name, each in given.items()},
+    ),
 }
 
 
@@ -413,12 +417,14 @@ def _ramp(rotor: Rotor, given: Mapping[str, Any]) -> dict[str, Any]:
 
 
 @contextmanager
-def named(path: Path) -> Iterator[None]:
-    """Tell a file by its name alone in errors."""
+def named(path: Path, name: str | None = None) -> Iterator[None]:
+    """Tell a file by its name alone in errors, or by the one that the user knows."""
     try:
         yield
     except InputError as error:
-        raise InputError(str(error).replace(f"{path.parent}{os.sep}", "")) from error
+        name = name or path.name
+        told = str(error).replace(shown(path), shown(name)).replace(str(path), name)
+        raise InputError(told.replace(f"{path.parent}{os.sep}", "")) from error
 
 
 @dataclass(frozen=True, slots=True)

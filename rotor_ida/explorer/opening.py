@@ -32,7 +32,8 @@ def show_upload(upload: Upload) -> Iterator[Answer]:
 
         yield from show_measured(upload)
         return
-    state, notes = state_in(path)
+    with named(path, upload.name):
+        state, notes = state_in(path)
     part = "system" if "node" in state else "machine"
     yield Answer(part, {"name": upload.name, "state": state, "notes": notes})
 

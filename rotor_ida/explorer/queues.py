@@ -191,7 +191,7 @@ class Queue:
 
     async def _answer_all(self, worker: _Worker) -> None:
         while True:
-            pending = self._at = await self._next()
+            pending = self._at = await self._next(worker)
             if pending.number is None:
                 pending.number = next(self._numbers)
                 pending.begun = asyncio.get_running_loop().time()
@@ -209,10 +209,12 @@ class Queue:
             if pending.place in self._waiting:
                 self._give_up(pending)
 
-    async def _next(self) -> _Pending:
+    async def _next(self, worker: _Worker) -> _Pending:
         """Wait for work: begin a waiting question, or continue an answer in turn."""
         while True:
             self._changed.clear()
+            if worker.has_ended:
+                raise EOFError
             now = asyncio.get_running_loop().time()
             free = [pending for place, pending in self._waiting.items() if place not in self._begun]
             due = [pending for pending in free if now >= pending.since + self.plan.pause]
@@ -289,6 +291,11 @@ class _Worker:
             creationflags=NEW_GROUP, stdin=asyncio.subprocess.PIPE, stdout=asyncio.subprocess.PIPE,
         )  # fmt: skip
         return cls(process)
+
+    @property
+    def has_ended(self) -> bool:
+        """Whether the process has ended."""
+        return self._answers.at_eof()
 
     def tell(self, order: Order) -> None:
         """Send an order; if the process has ended it is lost, which its answer reports."""

@@ -102,10 +102,16 @@ def test_what_cannot_be_analysed_is_a_note(tmp_path: Path):
 
 
 def test_a_file_that_is_refused_has_the_name_that_the_page_knows(tmp_path: Path):
-    (tmp_path / "probes.wav").write_bytes(b"RIFF")
-    found = analysed(tmp_path / "probes.wav", name="probes.wav")
-    assert found.part == "trouble"
-    assert found.facts["message"].startswith("'probes.wav' must be a WAV file")
+    """Not that of the stored file, nor its folder."""
+    for name, told in (
+        ("a+b.wav", "'a+b.wav' must be a WAV file: "),
+        ("a+b.nc", "a+b.nc is not an archive of rotor_ida: "),
+    ):
+        path = tmp_path / name.replace("+", "_")
+        path.write_bytes(b"RIFF")
+        found = analysed(path, name=name)
+        assert found.part == "trouble"
+        assert found.facts["message"].startswith(told)
 
 
 def test_columns_that_are_not_clear_are_offered_with_what_is_wrong(tmp_path: Path):

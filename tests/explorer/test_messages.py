@@ -87,6 +87,16 @@ def test_a_mistake_about_a_system_gets_one_line_that_names_it(
     assert told in message_of(json.dumps(OF_SYSTEM | {"about": about, "machine": whole}))
 
 
+def test_columns_of_a_file_have_names_that_are_text():
+    upload = {
+        "about": "upload", "number": 1, "name": "a.csv", "size": 3, "probe_angles": [0, 90],
+        "gains": [1, 1], "columns": {}, "units": {},
+    }  # fmt: skip
+    for each in ("columns", "units"):
+        assert message_of(json.dumps(upload | {each: {"x": 7}})) == "x must be text, got 7"
+        assert message_of(json.dumps(upload | {each: ["x"]})).startswith("a question must be one")
+
+
 def test_what_no_page_sends_gets_one_line_and_its_path_is_not_read():
     texts = ["motion", "[" * 4096, "null", "{}", '{"a\\nb\\u2028c": 1}']
     for name in asked():

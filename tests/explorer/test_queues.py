@@ -163,6 +163,16 @@ def test_a_process_that_is_killed_is_replaced_and_the_page_told(answering: Answe
     assert [each.facts["message"] for each in troubles] == [queues.DIED]
 
 
+def test_a_process_at_rest_that_is_killed_is_replaced(answering: Answering):
+    worker = answering.queues._queues[0]._worker
+    assert worker is not None
+    worker.kill()
+    wait_until(lambda: worker.has_ended, "the end of a process")
+    answering.ask(1, question(number=1))
+    answering.wait_for(1, 1, "motion")
+    assert "trouble" not in answering.parts(1, 1)
+
+
 def test_a_process_that_is_deaf_is_ended(answering: Answering, monkeypatch: pytest.MonkeyPatch):
     monkeypatch.setattr(queues, "DEAF", 0.2)
     pid = pid_of(answering, 2)

@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import asyncio
 import json
+import shutil
 import socket
 import threading
+import time
 from collections.abc import Callable, Iterator
-from contextlib import closing
+from contextlib import ExitStack, closing, suppress
 from functools import partial
 from http.client import HTTPConnection, HTTPResponse
 from pathlib import Path
 from typing import Any, cast
 
 import pytest
-from websockets.exceptions import InvalidStatus
+from websockets.exceptions import ConnectionClosed, InvalidStatus
 from websockets.sync.client import ClientConnection, connect
 
 from rotor_ida.errors import InputError
@@ -24,6 +26,8 @@ from rotor_ida.explorer.queues import Deliver, Queues
 from tests.explorer.asking import OF_SYSTEM, ROTOR, Message, asked, parts_of_answer, unpacked
 from tests.explorer.conftest import PATIENCE
 
+# Before a test shortens it.
+LONGEST_VISIT = server.LONGEST_VISIT
 KEY = "0123456789abcdef0123456789abcdef"
 
 
@@ -98,8 +102,7 @@ def test_the_page_is_served_with_all_its_files_and_no_other_page_may_use_them(po
 @pytest.mark.parametrize("host", ["example.org", "127.0.0.1.example.org", "127.0.0.2"])
 def test_a_site_whose_name_points_here_gets_nothing(port: int, host: str):
     got, body = reply(port, Host=f"{host}:{port}")
-    assert got.status == 400
-    assert b"<html" not in body
+    assert (got.status, body) == (403, b"only the page of this machine is served here")
     with pytest.raises(InvalidStatus):
         talk(port, host=f"{host}:{port}")
 
@@ -115,6 +118,72 @@ def test_a_site_whose_name_points_here_gets_nothing(port: int, host: str):
 def test_who_is_no_page_of_this_host_with_the_key_may_not_ask(port: int, given: dict[str, str]):
     with pytest.raises(InvalidStatus, match="403"):
         talk(port, **given)
+
+
+def handshake(port: int) -> bytes:
+    """Return the words with which the page's connection begins."""
+    host = f"127.0.0.1:{port}"
+    return (
+        f"GET /ask HTTP/1.1\r\nHost: {host}\r\nOrigin: http://{host}\r\n"
+        "Connection: Upgrade\r\nUpgrade: websocket\r\nSec-WebSocket-Version: 13\r\n"
+        "Sec-WebSocket-Key: AAAAAAAAAAAAAAAAAAAAAA==\r\n"
+        f"Sec-WebSocket-Protocol: rotor-ida.{KEY}\r\n\r\n"
+    ).encode()
+
+
+def opened(port: int, sent: bytes = b"") -> socket.socket:
+    connection = socket.create_connection(("127.0.0.1", port), timeout=LONGEST_VISIT / 2)
+    connection.sendall(sent)
+    return connection
+
+
+@pytest.mark.parametrize(
+    ("usual", "other", "status"),
+    [
+        (b"rotor-ida.", b"x" * 9000 + b".", b"431"),
+        (b"Upgrade: ", b"X: " + b"x" * 9000 + b"\r\nUpgrade: ", b"431"),
+        (b"Upgrade: ", b"X: y\r\n" * 200 + b"Upgrade: ", b"431"),
+        (b"/ask", b"/ask" + b"x" * 9000, b"414"),
+        (b"Upgrade: ", b"Content-Length: 1\r\nUpgrade: ", b""),
+    ],
+    ids=["protocol", "value", "headers", "path", "length"],
+)
+def test_who_asks_with_too_much_is_refused_at_once(
+    port: int, usual: bytes, other: bytes, status: bytes
+):
+    with opened(port, handshake(port).replace(usual, other, 1)) as connection:
+        got = b""
+        with suppress(ConnectionError):
+            while more := connection.recv(65536):
+                got += more
+    assert got[9:12] == status
+
+
+def is_ended(connection: socket.socket) -> bool:
+    try:
+        return not connection.recv(1)
+    except ConnectionError:
+        return True
+
+
+def test_connections_that_say_nothing_make_room_and_end(port: int, monkeypatch: pytest.MonkeyPatch):
+    with talk(port) as page, ExitStack() as open_ones:
+        idle = [open_ones.enter_context(opened(port)) for _ in range(300)]
+        assert reply(port)[0].status == 200
+        assert all(is_ended(each) for each in idle[: -server.MOST_VISITS])
+        monkeypatch.setattr(server, "LONGEST_VISIT", 0.1)
+        with talk(port) as other:
+            assert is_ended(open_ones.enter_context(opened(port)))
+            assert answered(other).part == "motion"
+        assert answered(page).part == "motion"
+
+
+def test_a_page_that_never_reads_is_sent_away(port: int, monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(server, "MOST_UNREAD", 2**20)
+    text, end = json.dumps(asked(revolutions=100)), time.monotonic() + PATIENCE
+    with talk(port) as page, pytest.raises(ConnectionClosed):  # noqa: PT012 - whichever is the last
+        while time.monotonic() < end:
+            page.send(text)
 
 
 def test_a_page_may_ask_whatever_cookies_of_others_it_has_and_at_a_forwarded_port(port: int):
@@ -151,6 +220,24 @@ def test_a_file_in_pieces_is_analysed_and_questions_are_answered_meanwhile(port:
         found = heard(page)
     assert found.part == "measured"
     assert found.facts["samples"] == 20_000
+
+
+def test_a_file_that_cannot_be_stored_is_a_mistake_and_can_be_sent_again(
+    port: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    """As when a cleaner of temporary files removes its folder."""
+    monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
+    with talk(port) as page:
+        page.send(announced())
+        assert answered(page).part == "motion"
+        shutil.rmtree(next(tmp_path.iterdir()))
+        page.send(b"1,2")
+        mistake = heard(page)
+        assert mistake.facts["message"].startswith("the file cannot be stored: ")
+        contents = b"".join(b"%d,%d,%d\n" % (n, n % 7, n % 5) for n in range(1000))
+        page.send(announced(len(contents)))
+        page.send(contents)
+        assert heard(page).part == "measured"
 
 
 def test_a_mistake_gets_one_line_and_the_page_lives_on(port: int):
@@ -239,7 +326,7 @@ def test_the_file_of_a_system_stays_until_another_can_be_read_and_no_name_leads_
     assert path_of_system() == given
     one = sent("../../one.toml", "system")
     assert path_of_system() == one
-    assert one.parent.parent.parent == tmp_path
+    assert one.parent.parent == tmp_path
     assert not sent("two.toml", "trouble").exists()
     assert not sent("probes.csv", "measured").exists()
     assert path_of_system() == one
@@ -256,6 +343,6 @@ def test_the_file_of_a_system_stays_until_another_can_be_read_and_no_name_leads_
     inbox.take(announced(0, name="given.toml"), None)
     assert asking.pop()[0].path == given
     inbox.take(announced(0, name="passwd.toml"), None)
-    assert asking.pop()[0].path.parent.parent.parent == tmp_path
+    assert asking.pop()[0].path.parent.parent == tmp_path
     inbox.close()
     assert not list(tmp_path.iterdir())
