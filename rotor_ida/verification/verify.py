@@ -139,6 +139,18 @@ def _as_part(again: xr.Dataset, archived: xr.Dataset) -> xr.Dataset:
     return again
 
 
+def _without_empty(part: xr.Dataset, again: xr.Dataset) -> xr.Dataset:
+    """Return a part of a result without places that only others fill, as that of a third whirl."""
+    for dim, size in again.sizes.items():
+        if size < part.sizes.get(dim, 0):
+            rest = part.isel({dim: slice(size, None)}).data_vars.values()
+            if all(
+                each.isnull().all() for each in rest if dim in each.dims and each.dtype.kind == "f"
+            ):
+                part = part.isel({dim: slice(size)})
+    return part
+
+
 def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
     """Compare a result computed again with that of the archive.
 
@@ -171,7 +183,7 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
     by_other = _method(again) != _method(archived)
     _refuse_lacking(again, archived)
     is_part = bool(_left(archived))
-    archived = own_rows(archived) if is_part else archived
+    archived = _without_empty(own_rows(archived), again) if is_part else archived
     again = _as_part(again, archived)
     left_out = {**verification.left_out(again, archived)}
     left_out |= {"critical": OF_RANGE} if is_part else {}

@@ -9,6 +9,7 @@ import xarray as xr
 from rotor_ida import (
     InputError,
     Rotor,
+    basin,
     bifurcation_diagram,
     concat,
     load,
@@ -17,6 +18,7 @@ from rotor_ida import (
     sweep,
     synchronous_response,
 )
+from rotor_ida.verification.verify import differences, rerun
 
 OTHERS = {"zeta": 0.07, "delta0": [2.0, 1.0]}
 swept = partial(sweep, events=True)
@@ -53,7 +55,7 @@ def test_a_joined_sweep_verifies():
 
 
 def test_what_depends_on_the_whole_has_no_question_once_it_is_joined():
-    ramps = [swept(omega=[w], zeta=0.3, delta0=0.5, direction="up") for w in (1.0, 1.5)]
+    ramps = [swept(omega=[w, w + 0.2], zeta=0.3, delta0=0.5, direction="up") for w in (1.0, 1.5)]
     basins = [basin(Rotor(omega=1.7, zeta=0.3, delta0=0.5), x=[x], y=[0.0]) for x in (1.0, 2.0)]
     for joined in (concat(ramps, "omega"), concat(basins, "x")):
         with pytest.raises(InputError, match="it lacks its question"):
