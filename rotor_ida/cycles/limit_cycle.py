@@ -26,6 +26,7 @@ from rotor_ida.cycles.guess import (
     CLOSING_RTOL,
     HOPF,
     Guess,
+    as_start,
     checked,
     guess_in,
     guess_of,
@@ -254,7 +255,19 @@ def limit_cycle(
         guess = guess_of_system(asked.system_at(()), start, speed, period, modes)
     else:
         guess = _guess_of_disc(asked.rotor(()), start, period)
-    return _near_guess(guess, progress)
+    found = _near_guess(guess, progress)
+    if isinstance(start, xr.Dataset):  # of which a question keeps the guess alone
+        if is_system:
+            kept = _begun(asked, start, guess, modes)[-1]
+        elif has_period(start, period):
+            kept = as_start(replace(guess, special=""), ())
+        else:
+            kept = tuple(guess.state.tolist())
+        given = {"rotor": rotor, **varied, "start": kept, "speed": speed, "period": period,
+                 "modes": modes}  # fmt: skip
+        given = {name: each for name, each in given.items() if each is not None}
+        found.attrs |= Question("limit_cycle", given).attribute()
+    return found
 
 
 def _guess_of_disc(rotor: Rotor, start: object, period: float | None) -> Guess:

@@ -19,7 +19,7 @@ from rotor_ida.model.assembly import Assembly
 from rotor_ida.model.bearing import Bearing
 from rotor_ida.model.rotor_system import RotorSystem
 from rotor_ida.model.system_parts import Contact, Race, Stator, Unbalance
-from rotor_ida.results.question import STATE, Question
+from rotor_ida.results.question import MATRIX, STATE, Question
 from rotor_ida.results.si_units import NOTE
 
 MATRICES = ("mass", "damping", "gyroscopic", "stiffness", "stiffness_rate")
@@ -162,7 +162,7 @@ def system_of(run: xr.Dataset) -> RotorSystem:
     >>> simulate(system_of(run), speed=0.9, duration=20.0, samples=3).equals(run)
     True
     """
-    question = Question.of_result(run) if "mass_matrix" not in run.variables else None
+    question = Question.of_result(run) if MATRIX not in run.variables else None
     if question and isinstance(question.arguments.get("rotor"), RotorSystem):  # of a sweep
         system: RotorSystem = question.arguments["rotor"]
         return system

@@ -10,7 +10,10 @@ import xarray as xr
 
 from rotor_ida.checks import check_instance, listed, shown
 from rotor_ida.errors import InputError
+from rotor_ida.model.system_parameters import SPEED
+from rotor_ida.results.question import QUESTION, Question
 from rotor_ida.results.rows import counted, counts_in, own_rows
+from rotor_ida.results.si_units import dimensionless
 from rotor_ida.schema import flags_of
 
 
@@ -81,7 +84,25 @@ def concat(datasets: Sequence[xr.Dataset], dim: str) -> xr.Dataset:
                 values = np.concatenate([each[name].values for each in given])
                 result[name] = xr.Variable(variable.dims, values[rows], variable.attrs)
         result = result.assign(counted(counts, result[counts].variable, table))
-    return result
+    return result.assign_attrs(_question(given, dimensionless(result), dim))
+
+
+def _question(given: Sequence[xr.Dataset], joined: xr.Dataset, dim: str) -> dict[str, str]:
+    """Return the question of all results at once; none if theirs differ in more than this axis.
+
+    There is none of a sweep up or down along the axis, where each point begins where another ended,
+    nor where something of a whole result, such as a table of attractors, is now along the axis.
+    """
+    if any((dim in each.dims) != (dim in joined[name].dims) for name, each in given[0].items()):
+        return {}
+    asked = [Question.of_result(each) for each in given]
+    whole = {
+        Question(each.verb, {**each.arguments, dim: joined[dim].values}).text()
+        for each in asked
+        if each and dim in each.arguments
+        and not (each.arguments.get("direction") and each.arguments.get("along", SPEED) == dim)
+    }  # fmt: skip
+    return {QUESTION: whole.pop()} if len(whole) == 1 and None not in asked else {}
 
 
 def _check_one_grid(counts: Sequence[xr.DataArray], dim: str) -> None:

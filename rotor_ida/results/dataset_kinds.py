@@ -128,7 +128,6 @@ _ORDERS = "order(order) window_residual(window) " + " ".join(
     for what in ("whirl_amplitude", "amplitude_error", "phase_lag")
 )
 
-# In the order in which archives without a stated kind are recognised.
 KINDS = {
     kind.name: kind
     for kind in (
@@ -319,6 +318,8 @@ KINDS = {
 def kind_of(dataset: xr.Dataset) -> str:
     """Return the kind that a dataset states; ``other`` if it lacks a part of that.
 
+    One that states none is ``signals`` if it has their variables, as one made by hand.
+
     Raises
     ------
     InputError
@@ -331,7 +332,7 @@ def kind_of(dataset: xr.Dataset) -> str:
     >>> kind_of(whirls), kind_of(whirls.isel(branch=0))
     ('whirls', 'other')
     """
-    stated = KINDS.get(str(dataset.attrs.get(RESULT_KIND, "")))
+    stated = KINDS.get(str(dataset.attrs.get(RESULT_KIND, "signals")))
     if stated is None or stated.lacking_in(dataset):
         return OTHER
     check_variables(f"this {stated.meaning}", dataset)

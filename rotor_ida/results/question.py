@@ -48,10 +48,12 @@ QUESTION, VERB = "question", "verb"
 JOBS = ("workers", "executor", "study", "progress")
 # Types that JSON has.
 PLAIN = (float, str, bool, int)
-# An argument, and the variable of a run of a rotor system that has its state.
-START, STATE = "start", "start_state"
+# An argument, and the variables of a run of a rotor system that have its state and the system.
+START, STATE, MATRIX = "start", "start_state", "mass_matrix"
 # A question with more numbers is not kept.
 MOST_NUMBERS = 1_000_000
+# Functions whose samples are computed again at the times of the result.
+SAMPLED = ("simulate", "run_up", "drop")
 
 
 @dataclass(frozen=True, slots=True)
@@ -192,7 +194,7 @@ def with_question(
 
     Studies do that themselves, and so do not depend on how they were asked for. Where an argument
     is left out, or a result, the answer has what came of it; if it does not, or for very many
-    numbers, it keeps no question.
+    numbers, it keeps no question. A large system is left out where the answer has its matrices.
     """
     kept = answer.attrs.get(QUESTION, "")
     if kept.startswith(f'{{"{VERB}":"{name_of(verb)}"'):
@@ -214,6 +216,13 @@ def with_question(
             kept[name] = _resolved(name, answer)
             if kept[name] is None and each is not None:
                 return answer
+    if name_of(verb) in SAMPLED and _size(kept.get("samples")) > 1:
+        del kept["samples"]
+    has_system = MATRIX in answer.variables and name_of(verb) != "drop"  # but how it was held
+    if has_system and _size(kept["rotor"]) >= MOST_NUMBERS:
+        del kept["rotor"]
+        if kept.pop("modes", None) is not None and STATE in answer.variables:
+            kept[START] = _resolved(START, answer)  # its matrices are in these modes too
     kept = {name: each for name, each in kept.items() if each is not None}
     answer.attrs |= Question(name_of(verb), kept).attribute()
     return answer
@@ -231,8 +240,7 @@ def _resolved(name: str, answer: xr.Dataset) -> Any:
         return [state if word == "state" else word for word, state in pairs]
     if name == START and STATE in answer.variables:
         return tuple(answer.variables[STATE].values.reshape(2, -1))
-    # a cycle is more than a state
-    return None if f"{name}_period" in answer.attrs else answer.attrs.get(name)
+    return answer.attrs.get(name)
 
 
 def _size(value: Any) -> int:

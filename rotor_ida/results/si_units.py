@@ -377,8 +377,10 @@ def _attributes_before(dataset: xr.Dataset) -> dict[str, object]:
     """Return the attributes of a result before its conversion to SI units."""
     added = {f"{kind}_scale" for kind in UNITS} | {f"{MACHINE}{name}" for name in OF_MACHINE}
     before = {str(name): value for name, value in dataset.attrs.items() if name not in added}
-    for name in [each for each in before if f"{each}_units" in before]:
+    for name in [each for each in (*UNITS_OF_ARGUMENTS, "limits") if f"{each}_units" in before]:
         del before[f"{name}_units"]
+        if f"{EXACT}_{name}" not in before:
+            raise InputError(f"a result in SI units must have {EXACT}_{name}, got none")
         before[name] = before.pop(f"{EXACT}_{name}")
     return before
 

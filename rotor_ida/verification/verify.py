@@ -2,14 +2,20 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 import xarray as xr
 
 from rotor_ida.errors import InputError
+from rotor_ida.model.system_parameters import SPEED
 from rotor_ida.parallel import Progress, shows_progress
+from rotor_ida.results.archived_system import system_of
 from rotor_ida.results.dataset_kinds import kind_of, why_not
-from rotor_ida.results.question import Question
+from rotor_ida.results.question import MATRIX, SAMPLED, Question
+from rotor_ida.results.rows import own_rows
 from rotor_ida.results.si_units import dimensionless, in_units_of
+from rotor_ida.schema import QUANTITIES
 from rotor_ida.signals.path import rotating
 from rotor_ida.simulation.options import Method
 from rotor_ida.texts import printable
@@ -24,8 +30,9 @@ from rotor_ida.verification.variables import (
 
 # Relative differences allowed for another method, whose extrema may be those of its samples.
 TOLERANCE_OF_OTHERS = 1e-4
-# Functions whose samples are computed again, those that they chose themselves too.
-SAMPLED = ("simulate", "run_up", "drop")
+# Functions whose answer at a point depends on the other points.
+OF_A_WHOLE = ("basin", "continue_attractors")
+OF_RANGE = "depends on the whole range of speeds"
 
 
 @shows_progress
@@ -90,18 +97,58 @@ def question_of(dataset: xr.Dataset) -> Question:
     kept = Question.of_result(plain)
     if kept is None:
         raise InputError(f"this {kind_of(dataset)} cannot be verified: it lacks its question")
-    left = {
-        name: plain[name].values for name, each in kept.arguments.items()
-        if name in plain.indexes and not isinstance(each, str | None)
-        and plain.sizes[name] < np.size(each)
-    }  # fmt: skip
-    if left and kept.arguments.get("direction") is not None:
+    left = _left(plain)
+    if kept.arguments.get("direction") and kept.arguments.get("along", SPEED) in left:
         raise InputError(
             "a part of a sweep up or down cannot be verified: each point begins where the one "
             "before it ended"
         )
-    sampled = {"samples": plain["t"].values} if kept.verb in SAMPLED else {}
-    return Question(kept.verb, {**kept.arguments, **left, **sampled})
+    if left and kept.verb in OF_A_WHOLE:
+        raise InputError(f"a part of this {kind_of(dataset)} cannot be verified: verify the whole")
+    if kept.verb in SAMPLED:
+        if "t" not in plain.variables:
+            raise InputError(f"this {kind_of(dataset)} cannot be verified: it lacks t")
+        left["samples"] = plain["t"].values
+    if MATRIX in plain.variables and "rotor" not in kept.arguments:  # of a large system
+        left["rotor"] = system_of(plain)
+    return Question(kept.verb, {**kept.arguments, **left})
+
+
+def _left(plain: xr.Dataset) -> dict[str, Any]:
+    """Return the values that are left of each axis of a part of a result, by its argument."""
+    question = Question.of_result(plain)
+    return {
+        name: plain[name].values for name, each in (question.arguments if question else {}).items()
+        if name in plain.coords and isinstance(each, tuple) and plain[name].size <= len(each)
+        and not np.array_equal(plain[name], each) and np.isin(plain[name], each).all()
+    }  # fmt: skip
+
+
+def _as_part(again: xr.Dataset, archived: xr.Dataset) -> xr.Dataset:
+    """Return a result without the axes of which the archive has a point; refuse other parts."""
+    again = again.squeeze([
+        dim for dim, size in again.sizes.items()
+        if size == 1 and dim in archived.coords and not archived[dim].ndim
+    ])  # fmt: skip
+    for name in [each for each in (*again.indexes, "event_time") if each in archived.variables]:
+        whole, part = (each[name].values for each in (again, archived))
+        is_other = part.size <= whole.size and not np.array_equal(part, whole)
+        if is_other and np.isin(part, whole).all():
+            dim = str(name).removesuffix("_time")
+            raise InputError(f"a part of a result along {dim} cannot be verified: verify the whole")
+    return again
+
+
+def _without_empty(part: xr.Dataset, again: xr.Dataset) -> xr.Dataset:
+    """Return a part of a result without places that only others fill, as that of a third whirl."""
+    for dim, size in again.sizes.items():
+        if size < part.sizes.get(dim, 0):
+            rest = part.isel({dim: slice(size, None)}).data_vars.values()
+            if all(
+                each.isnull().all() for each in rest if dim in each.dims and each.dtype.kind == "f"
+            ):
+                part = part.isel({dim: slice(size)})
+    return part
 
 
 def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
@@ -135,8 +182,12 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
     again, in_units, archived = dimensionless(again), archived, dimensionless(archived)
     by_other = _method(again) != _method(archived)
     _refuse_lacking(again, archived)
+    is_part = bool(_left(archived))
+    archived = _without_empty(own_rows(archived), again) if is_part else archived
+    again = _as_part(again, archived)
     left_out = {**verification.left_out(again, archived)}
-    tolerance = verification.tolerance(archived)
+    left_out |= {"critical": OF_RANGE} if is_part else {}
+    tolerance = verification.tolerance(archived.assign_attrs(rtol=again.attrs.get("rtol")))
     if by_other:
         left_out |= dict.fromkeys(missing_in(again, archived), NOT_BY_METHOD)
         tolerance = max(tolerance, TOLERANCE_OF_OTHERS)
@@ -146,16 +197,18 @@ def differences(again: xr.Dataset, archived: xr.Dataset) -> dict[str, object]:
         told=verification.told(archived),
     )  # fmt: skip
     compare_attributes(found, in_units_of(again, in_units), in_units, tolerance, by_other=by_other)
+    is_result = any(name in archived.data_vars for name in found.compared)
+    trouble = found.trouble or ("" if is_result else "no variable was compared")
     counts = _of_events(again, archived) if "event_time_error" in archived else {
         "compared": found.values, "differing": found.differing, "largest_difference": found.largest
     }  # fmt: skip
     # the last bits depend on the core
     same = again.attrs.get("core_sources") == archived.attrs.get("core_sources")
     return {
-        "agrees": not found.trouble, **counts, "variables": len(set(found.compared) - more.keys()),
+        "agrees": not trouble, **counts, "variables": len(set(found.compared) - more.keys()),
         "attributes": ", ".join(found.attributes),
         "attributes_not_compared": found.attributes_left_out,
-        "not_compared": found.left_out, "trouble": found.trouble,
+        "not_compared": found.left_out, "trouble": trouble,
         "core": "the same" if same else "different from that of the archive",
     }  # fmt: skip
 
@@ -200,4 +253,8 @@ def _verification_of(dataset: xr.Dataset) -> Verification:
             f"a result of the kind {kind!r}{why_not(dataset)} cannot be verified: compute it "
             f"again, and compare{way}"
         )
+    for name, each in dataset.variables.items():
+        known = QUANTITIES.get(str(name))
+        if known is not None and not known.is_text and each.dtype.kind == "O":
+            raise InputError(f"{name} must be numbers, got {each.dtype}")
     return verification

@@ -9,6 +9,7 @@ import xarray as xr
 from rotor_ida import (
     InputError,
     Rotor,
+    basin,
     bifurcation_diagram,
     concat,
     load,
@@ -17,6 +18,7 @@ from rotor_ida import (
     sweep,
     synchronous_response,
 )
+from rotor_ida.verification.verify import differences, rerun
 
 OTHERS = {"zeta": 0.07, "delta0": [2.0, 1.0]}
 swept = partial(sweep, events=True)
@@ -45,6 +47,19 @@ def test_a_table_of_events_follows_its_runs_along_an_inner_dimension():
     parts = [swept(omega=[1.0, 2.0], zeta=zeta, delta0=2.0) for zeta in ([0.07, 0.1], [0.2])]
     whole = swept(omega=[1.0, 2.0], zeta=[0.07, 0.1, 0.2], delta0=2.0)
     assert_joined(concat(parts, "zeta"), whole)
+
+
+def test_a_joined_sweep_verifies():
+    joined = concat([swept(omega=[omega], zeta=0.3, delta0=0.5) for omega in (1.0, 1.5)], "omega")
+    assert differences(rerun(joined, workers=1), joined)["agrees"] is True
+
+
+def test_what_depends_on_the_whole_has_no_question_once_it_is_joined():
+    ramps = [swept(omega=[w, w + 0.2], zeta=0.3, delta0=0.5, direction="up") for w in (1.0, 1.5)]
+    basins = [basin(Rotor(omega=1.7, zeta=0.3, delta0=0.5), x=[x], y=[0.0]) for x in (1.0, 2.0)]
+    for joined in (concat(ramps, "omega"), concat(basins, "x")):
+        with pytest.raises(InputError, match="it lacks its question"):
+            rerun(joined)
 
 
 def test_xarray_joins_sweeps_without_their_events():

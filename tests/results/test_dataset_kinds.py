@@ -4,6 +4,7 @@ import ast
 from pathlib import Path
 
 import pytest
+import xarray as xr
 
 import rotor_ida
 from rotor_ida.cycles.dataset import TITLES
@@ -85,3 +86,8 @@ def test_a_result_made_from_another_states_its_own_kind():
     assert compared.attrs[RESULT_KIND] == kind_of(compared) == "comparison"
     assert kind_of(compared.drop_vars("matched_branch")) == "other"
     assert kind_of(whirls.assign_attrs({RESULT_KIND: "unheard_of"})) == "other"
+
+
+def test_signals_made_by_hand_are_known_by_their_variables():
+    made = xr.Dataset({"x": ("t", [0.0, 1.0]), "y": ("t", [1.0, 0.0])}, {"t": [0.0, 0.1]})
+    assert (kind_of(made), kind_of(made.drop_vars("y"))) == ("signals", "other")

@@ -138,3 +138,15 @@ def test_damage_is_found_unless_told_not_to_look(tmp_path: Path) -> None:
     path.write_bytes(path.read_bytes()[:2000])
     with pytest.raises(ArchiveError, match="it has no seal"):
         open_archive(path, check=False)
+
+
+def test_unchecked_numbers_that_cannot_be_read_are_reported_when_they_are(tmp_path: Path) -> None:
+    x = np.random.default_rng(3).normal(size=4000).cumsum()
+    path = save(xr.Dataset({"x": ("t", x), "y": ("t", x)}), tmp_path / "run.nc")
+    whole = bytearray(path.read_bytes())
+    middle = len(whole) // 2
+    whole[middle : middle + 64] = bytes(64)
+    path.write_bytes(whole)
+    said = pytest.raises(ArchiveError, match=r"cannot read .*run.nc, which may be damaged: ")
+    with open_archive(path, check=False) as opened, said:
+        opened.load()

@@ -220,3 +220,11 @@ def test_a_bifurcation_diagram_in_si_units_has_its_rate_and_lengths_in_them(tmp_
     np.testing.assert_allclose(again.extremum_speed, plain.extremum_speed, rtol=1e-15)
     drawn, before = (plot_extrema(each).lines[0].get_xdata() for each in (shown, plain))
     np.testing.assert_allclose(drawn, before, rtol=1e-12)  # its ticks are in rpm
+
+
+def test_attributes_of_a_user_stay_and_a_lacking_start_is_named(plain):
+    in_si = dimensional(plain, MACHINE).assign_attrs(sensor="A", sensor_units="V")
+    assert {"sensor": "A", "sensor_units": "V"}.items() <= dimensionless(in_si).attrs.items()
+    del in_si.attrs["dimensionless_start"]
+    with pytest.raises(InputError, match="must have dimensionless_start, got none"):
+        dimensionless(in_si)

@@ -86,6 +86,15 @@ def test_a_changed_number_is_noticed_wherever_it_stands(name: str):
     assert {"title"} <= reasons.keys()
 
 
+def test_an_archive_of_which_nothing_is_compared_does_not_agree():
+    archived, again = made_again("whirls")
+    assert again is not None
+    told = differences(again.drop_vars(set(again.data_vars)), archived.drop_vars(
+        {"phase_lag", "stability", "in_contact", "growth_rate"}
+    ))  # fmt: skip
+    assert (told["agrees"], told["trouble"]) == (False, "no variable was compared")
+
+
 def other_than(value):
     """Return another word, or numbers that are 5 % larger."""
     if isinstance(value, str):

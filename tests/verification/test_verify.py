@@ -21,6 +21,7 @@ from rotor_ida import (
     save,
     simulate,
     sweep,
+    synchronous_response,
 )
 from rotor_ida.testing import assert_events_close
 from rotor_ida.verification.verify import differences, rerun
@@ -132,6 +133,8 @@ def test_another_kind_of_dataset_cannot_be_verified():
          "starts must be a whole number, got"),
         ("up and down", lambda of: of.isel(omega=[1]),
          "a part of a sweep up or down cannot be verified: each point begins"),
+        ("basin", lambda of: of.isel(y=[1]), "a part of this basin cannot be verified"),
+        ("atlas of given starts", lambda of: of.isel(zeta=[1]), "a part of this atlas cannot be"),
     ],
 )  # fmt: skip
 def test_a_result_that_lacks_what_it_takes_is_refused(kind, damage, message):
@@ -139,11 +142,69 @@ def test_a_result_that_lacks_what_it_takes_is_refused(kind, damage, message):
         rerun(damage(RESULTS[kind]()))
 
 
-def test_a_part_of_a_result_is_made_again():
-    part = RESULTS["sweep"]().isel(omega=[2, 0], delta0=[1])
+WHIRLS = {"omega": [1.2, 1.7], "zeta": [0.3, 0.4], "delta0": 0.5}
+
+
+@pytest.mark.parametrize(
+    ("whole", "places"),
+    [
+        (RESULTS["sweep"], {"omega": [2, 0], "delta0": [1]}),
+        (lambda: sweep(**WHIRLS, events=True, direction="up"), {"zeta": [0]}),
+        (lambda: sweep(**WHIRLS, events=True), {"omega": [1, 0]}),
+        (lambda: bifurcation_diagram(**WHIRLS, starts=[(0, 0, 0, 0)]), {"omega": [1]}),
+        (lambda: synchronous_response(**WHIRLS), {"zeta": 0, "omega": [1, 0]}),
+    ],
+)
+def test_a_part_of_a_result_is_made_again(whole, places):
+    part = whole().isel(places)
     again = rerun(part)
     assert (again.omega.values == part.omega).all()
-    assert differences(again, part)["differing"] == 0
+    found = differences(again, part)
+    assert (found["agrees"], found["differing"]) == (True, 0)
+
+
+@pytest.mark.parametrize(
+    ("whole", "places"),
+    [
+        (RESULTS["sweep"], {"start": [0]}),
+        (RESULTS["sweep"], {"start": [1, 0]}),
+        (RESULTS["up and down"], {"direction": [0]}),
+        (lambda: simulate(ROTOR, start=(0, 0, 0, 0), duration=20.0), {"event": slice(3)}),
+    ],
+)
+def test_a_part_along_no_argument_is_refused(whole, places):
+    part = whole().isel(places)
+    with pytest.raises(InputError, match=f"a part of a result along {next(iter(places))} cannot"):
+        differences(rerun(part), part)
+
+
+def test_a_cycle_from_a_result_is_made_again_from_its_guess():
+    cycle = limit_cycle(ROTOR, start=(0, 0, 0, 0))
+    branch = continue_cycle(ROTOR, start=cycle, limits=(1.98, 2.02))
+    run = simulate(ROTOR, start=(0, 0, 0, 0), duration=20.0)
+    for given in ({"start": cycle}, {"start": branch.isel(point=3)}, {"start": run, "period": 4.5}):
+        found = limit_cycle(ROTOR, **given)
+        assert len(found.attrs["question"]) < 2000
+        assert differences(rerun(found), found)["agrees"] is True
+
+
+def test_very_many_samples_are_not_in_the_question():
+    run = simulate(ROTOR, start=(0, 0, 0, 0), duration=1.0, samples=np.linspace(0, 1, 1_000_001))
+    assert len(run.attrs["question"]) < 1000
+    assert differences(rerun(run), run)["agrees"] is True
+
+
+def test_a_forged_run_does_not_choose_how_it_is_compared():
+    run = simulate(ROTOR, start=(0, 0, 0, 0), duration=20.0)
+    again = rerun(run)
+    for rtol in (1.0, "large"):
+        forged = run.assign(x=run.x * 1.01).assign_attrs(rtol=rtol)
+        assert differences(again, forged)["agrees"] is False
+    with pytest.raises(InputError, match="event_time must be numbers, got object"):
+        differences(again, run.assign(event_time=run.event_time.astype(object)))
+    whirls = synchronous_response(**WHIRLS).assign_attrs(question=run.question)
+    with pytest.raises(InputError, match="this whirls cannot be verified: it lacks t"):
+        rerun(whirls)
 
 
 IN_SI = DimensionalRotor(mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6,

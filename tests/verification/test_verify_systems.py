@@ -10,10 +10,13 @@ from rotor_ida import (
     RotorSystem,
     Stator,
     Unbalance,
+    continue_cycle,
+    limit_cycle,
     load,
     save,
     simulate,
     special_speeds,
+    synchronous_response,
 )
 from rotor_ida.verification.verify import differences, rerun
 
@@ -29,6 +32,52 @@ CONTACTS = [
     Contact(node="disc", clearance=50e-6, stiffness=4e9, damping=2.0),
 ]  # fmt: skip
 UNBALANCE = [Unbalance(node="disc", moment=2e-4, phase=1.0)]
+
+
+LARGE = RotorSystem(
+    mass=np.eye(8), damping=0.1 * np.eye(8), stiffness=np.diag(np.linspace(1.0, 40.0, 8)),
+    nodes={"disc": (0, 1)}, unbalance=[Unbalance(node="disc", moment=1.0)],
+    contacts=[Contact(node="disc", clearance=2.0, stiffness=4.0)],
+)  # fmt: skip
+MADE = {
+    "whirls": lambda: synchronous_response(LARGE, speed=[1.2, 1.5]),
+    "run": lambda: simulate(LARGE, speed=1.2, duration=5.0, modes=4, samples=3,
+                            start=(0.1 * np.ones(8), np.zeros(8))),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("kind", MADE)
+def test_a_large_system_is_taken_from_the_matrices_of_its_result(kind, monkeypatch):
+    monkeypatch.setattr("rotor_ida.results.question.MOST_NUMBERS", 300)
+    made = MADE[kind]()
+    assert "RotorSystem" not in made.attrs["question"]
+    assert differences(rerun(made), made)["agrees"] is True
+
+
+@pytest.mark.parametrize("start", ["run", "cycle", "branch"])
+def test_a_cycle_from_a_result_is_made_again_from_its_guess(start):
+    system = Rotor(omega=2.0, zeta=0.07, delta0=2.0).system()
+    starts = {
+        "run": lambda: simulate(system, speed=2.0, duration=20.0, samples=3),
+        "cycle": lambda: limit_cycle(system, speed=1.99),
+        "branch": lambda: continue_cycle(system, speed=1.99, limits=(1.98, 2.0)).isel(point=1),
+    }
+    given = {} if start == "branch" else {"speed": 2.0}
+    cycle = limit_cycle(system, start=starts[start](), **given)
+    assert len(cycle.attrs["question"]) < 2000
+    assert differences(rerun(cycle), cycle)["agrees"] is True
+
+
+def test_critical_speeds_are_not_compared_of_a_part():
+    whirls = synchronous_response(
+        SYSTEM, contacts=CONTACTS, unbalance=UNBALANCE, speed=np.linspace(300.0, 900.0, 25)
+    )
+    assert whirls.sizes["critical"] > 0
+    part = whirls.isel(speed=[20, 3])
+    found = differences(rerun(part), part)
+    assert found["agrees"] is True, found["trouble"]
+    assert "critical_speed" in found["not_compared"]
+    assert "critical_speed" not in differences(rerun(whirls), whirls)["not_compared"]
 
 
 def test_lost_branches_and_parts_are_named(tmp_path):

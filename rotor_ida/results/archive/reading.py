@@ -12,6 +12,8 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 import numpy.typing as npt
 import xarray as xr
+from xarray.backends import BackendArray
+from xarray.core.indexing import ExplicitIndexer, LazilyIndexedArray
 
 from rotor_ida.checks import check_flag, shown
 from rotor_ida.errors import ArchiveError, InputError, MissingFileError
@@ -160,7 +162,7 @@ def _open(source: Path, *, check: bool) -> xr.Dataset:
     stored = xr.open_dataset(source, engine="netcdf4", decode_cf=False, cache=False)
     try:
         with LOCK:
-            dataset = _read(source, lambda name, _: stored.variables[name]._data)
+            dataset = _read(source, lambda name, _: _unread(stored.variables[name], source))
         if check:
             _check_content(dataset, source)
     except BaseException:
@@ -168,6 +170,28 @@ def _open(source: Path, *, check: bool) -> xr.Dataset:
         raise
     dataset.set_close(stored.close)
     return dataset
+
+
+class _Unread(BackendArray):
+    """Numbers in a file, whose damage is reported when they are read."""
+
+    def __init__(self, inner: Any, source: Path) -> None:
+        self.inner, self.source = inner, source
+        self.shape, self.dtype = inner.shape, inner.dtype
+
+    def __getitem__(self, key: ExplicitIndexer) -> object:
+        with _reported(self.source):
+            return self.inner[key]
+
+
+def _unread(stored: xr.Variable, source: Path) -> object:
+    """Return the numbers of a variable, which are in memory for a coordinate of a dimension."""
+    inner: Any = stored._data
+    while not isinstance(inner, BackendArray):  # xarray's wrappers of what reads the file
+        if not hasattr(inner, "array"):
+            return stored._data
+        inner = inner.array
+    return LazilyIndexedArray(_Unread(inner, source))
 
 
 def _refuse_unsound(source: Path, *, check: bool) -> None:
