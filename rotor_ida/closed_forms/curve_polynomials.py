@@ -183,9 +183,8 @@ def equations_of(rotors: RotorColumns) -> list[CurveEquations]:
     return [CurveEquations(*row) for row in rows]
 
 
-@lru_cache(maxsize=1024)
 def exact_folds(equations: CurveEquations) -> tuple[Fold, ...]:
-    """Return speed and amplitude of every fold, in order of speed.
+    """Return speed and amplitude of every fold, in order of speed; contact damping moves none.
 
     Examples
     --------
@@ -193,6 +192,11 @@ def exact_folds(equations: CurveEquations) -> tuple[Fold, ...]:
     >>> [round(omega, 6) for omega, _ in found]
     [0.073354, 0.080852, 1.337605, 1.712264]
     """
+    return _folds_of(replace(equations, contact_damping=0.0))
+
+
+@lru_cache(maxsize=4096)
+def _folds_of(equations: CurveEquations) -> tuple[Fold, ...]:
     found, law = _crossings(equations.curve, equations.fold), equations.law
     least = Fraction(AT_TOUCH) * Fraction(law.delta0)
     if not law.hertz and any(root < least for root, _ in found):

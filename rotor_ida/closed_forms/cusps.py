@@ -98,7 +98,11 @@ def cusp_of(law: RestoringLaw) -> Cusp:
     if row > 0:
         refined = _summit(place, law)
         damping, misses = _on_locus(refined[0], refined[1], law)
-        if abs(misses) < 1e-12 and best * (1.0 - 1e-9) <= damping <= best * 1.05:
+        _, g, W = law.forces(refined[0])
+        if (
+            abs(misses) < 1e-12 * max(1.0, float(g / W))
+            and best * (1.0 - 1e-9) <= damping <= best * 1.05
+        ):
             place, best = refined, float(damping)
     speed = math.sqrt(float(_speed_squared(place[0], place[1], law)))
     return Cusp(best, speed, float(law.delta0 + place[0] ** 2))

@@ -15,7 +15,6 @@ from __future__ import annotations
 import math
 from dataclasses import dataclass
 from fractions import Fraction
-from functools import reduce
 from itertools import accumulate, pairwise
 
 # Two roots closer than this power of two, relative to the largest possible root, probably coincide:
@@ -64,9 +63,12 @@ class Polynomial:
 
     def __call__(self, place: Fraction) -> Fraction:
         """Return the value at a place."""
-        return reduce(
-            lambda value, each: value * place + each, self.coefficients[::-1], Fraction(0)
-        )
+        value: Fraction | int = 0
+        power = 1
+        for each in self.coefficients[::-1]:
+            value = value * place.numerator + each * power
+            power *= place.denominator
+        return Fraction(value, power // place.denominator)
 
     def _joined(self, other: Polynomial, sign: int) -> Polynomial:
         one, two = self.coefficients, other.coefficients
@@ -98,16 +100,26 @@ class Root:
         >>> round(float(low), 9), high - low < 1e-11
         (1.414213562, True)
         """
-        low, high = self.low, self.high
-        rising = _sign_at(self.whole, high) > 0 or _sign_at(self.whole, low) < 0
+        low, high, here = self.low, self.high, Polynomial(self.whole)
+        below, above = here(low), here(high)
+        rising, parts = above > 0 or below < 0, 2
         while high - low > high / 2**power:
-            middle = (low + high) / 2
-            if (sign := _sign_at(self.whole, middle)) == 0:
-                return middle, middle
-            if (sign > 0) == rising:
-                high = middle
+            # the part in which the chord crosses 0; the parts are squared where the root is there
+            share = below / (below - above) if below * above < 0 else Fraction(1, 2)
+            number, step = min(int(parts * share), parts - 1), (high - low) / parts
+            left, right = low + number * step, low + (number + 1) * step
+            at_left = here(left) if number else below
+            at_right = here(right) if number < parts - 1 else above
+            for place, value in ((left, at_left), (right, at_right)):
+                if value == 0 and low < place < high:
+                    return place, place
+            if number and (at_left < 0) != rising:
+                high, above, parts = left, at_left, max(2, math.isqrt(parts))
+            elif number < parts - 1 and (at_right < 0) == rising:
+                low, below, parts = right, at_right, max(2, math.isqrt(parts))
             else:
-                low = middle
+                low, high, below, above = left, right, at_left, at_right
+                parts *= parts
         return low, high
 
 
@@ -219,12 +231,3 @@ def _shifted(whole: list[int]) -> list[int]:
 def _sign_changes(whole: list[int]) -> int:
     signs = [each > 0 for each in whole if each]
     return sum(one != other for one, other in pairwise(signs))
-
-
-def _sign_at(whole: tuple[int, ...], place: Fraction) -> int:
-    """Return the sign of a polynomial at a place."""
-    value, power = 0, 1
-    for each in whole[::-1]:
-        value = value * place.numerator + each * power
-        power *= place.denominator
-    return (value > 0) - (value < 0)

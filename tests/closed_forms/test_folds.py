@@ -341,3 +341,9 @@ def test_parameters_out_of_range_are_refused(function, values, message):
         given = {"zeta": 0.07, **given}
     with pytest.raises(InputError, match=message):
         function(**given)
+
+
+def test_the_cusp_of_a_stiff_shaft_parts_two_folds_from_none():
+    cusp = cusp_zeta(0.5, shaft_stiffness=1e6)
+    assert len(found_at(cusp * (1 - 1e-9), 0.5, 1e6)) == 2
+    assert found_at(cusp * (1 + 1e-9), 0.5, 1e6) == []
