@@ -66,7 +66,7 @@ def run() -> xr.Dataset:
 
 @functools.cache
 def many_turns() -> xr.Dataset:
-    return rotor_ida.simulate(ROTOR, start=REST, duration=130.0, samples=1301)
+    return rotor_ida.simulate(ROTOR, start=REST, duration=260.0, samples=2601)
 
 
 @functools.cache
