@@ -64,7 +64,7 @@ def whirl_torque(
     amplitude : array_like
         Amplitude A of the whirl [dimensionless].
     omega, zeta, delta0, contact_exponent, friction : array_like
-        As for `Rotor` [dimensionless]; all but the exponent broadcast.
+        As for `Rotor` [dimensionless]; they broadcast.
     disc_radius : array_like, optional
         Radius rho of the disc [dimensionless], required with friction.
 
@@ -78,7 +78,7 @@ def whirl_torque(
     ------
     InputError
         If a value is not a finite real number, or is negative, the exponent is neither 1.5 nor 1,
-        or there is friction without a disc radius.
+        or there is friction without a disc radius or clearance.
 
     Notes
     -----
