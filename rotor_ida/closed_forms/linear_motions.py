@@ -8,10 +8,13 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
 from typing import Any, NamedTuple
 
 import numpy as np
 import numpy.typing as npt
+from scipy.optimize import brentq
 
 from rotor_ida.arrays import ComplexValues, Flags, Values
 from rotor_ida.closed_forms.crossings import Motion, crossing_speeds, eigenvalues_and_slopes
@@ -106,6 +109,14 @@ class LinearMotions:
         senses = np.where(whirls & (found.imag > 0.0), spin * np.sign(forward - backward), 0.0)
         return Motions(found, senses.astype(np.int8), seen | (len(self.nodes) == 0))
 
+    def eigenvalues(self, omega: float) -> ComplexValues:
+        """Return the eigenvalues without contact at a speed, but for 0."""
+        stiffness, damping = self.held(0.0, omega)
+        resisted = damping + omega * self.gyroscopic
+        rates = np.linalg.eigvals(first_order(stiffness, resisted))
+        found = _exact(rates, stiffness, resisted)
+        return np.asarray(found[found != 0.0])
+
     def turning(self, spring: float, side: float, sense: float) -> Callable[[float], Motion]:
         """Return the eigenvalues at sizes of the speed, conjugate for the sense -1.
 
@@ -173,6 +184,34 @@ def critical_speeds(
             for i in nearest[here.seen[nearest]].tolist():
                 ratio = -here.eigenvalues[i].real / np.abs(here.eigenvalues[i])
                 yield CriticalSpeed(side * size, int(here.senses[i]), float(ratio))
+
+
+def growth_thresholds(motions: LinearMotions, speeds: Values) -> Iterator[tuple[float, float]]:
+    """Yield the speeds at which the motion begins or ceases to grow, and its whirl speed there.
+
+    Neighbouring speeds, in ascending order, and knots of films between them must not have two
+    thresholds in between.
+    """
+    growth = cache(lambda speed: float(motions.eigenvalues(speed).real.max(initial=-np.inf)))
+    knots = motions.films.knots
+    inside = knots[(knots > speeds[0]) & (knots < speeds[-1])]
+    for low, high in pairwise(np.unique(np.concatenate([speeds, inside])).tolist()):
+        if (growth(low) > 0.0) != (growth(high) > 0.0):
+            speed = _threshold(growth, low, high)
+            found = motions.at(0.0, speed)
+            fastest = int(np.argmax(np.where(found.seen, found.eigenvalues.real, -np.inf)))
+            whirl_speed = abs(float(found.eigenvalues[fastest].imag))
+            yield speed, -whirl_speed if found.senses[fastest] < 0 else whirl_speed
+
+
+def _threshold(growth: Callable[[float], float], low: float, high: float) -> float:
+    """Return where a growth rate leaves or reaches the numbers above 0, between two speeds."""
+    if growth(low) * growth(high) < 0.0:
+        return float(brentq(growth, low, high, xtol=1e-13 * high))
+    grows = growth(low) > 0.0  # the other is 0 without damping
+    while high - low > 1e-13 * high and low < (middle := 0.5 * (low + high)) < high:
+        low, high = (middle, high) if (growth(middle) > 0.0) == grows else (low, middle)
+    return high
 
 
 def _merged(roots: Sequence[float]) -> Iterator[tuple[float, int]]:

@@ -8,17 +8,17 @@ from typing import NamedTuple
 import numpy as np
 from scipy.optimize import brentq
 
-from rotor_ida.arrays import ComplexValues
+from rotor_ida.arrays import ComplexValues, Values
 from rotor_ida.model.assembly import Canonical
 
 # Relative size below which an eigenvalue is that of a free motion.
 FREE = 1e-9
-# Growth rates below this part of the largest eigenvalue are rounding; so are those of eigenvalues
-# that are themselves below this part of it, as of a rotor that nothing holds: a double 0.
-GROWING, HELD = 1e-9, 1e-6
+# Error of an eigenvalue, as a part of the largest and of the norm of the stiffness over its size.
+# It spreads a double 0, of a rotor that nothing holds, to growth and decay of just such a size.
+ROUNDING = 50.0 * np.finfo(float).eps
 # Steps in which the speed falls where growth is followed to its beginning, and how near to that
 # where no sign of the growth rate tells it.
-STEPS, PLACED = 16, 1e-6
+STEPS, PLACED = 16, 1e-13
 # Speeds at which ranges of growth are sought.
 POINTS = 65
 
@@ -45,19 +45,21 @@ def rates_of(found: Canonical, speed: float) -> ComplexValues:
 
 def growth_of(found: Canonical, speed: float) -> Growth | None:
     """Return how the motion without contact grows fastest at a speed; None where it does not."""
-    rates = rates_of(found, speed)
-    fastest, largest = _fastest(rates)
-    if not fastest.real > GROWING * largest:
+    rates, parts = _moving(found, speed)
+    growing = rates[parts > 1.0]
+    if not growing.size:
         return None
-    return Growth(fastest.real, abs(fastest.imag))
+    fastest = growing[np.argmax(growing.real)]
+    return Growth(float(fastest.real), float(abs(fastest.imag)))
 
 
-def _fastest(rates: ComplexValues) -> tuple[complex, float]:
-    """Return the eigenvalue that grows fastest, free motions aside, and the largest size of all."""
+def _moving(found: Canonical, speed: float) -> tuple[ComplexValues, Values]:
+    """Return the eigenvalues, free motions aside, and their real parts over their errors."""
+    rates, inert = rates_of(found, speed), len(found.stiffness) - found.massless
+    held = np.linalg.norm(found.stiffness_at(speed)[:inert, :inert])
     sizes = np.abs(rates)
-    moving = rates[sizes > HELD * sizes.max()]
-    fastest = complex(moving[np.argmax(moving.real)]) if moving.size else 0j
-    return fastest, float(sizes.max())
+    rates = rates[sizes**2 > ROUNDING * (held + sizes.max() * sizes)]
+    return rates, rates.real / (ROUNDING * (held / np.abs(rates) + sizes.max()))
 
 
 def growth_begins(found: Canonical, speed: float) -> float | None:
@@ -76,16 +78,14 @@ def growth_begins(found: Canonical, speed: float) -> float | None:
     return _end_between(found, low, high, True)
 
 
-def growth_between(
-    found: Canonical, low: float, high: float, points: int = POINTS
-) -> list[tuple[float, float]]:
+def growth_between(found: Canonical, low: float, high: float) -> list[tuple[float, float]]:
     """Return the ranges of speeds between two in which the motion without contact grows.
 
-    Ranges, and gaps between them, that lie between neighbours of some `points` are not seen.
+    Ranges, and gaps between them, that lie between neighbours of `POINTS` speeds are not seen.
     """
     knots = found.films.knots
     inside = knots[(knots > low) & (knots < high)]
-    speeds = np.unique(np.concatenate([np.linspace(low, high, points), inside])).tolist()
+    speeds = np.unique(np.concatenate([np.linspace(low, high, POINTS), inside])).tolist()
     grow = [growth_of(found, each) is not None for each in speeds]
     ends = [low] if grow[0] else []
     for (below, above), grows in zip(pairwise(speeds), grow[1:], strict=True):
@@ -102,17 +102,16 @@ def _end_between(found: Canonical, low: float, high: float, grows: bool) -> floa
     at which there is growth.
     """
 
-    def rate(speed: float) -> float:
-        fastest, largest = _fastest(rates_of(found, speed))
-        return fastest.real / largest if largest else 0.0
+    def growth(speed: float) -> float:
+        parts = _moving(found, speed)[1]
+        return float(parts.max()) if parts.size else 0.0
 
-    lower, higher = sorted((rate(low), rate(high)))
-    if lower < -GROWING and higher > GROWING:
-        return float(brentq(rate, low, high, xtol=1e-14 * max(abs(low), abs(high))))
+    lower, higher = sorted((growth(low), growth(high)))
+    if lower < -1.0 and higher > 1.0:
+        return float(brentq(growth, low, high, xtol=1e-14 * max(abs(low), abs(high))))
     near = PLACED * max(abs(low), abs(high))
-    while high - low > near:
-        middle = 0.5 * (low + high)
-        same = (growth_of(found, middle) is not None) == grows
+    while high - low > near and low < (middle := 0.5 * (low + high)) < high:
+        same = (growth(middle) > 1.0) == grows
         low, high = (low, middle) if same else (middle, high)
     return high if grows else low
 

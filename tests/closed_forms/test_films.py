@@ -95,6 +95,28 @@ def test_a_growth_that_cross_coupling_drives_begins_at_the_threshold():
     assert found.whirl_speed.item() == pytest.approx(abs(fastest(threshold).imag), rel=1e-6)
 
 
+@pytest.mark.parametrize("damper", [2e2, 2e5, 2e6])
+def test_a_threshold_stands_beside_motions_that_decay_far_faster(damper):
+    """A disc on a film of cross-coupling 10 omega with m = 1, k = 1e4, c = 20 grows where
+    10 omega > c sqrt(k / m), beyond 200; a light node on a damper decays faster than all of it."""
+    speeds = np.array([10.0, 1000.0])
+    film = Bearing(
+        node="disc", speed=speeds, damping=np.zeros((2, 2, 2)),
+        stiffness=10.0 * speeds[:, np.newaxis, np.newaxis] * np.array([[0.0, 1.0], [-1.0, 0.0]]),
+    )  # fmt: skip
+    system = RotorSystem(
+        mass=np.diag([1.0, 1.0, 1e-3, 1e-3]), stiffness=np.diag([1e4, 1e4, 1e3, 1e3]),
+        damping=np.diag([20.0, 20.0, damper, damper]), nodes={"disc": (0, 1), "seal": (2, 3)},
+        bearings=[film], unbalance=[Unbalance(node="disc", moment=1e-6)],
+    )  # fmt: skip
+    found = special_speeds(system, limits=(50.0, 900.0), points=20)
+    assert found.special_speed.values == pytest.approx([200.0], rel=1e-7)
+    assert found.whirl_speed.values == pytest.approx([100.0], rel=1e-7)
+    told = synchronous_response(system, speed=[50.0, 900.0]).attrs
+    assert told["growth_begins_at"] == pytest.approx(200.0, rel=1e-11)
+    assert told["unstable_speeds"] == pytest.approx([200.0, 900.0], rel=1e-11)
+
+
 def test_a_threshold_of_an_axisymmetric_system_stands_beside_its_rubs():
     found = special_speeds(on_films(cross=6000.0), limits=(160.0, 2390.0), points=30)
     kinds = found.special_kind.values

@@ -21,7 +21,7 @@ import xarray as xr
 from rotor_ida.arrays import Column, ComplexValues, Values
 from rotor_ida.checks import check_count, check_progress
 from rotor_ida.closed_forms.curve_tracing import checked_limits
-from rotor_ida.closed_forms.linear_motions import linear_motions
+from rotor_ida.closed_forms.linear_motions import growth_thresholds, linear_motions
 from rotor_ida.closed_forms.whirls.at_speeds import MOST_TOUCHING, touching_sets
 from rotor_ida.closed_forms.whirls.branches import (
     Branches,
@@ -34,9 +34,8 @@ from rotor_ida.closed_forms.whirls.branches import (
 from rotor_ida.closed_forms.whirls.synchronous import whirls_of_system
 from rotor_ida.closed_forms.whirls.turning_axes import NEUTRAL
 from rotor_ida.errors import InputError
-from rotor_ida.model.assembly import Assembly, assemble, canonical
+from rotor_ida.model.assembly import Assembly, assemble
 from rotor_ida.model.axisymmetric import check_masses, forward_motions, no_circles
-from rotor_ida.model.growth import growth_between
 from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, changed_system
 from rotor_ida.model.system_parts import check_clearances
 from rotor_ida.parallel import Progress, shows_progress
@@ -129,7 +128,10 @@ def special_speeds(
     assembly = assemble(system, speeds=speeds)
     check_clearances(assembly.contacts)
     check_masses(assembly)
-    found = _thresholds(assembly, low, high, speeds.size)
+    found = [
+        _Point(at, "threshold", (), np.zeros(0), whirl_speed=whirl_speed)
+        for at, whirl_speed in growth_thresholds(linear_motions(assembly), speeds)
+    ]
     told: dict[str, object] = {"limits": np.array([low, high]), "points": points}
     report = check_progress(progress)
     try:
@@ -139,19 +141,6 @@ def special_speeds(
     problem = RubProblem(assembly, forward_motions(assembly))
     others = (each for each in _special_points(problem, speeds, report) if _is_free(problem, each))
     return _dataset(assembly, [*found, *others], problem, whirls).assign_attrs(told)
-
-
-def _thresholds(assembly: Assembly, low: float, high: float, points: int) -> list[_Point]:
-    """Return the speeds at which the motion without contact begins or ceases to grow."""
-    motions, found = linear_motions(assembly), []
-    for speed in np.ravel(growth_between(canonical(assembly), low, high, points)).tolist():
-        if low < speed < high:
-            here = motions.at(0.0, speed)
-            fastest = int(np.argmax(np.where(here.seen, here.eigenvalues.real, -np.inf)))
-            whirl_speed = abs(float(here.eigenvalues[fastest].imag))
-            whirl_speed = -whirl_speed if here.senses[fastest] < 0 else whirl_speed
-            found.append(_Point(speed, "threshold", (), np.zeros(0), whirl_speed=whirl_speed))
-    return found
 
 
 def _special_points(
