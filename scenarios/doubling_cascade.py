@@ -113,8 +113,10 @@ def largest_radii(down: xr.Dataset) -> xr.Dataset:
         radii.append(peaks if touches else np.empty(0))
         exponents.append(exponent)
         errors.append(error)
+    counts = np.array([part.size for part in radii])
     variables = {
-        "extremum_count": labelled("extremum_count", "omega", [part.size for part in radii]),
+        "extremum_count": labelled("extremum_count", "omega", counts),
+        "extremum_row": labelled("extremum_row", "omega", np.cumsum(counts) - counts),
         "extremum_radius": labelled("extremum_radius", "extremum", np.concatenate(radii)),
         "lyapunov_exponent": labelled("lyapunov_exponent", "omega", exponents),
         "lyapunov_error": labelled("lyapunov_error", "omega", errors),

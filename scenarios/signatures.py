@@ -374,9 +374,7 @@ def draw(
         signals, span=motion.spectrum, segment=segment, beneath=exact, ax=lines
     )  # fmt: skip
     beneath = lines_along(name, branch, 3 if settings.quick else 6)
-    plot_cascade(
-        ramp, span=motion.cascade, rows=24 if settings.quick else 50, beneath=beneath, ax=cascade
-    )  # fmt: skip
+    plot_cascade(ramp, span=motion.cascade, beneath=beneath, ax=cascade)
     finish(axes, motion)
     shared_legend(figure, axes, columns=5, outer=False)
     settings.show(
