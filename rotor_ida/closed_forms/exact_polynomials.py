@@ -103,6 +103,9 @@ class Root:
         low, high, here = self.low, self.high, Polynomial(self.whole)
         below, above = here(low), here(high)
         rising, parts = above > 0 or below < 0, 2
+        if below == above == 0:  # both are other roots
+            slope = Polynomial(tuple(n * each for n, each in enumerate(self.whole))[1:])
+            rising = slope(low) < 0
         while high - low > high / 2**power:
             # the part in which the chord crosses 0; the parts are squared where the root is there
             share = below / (below - above) if below * above < 0 else Fraction(1, 2)

@@ -84,7 +84,7 @@ def concat(datasets: Sequence[xr.Dataset], dim: str) -> xr.Dataset:
                 values = np.concatenate([each[name].values for each in given])
                 result[name] = xr.Variable(variable.dims, values[rows], variable.attrs)
         result = result.assign(counted(counts, result[counts].variable, table))
-    return result.assign_attrs(_question(given, dimensionless(result), dim))
+    return result.assign_attrs(_question(given, result, dim))
 
 
 def _question(given: Sequence[xr.Dataset], joined: xr.Dataset, dim: str) -> dict[str, str]:
@@ -96,13 +96,21 @@ def _question(given: Sequence[xr.Dataset], joined: xr.Dataset, dim: str) -> dict
     if any((dim in each.dims) != (dim in joined[name].dims) for name, each in given[0].items()):
         return {}
     asked = [Question.of_result(each) for each in given]
+    if None in asked:
+        return {}
+    without_units = {
+        own: plain
+        for each in given
+        for own, plain in zip(np.ravel(each[dim]), np.ravel(dimensionless(each)[dim]), strict=True)
+    }
+    axis = np.array([without_units[own] for own in joined[dim].values])
     whole = {
-        Question(each.verb, {**each.arguments, dim: joined[dim].values}).text()
+        Question(each.verb, {**each.arguments, dim: axis}).text()
         for each in asked
         if each and dim in each.arguments
         and not (each.arguments.get("direction") and each.arguments.get("along", SPEED) == dim)
     }  # fmt: skip
-    return {QUESTION: whole.pop()} if len(whole) == 1 and None not in asked else {}
+    return {QUESTION: whole.pop()} if len(whole) == 1 else {}
 
 
 def _check_one_grid(counts: Sequence[xr.DataArray], dim: str) -> None:

@@ -21,7 +21,7 @@ from rotor_ida.checks import COMPONENTS, shown
 from rotor_ida.errors import InputError
 from rotor_ida.model.bearing import Bearing
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
-from rotor_ida.model.rotor_system import RotorSystem, name_of
+from rotor_ida.model.rotor_system import RotorSystem, SystemParameters, name_of
 from rotor_ida.model.system_parts import Contact, Race, Stator, Support, Unbalance
 from rotor_ida.results.dataset_kinds import loaded
 from rotor_ida.results.provenance import computing
@@ -220,7 +220,12 @@ def with_question(
         del kept["samples"]
     has_system = MATRIX in answer.variables and name_of(verb) != "drop"  # but how it was held
     if has_system and _size(kept["rotor"]) >= MOST_NUMBERS:
-        del kept["rotor"]
+        bearings = kept.get("bearings") or kept["rotor"].bearings
+        if any(each.varies for each in bearings):
+            return answer  # its matrices have them at one speed, or not
+        # its matrices and variables have all of these
+        for name in {"rotor", *SystemParameters.__annotations__} & kept.keys():
+            del kept[name]
         if kept.pop("modes", None) is not None and STATE in answer.variables:
             kept[START] = _resolved(START, answer)  # its matrices are in these modes too
     kept = {name: each for name, each in kept.items() if each is not None}

@@ -69,9 +69,9 @@ class Lines(NamedTuple):
         return float(self.height[np.abs(self.order - order).argmin()]) if inside else 0.0
 
     def clear(self, order: float) -> float:
-        """Return the amplitude at an order; 0 if it is not clear of the noise."""
-        amplitude = self.at(order)
-        return amplitude if amplitude > self.least else 0.0
+        """Return the largest amplitude about an order; 0 if it is not clear of the noise."""
+        amplitude = self.height[np.abs(self.order - order) <= self.width].max(initial=0.0)
+        return float(amplitude) if amplitude > self.least else 0.0
 
     def strongest(self, far: Flags) -> tuple[float, float]:
         """Return order and amplitude of the strongest line at chosen orders; NaN and 0 if none.
@@ -235,10 +235,9 @@ def _of_line(lines: Lines, floor: float) -> list[str]:
     least = max(SEEN, CLEAR * floor if floor > BROAD else 0.0)
     if amplitude <= least * lines.highest:
         return []
-    if order < 0.0 and amplitude > lines.at(1.0):
-        return [f"The rotor whirls backwards, at {-order:.2f} times its speed, as in dry whirl and "
-                "dry whip."]  # fmt: skip
     is_alone = lines.at(-order) < ALIKE * amplitude
+    if order < 0.0 and is_alone and amplitude > lines.at(1.0):
+        return [_whips(f"{-order:.2f}")]
     near = NEAR * lines.step
     parts = next((n for n in (2, 3, 4) if abs(order * n - round(order * n)) < n * near), 0)
     size, at = _size(lines, amplitude), f"at {order:.3f}X"
@@ -253,6 +252,10 @@ def _of_line(lines: Lines, floor: float) -> list[str]:
         return [f"A forward line {at} without a backward one {size}, as in oil whirl; a rub under "
                 "a load has both."]  # fmt: skip
     return [f"A line {at} {size}."]
+
+
+def _whips(order: str) -> str:
+    return f"The rotor whirls backwards, at {order} times its speed, as in dry whirl and dry whip."
 
 
 def _of_multiples(lines: Lines) -> list[str]:
@@ -270,7 +273,12 @@ def _of_multiples(lines: Lines) -> list[str]:
             f"The orbit is an ellipse, with {back / ahead:.2f} of 1X backwards, as from bearings "
             "that differ in their directions, or from a rub under a load."
         )
-    sums = {n: lines.clear(n) + lines.clear(-n) for n in range(2, LAST + 1)}
+    multiples = range(2, LAST + 1)
+    behind = {n: lines.clear(-n) for n in multiples}
+    whips = {n for n, each in behind.items()
+             if each > max(ahead, seen) and lines.clear(n) < ALIKE * each}  # fmt: skip
+    said += [_whips(f"about {n}") for n in sorted(whips)]
+    sums = {n: lines.clear(n) + each for n, each in behind.items() if n not in whips}
     told = [f"{n}X {_size(lines, each)}" for n, each in sums.items() if each > seen]
     if told:
         said.append(

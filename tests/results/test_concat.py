@@ -1,5 +1,6 @@
 """Results joined along a parameter are the results over both."""
 
+from dataclasses import replace
 from functools import partial
 
 import numpy as np
@@ -7,6 +8,7 @@ import pytest
 import xarray as xr
 
 from rotor_ida import (
+    DimensionalRotor,
     InputError,
     Rotor,
     basin,
@@ -18,6 +20,7 @@ from rotor_ida import (
     sweep,
     synchronous_response,
 )
+from rotor_ida.results.si_units import dimensionless
 from rotor_ida.verification.verify import differences, rerun
 
 OTHERS = {"zeta": 0.07, "delta0": [2.0, 1.0]}
@@ -117,3 +120,15 @@ def test_what_does_not_fit_together_is_refused():
     other = swept(omega=1.5, zeta=0.1, delta0=2.0)
     with pytest.raises(InputError, match="must have the same coordinates besides omega"):
         concat([one, other], "omega")
+
+
+def test_runs_of_a_machine_of_differing_length_are_joined():
+    machine = DimensionalRotor(
+        mass=4.0, contact_stiffness=1e9, damping=280.0, eccentricity=1e-6, clearance=2e-6,
+        speed=600.0,
+    )  # fmt: skip
+    runs = [simulate(replace(machine, speed=speed), duration=duration, samples=3)
+            for speed, duration in ((600.0, 0.01), (650.0, 0.011))]  # fmt: skip
+    joined = concat([run[["x"]].assign_coords(t=[0, 1, 2]) for run in runs], "omega")
+    assert joined.sizes["omega"] == 2
+    np.testing.assert_allclose(dimensionless(joined).omega, [1.2, 1.3])

@@ -43,6 +43,8 @@ MADE = {
     "whirls": lambda: synchronous_response(LARGE, speed=[1.2, 1.5]),
     "run": lambda: simulate(LARGE, speed=1.2, duration=5.0, modes=4, samples=3,
                             start=(0.1 * np.ones(8), np.zeros(8))),
+    "loaded run": lambda: simulate(LARGE, speed=1.2, duration=5.0, modes=4, samples=3,
+                                   static_force=0.01 * np.ones(8)),
 }  # fmt: skip
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any, Literal, cast, get_args
@@ -280,7 +281,10 @@ def _dataset_in(file: Path, reading: Mapping[str, Any], *, inch: bool = False) -
         )
     given = as_read(reading)
     if file.suffix != OUT_ENDING:
-        return rotor_ida.read_signals(file, **({"length": "mil"} if inch else {}) | given)
+        if inch:
+            with suppress(InputError):  # lengths without a unit stay as they are
+                return rotor_ida.read_signals(file, **{"length": "mil"} | given)
+        return rotor_ida.read_signals(file, **given)
     part, orders = given.pop("slow_roll", None), given.pop("runout_orders", 1)
     if given:
         raise InputError(f"{next(iter(given))} must be left out with an archive, got {shown(file)}")
