@@ -20,6 +20,8 @@ from rotor_ida.plot.labels import KIND_WORDS
 
 # Where a legend under the axes begins, clear of ticks and label [point].
 BELOW = 36.0
+# Part of a figure that a legend below one picture may take.
+CENTRED = 0.85
 # Longest legend inside the axes, and size of the least mark in one [point].
 MOST_INSIDE, LEGIBLE = 4, 3.0
 # Legends use this order, whatever was drawn first.
@@ -108,7 +110,8 @@ def legend_below(ax: Axes, *, columns: int = 3, handles: Sequence[Artist] | None
         shown, labels = list(handles), [str(handle.get_label()) for handle in handles]
     below = ScaledTranslation(0.0, -BELOW / 72.0, ax.figure.dpi_scale_trans)
     place = ax.get_subplotspec()
-    room = ax.figure.bbox.width / (place.get_gridspec().ncols if place else 1)
+    # it is centred below axes that have a label on their left
+    room = CENTRED * ax.figure.bbox.width / (place.get_gridspec().ncols if place else 1)
     return _fitting(
         partial(ax.legend, shown, labels, loc="upper center", bbox_to_anchor=(0.5, 0.0),
                 bbox_transform=ax.transAxes + below, handlelength=2.0, borderaxespad=0.0),

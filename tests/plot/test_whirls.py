@@ -98,6 +98,16 @@ def test_a_campbell_diagram_has_forward_and_backward_whirls():
     check_nothing_cut_off(ax.figure)
 
 
+def test_a_campbell_diagram_keeps_its_room_beside_a_wide_legend():
+    found = campbell(
+        beam(), speed=SPEEDS[::10], contacts=[Contact(node="3", **TOUCH)], modes=4,
+        contact_stiffness=[0.0, 1e5, 1e6],
+    )  # fmt: skip
+    figure = figure_of(found)
+    figure.draw_without_rendering()
+    assert figure.axes[0].get_position().width > 0.6
+
+
 def test_a_campbell_diagram_tells_growing_whirls_and_damped_criticals():
     """Damping 2.6 of the disc's translation crosses the spin speed with a ratio of 0.65."""
     cross = np.diag([0.0, 0, 0.5], 1) - np.diag([0.0, 0, 0.5], -1)
