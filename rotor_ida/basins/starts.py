@@ -119,7 +119,7 @@ class Box:
     def of(
         cls, starts: object, seed: object, most: int = MOST_POINTS_OF_STUDY, **given: npt.ArrayLike
     ) -> Self:
-        """Return the box of a range or number for each component, for at most so many starts."""
+        """Return the box of ranges or numbers, one for each component; refuse too many starts."""
         count = check_count("starts", starts, maximum=most)
         return cls(box_of(given, count), count, check_seed(seed))
 

@@ -29,9 +29,10 @@ STILL = 1e-12
 BELOW, OF_OIL = (0.1, 0.9), (0.3, 0.6)
 # An order is a simple fraction if it is within this part of a grid step of it.
 NEAR = 0.1
-# Parts of the highest line from which lines and floor are told, and part that makes lines alike.
+# Lines, and a floor, are mentioned if they exceed these parts of the highest line. Two lines are
+# alike if the smaller exceeds this part of the larger.
 SEEN, BROAD, ALIKE = 0.02, 0.03, 0.5
-# The highest multiple of the speed that is told.
+# The highest multiple of the speed that is mentioned.
 LAST = 5
 
 
@@ -99,7 +100,7 @@ class Lines(NamedTuple):
 
 
 def rub_signs(signals: xr.Dataset) -> xr.Dataset:
-    """Find the signs by which kinds of rub are told apart, in a record at one speed.
+    """Find the signs of a rub in a record at one speed.
 
     Parameters
     ----------
