@@ -13,7 +13,6 @@ turns 10 million times faster than it decays, against inverse iterations with 40
 import argparse
 import time
 from collections import Counter
-from fractions import Fraction
 
 import mpmath
 import numpy as np
@@ -45,11 +44,11 @@ def random_numbers(rng):
 
 def exact_count(free, effect, hertz):
     """Return the number of rubs at one contact, in exact arithmetic."""
-    x = Polynomial((Fraction(0), Fraction(1)))
+    x = Polynomial((0, 1))
     depth, force = (x * x, x * x * x) if hertz else (x, x)
-    real = constant(1) + depth + constant(Fraction(effect.real)) * force
-    across = constant(Fraction(effect.imag)) * force
-    return len(isolated_roots(real * real + across * across - constant(Fraction(free) ** 2)))
+    real = constant(1) + depth + constant(float(effect.real)) * force
+    across, beyond = constant(float(effect.imag)) * force, constant(float(free))
+    return len(isolated_roots((real * real + across * across - beyond * beyond).whole))
 
 
 def scanned(free, effect, hertz, steps):

@@ -47,19 +47,22 @@ from rotor_ida.closed_forms.contacting_whirls import Rows, bracketed_newton
 from rotor_ida.closed_forms.double_double import DoubleDouble
 from rotor_ida.closed_forms.exact_polynomials import (
     FINER,
-    SAME,
     Polynomial,
     Root,
     constant,
+    divided,
     isolated_roots,
+    values_at,
 )
 from rotor_ida.closed_forms.restoring_law import RestoringLaw
 from rotor_ida.closed_forms.rotor_columns import RotorColumns
 
 # Coefficients by powers of the speed, the lowest first.
 Equation = tuple[Polynomial, ...]
-# What is left of an equation at a root of it, relative to its largest terms.
-_SOLVES = Fraction(1, 10**15)
+# Relative tolerance of a speed, and of one of which a small frequency follows as a difference.
+_SAME, _SAME_FREQUENCY = Fraction(1, 10**17), Fraction(1, 10**40)
+# The terms of an equation at a root of it are so many times larger than their sum.
+_SOLVES = 10**15
 # Part of the clearance from which on a fold is no first touch in a linear contact.
 AT_TOUCH = 1e-13
 
@@ -97,12 +100,12 @@ class CurveEquations:
     @cached_property
     def terms(self) -> _Terms:
         """Amplitude and forces as polynomials."""
-        u = Polynomial((Fraction(0), Fraction(1)))
-        one, kappa = constant(1), constant(Fraction(self.law.shaft_stiffness))
+        u = Polynomial((0, 1))
+        one, kappa = constant(1), constant(self.law.shaft_stiffness)
         depth = u * u if self.law.hertz else u
         f = depth * u if self.law.hertz else u
-        slope = constant(Fraction(3, 2)) * u if self.law.hertz else one
-        A = constant(Fraction(self.law.delta0)) + depth
+        slope = constant(1.5) * u if self.law.hertz else one
+        A = constant(self.law.delta0) + depth
         return _Terms(A, f, slope, f + kappa * A, slope + kappa)
 
     @property
@@ -135,8 +138,8 @@ class CurveEquations:
     def hopf(self) -> Equation:
         """Hurwitz' determinant times ``A**2``, by powers of the speed."""
         A, f, _, g, K = self.terms
-        c, mu = constant(Fraction(self.contact_damping)), constant(Fraction(self.law.friction))
-        two, two_zeta = constant(2), constant(2 * Fraction(self.zeta))
+        c, mu = constant(self.contact_damping), constant(self.law.friction)
+        two, two_zeta = constant(2), constant(2 * self.zeta)
         m = two_zeta + c * f
         a3 = m + two_zeta
         a2 = (A * K + g + two_zeta * m * A, two * mu * c * f * A, two * A)
@@ -149,8 +152,8 @@ class CurveEquations:
     def a1(self) -> Equation:
         """The coefficient of the eigenvalue's first power, times A, by powers of the speed."""
         A, f, slope, g, K = self.terms
-        c, mu = constant(Fraction(self.contact_damping)), constant(Fraction(self.law.friction))
-        two, two_zeta = constant(2), constant(2 * Fraction(self.zeta))
+        c, mu = constant(self.contact_damping), constant(self.law.friction)
+        two, two_zeta = constant(2), constant(2 * self.zeta)
         m = two_zeta + c * f
         return (
             m * g + two_zeta * A * K + mu * mu * c * f * f,
@@ -161,8 +164,7 @@ class CurveEquations:
     @property
     def a3(self) -> Polynomial:
         """The coefficient of the eigenvalue's third power."""
-        zeta, c = Fraction(self.zeta), Fraction(self.contact_damping)
-        return constant(4 * zeta) + constant(c) * self.terms.f
+        return constant(4 * self.zeta) + constant(self.contact_damping) * self.terms.f
 
     def amplitude(self, root: Fraction) -> float:
         """Return the amplitude at a root."""
@@ -216,7 +218,7 @@ def exact_hopf_points(equations: CurveEquations) -> tuple[HopfPoint, ...]:
     if not (damped and lossy) and not (equations.law.friction > 0.0 and (damped or lossy)):
         return ()
     found = []
-    for root, w in _crossings(equations.curve, equations.hopf):
+    for root, w in _crossings(equations.curve, equations.hopf, _SAME_FREQUENCY):
         a1 = sum(each(root) * w**power for power, each in enumerate(equations.a1))
         squared = a1 / (equations.a3(root) * equations.terms.A(root))
         if squared > 0:
@@ -246,14 +248,13 @@ def exact_tips(equations: CurveEquations) -> list[Tip]:
         )
     begin = max(1 - Fraction(law.delta0), Fraction(0))
     begin = _square_root(begin) if law.hertz else begin
-    roots = [root.narrowed(FINER[0])[0] for root in isolated_roots(discriminant)]
+    roots = [root.narrowed(FINER[0])[0] for root in isolated_roots(discriminant.whole)]
     roots = [root for root in roots if root > begin]
     if not roots:
         return []
     exists = []
     for below, above in pairwise([begin, *roots, 2 * roots[-1]]):
-        curve = [each((below + above) / 2) for each in equations.curve]
-        exists.append(bool(isolated_roots(Polynomial(tuple(curve)))))
+        exists.append(bool(isolated_roots(values_at((below + above) / 2, equations.curve))))
     found = []
     for root, (before, after) in zip(roots, pairwise(exists), strict=True):
         if before != after:
@@ -365,37 +366,34 @@ def _less(one: Equation, two: Equation) -> Equation:
     return tuple(a - b for a, b in zip(one, two, strict=True))
 
 
-def _crossings(first: Equation, second: Equation) -> list[tuple[Fraction, Fraction]]:
+def _crossings(
+    first: Equation, second: Equation, same: Fraction = _SAME
+) -> list[tuple[Fraction, Fraction]]:
     """Return root and speed, both positive, at which both equations hold."""
     even = all(_vanishes(each) for equation in (first, second) for each in equation[1::2])
     if even:  # in the square of the speed: otherwise every root would be double
         first, second = first[::2], second[::2]
-    first, second = _whole(first), _whole(second)
     eliminant = _resultant(first, second)
     for _ in takewhile(_vanishes, reversed(second)):  # there both are 0 at infinite speed
         eliminant = eliminant // first[-1]
     found = []
-    for root in isolated_roots(eliminant):
-        place, speeds = _speeds_at(root, first, second)
+    for root in isolated_roots(eliminant.whole):
+        place, speeds = _speeds_at(root, first, second, same)
         found += [(place, _square_root(w) if even else w) for w in speeds if w > 0]
     return found
 
 
-def _whole(equation: Equation) -> Equation:
-    """Return an equation times a number that makes all coefficients whole, as they are faster."""
-    below = math.lcm(*(part.denominator for each in equation for part in each.coefficients))
-    return tuple(Polynomial(tuple(int(part * below) for part in each.coefficients))
-                 for each in equation)  # fmt: skip
-
-
 def _square_root(value: Fraction) -> Fraction:
-    """Return a square root to about 60 bits."""
-    below = value.denominator
-    places = max(0, 64 - (value.numerator * below).bit_length() // 2)
-    return Fraction(math.isqrt(value.numerator * below << 2 * places), below << places)
+    """Return a square root to about 160 bits."""
+    above, below = value.numerator, value.denominator
+    places = 160 - (above.bit_length() - below.bit_length()) // 2
+    wide = (above << 2 * places) // below if places > 0 else (above >> -2 * places) // below
+    return Fraction(math.isqrt(wide)) / Fraction(2) ** places
 
 
-def _speeds_at(root: Root, first: Equation, second: Equation) -> tuple[Fraction, list[Fraction]]:
+def _speeds_at(
+    root: Root, first: Equation, second: Equation, same: Fraction
+) -> tuple[Fraction, list[Fraction]]:
     """Return a sufficiently narrowed root, and the roots that both equations have there.
 
     Nearly always it is one, the limit of Euclid's algorithm from both sides. Several have no such
@@ -403,23 +401,25 @@ def _speeds_at(root: Root, first: Equation, second: Equation) -> tuple[Fraction,
     """
     for power in FINER:
         low, high = root.narrowed(power)
-        one, two = [each(low) for each in first], [each(low) for each in second]
-        w, other = _common(one, two), _common([each(high) for each in first],
-                                              [each(high) for each in second])  # fmt: skip
-        if (w is not None and other is not None and abs(w - other) <= SAME * abs(other)
+        one, two = values_at(low, first), values_at(low, second)
+        w, other = _common(one, two), _common(values_at(high, first), values_at(high, second))
+        if (w is not None and other is not None and abs(w - other) <= same * abs(other)
                 and _solves(w, one) and _solves(w, two)):  # fmt: skip
             return low, [w]
-    speeds = [each.narrowed(FINER[2])[0] for each in isolated_roots(Polynomial(tuple(one)))]
+    speeds = [each.narrowed(FINER[2])[0] for each in isolated_roots(one)]
     return low, [w for w in speeds if _solves(w, two)]
 
 
-def _solves(w: Fraction, coefficients: list[Fraction]) -> bool:
-    terms = [each * w**power for power, each in enumerate(coefficients)]
-    return abs(sum(terms, Fraction(0))) <= _SOLVES * sum(map(abs, terms), Fraction(0))
+def _solves(w: Fraction, coefficients: list[int]) -> bool:
+    degree, above, below = len(coefficients) - 1, w.numerator, w.denominator
+    terms: list[int] = [
+        each * above**power * below ** (degree - power) for power, each in enumerate(coefficients)
+    ]
+    return abs(sum(terms)) * _SOLVES <= sum(map(abs, terms))
 
 
 def _vanishes(polynomial: Polynomial) -> bool:
-    return not any(polynomial.coefficients)
+    return not any(polynomial.whole)
 
 
 def _resultant(first: Equation, second: Equation) -> Polynomial:
@@ -455,22 +455,17 @@ def _determinant(rows: list[list[Polynomial]]) -> Polynomial:
     return total
 
 
-def _common(one: list[Fraction], two: list[Fraction]) -> Fraction | None:
+def _common(one: list[int], two: list[int]) -> Fraction | None:
     """Return the root that two polynomials have in common, by Euclid's algorithm."""
     one, two = _trimmed(one), _trimmed(two)
+    if len(one) < len(two):
+        one, two = two, one
     while len(two) > 2:
-        if len(one) < len(two):
-            one, two = two, one
-        rest = list(one)
-        for shift in range(len(one) - len(two), -1, -1):
-            part = rest.pop() / two[-1]
-            for place in range(len(two) - 1):
-                rest[shift + place] -= part * two[place]
-        one, two = two, _trimmed(rest)
-    return -two[0] / two[1] if len(two) == 2 else None
+        one, two = two, divided(one, two)[1]
+    return Fraction(-two[0], two[1]) if len(two) == 2 else None
 
 
-def _trimmed(coefficients: list[Fraction]) -> list[Fraction]:
+def _trimmed(coefficients: list[int]) -> list[int]:
     found = list(coefficients)
     while found and found[-1] == 0:
         found.pop()

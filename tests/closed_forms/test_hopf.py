@@ -68,14 +68,43 @@ def test_a_far_one_of_a_clearance_hardly_below_one_is_as_exact(exponent, delta0)
         assert hurwitz(speed * (1 - slightly)) * hurwitz(speed * (1 + slightly)) < 0
 
 
+@pytest.mark.parametrize(
+    ("delta0", "kappa", "mu", "zeta", "c"),
+    [(1e-3, 0.2, 1e-5, 0.0, 1.8), (8000.0, 0.0, 6e-6, 4e-6, 0.6), (1.4, 257.0, 0.4, 0.0, 1.7)],
+)
+def test_a_small_frequency_has_all_its_digits(delta0, kappa, mu, zeta, c):
+    """With 60 digits, whirl, friction and the linear motions beside it in a linear contact."""
+    d, kappa_, mu_, z, c_ = map(mpmath.mpf, (delta0, kappa, mu, zeta, c))
+
+    def remainders(A, w, frequency):
+        f, L = A - d, 1j * frequency
+        held = A * (kappa_ - w**2 + 2j * z * w) + f * (1 + 1j * mu_)
+        along = L**2 + 2 * z * L + kappa_ - w**2 + 1 + c_ * f * L
+        across = L**2 + 2 * z * L + kappa_ - w**2 + f / A
+        turned = 2 * w * L + 2 * z * w
+        determinant = along * across + (turned + mu_ * f / A) * (turned + mu_ + mu_ * c_ * f * L)
+        return abs(held) ** 2 / w**4 - 1, determinant.real, determinant.imag
+
+    machine = {"delta0": delta0, "zeta": zeta, "friction": mu, "contact_damping": c}
+    points = points_of(machine | {"shaft_stiffness": kappa, "contact_exponent": 1.0})
+    assert len(points) > 0
+    with mpmath.workdps(60):
+        for omega, amplitude, frequency in points:
+            start = (amplitude, omega, frequency)
+            exact = mpmath.findroot(remainders, start, tol=1e-45, maxsteps=60)
+            for value, expected in zip(start, exact, strict=True):
+                assert abs(value / expected - 1) < 3e-16
+
+
 def test_roots_are_isolated_in_exact_arithmetic():
     """Two roots 1e-12 apart, one that is far away, and a pair that misses the axis by 1e-12."""
     near, tiny = Fraction(1, 3), Fraction(1, 10**12)
     roots = (near, near + tiny, Fraction(10**6), Fraction(-2))
-    product = Polynomial((tiny * tiny + 1, Fraction(-2), Fraction(1)))  # (x - 1)^2 + 1e-24
+    much = 10**24
+    product = Polynomial((1 + much, -2 * much, much))  # (x - 1)^2 + 1e-24
     for root in roots:
-        product = product * Polynomial((-root, Fraction(1)))
-    found = [root.narrowed(70)[0] for root in isolated_roots(product)]
+        product = product * Polynomial((-root.numerator, root.denominator))
+    found = [root.narrowed(70)[0] for root in isolated_roots(product.whole)]
     assert [abs(one - two) < tiny / 10**6 for one, two in zip(found, roots[:3], strict=True)]
     assert all(abs(one - two) <= two / 2**60 for one, two in zip(found, roots[:3], strict=True))
 
@@ -83,10 +112,10 @@ def test_roots_are_isolated_in_exact_arithmetic():
 def test_a_multiple_root_is_found_once():
     """Orders 3, 2 and 2, the last at a place where an interval is halved, beside simple roots."""
     roots = (Fraction(1, 3),) * 3 + (Fraction(2, 7),) * 2 + (Fraction(1, 2),) * 2 + (Fraction(5),)
-    product = Polynomial((Fraction(1), Fraction(0), Fraction(1)))  # no real root
+    product = Polynomial((1, 0, 1))  # no real root
     for root in (*roots, Fraction(-3), Fraction(0)):
-        product = product * Polynomial((-root, Fraction(1)))
-    found = [root.narrowed(70)[0] for root in isolated_roots(product)]
+        product = product * Polynomial((-root.numerator, root.denominator))
+    found = [root.narrowed(70)[0] for root in isolated_roots(product.whole)]
     assert len(found) == 4
     pairs = zip(found, sorted(set(roots)), strict=True)
     assert all(abs(one - two) <= two / 2**60 for one, two in pairs)
