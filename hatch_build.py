@@ -58,8 +58,9 @@ FLAGS = (
 WARNINGS = ("-Wall", "-Wextra", "-Wconversion", "-Werror", "-Wno-psabi")
 SANITIZE = ("-g1", "-O0", "-fsanitize=address,undefined", "-fno-sanitize-recover=all")
 # By level: what gcc and clang are told, and zig, which compiles for this very machine unless told.
+# The baseline is for processors of before 2013. There -O3 gains 3 % and takes twice as long.
 FOR_LEVEL = {
-    "baseline": (("-march=x86-64",), ("-mcpu=x86_64",)),
+    "baseline": (("-march=x86-64", "-O2"), ("-mcpu=x86_64",)),
     "v3": (("-march=x86-64-v3",), ("-mcpu=x86_64_v3",)),
     "v4": (
         ("-march=x86-64-v4", "-mprefer-vector-width=512"),
