@@ -7,12 +7,10 @@ import numpy as np
 import pytest
 
 from rotor_ida import DimensionalRotor, InputError, synchronous_response
-from rotor_ida.closed_forms import circular_period, planar_period
 from rotor_ida.paper.printed import (
     amplitudes_18,
     amplitudes_29,
     general_solution,
-    period,
     phase_23,
     phase_31,
     reference_frequency,
@@ -38,12 +36,6 @@ def test_printed_frequency_changes_with_the_unit_of_length():
     assert millimetres.reference_frequency == pytest.approx(metres.reference_frequency)
     ratio = reference_frequency(millimetres) / reference_frequency(metres)
     assert ratio == pytest.approx(1000**-0.25)
-
-
-@pytest.mark.parametrize("amplitude", [0.5, 8.0])
-def test_printed_period_is_right_on_a_circle_only(amplitude):
-    assert period(amplitude) == pytest.approx(circular_period(amplitude), rel=1e-14)
-    assert planar_period(amplitude) / period(amplitude) == pytest.approx(1.04746, abs=5e-6)
 
 
 def residual(A, stiffness, omega, zeta):
