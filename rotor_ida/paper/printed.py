@@ -200,42 +200,6 @@ def phase_23(amplitude: float, *, omega: float, zeta: float) -> float:
     return math.atan(2.0 * damping * speed / rest) if rest else 0.5 * math.pi
 
 
-def transfer_21(amplitude: float, *, omega: float, zeta: float) -> complex:
-    """Return H of eqs (20)-(22) as printed, ``omega**2/(A**0.5 - omega**2 + 2 i zeta omega)``.
-
-    Parameters
-    ----------
-    amplitude : float
-        Amplitude A [dimensionless], above zero.
-    omega, zeta : float
-        Spin speed, above zero, and damping ratio [dimensionless].
-
-    Returns
-    -------
-    complex
-        H [dimensionless]. Its modulus is beta of eq. (22). On a whirl that equals A, so (22) does
-        not give the amplitude but is an equation for it.
-
-    Notes
-    -----
-    Wrong: it is printed as ``beta exp(i theta)``, whose argument is minus the phase lag theta of
-    eq. (19). Correct: ``beta exp(-i theta)``.
-
-    References
-    ----------
-    Eqs (20)-(22) of the paper, Mechanika 25(6), 2019.
-
-    Examples
-    --------
-    >>> H = transfer_21(1.8796312367, omega=1.7, zeta=0.07)
-    >>> round(abs(H), 6), round(cmath.phase(H), 5)
-    (1.879631, -2.98617)
-    """
-    A = check_positive("amplitude", amplitude)
-    speed, damping = check_positive("omega", omega), check_nonnegative("zeta", zeta)
-    return speed**2 / complex(math.sqrt(A) - speed**2, 2.0 * damping * speed)
-
-
 def phase_31(amplitude: float, *, omega: float, zeta: float, delta0: float) -> float:
     """Return the phase of eq. (31) as printed, with ``f(A)/A**2`` for the stiffness.
 
