@@ -13,10 +13,8 @@ import xarray as xr
 
 from rotor_ida.arrays import Column, Values
 from rotor_ida.basins.attractors import OF_DISC, Followed, family_of, reported
-from rotor_ida.basins.fates import ALONE
-from rotor_ida.basins.following import tighter_than
+from rotor_ida.basins.following import followed_by, labelled_how
 from rotor_ida.basins.kernel import NOT_COMPUTED, Labels
-from rotor_ida.basins.known import followed_alone
 from rotor_ida.basins.starts import Box, Plane, stretches
 from rotor_ida.basins.subjects import Subjects
 from rotor_ida.model.rotor import Rotor
@@ -30,8 +28,6 @@ from rotor_ida.steady.points import VariedSystem
 
 # Dimensions of the numbers of an attractor of a rotor system besides the attractor.
 BEHIND = VariedSystem.behind
-# The method that follows starts side by side, in the core.
-LABELLING_METHOD = "dop853"
 ENTROPIES = ("basin_entropy", "boundary_entropy")
 # Width of a box of a grid, in starts.
 WIDTH = 5
@@ -158,23 +154,6 @@ def fractions_dataset(box: Box, result: Labelled) -> xr.Dataset:
 
 def _entropies(values: tuple[float, float]) -> dict[str, Column]:
     return {name: ((), one) for name, one in zip(ENTROPIES, values, strict=True)}
-
-
-def labelled_how(rtol: float, rotor: Rotor | None = None) -> dict[str, object]:
-    """Return, as attributes, the method that labelled starts of a disc, or without of a system."""
-    agreement: dict[str, object] = {"agreement_rtol": tighter_than(rtol)}
-    if rotor is None or followed_alone(rotor):
-        how: dict[str, object] = {"labelling_method": ALONE.method, "labelling_rtol": rtol}
-        return how | (agreement if rotor is None else {})
-    return {
-        "labelling_method": LABELLING_METHOD, "labelling_rtol": rtol,
-        "left_over_method": ALONE.method, "left_over_rtol": ALONE.rtol, **agreement,
-    }  # fmt: skip
-
-
-def followed_by(purpose: str, options: Options) -> dict[str, object]:
-    """Return, as attributes, the method and tolerances with which orbits were followed."""
-    return {f"{purpose}_{name}": value for name, value in options.attributes().items()}
 
 
 def agreement_of(rechecked: npt.NDArray[np.int64]) -> dict[str, float]:

@@ -20,13 +20,17 @@ from rotor_ida.basins.attractors import (
     kind_of,
     renumbered,
 )
+from rotor_ida.basins.fates import ALONE
 from rotor_ida.basins.kernel import NOT_COMPUTED, Labels, Times
+from rotor_ida.basins.known import followed_alone
 from rotor_ida.basins.starts import Starts, stretches
 from rotor_ida.core.runs import NO_STOP
+from rotor_ida.model.rotor import Rotor
 from rotor_ida.parallel import Progress, Workers
 from rotor_ida.results.studies.arrays import scratch
 from rotor_ida.results.studies.results import Form, Results
 from rotor_ida.simulation.flow import Flow
+from rotor_ida.simulation.options import Options
 from rotor_ida.steady import response
 from rotor_ida.steady.grid import Table, keep_whole, run_due
 
@@ -35,6 +39,8 @@ LARGEST_BATCH = 8192
 # There are this many, or fewer where they would be too small. It does not depend on the workers, so
 # that the result does not either.
 FEWEST_BATCHES = 64
+# The method that follows starts side by side, in the core.
+LABELLING_METHOD = "dop853"
 # Confidence level of the lower bound on the lifetime of chaos.
 CERTAINTY = 0.95
 
@@ -243,6 +249,23 @@ def tighter_than(tolerance: float) -> float:
     (1e-10, 1e-13)
     """
     return float(max(TIGHTER * tolerance, TIGHTEST))
+
+
+def labelled_how(rtol: float, rotor: Rotor | None = None) -> dict[str, object]:
+    """Return, as attributes, the method that labelled starts of a disc, or without of a system."""
+    agreement: dict[str, object] = {"agreement_rtol": tighter_than(rtol)}
+    if rotor is None or followed_alone(rotor):
+        how: dict[str, object] = {"labelling_method": ALONE.method, "labelling_rtol": rtol}
+        return how | (agreement if rotor is None else {})
+    return {
+        "labelling_method": LABELLING_METHOD, "labelling_rtol": rtol,
+        "left_over_method": ALONE.method, "left_over_rtol": ALONE.rtol, **agreement,
+    }  # fmt: skip
+
+
+def followed_by(purpose: str, options: Options) -> dict[str, object]:
+    """Return, as attributes, the method and tolerances with which orbits were followed."""
+    return {f"{purpose}_{name}": value for name, value in options.attributes().items()}
 
 
 def spread_evenly(count: int, few: int) -> Indices:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 import math
 import os
+import re
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
@@ -423,7 +424,8 @@ def named(path: Path, name: str | None = None) -> Iterator[None]:
         yield
     except InputError as error:
         name = name or path.name
-        told = str(error).replace(shown(path), shown(name)).replace(str(path), name)
+        instead = {shown(path): shown(name), str(path): name, path.name: name}
+        told = re.sub("|".join(map(re.escape, instead)), lambda seen: instead[seen[0]], str(error))
         raise InputError(told.replace(f"{path.parent}{os.sep}", "")) from error
 
 

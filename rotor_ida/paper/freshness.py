@@ -5,22 +5,14 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Sequence
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from pathlib import Path
 
-from rotor_ida.results.provenance import KINDS_OF_SOURCE
+from rotor_ida.results.provenance import KINDS_OF_SOURCE, versions
 
 RECORD = "digest.json"
-# Packages that affect numbers and pictures, besides the sources of this one.
-_PARTS = (
-    "rotor-ida",
-    "scikit-sundae",
-    "numpy",
-    "scipy",
-    "xarray",
-    "netCDF4",
-    "matplotlib",
-)
+# Packages that affect files and pictures, besides those that compute.
+PACKAGES = ("netCDF4", "matplotlib")
 
 
 def origin_of(script: Path, options: Sequence[str]) -> str:
@@ -40,12 +32,13 @@ def origin_of(script: Path, options: Sequence[str]) -> str:
     """
     digest = hashlib.sha256()
     package = Path(__file__).parents[1]
-    found = (path for kind in KINDS_OF_SOURCE for path in package.rglob(kind))
-    sources = [path for path in found if package / "scenarios" not in path.parents]
+    files = (path for kind in KINDS_OF_SOURCE for path in package.rglob(kind))
+    sources = [path for path in files if package / "scenarios" not in path.parents]
     for path in [script, *sorted(sources)]:
         name = path.name if path == script else path.relative_to(package).as_posix()
         digest.update(f"{name}\0".encode() + path.read_bytes() + b"\0")
-    digest.update("\0".join([*map(_version, _PARTS), *options]).encode())
+    found = [*map(str, versions().values()), *map(version, PACKAGES)]
+    digest.update("\0".join([*found, *options]).encode())
     return digest.hexdigest()
 
 
@@ -93,10 +86,3 @@ def _read(folder: Path) -> tuple[str, dict[str, str] | None] | None:
         return str(noted["origin"]), None if files is None else dict(files)
     except (OSError, ValueError, TypeError, KeyError):
         return None
-
-
-def _version(name: str) -> str:
-    try:
-        return f"{name} {version(name)}"
-    except PackageNotFoundError:
-        return f"{name} absent"

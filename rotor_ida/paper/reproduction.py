@@ -5,22 +5,29 @@ from __future__ import annotations
 import os
 import re
 import shutil
+import subprocess
 import sys
-from collections.abc import Mapping, Sequence
+import tempfile
+import time
+from collections.abc import Generator, Mapping, Sequence
 from contextlib import closing
+from itertools import islice
 from pathlib import Path
+from typing import NamedTuple
 
 from rotor_ida.checks import did_you_mean, shown
 from rotor_ida.errors import InputError
 from rotor_ida.paper import freshness
 from rotor_ida.paper.gallery import write_gallery
-from rotor_ida.paper.running import Ended, run_scripts
 from rotor_ida.paper.scenario import check_folder
 from rotor_ida.parallel import count_workers
+from rotor_ida.parallel.pools import deaf_to_interrupts
 from rotor_ida.results.files import check_path
 
 # One scenario draws while the other computes.
 AT_ONCE = 2
+# Seconds between two looks at them.
+PAUSE = 0.05
 # Prefixes of the scenarios that reproduce the paper; the others are studies.
 OF_PAPER = ("fig", "dimensional_example", "general_solution")
 # Relative durations of the longest scenarios, which start first so that none runs alone at the
@@ -142,6 +149,70 @@ def reproduce(
     if failed:
         print(f"{len(failed)} of {len(chosen)} failed: {', '.join(failed)}", file=sys.stderr)
     return 1 if failed else 0
+
+
+class Ended(NamedTuple):
+    """End of a script: its exit status, captured output, and the time [s]."""
+
+    name: str
+    status: int
+    printed: str
+    seconds: float
+
+
+def run_scripts(
+    scripts: Mapping[str, Path], options: Sequence[str], *, root: Path, at_once: int
+) -> Generator[Ended, None, None]:
+    """Run scripts, some at a time, and yield the end of each.
+
+    Parameters
+    ----------
+    scripts : mapping of str to Path
+        The scripts by name, in the order in which they begin.
+    options : sequence of str
+        Their command line.
+    root : Path
+        Folder that contains one for each script, which is marked as incomplete.
+    at_once : int
+        How many to run at a time; if several, their output is captured.
+
+    Yields
+    ------
+    Ended
+        One for each script, as they end.
+
+    Notes
+    -----
+    A crash of one script does not affect the others. If the caller stops iterating, or the user
+    interrupts, running scripts are ended.
+    """
+    waiting = iter(scripts.items())
+    running: dict[str, tuple[subprocess.Popen[bytes], float]] = {}
+    with tempfile.TemporaryDirectory() as aside:
+        try:
+            while True:
+                for name, script in islice(waiting, at_once - len(running)):
+                    freshness.begin(root / name)
+                    # without the second, an interrupt could leave one that nobody ends
+                    with Path(aside, name).open("wb") as printed, deaf_to_interrupts():
+                        process = subprocess.Popen(
+                            [sys.executable, script, *options],
+                            stdout=printed if at_once > 1 else None,
+                            stderr=subprocess.STDOUT if at_once > 1 else None,
+                        )
+                        running[name] = process, time.monotonic()
+                if not running:
+                    return
+                time.sleep(PAUSE)
+                for name in [name for name in running if running[name][0].poll() is not None]:
+                    process, begin = running.pop(name)
+                    said = Path(aside, name).read_text("utf-8", errors="replace")
+                    yield Ended(name, process.returncode, said, time.monotonic() - begin)
+        finally:
+            for process, _ in running.values():
+                process.terminate()
+            for process, _ in running.values():
+                process.wait()
 
 
 def _root(folder: str | os.PathLike[str]) -> Path:

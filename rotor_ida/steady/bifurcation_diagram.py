@@ -37,7 +37,7 @@ from rotor_ida.core.system_requests import Places
 from rotor_ida.errors import InputError
 from rotor_ida.model.rotor import DimensionalRotor, Rotor
 from rotor_ida.model.rotor_system import RotorSystem
-from rotor_ida.model.system_parameters import SPEED, AnyAxes, SystemAxes
+from rotor_ida.model.system_parameters import SPEED, AnyAxes
 from rotor_ida.model.varied import Varied, varied_of, varied_system_of
 from rotor_ida.parallel import Progress, choose, shows_progress
 from rotor_ida.results.in_si import takes_rotors
@@ -263,17 +263,11 @@ def bifurcation_diagram(
     """
     window = _window_of(at, revolutions, phase, extrema_time, rate, isinstance(rotor, RotorSystem))
     seed, reports = check_seed(seed), check_progress(progress)
-    asked: VariedDisc | VariedSystem
-    drawn: dict[str, Any] = {}
-    if isinstance(rotor, RotorSystem):
-        given = _systems(rotor, varied, speed, method)
-        asked = VariedSystem.of(given, (None,) if starts is None else starts, modes, rtol)
-    else:
-        given = varied_of(bifurcation_diagram, rotor, varied)
-        _check_settles(given, window)
-        ranges = dict(zip(COMPONENTS, (x, y, vx, vy), strict=True))
-        chosen_starts, drawn = _starts_of_disc(8 if starts is None else starts, ranges, seed)
-        asked = VariedDisc.of(given, chosen_starts, rtol=rtol, atol=atol, method=method)
+    asked, drawn = _asked(
+        rotor, varied, window, speed=speed, starts=starts, seed=seed, modes=modes,
+        ranges=dict(zip(COMPONENTS, (x, y, vx, vy), strict=True)),
+        rtol=rtol, atol=atol, method=method,
+    )  # fmt: skip
     chosen = choose(executor, workers, compiled=asked.is_compiled)
     points, way = in_order(asked.varied, len(asked.starts), direction, along, asked.speed)
     slope = None if rate is None else _checked_rate(rate, way, points.axes["omega"])
@@ -300,15 +294,23 @@ def bifurcation_diagram(
     return diagram if direction else diagram.isel(direction=0, drop=True)
 
 
-def _systems(
-    rotor: RotorSystem, varied: SystemAxes, speed: npt.ArrayLike | None, method: Method | None
-) -> Varied:
-    """Return the rotor systems that are asked for, checked."""
-    check_taylor(method, "a diagram")
-    if speed is None:
-        raise InputError("speed must be given for a diagram of a rotor system, got None")
-    speeds = turning_speeds(speed, "in a diagram of a rotor system")
-    return varied_system_of(bifurcation_diagram, rotor, varied, speeds)
+def _asked(
+    rotor: Rotor | DimensionalRotor | RotorSystem | None, varied: AnyAxes, window: _Window, *,
+    speed: npt.ArrayLike | None, starts: Any, ranges: Mapping[str, npt.ArrayLike | None],
+    seed: int, modes: int | None, rtol: float, atol: float, method: Method | None,
+) -> tuple[VariedDisc | VariedSystem, dict[str, Any]]:  # fmt: skip
+    """Return the rotors that are asked for, checked, and from where their starts were drawn."""
+    if isinstance(rotor, RotorSystem):
+        check_taylor(method, "a diagram")
+        if speed is None:
+            raise InputError("speed must be given for a diagram of a rotor system, got None")
+        speeds = turning_speeds(speed, "in a diagram of a rotor system")
+        systems = varied_system_of(bifurcation_diagram, rotor, varied, speeds)
+        return VariedSystem.of(systems, (None,) if starts is None else starts, modes, rtol), {}
+    discs = varied_of(bifurcation_diagram, rotor, varied)
+    _check_settles(discs, window)
+    chosen, drawn = _starts_of_disc(8 if starts is None else starts, ranges, seed)
+    return VariedDisc.of(discs, chosen, rtol=rtol, atol=atol, method=method), drawn
 
 
 def _starts_of_disc(

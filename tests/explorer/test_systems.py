@@ -34,8 +34,8 @@ from rotor_ida.cli import main
 from rotor_ida.cli.describe import describe
 from rotor_ida.errors import InputError
 from rotor_ida.explorer import archives, cases, files, motion, responses, whirls
-from rotor_ida.explorer.messages import Answer, Question, read_question
-from rotor_ida.explorer.opening import state_in
+from rotor_ida.explorer.messages import Answer, Question, Upload, read_question
+from rotor_ida.explorer.opening import show_upload, state_in
 from rotor_ida.explorer.run_ups import show_track
 from rotor_ida.model.data_sheet import implausible
 from rotor_ida.results.sheets import sheets_shown
@@ -409,6 +409,16 @@ def test_a_bad_file_is_told_by_its_name_alone(path: Path) -> None:
     path.write_text("speed = 3")
     with pytest.raises(InputError, match=r"^disc\.toml: system must be given"):
         run_of(question(path))
+
+
+@pytest.mark.parametrize("text", ["speed = 3", "mass = 1.0", "no table"])
+def test_a_bad_file_that_the_page_sends_has_the_name_that_it_has_there(
+    path: Path, text: str
+) -> None:
+    path.write_text(text)
+    with pytest.raises(InputError, match=r"pump \(1\)\.toml") as caught:
+        list(show_upload(Upload(about="upload", number=1, name="pump (1).toml", size=9, path=path)))
+    assert "disc.toml" not in str(caught.value)
 
 
 def test_any_file_opens_as_what_it_is(path: Path, of_drop: Path) -> None:

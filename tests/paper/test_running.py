@@ -7,7 +7,7 @@ from contextlib import closing
 
 import pytest
 
-from rotor_ida.paper.running import run_scripts
+from rotor_ida.paper.reproduction import run_scripts
 
 PRINTING = "import sys; print(sys.argv[1:], flush=True); print('beside', file=sys.stderr)"
 CRASHING = "import os; print('so far', flush=True); os.abort()"
@@ -76,7 +76,7 @@ def test_interrupt_ends_the_scripts(written, tmp_path):
     program = tmp_path / "program.py"
     program.write_text(
         "from pathlib import Path\n"
-        "from rotor_ida.paper.running import run_scripts\n"
+        "from rotor_ida.paper.reproduction import run_scripts\n"
         "if __name__ == '__main__':\n"
         f"    scripts = {{'waits': Path({str(scripts['waits'])!r})}}\n"
         f"    root = Path({str(tmp_path / 'out')!r})\n"

@@ -17,7 +17,8 @@ from rotor_ida.basins.atlas.extents import varied
 from rotor_ida.basins.atlas.resilience import Resilience
 from rotor_ida.basins.atlas.shocks import KINDS
 from rotor_ida.basins.attractors import reported, witness_options
-from rotor_ida.basins.dataset import ENTROPIES, agreement_of, followed_by, labelled_how
+from rotor_ida.basins.dataset import ENTROPIES, agreement_of
+from rotor_ida.basins.following import followed_by, labelled_how
 from rotor_ida.basins.subjects import Subjects
 from rotor_ida.checks import COMPONENTS
 from rotor_ida.model.rotor import Rotor

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import errno
 import importlib.metadata
 import os
 from collections.abc import Mapping
@@ -14,7 +13,6 @@ import numpy as np
 import xarray as xr
 
 from rotor_ida.results.archive.checksum import (
-    BLOCK,
     CHUNK,
     Array,
     Index,
@@ -38,10 +36,6 @@ from rotor_ida.results.provenance import command
 
 if TYPE_CHECKING:
     import netCDF4
-
-OVERHEAD = 2**15  # bytes, more than what HDF5 adds to the values of a variable
-
-_NO_ROOM = {errno.ENOSPC, errno.EDQUOT, errno.EFBIG}
 
 
 def save(dataset: xr.Dataset, path: str | os.PathLike[str], *, overwrite: bool = False) -> Path:
@@ -82,7 +76,7 @@ def save(dataset: xr.Dataset, path: str | os.PathLike[str], *, overwrite: bool =
     A selection of runs, such as a part of a sweep, is saved with its own events alone.
 
     Numbers that are not in memory, but in another file or to be computed by dask, are written
-    block by block. The disk must have room for the numbers uncompressed, at most 32 MiB at a time.
+    block by block.
 
     netCDF does not distinguish an attribute that is an array of one number from the number: both
     are read back as the number. It has no fixed dimension of length zero, so such a dimension is
@@ -126,48 +120,28 @@ def _write_netcdf(stored: xr.Dataset, path: Path, earlier: Mapping[str, Any]) ->
     names = stored_names(stored)
 
     def write(name: str, index: Index, values: Array) -> None:
-        if values.nbytes > CHUNK:
-            _make_sure_of_room(path.parent, values.nbytes + OVERHEAD)
         numeric = values.dtype in NUMERIC
         with LOCK:
             file[names[name]][index] = (
                 np.ascontiguousarray(values) if numeric else values.astype(object)
             )
 
-    room = min(stored.nbytes, BLOCK) + OVERHEAD * (8 + len(stored.variables))
-    _make_sure_of_room(path.parent, room)
     with LOCK:
         file = netCDF4.Dataset(path, "w", format="NETCDF4")
     try:
-        with LOCK:
-            _define(file, stored, names)
-        # computing a block may itself read a file under the lock
-        checksum = content_sha256(stored, write)
-        with LOCK:
-            file.setncatts(_of_the_file(checksum, earlier))
-    finally:
-        with LOCK:
-            file.close()
-
-
-def _make_sure_of_room(folder: Path, size: int) -> None:
-    """Raise the system's error if this many bytes cannot be written.
-
-    If a disk is full, HDF5 fails without that reason, and releases the file and its space only
-    when the process ends.
-    """
-    if not hasattr(os, "posix_fallocate"):
-        return
-    room = folder / "room"
-    descriptor = os.open(room, os.O_RDWR | os.O_CREAT)
-    try:
-        os.posix_fallocate(descriptor, 0, size)
-    except OSError as error:
-        if error.errno in _NO_ROOM:
-            raise OSError(error.errno, os.strerror(error.errno)) from None
-    finally:
-        os.close(descriptor)
-        room.unlink()
+        try:
+            with LOCK:
+                _define(file, stored, names)
+            # computing a block may itself read a file under the lock
+            checksum = content_sha256(stored, write)
+            with LOCK:
+                file.setncatts(_of_the_file(checksum, earlier))
+        finally:
+            with LOCK:
+                file.close()
+    except RuntimeError:
+        os.truncate(path, 0)  # HDF5 keeps a file that it cannot finish open, and so its space
+        raise
 
 
 def _define(file: netCDF4.Dataset, stored: xr.Dataset, names: Mapping[str, str]) -> None:
