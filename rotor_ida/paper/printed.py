@@ -89,6 +89,66 @@ def hamiltonian(states: npt.ArrayLike, delta0: float) -> Values:
     return np.asarray(0.5 * (x**2 + y**2) + contact_potential(np.hypot(x, y), delta0))
 
 
+def natural_frequency(amplitude: float) -> float:
+    """Return ``sqrt(A**0.5)``, eq. (17a).
+
+    Parameters
+    ----------
+    amplitude : float
+        Amplitude A [dimensionless], above zero.
+
+    Returns
+    -------
+    float
+        Frequency [dimensionless].
+
+    Notes
+    -----
+    Correct for a whirl on a circle without clearance. For motion on a line, which Fig. 5 shows, it
+    is wrong: `rotor_ida.closed_forms.planar_period`.
+
+    References
+    ----------
+    Eq. (17a) of the paper, Mechanika 25(6), 2019.
+
+    Examples
+    --------
+    >>> natural_frequency(16.0)
+    2.0
+    """
+    return math.sqrt(math.sqrt(check_positive("amplitude", amplitude)))
+
+
+def period(amplitude: float) -> float:
+    """Return ``2 pi/sqrt(A**0.5)``, eq. (17b).
+
+    Parameters
+    ----------
+    amplitude : float
+        Amplitude A [dimensionless], above zero.
+
+    Returns
+    -------
+    float
+        Period [dimensionless].
+
+    Notes
+    -----
+    Correct for a whirl on a circle without clearance; on a line it is 4.746 % too short. It falls
+    with the amplitude, though section 3.2 says that it grows.
+
+    References
+    ----------
+    Eq. (17b) and section 3.2 of the paper, Mechanika 25(6), 2019.
+
+    Examples
+    --------
+    >>> round(period(2.0), 5), round(period(8.0), 5)
+    (5.28351, 3.736)
+    """
+    return 2.0 * math.pi / natural_frequency(amplitude)
+
+
 def amplitudes_18(*, omega: float, zeta: float) -> Values:
     """Return the amplitudes of all whirls of eq. (18) as printed.
 
@@ -198,6 +258,42 @@ def phase_23(amplitude: float, *, omega: float, zeta: float) -> float:
     speed, damping = check_nonnegative("omega", omega), check_nonnegative("zeta", zeta)
     rest = math.sqrt(A) - speed**2
     return math.atan(2.0 * damping * speed / rest) if rest else 0.5 * math.pi
+
+
+def transfer_21(amplitude: float, *, omega: float, zeta: float) -> complex:
+    """Return H of eqs (20)-(22) as printed, ``omega**2/(A**0.5 - omega**2 + 2 i zeta omega)``.
+
+    Parameters
+    ----------
+    amplitude : float
+        Amplitude A [dimensionless], above zero.
+    omega, zeta : float
+        Spin speed, above zero, and damping ratio [dimensionless].
+
+    Returns
+    -------
+    complex
+        H [dimensionless]. Its modulus is beta of eq. (22). On a whirl that equals A, so (22) does
+        not give the amplitude but is an equation for it.
+
+    Notes
+    -----
+    Wrong: it is printed as ``beta exp(i theta)``, whose argument is minus the phase lag theta of
+    eq. (19). Correct: ``beta exp(-i theta)``.
+
+    References
+    ----------
+    Eqs (20)-(22) of the paper, Mechanika 25(6), 2019.
+
+    Examples
+    --------
+    >>> H = transfer_21(1.8796312367, omega=1.7, zeta=0.07)
+    >>> round(abs(H), 6), round(cmath.phase(H), 5)
+    (1.879631, -2.98617)
+    """
+    A = check_positive("amplitude", amplitude)
+    speed, damping = check_positive("omega", omega), check_nonnegative("zeta", zeta)
+    return speed**2 / complex(math.sqrt(A) - speed**2, 2.0 * damping * speed)
 
 
 def phase_31(amplitude: float, *, omega: float, zeta: float, delta0: float) -> float:

@@ -24,6 +24,7 @@ from rotor_ida.paper.printed import (
     hamiltonian,
     phase_23,
     phase_31,
+    transfer_21,
 )
 from rotor_ida.schema import RESPONSE
 from tests.scenarios import scenario
@@ -93,8 +94,7 @@ def portraits():
 def phases():
     small = whirls().isel(branch=0)
     A = small.amplitude.item()
-    omega, zeta = OF_WHIRLS.values()
-    H = omega**2 / complex(A**0.5 - omega**2, 2.0 * zeta * omega)
+    H = transfer_21(A, **OF_WHIRLS)
     assert abs(H) == pytest.approx(A, rel=1e-12)
     numbers = (cmath.phase(H), phase_23(A, **OF_WHIRLS), small.phase_lag.item(), abs(H))
     return [f"{each:.5f}" for each in numbers]

@@ -7,13 +7,16 @@ import numpy as np
 import pytest
 
 from rotor_ida import DimensionalRotor, InputError, synchronous_response
+from rotor_ida.closed_forms import circular_period, planar_period
 from rotor_ida.paper.printed import (
     amplitudes_18,
     amplitudes_29,
     general_solution,
+    period,
     phase_23,
     phase_31,
     reference_frequency,
+    transfer_21,
 )
 
 START = (10.0, 1.0, 0.5, -0.3)
@@ -37,6 +40,12 @@ def test_printed_frequency_changes_with_the_unit_of_length():
     assert ratio == pytest.approx(1000**-0.25)
 
 
+@pytest.mark.parametrize("amplitude", [0.5, 8.0])
+def test_printed_period_is_right_on_a_circle_only(amplitude):
+    assert period(amplitude) == pytest.approx(circular_period(amplitude), rel=1e-14)
+    assert planar_period(amplitude) / period(amplitude) == pytest.approx(1.04746, abs=5e-6)
+
+
 def residual(A, stiffness, omega, zeta):
     q = omega**2
     return A * A * ((stiffness - q) ** 2 + 4.0 * zeta**2 * q) - q * q
@@ -48,6 +57,13 @@ def test_printed_amplitudes_solve_the_printed_equations(omega):
         assert abs(residual(A, A**1.5, omega, 0.07)) < 1e-11 * omega**4
     for A in amplitudes_29(omega=omega, zeta=0.07, delta0=0.5):
         assert abs(residual(A, (A - 0.5) ** 1.5, omega, 0.07)) < 1e-11 * omega**4
+
+
+def test_argument_of_h_is_minus_the_phase_lag():
+    whirls = synchronous_response(omega=1.7, zeta=0.07, delta0=0.0)
+    for A, lag in zip(whirls.amplitude.values.flat, whirls.phase_lag.values.flat, strict=True):
+        H = transfer_21(A, omega=1.7, zeta=0.07)
+        assert (abs(H), cmath.phase(H)) == pytest.approx((A, -lag))
 
 
 def test_arctangent_is_right_below_resonance_only():
