@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib.metadata
 import os
 from collections.abc import Mapping
+from contextlib import suppress
 from datetime import UTC, datetime
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -140,7 +141,8 @@ def _write_netcdf(stored: xr.Dataset, path: Path, earlier: Mapping[str, Any]) ->
             with LOCK:
                 file.close()
     except RuntimeError:
-        os.truncate(path, 0)  # HDF5 keeps a file that it cannot finish open, and so its space
+        with suppress(OSError):  # Windows truncates no file that is open
+            os.truncate(path, 0)  # HDF5 keeps a file that it cannot finish open, and so its space
         raise
 
 
