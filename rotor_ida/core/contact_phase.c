@@ -76,29 +76,30 @@ static double inside(struct motion *motion)
 
 /* Write where the motion stands after a step into `reached`; return the point, NaN where it cannot
  * be found. That is at the end of the step, at an exit, or at the end of the run. */
-static double end_of_step(const struct run *run, struct motion *motion, double *reached, int *left)
+static double end_of_step(const struct run *run, struct motion *motion, double *reached,
+                          int *has_left)
 {
     double end = motion->point;
-    *left = 0;
+    *has_left = 0;
     copy_values(motion, motion->values, reached);
     if (reached[CONTACT_Q] <= 0.0) {
         end = root_in_step(motion, contact_root_of, 0.0, inside(motion), end);
         if (isnan(end))
             return NAN;
-        *left = 1;
+        *has_left = 1;
         copy_values(motion, motion->at(motion, end), reached);
         reached[CONTACT_Q] = 0.0;
     }
     const double duration = phase_left(run);
     const double slack = duration < time_left(run) ? 0.0 : run->slack;
-    if (reached[CONTACT_T] > duration + (*left ? slack : 0.0)) {
+    if (reached[CONTACT_T] > duration + (*has_left ? slack : 0.0)) {
         end = root_in_step(motion, time_of, duration, motion->low, end);
         if (isnan(end))
             return NAN;
-        *left = 0;
+        *has_left = 0;
         copy_values(motion, motion->at(motion, end), reached);
         reached[CONTACT_T] = duration;
-    } else if (*left) {
+    } else if (*has_left) {
         reached[CONTACT_T] = larger(reached[CONTACT_T], motion->before[CONTACT_T]);
     }
     return end;
@@ -138,25 +139,25 @@ static void add_spent(struct motion *motion, double end, double *reached)
 }
 
 /* End a step sooner, where the contact goes on in another mode from there: say whether it does. */
-static int ends_by_change(struct motion *motion, double *end, double *reached, int *left,
+static int ends_by_change(struct motion *motion, double *end, double *reached, int *has_left,
                           struct change *change)
 {
     if (!IS_WHOLE || isnan(*end))
         return 0;
     *change = change_in_step(motion, *end);
     const double turn = change->point;
-    const int changes = turn < *end || (turn == *end && !*left);
+    const int changes = turn < *end || (turn == *end && !*has_left);
     *end = isnan(turn) ? NAN : smaller(turn, *end);
     if (changes) {
         copy_values(motion, motion->at(motion, turn), reached);
-        *left = 0;
+        *has_left = 0;
     }
     return changes;
 }
 
 /* Integrate one contact until q falls through 0 or the run is at its end. */
 int integrate_contact(struct run *run, struct motion *motion, const double *begun,
-                      const double *atol, double *reached, struct peak *peak, int *left)
+                      const double *atol, double *reached, struct peak *peak, int *has_left)
 {
     int idle = 0;
     double start[MOST_VALUES];
@@ -167,9 +168,9 @@ int integrate_contact(struct run *run, struct motion *motion, const double *begu
             status = motion->advance(motion);
         if (status != DONE)
             return status;
-        double end = end_of_step(run, motion, reached, left);
+        double end = end_of_step(run, motion, reached, has_left);
         struct change change = NO_CHANGE;
-        const int changes = ends_by_change(motion, &end, reached, left, &change);
+        const int changes = ends_by_change(motion, &end, reached, has_left, &change);
         if (isnan(end)) {
             copy_values(motion, motion->before, reached);
             return NO_ROOT;
@@ -190,7 +191,7 @@ int integrate_contact(struct run *run, struct motion *motion, const double *begu
         if (changes) {
             idle = change.point <= motion->low ? idle + 1 : 0;
             status = change_mode(run, motion, &change, start, atol, reached);
-        } else if (*left || reached[CONTACT_T] >= time_left(run)) {
+        } else if (*has_left || reached[CONTACT_T] >= time_left(run)) {
             observe_phase(run, motion, start, reached);
             const int balances = !IS_WHOLE
                                  || is_balanced(motion, run->atol, begun, peak->values, reached,

@@ -27,7 +27,7 @@ STALLED, RUNAWAY, SINGULAR, OUT_OF_STEPS, UNBOUNDED, OUT_OF_TABLE = range(1009, 
 # compares them, and the numbers with `enum status`.
 MESSAGES = {
     NOT_FINITE: "the state is no longer finite",
-    NO_ROOT: "a step contains no root",
+    NO_ROOT: "an event was seen, but its root could not be found",
     STUCK: "time no longer advances",
     STOPPED: "interrupted",
     NO_SOLVER: "SUNDIALS could not make a solver",

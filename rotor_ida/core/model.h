@@ -5,7 +5,8 @@
  * the preprocessor here, and elsewhere stands `if (HAS_FRICTION)`; only the derived files ask it
  * too, whether they are compiled at all. A name that only another model has is declared all the
  * same, and 0 (see the derived headers). A new force of the whole model needs a constant of its own
- * here only where C that is written by hand must leave it out of the paper's rotor. */
+ * here only where C that is written by hand must leave it out of the paper's rotor; and flight has
+ * a closed form no more, unless flight.c gets that of the new force (HAS_CLOSED_FLIGHT). */
 #ifndef ROTOR_IDA_MODEL_H
 #define ROTOR_IDA_MODEL_H
 

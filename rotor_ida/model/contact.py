@@ -2,9 +2,9 @@
 
 With the indentation ``d = r - delta0 > 0``, the radial velocity d' and the slip speed v_s:
 
-- the normal force is ``N = d**n max(0, 1 + c d')``, with n = 3/2 by Hertz or 1, and the contact
-  damping c (`normal_force`). Where ``1 + c d'`` falls to 0 the contact is released; below it is
-  loose, and without force (`damped`);
+- the normal force is ``N = d**n (1 + c d')``, with n = 3/2 by Hertz or 1, and the contact damping c
+  (`normal_force`). It is not clipped: where ``1 + c d'`` falls to 0 the contact is released, an
+  event, and from there on it is loose, without force (`damped`);
 - surfaces that slide pull on each other by ``T = mu N sigma``, where sigma is 1 if the disc slides
   forwards, as the rotor turns it, and -1 if backwards (`drag_of`);
 - a disc that rolls (v_s = 0) is held by the force that keeps v_s at 0, as long as that is no larger
@@ -96,7 +96,7 @@ def damped(spring: Any, approach: Any, law: Any) -> Any:
 
 
 def normal_force(q: Any, approach: Any, law: Any) -> Any:
-    """Return the normal force N."""
+    """Return the normal force N, which is 0 only where ``law.loose`` says so."""
     return damped(spring_of_root(q, law), approach, law)
 
 

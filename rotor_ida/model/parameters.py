@@ -239,7 +239,7 @@ class Parameters(TypedDict, total=False):
 
 # Those that must be 0 where the clearance is.
 NEED_CLEARANCE = ("friction", "contact_damping")
-# Those that have a meaning without friction too.
+# Those that have a meaning without friction too, of which `rotor_ida.model.modes` makes a model.
 FRICTIONLESS = {
     name: value
     for name, value in DEFAULTS.items()

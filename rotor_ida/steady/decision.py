@@ -107,7 +107,7 @@ class _Approach:
     since: float = 0.0
     rate: float = 0.0
 
-    def period(self, motion: Motion) -> float | None:
+    def measure(self, motion: Motion) -> float | None:
         """Measure the last window; return the period of a stable cycle it has reached, or None."""
         repeats = motion.recurrence()
         self.recurs, self.rate = repeats is not None, 0.0
@@ -186,7 +186,7 @@ def _decision(motion: Motion, approach: _Approach, *, again: bool = False) -> De
     if kind is not None:
         tried = _what_was_tried(motion, approach, math.nan) if kind == UNRESOLVED else ""
         return Decision(kind, message=tried)
-    period = approach.period(motion)
+    period = approach.measure(motion)
     if period is not None:
         return Decision(_kind_of_cycle(motion, period), period, distance=approach.distance)
     fades = touches_fade(motion.window)

@@ -1,4 +1,4 @@
-"""Follow a rotor to its steady state, and decide the kind of its response."""
+"""Follow a rotor to its steady state; what kind of response that is, `decide` says."""
 
 from __future__ import annotations
 

@@ -30,7 +30,7 @@ if TYPE_CHECKING:
 
 # Attributes of measured signals that describe how the file was read.
 OF_FILE = ("columns", "notes")
-FUNCTIONS = {
+OF_SIGNALS = {
     "bode": "plot_bode", "polar": "plot_polar", "orders": "plot_orders", "orbit": "plot_orbit",
     "full-spectrum": "plot_full_spectrum", "cascade": "plot_cascade",
     "spectrogram": "plot_spectrogram", "centreline": "plot_centre_line", "trace": "plot_trace",
@@ -43,7 +43,7 @@ OF_SYSTEM = {
 # Those of sections and diagrams, at a node of a rotor system; a stroboscopic diagram is drawn by
 # `plot_strobes`.
 OF_RESULTS = {"section": "plot_section", "diagram": "plot_extrema"}
-DRAWN_BY = FUNCTIONS | OF_SYSTEM | OF_RESULTS
+DRAWN_BY = OF_SIGNALS | OF_SYSTEM | OF_RESULTS
 # The keywords of these functions that are options, and one by another name.
 OF_PLOTS = ("order", "orders", "revolutions", "sense", "over", "span", "segment", "clearance",
             "contact", "t")  # fmt: skip
@@ -136,7 +136,7 @@ def plot(
         dataset = _between(_checked_signals(dataset), times)
     if kind in OF_SYSTEM or kind in OF_RESULTS:
         if file.suffix != OUT_ENDING:
-            listed = ", ".join(map(repr, FUNCTIONS))
+            listed = ", ".join(map(repr, OF_SIGNALS))
             raise InputError(f"kind must be one of {listed} for a measured file, got {shown(kind)}")
         if kind == "history" or node is not None:
             chosen["node"] = node
@@ -223,7 +223,7 @@ def _check_options(
 ) -> None:
     """Raise `InputError` for an option that does not apply to a kind of plot."""
     known = {*arguments_of(f"plot.{DRAWN_BY[kind]}")}
-    if kind in FUNCTIONS:
+    if kind in OF_SIGNALS:
         known |= {"exact", "node"}
     others = {"exact": exact, "node": node is not None}
     for name in (*chosen, *(each for each, is_given in others.items() if is_given)):
