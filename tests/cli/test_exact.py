@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 import rotor_ida
 from rotor_ida import Rotor, plot
-from rotor_ida.cli.commands.plot import FUNCTIONS
+from rotor_ida.cli.commands.plot import OF_SIGNALS
 from rotor_ida.cli.exact import exact_beneath
 from rotor_ida.errors import InputError
 
@@ -72,7 +72,7 @@ def signals_of(name: str) -> xr.Dataset:
     return rotor_ida.signals_of(run_of(name))
 
 
-@pytest.mark.parametrize(("kind", "name"), list(itertools.product(FUNCTIONS, RUNS)))
+@pytest.mark.parametrize(("kind", "name"), list(itertools.product(OF_SIGNALS, RUNS)))
 def test_every_kind_of_plot_has_what_is_exact_of_every_rotor(kind: str, name: str):
     run = run_of(name)
     if kind in NOT_KNOWN.get(name, set()):
@@ -81,7 +81,7 @@ def test_every_kind_of_plot_has_what_is_exact_of_every_rotor(kind: str, name: st
         return
     beneath = exact_beneath(run, kind)
     assert beneath
-    draw = getattr(plot, FUNCTIONS[kind])
+    draw = getattr(plot, OF_SIGNALS[kind])
     measured = [signals_of(name)] if name in {"bounces", "runs up"} else []
     for signals in (run, *measured):
         with_it, without = draw(signals, beneath=beneath), draw(signals)

@@ -14,7 +14,7 @@ from scipy.io import wavfile
 import rotor_ida
 from rotor_ida.cli.commands.plot import (
     DRAWN_BY,
-    FUNCTIONS,
+    OF_SIGNALS,
     PLOTS_ALSO_CALLED,
     KindOfPlot,
     _kind_of_plot,
@@ -54,7 +54,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 @pytest.mark.parametrize(
     ("kind", "name"),
     [
-        *((kind, "machine.nc") for kind in FUNCTIONS),
+        *((kind, "machine.nc") for kind in OF_SIGNALS),
     ],
 )
 def test_every_kind_is_drawn(program: Program, folder: Path, kind: str, name: str):
