@@ -69,7 +69,7 @@ def labelled_dataset(
         for name, column in {**variables, **coordinates}.items()
     }
     indexes: dict[Hashable, Index] = {
-        name: PandasIndex.from_variables({name: variable}, options={})
+        name: PandasIndex(variable.values, name, variable.dtype)
         for name, variable in held.items()
         if variable.dims == (name,)
     }
