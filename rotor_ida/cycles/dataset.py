@@ -414,11 +414,11 @@ def branch_dataset(sides: tuple[Side, Side], parameters: tuple[str, ...]) -> xr.
     title, kind = TITLES[len(parameters)]
     dataset = labelled_cycles(title, flow, variables, coordinates, ends, kind=kind)
     for name, value in zip(parameters, SPECIAL_VALUES, strict=False):
-        attributes = dataset[name].attrs
+        attributes = dataset.variables[name].attrs
         if is_system and name in PARAMETERS_OF_SYSTEM:
             attributes["long_name"] = PARAMETERS_OF_SYSTEM[name].meaning
         words = f"{attributes['long_name']}, at the special point"
-        dataset[value].attrs |= {**attributes, "long_name": words}
+        dataset.variables[value].attrs |= {**attributes, "long_name": words}
     return dataset
 
 
